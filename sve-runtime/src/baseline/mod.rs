@@ -1,0 +1,1 @@
+//! Methods that a variational step is compared with, one a file, on the generated first-order form.

@@ -1,0 +1,84 @@
+//! What can go wrong in a step. Each message has the numbers and the knob to turn.
+
+use crate::noise::NoiseError;
+
+/// Why a step could not be made. The state it was given is unchanged.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StepError {
+    /// Something handed to the step is NaN or infinite.
+    #[error(
+        "{what} is {value} at t = {t}: a step needs finite numbers; look at what produced this value"
+    )]
+    NonFiniteInput {
+        /// Which number: `q[0]`, `p[1]`, `dw[0]`, `t`.
+        what: String,
+        /// Its value.
+        value: f64,
+        /// Time at the start of the step.
+        t: f64,
+    },
+    /// The step size is not a positive finite number.
+    #[error("the step size h = {h} must be positive and finite")]
+    StepSize {
+        /// The step size given.
+        h: f64,
+    },
+    /// Newton's method did not reach rounding level.
+    #[error(
+        "Newton's method stopped after {iterations} iterations in the step from t = {t} with h = {h:e}: \
+         relative residual {residual:e}, wanted {tolerance:e}; \
+         take a smaller h, or raise `max_iterations` with `with_newton`"
+    )]
+    NotConverged {
+        /// Time at the start of the step.
+        t: f64,
+        /// Step size.
+        h: f64,
+        /// Iterations made.
+        iterations: u32,
+        /// Largest residual, relative to the largest term of its equation.
+        residual: f64,
+        /// What it had to reach.
+        tolerance: f64,
+    },
+    /// The equations of the step have a singular Jacobian.
+    #[error(
+        "the equations of the step from t = {t} with h = {h:e} are singular (iteration {iteration}): \
+         the mass matrix ∂²L/∂v² has no inverse near q = {q:?}; \
+         choose coordinates that are regular there, or start elsewhere"
+    )]
+    Singular {
+        /// Time at the start of the step.
+        t: f64,
+        /// Step size; 0 where the Legendre transform itself was to be inverted.
+        h: f64,
+        /// Configuration at the start of the step.
+        q: Vec<f64>,
+        /// Newton iteration; 0 for a linear step.
+        iteration: u32,
+    },
+    /// The step left the numbers: an overflow, or a point where L or its derivatives are not defined.
+    #[error(
+        "the step from t = {t} with h = {h:e} gave a non-finite result from q = {q:?}, p = {p:?}: \
+         L or a derivative is undefined nearby, or the motion overflowed; take a smaller h, or look at L there"
+    )]
+    NonFiniteResult {
+        /// Time at the start of the step.
+        t: f64,
+        /// Step size; 0 where no step was involved.
+        h: f64,
+        /// Configuration at the start of the step.
+        q: Vec<f64>,
+        /// Momentum at the start of the step.
+        p: Vec<f64>,
+    },
+    /// The noise could not give the increments of this step.
+    #[error("no noise for the step from t = {t}: {source}")]
+    Noise {
+        /// Time at the start of the step.
+        t: f64,
+        /// What the noise said.
+        source: NoiseError,
+    },
+}

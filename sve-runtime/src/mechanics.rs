@@ -1,0 +1,211 @@
+//! Mechanics that follow from the Lagrangian: Legendre transform, energy, first-order form.
+//!
+//! Input: the derivatives that the macro generated ([`System`]). Output: what users and baselines evaluate.
+//! Formulas: the equations of motion of a stochastic Hamilton–Pontryagin system,
+//! `dq = v dt + Σ ∂G_a/∂p ∘ dW_a`, `dp = ∂L/∂q dt − Σ ∂G_a/∂q ∘ dW_a`, `p = ∂L/∂v`, with `G = −γ` or `G = H₁`.
+
+use crate::error::StepError;
+use crate::linear;
+use crate::method::explain;
+use crate::newton::{Evaluation, Newton, SolveError};
+use crate::state::State;
+use crate::system::{Dims, IncrementsOf, StateOf, System, VectorOf};
+
+/// A tangent vector of phase space: `(q̇, ṗ)`, or the field of a noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Field<V> {
+    /// Component along `q`.
+    pub q: V,
+    /// Component along `p`.
+    pub p: V,
+}
+
+/// What follows from a Lagrangian and its noises; implemented for every [`System`].
+///
+/// ```
+/// use sve_runtime::prelude::*;
+/// struct Pendulum { m: f64, g: f64 }
+/// #[variational(midpoint)]
+/// impl Pendulum {
+///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * self.m * v * v + self.m * self.g * q.cos() }
+/// }
+/// # fn main() -> Result<(), StepError> {
+/// let pendulum = Pendulum { m: 2.0, g: 9.8 };
+/// assert_eq!(pendulum.momentum([0.0], [3.0]), [6.0]);
+/// assert_eq!(pendulum.velocity([0.0], [6.0])?, [3.0]);
+/// assert_eq!(pendulum.hamiltonian(&State::new([0.0], [6.0]))?, 9.0 - 2.0 * 9.8);
+/// # Ok(())
+/// # }
+/// ```
+pub trait Mechanics: System {
+    /// The Legendre transform `p = ∂L/∂v(0, q, v)`. See [`momentum_at`](Self::momentum_at) where L depends on time.
+    fn momentum(&self, q: VectorOf<Self>, v: VectorOf<Self>) -> VectorOf<Self> {
+        self.momentum_at(0.0, q, v)
+    }
+
+    /// The inverse of [`momentum`](Self::momentum).
+    ///
+    /// # Errors
+    /// [`StepError::Singular`] where the mass matrix `∂²L/∂v²` has no inverse; [`StepError::NonFiniteInput`];
+    /// [`StepError::NotConverged`] where L is not quadratic in v and no velocity with that momentum is found.
+    fn velocity(&self, q: VectorOf<Self>, p: VectorOf<Self>) -> Result<VectorOf<Self>, StepError> {
+        self.velocity_at(0.0, q, p)
+    }
+
+    /// The Legendre transform at time `t`.
+    fn momentum_at(&self, t: f64, q: VectorOf<Self>, v: VectorOf<Self>) -> VectorOf<Self>;
+
+    /// The inverse Legendre transform at time `t`.
+    ///
+    /// # Errors
+    /// As [`velocity`](Self::velocity).
+    fn velocity_at(
+        &self,
+        t: f64,
+        q: VectorOf<Self>,
+        p: VectorOf<Self>,
+    ) -> Result<VectorOf<Self>, StepError>;
+
+    /// The energy `H = ⟨p, v⟩ − L`, in the units of L.
+    ///
+    /// # Errors
+    /// As [`velocity`](Self::velocity).
+    fn hamiltonian(&self, state: &StateOf<Self>) -> Result<f64, StepError>;
+
+    /// The drift of the (Stratonovich) first-order form, `(v, ∂L/∂q)`.
+    ///
+    /// # Errors
+    /// As [`velocity`](Self::velocity).
+    fn drift(&self, state: &StateOf<Self>) -> Result<Field<VectorOf<Self>>, StepError>;
+
+    /// The second time derivatives `(q̈, p̈)` of the motion without noise.
+    ///
+    /// # Errors
+    /// As [`velocity`](Self::velocity).
+    fn acceleration(&self, state: &StateOf<Self>) -> Result<Field<VectorOf<Self>>, StepError>;
+
+    /// `Σ_a g_a dW_a`, the noise fields `g_a = (∂G_a/∂p, −∂G_a/∂q)` combined with the given increments.
+    fn noise(&self, state: &StateOf<Self>, dw: &IncrementsOf<Self>) -> Field<VectorOf<Self>>;
+
+    /// `½ Σ_a (Dg_a) g_a`, what the Itô drift has more than the Stratonovich drift.
+    fn ito_correction(&self, state: &StateOf<Self>) -> Field<VectorOf<Self>>;
+}
+
+impl<S, const N: usize, const M: usize> Mechanics for S
+where
+    S: System<Dims = Dims<N, M>>,
+{
+    #[inline]
+    fn momentum_at(&self, t: f64, q: [f64; N], v: [f64; N]) -> [f64; N] {
+        self.lagrangian_jet(t, &q, &v).dv
+    }
+
+    #[inline]
+    fn velocity_at(&self, t: f64, q: [f64; N], p: [f64; N]) -> Result<[f64; N], StepError> {
+        let solved = if S::AFFINE_MOMENTUM {
+            let at_rest = self.lagrangian_jet(t, &q, &[0.0; N]);
+            let mut rhs = p;
+            for i in 0..N {
+                rhs[i] -= at_rest.dv[i];
+            }
+            linear::solve(&at_rest.dvv, &rhs).ok_or(SolveError::Singular { iteration: 0 })
+        } else {
+            Newton::default().solve([0.0; N], |v| {
+                let jet = self.lagrangian_jet(t, &q, v);
+                let mut at = Evaluation {
+                    residual: jet.dv,
+                    magnitude: p,
+                    jacobian: jet.dvv,
+                };
+                for i in 0..N {
+                    at.residual[i] -= p[i];
+                    at.magnitude[i] = jet.dv[i].abs() + p[i].abs();
+                }
+                at
+            })
+        };
+        match solved {
+            Ok(v) if v.iter().all(|x| x.is_finite()) => Ok(v),
+            Ok(_) => Err(explain(SolveError::NonFinite, &State { t, q, p }, 0.0, &[])),
+            Err(error) => Err(explain(error, &State { t, q, p }, 0.0, &[])),
+        }
+    }
+
+    #[inline]
+    fn hamiltonian(&self, state: &State<N>) -> Result<f64, StepError> {
+        let v = self.velocity_at(state.t, state.q, state.p)?;
+        let mut energy = -self.lagrangian_jet(state.t, &state.q, &v).value;
+        for i in 0..N {
+            energy += state.p[i] * v[i];
+        }
+        if energy.is_finite() {
+            Ok(energy)
+        } else {
+            Err(explain(SolveError::NonFinite, state, 0.0, &[]))
+        }
+    }
+
+    #[inline]
+    fn drift(&self, state: &State<N>) -> Result<Field<[f64; N]>, StepError> {
+        let v = self.velocity_at(state.t, state.q, state.p)?;
+        let p = self.lagrangian_jet(state.t, &state.q, &v).dq;
+        Ok(Field { q: v, p })
+    }
+
+    fn acceleration(&self, state: &State<N>) -> Result<Field<[f64; N]>, StepError> {
+        let v = self.velocity_at(state.t, state.q, state.p)?;
+        let jet = self.lagrangian_jet(state.t, &state.q, &v);
+        // d/dt ∂L/∂v = ∂L/∂q:  L_vv a = L_q − L_vq v − L_vt
+        let mut rhs = [0.0; N];
+        for i in 0..N {
+            rhs[i] = jet.dq[i] - jet.dvt[i];
+            for j in 0..N {
+                rhs[i] -= jet.dqv[j][i] * v[j];
+            }
+        }
+        let a = linear::solve(&jet.dvv, &rhs)
+            .ok_or_else(|| explain(SolveError::Singular { iteration: 0 }, state, 0.0, &[]))?;
+        // d/dt ∂L/∂q = L_qq v + L_qv a + L_qt
+        let mut p = jet.dqt;
+        for i in 0..N {
+            for j in 0..N {
+                p[i] += jet.dqq[i][j] * v[j] + jet.dqv[i][j] * a[j];
+            }
+        }
+        Ok(Field { q: a, p })
+    }
+
+    #[inline]
+    fn noise(&self, state: &State<N>, dw: &[f64; M]) -> Field<[f64; N]> {
+        let jets = self.noise_jets(state.t, &state.q, &state.p);
+        let mut sum = Field {
+            q: [0.0; N],
+            p: [0.0; N],
+        };
+        for (jet, dw) in jets.iter().zip(dw) {
+            for i in 0..N {
+                sum.q[i] += jet.dp[i] * dw;
+                sum.p[i] -= jet.dq[i] * dw;
+            }
+        }
+        sum
+    }
+
+    #[inline]
+    fn ito_correction(&self, state: &State<N>) -> Field<[f64; N]> {
+        let jets = self.noise_jets(state.t, &state.q, &state.p);
+        let mut sum = Field {
+            q: [0.0; N],
+            p: [0.0; N],
+        };
+        for g in &jets {
+            for i in 0..N {
+                for j in 0..N {
+                    sum.q[i] += 0.5 * (g.dqp[j][i] * g.dp[j] - g.dpp[i][j] * g.dq[j]);
+                    sum.p[i] -= 0.5 * (g.dqq[i][j] * g.dp[j] - g.dqp[i][j] * g.dq[j]);
+                }
+            }
+        }
+        sum
+    }
+}

@@ -1,0 +1,194 @@
+//! One-step methods: what a trajectory can be made of.
+
+use crate::Integrator;
+use crate::error::StepError;
+use crate::newton::SolveError;
+use crate::noise::Noise;
+use crate::state::State;
+use crate::system::{Dims, IncrementsOf, StateOf, System, Variational};
+use crate::trajectory::Trajectory;
+
+/// A one-step method for a system: an [`Integrator`] or a [`baseline`](crate::baseline).
+pub trait Method {
+    /// The system it integrates.
+    type System: System;
+    /// What depends on parameters and step size alone.
+    type Prepared: Copy;
+
+    /// The system it integrates.
+    fn system(&self) -> &Self::System;
+
+    /// Checks the step size and computes what depends on it alone.
+    ///
+    /// # Errors
+    /// [`StepError::StepSize`] unless `h` is positive and finite.
+    fn prepare(&self, h: f64) -> Result<Self::Prepared, StepError>;
+
+    /// One step from what [`prepare`](Self::prepare) returned for the same `h`.
+    ///
+    /// # Errors
+    /// A [`StepError`] when the step fails; `state` is then unchanged.
+    fn step_prepared(
+        &self,
+        prepared: &Self::Prepared,
+        state: &mut StateOf<Self::System>,
+        h: f64,
+        dw: &IncrementsOf<Self::System>,
+    ) -> Result<(), StepError>;
+
+    /// One step of length `h` with the given Wiener increments, one a process in source order.
+    ///
+    /// # Errors
+    /// A [`StepError`] when an input is not finite, `h ≤ 0`, or the step fails; `state` is then unchanged.
+    #[inline]
+    fn step(
+        &self,
+        state: &mut StateOf<Self::System>,
+        h: f64,
+        dw: &IncrementsOf<Self::System>,
+    ) -> Result<(), StepError> {
+        let prepared = self.prepare(h)?;
+        self.step_prepared(&prepared, state, h, dw)
+    }
+
+    /// The states after each step of length `h` from `state`, without end (or to the end of a recorded path).
+    ///
+    /// The state number `k` (from 1) has time `t₀ + k h`, rounded once.
+    fn trajectory<W: Noise>(
+        &self,
+        state: StateOf<Self::System>,
+        h: f64,
+        noise: W,
+    ) -> Trajectory<'_, Self, W>
+    where
+        Self: Sized,
+    {
+        Trajectory::new(self, state, h, noise)
+    }
+}
+
+impl<S, R, const N: usize, const M: usize> Method for Integrator<S, R>
+where
+    S: Variational<R> + System<Dims = Dims<N, M>>,
+{
+    type System = S;
+    type Prepared = S::Prepared;
+
+    fn system(&self) -> &S {
+        Integrator::system(self)
+    }
+
+    #[inline]
+    fn prepare(&self, h: f64) -> Result<S::Prepared, StepError> {
+        check_step_size(h)?;
+        Ok(Integrator::system(self).prepare(h))
+    }
+
+    #[inline]
+    fn step_prepared(
+        &self,
+        prepared: &S::Prepared,
+        state: &mut State<N>,
+        h: f64,
+        dw: &[f64; M],
+    ) -> Result<(), StepError> {
+        match Integrator::system(self).increment(prepared, state, h, dw, self.newton()) {
+            Ok((dq, dp)) => advance(state, h, dw, &dq, &dp),
+            Err(error) => Err(explain(error, state, h, dw)),
+        }
+    }
+}
+
+/// Accepts positive finite step sizes.
+#[inline]
+pub(crate) fn check_step_size(h: f64) -> Result<(), StepError> {
+    if h > 0.0 && h < f64::INFINITY {
+        Ok(())
+    } else {
+        Err(StepError::StepSize { h })
+    }
+}
+
+/// Adds the increments to the state where the result is finite.
+#[inline]
+pub(crate) fn advance<const N: usize, const M: usize>(
+    state: &mut State<N>,
+    h: f64,
+    dw: &[f64; M],
+    dq: &[f64; N],
+    dp: &[f64; N],
+) -> Result<(), StepError> {
+    let mut next = State {
+        t: state.t + h,
+        ..*state
+    };
+    let mut finite = next.t.is_finite();
+    for i in 0..N {
+        next.q[i] += dq[i];
+        next.p[i] += dp[i];
+        finite &= next.q[i].is_finite() & next.p[i].is_finite();
+    }
+    if finite {
+        *state = next;
+        Ok(())
+    } else {
+        Err(explain(SolveError::NonFinite, state, h, dw))
+    }
+}
+
+/// The error of a step from `state`: a non-finite input first, then what the solver said.
+#[cold]
+pub(crate) fn explain<const N: usize, const M: usize>(
+    error: SolveError,
+    state: &State<N>,
+    h: f64,
+    dw: &[f64; M],
+) -> StepError {
+    let t = state.t;
+    let named = |name: &'static str, values: &[f64]| {
+        let at = values.iter().position(|x| !x.is_finite())?;
+        Some(StepError::NonFiniteInput {
+            what: format!("{name}[{at}]"),
+            value: values[at],
+            t,
+        })
+    };
+    if !t.is_finite() {
+        return StepError::NonFiniteInput {
+            what: "t".to_owned(),
+            value: t,
+            t,
+        };
+    }
+    if let Some(bad) = named("q", &state.q)
+        .or_else(|| named("p", &state.p))
+        .or_else(|| named("dw", dw))
+    {
+        return bad;
+    }
+    match error {
+        SolveError::NotConverged {
+            iterations,
+            residual,
+            tolerance,
+        } => StepError::NotConverged {
+            t,
+            h,
+            iterations,
+            residual,
+            tolerance,
+        },
+        SolveError::Singular { iteration } => StepError::Singular {
+            t,
+            h,
+            q: state.q.to_vec(),
+            iteration,
+        },
+        SolveError::NonFinite => StepError::NonFiniteResult {
+            t,
+            h,
+            q: state.q.to_vec(),
+            p: state.p.to_vec(),
+        },
+    }
+}

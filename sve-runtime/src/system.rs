@@ -1,0 +1,146 @@
+//! The traits that `#[variational]` implements: what the runtime knows of a system.
+//!
+//! Everything that depends on the number of coordinates goes through one associated type,
+//! [`System::Dims`], so that `Integrator<S, R>` needs no constants in its type.
+
+use crate::newton::{Newton, SolveError};
+use crate::plan::Plan;
+use crate::state::State;
+
+/// The fixed sizes of a system: `N` degrees of freedom, `M` Wiener processes.
+#[derive(Clone, Copy, Debug)]
+pub struct Dims<const N: usize, const M: usize>;
+
+/// The array types that belong to a pair of sizes. Implemented by [`Dims`] alone.
+pub trait Dimensions {
+    /// A vector of coordinates, `[f64; N]`.
+    type Vector: Copy + core::fmt::Debug + AsRef<[f64]> + AsMut<[f64]>;
+    /// The increments of the Wiener processes over a step, `[f64; M]`.
+    type Increments: Copy + core::fmt::Debug + AsRef<[f64]> + AsMut<[f64]>;
+    /// The state, [`State<N>`](State).
+    type State: Clone + core::fmt::Debug;
+    /// [`LagrangianJet<N>`](LagrangianJet).
+    type LagrangianJet;
+    /// `[NoiseJet<N>; M]`.
+    type NoiseJets;
+    /// All increments zero.
+    const NO_INCREMENTS: Self::Increments;
+    /// The time of a state.
+    fn time(state: &Self::State) -> f64;
+    /// Sets the time of a state.
+    fn set_time(state: &mut Self::State, t: f64);
+}
+
+impl<const N: usize, const M: usize> Dimensions for Dims<N, M> {
+    type Vector = [f64; N];
+    type Increments = [f64; M];
+    type State = State<N>;
+    type LagrangianJet = LagrangianJet<N>;
+    type NoiseJets = [NoiseJet<N>; M];
+    const NO_INCREMENTS: [f64; M] = [0.0; M];
+    fn time(state: &State<N>) -> f64 {
+        state.t
+    }
+    fn set_time(state: &mut State<N>, t: f64) {
+        state.t = t;
+    }
+}
+
+/// `[f64; N]` of a system.
+pub type VectorOf<S> = <<S as System>::Dims as Dimensions>::Vector;
+/// `[f64; M]` of a system.
+pub type IncrementsOf<S> = <<S as System>::Dims as Dimensions>::Increments;
+/// `State<N>` of a system.
+pub type StateOf<S> = <<S as System>::Dims as Dimensions>::State;
+
+/// A mechanical system: the derivatives of its Lagrangian and of its noise Hamiltonians.
+///
+/// Implemented by `#[variational(…)]`; what users call is in [`Mechanics`](crate::Mechanics).
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a mechanical system",
+    note = "put `#[variational(midpoint)]` on the `impl` block that holds its `lagrangian`"
+)]
+pub trait System {
+    /// Its sizes, `Dims<N, M>`.
+    type Dims: Dimensions;
+    /// Whether `∂L/∂v` is affine in `v`, so that the Legendre transform is inverted by one linear solve.
+    const AFFINE_MOMENTUM: bool;
+    /// `L` and its first and second derivatives.
+    fn lagrangian_jet(
+        &self,
+        t: f64,
+        q: &VectorOf<Self>,
+        v: &VectorOf<Self>,
+    ) -> <Self::Dims as Dimensions>::LagrangianJet;
+    /// Every noise Hamiltonian (`−γᵢ` or `H₁ⱼ`, in the order of `dw`) with its first and second derivatives.
+    fn noise_jets(
+        &self,
+        t: f64,
+        q: &VectorOf<Self>,
+        p: &VectorOf<Self>,
+    ) -> <Self::Dims as Dimensions>::NoiseJets;
+}
+
+/// `L(t, q, v)` with its first and second derivatives; `dqv[i][j] = ∂²L/∂qᵢ∂vⱼ`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LagrangianJet<const N: usize> {
+    /// `L`.
+    pub value: f64,
+    /// `∂L/∂q`.
+    pub dq: [f64; N],
+    /// `∂L/∂v`, the momentum.
+    pub dv: [f64; N],
+    /// `∂²L/∂q∂q`.
+    pub dqq: [[f64; N]; N],
+    /// `∂²L/∂q∂v`, rows by `q`.
+    pub dqv: [[f64; N]; N],
+    /// `∂²L/∂v∂v`, the mass matrix.
+    pub dvv: [[f64; N]; N],
+    /// `∂²L/∂q∂t`.
+    pub dqt: [f64; N],
+    /// `∂²L/∂v∂t`.
+    pub dvt: [f64; N],
+}
+
+/// A noise Hamiltonian `G(t, q, p)` with its first and second derivatives; `dqp[i][j] = ∂²G/∂qᵢ∂pⱼ`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoiseJet<const N: usize> {
+    /// `∂G/∂q`.
+    pub dq: [f64; N],
+    /// `∂G/∂p`.
+    pub dp: [f64; N],
+    /// `∂²G/∂q∂q`.
+    pub dqq: [[f64; N]; N],
+    /// `∂²G/∂q∂p`, rows by `q`.
+    pub dqp: [[f64; N]; N],
+    /// `∂²G/∂p∂p`.
+    pub dpp: [[f64; N]; N],
+}
+
+/// A system for which the rule `R` has been derived.
+#[diagnostic::on_unimplemented(
+    message = "no step of the rule `{R}` has been derived for `{Self}`",
+    label = "this rule is not in the attribute of the `impl` block",
+    note = "list the rule in the attribute, for example `#[variational(midpoint, endpoint)]`; \
+            the attribute names are `initial_point`, `endpoint`, `midpoint`, `taylor2`"
+)]
+pub trait Variational<R>: System {
+    /// What depends on parameters and step size alone.
+    type Prepared: Copy;
+    /// What the step became.
+    const PLAN: &'static Plan;
+    /// Computes what depends on parameters and step size alone.
+    fn prepare(&self, h: f64) -> Self::Prepared;
+    /// `(q₁ − q₀, p₁ − p₀)` of one step.
+    ///
+    /// # Errors
+    /// When an implicit equation of the step cannot be solved.
+    fn increment(
+        &self,
+        prepared: &Self::Prepared,
+        state: &StateOf<Self>,
+        h: f64,
+        dw: &IncrementsOf<Self>,
+        newton: &Newton,
+    ) -> Result<(VectorOf<Self>, VectorOf<Self>), SolveError>;
+}

@@ -1,0 +1,1 @@
+//! Models shared by the integration tests, each with hand-written oracles.
