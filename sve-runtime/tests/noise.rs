@@ -265,7 +265,7 @@ fn truncation_clips_and_nothing_else() -> Result<(), NoiseError> {
     ] {
         let mut plain = Wiener::new(5);
         let mut truncated = Truncated::new(Wiener::new(5)).exponent(k)?;
-        let largest = h.sqrt() * (2.0 * k * f64::ln(h).abs()).sqrt();
+        let largest = f64::sqrt(h) * (2.0 * k * f64::ln(h).abs()).sqrt();
         assert!((truncated.largest(h)? / largest - 1.0).abs() < 1e-14);
         let mut clipped = 0;
         for step in 0..4000 {
