@@ -6,6 +6,10 @@ use sve_runtime::noise::{FromRng, Noise, Truncated, Wiener};
 
 const BOUND: f64 = 5.0;
 
+/// Where neighbours are compared.
+const SEED: u64 = 100;
+const PATH: u64 = 10;
+
 /// Sequential increments of one process.
 fn sample(mut noise: impl Noise, h: f64, n: usize) -> Vec<f64> {
     let mut dw = [0.0];
@@ -97,7 +101,11 @@ fn first_increments_of_many_paths_are_normal() {
 #[test]
 fn foreign_generators_give_normals() {
     let noise = FromRng::new(StdRng::seed_from_u64(2024));
-    assert_normal("rand", &mut sample(noise, 1.0, 300_000));
+    let mut z = sample(noise, 1.0, 300_000);
+    for lag in 1..=3 {
+        assert_independent(&format!("rand, lag {lag}"), &z[lag..], &z[..z.len() - lag]);
+    }
+    assert_normal("rand", &mut z);
 }
 
 #[test]
@@ -120,26 +128,29 @@ fn variance_is_the_step_size() {
 #[test]
 fn neighbouring_seeds_and_paths_are_independent() {
     let n = 50_000;
-    let base = sample(Wiener::new(100).path(10), 1.0, n);
+    let base = sample(Wiener::new(SEED).path(PATH), 1.0, n);
     let flipped = (0..64).step_by(7).map(|bit| 1_u64 << bit);
     for other in [3, u64::MAX].into_iter().chain(flipped) {
-        let seed = sample(Wiener::new(100 ^ other).path(10), 1.0, n);
-        assert_independent(&format!("seed 100 ^ {other}"), &base, &seed);
-        let path = sample(Wiener::new(100).path(10 ^ other), 1.0, n);
-        assert_independent(&format!("path 10 ^ {other}"), &base, &path);
+        let seed = sample(Wiener::new(SEED ^ other).path(PATH), 1.0, n);
+        assert_independent(&format!("seed ^ {other}"), &base, &seed);
+        let path = sample(Wiener::new(SEED).path(PATH ^ other), 1.0, n);
+        assert_independent(&format!("path ^ {other}"), &base, &path);
     }
     // seed and path do not mix
-    let swapped = sample(Wiener::new(10).path(100), 1.0, n);
+    let swapped = sample(Wiener::new(PATH).path(SEED), 1.0, n);
     assert_independent("swapped", &base, &swapped);
-    let [a, b] = [Wiener::new(101).path(10), Wiener::new(100).path(11)];
+    let [a, b] = [
+        Wiener::new(SEED + 1).path(PATH),
+        Wiener::new(SEED).path(PATH + 1),
+    ];
     assert_independent("equal sums", &sample(a, 1.0, n), &sample(b, 1.0, n));
 }
 
 #[test]
 fn processes_are_independent() {
     let n = 100_000;
-    let mut path = Wiener::new(100).path(10);
-    let mut processes = vec![Vec::with_capacity(n); 4];
+    let mut path = Wiener::new(SEED).path(PATH);
+    let mut processes = vec![Vec::new(); 4];
     for step in 0..n as u64 {
         let mut dw = [0.0; 4];
         path.increments(step, 1.0, &mut dw).unwrap();
