@@ -148,10 +148,9 @@ fn neighbouring_seeds_and_paths_are_independent() {
 
 #[test]
 fn processes_are_independent() {
-    let n = 100_000;
     let mut path = Wiener::new(SEED).path(PATH);
     let mut processes = vec![Vec::new(); 4];
-    for step in 0..n as u64 {
+    for step in 0..100_000 {
         let mut dw = [0.0; 4];
         path.increments(step, 1.0, &mut dw).unwrap();
         for (process, dw) in processes.iter_mut().zip(dw) {
