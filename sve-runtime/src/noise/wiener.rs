@@ -26,7 +26,7 @@ const STEPS: u64 = 4;
 ///
 /// An increment has variance `h` and never exceeds 9.4926 √h in size.
 ///
-/// As [`Noise`] it keeps the last four steps of each process; there it refuses an `h` that is not positive and finite
+/// As [`Noise`] it keeps a block of four steps for each process, so it costs least in sequence; there it refuses an `h` that is not positive and finite
 /// ([`NoiseError::InvalidStep`]), and has no other error.
 ///
 /// ```
