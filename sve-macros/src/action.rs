@@ -43,11 +43,11 @@ pub(crate) fn discretise(
     arena: &mut Arena,
 ) -> Action {
     let n = model.dof();
-    let h = symbols.declare(arena, Meaning::StepSize);
-    let start_q = symbols.declare_all(arena, n, |i| Meaning::Start(Quantity::Position, i));
-    let start_p = symbols.declare_all(arena, n, |i| Meaning::Start(Quantity::Momentum, i));
-    let displacement = symbols.declare_all(arena, n, |i| Meaning::Unknown(format!("d_{i}")));
-    let dw = symbols.declare_all(arena, model.noises.len(), Meaning::Wiener);
+    let h = symbols.declare(Meaning::StepSize);
+    let start_q = symbols.declare_all(n, |i| Meaning::Start(Quantity::Position, i));
+    let start_p = symbols.declare_all(n, |i| Meaning::Start(Quantity::Momentum, i));
+    let displacement = symbols.declare_all(n, |i| Meaning::Unknown(format!("d_{i}")));
+    let dw = symbols.declare_all(model.noises.len(), Meaning::Wiener);
     let mut step = Step {
         arena,
         model,
@@ -93,10 +93,10 @@ impl Step<'_> {
         let n = self.model.dof();
         let v = self
             .symbols
-            .declare_all(self.arena, n, |i| Meaning::Unknown(format!("v_{i}")));
+            .declare_all(n, |i| Meaning::Unknown(format!("v_{i}")));
         let p = self
             .symbols
-            .declare_all(self.arena, n, |i| Meaning::Unknown(format!("p_{i}")));
+            .declare_all(n, |i| Meaning::Unknown(format!("p_{i}")));
         let h = self.arena.symbol(self.h);
         let mut node = HashMap::new();
         let t = self.arena.symbol(self.model.time);
@@ -168,7 +168,7 @@ impl Step<'_> {
         let n = self.model.dof();
         let mut declare = |name: &str| {
             self.symbols
-                .declare_all(self.arena, n, |i| Meaning::Unknown(format!("{name}_{i}")))
+                .declare_all(n, |i| Meaning::Unknown(format!("{name}_{i}")))
         };
         let [v, a, mu, nu] = ["v", "a", "mu", "nu"].map(&mut declare);
         let h = self.arena.symbol(self.h);

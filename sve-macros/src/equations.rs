@@ -11,7 +11,7 @@ use crate::symbolic::{Arena, Expr, Node, Symbol};
 
 /// The equations of a step.
 pub(crate) struct Equations {
-    /// What is to be solved for.
+    /// What is to be solved for, those first that are best expressed by the others.
     pub(crate) unknowns: Vec<Symbol>,
     /// What has to vanish.
     pub(crate) residuals: Vec<Expr>,
@@ -43,10 +43,11 @@ pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
                 .collect(),
         );
     }
+    // in the order in which they are preferably eliminated: displacements, multipliers, velocities last
     let unknowns = action
-        .internal
+        .displacement
         .iter()
-        .chain(&action.displacement)
+        .chain(action.internal.iter().rev())
         .copied()
         .collect();
     let dq = action

@@ -5,7 +5,7 @@
 
 use proc_macro2::TokenStream;
 
-use crate::symbolic::{Arena, Expr, Symbol};
+use crate::symbolic::{Expr, Symbol};
 
 /// What a symbol stands for.
 #[derive(Clone, Debug)]
@@ -51,20 +51,17 @@ pub(crate) struct Symbols {
 
 impl Symbols {
     /// A new symbol.
-    pub(crate) fn declare(&mut self, arena: &mut Arena, meaning: Meaning) -> Symbol {
-        let symbol = arena.fresh();
-        debug_assert_eq!(symbol.0 as usize, self.meanings.len());
+    pub(crate) fn declare(&mut self, meaning: Meaning) -> Symbol {
         self.meanings.push(meaning);
-        symbol
+        Symbol(self.meanings.len() as u32 - 1)
     }
 
     pub(crate) fn declare_all(
         &mut self,
-        arena: &mut Arena,
         n: usize,
         meaning: impl Fn(usize) -> Meaning,
     ) -> Vec<Symbol> {
-        (0..n).map(|i| self.declare(arena, meaning(i))).collect()
+        (0..n).map(|i| self.declare(meaning(i))).collect()
     }
 
     pub(crate) fn meaning(&self, symbol: Symbol) -> &Meaning {

@@ -128,10 +128,11 @@ impl Reduced<'_> {
     fn eliminate(&mut self) {
         while let Some((row, unknown, coefficient)) = self.pivot() {
             let equation = self.residuals.swap_remove(row);
-            let x = self.arena.symbol(unknown);
-            let value = self
+            let zero = self.arena.constant(0.0);
+            let rest = self
                 .arena
-                .sum(0.0, &[(-1.0 / coefficient, equation), (1.0, x)]);
+                .substitute(equation, &HashMap::from([(unknown, zero)]));
+            let value = self.arena.scale(-1.0 / coefficient, rest);
             let by = HashMap::from([(unknown, value)]);
             self.unknowns.retain(|&u| u != unknown);
             for list in std::iter::once(&mut self.residuals)
@@ -145,7 +146,8 @@ impl Reduced<'_> {
         }
     }
 
-    /// The equation with the fewest unknowns that has one with a numeric coefficient; for each, equation, unknown, coefficient.
+    /// The equation with the fewest unknowns that has one with a numeric coefficient: equation, unknown, coefficient.
+    /// Of the unknowns in an equation the first in the order of `unknowns` goes.
     fn pivot(&mut self) -> Option<(usize, Symbol, f64)> {
         let mut best: Option<(usize, usize, Symbol, f64)> = None;
         for (row, &residual) in self.residuals.clone().iter().enumerate() {
@@ -257,7 +259,7 @@ impl Reduced<'_> {
                 .iter()
                 .map(|&u| {
                     let meaning = Meaning::Unknown(self.symbols.name(u));
-                    self.symbols.declare(self.arena, meaning)
+                    self.symbols.declare(meaning)
                 })
                 .collect();
             for (&u, &s) in unknowns.iter().zip(&solved) {

@@ -168,13 +168,13 @@ impl<'a> Printer<'a> {
 pub(super) fn input_name(symbols: &Symbols, symbol: Symbol) -> Ident {
     match symbols.meaning(symbol) {
         Meaning::Parameter { name, .. } => local(&format!("self_{name}")),
-        Meaning::StepSize => format_ident!("h", span = Span::mixed_site()),
+        Meaning::StepSize => format_ident!("h"),
         _ => local(&symbols.name(symbol)),
     }
 }
 
 fn local(name: &str) -> Ident {
-    Ident::new(name, Span::mixed_site())
+    Ident::new(name, Span::call_site())
 }
 
 fn pair(part: &str, both: Value) -> Ident {

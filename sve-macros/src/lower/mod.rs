@@ -89,10 +89,10 @@ impl Lowering<'_> {
             );
             return None;
         }
-        let time = self.symbols.declare(self.arena, Meaning::Time);
-        let q = self.symbols.declare_all(self.arena, n, Meaning::Position);
-        let v = self.symbols.declare_all(self.arena, n, Meaning::Velocity);
-        let p = self.symbols.declare_all(self.arena, n, Meaning::Momentum);
+        let time = self.symbols.declare(Meaning::Time);
+        let q = self.symbols.declare_all(n, Meaning::Position);
+        let v = self.symbols.declare_all(n, Meaning::Velocity);
+        let p = self.symbols.declare_all(n, Meaning::Momentum);
 
         let result = self.run(part, &shape, time, &[&q, &v]);
         let lagrangian = self.scalar_result(part, result);
@@ -243,7 +243,7 @@ impl Lowering<'_> {
                     name: path.name(),
                     access: key.clone(),
                 };
-                let symbol = self.symbols.declare(self.arena, meaning);
+                let symbol = self.symbols.declare(meaning);
                 self.parameters.insert(key.to_string(), symbol);
                 symbol
             }

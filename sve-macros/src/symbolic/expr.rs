@@ -93,7 +93,6 @@ pub(crate) struct Arena {
     sets: Vec<Vec<u64>>,
     set_names: HashMap<Vec<u64>, SetId>,
     pub(super) derivatives: HashMap<(Expr, Symbol), Expr>,
-    symbols: u32,
 }
 
 impl Arena {
@@ -105,14 +104,7 @@ impl Arena {
             sets: vec![Vec::new()],
             set_names: HashMap::from([(Vec::new(), 0)]),
             derivatives: HashMap::new(),
-            symbols: 0,
         }
-    }
-
-    /// A new free variable.
-    pub(crate) fn fresh(&mut self) -> Symbol {
-        self.symbols += 1;
-        Symbol(self.symbols - 1)
     }
 
     pub(crate) fn node(&self, expr: Expr) -> &Node {
