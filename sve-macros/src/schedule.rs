@@ -75,6 +75,8 @@ pub(crate) struct Instruction {
 pub(crate) struct Program {
     instructions: Vec<Instruction>,
     numbers: HashMap<Operation, Value>,
+    /// Which instructions a result depends on; the others are not listed.
+    live: Vec<bool>,
 }
 
 impl Program {
@@ -87,7 +89,7 @@ impl Program {
         self.instructions
             .iter()
             .enumerate()
-            .filter(move |(_, i)| i.tier == tier)
+            .filter(move |(at, i)| i.tier == tier && self.live[*at])
             .map(|(at, i)| (Value(at as u32), i.operation))
     }
 
@@ -96,7 +98,28 @@ impl Program {
         self.instructions
             .iter()
             .enumerate()
+            .filter(|(at, _)| self.live[*at])
             .map(|(at, i)| (Value(at as u32), *i))
+    }
+
+    /// Whether an instruction uses a value.
+    pub(crate) fn is_operand(&self, value: Value) -> bool {
+        self.all()
+            .any(|(_, i)| operands(i.operation).any(|v| v == value))
+    }
+
+    fn mark_live(&mut self, results: &[Value]) {
+        self.live = vec![false; self.instructions.len()];
+        for result in results {
+            self.live[result.index()] = true;
+        }
+        for at in (0..self.instructions.len()).rev() {
+            if self.live[at] {
+                for operand in operands(self.instructions[at].operation) {
+                    self.live[operand.index()] = true;
+                }
+            }
+        }
     }
 }
 
@@ -139,7 +162,12 @@ pub(crate) struct Scheduler<'a> {
     paired: HashSet<Expr>,
     /// Bases that stand in the denominator of more than one product.
     shared_denominators: HashSet<Expr>,
+    /// In how many ways a product is wanted: bare, or with each constant in front.
+    scalings: HashMap<Factors, usize>,
 }
+
+/// `Π base^exponent`.
+type Factors = Vec<(Expr, i32)>;
 
 impl<'a> Scheduler<'a> {
     /// A scheduler for everything in `roots`.
@@ -152,6 +180,7 @@ impl<'a> Scheduler<'a> {
         let wanted = arena.reachable(roots, |_| true);
         let mut calls: HashMap<Expr, (bool, bool)> = HashMap::new();
         let mut denominators: HashMap<Expr, usize> = HashMap::new();
+        let mut scalings: HashMap<Factors, HashSet<u64>> = HashMap::new();
         for &e in &wanted {
             match arena.node(e) {
                 Node::Call(Function::Sin, x) => calls.entry(*x).or_default().0 = true,
@@ -159,6 +188,16 @@ impl<'a> Scheduler<'a> {
                 Node::Product(factors) => {
                     for &(base, _) in factors.iter().filter(|f| f.1 < 0) {
                         *denominators.entry(base).or_default() += 1;
+                    }
+                }
+                Node::Sum(_, terms) => {
+                    for &(term, c) in terms {
+                        if let Node::Product(factors) = arena.node(term) {
+                            scalings
+                                .entry(factors.clone())
+                                .or_default()
+                                .insert(c.get().abs().to_bits());
+                        }
                     }
                 }
                 _ => {}
@@ -175,6 +214,10 @@ impl<'a> Scheduler<'a> {
                 .filter(|(_, both)| *both == (true, true))
                 .map(|(x, _)| x)
                 .collect(),
+            scalings: scalings
+                .into_iter()
+                .map(|(factors, ways)| (factors, ways.len()))
+                .collect(),
             shared_denominators: denominators
                 .into_iter()
                 .filter(|d| d.1 > 1)
@@ -183,7 +226,9 @@ impl<'a> Scheduler<'a> {
         }
     }
 
-    pub(crate) fn finish(self) -> Program {
+    /// The program that computes `results`.
+    pub(crate) fn finish(mut self, results: &[Value]) -> Program {
+        self.program.mark_live(results);
         self.program
     }
 
@@ -238,80 +283,104 @@ impl<'a> Scheduler<'a> {
     fn lower_magnitude(&mut self, x: Expr) -> Value {
         let value = match self.arena.node(x) {
             Node::Sum(constant, terms) if constant.get() == 0.0 && terms.len() == 1 => {
-                let (term, c) = (terms[0].0, terms[0].1.get());
-                self.scaled(c.abs(), term)
+                let (early, late) = self.split(terms[0].0, 0);
+                let factors: Factors = early.into_iter().chain(late).collect();
+                self.scaled(terms[0].1.get().abs(), &factors)
             }
             _ => self.done[&x],
         };
         self.push(Operation::Call(Function::Abs, value))
     }
 
-    /// A sum, its terms in the order in which they become known.
+    /// A sum, its terms in the order in which they become known. Terms with the same late factors are put together,
+    /// `a·x + b·x = (a + b)·x`, so that `a + b` is computed as early as a and b are known.
     fn lower_sum(&mut self, constant: f64, terms: &[(Expr, f64)]) -> Value {
-        let mut parts: Vec<(Value, bool)> = terms
-            .iter()
-            .map(|&(term, c)| (self.scaled(c.abs(), term), c < 0.0))
-            .collect();
+        let late = terms.iter().map(|t| self.rank(t.0)).max().unwrap_or(0);
+        let mut groups: Vec<(Factors, Vec<(Factors, f64)>)> = Vec::new();
+        for &(term, c) in terms {
+            let (early, last) = self.split(term, late);
+            match groups.iter_mut().find(|g| g.0 == last && !last.is_empty()) {
+                Some(group) => group.1.push((early, c)),
+                None => groups.push((last, vec![(early, c)])),
+            }
+        }
+        let mut parts: Vec<(Value, bool)> = Vec::new();
+        for (last, members) in groups {
+            if let [(early, c)] = members.as_slice() {
+                let whole: Factors = early.iter().chain(&last).copied().collect();
+                parts.push((self.scaled(c.abs(), &whole), *c < 0.0));
+                continue;
+            }
+            let mut coefficients: Vec<(Value, bool)> = members
+                .iter()
+                .map(|(early, c)| (self.lower_product(c.abs(), early), *c < 0.0))
+                .collect();
+            let coefficient = self.add_up(&mut coefficients);
+            let last = self.lower_product(1.0, &last);
+            parts.push((self.push(Operation::Mul(coefficient, last)), false));
+        }
         if constant != 0.0 {
             parts.push((self.constant(constant.abs()), constant < 0.0));
         }
-        parts.sort_by_key(|p| self.program.get(p.0).tier.rank());
-        // start with a positive term of the earliest tier, where there is one
-        let first_rank = self.program.get(parts[0].0).tier.rank();
-        let start = parts
-            .iter()
-            .position(|p| !p.1 && self.program.get(p.0).tier.rank() == first_rank)
-            .unwrap_or(0);
-        let (mut sum, negative) = parts.remove(start);
-        if negative {
-            // −a + b is b − a; only a sum without a positive term needs the negation
-            if let Some(at) = parts.iter().position(|p| !p.1) {
-                let all_negative_before = parts[..at].to_vec();
-                let (positive, _) = parts[at];
-                parts.drain(..=at);
-                for (value, _) in all_negative_before {
-                    sum = self.push(Operation::Add(sum, value));
-                }
-                sum = self.push(Operation::Sub(positive, sum));
-            } else {
-                for (value, _) in std::mem::take(&mut parts) {
-                    sum = self.push(Operation::Add(sum, value));
-                }
-                sum = self.push(Operation::Neg(sum));
-            }
-        }
-        for (value, negative) in parts {
-            sum = self.push(if negative {
-                Operation::Sub(sum, value)
-            } else {
-                Operation::Add(sum, value)
-            });
-        }
-        sum
+        self.add_up(&mut parts)
     }
 
-    /// `c · term`, the constant taken in by the factors known earliest.
-    fn scaled(&mut self, c: f64, term: Expr) -> Value {
-        if c == 1.0 {
-            return self.done[&term];
+    /// The factors of a term that are known before `late`, and those that are not.
+    fn split(&self, term: Expr, late: usize) -> (Factors, Factors) {
+        let factors = match self.arena.node(term) {
+            Node::Product(factors) => factors.clone(),
+            _ => vec![(term, 1)],
+        };
+        factors.into_iter().partition(|f| self.rank(f.0) < late)
+    }
+
+    fn rank(&self, expr: Expr) -> usize {
+        self.program.get(self.done[&expr]).tier.rank()
+    }
+
+    /// Adds values, each with whether it is to be subtracted, in the order in which they become known.
+    fn add_up(&mut self, parts: &mut Vec<(Value, bool)>) -> Value {
+        for part in parts.iter_mut() {
+            if let Some(x) = self.negated(part.0) {
+                *part = (x, !part.1);
+            }
         }
-        match self.arena.node(term) {
-            Node::Product(factors) => self.lower_product(c, factors),
-            _ => self.lower_product(c, &[(term, 1)]),
+        parts.sort_by_key(|p| self.program.get(p.0).tier.rank());
+        let mut sum: Option<Value> = None;
+        for &(value, negative) in parts.iter() {
+            sum = Some(match (sum, negative) {
+                (None, false) => value,
+                (None, true) => self.push(Operation::Neg(value)),
+                (Some(sum), false) => self.push(Operation::Add(sum, value)),
+                (Some(sum), true) => self.push(Operation::Sub(sum, value)),
+            });
         }
+        sum.unwrap_or_else(|| self.constant(0.0))
+    }
+
+    /// `c · Π factors`, the constant taken in by the factors known earliest; but where the bare product is wanted too,
+    /// or with other constants, one multiplication of it.
+    fn scaled(&mut self, c: f64, factors: &[(Expr, i32)]) -> Value {
+        if c != 1.0 && factors.len() > 1 && self.scalings.get(factors).is_some_and(|n| *n > 1) {
+            let bare = self.lower_product(1.0, factors);
+            if self.program.get(bare).tier != Tier::Prepare {
+                let constant = self.constant(c);
+                return self.push(Operation::Mul(constant, bare));
+            }
+        }
+        self.lower_product(c, factors)
     }
 
     /// `c Π base^k`, the factors in the order in which they become known.
     fn lower_product(&mut self, c: f64, factors: &[(Expr, i32)]) -> Value {
-        let rank = |this: &Self, e: Expr| this.program.get(this.done[&e]).tier.rank();
-        let last = factors.iter().map(|f| rank(self, f.0)).max().unwrap_or(0);
+        let last = factors.iter().map(|f| self.rank(f.0)).max().unwrap_or(0);
         let mut sorted = factors.to_vec();
-        sorted.sort_by_key(|f| rank(self, f.0));
+        sorted.sort_by_key(|f| self.rank(f.0));
         let mut product = (c != 1.0).then(|| self.constant(c));
         let mut below: Option<Value> = None;
         for (base, k) in sorted {
             let value = self.done[&base];
-            let early = rank(self, base) < last;
+            let early = self.rank(base) < last;
             if k < 0 && !early && !self.shared_denominators.contains(&base) {
                 let power = self.power(value, k.unsigned_abs());
                 below = Some(self.times(below, power));
@@ -360,7 +429,70 @@ impl<'a> Scheduler<'a> {
         self.push(Operation::Constant(value.to_bits()))
     }
 
+    /// The operand of a negation.
+    fn negated(&self, value: Value) -> Option<Value> {
+        match self.program.get(value).operation {
+            Operation::Neg(x) => Some(x),
+            _ => None,
+        }
+    }
+
+    /// Adds an operation; negations move outwards, to where a sum takes them in.
     fn push(&mut self, operation: Operation) -> Value {
+        let inner = |v: Value| self.negated(v);
+        match operation {
+            Operation::Neg(a) => {
+                if let Some(x) = inner(a) {
+                    return x;
+                }
+            }
+            Operation::Add(a, b) => match (inner(a), inner(b)) {
+                (_, Some(y)) => return self.push(Operation::Sub(a, y)),
+                (Some(x), None) => return self.push(Operation::Sub(b, x)),
+                (None, None) => {}
+            },
+            Operation::Sub(a, b) => match (inner(a), inner(b)) {
+                (_, Some(y)) => return self.push(Operation::Add(a, y)),
+                (Some(x), None) => {
+                    let sum = self.push(Operation::Add(x, b));
+                    return self.push(Operation::Neg(sum));
+                }
+                (None, None) => {}
+            },
+            Operation::Mul(a, b) | Operation::Div(a, b) => {
+                if let (x, y) = (inner(a), inner(b))
+                    && (x.is_some() || y.is_some())
+                {
+                    let (a, b) = (x.unwrap_or(a), y.unwrap_or(b));
+                    let product = self.push(match operation {
+                        Operation::Mul(..) => Operation::Mul(a, b),
+                        _ => Operation::Div(a, b),
+                    });
+                    return if x.is_some() && y.is_some() {
+                        product
+                    } else {
+                        self.push(Operation::Neg(product))
+                    };
+                }
+            }
+            Operation::Recip(a) => {
+                if let Some(x) = inner(a) {
+                    let inverse = self.push(Operation::Recip(x));
+                    return self.push(Operation::Neg(inverse));
+                }
+            }
+            Operation::Call(Function::Abs, a) => {
+                if let Some(x) = inner(a) {
+                    return self.push(Operation::Call(Function::Abs, x));
+                }
+            }
+            _ => {}
+        }
+        self.number(operation)
+    }
+
+    /// The value of an operation, which is computed once.
+    fn number(&mut self, operation: Operation) -> Value {
         // a + b and b + a are one value
         let operation = match operation {
             Operation::Add(a, b) if b < a => Operation::Add(b, a),

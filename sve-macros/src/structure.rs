@@ -16,6 +16,16 @@ pub(crate) struct Scheme {
     pub(crate) blocks: Vec<Block>,
     pub(crate) dq: Vec<Expr>,
     pub(crate) dp: Vec<Expr>,
+    pub(crate) form: Form,
+}
+
+/// What `dq` and `dp` are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Form {
+    /// `q₁ − q₀` and `p₁ − p₀`.
+    Increment,
+    /// `q₁` and `p₁`.
+    State,
 }
 
 /// How a block is solved.
@@ -109,7 +119,13 @@ pub(crate) fn analyse(
         })
         .collect();
     let dp = cheapest(system.arena, &candidates, &dq, &blocks);
-    Ok(Scheme { blocks, dq, dp })
+    let increments = Scheme {
+        blocks,
+        dq,
+        dp,
+        form: Form::Increment,
+    };
+    Ok(linear_map(increments, action, symbols, arena))
 }
 
 struct Reduced<'a> {
@@ -127,7 +143,7 @@ impl Reduced<'_> {
     /// equation first.
     fn eliminate(&mut self) {
         while let Some((row, unknown, coefficient)) = self.pivot() {
-            let equation = self.residuals.swap_remove(row);
+            let equation = self.residuals.remove(row);
             let zero = self.arena.constant(0.0);
             let rest = self
                 .arena
@@ -147,7 +163,8 @@ impl Reduced<'_> {
     }
 
     /// The equation with the fewest unknowns that has one with a numeric coefficient: equation, unknown, coefficient.
-    /// Of the unknowns in an equation the first in the order of `unknowns` goes.
+    /// Of equations with equally many the first is taken, of its unknowns the first in the order of `unknowns`; so the
+    /// momentum balance stays, and the velocity in it.
     fn pivot(&mut self) -> Option<(usize, Symbol, f64)> {
         let mut best: Option<(usize, usize, Symbol, f64)> = None;
         for (row, &residual) in self.residuals.clone().iter().enumerate() {
@@ -421,6 +438,74 @@ fn strong_components(needs: &[Vec<usize>]) -> Vec<Vec<usize>> {
         }
     }
     components
+}
+
+/// Degrees of freedom up to which a linear step is written as a matrix.
+const MATRIX: usize = 2;
+
+/// A step that is solved by linear formulas and affine in the state becomes a matrix, `z₁ − z₀ = A z₀ + b`, whose entries are
+/// known before the state: the shortest chain of operations from one state to the next.
+///
+/// Where A depends on the increments of the noise, `z₁ = (1 + A) z₀ + b` is shorter still; the rounding of `1 + A` is another
+/// one in each step, so it does not add up, as it would where A is the same in all steps.
+fn linear_map(scheme: Scheme, action: &Action, symbols: &Symbols, arena: &mut Arena) -> Scheme {
+    let formulas = scheme
+        .blocks
+        .iter()
+        .all(|b| matches!(b.solution, Solution::Formula));
+    let implicit = scheme.blocks.iter().any(|b| b.kind == Kind::Linear);
+    if !formulas || !implicit || action.start_q.len() > MATRIX {
+        return scheme;
+    }
+    let state: Vec<Symbol> = action
+        .start_q
+        .iter()
+        .chain(&action.start_p)
+        .copied()
+        .collect();
+    let zero = arena.constant(0.0);
+    let origin: HashMap<Symbol, Expr> = state.iter().map(|&s| (s, zero)).collect();
+    let is_noisy = |arena: &Arena, e: Expr| {
+        arena
+            .symbols_of(e)
+            .any(|s| matches!(symbols.meaning(s), Meaning::Wiener(_)))
+    };
+    let mut rows = Vec::new();
+    let mut noisy = true;
+    for (at, &increment) in scheme.dq.iter().chain(&scheme.dp).enumerate() {
+        let mut row = Vec::new();
+        for &s in &state {
+            let entry = arena.diff(increment, s);
+            if state.iter().any(|&other| arena.contains(entry, other)) {
+                return scheme;
+            }
+            row.push(entry);
+        }
+        noisy &= is_noisy(arena, row[at]);
+        rows.push((row, arena.substitute(increment, &origin)));
+    }
+    let form = if noisy { Form::State } else { Form::Increment };
+    let mut outputs = rows.into_iter().enumerate().map(|(at, (mut row, offset))| {
+        if form == Form::State {
+            row[at] = arena.sum(1.0, &[(1.0, row[at])]);
+        }
+        let mut terms = vec![(1.0, offset)];
+        for (&entry, &s) in row.iter().zip(&state) {
+            let entry = arena.opaque(entry);
+            let s = arena.symbol(s);
+            terms.push((1.0, arena.mul(entry, s)));
+        }
+        arena.sum(0.0, &terms)
+    });
+    let n = action.start_q.len();
+    let dq = outputs.by_ref().take(n).collect();
+    let dp = outputs.collect();
+    Scheme {
+        dq,
+        dp,
+        form,
+        ..scheme
+    }
 }
 
 /// Operations that a call of a function is worth.

@@ -1,6 +1,6 @@
 //! Instructions → `let` statements, one each, named by what they are.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
@@ -59,14 +59,17 @@ impl<'a> Printer<'a> {
     }
 
     /// Statements that read inputs known before the step, and what `prepare` returned.
-    pub(super) fn load(&self, used: impl Fn(Value) -> bool) -> TokenStream {
+    pub(super) fn load(&self, results: &[Value]) -> TokenStream {
+        let mut used: HashSet<Value> = results.iter().copied().collect();
+        let later = self.program.all().filter(|(_, i)| i.tier != Tier::Prepare);
+        used.extend(later.flat_map(|(_, i)| operands(i.operation)));
         let mut tokens = TokenStream::new();
         for (value, operation) in self.program.of_tier(Tier::Prepare) {
             if let Some(&at) = self.prepared.get(&value) {
                 let name = self.name(value);
                 let at = Literal::usize_unsuffixed(at);
                 tokens.extend(quote!(let #name = prepared[#at];));
-            } else if matches!(operation, Operation::Input(_)) && used(value) {
+            } else if matches!(operation, Operation::Input(_)) && used.contains(&value) {
                 tokens.extend(self.statement(value, operation));
             }
         }

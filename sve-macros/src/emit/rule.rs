@@ -11,7 +11,7 @@ use crate::model::{Model, Symbols};
 use crate::parse::Annotated;
 use crate::rule::Rule;
 use crate::schedule::{Operation, Program, Scheduler, Tier, Tiers, Value, operands};
-use crate::structure::{Block, Iteration, Kind, Scheme, Solution};
+use crate::structure::{Block, Form, Iteration, Kind, Scheme, Solution};
 use crate::symbolic::{Arena, Expr, Symbol};
 
 /// A block with values for expressions.
@@ -37,6 +37,8 @@ struct Scheduled {
     solves: Vec<Solve>,
     dq: Vec<Value>,
     dp: Vec<Value>,
+    /// Every value that is used other than by an instruction.
+    results: Vec<Value>,
     program: Program,
 }
 
@@ -60,7 +62,7 @@ pub(crate) fn rule(
 
     let scheduled = schedule(scheme, symbols, arena);
     let mut printer = Printer::new(&scheduled.program, symbols);
-    let kept = printer.split_prepared(&roots(&scheduled));
+    let kept = printer.split_prepared(&scheduled.results);
     let prepared = Literal::usize_unsuffixed(kept.len());
     let (prepare, kept) = (printer.prepare(), printer.array(&kept));
     let body = body(&private, &printer, &scheduled, symbols);
@@ -74,12 +76,14 @@ pub(crate) fn rule(
         &scheduled.program,
         symbols,
     );
+    let returns_state = scheme.form == Form::State;
     let doc = doc(action, symbols, arena);
     quote! {
         #attributes
         impl #private::Variational<#runtime::#rule_type> for #self_ty {
             type Prepared = [f64; #prepared];
             const PLAN: &'static #private::Plan = &#plan;
+            const RETURNS_STATE: bool = #returns_state;
             #[inline]
             fn prepare(&self, h: f64) -> [f64; #prepared] {
                 #prepare
@@ -102,7 +106,12 @@ pub(crate) fn rule(
 }
 
 fn schedule(scheme: &Scheme, symbols: &Symbols, arena: &Arena) -> Scheduled {
-    let Scheme { blocks, dq, dp } = scheme;
+    let Scheme {
+        blocks,
+        dq,
+        dp,
+        form: _,
+    } = scheme;
     let mut tiers = Tiers::new();
     let mut all: Vec<Expr> = [dq.as_slice(), dp].concat();
     for (at, block) in blocks.iter().enumerate() {
@@ -175,23 +184,19 @@ fn schedule(scheme: &Scheme, symbols: &Symbols, arena: &Arena) -> Scheduled {
         });
     }
     let (dq, dp) = (scheduler.values(dq), scheduler.values(dp));
+    let results = roots(&solves, &dq, &dp);
     Scheduled {
+        program: scheduler.finish(&results),
         solves,
         dq,
         dp,
-        program: scheduler.finish(),
+        results,
     }
 }
 
 /// Every value that is used other than by an instruction.
-fn roots(scheduled: &Scheduled) -> Vec<Value> {
-    let Scheduled {
-        solves,
-        dq,
-        dp,
-        program: _,
-    } = scheduled;
-    let mut roots = [dq.as_slice(), dp].concat();
+fn roots(solves: &[Solve], dq: &[Value], dp: &[Value]) -> Vec<Value> {
+    let mut roots = [dq, dp].concat();
     for solve in solves {
         match solve {
             Solve::Formula => {}
@@ -235,18 +240,10 @@ fn body(
         solves,
         dq,
         dp,
+        results,
         program,
     } = scheduled;
-    let mut used: Vec<bool> = vec![false; program.all().count()];
-    for value in program
-        .all()
-        .filter(|(_, i)| i.tier != Tier::Prepare)
-        .flat_map(|(_, i)| operands(i.operation))
-        .chain(roots(scheduled))
-    {
-        used[value.index()] = true;
-    }
-    let load = printer.load(|v| used[v.index()]);
+    let load = printer.load(results);
     let time = program
         .all()
         .any(|(_, i)| matches!(i.operation, Operation::Input(s) if matches!(symbols.meaning(s), crate::model::Meaning::Time)))

@@ -71,7 +71,8 @@ impl<'a> Straight<'a> {
             .iter()
             .map(|rows| rows.iter().map(|row| self.scheduler.values(row)).collect())
             .collect();
-        let program = self.scheduler.finish();
+        let results: Vec<_> = values.iter().flatten().flatten().copied().collect();
+        let program = self.scheduler.finish(&results);
         let mut printer = Printer::new(&program, self.symbols);
         printer.split_prepared(&[]);
         let constants = printer.prepare();
