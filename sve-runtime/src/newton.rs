@@ -70,17 +70,27 @@ const QUADRATIC: f64 = 1.5e-8;
 /// Relative residual under which two successive ones measure the constant of quadratic convergence.
 const NEAR: f64 = 0.1;
 
+/// Relative change of an unknown that is its own rounding: two numbers next to each other differ by up to one unit, and
+/// an iteration that has arrived jumps between neighbours.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// Halvings of an update that leads out of the domain of the equations.
 const HALVINGS: u32 = 60;
 
 impl Newton {
     /// The root near `guess`.
     ///
+    /// It is accepted where the residual is `tolerance` times the terms it is the sum of, or where it no longer shrinks
+    /// for want of digits: those of its terms' inner sums, or those of the unknowns.
     /// The last update is not confirmed by another evaluation where quadratic convergence, measured on the previous two
     /// residuals, puts the next one below rounding.
     ///
+    /// An update that leads out of the domain of the equations is halved until it does not. A guess outside is
+    /// drawn towards zero likewise: unknowns are increments or velocities, and at zero nothing moves.
+    ///
     /// # Errors
-    /// [`SolveError`] when the iteration limit is reached, the Jacobian is singular, or no finite residual can be found.
+    /// [`SolveError`] when the iteration limit is reached or the iteration stands still away from a root, the Jacobian is
+    /// singular, or no finite residual can be found.
     #[inline]
     pub fn solve<const K: usize>(
         &self,
@@ -95,19 +105,27 @@ impl Newton {
             let mut at = evaluate(&x);
             let mut relative = relative(&at);
             if !relative.is_finite() {
-                (x, at) = retreat(from, x, &evaluate)?;
+                (x, at) = retreat(&from, x, &evaluate)?;
                 relative = self::relative(&at);
             }
-            let stalled = relative < QUADRATIC && relative > 0.5 * previous;
-            if relative <= self.tolerance || stalled {
+            if relative <= self.tolerance {
                 return Ok(x);
             }
+            let not_converged = SolveError::NotConverged {
+                iterations: iteration,
+                residual: relative,
+                tolerance: self.tolerance,
+            };
+            if relative > 0.5 * previous {
+                match stall(&from, &x, &at, relative) {
+                    Stall::Root => return Ok(x),
+                    Stall::Stuck => return Err(not_converged),
+                    Stall::Undefined => return Err(SolveError::NonFinite),
+                    Stall::No => {}
+                }
+            }
             if iteration == self.max_iterations {
-                return Err(SolveError::NotConverged {
-                    iterations: iteration,
-                    residual: relative,
-                    tolerance: self.tolerance,
-                });
+                return Err(not_converged);
             }
             iteration += 1;
             let update = linear::solve(&at.jacobian, &at.residual)
@@ -134,9 +152,12 @@ impl Newton {
 fn relative<const K: usize>(at: &Evaluation<K>) -> f64 {
     let mut largest = 0.0;
     for i in 0..K {
-        // an equation whose terms all vanish is satisfied
         let r = if at.magnitude[i] == 0.0 {
+            // an equation whose terms all vanish is satisfied
             0.0
+        } else if at.magnitude[i] == f64::INFINITY {
+            // no finite residual is small against infinity
+            f64::NAN
         } else {
             (at.residual[i] / at.magnitude[i]).abs()
         };
@@ -148,23 +169,67 @@ fn relative<const K: usize>(at: &Evaluation<K>) -> f64 {
     largest
 }
 
+/// Why a residual was not even halved by an update.
+enum Stall {
+    /// There are no more digits: this is the root.
+    Root,
+    /// The unknowns do not move any more, and this is no root.
+    Stuck,
+    /// The unknowns do not move because the Jacobian is not finite.
+    Undefined,
+    /// The iteration is still far from the root.
+    No,
+}
+
+/// What the update from `from` to `x`, which did not halve the residual, says.
+#[cold]
+fn stall<const K: usize>(
+    from: &[f64; K],
+    x: &[f64; K],
+    at: &Evaluation<K>,
+    relative: f64,
+) -> Stall {
+    let jacobian_is_finite = at.jacobian.iter().flatten().all(|a| a.is_finite());
+    let at_rounding = |i: usize| (x[i] - from[i]).abs() <= ROUNDING * x[i].abs();
+    // The second case is a steep residual, which one unit in the last place of an unknown changes by more than its tolerance.
+    if relative < QUADRATIC || (relative < NEAR && jacobian_is_finite && (0..K).all(at_rounding)) {
+        Stall::Root
+    } else if x != from {
+        Stall::No
+    } else if jacobian_is_finite {
+        Stall::Stuck
+    } else {
+        Stall::Undefined
+    }
+}
+
 /// Halves the way from `from` to `to` until the equations are defined.
 #[cold]
 fn retreat<const K: usize>(
-    from: [f64; K],
-    mut to: [f64; K],
+    from: &[f64; K],
+    to: [f64; K],
     evaluate: impl Fn(&[f64; K]) -> Evaluation<K>,
 ) -> Result<([f64; K], Evaluation<K>), SolveError> {
-    if !to.iter().all(|x| x.is_finite()) {
-        to = from;
+    let mut way = [0.0; K];
+    for i in 0..K {
+        way[i] = to[i] - from[i];
+    }
+    if !way.iter().all(|w| w.is_finite()) {
+        way = [0.0; K];
     }
     for _ in 0..HALVINGS {
+        // `way` is halved, not `to`: half of one unit in the last place would be rounded up to where it came from
+        let mut x = *from;
         for i in 0..K {
-            to[i] = from[i] + 0.5 * (to[i] - from[i]);
+            way[i] *= 0.5;
+            x[i] += way[i];
         }
-        let at = evaluate(&to);
+        let at = evaluate(&x);
         if relative(&at).is_finite() {
-            return Ok((to, at));
+            return Ok((x, at));
+        }
+        if x == *from {
+            break;
         }
     }
     Err(SolveError::NonFinite)
