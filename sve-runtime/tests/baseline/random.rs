@@ -1,4 +1,4 @@
-//! Reproducible random numbers for tests: SplitMix64 and Box–Muller.
+//! Reproducible random numbers for tests: `SplitMix64` and Box–Muller.
 
 pub(crate) struct Random(u64);
 

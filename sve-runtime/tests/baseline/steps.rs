@@ -3,7 +3,7 @@
 use sve_runtime::baseline::{
     BackwardEulerMaruyama, EulerMaruyama, Heun, RungeKutta4, TaylorSeries2,
 };
-use sve_runtime::{Method, State};
+use sve_runtime::{Method, Newton, State};
 
 use crate::models::{Damped, Kubo, Pendulum, Polar, Relativistic};
 
@@ -165,4 +165,42 @@ fn taylor_series_gains_the_energy_that_the_paper_plots() {
     assert!((energy[0] + 5.295).abs() < 5e-4, "{energy:?}");
     assert!((energy[1] - 45.3).abs() < 0.05, "{energy:?}");
     assert!((energy[2] - 471.0).abs() < 0.5, "{energy:?}");
+}
+
+#[test]
+fn backward_euler_has_the_exact_jacobian() {
+    // a wrong entry would still converge, but not quadratically
+    let quick = Newton {
+        max_iterations: 5,
+        ..Newton::default()
+    };
+    let polar = Polar {
+        m: 1.3,
+        k: 0.9,
+        sigma: [0.4, 0.3],
+    };
+    let start = State::new([1.1, 0.4], [0.2, 0.8]);
+    after(
+        &BackwardEulerMaruyama::new(polar).with_newton(quick),
+        start,
+        0.3,
+        [0.05, -0.2],
+    );
+    let damped = Damped {
+        c: 0.4,
+        k: 2.0,
+        b: 3.0,
+    };
+    // linear: one update, and one evaluation that confirms it
+    let quick = Newton {
+        max_iterations: 2,
+        ..Newton::default()
+    };
+    let start = State::at(0.5, [0.8], [0.1]);
+    after(
+        &BackwardEulerMaruyama::new(damped).with_newton(quick),
+        start,
+        0.5,
+        [],
+    );
 }
