@@ -87,7 +87,7 @@ fn eliminate<const K: usize>(mut a: [[f64; K]; K], mut b: [f64; K]) -> Option<[f
 mod tests {
     use super::solve;
 
-    /// SplitMix64, uniform in [−1, 1).
+    /// `SplitMix64`, uniform in [−1, 1).
     struct Random(u64);
 
     impl Random {
@@ -182,9 +182,9 @@ mod tests {
         let b: [f64; K] = core::array::from_fn(|_| random.next());
         assert_eq!(solve(&[[0.0; K]; K], &b), None);
         let mut missed = 0;
-        for _ in 0..1000 {
+        for sample in 0..1000 {
             let regular = random.matrix::<K>();
-            let at = (K as f64 * 0.5 * (random.next() + 1.0)) as usize;
+            let at = sample % K;
             let (mut row, mut column, mut combination) = (regular, regular, regular);
             row[at] = [0.0; K];
             combination[at] = [0.0; K];
