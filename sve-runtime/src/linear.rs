@@ -32,23 +32,16 @@ pub fn solve<const K: usize>(a: &[[f64; K]; K], b: &[f64; K]) -> Option<[f64; K]
             x[0] = (b[0] * a[1][1] - b[1] * a[0][1]) * inverse;
             x[1] = (b[1] * a[0][0] - b[0] * a[1][0]) * inverse;
         }
-        _ => return eliminate(*a, *b),
+        _ => return eliminate(a, b),
     }
     Some(x)
 }
 
-fn eliminate<const K: usize>(mut a: [[f64; K]; K], mut b: [f64; K]) -> Option<[f64; K]> {
-    // The largest of each row, and with rows so scaled of each column: a pivot is compared with the terms that it is what is
-    // left of, and these are as large as the entries of its row *and* its column, whatever the units.
+fn eliminate<const K: usize>(matrix: &[[f64; K]; K], rhs: &[f64; K]) -> Option<[f64; K]> {
+    let (mut a, mut b) = (*matrix, *rhs);
     let mut scale = [0.0; K];
-    let mut column = [0.0; K];
     for i in 0..K {
-        scale[i] = a[i].iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-        let inverse = 1.0 / scale[i];
-        for k in 0..K {
-            // a zero row gives NaN, which `max` drops
-            column[k] = f64::max(column[k], a[i][k].abs() * inverse);
-        }
+        scale[i] = largest(&a[i]);
     }
     for k in 0..K {
         let mut pivot = k;
@@ -58,7 +51,11 @@ fn eliminate<const K: usize>(mut a: [[f64; K]; K], mut b: [f64; K]) -> Option<[f
                 pivot = i;
             }
         }
-        if a[pivot][k].abs() <= K as f64 * SINGULAR * scale[pivot] * column[k] {
+        // What is left of terms as large as the entries of its row and its column. The column, which tells a small pivot
+        // from an unknown in a large unit, is looked at where the row alone raises the doubt.
+        let rounding = K as f64 * SINGULAR * scale[pivot];
+        let size = a[pivot][k].abs();
+        if size <= rounding && size <= rounding * column_size(matrix, k) {
             return None;
         }
         a.swap(k, pivot);
@@ -81,6 +78,19 @@ fn eliminate<const K: usize>(mut a: [[f64; K]; K], mut b: [f64; K]) -> Option<[f
         x[k] = sum / a[k][k];
     }
     Some(x)
+}
+
+/// Largest magnitude in a row.
+fn largest<const K: usize>(row: &[f64; K]) -> f64 {
+    row.iter().fold(0.0, |m: f64, x| m.max(x.abs()))
+}
+
+/// Largest magnitude in column `k`, each entry relative to its row.
+#[cold]
+fn column_size<const K: usize>(a: &[[f64; K]; K], k: usize) -> f64 {
+    // a zero row gives NaN, which `max` drops
+    a.iter()
+        .fold(0.0, |m: f64, row| m.max(row[k].abs() / largest(row)))
 }
 
 #[cfg(test)]
