@@ -61,7 +61,7 @@ pub(crate) fn rule(
     let m = Literal::usize_unsuffixed(model.noises.len());
 
     let scheduled = schedule(scheme, symbols, arena);
-    let mut printer = Printer::new(&scheduled.program, symbols);
+    let mut printer = Printer::new(&scheduled.program, symbols, &private);
     let kept = printer.split_prepared(&scheduled.results);
     let prepared = Literal::usize_unsuffixed(kept.len());
     let (prepare, kept) = (printer.prepare(), printer.array(&kept));
@@ -394,7 +394,10 @@ fn operations(
                 arithmetic += 1;
             }
             Operation::Call(crate::symbolic::Function::Abs, _) => arithmetic += 1,
-            Operation::Call(..) | Operation::Call2(..) | Operation::SinCos(_) => {
+            Operation::Call(..)
+            | Operation::Call2(..)
+            | Operation::SinCos(_)
+            | Operation::Turn(..) => {
                 transcendental += 1;
             }
         }
