@@ -30,7 +30,7 @@ pub use trajectory::Trajectory;
 
 /// What a program that integrates a system imports: `use sve_runtime::prelude::*;`.
 pub mod prelude {
-    pub use crate::noise::{NoNoise, Noise};
+    pub use crate::noise::{FromRng, NoNoise, Noise, NoiseError, Recorded, Truncated, Wiener};
     pub use crate::{
         Endpoint, InitialPoint, Integrator, Mechanics, Method, Midpoint, Newton, State, StepError,
         Taylor2, variational,

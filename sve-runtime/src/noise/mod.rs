@@ -1,6 +1,64 @@
 //! Wiener increments for a trajectory.
+//!
+//! Input: a step number, a step size `h`, and how many processes the system has. Output: one increment a process, normal
+//! with mean 0 and variance `h` (the unit is that of √t), independent between steps and processes.
+//!
+//! | source | increments | replayable |
+//! | --- | --- | --- |
+//! | [`Wiener`] | from a seed, counter-based | any step, in any order |
+//! | [`Recorded`] | given, or taken from another source; can be coarsened | any step, in any order |
+//! | [`Truncated`] | those of another source, clipped for implicit steps | as the other source |
+//! | [`FromRng`] | from a random generator of the `rand` crates | no: draws follow one another |
+//! | [`NoNoise`] | zero | trivially |
+//!
+//! ```
+//! use sve_runtime::noise::{Noise, Wiener};
+//!
+//! let mut path = Wiener::new(42).path(7);
+//! let mut dw = [0.0; 2];
+//! path.increments(1000, 0.01, &mut dw)?;
+//! assert_eq!(dw[1], Wiener::new(42).path(7).increment(1000, 1, 0.01)); // the same, bit for bit
+//! # Ok::<(), sve_runtime::noise::NoiseError>(())
+//! ```
+
+mod box_muller;
+mod error;
+mod from_rng;
+mod none;
+mod recorded;
+mod threefry;
+mod truncated;
+mod wiener;
+
+pub use error::NoiseError;
+pub use from_rng::FromRng;
+pub use none::NoNoise;
+pub use recorded::Recorded;
+pub use truncated::Truncated;
+pub use wiener::Wiener;
 
 /// A source of Wiener increments: one path of as many processes as a system asks for.
+///
+/// A mutable reference to a source is a source, and so is a box of one.
+///
+/// ```
+/// use sve_runtime::noise::{Noise, NoiseError};
+///
+/// /// One jump at the start, then nothing.
+/// struct Kick(f64);
+///
+/// impl Noise for Kick {
+///     fn increments(&mut self, step: u64, _h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
+///         dw.fill(if step == 0 { self.0 } else { 0.0 });
+///         Ok(())
+///     }
+/// }
+///
+/// let mut dw = [0.0];
+/// Kick(0.5).increments(0, 0.01, &mut dw)?;
+/// assert_eq!(dw, [0.5]);
+/// # Ok::<(), NoiseError>(())
+/// ```
 pub trait Noise {
     /// Fills `dw` with the increments of every process over step number `step` (from 0) of length `h`,
     /// each of variance `h`.
@@ -10,53 +68,16 @@ pub trait Noise {
     fn increments(&mut self, step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError>;
 }
 
-/// Why a noise source could not give the increments of a step.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum NoiseError {
-    /// A recorded path is over. A [`Trajectory`](crate::Trajectory) ends there without an error.
-    #[error("the recorded path has {recorded} steps and step {step} was asked for")]
-    Exhausted {
-        /// Step asked for, from 0.
-        step: u64,
-        /// Steps recorded.
-        recorded: u64,
-    },
-    /// A recorded path was made for another step size.
-    #[error(
-        "the path was recorded with h = {recorded:e}, and h = {h:e} was asked for; use the recorded step, or `coarsen` the path"
-    )]
-    StepSize {
-        /// Step size asked for.
-        h: f64,
-        /// Step size of the recording.
-        recorded: f64,
-    },
-    /// A recorded path has another number of processes.
-    #[error("the path was recorded with {recorded} Wiener processes, and the system has {asked}")]
-    Processes {
-        /// Processes that the system has.
-        asked: usize,
-        /// Processes recorded.
-        recorded: usize,
-    },
-    /// Truncated increments need `h < 1`.
-    #[error(
-        "truncated increments are defined for h < 1, and h = {h}; measure time in a larger unit, or take a smaller step"
-    )]
-    TruncationStep {
-        /// Step size asked for.
-        h: f64,
-    },
+impl<W: Noise + ?Sized> Noise for &mut W {
+    #[inline]
+    fn increments(&mut self, step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
+        (**self).increments(step, h, dw)
+    }
 }
 
-/// No noise at all, for deterministic systems or the deterministic limit of a noisy one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct NoNoise;
-
-impl Noise for NoNoise {
-    fn increments(&mut self, _step: u64, _h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
-        dw.fill(0.0);
-        Ok(())
+impl<W: Noise + ?Sized> Noise for Box<W> {
+    #[inline]
+    fn increments(&mut self, step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
+        (**self).increments(step, h, dw)
     }
 }

@@ -1,0 +1,112 @@
+//! What can go wrong with a noise source. Each message has the numbers and what to do.
+
+/// Why a noise source could not be made, or could not give the increments of a step.
+///
+/// ```
+/// use sve_runtime::noise::{NoiseError, Recorded};
+///
+/// let error = Recorded::new(-0.1, [[0.2]]).unwrap_err();
+/// assert_eq!(error, NoiseError::InvalidStep { h: -0.1 });
+/// assert_eq!(error.to_string(), "the step size h = -0.1 must be positive and finite");
+/// ```
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NoiseError {
+    /// A recorded path is over. A [`Trajectory`](crate::Trajectory) ends there without an error.
+    #[error(
+        "the recorded path has {recorded} steps and step {step} (from 0) was asked for; record more steps"
+    )]
+    Exhausted {
+        /// Step asked for, from 0.
+        step: u64,
+        /// Steps recorded.
+        recorded: u64,
+    },
+    /// A recorded path was made for another step size.
+    #[error(
+        "the path was recorded with h = {recorded:e}, and h = {h:e} was asked for; use the recorded step, or `coarsen` the path"
+    )]
+    StepSize {
+        /// Step size asked for.
+        h: f64,
+        /// Step size of the recording.
+        recorded: f64,
+    },
+    /// A recorded path has another number of processes.
+    #[error(
+        "the path was recorded with {recorded} Wiener processes, and the system has {asked}; record {asked}"
+    )]
+    Processes {
+        /// Processes that the system has.
+        asked: usize,
+        /// Processes recorded.
+        recorded: usize,
+    },
+    /// Truncated increments need `h < 1`.
+    #[error(
+        "truncated increments are defined for h < 1, and h = {h}; measure time in a larger unit, or take a smaller step"
+    )]
+    TruncationStep {
+        /// Step size asked for.
+        h: f64,
+    },
+    /// The exponent of a truncation is below 1 or not finite.
+    #[error(
+        "the truncation exponent k = {k} must be finite and at least 1; 2 keeps strong order 1"
+    )]
+    TruncationExponent {
+        /// Exponent given.
+        k: f64,
+    },
+    /// The step size is not a positive finite number.
+    #[error("the step size h = {h} must be positive and finite")]
+    InvalidStep {
+        /// The step size given.
+        h: f64,
+    },
+    /// An increment to be recorded is NaN or infinite.
+    #[error(
+        "the increment of process {process} over step {step} (both from 0) is {value}: increments must be finite; \
+         look at what produced this value"
+    )]
+    NonFinite {
+        /// Step, from 0.
+        step: u64,
+        /// Process, from 0.
+        process: usize,
+        /// Value given.
+        value: f64,
+    },
+    /// The steps of a recorded path cannot be grouped by that factor.
+    #[error(
+        "a path of {recorded} steps cannot be coarsened by {factor}; \
+         take a divisor of {recorded}, or record a multiple of the factor"
+    )]
+    Coarsen {
+        /// Steps recorded.
+        recorded: u64,
+        /// Steps that were to become one.
+        factor: u64,
+    },
+    /// A recording does not fit into memory.
+    #[error(
+        "{steps} steps of {processes} Wiener processes do not fit into memory; \
+         record fewer, or let the trajectory draw its increments as it goes"
+    )]
+    TooLong {
+        /// Steps that were to be recorded.
+        steps: u64,
+        /// Processes that were to be recorded.
+        processes: usize,
+    },
+}
+
+/// Accepts positive finite step sizes.
+#[inline]
+pub(super) fn check_step(h: f64) -> Result<(), NoiseError> {
+    if h > 0.0 && h < f64::INFINITY {
+        Ok(())
+    } else {
+        Err(NoiseError::InvalidStep { h })
+    }
+}

@@ -1,0 +1,199 @@
+//! A path given as numbers.
+//!
+//! Input: a step size and the increments of every process over every step. Output: these increments.
+//! Invariant: the step size is positive and finite, every increment is finite.
+
+use super::error::check_step;
+use super::{Noise, NoiseError};
+
+/// How far a step size may be from the recorded one, relatively: `k * h` and `T / n` round once or twice each, and two step
+/// sizes that are meant to differ never come this close.
+const STEP_TOLERANCE: f64 = 4.0 * f64::EPSILON;
+
+/// A recorded path: Wiener increments for steps of one size.
+///
+/// Coarsening it gives the same Brownian path to larger steps, which is how strong errors are measured: the solution with
+/// `h` and the one with `k h` then belong to the same noise.
+///
+/// ```
+/// use sve_runtime::noise::{Recorded, Wiener};
+///
+/// let fine = Recorded::record(Wiener::new(42), 0.01, 1, 100)?;
+/// let coarse = fine.coarsen(10)?;
+/// assert_eq!((coarse.len(), coarse.h()), (10, 0.1));
+/// let sum: f64 = (0..10).filter_map(|step| fine.get(step)).map(|dw| dw[0]).sum();
+/// assert_eq!(coarse.get(0), Some(&[sum][..]));
+///
+/// let measured = Recorded::new(0.5, [[0.3, -0.1], [0.0, 0.7]])?; // two steps, two processes
+/// assert_eq!(measured.get(1), Some(&[0.0, 0.7][..]));
+/// # Ok::<(), sve_runtime::noise::NoiseError>(())
+/// ```
+///
+/// As [`Noise`], by value or by reference, it starts at step 0 and may be read in any order. Its errors there are
+/// [`NoiseError::Exhausted`] past the last step, which ends a trajectory, [`NoiseError::StepSize`] for a step of another
+/// size (up to rounding), and [`NoiseError::Processes`] for another number of processes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recorded {
+    h: f64,
+    processes: usize,
+    steps: usize,
+    /// Step by step.
+    increments: Vec<f64>,
+}
+
+impl Recorded {
+    /// A path from its increments, one array a step, one entry a process.
+    ///
+    /// # Errors
+    /// [`NoiseError::InvalidStep`] unless `h` is positive and finite; [`NoiseError::NonFinite`] for an increment that is NaN
+    /// or infinite.
+    pub fn new<const M: usize>(
+        h: f64,
+        increments: impl IntoIterator<Item = [f64; M]>,
+    ) -> Result<Self, NoiseError> {
+        let mut steps = 0;
+        let flat = increments
+            .into_iter()
+            .inspect(|_| steps += 1)
+            .flatten()
+            .collect();
+        Self::checked(h, M, steps, flat)
+    }
+
+    /// The first `steps` steps of length `h` of another source.
+    ///
+    /// # Errors
+    /// Those of the source, those of [`new`](Self::new), and [`NoiseError::TooLong`] where memory ends.
+    pub fn record(
+        mut noise: impl Noise,
+        h: f64,
+        processes: usize,
+        steps: usize,
+    ) -> Result<Self, NoiseError> {
+        check_step(h)?;
+        let too_long = NoiseError::TooLong {
+            steps: steps as u64,
+            processes,
+        };
+        let mut increments = Vec::new();
+        let Some(length) = steps.checked_mul(processes) else {
+            return Err(too_long);
+        };
+        if increments.try_reserve_exact(length).is_err() {
+            return Err(too_long);
+        }
+        increments.resize(length, 0.0);
+        for step in 0..steps {
+            let dw = &mut increments[step * processes..][..processes];
+            noise.increments(step as u64, h, dw)?;
+        }
+        Self::checked(h, processes, steps, increments)
+    }
+
+    /// The same path with `k` steps made one: increments summed, step size `k h`.
+    ///
+    /// # Errors
+    /// [`NoiseError::Coarsen`] unless `k` divides the number of steps.
+    pub fn coarsen(&self, k: usize) -> Result<Self, NoiseError> {
+        if k == 0 || !self.steps.is_multiple_of(k) {
+            return Err(NoiseError::Coarsen {
+                recorded: self.steps as u64,
+                factor: k as u64,
+            });
+        }
+        let steps = self.steps / k;
+        let mut sums = vec![0.0; steps * self.processes];
+        for step in 0..self.steps {
+            for process in 0..self.processes {
+                sums[step / k * self.processes + process] +=
+                    self.increments[step * self.processes + process];
+            }
+        }
+        Self::checked(k as f64 * self.h, self.processes, steps, sums)
+    }
+
+    /// Number of steps.
+    pub fn len(&self) -> usize {
+        self.steps
+    }
+
+    /// Whether there is no step at all.
+    pub fn is_empty(&self) -> bool {
+        self.steps == 0
+    }
+
+    /// The step size.
+    pub fn h(&self) -> f64 {
+        self.h
+    }
+
+    /// Number of Wiener processes.
+    pub fn processes(&self) -> usize {
+        self.processes
+    }
+
+    /// The increments over a step (from 0), one a process; `None` past the last step.
+    #[inline]
+    pub fn get(&self, step: usize) -> Option<&[f64]> {
+        // the comparison keeps the products in range
+        (step < self.steps).then(|| &self.increments[step * self.processes..][..self.processes])
+    }
+
+    fn checked(
+        h: f64,
+        processes: usize,
+        steps: usize,
+        increments: Vec<f64>,
+    ) -> Result<Self, NoiseError> {
+        check_step(h)?;
+        match increments.iter().position(|dw| !dw.is_finite()) {
+            Some(at) => Err(NoiseError::NonFinite {
+                step: (at / processes) as u64,
+                process: at % processes,
+                value: increments[at],
+            }),
+            None => Ok(Self {
+                h,
+                processes,
+                steps,
+                increments,
+            }),
+        }
+    }
+}
+
+impl Noise for &Recorded {
+    #[inline]
+    fn increments(&mut self, step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
+        if dw.len() != self.processes {
+            return Err(NoiseError::Processes {
+                asked: dw.len(),
+                recorded: self.processes,
+            });
+        }
+        // a NaN fails as well
+        if (h - self.h).abs() <= STEP_TOLERANCE * self.h {
+            let recorded = usize::try_from(step).ok().and_then(|step| self.get(step));
+            let Some(recorded) = recorded else {
+                return Err(NoiseError::Exhausted {
+                    step,
+                    recorded: self.steps as u64,
+                });
+            };
+            dw.copy_from_slice(recorded);
+            Ok(())
+        } else {
+            Err(NoiseError::StepSize {
+                h,
+                recorded: self.h,
+            })
+        }
+    }
+}
+
+impl Noise for Recorded {
+    #[inline]
+    fn increments(&mut self, step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
+        (&*self).increments(step, h, dw)
+    }
+}
