@@ -67,7 +67,6 @@ impl<S: Variational<R>, R> Integrator<S, R> {
     }
 
     /// What the step became.
-    #[expect(clippy::unused_self)] // the type alone decides, but users have a value
     pub fn plan(&self) -> &'static Plan {
         S::PLAN
     }

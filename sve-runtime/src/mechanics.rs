@@ -9,7 +9,7 @@ use crate::linear;
 use crate::method::explain;
 use crate::newton::{Evaluation, Newton, SolveError};
 use crate::state::State;
-use crate::system::{Dims, IncrementsOf, StateOf, System, VectorOf};
+use crate::system::{Dims, IncrementsOf, NoiseJet, StateOf, System, VectorOf};
 
 /// A tangent vector of phase space: `(q̇, ṗ)`, or the field of a noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,33 +102,8 @@ where
 
     #[inline]
     fn velocity_at(&self, t: f64, q: [f64; N], p: [f64; N]) -> Result<[f64; N], StepError> {
-        let solved = if S::AFFINE_MOMENTUM {
-            let at_rest = self.lagrangian_jet(t, &q, &[0.0; N]);
-            let mut rhs = p;
-            for i in 0..N {
-                rhs[i] -= at_rest.dv[i];
-            }
-            linear::solve(&at_rest.dvv, &rhs).ok_or(SolveError::Singular { iteration: 0 })
-        } else {
-            Newton::default().solve([0.0; N], |v| {
-                let jet = self.lagrangian_jet(t, &q, v);
-                let mut at = Evaluation {
-                    residual: jet.dv,
-                    magnitude: p,
-                    jacobian: jet.dvv,
-                };
-                for i in 0..N {
-                    at.residual[i] -= p[i];
-                    at.magnitude[i] = jet.dv[i].abs() + p[i].abs();
-                }
-                at
-            })
-        };
-        match solved {
-            Ok(v) if v.iter().all(|x| x.is_finite()) => Ok(v),
-            Ok(_) => Err(explain(SolveError::NonFinite, &State { t, q, p }, 0.0, &[])),
-            Err(error) => Err(explain(error, &State { t, q, p }, 0.0, &[])),
-        }
+        let state = State { t, q, p };
+        solve_velocity(self, &state).map_err(|error| outside_a_step(error, &state))
     }
 
     #[inline]
@@ -141,71 +116,177 @@ where
         if energy.is_finite() {
             Ok(energy)
         } else {
-            Err(explain(SolveError::NonFinite, state, 0.0, &[]))
+            Err(outside_a_step(SolveError::NonFinite, state))
         }
     }
 
     #[inline]
     fn drift(&self, state: &State<N>) -> Result<Field<[f64; N]>, StepError> {
-        let v = self.velocity_at(state.t, state.q, state.p)?;
-        let p = self.lagrangian_jet(state.t, &state.q, &v).dq;
-        Ok(Field { q: v, p })
+        solve_drift(self, state)
+            .and_then(finite)
+            .map_err(|error| outside_a_step(error, state))
     }
 
+    #[inline]
     fn acceleration(&self, state: &State<N>) -> Result<Field<[f64; N]>, StepError> {
-        let v = self.velocity_at(state.t, state.q, state.p)?;
-        let jet = self.lagrangian_jet(state.t, &state.q, &v);
-        // d/dt ∂L/∂v = ∂L/∂q:  L_vv a = L_q − L_vq v − L_vt
-        let mut rhs = [0.0; N];
-        for i in 0..N {
-            rhs[i] = jet.dq[i] - jet.dvt[i];
-            for j in 0..N {
-                rhs[i] -= jet.dqv[j][i] * v[j];
-            }
-        }
-        let a = linear::solve(&jet.dvv, &rhs)
-            .ok_or_else(|| explain(SolveError::Singular { iteration: 0 }, state, 0.0, &[]))?;
-        // d/dt ∂L/∂q = L_qq v + L_qv a + L_qt
-        let mut p = jet.dqt;
-        for i in 0..N {
-            for j in 0..N {
-                p[i] += jet.dqq[i][j] * v[j] + jet.dqv[i][j] * a[j];
-            }
-        }
-        Ok(Field { q: a, p })
+        solve_motion(self, state)
+            .and_then(|motion| finite(motion.second))
+            .map_err(|error| outside_a_step(error, state))
     }
 
     #[inline]
     fn noise(&self, state: &State<N>, dw: &[f64; M]) -> Field<[f64; N]> {
-        let jets = self.noise_jets(state.t, &state.q, &state.p);
-        let mut sum = Field {
-            q: [0.0; N],
-            p: [0.0; N],
-        };
-        for (jet, dw) in jets.iter().zip(dw) {
-            for i in 0..N {
-                sum.q[i] += jet.dp[i] * dw;
-                sum.p[i] -= jet.dq[i] * dw;
-            }
-        }
-        sum
+        noise_of(&self.noise_jets(state.t, &state.q, &state.p), dw)
     }
 
     #[inline]
     fn ito_correction(&self, state: &State<N>) -> Field<[f64; N]> {
-        let jets = self.noise_jets(state.t, &state.q, &state.p);
-        let mut sum = Field {
-            q: [0.0; N],
-            p: [0.0; N],
-        };
-        for g in &jets {
+        correction_of(&self.noise_jets(state.t, &state.q, &state.p))
+    }
+}
+
+// The same without the wording of errors: a method tells them of its whole step, not of one stage.
+
+/// The velocity with the momentum of `state`.
+#[inline]
+pub(crate) fn solve_velocity<S, const N: usize, const M: usize>(
+    system: &S,
+    state: &State<N>,
+) -> Result<[f64; N], SolveError>
+where
+    S: System<Dims = Dims<N, M>> + ?Sized,
+{
+    let State { t, q, p } = state;
+    let v = if S::AFFINE_MOMENTUM {
+        let at_rest = system.lagrangian_jet(*t, q, &[0.0; N]);
+        let mut rhs = *p;
+        for i in 0..N {
+            rhs[i] -= at_rest.dv[i];
+        }
+        linear::solve(&at_rest.dvv, &rhs).ok_or(SolveError::Singular { iteration: 0 })?
+    } else {
+        Newton::default().solve([0.0; N], |v| {
+            let jet = system.lagrangian_jet(*t, q, v);
+            let mut at = Evaluation {
+                residual: jet.dv,
+                magnitude: *p,
+                jacobian: jet.dvv,
+            };
             for i in 0..N {
-                for j in 0..N {
-                    sum.q[i] += 0.5 * (g.dqp[j][i] * g.dp[j] - g.dpp[i][j] * g.dq[j]);
-                    sum.p[i] -= 0.5 * (g.dqq[i][j] * g.dp[j] - g.dqp[i][j] * g.dq[j]);
-                }
+                at.residual[i] -= p[i];
+                at.magnitude[i] = jet.dv[i].abs() + p[i].abs();
+            }
+            at
+        })?
+    };
+    if v.iter().all(|x| x.is_finite()) {
+        Ok(v)
+    } else {
+        Err(SolveError::NonFinite)
+    }
+}
+
+/// The drift `(v, ∂L/∂q)`; only the velocity is known to be finite.
+#[inline]
+pub(crate) fn solve_drift<S, const N: usize, const M: usize>(
+    system: &S,
+    state: &State<N>,
+) -> Result<Field<[f64; N]>, SolveError>
+where
+    S: System<Dims = Dims<N, M>> + ?Sized,
+{
+    let q = solve_velocity(system, state)?;
+    let p = system.lagrangian_jet(state.t, &state.q, &q).dq;
+    Ok(Field { q, p })
+}
+
+/// First and second time derivatives of `(q, p)` without noise.
+pub(crate) struct Motion<const N: usize> {
+    pub(crate) first: Field<[f64; N]>,
+    pub(crate) second: Field<[f64; N]>,
+}
+
+/// The derivatives of the motion; only the velocity is known to be finite.
+#[inline]
+pub(crate) fn solve_motion<S, const N: usize, const M: usize>(
+    system: &S,
+    state: &State<N>,
+) -> Result<Motion<N>, SolveError>
+where
+    S: System<Dims = Dims<N, M>> + ?Sized,
+{
+    let v = solve_velocity(system, state)?;
+    let jet = system.lagrangian_jet(state.t, &state.q, &v);
+    // d/dt ∂L/∂v = ∂L/∂q:  L_vv a = L_q − L_vq v − L_vt
+    let mut rhs = [0.0; N];
+    for i in 0..N {
+        rhs[i] = jet.dq[i] - jet.dvt[i];
+        for j in 0..N {
+            rhs[i] -= jet.dqv[j][i] * v[j];
+        }
+    }
+    let a = linear::solve(&jet.dvv, &rhs).ok_or(SolveError::Singular { iteration: 0 })?;
+    // d/dt ∂L/∂q = L_qq v + L_qv a + L_qt
+    let mut p = jet.dqt;
+    for i in 0..N {
+        for j in 0..N {
+            p[i] += jet.dqq[i][j] * v[j] + jet.dqv[i][j] * a[j];
+        }
+    }
+    Ok(Motion {
+        first: Field { q: v, p: jet.dq },
+        second: Field { q: a, p },
+    })
+}
+
+/// `Σ_a g_a dW_a`.
+#[inline]
+pub(crate) fn noise_of<const N: usize, const M: usize>(
+    jets: &[NoiseJet<N>; M],
+    dw: &[f64; M],
+) -> Field<[f64; N]> {
+    let mut sum = Field {
+        q: [0.0; N],
+        p: [0.0; N],
+    };
+    for (jet, dw) in jets.iter().zip(dw) {
+        for i in 0..N {
+            sum.q[i] += jet.dp[i] * dw;
+            sum.p[i] -= jet.dq[i] * dw;
+        }
+    }
+    sum
+}
+
+/// `½ Σ_a (Dg_a) g_a`.
+#[inline]
+pub(crate) fn correction_of<const N: usize, const M: usize>(
+    jets: &[NoiseJet<N>; M],
+) -> Field<[f64; N]> {
+    let mut sum = Field {
+        q: [0.0; N],
+        p: [0.0; N],
+    };
+    for g in jets {
+        for i in 0..N {
+            for j in 0..N {
+                sum.q[i] += 0.5 * (g.dqp[j][i] * g.dp[j] - g.dpp[i][j] * g.dq[j]);
+                sum.p[i] -= 0.5 * (g.dqq[i][j] * g.dp[j] - g.dqp[i][j] * g.dq[j]);
             }
         }
-        sum
     }
+    sum
+}
+
+fn finite<const N: usize>(field: Field<[f64; N]>) -> Result<Field<[f64; N]>, SolveError> {
+    if field.q.iter().chain(&field.p).all(|x| x.is_finite()) {
+        Ok(field)
+    } else {
+        Err(SolveError::NonFinite)
+    }
+}
+
+#[cold]
+fn outside_a_step<const N: usize>(error: SolveError, state: &State<N>) -> StepError {
+    explain(error, state, 0.0, &[])
 }

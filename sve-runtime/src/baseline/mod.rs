@@ -1,1 +1,69 @@
 //! Methods that a variational step is compared with, one a file, on the generated first-order form.
+//!
+//! Input: the derivatives that the macro generated for the same Lagrangian and noises; output: a [`Method`](crate::Method),
+//! so that everything that runs an [`Integrator`](crate::Integrator) runs these too.
+//!
+//! | method | stochastic | deterministic order | strong order |
+//! | --- | --- | --- | --- |
+//! | [`EulerMaruyama`] | Itô, corrected drift | 1 | ½, 1 with additive noise |
+//! | [`BackwardEulerMaruyama`] | Itô, corrected drift | 1 | ½, 1 with additive noise |
+//! | [`Heun`] | Stratonovich | 2 | 1 where the noises commute, else ½ |
+//! | [`RungeKutta4`] | no | 4 | |
+//! | [`TaylorSeries2`] | no | 2 | |
+//!
+//! None of them is symplectic: that is what they are here to show.
+
+mod backward_euler_maruyama;
+mod euler_maruyama;
+mod heun;
+mod runge_kutta4;
+mod taylor_series2;
+
+pub use backward_euler_maruyama::BackwardEulerMaruyama;
+pub use euler_maruyama::EulerMaruyama;
+pub use heun::Heun;
+pub use runge_kutta4::RungeKutta4;
+pub use taylor_series2::TaylorSeries2;
+
+use crate::mechanics::Field;
+use crate::newton::SolveError;
+use crate::state::State;
+use crate::system::Dims;
+
+/// Sizes without a Wiener process: what a deterministic method asks of [`System::Dims`](crate::System::Dims).
+#[diagnostic::on_unimplemented(
+    message = "this method is for systems without noise",
+    label = "the system has a `#[gamma]` or an `#[h1]`",
+    note = "use `baseline::Heun` or `baseline::EulerMaruyama`, or take the noise out of the `impl` block"
+)]
+pub trait NoiseFree {}
+
+impl<const N: usize> NoiseFree for Dims<N, 0> {}
+
+/// `state` after `h` along `field`: a stage of a Runge–Kutta method.
+///
+/// # Errors
+/// [`SolveError::NonFinite`]: the next evaluation would call it a bad input, which the user did not give.
+#[inline]
+fn stage<const N: usize>(
+    state: &State<N>,
+    h: f64,
+    scale: f64,
+    field: &Field<[f64; N]>,
+) -> Result<State<N>, SolveError> {
+    let mut at = State {
+        t: state.t + h,
+        ..*state
+    };
+    let mut finite = true;
+    for i in 0..N {
+        at.q[i] += scale * field.q[i];
+        at.p[i] += scale * field.p[i];
+        finite &= at.q[i].is_finite() & at.p[i].is_finite();
+    }
+    if finite {
+        Ok(at)
+    } else {
+        Err(SolveError::NonFinite)
+    }
+}

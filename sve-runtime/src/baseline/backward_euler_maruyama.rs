@@ -1,0 +1,168 @@
+//! Backward (drift-implicit) Euler–Maruyama: `z₁ = z₀ + h f(z₁) + h c(z₀) + Σ g_a(z₀) ΔW_a`.
+//!
+//! Here `z = (q, p)`, f is the drift, `g_a` the noise fields and `c = ½ Σ (Dg_a) g_a` the Itô correction. Only the drift is
+//! implicit: everything that comes from the noise, its Itô correction too, is taken at the start of the step, so that no
+//! unbounded ΔW enters the equation that is solved.
+//! With `n = h c(z₀) + Σ g_a(z₀) ΔW_a` and `q₁ = q₀ + n_q + h v₁` the unknown is `v₁` alone:
+//! `L_v(t₁, q₁, v₁) − p₀ − h L_q(t₁, q₁, v₁) − n_p = 0`, by Newton's method from `v₀`.
+//! Kloeden and Platen, Numerical Solution of Stochastic Differential Equations, section 12.2.
+//! Strong order ½ (1 where the noise is additive), deterministic order 1.
+//! For: the stable scheme, which damps what should oscillate: its energy settles where the exact one grows.
+
+use crate::error::StepError;
+use crate::mechanics::{Field, correction_of, noise_of, solve_velocity};
+use crate::method::{Method, advance, check_step_size, explain};
+use crate::newton::{Evaluation, Newton, SolveError};
+use crate::state::State;
+use crate::system::{Dims, System};
+
+/// Backward Euler–Maruyama: implicit in the drift, explicit in the noise.
+///
+/// ```
+/// use sve_runtime::baseline::BackwardEulerMaruyama;
+/// use sve_runtime::prelude::*;
+///
+/// struct Oscillator { sigma: f64 }
+///
+/// #[variational(midpoint)]
+/// impl Oscillator {
+///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v - 0.5 * q * q }
+///     #[gamma]
+///     fn push(&self, q: f64) -> f64 { self.sigma * q }
+/// }
+///
+/// # fn main() -> Result<(), StepError> {
+/// let method = BackwardEulerMaruyama::new(Oscillator { sigma: 1.0 });
+/// let mut state = State::new([1.0], [0.0]);
+/// method.step(&mut state, 0.1, &[0.0])?;
+/// // q₁ = q₀ + h p₁ and p₁ = p₀ − h q₁: the energy falls by 1 + h² although nothing takes it away
+/// let energy = method.system().hamiltonian(&state)?;
+/// assert!((energy - 0.5 / 1.01).abs() < 1e-15);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct BackwardEulerMaruyama<S> {
+    system: S,
+    corrected: bool,
+    newton: Newton,
+}
+
+impl<S: System> BackwardEulerMaruyama<S> {
+    /// The method for `system`, with the Itô correction of the drift.
+    pub fn new(system: S) -> Self {
+        Self {
+            system,
+            corrected: true,
+            newton: Newton::default(),
+        }
+    }
+
+    /// Leaves the Itô correction out of the drift; see
+    /// [`EulerMaruyama::uncorrected`](crate::baseline::EulerMaruyama::uncorrected).
+    #[must_use]
+    pub fn uncorrected(mut self) -> Self {
+        self.corrected = false;
+        self
+    }
+
+    /// Replaces the options of the Newton iteration.
+    #[must_use]
+    pub fn with_newton(mut self, newton: Newton) -> Self {
+        self.newton = newton;
+        self
+    }
+}
+
+impl<S, const N: usize, const M: usize> Method for BackwardEulerMaruyama<S>
+where
+    S: System<Dims = Dims<N, M>>,
+{
+    type System = S;
+    type Prepared = ();
+
+    fn system(&self) -> &S {
+        &self.system
+    }
+
+    #[inline]
+    fn prepare(&self, h: f64) -> Result<(), StepError> {
+        check_step_size(h)
+    }
+
+    #[inline]
+    fn step_prepared(
+        &self,
+        (): &(),
+        state: &mut State<N>,
+        h: f64,
+        dw: &[f64; M],
+    ) -> Result<(), StepError> {
+        let jets = self.system.noise_jets(state.t, &state.q, &state.p);
+        let mut n = noise_of(&jets, dw);
+        if self.corrected {
+            let correction = correction_of(&jets);
+            for i in 0..N {
+                n.q[i] += h * correction.q[i];
+                n.p[i] += h * correction.p[i];
+            }
+        }
+        match drift_implicit(&self.system, &self.newton, state, h, &n) {
+            Ok(d) => advance(state, h, dw, &d.q, &d.p),
+            Err(error) => Err(explain(error, state, h, dw)),
+        }
+    }
+}
+
+/// `(q₁ − q₀, p₁ − p₀)` where `n` is what the noise contributes.
+#[inline]
+fn drift_implicit<S, const N: usize, const M: usize>(
+    system: &S,
+    newton: &Newton,
+    state: &State<N>,
+    h: f64,
+    n: &Field<[f64; N]>,
+) -> Result<Field<[f64; N]>, SolveError>
+where
+    S: System<Dims = Dims<N, M>>,
+{
+    let t = state.t + h;
+    let moved = |v: &[f64; N]| {
+        let mut dq = n.q;
+        for i in 0..N {
+            dq[i] += h * v[i];
+        }
+        dq
+    };
+    let at = |dq: &[f64; N]| {
+        let mut q = state.q;
+        for i in 0..N {
+            q[i] += dq[i];
+        }
+        q
+    };
+    let v = newton.solve(solve_velocity(system, state)?, |v| {
+        let jet = system.lagrangian_jet(t, &at(&moved(v)), v);
+        let mut equations = Evaluation {
+            residual: [0.0; N],
+            magnitude: [0.0; N],
+            jacobian: jet.dvv,
+        };
+        for i in 0..N {
+            let terms = [jet.dv[i], -state.p[i], -h * jet.dq[i], -n.p[i]];
+            equations.residual[i] = terms.iter().sum();
+            equations.magnitude[i] = terms.iter().map(|x| x.abs()).sum();
+            for j in 0..N {
+                equations.jacobian[i][j] += h * (jet.dqv[j][i] - jet.dqv[i][j] - h * jet.dqq[i][j]);
+            }
+        }
+        equations
+    })?;
+    let dq = moved(&v);
+    let force = system.lagrangian_jet(t, &at(&dq), &v).dq;
+    let mut dp = n.p;
+    for i in 0..N {
+        dp[i] += h * force[i];
+    }
+    Ok(Field { q: dq, p: dp })
+}

@@ -1,0 +1,89 @@
+//! Second-order Taylor method: `z₁ = z₀ + h ż₀ + ½ h² z̈₀` for `z = (q, p)`.
+//!
+//! `q̇ = v`, `ṗ = L_q`, `q̈ = a` from `L_vv a = L_q − L_vq v − L_vt`, and `p̈ = L_qq v + L_qv a + L_qt`.
+//! Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, section I.8.
+//! Order 2; for systems without noise, which its type demands.
+//! For: the method from which the second-order Taylor variational integrator is made, which spends the same derivatives on
+//! the action instead; this one gains energy without bound.
+
+use crate::error::StepError;
+use crate::mechanics::{Motion, solve_motion};
+use crate::method::{Method, advance, check_step_size, explain};
+use crate::state::State;
+use crate::system::{Dims, System};
+
+use super::NoiseFree;
+
+/// The Taylor expansion of the motion to second order, for systems without noise.
+///
+/// Not the rule [`Taylor2`](crate::Taylor2), which is variational.
+///
+/// ```
+/// use sve_runtime::baseline::TaylorSeries2;
+/// use sve_runtime::prelude::*;
+///
+/// struct Oscillator;
+///
+/// #[variational(midpoint)]
+/// impl Oscillator {
+///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v - 0.5 * q * q }
+/// }
+///
+/// # fn main() -> Result<(), StepError> {
+/// let method = TaylorSeries2::new(Oscillator);
+/// let mut state = State::new([1.0], [2.0]);
+/// method.step(&mut state, 0.5, &[])?;
+/// // q + h p − h²/2 q, p − h q − h²/2 p
+/// assert_eq!(state, State::at(0.5, [1.875], [1.25]));
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct TaylorSeries2<S> {
+    system: S,
+}
+
+impl<S: System> TaylorSeries2<S> {
+    /// The method for `system`, which has no noise.
+    pub fn new(system: S) -> Self
+    where
+        S::Dims: NoiseFree,
+    {
+        Self { system }
+    }
+}
+
+impl<S, const N: usize> Method for TaylorSeries2<S>
+where
+    S: System<Dims = Dims<N, 0>>,
+{
+    type System = S;
+    type Prepared = ();
+
+    fn system(&self) -> &S {
+        &self.system
+    }
+
+    #[inline]
+    fn prepare(&self, h: f64) -> Result<(), StepError> {
+        check_step_size(h)
+    }
+
+    #[inline]
+    fn step_prepared(
+        &self,
+        (): &(),
+        state: &mut State<N>,
+        h: f64,
+        dw: &[f64; 0],
+    ) -> Result<(), StepError> {
+        let Motion { first, second } =
+            solve_motion(&self.system, state).map_err(|error| explain(error, state, h, dw))?;
+        let mut d = first;
+        for i in 0..N {
+            d.q[i] = h * (first.q[i] + 0.5 * h * second.q[i]);
+            d.p[i] = h * (first.p[i] + 0.5 * h * second.p[i]);
+        }
+        advance(state, h, dw, &d.q, &d.p)
+    }
+}
