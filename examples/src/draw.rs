@@ -7,12 +7,13 @@ use std::ops::Range;
 
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
+use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::clip;
 use crate::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Shape, Symbols};
-use crate::palette::{self, Color};
+use crate::palette;
 use crate::render::SCALE;
 
 type Outcome = Result<(), Box<dyn Error>>;
@@ -44,15 +45,15 @@ fn px(length: f64) -> i32 {
     (length * f64::from(SCALE)).round() as i32
 }
 
-fn stroke(color: Color, width: f64) -> ShapeStyle {
+fn stroke(color: palette::Color, width: f64) -> ShapeStyle {
     rgb(color).stroke_width(px(width).unsigned_abs().max(1))
 }
 
-fn rgb((r, g, b): Color) -> RGBColor {
+fn rgb((r, g, b): palette::Color) -> RGBColor {
     RGBColor(r, g, b)
 }
 
-fn font(size: f64, color: Color) -> TextStyle<'static> {
+fn font(size: f64, color: palette::Color) -> TextStyle<'static> {
     ("sans-serif", 1.24 * size * f64::from(SCALE))
         .into_font()
         .color(&rgb(color))

@@ -6,7 +6,7 @@
 
 use std::convert::Infallible;
 
-use plotters::backend::{
+use plotters_backend::{
     BackendColor, BackendCoord, BackendStyle, DrawingBackend, DrawingErrorKind,
 };
 
