@@ -143,9 +143,16 @@ fn digits(x: f64, significant: usize) -> String {
     }
 }
 
-/// The table of one figure as text, without the reasons of checks that agree.
+/// The table of one figure as text, without the reasons where numbers agree: lines have to fit a terminal.
 pub fn table(title: &str, checks: &[Check]) -> String {
-    let rows: Vec<[String; 6]> = checks.iter().map(Check::cells).collect();
+    let row = |check: &Check| {
+        let mut cells = check.cells();
+        if !check.failed() && matches!(check.verdict, Verdict::Compared { .. }) {
+            cells[5].clear();
+        }
+        cells
+    };
+    let rows: Vec<[String; 6]> = checks.iter().map(row).collect();
     let width = |column: usize| {
         let cells = rows.iter().map(|row| row[column].chars().count());
         cells.max().unwrap_or(0).max(COLUMNS[column].len())
@@ -156,12 +163,11 @@ pub fn table(title: &str, checks: &[Check]) -> String {
         let [what, measured, expected, allowed, verdict, reason] = cells;
         let [a, b, c, d, e] = widths;
         // writing into a String cannot fail
-        let _ = writeln!(
-            text,
-            "  {what:a$}  {measured:>b$}  {expected:>c$}  {allowed:d$}  {verdict:e$}  {reason}"
-        );
+        let line = format!("  {what:a$}  {measured:>b$}  {expected:>c$}  {allowed:d$}  {verdict:e$}  {reason}");
+        let _ = writeln!(text, "{}", line.trim_end());
     };
-    line(COLUMNS);
+    let [what, measured, expected, allowed, verdict, _] = COLUMNS;
+    line([what, measured, expected, allowed, verdict, ""]);
     for row in &rows {
         line(row.each_ref().map(String::as_str));
     }

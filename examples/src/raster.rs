@@ -6,8 +6,9 @@
 
 use std::convert::Infallible;
 
+use plotters_backend::text_anchor::{HPos, VPos};
 use plotters_backend::{
-    BackendColor, BackendCoord, BackendStyle, DrawingBackend, DrawingErrorKind,
+    BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
 };
 
 type Drawn = Result<(), DrawingErrorKind<Infallible>>;
@@ -108,6 +109,34 @@ impl DrawingBackend for Raster<'_> {
         Ok(())
     }
 
+    fn draw_text<S: BackendTextStyle>(
+        &mut self,
+        text: &str,
+        style: &S,
+        (x0, y0): BackendCoord,
+    ) -> Drawn {
+        let failed = |e| DrawingErrorKind::FontError(Box::new(e));
+        let ((left, top), (right, bottom)) = style.layout_box(text).map_err(failed)?;
+        let (width, height) = (right - left, bottom - top);
+        let dx = match style.anchor().h_pos {
+            HPos::Left => 0,
+            HPos::Right => -width,
+            HPos::Center => -width / 2,
+        };
+        let dy = match style.anchor().v_pos {
+            VPos::Top => 0,
+            // the box has room for descenders, which most labels lack
+            VPos::Center => (SINK * style.size()).round() as i32 - height / 2,
+            VPos::Bottom => -height,
+        };
+        let transform = style.transform();
+        let drawn = style.draw(text, (0, 0), |x, y, color| {
+            let (x, y) = transform.transform(x + dx - left, y + dy - top);
+            self.draw_pixel((x0 + x, y0 + y), color)
+        });
+        drawn.map_err(failed)?
+    }
+
     fn draw_path<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
         &mut self,
         path: I,
@@ -124,6 +153,9 @@ impl DrawingBackend for Raster<'_> {
         Ok(())
     }
 }
+
+/// How far down a line of text is moved, in units of its height, so that its capitals and digits are centred.
+const SINK: f64 = 0.1;
 
 /// The PNG of pixels averaged over squares of `factor` × `factor`.
 pub(crate) fn png(

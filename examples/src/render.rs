@@ -51,11 +51,15 @@ pub fn svg(figure: &Figure) -> Result<String, Box<dyn Error>> {
         area.present()?;
     }
     let (width, height) = figure.size();
-    Ok(text.replacen(
-        &format!("width=\"{}\" height=\"{}\"", device.0, device.1),
-        &format!("width=\"{width}\" height=\"{height}\""),
-        1,
-    ))
+    // what is the default anyway doubles the size of a dot
+    Ok(text
+        .replacen(
+            &format!("width=\"{}\" height=\"{}\"", device.0, device.1),
+            &format!("width=\"{width}\" height=\"{height}\""),
+            1,
+        )
+        .replace(" opacity=\"1\"", "")
+        .replace(" stroke=\"none\" stroke-width=\"1\"", ""))
 }
 
 /// The figure as a PNG file.

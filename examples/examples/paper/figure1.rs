@@ -52,8 +52,8 @@ pub(crate) fn report(options: &Options, tick: &dyn Fn()) -> Result<Report, Box<d
         caption: format!(
             "H = p²/2 − 9.8 cos q, h = {H}, T = {}. Left: exact level sets, with the separatrix dashed. Middle: the \
              second-order Taylor variational integrator. Right: the second-order Taylor method from the same starts; \
-             its vertical axis is longer, and the dashed frame is the region of the other panels. \
-             Angles are shown modulo 2π.",
+             its vertical axis is longer. Starts: at rest from the angles written in the left panel, and from q = 0 with \
+             p = ±7.5. Angles are shown modulo 2π, every fourth state.",
             options.horizon
         ),
         checks,
@@ -131,8 +131,9 @@ fn wrap(q: f64) -> f64 {
     (q + PI).rem_euclid(2.0 * PI) - PI
 }
 
+/// Every fourth state: five thousand dots show an orbit as well as twenty thousand.
 fn wrapped(run: &Run) -> Vec<(f64, f64)> {
-    run.orbit().into_iter().map(|(q, p)| (wrap(q), p)).collect()
+    run.orbit().into_iter().step_by(4).map(|(q, p)| (wrap(q), p)).collect()
 }
 
 /// The level set of energy `e` through `q = limit sin s`, upper half with `sign = 1`, lower half with `sign = −1`.
@@ -162,6 +163,10 @@ fn draw(runs: &[(Run, Run)]) -> Figure {
     for (start, color) in STARTS.into_iter().zip(palette::CYCLE) {
         let pen = Pen::line(color, 1.4);
         let signs: &[f64] = if start.1 == 0.0 { &[1.0, -1.0] } else { &[start.1.signum()] };
+        let label = if start.1 == 0.0 { format!("{:.1}", start.0) } else { format!("p = {}", start.1) };
+        // inside the level set where it crosses the axis of angles or momenta
+        let at = if start.1 == 0.0 { (start.0 - 0.4, 0.0) } else { (-0.5, 0.9 * start.1) };
+        exact = exact.note(at, label.replace('-', "−"), color);
         for sign in signs {
             exact = exact.with(Layer::new(name(start), level(energy(start), *sign), pen));
         }
@@ -173,15 +178,18 @@ fn draw(runs: &[(Run, Run)]) -> Figure {
     let highest = runs.iter().flat_map(|(_, series)| &series.states);
     let highest = highest.map(|z| z.p[0].abs()).fold(9.0, f64::max);
     let mut rule = axes("Second-order Taylor variational integrator", 9.0);
-    let mut series = axes("Second-order Taylor method", 1.05 * highest);
+    // room for the legend above the dots
+    let mut series = axes("Second-order Taylor method", 1.3 * highest).legend(Corner::TopRight);
     for (k, (start, color)) in STARTS.into_iter().zip(palette::CYCLE).enumerate() {
         rule = rule.with(Layer::new(name(start), wrapped(&runs[k].0), Pen::dots(color, 0.7)));
-        series = series.with(Layer::new(name(start), wrapped(&runs[k].1), Pen::dots(color, 0.6)));
+        let layer = Layer::new(name(start), wrapped(&runs[k].1), Pen::dots(color, 0.6));
+        series = series.with(layer.unlisted());
     }
-    let frame = vec![(-PI, 9.0), (PI, 9.0), (PI, -9.0), (-PI, -9.0)];
-    let frame = Layer::new("region of the other panels", frame, Pen::dashed(palette::BLACK, 1.4, (5.0, 4.0)));
-    series.layers.iter_mut().for_each(|layer| layer.listed = false);
-    let series = series.with(frame).legend(Corner::TopRight);
+    for p in [9.0, -9.0] {
+        let pen = Pen::dashed(palette::BLACK, 1.6, (5.0, 4.0));
+        let edge = Layer::new("range of the other panels", vec![(-PI, p), (PI, p)], pen);
+        series = series.with(if p > 0.0 { edge } else { edge.unlisted() });
+    }
     Figure {
         name: "figure1",
         width: 1110,

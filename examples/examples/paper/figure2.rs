@@ -38,7 +38,7 @@ pub(crate) fn report(options: &Options, tick: &dyn Fn()) -> Result<Report, Box<d
     checks.push(Check::reported(
         "forward Euler–Maruyama: leaves the picture at t",
         picture.left.unwrap_or(f64::NAN),
-        format!("first energy above {:.0}", picture.energy),
+        format!("first |q| or |p| above {:.0}", picture.size),
     ));
     checks.push(settled(options, entries[BACKWARD].scheme.linear()?, &runs[BACKWARD])?);
     for index in [MIDPOINT, INITIAL_POINT, ENDPOINT] {
@@ -69,7 +69,7 @@ pub(crate) fn report(options: &Options, tick: &dyn Fn()) -> Result<Report, Box<d
 
 /// What the panels span.
 struct Picture {
-    /// Largest energy.
+    /// Largest energy of the panel of energies.
     energy: f64,
     /// Largest |q| and |p|.
     size: f64,
@@ -83,18 +83,14 @@ impl Picture {
         for z in runs[INITIAL_POINT].states.iter().chain(&runs[ENDPOINT].states).chain(&solution.states) {
             energy = energy.max(OSCILLATOR.hamiltonian(z)?);
         }
-        energy *= 1.2;
-        let mut left = None;
-        for z in &runs[FORWARD].states {
-            if OSCILLATOR.hamiltonian(z)? > energy {
-                left = Some(z.t);
-                break;
-            }
-        }
+        let size = (2.4 * energy).sqrt();
+        let inside = runs[FORWARD].inside(size);
+        let leaves = inside.len() < runs[FORWARD].states.len();
         Ok(Self {
-            energy,
-            size: (2.0 * energy).sqrt(),
-            left,
+            // room for the legend
+            energy: 1.9 * energy,
+            size,
+            left: inside.last().filter(|_| leaves).map(|z| z.t),
         })
     }
 }
@@ -168,8 +164,8 @@ fn near_exact(entry: &Entry, joint: &Scheme<4>, run: &Run, solution: &Run) -> [C
         Check::near(
             format!("{}: error at the horizon, squared, in units of its covariance", entry.name),
             surprise,
-            0.0,
-            SURPRISE,
+            2.0,
+            SURPRISE - 2.0,
             "χ² with 2 degrees of freedom, exact covariance by recursion; false alarm 1e-4",
         ),
         Check::reported(
@@ -188,8 +184,8 @@ fn law(scheme: &Scheme<2>, solution: &Run) -> Check {
     Check::near(
         "exact solution at the horizon, squared, in units of its covariance",
         surprise.unwrap_or(f64::NAN),
-        0.0,
-        SURPRISE,
+        2.0,
+        SURPRISE - 2.0,
         "χ² with 2 degrees of freedom; false alarm 1e-4",
     )
 }
@@ -262,7 +258,7 @@ fn energies(
         Axis::new("time t", 0.0..options.horizon),
         Axis::new("energy H", 0.0..picture.energy),
     )
-    .legend(Corner::TopLeft);
+    .legend(Corner::TopRight);
     panel.x.labels = 5;
     let mean = vec![(0.0, 0.5), (options.horizon, 0.5 + 0.5 * options.horizon)];
     panel = panel

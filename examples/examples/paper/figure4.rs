@@ -16,7 +16,7 @@ use crate::systems::Kubo;
 
 const KUBO: Kubo = Kubo { a: 1.0, sigma: 1.0 };
 /// Half the side of the picture: Euler–Maruyama is drawn up to there.
-const PICTURE: f64 = 5.0;
+const PICTURE: f64 = 8.0;
 /// Standard deviations allowed to a sum of many independent terms: a false alarm in a million.
 const DEVIATIONS: f64 = 5.0;
 
