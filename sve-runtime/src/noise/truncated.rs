@@ -1,6 +1,6 @@
 //! Increments with bounded size, for implicit steps.
 //!
-//! Input: the increments of another source and `h < 1`. Output: the same, clipped to ±√h A_h.
+//! Input: the increments of another source and `h < 1`. Output: the same, clipped to ±√h A.
 //! Invariant: |ΔW| ≤ √(2 k h |ln h|).
 //!
 //! Source: Milstein, Repin, Tretyakov, *Numerical methods for stochastic systems preserving symplectic structure*,
@@ -9,14 +9,14 @@
 use super::error::check_step;
 use super::{Noise, NoiseError};
 
-/// Another source with its increments clipped: ΔW = √h ξ with ξ held between ±A_h, A_h = √(2k|ln h|).
+/// Another source with its increments clipped: ΔW = √h ξ with ξ held between ±A, A = √(2k|ln h|).
 ///
 /// An implicit step with noise in the momentum may have no solution for a large ΔW. The clipped increment goes to 0 with
 /// `h` as surely as `h` does, so a small step always has one, and the mean square of what is cut off is at most `h^(k+1)`:
 /// the default `k = 2` keeps the strong order 1 of the rules.
 ///
 /// Needs `h < 1` in the unit of time ([`NoiseError::TruncationStep`]). The bound narrows as `h` grows: it clips one ξ in
-/// 400 at `h = 0.1` (A_h = 3.03), and one in 10 at `h = 0.5` (A_h = 1.67).
+/// 400 at `h = 0.1` (A = 3.03), and one in 10 at `h = 0.5` (A = 1.67).
 ///
 /// ```
 /// use sve_runtime::noise::{Noise, NoiseError, Truncated, Wiener};
@@ -52,7 +52,7 @@ impl<W> Truncated<W> {
         }
     }
 
-    /// The largest |ΔW| over a step of length `h`, √h A_h.
+    /// The largest |ΔW| over a step of length `h`, √h A.
     ///
     /// # Errors
     /// [`NoiseError::InvalidStep`] unless `h` is positive and finite; [`NoiseError::TruncationStep`] unless `h < 1`.

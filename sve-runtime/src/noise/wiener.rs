@@ -26,7 +26,7 @@ const STEPS: u64 = 4;
 ///
 /// An increment has variance `h` and never exceeds 9.4926 √h in size.
 ///
-/// As [`Noise`] it keeps the last four steps of each process; there it refuses an `h` that is not positive and finite
+/// As [`Noise`] it keeps a block of four steps for each process, so it costs least in sequence; there it refuses an `h` that is not positive and finite
 /// ([`NoiseError::InvalidStep`]), and has no other error.
 ///
 /// ```
@@ -48,10 +48,10 @@ const STEPS: u64 = 4;
 pub struct Wiener {
     seed: u64,
     path: u64,
-    /// Which four steps `normals` belongs to.
-    block: Option<u64>,
+    /// Which four steps `increments` belongs to, and their step size.
+    block: Option<(u64, f64)>,
     /// One entry a process.
-    normals: Vec<[f64; 4]>,
+    increments: Vec<[f64; 4]>,
 }
 
 impl Wiener {
@@ -61,7 +61,7 @@ impl Wiener {
             seed,
             path: 0,
             block: None,
-            normals: Vec::new(),
+            increments: Vec::new(),
         }
     }
 
@@ -82,38 +82,42 @@ impl Wiener {
     #[inline]
     pub fn increment(&self, step: u64, process: usize, h: f64) -> f64 {
         let (block, at) = place(step);
-        h.sqrt() * self.normals_of(block, process)[at]
+        h.sqrt() * normals(self.key(), block, process)[at]
     }
 
-    /// The normals of one process over four steps.
-    #[inline]
-    fn normals_of(&self, block: u64, process: usize) -> [f64; 4] {
-        let key = [self.seed, self.path, DOMAIN, 0];
-        box_muller::four(threefry::block([block, process as u64, 0, 0], key))
+    fn key(&self) -> [u64; 4] {
+        [self.seed, self.path, DOMAIN, 0]
     }
 
-    fn fill(&mut self, block: u64, processes: usize) {
-        let mut normals = core::mem::take(&mut self.normals);
-        normals.resize(processes.max(normals.len()), [0.0; 4]);
-        for (process, four) in normals.iter_mut().enumerate() {
-            *four = self.normals_of(block, process);
+    fn fill(&mut self, block: u64, processes: usize, h: f64) -> Result<(), NoiseError> {
+        check_step(h)?;
+        let (key, scale) = (self.key(), h.sqrt());
+        if self.increments.len() < processes {
+            self.increments.resize(processes, [0.0; 4]);
         }
-        self.normals = normals;
-        self.block = Some(block);
+        for (process, four) in self.increments.iter_mut().enumerate() {
+            *four = normals(key, block, process).map(|z| scale * z);
+        }
+        self.block = Some((block, h));
+        Ok(())
     }
+}
+
+/// The normals of one process over four steps.
+#[inline]
+fn normals(key: [u64; 4], block: u64, process: usize) -> [f64; 4] {
+    box_muller::four(threefry::block([block, process as u64, 0, 0], key))
 }
 
 impl Noise for Wiener {
     #[inline]
     fn increments(&mut self, step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
-        check_step(h)?;
         let (block, at) = place(step);
-        if self.block != Some(block) || self.normals.len() < dw.len() {
-            self.fill(block, dw.len());
+        if self.block != Some((block, h)) || self.increments.len() < dw.len() {
+            self.fill(block, dw.len(), h)?;
         }
-        let scale = h.sqrt();
-        for (dw, normals) in dw.iter_mut().zip(&self.normals) {
-            *dw = scale * normals[at];
+        for (dw, four) in dw.iter_mut().zip(&self.increments) {
+            *dw = four[at];
         }
         Ok(())
     }
@@ -147,13 +151,13 @@ mod tests {
         let mut path = Wiener::new(1);
         let mut dw = [0.0; 3];
         path.increments(8, 0.1, &mut dw).unwrap();
-        let memory = path.normals.as_ptr();
+        let memory = path.increments.as_ptr();
         for step in [9, 10, 11, 12, 0, u64::MAX] {
             path.increments(step, 0.1, &mut dw).unwrap();
-            assert_eq!(path.block, Some(step / 4));
-            assert_eq!(path.normals.as_ptr(), memory);
+            assert_eq!(path.block, Some((step / 4, 0.1)));
+            assert_eq!(path.increments.as_ptr(), memory);
         }
         path.increments(u64::MAX, 0.1, &mut dw[..1]).unwrap();
-        assert_eq!(path.normals.len(), 3);
+        assert_eq!(path.increments.len(), 3);
     }
 }

@@ -1,0 +1,233 @@
+//! The noise sources by what they promise: replay, bounds and errors. Recorded paths are in `noise_recorded`, the
+//! distribution in `noise_statistics`.
+
+use rand::rngs::StdRng;
+use rand::{Rng, SeedableRng};
+use sve_runtime::noise::{FromRng, NoNoise, Noise, NoiseError, Recorded, Truncated, Wiener};
+
+fn draw<const M: usize>(
+    noise: &mut (impl Noise + ?Sized),
+    step: u64,
+    h: f64,
+) -> Result<[f64; M], NoiseError> {
+    let mut dw = [f64::NAN; M];
+    noise.increments(step, h, &mut dw)?;
+    Ok(dw)
+}
+
+#[test]
+fn any_order_gives_the_same_bits() -> Result<(), NoiseError> {
+    let h = 0.037;
+    let mut path = Wiener::new(7).path(3);
+    let sequence: Vec<[f64; 3]> = (0..1000)
+        .map(|step| draw(&mut path, step, h))
+        .collect::<Result<_, _>>()?;
+    // 389 and 1000 have no common factor: every step once, in a scattered order
+    for step in (0..1000).map(|k| k * 389 % 1000) {
+        let expected = sequence[step as usize];
+        assert_eq!(draw(&mut path, step, h)?, expected);
+        for process in 0..3 {
+            assert_eq!(path.increment(step, process, h), expected[process]);
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn fewer_or_more_processes_do_not_change_a_process() -> Result<(), NoiseError> {
+    let mut path = Wiener::new(7);
+    let [first] = draw(&mut path, 5, 0.1)?;
+    let [a, b, c, d, e] = draw(&mut path, 5, 0.1)?;
+    assert_eq!(first, a);
+    assert_eq!(draw(&mut path, 6, 0.1)?, [path.increment(6, 0, 0.1)]);
+    assert_eq!(draw(&mut path, 5, 0.1)?, [a, b, c, d, e]);
+    assert_eq!(draw(&mut path, 5, 0.1)?, [a, b]);
+    let none: [f64; 0] = draw(&mut path, 5, 0.1)?;
+    assert!(none.is_empty());
+    Ok(())
+}
+
+#[test]
+fn a_new_path_or_step_size_does_not_reuse_the_old() -> Result<(), NoiseError> {
+    let mut path = Wiener::new(7);
+    let at_small: [f64; 1] = draw(&mut path, 0, 0.01)?;
+    assert_eq!(draw(&mut path, 0, 0.04)?, [path.increment(0, 0, 0.04)]);
+    assert_eq!(draw(&mut path, 0, 0.01)?, at_small);
+    let mut other = path.clone().path(1);
+    assert_eq!(draw(&mut other, 0, 0.01)?, [other.increment(0, 0, 0.01)]);
+    assert_ne!(draw(&mut other, 0, 0.01)?, at_small);
+    assert_eq!(draw(&mut other.path(0), 0, 0.01)?, at_small);
+    Ok(())
+}
+
+#[test]
+fn the_last_steps_exist() -> Result<(), NoiseError> {
+    let mut path = Wiener::new(u64::MAX).path(u64::MAX);
+    for step in [u64::MAX, u64::MAX - 1, u64::MAX - 3, u64::MAX - 4, 1 << 63] {
+        let [dw] = draw(&mut path, step, 1.0)?;
+        assert!(dw.is_finite() && dw == path.increment(step, 0, 1.0));
+    }
+    assert!(path.increment(0, usize::MAX, 1.0).is_finite());
+    Ok(())
+}
+
+/// Published results depend on these numbers. Computed from the layout independently, at 40 digits.
+#[test]
+fn wiener_values_are_a_contract() {
+    let path = Wiener::new(42).path(7);
+    for (step, process, expected) in CONTRACT {
+        let got = path.increment(step, process, 1.0);
+        assert!(
+            (got - expected).abs() < 1e-14,
+            "({step}, {process}): {got:?}"
+        );
+    }
+}
+
+const CONTRACT: [(u64, usize, f64); 6] = [
+    (0, 0, -0.810_305_703_597_274_4),
+    (1, 0, -0.511_627_064_737_853),
+    (3, 0, 0.753_473_268_642_748_8),
+    (4, 1, -0.038_211_099_771_952_625),
+    (1 << 40, 2, 0.805_062_855_382_579),
+    (u64::MAX, 0, -0.314_146_283_216_732_6),
+];
+
+#[test]
+fn every_source_refuses_impossible_steps() -> Result<(), NoiseError> {
+    for h in [0.0, -0.1, f64::NAN, f64::INFINITY] {
+        let mut sources: [Box<dyn Noise>; 3] = [
+            Box::new(Wiener::new(1)),
+            Box::new(Truncated::new(Wiener::new(1))),
+            Box::new(FromRng::new(StdRng::seed_from_u64(1))),
+        ];
+        for source in &mut sources {
+            draw::<1>(source, 0, 0.1)?;
+            let error = draw::<1>(source, 0, h).unwrap_err();
+            // a NaN is not equal to itself
+            assert!(
+                matches!(error, NoiseError::InvalidStep { h: given } if given.to_bits() == h.to_bits())
+            );
+            draw::<1>(source, 0, 0.1)?;
+        }
+        assert!(matches!(
+            Recorded::new(h, [[0.1]]),
+            Err(NoiseError::InvalidStep { .. })
+        ));
+        assert!(matches!(
+            Recorded::record(NoNoise, h, 1, 1),
+            Err(NoiseError::InvalidStep { .. })
+        ));
+        assert!(matches!(
+            Recorded::new(0.1, [[0.1]])?.increments(0, h, &mut [0.0]),
+            Err(NoiseError::StepSize { .. })
+        ));
+    }
+    Ok(())
+}
+
+#[test]
+fn truncation_clips_and_nothing_else() -> Result<(), NoiseError> {
+    for (k, h) in [
+        (1.0, 0.1),
+        (2.0, 0.1),
+        (2.0, 0.5),
+        (4.0, 0.001),
+        (2.0, 1e-300),
+    ] {
+        let mut plain = Wiener::new(5);
+        let mut truncated = Truncated::new(Wiener::new(5)).exponent(k)?;
+        let largest = f64::sqrt(h) * (2.0 * k * f64::ln(h).abs()).sqrt();
+        assert!((truncated.largest(h)? / largest - 1.0).abs() < 1e-14);
+        let mut clipped = 0;
+        for step in 0..4000 {
+            let [free] = draw(&mut plain, step, h)?;
+            let [dw] = draw(&mut truncated, step, h)?;
+            if free.abs() <= largest * (1.0 - 1e-14) {
+                assert_eq!(dw, free);
+            } else {
+                assert_eq!(dw, truncated.largest(h)?.copysign(free));
+                clipped += 1;
+            }
+        }
+        let expected = 4000.0 * libm::erfc(largest / (2.0 * h).sqrt());
+        assert!((f64::from(clipped) - expected).abs() <= 5.0 * expected.sqrt());
+    }
+    let two = Truncated::new(NoNoise).exponent(2.0)?;
+    assert_eq!(Truncated::new(NoNoise), two);
+    for h in [1.0, 1.5] {
+        assert_eq!(
+            draw::<1>(&mut Truncated::new(NoNoise), 0, h),
+            Err(NoiseError::TruncationStep { h })
+        );
+    }
+    for k in [0.5, f64::INFINITY, f64::NAN, -2.0] {
+        assert!(matches!(
+            Truncated::new(NoNoise).exponent(k),
+            Err(NoiseError::TruncationExponent { .. })
+        ));
+    }
+    // what the inner source says comes through
+    let mut short = Truncated::new(Recorded::new(0.1, [[5.0]])?);
+    assert!(draw::<1>(&mut short, 0, 0.1)?[0] < 1.0);
+    let (step, recorded) = (1, 1);
+    assert_eq!(
+        draw::<1>(&mut short, step, 0.1),
+        Err(NoiseError::Exhausted { step, recorded })
+    );
+    Ok(())
+}
+
+#[test]
+fn a_foreign_generator_is_read_in_order() -> Result<(), NoiseError> {
+    let mut rng = StdRng::seed_from_u64(9);
+    let mut one_by_one = FromRng::new(StdRng::seed_from_u64(9));
+    let mut by_reference = FromRng::new(&mut rng);
+    for step in 0..10 {
+        let three: [f64; 3] = draw(&mut by_reference, step, 0.1)?;
+        for dw in three {
+            assert_eq!(draw(&mut one_by_one, 0, 0.1)?, [dw]);
+        }
+    }
+    // 30 normals from 30 words
+    let mut words = StdRng::seed_from_u64(9);
+    for _ in 0..30 {
+        words.next_u64();
+    }
+    assert_eq!(rng.next_u64(), words.next_u64());
+    Ok(())
+}
+
+#[test]
+fn no_noise_is_zero() -> Result<(), NoiseError> {
+    assert_eq!(draw(&mut NoNoise, 3, 0.1)?, [0.0, 0.0]);
+    Ok(())
+}
+
+#[test]
+fn messages_have_the_numbers_and_the_remedy() {
+    let errors = [
+        NoiseError::Exhausted {
+            step: 10,
+            recorded: 9,
+        },
+        NoiseError::Processes {
+            asked: 3,
+            recorded: 1,
+        },
+        NoiseError::Coarsen {
+            recorded: 10,
+            factor: 3,
+        },
+        NoiseError::TruncationStep { h: 1.5 },
+        NoiseError::TruncationExponent { k: 0.5 },
+    ];
+    let expected = [
+        "the recorded path has 9 steps and step 10 (from 0) was asked for; record more steps",
+        "the path was recorded with 1 Wiener processes, and the system has 3; record 3",
+        "a path of 10 steps cannot be coarsened by 3; take a divisor of 10, or record a multiple of the factor",
+        "truncated increments are defined for h < 1, and h = 1.5; measure time in a larger unit, or take a smaller step",
+        "the truncation exponent k = 0.5 must be finite and at least 1; 2 keeps strong order 1",
+    ];
+    assert_eq!(errors.map(|error| error.to_string()), expected);
+}
