@@ -15,7 +15,7 @@ pub(crate) const H: f64 = 0.1;
 #[command(name = "paper")]
 pub(crate) struct Options {
     /// Seed of the Wiener paths
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 42)]
     pub(crate) seed: u64,
     /// Paths in figure 3
     #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
