@@ -1,7 +1,25 @@
-//! placeholder
+//! The procedural macro of [sve](https://docs.rs/sve-runtime): from a Lagrangian to a specialised variational step.
+//!
+//! Use it through `sve-runtime`, which re-exports it.
+
+mod action;
+mod compile;
+mod emit;
+mod equations;
+mod errors;
+mod lower;
+mod mechanics;
+mod model;
+mod parse;
+mod rule;
+mod schedule;
+mod structure;
+mod symbolic;
+
 use proc_macro::TokenStream;
-/// placeholder
+
+/// Derives variational integrators from the Lagrangian and the noise terms of an `impl` block.
 #[proc_macro_attribute]
-pub fn variational(_attribute: TokenStream, item: TokenStream) -> TokenStream {
-    item
+pub fn variational(attribute: TokenStream, item: TokenStream) -> TokenStream {
+    compile::expand(attribute.into(), item.into()).into()
 }

@@ -93,6 +93,7 @@ where
         dw: &[f64; M],
     ) -> Result<(), StepError> {
         match Integrator::system(self).increment(prepared, state, h, dw, self.newton()) {
+            Ok((q, p)) if S::RETURNS_STATE => replace(state, h, dw, &q, &p),
             Ok((dq, dp)) => advance(state, h, dw, &dq, &dp),
             Err(error) => Err(explain(error, state, h, dw)),
         }
@@ -118,18 +119,30 @@ pub(crate) fn advance<const N: usize, const M: usize>(
     dq: &[f64; N],
     dp: &[f64; N],
 ) -> Result<(), StepError> {
-    let mut next = State {
-        t: state.t + h,
-        ..*state
-    };
-    let mut finite = next.t.is_finite();
+    let (mut q, mut p) = (state.q, state.p);
     for i in 0..N {
-        next.q[i] += dq[i];
-        next.p[i] += dp[i];
-        finite &= next.q[i].is_finite() & next.p[i].is_finite();
+        q[i] += dq[i];
+        p[i] += dp[i];
+    }
+    replace(state, h, dw, &q, &p)
+}
+
+/// Replaces the state where the result is finite.
+#[inline]
+fn replace<const N: usize, const M: usize>(
+    state: &mut State<N>,
+    h: f64,
+    dw: &[f64; M],
+    q: &[f64; N],
+    p: &[f64; N],
+) -> Result<(), StepError> {
+    let t = state.t + h;
+    let mut finite = t.is_finite();
+    for i in 0..N {
+        finite &= q[i].is_finite() & p[i].is_finite();
     }
     if finite {
-        *state = next;
+        *state = State::at(t, *q, *p);
         Ok(())
     } else {
         Err(explain(SolveError::NonFinite, state, h, dw))

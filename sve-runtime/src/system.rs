@@ -129,9 +129,12 @@ pub trait Variational<R>: System {
     type Prepared: Copy;
     /// What the step became.
     const PLAN: &'static Plan;
+    /// Whether [`increment`](Self::increment) returns `(q₁, p₁)` instead. So do linear steps whose matrix is another one in
+    /// each step, where adding the increment would only lengthen the chain of operations.
+    const RETURNS_STATE: bool;
     /// Computes what depends on parameters and step size alone.
     fn prepare(&self, h: f64) -> Self::Prepared;
-    /// `(q₁ − q₀, p₁ − p₀)` of one step.
+    /// `(q₁ − q₀, p₁ − p₀)` of one step; see [`RETURNS_STATE`](Self::RETURNS_STATE).
     ///
     /// # Errors
     /// When an implicit equation of the step cannot be solved.

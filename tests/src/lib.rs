@@ -1,1 +1,3 @@
-//! Models shared by the integration tests, each with hand-written oracles.
+//! Models shared by the integration tests.
+
+pub mod models;

@@ -43,7 +43,7 @@ impl<const N: usize> NoiseFree for Dims<N, 0> {}
 /// `state` after `h` along `field`: a stage of a Runge–Kutta method.
 ///
 /// # Errors
-/// [`SolveError::NonFinite`]: the next evaluation would call it a bad input, which the user did not give.
+/// [`SolveError::NonFinite`] where it overflows: a force that is bounded at infinity would hide that.
 #[inline]
 fn stage<const N: usize>(
     state: &State<N>,
@@ -65,5 +65,24 @@ fn stage<const N: usize>(
         Ok(at)
     } else {
         Err(SolveError::NonFinite)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Field, SolveError, State, stage};
+
+    #[test]
+    fn a_stage_moves_time_and_state_and_refuses_an_overflow() {
+        let field = Field {
+            q: [2.0, -4.0],
+            p: [8.0, 1e300],
+        };
+        let start = State::at(1.0, [1.0, 1.0], [0.0, 0.0]);
+        assert_eq!(
+            stage(&start, 0.5, 0.25, &field),
+            Ok(State::at(1.5, [1.5, 0.0], [2.0, 0.25e300]))
+        );
+        assert_eq!(stage(&start, 0.5, 1e10, &field), Err(SolveError::NonFinite));
     }
 }

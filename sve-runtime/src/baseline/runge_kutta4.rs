@@ -33,7 +33,7 @@ use super::{NoiseFree, stage};
 /// for _ in 0..100 {
 ///     method.step(&mut state, 0.01, &[])?;
 /// }
-/// assert!((state.q[0] - 1.0_f64.cos()).abs() < 1e-10);
+/// assert!((state.q[0] - 1.0_f64.cos()).abs() < 1e-9);
 /// # Ok(())
 /// # }
 /// ```

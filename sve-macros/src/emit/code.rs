@@ -1,0 +1,256 @@
+//! Instructions → `let` statements, one each, named by what they are.
+
+use std::collections::{HashMap, HashSet};
+
+use proc_macro2::{Ident, Literal, Span, TokenStream};
+use quote::{format_ident, quote};
+
+use crate::model::{Meaning, Quantity, Symbols};
+use crate::schedule::{Operation, Program, Tier, Value, operands};
+use crate::symbolic::{Binary, Function, Symbol};
+
+/// Prints a program.
+pub(super) struct Printer<'a> {
+    program: &'a Program,
+    symbols: &'a Symbols,
+    /// Values that the step reads from what `prepare` returned, with their place there.
+    prepared: HashMap<Value, usize>,
+}
+
+impl<'a> Printer<'a> {
+    pub(super) fn new(program: &'a Program, symbols: &'a Symbols) -> Self {
+        Self {
+            program,
+            symbols,
+            prepared: HashMap::new(),
+        }
+    }
+
+    /// Chooses what `prepare` returns: values of its tier that anything later, or `roots`, uses.
+    pub(super) fn split_prepared(&mut self, roots: &[Value]) -> Vec<Value> {
+        let later = self
+            .program
+            .all()
+            .filter(|(_, i)| i.tier != Tier::Prepare)
+            .flat_map(|(_, i)| operands(i.operation));
+        let mut wanted: Vec<Value> = later
+            .chain(roots.iter().copied())
+            .filter(|&v| self.is_prepared(v))
+            .collect();
+        wanted.sort_unstable();
+        wanted.dedup();
+        self.prepared = wanted.iter().enumerate().map(|(at, &v)| (v, at)).collect();
+        wanted
+    }
+
+    /// Whether a value is worth keeping: computed in `prepare`, neither a constant nor an input.
+    fn is_prepared(&self, value: Value) -> bool {
+        let instruction = self.program.get(value);
+        instruction.tier == Tier::Prepare
+            && !matches!(
+                instruction.operation,
+                Operation::Constant(_) | Operation::Input(_)
+            )
+    }
+
+    /// Statements of `prepare`.
+    pub(super) fn prepare(&self) -> TokenStream {
+        self.statements(Tier::Prepare)
+    }
+
+    /// Statements that read inputs known before the step, and what `prepare` returned.
+    pub(super) fn load(&self, results: &[Value]) -> TokenStream {
+        let mut used: HashSet<Value> = results.iter().copied().collect();
+        let later = self.program.all().filter(|(_, i)| i.tier != Tier::Prepare);
+        used.extend(later.flat_map(|(_, i)| operands(i.operation)));
+        let mut tokens = TokenStream::new();
+        for (value, operation) in self.program.of_tier(Tier::Prepare) {
+            if let Some(&at) = self.prepared.get(&value) {
+                let name = self.name(value);
+                let at = Literal::usize_unsuffixed(at);
+                tokens.extend(quote!(let #name = prepared[#at];));
+            } else if matches!(operation, Operation::Input(_)) && used.contains(&value) {
+                tokens.extend(self.statement(value, operation));
+            }
+        }
+        tokens
+    }
+
+    /// Statements of a tier, in order.
+    pub(super) fn statements(&self, tier: Tier) -> TokenStream {
+        self.program
+            .of_tier(tier)
+            .map(|(value, operation)| self.statement(value, operation))
+            .collect()
+    }
+
+    /// The expression that names a value.
+    pub(super) fn operand(&self, value: Value) -> TokenStream {
+        match self.program.get(value).operation {
+            Operation::Constant(bits) => constant(f64::from_bits(bits)),
+            _ => {
+                let name = self.name(value);
+                quote!(#name)
+            }
+        }
+    }
+
+    pub(super) fn array(&self, values: &[Value]) -> TokenStream {
+        let operands = values.iter().map(|&v| self.operand(v));
+        quote!([#(#operands),*])
+    }
+
+    pub(super) fn matrix(&self, rows: &[Vec<Value>]) -> TokenStream {
+        let rows = rows.iter().map(|row| self.array(row));
+        quote!([#(#rows),*])
+    }
+
+    fn statement(&self, value: Value, operation: Operation) -> TokenStream {
+        let name = self.name(value);
+        let of = |v: Value| self.operand(v);
+        let expression = match operation {
+            Operation::Constant(_) | Operation::SinOf(_) | Operation::CosOf(_) => {
+                return TokenStream::new();
+            }
+            Operation::Input(symbol) => match input(self.symbols.meaning(symbol)) {
+                Some(access) => access,
+                None => return TokenStream::new(),
+            },
+            Operation::Add(a, b) => binary(of(a), quote!(+), of(b)),
+            Operation::Sub(a, b) => binary(of(a), quote!(-), of(b)),
+            Operation::Mul(a, b) => binary(of(a), quote!(*), of(b)),
+            Operation::Div(a, b) => binary(of(a), quote!(/), of(b)),
+            Operation::Neg(a) => {
+                let a = of(a);
+                quote!(-#a)
+            }
+            Operation::Recip(a) => binary(constant(1.0), quote!(/), of(a)),
+            Operation::Call(function, a) => call(function, &of(a)),
+            Operation::Call2(function, a, b) => {
+                let method = match function {
+                    Binary::Atan2 => quote!(atan2),
+                    Binary::Hypot => quote!(hypot),
+                    Binary::Pow => quote!(powf),
+                };
+                let (a, b) = (of(a), of(b));
+                quote!(f64::#method(#a, #b))
+            }
+            Operation::SinCos(a) => {
+                let (sin, cos) = (pair("sin", value), pair("cos", value));
+                let a = of(a);
+                return quote!(let (#sin, #cos) = f64::sin_cos(#a););
+            }
+        };
+        quote!(let #name = #expression;)
+    }
+
+    fn name(&self, value: Value) -> Ident {
+        let prefix = match self.program.get(value).operation {
+            Operation::Input(symbol) => return self.input_name(symbol),
+            Operation::SinOf(both) => return pair("sin", both),
+            Operation::CosOf(both) => return pair("cos", both),
+            Operation::Constant(_) => "constant",
+            Operation::Add(..) | Operation::Sub(..) => "sum",
+            Operation::Mul(..) => "product",
+            Operation::Div(..) => "ratio",
+            Operation::Neg(_) => "minus",
+            Operation::Recip(_) => "inverse",
+            Operation::Call(function, _) => function_name(function),
+            Operation::Call2(..) => "value",
+            Operation::SinCos(_) => "sin_cos",
+        };
+        local(&format!("{prefix}_{}", value.index()))
+    }
+
+    fn input_name(&self, symbol: Symbol) -> Ident {
+        input_name(self.symbols, symbol)
+    }
+}
+
+/// The name of a symbol in generated code; fields of the user's struct cannot clash with anything else.
+pub(super) fn input_name(symbols: &Symbols, symbol: Symbol) -> Ident {
+    match symbols.meaning(symbol) {
+        Meaning::Parameter { name, .. } => local(&format!("self_{name}")),
+        Meaning::StepSize => format_ident!("h"),
+        _ => local(&symbols.name(symbol)),
+    }
+}
+
+fn local(name: &str) -> Ident {
+    Ident::new(name, Span::call_site())
+}
+
+fn pair(part: &str, both: Value) -> Ident {
+    local(&format!("{part}_{}", both.index()))
+}
+
+fn binary(a: TokenStream, operator: TokenStream, b: TokenStream) -> TokenStream {
+    quote!(#a #operator #b)
+}
+
+/// A literal; a negative one in parentheses.
+pub(super) fn constant(value: f64) -> TokenStream {
+    let literal = Literal::f64_suffixed(value.abs());
+    if value.is_sign_negative() {
+        quote!((-#literal))
+    } else {
+        quote!(#literal)
+    }
+}
+
+/// How an input is read; nothing where it is bound otherwise.
+fn input(meaning: &Meaning) -> Option<TokenStream> {
+    let entry = |vector: TokenStream, i: usize| {
+        let i = Literal::usize_unsuffixed(i);
+        Some(quote!(#vector[#i]))
+    };
+    match *meaning {
+        Meaning::Parameter { ref access, .. } => Some(access.clone()),
+        Meaning::Time => Some(quote!(time)),
+        Meaning::StepSize | Meaning::Unknown(_) => None,
+        Meaning::Position(i) => entry(quote!(q), i),
+        Meaning::Velocity(i) => entry(quote!(v), i),
+        Meaning::Momentum(i) => entry(quote!(p), i),
+        Meaning::Start(Quantity::Position, i) => entry(quote!(state.q), i),
+        Meaning::Start(Quantity::Momentum, i) => entry(quote!(state.p), i),
+        Meaning::Wiener(i) => entry(quote!(dw), i),
+    }
+}
+
+fn call(function: Function, x: &TokenStream) -> TokenStream {
+    if let Function::Powf(exponent) = function {
+        let exponent = constant(exponent.get());
+        return quote!(f64::powf(#x, #exponent));
+    }
+    let method = local(function_name(function));
+    quote!(f64::#method(#x))
+}
+
+/// The name of the method of `f64`.
+fn function_name(function: Function) -> &'static str {
+    match function {
+        Function::Sqrt => "sqrt",
+        Function::Cbrt => "cbrt",
+        Function::Exp => "exp",
+        Function::Exp2 => "exp2",
+        Function::ExpM1 => "exp_m1",
+        Function::Ln => "ln",
+        Function::Ln1p => "ln_1p",
+        Function::Log2 => "log2",
+        Function::Log10 => "log10",
+        Function::Sin => "sin",
+        Function::Cos => "cos",
+        Function::Tan => "tan",
+        Function::Asin => "asin",
+        Function::Acos => "acos",
+        Function::Atan => "atan",
+        Function::Sinh => "sinh",
+        Function::Cosh => "cosh",
+        Function::Tanh => "tanh",
+        Function::Asinh => "asinh",
+        Function::Acosh => "acosh",
+        Function::Atanh => "atanh",
+        Function::Powf(_) => "powf",
+        Function::Abs => "abs",
+    }
+}

@@ -1,0 +1,29 @@
+//! Plans and instructions → tokens. Infallible, and the only place that knows it prints Rust.
+
+mod code;
+mod rule;
+mod stub;
+mod system;
+
+pub(crate) use rule::rule;
+pub(crate) use stub::stub;
+pub(crate) use system::system;
+
+use proc_macro2::TokenStream;
+use quote::quote;
+
+use crate::parse::Annotated;
+
+/// Path of what generated code calls in the runtime.
+fn private(block: &Annotated) -> TokenStream {
+    let runtime = &block.arguments.runtime;
+    quote!(#runtime::__private)
+}
+
+/// Attributes of every generated implementation. Generated arithmetic is not written to please a reader's linter.
+fn attributes() -> TokenStream {
+    quote! {
+        #[automatically_derived]
+        #[allow(unused_variables, clippy::all, clippy::pedantic, clippy::nursery)]
+    }
+}

@@ -1,0 +1,71 @@
+//! The error sink: mistakes are gathered within a stage and stop between stages.
+//!
+//! Invariant: a sink that received an error cannot be turned into a value ([`Errors::finish`] is the only way out).
+
+use proc_macro2::Span;
+
+/// Mistakes found so far.
+#[derive(Default)]
+#[must_use = "call `finish` to learn whether anything was wrong"]
+pub(crate) struct Errors {
+    first: Option<syn::Error>,
+    count: usize,
+}
+
+impl Errors {
+    pub(crate) fn new() -> Self {
+        Self::default()
+    }
+
+    /// Records a mistake at a token.
+    pub(crate) fn push(&mut self, span: Span, message: impl std::fmt::Display) {
+        self.add(syn::Error::new(span, message));
+    }
+
+    pub(crate) fn add(&mut self, error: syn::Error) {
+        self.count += 1;
+        match &mut self.first {
+            Some(first) => first.combine(error),
+            None => self.first = Some(error),
+        }
+    }
+
+    /// Mistakes so far.
+    pub(crate) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// `value`, unless something was wrong.
+    pub(crate) fn finish<T>(self, value: T) -> syn::Result<T> {
+        match self.first {
+            Some(error) => Err(error),
+            None => Ok(value),
+        }
+    }
+}
+
+/// The name in `known` that is nearest to `name`, where one is near enough to be meant.
+pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    known
+        .into_iter()
+        .map(|candidate| (distance(name, candidate), candidate))
+        .filter(|&(d, candidate)| d <= 1 + candidate.len().min(name.len()) / 4)
+        .min()
+        .map(|(_, candidate)| candidate)
+}
+
+/// Levenshtein's distance.
+fn distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, &y) in b.iter().enumerate() {
+            let substituted = diagonal + usize::from(x != y);
+            diagonal = row[j + 1];
+            row[j + 1] = substituted.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}

@@ -1,0 +1,116 @@
+//! Model → what the runtime needs of it beside the steps: derivatives of L and of the noises, and whether the noises commute.
+
+use crate::model::{Model, NoiseTerm};
+use crate::symbolic::{Arena, Expr, Symbol};
+
+/// Derivatives of the Lagrangian, in the order of the runtime's `LagrangianJet`.
+pub(crate) struct LagrangianJet {
+    pub(crate) value: Expr,
+    pub(crate) dq: Vec<Expr>,
+    pub(crate) dv: Vec<Expr>,
+    pub(crate) dqq: Vec<Vec<Expr>>,
+    pub(crate) dqv: Vec<Vec<Expr>>,
+    pub(crate) dvv: Vec<Vec<Expr>>,
+    pub(crate) dqt: Vec<Expr>,
+    pub(crate) dvt: Vec<Expr>,
+}
+
+/// Derivatives of a noise Hamiltonian, in the order of the runtime's `NoiseJet`.
+pub(crate) struct NoiseJet {
+    pub(crate) dq: Vec<Expr>,
+    pub(crate) dp: Vec<Expr>,
+    pub(crate) dqq: Vec<Vec<Expr>>,
+    pub(crate) dqp: Vec<Vec<Expr>>,
+    pub(crate) dpp: Vec<Vec<Expr>>,
+}
+
+/// What the mechanics of a model consist of.
+pub(crate) struct Mechanics {
+    pub(crate) lagrangian: LagrangianJet,
+    pub(crate) noises: Vec<NoiseJet>,
+    /// Whether `∂L/∂v` is affine in v.
+    pub(crate) affine_momentum: bool,
+    /// The first pair of noises that does not commute.
+    pub(crate) clash: Option<(String, String)>,
+}
+
+/// Differentiates the model.
+pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
+    let l = model.lagrangian;
+    let dq = gradient(arena, l, &model.q);
+    let dv = gradient(arena, l, &model.v);
+    let dvv = hessian(arena, &dv, &model.v);
+    let lagrangian = LagrangianJet {
+        value: l,
+        dqq: hessian(arena, &dq, &model.q),
+        dqv: hessian(arena, &dq, &model.v),
+        dqt: gradient_in(arena, &dq, model.time),
+        dvt: gradient_in(arena, &dv, model.time),
+        dq,
+        dv,
+        dvv,
+    };
+    let affine_momentum = lagrangian.dvv.iter().flatten().all(|&entry| {
+        model.v.iter().all(|&v| {
+            let change = arena.diff(entry, v);
+            arena.is_zero(change)
+        })
+    });
+    let noises = model
+        .noises
+        .iter()
+        .map(|noise| noise_jet(noise, model, arena))
+        .collect::<Vec<_>>();
+    let clash = clash(model, &noises, arena);
+    Mechanics {
+        lagrangian,
+        noises,
+        affine_momentum,
+        clash,
+    }
+}
+
+fn noise_jet(noise: &NoiseTerm, model: &Model, arena: &mut Arena) -> NoiseJet {
+    let dq = gradient(arena, noise.hamiltonian, &model.q);
+    let dp = gradient(arena, noise.hamiltonian, &model.p);
+    NoiseJet {
+        dqq: hessian(arena, &dq, &model.q),
+        dqp: hessian(arena, &dq, &model.p),
+        dpp: hessian(arena, &dp, &model.p),
+        dq,
+        dp,
+    }
+}
+
+/// The first pair with `{G_a, G_b} = ⟨∂G_a/∂q, ∂G_b/∂p⟩ − ⟨∂G_a/∂p, ∂G_b/∂q⟩` not identically zero.
+fn clash(model: &Model, jets: &[NoiseJet], arena: &mut Arena) -> Option<(String, String)> {
+    for (i, a) in jets.iter().enumerate() {
+        for (j, b) in jets.iter().enumerate().skip(i + 1) {
+            let mut terms = Vec::new();
+            for k in 0..model.dof() {
+                terms.push((1.0, arena.mul(a.dq[k], b.dp[k])));
+                terms.push((-1.0, arena.mul(a.dp[k], b.dq[k])));
+            }
+            let bracket = arena.sum(0.0, &terms);
+            if !arena.is_zero(bracket) {
+                return Some((model.noises[i].name.clone(), model.noises[j].name.clone()));
+            }
+        }
+    }
+    None
+}
+
+fn gradient(arena: &mut Arena, expr: Expr, symbols: &[Symbol]) -> Vec<Expr> {
+    symbols.iter().map(|&s| arena.diff(expr, s)).collect()
+}
+
+fn gradient_in(arena: &mut Arena, exprs: &[Expr], symbol: Symbol) -> Vec<Expr> {
+    exprs.iter().map(|&e| arena.diff(e, symbol)).collect()
+}
+
+fn hessian(arena: &mut Arena, gradient: &[Expr], symbols: &[Symbol]) -> Vec<Vec<Expr>> {
+    gradient
+        .iter()
+        .map(|&g| self::gradient(arena, g, symbols))
+        .collect()
+}

@@ -1,0 +1,102 @@
+//! The mechanical system as expressions: what every later stage reads.
+//!
+//! Invariant: `lagrangian` contains the symbols of time, `q`, `v` and parameters only; a noise Hamiltonian those of time,
+//! `q`, `p` and parameters.
+
+use proc_macro2::TokenStream;
+
+use crate::symbolic::{Expr, Symbol};
+
+/// What a symbol stands for.
+#[derive(Clone, Debug)]
+pub(crate) enum Meaning {
+    /// A field of the user's struct: its name, and how to read it.
+    Parameter {
+        name: String,
+        access: TokenStream,
+    },
+    Time,
+    StepSize,
+    /// Component of the configuration, velocity or momentum of the continuous system.
+    Position(usize),
+    Velocity(usize),
+    Momentum(usize),
+    /// Start of a step.
+    Start(Quantity, usize),
+    /// Increment of a Wiener process.
+    Wiener(usize),
+    /// An unknown of the step, by name.
+    Unknown(String),
+}
+
+/// `q₀` or `p₀`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Quantity {
+    Position,
+    Momentum,
+}
+
+/// A noise Hamiltonian: `−γ` or `H₁`.
+pub(crate) struct NoiseTerm {
+    /// Source name, with an index where the function returns an array.
+    pub(crate) name: String,
+    pub(crate) hamiltonian: Expr,
+}
+
+/// Symbols and what they mean, indexed by symbol.
+#[derive(Clone, Default)]
+pub(crate) struct Symbols {
+    meanings: Vec<Meaning>,
+}
+
+impl Symbols {
+    /// A new symbol.
+    pub(crate) fn declare(&mut self, meaning: Meaning) -> Symbol {
+        self.meanings.push(meaning);
+        Symbol(self.meanings.len() as u32 - 1)
+    }
+
+    pub(crate) fn declare_all(
+        &mut self,
+        n: usize,
+        meaning: impl Fn(usize) -> Meaning,
+    ) -> Vec<Symbol> {
+        (0..n).map(|i| self.declare(meaning(i))).collect()
+    }
+
+    pub(crate) fn meaning(&self, symbol: Symbol) -> &Meaning {
+        &self.meanings[symbol.0 as usize]
+    }
+
+    /// The name of a symbol in generated code and formulas.
+    pub(crate) fn name(&self, symbol: Symbol) -> String {
+        match self.meaning(symbol) {
+            Meaning::Parameter { name, .. } | Meaning::Unknown(name) => name.clone(),
+            Meaning::Time => "t".to_owned(),
+            Meaning::StepSize => "h".to_owned(),
+            Meaning::Position(i) => format!("q_{i}"),
+            Meaning::Velocity(i) => format!("v_{i}"),
+            Meaning::Momentum(i) => format!("p_{i}"),
+            Meaning::Start(Quantity::Position, i) => format!("q0_{i}"),
+            Meaning::Start(Quantity::Momentum, i) => format!("p0_{i}"),
+            Meaning::Wiener(i) => format!("dw_{i}"),
+        }
+    }
+}
+
+/// The system.
+pub(crate) struct Model {
+    pub(crate) symbols: Symbols,
+    pub(crate) time: Symbol,
+    pub(crate) q: Vec<Symbol>,
+    pub(crate) v: Vec<Symbol>,
+    pub(crate) p: Vec<Symbol>,
+    pub(crate) lagrangian: Expr,
+    pub(crate) noises: Vec<NoiseTerm>,
+}
+
+impl Model {
+    pub(crate) fn dof(&self) -> usize {
+        self.q.len()
+    }
+}

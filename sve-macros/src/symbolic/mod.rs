@@ -1,0 +1,12 @@
+//! A small algebra library: it knows neither syntax trees nor code generation.
+//!
+//! Expressions live in an [`Arena`] and are named by [`Expr`]. Construction applies local rules only (`simplify`), so that
+//! equal expressions are mostly equal names; what these rules miss is decided numerically (`zero`).
+
+mod diff;
+mod display;
+mod expr;
+mod simplify;
+mod zero;
+
+pub(crate) use expr::{Arena, Binary, Expr, Function, Node, Symbol};

@@ -1,0 +1,282 @@
+//! Constructors of expressions, with the local rules.
+//!
+//! Each rule holds wherever the left side is defined; some right sides are defined in more places (x·x⁻¹ → 1).
+//! There is no rule √(x²) → x, which is wrong at x < 0.
+
+use super::expr::{Arena, Binary, Bits, Expr, Function, Node, Symbol};
+
+/// Sums longer than this are kept as one term of another sum instead of being merged into it.
+const MERGE_LIMIT: usize = 64;
+
+impl Arena {
+    pub(crate) fn constant(&mut self, value: f64) -> Expr {
+        self.intern(Node::Constant(Bits::new(value)))
+    }
+
+    pub(crate) fn symbol(&mut self, symbol: Symbol) -> Expr {
+        self.intern(Node::Symbol(symbol))
+    }
+
+    /// A named intermediate result: the rules of sums and products do not look inside.
+    pub(crate) fn opaque(&mut self, expr: Expr) -> Expr {
+        match self.node(expr) {
+            Node::Constant(_) | Node::Symbol(_) | Node::Opaque(_) => expr,
+            _ => self.intern(Node::Opaque(expr)),
+        }
+    }
+
+    /// `constant + Σ coefficient · term`, like terms collected.
+    pub(crate) fn sum(&mut self, constant: f64, terms: &[(f64, Expr)]) -> Expr {
+        let mut constant = constant;
+        let mut flat: Vec<(Expr, f64)> = Vec::with_capacity(terms.len());
+        for &(c, term) in terms {
+            match self.node(term) {
+                Node::Constant(value) => constant += c * value.get(),
+                Node::Sum(inner, list) if list.len() <= MERGE_LIMIT || terms.len() == 1 => {
+                    constant += c * inner.get();
+                    flat.extend(list.iter().map(|&(x, k)| (x, c * k.get())));
+                }
+                _ => flat.push((term, c)),
+            }
+        }
+        flat.sort_by_key(|t| t.0);
+        let mut merged: Vec<(Expr, f64)> = Vec::with_capacity(flat.len());
+        for (term, c) in flat {
+            match merged.last_mut() {
+                Some(last) if last.0 == term => last.1 += c,
+                _ => merged.push((term, c)),
+            }
+        }
+        merged.retain(|t| t.1 != 0.0);
+        match merged.as_slice() {
+            [] => self.constant(constant),
+            [(term, c)] if constant == 0.0 && *c == 1.0 => *term,
+            _ => {
+                let terms = merged.iter().map(|&(x, c)| (x, Bits::new(c))).collect();
+                self.intern(Node::Sum(Bits::new(constant), terms))
+            }
+        }
+    }
+
+    pub(crate) fn add(&mut self, a: Expr, b: Expr) -> Expr {
+        self.sum(0.0, &[(1.0, a), (1.0, b)])
+    }
+
+    pub(crate) fn sub(&mut self, a: Expr, b: Expr) -> Expr {
+        self.sum(0.0, &[(1.0, a), (-1.0, b)])
+    }
+
+    pub(crate) fn neg(&mut self, a: Expr) -> Expr {
+        self.scale(-1.0, a)
+    }
+
+    pub(crate) fn scale(&mut self, c: f64, a: Expr) -> Expr {
+        self.sum(0.0, &[(c, a)])
+    }
+
+    pub(crate) fn mul(&mut self, a: Expr, b: Expr) -> Expr {
+        self.product(&[(a, 1), (b, 1)])
+    }
+
+    pub(crate) fn div(&mut self, a: Expr, b: Expr) -> Expr {
+        self.product(&[(a, 1), (b, -1)])
+    }
+
+    pub(crate) fn pow(&mut self, a: Expr, k: i32) -> Expr {
+        self.product(&[(a, k)])
+    }
+
+    /// `Π base^exponent`, equal bases collected.
+    pub(crate) fn product(&mut self, factors: &[(Expr, i32)]) -> Expr {
+        let mut coefficient = 1.0;
+        let mut flat: Vec<(Expr, i32)> = Vec::with_capacity(factors.len());
+        let mut open: Vec<(Expr, i32)> = factors.iter().rev().copied().collect();
+        while let Some((base, k)) = open.pop() {
+            match self.node(base).clone() {
+                Node::Constant(value) => coefficient *= value.get().powi(k),
+                Node::Product(list) => open.extend(list.iter().map(|&(x, j)| (x, j * k))),
+                Node::Sum(constant, terms) => match terms.as_slice() {
+                    [(term, c)] if constant.get() == 0.0 => {
+                        coefficient *= c.get().powi(k);
+                        open.push((*term, k));
+                    }
+                    [(_, c), ..] if !(1.0..2.0).contains(&c.get()) => {
+                        // x + y, −x − y and (x + y)/2 share a base: its leading coefficient is in [1, 2),
+                        // reached by sign and powers of two, which round nothing
+                        let unit = power_of_two(c.get());
+                        coefficient *= unit.powi(k);
+                        flat.push((self.scale(1.0 / unit, base), k));
+                    }
+                    _ => flat.push((base, k)),
+                },
+                _ => flat.push((base, k)),
+            }
+        }
+        self.collect_powers(&mut flat);
+        let bare = match flat.as_slice() {
+            [] => return self.constant(coefficient),
+            [(base, 1)] => *base,
+            _ => self.intern(Node::Product(flat)),
+        };
+        if coefficient == 0.0 {
+            return self.constant(0.0);
+        }
+        self.scale(coefficient, bare)
+    }
+
+    /// Sorts and merges; reduces √x to powers of x in pairs.
+    fn collect_powers(&mut self, flat: &mut Vec<(Expr, i32)>) {
+        loop {
+            flat.sort_by_key(|f| f.0);
+            let mut merged: Vec<(Expr, i32)> = Vec::with_capacity(flat.len());
+            for &(base, k) in flat.iter() {
+                match merged.last_mut() {
+                    Some(last) if last.0 == base => last.1 += k,
+                    _ => merged.push((base, k)),
+                }
+            }
+            merged.retain(|f| f.1 != 0);
+            let root = merged.iter().position(|&(base, k)| {
+                k.abs() >= 2 && matches!(self.node(base), Node::Call(Function::Sqrt, _))
+            });
+            *flat = merged;
+            let Some(at) = root else { return };
+            let (base, k) = flat[at];
+            let Node::Call(Function::Sqrt, radicand) = *self.node(base) else {
+                return;
+            };
+            flat[at].1 = k % 2;
+            match self.node(radicand).clone() {
+                Node::Product(list) => flat.extend(list.iter().map(|&(x, j)| (x, j * (k / 2)))),
+                _ => flat.push((radicand, k / 2)),
+            }
+        }
+    }
+
+    pub(crate) fn call(&mut self, function: Function, x: Expr) -> Expr {
+        if let Some(value) = self.constant_value(x) {
+            let folded = function.evaluate(value);
+            if folded.is_finite() {
+                return self.constant(folded);
+            }
+        }
+        let negative = match self.node(x) {
+            Node::Sum(_, terms) => terms[0].1.get() < 0.0,
+            _ => false,
+        };
+        if negative && function.parity() != Parity::None {
+            let mirrored = self.neg(x);
+            let value = self.intern(Node::Call(function, mirrored));
+            return match function.parity() {
+                Parity::Odd => self.neg(value),
+                Parity::Even | Parity::None => value,
+            };
+        }
+        self.intern(Node::Call(function, x))
+    }
+
+    pub(crate) fn call2(&mut self, function: Binary, x: Expr, y: Expr) -> Expr {
+        if let (Some(a), Some(b)) = (self.constant_value(x), self.constant_value(y)) {
+            let folded = function.evaluate(a, b);
+            if folded.is_finite() {
+                return self.constant(folded);
+            }
+        }
+        match (function, self.constant_value(y)) {
+            (Binary::Pow, Some(exponent)) => self.constant_power(x, exponent),
+            _ => self.intern(Node::Call2(function, x, y)),
+        }
+    }
+
+    /// Integer powers become products, half-integer powers square roots and products.
+    fn constant_power(&mut self, x: Expr, exponent: f64) -> Expr {
+        let twice = 2.0 * exponent;
+        if twice == twice.round() && twice.abs() <= 128.0 {
+            let twice = twice as i32;
+            if twice % 2 == 0 {
+                return self.pow(x, twice / 2);
+            }
+            let root = self.call(Function::Sqrt, x);
+            return self.pow(root, twice);
+        }
+        self.call(Function::Powf(Bits::new(exponent)), x)
+    }
+}
+
+/// The power of two, with the sign of `c`, whose quotient with `c` is in [1, 2); 1 where that over- or underflows.
+fn power_of_two(c: f64) -> f64 {
+    let exponent = c.abs().log2().floor();
+    let exponent = if c.abs() < exponent.exp2() {
+        exponent - 1.0
+    } else {
+        exponent
+    };
+    if exponent.abs() < 1000.0 {
+        exponent.exp2().copysign(c)
+    } else {
+        1.0
+    }
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Parity {
+    Even,
+    Odd,
+    None,
+}
+
+impl Function {
+    fn parity(self) -> Parity {
+        match self {
+            Self::Cos | Self::Cosh | Self::Abs => Parity::Even,
+            Self::Sin
+            | Self::Tan
+            | Self::Asin
+            | Self::Atan
+            | Self::Sinh
+            | Self::Tanh
+            | Self::Asinh
+            | Self::Atanh
+            | Self::Cbrt => Parity::Odd,
+            _ => Parity::None,
+        }
+    }
+
+    pub(crate) fn evaluate(self, x: f64) -> f64 {
+        match self {
+            Self::Sqrt => x.sqrt(),
+            Self::Cbrt => x.cbrt(),
+            Self::Exp => x.exp(),
+            Self::Exp2 => x.exp2(),
+            Self::ExpM1 => x.exp_m1(),
+            Self::Ln => x.ln(),
+            Self::Ln1p => x.ln_1p(),
+            Self::Log2 => x.log2(),
+            Self::Log10 => x.log10(),
+            Self::Sin => x.sin(),
+            Self::Cos => x.cos(),
+            Self::Tan => x.tan(),
+            Self::Asin => x.asin(),
+            Self::Acos => x.acos(),
+            Self::Atan => x.atan(),
+            Self::Sinh => x.sinh(),
+            Self::Cosh => x.cosh(),
+            Self::Tanh => x.tanh(),
+            Self::Asinh => x.asinh(),
+            Self::Acosh => x.acosh(),
+            Self::Atanh => x.atanh(),
+            Self::Powf(k) => x.powf(k.get()),
+            Self::Abs => x.abs(),
+        }
+    }
+}
+
+impl Binary {
+    pub(crate) fn evaluate(self, x: f64, y: f64) -> f64 {
+        match self {
+            Self::Atan2 => x.atan2(y),
+            Self::Hypot => x.hypot(y),
+            Self::Pow => x.powf(y),
+        }
+    }
+}

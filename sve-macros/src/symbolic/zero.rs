@@ -1,0 +1,138 @@
+//! Whether an expression vanishes identically, decided by evaluation at random points.
+//!
+//! Input: an expression; output: true if at every point where it is defined its value is within a running bound of the
+//! rounding errors of its evaluation. The points are fixed, so the answer is the same in every build.
+
+use std::collections::HashMap;
+
+use super::expr::{Arena, Expr, Function, Node, Symbol};
+
+/// Points at which an identity has to hold.
+const POINTS: usize = 6;
+
+/// Points tried before an expression is called nowhere defined, and so not zero.
+const ATTEMPTS: u64 = 40;
+
+/// The running bound is of first order; this leaves room for the second.
+const SLACK: f64 = 64.0;
+
+/// A value with a bound of its error.
+#[derive(Clone, Copy)]
+struct Rounded {
+    value: f64,
+    error: f64,
+}
+
+impl Arena {
+    /// Whether `expr` is zero wherever it is defined.
+    pub(crate) fn is_zero(&self, expr: Expr) -> bool {
+        if let Some(value) = self.constant_value(expr) {
+            return value == 0.0;
+        }
+        let nodes = self.reachable(&[expr], |_| true);
+        let mut held = 0;
+        for attempt in 0..ATTEMPTS {
+            let at = self.evaluate_bounded(&nodes, attempt);
+            let Rounded { value, error } = at[&expr];
+            if !(value.is_finite() && error.is_finite()) {
+                continue;
+            }
+            if value.abs() > SLACK * error {
+                return false;
+            }
+            held += 1;
+            if held == POINTS {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// The value of `expr` at a point.
+    #[cfg(test)]
+    pub(crate) fn evaluate(&self, expr: Expr, at: impl Fn(Symbol) -> f64) -> f64 {
+        self.evaluate_nodes(&self.reachable(&[expr], |_| true), at)[&expr].value
+    }
+
+    fn evaluate_bounded(&self, nodes: &[Expr], attempt: u64) -> HashMap<Expr, Rounded> {
+        self.evaluate_nodes(nodes, |symbol| {
+            let unit = uniform(attempt, u64::from(symbol.0));
+            // near and inside the unit interval first, where most functions are defined; then of either sign
+            if attempt % 2 == 0 {
+                0.1 + 0.8 * unit
+            } else {
+                4.0 * unit - 2.0
+            }
+        })
+    }
+
+    fn evaluate_nodes(&self, nodes: &[Expr], at: impl Fn(Symbol) -> f64) -> HashMap<Expr, Rounded> {
+        let mut values: HashMap<Expr, Rounded> = HashMap::with_capacity(nodes.len());
+        for &e in nodes {
+            let (value, inherited) = match self.node(e) {
+                Node::Constant(bits) => (bits.get(), 0.0),
+                Node::Symbol(symbol) => (at(*symbol), 0.0),
+                Node::Opaque(x) => (values[x].value, values[x].error),
+                Node::Sum(constant, terms) => {
+                    let (mut sum, mut error, mut size) =
+                        (constant.get(), 0.0, constant.get().abs());
+                    for (x, c) in terms {
+                        let x = values[x];
+                        sum += c.get() * x.value;
+                        size += (c.get() * x.value).abs();
+                        error += c.get().abs() * x.error;
+                    }
+                    (sum, error + f64::EPSILON * size)
+                }
+                Node::Product(factors) => {
+                    let (mut product, mut relative) = (1.0, 0.0);
+                    for (x, k) in factors {
+                        let x = values[x];
+                        product *= x.value.powi(*k);
+                        if x.value != 0.0 {
+                            relative +=
+                                f64::from(k.abs()) * (f64::EPSILON + x.error / x.value.abs());
+                        }
+                    }
+                    (product, relative * product.abs())
+                }
+                Node::Call(function, x) => {
+                    let x = values[x];
+                    (
+                        function.evaluate(x.value),
+                        function.slope(x.value) * x.error,
+                    )
+                }
+                Node::Call2(function, x, y) => {
+                    let (x, y) = (values[x], values[y]);
+                    let value = function.evaluate(x.value, y.value);
+                    let dx = function.evaluate(x.value + x.error, y.value) - value;
+                    let dy = function.evaluate(x.value, y.value + y.error) - value;
+                    (value, dx.abs() + dy.abs())
+                }
+            };
+            let error = inherited + f64::EPSILON * value.abs();
+            values.insert(e, Rounded { value, error });
+        }
+        values
+    }
+}
+
+impl Function {
+    /// `|f′(x)|` by a difference: good to a few digits, which is all that an error bound needs.
+    fn slope(self, x: f64) -> f64 {
+        let dx = 1e-6 * x.abs().max(1e-3);
+        ((self.evaluate(x + dx) - self.evaluate(x - dx)) / (2.0 * dx)).abs()
+    }
+}
+
+/// A number in [0, 1) for an attempt and a symbol: the finaliser of splitmix64 (Steele, Lea, Flood 2014).
+fn uniform(attempt: u64, symbol: u64) -> f64 {
+    let mut z = attempt
+        .wrapping_mul(0x9e37_79b9_7f4a_7c15)
+        .wrapping_add(symbol.wrapping_add(1).wrapping_mul(0xd1b5_4a32_d192_ed03));
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^= z >> 31;
+    (z >> 11) as f64 / (1u64 << 53) as f64
+}

@@ -1,0 +1,9 @@
+//! Baselines and mechanics on systems whose derivatives are written by hand.
+
+mod convergence;
+mod failures;
+mod mechanics;
+mod models;
+mod moments;
+mod random;
+mod steps;
