@@ -107,14 +107,23 @@ impl Check {
                 } else {
                     "—".to_owned()
                 };
-                [what, measured, String::new(), String::new(), "—".to_owned(), why.clone()]
+                [
+                    what,
+                    measured,
+                    String::new(),
+                    String::new(),
+                    "—".to_owned(),
+                    why.clone(),
+                ]
             }
         }
     }
 }
 
 /// Names of the columns of [`Check::cells`].
-pub const COLUMNS: [&str; 6] = ["quantity", "measured", "expected", "allowed", "verdict", "reason"];
+pub const COLUMNS: [&str; 6] = [
+    "quantity", "measured", "expected", "allowed", "verdict", "reason",
+];
 
 /// A number as a table shows it, with six significant digits.
 pub fn number(x: f64) -> String {
@@ -163,7 +172,9 @@ pub fn table(title: &str, checks: &[Check]) -> String {
         let [what, measured, expected, allowed, verdict, reason] = cells;
         let [a, b, c, d, e] = widths;
         // writing into a String cannot fail
-        let line = format!("  {what:a$}  {measured:>b$}  {expected:>c$}  {allowed:d$}  {verdict:e$}  {reason}");
+        let line = format!(
+            "  {what:a$}  {measured:>b$}  {expected:>c$}  {allowed:d$}  {verdict:e$}  {reason}"
+        );
         let _ = writeln!(text, "{}", line.trim_end());
     };
     let [what, measured, expected, allowed, verdict, _] = COLUMNS;
@@ -183,7 +194,11 @@ mod tests {
         assert!(Check::near("x", f64::NAN, 0.0, 1.0, "").failed());
         assert!(Check::near("x", f64::INFINITY, 0.0, f64::MAX, "").failed());
         assert!(!Check::near("x", 1.0, 0.5, 0.5, "").failed());
-        assert!(!Check::near("x", 9.0, 0.0, 1.0, "").only_if(false, "short run").failed());
+        assert!(
+            !Check::near("x", 9.0, 0.0, 1.0, "")
+                .only_if(false, "short run")
+                .failed()
+        );
     }
 
     #[test]

@@ -58,9 +58,9 @@ fn segment(from: Point, to: Point, x: &Range<f64>, y: &Range<f64>) -> Option<(Po
 pub(crate) fn thin_line(points: &[(i32, i32)], distance: f64) -> Vec<(i32, i32)> {
     let mut kept: Vec<(i32, i32)> = Vec::new();
     for (k, &(x, y)) in points.iter().enumerate() {
-        let far = kept.last().is_none_or(|&(u, v)| {
-            f64::from(x - u).hypot(f64::from(y - v)) >= distance
-        });
+        let far = kept
+            .last()
+            .is_none_or(|&(u, v)| f64::from(x - u).hypot(f64::from(y - v)) >= distance);
         if far || k + 1 == points.len() {
             kept.push((x, y));
         }
@@ -96,7 +96,13 @@ mod tests {
 
     #[test]
     fn nothing_that_is_not_finite_survives() {
-        let points = [(0.0, 0.0), (f64::NAN, 0.5), (1.0, f64::INFINITY), (0.5, 0.5), (0.75, 0.5)];
+        let points = [
+            (0.0, 0.0),
+            (f64::NAN, 0.5),
+            (1.0, f64::INFINITY),
+            (0.5, 0.5),
+            (0.75, 0.5),
+        ];
         let parts = polyline(&points, &(0.0..1.0), &(0.0..1.0));
         assert_eq!(parts, [vec![(0.5, 0.5), (0.75, 0.5)]]);
     }

@@ -286,7 +286,11 @@ impl Figure {
         for panel in self.rows.iter().flat_map(|row| &row.panels) {
             for layer in &panel.layers {
                 let head = format!("{},{}", quoted(&panel.title), quoted(&layer.label));
-                for (x, y) in layer.points.iter().filter(|(x, y)| x.is_finite() && y.is_finite()) {
+                for (x, y) in layer
+                    .points
+                    .iter()
+                    .filter(|(x, y)| x.is_finite() && y.is_finite())
+                {
                     // writing into a String cannot fail
                     let _ = writeln!(text, "{head},{x},{y}");
                 }

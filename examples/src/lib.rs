@@ -4,6 +4,7 @@
 //! it looks the same on a machine without fonts or display), and [`check`] compares what was measured with what was
 //! expected. [`gaussian`] computes expectations of linear schemes without Monte Carlo.
 
+mod axes;
 pub mod check;
 mod clip;
 mod draw;

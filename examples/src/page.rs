@@ -59,7 +59,11 @@ fn table(checks: &[Check]) -> String {
     row(&mut text, "<tr>", "th", &COLUMNS);
     text.push_str("</thead>\n<tbody>\n");
     for check in checks {
-        let open = if check.failed() { "<tr class=\"off\">" } else { "<tr>" };
+        let open = if check.failed() {
+            "<tr class=\"off\">"
+        } else {
+            "<tr>"
+        };
         row(&mut text, open, "td", &check.cells());
     }
     text.push_str("</tbody>\n</table>\n");

@@ -26,7 +26,8 @@ const STARTS: [(f64, f64); 7] = [
     (0.0, -7.5),
 ];
 /// Largest energy deviation of the rule over T = 2000 from a start at rest, as published to the digits given.
-const DEVIATIONS: [(f64, f64, f64); 3] = [(0.5, 0.0051, 5e-5), (1.5, 0.062, 5e-4), (2.5, 0.238, 5e-4)];
+const DEVIATIONS: [(f64, f64, f64); 3] =
+    [(0.5, 0.0051, 5e-5), (1.5, 0.062, 5e-4), (2.5, 0.238, 5e-4)];
 
 pub(crate) fn report(options: &Options, tick: &dyn Fn()) -> Result<Report, Box<dyn Error>> {
     let rule = Integrator::new(PENDULUM, Taylor2);
@@ -73,7 +74,11 @@ fn rule_checks(
     tolerance: f64,
 ) -> Result<[Check; 2], StepError> {
     let energies = energies(run)?;
-    let deviation = |part: &[f64]| part.iter().map(|e| (e - energies[0]).abs()).fold(0.0, f64::max);
+    let deviation = |part: &[f64]| {
+        part.iter()
+            .map(|e| (e - energies[0]).abs())
+            .fold(0.0, f64::max)
+    };
     let tenth = energies.len() / 10;
     let (first, last) = (&energies[..tenth], &energies[energies.len() - tenth..]);
     let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
@@ -120,8 +125,15 @@ fn series_checks(options: &Options, run: &Run) -> Result<Vec<Check>, StepError> 
     }
     if !options.paper_horizon() {
         let last = energies.last().copied().unwrap_or(f64::NAN);
-        let what = format!("Taylor method from q = 1: energy at t = {}", options.horizon);
-        checks.push(Check::reported(what, last, "nothing is published for this horizon"));
+        let what = format!(
+            "Taylor method from q = 1: energy at t = {}",
+            options.horizon
+        );
+        checks.push(Check::reported(
+            what,
+            last,
+            "nothing is published for this horizon",
+        ));
     }
     Ok(checks)
 }
@@ -133,7 +145,11 @@ fn wrap(q: f64) -> f64 {
 
 /// Every fourth state: five thousand dots show an orbit as well as twenty thousand.
 fn wrapped(run: &Run) -> Vec<(f64, f64)> {
-    run.orbit().into_iter().step_by(4).map(|(q, p)| (wrap(q), p)).collect()
+    run.orbit()
+        .into_iter()
+        .step_by(4)
+        .map(|(q, p)| (wrap(q), p))
+        .collect()
 }
 
 /// The level set of energy `e` through `q = limit sin s`, upper half with `sign = 1`, lower half with `sign = −1`.
@@ -162,10 +178,22 @@ fn draw(runs: &[(Run, Run)]) -> Figure {
     let mut exact = axes("Exact level sets", 9.0);
     for (start, color) in STARTS.into_iter().zip(palette::CYCLE) {
         let pen = Pen::line(color, 1.4);
-        let signs: &[f64] = if start.1 == 0.0 { &[1.0, -1.0] } else { &[start.1.signum()] };
-        let label = if start.1 == 0.0 { format!("{:.1}", start.0) } else { format!("p = {}", start.1) };
+        let signs: &[f64] = if start.1 == 0.0 {
+            &[1.0, -1.0]
+        } else {
+            &[start.1.signum()]
+        };
+        let label = if start.1 == 0.0 {
+            format!("{:.1}", start.0)
+        } else {
+            format!("p = {}", start.1)
+        };
         // inside the level set where it crosses the axis of angles or momenta
-        let at = if start.1 == 0.0 { (start.0 - 0.4, 0.0) } else { (-0.5, 0.9 * start.1) };
+        let at = if start.1 == 0.0 {
+            (start.0 - 0.4, 0.0)
+        } else {
+            (-0.5, 0.9 * start.1)
+        };
         exact = exact.note(at, label.replace('-', "−"), color);
         for sign in signs {
             exact = exact.with(Layer::new(name(start), level(energy(start), *sign), pen));
@@ -181,7 +209,11 @@ fn draw(runs: &[(Run, Run)]) -> Figure {
     // room for the legend above the dots
     let mut series = axes("Second-order Taylor method", 1.3 * highest).legend(Corner::TopRight);
     for (k, (start, color)) in STARTS.into_iter().zip(palette::CYCLE).enumerate() {
-        rule = rule.with(Layer::new(name(start), wrapped(&runs[k].0), Pen::dots(color, 0.7)));
+        rule = rule.with(Layer::new(
+            name(start),
+            wrapped(&runs[k].0),
+            Pen::dots(color, 0.7),
+        ));
         let layer = Layer::new(name(start), wrapped(&runs[k].1), Pen::dots(color, 0.6));
         series = series.with(layer.unlisted());
     }

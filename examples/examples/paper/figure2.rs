@@ -40,13 +40,22 @@ pub(crate) fn report(options: &Options, tick: &dyn Fn()) -> Result<Report, Box<d
         picture.left.unwrap_or(f64::NAN),
         format!("first |q| or |p| above {:.0}", picture.size),
     ));
-    checks.push(settled(options, entries[BACKWARD].scheme.linear()?, &runs[BACKWARD])?);
+    checks.push(settled(
+        options,
+        entries[BACKWARD].scheme.linear()?,
+        &runs[BACKWARD],
+    )?);
     for index in [MIDPOINT, INITIAL_POINT, ENDPOINT] {
         let joint = exact.beside(entries[index].scheme.linear()?);
         checks.extend(near_exact(&entries[index], &joint, &runs[index], &solution));
     }
     checks.push(law(&exact.moments(), &solution));
-    for (name, run) in entries.iter().map(|e| e.name).zip(&runs).chain([("exact solution", &solution)]) {
+    for (name, run) in entries
+        .iter()
+        .map(|e| e.name)
+        .zip(&runs)
+        .chain([("exact solution", &solution)])
+    {
         checks.push(energy_at_end(name, run)?);
     }
     let left = match picture.left {
@@ -80,7 +89,12 @@ struct Picture {
 impl Picture {
     fn of(runs: &[Run], solution: &Run) -> Result<Self, StepError> {
         let mut energy: f64 = 0.0;
-        for z in runs[INITIAL_POINT].states.iter().chain(&runs[ENDPOINT].states).chain(&solution.states) {
+        for z in runs[INITIAL_POINT]
+            .states
+            .iter()
+            .chain(&runs[ENDPOINT].states)
+            .chain(&solution.states)
+        {
             energy = energy.max(OSCILLATOR.hamiltonian(z)?);
         }
         let size = (2.4 * energy).sqrt();
@@ -103,7 +117,8 @@ fn growth(run: &Run) -> Check {
     let rate = 2.0 * (radius(to) / radius(from)).ln() / (to.t - from.t);
     let expected = (H * H).ln_1p() / H;
     // what the noise still adds has variance σ² h (1 + h²)/h² in units of the radius at the start of that half
-    let noise = 2.0 * OSCILLATOR.sigma * ((1.0 + H * H) / H).sqrt() / radius(from) / (to.t - from.t);
+    let noise =
+        2.0 * OSCILLATOR.sigma * ((1.0 + H * H) / H).sqrt() / radius(from) / (to.t - from.t);
     Check::near(
         "forward Euler–Maruyama: growth rate of the energy, second half",
         rate,
@@ -114,7 +129,11 @@ fn growth(run: &Run) -> Check {
 }
 
 /// The time average of the backward method's energy over the second half.
-fn settled(options: &Options, linear: (Matrix<2>, [f64; 2]), run: &Run) -> Result<Check, StepError> {
+fn settled(
+    options: &Options,
+    linear: (Matrix<2>, [f64; 2]),
+    run: &Run,
+) -> Result<Check, StepError> {
     let a = linear.0;
     let scheme = oscillator::moments(linear);
     let half = run.states.len() / 2;
@@ -125,7 +144,11 @@ fn settled(options: &Options, linear: (Matrix<2>, [f64; 2]), run: &Run) -> Resul
     }
     let mut expected = 0.0;
     let mut last = sve_examples::gaussian::Gaussian::certain(START);
-    for (k, law) in scheme.distributions(START).take(run.states.len()).enumerate() {
+    for (k, law) in scheme
+        .distributions(START)
+        .take(run.states.len())
+        .enumerate()
+    {
         if k >= half {
             expected += law.quadratic(&ENERGY).0 / count;
         }
@@ -157,19 +180,30 @@ fn near_exact(entry: &Entry, joint: &Scheme<4>, run: &Run, solution: &Run) -> [C
     let (ours, exact) = (run.states[steps], solution.states[steps]);
     let error = [ours.q[0] - exact.q[0], ours.p[0] - exact.p[0]];
     // the iterator has no end
-    let law = joint.distributions(start).nth(steps).map(|law| oscillator::difference(&law));
+    let law = joint
+        .distributions(start)
+        .nth(steps)
+        .map(|law| oscillator::difference(&law));
     let surprise = law.as_ref().map_or(f64::NAN, |law| law.surprise(error));
-    let rms = law.map_or(f64::NAN, |law| law.quadratic(&[[1.0, 0.0], [0.0, 1.0]]).0.sqrt());
+    let rms = law.map_or(f64::NAN, |law| {
+        law.quadratic(&[[1.0, 0.0], [0.0, 1.0]]).0.sqrt()
+    });
     [
         Check::near(
-            format!("{}: error at the horizon, squared, in units of its covariance", entry.name),
+            format!(
+                "{}: error at the horizon, squared, in units of its covariance",
+                entry.name
+            ),
             surprise,
             2.0,
             SURPRISE - 2.0,
             "χ² with 2 degrees of freedom, exact covariance by recursion; false alarm 1e-4",
         ),
         Check::reported(
-            format!("{}: distance from the exact solution at the horizon", entry.name),
+            format!(
+                "{}: distance from the exact solution at the horizon",
+                entry.name
+            ),
             error[0].hypot(error[1]),
             format!("root mean square over all paths, by recursion: {rms:.4}"),
         ),
@@ -180,7 +214,10 @@ fn near_exact(entry: &Entry, joint: &Scheme<4>, run: &Run, solution: &Run) -> [C
 fn law(scheme: &Scheme<2>, solution: &Run) -> Check {
     let steps = solution.states.len() - 1;
     let z = solution.states[steps];
-    let surprise = scheme.distributions(START).nth(steps).map(|law| law.surprise([z.q[0], z.p[0]]));
+    let surprise = scheme
+        .distributions(START)
+        .nth(steps)
+        .map(|law| law.surprise([z.q[0], z.p[0]]));
     Check::near(
         "exact solution at the horizon, squared, in units of its covariance",
         surprise.unwrap_or(f64::NAN),
@@ -195,7 +232,11 @@ fn energy_at_end(name: &str, run: &Run) -> Result<Check, StepError> {
         Some(z) => (z.t, OSCILLATOR.hamiltonian(z)?),
         None => (f64::NAN, f64::NAN),
     };
-    Ok(Check::reported(format!("{name}: energy at t = {t:.0}"), energy, "this path"))
+    Ok(Check::reported(
+        format!("{name}: energy at t = {t:.0}"),
+        energy,
+        "this path",
+    ))
 }
 
 fn draw(
@@ -208,7 +249,9 @@ fn draw(
     let phase = |title: &str, states: &[State<1>], color| {
         let axis = |name| Axis::new(name, -picture.size..picture.size);
         let orbit = states.iter().map(|z| (z.q[0], z.p[0])).collect();
-        Panel::new(title, axis("q"), axis("p")).equal().with(Layer::new(title, orbit, Pen::line(color, 0.5)))
+        Panel::new(title, axis("q"), axis("p"))
+            .equal()
+            .with(Layer::new(title, orbit, Pen::line(color, 0.5)))
     };
     let title = |index: usize, what: &str| {
         let name = entries[index].name;
@@ -216,11 +259,20 @@ fn draw(
         format!("{}{rest}{what}", first.to_uppercase())
     };
     let color = |index: usize| entries[index].pen.color;
-    let of = |index: usize, what: &str| phase(&title(index, what), &runs[index].states, color(index));
-    let mut forward = phase(&title(FORWARD, ""), runs[FORWARD].inside(picture.size), color(FORWARD));
+    let of =
+        |index: usize, what: &str| phase(&title(index, what), &runs[index].states, color(index));
+    let mut forward = phase(
+        &title(FORWARD, ""),
+        runs[FORWARD].inside(picture.size),
+        color(FORWARD),
+    );
     if let Some(t) = picture.left {
         let text = format!("leaves the picture at t = {t:.1}");
-        forward = forward.note((-0.95 * picture.size, -0.93 * picture.size), text, palette::BLACK);
+        forward = forward.note(
+            (-0.95 * picture.size, -0.93 * picture.size),
+            text,
+            palette::BLACK,
+        );
     }
     Ok(Figure {
         name: "figure2",
@@ -228,14 +280,22 @@ fn draw(
         rows: vec![
             Row {
                 height: 370,
-                panels: vec![forward, of(BACKWARD, ""), energies(options, entries, runs, solution, picture)?],
+                panels: vec![
+                    forward,
+                    of(BACKWARD, ""),
+                    energies(options, entries, runs, solution, picture)?,
+                ],
             },
             Row {
                 height: 370,
                 panels: vec![
                     of(ENDPOINT, " (symplectic)"),
                     of(INITIAL_POINT, " (symplectic)"),
-                    phase("Exact solution, same path", &solution.states, palette::BLACK),
+                    phase(
+                        "Exact solution, same path",
+                        &solution.states,
+                        palette::BLACK,
+                    ),
                 ],
             },
         ],
@@ -250,7 +310,11 @@ fn energies(
     picture: &Picture,
 ) -> Result<Panel, StepError> {
     let curve = |run: &Run, every: usize| -> Result<Vec<(f64, f64)>, StepError> {
-        run.states.iter().step_by(every).map(|z| Ok((z.t, OSCILLATOR.hamiltonian(z)?))).collect()
+        run.states
+            .iter()
+            .step_by(every)
+            .map(|z| Ok((z.t, OSCILLATOR.hamiltonian(z)?)))
+            .collect()
     };
     let every = options.steps().div_ceil(1000).max(1);
     let mut panel = Panel::new(
@@ -262,8 +326,16 @@ fn energies(
     panel.x.labels = 5;
     let mean = vec![(0.0, 0.5), (options.horizon, 0.5 + 0.5 * options.horizon)];
     panel = panel
-        .with(Layer::new("mean H₀ + σ²t/2", mean, Pen::dashed(palette::GREY, 1.4, (5.0, 3.0))))
-        .with(Layer::new("exact, this path", curve(solution, every)?, Pen::line(palette::BLACK, 2.2)));
+        .with(Layer::new(
+            "mean H₀ + σ²t/2",
+            mean,
+            Pen::dashed(palette::GREY, 1.4, (5.0, 3.0)),
+        ))
+        .with(Layer::new(
+            "exact, this path",
+            curve(solution, every)?,
+            Pen::line(palette::BLACK, 2.2),
+        ));
     for index in [FORWARD, BACKWARD, INITIAL_POINT, ENDPOINT] {
         // forward Euler–Maruyama crosses the picture within a few points
         let points = curve(&runs[index], if index == FORWARD { 1 } else { every })?;

@@ -19,9 +19,21 @@ const TIMES: [f64; 3] = [10.0, 100.0, 2000.0];
 const PUBLISHED: [[f64; 3]; 6] = [
     [9.876_476_061_818_382, 115_270.356_007_975_24, 1.471_76e87],
     [3.336_299_544_518_964, 4.999_785_296_694_256, 5.0],
-    [5.487_531_172_069_843, 50.375_311_720_699_36, 998.006_234_414_838_6],
-    [5.498_433_996_767_535, 50.651_649_400_242_31, 1_003.025_792_097_458_6],
-    [5.529_280_993_840_45, 50.599_043_290_997_86, 1_002.986_534_292_542_2],
+    [
+        5.487_531_172_069_843,
+        50.375_311_720_699_36,
+        998.006_234_414_838_6,
+    ],
+    [
+        5.498_433_996_767_535,
+        50.651_649_400_242_31,
+        1_003.025_792_097_458_6,
+    ],
+    [
+        5.529_280_993_840_45,
+        50.599_043_290_997_86,
+        1_002.986_534_292_542_2,
+    ],
     [5.5, 50.5, 1000.5],
 ];
 /// The entry of which only six digits are published.
@@ -38,7 +50,11 @@ struct Sums {
 impl Sums {
     /// Adds a run. Where runs end early, because they overflow, only their common part is kept.
     fn add(&mut self, run: &Run) -> Result<(), StepError> {
-        let known = if self.paths == 0.0 { run.states.len() } else { self.energy.len() };
+        let known = if self.paths == 0.0 {
+            run.states.len()
+        } else {
+            self.energy.len()
+        };
         let length = known.min(run.states.len());
         self.energy.resize(length, 0.0);
         self.square.resize(length, 0.0);
@@ -52,13 +68,18 @@ impl Sums {
     }
 
     fn mean(&self, step: usize) -> f64 {
-        self.energy.get(step).map_or(f64::NAN, |sum| sum / self.paths)
+        self.energy
+            .get(step)
+            .map_or(f64::NAN, |sum| sum / self.paths)
     }
 
     /// Standard error of the mean, from the sample.
     fn standard_error(&self, step: usize) -> f64 {
         let mean = self.mean(step);
-        let square = self.square.get(step).map_or(f64::NAN, |sum| sum / self.paths);
+        let square = self
+            .square
+            .get(step)
+            .map_or(f64::NAN, |sum| sum / self.paths);
         ((square - mean * mean) / (self.paths - 1.0)).sqrt()
     }
 }
@@ -80,7 +101,11 @@ pub(crate) fn report(options: &Options, tick: &dyn Fn()) -> Result<Report, Box<d
         schemes.push(oscillator::moments(entry.scheme.linear()?));
     }
     schemes.push(exact.moments());
-    let names: Vec<&str> = entries.iter().map(|e| e.name).chain(["exact solution"]).collect();
+    let names: Vec<&str> = entries
+        .iter()
+        .map(|e| e.name)
+        .chain(["exact solution"])
+        .collect();
     let mut checks = Vec::new();
     for ((name, scheme), published) in names.iter().zip(&schemes).zip(PUBLISHED) {
         checks.push(recursion(name, scheme, published));
@@ -112,7 +137,11 @@ fn step_of(t: f64) -> usize {
 
 /// Expected energy after each step.
 fn expected(scheme: &Scheme<2>, steps: usize) -> Vec<f64> {
-    scheme.distributions(START).take(steps + 1).map(|law| law.quadratic(&ENERGY).0).collect()
+    scheme
+        .distributions(START)
+        .take(steps + 1)
+        .map(|law| law.quadratic(&ENERGY).0)
+        .collect()
 }
 
 /// The recursion of the scheme as it runs, against the published expectations.
@@ -155,7 +184,10 @@ fn times(options: &Options) -> Vec<f64> {
 
 /// Mean energies over the paths against the recursion.
 fn means(options: &Options, name: &str, scheme: &Scheme<2>, sums: &Sums) -> Vec<Check> {
-    let laws: Vec<_> = scheme.distributions(START).take(options.steps() + 1).collect();
+    let laws: Vec<_> = scheme
+        .distributions(START)
+        .take(options.steps() + 1)
+        .collect();
     let paths = f64::from(options.paths);
     let check = |t: f64| {
         let (mean, variance) = laws[step_of(t)].quadratic(&ENERGY);
@@ -192,7 +224,9 @@ fn paired(options: &Options, name: &str, joint: &Scheme<4>, sums: &Sums, exact: 
     let (mean, variance) = law.map_or((f64::NAN, f64::NAN), |law| law.quadratic(&form));
     let paths = f64::from(options.paths);
     Check::near(
-        format!("{name}: mean energy less that of the exact solution on the same paths, t = {t:.0}"),
+        format!(
+            "{name}: mean energy less that of the exact solution on the same paths, t = {t:.0}"
+        ),
         sums.mean(step) - exact.mean(step),
         mean,
         standard_errors(paths) * (variance / paths).sqrt(),
@@ -244,14 +278,24 @@ fn curves(
     for sign in [-1.0, 1.0] {
         let edge = (0..=steps).step_by(every).map(|k| {
             let (mean, variance) = laws[k].quadratic(&ENERGY);
-            (time(k), mean + sign * (variance / f64::from(options.paths)).sqrt())
+            (
+                time(k),
+                mean + sign * (variance / f64::from(options.paths)).sqrt(),
+            )
         });
-        let layer = Layer::new("± one standard error of H₀ + σ²t/2", edge.collect(), Pen::dashed(palette::BLACK, 1.0, (1.5, 3.0)));
+        let layer = Layer::new(
+            "± one standard error of H₀ + σ²t/2",
+            edge.collect(),
+            Pen::dashed(palette::BLACK, 1.0, (1.5, 3.0)),
+        );
         panel = panel.with(if sign < 0.0 { layer } else { layer.unlisted() });
     }
     let means = |sums: &Sums, every: usize| -> Vec<(f64, f64)> {
         let last = sums.energy.len().min(steps + 1);
-        (0..last).step_by(every).map(|k| (time(k), sums.mean(k))).collect()
+        (0..last)
+            .step_by(every)
+            .map(|k| (time(k), sums.mean(k)))
+            .collect()
     };
     for (index, (entry, sums)) in entries.iter().zip(sums).enumerate() {
         // forward Euler–Maruyama, the first, crosses the picture within a few points
@@ -259,15 +303,30 @@ fn curves(
         panel = panel.with(Layer::new(entry.name, means(sums, every), entry.pen));
     }
     let same = Pen::line(palette::SKY, 1.2).symbols(Shape::Disc, 6);
-    panel = panel.with(Layer::new("exact solution, same paths", means(&sums[5], every), same));
+    panel = panel.with(Layer::new(
+        "exact solution, same paths",
+        means(&sums[5], every),
+        same,
+    ));
     if end < options.horizon || options.horizon <= 100.0 {
         for (k, scheme) in schemes.iter().take(2).enumerate() {
-            let points = expected(scheme, steps).into_iter().enumerate().map(|(k, e)| (time(k), e));
-            let layer = Layer::new("expectation by recursion", points.collect(), Pen::dashed(palette::BLACK, 1.0, (3.0, 3.0)));
+            let points = expected(scheme, steps)
+                .into_iter()
+                .enumerate()
+                .map(|(k, e)| (time(k), e));
+            let layer = Layer::new(
+                "expectation by recursion",
+                points.collect(),
+                Pen::dashed(palette::BLACK, 1.0, (3.0, 3.0)),
+            );
             panel = panel.with(if k == 0 { layer } else { layer.unlisted() });
         }
     }
     panel
-        .with(Layer::new("H₀ + σ²t/2", line, Pen::line(palette::BLACK, 1.6)))
+        .with(Layer::new(
+            "H₀ + σ²t/2",
+            line,
+            Pen::line(palette::BLACK, 1.6),
+        ))
         .legend(Corner::TopRight)
 }

@@ -80,16 +80,25 @@ fn rotation(start: State<1>, path: &Wiener, steps: usize) -> Run {
 fn of_angle(f: impl Fn(f64) -> f64) -> (f64, f64) {
     let (mean, deviation) = (KUBO.a * H, KUBO.sigma * H.sqrt());
     let first = expectation(mean, deviation, &f);
-    (first, expectation(mean, deviation, |x| (f(x) - first).powi(2)))
+    (
+        first,
+        expectation(mean, deviation, |x| (f(x) - first).powi(2)),
+    )
 }
 
-fn radius(z: &State<1>) -> f64 {
-    z.q[0].hypot(z.p[0])
+/// ln √(q² + p²), also where the root itself is above the range of f64.
+fn ln_radius(z: &State<1>) -> f64 {
+    let (q, p) = (z.q[0].abs(), z.p[0].abs());
+    q.max(p).ln() + 0.5 * (q.min(p) / q.max(p)).powi(2).ln_1p()
 }
 
 fn checks(options: &Options, runs: &Runs) -> Vec<Check> {
     let steps = options.steps() as f64;
-    let worst = runs.midpoint.states.iter().map(|z| (z.q[0].powi(2) + z.p[0].powi(2) - 1.0).abs());
+    let worst = runs
+        .midpoint
+        .states
+        .iter()
+        .map(|z| (z.q[0].powi(2) + z.p[0].powi(2) - 1.0).abs());
     let mut checks = vec![
         Check::near(
             "midpoint: largest |q² + p² − 1|",
@@ -107,8 +116,9 @@ fn checks(options: &Options, runs: &Runs) -> Vec<Check> {
         left,
         format!("first |q| or |p| above {PICTURE}"),
     ));
-    let (growth, variance) = of_angle(|x| 0.5 * ((1.0 - 0.5 * KUBO.sigma.powi(2) * H).powi(2) + x * x).ln());
-    let end = runs.corrected.states.last().map_or(f64::NAN, |z| radius(z).ln());
+    let (growth, variance) =
+        of_angle(|x| 0.5 * ((1.0 - 0.5 * KUBO.sigma.powi(2) * H).powi(2) + x * x).ln());
+    let end = runs.corrected.states.last().map_or(f64::NAN, ln_radius);
     checks.push(Check::near(
         "corrected Euler–Maruyama: ln radius at the horizon",
         end,
@@ -153,13 +163,24 @@ fn overflow(options: &Options, euler: &Run) -> [Check; 2] {
             allowed,
             "h ln(f64::MAX) / E ½ln(1 + x²) by quadrature; 5 standard deviations of the time",
         ),
-        None => Check::near(what, f64::NAN, expected, allowed, "has to overflow before the horizon").only_if(
+        None => Check::near(
+            what,
+            f64::NAN,
+            expected,
+            allowed,
+            "has to overflow before the horizon",
+        )
+        .only_if(
             options.horizon > expected + allowed,
             &format!("expected near t = {expected:.0}, which the horizon need not reach"),
         ),
     };
-    let last = euler.states.last().map_or(f64::NAN, radius);
-    let finite = Check::reported("Euler–Maruyama: last finite radius", last, "never NaN: the step returns an error");
+    let last = euler.states.last().map_or(f64::NAN, ln_radius) / std::f64::consts::LN_10;
+    let finite = Check::reported(
+        "Euler–Maruyama: decimal exponent of the last radius",
+        last,
+        "never NaN: the step returns an error",
+    );
     [time, finite]
 }
 
@@ -179,16 +200,31 @@ fn draw(options: &Options, runs: &Runs, left: f64) -> Figure {
         runs.midpoint.orbit(),
         Pen::dots(palette::BLUE, 0.8),
     ));
-    let spiral: Vec<_> = runs.euler.inside(PICTURE).iter().map(|z| (z.q[0], z.p[0])).collect();
-    let circle = (0..=120).map(|k| (f64::from(k) * std::f64::consts::PI / 60.0).sin_cos()).collect();
+    let spiral: Vec<_> = runs
+        .euler
+        .inside(PICTURE)
+        .iter()
+        .map(|z| (z.q[0], z.p[0]))
+        .collect();
+    let circle = (0..=120)
+        .map(|k| (f64::from(k) * std::f64::consts::PI / 60.0).sin_cos())
+        .collect();
     let mut pen = Pen::line(palette::VERMILION, 1.0).symbols(Shape::Disc, spiral.len());
     if let Some(symbols) = &mut pen.symbol {
         symbols.radius = 1.8;
     }
     let euler = panel("Euler–Maruyama, uncorrected", PICTURE)
-        .with(Layer::new("exact circle", circle, Pen::dashed(palette::BLACK, 1.2, (5.0, 3.0))))
+        .with(Layer::new(
+            "exact circle",
+            circle,
+            Pen::dashed(palette::BLACK, 1.2, (5.0, 3.0)),
+        ))
         .with(Layer::new("Euler–Maruyama", spiral, pen))
-        .note((-0.9 * PICTURE, -0.9 * PICTURE), format!("leaves the picture at t = {left:.1}"), palette::VERMILION)
+        .note(
+            (-0.9 * PICTURE, -0.9 * PICTURE),
+            format!("leaves the picture at t = {left:.1}"),
+            palette::VERMILION,
+        )
         .legend(Corner::TopRight);
     Figure {
         name: "figure4",
@@ -209,7 +245,7 @@ fn draw(options: &Options, runs: &Runs, left: f64) -> Figure {
 fn radii(options: &Options, runs: &Runs) -> Panel {
     let every = options.steps().div_ceil(2000).max(1);
     let decades = |run: &Run| -> Vec<(f64, f64)> {
-        let all = run.over_time(|z| radius(z).log10());
+        let all = run.over_time(|z| ln_radius(z) / std::f64::consts::LN_10);
         let last = all.last().copied();
         all.into_iter().step_by(every).chain(last).collect()
     };
@@ -226,10 +262,18 @@ fn radii(options: &Options, runs: &Runs) -> Panel {
     .legend(Corner::TopLeft);
     if let (Some(t), Some(&(last, decade))) = (runs.euler.overflow, euler.last()) {
         let text = format!("overflow of f64 at t = {t:.1}");
-        panel = panel.note((last + 0.01 * options.horizon, decade), text, palette::VERMILION);
+        panel = panel.note(
+            (last + 0.01 * options.horizon, decade),
+            text,
+            palette::VERMILION,
+        );
     }
     panel
-        .with(Layer::new("Euler–Maruyama, uncorrected", euler, Pen::line(palette::VERMILION, 1.6)))
+        .with(Layer::new(
+            "Euler–Maruyama, uncorrected",
+            euler,
+            Pen::line(palette::VERMILION, 1.6),
+        ))
         .with(Layer::new(
             "Euler–Maruyama, corrected",
             corrected,
@@ -240,5 +284,9 @@ fn radii(options: &Options, runs: &Runs) -> Panel {
             decades(&runs.midpoint),
             Pen::line(palette::BLUE, 1.6).symbols(Shape::Circle, 9),
         ))
-        .with(Layer::new("exact (1)", decades(&runs.exact), Pen::dashed(palette::BLACK, 1.2, (5.0, 3.0))))
+        .with(Layer::new(
+            "exact (1)",
+            decades(&runs.exact),
+            Pen::dashed(palette::BLACK, 1.2, (5.0, 3.0)),
+        ))
 }

@@ -10,8 +10,7 @@ mod figure4;
 mod oscillator;
 mod run;
 mod settings;
-mod standin;
-use standin as systems;
+mod systems;
 
 use std::error::Error;
 use std::fmt::Write as _;
@@ -40,11 +39,14 @@ pub(crate) struct Report {
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let options = Options::parse();
     let start = Instant::now();
-    fs::create_dir_all(&options.out).map_err(|e| format!("cannot make {}: {e}", options.out.display()))?;
+    fs::create_dir_all(&options.out)
+        .map_err(|e| format!("cannot make {}: {e}", options.out.display()))?;
 
     // ticks: 7 starts, 5 schemes on one path, the paths, 1 for figure 4; then 4 drawings
     let progress = ProgressBar::new(7 + 5 + u64::from(options.paths) + 1 + 4);
-    progress.set_style(ProgressStyle::with_template("{msg:<24} {bar:40} {pos}/{len}")?);
+    progress.set_style(ProgressStyle::with_template(
+        "{msg:<24} {bar:40} {pos}/{len}",
+    )?);
     let tick = || progress.inc(1);
     let mut reports = Vec::new();
     progress.set_message("pendulum");
@@ -70,7 +72,11 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         writeln!(text, "{}", check::table(report.title, &report.checks))?;
     }
     print!("{text}");
-    let failed = reports.iter().flat_map(|report| &report.checks).filter(|check| check.failed()).count();
+    let failed = reports
+        .iter()
+        .flat_map(|report| &report.checks)
+        .filter(|check| check.failed())
+        .count();
     println!(
         "wrote {} and figure1 … figure4 as .svg, .png and .csv beside it, in {:.1} s",
         index.display(),
@@ -108,17 +114,28 @@ fn html(options: &Options, reports: &[Report], drawings: &[String]) -> String {
             checks: &report.checks,
         })
         .collect();
-    let failed = reports.iter().flat_map(|r| &r.checks).filter(|c| c.failed()).count();
+    let failed = reports
+        .iter()
+        .flat_map(|r| &r.checks)
+        .filter(|c| c.failed())
+        .count();
     let verdict = match failed {
         0 => "Every compared number agrees.".to_owned(),
-        n => format!("<strong>{n} of the compared numbers are off; their rows are marked.</strong>"),
+        n => {
+            format!("<strong>{n} of the compared numbers are off; their rows are marked.</strong>")
+        }
     };
     let head = format!(
         "<p>Every integrator here was derived at compile time from a Lagrangian; the methods they are compared with come \
          from the same derivatives. Step size {H}, horizon {}, {} paths, seed {}. {verdict}</p>",
         options.horizon, options.paths, options.seed
     );
-    page::html("Stochastic variational integrators: the paper's figures", &head, &sections, ERRATA)
+    page::html(
+        "Stochastic variational integrators: the paper's figures",
+        &head,
+        &sections,
+        ERRATA,
+    )
 }
 
 /// Why labels differ from the paper's.

@@ -46,7 +46,11 @@ impl<I: Method<System = Oscillator>> Stepper for I {
             self.step(&mut state, H, &[dw])?;
             Ok([state.q[0], state.p[0]])
         };
-        let (first, second, b) = (image(1.0, 0.0, 0.0)?, image(0.0, 1.0, 0.0)?, image(0.0, 0.0, 1.0)?);
+        let (first, second, b) = (
+            image(1.0, 0.0, 0.0)?,
+            image(0.0, 1.0, 0.0)?,
+            image(0.0, 0.0, 1.0)?,
+        );
         Ok(([[first[0], second[0]], [first[1], second[1]]], b))
     }
 }
