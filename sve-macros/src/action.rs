@@ -14,14 +14,11 @@ use crate::symbolic::{Arena, Expr, Symbol};
 pub(crate) struct Action {
     pub(crate) value: Expr,
     pub(crate) h: Symbol,
-    /// Time at the start of the step.
-    pub(crate) time: Symbol,
     pub(crate) start_q: Vec<Symbol>,
     pub(crate) start_p: Vec<Symbol>,
     pub(crate) displacement: Vec<Symbol>,
     /// Variables in which the action is stationary.
     pub(crate) internal: Vec<Symbol>,
-    pub(crate) dw: Vec<Symbol>,
 }
 
 /// The variables that every rule has.
@@ -66,18 +63,15 @@ pub(crate) fn discretise(
     let Step {
         start_q,
         displacement,
-        dw,
         ..
     } = step;
     Action {
         value,
         h,
-        time: model.time,
         start_q,
         start_p,
         displacement,
         internal,
-        dw,
     }
 }
 

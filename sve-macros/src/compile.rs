@@ -17,7 +17,7 @@ use crate::structure::{self, Degenerate};
 use crate::symbolic::Arena;
 
 /// The expansion of the attribute: the user's block as it was, and the derived implementations or the errors.
-pub(crate) fn expand(attribute: TokenStream, item: TokenStream) -> TokenStream {
+pub(crate) fn expand(attribute: &TokenStream, item: &TokenStream) -> TokenStream {
     let block = match syn::parse2::<ItemImpl>(item.clone()) {
         Ok(block) => block,
         Err(error) => {
@@ -29,10 +29,10 @@ pub(crate) fn expand(attribute: TokenStream, item: TokenStream) -> TokenStream {
         }
     };
     let plain = parse::without_roles(block.clone());
-    let derived = match derive(attribute.clone(), block) {
+    let derived = match derive(attribute.clone(), block.clone()) {
         Ok(derived) => derived,
         Err(error) => {
-            let stub = emit::stub(&plain, &attribute);
+            let stub = emit::stub(&block, attribute);
             let error = error.into_compile_error();
             quote!(#error #stub)
         }

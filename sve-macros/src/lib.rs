@@ -21,5 +21,5 @@ use proc_macro::TokenStream;
 /// Derives variational integrators from the Lagrangian and the noise terms of an `impl` block.
 #[proc_macro_attribute]
 pub fn variational(attribute: TokenStream, item: TokenStream) -> TokenStream {
-    compile::expand(attribute.into(), item.into()).into()
+    compile::expand(&attribute.into(), &item.into()).into()
 }

@@ -102,12 +102,6 @@ impl Program {
             .map(|(at, i)| (Value(at as u32), *i))
     }
 
-    /// Whether an instruction uses a value.
-    pub(crate) fn is_operand(&self, value: Value) -> bool {
-        self.all()
-            .any(|(_, i)| operands(i.operation).any(|v| v == value))
-    }
-
     fn mark_live(&mut self, results: &[Value]) {
         self.live = vec![false; self.instructions.len()];
         for result in results {
@@ -339,7 +333,7 @@ impl<'a> Scheduler<'a> {
     }
 
     /// Adds values, each with whether it is to be subtracted, in the order in which they become known.
-    fn add_up(&mut self, parts: &mut Vec<(Value, bool)>) -> Value {
+    fn add_up(&mut self, parts: &mut [(Value, bool)]) -> Value {
         for part in parts.iter_mut() {
             if let Some(x) = self.negated(part.0) {
                 *part = (x, !part.1);
@@ -437,8 +431,30 @@ impl<'a> Scheduler<'a> {
         }
     }
 
+    /// The value of an operation that needs none: equal operands that cancel, and zeros and ones among them.
+    fn trivial(&mut self, operation: Operation) -> Option<Value> {
+        let constant = |v: Value| match self.program.get(v).operation {
+            Operation::Constant(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        };
+        match operation {
+            Operation::Sub(a, b) if a == b => Some(self.constant(0.0)),
+            Operation::Add(a, b) if constant(a) == Some(0.0) => Some(b),
+            Operation::Sub(a, b) if constant(a) == Some(0.0) => Some(self.push(Operation::Neg(b))),
+            Operation::Add(a, b) | Operation::Sub(a, b) if constant(b) == Some(0.0) => Some(a),
+            Operation::Mul(a, b) | Operation::Mul(b, a) if constant(a) == Some(1.0) => Some(b),
+            Operation::Mul(a, b) if constant(a) == Some(0.0) || constant(b) == Some(0.0) => {
+                Some(self.constant(0.0))
+            }
+            _ => None,
+        }
+    }
+
     /// Adds an operation; negations move outwards, to where a sum takes them in.
     fn push(&mut self, operation: Operation) -> Value {
+        if let Some(known) = self.trivial(operation) {
+            return known;
+        }
         let inner = |v: Value| self.negated(v);
         match operation {
             Operation::Neg(a) => {

@@ -88,7 +88,6 @@ pub(crate) fn analyse(
     let mut system = Reduced {
         arena,
         symbols,
-        h: action.h,
         unknowns: equations.unknowns,
         residuals: equations.residuals,
         dq: equations.dq,
@@ -128,10 +127,12 @@ pub(crate) fn analyse(
     Ok(linear_map(increments, action, symbols, arena))
 }
 
+/// Equations and the unknowns that they determine.
+type RowsAndColumns = (Vec<usize>, Vec<usize>);
+
 struct Reduced<'a> {
     arena: &'a mut Arena,
     symbols: &'a mut Symbols,
-    h: Symbol,
     unknowns: Vec<Symbol>,
     residuals: Vec<Expr>,
     dq: Vec<Expr>,
@@ -191,7 +192,7 @@ impl Reduced<'_> {
     }
 
     /// Rows and columns of each block, in the order of solution.
-    fn blocks(&mut self) -> Result<Vec<(Vec<usize>, Vec<usize>)>, Degenerate> {
+    fn blocks(&mut self) -> Result<Vec<RowsAndColumns>, Degenerate> {
         let n = self.unknowns.len();
         let depends: Vec<Vec<usize>> = self
             .residuals
@@ -265,7 +266,7 @@ impl Reduced<'_> {
         let (kind, solution) = if linear && unknowns.len() == 1 {
             let formula = self.arena.div(guess_rhs[0], guess_matrix[0][0]);
             known.insert(unknowns[0], self.arena.opaque(formula));
-            let kind = if self.known_before_step(guess_matrix[0][0]) {
+            let kind = if self.is_parameter(guess_matrix[0][0]) {
                 Kind::Explicit
             } else {
                 Kind::Linear
@@ -327,11 +328,11 @@ impl Reduced<'_> {
         true
     }
 
-    /// Whether only parameters and the step size occur.
-    fn known_before_step(&self, expr: Expr) -> bool {
+    /// Whether only parameters occur: with the step size in it, a coefficient comes from an implicit equation.
+    fn is_parameter(&self, expr: Expr) -> bool {
         self.arena
             .symbols_of(expr)
-            .all(|s| s == self.h || matches!(self.symbols.meaning(s), Meaning::Parameter { .. }))
+            .all(|s| matches!(self.symbols.meaning(s), Meaning::Parameter { .. }))
     }
 
     fn magnitude(&mut self, residual: Expr) -> Expr {

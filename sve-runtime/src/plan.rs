@@ -6,7 +6,7 @@ use core::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum BlockKind {
-    /// Each unknown stands alone, with a coefficient known before the step: straight-line code.
+    /// Each unknown stands alone, with a coefficient of parameters: straight-line code.
     Explicit,
     /// The Jacobian does not contain the unknowns: one solve, no iteration.
     Linear,

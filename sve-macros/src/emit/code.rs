@@ -7,7 +7,7 @@ use quote::{format_ident, quote};
 
 use crate::model::{Meaning, Quantity, Symbols};
 use crate::schedule::{Operation, Program, Tier, Value, operands};
-use crate::symbolic::{Binary, Function, Symbol};
+use crate::symbolic::{Function, Symbol};
 
 /// Prints a program.
 pub(super) struct Printer<'a> {
@@ -108,6 +108,10 @@ impl<'a> Printer<'a> {
     fn statement(&self, value: Value, operation: Operation) -> TokenStream {
         let name = self.name(value);
         let of = |v: Value| self.operand(v);
+        let infix = |a, operator: &TokenStream, b| {
+            let (a, b) = (self.operand(a), self.operand(b));
+            quote!(#a #operator #b)
+        };
         let expression = match operation {
             Operation::Constant(_) | Operation::SinOf(_) | Operation::CosOf(_) => {
                 return TokenStream::new();
@@ -116,22 +120,21 @@ impl<'a> Printer<'a> {
                 Some(access) => access,
                 None => return TokenStream::new(),
             },
-            Operation::Add(a, b) => binary(of(a), quote!(+), of(b)),
-            Operation::Sub(a, b) => binary(of(a), quote!(-), of(b)),
-            Operation::Mul(a, b) => binary(of(a), quote!(*), of(b)),
-            Operation::Div(a, b) => binary(of(a), quote!(/), of(b)),
+            Operation::Add(a, b) => infix(a, &quote!(+), b),
+            Operation::Sub(a, b) => infix(a, &quote!(-), b),
+            Operation::Mul(a, b) => infix(a, &quote!(*), b),
+            Operation::Div(a, b) => infix(a, &quote!(/), b),
             Operation::Neg(a) => {
                 let a = of(a);
                 quote!(-#a)
             }
-            Operation::Recip(a) => binary(constant(1.0), quote!(/), of(a)),
+            Operation::Recip(a) => {
+                let a = of(a);
+                quote!(1f64 / #a)
+            }
             Operation::Call(function, a) => call(function, &of(a)),
             Operation::Call2(function, a, b) => {
-                let method = match function {
-                    Binary::Atan2 => quote!(atan2),
-                    Binary::Hypot => quote!(hypot),
-                    Binary::Pow => quote!(powf),
-                };
+                let method = local(function.name());
                 let (a, b) = (of(a), of(b));
                 quote!(f64::#method(#a, #b))
             }
@@ -155,7 +158,7 @@ impl<'a> Printer<'a> {
             Operation::Div(..) => "ratio",
             Operation::Neg(_) => "minus",
             Operation::Recip(_) => "inverse",
-            Operation::Call(function, _) => function_name(function),
+            Operation::Call(function, _) => function.name(),
             Operation::Call2(..) => "value",
             Operation::SinCos(_) => "sin_cos",
         };
@@ -182,10 +185,6 @@ fn local(name: &str) -> Ident {
 
 fn pair(part: &str, both: Value) -> Ident {
     local(&format!("{part}_{}", both.index()))
-}
-
-fn binary(a: TokenStream, operator: TokenStream, b: TokenStream) -> TokenStream {
-    quote!(#a #operator #b)
 }
 
 /// A literal; a negative one in parentheses.
@@ -222,35 +221,6 @@ fn call(function: Function, x: &TokenStream) -> TokenStream {
         let exponent = constant(exponent.get());
         return quote!(f64::powf(#x, #exponent));
     }
-    let method = local(function_name(function));
+    let method = local(function.name());
     quote!(f64::#method(#x))
-}
-
-/// The name of the method of `f64`.
-fn function_name(function: Function) -> &'static str {
-    match function {
-        Function::Sqrt => "sqrt",
-        Function::Cbrt => "cbrt",
-        Function::Exp => "exp",
-        Function::Exp2 => "exp2",
-        Function::ExpM1 => "exp_m1",
-        Function::Ln => "ln",
-        Function::Ln1p => "ln_1p",
-        Function::Log2 => "log2",
-        Function::Log10 => "log10",
-        Function::Sin => "sin",
-        Function::Cos => "cos",
-        Function::Tan => "tan",
-        Function::Asin => "asin",
-        Function::Acos => "acos",
-        Function::Atan => "atan",
-        Function::Sinh => "sinh",
-        Function::Cosh => "cosh",
-        Function::Tanh => "tanh",
-        Function::Asinh => "asinh",
-        Function::Acosh => "acosh",
-        Function::Atanh => "atanh",
-        Function::Powf(_) => "powf",
-        Function::Abs => "abs",
-    }
 }

@@ -10,7 +10,7 @@ use crate::mechanics::Mechanics;
 use crate::model::{Model, Symbols};
 use crate::parse::Annotated;
 use crate::rule::Rule;
-use crate::schedule::{Operation, Program, Scheduler, Tier, Tiers, Value, operands};
+use crate::schedule::{Operation, Program, Scheduler, Tier, Tiers, Value};
 use crate::structure::{Block, Form, Iteration, Kind, Scheme, Solution};
 use crate::symbolic::{Arena, Expr, Symbol};
 
@@ -395,7 +395,7 @@ fn operations(
             }
             Operation::Call(crate::symbolic::Function::Abs, _) => arithmetic += 1,
             Operation::Call(..) | Operation::Call2(..) | Operation::SinCos(_) => {
-                transcendental += 1
+                transcendental += 1;
             }
         }
     }

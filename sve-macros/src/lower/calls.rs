@@ -178,7 +178,7 @@ impl Lowering<'_> {
             },
             ["f64", name] if !arguments.is_empty() => {
                 let receiver = self.eval(arguments[0]);
-                self.float_method(name, path.span(), (receiver, arguments[0].span()), &arguments[1..])
+                self.float_method(name, path.span(), (&receiver, arguments[0].span()), &arguments[1..])
             }
             ["Self", name] => self.helper(name, path.span(), None, &arguments),
             _ => self.refuse(path, format!("the function `{}` is not known here: make it a function of this `impl` block and call `self.{}(…)`", names.join("::"), names.last().unwrap_or(&""))),
@@ -210,7 +210,7 @@ impl Lowering<'_> {
         self.float_method(
             &name,
             call.method.span(),
-            (receiver, call.receiver.span()),
+            (&receiver, call.receiver.span()),
             &arguments,
         )
     }
@@ -220,7 +220,7 @@ impl Lowering<'_> {
         &mut self,
         name: &str,
         at: proc_macro2::Span,
-        receiver: (Value, proc_macro2::Span),
+        receiver: (&Value, proc_macro2::Span),
         arguments: &[&Syntax],
     ) -> Value {
         if let Some((_, message)) = ROUGH.iter().find(|r| r.0 == name) {
@@ -254,7 +254,7 @@ impl Lowering<'_> {
             );
             return Value::Poison;
         }
-        let x = self.scalar(&receiver.0, receiver.1);
+        let x = self.scalar(receiver.0, receiver.1);
         if name == "powi" {
             return self.powi(x, arguments[0]);
         }

@@ -95,7 +95,7 @@ impl Lowering<'_> {
         let p = self.symbols.declare_all(n, Meaning::Momentum);
 
         let result = self.run(part, &shape, time, &[&q, &v]);
-        let lagrangian = self.scalar_result(part, result);
+        let lagrangian = self.scalar_result(part, &result);
         let mut noises = Vec::new();
         for noise in &block.noises {
             let arguments: &[&[Symbol]] = if noise.role == Role::Gamma {
@@ -153,7 +153,7 @@ impl Lowering<'_> {
         self.block_value(&part.body)
     }
 
-    fn scalar_result(&mut self, part: &Part, value: Value) -> Option<Expr> {
+    fn scalar_result(&mut self, part: &Part, value: &Value) -> Option<Expr> {
         if self.shape(&part.output)? != Shape::Scalar {
             self.errors.push(
                 part.output.span(),
@@ -161,7 +161,7 @@ impl Lowering<'_> {
             );
             return None;
         }
-        self.scalar(&value, part.name.span())
+        self.scalar(value, part.name.span())
     }
 
     fn noise_terms(&mut self, part: &Part, value: Value, noises: &mut Vec<NoiseTerm>) {

@@ -46,7 +46,7 @@ impl Printer<'_> {
             return;
         }
         match self.arena.node(expr) {
-            Node::Constant(bits) => self.out.push_str(&format!("{}", bits.get())),
+            Node::Constant(bits) => self.put(format_args!("{}", bits.get())),
             Node::Symbol(symbol) => self.out.push_str(&(self.name)(*symbol)),
             Node::Opaque(x) => self.print(*x, inside, depth),
             Node::Sum(constant, terms) => {
@@ -60,7 +60,7 @@ impl Printer<'_> {
                 if constant.get() != 0.0 {
                     let c = constant.get();
                     self.out.push_str(if c < 0.0 { " - " } else { " + " });
-                    self.out.push_str(&format!("{}", c.abs()));
+                    self.put(format_args!("{}", c.abs()));
                 }
                 self.bracket(open, ')');
             }
@@ -68,15 +68,15 @@ impl Printer<'_> {
             Node::Call(function, x) => {
                 if let Function::Powf(k) = function {
                     self.print(*x, Binds::Atom, depth - 1);
-                    self.out.push_str(&format!("^{}", k.get()));
+                    self.put(format_args!("^{}", k.get()));
                     return;
                 }
-                self.out.push_str(&format!("{function:?}(").to_lowercase());
+                self.put(format_args!("{}(", function.name()));
                 self.print(*x, Binds::Sum, depth - 1);
                 self.out.push(')');
             }
             Node::Call2(function, x, y) => {
-                self.out.push_str(&format!("{function:?}(").to_lowercase());
+                self.put(format_args!("{}(", function.name()));
                 self.print(*x, Binds::Sum, depth - 1);
                 self.out.push_str(", ");
                 self.print(*y, Binds::Sum, depth - 1);
@@ -93,7 +93,7 @@ impl Printer<'_> {
             (false, false) => self.out.push_str(" + "),
         }
         if c.abs() != 1.0 {
-            self.out.push_str(&format!("{}·", c.abs()));
+            self.put(format_args!("{}·", c.abs()));
         }
         self.print(x, Binds::Product, depth - 1);
     }
@@ -107,10 +107,14 @@ impl Printer<'_> {
             }
             self.print(base, Binds::Atom, depth - 1);
             if k != 1 {
-                self.out.push_str(&format!("^{k}"));
+                self.put(format_args!("^{k}"));
             }
         }
         self.bracket(open, ')');
+    }
+
+    fn put(&mut self, text: std::fmt::Arguments<'_>) {
+        self.out.push_str(&text.to_string());
     }
 
     fn bracket(&mut self, open: bool, bracket: char) {

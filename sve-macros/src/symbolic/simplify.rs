@@ -226,6 +226,35 @@ enum Parity {
 }
 
 impl Function {
+    /// The name of the method of `f64`.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Sqrt => "sqrt",
+            Self::Cbrt => "cbrt",
+            Self::Exp => "exp",
+            Self::Exp2 => "exp2",
+            Self::ExpM1 => "exp_m1",
+            Self::Ln => "ln",
+            Self::Ln1p => "ln_1p",
+            Self::Log2 => "log2",
+            Self::Log10 => "log10",
+            Self::Sin => "sin",
+            Self::Cos => "cos",
+            Self::Tan => "tan",
+            Self::Asin => "asin",
+            Self::Acos => "acos",
+            Self::Atan => "atan",
+            Self::Sinh => "sinh",
+            Self::Cosh => "cosh",
+            Self::Tanh => "tanh",
+            Self::Asinh => "asinh",
+            Self::Acosh => "acosh",
+            Self::Atanh => "atanh",
+            Self::Powf(_) => "powf",
+            Self::Abs => "abs",
+        }
+    }
+
     fn parity(self) -> Parity {
         match self {
             Self::Cos | Self::Cosh | Self::Abs => Parity::Even,
@@ -272,6 +301,15 @@ impl Function {
 }
 
 impl Binary {
+    /// The name of the method of `f64`.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Atan2 => "atan2",
+            Self::Hypot => "hypot",
+            Self::Pow => "powf",
+        }
+    }
+
     pub(crate) fn evaluate(self, x: f64, y: f64) -> f64 {
         match self {
             Self::Atan2 => x.atan2(y),

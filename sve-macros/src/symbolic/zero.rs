@@ -58,7 +58,7 @@ impl Arena {
         self.evaluate_nodes(nodes, |symbol| {
             let unit = uniform(attempt, u64::from(symbol.0));
             // near and inside the unit interval first, where most functions are defined; then of either sign
-            if attempt % 2 == 0 {
+            if attempt.is_multiple_of(2) {
                 0.1 + 0.8 * unit
             } else {
                 4.0 * unit - 2.0
