@@ -11,7 +11,7 @@ use sve_runtime::prelude::*;
 
 use crate::Report;
 use crate::run::{Run, run};
-use crate::settings::{H, Options};
+use crate::settings::{H, Options, step_of};
 use crate::systems::Pendulum;
 
 const PENDULUM: Pendulum = Pendulum { g: 9.8 };
@@ -113,7 +113,7 @@ fn series_checks(options: &Options, run: &Run) -> Result<Vec<Check>, StepError> 
         "−9.8 cos 1, rounded",
     )];
     for (t, expected, tolerance) in [(200.0, 45.3, 0.05), (2000.0, 471.0, 0.5)] {
-        let step = (t / H) as usize;
+        let step = step_of(t);
         let what = format!("Taylor method from q = 1: energy at t = {t}");
         checks.push(match energies.get(step) {
             Some(&energy) => {

@@ -11,7 +11,7 @@ use sve_runtime::prelude::*;
 use crate::Report;
 use crate::oscillator::{self, ENERGY, Entry, Exact, OSCILLATOR, START};
 use crate::run::Run;
-use crate::settings::{H, Options};
+use crate::settings::{H, Options, step_of};
 
 /// Times at which expected energies are published.
 const TIMES: [f64; 3] = [10.0, 100.0, 2000.0];
@@ -129,10 +129,6 @@ pub(crate) fn report(options: &Options, tick: &dyn Fn()) -> Result<Report, Box<d
         ),
         checks,
     })
-}
-
-fn step_of(t: f64) -> usize {
-    (t / H).round() as usize
 }
 
 /// Expected energy after each step.

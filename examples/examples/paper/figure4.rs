@@ -76,7 +76,7 @@ fn rotation(start: State<1>, path: &Wiener, steps: usize) -> Run {
     }
 }
 
-/// Mean and variance of f(x), x = ah + σΔW the angle of a step.
+/// Mean and variance of f at the angle of a step, `x = ah + σΔW`.
 fn of_angle(f: impl Fn(f64) -> f64) -> (f64, f64) {
     let (mean, deviation) = (KUBO.a * H, KUBO.sigma * H.sqrt());
     let first = expectation(mean, deviation, &f);

@@ -38,11 +38,16 @@ fn horizon(text: &str) -> Result<f64, String> {
     }
 }
 
+/// The number of the step that ends at a time, which is not negative.
+#[allow(clippy::cast_sign_loss)]
+pub(crate) fn step_of(t: f64) -> usize {
+    (t / H).round() as usize
+}
+
 impl Options {
     /// Steps to the horizon.
-    #[allow(clippy::cast_sign_loss)] // the horizon is positive
     pub(crate) fn steps(&self) -> usize {
-        (self.horizon / H).round() as usize
+        step_of(self.horizon)
     }
 
     /// Whether numbers stated for the paper's horizon can be compared.
