@@ -9,7 +9,7 @@ use sve_examples::palette;
 use sve_runtime::prelude::*;
 
 use crate::Report;
-use crate::oscillator::{self, ENERGY, Entry, Exact, OSCILLATOR, START};
+use crate::oscillator::{self, ENERGY, Entry, Exact, START, energy};
 use crate::run::Run;
 use crate::settings::{H, Options, step_of};
 
@@ -59,7 +59,7 @@ impl Sums {
         self.energy.resize(length, 0.0);
         self.square.resize(length, 0.0);
         for (k, z) in run.states[..length].iter().enumerate() {
-            let energy = OSCILLATOR.hamiltonian(z)?;
+            let energy = energy(z)?;
             self.energy[k] += energy;
             self.square[k] += energy * energy;
         }

@@ -10,7 +10,7 @@ use sve_runtime::baseline::EulerMaruyama;
 use sve_runtime::prelude::*;
 
 use crate::Report;
-use crate::run::{Run, run};
+use crate::run::{Run, ln_radius, run};
 use crate::settings::{H, Options};
 use crate::systems::Kubo;
 
@@ -84,12 +84,6 @@ fn of_angle(f: impl Fn(f64) -> f64) -> (f64, f64) {
         first,
         expectation(mean, deviation, |x| (f(x) - first).powi(2)),
     )
-}
-
-/// ln √(q² + p²), also where the root itself is above the range of f64.
-fn ln_radius(z: &State<1>) -> f64 {
-    let (q, p) = (z.q[0].abs(), z.p[0].abs());
-    q.max(p).ln() + 0.5 * (q.min(p) / q.max(p)).powi(2).ln_1p()
 }
 
 fn checks(options: &Options, runs: &Runs) -> Vec<Check> {

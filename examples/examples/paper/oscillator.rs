@@ -55,6 +55,14 @@ impl<I: Method<System = Oscillator>> Stepper for I {
     }
 }
 
+/// The energy; infinite where it is above the range of f64, as that of forward Euler–Maruyama is in a very long run.
+pub(crate) fn energy(state: &State<1>) -> Result<f64, StepError> {
+    match OSCILLATOR.hamiltonian(state) {
+        Err(StepError::NonFiniteResult { .. }) => Ok(f64::INFINITY),
+        result => result,
+    }
+}
+
 pub(crate) fn start() -> State<1> {
     State::new([START[0]], [START[1]])
 }

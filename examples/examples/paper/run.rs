@@ -44,6 +44,12 @@ where
     })
 }
 
+/// ln √(q² + p²), also where the root itself is above the range of f64.
+pub(crate) fn ln_radius(z: &State<1>) -> f64 {
+    let (q, p) = (z.q[0].abs(), z.p[0].abs());
+    q.max(p).ln() + 0.5 * (q.min(p) / q.max(p)).powi(2).ln_1p()
+}
+
 impl Run {
     /// `(q, p)` of every state.
     pub(crate) fn orbit(&self) -> Vec<(f64, f64)> {
