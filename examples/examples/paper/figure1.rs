@@ -212,7 +212,7 @@ fn draw(runs: &[(Run, Run)]) -> Figure {
         rule = rule.with(Layer::new(
             name(start),
             wrapped(&runs[k].0),
-            Pen::dots(color, 0.7),
+            Pen::dots(color, 0.8),
         ));
         let layer = Layer::new(name(start), wrapped(&runs[k].1), Pen::dots(color, 0.6));
         series = series.with(layer.unlisted());

@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use sve_examples::check::Check;
+use sve_examples::check::{Check, number};
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row, Shape};
 use sve_examples::gaussian::{Matrix, Scheme, standard_errors};
 use sve_examples::palette;
@@ -185,26 +185,38 @@ fn means(options: &Options, name: &str, scheme: &Scheme<2>, sums: &Sums) -> Vec<
         .take(options.steps() + 1)
         .collect();
     let paths = f64::from(options.paths);
-    let check = |t: f64| {
+    let factor = standard_errors(paths);
+    let expected = |t: f64| {
         let (mean, variance) = laws[step_of(t)].quadratic(&ENERGY);
-        let error = (variance / paths).sqrt();
+        (mean, (variance / paths).sqrt())
+    };
+    let check = |t: f64| {
+        let (mean, error) = expected(t);
         let measured = sums.mean(step_of(t));
-        let factor = standard_errors(paths);
-        let sample = sums.standard_error(step_of(t));
         let score = (measured - mean) / error;
         Check::near(
             format!("{name}: mean energy at t = {t:.0}"),
             measured,
             mean,
             factor * error,
-            format!(
-                "moment recursion; z = {score:.2}, {factor:.1} standard errors allowed (false alarm 1e-4); \
-                 standard error {error:.3e} exact, {sample:.3e} sample"
-            ),
+            format!("moment recursion; z = {score:.2}, {factor:.1} exact standard errors allowed (false alarm 1e-4)"),
         )
-        .only_if((factor * error).is_finite() && measured.is_finite(), "energies or their squares overflow")
+        .only_if(
+            (factor * error).is_finite() && measured.is_finite(),
+            "energies or their squares overflow",
+        )
     };
-    times(options).into_iter().map(check).collect()
+    let end = options.steps() as f64 * H;
+    let error = Check::reported(
+        format!("{name}: standard error of that mean, from the sample"),
+        sums.standard_error(step_of(end)),
+        format!("exact: {}", number(expected(end).1)),
+    );
+    times(options)
+        .into_iter()
+        .map(check)
+        .chain([error])
+        .collect()
 }
 
 /// Mean difference of energies on the same paths: much sharper, because the paths' own scatter cancels.
