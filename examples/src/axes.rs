@@ -105,7 +105,7 @@ impl Frame {
             ))?;
             area.draw(&Text::new(
                 label(&panel.x, x),
-                (u, bottom + px(TICK + 2.0)),
+                (u, bottom + px(TICK + 4.0)),
                 style,
             ))?;
         }

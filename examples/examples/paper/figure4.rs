@@ -184,12 +184,12 @@ fn draw(options: &Options, runs: &Runs, left: f64) -> Figure {
         let [q, p] = axes;
         Panel::new(title, q, p).equal()
     };
-    let exact = panel("Exact solution", 1.5).with(Layer::new(
+    let exact = panel("Exact solution", 1.4).with(Layer::new(
         "exact",
         runs.exact.orbit(),
         Pen::dots(palette::BLACK, 0.8),
     ));
-    let midpoint = panel("Variational, midpoint rule", 1.5).with(Layer::new(
+    let midpoint = panel("Variational, midpoint rule", 1.4).with(Layer::new(
         "midpoint rule",
         runs.midpoint.orbit(),
         Pen::dots(palette::BLUE, 0.8),
