@@ -131,6 +131,10 @@ impl<'a> Printer<'a> {
                 let a = of(a);
                 quote!(-#a)
             }
+            Operation::Abs(a) => {
+                let a = of(a);
+                quote!(f64::abs(#a))
+            }
             Operation::Recip(a) => {
                 let a = of(a);
                 quote!(1f64 / #a)
@@ -166,6 +170,7 @@ impl<'a> Printer<'a> {
             Operation::Mul(..) => "product",
             Operation::Div(..) => "ratio",
             Operation::Neg(_) => "minus",
+            Operation::Abs(_) => "size",
             Operation::Recip(_) => "inverse",
             Operation::Call(function, _) => function.name(),
             Operation::Call2(..) => "value",

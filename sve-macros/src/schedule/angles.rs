@@ -72,14 +72,7 @@ impl Scheduler<'_> {
     /// Sine or cosine of an angle.
     pub(super) fn lower_angle(&mut self, function: Function, angle: Expr) -> Value {
         if let Some((a, b, sign)) = self.two_angles(angle) {
-            let ((sin_a, cos_a), (sin_b, cos_b)) = (self.sin_cos(a), self.sin_cos(b));
-            let pairs = match function {
-                Function::Sin => [(sin_a, cos_b, false), (cos_a, sin_b, sign < 0.0)],
-                _ => [(cos_a, cos_b, false), (sin_a, sin_b, sign > 0.0)],
-            };
-            let mut parts =
-                pairs.map(|(x, y, negative)| (self.push(Operation::Mul(x, y)), negative));
-            return self.add_up(&mut parts);
+            return self.combine(function, a, b, sign);
         }
         if self.angles.is_pair(angle) || self.is_late(angle) {
             let (sin, cos) = self.sin_cos(angle);
@@ -89,14 +82,22 @@ impl Scheduler<'_> {
         self.push(Operation::Call(function, value))
     }
 
+    /// Sine or cosine of `a ± b` by the addition theorems.
+    fn combine(&mut self, function: Function, a: Expr, b: Expr, sign: f64) -> Value {
+        let ((sin_a, cos_a), (sin_b, cos_b)) = (self.sin_cos(a), self.sin_cos(b));
+        let pairs = match function {
+            Function::Sin => [(sin_a, cos_b, false), (cos_a, sin_b, sign < 0.0)],
+            _ => [(cos_a, cos_b, false), (sin_a, sin_b, sign > 0.0)],
+        };
+        let mut parts = pairs.map(|(x, y, negative)| (self.push(Operation::Mul(x, y)), negative));
+        self.add_up(&mut parts)
+    }
+
     /// Sine and cosine of an angle.
     fn sin_cos(&mut self, angle: Expr) -> (Value, Value) {
         let both = match self.turned(angle) {
             Some(turn) => turn,
-            None => {
-                let value = self.done[&angle];
-                Operation::SinCos(value)
-            }
+            None => Operation::SinCos(self.done[&angle]),
         };
         let both = self.push(both);
         (

@@ -8,6 +8,7 @@
 mod angles;
 mod program;
 mod scheduler;
+mod sums;
 
 pub(crate) use program::{Operation, Program, Tier, Value, operands};
 pub(crate) use scheduler::{Scheduler, Tiers};

@@ -54,6 +54,7 @@ pub(crate) enum Operation {
     Mul(Value, Value),
     Div(Value, Value),
     Neg(Value),
+    Abs(Value),
     Recip(Value),
     Call(Function, Value),
     Call2(Binary, Value, Value),
@@ -104,6 +105,27 @@ impl Program {
             .map(|(at, i)| (Value(at as u32), *i))
     }
 
+    /// Number of instructions so far, to come back to.
+    pub(super) fn checkpoint(&self) -> usize {
+        self.instructions.len()
+    }
+
+    /// Instructions of a step that were added after a checkpoint.
+    pub(super) fn work_since(&self, checkpoint: usize) -> usize {
+        let counts = |i: &&Instruction| i.tier != Tier::Prepare;
+        self.instructions[checkpoint..]
+            .iter()
+            .filter(counts)
+            .count()
+    }
+
+    /// Forgets what was added after a checkpoint.
+    pub(super) fn undo(&mut self, checkpoint: usize) {
+        for instruction in self.instructions.drain(checkpoint..) {
+            self.numbers.remove(&instruction.operation);
+        }
+    }
+
     /// Marks what `results` depend on.
     pub(super) fn mark_live(&mut self, results: &[Value]) {
         self.live = vec![false; self.instructions.len()];
@@ -137,6 +159,7 @@ pub(crate) fn operands(operation: Operation) -> impl Iterator<Item = Value> {
         | Operation::Call2(_, a, b) => [Some(a), Some(b), None],
         Operation::Turn(a, b, c) => [Some(a), Some(b), Some(c)],
         Operation::Neg(a)
+        | Operation::Abs(a)
         | Operation::Recip(a)
         | Operation::Call(_, a)
         | Operation::SinCos(a)

@@ -21,13 +21,13 @@ pub(crate) struct Scheduler<'a> {
     /// Angles of which sine or cosine are wanted.
     pub(super) angles: Angles,
     /// Bases that stand in the denominator of more than one product.
-    shared_denominators: HashSet<Expr>,
+    pub(super) shared_denominators: HashSet<Expr>,
     /// In how many ways a product is wanted: bare, or with each constant in front.
     scalings: HashMap<Factors, usize>,
 }
 
 /// `Π base^exponent`.
-type Factors = Vec<(Expr, i32)>;
+pub(super) type Factors = Vec<(Expr, i32)>;
 
 impl<'a> Scheduler<'a> {
     /// A scheduler for everything in `roots`.
@@ -109,7 +109,8 @@ impl<'a> Scheduler<'a> {
             Node::Opaque(x) => self.done[x],
             Node::Sum(constant, terms) => {
                 let terms: Vec<(Expr, f64)> = terms.iter().map(|t| (t.0, t.1.get())).collect();
-                self.lower_sum(constant.get(), &terms)
+                let mut parts = self.parts(constant.get(), &terms);
+                self.add_up(&mut parts)
             }
             Node::Product(factors) => self.lower_product(1.0, factors),
             Node::Call(function, x) => {
@@ -117,7 +118,6 @@ impl<'a> Scheduler<'a> {
                 let value = self.done[&x];
                 match function {
                     Function::Sin | Function::Cos => self.lower_angle(function, x),
-                    Function::Abs => self.lower_magnitude(x),
                     _ => self.push(Operation::Call(function, value)),
                 }
             }
@@ -128,83 +128,8 @@ impl<'a> Scheduler<'a> {
         }
     }
 
-    /// `|x|`, without a multiplication by −1 inside.
-    fn lower_magnitude(&mut self, x: Expr) -> Value {
-        let value = match self.arena.node(x) {
-            Node::Sum(constant, terms) if constant.get() == 0.0 && terms.len() == 1 => {
-                let (early, late) = self.split(terms[0].0, 0);
-                let factors: Factors = early.into_iter().chain(late).collect();
-                self.scaled(terms[0].1.get().abs(), &factors)
-            }
-            _ => self.done[&x],
-        };
-        self.push(Operation::Call(Function::Abs, value))
-    }
-
-    /// A sum, its terms in the order in which they become known. Terms with the same late factors are put together,
-    /// `a·x + b·x = (a + b)·x`, so that `a + b` is computed as early as a and b are known.
-    fn lower_sum(&mut self, constant: f64, terms: &[(Expr, f64)]) -> Value {
-        let late = terms.iter().map(|t| self.rank(t.0)).max().unwrap_or(0);
-        let mut groups: Vec<(Factors, Vec<(Factors, f64)>)> = Vec::new();
-        for &(term, c) in terms {
-            let (early, last) = self.split(term, late);
-            match groups.iter_mut().find(|g| g.0 == last && !last.is_empty()) {
-                Some(group) => group.1.push((early, c)),
-                None => groups.push((last, vec![(early, c)])),
-            }
-        }
-        let mut parts: Vec<(Value, bool)> = Vec::new();
-        for (last, members) in groups {
-            if let [(early, c)] = members.as_slice() {
-                let whole: Factors = early.iter().chain(&last).copied().collect();
-                parts.push((self.scaled(c.abs(), &whole), *c < 0.0));
-                continue;
-            }
-            let mut coefficients: Vec<(Value, bool)> = members
-                .iter()
-                .map(|(early, c)| (self.lower_product(c.abs(), early), *c < 0.0))
-                .collect();
-            let coefficient = self.add_up(&mut coefficients);
-            let last = self.lower_product(1.0, &last);
-            parts.push((self.push(Operation::Mul(coefficient, last)), false));
-        }
-        if constant != 0.0 {
-            parts.push((self.constant(constant.abs()), constant < 0.0));
-        }
-        self.add_up(&mut parts)
-    }
-
-    /// The factors of a term that are known before `late`, and those that are not.
-    fn split(&self, term: Expr, late: usize) -> (Factors, Factors) {
-        let factors = match self.arena.node(term) {
-            Node::Product(factors) => factors.clone(),
-            _ => vec![(term, 1)],
-        };
-        factors.into_iter().partition(|f| self.rank(f.0) < late)
-    }
-
     pub(super) fn rank(&self, expr: Expr) -> usize {
         self.program.get(self.done[&expr]).tier.rank()
-    }
-
-    /// Adds values, each with whether it is to be subtracted, in the order in which they become known.
-    pub(super) fn add_up(&mut self, parts: &mut [(Value, bool)]) -> Value {
-        for part in parts.iter_mut() {
-            if let Some(x) = self.negated(part.0) {
-                *part = (x, !part.1);
-            }
-        }
-        parts.sort_by_key(|p| self.program.get(p.0).tier.rank());
-        let mut sum: Option<Value> = None;
-        for &(value, negative) in parts.iter() {
-            sum = Some(match (sum, negative) {
-                (None, false) => value,
-                (None, true) => self.push(Operation::Neg(value)),
-                (Some(sum), false) => self.push(Operation::Add(sum, value)),
-                (Some(sum), true) => self.push(Operation::Sub(sum, value)),
-            });
-        }
-        sum.unwrap_or_else(|| self.constant(0.0))
     }
 
     /// `c · Π factors`, the constant taken in by the factors known earliest; but where the bare product is wanted too,
@@ -221,7 +146,7 @@ impl<'a> Scheduler<'a> {
     }
 
     /// `c Π base^k`, the factors in the order in which they become known.
-    fn lower_product(&mut self, c: f64, factors: &[(Expr, i32)]) -> Value {
+    pub(super) fn lower_product(&mut self, c: f64, factors: &[(Expr, i32)]) -> Value {
         let last = factors.iter().map(|f| self.rank(f.0)).max().unwrap_or(0);
         let mut sorted = factors.to_vec();
         sorted.sort_by_key(|f| self.rank(f.0));
@@ -251,7 +176,7 @@ impl<'a> Scheduler<'a> {
         }
     }
 
-    fn times(&mut self, product: Option<Value>, factor: Value) -> Value {
+    pub(super) fn times(&mut self, product: Option<Value>, factor: Value) -> Value {
         match product {
             Some(product) => self.push(Operation::Mul(product, factor)),
             None => factor,
@@ -274,12 +199,12 @@ impl<'a> Scheduler<'a> {
         power.unwrap_or(x)
     }
 
-    fn constant(&mut self, value: f64) -> Value {
+    pub(super) fn constant(&mut self, value: f64) -> Value {
         self.push(Operation::Constant(value.to_bits()))
     }
 
     /// The operand of a negation.
-    fn negated(&self, value: Value) -> Option<Value> {
+    pub(super) fn negated(&self, value: Value) -> Option<Value> {
         match self.program.get(value).operation {
             Operation::Neg(x) => Some(x),
             _ => None,
@@ -352,9 +277,9 @@ impl<'a> Scheduler<'a> {
                     return self.push(Operation::Neg(inverse));
                 }
             }
-            Operation::Call(Function::Abs, a) => {
+            Operation::Abs(a) => {
                 if let Some(x) = inner(a) {
-                    return self.push(Operation::Call(Function::Abs, x));
+                    return self.push(Operation::Abs(x));
                 }
             }
             _ => {}
