@@ -40,6 +40,8 @@ pub struct Evaluation<const K: usize> {
     pub magnitude: [f64; K],
     /// Derivatives, rows by equation.
     pub jacobian: [[f64; K]; K],
+    /// Second derivative of a single equation in a single unknown; NaN where there are more, or where it is not at hand.
+    pub curvature: f64,
 }
 
 /// Why an equation was not solved.
@@ -67,6 +69,9 @@ pub enum SolveError {
 /// there is moving within rounding errors of the residual itself.
 const QUADRATIC: f64 = 1.5e-8;
 
+/// Relative change of an update by the curvature up to which the change is made.
+const BENT: f64 = 0.25;
+
 /// Relative residual under which two successive ones measure the constant of quadratic convergence.
 const NEAR: f64 = 0.1;
 
@@ -77,12 +82,34 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Halvings of an update that leads out of the domain of the equations.
 const HALVINGS: u32 = 60;
 
+/// Where an iteration stands.
+struct Run<const K: usize> {
+    /// The point before the last update.
+    from: [f64; K],
+    /// Relative residual there.
+    previous: f64,
+    /// Updates made.
+    iteration: u32,
+    /// Halvings of the last update.
+    halvings: u32,
+}
+
+/// What to do after an evaluation.
+enum Next {
+    /// Evaluate again.
+    Evaluate,
+    /// This is the root.
+    Root,
+    /// Give up.
+    Fail(SolveError),
+}
+
 impl Newton {
-    /// The root near `guess`.
+    /// The root near `guess`; from the point that `fallback` gives where the iteration fails from there.
     ///
     /// It is accepted where the residual is `tolerance` times the terms it is the sum of, or where it no longer shrinks
     /// for want of digits: those of its terms' inner sums, or those of the unknowns.
-    /// The last update is not confirmed by another evaluation where quadratic convergence, measured on the previous two
+    /// The last update is not confirmed by another evaluation where the order of convergence, measured on the previous two
     /// residuals, puts the next one below rounding.
     ///
     /// An update that leads out of the domain of the equations is halved until it does not. A guess outside is
@@ -90,7 +117,38 @@ impl Newton {
     ///
     /// # Errors
     /// [`SolveError`] when the iteration limit is reached or the iteration stands still away from a root, the Jacobian is
-    /// singular, or no finite residual can be found.
+    /// singular, or no finite residual can be found; the one from the second point.
+    #[inline]
+    pub fn solve_or<const K: usize>(
+        &self,
+        guess: [f64; K],
+        fallback: impl FnOnce() -> [f64; K],
+        evaluate: impl Fn(&[f64; K]) -> Evaluation<K>,
+    ) -> Result<[f64; K], SolveError> {
+        let mut fallback = Some(fallback);
+        let mut x = guess;
+        let mut run = Run::new();
+        // One place that evaluates, so that the equations are compiled into the loop.
+        loop {
+            let at = evaluate(&x);
+            match self.next(&mut run, &mut x, &at) {
+                Next::Evaluate => {}
+                Next::Root => return Ok(x),
+                Next::Fail(error) => match fallback.take() {
+                    Some(fallback) => {
+                        x = fallback();
+                        run = Run::new();
+                    }
+                    None => return Err(error),
+                },
+            }
+        }
+    }
+
+    /// The root near `guess`, as [`solve_or`](Self::solve_or) without a second point.
+    ///
+    /// # Errors
+    /// As there.
     #[inline]
     pub fn solve<const K: usize>(
         &self,
@@ -98,53 +156,152 @@ impl Newton {
         evaluate: impl Fn(&[f64; K]) -> Evaluation<K>,
     ) -> Result<[f64; K], SolveError> {
         let mut x = guess;
-        let mut from = [0.0; K];
-        let mut previous = f64::INFINITY;
-        let mut iteration = 0;
+        let mut run = Run::new();
         loop {
-            let mut at = evaluate(&x);
-            let mut relative = relative(&at);
-            if !relative.is_finite() {
-                (x, at) = retreat(&from, x, &evaluate)?;
-                relative = self::relative(&at);
+            let at = evaluate(&x);
+            match self.next(&mut run, &mut x, &at) {
+                Next::Evaluate => {}
+                Next::Root => return Ok(x),
+                Next::Fail(error) => return Err(error),
             }
-            if relative <= self.tolerance {
-                return Ok(x);
-            }
-            let not_converged = SolveError::NotConverged {
-                iterations: iteration,
-                residual: relative,
-                tolerance: self.tolerance,
-            };
-            if relative > 0.5 * previous {
-                match stall(&from, &x, &at, relative) {
-                    Stall::Root => return Ok(x),
-                    Stall::Stuck => return Err(not_converged),
-                    Stall::Undefined => return Err(SolveError::NonFinite),
-                    Stall::No => {}
-                }
-            }
-            if iteration == self.max_iterations {
-                return Err(not_converged);
-            }
-            iteration += 1;
-            let update = linear::solve(&at.jacobian, &at.residual)
-                .ok_or(SolveError::Singular { iteration })?;
-            from = x;
-            for i in 0..K {
-                x[i] -= update[i];
-            }
-            if !update.iter().all(|u| u.is_finite()) {
-                return Err(SolveError::NonFinite);
-            }
-            // r_{k+1} ≈ (r_k / r_{k−1}²) r_k², with a factor of 16 to spare; an update that was damped or
-            // is not yet in the quadratic regime has a ratio too large to pass.
-            if 16.0 * relative.powi(3) <= self.tolerance * previous.powi(2) && previous < NEAR {
-                return Ok(x);
-            }
-            previous = relative;
         }
     }
+
+    /// Judges an evaluation and moves `x`.
+    #[inline]
+    fn next<const K: usize>(&self, run: &mut Run<K>, x: &mut [f64; K], at: &Evaluation<K>) -> Next {
+        let relative = relative(at);
+        if relative <= self.tolerance {
+            return Next::Root;
+        }
+        if !relative.is_finite() {
+            return run.retreat(x);
+        }
+        run.halvings = 0;
+        if relative > 0.5 * run.previous || run.iteration == self.max_iterations {
+            match self.stall(run, x, at, relative) {
+                Next::Evaluate => {}
+                decided => return decided,
+            }
+        }
+        run.iteration += 1;
+        let Some((update, cubic)) = update(at) else {
+            return Next::Fail(SolveError::Singular {
+                iteration: run.iteration,
+            });
+        };
+        run.from = *x;
+        let mut sum = 0.0;
+        for i in 0..K {
+            x[i] -= update[i];
+            sum += update[i];
+        }
+        if !sum.is_finite() {
+            return Next::Fail(SolveError::NonFinite);
+        }
+        // r_{k+1} ≈ (r_k / r_{k−1}²) r_k², or with cubes, with a factor of 16 to spare; an update that was damped or
+        // is not yet in the regime of that order has a ratio too large to pass.
+        let squares = (relative * relative, run.previous * run.previous);
+        let (next, ratio) = if cubic {
+            (squares.0 * squares.0, squares.1 * run.previous)
+        } else {
+            (squares.0 * relative, squares.1)
+        };
+        if 16.0 * next <= self.tolerance * ratio && run.previous < NEAR {
+            return Next::Root;
+        }
+        run.previous = relative;
+        Next::Evaluate
+    }
+
+    /// What an update that did not halve the residual says, and what the iteration limit.
+    #[cold]
+    fn stall<const K: usize>(
+        &self,
+        run: &Run<K>,
+        x: &[f64; K],
+        at: &Evaluation<K>,
+        relative: f64,
+    ) -> Next {
+        let not_converged = SolveError::NotConverged {
+            iterations: run.iteration,
+            residual: relative,
+            tolerance: self.tolerance,
+        };
+        if relative > 0.5 * run.previous {
+            let jacobian_is_finite = at.jacobian.iter().flatten().all(|a| a.is_finite());
+            let at_rounding = |i: usize| (x[i] - run.from[i]).abs() <= ROUNDING * x[i].abs();
+            // The second case is a steep residual, which one unit in the last place of an unknown changes by more than
+            // its tolerance.
+            let digits_are_gone = relative < NEAR && jacobian_is_finite && (0..K).all(at_rounding);
+            if relative < QUADRATIC || digits_are_gone {
+                return Next::Root;
+            }
+            if *x == run.from {
+                return Next::Fail(if jacobian_is_finite {
+                    not_converged
+                } else {
+                    SolveError::NonFinite
+                });
+            }
+        }
+        if run.iteration == self.max_iterations {
+            Next::Fail(not_converged)
+        } else {
+            Next::Evaluate
+        }
+    }
+}
+
+impl<const K: usize> Run<K> {
+    fn new() -> Self {
+        Self {
+            from: [0.0; K],
+            previous: f64::INFINITY,
+            iteration: 0,
+            halvings: 0,
+        }
+    }
+
+    /// Halves the way back from a point where the equations are not defined.
+    #[cold]
+    fn retreat(&mut self, x: &mut [f64; K]) -> Next {
+        if *x == self.from || self.halvings == HALVINGS {
+            return Next::Fail(SolveError::NonFinite);
+        }
+        let mut nearer = self.from;
+        for i in 0..K {
+            nearer[i] += 0.5 * (x[i] - self.from[i]);
+        }
+        // half of one unit in the last place may be rounded up to where it came from
+        if nearer == *x || !nearer.iter().all(|y| y.is_finite()) {
+            nearer = self.from;
+        }
+        self.halvings += 1;
+        *x = nearer;
+        Next::Evaluate
+    }
+}
+
+/// The update, and whether it is of third order: of a single unknown, Newton's `u = f/f′` becomes Chebyshev's
+/// `u + ½ (f″/f′) u²` where that is a small change (Traub, Iterative Methods for the Solution of Equations, section 5).
+#[inline]
+fn update<const K: usize>(at: &Evaluation<K>) -> Option<([f64; K], bool)> {
+    if K != 1 {
+        return Some((linear::solve(&at.jacobian, &at.residual)?, false));
+    }
+    if at.jacobian[0][0] == 0.0 {
+        return None;
+    }
+    let inverse = 1.0 / at.jacobian[0][0];
+    let mut update = at.residual;
+    update[0] *= inverse;
+    let bend = 0.5 * at.curvature * update[0] * inverse;
+    let cubic = bend.abs() <= BENT;
+    if cubic {
+        update[0] += bend * update[0];
+    }
+    Some((update, cubic))
 }
 
 /// Largest residual relative to the terms it is the sum of; NaN where one is not finite.
@@ -169,72 +326,6 @@ fn relative<const K: usize>(at: &Evaluation<K>) -> f64 {
     largest
 }
 
-/// Why a residual was not even halved by an update.
-enum Stall {
-    /// There are no more digits: this is the root.
-    Root,
-    /// The unknowns do not move any more, and this is no root.
-    Stuck,
-    /// The unknowns do not move because the Jacobian is not finite.
-    Undefined,
-    /// The iteration is still far from the root.
-    No,
-}
-
-/// What the update from `from` to `x`, which did not halve the residual, says.
-#[cold]
-fn stall<const K: usize>(
-    from: &[f64; K],
-    x: &[f64; K],
-    at: &Evaluation<K>,
-    relative: f64,
-) -> Stall {
-    let jacobian_is_finite = at.jacobian.iter().flatten().all(|a| a.is_finite());
-    let at_rounding = |i: usize| (x[i] - from[i]).abs() <= ROUNDING * x[i].abs();
-    // The second case is a steep residual, which one unit in the last place of an unknown changes by more than its tolerance.
-    if relative < QUADRATIC || (relative < NEAR && jacobian_is_finite && (0..K).all(at_rounding)) {
-        Stall::Root
-    } else if x != from {
-        Stall::No
-    } else if jacobian_is_finite {
-        Stall::Stuck
-    } else {
-        Stall::Undefined
-    }
-}
-
-/// Halves the way from `from` to `to` until the equations are defined.
-#[cold]
-fn retreat<const K: usize>(
-    from: &[f64; K],
-    to: [f64; K],
-    evaluate: impl Fn(&[f64; K]) -> Evaluation<K>,
-) -> Result<([f64; K], Evaluation<K>), SolveError> {
-    let mut way = [0.0; K];
-    for i in 0..K {
-        way[i] = to[i] - from[i];
-    }
-    if !way.iter().all(|w| w.is_finite()) {
-        way = [0.0; K];
-    }
-    for _ in 0..HALVINGS {
-        // `way` is halved, not `to`: half of one unit in the last place would be rounded up to where it came from
-        let mut x = *from;
-        for i in 0..K {
-            way[i] *= 0.5;
-            x[i] += way[i];
-        }
-        let at = evaluate(&x);
-        if relative(&at).is_finite() {
-            return Ok((x, at));
-        }
-        if x == *from {
-            break;
-        }
-    }
-    Err(SolveError::NonFinite)
-}
-
 #[cfg(test)]
 #[allow(clippy::trivially_copy_pass_by_ref)] // `solve` passes its unknowns by reference
 mod tests {
@@ -248,6 +339,7 @@ mod tests {
             residual: [terms.iter().sum()],
             magnitude: [terms.iter().map(|t| t.abs()).sum()],
             jacobian: [[derivative]],
+            curvature: f64::NAN,
         }
     }
 
@@ -304,6 +396,7 @@ mod tests {
             residual: [],
             magnitude: [],
             jacobian: [],
+            curvature: f64::NAN,
         });
         assert_eq!((found, count), (Ok([]), 1));
     }
@@ -326,6 +419,7 @@ mod tests {
         Evaluation {
             residual: [sum(0), sum(1)],
             magnitude: [size(0), size(1)],
+            curvature: f64::NAN,
             jacobian: core::array::from_fn(|i| {
                 core::array::from_fn(|j| jacobian[i][j] * rows[i] / units[j])
             }),
@@ -400,6 +494,7 @@ mod tests {
             residual: [z[0] + z[1] - 1.0, 2.0 * z[0] + 2.0 * z[1] - 3.0],
             magnitude: [3.0; 2],
             jacobian: [[1.0, 1.0], [2.0, 2.0]],
+            curvature: f64::NAN,
         };
         assert_eq!(
             Newton::default().solve([0.0; 2], dependent),
@@ -416,6 +511,7 @@ mod tests {
                 residual: [e.powi(3)],
                 magnitude: [1.0],
                 jacobian: [[3.0 * e * e]],
+                curvature: f64::NAN,
             }
         });
         let error = (found.unwrap()[0] - 1.0).abs();
@@ -473,6 +569,7 @@ mod tests {
                 residual: *z,
                 magnitude: [2.0; 3],
                 jacobian: [[bad, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+                curvature: f64::NAN,
             };
             assert!(newton.solve([1.0; 3], three).is_err());
             // the guess: zero is tried instead
@@ -489,6 +586,7 @@ mod tests {
                     residual,
                     magnitude: [1.0; 3],
                     jacobian: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+                    curvature: f64::NAN,
                 }
             });
             assert_eq!(found, Err(SolveError::NonFinite));
