@@ -83,7 +83,10 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 const HALVINGS: u32 = 60;
 
 /// Where an iteration stands.
+#[derive(Clone, Copy)]
 struct Run<const K: usize> {
+    /// The point to evaluate.
+    x: [f64; K],
     /// The point before the last update.
     from: [f64; K],
     /// Relative residual there.
@@ -92,16 +95,6 @@ struct Run<const K: usize> {
     iteration: u32,
     /// Halvings of the last update.
     halvings: u32,
-}
-
-/// What to do after an evaluation.
-enum Next {
-    /// Evaluate again.
-    Evaluate,
-    /// This is the root.
-    Root,
-    /// Give up.
-    Fail(SolveError),
 }
 
 impl Newton {
@@ -125,24 +118,7 @@ impl Newton {
         fallback: impl FnOnce() -> [f64; K],
         evaluate: impl Fn(&[f64; K]) -> Evaluation<K>,
     ) -> Result<[f64; K], SolveError> {
-        let mut fallback = Some(fallback);
-        let mut x = guess;
-        let mut run = Run::new();
-        // One place that evaluates, so that the equations are compiled into the loop.
-        loop {
-            let at = evaluate(&x);
-            match self.next(&mut run, &mut x, &at) {
-                Next::Evaluate => {}
-                Next::Root => return Ok(x),
-                Next::Fail(error) => match fallback.take() {
-                    Some(fallback) => {
-                        x = fallback();
-                        run = Run::new();
-                    }
-                    None => return Err(error),
-                },
-            }
-        }
+        self.iterate(guess, Some(fallback), evaluate)
     }
 
     /// The root near `guess`, as [`solve_or`](Self::solve_or) without a second point.
@@ -155,74 +131,93 @@ impl Newton {
         guess: [f64; K],
         evaluate: impl Fn(&[f64; K]) -> Evaluation<K>,
     ) -> Result<[f64; K], SolveError> {
-        let mut x = guess;
-        let mut run = Run::new();
+        self.iterate(guess, None::<fn() -> [f64; K]>, evaluate)
+    }
+
+    #[inline]
+    fn iterate<const K: usize>(
+        &self,
+        guess: [f64; K],
+        mut fallback: Option<impl FnOnce() -> [f64; K]>,
+        evaluate: impl Fn(&[f64; K]) -> Evaluation<K>,
+    ) -> Result<[f64; K], SolveError> {
+        let mut run = Run::from(guess);
         loop {
-            let at = evaluate(&x);
-            match self.next(&mut run, &mut x, &at) {
-                Next::Evaluate => {}
-                Next::Root => return Ok(x),
-                Next::Fail(error) => return Err(error),
+            // The only call, so that the equations are compiled into the loop.
+            let at = evaluate(&run.x);
+            let relative = relative(&at);
+            if relative <= self.tolerance {
+                return Ok(run.x);
+            }
+            if relative <= 0.5 * run.previous
+                && run.iteration < self.max_iterations
+                && let Some(arrived) = self.update(&mut run, &at, relative)
+            {
+                if arrived {
+                    return Ok(run.x);
+                }
+                continue;
+            }
+            match self.doubt(run, &at, relative) {
+                Ok(Doubt::Root(x)) => return Ok(x),
+                Ok(Doubt::Goes(on)) => run = on,
+                Err(error) => match fallback.take() {
+                    Some(fallback) => run = Run::from(fallback()),
+                    None => return Err(error),
+                },
             }
         }
     }
 
-    /// Judges an evaluation and moves `x`.
+    /// Moves on; whether to the root. Nothing where the Jacobian is singular or the update not finite.
     #[inline]
-    fn next<const K: usize>(&self, run: &mut Run<K>, x: &mut [f64; K], at: &Evaluation<K>) -> Next {
-        let relative = relative(at);
-        if relative <= self.tolerance {
-            return Next::Root;
-        }
-        if !relative.is_finite() {
-            return run.retreat(x);
-        }
-        run.halvings = 0;
-        if relative > 0.5 * run.previous || run.iteration == self.max_iterations {
-            match self.stall(run, x, at, relative) {
-                Next::Evaluate => {}
-                decided => return decided,
-            }
-        }
-        run.iteration += 1;
-        let Some((update, cubic)) = update(at) else {
-            return Next::Fail(SolveError::Singular {
-                iteration: run.iteration,
-            });
-        };
-        run.from = *x;
+    fn update<const K: usize>(
+        &self,
+        run: &mut Run<K>,
+        at: &Evaluation<K>,
+        relative: f64,
+    ) -> Option<bool> {
+        let (update, cubic) = update(at)?;
+        let mut x = run.x;
         let mut sum = 0.0;
         for i in 0..K {
             x[i] -= update[i];
             sum += update[i];
         }
         if !sum.is_finite() {
-            return Next::Fail(SolveError::NonFinite);
+            return None;
         }
         // r_{k+1} ≈ (r_k / r_{k−1}²) r_k², or with cubes, with a factor of 16 to spare; an update that was damped or
         // is not yet in the regime of that order has a ratio too large to pass.
-        let squares = (relative * relative, run.previous * run.previous);
+        let (r2, p2) = (relative * relative, run.previous * run.previous);
         let (next, ratio) = if cubic {
-            (squares.0 * squares.0, squares.1 * run.previous)
+            (r2 * r2, p2 * run.previous)
         } else {
-            (squares.0 * relative, squares.1)
+            (r2 * relative, p2)
         };
-        if 16.0 * next <= self.tolerance * ratio && run.previous < NEAR {
-            return Next::Root;
-        }
-        run.previous = relative;
-        Next::Evaluate
+        let arrived = 16.0 * next <= self.tolerance * ratio && run.previous < NEAR;
+        *run = Run {
+            x,
+            from: run.x,
+            previous: relative,
+            iteration: run.iteration + 1,
+            halvings: 0,
+        };
+        Some(arrived)
     }
 
-    /// What an update that did not halve the residual says, and what the iteration limit.
+    /// Decides where an evaluation is not finite, an update did not halve the residual, the limit is reached or the
+    /// Jacobian is singular.
     #[cold]
-    fn stall<const K: usize>(
+    fn doubt<const K: usize>(
         &self,
-        run: &Run<K>,
-        x: &[f64; K],
+        mut run: Run<K>,
         at: &Evaluation<K>,
         relative: f64,
-    ) -> Next {
+    ) -> Result<Doubt<K>, SolveError> {
+        if !relative.is_finite() {
+            return run.retreat().map(Doubt::Goes);
+        }
         let not_converged = SolveError::NotConverged {
             iterations: run.iteration,
             residual: relative,
@@ -230,56 +225,74 @@ impl Newton {
         };
         if relative > 0.5 * run.previous {
             let jacobian_is_finite = at.jacobian.iter().flatten().all(|a| a.is_finite());
-            let at_rounding = |i: usize| (x[i] - run.from[i]).abs() <= ROUNDING * x[i].abs();
+            let at_rounding =
+                |i: usize| (run.x[i] - run.from[i]).abs() <= ROUNDING * run.x[i].abs();
             // The second case is a steep residual, which one unit in the last place of an unknown changes by more than
             // its tolerance.
             let digits_are_gone = relative < NEAR && jacobian_is_finite && (0..K).all(at_rounding);
             if relative < QUADRATIC || digits_are_gone {
-                return Next::Root;
+                return Ok(Doubt::Root(run.x));
             }
-            if *x == run.from {
-                return Next::Fail(if jacobian_is_finite {
+            if run.x == run.from {
+                return Err(if jacobian_is_finite {
                     not_converged
                 } else {
                     SolveError::NonFinite
                 });
             }
         }
-        if run.iteration == self.max_iterations {
-            Next::Fail(not_converged)
-        } else {
-            Next::Evaluate
+        if run.iteration >= self.max_iterations {
+            return Err(not_converged);
+        }
+        match self.update(&mut run, at, relative) {
+            Some(true) => Ok(Doubt::Root(run.x)),
+            Some(false) => Ok(Doubt::Goes(run)),
+            None if update(at).is_none() => Err(SolveError::Singular {
+                iteration: run.iteration + 1,
+            }),
+            None => Err(SolveError::NonFinite),
         }
     }
 }
 
+/// What [`Newton::doubt`] decides.
+enum Doubt<const K: usize> {
+    /// This is the root.
+    Root([f64; K]),
+    /// The iteration goes on from here.
+    Goes(Run<K>),
+}
+
 impl<const K: usize> Run<K> {
-    fn new() -> Self {
+    fn from(guess: [f64; K]) -> Self {
         Self {
+            x: guess,
             from: [0.0; K],
-            previous: f64::INFINITY,
+            // so large that the first residual passes for smaller, if it is finite
+            previous: f64::MAX,
             iteration: 0,
             halvings: 0,
         }
     }
 
-    /// Halves the way back from a point where the equations are not defined.
-    #[cold]
-    fn retreat(&mut self, x: &mut [f64; K]) -> Next {
-        if *x == self.from || self.halvings == HALVINGS {
-            return Next::Fail(SolveError::NonFinite);
+    /// Half the way back from a point where the equations are not defined.
+    fn retreat(self) -> Result<Self, SolveError> {
+        if self.x == self.from || self.halvings == HALVINGS {
+            return Err(SolveError::NonFinite);
         }
         let mut nearer = self.from;
         for i in 0..K {
-            nearer[i] += 0.5 * (x[i] - self.from[i]);
+            nearer[i] += 0.5 * (self.x[i] - self.from[i]);
         }
         // half of one unit in the last place may be rounded up to where it came from
-        if nearer == *x || !nearer.iter().all(|y| y.is_finite()) {
+        if nearer == self.x || !nearer.iter().all(|y| y.is_finite()) {
             nearer = self.from;
         }
-        self.halvings += 1;
-        *x = nearer;
-        Next::Evaluate
+        Ok(Self {
+            x: nearer,
+            halvings: self.halvings + 1,
+            ..self
+        })
     }
 }
 
