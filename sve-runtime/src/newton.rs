@@ -320,23 +320,19 @@ fn update<const K: usize>(at: &Evaluation<K>) -> Option<([f64; K], bool)> {
 /// Largest residual relative to the terms it is the sum of; NaN where one is not finite.
 #[inline]
 fn relative<const K: usize>(at: &Evaluation<K>) -> f64 {
-    let mut largest = 0.0;
+    let (mut largest, mut sum) = (0.0, 0.0);
     for i in 0..K {
-        let r = if at.magnitude[i] == 0.0 {
-            // an equation whose terms all vanish is satisfied
-            0.0
-        } else if at.magnitude[i] == f64::INFINITY {
-            // no finite residual is small against infinity
-            f64::NAN
-        } else {
-            (at.residual[i] / at.magnitude[i]).abs()
-        };
-        // not `max`, which would drop a NaN
-        if !(r <= largest || f64::is_nan(largest)) {
+        let m = at.magnitude[i];
+        // 0/0 is 0: an equation whose terms all vanish is satisfied. An infinite m is NaN: no finite residual is small
+        // against infinity.
+        let r = at.residual[i].abs() / (m + f64::MIN_POSITIVE) + (m - m);
+        if r > largest {
             largest = r;
         }
+        sum += r;
     }
-    largest
+    // the comparison drops a NaN, the sum does not
+    largest + (sum - sum)
 }
 
 #[cfg(test)]

@@ -6,17 +6,26 @@
 
 use core::f64::consts::FRAC_PI_4;
 
+/// Turns up to here, as an iteration makes them with a small step, need only the first terms of Taylor's series: the next
+/// ones are below a quarter unit of rounding of 1.
+const SMALL: f64 = 0.0625;
+
 /// `(sin(a + by), cos(a + by))` from `sin a` and `cos a`, to two units of rounding of 1.
 #[inline]
 pub fn turn(sin: f64, cos: f64, by: f64) -> (f64, f64) {
-    if by.abs() <= FRAC_PI_4 {
-        let x2 = by * by;
-        let (s, c) = (by + by * x2 * sine(x2), 0.5 * x2 - x2 * x2 * cosine(x2));
-        // cos(by) = 1 − c: what a small turn changes is added last
-        (sin + (cos * s - sin * c), cos - (sin * s + cos * c))
+    let x2 = by * by;
+    let (s, c) = if by.abs() <= SMALL {
+        let s = (-1.0 / 6.0 + x2 * (1.0 / 120.0)) + x2 * x2 * (-1.0 / 5040.0);
+        let c = (1.0 / 24.0 + x2 * (-1.0 / 720.0)) + x2 * x2 * (1.0 / 40320.0);
+        (s, c)
+    } else if by.abs() <= FRAC_PI_4 {
+        (sine(x2), cosine(x2))
     } else {
-        turn_far(sin, cos, by)
-    }
+        return turn_far(sin, cos, by);
+    };
+    // sin(by) = s, cos(by) = 1 − c: what a small turn changes is added last
+    let (s, c) = (by + by * x2 * s, 0.5 * x2 - x2 * x2 * c);
+    (sin + (cos * s - sin * c), cos - (sin * s + cos * c))
 }
 
 #[cold]
