@@ -303,18 +303,26 @@ fn update<const K: usize>(at: &Evaluation<K>) -> Option<([f64; K], bool)> {
     if K != 1 {
         return Some((linear::solve(&at.jacobian, &at.residual)?, false));
     }
-    if at.jacobian[0][0] == 0.0 {
+    let slope = at.jacobian[0][0];
+    if slope == 0.0 {
         return None;
     }
-    let inverse = 1.0 / at.jacobian[0][0];
-    let mut update = at.residual;
-    update[0] *= inverse;
-    let bend = 0.5 * at.curvature * update[0] * inverse;
-    let cubic = bend.abs() <= BENT;
-    if cubic {
+    // two divisions at once: one, of which the other quantity is a multiple, would be followed by the multiplication
+    let mut update = [at.residual[0] / slope; K];
+    let bend = 0.5 * at.curvature / slope * update[0];
+    if bend.abs() <= BENT {
         update[0] += bend * update[0];
+        Some((update, true))
+    } else {
+        Some((straight(update), false))
     }
-    Some((update, cubic))
+}
+
+/// Keeps the compiler from selecting between two updates after both are known, where it can go on with one.
+#[cold]
+#[inline(never)]
+fn straight<const K: usize>(update: [f64; K]) -> [f64; K] {
+    update
 }
 
 /// Largest residual relative to the terms it is the sum of; NaN where one is not finite.

@@ -7,7 +7,7 @@ use super::code::{Printer, input_name};
 use super::straight::Straight;
 use crate::model::{Meaning, Symbols};
 use crate::schedule::{Operation, Program, Scheduler, Tier, Tiers, Value};
-use crate::structure::{Iteration, Linear, Scheme, Solution};
+use crate::structure::{Iteration, Linear, Refinement, Scheme, Solution};
 use crate::symbolic::{Arena, Expr, Symbol};
 
 /// A step with values for expressions.
@@ -36,6 +36,7 @@ struct System {
 /// An iteration.
 struct Newton {
     guess: System,
+    refinement: Option<(Vec<Symbol>, Vec<Value>)>,
     /// Code that computes another guess where it stands.
     fallback: TokenStream,
     residual: Vec<Value>,
@@ -71,6 +72,7 @@ pub(super) fn schedule(
             Solution::Iteration(iteration) => {
                 let Iteration {
                     guess,
+                    refinement,
                     fallback: _,
                     residual,
                     jacobian,
@@ -78,6 +80,10 @@ pub(super) fn schedule(
                     iterates,
                     solved,
                 } = &**iteration;
+                if let Some(Refinement { first, rhs }) = refinement {
+                    tiers.extend(first.iter().map(|&s| (s, Tier::Guess(at))));
+                    all.extend(rhs);
+                }
                 tiers.extend(iterates.iter().map(|&s| (s, Tier::Iterate(at))));
                 tiers.extend(solved.iter().map(|&s| (s, Tier::Solved(at))));
                 let matrices = guess.matrix.iter().chain(jacobian).flatten();
@@ -123,6 +129,8 @@ fn system(scheduler: &mut Scheduler<'_>, linear: &Linear) -> System {
 
 fn newton(scheduler: &mut Scheduler<'_>, iteration: &Iteration, fallback: TokenStream) -> Newton {
     let guess = system(scheduler, &iteration.guess);
+    let refinement = iteration.refinement.as_ref();
+    let refinement = refinement.map(|r| (r.first.clone(), scheduler.values(&r.rhs)));
     let jacobian = iteration
         .jacobian
         .iter()
@@ -135,6 +143,7 @@ fn newton(scheduler: &mut Scheduler<'_>, iteration: &Iteration, fallback: TokenS
         .unzip();
     Newton {
         guess,
+        refinement,
         fallback,
         residual,
         magnitude,
@@ -188,6 +197,7 @@ fn results(solves: &[Solve], dq: &[Value], dp: &[Value]) -> Vec<Value> {
             Solve::Iteration(newton) => {
                 let Newton {
                     guess,
+                    refinement,
                     fallback: _,
                     residual,
                     magnitude,
@@ -196,6 +206,7 @@ fn results(solves: &[Solve], dq: &[Value], dp: &[Value]) -> Vec<Value> {
                     iterates: _,
                     solved: _,
                 } = &**newton;
+                results.extend(refinement.iter().flat_map(|r| &r.1));
                 let matrices = guess.matrix.iter().chain(jacobian).flatten();
                 results.extend(
                     matrices
@@ -285,6 +296,7 @@ impl Newton {
     ) -> TokenStream {
         let Self {
             guess,
+            refinement,
             fallback,
             residual,
             magnitude,
@@ -295,6 +307,22 @@ impl Newton {
         } = self;
         let size = Literal::usize_unsuffixed(iterates.len());
         let (guess_matrix, guess_rhs) = (printer.matrix(&guess.matrix), printer.array(&guess.rhs));
+        let refine = refinement.as_ref().map(|(first, rhs)| {
+            let (names, rhs) = (names(first, symbols), printer.array(rhs));
+            let statements = printer.statements(Tier::Guess(at));
+            let entries = (0..first.len()).map(|i| {
+                let i = Literal::usize_unsuffixed(i);
+                quote!(guess[#i] + refinement[#i])
+            });
+            quote! {
+                let #names = guess;
+                #statements
+                let guess = match #private::solve(&#guess_matrix, &#rhs) {
+                    ::core::option::Option::Some(refinement) => [#(#entries),*],
+                    ::core::option::Option::None => guess,
+                };
+            }
+        });
         let (residual, magnitude, jacobian) = (
             printer.array(residual),
             printer.array(magnitude),
@@ -308,6 +336,7 @@ impl Newton {
                 ::core::option::Option::Some(guess) => guess,
                 ::core::option::Option::None => [0.0; #size],
             };
+            let guess = { #refine guess };
             let fallback = || { #fallback };
             let #solved = newton.solve_or(guess, fallback, |&#iterates: &[f64; #size]| {
                 #statements

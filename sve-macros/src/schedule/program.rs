@@ -15,6 +15,8 @@ pub(crate) enum Tier {
     Noise,
     /// With the state.
     State,
+    /// With the first stage of a block's guess.
+    Guess(usize),
     /// In each iteration of a block.
     Iterate(usize),
     /// After a block is solved.
@@ -24,7 +26,7 @@ pub(crate) enum Tier {
 impl Tier {
     /// Whether it waits for the unknowns of a block.
     pub(super) fn is_late(self) -> bool {
-        matches!(self, Self::Iterate(_) | Self::Solved(_))
+        matches!(self, Self::Guess(_) | Self::Iterate(_) | Self::Solved(_))
     }
 
     /// Position in the order of computation.
@@ -33,8 +35,9 @@ impl Tier {
             Self::Prepare => 0,
             Self::Noise => 1,
             Self::State => 2,
-            Self::Iterate(block) => 3 + 2 * block,
-            Self::Solved(block) => 4 + 2 * block,
+            Self::Guess(block) => 3 + 3 * block,
+            Self::Iterate(block) => 4 + 3 * block,
+            Self::Solved(block) => 5 + 3 * block,
         }
     }
 }

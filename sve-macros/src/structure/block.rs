@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::{Block, Iteration, Kind, Linear, Reduced, Solution};
+use super::{Block, Iteration, Kind, Linear, Reduced, Refinement, Solution};
 use crate::model::Meaning;
 use crate::symbolic::{Expr, Symbol};
 
@@ -58,9 +58,9 @@ impl Reduced<'_> {
                 solution,
             };
         }
-        let guess = self
-            .guess(&residual, &jacobian, &origin)
-            .unwrap_or_else(|| at_zero.clone());
+        let (guess, refinement) = self
+            .guess(&residual, &jacobian, &unknowns)
+            .unwrap_or_else(|| (at_zero.clone(), None));
         let curvature = match unknowns.as_slice() {
             [unknown] => Some(self.arena.diff(jacobian[0][0], *unknown)),
             _ => None,
@@ -68,6 +68,7 @@ impl Reduced<'_> {
         let iterates = unknowns.clone();
         let iteration = Iteration {
             guess,
+            refinement,
             fallback: at_zero,
             residual,
             jacobian,
@@ -116,49 +117,101 @@ impl Reduced<'_> {
         Linear { matrix, rhs }
     }
 
-    /// A guess that costs little: the explicit velocity, which is the Newton step from zero with the matrix of h = 0 and
-    /// no noise; its right-hand side takes the kicks of the step where noise makes them large. Nothing where that matrix
-    /// does not exist.
+    /// A guess that costs little, from the limit of h = 0 and no noise, where the equations are linear in most systems:
+    /// the explicit velocity. One unknown that noise kicks takes the kick too; several unknowns are refined to first order in
+    /// h and the increments, with the same matrix. Nothing where that matrix does not exist.
     fn guess(
         &mut self,
         residual: &[Expr],
         jacobian: &[Vec<Expr>],
-        origin: &Replacement,
-    ) -> Option<Linear> {
-        let mut limit = origin.clone();
+        unknowns: &[Symbol],
+    ) -> Option<(Linear, Option<Refinement>)> {
         let zero = self.arena.constant(0.0);
-        for e in residual.iter().chain(jacobian.iter().flatten()) {
-            for symbol in self.arena.symbols_of(*e) {
-                if matches!(
-                    self.symbols.meaning(symbol),
-                    Meaning::StepSize | Meaning::Wiener(_)
-                ) {
-                    limit.insert(symbol, zero);
-                }
-            }
-        }
-        let noisy = limit
-            .keys()
+        let small = self.small(residual);
+        let origin: Replacement = unknowns.iter().map(|&u| (u, zero)).collect();
+        let mut limit = origin.clone();
+        limit.extend(small.iter().map(|&s| (s, zero)));
+        let mut guess = self.newton_step(residual, jacobian, &limit);
+        let noisy = small
+            .iter()
             .any(|&s| matches!(self.symbols.meaning(s), Meaning::Wiener(_)));
-        let explicit = self.newton_step(residual, jacobian, &limit);
-        let matrix = explicit.matrix;
-        let rhs = if noisy {
-            self.newton_step(residual, jacobian, origin).rhs
+        let refinement = if unknowns.len() > 1 {
+            Some(self.refinement(residual, unknowns, &small))
         } else {
-            explicit.rhs
+            if noisy {
+                guess.rhs = self.newton_step(residual, jacobian, &origin).rhs;
+            }
+            None
         };
         let finite = |e: &Expr| {
             let mut nodes = self.arena.reachable(&[*e], |_| true).into_iter();
             nodes.all(|e| self.arena.constant_value(e).is_none_or(f64::is_finite))
         };
-        let full = |mut line: Box<dyn Iterator<Item = &Expr> + '_>| line.any(|&e| e != zero);
-        let size = matrix.len();
+        let size = unknowns.len();
         let regular = (0..size).all(|i| {
-            full(Box::new(matrix[i].iter()))
-                && full(Box::new(matrix.iter().map(move |row| &row[i])))
+            guess.matrix[i].iter().any(|&e| e != zero)
+                && guess.matrix.iter().any(|row| row[i] != zero)
         });
-        let defined = matrix.iter().flatten().chain(&rhs).all(finite);
-        (regular && defined).then_some(Linear { matrix, rhs })
+        let refined = refinement.iter().flat_map(|r| &r.rhs);
+        let defined = guess
+            .matrix
+            .iter()
+            .flatten()
+            .chain(&guess.rhs)
+            .chain(refined)
+            .all(finite);
+        (regular && defined).then_some((guess, refinement))
+    }
+
+    /// The step size and the increments of the noise, as far as they occur.
+    fn small(&self, residual: &[Expr]) -> Vec<Symbol> {
+        let is_small = |s: &Symbol| {
+            matches!(
+                self.symbols.meaning(*s),
+                Meaning::StepSize | Meaning::Wiener(_)
+            )
+        };
+        let mut small: Vec<Symbol> = residual
+            .iter()
+            .flat_map(|&r| self.arena.symbols_of(r))
+            .filter(is_small)
+            .collect();
+        small.sort_unstable();
+        small.dedup();
+        small
+    }
+
+    /// `−Σ s ∂R/∂s` at the first stage, over the small quantities s.
+    fn refinement(
+        &mut self,
+        residual: &[Expr],
+        unknowns: &[Symbol],
+        small: &[Symbol],
+    ) -> Refinement {
+        let zero = self.arena.constant(0.0);
+        let mut point: Replacement = small.iter().map(|&s| (s, zero)).collect();
+        let mut first = Vec::new();
+        for &unknown in unknowns {
+            let symbol = self
+                .symbols
+                .declare(Meaning::Unknown(self.symbols.name(unknown)));
+            point.insert(unknown, self.arena.symbol(symbol));
+            first.push(symbol);
+        }
+        let rhs = residual
+            .iter()
+            .map(|&r| {
+                let mut terms = Vec::new();
+                for &s in small {
+                    let slope = self.arena.diff(r, s);
+                    let slope = self.arena.substitute(slope, &point);
+                    let s = self.arena.symbol(s);
+                    terms.push((-1.0, self.arena.mul(slope, s)));
+                }
+                self.arena.sum(0.0, &terms)
+            })
+            .collect();
+        Refinement { first, rhs }
     }
 
     /// Names for the solution of a block, which `known` puts in the place of its unknowns.

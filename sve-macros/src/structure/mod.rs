@@ -68,10 +68,19 @@ pub(crate) struct Linear {
     pub(crate) rhs: Vec<Expr>,
 }
 
+/// A second stage of a guess, with the same matrix as the first.
+pub(crate) struct Refinement {
+    /// Names of the first stage's result in `rhs`.
+    pub(crate) first: Vec<Symbol>,
+    pub(crate) rhs: Vec<Expr>,
+}
+
 /// Newton's method on a block.
 pub(crate) struct Iteration {
     /// First guess.
     pub(crate) guess: Linear,
+    /// What is added to it.
+    pub(crate) refinement: Option<Refinement>,
     /// The guess after a failure: the Newton step from zero, which is the linearly implicit step.
     pub(crate) fallback: Linear,
     pub(crate) residual: Vec<Expr>,
