@@ -10,7 +10,11 @@ mod errors;
 mod lower;
 mod mechanics;
 mod model;
+mod nesting;
 mod parse;
+mod regular;
+#[cfg(test)]
+mod robustness;
 mod rule;
 mod schedule;
 mod structure;

@@ -1,9 +1,11 @@
 //! Tokens → annotated block: which function plays which role, and the errors of shape.
 //!
-//! Input: the attribute's arguments and the `impl` block. Output: [`Annotated`], with the block as it will be emitted
-//! (the role attributes removed) and its functions sorted by role.
+//! Input: the attribute's arguments and the `impl` block. Output: [`Annotated`], the functions of the block sorted by role.
+//! Bodies are shared, never copied: they may be long, and copying recurses.
 
-use proc_macro2::{Span, TokenStream};
+use std::rc::Rc;
+
+use proc_macro2::{Delimiter, Group, Span, TokenStream, TokenTree};
 use syn::parse::{Parse, ParseStream};
 use syn::spanned::Spanned;
 use syn::{
@@ -38,18 +40,19 @@ pub(crate) struct Part {
     /// Whether the first of them is the time.
     pub(crate) timed: bool,
     pub(crate) output: Type,
-    pub(crate) body: syn::Block,
+    pub(crate) function: Rc<ImplItemFn>,
 }
 
 /// The user's block, sorted.
 pub(crate) struct Annotated {
     pub(crate) arguments: Arguments,
-    /// The block without the attributes that only this macro understands.
+    /// The block, emptied of its members.
     pub(crate) item: ItemImpl,
     pub(crate) lagrangian: Part,
     /// `#[gamma]` and `#[h1]` functions in source order.
     pub(crate) noises: Vec<Part>,
-    pub(crate) helpers: Vec<ImplItemFn>,
+    /// All functions, for any can be called from another.
+    pub(crate) functions: Vec<Rc<ImplItemFn>>,
     pub(crate) constants: Vec<ImplItemConst>,
 }
 
@@ -126,13 +129,17 @@ pub(crate) fn annotated(attribute: TokenStream, mut item: ItemImpl) -> syn::Resu
 
     let mut lagrangians: Vec<Part> = Vec::new();
     let mut noises = Vec::new();
-    let mut helpers = Vec::new();
+    let mut functions = Vec::new();
     let mut constants = Vec::new();
-    for (member, role) in item.items.iter().zip(roles) {
+    for (member, role) in std::mem::take(&mut item.items).into_iter().zip(roles) {
         match (member, role) {
-            (ImplItem::Fn(function), Some(Role::Helper)) => helpers.push(function.clone()),
             (ImplItem::Fn(function), Some(role)) => {
-                if let Some(part) = part(function, role, &mut errors) {
+                let function = Rc::new(function);
+                functions.push(Rc::clone(&function));
+                if role == Role::Helper {
+                    continue;
+                }
+                if let Some(part) = part(&function, role, &mut errors) {
                     if role == Role::Lagrangian {
                         lagrangians.push(part);
                     } else {
@@ -145,7 +152,7 @@ pub(crate) fn annotated(attribute: TokenStream, mut item: ItemImpl) -> syn::Resu
                     }));
                 }
             }
-            (ImplItem::Const(constant), _) => constants.push(constant.clone()),
+            (ImplItem::Const(constant), _) => constants.push(constant),
             _ => {}
         }
     }
@@ -170,7 +177,7 @@ pub(crate) fn annotated(attribute: TokenStream, mut item: ItemImpl) -> syn::Resu
             item,
             lagrangian,
             noises,
-            helpers,
+            functions,
             constants,
         }),
         None => Err(errors.finish(()).err().unwrap_or_else(|| {
@@ -212,6 +219,12 @@ fn take_roles(item: &mut ItemImpl, errors: &mut Errors) -> Vec<Option<Role>> {
                 continue;
             }
         };
+        if let Some(attribute) = attributes.iter().find(|a| a.path().is_ident("cfg")) {
+            errors.push(
+                attribute.span(),
+                "whether this `cfg` holds is not known to the macro: put it on the whole block, or on two blocks",
+            );
+        }
         let mut found: Vec<Role> = Vec::new();
         attributes.retain(|attribute| {
             let Some(ident) = attribute.path().get_ident().map(ToString::to_string) else {
@@ -292,7 +305,7 @@ impl Role {
 }
 
 /// Takes a function apart, or says what its signature should be.
-fn part(function: &ImplItemFn, role: Role, errors: &mut Errors) -> Option<Part> {
+fn part(function: &Rc<ImplItemFn>, role: Role, errors: &mut Errors) -> Option<Part> {
     let sig = &function.sig;
     let expected = format!("expected `{}` (`t: f64` may come first)", role.signature());
     if !sig.generics.params.is_empty() {
@@ -370,7 +383,7 @@ fn part(function: &ImplItemFn, role: Role, errors: &mut Errors) -> Option<Part> 
         arguments,
         timed,
         output: (**output).clone(),
-        body: function.block.clone(),
+        function: Rc::clone(function),
     })
 }
 
@@ -388,9 +401,40 @@ pub(crate) fn is_f64(ty: &Type) -> bool {
     matches!(ty, Type::Path(path) if path.qself.is_none() && path.path.is_ident("f64"))
 }
 
-/// The block as it is emitted: without the attributes that only this macro understands.
-pub(crate) fn without_roles(mut item: ItemImpl) -> ItemImpl {
-    let mut ignored = Errors::new();
-    take_roles(&mut item, &mut ignored);
-    item
+/// The block as it is emitted: the user's tokens without the attributes that only this macro understands.
+pub(crate) fn without_roles(item: &TokenStream) -> TokenStream {
+    let mut tokens: Vec<TokenTree> = item.clone().into_iter().collect();
+    if let Some(TokenTree::Group(body)) = tokens.last_mut()
+        && body.delimiter() == Delimiter::Brace
+    {
+        let mut kept = Group::new(Delimiter::Brace, members_without_roles(body.stream()));
+        kept.set_span(body.span());
+        *body = kept;
+    }
+    tokens.into_iter().collect()
+}
+
+fn members_without_roles(members: TokenStream) -> TokenStream {
+    let mut kept: Vec<TokenTree> = Vec::new();
+    for token in members {
+        let hash = matches!(kept.last(), Some(TokenTree::Punct(punct)) if punct.as_char() == '#');
+        match &token {
+            TokenTree::Group(group) if hash && is_role(group) => {
+                kept.pop();
+            }
+            _ => kept.push(token),
+        }
+    }
+    kept.into_iter().collect()
+}
+
+/// Whether `[…]` is an attribute of this macro.
+fn is_role(group: &Group) -> bool {
+    let mut inside = group.stream().into_iter();
+    let name = match inside.next() {
+        Some(TokenTree::Ident(name)) => name.to_string(),
+        _ => return false,
+    };
+    let path = matches!(inside.next(), Some(TokenTree::Punct(punct)) if punct.as_char() == ':');
+    !path && (LATER.contains(&name.as_str()) || matches!(name.as_str(), "gamma" | "h1"))
 }
