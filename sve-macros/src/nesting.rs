@@ -44,7 +44,13 @@ impl Level {
     }
 
     fn cost(&self) -> usize {
-        let Self { stream: _, around, statement, product, chain } = self;
+        let Self {
+            stream: _,
+            around,
+            statement,
+            product,
+            chain,
+        } = self;
         around + statement + product + chain
     }
 

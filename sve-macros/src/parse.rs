@@ -351,22 +351,27 @@ fn part(function: &Rc<ImplItemFn>, role: Role, errors: &mut Errors) -> Option<Pa
         errors.push(
             sig.ident.span(),
             format!(
-                "`{}` has {} arguments after `&self`: {expected}{hint}",
+                "`{}` has {} after `&self`: {expected}{hint}",
                 sig.ident,
-                arguments.len()
+                match arguments.len() {
+                    1 => "one argument".to_owned(),
+                    n => format!("{n} arguments"),
+                }
             ),
         );
         return None;
     }
+    if timed && role == Role::Gamma && (!is_f64(&arguments[0].1) || is_momentum(&arguments[1].0)) {
+        errors.push(
+            arguments[1].0.span(),
+            format!("`#[gamma]` depends on q alone: {expected}; a noise that depends on the momentum is `#[h1]`"),
+        );
+        return None;
+    }
     if timed && !is_f64(&arguments[0].1) {
-        let hint = if role == Role::Gamma {
-            "; a noise that depends on the momentum is `#[h1]`"
-        } else {
-            ""
-        };
         errors.push(
             arguments[0].1.span(),
-            format!("of three arguments the first is the time, `t: f64`: {expected}{hint}"),
+            format!("of three arguments the first is the time, `t: f64`: {expected}"),
         );
         return None;
     }
@@ -385,6 +390,14 @@ fn part(function: &Rc<ImplItemFn>, role: Role, errors: &mut Errors) -> Option<Pa
         output: (**output).clone(),
         function: Rc::clone(function),
     })
+}
+
+/// Whether an argument is called like a velocity or a momentum, so that the one before it is no time.
+fn is_momentum(pattern: &Pat) -> bool {
+    let Pat::Ident(name) = pattern else {
+        return false;
+    };
+    matches!(name.ident.to_string().trim_start_matches('_'), "v" | "p")
 }
 
 fn is_shared(receiver: &syn::Receiver) -> bool {

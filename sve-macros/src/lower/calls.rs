@@ -143,22 +143,27 @@ impl Lowering<'_> {
     }
 
     fn block_constant(&mut self, expr: &syn::ExprPath, name: &str) -> Value {
+        let last = expr.path.segments.last();
         let block = self.block;
         let Some(constant) = block.constants.iter().find(|c| c.ident == name) else {
-            let known: Vec<String> = self
-                .block
+            let known: Vec<String> = block
                 .constants
                 .iter()
                 .map(|c| c.ident.to_string())
                 .collect();
-            let hint = nearest(name, known.iter().map(String::as_str))
-                .map(|near| format!("; did you mean `Self::{near}`?"))
-                .unwrap_or_default();
-            return self.refuse(expr, format!("this block has no constant `{name}`{hint}: the macro sees only this block, so put `const {name}` here"));
+            let message = match nearest(name, known.iter().map(String::as_str)) {
+                Some(near) => {
+                    format!("this block has no constant `{name}`; did you mean `{near}`?")
+                }
+                None => format!(
+                    "this block has no constant `{name}`: the macro sees only this `impl` block, so put `const {name}` here"
+                ),
+            };
+            return self.refuse(&last, message);
         };
         let key = format!("const {name}");
         if self.active.contains(&key) {
-            return self.refuse(expr, format!("the constant `{name}` is defined by itself"));
+            return self.refuse(&last, format!("the constant `{name}` is defined by itself"));
         }
         self.active.push(key);
         let outer = std::mem::replace(&mut self.scopes, vec![std::collections::HashMap::new()]);
@@ -192,7 +197,14 @@ impl Lowering<'_> {
                 let receiver = self.eval(arguments[0]);
                 self.float_method(name, path.span(), (&receiver, arguments[0]), &arguments[1..])
             }
-            [owner, name] if self.is_self(owner) => self.helper(name, path.span(), None, &arguments),
+            [owner, name] if self.is_self(owner) => {
+                let at = path.path.segments.last().span();
+                self.helper(name, at, None, &arguments)
+            }
+            [name] if self.variable(name).is_some() => match self.variable(name) {
+                Some(Value::Poison) => Value::Poison,
+                _ => self.refuse(path, format!("`{name}` is a variable, not a function")),
+            },
             _ => self.refuse(path, format!("the function `{}` is not known here: make it a function of this `impl` block and call `self.{}(…)`", names.join("::"), names.last().unwrap_or(&""))),
         }
     }
@@ -356,10 +368,15 @@ impl Lowering<'_> {
                 .iter()
                 .map(|f| f.sig.ident.to_string())
                 .collect();
-            let hint = nearest(name, known.iter().map(String::as_str))
-                .map(|near| format!("; did you mean `{near}`?"))
-                .unwrap_or_default();
-            self.errors.push(at, format!("this block has no function `{name}`{hint}: the macro sees only this `impl` block, so put the function here"));
+            let message = match nearest(name, known.iter().map(String::as_str)) {
+                Some(near) => {
+                    format!("this block has no function `{name}`; did you mean `{near}`?")
+                }
+                None => format!(
+                    "this block has no function `{name}`: the macro sees only this `impl` block, so put the function here"
+                ),
+            };
+            self.errors.push(at, message);
             return Value::Poison;
         };
         if self.broken.contains(name) {

@@ -226,7 +226,10 @@ impl Lowering<'_> {
             '%' => return self.refuse(token, REMAINDER),
             _ => {
                 if self.arena.constant_value(b) == Some(0.0) {
-                    return self.refuse(right.1, "this divides by zero");
+                    return self.refuse(
+                        right.1,
+                        "this divides by zero: the denominator is the constant 0",
+                    );
                 }
                 self.arena.div(a, b)
             }
@@ -249,7 +252,7 @@ impl Lowering<'_> {
             (Value::Int(i), "u64" | "u32" | "usize") if i >= 0 => Value::Int(i),
             (value, _) => {
                 let message = format!(
-                    "`as` is understood of integers known at compile time alone, and this is {}: every number of a formula is an `f64`",
+                    "`as` is for integers known at compile time, and this is {}: leave it out, every number of a formula is an `f64`",
                     value.kind()
                 );
                 self.refuse(&cast.as_token, message)

@@ -26,7 +26,7 @@ use value::{Shape, Value};
 const STEPS: usize = 2_000_000;
 
 /// Expressions that one expansion may create while bodies are run.
-const NODES: usize = 400_000;
+const NODES: usize = 30_000;
 
 /// State of a run.
 pub(crate) struct Lowering<'a> {
@@ -132,18 +132,15 @@ impl Lowering<'_> {
             self.bind(pattern, Value::Scalar(t));
         }
         for ((pattern, ty), symbols) in arguments.zip(vectors) {
-            if self.shape(ty).is_some_and(|found| found != *shape) {
-                let lagrangian = &self.block.lagrangian;
-                self.errors.push(
-                    ty.span(),
-                    format!(
-                        "`{}` and `{}` must have arguments of the same length: here {}, there `{}`",
-                        part.name,
-                        lagrangian.name,
-                        readable(ty),
-                        readable(&lagrangian.arguments[usize::from(lagrangian.timed)].1),
-                    ),
-                );
+            match self.shape(ty) {
+                Some(found) if found == *shape => {}
+                found => {
+                    if found.is_some() {
+                        self.differs(part, ty);
+                    }
+                    self.bind(pattern, Value::Poison);
+                    continue;
+                }
             }
             let mut expressions = symbols
                 .iter()
@@ -159,6 +156,23 @@ impl Lowering<'_> {
             self.broken.insert(part.name.to_string());
         }
         value
+    }
+
+    fn differs(&mut self, part: &Part, ty: &syn::Type) {
+        let lagrangian = &self.block.lagrangian;
+        let whose = match part.role {
+            Role::Lagrangian => "positions and velocities",
+            _ => "this and the arguments of `lagrangian`",
+        };
+        let there = &lagrangian.arguments[usize::from(lagrangian.timed)].1;
+        self.errors.push(
+            ty.span(),
+            format!(
+                "{whose} must be of the same length: here `{}`, there `{}`",
+                readable(ty),
+                readable(there),
+            ),
+        );
     }
 
     fn scalar_result(&mut self, part: &Part, value: &Value) -> Option<Expr> {
@@ -242,8 +256,10 @@ impl Lowering<'_> {
                 None
             }
             Value::Array(_) | Value::Tuple(_) | Value::Unit => {
-                self.errors
-                    .push(at.span(), format!("expected an `f64`, found {}", value.kind()));
+                self.errors.push(
+                    at.span(),
+                    format!("expected an `f64`, found {}", value.kind()),
+                );
                 None
             }
         }

@@ -194,6 +194,15 @@ impl Lowering<'_> {
     }
 
     fn length(&mut self, expr: &Syntax) -> Option<usize> {
+        if let Syntax::Path(path) = expr
+            && let Some(name) = path.path.get_ident()
+        {
+            self.refuse(
+                expr,
+                format!("`{name}` is not known here, for only this `impl` block is seen: write `const {name}: usize = …;` in this block and use `Self::{name}`"),
+            );
+            return None;
+        }
         self.scopes.push(std::collections::HashMap::new());
         let value = self.eval(expr);
         self.scopes.pop();
