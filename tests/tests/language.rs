@@ -41,9 +41,24 @@ fn check<S, const N: usize, const M: usize>(
                 for j in 0..N {
                     let along_q = |x: f64| system.lagrangian_jet(t, &with(q, j, x), &v);
                     let along_v = |x: f64| system.lagrangian_jet(t, &q, &with(v, j, x));
-                    close("dqq", jet.dqq[i][j], slope(|x| along_q(x).dq[i], q[j]), 1e-6);
-                    close("dqv", jet.dqv[i][j], slope(|x| along_v(x).dq[i], v[j]), 1e-6);
-                    close("dvv", jet.dvv[i][j], slope(|x| along_v(x).dv[i], v[j]), 1e-6);
+                    close(
+                        "dqq",
+                        jet.dqq[i][j],
+                        slope(|x| along_q(x).dq[i], q[j]),
+                        1e-6,
+                    );
+                    close(
+                        "dqv",
+                        jet.dqv[i][j],
+                        slope(|x| along_v(x).dq[i], v[j]),
+                        1e-6,
+                    );
+                    close(
+                        "dvv",
+                        jet.dvv[i][j],
+                        slope(|x| along_v(x).dv[i], v[j]),
+                        1e-6,
+                    );
                 }
                 let in_time = |x: f64| system.lagrangian_jet(x, &q, &v);
                 close("dqt", jet.dqt[i], slope(|x| in_time(x).dq[i], t), 1e-6);
@@ -59,10 +74,11 @@ fn with<const N: usize>(mut vector: Flat<N>, i: usize, x: f64) -> Flat<N> {
     vector
 }
 
-/// Central difference of fourth order.
+/// Central difference of sixth order.
 fn slope(f: impl Fn(f64) -> f64, x: f64) -> f64 {
     let h = 1e-3;
-    (8.0 * (f(x + h) - f(x - h)) - (f(x + 2.0 * h) - f(x - 2.0 * h))) / (12.0 * h)
+    let odd = |k: f64| f(x + k * h) - f(x - k * h);
+    (45.0 * odd(1.0) - 9.0 * odd(2.0) + odd(3.0)) / (60.0 * h)
 }
 
 fn close(what: &str, derived: f64, expected: f64, tolerance: f64) {
