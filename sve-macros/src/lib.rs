@@ -17,6 +17,8 @@ mod regular;
 mod robustness;
 mod rule;
 mod schedule;
+#[cfg(test)]
+mod schedule_tests;
 mod structure;
 mod symbolic;
 
