@@ -39,7 +39,12 @@ pub(crate) fn expand(attribute: &TokenStream, item: &TokenStream) -> TokenStream
         let error = error.into_compile_error();
         quote!(#error #stub)
     });
-    quote!(#plain #derived)
+    quote! {
+        // `&self` is what this macro asks for
+        #[allow(clippy::trivially_copy_pass_by_ref, clippy::unused_self)]
+        #plain
+        #derived
+    }
 }
 
 fn derive(attribute: TokenStream, item: ItemImpl) -> syn::Result<TokenStream> {

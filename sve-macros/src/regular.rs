@@ -74,7 +74,9 @@ fn null_columns(mut matrix: Vec<Vec<f64>>) -> Vec<usize> {
     for row in &mut matrix {
         let largest = row.iter().fold(0.0f64, |m, x| m.max(x.abs()));
         if largest > 0.0 {
-            row.iter_mut().for_each(|x| *x /= largest);
+            for x in row {
+                *x /= largest;
+            }
         }
     }
     let mut order: Vec<usize> = (0..n).collect();
@@ -88,7 +90,9 @@ fn null_columns(mut matrix: Vec<Vec<f64>>) -> Vec<usize> {
         };
         matrix.swap(rank, i);
         order.swap(rank, j);
-        matrix.iter_mut().for_each(|row| row.swap(rank, j));
+        for row in &mut matrix {
+            row.swap(rank, j);
+        }
         let pivot = matrix[rank].clone();
         for (_, row) in matrix.iter_mut().enumerate().filter(|(i, _)| *i != rank) {
             let factor = row[rank] / pivot[rank];

@@ -275,6 +275,8 @@ fn too_much_work() {
         "(q[0] - q[0]).ln() + (q[1] - q[1]).powf(-0.5) + (q[1] - q[1]).recip()",
         "(q[0] - q[0]).powi(-3) + (q[0] - q[0]).sqrt().powi(-3)",
         "1e200.powi(2) * v[0]",
+        "let mut p = 1.0; for i in 0..40 { p *= (q[0] + i as f64).sin(); } 0.3 * p * v[0] * v[0] + 0.3 * p * v[1] * v[1]",
+        "let x = q[0].powi(1000); 0.3 * x * v[0] * v[0] + 0.3 * x * v[1] * v[1]",
     ] {
         let start = Instant::now();
         expand_body(body);

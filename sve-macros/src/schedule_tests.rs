@@ -28,11 +28,13 @@ fn run(program: &Program, at: &dyn Fn(Symbol) -> f64) -> HashMap<Value, f64> {
             Operation::Mul(a, b) => of(a) * of(b),
             Operation::Div(a, b) => of(a) / of(b),
             Operation::Neg(a) => -of(a),
+            Operation::Abs(a) => of(a).abs(),
             Operation::Recip(a) => 1.0 / of(a),
             Operation::Call(function, a) => function.evaluate(of(a)),
             Operation::Call2(function, a, b) => function.evaluate(of(a), of(b)),
-            // its value is its argument, of which the two below are sine and cosine
+            // the value of a pair is its angle
             Operation::SinCos(a) => of(a),
+            Operation::Turn(sin, cos, by) => of(sin).atan2(of(cos)) + of(by),
             Operation::SinOf(pair) => of(pair).sin(),
             Operation::CosOf(pair) => of(pair).cos(),
         };
@@ -74,7 +76,6 @@ fn make() -> impl Strategy<Value = Make> {
         Function::Cos,
         Function::Exp,
         Function::Tanh,
-        Function::Abs,
         Function::Atan,
     ];
     prop_oneof![

@@ -95,7 +95,7 @@ where
         match Integrator::system(self).increment(prepared, state, h, dw, self.newton()) {
             Ok((q, p)) if S::RETURNS_STATE => replace(state, h, dw, &q, &p),
             Ok((dq, dp)) => advance(state, h, dw, &dq, &dp),
-            Err(error) => Err(explain(error, state, h, dw)),
+            Err(error) => Err(explain(error, &{ *state }, h, &{ *dw })),
         }
     }
 }
@@ -136,20 +136,32 @@ fn replace<const N: usize, const M: usize>(
     q: &[f64; N],
     p: &[f64; N],
 ) -> Result<(), StepError> {
-    let t = state.t + h;
-    let mut finite = t.is_finite();
+    // One test of the sum finds every NaN and infinity; that it may overflow by itself is sorted out off the path.
+    let mut sum = 0.0;
     for i in 0..N {
-        finite &= q[i].is_finite() & p[i].is_finite();
+        sum += q[i] + p[i];
     }
-    if finite {
-        *state = State::at(t, *q, *p);
-        Ok(())
-    } else {
-        Err(explain(SolveError::NonFinite, state, h, dw))
+    if !sum.is_finite() && !all_finite(&{ *q }, &{ *p }) {
+        return Err(explain(SolveError::NonFinite, &{ *state }, h, &{ *dw }));
     }
+    // After the branch: beside the additions of q the compiler would put both into one vector, which makes the chain of
+    // operations from q to q longer.
+    let t = state.t + h;
+    if !t.is_finite() {
+        return Err(explain(SolveError::NonFinite, &{ *state }, h, &{ *dw }));
+    }
+    *state = State::at(t, *q, *p);
+    Ok(())
+}
+
+#[cold]
+fn all_finite(q: &[f64], p: &[f64]) -> bool {
+    q.iter().chain(p).all(|x| x.is_finite())
 }
 
 /// The error of a step from `state`: a non-finite input first, then what the solver said.
+///
+/// The hot path hands copies in, so that the state itself can stay in registers.
 #[cold]
 pub(crate) fn explain<const N: usize, const M: usize>(
     error: SolveError,
