@@ -113,7 +113,7 @@ feature! {
         let [x, y] = q;
         let ((a, _), [b, c]) = ((x.sin(), 2.0), [y, x]);
         let Self { m } = self;
-        let (d): f64 = a * b + c;
+        let d: f64 = a * b + c;
         m1 * v[0] * v[0] + m2 * v[1] * v[1] - d * m[0] + v[0] * d
     }
 }

@@ -7,7 +7,7 @@ struct Pendulum {
 #[variational(midpoint)]
 impl Pendulum {
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
-        v[0] * v[0] + v[1] * v[1] - 2 * self.g * q[0] * q[1]
+        v[0] * v[0] + v[1] * v[1] - self.g * q[0].powf(3) * q[1]
     }
 }
 
