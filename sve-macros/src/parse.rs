@@ -117,17 +117,11 @@ fn unknown_rule(name: &str) -> String {
 /// Sorts the block.
 pub(crate) fn annotated(attribute: TokenStream, mut item: ItemImpl) -> syn::Result<Annotated> {
     let mut errors = Errors::new();
-    let arguments = match syn::parse2::<Arguments>(attribute) {
-        Ok(arguments) => Some(arguments),
-        Err(error) => {
-            errors.add(error);
-            None
-        }
-    };
+    let arguments = errors.keep(syn::parse2::<Arguments>(attribute));
     check_block(&item, &mut errors);
     let roles = take_roles(&mut item, &mut errors);
 
-    let mut lagrangians: Vec<Part> = Vec::new();
+    let mut lagrangians = Vec::new();
     let mut noises = Vec::new();
     let mut functions = Vec::new();
     let mut constants = Vec::new();
@@ -135,44 +129,33 @@ pub(crate) fn annotated(attribute: TokenStream, mut item: ItemImpl) -> syn::Resu
         match (member, role) {
             (ImplItem::Fn(function), Some(role)) => {
                 let function = Rc::new(function);
-                functions.push(Rc::clone(&function));
-                if role == Role::Helper {
-                    continue;
+                match role {
+                    Role::Helper => {}
+                    // one that cannot be read is there nevertheless
+                    Role::Lagrangian => lagrangians.push(errors.keep(part(&function, role))),
+                    Role::Gamma | Role::H1 => noises.extend(errors.keep(part(&function, role))),
                 }
-                if let Some(part) = part(&function, role, &mut errors) {
-                    if role == Role::Lagrangian {
-                        lagrangians.push(part);
-                    } else {
-                        noises.push(part);
-                    }
-                } else if role == Role::Lagrangian {
-                    // the mistake is reported; a missing lagrangian would be a second-hand error
-                    return Err(errors.finish(()).err().unwrap_or_else(|| {
-                        syn::Error::new(function.span(), "this lagrangian cannot be read")
-                    }));
-                }
+                functions.push(function);
             }
             (ImplItem::Const(constant), _) => constants.push(constant),
             _ => {}
         }
     }
-    if lagrangians.len() > 1 {
-        errors.push(
-            lagrangians[1].name.span(),
-            "the block has two functions `lagrangian`: keep one",
-        );
-    }
-    let Some(lagrangian) = lagrangians.into_iter().next() else {
+    if lagrangians.is_empty() {
         errors.push(
             item.self_ty.span(),
             "this block has no Lagrangian: add `fn lagrangian(&self, q: [f64; N], v: [f64; N]) -> f64`",
         );
-        return Err(errors.finish(()).err().unwrap_or_else(|| {
-            syn::Error::new(item.self_ty.span(), "this block has no Lagrangian")
-        }));
-    };
-    match arguments {
-        Some(arguments) => errors.finish(Annotated {
+    }
+    if let Some(Some(second)) = lagrangians.get(1) {
+        errors.push(
+            second.name.span(),
+            "the block has two functions `lagrangian`: keep one",
+        );
+    }
+    let lagrangian = lagrangians.into_iter().next().flatten();
+    match (arguments, lagrangian) {
+        (Some(arguments), Some(lagrangian)) => errors.finish(Annotated {
             arguments,
             item,
             lagrangian,
@@ -180,12 +163,7 @@ pub(crate) fn annotated(attribute: TokenStream, mut item: ItemImpl) -> syn::Resu
             functions,
             constants,
         }),
-        None => Err(errors.finish(()).err().unwrap_or_else(|| {
-            syn::Error::new(
-                Span::call_site(),
-                "the arguments of the attribute cannot be read",
-            )
-        })),
+        _ => Err(errors.fail(item.self_ty.span(), "this block cannot be read")),
     }
 }
 
@@ -305,33 +283,19 @@ impl Role {
 }
 
 /// Takes a function apart, or says what its signature should be.
-fn part(function: &Rc<ImplItemFn>, role: Role, errors: &mut Errors) -> Option<Part> {
+fn part(function: &Rc<ImplItemFn>, role: Role) -> syn::Result<Part> {
     let sig = &function.sig;
     let expected = format!("expected `{}` (`t: f64` may come first)", role.signature());
     if !sig.generics.params.is_empty() {
-        errors.push(
-            sig.generics.span(),
-            format!("this function cannot be generic: {expected}"),
-        );
-        return None;
+        let message = format!("this function cannot be generic: {expected}");
+        return Err(syn::Error::new(sig.generics.span(), message));
     }
     let mut inputs = sig.inputs.iter();
+    let message = format!("the first argument must be `&self`: {expected}");
     match inputs.next() {
         Some(FnArg::Receiver(receiver)) if is_shared(receiver) => {}
-        Some(other) => {
-            errors.push(
-                other.span(),
-                format!("the first argument must be `&self`: {expected}"),
-            );
-            return None;
-        }
-        None => {
-            errors.push(
-                sig.ident.span(),
-                format!("the first argument must be `&self`: {expected}"),
-            );
-            return None;
-        }
+        Some(other) => return Err(syn::Error::new(other.span(), message)),
+        None => return Err(syn::Error::new(sig.ident.span(), message)),
     }
     let arguments: Vec<(Pat, Type)> = inputs
         .filter_map(|input| match input {
@@ -339,50 +303,12 @@ fn part(function: &Rc<ImplItemFn>, role: Role, errors: &mut Errors) -> Option<Pa
             FnArg::Receiver(_) => None,
         })
         .collect();
-    let timed = arguments.len() == role.vectors() + 1;
-    if !timed && arguments.len() != role.vectors() {
-        let hint = match role {
-            Role::Gamma if arguments.len() == 2 => {
-                "; a noise that depends on the momentum is `#[h1]`"
-            }
-            Role::H1 if arguments.len() == 1 => "; a noise that depends on q alone is `#[gamma]`",
-            _ => "",
-        };
-        errors.push(
-            sig.ident.span(),
-            format!(
-                "`{}` has {} after `&self`: {expected}{hint}",
-                sig.ident,
-                match arguments.len() {
-                    1 => "one argument".to_owned(),
-                    n => format!("{n} arguments"),
-                }
-            ),
-        );
-        return None;
-    }
-    if timed && role == Role::Gamma && (!is_f64(&arguments[0].1) || is_momentum(&arguments[1].0)) {
-        errors.push(
-            arguments[1].0.span(),
-            format!("`#[gamma]` depends on q alone: {expected}; a noise that depends on the momentum is `#[h1]`"),
-        );
-        return None;
-    }
-    if timed && !is_f64(&arguments[0].1) {
-        errors.push(
-            arguments[0].1.span(),
-            format!("of three arguments the first is the time, `t: f64`: {expected}"),
-        );
-        return None;
-    }
+    let timed = is_timed(&sig.ident, role, &arguments, &expected)?;
     let ReturnType::Type(_, output) = &sig.output else {
-        errors.push(
-            sig.ident.span(),
-            format!("`{}` returns nothing: {expected}", sig.ident),
-        );
-        return None;
+        let message = format!("`{}` returns nothing: {expected}", sig.ident);
+        return Err(syn::Error::new(sig.ident.span(), message));
     };
-    Some(Part {
+    Ok(Part {
         name: sig.ident.clone(),
         role,
         arguments,
@@ -390,6 +316,41 @@ fn part(function: &Rc<ImplItemFn>, role: Role, errors: &mut Errors) -> Option<Pa
         output: (**output).clone(),
         function: Rc::clone(function),
     })
+}
+
+/// Whether the first argument is the time, or what is wrong with the arguments.
+fn is_timed(
+    name: &Ident,
+    role: Role,
+    arguments: &[(Pat, Type)],
+    expected: &str,
+) -> syn::Result<bool> {
+    const H1: &str = "a noise that depends on the momentum is `#[h1]`";
+    if arguments.len() == role.vectors() {
+        return Ok(false);
+    }
+    if arguments.len() != role.vectors() + 1 {
+        let hint = match role {
+            Role::H1 if arguments.len() == 1 => "; a noise that depends on q alone is `#[gamma]`",
+            _ => "",
+        };
+        let count = match arguments.len() {
+            1 => "one argument".to_owned(),
+            n => format!("{n} arguments"),
+        };
+        let message = format!("`{name}` has {count} after `&self`: {expected}{hint}");
+        return Err(syn::Error::new(name.span(), message));
+    }
+    let is_time = is_f64(&arguments[0].1);
+    if role == Role::Gamma && (!is_time || is_momentum(&arguments[1].0)) {
+        let message = format!("`#[gamma]` depends on q alone: {expected}; {H1}");
+        return Err(syn::Error::new(arguments[1].0.span(), message));
+    }
+    if !is_time {
+        let message = format!("of three arguments the first is the time, `t: f64`: {expected}");
+        return Err(syn::Error::new(arguments[0].1.span(), message));
+    }
+    Ok(true)
 }
 
 /// Whether an argument is called like a velocity or a momentum, so that the one before it is no time.

@@ -360,24 +360,10 @@ impl Lowering<'_> {
         arguments: &[&Syntax],
     ) -> Value {
         let block = self.block;
-        let values: Vec<Value> = arguments.iter().map(|a| self.eval(a)).collect();
+        let mut values: Vec<Value> = arguments.iter().map(|a| self.eval(a)).collect();
         let found = block.functions.iter().find(|f| f.sig.ident == name);
         let Some(helper) = found else {
-            let known: Vec<String> = block
-                .functions
-                .iter()
-                .map(|f| f.sig.ident.to_string())
-                .collect();
-            let message = match nearest(name, known.iter().map(String::as_str)) {
-                Some(near) => {
-                    format!("this block has no function `{name}`; did you mean `{near}`?")
-                }
-                None => format!(
-                    "this block has no function `{name}`: the macro sees only this `impl` block, so put the function here"
-                ),
-            };
-            self.errors.push(at, message);
-            return Value::Poison;
+            return self.no_function(name, at);
         };
         if self.broken.contains(name) {
             return Value::Poison;
@@ -402,12 +388,9 @@ impl Lowering<'_> {
             }
         }
         // `Self::f(self, x)` passes the receiver as an argument
-        let explicit = receiver && method.is_none();
-        let values = if explicit {
-            values.into_iter().skip(1).collect()
-        } else {
-            values
-        };
+        if receiver && method.is_none() && !values.is_empty() {
+            values.remove(0);
+        }
         if values.len() != inputs.len() {
             self.errors.push(
                 at,
@@ -432,5 +415,22 @@ impl Lowering<'_> {
             self.broken.insert(name.to_owned());
         }
         value
+    }
+
+    fn no_function(&mut self, name: &str, at: proc_macro2::Span) -> Value {
+        let known: Vec<String> = self
+            .block
+            .functions
+            .iter()
+            .map(|f| f.sig.ident.to_string())
+            .collect();
+        let message = match nearest(name, known.iter().map(String::as_str)) {
+            Some(near) => format!("this block has no function `{name}`; did you mean `{near}`?"),
+            None => format!(
+                "this block has no function `{name}`: the macro sees only this `impl` block, so put the function here"
+            ),
+        };
+        self.errors.push(at, message);
+        Value::Poison
     }
 }
