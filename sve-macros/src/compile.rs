@@ -1,7 +1,7 @@
 //! The whole pipeline, a line a stage: attribute → block → model → action → equations → scheme → tokens.
 
 use proc_macro2::TokenStream;
-use quote::{ToTokens, quote};
+use quote::quote;
 use syn::ItemImpl;
 
 use crate::action;
@@ -11,13 +11,18 @@ use crate::errors::Errors;
 use crate::lower;
 use crate::mechanics;
 use crate::model::{Meaning, Model};
+use crate::nesting;
 use crate::parse::{self, Annotated};
+use crate::regular;
 use crate::rule::Rule;
 use crate::structure::{self, Degenerate};
 use crate::symbolic::Arena;
 
 /// The expansion of the attribute: the user's block as it was, and the derived implementations or the errors.
 pub(crate) fn expand(attribute: &TokenStream, item: &TokenStream) -> TokenStream {
+    if let Err(error) = nesting::check(attribute).and_then(|()| nesting::check(item)) {
+        return error.into_compile_error();
+    }
     let block = match syn::parse2::<ItemImpl>(item.clone()) {
         Ok(block) => block,
         Err(error) => {
@@ -28,17 +33,18 @@ pub(crate) fn expand(attribute: &TokenStream, item: &TokenStream) -> TokenStream
             return quote!(#item #error);
         }
     };
-    let plain = parse::without_roles(block.clone());
-    let derived = match derive(attribute.clone(), block.clone()) {
-        Ok(derived) => derived,
-        Err(error) => {
-            let stub = emit::stub(&block, attribute);
-            let error = error.into_compile_error();
-            quote!(#error #stub)
-        }
-    };
-    let plain = plain.into_token_stream();
-    quote!(#plain #derived)
+    let plain = parse::without_roles(item);
+    let stub = emit::stub(&block, attribute);
+    let derived = derive(attribute.clone(), block).unwrap_or_else(|error| {
+        let error = error.into_compile_error();
+        quote!(#error #stub)
+    });
+    quote! {
+        // `&self` is what this macro asks for
+        #[allow(clippy::trivially_copy_pass_by_ref, clippy::unused_self)]
+        #plain
+        #derived
+    }
 }
 
 fn derive(attribute: TokenStream, item: ItemImpl) -> syn::Result<TokenStream> {
@@ -47,6 +53,7 @@ fn derive(attribute: TokenStream, item: ItemImpl) -> syn::Result<TokenStream> {
     let model = lower::lower(&block, &mut arena)?;
     check_rules(&block, &model)?;
     let mechanics = mechanics::mechanics(&model, &mut arena);
+    regular::check(&block, &model, &mechanics, &arena)?;
     let mut output = emit::system(&block, &model, &mechanics, &arena);
     for (rule, _) in &block.arguments.rules {
         let mut symbols = model.symbols.clone();

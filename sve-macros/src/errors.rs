@@ -35,6 +35,17 @@ impl Errors {
         self.count
     }
 
+    /// The value of a result; its mistake is recorded.
+    pub(crate) fn keep<T>(&mut self, result: syn::Result<T>) -> Option<T> {
+        result.map_err(|error| self.add(error)).ok()
+    }
+
+    /// The mistakes, or that of the last resort where there were none.
+    pub(crate) fn fail(self, span: Span, last_resort: &str) -> syn::Error {
+        self.first
+            .unwrap_or_else(|| syn::Error::new(span, last_resort))
+    }
+
     /// `value`, unless something was wrong.
     pub(crate) fn finish<T>(self, value: T) -> syn::Result<T> {
         match self.first {

@@ -10,9 +10,15 @@ mod errors;
 mod lower;
 mod mechanics;
 mod model;
+mod nesting;
 mod parse;
+mod regular;
+#[cfg(test)]
+mod robustness;
 mod rule;
 mod schedule;
+#[cfg(test)]
+mod schedule_tests;
 mod structure;
 mod symbolic;
 

@@ -1,9 +1,11 @@
 //! Tokens → annotated block: which function plays which role, and the errors of shape.
 //!
-//! Input: the attribute's arguments and the `impl` block. Output: [`Annotated`], with the block as it will be emitted
-//! (the role attributes removed) and its functions sorted by role.
+//! Input: the attribute's arguments and the `impl` block. Output: [`Annotated`], the functions of the block sorted by role.
+//! Bodies are shared, never copied: they may be long, and copying recurses.
 
-use proc_macro2::{Span, TokenStream};
+use std::rc::Rc;
+
+use proc_macro2::{Delimiter, Group, Span, TokenStream, TokenTree};
 use syn::parse::{Parse, ParseStream};
 use syn::spanned::Spanned;
 use syn::{
@@ -38,18 +40,19 @@ pub(crate) struct Part {
     /// Whether the first of them is the time.
     pub(crate) timed: bool,
     pub(crate) output: Type,
-    pub(crate) body: syn::Block,
+    pub(crate) function: Rc<ImplItemFn>,
 }
 
 /// The user's block, sorted.
 pub(crate) struct Annotated {
     pub(crate) arguments: Arguments,
-    /// The block without the attributes that only this macro understands.
+    /// The block, emptied of its members.
     pub(crate) item: ItemImpl,
     pub(crate) lagrangian: Part,
     /// `#[gamma]` and `#[h1]` functions in source order.
     pub(crate) noises: Vec<Part>,
-    pub(crate) helpers: Vec<ImplItemFn>,
+    /// All functions, for any can be called from another.
+    pub(crate) functions: Vec<Rc<ImplItemFn>>,
     pub(crate) constants: Vec<ImplItemConst>,
 }
 
@@ -114,71 +117,53 @@ fn unknown_rule(name: &str) -> String {
 /// Sorts the block.
 pub(crate) fn annotated(attribute: TokenStream, mut item: ItemImpl) -> syn::Result<Annotated> {
     let mut errors = Errors::new();
-    let arguments = match syn::parse2::<Arguments>(attribute) {
-        Ok(arguments) => Some(arguments),
-        Err(error) => {
-            errors.add(error);
-            None
-        }
-    };
+    let arguments = errors.keep(syn::parse2::<Arguments>(attribute));
     check_block(&item, &mut errors);
     let roles = take_roles(&mut item, &mut errors);
 
-    let mut lagrangians: Vec<Part> = Vec::new();
+    let mut lagrangians = Vec::new();
     let mut noises = Vec::new();
-    let mut helpers = Vec::new();
+    let mut functions = Vec::new();
     let mut constants = Vec::new();
-    for (member, role) in item.items.iter().zip(roles) {
+    for (member, role) in std::mem::take(&mut item.items).into_iter().zip(roles) {
         match (member, role) {
-            (ImplItem::Fn(function), Some(Role::Helper)) => helpers.push(function.clone()),
             (ImplItem::Fn(function), Some(role)) => {
-                if let Some(part) = part(function, role, &mut errors) {
-                    if role == Role::Lagrangian {
-                        lagrangians.push(part);
-                    } else {
-                        noises.push(part);
-                    }
-                } else if role == Role::Lagrangian {
-                    // the mistake is reported; a missing lagrangian would be a second-hand error
-                    return Err(errors.finish(()).err().unwrap_or_else(|| {
-                        syn::Error::new(function.span(), "this lagrangian cannot be read")
-                    }));
+                let function = Rc::new(function);
+                match role {
+                    Role::Helper => {}
+                    // one that cannot be read is there nevertheless
+                    Role::Lagrangian => lagrangians.push(errors.keep(part(&function, role))),
+                    Role::Gamma | Role::H1 => noises.extend(errors.keep(part(&function, role))),
                 }
+                functions.push(function);
             }
-            (ImplItem::Const(constant), _) => constants.push(constant.clone()),
+            (ImplItem::Const(constant), _) => constants.push(constant),
             _ => {}
         }
     }
-    if lagrangians.len() > 1 {
-        errors.push(
-            lagrangians[1].name.span(),
-            "the block has two functions `lagrangian`: keep one",
-        );
-    }
-    let Some(lagrangian) = lagrangians.into_iter().next() else {
+    if lagrangians.is_empty() {
         errors.push(
             item.self_ty.span(),
             "this block has no Lagrangian: add `fn lagrangian(&self, q: [f64; N], v: [f64; N]) -> f64`",
         );
-        return Err(errors.finish(()).err().unwrap_or_else(|| {
-            syn::Error::new(item.self_ty.span(), "this block has no Lagrangian")
-        }));
-    };
-    match arguments {
-        Some(arguments) => errors.finish(Annotated {
+    }
+    if let Some(Some(second)) = lagrangians.get(1) {
+        errors.push(
+            second.name.span(),
+            "the block has two functions `lagrangian`: keep one",
+        );
+    }
+    let lagrangian = lagrangians.into_iter().next().flatten();
+    match (arguments, lagrangian) {
+        (Some(arguments), Some(lagrangian)) => errors.finish(Annotated {
             arguments,
             item,
             lagrangian,
             noises,
-            helpers,
+            functions,
             constants,
         }),
-        None => Err(errors.finish(()).err().unwrap_or_else(|| {
-            syn::Error::new(
-                Span::call_site(),
-                "the arguments of the attribute cannot be read",
-            )
-        })),
+        _ => Err(errors.fail(item.self_ty.span(), "this block cannot be read")),
     }
 }
 
@@ -212,6 +197,12 @@ fn take_roles(item: &mut ItemImpl, errors: &mut Errors) -> Vec<Option<Role>> {
                 continue;
             }
         };
+        if let Some(attribute) = attributes.iter().find(|a| a.path().is_ident("cfg")) {
+            errors.push(
+                attribute.span(),
+                "whether this `cfg` holds is not known to the macro: put it on the whole block, or on two blocks",
+            );
+        }
         let mut found: Vec<Role> = Vec::new();
         attributes.retain(|attribute| {
             let Some(ident) = attribute.path().get_ident().map(ToString::to_string) else {
@@ -292,33 +283,19 @@ impl Role {
 }
 
 /// Takes a function apart, or says what its signature should be.
-fn part(function: &ImplItemFn, role: Role, errors: &mut Errors) -> Option<Part> {
+fn part(function: &Rc<ImplItemFn>, role: Role) -> syn::Result<Part> {
     let sig = &function.sig;
     let expected = format!("expected `{}` (`t: f64` may come first)", role.signature());
     if !sig.generics.params.is_empty() {
-        errors.push(
-            sig.generics.span(),
-            format!("this function cannot be generic: {expected}"),
-        );
-        return None;
+        let message = format!("this function cannot be generic: {expected}");
+        return Err(syn::Error::new(sig.generics.span(), message));
     }
     let mut inputs = sig.inputs.iter();
+    let message = format!("the first argument must be `&self`: {expected}");
     match inputs.next() {
         Some(FnArg::Receiver(receiver)) if is_shared(receiver) => {}
-        Some(other) => {
-            errors.push(
-                other.span(),
-                format!("the first argument must be `&self`: {expected}"),
-            );
-            return None;
-        }
-        None => {
-            errors.push(
-                sig.ident.span(),
-                format!("the first argument must be `&self`: {expected}"),
-            );
-            return None;
-        }
+        Some(other) => return Err(syn::Error::new(other.span(), message)),
+        None => return Err(syn::Error::new(sig.ident.span(), message)),
     }
     let arguments: Vec<(Pat, Type)> = inputs
         .filter_map(|input| match input {
@@ -326,52 +303,62 @@ fn part(function: &ImplItemFn, role: Role, errors: &mut Errors) -> Option<Part> 
             FnArg::Receiver(_) => None,
         })
         .collect();
-    let timed = arguments.len() == role.vectors() + 1;
-    if !timed && arguments.len() != role.vectors() {
-        let hint = match role {
-            Role::Gamma if arguments.len() == 2 => {
-                "; a noise that depends on the momentum is `#[h1]`"
-            }
-            Role::H1 if arguments.len() == 1 => "; a noise that depends on q alone is `#[gamma]`",
-            _ => "",
-        };
-        errors.push(
-            sig.ident.span(),
-            format!(
-                "`{}` has {} arguments after `&self`: {expected}{hint}",
-                sig.ident,
-                arguments.len()
-            ),
-        );
-        return None;
-    }
-    if timed && !is_f64(&arguments[0].1) {
-        let hint = if role == Role::Gamma {
-            "; a noise that depends on the momentum is `#[h1]`"
-        } else {
-            ""
-        };
-        errors.push(
-            arguments[0].1.span(),
-            format!("of three arguments the first is the time, `t: f64`: {expected}{hint}"),
-        );
-        return None;
-    }
+    let timed = is_timed(&sig.ident, role, &arguments, &expected)?;
     let ReturnType::Type(_, output) = &sig.output else {
-        errors.push(
-            sig.ident.span(),
-            format!("`{}` returns nothing: {expected}", sig.ident),
-        );
-        return None;
+        let message = format!("`{}` returns nothing: {expected}", sig.ident);
+        return Err(syn::Error::new(sig.ident.span(), message));
     };
-    Some(Part {
+    Ok(Part {
         name: sig.ident.clone(),
         role,
         arguments,
         timed,
         output: (**output).clone(),
-        body: function.block.clone(),
+        function: Rc::clone(function),
     })
+}
+
+/// Whether the first argument is the time, or what is wrong with the arguments.
+fn is_timed(
+    name: &Ident,
+    role: Role,
+    arguments: &[(Pat, Type)],
+    expected: &str,
+) -> syn::Result<bool> {
+    const H1: &str = "a noise that depends on the momentum is `#[h1]`";
+    if arguments.len() == role.vectors() {
+        return Ok(false);
+    }
+    if arguments.len() != role.vectors() + 1 {
+        let hint = match role {
+            Role::H1 if arguments.len() == 1 => "; a noise that depends on q alone is `#[gamma]`",
+            _ => "",
+        };
+        let count = match arguments.len() {
+            1 => "one argument".to_owned(),
+            n => format!("{n} arguments"),
+        };
+        let message = format!("`{name}` has {count} after `&self`: {expected}{hint}");
+        return Err(syn::Error::new(name.span(), message));
+    }
+    let is_time = is_f64(&arguments[0].1);
+    if role == Role::Gamma && (!is_time || is_momentum(&arguments[1].0)) {
+        let message = format!("`#[gamma]` depends on q alone: {expected}; {H1}");
+        return Err(syn::Error::new(arguments[1].0.span(), message));
+    }
+    if !is_time {
+        let message = format!("of three arguments the first is the time, `t: f64`: {expected}");
+        return Err(syn::Error::new(arguments[0].1.span(), message));
+    }
+    Ok(true)
+}
+
+/// Whether an argument is called like a velocity or a momentum, so that the one before it is no time.
+fn is_momentum(pattern: &Pat) -> bool {
+    let Pat::Ident(name) = pattern else {
+        return false;
+    };
+    matches!(name.ident.to_string().trim_start_matches('_'), "v" | "p")
 }
 
 fn is_shared(receiver: &syn::Receiver) -> bool {
@@ -388,13 +375,40 @@ pub(crate) fn is_f64(ty: &Type) -> bool {
     matches!(ty, Type::Path(path) if path.qself.is_none() && path.path.is_ident("f64"))
 }
 
-/// The block as it is emitted: without the attributes that only this macro understands.
-pub(crate) fn without_roles(mut item: ItemImpl) -> ItemImpl {
-    let mut ignored = Errors::new();
-    take_roles(&mut item, &mut ignored);
-    // What runs are the derivatives: most programs never call L itself. And `&self` is what this macro asks for.
-    item.attrs.push(syn::parse_quote!(
-        #[allow(dead_code, clippy::trivially_copy_pass_by_ref, clippy::unused_self)]
-    ));
-    item
+/// The block as it is emitted: the user's tokens without the attributes that only this macro understands.
+pub(crate) fn without_roles(item: &TokenStream) -> TokenStream {
+    let mut tokens: Vec<TokenTree> = item.clone().into_iter().collect();
+    if let Some(TokenTree::Group(body)) = tokens.last_mut()
+        && body.delimiter() == Delimiter::Brace
+    {
+        let mut kept = Group::new(Delimiter::Brace, members_without_roles(body.stream()));
+        kept.set_span(body.span());
+        *body = kept;
+    }
+    tokens.into_iter().collect()
+}
+
+fn members_without_roles(members: TokenStream) -> TokenStream {
+    let mut kept: Vec<TokenTree> = Vec::new();
+    for token in members {
+        let hash = matches!(kept.last(), Some(TokenTree::Punct(punct)) if punct.as_char() == '#');
+        match &token {
+            TokenTree::Group(group) if hash && is_role(group) => {
+                kept.pop();
+            }
+            _ => kept.push(token),
+        }
+    }
+    kept.into_iter().collect()
+}
+
+/// Whether `[…]` is an attribute of this macro.
+fn is_role(group: &Group) -> bool {
+    let mut inside = group.stream().into_iter();
+    let name = match inside.next() {
+        Some(TokenTree::Ident(name)) => name.to_string(),
+        _ => return false,
+    };
+    let path = matches!(inside.next(), Some(TokenTree::Punct(punct)) if punct.as_char() == ':');
+    !path && (LATER.contains(&name.as_str()) || matches!(name.as_str(), "gamma" | "h1"))
 }

@@ -2,7 +2,7 @@
 
 use crate::newton::Newton;
 use crate::plan::Plan;
-use crate::system::Variational;
+use crate::system::{DerivedFor, Variational};
 
 /// A system and the rule that discretises its action.
 ///
@@ -34,16 +34,21 @@ pub struct Integrator<S, R> {
     newton: Newton,
 }
 
-impl<S: Variational<R>, R> Integrator<S, R> {
+impl<S, R> Integrator<S, R> {
     /// The integrator of `system` by `rule`, which has to be one that the attribute lists.
-    pub fn new(system: S, rule: R) -> Self {
+    pub fn new(system: S, rule: R) -> Self
+    where
+        R: DerivedFor<S>,
+    {
         Self {
             system,
             rule,
             newton: Newton::default(),
         }
     }
+}
 
+impl<S: Variational<R>, R> Integrator<S, R> {
     /// Replaces the options of the Newton iteration.
     #[must_use]
     pub fn with_newton(mut self, newton: Newton) -> Self {

@@ -25,7 +25,8 @@ pub use rules::{Endpoint, InitialPoint, Midpoint, Taylor2};
 pub use state::State;
 pub use sve_macros::variational;
 pub use system::{
-    Dimensions, Dims, IncrementsOf, LagrangianJet, NoiseJet, StateOf, System, Variational, VectorOf,
+    DerivedFor, Dimensions, Dims, IncrementsOf, LagrangianJet, NoiseJet, StateOf, System,
+    Variational, VectorOf,
 };
 pub use trajectory::Trajectory;
 

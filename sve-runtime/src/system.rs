@@ -147,3 +147,11 @@ pub trait Variational<R>: System {
         newton: &Newton,
     ) -> Result<(VectorOf<Self>, VectorOf<Self>), SolveError>;
 }
+
+/// A rule that has been derived for the system `S`: [`Variational`] seen from the rule.
+///
+/// [`Integrator::new`](crate::Integrator::new) asks for this one. With a single rule derived, `S: Variational<R>` would make
+/// the compiler expect that rule, and any other would be a type mismatch instead of an explanation.
+pub trait DerivedFor<S> {}
+
+impl<S: Variational<R>, R> DerivedFor<S> for R {}

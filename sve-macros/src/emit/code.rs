@@ -203,6 +203,11 @@ fn pair(part: &str, both: Value) -> Ident {
 
 /// A literal; a negative one in parentheses.
 pub(super) fn constant(value: f64) -> TokenStream {
+    if !value.is_finite() {
+        // a constant of a derivative overflowed: the step will report a result that is not finite
+        let bits = Literal::u64_suffixed(value.to_bits());
+        return quote!(f64::from_bits(#bits));
+    }
     let literal = Literal::f64_suffixed(value.abs());
     if value.is_sign_negative() {
         quote!((-#literal))

@@ -1,11 +1,12 @@
 //! What is emitted after an error: implementations without bodies, so that no second-hand errors follow.
 //!
-//! Sizes come from the signatures as far as these are literal; they need not be right, since nothing is compiled to the end.
+//! Sizes come from the signatures, by the compiler where they are not literal.
 
-use proc_macro2::{Literal, TokenStream, TokenTree};
+use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 use syn::{Expr, FnArg, ImplItem, ImplItemFn, ItemImpl, Lit, ReturnType, Type};
 
+use crate::parse::{Arguments, is_f64};
 use crate::rule::Rule;
 
 /// Stubs for every rule that the attribute names.
@@ -15,8 +16,8 @@ pub(crate) fn stub(block: &ItemImpl, attribute: &TokenStream) -> TokenStream {
     let private = quote!(#runtime::__private);
     let attributes = super::attributes();
     let (generics, _, clause) = block.generics.split_for_impl();
-    let n = Literal::usize_unsuffixed(coordinates(block));
-    let m = Literal::usize_unsuffixed(processes(block));
+    let n = coordinates(block);
+    let m = processes(block);
     let fail = quote!(::core::unreachable!("the macro reported an error"));
     let operations = quote!(#private::Operations { arithmetic: 0, transcendental: 0 });
     let plan = quote! {
@@ -67,21 +68,11 @@ pub(crate) fn stub(block: &ItemImpl, attribute: &TokenStream) -> TokenStream {
     }
 }
 
-/// The words of the attribute that are rules; all of them where there is none.
+/// The rules that the attribute names; all of them where it has a mistake, since any may have been meant.
 fn rules(attribute: &TokenStream) -> Vec<Rule> {
-    let mut found: Vec<Rule> = Vec::new();
-    for token in attribute.clone() {
-        if let TokenTree::Ident(ident) = token
-            && let Some(rule) = Rule::named(&ident.to_string())
-            && !found.contains(&rule)
-        {
-            found.push(rule);
-        }
-    }
-    if found.is_empty() {
-        Rule::ALL.to_vec()
-    } else {
-        found
+    match syn::parse2::<Arguments>(attribute.clone()) {
+        Ok(arguments) => arguments.rules.iter().map(|(rule, _)| *rule).collect(),
+        Err(_) => Rule::ALL.to_vec(),
     }
 }
 
@@ -109,43 +100,59 @@ fn functions(block: &ItemImpl) -> impl Iterator<Item = &ImplItemFn> {
     })
 }
 
-fn coordinates(block: &ItemImpl) -> usize {
+fn coordinates(block: &ItemImpl) -> TokenStream {
     let last = functions(block)
         .find(|f| f.sig.ident == "lagrangian")
         .and_then(|f| f.sig.inputs.last());
     match last {
-        Some(FnArg::Typed(argument)) => entries(&argument.ty),
-        _ => 1,
+        Some(FnArg::Typed(argument)) => size(&[&argument.ty]),
+        _ => quote!(1),
     }
 }
 
-fn processes(block: &ItemImpl) -> usize {
+fn processes(block: &ItemImpl) -> TokenStream {
     let is_noise = |f: &&ImplItemFn| {
         f.attrs
             .iter()
             .any(|a| a.path().is_ident("gamma") || a.path().is_ident("h1"))
     };
-    let outputs = functions(block)
+    let outputs: Vec<&Type> = functions(block)
         .filter(is_noise)
-        .map(|f| match &f.sig.output {
-            ReturnType::Type(_, ty) => entries(ty),
-            ReturnType::Default => 1,
-        });
-    outputs.sum()
+        .filter_map(|f| match &f.sig.output {
+            ReturnType::Type(_, ty) => Some(&**ty),
+            ReturnType::Default => None,
+        })
+        .collect();
+    size(&outputs)
+}
+
+/// Numbers in some types, as a constant argument.
+fn size(types: &[&Type]) -> TokenStream {
+    let literal: Option<usize> = types.iter().map(|ty| entries(ty)).sum();
+    if let Some(n) = literal {
+        let n = Literal::usize_unsuffixed(n);
+        return quote!(#n);
+    }
+    let types = types.iter().map(|ty| match ty {
+        Type::Reference(reference) => &*reference.elem,
+        other => *other,
+    });
+    quote!({ #(::core::mem::size_of::<#types>() / ::core::mem::size_of::<f64>())+* })
 }
 
 /// Numbers in a type with literal lengths.
-fn entries(ty: &Type) -> usize {
+fn entries(ty: &Type) -> Option<usize> {
     match ty {
         Type::Array(array) => match &array.len {
             Expr::Lit(length) => match &length.lit {
-                Lit::Int(n) => {
-                    n.base10_parse::<usize>().unwrap_or(1).min(64) * entries(&array.elem)
-                }
-                _ => 1,
+                Lit::Int(n) => n
+                    .base10_parse::<usize>()
+                    .ok()?
+                    .checked_mul(entries(&array.elem)?),
+                _ => None,
             },
-            _ => 1,
+            _ => None,
         },
-        _ => 1,
+        _ => is_f64(ty).then_some(1),
     }
 }

@@ -28,7 +28,12 @@ pub(crate) fn system(
     } = mechanics;
     let lagrangian_body = lagrangian_jet(&private, lagrangian, &model.symbols, arena);
     let noise_body = noise_jets(&private, noises, &model.symbols, arena);
+    // the user's functions are not called by what is derived from them, and yet are not dead
+    let functions = block.noises.iter().chain([&block.lagrangian]);
+    let functions = functions.map(|part| &part.name);
     quote! {
+        #attributes
+        const _: () = { #(let _ = <#self_ty>::#functions;)* };
         #attributes
         impl #private::System for #self_ty {
             type Dims = #private::Dims<#n, #m>;

@@ -107,7 +107,18 @@ const CONSTANTS: &[(&str, f64)] = &[
 /// Calls of helpers inside each other.
 const CALL_DEPTH: usize = 64;
 
+/// Whether `std::f64::consts` has this name.
+pub(super) fn is_float_constant(name: &str) -> bool {
+    CONSTANTS.iter().any(|c| c.0 == name)
+}
+
 impl Lowering<'_> {
+    /// Whether a path begins with the type of this block.
+    fn is_self(&self, name: &str) -> bool {
+        name == "Self"
+            || matches!(&*self.block.item.self_ty, syn::Type::Path(ty) if ty.path.is_ident(name))
+    }
+
     pub(super) fn constant_named(&self, name: &str) -> Option<&syn::ImplItemConst> {
         self.block.constants.iter().find(|c| c.ident == name)
     }
@@ -122,7 +133,7 @@ impl Lowering<'_> {
             .collect();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         match names.as_slice() {
-            ["Self", name] => self.block_constant(expr, name),
+            [owner, name] if self.is_self(owner) => self.block_constant(expr, name),
             [.., "consts", name] => match CONSTANTS.iter().find(|c| c.0 == *name) {
                 Some(&(_, value)) => Value::Scalar(self.arena.constant(value)),
                 None => self.refuse(expr, format!("there is no constant `{name}` in `std::f64::consts`")),
@@ -132,21 +143,27 @@ impl Lowering<'_> {
     }
 
     fn block_constant(&mut self, expr: &syn::ExprPath, name: &str) -> Value {
-        let Some(constant) = self.constant_named(name).cloned() else {
-            let known: Vec<String> = self
-                .block
+        let last = expr.path.segments.last();
+        let block = self.block;
+        let Some(constant) = block.constants.iter().find(|c| c.ident == name) else {
+            let known: Vec<String> = block
                 .constants
                 .iter()
                 .map(|c| c.ident.to_string())
                 .collect();
-            let hint = nearest(name, known.iter().map(String::as_str))
-                .map(|near| format!("; did you mean `Self::{near}`?"))
-                .unwrap_or_default();
-            return self.refuse(expr, format!("this block has no constant `{name}`{hint}: the macro sees only this block, so put `const {name}` here"));
+            let message = match nearest(name, known.iter().map(String::as_str)) {
+                Some(near) => {
+                    format!("this block has no constant `{name}`; did you mean `{near}`?")
+                }
+                None => format!(
+                    "this block has no constant `{name}`: the macro sees only this `impl` block, so put `const {name}` here"
+                ),
+            };
+            return self.refuse(&last, message);
         };
         let key = format!("const {name}");
         if self.active.contains(&key) {
-            return self.refuse(expr, format!("the constant `{name}` is defined by itself"));
+            return self.refuse(&last, format!("the constant `{name}` is defined by itself"));
         }
         self.active.push(key);
         let outer = std::mem::replace(&mut self.scopes, vec![std::collections::HashMap::new()]);
@@ -178,9 +195,16 @@ impl Lowering<'_> {
             },
             ["f64", name] if !arguments.is_empty() => {
                 let receiver = self.eval(arguments[0]);
-                self.float_method(name, path.span(), (&receiver, arguments[0].span()), &arguments[1..])
+                self.float_method(name, path.span(), (&receiver, arguments[0]), &arguments[1..])
             }
-            ["Self", name] => self.helper(name, path.span(), None, &arguments),
+            [owner, name] if self.is_self(owner) => {
+                let at = path.path.segments.last().span();
+                self.helper(name, at, None, &arguments)
+            }
+            [name] if self.variable(name).is_some() => match self.variable(name) {
+                Some(Value::Poison) => Value::Poison,
+                _ => self.refuse(path, format!("`{name}` is a variable, not a function")),
+            },
             _ => self.refuse(path, format!("the function `{}` is not known here: make it a function of this `impl` block and call `self.{}(…)`", names.join("::"), names.last().unwrap_or(&""))),
         }
     }
@@ -204,13 +228,20 @@ impl Lowering<'_> {
                 None => self.refuse(&call.method, "this power overflows"),
             };
         }
+        if let (Value::Field(path), "len") = (&receiver, name.as_str()) {
+            let message = format!(
+                "the length of `{}` is not known to the macro: write a literal, or a constant of this block",
+                super::readable(&path.access())
+            );
+            return self.refuse(&call.method, message);
+        }
         if let Value::Array(_) = receiver {
             return self.refuse(&call.method, format!("`{name}` of an array is not understood: write a loop, `let mut sum = 0.0; for i in 0..N {{ sum += … }}`"));
         }
         self.float_method(
             &name,
             call.method.span(),
-            (&receiver, call.receiver.span()),
+            (&receiver, &call.receiver),
             &arguments,
         )
     }
@@ -220,7 +251,7 @@ impl Lowering<'_> {
         &mut self,
         name: &str,
         at: proc_macro2::Span,
-        receiver: (&Value, proc_macro2::Span),
+        receiver: (&Value, &Syntax),
         arguments: &[&Syntax],
     ) -> Value {
         if let Some((_, message)) = ROUGH.iter().find(|r| r.0 == name) {
@@ -262,7 +293,7 @@ impl Lowering<'_> {
             .iter()
             .map(|argument| {
                 let value = self.eval(argument);
-                self.scalar(&value, argument.span())
+                self.scalar(&value, argument)
             })
             .collect();
         let Some(rest) = rest.into_iter().collect::<Option<Vec<Expr>>>() else {
@@ -271,7 +302,7 @@ impl Lowering<'_> {
         let Some(x) = x else { return Value::Poison };
         let value = self.smooth(name, unary.map(|u| u.1), x, &rest);
         if let Value::Scalar(e) = value
-            && self.arena.constant_value(e).is_some_and(|c| !c.is_finite())
+            && !self.arena.is_finite(e)
         {
             self.errors
                 .push(at, format!("`{name}` is not defined at this constant"));
@@ -304,7 +335,7 @@ impl Lowering<'_> {
 
     fn powi(&mut self, x: Option<Expr>, exponent: &Syntax) -> Value {
         let k = match self.eval(exponent) {
-            Value::Int(k) if k.abs() <= 1024 => k as i32,
+            Value::Int(k) if k.unsigned_abs() <= 1024 => k as i32,
             Value::Poison => return Value::Poison,
             Value::Int(k) => return self.refuse(exponent, format!("the power {k} is out of proportion; the limit is 1024")),
             _ => return self.refuse(exponent, "the exponent of `powi` must be an integer known at compile time; for others use `powf`"),
@@ -313,7 +344,11 @@ impl Lowering<'_> {
         if k < 0 && self.arena.constant_value(x) == Some(0.0) {
             return self.refuse(exponent, "this divides by zero");
         }
-        Value::Scalar(self.arena.pow(x, k))
+        let value = self.arena.pow(x, k);
+        if !self.arena.is_finite(value) {
+            return self.refuse(exponent, "the constants here overflow an `f64`");
+        }
+        Value::Scalar(value)
     }
 
     /// Inlines a function of the block.
@@ -325,19 +360,10 @@ impl Lowering<'_> {
         arguments: &[&Syntax],
     ) -> Value {
         let block = self.block;
-        let values: Vec<Value> = arguments.iter().map(|a| self.eval(a)).collect();
-        let found = block.helpers.iter().find(|f| f.sig.ident == name);
+        let mut values: Vec<Value> = arguments.iter().map(|a| self.eval(a)).collect();
+        let found = block.functions.iter().find(|f| f.sig.ident == name);
         let Some(helper) = found else {
-            let known: Vec<String> = block
-                .helpers
-                .iter()
-                .map(|f| f.sig.ident.to_string())
-                .collect();
-            let hint = nearest(name, known.iter().map(String::as_str))
-                .map(|near| format!("; did you mean `{near}`?"))
-                .unwrap_or_default();
-            self.errors.push(at, format!("this block has no helper `{name}`{hint}: the macro sees only this `impl` block, so put the function here"));
-            return Value::Poison;
+            return self.no_function(name, at);
         };
         if self.broken.contains(name) {
             return Value::Poison;
@@ -362,12 +388,9 @@ impl Lowering<'_> {
             }
         }
         // `Self::f(self, x)` passes the receiver as an argument
-        let explicit = receiver && method.is_none();
-        let values = if explicit {
-            values.into_iter().skip(1).collect()
-        } else {
-            values
-        };
+        if receiver && method.is_none() && !values.is_empty() {
+            values.remove(0);
+        }
         if values.len() != inputs.len() {
             self.errors.push(
                 at,
@@ -392,5 +415,22 @@ impl Lowering<'_> {
             self.broken.insert(name.to_owned());
         }
         value
+    }
+
+    fn no_function(&mut self, name: &str, at: proc_macro2::Span) -> Value {
+        let known: Vec<String> = self
+            .block
+            .functions
+            .iter()
+            .map(|f| f.sig.ident.to_string())
+            .collect();
+        let message = match nearest(name, known.iter().map(String::as_str)) {
+            Some(near) => format!("this block has no function `{name}`; did you mean `{near}`?"),
+            None => format!(
+                "this block has no function `{name}`: the macro sees only this `impl` block, so put the function here"
+            ),
+        };
+        self.errors.push(at, message);
+        Value::Poison
     }
 }

@@ -4,14 +4,15 @@
 //! inlined, arrays and tuples are values. After a mistake the run goes on with a poisoned value, so that each mistake is
 //! reported once and independent ones together.
 
-mod body;
 mod calls;
+mod expressions;
 mod pattern;
+mod places;
+mod statements;
 mod value;
 
 use std::collections::{HashMap, HashSet};
 
-use proc_macro2::Span;
 use quote::ToTokens;
 use syn::spanned::Spanned;
 
@@ -25,13 +26,14 @@ use value::{Shape, Value};
 const STEPS: usize = 2_000_000;
 
 /// Expressions that one expansion may create while bodies are run.
-const NODES: usize = 400_000;
+const NODES: usize = 30_000;
 
 /// State of a run.
 pub(crate) struct Lowering<'a> {
     arena: &'a mut Arena,
     symbols: Symbols,
     parameters: HashMap<String, Symbol>,
+    parameter_names: HashSet<String>,
     block: &'a Annotated,
     errors: Errors,
     /// Variables, innermost scope last.
@@ -51,6 +53,7 @@ pub(crate) fn lower(block: &Annotated, arena: &mut Arena) -> syn::Result<Model> 
         arena,
         symbols: Symbols::default(),
         parameters: HashMap::new(),
+        parameter_names: HashSet::new(),
         block,
         errors: Errors::new(),
         scopes: Vec::new(),
@@ -129,18 +132,15 @@ impl Lowering<'_> {
             self.bind(pattern, Value::Scalar(t));
         }
         for ((pattern, ty), symbols) in arguments.zip(vectors) {
-            if self.shape(ty).is_some_and(|found| found != *shape) {
-                let lagrangian = &self.block.lagrangian;
-                self.errors.push(
-                    ty.span(),
-                    format!(
-                        "`{}` and `{}` must have arguments of the same length: here {}, there `{}`",
-                        part.name,
-                        lagrangian.name,
-                        readable(ty),
-                        readable(&lagrangian.arguments[usize::from(lagrangian.timed)].1),
-                    ),
-                );
+            match self.shape(ty) {
+                Some(found) if found == *shape => {}
+                found => {
+                    if found.is_some() {
+                        self.differs(part, ty);
+                    }
+                    self.bind(pattern, Value::Poison);
+                    continue;
+                }
             }
             let mut expressions = symbols
                 .iter()
@@ -150,7 +150,29 @@ impl Lowering<'_> {
             let value = shape.fill(&mut || expressions.next().map_or(Value::Poison, Value::Scalar));
             self.bind(pattern, value);
         }
-        self.block_value(&part.body)
+        let mistakes = self.errors.count();
+        let value = self.block_value(&part.function.block);
+        if self.errors.count() > mistakes {
+            self.broken.insert(part.name.to_string());
+        }
+        value
+    }
+
+    fn differs(&mut self, part: &Part, ty: &syn::Type) {
+        let lagrangian = &self.block.lagrangian;
+        let whose = match part.role {
+            Role::Lagrangian => "positions and velocities",
+            _ => "this and the arguments of `lagrangian`",
+        };
+        let there = &lagrangian.arguments[usize::from(lagrangian.timed)].1;
+        self.errors.push(
+            ty.span(),
+            format!(
+                "{whose} must be of the same length: here `{}`, there `{}`",
+                readable(ty),
+                readable(there),
+            ),
+        );
     }
 
     fn scalar_result(&mut self, part: &Part, value: &Value) -> Option<Expr> {
@@ -161,7 +183,7 @@ impl Lowering<'_> {
             );
             return None;
         }
-        self.scalar(value, part.name.span())
+        self.scalar(value, &part.name)
     }
 
     fn noise_terms(&mut self, part: &Part, value: Value, noises: &mut Vec<NoiseTerm>) {
@@ -170,6 +192,10 @@ impl Lowering<'_> {
         };
         let components: Vec<(String, Value)> = match (shape, value) {
             (_, Value::Poison) => return,
+            (Shape::Array(..), Value::Field(_)) => {
+                self.idle(part, &part.name.to_string());
+                return;
+            }
             (Shape::Scalar, value) => vec![(part.name.to_string(), value)],
             (Shape::Array(_, inner), Value::Array(values)) if *inner == Shape::Scalar => values
                 .into_iter()
@@ -188,7 +214,7 @@ impl Lowering<'_> {
             }
         };
         for (name, value) in components {
-            let Some(value) = self.scalar(&value, part.name.span()) else {
+            let Some(value) = self.scalar(&value, &part.name) else {
                 continue;
             };
             let moves = self.arena.symbols_of(value).any(|s| {
@@ -198,10 +224,7 @@ impl Lowering<'_> {
                 )
             });
             if !moves {
-                self.errors.push(
-                    part.name.span(),
-                    format!("the noise `{name}` depends on neither q nor p, so it moves nothing: its derivative is zero; did you mean to multiply by a coordinate?"),
-                );
+                self.idle(part, &name);
             }
             let hamiltonian = if part.role == Role::Gamma {
                 self.arena.neg(value)
@@ -212,22 +235,31 @@ impl Lowering<'_> {
         }
     }
 
-    /// The expression of a number, or an error at `span`.
-    fn scalar(&mut self, value: &Value, span: Span) -> Option<Expr> {
+    fn idle(&mut self, part: &Part, name: &str) {
+        self.errors.push(
+            part.name.span(),
+            format!("the noise `{name}` depends on neither q nor p, so it moves nothing: its derivative is zero; did you mean to multiply by a coordinate?"),
+        );
+    }
+
+    /// The expression of a number, or an error at `at`.
+    fn scalar(&mut self, value: &Value, at: &impl Spanned) -> Option<Expr> {
         match value {
             Value::Scalar(expr) => Some(*expr),
             Value::Field(path) => Some(self.parameter(path)),
             Value::Poison => None,
             Value::Int(i) => {
                 self.errors.push(
-                    span,
+                    at.span(),
                     format!("an integer stands where an `f64` belongs: write `{i}.0`"),
                 );
                 None
             }
             Value::Array(_) | Value::Tuple(_) | Value::Unit => {
-                self.errors
-                    .push(span, format!("expected an `f64`, found {}", value.kind()));
+                self.errors.push(
+                    at.span(),
+                    format!("expected an `f64`, found {}", value.kind()),
+                );
                 None
             }
         }
@@ -239,8 +271,13 @@ impl Lowering<'_> {
         let symbol = match self.parameters.get(&key.to_string()) {
             Some(&symbol) => symbol,
             None => {
+                // `self.a_b` and `self.a.b` are two parameters
+                let mut name = path.name();
+                while !self.parameter_names.insert(name.clone()) {
+                    name.push('_');
+                }
                 let meaning = Meaning::Parameter {
-                    name: path.name(),
+                    name,
                     access: key.clone(),
                 };
                 let symbol = self.symbols.declare(meaning);
@@ -251,17 +288,26 @@ impl Lowering<'_> {
         self.arena.symbol(symbol)
     }
 
+    /// Counts a statement or expression; false when there have been too many.
+    fn tick(&mut self, at: &impl Spanned) -> bool {
+        self.work(1, at)
+    }
+
     /// Counts work; false, with an error once, when there is too much of it.
-    fn tick(&mut self, span: Span) -> bool {
-        self.steps += 1;
-        if self.steps == STEPS || (self.steps < STEPS && self.arena.len() > NODES) {
-            self.steps = STEPS;
-            self.errors.push(
-                span,
-                format!("this body is too large to unroll: more than {STEPS} steps or {NODES} expressions; use fewer or shorter loops"),
-            );
+    fn work(&mut self, amount: usize, at: &impl Spanned) -> bool {
+        if self.steps >= STEPS {
+            return false;
         }
-        self.steps < STEPS
+        self.steps += amount;
+        if self.steps < STEPS && self.arena.len() <= NODES {
+            return true;
+        }
+        self.steps = STEPS;
+        self.errors.push(
+            at.span(),
+            format!("this body is too large to unroll: more than {STEPS} steps or {NODES} expressions; use fewer or shorter loops"),
+        );
+        false
     }
 }
 
@@ -270,6 +316,7 @@ fn readable(ty: &impl ToTokens) -> String {
     ty.to_token_stream()
         .to_string()
         .replace(" ;", ";")
-        .replace("[ ", "[")
-        .replace(" ]", "]")
+        .replace(" [", "[")
+        .replace("& ", "&")
+        .replace(" . ", ".")
 }

@@ -21,6 +21,19 @@ impl Lowering<'_> {
             Pat::Reference(reference) => self.bind(&reference.pat, value),
             Pat::Tuple(tuple) => self.bind_list(pattern, &tuple.elems, value, "tuple"),
             Pat::Slice(slice) => self.bind_list(pattern, &slice.elems, value, "array"),
+            Pat::TupleStruct(fields) if matches!(value, Value::Field(_)) => {
+                let Value::Field(path) = value else { return };
+                for (at, field) in fields.elems.iter().enumerate() {
+                    self.bind(field, Value::Field(path.member(&syn::Member::from(at))));
+                }
+            }
+            // `let Self { mass, length } = self;`
+            Pat::Struct(fields) if matches!(value, Value::Field(_)) => {
+                let Value::Field(path) = value else { return };
+                for field in &fields.fields {
+                    self.bind(&field.pat, Value::Field(path.member(&field.member)));
+                }
+            }
             _ => {
                 self.errors.push(pattern.span(), "this pattern is not understood: bind names, tuples `(a, b)` or arrays `[a, b]`");
                 self.poison_names(pattern);

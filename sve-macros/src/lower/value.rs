@@ -26,13 +26,23 @@ pub(super) enum Value {
 }
 
 impl Value {
+    /// Numbers in it.
+    pub(super) fn entries(&self) -> usize {
+        match self {
+            Self::Array(values) | Self::Tuple(values) => {
+                1 + values.iter().map(Self::entries).sum::<usize>()
+            }
+            _ => 1,
+        }
+    }
+
     pub(super) fn kind(&self) -> String {
         match self {
             Self::Scalar(_) => "an `f64`".to_owned(),
             Self::Int(i) => format!("the integer {i}"),
             Self::Array(values) => format!("an array of {}", values.len()),
             Self::Tuple(values) => format!("a tuple of {}", values.len()),
-            Self::Field(path) => format!("the field `self.{}`", path.name()),
+            Self::Field(path) => format!("the field `{}`", super::readable(&path.access())),
             Self::Unit => "nothing".to_owned(),
             Self::Poison => "an error".to_owned(),
         }
@@ -184,6 +194,15 @@ impl Lowering<'_> {
     }
 
     fn length(&mut self, expr: &Syntax) -> Option<usize> {
+        if let Syntax::Path(path) = expr
+            && let Some(name) = path.path.get_ident()
+        {
+            self.refuse(
+                expr,
+                format!("`{name}` is not known here, for only this `impl` block is seen: write `const {name}: usize = …;` in this block and use `Self::{name}`"),
+            );
+            return None;
+        }
         self.scopes.push(std::collections::HashMap::new());
         let value = self.eval(expr);
         self.scopes.pop();

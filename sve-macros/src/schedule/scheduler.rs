@@ -38,13 +38,10 @@ impl<'a> Scheduler<'a> {
         let wanted = arena.reachable(roots, |_| true);
         let mut denominators: HashMap<Expr, usize> = HashMap::new();
         for &e in &wanted {
-            match arena.node(e) {
-                Node::Product(factors) => {
-                    for &(base, _) in factors.iter().filter(|f| f.1 < 0) {
-                        *denominators.entry(base).or_default() += 1;
-                    }
+            if let Node::Product(factors) = arena.node(e) {
+                for &(base, _) in factors.iter().filter(|f| f.1 < 0) {
+                    *denominators.entry(base).or_default() += 1;
                 }
-                _ => {}
             }
         }
         let angles = Angles::new(arena, &wanted, |symbol| tier_of(symbols, &tiers, symbol));

@@ -124,21 +124,20 @@ impl Scheduler<'_> {
             };
             let (mut with, without): (Vec<Item>, Vec<Item>) = items.into_iter().partition(shared);
             items = without;
+            // all that these items share at once: one factor after the other would double the ways to compare each time
+            let common = shared_factors(&with);
             for item in &mut with {
-                for factor in item.late.iter_mut().filter(|f| f.0 == base) {
-                    factor.1 -= sign;
+                for factor in &mut item.late {
+                    factor.1 -= common.iter().find(|c| c.0 == factor.0).map_or(0, |c| c.1);
                 }
                 item.late.retain(|f| f.1 != 0);
             }
             let inner = self.sum_items(&with);
-            let base_value = self.done[&base];
-            let product = match sign {
-                1 => Operation::Mul(inner, base_value),
-                _ if self.shared_denominators.contains(&base) => {
-                    let inverse = self.push(Operation::Recip(base_value));
-                    Operation::Mul(inner, inverse)
+            let product = match common.as_slice() {
+                &[(base, -1)] if !self.shared_denominators.contains(&base) => {
+                    Operation::Div(inner, self.done[&base])
                 }
-                _ => Operation::Div(inner, base_value),
+                _ => Operation::Mul(inner, self.lower_product(1.0, &common)),
             };
             parts.push((self.push(product), false));
         }
@@ -217,4 +216,19 @@ fn common_factor(items: &[Item]) -> Option<(Expr, i32)> {
     // of equally frequent ones the first in order of creation
     counts.sort_by_key(|&(key, count)| (std::cmp::Reverse(count), key));
     counts.first().filter(|c| c.1 > 1).map(|c| c.0)
+}
+
+/// What the late factors of all items have in common.
+fn shared_factors(items: &[Item]) -> Factors {
+    let Some((first, rest)) = items.split_first() else {
+        return Factors::new();
+    };
+    let power = |item: &Item, base: Expr| item.late.iter().find(|f| f.0 == base).map_or(0, |f| f.1);
+    let least = |&(base, k): &(Expr, i32)| {
+        let common = rest.iter().fold(k.abs(), |least, item| {
+            least.min((power(item, base) * k.signum()).max(0))
+        });
+        (common > 0).then_some((base, common * k.signum()))
+    };
+    first.late.iter().filter_map(least).collect()
 }

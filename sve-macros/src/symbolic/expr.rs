@@ -123,6 +123,17 @@ impl Arena {
         }
     }
 
+    /// Whether the constants of a node, those of its operands aside, are finite.
+    pub(crate) fn is_finite(&self, expr: Expr) -> bool {
+        match self.node(expr) {
+            Node::Constant(bits) => bits.get().is_finite(),
+            Node::Sum(constant, terms) => {
+                constant.get().is_finite() && terms.iter().all(|t| t.1.get().is_finite())
+            }
+            _ => true,
+        }
+    }
+
     /// Whether `symbol` occurs in `expr`.
     pub(crate) fn contains(&self, expr: Expr, symbol: Symbol) -> bool {
         let set = &self.sets[self.contents[expr.0 as usize] as usize];

@@ -7,6 +7,8 @@ mod diff;
 mod display;
 mod expr;
 mod simplify;
+#[cfg(test)]
+mod tests;
 mod zero;
 
 pub(crate) use expr::{Arena, Binary, Expr, Function, Node, Symbol};

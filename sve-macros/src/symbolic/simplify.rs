@@ -8,6 +8,9 @@ use super::expr::{Arena, Binary, Bits, Expr, Function, Node, Symbol};
 /// Sums longer than this are kept as one term of another sum instead of being merged into it.
 const MERGE_LIMIT: usize = 64;
 
+/// Exponents from here on are not merged, lest they overflow.
+const EXPONENT: i32 = 1 << 20;
+
 impl Arena {
     pub(crate) fn constant(&mut self, value: f64) -> Expr {
         self.intern(Node::Constant(Bits::new(value)))
@@ -94,7 +97,14 @@ impl Arena {
         while let Some((base, k)) = open.pop() {
             match self.node(base).clone() {
                 Node::Constant(value) => coefficient *= value.get().powi(k),
-                Node::Product(list) => open.extend(list.iter().map(|&(x, j)| (x, j * k))),
+                Node::Product(list) if list.iter().all(|f| moderate(f.1, k)) => {
+                    open.extend(list.iter().map(|&(x, j)| (x, j * k)));
+                }
+                Node::Product(_) => {
+                    // exponents that no sensible formula has stay a power of a power
+                    let base = self.opaque(base);
+                    flat.push((base, k));
+                }
                 Node::Sum(constant, terms) => match terms.as_slice() {
                     [(term, c)] if constant.get() == 0.0 => {
                         coefficient *= c.get().powi(k);
@@ -131,7 +141,7 @@ impl Arena {
             let mut merged: Vec<(Expr, i32)> = Vec::with_capacity(flat.len());
             for &(base, k) in flat.iter() {
                 match merged.last_mut() {
-                    Some(last) if last.0 == base => last.1 += k,
+                    Some(last) if last.0 == base && last.1.abs() < EXPONENT => last.1 += k,
                     _ => merged.push((base, k)),
                 }
             }
@@ -147,7 +157,9 @@ impl Arena {
             };
             flat[at].1 = k % 2;
             match self.node(radicand).clone() {
-                Node::Product(list) => flat.extend(list.iter().map(|&(x, j)| (x, j * (k / 2)))),
+                Node::Product(list) if list.iter().all(|f| moderate(f.1, k / 2)) => {
+                    flat.extend(list.iter().map(|&(x, j)| (x, j * (k / 2))));
+                }
                 _ => flat.push((radicand, k / 2)),
             }
         }
@@ -201,6 +213,11 @@ impl Arena {
         }
         self.call(Function::Powf(Bits::new(exponent)), x)
     }
+}
+
+/// Whether the exponents of a power of a power may be multiplied.
+fn moderate(j: i32, k: i32) -> bool {
+    j.checked_mul(k).is_some_and(|jk| jk.abs() < EXPONENT)
 }
 
 /// The power of two, with the sign of `c`, whose quotient with `c` is in [1, 2); 1 where that over- or underflows.

@@ -48,6 +48,25 @@ impl Arena {
         false
     }
 
+    /// The values of `exprs` at random points where all of them are defined; what is within its rounding error is zero.
+    pub(crate) fn samples<'a>(&'a self, exprs: &'a [Expr]) -> impl Iterator<Item = Vec<f64>> + 'a {
+        let nodes = self.reachable(exprs, |_| true);
+        let defined = move |attempt| {
+            let at = self.evaluate_bounded(&nodes, attempt);
+            let value = |e: &Expr| {
+                let Rounded { value, error } = at[e];
+                let known = value.is_finite() && error.is_finite();
+                known.then_some(if value.abs() > SLACK * error {
+                    value
+                } else {
+                    0.0
+                })
+            };
+            exprs.iter().map(value).collect::<Option<Vec<f64>>>()
+        };
+        (0..ATTEMPTS).filter_map(defined).take(POINTS)
+    }
+
     /// The value of `expr` at a point.
     #[cfg(test)]
     pub(crate) fn evaluate(&self, expr: Expr, at: impl Fn(Symbol) -> f64) -> f64 {

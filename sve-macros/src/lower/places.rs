@@ -1,0 +1,203 @@
+//! Variables and their entries: `x`, `x[1].0`, `self.body.mass`, read and assigned to.
+//!
+//! Entries are picked from the variable itself: to copy an array for each entry of it would cost its square.
+
+use proc_macro2::Span;
+use syn::spanned::Spanned;
+use syn::{Expr as Syntax, Member};
+
+use super::Lowering;
+use super::value::{FieldPath, Value};
+
+/// One step into a value.
+enum Pick<'e> {
+    Index(usize, Span),
+    Member(&'e Member),
+}
+
+/// What is wrong, and where.
+type Mistake = (Span, String);
+
+impl Lowering<'_> {
+    /// The value of `base[index]` or `base.member`.
+    pub(super) fn entry(&mut self, expr: &Syntax) -> Value {
+        let Some((base, picks)) = self.picks(expr) else {
+            return Value::Poison;
+        };
+        let value = match variable_name(base) {
+            Some(name) if self.variable(&name).is_some() => None,
+            _ => Some(self.eval(base)),
+        };
+        let found = match (&value, variable_name(base)) {
+            (Some(value), _) => read(value, &picks),
+            (None, Some(name)) => self
+                .variable(&name)
+                .map_or(Ok(Value::Poison), |variable| read(variable, &picks)),
+            (None, None) => Ok(Value::Poison),
+        };
+        match found {
+            Ok(value) if self.work(value.entries(), expr) => value,
+            Ok(_) => Value::Poison,
+            Err((span, message)) => {
+                self.errors.push(span, message);
+                Value::Poison
+            }
+        }
+    }
+
+    /// Assigns to a variable, an entry or a component.
+    pub(super) fn store(&mut self, place: &Syntax, value: Value) {
+        if let Syntax::Tuple(_) | Syntax::Array(_) | Syntax::Infer(_) = place {
+            self.refuse(place, "assign to one variable at a time, or write `let`");
+            return;
+        }
+        let Some((base, picks)) = self.picks(place) else {
+            return;
+        };
+        let Some(name) = variable_name(base).filter(|name| name != "self") else {
+            self.refuse(
+                base,
+                "only a local variable, or an entry of one, can be assigned to",
+            );
+            return;
+        };
+        let slot = self
+            .scopes
+            .iter_mut()
+            .rev()
+            .find_map(|scope| scope.get_mut(&name));
+        let Some(slot) = slot else {
+            self.refuse(base, "this variable is not known here");
+            return;
+        };
+        match slot_of(slot, &picks) {
+            Ok(Some(slot)) => *slot = value,
+            Ok(None) => {}
+            Err((span, message)) => self.errors.push(span, message),
+        }
+    }
+
+    pub(super) fn variable(&self, name: &str) -> Option<&Value> {
+        self.scopes.iter().rev().find_map(|scope| scope.get(name))
+    }
+
+    /// An expression as its base and the steps into it, innermost first.
+    fn picks<'e>(&mut self, expr: &'e Syntax) -> Option<(&'e Syntax, Vec<Pick<'e>>)> {
+        let mut picks = Vec::new();
+        let mut base = expr;
+        loop {
+            base = match base {
+                Syntax::Index(index) => {
+                    let at = self.index_value(&index.index)?;
+                    picks.push(Pick::Index(at, index.index.span()));
+                    &index.expr
+                }
+                Syntax::Field(field) => {
+                    picks.push(Pick::Member(&field.member));
+                    &field.base
+                }
+                Syntax::Paren(inner) => &inner.expr,
+                Syntax::Group(inner) => &inner.expr,
+                Syntax::Unary(unary) if matches!(unary.op, syn::UnOp::Deref(_)) => &unary.expr,
+                Syntax::Reference(reference) if reference.mutability.is_none() => &reference.expr,
+                _ => break,
+            };
+        }
+        picks.reverse();
+        Some((base, picks))
+    }
+
+    pub(super) fn index_value(&mut self, expr: &Syntax) -> Option<usize> {
+        match self.eval(expr) {
+            Value::Int(i) if i >= 0 => usize::try_from(i).ok(),
+            Value::Poison => None,
+            Value::Int(i) => {
+                self.refuse(expr, format!("index {i} is negative"));
+                None
+            }
+            other => {
+                let message = format!(
+                    "an index must be known at compile time (a literal, a loop variable, a constant of this block), and this is {}",
+                    other.kind()
+                );
+                self.refuse(expr, message);
+                None
+            }
+        }
+    }
+}
+
+fn variable_name(expr: &Syntax) -> Option<String> {
+    match expr {
+        Syntax::Path(path) => path.path.get_ident().map(ToString::to_string),
+        _ => None,
+    }
+}
+
+fn read(value: &Value, picks: &[Pick<'_>]) -> Result<Value, Mistake> {
+    let mut value = value;
+    for (at, pick) in picks.iter().enumerate() {
+        value = match (value, pick) {
+            (Value::Poison, _) => return Ok(Value::Poison),
+            (Value::Field(path), _) => return Ok(Value::Field(field(path, &picks[at..]))),
+            (Value::Array(values), Pick::Index(i, span)) => values
+                .get(*i)
+                .ok_or_else(|| out_of_range(*i, *span, values.len()))?,
+            (Value::Tuple(values), Pick::Member(Member::Unnamed(index))) => {
+                let entry = values.get(index.index as usize);
+                entry.ok_or_else(|| no_member(value, pick))?
+            }
+            (other, _) => return Err(no_member(other, pick)),
+        };
+    }
+    Ok(value.clone())
+}
+
+/// The place that is meant; nothing in what is poisoned.
+fn slot_of<'v>(slot: &'v mut Value, picks: &[Pick<'_>]) -> Result<Option<&'v mut Value>, Mistake> {
+    let mut slot = slot;
+    for pick in picks {
+        let mistake = no_member(slot, pick);
+        slot = match (slot, pick) {
+            (Value::Poison, _) => return Ok(None),
+            (Value::Array(values), Pick::Index(i, span)) => {
+                let n = values.len();
+                values
+                    .get_mut(*i)
+                    .ok_or_else(|| out_of_range(*i, *span, n))?
+            }
+            (Value::Tuple(values), Pick::Member(Member::Unnamed(index))) => {
+                values.get_mut(index.index as usize).ok_or(mistake)?
+            }
+            _ => return Err(mistake),
+        };
+    }
+    Ok(Some(slot))
+}
+
+fn field(path: &FieldPath, picks: &[Pick<'_>]) -> FieldPath {
+    picks.iter().fold(path.clone(), |path, pick| match pick {
+        Pick::Index(at, _) => path.index(*at),
+        Pick::Member(member) => path.member(member),
+    })
+}
+
+fn out_of_range(at: usize, span: Span, entries: usize) -> Mistake {
+    let last = match entries.checked_sub(1) {
+        Some(last) => format!("the last is [{last}]"),
+        None => "it is empty".to_owned(),
+    };
+    let plural = if entries == 1 { "entry" } else { "entries" };
+    (
+        span,
+        format!("index {at} is out of range: the array has {entries} {plural}, {last}"),
+    )
+}
+
+fn no_member(value: &Value, pick: &Pick<'_>) -> Mistake {
+    let kind = value.kind();
+    match pick {
+        Pick::Index(_, span) => (*span, format!("{kind} cannot be indexed")),
+        Pick::Member(member) => (member.span(), format!("{kind} has no such field")),
+    }
+}

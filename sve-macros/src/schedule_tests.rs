@@ -1,0 +1,133 @@
+//! A scheduled program, run by a small interpreter, computes what its expressions are.
+
+use std::collections::HashMap;
+
+use proptest::prelude::*;
+
+use crate::model::{Meaning, Quantity, Symbols};
+use crate::schedule::{Operation, Program, Scheduler, Tier, Value, operands};
+use crate::symbolic::{Arena, Expr, Function, Symbol};
+
+/// Runs all instructions in order.
+fn run(program: &Program, at: &dyn Fn(Symbol) -> f64) -> HashMap<Value, f64> {
+    let mut values: HashMap<Value, f64> = HashMap::new();
+    for (value, instruction) in program.all() {
+        for operand in operands(instruction.operation) {
+            assert!(values.contains_key(&operand), "operands come first");
+            assert!(
+                program.get(operand).tier <= instruction.tier,
+                "operands are known"
+            );
+        }
+        let of = |v: Value| values[&v];
+        let result = match instruction.operation {
+            Operation::Constant(bits) => f64::from_bits(bits),
+            Operation::Input(symbol) => at(symbol),
+            Operation::Add(a, b) => of(a) + of(b),
+            Operation::Sub(a, b) => of(a) - of(b),
+            Operation::Mul(a, b) => of(a) * of(b),
+            Operation::Div(a, b) => of(a) / of(b),
+            Operation::Neg(a) => -of(a),
+            Operation::Abs(a) => of(a).abs(),
+            Operation::Recip(a) => 1.0 / of(a),
+            Operation::Call(function, a) => function.evaluate(of(a)),
+            Operation::Call2(function, a, b) => function.evaluate(of(a), of(b)),
+            // the value of a pair is its angle
+            Operation::SinCos(a) => of(a),
+            Operation::Turn(sin, cos, by) => of(sin).atan2(of(cos)) + of(by),
+            Operation::SinOf(pair) => of(pair).sin(),
+            Operation::CosOf(pair) => of(pair).cos(),
+        };
+        values.insert(value, result);
+    }
+    values
+}
+
+/// A symbol of each tier.
+fn symbols() -> (Symbols, Vec<Symbol>) {
+    let mut symbols = Symbols::default();
+    let all = vec![
+        symbols.declare(Meaning::Parameter {
+            name: "m".to_owned(),
+            access: quote::quote!(self.m),
+        }),
+        symbols.declare(Meaning::StepSize),
+        symbols.declare(Meaning::Wiener(0)),
+        symbols.declare(Meaning::Start(Quantity::Position, 0)),
+        symbols.declare(Meaning::Start(Quantity::Momentum, 0)),
+        symbols.declare(Meaning::Unknown("v_0".to_owned())),
+    ];
+    (symbols, all)
+}
+
+#[derive(Clone, Debug)]
+enum Make {
+    Sum(f64, Vec<(f64, usize)>),
+    Product(Vec<(usize, i32)>),
+    Call(Function, usize),
+    Opaque(usize),
+}
+
+fn make() -> impl Strategy<Value = Make> {
+    let any = 0..1000usize;
+    let coefficient = prop::sample::select(vec![1.0, -1.0, 0.5, 2.0, -3.0, 0.0]);
+    let functions = vec![
+        Function::Sin,
+        Function::Cos,
+        Function::Exp,
+        Function::Tanh,
+        Function::Atan,
+    ];
+    prop_oneof![
+        4 => (coefficient.clone(), prop::collection::vec((coefficient, any.clone()), 0..6)).prop_map(|(c, t)| Make::Sum(c, t)),
+        4 => prop::collection::vec((any.clone(), -3..4i32), 0..5).prop_map(Make::Product),
+        2 => (prop::sample::select(functions), any.clone()).prop_map(|(f, x)| Make::Call(f, x)),
+        1 => any.prop_map(Make::Opaque),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn program_agrees_with_evaluation(
+        recipe in prop::collection::vec(make(), 1..20),
+        at in prop::collection::vec(prop_oneof![0.3..2.0f64, -2.0..-0.3f64], 6),
+    ) {
+        let mut arena = Arena::new();
+        let (table, inputs) = symbols();
+        let mut made: Vec<Expr> = inputs.iter().map(|&s| arena.symbol(s)).collect();
+        for make in &recipe {
+            let pick = |i: &usize| made[i % made.len()];
+            let new = match make {
+                Make::Sum(c, terms) => {
+                    let terms: Vec<_> = terms.iter().map(|(c, i)| (*c, pick(i))).collect();
+                    arena.sum(*c, &terms)
+                }
+                Make::Product(factors) => {
+                    let factors: Vec<_> = factors.iter().map(|(i, k)| (pick(i), *k)).collect();
+                    arena.product(&factors)
+                }
+                Make::Call(f, i) => arena.call(*f, pick(i)),
+                Make::Opaque(i) => arena.opaque(pick(i)),
+            };
+            made.push(new);
+        }
+        let value = |s: Symbol| at[s.0 as usize];
+        let expected: Vec<f64> = made.iter().map(|&e| arena.evaluate(e, value)).collect();
+        let tame = |x: &f64| x.is_finite() && x.abs() < 1e3 && (*x == 0.0 || x.abs() > 1e-3);
+        prop_assume!(expected.iter().all(tame));
+
+        let tiers = HashMap::from([(inputs[5], Tier::Iterate(0))]);
+        let mut scheduler = Scheduler::new(&arena, &table, tiers, &made);
+        let results = scheduler.values(&made);
+        let program = scheduler.finish(&results);
+        let values = run(&program, &value);
+        let size = expected.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+        for (result, expected) in results.iter().zip(&expected) {
+            let found = values[result];
+            // reciprocals of numbers above 1e-3, cubed at most
+            prop_assert!((found - expected).abs() <= 1e-7 * (1.0 + size), "{found} {expected}");
+        }
+    }
+}

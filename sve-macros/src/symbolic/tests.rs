@@ -1,0 +1,451 @@
+//! The rules of the algebra against plain evaluation, over signs, zeros and ranges.
+
+use std::collections::HashMap;
+
+use proptest::prelude::*;
+
+use super::expr::Bits;
+use super::{Arena, Binary, Expr, Function, Symbol};
+
+const FUNCTIONS: [Function; 21] = [
+    Function::Sqrt,
+    Function::Cbrt,
+    Function::Exp,
+    Function::Exp2,
+    Function::ExpM1,
+    Function::Ln,
+    Function::Ln1p,
+    Function::Log2,
+    Function::Log10,
+    Function::Sin,
+    Function::Cos,
+    Function::Tan,
+    Function::Asin,
+    Function::Acos,
+    Function::Atan,
+    Function::Sinh,
+    Function::Cosh,
+    Function::Tanh,
+    Function::Asinh,
+    Function::Acosh,
+    Function::Atanh,
+];
+
+const BINARIES: [Binary; 3] = [Binary::Atan2, Binary::Hypot, Binary::Pow];
+
+/// Numbers of symbols in random expressions.
+const SYMBOLS: usize = 3;
+
+/// Values with signs, zeros, ones, powers of two and ranges.
+fn value() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        prop::sample::select(vec![0.0, 1.0, -1.0, 0.5, -0.5, 2.0, -2.0, 1e-3, -1e3, 4.0]),
+        -3.0..3.0f64,
+        -1e3..1e3f64,
+        0.0..1.0f64,
+    ]
+}
+
+fn close(found: f64, expected: f64, size: f64) -> bool {
+    (found - expected).abs() <= 1e-12 * (1.0 + size)
+}
+
+/// Equal to a few last bits: not every odd function of the standard library is odd to the last.
+fn same(found: f64, expected: f64) -> bool {
+    found == expected
+        || found.is_nan() && expected.is_nan()
+        || (found - expected).abs() <= 1e-14 * expected.abs()
+}
+
+/// A way to make an expression from earlier ones.
+#[derive(Clone, Debug)]
+enum Make {
+    Constant(f64),
+    Symbol(usize),
+    Sum(f64, Vec<(f64, usize)>),
+    Product(Vec<(usize, i32)>),
+    Call(Function, usize),
+    Call2(Binary, usize, usize),
+    Opaque(usize),
+}
+
+fn make() -> impl Strategy<Value = Make> {
+    let any = 0..1000usize;
+    prop_oneof![
+        1 => value().prop_map(Make::Constant),
+        2 => (0..SYMBOLS).prop_map(Make::Symbol),
+        4 => (value(), prop::collection::vec((value(), any.clone()), 0..4)).prop_map(|(c, t)| Make::Sum(c, t)),
+        4 => prop::collection::vec((any.clone(), -3..4i32), 0..4).prop_map(Make::Product),
+        3 => (prop::sample::select(FUNCTIONS.to_vec()), any.clone()).prop_map(|(f, x)| Make::Call(f, x)),
+        1 => (prop::sample::select(BINARIES.to_vec()), any.clone(), any.clone()).prop_map(|(f, x, y)| Make::Call2(f, x, y)),
+        1 => any.prop_map(Make::Opaque),
+    ]
+}
+
+fn recipe() -> impl Strategy<Value = Vec<Make>> {
+    prop::collection::vec(make(), 1..14)
+}
+
+/// The expressions of a recipe, and their values by plain evaluation with a bound of the sizes that cancelled on the way.
+fn build(recipe: &[Make], at: &[f64], arena: &mut Arena) -> Vec<(Expr, f64)> {
+    let mut made: Vec<(Expr, f64)> = (0..SYMBOLS)
+        .map(|i| (arena.symbol(Symbol(i as u32)), at[i]))
+        .collect();
+    for make in recipe {
+        let pick = |i: &usize| made[i % made.len()];
+        let new = match make {
+            Make::Constant(c) => (arena.constant(*c), *c),
+            Make::Symbol(i) => made[*i],
+            Make::Sum(constant, terms) => {
+                let list: Vec<_> = terms.iter().map(|(c, i)| (*c, pick(i).0)).collect();
+                let plain = terms.iter().map(|(c, i)| c * pick(i).1).sum::<f64>() + constant;
+                (arena.sum(*constant, &list), plain)
+            }
+            Make::Product(factors) => {
+                let list: Vec<_> = factors.iter().map(|(i, k)| (pick(i).0, *k)).collect();
+                let plain = factors.iter().map(|(i, k)| pick(i).1.powi(*k)).product();
+                (arena.product(&list), plain)
+            }
+            Make::Call(f, i) => (arena.call(*f, pick(i).0), f.evaluate(pick(i).1)),
+            Make::Call2(f, i, j) => (
+                arena.call2(*f, pick(i).0, pick(j).0),
+                f.evaluate(pick(i).1, pick(j).1),
+            ),
+            Make::Opaque(i) => (arena.opaque(pick(i).0), pick(i).1),
+        };
+        made.push(new);
+    }
+    made
+}
+
+/// Whether every intermediate value is moderate, so that rounding and conditioning are harmless.
+fn moderate(made: &[(Expr, f64)]) -> bool {
+    made.iter()
+        .all(|(_, x)| x.is_finite() && x.abs() < 30.0 && (*x == 0.0 || x.abs() > 1e-2))
+}
+
+/// The derivative by central differences of sixth order.
+fn slope(f: impl Fn(f64) -> f64, x: f64, h: f64) -> f64 {
+    let odd = |k: f64| f(x + k * h) - f(x - k * h);
+    (45.0 * odd(1.0) - 9.0 * odd(2.0) + odd(3.0)) / (60.0 * h)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1000, max_global_rejects: 100_000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn construction_agrees_with_evaluation(recipe in recipe(), at in prop::collection::vec(value(), SYMBOLS)) {
+        let mut arena = Arena::new();
+        let made = build(&recipe, &at, &mut arena);
+        prop_assume!(moderate(&made));
+        let size = made.iter().fold(0.0f64, |m, (_, x)| m.max(x.abs()));
+        for (expr, plain) in made {
+            let found = arena.evaluate(expr, |s| at[s.0 as usize]);
+            // conditioning of tan, powers and reciprocals of numbers above 1e-2
+            prop_assert!((found - plain).abs() <= 1e-8 * (1.0 + size), "{found} for {plain}");
+        }
+    }
+
+    #[test]
+    fn sums_collect(a in value(), b in value(), c in value(), x in value(), y in value()) {
+        let mut arena = Arena::new();
+        let [sx, sy] = [0, 1].map(|i| arena.symbol(Symbol(i)));
+        let first = arena.sum(a, &[(b, sx), (c, sy)]);
+        let again = arena.sum(c, &[(a, first), (b, sx), (-a, sy)]);
+        let found = arena.evaluate(again, |s| [x, y][s.0 as usize]);
+        let expected = c + a * (a + b * x + c * y) + b * x - a * y;
+        let size = [a * a, a * b * x, a * c * y, b * x, a * y, c].iter().fold(0.0f64, |m, t| m.max(t.abs()));
+        prop_assert!(close(found, expected, size), "{found} {expected}");
+    }
+
+    #[test]
+    fn products_collect(x in value(), y in value(), j in -4..5i32, k in -4..5i32, c in value()) {
+        prop_assume!(x != 0.0 && y != 0.0 && c != 0.0);
+        let mut arena = Arena::new();
+        let [sx, sy] = [0, 1].map(|i| arena.symbol(Symbol(i)));
+        let scaled = arena.scale(c, sx);
+        let inner = arena.product(&[(scaled, j), (sy, k)]);
+        let whole = arena.product(&[(inner, k), (sx, j), (sy, -k)]);
+        let found = arena.evaluate(whole, |s| [x, y][s.0 as usize]);
+        let expected = ((c * x).powi(j) * y.powi(k)).powi(k) * x.powi(j) * y.powi(-k);
+        prop_assume!(expected.is_finite() && expected != 0.0 && found.is_finite() && found != 0.0);
+        prop_assert!((found / expected - 1.0).abs() < 1e-11, "{found} {expected}");
+    }
+
+    #[test]
+    fn sums_inside_products_are_normalised(a in value(), b in value(), c in value(), k in 1..4i32, x in value(), y in value()) {
+        prop_assume!(a != 0.0 && b != 0.0 && c != 0.0);
+        let mut arena = Arena::new();
+        let [sx, sy] = [0, 1].map(|i| arena.symbol(Symbol(i)));
+        let sum = arena.sum(0.0, &[(a, sx), (b, sy)]);
+        let scaled = arena.scale(c, sum);
+        let ratio = arena.product(&[(scaled, k), (sum, -k)]);
+        let at = |s: Symbol| [x, y][s.0 as usize];
+        let plain = a * x + b * y;
+        prop_assume!(plain.abs() > 1e-6 * ((a * x).abs() + (b * y).abs()) && plain != 0.0);
+        let found = arena.evaluate(ratio, at);
+        prop_assert!((found / c.powi(k) - 1.0).abs() < 1e-8, "{found} {}", c.powi(k));
+        // by a power of two with a sign the base is one and the same
+        let halved = arena.scale(-0.5, sum);
+        let ratio = arena.product(&[(halved, k), (sum, -k)]);
+        prop_assert_eq!(arena.constant_value(ratio), Some((-0.5f64).powi(k)));
+    }
+
+    #[test]
+    fn parity(x in value(), f in prop::sample::select(FUNCTIONS.to_vec())) {
+        let mut arena = Arena::new();
+        let sx = arena.symbol(Symbol(0));
+        let minus = arena.neg(sx);
+        let mirrored = arena.call(f, minus);
+        let (found, expected) = (arena.evaluate(mirrored, |_| x), f.evaluate(-x));
+        prop_assert!(same(found, expected), "{f:?} {x}: {found} {expected}");
+        let shifted = arena.sum(1.0, &[(-2.0, sx)]);
+        let mirrored = arena.call(f, shifted);
+        let (found, expected) = (arena.evaluate(mirrored, |_| x), f.evaluate(1.0 - 2.0 * x));
+        prop_assert!(same(found, expected), "{f:?} {x}: {found} {expected}");
+    }
+
+    #[test]
+    fn roots_in_pairs(x in value(), y in value(), k in -6..7i32) {
+        let mut arena = Arena::new();
+        let [sx, sy] = [0, 1].map(|i| arena.symbol(Symbol(i)));
+        let at = |s: Symbol| [x, y][s.0 as usize];
+        for radicand in [arena.product(&[(sx, 2), (sy, 1)]), sx, arena.add(sx, sy), arena.pow(sx, 2), arena.pow(sx, -2)] {
+            let root = arena.call(Function::Sqrt, radicand);
+            let power = arena.pow(root, k);
+            let expected = arena.evaluate(radicand, at).sqrt().powi(k);
+            if expected.is_finite() && expected != 0.0 {
+                let found = arena.evaluate(power, at);
+                prop_assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+            }
+        }
+        // √(x²) is |x|, not x
+        let square = arena.pow(sx, 2);
+        let modulus = arena.call(Function::Sqrt, square);
+        prop_assert_eq!(arena.evaluate(modulus, at), (x * x).sqrt());
+        let derivative = arena.diff(modulus, Symbol(0));
+        if x != 0.0 {
+            prop_assert!((arena.evaluate(derivative, at) - x.signum()).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn constant_powers(x in 0.01..100.0f64, twice in -9..10i32, exponent in -3.0..3.0f64) {
+        let mut arena = Arena::new();
+        let sx = arena.symbol(Symbol(0));
+        for exponent in [f64::from(twice) / 2.0, exponent] {
+            let e = arena.constant(exponent);
+            let power = arena.call2(Binary::Pow, sx, e);
+            let found = arena.evaluate(power, |_| x);
+            prop_assert!((found / x.powf(exponent) - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn derivatives_of_functions(x in -3.0..3.0f64, f in prop::sample::select(FUNCTIONS.to_vec()), e in -2.0..3.0f64) {
+        let mut arena = Arena::new();
+        let sx = arena.symbol(Symbol(0));
+        for f in [f, Function::Powf(Bits::new(e))] {
+            let value = arena.call(f, sx);
+            let derivative = arena.diff(value, Symbol(0));
+            let expected = slope(|x| f.evaluate(x), x, 1e-4);
+            let rough = slope(|x| f.evaluate(x), x, 2e-4);
+            // where the difference does not converge, a singularity is near
+            if expected.is_finite() && (expected - rough).abs() < 1e-8 * (1.0 + expected.abs()) {
+                let found = arena.evaluate(derivative, |_| x);
+                prop_assert!((found - expected).abs() < 1e-7 * (1.0 + expected.abs()), "{f:?} {x}: {found} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_of_binaries(x in -3.0..3.0f64, y in -3.0..3.0f64, f in prop::sample::select(BINARIES.to_vec())) {
+        let mut arena = Arena::new();
+        let [sx, sy] = [0, 1].map(|i| arena.symbol(Symbol(i)));
+        let value = arena.call2(f, sx, sy);
+        let at = |s: Symbol| [x, y][s.0 as usize];
+        for (i, along) in [&(|x| f.evaluate(x, y)) as &dyn Fn(f64) -> f64, &|y| f.evaluate(x, y)].into_iter().enumerate() {
+            let derivative = arena.diff(value, Symbol(i as u32));
+            let here = [x, y][i];
+            let (expected, rough) = (slope(along, here, 1e-4), slope(along, here, 2e-4));
+            if expected.is_finite() && (expected - rough).abs() < 1e-8 * (1.0 + expected.abs()) {
+                let found = arena.evaluate(derivative, at);
+                prop_assert!((found - expected).abs() < 1e-7 * (1.0 + expected.abs()), "{f:?} {x} {y}: {found} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_of_random_expressions(recipe in recipe(), at in prop::collection::vec(-2.0..2.0f64, SYMBOLS)) {
+        let mut arena = Arena::new();
+        let made = build(&recipe, &at, &mut arena);
+        prop_assume!(moderate(&made));
+        let expr = made.last().expect("at least one").0;
+        for i in 0..SYMBOLS {
+            let along = |x: f64| arena.evaluate(expr, |s| if s.0 as usize == i { x } else { at[s.0 as usize] });
+            let (expected, rough) = (slope(along, at[i], 1e-4), slope(along, at[i], 2e-4));
+            if !expected.is_finite() || (expected - rough).abs() > 1e-7 * (1.0 + expected.abs()) || expected.abs() > 1e4 {
+                continue;
+            }
+            let derivative = arena.diff(expr, Symbol(i as u32));
+            let found = arena.evaluate(derivative, |s| at[s.0 as usize]);
+            prop_assert!((found - expected).abs() < 1e-5 * (1.0 + expected.abs()), "{found} {expected}");
+        }
+    }
+
+    #[test]
+    fn an_expression_is_itself(recipe in recipe(), at in prop::collection::vec(value(), SYMBOLS)) {
+        let mut arena = Arena::new();
+        let first = build(&recipe, &at, &mut arena);
+        let again = build(&recipe, &at, &mut arena);
+        for (a, b) in first.iter().zip(&again) {
+            prop_assert_eq!(a.0, b.0);
+            let difference = arena.sub(a.0, b.0);
+            if arena.is_finite(a.0) {
+                prop_assert!(arena.is_zero(difference));
+            }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, max_global_rejects: 100_000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn substitution_agrees_with_evaluation(
+        recipe in recipe(),
+        inner in recipe(),
+        at in prop::collection::vec(value(), SYMBOLS),
+    ) {
+        let mut arena = Arena::new();
+        let inner = build(&inner, &at, &mut arena);
+        prop_assume!(moderate(&inner));
+        let (by, here) = *inner.last().expect("at least one");
+        let replaced = [here, at[1], at[2]];
+        let made = build(&recipe, &replaced, &mut arena);
+        prop_assume!(moderate(&made));
+        let (expr, plain) = *made.last().expect("at least one");
+        let new = arena.substitute(expr, &HashMap::from([(Symbol(0), by)]));
+        let found = arena.evaluate(new, |s| at[s.0 as usize]);
+        let size = made.iter().fold(0.0f64, |m, (_, x)| m.max(x.abs()));
+        prop_assert!((found - plain).abs() <= 1e-7 * (1.0 + size), "{found} {plain}");
+    }
+}
+
+/// A small language for identities.
+struct Write(Arena);
+
+impl Write {
+    fn new() -> (Self, Expr, Expr) {
+        let mut arena = Arena::new();
+        let [x, y] = [0, 1].map(|i| arena.symbol(Symbol(i)));
+        (Self(arena), x, y)
+    }
+
+    fn call(&mut self, f: Function, x: Expr) -> Expr {
+        self.0.call(f, x)
+    }
+
+    fn square(&mut self, f: Function, x: Expr) -> Expr {
+        let value = self.0.call(f, x);
+        self.0.pow(value, 2)
+    }
+}
+
+#[test]
+fn known_identities_are_zero() {
+    let (mut w, x, y) = Write::new();
+    let (s, c) = (w.square(Function::Sin, x), w.square(Function::Cos, x));
+    let pythagoras = w.0.sum(-1.0, &[(1.0, s), (1.0, c)]);
+    let (s, c) = (w.square(Function::Sinh, x), w.square(Function::Cosh, x));
+    let hyperbola = w.0.sum(-1.0, &[(1.0, c), (-1.0, s)]);
+    let sum = w.0.add(x, y);
+    let (xx, xy, yy, whole) = (w.0.pow(x, 2), w.0.mul(x, y), w.0.pow(y, 2), w.0.pow(sum, 2));
+    let binomial =
+        w.0.sum(0.0, &[(1.0, whole), (-1.0, xx), (-2.0, xy), (-1.0, yy)]);
+    let (ex, ey, exy) = (
+        w.call(Function::Exp, x),
+        w.call(Function::Exp, y),
+        w.call(Function::Exp, sum),
+    );
+    let product = w.0.mul(ex, ey);
+    let exponential = w.0.sub(exy, product);
+    let double = w.0.scale(2.0, x);
+    let s2 = w.call(Function::Sin, double);
+    let (s, c) = (w.call(Function::Sin, x), w.call(Function::Cos, x));
+    let sc = w.0.mul(s, c);
+    let angle = w.0.sum(0.0, &[(1.0, s2), (-2.0, sc)]);
+    let root = w.call(Function::Sqrt, xx);
+    let squared = w.0.pow(root, 2);
+    let modulus = w.0.sub(squared, xx);
+    for (name, zero) in [
+        ("sin² + cos² − 1", pythagoras),
+        ("cosh² − sinh² − 1", hyperbola),
+        ("(x+y)² − x² − 2xy − y²", binomial),
+        ("exp(x+y) − exp x exp y", exponential),
+        ("sin 2x − 2 sin x cos x", angle),
+        ("√(x²)² − x²", modulus),
+    ] {
+        assert!(w.0.is_zero(zero), "{name}");
+    }
+}
+
+#[test]
+fn near_identities_are_not_zero() {
+    let (mut w, x, y) = Write::new();
+    let s = w.call(Function::Sin, x);
+    let sine = w.0.sub(s, x);
+    let small = w.0.scale(1e-9, x);
+    let tiny = w.0.scale(1e-300, x);
+    let xx = w.0.pow(x, 2);
+    let root = w.call(Function::Sqrt, xx);
+    let modulus = w.0.sub(root, x);
+    let (s, c) = (w.square(Function::Sin, x), w.square(Function::Cos, x));
+    let shifted = w.0.sum(-1.0 + 1e-12, &[(1.0, s), (1.0, c)]);
+    let difference = w.0.sub(x, y);
+    let power = w.0.pow(difference, 12);
+    let logarithm = w.call(Function::Ln, x);
+    for (name, expr) in [
+        ("sin x − x", sine),
+        ("1e-9 x", small),
+        ("1e-300 x", tiny),
+        ("√(x²) − x", modulus),
+        ("sin² + cos² − 1 + 1e-12", shifted),
+        ("(x − y)¹²", power),
+        ("ln x", logarithm),
+    ] {
+        assert!(!w.0.is_zero(expr), "{name}");
+    }
+}
+
+#[test]
+fn equal_expressions_have_equal_names() {
+    let (mut w, x, y) = Write::new();
+    let arena = &mut w.0;
+    assert_eq!(arena.add(x, y), arena.add(y, x));
+    assert_eq!(arena.mul(x, y), arena.mul(y, x));
+    let (xy, yx) = (arena.sub(x, y), arena.sub(y, x));
+    assert_eq!(arena.pow(xy, 2), arena.pow(yx, 2));
+    assert_eq!(arena.call(Function::Cos, xy), arena.call(Function::Cos, yx));
+    let zero = arena.constant(0.0);
+    let one = arena.constant(1.0);
+    assert_eq!(arena.sub(x, x), zero);
+    assert_eq!(arena.div(x, x), one);
+    assert_eq!(arena.constant(-0.0), zero);
+    assert_eq!(arena.mul(x, zero), zero);
+    assert_eq!(arena.mul(x, one), x);
+    assert_eq!(arena.pow(x, 0), one);
+}
+
+#[test]
+fn exponents_do_not_overflow() {
+    let (mut w, x, _) = Write::new();
+    let mut power = x;
+    for _ in 0..8 {
+        power = w.0.pow(power, 1000);
+        power = w.0.mul(power, power);
+    }
+    assert_eq!(w.0.evaluate(power, |_| 1.0), 1.0);
+    let derivative = w.0.diff(power, Symbol(0));
+    assert!(w.0.evaluate(derivative, |_| 1.0) > 1e20);
+}

@@ -1,0 +1,24 @@
+use sve_runtime::prelude::*;
+
+struct Pendulum {
+    g: f64,
+}
+
+#[variational(midpoint)]
+impl Pendulum {
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        v[0] * v[0] + v[1] * v[1] - self.tower(q[0] * q[1])
+    }
+
+    fn tower(&self, x: f64) -> f64 {
+        self.g * self.floor(x.sin())
+    }
+
+    fn floor(&self, x: f64) -> f64 {
+        self.g * self.tower(x.cos())
+    }
+}
+
+fn main() {
+    let _ = Integrator::new(Pendulum { g: 1.0 }, Midpoint);
+}

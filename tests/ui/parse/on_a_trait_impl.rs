@@ -1,0 +1,20 @@
+use sve_runtime::prelude::*;
+
+struct Pendulum {
+    g: f64,
+}
+
+trait Mechanical {
+    fn lagrangian(&self, q: [f64; 1], v: [f64; 1]) -> f64;
+}
+
+#[variational(midpoint)]
+impl Mechanical for Pendulum {
+    fn lagrangian(&self, q: [f64; 1], v: [f64; 1]) -> f64 {
+        v[0] * v[0] + self.g * q[0].cos()
+    }
+}
+
+fn main() {
+    let _ = Integrator::new(Pendulum { g: 1.0 }, Midpoint);
+}
