@@ -132,7 +132,7 @@ models! {
     relativistic: Relativistic<2, 0> = Relativistic { m: 1.1, c: 1.5, k: 0.7 };
     l(_t, q, v, s) = s.lagrangian(q, v);
     g(_t, _q, _p, _s) = [];
-    point(r) = (r.array(-1.0, 1.0), r.array(-1.0, 1.0));
+    point(r) = (r.array(-1.0, 1.0), r.array(-0.5, 0.5));
 
     henon_heiles: HenonHeiles<2, 0> = HenonHeiles;
     l(_t, q, v, s) = s.lagrangian(q, v);
