@@ -200,10 +200,10 @@ pub struct Chain {
 #[variational(initial_point, endpoint, midpoint)]
 impl Chain {
     const LENGTH: usize = 6;
-    const CUBIC: f64 = 0.3;
+    const HARDENING: f64 = 0.3;
 
     fn spring(&self, stretch: f64) -> f64 {
-        self.k * (0.5 * stretch.powi(2) + Self::CUBIC / 3.0 * stretch.powi(3))
+        self.k * (0.5 * stretch.powi(2) + Self::HARDENING / 4.0 * stretch.powi(4))
     }
 
     /// L.
