@@ -392,5 +392,9 @@ pub(crate) fn is_f64(ty: &Type) -> bool {
 pub(crate) fn without_roles(mut item: ItemImpl) -> ItemImpl {
     let mut ignored = Errors::new();
     take_roles(&mut item, &mut ignored);
+    // What runs are the derivatives: most programs never call L itself. And `&self` is what this macro asks for.
+    item.attrs.push(syn::parse_quote!(
+        #[allow(dead_code, clippy::trivially_copy_pass_by_ref, clippy::unused_self)]
+    ));
     item
 }

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use crate::action::Action;
 use crate::equations::Equations;
 use crate::model::{Meaning, Quantity, Symbols};
-use crate::symbolic::{Arena, Expr, Function, Node, Symbol};
+use crate::symbolic::{Arena, Expr, Node, Symbol};
 
 /// A step, ready to be scheduled.
 pub(crate) struct Scheme {
@@ -65,10 +65,8 @@ pub(crate) struct Iteration {
     pub(crate) guess_matrix: Vec<Vec<Expr>>,
     pub(crate) guess_rhs: Vec<Expr>,
     pub(crate) residual: Vec<Expr>,
-    /// Sum of the magnitudes of each residual's terms.
-    pub(crate) magnitude: Vec<Expr>,
     pub(crate) jacobian: Vec<Vec<Expr>>,
-    /// Names of the iterates in `residual`, `magnitude` and `jacobian`.
+    /// Names of the iterates in `residual` and `jacobian`.
     pub(crate) iterates: Vec<Symbol>,
     pub(crate) solved: Vec<Symbol>,
 }
@@ -293,13 +291,11 @@ impl Reduced<'_> {
                     },
                 )
             } else {
-                let magnitude = residual.iter().map(|&r| self.magnitude(r)).collect();
                 let iterates = unknowns.clone();
                 let iteration = Iteration {
                     guess_matrix,
                     guess_rhs,
                     residual,
-                    magnitude,
                     jacobian,
                     iterates,
                     solved,
@@ -333,19 +329,6 @@ impl Reduced<'_> {
         self.arena
             .symbols_of(expr)
             .all(|s| matches!(self.symbols.meaning(s), Meaning::Parameter { .. }))
-    }
-
-    fn magnitude(&mut self, residual: Expr) -> Expr {
-        let (constant, terms) = match self.arena.node(residual) {
-            Node::Sum(constant, terms) => (constant.get().abs(), terms.clone()),
-            _ => return self.arena.call(Function::Abs, residual),
-        };
-        let mut sizes = Vec::new();
-        for (term, c) in terms {
-            let scaled = self.arena.scale(c.get(), term);
-            sizes.push((1.0, self.arena.call(Function::Abs, scaled)));
-        }
-        self.arena.sum(constant, &sizes)
     }
 }
 

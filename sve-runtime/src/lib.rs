@@ -13,6 +13,7 @@ mod rules;
 mod state;
 mod system;
 mod trajectory;
+mod turn;
 
 pub use error::StepError;
 pub use integrator::Integrator;
@@ -45,4 +46,5 @@ pub mod __private {
     pub use crate::plan::{Block, BlockKind, Operations, Plan, StrongOrder};
     pub use crate::state::State;
     pub use crate::system::{Dims, LagrangianJet, NoiseJet, System, Variational};
+    pub use crate::turn::turn;
 }

@@ -97,7 +97,7 @@ where
         match system.increment(prepared, state, h, dw, self.newton()) {
             Ok((q, p)) if S::RETURNS_STATE => replace(state, h, dw, &q, &p),
             Ok((dq, dp)) => advance(state, h, dw, &dq, &dp),
-            Err(error) => Err(explain(error, state, h, dw)),
+            Err(error) => Err(explain(error, &{ *state }, h, &{ *dw })),
         }
         .map_err(|error| look_at_the_mass(system, state, error))
     }
@@ -139,17 +139,21 @@ fn replace<const N: usize, const M: usize>(
     q: &[f64; N],
     p: &[f64; N],
 ) -> Result<(), StepError> {
-    let t = state.t + h;
-    let mut finite = t.is_finite();
+    let mut finite = true;
     for i in 0..N {
         finite &= q[i].is_finite() & p[i].is_finite();
     }
-    if finite {
-        *state = State::at(t, *q, *p);
-        Ok(())
-    } else {
-        Err(explain(SolveError::NonFinite, state, h, dw))
+    if !finite {
+        return Err(explain(SolveError::NonFinite, &{ *state }, h, &{ *dw }));
     }
+    // After the branch: beside the additions of q the compiler would put both into one vector, which makes the chain of
+    // operations from q to q longer.
+    let t = state.t + h;
+    if !t.is_finite() {
+        return Err(explain(SolveError::NonFinite, &{ *state }, h, &{ *dw }));
+    }
+    *state = State::at(t, *q, *p);
+    Ok(())
 }
 
 /// Says `Singular` where a result is not finite because the mass matrix has no inverse: a formula divides by it unasked.
@@ -175,6 +179,8 @@ where
 }
 
 /// The error of a step from `state`: a non-finite input first, then what the solver said.
+///
+/// The hot path hands copies in, so that the state itself can stay in registers.
 #[cold]
 pub(crate) fn explain<const N: usize, const M: usize>(
     error: SolveError,

@@ -13,15 +13,18 @@ use crate::symbolic::{Function, Symbol};
 pub(super) struct Printer<'a> {
     program: &'a Program,
     symbols: &'a Symbols,
+    /// Path of what generated code calls.
+    private: TokenStream,
     /// Values that the step reads from what `prepare` returned, with their place there.
     prepared: HashMap<Value, usize>,
 }
 
 impl<'a> Printer<'a> {
-    pub(super) fn new(program: &'a Program, symbols: &'a Symbols) -> Self {
+    pub(super) fn new(program: &'a Program, symbols: &'a Symbols, private: &TokenStream) -> Self {
         Self {
             program,
             symbols,
+            private: private.clone(),
             prepared: HashMap::new(),
         }
     }
@@ -128,6 +131,10 @@ impl<'a> Printer<'a> {
                 let a = of(a);
                 quote!(-#a)
             }
+            Operation::Abs(a) => {
+                let a = of(a);
+                quote!(f64::abs(#a))
+            }
             Operation::Recip(a) => {
                 let a = of(a);
                 quote!(1f64 / #a)
@@ -137,6 +144,12 @@ impl<'a> Printer<'a> {
                 let method = local(function.name());
                 let (a, b) = (of(a), of(b));
                 quote!(f64::#method(#a, #b))
+            }
+            Operation::Turn(sin, cos, by) => {
+                let names = (pair("sin", value), pair("cos", value));
+                let (sin, cos, by, private) = (of(sin), of(cos), of(by), &self.private);
+                let (sin_name, cos_name) = names;
+                return quote!(let (#sin_name, #cos_name) = #private::turn(#sin, #cos, #by););
             }
             Operation::SinCos(a) => {
                 let (sin, cos) = (pair("sin", value), pair("cos", value));
@@ -157,10 +170,11 @@ impl<'a> Printer<'a> {
             Operation::Mul(..) => "product",
             Operation::Div(..) => "ratio",
             Operation::Neg(_) => "minus",
+            Operation::Abs(_) => "size",
             Operation::Recip(_) => "inverse",
             Operation::Call(function, _) => function.name(),
             Operation::Call2(..) => "value",
-            Operation::SinCos(_) => "sin_cos",
+            Operation::SinCos(_) | Operation::Turn(..) => "sin_cos",
         };
         local(&format!("{prefix}_{}", value.index()))
     }

@@ -61,7 +61,7 @@ pub(crate) fn rule(
     let m = Literal::usize_unsuffixed(model.noises.len());
 
     let scheduled = schedule(scheme, symbols, arena);
-    let mut printer = Printer::new(&scheduled.program, symbols);
+    let mut printer = Printer::new(&scheduled.program, symbols, &private);
     let kept = printer.split_prepared(&scheduled.results);
     let prepared = Literal::usize_unsuffixed(kept.len());
     let (prepare, kept) = (printer.prepare(), printer.array(&kept));
@@ -130,7 +130,6 @@ fn schedule(scheme: &Scheme, symbols: &Symbols, arena: &Arena) -> Scheduled {
                     guess_matrix,
                     guess_rhs,
                     residual,
-                    magnitude,
                     jacobian,
                     iterates,
                     solved,
@@ -143,8 +142,7 @@ fn schedule(scheme: &Scheme, symbols: &Symbols, arena: &Arena) -> Scheduled {
                         .chain(jacobian)
                         .flatten()
                         .chain(guess_rhs)
-                        .chain(residual)
-                        .chain(magnitude),
+                        .chain(residual),
                 );
             }
         }
@@ -172,10 +170,15 @@ fn schedule(scheme: &Scheme, symbols: &Symbols, arena: &Arena) -> Scheduled {
             Solution::Iteration(iteration) => {
                 let (guess_matrix, jacobian) =
                     (matrix(&iteration.guess_matrix), matrix(&iteration.jacobian));
+                let (residual, magnitude) = iteration
+                    .residual
+                    .iter()
+                    .map(|&r| scheduler.residual(r))
+                    .unzip();
                 Solve::Iteration {
                     guess: (guess_matrix, scheduler.values(&iteration.guess_rhs)),
-                    residual: scheduler.values(&iteration.residual),
-                    magnitude: scheduler.values(&iteration.magnitude),
+                    residual,
+                    magnitude,
                     jacobian,
                     iterates: iteration.iterates.clone(),
                     solved: iteration.solved.clone(),
@@ -390,11 +393,14 @@ fn operations(
             | Operation::Mul(..)
             | Operation::Div(..)
             | Operation::Neg(_)
+            | Operation::Abs(_)
             | Operation::Recip(_) => {
                 arithmetic += 1;
             }
-            Operation::Call(crate::symbolic::Function::Abs, _) => arithmetic += 1,
-            Operation::Call(..) | Operation::Call2(..) | Operation::SinCos(_) => {
+            Operation::Call(..)
+            | Operation::Call2(..)
+            | Operation::SinCos(_)
+            | Operation::Turn(..) => {
                 transcendental += 1;
             }
         }

@@ -73,7 +73,7 @@ impl<'a> Straight<'a> {
             .collect();
         let results: Vec<_> = values.iter().flatten().flatten().copied().collect();
         let program = self.scheduler.finish(&results);
-        let mut printer = Printer::new(&program, self.symbols);
+        let mut printer = Printer::new(&program, self.symbols, &TokenStream::new());
         printer.split_prepared(&[]);
         let constants = printer.prepare();
         let statements = printer.statements(Tier::State);

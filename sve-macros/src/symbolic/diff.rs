@@ -126,8 +126,6 @@ impl Arena {
                 let lower = self.call(Function::Powf(Bits::new(k.get() - 1.0)), x);
                 self.scale(k.get(), lower)
             }
-            // x/|x|: not reached from user code, which cannot write it
-            Function::Abs => self.div(x, value),
         }
     }
 

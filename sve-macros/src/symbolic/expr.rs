@@ -29,7 +29,7 @@ impl Bits {
     }
 }
 
-/// Functions of one argument. `Abs` appears in error estimates only, never in what is differentiated.
+/// Functions of one argument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Function {
     Sqrt,
@@ -55,7 +55,6 @@ pub(crate) enum Function {
     Atanh,
     /// A power with a constant exponent that is neither integer nor half-integer.
     Powf(Bits),
-    Abs,
 }
 
 /// Functions of two arguments.

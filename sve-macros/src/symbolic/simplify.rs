@@ -251,13 +251,12 @@ impl Function {
             Self::Acosh => "acosh",
             Self::Atanh => "atanh",
             Self::Powf(_) => "powf",
-            Self::Abs => "abs",
         }
     }
 
     fn parity(self) -> Parity {
         match self {
-            Self::Cos | Self::Cosh | Self::Abs => Parity::Even,
+            Self::Cos | Self::Cosh => Parity::Even,
             Self::Sin
             | Self::Tan
             | Self::Asin
@@ -295,7 +294,6 @@ impl Function {
             Self::Acosh => x.acosh(),
             Self::Atanh => x.atanh(),
             Self::Powf(k) => x.powf(k.get()),
-            Self::Abs => x.abs(),
         }
     }
 }

@@ -1,0 +1,345 @@
+//! Figure 2: the stochastic linear oscillator on one path.
+
+use std::error::Error;
+
+use sve_examples::check::Check;
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
+use sve_examples::gaussian::{Matrix, Scheme, product, standard_errors};
+use sve_examples::palette;
+use sve_runtime::prelude::*;
+
+use crate::Report;
+use crate::oscillator::{self, ENERGY, Entry, Exact, OSCILLATOR, START, energy};
+use crate::run::{Run, ln_radius};
+use crate::settings::{H, Options};
+
+/// A χ²₂ variable is above this with probability 1e-4.
+const SURPRISE: f64 = 18.42;
+
+/// Entries of [`oscillator::entries`] by what is expected of them.
+const FORWARD: usize = 0;
+const BACKWARD: usize = 1;
+const MIDPOINT: usize = 2;
+const INITIAL_POINT: usize = 3;
+const ENDPOINT: usize = 4;
+
+pub(crate) fn report(options: &Options, tick: &dyn Fn()) -> Result<Report, Box<dyn Error>> {
+    let entries = oscillator::entries();
+    let path = Wiener::new(options.seed);
+    let mut runs = Vec::new();
+    for entry in &entries {
+        runs.push(entry.scheme.run(path.clone(), options.steps())?);
+        tick();
+    }
+    let exact = Exact::new();
+    let solution = exact.run(&path, options.steps());
+    let picture = Picture::of(&runs, &solution)?;
+    let mut checks = vec![growth(&runs[FORWARD])];
+    checks.push(Check::reported(
+        "forward Euler–Maruyama: leaves the picture at t",
+        picture.left.unwrap_or(f64::NAN),
+        format!("first |q| or |p| above {:.0}", picture.size),
+    ));
+    checks.push(settled(
+        options,
+        entries[BACKWARD].scheme.linear()?,
+        &runs[BACKWARD],
+    )?);
+    for index in [MIDPOINT, INITIAL_POINT, ENDPOINT] {
+        let joint = exact.beside(entries[index].scheme.linear()?);
+        checks.extend(near_exact(&entries[index], &joint, &runs[index], &solution));
+    }
+    checks.push(law(&exact.moments(), &solution));
+    for (name, run) in entries
+        .iter()
+        .map(|e| e.name)
+        .zip(&runs)
+        .chain([("exact solution", &solution)])
+    {
+        checks.push(energy_at_end(name, run)?);
+    }
+    let left = match picture.left {
+        Some(t) => format!("leaves the picture at t = {t:.1}"),
+        None => "stays in the picture up to this horizon".to_owned(),
+    };
+    Ok(Report {
+        title: "Figure 2. Stochastic linear oscillator, one path",
+        figure: draw(options, &entries, &runs, &solution, &picture)?,
+        caption: format!(
+            "σ = 1, start (1, 0), h = {H}, T = {}, the same Wiener path everywhere, all phase plots on the same scale. \
+             Forward Euler–Maruyama {left}; backward Euler–Maruyama, which the paper prints as “symplectic \
+             Euler–Maruyama”, dissipates. The endpoint and initial-point rules are the symplectic methods; the exact \
+             solution is drawn jointly with the increments of the path.",
+            options.horizon
+        ),
+        checks,
+    })
+}
+
+/// What the panels span.
+struct Picture {
+    /// Largest energy of the panel of energies.
+    energy: f64,
+    /// Largest |q| and |p|.
+    size: f64,
+    /// When forward Euler–Maruyama leaves it.
+    left: Option<f64>,
+}
+
+impl Picture {
+    fn of(runs: &[Run], solution: &Run) -> Result<Self, StepError> {
+        let mut highest: f64 = 0.0;
+        for z in runs[INITIAL_POINT]
+            .states
+            .iter()
+            .chain(&runs[ENDPOINT].states)
+            .chain(&solution.states)
+        {
+            highest = highest.max(energy(z)?);
+        }
+        let size = (2.4 * highest).sqrt();
+        let inside = runs[FORWARD].inside(size);
+        let leaves = inside.len() < runs[FORWARD].states.len();
+        Ok(Self {
+            // room for the legend
+            energy: 1.9 * highest,
+            size,
+            left: inside.last().filter(|_| leaves).map(|z| z.t),
+        })
+    }
+}
+
+/// The rate at which forward Euler–Maruyama ends up: its map is a rotation times √(1 + h²).
+fn growth(run: &Run) -> Check {
+    let last = run.states.len() - 1;
+    let (from, to) = (&run.states[last / 2], &run.states[last]);
+    let rate = 2.0 * (ln_radius(to) - ln_radius(from)) / (to.t - from.t);
+    let expected = (H * H).ln_1p() / H;
+    // what the noise still adds has variance σ² h (1 + h²)/h² in units of the radius at the start of that half
+    let noise = 2.0 * OSCILLATOR.sigma * ((1.0 + H * H) / H).sqrt()
+        / ln_radius(from).exp()
+        / (to.t - from.t);
+    Check::near(
+        "forward Euler–Maruyama: growth rate of the energy, second half",
+        rate,
+        expected,
+        5.0 * noise + 1e-12,
+        "ln(1 + h²)/h; 5 standard deviations of the noise added since, and rounding",
+    )
+}
+
+/// The time average of the backward method's energy over the second half.
+fn settled(
+    options: &Options,
+    linear: (Matrix<2>, [f64; 2]),
+    run: &Run,
+) -> Result<Check, StepError> {
+    let a = linear.0;
+    let scheme = oscillator::moments(linear);
+    let half = run.states.len() / 2;
+    let count = (run.states.len() - half) as f64;
+    let mut average = 0.0;
+    for z in &run.states[half..] {
+        average += energy(z)? / count;
+    }
+    let mut expected = 0.0;
+    let mut last = sve_examples::gaussian::Gaussian::certain(START);
+    for (k, law) in scheme
+        .distributions(START)
+        .take(run.states.len())
+        .enumerate()
+    {
+        if k >= half {
+            expected += law.quadratic(&ENERGY).0 / count;
+        }
+        last = law;
+    }
+    // cov(H_k, H_{k+l}) = ½ tr(C Cᵀ), C = A^l Σ, for a stationary Gaussian
+    let mut c = last.covariance;
+    let mut variance = 0.0;
+    for lag in 0..run.states.len() - half {
+        let covariance = 0.5 * c.iter().flatten().map(|x| x * x).sum::<f64>();
+        variance += covariance * if lag == 0 { 1.0 } else { 2.0 } / count;
+        c = product(&a, &c);
+    }
+    let independent = last.quadratic(&ENERGY).1 / variance;
+    Ok(Check::near(
+        "backward Euler–Maruyama: mean energy, second half",
+        average,
+        expected,
+        standard_errors(independent) * variance.sqrt(),
+        format!("moment recursion (it tends to 5); worth {independent:.0} independent values, false alarm 1e-4"),
+    )
+    .only_if(options.horizon >= 200.0, "not settled before t = 100"))
+}
+
+/// How far a symplectic run is from the exact solution on the same path.
+fn near_exact(entry: &Entry, joint: &Scheme<4>, run: &Run, solution: &Run) -> [Check; 2] {
+    let start = [START[0], START[1], START[0], START[1]];
+    let steps = run.states.len() - 1;
+    let (ours, exact) = (run.states[steps], solution.states[steps]);
+    let error = [ours.q[0] - exact.q[0], ours.p[0] - exact.p[0]];
+    // the iterator has no end
+    let law = joint
+        .distributions(start)
+        .nth(steps)
+        .map(|law| oscillator::difference(&law));
+    let surprise = law.as_ref().map_or(f64::NAN, |law| law.surprise(error));
+    let rms = law.map_or(f64::NAN, |law| {
+        law.quadratic(&[[1.0, 0.0], [0.0, 1.0]]).0.sqrt()
+    });
+    [
+        Check::near(
+            format!(
+                "{}: error at the horizon, squared, in units of its covariance",
+                entry.name
+            ),
+            surprise,
+            2.0,
+            SURPRISE - 2.0,
+            "χ² with 2 degrees of freedom, exact covariance by recursion; false alarm 1e-4",
+        ),
+        Check::reported(
+            format!(
+                "{}: distance from the exact solution at the horizon",
+                entry.name
+            ),
+            error[0].hypot(error[1]),
+            format!("root mean square over all paths, by recursion: {rms:.4}"),
+        ),
+    ]
+}
+
+/// Whether the exact solution has the law that it must have.
+fn law(scheme: &Scheme<2>, solution: &Run) -> Check {
+    let steps = solution.states.len() - 1;
+    let z = solution.states[steps];
+    let surprise = scheme
+        .distributions(START)
+        .nth(steps)
+        .map(|law| law.surprise([z.q[0], z.p[0]]));
+    Check::near(
+        "exact solution at the horizon, squared, in units of its covariance",
+        surprise.unwrap_or(f64::NAN),
+        2.0,
+        SURPRISE - 2.0,
+        "χ² with 2 degrees of freedom; false alarm 1e-4",
+    )
+}
+
+fn energy_at_end(name: &str, run: &Run) -> Result<Check, StepError> {
+    let (t, energy) = match run.states.last() {
+        Some(z) => (z.t, energy(z)?),
+        None => (f64::NAN, f64::NAN),
+    };
+    Ok(Check::reported(
+        format!("{name}: energy at t = {t:.0}"),
+        energy,
+        "this path",
+    ))
+}
+
+fn draw(
+    options: &Options,
+    entries: &[Entry],
+    runs: &[Run],
+    solution: &Run,
+    picture: &Picture,
+) -> Result<Figure, StepError> {
+    let phase = |title: &str, states: &[State<1>], color| {
+        let axis = |name| Axis::new(name, -picture.size..picture.size);
+        let orbit = states.iter().map(|z| (z.q[0], z.p[0])).collect();
+        Panel::new(title, axis("q"), axis("p"))
+            .equal()
+            .with(Layer::new(title, orbit, Pen::line(color, 0.5)))
+    };
+    let title = |index: usize, what: &str| {
+        let name = entries[index].name;
+        let (first, rest) = name.split_at(1);
+        format!("{}{rest}{what}", first.to_uppercase())
+    };
+    let color = |index: usize| entries[index].pen.color;
+    let of =
+        |index: usize, what: &str| phase(&title(index, what), &runs[index].states, color(index));
+    let mut forward = phase(
+        &title(FORWARD, ""),
+        runs[FORWARD].inside(picture.size),
+        color(FORWARD),
+    );
+    if let Some(t) = picture.left {
+        let text = format!("leaves the picture at t = {t:.1}");
+        forward = forward.note(
+            (-0.95 * picture.size, -0.93 * picture.size),
+            text,
+            palette::BLACK,
+        );
+    }
+    Ok(Figure {
+        name: "figure2",
+        width: 1110,
+        rows: vec![
+            Row {
+                height: 370,
+                panels: vec![
+                    forward,
+                    of(BACKWARD, ""),
+                    energies(options, entries, runs, solution, picture)?,
+                ],
+            },
+            Row {
+                height: 370,
+                panels: vec![
+                    of(ENDPOINT, " (symplectic)"),
+                    of(INITIAL_POINT, " (symplectic)"),
+                    phase(
+                        "Exact solution, same path",
+                        &solution.states,
+                        palette::BLACK,
+                    ),
+                ],
+            },
+        ],
+    })
+}
+
+fn energies(
+    options: &Options,
+    entries: &[Entry],
+    runs: &[Run],
+    solution: &Run,
+    picture: &Picture,
+) -> Result<Panel, StepError> {
+    let curve = |run: &Run, every: usize| -> Result<Vec<(f64, f64)>, StepError> {
+        run.states
+            .iter()
+            .step_by(every)
+            .map(|z| Ok((z.t, energy(z)?)))
+            .collect()
+    };
+    let every = options.steps().div_ceil(1000).max(1);
+    let mut panel = Panel::new(
+        "Energy against time",
+        Axis::new("time t", 0.0..options.horizon),
+        Axis::new("energy H", 0.0..picture.energy),
+    )
+    .legend(Corner::TopRight);
+    panel.x.labels = 5;
+    let mean = vec![(0.0, 0.5), (options.horizon, 0.5 + 0.5 * options.horizon)];
+    panel = panel
+        .with(Layer::new(
+            "mean H₀ + σ²t/2",
+            mean,
+            Pen::dashed(palette::GREY, 1.4, (5.0, 3.0)),
+        ))
+        .with(Layer::new(
+            "exact, this path",
+            curve(solution, every)?,
+            Pen::line(palette::BLACK, 2.2),
+        ));
+    for index in [FORWARD, BACKWARD, INITIAL_POINT, ENDPOINT] {
+        // forward Euler–Maruyama crosses the picture within a few points
+        let points = curve(&runs[index], if index == FORWARD { 1 } else { every })?;
+        panel = panel.with(Layer::new(entries[index].name, points, entries[index].pen));
+    }
+    Ok(panel)
+}

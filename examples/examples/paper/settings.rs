@@ -1,0 +1,57 @@
+//! The options of a run, checked.
+
+use std::path::PathBuf;
+
+use clap::Parser;
+
+/// The horizon of the paper's figures.
+pub(crate) const PAPER_HORIZON: f64 = 2000.0;
+/// The step size of the paper's figures.
+pub(crate) const H: f64 = 0.1;
+
+/// Draws figures 1 to 4 of "Stochastic Variational Integrators" from integrators derived at compile time, and compares
+/// every number that they must show with what is expected. Ends with status 1 where a number is off.
+#[derive(Clone, Debug, Parser)]
+#[command(name = "paper")]
+pub(crate) struct Options {
+    /// Seed of the Wiener paths
+    #[arg(long, default_value_t = 42)]
+    pub(crate) seed: u64,
+    /// Paths in figure 3
+    #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) paths: u32,
+    /// Time at which the runs end; the step size is 0.1
+    #[arg(long, default_value_t = PAPER_HORIZON, value_parser = horizon)]
+    pub(crate) horizon: f64,
+    /// Folder for figures, data and page
+    #[arg(long, default_value = "target/paper")]
+    pub(crate) out: PathBuf,
+}
+
+fn horizon(text: &str) -> Result<f64, String> {
+    let t: f64 = text.parse().map_err(|e| format!("{e}"))?;
+    // below, hardly a revolution is seen; above, a run takes more memory than a figure is worth
+    if (10.0..=1e5).contains(&t) {
+        Ok(t)
+    } else {
+        Err("the horizon has to be between 10 and 100000".to_owned())
+    }
+}
+
+/// The number of the step that ends at a time, which is not negative.
+#[allow(clippy::cast_sign_loss)]
+pub(crate) fn step_of(t: f64) -> usize {
+    (t / H).round() as usize
+}
+
+impl Options {
+    /// Steps to the horizon.
+    pub(crate) fn steps(&self) -> usize {
+        step_of(self.horizon)
+    }
+
+    /// Whether numbers stated for the paper's horizon can be compared.
+    pub(crate) fn paper_horizon(&self) -> bool {
+        self.horizon == PAPER_HORIZON
+    }
+}

@@ -1,0 +1,224 @@
+//! Axes: the map from coordinates to device units, round numbers to label, and their drawing.
+//!
+//! Done here so that an axis without a finite range is an error: plotters' search for round numbers would not end.
+
+use std::error::Error;
+use std::ops::Range;
+
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use crate::draw::{Area, font, px, stroke};
+use crate::figure::{Axis, Panel};
+use crate::palette;
+
+/// Room around the axes, in CSS pixels.
+const LEFT: f64 = 62.0;
+const BOTTOM: f64 = 44.0;
+const TOP: f64 = 30.0;
+const RIGHT: f64 = 16.0;
+/// Sizes of text and length of a tick, in CSS pixels.
+pub(crate) const LABEL: f64 = 11.0;
+const NAME: f64 = 12.0;
+const TITLE: f64 = 13.0;
+const TICK: f64 = 4.0;
+
+/// Where coordinates are on a panel's area.
+pub(crate) struct Frame {
+    /// Range of the horizontal axis.
+    pub(crate) x: Range<f64>,
+    /// Range of the vertical axis.
+    pub(crate) y: Range<f64>,
+    /// Corners in device units: left, top, right, bottom.
+    pub(crate) edges: [i32; 4],
+}
+
+impl Frame {
+    /// The frame of a panel on an area of the given size in device units.
+    pub(crate) fn new(panel: &Panel, (width, height): (u32, u32)) -> Result<Self, Box<dyn Error>> {
+        let edges = [
+            px(LEFT),
+            px(TOP),
+            i32::try_from(width)? - px(RIGHT),
+            i32::try_from(height)? - px(BOTTOM),
+        ];
+        let (x, y) = (panel.x.range.clone(), panel.y.range.clone());
+        if [&x, &y]
+            .iter()
+            .any(|range| !(length(range) > 0.0 && length(range).is_finite()))
+        {
+            return Err(format!(
+                "the axes {x:?} and {y:?} of “{}” need finite lengths",
+                panel.title
+            )
+            .into());
+        }
+        let mut frame = Self { x, y, edges };
+        let (width, height) = frame.size();
+        if width <= 0.0 || height <= 0.0 {
+            return Err("a panel is too small for its labels".into());
+        }
+        if panel.equal {
+            let unit = (length(&frame.x) / width).max(length(&frame.y) / height);
+            frame.x = widened(&frame.x, unit * width);
+            frame.y = widened(&frame.y, unit * height);
+        }
+        Ok(frame)
+    }
+
+    fn size(&self) -> (f64, f64) {
+        let [left, top, right, bottom] = self.edges;
+        (f64::from(right - left), f64::from(bottom - top))
+    }
+
+    /// Device units of a point inside the frame.
+    pub(crate) fn device(&self, &(x, y): &(f64, f64)) -> (i32, i32) {
+        let (width, height) = self.size();
+        let [left, _, _, bottom] = self.edges;
+        (
+            left + ((x - self.x.start) / length(&self.x) * width).round() as i32,
+            bottom - ((y - self.y.start) / length(&self.y) * height).round() as i32,
+        )
+    }
+
+    /// Draws title, axes, ticks and labels.
+    pub(crate) fn draw<DB>(&self, area: &Area<DB>, panel: &Panel) -> Result<(), Box<dyn Error>>
+    where
+        DB: DrawingBackend,
+        DB::ErrorType: 'static,
+    {
+        let [left, top, right, bottom] = self.edges;
+        let line = stroke(palette::BLACK, 1.0);
+        let text = |size: f64, h: HPos, v: VPos| font(size, palette::BLACK).pos(Pos::new(h, v));
+        let title = text(TITLE, HPos::Left, VPos::Center);
+        area.draw(&Text::new(panel.title.clone(), (left, top / 2), title))?;
+        area.draw(&PathElement::new(
+            vec![(left, top), (left, bottom), (right, bottom)],
+            line,
+        ))?;
+        for x in round_numbers(&self.x, panel.x.labels) {
+            let (u, _) = self.device(&(x, self.y.start));
+            let style = text(LABEL, HPos::Center, VPos::Top);
+            area.draw(&PathElement::new(
+                vec![(u, bottom), (u, bottom + px(TICK))],
+                line,
+            ))?;
+            area.draw(&Text::new(
+                label(&panel.x, x),
+                (u, bottom + px(TICK + 4.0)),
+                style,
+            ))?;
+        }
+        for y in round_numbers(&self.y, panel.y.labels) {
+            let (_, v) = self.device(&(self.x.start, y));
+            let style = text(LABEL, HPos::Right, VPos::Center);
+            area.draw(&PathElement::new(
+                vec![(left - px(TICK), v), (left, v)],
+                line,
+            ))?;
+            area.draw(&Text::new(
+                label(&panel.y, y),
+                (left - px(TICK + 3.0), v),
+                style,
+            ))?;
+        }
+        let name = text(NAME, HPos::Center, VPos::Center);
+        let under = (i32::midpoint(left, right), bottom + px(BOTTOM - 11.0));
+        area.draw(&Text::new(panel.x.name.clone(), under, name.clone()))?;
+        let beside = (px(13.0), i32::midpoint(top, bottom));
+        let turned = name.transform(FontTransform::Rotate270);
+        area.draw(&Text::new(panel.y.name.clone(), beside, turned))?;
+        Ok(())
+    }
+}
+
+fn length(range: &Range<f64>) -> f64 {
+    range.end - range.start
+}
+
+fn widened(range: &Range<f64>, to: f64) -> Range<f64> {
+    let middle = f64::midpoint(range.start, range.end);
+    middle - to / 2.0..middle + to / 2.0
+}
+
+/// Multiples of 1, 2 or 5 times a power of ten in the range, about `count` of them.
+fn round_numbers(range: &Range<f64>, count: usize) -> Vec<f64> {
+    let rough = length(range) / count.max(1) as f64;
+    let power = 10_f64.powf(rough.log10().floor());
+    let factor = [1.0, 2.0, 5.0, 10.0]
+        .into_iter()
+        .find(|f| f * power >= 0.8 * rough);
+    let step = factor.unwrap_or(10.0) * power;
+    // a label may stand on the very end of the axis, up to rounding
+    let first = (range.start / step - 1e-9).ceil();
+    (0..=4 * count)
+        .map(|k| (first + k as f64) * step)
+        .take_while(|x| *x <= range.end + 1e-9 * step)
+        .collect()
+}
+
+/// A label: the number in full, or a power of ten.
+fn label(axis: &Axis, value: f64) -> String {
+    if axis.powers {
+        return format!("10{}", superscript(value.round() as i64));
+    }
+    let text = format!("{value:.4}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" {
+        "0".to_owned()
+    } else {
+        text.replace('-', "−")
+    }
+}
+
+fn superscript(exponent: i64) -> String {
+    let raised = |c: char| match c {
+        '-' => '⁻',
+        '1' => '¹',
+        '2' => '²',
+        '3' => '³',
+        digit => digit
+            .to_digit(10)
+            .and_then(|d| char::from_u32(0x2070 + d))
+            .unwrap_or(digit),
+    };
+    exponent.to_string().chars().map(raised).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_stand_at_round_numbers() {
+        assert_eq!(
+            round_numbers(&(0.0..2000.0), 6),
+            [0.0, 500.0, 1000.0, 1500.0, 2000.0]
+        );
+        assert_eq!(
+            round_numbers(&(-1.5..1.5), 6),
+            [-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5]
+        );
+        assert_eq!(
+            round_numbers(&(-13.2..332.7), 6),
+            [0.0, 50.0, 100.0, 150.0, 200.0, 250.0, 300.0]
+        );
+    }
+
+    #[test]
+    fn axes_need_a_length() {
+        for end in [0.0, f64::NAN, f64::INFINITY] {
+            let panel = Panel::new("", Axis::new("", 0.0..end), Axis::new("", 0.0..1.0));
+            assert!(Frame::new(&panel, (2000, 2000)).is_err());
+        }
+    }
+
+    #[test]
+    fn labels_are_short() {
+        let axis = Axis::new("", 0.0..1.0);
+        assert_eq!(label(&axis, -0.5), "−0.5");
+        assert_eq!(label(&axis, -1e-12), "0");
+        assert_eq!(label(&axis, 2000.0), "2000");
+        assert_eq!(label(&Axis::powers("", 0.0..1.0), -10.0), "10⁻¹⁰");
+    }
+}

@@ -1,0 +1,211 @@
+//! Measured numbers beside expected ones.
+//!
+//! A check has an expected value, a tolerance and the reason of the tolerance. One that does not apply to the options
+//! of a run says why, and never fails.
+
+use std::fmt::Write as _;
+
+/// One measured number.
+#[derive(Clone, Debug)]
+pub struct Check {
+    /// What was measured.
+    pub what: String,
+    /// What came out.
+    pub measured: f64,
+    /// What it is compared with.
+    pub verdict: Verdict,
+}
+
+/// What a measured number is compared with, and whether it agrees.
+#[derive(Clone, Debug)]
+pub enum Verdict {
+    /// Within `tolerance` of `expected` or not.
+    Compared {
+        /// The expected value.
+        expected: f64,
+        /// Largest difference allowed.
+        tolerance: f64,
+        /// Why that value and that tolerance.
+        reason: String,
+    },
+    /// Reported only, or not applicable with these options: the text says which.
+    Reported(String),
+}
+
+impl Check {
+    /// `measured` has to be within `tolerance` of `expected`.
+    pub fn near(
+        what: impl Into<String>,
+        measured: f64,
+        expected: f64,
+        tolerance: f64,
+        reason: impl Into<String>,
+    ) -> Self {
+        Self {
+            what: what.into(),
+            measured,
+            verdict: Verdict::Compared {
+                expected,
+                tolerance,
+                reason: reason.into(),
+            },
+        }
+    }
+
+    /// A number that is reported and not compared.
+    pub fn reported(what: impl Into<String>, measured: f64, why: impl Into<String>) -> Self {
+        Self {
+            what: what.into(),
+            measured,
+            verdict: Verdict::Reported(why.into()),
+        }
+    }
+
+    /// Keeps the comparison where `applies`; reports the number with the given reason elsewhere.
+    #[must_use]
+    pub fn only_if(mut self, applies: bool, otherwise: &str) -> Self {
+        if !applies {
+            self.verdict = Verdict::Reported(format!("not applicable: {otherwise}"));
+        }
+        self
+    }
+
+    /// Whether it was compared and does not agree. A number that is not finite agrees with nothing.
+    pub fn failed(&self) -> bool {
+        match self.verdict {
+            Verdict::Compared {
+                expected,
+                tolerance,
+                ..
+            } => {
+                let difference = (self.measured - expected).abs();
+                difference.is_nan() || difference > tolerance
+            }
+            Verdict::Reported(_) => false,
+        }
+    }
+
+    /// The cells of its row: what, measured, expected, allowed, verdict, reason.
+    pub fn cells(&self) -> [String; 6] {
+        let what = self.what.clone();
+        match &self.verdict {
+            Verdict::Compared {
+                expected,
+                tolerance,
+                reason,
+            } => [
+                what,
+                number(self.measured),
+                number(*expected),
+                format!("± {}", short(*tolerance)),
+                if self.failed() { "OFF" } else { "ok" }.to_owned(),
+                reason.clone(),
+            ],
+            Verdict::Reported(why) => {
+                let measured = if self.measured.is_finite() {
+                    number(self.measured)
+                } else {
+                    "—".to_owned()
+                };
+                [
+                    what,
+                    measured,
+                    String::new(),
+                    String::new(),
+                    "—".to_owned(),
+                    why.clone(),
+                ]
+            }
+        }
+    }
+}
+
+/// Names of the columns of [`Check::cells`].
+pub const COLUMNS: [&str; 6] = [
+    "quantity", "measured", "expected", "allowed", "verdict", "reason",
+];
+
+/// A number as a table shows it, with six significant digits.
+pub fn number(x: f64) -> String {
+    digits(x, 6)
+}
+
+fn short(x: f64) -> String {
+    digits(x, 2)
+}
+
+fn digits(x: f64, significant: usize) -> String {
+    if x == 0.0 || !x.is_finite() {
+        return x.to_string();
+    }
+    let exponent = x.abs().log10().floor() as i32;
+    if (-3..6).contains(&exponent) {
+        let decimals = usize::try_from(significant as i32 - 1 - exponent).unwrap_or(0);
+        let text = format!("{x:.decimals$}");
+        if text.contains('.') {
+            text.trim_end_matches('0').trim_end_matches('.').to_owned()
+        } else {
+            text
+        }
+    } else {
+        format!("{x:.*e}", significant - 1)
+    }
+}
+
+/// The table of one figure as text, without the reasons where numbers agree: lines have to fit a terminal.
+pub fn table(title: &str, checks: &[Check]) -> String {
+    let row = |check: &Check| {
+        let mut cells = check.cells();
+        if !check.failed() && matches!(check.verdict, Verdict::Compared { .. }) {
+            cells[5].clear();
+        }
+        cells
+    };
+    let rows: Vec<[String; 6]> = checks.iter().map(row).collect();
+    let width = |column: usize| {
+        let cells = rows.iter().map(|row| row[column].chars().count());
+        cells.max().unwrap_or(0).max(COLUMNS[column].len())
+    };
+    let widths: [usize; 5] = std::array::from_fn(width);
+    let mut text = format!("{title}\n");
+    let mut line = |cells: [&str; 6]| {
+        let [what, measured, expected, allowed, verdict, reason] = cells;
+        let [a, b, c, d, e] = widths;
+        // writing into a String cannot fail
+        let line = format!(
+            "  {what:a$}  {measured:>b$}  {expected:>c$}  {allowed:d$}  {verdict:e$}  {reason}"
+        );
+        let _ = writeln!(text, "{}", line.trim_end());
+    };
+    let [what, measured, expected, allowed, verdict, _] = COLUMNS;
+    line([what, measured, expected, allowed, verdict, ""]);
+    for row in &rows {
+        line(row.each_ref().map(String::as_str));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_a_number_agrees_with_nothing() {
+        assert!(Check::near("x", f64::NAN, 0.0, 1.0, "").failed());
+        assert!(Check::near("x", f64::INFINITY, 0.0, f64::MAX, "").failed());
+        assert!(!Check::near("x", 1.0, 0.5, 0.5, "").failed());
+        assert!(
+            !Check::near("x", 9.0, 0.0, 1.0, "")
+                .only_if(false, "short run")
+                .failed()
+        );
+    }
+
+    #[test]
+    fn numbers_have_their_digits() {
+        assert_eq!(number(1000.5), "1000.5");
+        assert_eq!(number(-5.294_962_7), "-5.29496");
+        assert_eq!(number(1.471_76e87), "1.47176e87");
+        assert_eq!(short(0.000_05), "5.0e-5");
+    }
+}

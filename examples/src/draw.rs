@@ -1,0 +1,249 @@
+//! Draws a figure on any backend of plotters.
+//!
+//! All lengths of [`figure`](crate::figure) are CSS pixels; [`px`] makes them device units.
+
+use std::error::Error;
+
+use plotters::coord::Shift;
+use plotters::element::DashedPathElement;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use crate::axes::{Frame, LABEL};
+use crate::clip;
+use crate::figure::{Corner, Figure, Layer, Panel, Pen, Shape, Symbols};
+use crate::palette;
+use crate::render::SCALE;
+
+type Outcome = Result<(), Box<dyn Error>>;
+/// An area of device units.
+pub(crate) type Area<DB> = DrawingArea<DB, Shift>;
+
+/// Dots of one layer in an SVG, where each takes sixty bytes.
+const DOTS: usize = 2_000;
+
+/// How many points are drawn.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Detail {
+    /// All of them.
+    Full,
+    /// What can be told apart at the size of the figure: vector files grow with each point.
+    Thinned,
+}
+
+/// Device units of a length in CSS pixels.
+pub(crate) fn px(length: f64) -> i32 {
+    (length * f64::from(SCALE)).round() as i32
+}
+
+/// A line of a width in CSS pixels.
+pub(crate) fn stroke(color: palette::Color, width: f64) -> ShapeStyle {
+    rgb(color).stroke_width(px(width).unsigned_abs().max(1))
+}
+
+fn rgb((r, g, b): palette::Color) -> RGBColor {
+    RGBColor(r, g, b)
+}
+
+/// Text of a size in CSS pixels; plotters measures a font by its line height, 1.24 times that.
+pub(crate) fn font(size: f64, color: palette::Color) -> TextStyle<'static> {
+    ("sans-serif", 1.24 * size * f64::from(SCALE))
+        .into_font()
+        .color(&rgb(color))
+}
+
+/// Draws the whole figure.
+pub(crate) fn figure<DB>(area: &Area<DB>, figure: &Figure, detail: Detail) -> Outcome
+where
+    DB: DrawingBackend,
+    DB::ErrorType: 'static,
+{
+    area.fill(&WHITE)?;
+    let mut rest = area.clone();
+    for row in &figure.rows {
+        let (this, below) = rest.split_vertically(px(f64::from(row.height)));
+        let areas = this.split_evenly((1, row.panels.len()));
+        for (area, panel) in areas.iter().zip(&row.panels) {
+            draw_panel(area, panel, detail)?;
+        }
+        rest = below;
+    }
+    Ok(())
+}
+
+fn draw_panel<DB>(area: &Area<DB>, panel: &Panel, detail: Detail) -> Outcome
+where
+    DB: DrawingBackend,
+    DB::ErrorType: 'static,
+{
+    let frame = Frame::new(panel, area.dim_in_pixel())?;
+    for layer in &panel.layers {
+        draw_layer(area, &frame, layer, detail)?;
+    }
+    for note in &panel.notes {
+        let style = font(LABEL, note.color).pos(Pos::new(HPos::Left, VPos::Center));
+        area.draw(&Text::new(note.text.clone(), frame.device(&note.at), style))?;
+    }
+    if let Some(corner) = panel.legend {
+        draw_legend(area, &frame, panel, corner)?;
+    }
+    frame.draw(area, panel)
+}
+
+fn draw_layer<DB>(area: &Area<DB>, frame: &Frame, layer: &Layer, detail: Detail) -> Outcome
+where
+    DB: DrawingBackend,
+    DB::ErrorType: 'static,
+{
+    let (x, y) = (&frame.x, &frame.y);
+    let device = |point: &(f64, f64)| frame.device(point);
+    if let Some(line) = layer.pen.line {
+        let style = stroke(layer.pen.color, line.width);
+        for part in clip::polyline(&layer.points, x, y) {
+            let mut path: Vec<_> = part.iter().map(device).collect();
+            if detail == Detail::Thinned {
+                path = clip::thin_line(&path, f64::from(SCALE) / 2.0);
+            }
+            draw_line(area, path, line.dash, style)?;
+        }
+    }
+    if let Some(symbols) = layer.pen.symbol {
+        let stride = symbols
+            .count
+            .map_or(1, |count| layer.points.len().div_ceil(count.max(1)).max(1));
+        let mut points: Vec<_> = layer
+            .points
+            .iter()
+            .skip(stride / 2)
+            .step_by(stride)
+            .filter(|(u, v)| x.contains(u) && y.contains(v))
+            .map(device)
+            .collect();
+        if detail == Detail::Thinned {
+            points = clip::thin_dots(&points, px(0.75), DOTS);
+        }
+        for point in points {
+            draw_symbol(area, point, &layer.pen, symbols)?;
+        }
+    }
+    Ok(())
+}
+
+fn draw_line<DB>(
+    canvas: &Area<DB>,
+    path: Vec<(i32, i32)>,
+    dash: Option<(f64, f64)>,
+    style: ShapeStyle,
+) -> Outcome
+where
+    DB: DrawingBackend,
+    DB::ErrorType: 'static,
+{
+    match dash {
+        None => canvas.draw(&PathElement::new(path, style))?,
+        Some((dash, gap)) => {
+            canvas.draw(&DashedPathElement::new(path, px(dash), px(gap), style))?;
+        }
+    }
+    Ok(())
+}
+
+fn draw_symbol<DB>(canvas: &Area<DB>, (x, y): (i32, i32), pen: &Pen, symbols: Symbols) -> Outcome
+where
+    DB: DrawingBackend,
+    DB::ErrorType: 'static,
+{
+    let r = px(symbols.radius).max(1);
+    let style = stroke(pen.color, 1.3);
+    match symbols.shape {
+        Shape::Disc => canvas.draw(&plotters::element::Circle::new(
+            (x, y),
+            r,
+            rgb(pen.color).filled(),
+        ))?,
+        Shape::Circle => {
+            let corner = |k: i32| {
+                let (sin, cos) = (f64::from(k) * std::f64::consts::PI / 12.0).sin_cos();
+                (
+                    x + (f64::from(r) * cos).round() as i32,
+                    y + (f64::from(r) * sin).round() as i32,
+                )
+            };
+            canvas.draw(&PathElement::new(
+                (0..=24).map(corner).collect::<Vec<_>>(),
+                style,
+            ))?;
+        }
+        Shape::Square => {
+            let square = vec![
+                (x - r, y - r),
+                (x + r, y - r),
+                (x + r, y + r),
+                (x - r, y + r),
+                (x - r, y - r),
+            ];
+            canvas.draw(&PathElement::new(square, style))?;
+        }
+        Shape::Triangle => {
+            let triangle = vec![(x, y - r), (x + r, y + r), (x - r, y + r), (x, y - r)];
+            canvas.draw(&PathElement::new(triangle, style))?;
+        }
+        Shape::Cross => {
+            canvas.draw(&PathElement::new(
+                vec![(x - r, y - r), (x + r, y + r)],
+                style,
+            ))?;
+            canvas.draw(&PathElement::new(
+                vec![(x - r, y + r), (x + r, y - r)],
+                style,
+            ))?;
+        }
+    }
+    Ok(())
+}
+
+fn draw_legend<DB>(canvas: &Area<DB>, frame: &Frame, panel: &Panel, corner: Corner) -> Outcome
+where
+    DB: DrawingBackend,
+    DB::ErrorType: 'static,
+{
+    let (line, sample, gap) = (16.0, 30.0, 6.0);
+    let listed: Vec<&Layer> = panel.layers.iter().filter(|layer| layer.listed).collect();
+    let text = font(LABEL, palette::BLACK).pos(Pos::new(HPos::Left, VPos::Center));
+    let mut widest = 0;
+    for layer in &listed {
+        widest = widest.max(canvas.estimate_text_size(&layer.label, &text)?.0);
+    }
+    // fonts of a browser may be wider than the embedded one: a tenth more
+    let box_width = px(sample + 3.0 * gap) + (1.1 * f64::from(widest)) as i32;
+    let box_height = px(line * listed.len() as f64 + gap);
+    let [west, north, east, south] = frame.edges;
+    let left = match corner {
+        Corner::TopLeft | Corner::BottomLeft => west + px(8.0),
+        Corner::TopRight | Corner::BottomRight => east - box_width - px(4.0),
+    };
+    let top = match corner {
+        Corner::TopLeft | Corner::TopRight => north + px(4.0),
+        Corner::BottomLeft | Corner::BottomRight => south - box_height - px(4.0),
+    };
+    let corners = [(left, top), (left + box_width, top + box_height)];
+    canvas.draw(&Rectangle::new(corners, WHITE.filled()))?;
+    for (k, layer) in listed.into_iter().enumerate() {
+        let y = top + px(gap / 2.0 + line * (k as f64 + 0.5));
+        let (from, to) = (left + px(gap), left + px(gap + sample));
+        if let Some(stroke_of) = layer.pen.line {
+            let style = stroke(layer.pen.color, stroke_of.width.max(1.2));
+            draw_line(canvas, vec![(from, y), (to, y)], stroke_of.dash, style)?;
+        }
+        if let Some(mut symbols) = layer.pen.symbol {
+            symbols.radius = symbols.radius.max(1.5);
+            draw_symbol(canvas, (i32::midpoint(from, to), y), &layer.pen, symbols)?;
+        }
+        canvas.draw(&Text::new(
+            layer.label.clone(),
+            (to + px(gap), y),
+            text.clone(),
+        ))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,309 @@
+//! Figures as data: rows of panels, panels of layers.
+//!
+//! Invariant: none on the points. What is not finite or lies outside a panel's axes is not drawn.
+
+use std::fmt::Write as _;
+use std::ops::Range;
+
+use crate::palette::Color;
+
+/// A figure: rows of panels under each other.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    /// File name without extension.
+    pub name: &'static str,
+    /// Width in CSS pixels.
+    pub width: u32,
+    /// Rows, from the top.
+    pub rows: Vec<Row>,
+}
+
+/// Panels beside each other, of equal width.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// Height in CSS pixels.
+    pub height: u32,
+    /// Panels, from the left.
+    pub panels: Vec<Panel>,
+}
+
+/// One pair of axes and what is drawn on them.
+#[derive(Clone, Debug)]
+pub struct Panel {
+    /// Title above the axes.
+    pub title: String,
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// Widen one of the axes so that both have the same scale.
+    pub equal: bool,
+    /// What is drawn, the first at the bottom.
+    pub layers: Vec<Layer>,
+    /// Where the legend stands, if there is one.
+    pub legend: Option<Corner>,
+    /// Texts at points of the axes.
+    pub notes: Vec<Note>,
+}
+
+/// An axis.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    /// Quantity and unit.
+    pub name: String,
+    /// What it spans; of the exponents where `powers` is set.
+    pub range: Range<f64>,
+    /// The coordinate is a decimal exponent, and is labelled 10ˣ.
+    pub powers: bool,
+    /// Roughly how many labels.
+    pub labels: usize,
+}
+
+/// A corner of a panel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Corner {
+    /// Top left.
+    TopLeft,
+    /// Top right.
+    TopRight,
+    /// Bottom left.
+    BottomLeft,
+    /// Bottom right.
+    BottomRight,
+}
+
+/// A text at a point of the axes.
+#[derive(Clone, Debug)]
+pub struct Note {
+    /// Where its left end stands.
+    pub at: (f64, f64),
+    /// The text.
+    pub text: String,
+    /// Its colour.
+    pub color: Color,
+}
+
+/// Points and how they are drawn.
+#[derive(Clone, Debug)]
+pub struct Layer {
+    /// Name in the legend and in the data file.
+    pub label: String,
+    /// The points, in order.
+    pub points: Vec<(f64, f64)>,
+    /// How they are drawn.
+    pub pen: Pen,
+    /// Whether the legend lists it.
+    pub listed: bool,
+}
+
+/// How points are drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Pen {
+    /// Colour of line and symbols.
+    pub color: Color,
+    /// Line through the points.
+    pub line: Option<Stroke>,
+    /// Symbols on the points.
+    pub symbol: Option<Symbols>,
+}
+
+/// A line.
+#[derive(Clone, Copy, Debug)]
+pub struct Stroke {
+    /// Width in CSS pixels.
+    pub width: f64,
+    /// Lengths of dash and gap in CSS pixels.
+    pub dash: Option<(f64, f64)>,
+}
+
+/// Symbols on points.
+#[derive(Clone, Copy, Debug)]
+pub struct Symbols {
+    /// Their shape.
+    pub shape: Shape,
+    /// Half their width in CSS pixels.
+    pub radius: f64,
+    /// How many, evenly over the points; `None`: one a point.
+    pub count: Option<usize>,
+}
+
+/// Shape of a symbol.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// A filled disc.
+    Disc,
+    /// An open square.
+    Square,
+    /// An open triangle.
+    Triangle,
+    /// A diagonal cross.
+    Cross,
+    /// An open circle.
+    Circle,
+}
+
+impl Axis {
+    /// A linear axis.
+    pub fn new(name: impl Into<String>, range: Range<f64>) -> Self {
+        Self {
+            name: name.into(),
+            range,
+            powers: false,
+            labels: 6,
+        }
+    }
+
+    /// An axis of decimal exponents.
+    pub fn powers(name: impl Into<String>, exponents: Range<f64>) -> Self {
+        Self {
+            powers: true,
+            ..Self::new(name, exponents)
+        }
+    }
+}
+
+impl Panel {
+    /// An empty panel.
+    pub fn new(title: impl Into<String>, x: Axis, y: Axis) -> Self {
+        Self {
+            title: title.into(),
+            x,
+            y,
+            equal: false,
+            layers: Vec::new(),
+            legend: None,
+            notes: Vec::new(),
+        }
+    }
+
+    /// With the same scale on both axes.
+    #[must_use]
+    pub fn equal(mut self) -> Self {
+        self.equal = true;
+        self
+    }
+
+    /// With a legend.
+    #[must_use]
+    pub fn legend(mut self, corner: Corner) -> Self {
+        self.legend = Some(corner);
+        self
+    }
+
+    /// With one more layer on top.
+    #[must_use]
+    pub fn with(mut self, layer: Layer) -> Self {
+        self.layers.push(layer);
+        self
+    }
+
+    /// With a text.
+    #[must_use]
+    pub fn note(mut self, at: (f64, f64), text: impl Into<String>, color: Color) -> Self {
+        self.notes.push(Note {
+            at,
+            text: text.into(),
+            color,
+        });
+        self
+    }
+}
+
+impl Layer {
+    /// A layer that the legend lists.
+    pub fn new(label: impl Into<String>, points: Vec<(f64, f64)>, pen: Pen) -> Self {
+        Self {
+            label: label.into(),
+            points,
+            pen,
+            listed: true,
+        }
+    }
+
+    /// Not in the legend.
+    #[must_use]
+    pub fn unlisted(mut self) -> Self {
+        self.listed = false;
+        self
+    }
+}
+
+impl Pen {
+    /// A solid line.
+    pub fn line(color: Color, width: f64) -> Self {
+        Self {
+            color,
+            line: Some(Stroke { width, dash: None }),
+            symbol: None,
+        }
+    }
+
+    /// A dashed line.
+    pub fn dashed(color: Color, width: f64, dash: (f64, f64)) -> Self {
+        Self {
+            line: Some(Stroke {
+                width,
+                dash: Some(dash),
+            }),
+            ..Self::line(color, width)
+        }
+    }
+
+    /// A dot on each point.
+    pub fn dots(color: Color, radius: f64) -> Self {
+        Self {
+            color,
+            line: None,
+            symbol: Some(Symbols {
+                shape: Shape::Disc,
+                radius,
+                count: None,
+            }),
+        }
+    }
+
+    /// With `count` symbols along the points.
+    #[must_use]
+    pub fn symbols(mut self, shape: Shape, count: usize) -> Self {
+        self.symbol = Some(Symbols {
+            shape,
+            radius: 3.5,
+            count: Some(count),
+        });
+        self
+    }
+}
+
+impl Figure {
+    /// Width and height in CSS pixels.
+    pub fn size(&self) -> (u32, u32) {
+        (self.width, self.rows.iter().map(|row| row.height).sum())
+    }
+
+    /// Every point of every layer, one a line.
+    pub fn csv(&self) -> String {
+        let mut text = String::from("panel,series,x,y\n");
+        for panel in self.rows.iter().flat_map(|row| &row.panels) {
+            for layer in &panel.layers {
+                let head = format!("{},{}", quoted(&panel.title), quoted(&layer.label));
+                for (x, y) in layer
+                    .points
+                    .iter()
+                    .filter(|(x, y)| x.is_finite() && y.is_finite())
+                {
+                    // writing into a String cannot fail
+                    let _ = writeln!(text, "{head},{x},{y}");
+                }
+            }
+        }
+        text
+    }
+}
+
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}

@@ -1,0 +1,195 @@
+//! A drawing backend of plotters on a buffer of pixels, and its PNG.
+//!
+//! plotters' own bitmap backend fills the outline of a whole thick polyline as one polygon, which is wrong for lines
+//! that cross themselves, as orbits do. Here each segment is a capsule (all pixels within half the width of it).
+//! Edges become smooth by drawing larger than needed and averaging.
+
+use std::convert::Infallible;
+
+use plotters_backend::text_anchor::{HPos, VPos};
+use plotters_backend::{
+    BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
+};
+
+type Drawn = Result<(), DrawingErrorKind<Infallible>>;
+
+/// Pixels, three bytes each, rows from the top.
+pub(crate) struct Raster<'a> {
+    pixels: &'a mut [u8],
+    width: u32,
+    height: u32,
+}
+
+impl<'a> Raster<'a> {
+    /// A raster on a buffer of `3 · width · height` bytes.
+    pub(crate) fn new(pixels: &'a mut [u8], (width, height): (u32, u32)) -> Self {
+        Self {
+            pixels,
+            width,
+            height,
+        }
+    }
+
+    fn blend(&mut self, (x, y): BackendCoord, color: BackendColor) {
+        let (Ok(x), Ok(y)) = (u32::try_from(x), u32::try_from(y)) else {
+            return;
+        };
+        if x >= self.width || y >= self.height {
+            return;
+        }
+        let at = 3 * (y as usize * self.width as usize + x as usize);
+        let (r, g, b) = color.rgb;
+        for (old, new) in self.pixels[at..at + 3].iter_mut().zip([r, g, b]) {
+            let mixed = f64::from(*old) * (1.0 - color.alpha) + f64::from(new) * color.alpha;
+            *old = to_byte(mixed);
+        }
+    }
+
+    /// Paints every pixel within `radius` of the segment.
+    fn capsule(&mut self, from: BackendCoord, to: BackendCoord, radius: f64, color: BackendColor) {
+        let reach = radius.ceil() as i32;
+        let (x0, y0) = (f64::from(from.0), f64::from(from.1));
+        let (dx, dy) = (f64::from(to.0) - x0, f64::from(to.1) - y0);
+        let length2 = dx * dx + dy * dy;
+        let columns = from.0.min(to.0) - reach..=from.0.max(to.0) + reach;
+        for x in columns {
+            // rows of the segment's part above this column, widened by the radius
+            let rows = if dx.abs() > 2.0 * radius {
+                let low = ((f64::from(x) - radius - x0) / dx).clamp(0.0, 1.0);
+                let high = ((f64::from(x) + radius - x0) / dx).clamp(0.0, 1.0);
+                let (a, b) = (y0 + low * dy, y0 + high * dy);
+                (a.min(b) as i32 - reach)..=(a.max(b) as i32 + reach + 1)
+            } else {
+                from.1.min(to.1) - reach..=from.1.max(to.1) + reach
+            };
+            for y in rows {
+                let (px, py) = (f64::from(x) - x0, f64::from(y) - y0);
+                let along = if length2 > 0.0 {
+                    ((px * dx + py * dy) / length2).clamp(0.0, 1.0)
+                } else {
+                    0.0
+                };
+                let (ex, ey) = (px - along * dx, py - along * dy);
+                if ex * ex + ey * ey <= radius * radius {
+                    self.blend((x, y), color);
+                }
+            }
+        }
+    }
+}
+
+impl DrawingBackend for Raster<'_> {
+    type ErrorType = Infallible;
+
+    fn get_size(&self) -> (u32, u32) {
+        (self.width, self.height)
+    }
+
+    fn ensure_prepared(&mut self) -> Drawn {
+        Ok(())
+    }
+
+    fn present(&mut self) -> Drawn {
+        Ok(())
+    }
+
+    fn draw_pixel(&mut self, point: BackendCoord, color: BackendColor) -> Drawn {
+        self.blend(point, color);
+        Ok(())
+    }
+
+    fn draw_line<S: BackendStyle>(
+        &mut self,
+        from: BackendCoord,
+        to: BackendCoord,
+        style: &S,
+    ) -> Drawn {
+        let radius = f64::from(style.stroke_width()) / 2.0;
+        self.capsule(from, to, radius, style.color());
+        Ok(())
+    }
+
+    fn draw_text<S: BackendTextStyle>(
+        &mut self,
+        text: &str,
+        style: &S,
+        (x0, y0): BackendCoord,
+    ) -> Drawn {
+        let failed = |e| DrawingErrorKind::FontError(Box::new(e));
+        let ((left, top), (right, bottom)) = style.layout_box(text).map_err(failed)?;
+        let (width, height) = (right - left, bottom - top);
+        let dx = match style.anchor().h_pos {
+            HPos::Left => 0,
+            HPos::Right => -width,
+            HPos::Center => -width / 2,
+        };
+        let dy = match style.anchor().v_pos {
+            VPos::Top => 0,
+            // the box has room for descenders, which most labels lack
+            VPos::Center => (SINK * style.size()).round() as i32 - height / 2,
+            VPos::Bottom => -height,
+        };
+        let transform = style.transform();
+        let drawn = style.draw(text, (0, 0), |x, y, color| {
+            let (x, y) = transform.transform(x + dx - left, y + dy - top);
+            self.draw_pixel((x0 + x, y0 + y), color)
+        });
+        drawn.map_err(failed)?
+    }
+
+    fn draw_path<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
+        &mut self,
+        path: I,
+        style: &S,
+    ) -> Drawn {
+        let mut points = path.into_iter();
+        let Some(mut from) = points.next() else {
+            return Ok(());
+        };
+        for to in points {
+            self.draw_line(from, to, style)?;
+            from = to;
+        }
+        Ok(())
+    }
+}
+
+/// How far down a line of text is moved, in units of its height, so that its capitals and digits are centred.
+const SINK: f64 = 0.1;
+
+/// The PNG of pixels averaged over squares of `factor` × `factor`.
+pub(crate) fn png(
+    pixels: &[u8],
+    (width, height): (u32, u32),
+    factor: u32,
+) -> Result<Vec<u8>, png::EncodingError> {
+    let (columns, rows) = (width / factor, height / factor);
+    let mut smooth = Vec::with_capacity(3 * columns as usize * rows as usize);
+    for row in 0..rows {
+        for column in 0..columns {
+            let mut sum = [0_u32; 3];
+            for y in row * factor..(row + 1) * factor {
+                for x in column * factor..(column + 1) * factor {
+                    let at = 3 * (y as usize * width as usize + x as usize);
+                    for channel in 0..3 {
+                        sum[channel] += u32::from(pixels[at + channel]);
+                    }
+                }
+            }
+            smooth.extend(sum.map(|s| to_byte(f64::from(s) / f64::from(factor * factor))));
+        }
+    }
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, columns, rows);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&smooth)?;
+    writer.finish()?;
+    Ok(file)
+}
+
+#[allow(clippy::cast_sign_loss)] // clamped to the range of a byte
+fn to_byte(x: f64) -> u8 {
+    x.round().clamp(0.0, 255.0) as u8
+}

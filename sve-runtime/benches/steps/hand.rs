@@ -1,0 +1,113 @@
+//! The steps that a careful user would write by hand, and those that a hurried one would.
+
+/// Linear oscillator, endpoint rule: the three-line loop.
+#[inline]
+pub fn oscillator_endpoint(z: &mut [f64; 2], h: f64, sigma: f64, dw: f64) {
+    z[0] += h * z[1];
+    z[1] = z[1] - h * z[0] + sigma * dw;
+}
+
+/// Kubo oscillator, midpoint rule in its Cayley form: a rotation with `tan(θ/2) = x/2`.
+#[inline]
+pub fn kubo_cayley(z: &mut [f64; 2], h: f64, a: f64, sigma: f64, dw: f64) {
+    let half = 0.5 * (a * h + sigma * dw);
+    let scale = 1.0 / (1.0 + half * half);
+    let (c, s) = ((1.0 - half * half) * scale, 2.0 * half * scale);
+    *z = [c * z[0] + s * z[1], c * z[1] - s * z[0]];
+}
+
+/// Pendulum, midpoint rule: Newton's method on `(q₁, p₁)` from the old state, until the update is at rounding.
+#[inline]
+pub fn pendulum_naive(z: &mut [f64; 2], h: f64, g: f64) {
+    let [q0, p0] = *z;
+    let (mut q1, mut p1) = (q0, p0);
+    for _ in 0..50 {
+        let (qm, pm) = (0.5 * (q0 + q1), 0.5 * (p0 + p1));
+        let r = [q1 - q0 - h * pm, p1 - p0 + h * g * qm.sin()];
+        let (a, b, c, d) = (1.0, -0.5 * h, 0.5 * h * g * qm.cos(), 1.0);
+        let det = a * d - b * c;
+        let (dq, dp) = ((r[0] * d - r[1] * b) / det, (a * r[1] - c * r[0]) / det);
+        q1 -= dq;
+        p1 -= dp;
+        if dq.abs() <= 1e-14 * (1.0 + q1.abs()) && dp.abs() <= 1e-14 * (1.0 + p1.abs()) {
+            break;
+        }
+    }
+    *z = [q1, p1];
+}
+
+/// Pendulum, midpoint rule: one unknown, a guess extrapolated from the step before, no iteration to confirm.
+#[inline]
+pub fn pendulum_best(z: &mut [f64; 2], last: &mut f64, h: f64, g: f64) {
+    let [q0, p0] = *z;
+    let (half, kick) = (0.5 * h, 0.5 * h * g);
+    let mut v = p0 + *last;
+    for _ in 0..50 {
+        let (s, c) = (q0 + half * v).sin_cos();
+        let r = v - p0 + kick * s;
+        let dv = r / (1.0 + kick * half * c);
+        v -= dv;
+        if dv.abs() <= 1e-7 * (v.abs() + p0.abs()) {
+            break;
+        }
+    }
+    *last = v - p0;
+    *z = [q0 + h * v, 2.0 * v - p0];
+}
+
+/// Parameters of the double pendulum.
+pub struct Double {
+    pub m: [f64; 2],
+    pub l: [f64; 2],
+    pub g: f64,
+}
+
+/// Double pendulum, midpoint rule: Newton's method on the velocity at the midpoint with a hand-derived Jacobian, from
+/// the explicit velocity, until the update is at rounding.
+#[inline]
+pub fn double_naive(q: &mut [f64; 2], p: &mut [f64; 2], h: f64, s: &Double) {
+    let (m11, m22) = (
+        (s.m[0] + s.m[1]) * s.l[0] * s.l[0],
+        s.m[1] * s.l[1] * s.l[1],
+    );
+    let k = s.m[1] * s.l[0] * s.l[1];
+    let (g1, g2) = ((s.m[0] + s.m[1]) * s.g * s.l[0], s.m[1] * s.g * s.l[1]);
+    let solve = |a: f64, b: f64, c: f64, d: f64, r: [f64; 2]| {
+        let det = a * d - b * c;
+        [(r[0] * d - r[1] * b) / det, (a * r[1] - c * r[0]) / det]
+    };
+    let c0 = k * (q[0] - q[1]).cos();
+    let mut v = solve(m11, c0, c0, m22, *p);
+    for _ in 0..50 {
+        let x = [q[0] + 0.5 * h * v[0], q[1] + 0.5 * h * v[1]];
+        let (sin, cos) = ((x[0] - x[1]).sin(), (x[0] - x[1]).cos());
+        let f = [
+            -k * v[0] * v[1] * sin - g1 * x[0].sin(),
+            k * v[0] * v[1] * sin - g2 * x[1].sin(),
+        ];
+        let r = [
+            m11 * v[0] + k * cos * v[1] - 0.5 * h * f[0] - p[0],
+            m22 * v[1] + k * cos * v[0] - 0.5 * h * f[1] - p[1],
+        ];
+        // ∂f/∂v and ∂f/∂x, with ∂x/∂v = h/2
+        let (fv0, fv1) = (-k * v[1] * sin, -k * v[0] * sin);
+        let w = k * v[0] * v[1] * cos;
+        let (f00, f01) = (-w - g1 * x[0].cos(), w);
+        let (f10, f11) = (w, -w - g2 * x[1].cos());
+        let hh = 0.25 * h * h;
+        let a = m11 - 0.5 * h * k * sin * v[1] - 0.5 * h * fv0 - hh * f00;
+        let b = k * cos + 0.5 * h * k * sin * v[1] - 0.5 * h * fv1 - hh * f01;
+        let c = k * cos - 0.5 * h * k * sin * v[0] + 0.5 * h * fv0 - hh * f10;
+        let d = m22 + 0.5 * h * k * sin * v[0] + 0.5 * h * fv1 - hh * f11;
+        let dv = solve(a, b, c, d, r);
+        v = [v[0] - dv[0], v[1] - dv[1]];
+        if dv[0].abs() <= 1e-14 * (1.0 + v[0].abs()) && dv[1].abs() <= 1e-14 * (1.0 + v[1].abs()) {
+            break;
+        }
+    }
+    let x = [q[0] + 0.5 * h * v[0], q[1] + 0.5 * h * v[1]];
+    let cos = (x[0] - x[1]).cos();
+    let pm = [m11 * v[0] + k * cos * v[1], m22 * v[1] + k * cos * v[0]];
+    *q = [q[0] + h * v[0], q[1] + h * v[1]];
+    *p = [2.0 * pm[0] - p[0], 2.0 * pm[1] - p[1]];
+}

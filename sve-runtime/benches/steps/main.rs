@@ -1,0 +1,278 @@
+//! Derived steps against hand-written ones: `cargo bench -p sve-runtime`.
+//!
+//! Each benchmark makes [`STEPS`] steps of one trajectory with given Wiener increments. After criterion's report a table of
+//! ratios is printed, medians of runs that alternate between the two sides, so that a noisy machine hits both alike.
+
+mod hand;
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use criterion::Criterion;
+use sve_runtime::noise::Wiener;
+use sve_runtime::prelude::*;
+
+const STEPS: usize = 2000;
+
+struct Oscillator {
+    sigma: f64,
+}
+
+#[variational(endpoint)]
+impl Oscillator {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v - 0.5 * q * q
+    }
+
+    #[gamma]
+    fn push(&self, q: f64) -> f64 {
+        self.sigma * q
+    }
+}
+
+struct Kubo {
+    a: f64,
+    sigma: f64,
+}
+
+#[variational(midpoint)]
+impl Kubo {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        v * v / (2.0 * self.a) - 0.5 * self.a * q * q
+    }
+
+    #[h1]
+    fn jitter(&self, q: f64, p: f64) -> f64 {
+        0.5 * self.sigma * (q * q + p * p)
+    }
+}
+
+struct Pendulum {
+    g: f64,
+}
+
+#[variational(midpoint)]
+impl Pendulum {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v + self.g * q.cos()
+    }
+}
+
+struct DoublePendulum {
+    m: [f64; 2],
+    l: [f64; 2],
+    g: f64,
+}
+
+#[variational(midpoint)]
+impl DoublePendulum {
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        let ([m1, m2], [l1, l2], g) = (self.m, self.l, self.g);
+        0.5 * (m1 + m2) * l1.powi(2) * v[0].powi(2)
+            + 0.5 * m2 * l2.powi(2) * v[1].powi(2)
+            + m2 * l1 * l2 * v[0] * v[1] * (q[0] - q[1]).cos()
+            + (m1 + m2) * g * l1 * q[0].cos()
+            + m2 * g * l2 * q[1].cos()
+    }
+}
+
+fn increments() -> Vec<f64> {
+    let wiener = Wiener::new(1);
+    (0..STEPS)
+        .map(|k| wiener.increment(k as u64, 0, 0.1))
+        .collect()
+}
+
+/// A side of a comparison: makes all steps from a fixed start and returns something that depends on them.
+type Side<'a> = (&'static str, Box<dyn Fn() -> f64 + 'a>);
+
+struct Comparison<'a> {
+    name: &'static str,
+    sides: Vec<Side<'a>>,
+}
+
+fn comparisons(dw: &[f64]) -> Vec<Comparison<'_>> {
+    let oscillator = Integrator::new(Oscillator { sigma: 1.0 }, Endpoint);
+    let kubo = Integrator::new(Kubo { a: 1.0, sigma: 1.0 }, Midpoint);
+    let pendulum = Integrator::new(Pendulum { g: 9.8 }, Midpoint);
+    let parameters = || hand::Double {
+        m: [1.0, 0.5],
+        l: [1.0, 0.7],
+        g: 9.8,
+    };
+    let double = Integrator::new(
+        DoublePendulum {
+            m: [1.0, 0.5],
+            l: [1.0, 0.7],
+            g: 9.8,
+        },
+        Midpoint,
+    );
+    vec![
+        Comparison {
+            name: "oscillator endpoint",
+            sides: vec![
+                (
+                    "three-line loop",
+                    Box::new(move || {
+                        let mut z = black_box([1.0, 0.0]);
+                        let (h, sigma) = black_box((0.1, 1.0));
+                        for &dw in dw {
+                            hand::oscillator_endpoint(&mut z, h, sigma, dw);
+                        }
+                        z[0] + z[1]
+                    }),
+                ),
+                (
+                    "sve",
+                    Box::new(move || {
+                        let mut state = black_box(State::new([1.0], [0.0]));
+                        let h = black_box(0.1);
+                        for &dw in dw {
+                            oscillator.step(&mut state, h, &[dw]).expect("a step");
+                        }
+                        state.q[0] + state.p[0]
+                    }),
+                ),
+            ],
+        },
+        Comparison {
+            name: "Kubo midpoint",
+            sides: vec![
+                (
+                    "Cayley form",
+                    Box::new(move || {
+                        let mut z = black_box([1.0, 0.0]);
+                        let (h, a, sigma) = black_box((0.1, 1.0, 1.0));
+                        for &dw in dw {
+                            hand::kubo_cayley(&mut z, h, a, sigma, dw);
+                        }
+                        z[0] + z[1]
+                    }),
+                ),
+                (
+                    "sve",
+                    Box::new(move || {
+                        let mut state = black_box(State::new([1.0], [0.0]));
+                        let h = black_box(0.1);
+                        for &dw in dw {
+                            kubo.step(&mut state, h, &[dw]).expect("a step");
+                        }
+                        state.q[0] + state.p[0]
+                    }),
+                ),
+            ],
+        },
+        Comparison {
+            name: "pendulum midpoint",
+            sides: vec![
+                (
+                    "naive Newton",
+                    Box::new(|| {
+                        let mut z = black_box([1.0, 0.3]);
+                        let (h, g) = black_box((0.1, 9.8));
+                        for _ in 0..STEPS {
+                            hand::pendulum_naive(&mut z, h, g);
+                        }
+                        z[0] + z[1]
+                    }),
+                ),
+                (
+                    "best by hand",
+                    Box::new(|| {
+                        let mut z = black_box([1.0, 0.3]);
+                        let (h, g) = black_box((0.1, 9.8));
+                        let mut last = 0.0;
+                        for _ in 0..STEPS {
+                            hand::pendulum_best(&mut z, &mut last, h, g);
+                        }
+                        z[0] + z[1]
+                    }),
+                ),
+                (
+                    "sve",
+                    Box::new(move || {
+                        let mut state = black_box(State::new([1.0], [0.3]));
+                        let h = black_box(0.1);
+                        for _ in 0..STEPS {
+                            pendulum.step(&mut state, h, &[]).expect("a step");
+                        }
+                        state.q[0] + state.p[0]
+                    }),
+                ),
+            ],
+        },
+        Comparison {
+            name: "double pendulum midpoint",
+            sides: vec![
+                (
+                    "naive Newton",
+                    Box::new(move || {
+                        let (mut q, mut p) = black_box(([1.0, 0.5], [0.3, -0.2]));
+                        let (h, system) = (black_box(0.01), parameters());
+                        for _ in 0..STEPS {
+                            hand::double_naive(&mut q, &mut p, h, &system);
+                        }
+                        q[0] + p[1]
+                    }),
+                ),
+                (
+                    "sve",
+                    Box::new(move || {
+                        let mut state = black_box(State::new([1.0, 0.5], [0.3, -0.2]));
+                        let h = black_box(0.01);
+                        for _ in 0..STEPS {
+                            double.step(&mut state, h, &[]).expect("a step");
+                        }
+                        state.q[0] + state.p[1]
+                    }),
+                ),
+            ],
+        },
+    ]
+}
+
+/// Alternating runs of a comparison.
+const ROUNDS: usize = 401;
+
+/// Prints medians of alternating runs and their ratios to the first side.
+fn ratios(comparisons: &[Comparison<'_>]) {
+    println!(
+        "\n{:<26}{:<18}{:>10}{:>8}",
+        "step", "by", "ns a step", "ratio"
+    );
+    for Comparison { name, sides } in comparisons {
+        let mut times = vec![Vec::with_capacity(ROUNDS); sides.len()];
+        for _ in 0..ROUNDS {
+            for (side, times) in sides.iter().zip(&mut times) {
+                let start = Instant::now();
+                black_box(side.1());
+                times.push(start.elapsed().as_secs_f64() * 1e9 / STEPS as f64);
+            }
+        }
+        let median = |times: &mut Vec<f64>| {
+            times.sort_by(f64::total_cmp);
+            times[times.len() / 2]
+        };
+        let medians: Vec<f64> = times.iter_mut().map(median).collect();
+        for (side, ns) in sides.iter().zip(&medians) {
+            println!("{name:<26}{:<18}{ns:>10.2}{:>8.2}", side.0, ns / medians[0]);
+        }
+    }
+}
+
+fn main() {
+    let dw = increments();
+    let comparisons = comparisons(&dw);
+    let mut criterion = Criterion::default().configure_from_args();
+    for Comparison { name, sides } in &comparisons {
+        let mut group = criterion.benchmark_group(*name);
+        group.throughput(criterion::Throughput::Elements(STEPS as u64));
+        for (side, run) in sides {
+            group.bench_function(*side, |b| b.iter(run));
+        }
+        group.finish();
+    }
+    criterion.final_summary();
+    ratios(&comparisons);
+}
