@@ -99,7 +99,7 @@ where
             Ok((dq, dp)) => advance(state, h, dw, &dq, &dp),
             Err(error) => Err(explain(error, &{ *state }, h, &{ *dw })),
         }
-        .map_err(|error| look_at_the_mass(system, state, error))
+        .map_err(|error| look_at_the_mass(system, error))
     }
 }
 
@@ -158,18 +158,15 @@ fn replace<const N: usize, const M: usize>(
 
 /// Says `Singular` where a result is not finite because the mass matrix has no inverse: a formula divides by it unasked.
 #[cold]
-fn look_at_the_mass<S, const N: usize, const M: usize>(
-    system: &S,
-    state: &State<N>,
-    error: StepError,
-) -> StepError
+fn look_at_the_mass<S, const N: usize, const M: usize>(system: &S, error: StepError) -> StepError
 where
     S: System<Dims = Dims<N, M>>,
 {
     let StepError::NonFiniteResult { t, h, q, p } = error else {
         return error;
     };
-    let mass = system.lagrangian_jet(t, &state.q, &[0.0; N]).dvv;
+    let at: [f64; N] = core::array::from_fn(|i| q[i]);
+    let mass = system.lagrangian_jet(t, &at, &[0.0; N]).dvv;
     if mass.iter().flatten().all(|x| x.is_finite()) && linear::solve(&mass, &[0.0; N]).is_none() {
         let iteration = 0;
         StepError::Singular { t, h, q, iteration }
