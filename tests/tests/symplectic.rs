@@ -42,10 +42,10 @@ fn defect<const N: usize>(start: &State<N>, step: impl Fn(&State<N>) -> State<N>
             if a == b + N {
                 bracket += 1.0;
             }
-            // not `max`, which would drop a NaN
-            if !(bracket.abs() <= worst) {
-                worst = bracket.abs();
+            if bracket.is_nan() {
+                return f64::NAN;
             }
+            worst = bracket.abs().max(worst);
         }
     }
     worst

@@ -209,12 +209,12 @@ fn one_unknown() {
     };
     check(make, lengths, State::new([0.8], [0.5]), 0.0);
 
-    // a is 1/(mass) in the kinetic term and the stiffness in the other: the unit of q²/p is that of time over it
+    // aq² is an energy: the unit of q and p is the root of an action, a power of two here
     let make = |u: Units| Kubo {
         a: 1.3 * u.of(0, -1, 0),
         sigma: 0.6 / u.wiener(),
     };
-    let root = |u: Units| [2.0_f64.powi((2 * u.length - u.time + u.mass) / 2)];
+    let root = |u: Units| [u.action().sqrt()];
     check(make, root, State::new([0.8], [0.5]), 0.0);
 }
 

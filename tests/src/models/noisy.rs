@@ -38,7 +38,8 @@ impl Mixed {
     }
 }
 
-/// A planet in polar coordinates, whose units differ: L = ½m(ṙ² + r²θ̇²) + k/r, γ = σ₁ r cos θ, H₁ = σ₂ p_r p_θ / r.
+/// A planet in polar coordinates, whose units differ: `L = ½m(ṙ² + r²θ̇²) + k/r`,
+/// `γ = σ₁ r cos θ`, `H₁ = σ₂ p_r p_θ / r`.
 #[derive(Clone, Debug)]
 pub struct Polar {
     /// Mass.
