@@ -139,11 +139,12 @@ fn replace<const N: usize, const M: usize>(
     q: &[f64; N],
     p: &[f64; N],
 ) -> Result<(), StepError> {
-    let mut finite = true;
+    // One test of the sum finds every NaN and infinity; that it may overflow by itself is sorted out off the path.
+    let mut sum = 0.0;
     for i in 0..N {
-        finite &= q[i].is_finite() & p[i].is_finite();
+        sum += q[i] + p[i];
     }
-    if !finite {
+    if !sum.is_finite() && !all_finite(&{ *q }, &{ *p }) {
         return Err(explain(SolveError::NonFinite, &{ *state }, h, &{ *dw }));
     }
     // After the branch: beside the additions of q the compiler would put both into one vector, which makes the chain of
@@ -173,6 +174,11 @@ where
     } else {
         StepError::NonFiniteResult { t, h, q, p }
     }
+}
+
+#[cold]
+fn all_finite(q: &[f64], p: &[f64]) -> bool {
+    q.iter().chain(p).all(|x| x.is_finite())
 }
 
 /// The error of a step from `state`: a non-finite input first, then what the solver said.

@@ -1,7 +1,8 @@
 //! Measured orders of convergence: one table of system, rule, noise and expected order.
 //!
 //! The strong error is the root mean square over paths of the distance from the exact end point at T = 1, for steps
-//! 2⁻⁶ … 2⁻¹⁰ on the same paths. The order is the slope of the logarithms; the standard error of the slope comes from the scatter between batches of paths.
+//! 2⁻⁶ … 2⁻¹⁰ on the same paths. The order is the slope of the logarithms; the standard error of the slope comes from the
+//! scatter between batches of paths.
 
 use sve_runtime::baseline::RungeKutta4;
 use sve_runtime::prelude::*;

@@ -110,9 +110,10 @@ impl Program {
         self.instructions.len()
     }
 
-    /// Instructions of a step that were added after a checkpoint.
+    /// Instructions of a step that were added after a checkpoint; a negation mostly disappears in a sum.
     pub(super) fn work_since(&self, checkpoint: usize) -> usize {
-        let counts = |i: &&Instruction| i.tier != Tier::Prepare;
+        let counts =
+            |i: &&Instruction| i.tier != Tier::Prepare && !matches!(i.operation, Operation::Neg(_));
         self.instructions[checkpoint..]
             .iter()
             .filter(counts)

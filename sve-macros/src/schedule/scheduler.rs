@@ -22,8 +22,6 @@ pub(crate) struct Scheduler<'a> {
     pub(super) angles: Angles,
     /// Bases that stand in the denominator of more than one product.
     pub(super) shared_denominators: HashSet<Expr>,
-    /// In how many ways a product is wanted: bare, or with each constant in front.
-    scalings: HashMap<Factors, usize>,
 }
 
 /// `Π base^exponent`.
@@ -39,22 +37,11 @@ impl<'a> Scheduler<'a> {
     ) -> Self {
         let wanted = arena.reachable(roots, |_| true);
         let mut denominators: HashMap<Expr, usize> = HashMap::new();
-        let mut scalings: HashMap<Factors, HashSet<u64>> = HashMap::new();
         for &e in &wanted {
             match arena.node(e) {
                 Node::Product(factors) => {
                     for &(base, _) in factors.iter().filter(|f| f.1 < 0) {
                         *denominators.entry(base).or_default() += 1;
-                    }
-                }
-                Node::Sum(_, terms) => {
-                    for &(term, c) in terms {
-                        if let Node::Product(factors) = arena.node(term) {
-                            scalings
-                                .entry(factors.clone())
-                                .or_default()
-                                .insert(c.get().abs().to_bits());
-                        }
                     }
                 }
                 _ => {}
@@ -68,10 +55,6 @@ impl<'a> Scheduler<'a> {
             program: Program::default(),
             done: HashMap::new(),
             angles,
-            scalings: scalings
-                .into_iter()
-                .map(|(factors, ways)| (factors, ways.len()))
-                .collect(),
             shared_denominators: denominators
                 .into_iter()
                 .filter(|d| d.1 > 1)
@@ -109,8 +92,7 @@ impl<'a> Scheduler<'a> {
             Node::Opaque(x) => self.done[x],
             Node::Sum(constant, terms) => {
                 let terms: Vec<(Expr, f64)> = terms.iter().map(|t| (t.0, t.1.get())).collect();
-                let mut parts = self.parts(constant.get(), &terms);
-                self.add_up(&mut parts)
+                self.lower_sum(constant.get(), &terms)
             }
             Node::Product(factors) => self.lower_product(1.0, factors),
             Node::Call(function, x) => {
@@ -132,17 +114,19 @@ impl<'a> Scheduler<'a> {
         self.program.get(self.done[&expr]).tier.rank()
     }
 
-    /// `c · Π factors`, the constant taken in by the factors known earliest; but where the bare product is wanted too,
-    /// or with other constants, one multiplication of it.
+    /// `c · Π factors`: with the constant taken in by the factors known earliest, or of the bare product where that exists.
     pub(super) fn scaled(&mut self, c: f64, factors: &[(Expr, i32)]) -> Value {
-        if c != 1.0 && factors.len() > 1 && self.scalings.get(factors).is_some_and(|n| *n > 1) {
-            let bare = self.lower_product(1.0, factors);
-            if self.program.get(bare).tier != Tier::Prepare {
-                let constant = self.constant(c);
-                return self.push(Operation::Mul(constant, bare));
-            }
+        if c == 1.0 || factors.len() < 2 {
+            return self.lower_product(c, factors);
         }
-        self.lower_product(c, factors)
+        self.cheaper(
+            |this| this.lower_product(c, factors),
+            |this| {
+                let bare = this.lower_product(1.0, factors);
+                let constant = this.constant(c);
+                this.push(Operation::Mul(constant, bare))
+            },
+        )
     }
 
     /// `c Π base^k`, the factors in the order in which they become known.

@@ -10,7 +10,11 @@ use crate::symbolic::{Expr, Node};
 /// A value, and whether it is to be subtracted.
 pub(super) type Part = (Value, bool);
 
+/// Sums of more items than this are not written in two ways to compare.
+const COMPARED: usize = 4;
+
 /// `(Σ c · early factors) · late factors`.
+#[derive(Clone)]
 struct Item {
     coefficients: Vec<(Factors, f64)>,
     late: Factors,
@@ -32,8 +36,28 @@ impl Scheduler<'_> {
         (value, self.add_up(&mut sizes))
     }
 
+    /// The value of a sum.
+    pub(super) fn lower_sum(&mut self, constant: f64, terms: &[(Expr, f64)]) -> Value {
+        let items = self.items(terms);
+        if constant == 0.0 {
+            return self.sum_items(&items);
+        }
+        let mut parts = self.parts(constant, terms);
+        self.add_up(&mut parts)
+    }
+
     /// The parts of a sum.
-    pub(super) fn parts(&mut self, constant: f64, terms: &[(Expr, f64)]) -> Vec<Part> {
+    fn parts(&mut self, constant: f64, terms: &[(Expr, f64)]) -> Vec<Part> {
+        let items = self.items(terms);
+        let mut parts = self.factor(items);
+        if constant != 0.0 {
+            parts.push((self.constant(constant.abs()), constant < 0.0));
+        }
+        parts
+    }
+
+    /// Terms put together by their late factors.
+    fn items(&self, terms: &[(Expr, f64)]) -> Vec<Item> {
         let last = terms.iter().map(|t| self.rank(t.0)).max().unwrap_or(0);
         let mut items: Vec<Item> = Vec::new();
         for &(term, c) in terms {
@@ -49,11 +73,35 @@ impl Scheduler<'_> {
                 }),
             }
         }
-        let mut parts = self.factor(items);
-        if constant != 0.0 {
-            parts.push((self.constant(constant.abs()), constant < 0.0));
+        items
+    }
+
+    /// The sum of items. Where all constants are equal but for their signs, their modulus may be taken out: a sum that exists
+    /// already is then used again.
+    fn sum_items(&mut self, items: &[Item]) -> Value {
+        let folded = |this: &mut Self| {
+            let mut parts = this.factor(items.to_vec());
+            this.add_up(&mut parts)
+        };
+        let mut constants = items
+            .iter()
+            .flat_map(|item| item.coefficients.iter().map(|c| c.1.abs()));
+        let common = constants.next().unwrap_or(1.0);
+        if common == 1.0 || items.len() > COMPARED || constants.any(|c| c != common) {
+            return folded(self);
         }
-        parts
+        let mut bare = items.to_vec();
+        for item in &mut bare {
+            for coefficient in &mut item.coefficients {
+                coefficient.1 = coefficient.1.signum();
+            }
+        }
+        self.cheaper(folded, |this| {
+            let mut parts = this.factor(bare.clone());
+            let sum = this.add_up(&mut parts);
+            let common = this.constant(common);
+            this.push(Operation::Mul(common, sum))
+        })
     }
 
     /// The factors of a term that are known before `last`, and those that are not.
@@ -82,8 +130,7 @@ impl Scheduler<'_> {
                 }
                 item.late.retain(|f| f.1 != 0);
             }
-            let mut inner = self.factor(with);
-            let inner = self.add_up(&mut inner);
+            let inner = self.sum_items(&with);
             let base_value = self.done[&base];
             let product = match sign {
                 1 => Operation::Mul(inner, base_value),
@@ -101,39 +148,26 @@ impl Scheduler<'_> {
                 parts.push((self.scaled(c.abs(), &whole), *c < 0.0));
                 continue;
             }
-            let coefficient = self.coefficient(&coefficients);
+            let early: Vec<Item> = coefficients
+                .into_iter()
+                .map(|(late, c)| Item {
+                    coefficients: vec![(Vec::new(), c)],
+                    late,
+                })
+                .collect();
+            let coefficient = self.sum_items(&early);
             let late = self.lower_product(1.0, &late);
             parts.push((self.push(Operation::Mul(coefficient, late)), false));
         }
         parts
     }
 
-    /// `Σ c · factors`. Where all |c| are equal, c may be taken out: a sum that exists already is then used again.
-    fn coefficient(&mut self, terms: &[(Factors, f64)]) -> Value {
-        let common = terms[0].1;
-        let folded = |this: &mut Self| {
-            let mut sum: Vec<Part> = terms
-                .iter()
-                .map(|(early, c)| (this.lower_product(c.abs(), early), *c < 0.0))
-                .collect();
-            this.add_up(&mut sum)
-        };
-        if common.abs() == 1.0 || terms.iter().any(|t| t.1.abs() != common.abs()) {
-            return folded(self);
-        }
-        self.cheaper(folded, |this| {
-            let mut sum: Vec<Part> = terms
-                .iter()
-                .map(|(early, c)| (this.lower_product(1.0, early), *c * common < 0.0))
-                .collect();
-            let sum = this.add_up(&mut sum);
-            let common = this.constant(common);
-            this.push(Operation::Mul(common, sum))
-        })
-    }
-
-    /// The value of whichever way of writing it adds less work to a step.
-    fn cheaper(&mut self, a: impl Fn(&mut Self) -> Value, b: impl Fn(&mut Self) -> Value) -> Value {
+    /// The value of whichever way of writing it adds less work to a step; of the first where both add the same.
+    pub(super) fn cheaper(
+        &mut self,
+        a: impl Fn(&mut Self) -> Value,
+        b: impl Fn(&mut Self) -> Value,
+    ) -> Value {
         let mut price = |way: &dyn Fn(&mut Self) -> Value| {
             let before = self.program.checkpoint();
             way(self);
