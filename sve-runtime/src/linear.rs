@@ -273,6 +273,12 @@ mod tests {
             // a dominant diagonal, so that the pivots are good in any units of the unknowns
             let mut a = random.matrix::<K>();
             for i in 0..K {
+                for j in 0..K {
+                    // zeros too: a row without the unknown in the largest unit looks larger than the others
+                    if random.next() > 0.0 {
+                        a[i][j] = 0.0;
+                    }
+                }
                 a[i][i] += 2.0 * K as f64;
             }
             let b: [f64; K] = core::array::from_fn(|_| random.next());
@@ -284,11 +290,11 @@ mod tests {
             // the units of the equations: the same pivots, so the same bits
             assert_eq!(solve(&scaled(&a, &rows, &[1.0; K]), &rhs), Some(x));
 
-            // the units of the unknowns too: other pivots, so the same numbers to rounding
+            // the units of the unknowns too: other pivots, no longer the best in each column, so the same numbers but for a few digits
             let y = solve(&scaled(&a, &rows, &columns), &rhs).expect("regular in any units");
             for i in 0..K {
                 let y = y[i] * columns[i];
-                assert!((y - x[i]).abs() <= 1e-12 * norm, "{y} {}", x[i]);
+                assert!((y - x[i]).abs() <= 1e-10 * norm, "{y} {}", x[i]);
                 if K <= 2 {
                     assert_eq!(y, x[i]);
                 }
