@@ -171,6 +171,7 @@ where
                 residual: jet.dv,
                 magnitude: *p,
                 jacobian: jet.dvv,
+                curvature: f64::NAN,
             };
             for i in 0..N {
                 at.residual[i] -= p[i];

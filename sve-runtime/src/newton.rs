@@ -40,6 +40,8 @@ pub struct Evaluation<const K: usize> {
     pub magnitude: [f64; K],
     /// Derivatives, rows by equation.
     pub jacobian: [[f64; K]; K],
+    /// Second derivative of a single equation in a single unknown; NaN where there are more, or where it is not at hand.
+    pub curvature: f64,
 }
 
 /// Why an equation was not solved.
@@ -67,6 +69,9 @@ pub enum SolveError {
 /// there is moving within rounding errors of the residual itself.
 const QUADRATIC: f64 = 1.5e-8;
 
+/// Relative change of an update by the curvature up to which the change is made.
+const BENT: f64 = 0.25;
+
 /// Relative residual under which two successive ones measure the constant of quadratic convergence.
 const NEAR: f64 = 0.1;
 
@@ -77,12 +82,27 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Halvings of an update that leads out of the domain of the equations.
 const HALVINGS: u32 = 60;
 
+/// Where an iteration stands.
+#[derive(Clone, Copy)]
+struct Run<const K: usize> {
+    /// The point to evaluate.
+    x: [f64; K],
+    /// The point before the last update.
+    from: [f64; K],
+    /// Relative residual there.
+    previous: f64,
+    /// Updates made.
+    iteration: u32,
+    /// Halvings of the last update.
+    halvings: u32,
+}
+
 impl Newton {
-    /// The root near `guess`.
+    /// The root near `guess`; from the point that `fallback` gives where the iteration fails from there.
     ///
     /// It is accepted where the residual is `tolerance` times the terms it is the sum of, or where it no longer shrinks
     /// for want of digits: those of its terms' inner sums, or those of the unknowns.
-    /// The last update is not confirmed by another evaluation where quadratic convergence, measured on the previous two
+    /// The last update is not confirmed by another evaluation where the order of convergence, measured on the previous two
     /// residuals, puts the next one below rounding.
     ///
     /// An update that leads out of the domain of the equations is halved until it does not. A guess outside is
@@ -90,61 +110,211 @@ impl Newton {
     ///
     /// # Errors
     /// [`SolveError`] when the iteration limit is reached or the iteration stands still away from a root, the Jacobian is
-    /// singular, or no finite residual can be found.
+    /// singular, or no finite residual can be found; the one from the second point.
+    #[inline]
+    pub fn solve_or<const K: usize>(
+        &self,
+        guess: [f64; K],
+        fallback: impl FnOnce() -> [f64; K],
+        evaluate: impl Fn(&[f64; K]) -> Evaluation<K>,
+    ) -> Result<[f64; K], SolveError> {
+        self.iterate(guess, Some(fallback), evaluate)
+    }
+
+    /// The root near `guess`, as [`solve_or`](Self::solve_or) without a second point.
+    ///
+    /// # Errors
+    /// As there.
     #[inline]
     pub fn solve<const K: usize>(
         &self,
         guess: [f64; K],
         evaluate: impl Fn(&[f64; K]) -> Evaluation<K>,
     ) -> Result<[f64; K], SolveError> {
-        let mut x = guess;
-        let mut from = [0.0; K];
-        let mut previous = f64::INFINITY;
-        let mut iteration = 0;
+        self.iterate(guess, None::<fn() -> [f64; K]>, evaluate)
+    }
+
+    #[inline]
+    fn iterate<const K: usize>(
+        &self,
+        guess: [f64; K],
+        mut fallback: Option<impl FnOnce() -> [f64; K]>,
+        evaluate: impl Fn(&[f64; K]) -> Evaluation<K>,
+    ) -> Result<[f64; K], SolveError> {
+        let mut run = Run::from(guess);
         loop {
-            let mut at = evaluate(&x);
-            let mut relative = relative(&at);
-            if !relative.is_finite() {
-                (x, at) = retreat(&from, x, &evaluate)?;
-                relative = self::relative(&at);
-            }
+            // The only call, so that the equations are compiled into the loop.
+            let at = evaluate(&run.x);
+            let relative = relative(&at);
             if relative <= self.tolerance {
-                return Ok(x);
+                return Ok(run.x);
             }
-            let not_converged = SolveError::NotConverged {
-                iterations: iteration,
-                residual: relative,
-                tolerance: self.tolerance,
-            };
-            if relative > 0.5 * previous {
-                match stall(&from, &x, &at, relative) {
-                    Stall::Root => return Ok(x),
-                    Stall::Stuck => return Err(not_converged),
-                    Stall::Undefined => return Err(SolveError::NonFinite),
-                    Stall::No => {}
+            if relative <= 0.5 * run.previous
+                && run.iteration < self.max_iterations
+                && let Some(arrived) = self.update(&mut run, &at, relative)
+            {
+                if arrived {
+                    return Ok(run.x);
                 }
+                continue;
             }
-            if iteration == self.max_iterations {
-                return Err(not_converged);
+            match self.doubt(run, &at, relative) {
+                Ok(Doubt::Root(x)) => return Ok(x),
+                Ok(Doubt::Goes(on)) => run = on,
+                Err(error) => match fallback.take() {
+                    Some(fallback) => run = Run::from(fallback()),
+                    None => return Err(error),
+                },
             }
-            iteration += 1;
-            let update = linear::solve(&at.jacobian, &at.residual)
-                .ok_or(SolveError::Singular { iteration })?;
-            from = x;
-            for i in 0..K {
-                x[i] -= update[i];
-            }
-            if !update.iter().all(|u| u.is_finite()) {
-                return Err(SolveError::NonFinite);
-            }
-            // r_{k+1} ≈ (r_k / r_{k−1}²) r_k², with a factor of 16 to spare; an update that was damped or
-            // is not yet in the quadratic regime has a ratio too large to pass.
-            if 16.0 * relative.powi(3) <= self.tolerance * previous.powi(2) && previous < NEAR {
-                return Ok(x);
-            }
-            previous = relative;
         }
     }
+
+    /// Moves on; whether to the root. Nothing where the Jacobian is singular or the update not finite.
+    #[inline]
+    fn update<const K: usize>(
+        &self,
+        run: &mut Run<K>,
+        at: &Evaluation<K>,
+        relative: f64,
+    ) -> Option<bool> {
+        let (update, cubic) = update(at)?;
+        let mut x = run.x;
+        let mut sum = 0.0;
+        for i in 0..K {
+            x[i] -= update[i];
+            sum += update[i];
+        }
+        if !sum.is_finite() {
+            return None;
+        }
+        // r_{k+1} ≈ (r_k / r_{k−1}²) r_k², or with cubes, with a factor of 16 to spare; an update that was damped or
+        // is not yet in the regime of that order has a ratio too large to pass.
+        let (r2, p2) = (relative * relative, run.previous * run.previous);
+        let (next, ratio) = if cubic {
+            (r2 * r2, p2 * run.previous)
+        } else {
+            (r2 * relative, p2)
+        };
+        let arrived = 16.0 * next <= self.tolerance * ratio && run.previous < NEAR;
+        *run = Run {
+            x,
+            from: run.x,
+            previous: relative,
+            iteration: run.iteration + 1,
+            halvings: 0,
+        };
+        Some(arrived)
+    }
+
+    /// Decides where an evaluation is not finite, an update did not halve the residual, the limit is reached or the
+    /// Jacobian is singular.
+    #[cold]
+    fn doubt<const K: usize>(
+        &self,
+        mut run: Run<K>,
+        at: &Evaluation<K>,
+        relative: f64,
+    ) -> Result<Doubt<K>, SolveError> {
+        if !relative.is_finite() {
+            return run.retreat().map(Doubt::Goes);
+        }
+        let not_converged = SolveError::NotConverged {
+            iterations: run.iteration,
+            residual: relative,
+            tolerance: self.tolerance,
+        };
+        if relative > 0.5 * run.previous {
+            let jacobian_is_finite = at.jacobian.iter().flatten().all(|a| a.is_finite());
+            let at_rounding =
+                |i: usize| (run.x[i] - run.from[i]).abs() <= ROUNDING * run.x[i].abs();
+            // The second case is a steep residual, which one unit in the last place of an unknown changes by more than
+            // its tolerance.
+            let digits_are_gone = relative < NEAR && jacobian_is_finite && (0..K).all(at_rounding);
+            if relative < QUADRATIC || digits_are_gone {
+                return Ok(Doubt::Root(run.x));
+            }
+            if run.x == run.from {
+                return Err(if jacobian_is_finite {
+                    not_converged
+                } else {
+                    SolveError::NonFinite
+                });
+            }
+        }
+        if run.iteration >= self.max_iterations {
+            return Err(not_converged);
+        }
+        match self.update(&mut run, at, relative) {
+            Some(true) => Ok(Doubt::Root(run.x)),
+            Some(false) => Ok(Doubt::Goes(run)),
+            None if update(at).is_none() => Err(SolveError::Singular {
+                iteration: run.iteration + 1,
+            }),
+            None => Err(SolveError::NonFinite),
+        }
+    }
+}
+
+/// What [`Newton::doubt`] decides.
+enum Doubt<const K: usize> {
+    /// This is the root.
+    Root([f64; K]),
+    /// The iteration goes on from here.
+    Goes(Run<K>),
+}
+
+impl<const K: usize> Run<K> {
+    fn from(guess: [f64; K]) -> Self {
+        Self {
+            x: guess,
+            from: [0.0; K],
+            // so large that the first residual passes for smaller, if it is finite
+            previous: f64::MAX,
+            iteration: 0,
+            halvings: 0,
+        }
+    }
+
+    /// Half the way back from a point where the equations are not defined.
+    fn retreat(self) -> Result<Self, SolveError> {
+        if self.x == self.from || self.halvings == HALVINGS {
+            return Err(SolveError::NonFinite);
+        }
+        let mut nearer = self.from;
+        for i in 0..K {
+            nearer[i] += 0.5 * (self.x[i] - self.from[i]);
+        }
+        // half of one unit in the last place may be rounded up to where it came from
+        if nearer == self.x || !nearer.iter().all(|y| y.is_finite()) {
+            nearer = self.from;
+        }
+        Ok(Self {
+            x: nearer,
+            halvings: self.halvings + 1,
+            ..self
+        })
+    }
+}
+
+/// The update, and whether it is of third order: of a single unknown, Newton's `u = f/f′` becomes Chebyshev's
+/// `u + ½ (f″/f′) u²` where that is a small change (Traub, Iterative Methods for the Solution of Equations, section 5).
+#[inline]
+fn update<const K: usize>(at: &Evaluation<K>) -> Option<([f64; K], bool)> {
+    if K != 1 {
+        return Some((linear::solve(&at.jacobian, &at.residual)?, false));
+    }
+    if at.jacobian[0][0] == 0.0 {
+        return None;
+    }
+    let inverse = 1.0 / at.jacobian[0][0];
+    let mut update = at.residual;
+    update[0] *= inverse;
+    let bend = 0.5 * at.curvature * update[0] * inverse;
+    let cubic = bend.abs() <= BENT;
+    if cubic {
+        update[0] += bend * update[0];
+    }
+    Some((update, cubic))
 }
 
 /// Largest residual relative to the terms it is the sum of; NaN where one is not finite.
@@ -169,72 +339,6 @@ fn relative<const K: usize>(at: &Evaluation<K>) -> f64 {
     largest
 }
 
-/// Why a residual was not even halved by an update.
-enum Stall {
-    /// There are no more digits: this is the root.
-    Root,
-    /// The unknowns do not move any more, and this is no root.
-    Stuck,
-    /// The unknowns do not move because the Jacobian is not finite.
-    Undefined,
-    /// The iteration is still far from the root.
-    No,
-}
-
-/// What the update from `from` to `x`, which did not halve the residual, says.
-#[cold]
-fn stall<const K: usize>(
-    from: &[f64; K],
-    x: &[f64; K],
-    at: &Evaluation<K>,
-    relative: f64,
-) -> Stall {
-    let jacobian_is_finite = at.jacobian.iter().flatten().all(|a| a.is_finite());
-    let at_rounding = |i: usize| (x[i] - from[i]).abs() <= ROUNDING * x[i].abs();
-    // The second case is a steep residual, which one unit in the last place of an unknown changes by more than its tolerance.
-    if relative < QUADRATIC || (relative < NEAR && jacobian_is_finite && (0..K).all(at_rounding)) {
-        Stall::Root
-    } else if x != from {
-        Stall::No
-    } else if jacobian_is_finite {
-        Stall::Stuck
-    } else {
-        Stall::Undefined
-    }
-}
-
-/// Halves the way from `from` to `to` until the equations are defined.
-#[cold]
-fn retreat<const K: usize>(
-    from: &[f64; K],
-    to: [f64; K],
-    evaluate: impl Fn(&[f64; K]) -> Evaluation<K>,
-) -> Result<([f64; K], Evaluation<K>), SolveError> {
-    let mut way = [0.0; K];
-    for i in 0..K {
-        way[i] = to[i] - from[i];
-    }
-    if !way.iter().all(|w| w.is_finite()) {
-        way = [0.0; K];
-    }
-    for _ in 0..HALVINGS {
-        // `way` is halved, not `to`: half of one unit in the last place would be rounded up to where it came from
-        let mut x = *from;
-        for i in 0..K {
-            way[i] *= 0.5;
-            x[i] += way[i];
-        }
-        let at = evaluate(&x);
-        if relative(&at).is_finite() {
-            return Ok((x, at));
-        }
-        if x == *from {
-            break;
-        }
-    }
-    Err(SolveError::NonFinite)
-}
-
 #[cfg(test)]
 #[allow(clippy::trivially_copy_pass_by_ref)] // `solve` passes its unknowns by reference
 mod tests {
@@ -248,6 +352,7 @@ mod tests {
             residual: [terms.iter().sum()],
             magnitude: [terms.iter().map(|t| t.abs()).sum()],
             jacobian: [[derivative]],
+            curvature: f64::NAN,
         }
     }
 
@@ -304,6 +409,7 @@ mod tests {
             residual: [],
             magnitude: [],
             jacobian: [],
+            curvature: f64::NAN,
         });
         assert_eq!((found, count), (Ok([]), 1));
     }
@@ -326,6 +432,7 @@ mod tests {
         Evaluation {
             residual: [sum(0), sum(1)],
             magnitude: [size(0), size(1)],
+            curvature: f64::NAN,
             jacobian: core::array::from_fn(|i| {
                 core::array::from_fn(|j| jacobian[i][j] * rows[i] / units[j])
             }),
@@ -400,6 +507,7 @@ mod tests {
             residual: [z[0] + z[1] - 1.0, 2.0 * z[0] + 2.0 * z[1] - 3.0],
             magnitude: [3.0; 2],
             jacobian: [[1.0, 1.0], [2.0, 2.0]],
+            curvature: f64::NAN,
         };
         assert_eq!(
             Newton::default().solve([0.0; 2], dependent),
@@ -416,6 +524,7 @@ mod tests {
                 residual: [e.powi(3)],
                 magnitude: [1.0],
                 jacobian: [[3.0 * e * e]],
+                curvature: f64::NAN,
             }
         });
         let error = (found.unwrap()[0] - 1.0).abs();
@@ -473,6 +582,7 @@ mod tests {
                 residual: *z,
                 magnitude: [2.0; 3],
                 jacobian: [[bad, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+                curvature: f64::NAN,
             };
             assert!(newton.solve([1.0; 3], three).is_err());
             // the guess: zero is tried instead
@@ -489,6 +599,7 @@ mod tests {
                     residual,
                     magnitude: [1.0; 3],
                     jacobian: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+                    curvature: f64::NAN,
                 }
             });
             assert_eq!(found, Err(SolveError::NonFinite));

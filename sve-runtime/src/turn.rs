@@ -15,9 +15,14 @@ pub fn turn(sin: f64, cos: f64, by: f64) -> (f64, f64) {
         // cos(by) = 1 − c: what a small turn changes is added last
         (sin + (cos * s - sin * c), cos - (sin * s + cos * c))
     } else {
-        let (s, c) = by.sin_cos();
-        (sin * c + cos * s, cos * c - sin * s)
+        turn_far(sin, cos, by)
     }
+}
+
+#[cold]
+fn turn_far(sin: f64, cos: f64, by: f64) -> (f64, f64) {
+    let (s, c) = by.sin_cos();
+    (sin * c + cos * s, cos * c - sin * s)
 }
 
 /// `(sin x − x)/x³` of `x²`.

@@ -1,7 +1,10 @@
 //! Plans and instructions → tokens. Infallible, and the only place that knows it prints Rust.
 
 mod code;
+mod plan;
 mod rule;
+mod step;
+mod straight;
 mod stub;
 mod system;
 

@@ -3,12 +3,11 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use super::code::Printer;
+use super::straight::Straight;
 use super::{attributes, private};
 use crate::mechanics::{LagrangianJet, Mechanics, NoiseJet};
 use crate::model::{Model, Symbols};
 use crate::parse::Annotated;
-use crate::schedule::{Scheduler, Tier, Tiers};
 use crate::symbolic::{Arena, Expr};
 
 pub(crate) fn system(
@@ -46,44 +45,6 @@ pub(crate) fn system(
     }
 }
 
-/// Code of one tier: everything in it is computed where it is called.
-struct Straight<'a> {
-    scheduler: Scheduler<'a>,
-    symbols: &'a Symbols,
-}
-
-impl<'a> Straight<'a> {
-    fn new(arena: &'a Arena, symbols: &'a Symbols, roots: &[Expr]) -> Self {
-        let tiers: Tiers = roots
-            .iter()
-            .flat_map(|&e| arena.symbols_of(e))
-            .map(|s| (s, Tier::State))
-            .collect();
-        Self {
-            scheduler: Scheduler::new(arena, symbols, tiers, roots),
-            symbols,
-        }
-    }
-
-    /// The statements, and each array of expressions as tokens.
-    fn finish(mut self, matrices: &[&[Vec<Expr>]]) -> (TokenStream, Vec<TokenStream>) {
-        let values: Vec<Vec<Vec<_>>> = matrices
-            .iter()
-            .map(|rows| rows.iter().map(|row| self.scheduler.values(row)).collect())
-            .collect();
-        let results: Vec<_> = values.iter().flatten().flatten().copied().collect();
-        let program = self.scheduler.finish(&results);
-        let mut printer = Printer::new(&program, self.symbols, &TokenStream::new());
-        printer.split_prepared(&[]);
-        let constants = printer.prepare();
-        let statements = printer.statements(Tier::State);
-        (
-            quote!(#constants #statements),
-            values.iter().map(|rows| printer.matrix(rows)).collect(),
-        )
-    }
-}
-
 fn lagrangian_jet(
     private: &TokenStream,
     jet: &LagrangianJet,
@@ -106,7 +67,7 @@ fn lagrangian_jet(
         .concat()
         .concat();
     let (statements, arrays) =
-        Straight::new(arena, symbols, &roots).finish(&[&value, &vectors, dqq, dqv, dvv]);
+        Straight::new(arena, symbols, &roots).finish(private, &[&value, &vectors, dqq, dqv, dvv]);
     let [value, vectors, dqq, dqv, dvv] = arrays.as_slice() else {
         return TokenStream::new();
     };
@@ -141,7 +102,7 @@ fn noise_jets(
         }
     }
     let views: Vec<&[Vec<Expr>]> = blocks.iter().map(Vec::as_slice).collect();
-    let (statements, arrays) = Straight::new(arena, symbols, &roots).finish(&views);
+    let (statements, arrays) = Straight::new(arena, symbols, &roots).finish(private, &views);
     let jets = arrays.chunks(4).map(|chunk| {
         let (vectors, dqq, dqp, dpp) = (&chunk[0], &chunk[1], &chunk[2], &chunk[3]);
         quote! {{

@@ -147,6 +147,7 @@ where
             residual: [0.0; N],
             magnitude: [0.0; N],
             jacobian: jet.dvv,
+            curvature: f64::NAN,
         };
         for i in 0..N {
             let terms = [jet.dv[i], -state.p[i], -h * jet.dq[i], -n.p[i]];

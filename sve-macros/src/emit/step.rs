@@ -1,0 +1,323 @@
+//! The body of a step: the program of its tiers with the solves between them.
+
+use proc_macro2::{Literal, TokenStream};
+use quote::quote;
+
+use super::code::{Printer, input_name};
+use super::straight::Straight;
+use crate::model::{Meaning, Symbols};
+use crate::schedule::{Operation, Program, Scheduler, Tier, Tiers, Value};
+use crate::structure::{Iteration, Linear, Scheme, Solution};
+use crate::symbolic::{Arena, Expr, Symbol};
+
+/// A step with values for expressions.
+pub(super) struct Step {
+    solves: Vec<Solve>,
+    dq: Vec<Value>,
+    dp: Vec<Value>,
+    /// Every value that is used other than by an instruction.
+    pub(super) results: Vec<Value>,
+    pub(super) program: Program,
+}
+
+/// A block with values for expressions.
+enum Solve {
+    Formula,
+    System(System, Vec<Symbol>),
+    Iteration(Box<Newton>),
+}
+
+/// A linear system.
+struct System {
+    matrix: Vec<Vec<Value>>,
+    rhs: Vec<Value>,
+}
+
+/// An iteration.
+struct Newton {
+    guess: System,
+    /// Code that computes another guess where it stands.
+    fallback: TokenStream,
+    residual: Vec<Value>,
+    magnitude: Vec<Value>,
+    jacobian: Vec<Vec<Value>>,
+    curvature: Option<Value>,
+    iterates: Vec<Symbol>,
+    solved: Vec<Symbol>,
+}
+
+/// Turns all expressions of a scheme into one program.
+pub(super) fn schedule(
+    scheme: &Scheme,
+    symbols: &Symbols,
+    private: &TokenStream,
+    arena: &Arena,
+) -> Step {
+    let Scheme {
+        blocks,
+        dq,
+        dp,
+        form: _,
+    } = scheme;
+    let mut tiers = Tiers::new();
+    let mut all: Vec<Expr> = [dq.as_slice(), dp].concat();
+    for (at, block) in blocks.iter().enumerate() {
+        match &block.solution {
+            Solution::Formula => {}
+            Solution::System { linear, solved } => {
+                tiers.extend(solved.iter().map(|&s| (s, Tier::Solved(at))));
+                all.extend(linear.matrix.iter().flatten().chain(&linear.rhs));
+            }
+            Solution::Iteration(iteration) => {
+                let Iteration {
+                    guess,
+                    fallback: _,
+                    residual,
+                    jacobian,
+                    curvature,
+                    iterates,
+                    solved,
+                } = &**iteration;
+                tiers.extend(iterates.iter().map(|&s| (s, Tier::Iterate(at))));
+                tiers.extend(solved.iter().map(|&s| (s, Tier::Solved(at))));
+                let matrices = guess.matrix.iter().chain(jacobian).flatten();
+                all.extend(matrices.chain(&guess.rhs).chain(residual).chain(curvature));
+            }
+        }
+    }
+    let mut scheduler = Scheduler::new(arena, symbols, tiers, &all);
+    let solves: Vec<Solve> = blocks
+        .iter()
+        .map(|block| match &block.solution {
+            Solution::Formula => Solve::Formula,
+            Solution::System { linear, solved } => {
+                Solve::System(system(&mut scheduler, linear), solved.clone())
+            }
+            Solution::Iteration(iteration) => {
+                let fallback = fallback(&iteration.fallback, symbols, private, arena);
+                Solve::Iteration(Box::new(newton(&mut scheduler, iteration, fallback)))
+            }
+        })
+        .collect();
+    let (dq, dp) = (scheduler.values(dq), scheduler.values(dp));
+    let results = results(&solves, &dq, &dp);
+    Step {
+        program: scheduler.finish(&results),
+        solves,
+        dq,
+        dp,
+        results,
+    }
+}
+
+fn system(scheduler: &mut Scheduler<'_>, linear: &Linear) -> System {
+    System {
+        matrix: linear
+            .matrix
+            .iter()
+            .map(|row| scheduler.values(row))
+            .collect(),
+        rhs: scheduler.values(&linear.rhs),
+    }
+}
+
+fn newton(scheduler: &mut Scheduler<'_>, iteration: &Iteration, fallback: TokenStream) -> Newton {
+    let guess = system(scheduler, &iteration.guess);
+    let jacobian = iteration
+        .jacobian
+        .iter()
+        .map(|row| scheduler.values(row))
+        .collect();
+    let (residual, magnitude) = iteration
+        .residual
+        .iter()
+        .map(|&r| scheduler.residual(r))
+        .unzip();
+    Newton {
+        guess,
+        fallback,
+        residual,
+        magnitude,
+        jacobian,
+        curvature: iteration.curvature.map(|c| scheduler.value(c)),
+        iterates: iteration.iterates.clone(),
+        solved: iteration.solved.clone(),
+    }
+}
+
+/// Code of a guess that is computed only after a failure, all of it where it stands.
+fn fallback(
+    linear: &Linear,
+    symbols: &Symbols,
+    private: &TokenStream,
+    arena: &Arena,
+) -> TokenStream {
+    let rhs = [linear.rhs.clone()];
+    let roots: Vec<Expr> = linear
+        .matrix
+        .iter()
+        .flatten()
+        .chain(&rhs[0])
+        .copied()
+        .collect();
+    let (statements, arrays) =
+        Straight::new(arena, symbols, &roots).finish(private, &[&linear.matrix, &rhs]);
+    let size = Literal::usize_unsuffixed(linear.rhs.len());
+    let [matrix, rhs] = arrays.as_slice() else {
+        return TokenStream::new();
+    };
+    quote! {
+        #statements
+        let [rhs] = #rhs;
+        match #private::solve(&#matrix, &rhs) {
+            ::core::option::Option::Some(guess) => guess,
+            ::core::option::Option::None => [0.0; #size],
+        }
+    }
+}
+
+/// Every value that is used other than by an instruction.
+fn results(solves: &[Solve], dq: &[Value], dp: &[Value]) -> Vec<Value> {
+    let mut results = [dq, dp].concat();
+    for solve in solves {
+        match solve {
+            Solve::Formula => {}
+            Solve::System(System { matrix, rhs }, _) => {
+                results.extend(matrix.iter().flatten().chain(rhs))
+            }
+            Solve::Iteration(newton) => {
+                let Newton {
+                    guess,
+                    fallback: _,
+                    residual,
+                    magnitude,
+                    jacobian,
+                    curvature,
+                    iterates: _,
+                    solved: _,
+                } = &**newton;
+                let matrices = guess.matrix.iter().chain(jacobian).flatten();
+                results.extend(
+                    matrices
+                        .chain(&guess.rhs)
+                        .chain(residual)
+                        .chain(magnitude)
+                        .chain(curvature),
+                );
+            }
+        }
+    }
+    results
+}
+
+impl Step {
+    /// The body of `increment`.
+    pub(super) fn body(
+        &self,
+        private: &TokenStream,
+        printer: &Printer<'_>,
+        symbols: &Symbols,
+    ) -> TokenStream {
+        let load = printer.load(&self.results);
+        let start = [Tier::Noise, Tier::State].map(|tier| printer.statements(tier));
+        let blocks = self.solves.iter().enumerate().map(|(at, solve)| {
+            let solve = match solve {
+                Solve::Formula => TokenStream::new(),
+                Solve::System(system, solved) => {
+                    system.tokens(private, printer, &names(solved, symbols))
+                }
+                Solve::Iteration(newton) => newton.tokens(private, printer, at, symbols),
+            };
+            let after = printer.statements(Tier::Solved(at));
+            quote!(#solve #after)
+        });
+        let (dq, dp) = (printer.array(&self.dq), printer.array(&self.dp));
+        let time = self.uses_time(symbols).then(|| quote!(let time = state.t;));
+        quote! {
+            #time
+            #load
+            #(#start)*
+            #(#blocks)*
+            ::core::result::Result::Ok((#dq, #dp))
+        }
+    }
+
+    fn uses_time(&self, symbols: &Symbols) -> bool {
+        let is_time = |s: Symbol| matches!(symbols.meaning(s), Meaning::Time);
+        self.program
+            .all()
+            .any(|(_, i)| matches!(i.operation, Operation::Input(s) if is_time(s)))
+    }
+}
+
+/// A pattern of names.
+fn names(list: &[Symbol], symbols: &Symbols) -> TokenStream {
+    let names = list.iter().map(|&s| input_name(symbols, s));
+    quote!([#(#names),*])
+}
+
+impl System {
+    fn tokens(
+        &self,
+        private: &TokenStream,
+        printer: &Printer<'_>,
+        solved: &TokenStream,
+    ) -> TokenStream {
+        let (matrix, rhs) = (printer.matrix(&self.matrix), printer.array(&self.rhs));
+        quote! {
+            let #solved = match #private::solve(&#matrix, &#rhs) {
+                ::core::option::Option::Some(solution) => solution,
+                ::core::option::Option::None => {
+                    return ::core::result::Result::Err(#private::SolveError::Singular { iteration: 0 });
+                }
+            };
+        }
+    }
+}
+
+impl Newton {
+    fn tokens(
+        &self,
+        private: &TokenStream,
+        printer: &Printer<'_>,
+        at: usize,
+        symbols: &Symbols,
+    ) -> TokenStream {
+        let Self {
+            guess,
+            fallback,
+            residual,
+            magnitude,
+            jacobian,
+            curvature,
+            iterates,
+            solved,
+        } = self;
+        let size = Literal::usize_unsuffixed(iterates.len());
+        let (guess_matrix, guess_rhs) = (printer.matrix(&guess.matrix), printer.array(&guess.rhs));
+        let (residual, magnitude, jacobian) = (
+            printer.array(residual),
+            printer.array(magnitude),
+            printer.matrix(jacobian),
+        );
+        let curvature = curvature.map_or_else(|| quote!(f64::NAN), |c| printer.operand(c));
+        let (iterates, solved) = (names(iterates, symbols), names(solved, symbols));
+        let statements = printer.statements(Tier::Iterate(at));
+        quote! {
+            let guess = match #private::solve(&#guess_matrix, &#guess_rhs) {
+                ::core::option::Option::Some(guess) => guess,
+                ::core::option::Option::None => [0.0; #size],
+            };
+            let fallback = || { #fallback };
+            let #solved = newton.solve_or(guess, fallback, |&#iterates: &[f64; #size]| {
+                #statements
+                #private::Evaluation {
+                    residual: #residual,
+                    magnitude: #magnitude,
+                    jacobian: #jacobian,
+                    curvature: #curvature,
+                }
+            })?;
+        }
+    }
+}

@@ -1,0 +1,195 @@
+//! One block: what kind it is, and what solves it.
+
+use std::collections::HashMap;
+
+use super::{Block, Iteration, Kind, Linear, Reduced, Solution};
+use crate::model::Meaning;
+use crate::symbolic::{Expr, Symbol};
+
+/// Expressions that take the place of symbols.
+type Replacement = HashMap<Symbol, Expr>;
+
+impl Reduced<'_> {
+    /// Classifies a block and writes down what solves it; `known` gets what its unknowns are called afterwards.
+    pub(super) fn solve(
+        &mut self,
+        rows: &[usize],
+        columns: &[usize],
+        known: &mut Replacement,
+    ) -> Block {
+        let unknowns: Vec<Symbol> = columns.iter().map(|&c| self.unknowns[c]).collect();
+        let residual: Vec<Expr> = rows
+            .iter()
+            .map(|&r| self.arena.substitute(self.residuals[r], known))
+            .collect();
+        let jacobian = self.jacobian(&residual, &unknowns);
+        let zero = self.arena.constant(0.0);
+        let nonzeros = jacobian.iter().flatten().filter(|&&e| e != zero).count();
+        let origin: Replacement = unknowns.iter().map(|&u| (u, zero)).collect();
+        let at_zero = self.newton_step(&residual, &jacobian, &origin);
+
+        let linear = self.is_linear(&jacobian, &unknowns);
+        if linear && unknowns.len() == 1 {
+            let coefficient = at_zero.matrix[0][0];
+            let formula = self.arena.div(at_zero.rhs[0], coefficient);
+            known.insert(unknowns[0], self.arena.opaque(formula));
+            let kind = if self.is_parameter(coefficient) {
+                Kind::Explicit
+            } else {
+                Kind::Linear
+            };
+            return Block {
+                kind,
+                unknowns,
+                nonzeros,
+                solution: Solution::Formula,
+            };
+        }
+        let solved = self.solved(&unknowns, known);
+        if linear {
+            let solution = Solution::System {
+                linear: at_zero,
+                solved,
+            };
+            return Block {
+                kind: Kind::Linear,
+                unknowns,
+                nonzeros,
+                solution,
+            };
+        }
+        let guess = self
+            .guess(&residual, &jacobian, &origin)
+            .unwrap_or_else(|| at_zero.clone());
+        let curvature = match unknowns.as_slice() {
+            [unknown] => Some(self.arena.diff(jacobian[0][0], *unknown)),
+            _ => None,
+        };
+        let iterates = unknowns.clone();
+        let iteration = Iteration {
+            guess,
+            fallback: at_zero,
+            residual,
+            jacobian,
+            curvature,
+            iterates,
+            solved,
+        };
+        Block {
+            kind: Kind::Newton,
+            unknowns,
+            nonzeros,
+            solution: Solution::Iteration(Box::new(iteration)),
+        }
+    }
+
+    fn jacobian(&mut self, residual: &[Expr], unknowns: &[Symbol]) -> Vec<Vec<Expr>> {
+        let mut jacobian = Vec::new();
+        for &r in residual {
+            let row = unknowns.iter().map(|&u| {
+                let slope = self.arena.diff(r, u);
+                if self.arena.is_zero(slope) {
+                    self.arena.constant(0.0)
+                } else {
+                    slope
+                }
+            });
+            jacobian.push(row.collect());
+        }
+        jacobian
+    }
+
+    /// The linear system of the Newton step from a point.
+    fn newton_step(
+        &mut self,
+        residual: &[Expr],
+        jacobian: &[Vec<Expr>],
+        point: &Replacement,
+    ) -> Linear {
+        let mut at = |e: Expr| self.arena.substitute(e, point);
+        let matrix = jacobian
+            .iter()
+            .map(|row| row.iter().map(|&e| at(e)).collect())
+            .collect();
+        let rhs: Vec<Expr> = residual.iter().map(|&r| at(r)).collect();
+        let rhs = rhs.into_iter().map(|r| self.arena.neg(r)).collect();
+        Linear { matrix, rhs }
+    }
+
+    /// A guess that costs little: the explicit velocity, which is the Newton step from zero with the matrix of h = 0 and
+    /// no noise; its right-hand side takes the kicks of the step where noise makes them large. Nothing where that matrix
+    /// does not exist.
+    fn guess(
+        &mut self,
+        residual: &[Expr],
+        jacobian: &[Vec<Expr>],
+        origin: &Replacement,
+    ) -> Option<Linear> {
+        let mut limit = origin.clone();
+        let zero = self.arena.constant(0.0);
+        for e in residual.iter().chain(jacobian.iter().flatten()) {
+            for symbol in self.arena.symbols_of(*e) {
+                if matches!(
+                    self.symbols.meaning(symbol),
+                    Meaning::StepSize | Meaning::Wiener(_)
+                ) {
+                    limit.insert(symbol, zero);
+                }
+            }
+        }
+        let noisy = limit
+            .keys()
+            .any(|&s| matches!(self.symbols.meaning(s), Meaning::Wiener(_)));
+        let explicit = self.newton_step(residual, jacobian, &limit);
+        let matrix = explicit.matrix;
+        let rhs = if noisy {
+            self.newton_step(residual, jacobian, origin).rhs
+        } else {
+            explicit.rhs
+        };
+        let finite = |e: &Expr| {
+            let mut nodes = self.arena.reachable(&[*e], |_| true).into_iter();
+            nodes.all(|e| self.arena.constant_value(e).is_none_or(f64::is_finite))
+        };
+        let full = |mut line: Box<dyn Iterator<Item = &Expr> + '_>| line.any(|&e| e != zero);
+        let size = matrix.len();
+        let regular = (0..size).all(|i| {
+            full(Box::new(matrix[i].iter()))
+                && full(Box::new(matrix.iter().map(move |row| &row[i])))
+        });
+        let defined = matrix.iter().flatten().chain(&rhs).all(finite);
+        (regular && defined).then_some(Linear { matrix, rhs })
+    }
+
+    /// Names for the solution of a block, which `known` puts in the place of its unknowns.
+    fn solved(&mut self, unknowns: &[Symbol], known: &mut Replacement) -> Vec<Symbol> {
+        let mut solved = Vec::new();
+        for &unknown in unknowns {
+            let name = Meaning::Unknown(self.symbols.name(unknown));
+            let symbol = self.symbols.declare(name);
+            known.insert(unknown, self.arena.symbol(symbol));
+            solved.push(symbol);
+        }
+        solved
+    }
+
+    /// Whether no entry of the Jacobian changes with the unknowns.
+    fn is_linear(&mut self, jacobian: &[Vec<Expr>], unknowns: &[Symbol]) -> bool {
+        for &entry in jacobian.iter().flatten() {
+            for &u in unknowns {
+                let change = self.arena.diff(entry, u);
+                if !self.arena.is_zero(change) {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    /// Whether only parameters occur: with the step size in it, a coefficient comes from an implicit equation.
+    fn is_parameter(&self, expr: Expr) -> bool {
+        self.arena
+            .symbols_of(expr)
+            .all(|s| matches!(self.symbols.meaning(s), Meaning::Parameter { .. }))
+    }
+}

@@ -1,0 +1,239 @@
+//! Equations → blocks: what is explicit, what is linear, what needs Newton's method.
+//!
+//! Input: [`Equations`]. Output: a [`Scheme`], the same equations cut into blocks to be solved in order. First every unknown is
+//! eliminated that some equation gives with a numeric coefficient, then the rest is split into strongly connected blocks of
+//! equations against unknowns (Duff, Erisman, Reid: Direct Methods for Sparse Matrices, chapter 6).
+
+mod block;
+mod graph;
+mod outputs;
+
+use std::collections::HashMap;
+
+use crate::action::Action;
+use crate::equations::Equations;
+use crate::model::{Meaning, Quantity, Symbols};
+use crate::symbolic::{Arena, Expr, Symbol};
+use graph::{match_columns, strong_components};
+use outputs::{cheapest, linear_map};
+
+/// A step, ready to be scheduled.
+pub(crate) struct Scheme {
+    pub(crate) blocks: Vec<Block>,
+    pub(crate) dq: Vec<Expr>,
+    pub(crate) dp: Vec<Expr>,
+    pub(crate) form: Form,
+}
+
+/// What `dq` and `dp` are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Form {
+    /// `q₁ − q₀` and `p₁ − p₀`.
+    Increment,
+    /// `q₁` and `p₁`.
+    State,
+}
+
+/// How a block is solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Explicit,
+    Linear,
+    Newton,
+}
+
+/// Equations that are solved together.
+pub(crate) struct Block {
+    pub(crate) kind: Kind,
+    /// Unknowns, as the equations name them.
+    pub(crate) unknowns: Vec<Symbol>,
+    pub(crate) nonzeros: usize,
+    pub(crate) solution: Solution,
+}
+
+/// What there is to compute.
+pub(crate) enum Solution {
+    /// A single unknown by a formula, which has taken its place in everything that follows.
+    Formula,
+    /// A linear system; `solved` are the names of the solution in everything that follows.
+    System { linear: Linear, solved: Vec<Symbol> },
+    /// An iteration from the solution of a linear system.
+    Iteration(Box<Iteration>),
+}
+
+/// A linear system.
+#[derive(Clone)]
+pub(crate) struct Linear {
+    pub(crate) matrix: Vec<Vec<Expr>>,
+    pub(crate) rhs: Vec<Expr>,
+}
+
+/// Newton's method on a block.
+pub(crate) struct Iteration {
+    /// First guess.
+    pub(crate) guess: Linear,
+    /// The guess after a failure: the Newton step from zero, which is the linearly implicit step.
+    pub(crate) fallback: Linear,
+    pub(crate) residual: Vec<Expr>,
+    pub(crate) jacobian: Vec<Vec<Expr>>,
+    /// Second derivative of a single equation in a single unknown.
+    pub(crate) curvature: Option<Expr>,
+    /// Names of the iterates in `residual`, `jacobian` and `curvature`.
+    pub(crate) iterates: Vec<Symbol>,
+    pub(crate) solved: Vec<Symbol>,
+}
+
+/// The equations do not determine these unknowns.
+pub(crate) struct Degenerate {
+    pub(crate) unknowns: Vec<Symbol>,
+}
+
+/// Cuts the equations into blocks.
+pub(crate) fn analyse(
+    equations: Equations,
+    action: &Action,
+    symbols: &mut Symbols,
+    arena: &mut Arena,
+) -> Result<Scheme, Degenerate> {
+    let mut system = Reduced {
+        arena,
+        symbols,
+        unknowns: equations.unknowns,
+        residuals: equations.residuals,
+        dq: equations.dq,
+        dp: equations.dp,
+    };
+    system.eliminate();
+    let order = system.blocks()?;
+    let mut blocks = Vec::new();
+    let mut known = HashMap::new();
+    for (rows, columns) in order {
+        let block = system.solve(&rows, &columns, &mut known);
+        blocks.push(block);
+    }
+    let dq: Vec<Expr> = system
+        .dq
+        .clone()
+        .iter()
+        .map(|&e| system.arena.substitute(e, &known))
+        .collect();
+    let candidates: Vec<Vec<Expr>> = system
+        .dp
+        .clone()
+        .iter()
+        .map(|list| {
+            list.iter()
+                .map(|&e| system.arena.substitute(e, &known))
+                .collect()
+        })
+        .collect();
+    let dp = cheapest(system.arena, &candidates, &dq, &blocks);
+    let increments = Scheme {
+        blocks,
+        dq,
+        dp,
+        form: Form::Increment,
+    };
+    Ok(linear_map(increments, action, symbols, arena))
+}
+
+/// Equations and the unknowns that they determine.
+type RowsAndColumns = (Vec<usize>, Vec<usize>);
+
+struct Reduced<'a> {
+    arena: &'a mut Arena,
+    symbols: &'a mut Symbols,
+    unknowns: Vec<Symbol>,
+    residuals: Vec<Expr>,
+    dq: Vec<Expr>,
+    dp: Vec<Vec<Expr>>,
+}
+
+impl Reduced<'_> {
+    /// Removes every unknown that an equation gives as `x = f(others)` with a numeric coefficient, the shortest
+    /// equation first.
+    fn eliminate(&mut self) {
+        while let Some((row, unknown, coefficient)) = self.pivot() {
+            let equation = self.residuals.remove(row);
+            let zero = self.arena.constant(0.0);
+            let rest = self
+                .arena
+                .substitute(equation, &HashMap::from([(unknown, zero)]));
+            let value = self.arena.scale(-1.0 / coefficient, rest);
+            let by = HashMap::from([(unknown, value)]);
+            self.unknowns.retain(|&u| u != unknown);
+            for list in std::iter::once(&mut self.residuals)
+                .chain([&mut self.dq])
+                .chain(&mut self.dp)
+            {
+                for expr in list {
+                    *expr = self.arena.substitute(*expr, &by);
+                }
+            }
+        }
+    }
+
+    /// The equation with the fewest unknowns that has one with a numeric coefficient: equation, unknown, coefficient.
+    /// Of equations with equally many the first is taken, of its unknowns the first in the order of `unknowns`; so the
+    /// momentum balance stays, and the velocity in it.
+    fn pivot(&mut self) -> Option<(usize, Symbol, f64)> {
+        let mut best: Option<(usize, usize, Symbol, f64)> = None;
+        for (row, &residual) in self.residuals.clone().iter().enumerate() {
+            let present: Vec<Symbol> = self
+                .unknowns
+                .iter()
+                .copied()
+                .filter(|&u| self.arena.contains(residual, u))
+                .collect();
+            if best.is_some_and(|b| b.0 <= present.len()) {
+                continue;
+            }
+            for &unknown in &present {
+                let slope = self.arena.diff(residual, unknown);
+                if let Some(coefficient) = self.arena.constant_value(slope)
+                    && coefficient != 0.0
+                {
+                    best = Some((present.len(), row, unknown, coefficient));
+                    break;
+                }
+            }
+        }
+        best.map(|(_, row, unknown, coefficient)| (row, unknown, coefficient))
+    }
+
+    /// Rows and columns of each block, in the order of solution.
+    fn blocks(&mut self) -> Result<Vec<RowsAndColumns>, Degenerate> {
+        let n = self.unknowns.len();
+        let depends: Vec<Vec<usize>> = self
+            .residuals
+            .iter()
+            .map(|&r| {
+                (0..n)
+                    .filter(|&c| self.arena.contains(r, self.unknowns[c]))
+                    .collect()
+            })
+            .collect();
+        let row_of = match_columns(&depends, n).map_err(|free| Degenerate {
+            unknowns: free.into_iter().map(|c| self.unknowns[c]).collect(),
+        })?;
+        // unknown c is given by equation row_of[c], which needs the unknowns in it
+        let needs: Vec<Vec<usize>> = (0..n).map(|c| depends[row_of[c]].clone()).collect();
+        Ok(strong_components(&needs)
+            .into_iter()
+            .map(|mut columns| {
+                columns.sort_unstable();
+                let mut rows: Vec<usize> = columns.iter().map(|&c| row_of[c]).collect();
+                rows.sort_unstable();
+                (rows, columns)
+            })
+            .collect())
+    }
+}
+
+/// Whether a symbol is part of the state at the start of the step.
+pub(crate) fn is_state(symbols: &Symbols, symbol: Symbol) -> bool {
+    matches!(
+        symbols.meaning(symbol),
+        Meaning::Start(Quantity::Position | Quantity::Momentum, _)
+    )
+}
