@@ -2,6 +2,7 @@
 
 use crate::Integrator;
 use crate::error::StepError;
+use crate::linear;
 use crate::newton::SolveError;
 use crate::noise::Noise;
 use crate::state::State;
@@ -92,11 +93,13 @@ where
         h: f64,
         dw: &[f64; M],
     ) -> Result<(), StepError> {
-        match Integrator::system(self).increment(prepared, state, h, dw, self.newton()) {
+        let system = Integrator::system(self);
+        match system.increment(prepared, state, h, dw, self.newton()) {
             Ok((q, p)) if S::RETURNS_STATE => replace(state, h, dw, &q, &p),
             Ok((dq, dp)) => advance(state, h, dw, &dq, &dp),
             Err(error) => Err(explain(error, &{ *state }, h, &{ *dw })),
         }
+        .map_err(|error| look_at_the_mass(system, error))
     }
 }
 
@@ -152,6 +155,25 @@ fn replace<const N: usize, const M: usize>(
     }
     *state = State::at(t, *q, *p);
     Ok(())
+}
+
+/// Says `Singular` where a result is not finite because the mass matrix has no inverse: a formula divides by it unasked.
+#[cold]
+fn look_at_the_mass<S, const N: usize, const M: usize>(system: &S, error: StepError) -> StepError
+where
+    S: System<Dims = Dims<N, M>>,
+{
+    let StepError::NonFiniteResult { t, h, q, p } = error else {
+        return error;
+    };
+    let at: [f64; N] = core::array::from_fn(|i| q[i]);
+    let mass = system.lagrangian_jet(t, &at, &[0.0; N]).dvv;
+    if mass.iter().flatten().all(|x| x.is_finite()) && linear::solve(&mass, &[0.0; N]).is_none() {
+        let iteration = 0;
+        StepError::Singular { t, h, q, iteration }
+    } else {
+        StepError::NonFiniteResult { t, h, q, p }
+    }
 }
 
 #[cold]

@@ -1,6 +1,16 @@
 //! The systems under test: those of the paper and some that stress one feature each.
 
+mod deterministic;
+mod noisy;
+
 use sve_runtime::prelude::*;
+
+pub use deterministic::{
+    HenonHeiles, Magnetic, PlanarDoublePendulum, Quartic, Relativistic, SphericalPendulum,
+};
+pub use noisy::{
+    Actions, Central, Chain, Clashing, Driven, Mixed, OneMomentum, Polar, Synchrotron,
+};
 
 /// L = v²/2 + g cos q.
 #[derive(Clone, Debug)]

@@ -1,0 +1,97 @@
+//! A step and a trajectory do not allocate: counted, for explicit, linear and Newton steps.
+
+use allocation_counter::measure;
+use sve_runtime::prelude::*;
+use sve_runtime::{BlockKind, Dims, System, Variational};
+use sve_tests::oracle::{Model, Rule, Visitor, every_step, kubo, mixed, oscillator, pendulum};
+use sve_tests::random::Random;
+
+fn allocations(run: impl FnOnce()) -> u64 {
+    measure(run).count_total
+}
+
+/// The counter counts.
+#[test]
+fn are_counted() {
+    assert_eq!(allocations(|| drop(std::hint::black_box(vec![1.0]))), 1);
+    assert_eq!(allocations(|| ()), 0);
+}
+
+struct Steps(Random);
+
+impl Visitor for Steps {
+    fn visit<S, R, const N: usize, const M: usize>(&mut self, integrator: &Integrator<S, R>)
+    where
+        S: Model<N, M> + Variational<R>,
+        R: Rule,
+    {
+        let mut state = S::point(&mut self.0);
+        let dw = [0.1; M];
+        let count = allocations(|| {
+            for _ in 0..10 {
+                integrator.step(&mut state, 0.01, &dw).unwrap();
+            }
+        });
+        assert_eq!(count, 0, "{}", integrator.plan());
+    }
+}
+
+#[test]
+fn in_a_step() {
+    every_step(&mut Steps(Random::new(20)));
+}
+
+fn trajectory<S, R, const N: usize, const M: usize>(
+    integrator: &Integrator<S, R>,
+    kind: BlockKind,
+    start: State<N>,
+) where
+    S: Variational<R> + System<Dims = Dims<N, M>>,
+{
+    assert_eq!(integrator.plan().kind(), kind);
+    let recorded = Recorded::record(Wiener::new(1), 0.01, M, 1000).unwrap();
+    let mut sum = 0.0;
+    let count = allocations(|| {
+        for state in integrator.trajectory(start, 0.01, &recorded) {
+            sum += state.unwrap().q[0];
+        }
+        for state in integrator.trajectory(start, 0.01, NoNoise).take(1000) {
+            sum += state.unwrap().q[0];
+        }
+    });
+    assert!(sum.is_finite());
+    assert_eq!(count, 0, "{}", integrator.plan());
+
+    // a Wiener path allocates its block of increments once, where there are processes
+    let count = allocations(|| {
+        for state in integrator
+            .trajectory(start, 0.01, Wiener::new(1))
+            .take(1000)
+        {
+            sum += state.unwrap().q[0];
+        }
+    });
+    assert_eq!(count, u64::from(M > 0), "{}", integrator.plan());
+}
+
+#[test]
+fn in_a_trajectory() {
+    let start = State::new([1.0], [0.5]);
+    trajectory(
+        &Integrator::new(oscillator(), Endpoint),
+        BlockKind::Explicit,
+        start,
+    );
+    trajectory(&Integrator::new(kubo(), Midpoint), BlockKind::Linear, start);
+    trajectory(
+        &Integrator::new(pendulum(), Midpoint),
+        BlockKind::Newton,
+        start,
+    );
+    let start = State::new([0.2, 0.1], [0.1, 0.2]);
+    trajectory(
+        &Integrator::new(mixed(), Midpoint),
+        BlockKind::Newton,
+        start,
+    );
+}

@@ -1,0 +1,210 @@
+//! What the macro says of the steps it made: kinds of blocks, numbers of unknowns, orders.
+
+use sve_runtime::prelude::*;
+use sve_runtime::{BlockKind, StrongOrder, Variational};
+use sve_tests::oracle::{Model, Rule, Visitor, every_step, kubo};
+
+/// System, rule, kind and number of unknowns of its implicit blocks, strong order with the pair that does not commute.
+const PLANS: &[(&str, &str, &str)] = &[
+    ("Pendulum", "initial_point", "explicit 0"),
+    ("Pendulum", "endpoint", "explicit 0"),
+    ("Pendulum", "midpoint", "Newton 1"),
+    ("Pendulum", "taylor2", "Newton 1"),
+    ("PlanarDoublePendulum", "initial_point", "Newton 2"),
+    ("PlanarDoublePendulum", "endpoint", "Newton 2"),
+    ("PlanarDoublePendulum", "midpoint", "Newton 2"),
+    ("PlanarDoublePendulum", "taylor2", "Newton 6"),
+    ("Magnetic", "initial_point", "linear 2"),
+    ("Magnetic", "endpoint", "Newton 2"),
+    ("Magnetic", "midpoint", "Newton 2"),
+    ("Magnetic", "taylor2", "Newton 6"),
+    ("SphericalPendulum", "initial_point", "linear 1"),
+    ("SphericalPendulum", "endpoint", "linear 1"),
+    ("SphericalPendulum", "midpoint", "Newton 2"),
+    ("SphericalPendulum", "taylor2", "Newton 6"),
+    ("Relativistic", "initial_point", "Newton 2"),
+    ("Relativistic", "endpoint", "Newton 2"),
+    ("Relativistic", "midpoint", "Newton 2"),
+    ("Relativistic", "taylor2", "Newton 6"),
+    ("HenonHeiles", "initial_point", "explicit 0"),
+    ("HenonHeiles", "endpoint", "explicit 0"),
+    ("HenonHeiles", "midpoint", "Newton 2"),
+    ("HenonHeiles", "taylor2", "Newton 2"),
+    ("Quartic", "initial_point", "explicit 0"),
+    ("Quartic", "endpoint", "explicit 0"),
+    ("Quartic", "midpoint", "Newton 1"),
+    ("Quartic", "taylor2", "Newton 2"),
+    ("Oscillator", "initial_point", "explicit 0, strong 1"),
+    ("Oscillator", "endpoint", "explicit 0, strong 1"),
+    ("Oscillator", "midpoint", "linear 1, strong 1"),
+    ("Kubo", "initial_point", "linear 1, strong 1"),
+    ("Kubo", "endpoint", "linear 1, strong 1"),
+    ("Kubo", "midpoint", "linear 1, strong 1"),
+    ("DoublePendulum", "initial_point", "Newton 2, strong 1"),
+    ("DoublePendulum", "endpoint", "Newton 2, strong 1"),
+    ("DoublePendulum", "midpoint", "Newton 2, strong 1"),
+    (
+        "Mixed",
+        "initial_point",
+        "Newton 2, strong 1/2: drag[0], drag[1]",
+    ),
+    (
+        "Mixed",
+        "endpoint",
+        "Newton 4, strong 1/2: drag[0], drag[1]",
+    ),
+    (
+        "Mixed",
+        "midpoint",
+        "Newton 4, strong 1/2: drag[0], drag[1]",
+    ),
+    ("Polar", "initial_point", "Newton 2, strong 1/2: push, turn"),
+    ("Polar", "endpoint", "Newton 3, strong 1/2: push, turn"),
+    ("Polar", "midpoint", "Newton 3, strong 1/2: push, turn"),
+    (
+        "Driven",
+        "initial_point",
+        "linear 1, strong 1/2: push, jitter",
+    ),
+    ("Driven", "endpoint", "Newton 2, strong 1/2: push, jitter"),
+    ("Driven", "midpoint", "Newton 2, strong 1/2: push, jitter"),
+    ("Synchrotron", "initial_point", "explicit 0, strong 1"),
+    ("Synchrotron", "endpoint", "explicit 0, strong 1"),
+    ("Synchrotron", "midpoint", "Newton 1, strong 1"),
+    ("Actions", "initial_point", "Newton 1, strong 1"),
+    ("Actions", "endpoint", "Newton 1, strong 1"),
+    ("Actions", "midpoint", "Newton 2, strong 1"),
+    (
+        "Clashing",
+        "initial_point",
+        "linear 1, strong 1/2: push, stretch",
+    ),
+    (
+        "Clashing",
+        "endpoint",
+        "linear 1, strong 1/2: push, stretch",
+    ),
+    (
+        "Clashing",
+        "midpoint",
+        "Newton 2, strong 1/2: push, stretch",
+    ),
+    ("Chain", "initial_point", "explicit 0, strong 1"),
+    ("Chain", "endpoint", "explicit 0, strong 1"),
+    ("Chain", "midpoint", "Newton 6, strong 1"),
+    (
+        "OneMomentum",
+        "initial_point",
+        "linear 1, strong 1/2: drag, push",
+    ),
+    (
+        "OneMomentum",
+        "endpoint",
+        "Newton 1, strong 1/2: drag, push",
+    ),
+    (
+        "OneMomentum",
+        "midpoint",
+        "Newton 4, strong 1/2: drag, push",
+    ),
+    ("Central", "initial_point", "explicit 0, strong 1"),
+    ("Central", "endpoint", "explicit 0, strong 1"),
+    ("Central", "midpoint", "Newton 2, strong 1"),
+];
+
+/// Systems with L = T(v) − V(q), T quadratic with a constant mass, and no H₁.
+const SEPARABLE: &[&str] = &[
+    "Pendulum",
+    "HenonHeiles",
+    "Quartic",
+    "Oscillator",
+    "Synchrotron",
+    "Chain",
+    "Central",
+];
+
+/// Systems with quadratic L and H₁, and γ at most quadratic.
+const QUADRATIC: &[&str] = &["Oscillator", "Kubo"];
+
+struct Plans(usize);
+
+impl Visitor for Plans {
+    fn visit<S, R, const N: usize, const M: usize>(&mut self, integrator: &Integrator<S, R>)
+    where
+        S: Model<N, M> + Variational<R>,
+        R: Rule,
+    {
+        let plan = integrator.plan();
+        assert_eq!(plan.rule, R::NAME);
+        assert_eq!((plan.degrees_of_freedom, plan.noises), (N, M));
+        let order = match R::NODE {
+            Some(0.5) | None => 2,
+            Some(_) => 1,
+        };
+        assert_eq!(plan.deterministic_order, order, "{plan}");
+        let strong = match plan.strong_order {
+            StrongOrder::Deterministic => {
+                assert_eq!(M, 0);
+                String::new()
+            }
+            StrongOrder::One => ", strong 1".to_owned(),
+            StrongOrder::Half { pair: (a, b) } => format!(", strong 1/2: {a}, {b}"),
+            other => panic!("{other:?}"),
+        };
+        let line = format!("{} {}{strong}", plan.kind(), plan.unknowns());
+        let found = (plan.system, plan.rule, line.as_str());
+        assert!(
+            PLANS.contains(&found),
+            "not in the table: {found:?}\n{plan}"
+        );
+        self.0 += 1;
+
+        if SEPARABLE.contains(&plan.system) && matches!(R::NODE, Some(0.0 | 1.0)) {
+            assert_eq!(plan.kind(), BlockKind::Explicit, "{plan}");
+        }
+        if QUADRATIC.contains(&plan.system) && R::NODE == Some(0.5) {
+            assert_eq!(plan.kind(), BlockKind::Linear, "{plan}");
+        }
+        for block in plan.blocks {
+            let k = block.unknowns.len();
+            assert!((k..=k * k).contains(&block.nonzeros), "{plan}");
+            if block.kind == BlockKind::Explicit {
+                assert_eq!(k, 1, "{plan}");
+            }
+        }
+        // work in an iteration where there is one, and nowhere else
+        let iterates = plan.iteration.arithmetic + plan.iteration.transcendental > 0;
+        assert_eq!(iterates, plan.kind() == BlockKind::Newton, "{plan}");
+        // the text names everything
+        let text = plan.to_string();
+        for block in plan.blocks {
+            assert!(text.contains(&block.unknowns.join(", ")), "{text}");
+        }
+    }
+}
+
+#[test]
+fn of_every_model_and_rule() {
+    let mut plans = Plans(0);
+    every_step(&mut plans);
+    assert_eq!(plans.0, PLANS.len());
+}
+
+#[test]
+fn printed() {
+    let plan = Integrator::new(kubo(), Midpoint).plan();
+    // the counts of operations are what they are: see the plan's own numbers
+    let expected = format!(
+        "Kubo by the rule midpoint
+  1 degree of freedom, 1 Wiener process
+  linear, 1 unknown, 1 non-zeros in the Jacobian
+    linear   v_0
+  deterministic order 2, strong order 1 (all noises commute)
+  operations a step size: {} arithmetic, 0 transcendental
+  operations a step: {} arithmetic, 0 transcendental",
+        plan.prepare.arithmetic, plan.step.arithmetic
+    );
+    assert_eq!(plan.to_string(), expected);
+    // a rotation of two numbers by a rational function of ah + σΔW
+    assert!(plan.step.arithmetic <= 40);
+}

@@ -1,0 +1,204 @@
+//! A trajectory is the repeated step, bit for bit, at times that are rounded once; and it ends where it should.
+
+use sve_runtime::baseline::{EulerMaruyama, RungeKutta4};
+use sve_runtime::prelude::*;
+use sve_runtime::{Dims, System, Variational};
+use sve_tests::oracle::{
+    Model, Rule, Visitor, every_step, kubo, mixed, name, oscillator, pendulum,
+};
+use sve_tests::random::Random;
+
+struct Repeated(Random);
+
+impl Visitor for Repeated {
+    fn visit<S, R, const N: usize, const M: usize>(&mut self, integrator: &Integrator<S, R>)
+    where
+        S: Model<N, M> + Variational<R>,
+        R: Rule,
+    {
+        let start = S::point(&mut self.0);
+        let h = 0.01;
+        let noise = Wiener::new(3).path(4);
+        let prepared = Method::prepare(integrator, h).unwrap();
+        let (mut prepared_state, mut plain_state) = (start, start);
+        let path = integrator.trajectory(start, h, noise.clone());
+        for (k, state) in (0..50_u32).zip(path) {
+            let state = state.unwrap();
+            let dw = core::array::from_fn(|i| noise.increment(u64::from(k), i, h));
+            integrator
+                .step_prepared(&prepared, &mut prepared_state, h, &dw)
+                .unwrap();
+            integrator.step(&mut plain_state, h, &dw).unwrap();
+            let time = start.t + f64::from(k + 1) * h;
+            prepared_state.t = time;
+            plain_state.t = time;
+            assert_eq!(state, prepared_state, "{} step {k}", name(integrator));
+            assert_eq!(state, plain_state, "{} step {k}", name(integrator));
+        }
+    }
+}
+
+#[test]
+fn is_the_repeated_step() {
+    every_step(&mut Repeated(Random::new(12)));
+}
+
+/// A step alone adds h to the time; a trajectory rounds t₀ + kh once, however long it is.
+#[test]
+fn time_does_not_drift() {
+    let oscillator = Integrator::new(oscillator(), Endpoint);
+    let start = State::at(1.0, [1.0], [0.0]);
+    let mut state = start;
+    oscillator.step(&mut state, 0.1, &[0.0]).unwrap();
+    assert_eq!(state.t, 1.1);
+    let mut path = oscillator.trajectory(start, 0.1, NoNoise);
+    let mut added = start.t;
+    for k in 1..=100_000_u32 {
+        let state = path.next().unwrap().unwrap();
+        added += 0.1;
+        assert_eq!(state.t, 1.0 + f64::from(k) * 0.1);
+        assert_eq!(&state, path.state());
+    }
+    assert_ne!(added, 10_001.0, "adding h would have drifted");
+    assert_eq!(path.state().t, 10_001.0);
+}
+
+fn ends_with<S, R, W, const N: usize, const M: usize>(
+    integrator: &Integrator<S, R>,
+    start: State<N>,
+    h: f64,
+    noise: W,
+) -> (usize, Option<StepError>)
+where
+    S: Variational<R> + System<Dims = Dims<N, M>>,
+    W: Noise,
+{
+    let mut path = integrator.trajectory(start, h, noise);
+    let (mut states, mut error) = (0, None);
+    for item in path.by_ref().take(1000) {
+        assert!(error.is_none(), "a state after an error");
+        match item {
+            Ok(_) => states += 1,
+            Err(e) => error = Some(e),
+        }
+    }
+    if states < 1000 {
+        // it stays over
+        assert!(path.next().is_none());
+        assert!(path.next().is_none());
+    }
+    (states, error)
+}
+
+#[test]
+fn ends_with_its_recording() {
+    let kubo = Integrator::new(kubo(), Midpoint);
+    let start = State::new([1.0], [0.0]);
+    let recorded = Recorded::record(Wiener::new(1), 0.1, 1, 37).unwrap();
+    assert_eq!(ends_with(&kubo, start, 0.1, &recorded), (37, None));
+    let coarse = recorded.coarsen(37).unwrap();
+    assert_eq!(ends_with(&kubo, start, coarse.h(), coarse), (1, None));
+
+    // for another step size, or another number of processes, it is an error that names both
+    let (states, error) = ends_with(&kubo, start, 0.2, &recorded);
+    let message = error.as_ref().map(ToString::to_string).unwrap_or_default();
+    assert!(
+        matches!(error, Some(StepError::Noise { t: 0.0, .. })),
+        "{message}"
+    );
+    assert!(
+        states == 0 && message.contains("1e-1") && message.contains("2e-1"),
+        "{message}"
+    );
+    let mixed = Integrator::new(mixed(), Midpoint);
+    let (states, error) = ends_with(&mixed, State::new([0.1; 2], [0.1; 2]), 0.1, &recorded);
+    assert_eq!(states, 0);
+    assert!(matches!(error, Some(StepError::Noise { .. })), "{error:?}");
+}
+
+#[test]
+fn ends_after_an_error() {
+    let oscillator = Integrator::new(oscillator(), Endpoint);
+    let start = State::new([1.0], [0.0]);
+    // p is 0.7 of the largest number after the second step
+    let bad = Recorded::new(0.1, [[0.1], [f64::MAX], [f64::MAX], [0.1]]).unwrap();
+    let (states, error) = ends_with(&oscillator, start, 0.1, bad);
+    assert_eq!(states, 2);
+    let Some(StepError::NonFiniteResult { t, h, .. }) = error else {
+        panic!("{error:?}");
+    };
+    assert_eq!((t, h), (0.2, 0.1));
+
+    for h in [0.0, -0.1, f64::NAN] {
+        let (states, error) = ends_with(&oscillator, start, h, NoNoise);
+        assert_eq!(states, 0);
+        assert!(
+            matches!(error, Some(StepError::StepSize { .. })),
+            "{error:?}"
+        );
+    }
+    let nowhere = State::new([f64::NAN], [0.0]);
+    let (states, error) = ends_with(&oscillator, nowhere, 0.1, NoNoise);
+    assert_eq!(states, 0);
+    assert!(
+        matches!(error, Some(StepError::NonFiniteInput { .. })),
+        "{error:?}"
+    );
+    // and otherwise it does not end
+    assert_eq!(
+        ends_with(&oscillator, start, 0.1, Wiener::new(5)),
+        (1000, None)
+    );
+}
+
+/// Without noise, a system with noises is its deterministic limit.
+#[test]
+fn no_noise() {
+    let integrator = Integrator::new(kubo(), Midpoint);
+    let start = State::new([1.0], [0.5]);
+    let mut state = start;
+    for (k, item) in (1..100_u32).zip(integrator.trajectory(start, 0.1, NoNoise)) {
+        integrator.step(&mut state, 0.1, &[0.0]).unwrap();
+        state.t = f64::from(k) * 0.1;
+        assert_eq!(item.unwrap(), state);
+    }
+}
+
+/// Two trajectories from the same source interleave without touching each other, and a reference serves as a source.
+#[test]
+fn paths_are_independent_of_their_readers() {
+    let integrator = Integrator::new(oscillator(), Endpoint);
+    let start = State::new([1.0], [0.5]);
+    let recorded = Recorded::record(Wiener::new(9), 0.1, 1, 20).unwrap();
+    let mut wiener = Wiener::new(9);
+    let by_reference = integrator.trajectory(start, 0.1, &mut wiener);
+    let replayed = integrator.trajectory(start, 0.1, &recorded);
+    let again = integrator.trajectory(start, 0.1, &recorded);
+    for ((a, b), c) in by_reference.zip(replayed).zip(again) {
+        let (a, b, c) = (a.unwrap(), b.unwrap(), c.unwrap());
+        assert_eq!(a, b);
+        assert_eq!(b, c);
+    }
+}
+
+/// Baselines run by the same trajectories.
+#[test]
+fn of_baselines() {
+    let start = State::new([1.0], [0.5]);
+    let recorded = Recorded::record(Wiener::new(2), 0.05, 1, 20).unwrap();
+    let euler = EulerMaruyama::new(oscillator());
+    let mut state = start;
+    let mut path = euler.trajectory(start, 0.05, &recorded);
+    for k in 0..20 {
+        let dw = recorded.get(k).unwrap();
+        euler
+            .step(&mut state, 0.05, dw.try_into().unwrap())
+            .unwrap();
+        state.t = (k + 1) as f64 * 0.05;
+        assert_eq!(path.next().unwrap().unwrap(), state);
+    }
+    assert!(path.next().is_none());
+    let runge = RungeKutta4::new(pendulum());
+    let end = runge.trajectory(start, 0.05, NoNoise).nth(9);
+    assert_eq!(end.unwrap().unwrap().t, 0.5);
+}
