@@ -1,4 +1,70 @@
 //! Stochastic variational integrators, derived from a Lagrangian at compile time.
+//!
+//! You write the Lagrangian `L(t, q, v)` of a mechanical system and its noise terms as plain functions of an `impl` block.
+//! [`#[variational(…)]`](macro@variational) differentiates them and derives the step of each rule that you name: a symplectic
+//! map, as straight-line code that does not allocate.
+//!
+//! ```text
+//! dq =  v dt      + Σ ∂H₁/∂p ∘ dW
+//! dp = ∂L/∂q dt   + Σ ∂γ/∂q ∘ dW − Σ ∂H₁/∂q ∘ dW        p = ∂L/∂v        (Stratonovich)
+//! ```
+//!
+//! ```
+//! use sve_runtime::prelude::*;
+//!
+//! /// A pendulum whose pivot is shaken.
+//! struct Pendulum { g: f64, sigma: f64 }
+//!
+//! #[variational(midpoint, endpoint)]
+//! impl Pendulum {
+//!     fn lagrangian(&self, q: f64, v: f64) -> f64 {
+//!         0.5 * v * v + self.g * q.cos()
+//!     }
+//!
+//!     #[gamma]
+//!     fn shake(&self, q: f64) -> f64 {
+//!         self.sigma * q.sin()
+//!     }
+//! }
+//!
+//! # fn main() -> Result<(), StepError> {
+//! let pendulum = Integrator::new(Pendulum { g: 9.8, sigma: 0.1 }, Midpoint);
+//! println!("{}", pendulum.plan());                       // what the step became
+//! let mut state = State::new([1.0], [0.0]);              // q, p at t = 0
+//! pendulum.step(&mut state, 0.01, &[0.02])?;             // one step with a given Wiener increment
+//! for state in pendulum.trajectory(state, 0.01, Wiener::new(42)).take(100) {
+//!     let state = state?;
+//!     println!("{} {} {}", state.t, state.q[0], pendulum.system().hamiltonian(&state)?);
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Map
+//!
+//! | to | use |
+//! | --- | --- |
+//! | describe a system | [`#[variational(…)]`](macro@variational) |
+//! | choose a rule | [`InitialPoint`], [`Endpoint`], [`Midpoint`], [`Taylor2`] |
+//! | make steps | [`Integrator`], [`State`], and [`Method`] with `step`, `prepare` and `trajectory` |
+//! | see what a step became | [`Integrator::plan`], [`Plan`] |
+//! | drive it with noise | [`noise`]: [`Wiener`](noise::Wiener), [`Recorded`](noise::Recorded), [`Truncated`](noise::Truncated), [`FromRng`](noise::FromRng), [`NoNoise`](noise::NoNoise) |
+//! | evaluate energy, momentum, velocity, drift | [`Mechanics`] |
+//! | compare with other methods | [`baseline`] |
+//! | write code for any system | [`System`], [`Variational`], [`Dims`] |
+//! | change Newton's method | [`Newton`], [`Integrator::with_newton`] |
+//!
+//! [`prelude`] has what a program that integrates a system imports.
+//!
+//! # Errors
+//!
+//! What can fail returns [`StepError`], or [`NoiseError`](noise::NoiseError) for a noise source alone: a message with the numbers
+//! in question and what to change. A step that fails leaves the state as it was. A NaN or infinite input, a step size that is not positive, a
+//! singular mass matrix, an iteration that does not converge and an overflow are errors; no step returns NaN.
+//!
+//! # Features
+//!
+//! There are none.
 
 pub mod baseline;
 mod error;
@@ -49,3 +115,8 @@ pub mod __private {
     pub use crate::system::{Dims, LagrangianJet, NoiseJet, System, Variational};
     pub use crate::turn::turn;
 }
+
+/// The examples of the readme, as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;
