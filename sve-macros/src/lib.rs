@@ -1,6 +1,7 @@
 //! The procedural macro of [sve](https://docs.rs/sve-runtime): from a Lagrangian to a specialised variational step.
 //!
-//! Use it through `sve-runtime`, which re-exports it.
+//! Use it through `sve-runtime`, which re-exports it and has runnable examples. Generated code refers to that crate.
+//! How the macro works is told in `ARCHITECTURE.md`; the code begins in `compile.rs`, a line a stage.
 
 mod action;
 mod compile;
@@ -25,6 +26,85 @@ mod symbolic;
 use proc_macro::TokenStream;
 
 /// Derives variational integrators from the Lagrangian and the noise terms of an `impl` block.
+///
+/// # Arguments
+///
+/// `#[variational(rule, …)]` lists the rules to derive, each once; `crate = path` may stand among them.
+///
+/// | argument | type in the runtime | node of the discrete action | deterministic order |
+/// | --- | --- | --- | --- |
+/// | `initial_point` | `InitialPoint` | start of the step | 1 |
+/// | `endpoint` | `Endpoint` | end of the step | 1 |
+/// | `midpoint` | `Midpoint` | middle of the step | 2 |
+/// | `taylor2` | `Taylor2` | start and end, with the Taylor expansion of the flow; for blocks without noise | 2 |
+/// | `crate = path` | | path of the runtime crate; `::sve_runtime` if not given | |
+///
+/// # Items of the block
+///
+/// | item | signature (`t: f64` may come first, after `&self`) | meaning |
+/// | --- | --- | --- |
+/// | `fn lagrangian` | `(&self, q: [f64; N], v: [f64; N]) -> f64` | L, required |
+/// | `#[gamma] fn …` | `(&self, q: [f64; N]) -> f64` or `-> [f64; M]` | γ: one Wiener process a component |
+/// | `#[h1] fn …` | `(&self, q: [f64; N], p: [f64; N]) -> f64` or `-> [f64; M]` | H₁: likewise |
+/// | other `fn` | anything in the language below | helpers, inlined |
+/// | `const` | a number or an array | written `Self::NAME` |
+///
+/// The equations are, with Stratonovich integrals and an independent Wiener process for each γ and each H₁ in source order,
+///
+/// ```text
+/// dq =  v dt      + Σ ∂H₁/∂p ∘ dW
+/// dp = ∂L/∂q dt   + Σ ∂γ/∂q ∘ dW − Σ ∂H₁/∂q ∘ dW        p = ∂L/∂v
+/// ```
+///
+/// `N = 1` may be written `q: f64`. What the functions read of `self` are the parameters: fields `f64` and `[f64; K]`, whose
+/// lengths need not be known to the macro. `N` and `M` are literals or constants of the block, `Self::N`.
+///
+/// # Language of a body
+///
+/// Straight-line Rust over `f64`:
+///
+/// - `let` with patterns (names, tuples, arrays, `_`), shadowing, `let mut` with `=`, `+=`, `-=`, `*=`, `/=`; blocks;
+/// - `+ − * /`, parentheses, `f64` literals, and integers where Rust wants them: indices, bounds, exponents of `powi`;
+/// - `for` over a range with bounds known at compile time, or over an array; loops are unrolled;
+/// - arrays, tuples, `[x; N]`, indexing by what is known at compile time, `len()` of an array;
+/// - calls of functions of the block, `self.f(…)` or `Self::f(…)`, constants `Self::NAME`, and `std::f64::consts`;
+/// - `as f64` and `f64::from` of integers known at compile time;
+/// - of the methods of `f64`: `powi`, `powf`, `sqrt`, `cbrt`, `exp`, `exp2`, `exp_m1`, `ln`, `ln_1p`, `log2`, `log10`, `sin`, `cos`, `sin_cos`,
+///   `tan`, `asin`, `acos`, `atan`, `atan2`, `sinh`, `cosh`, `tanh`, `asinh`, `acosh`, `atanh`, `hypot`, `recip`, `mul_add`, `to_radians`,
+///   `to_degrees`.
+///
+/// # What is refused
+///
+/// Each of these is an error at the token in question that says what to write instead; independent mistakes are reported
+/// together.
+///
+/// | refused | why |
+/// | --- | --- |
+/// | `abs`, `signum`, `min`, `max`, `clamp`, `floor`, `round`, …, `%` of numbers | not smooth: there is no derivative to take |
+/// | `if`, `match`, comparisons | a Lagrangian is one formula everywhere |
+/// | `while`, bounds of loops and indices that are not known at compile time, recursion | nothing could be unrolled |
+/// | functions and constants outside the block, closures, macro calls | the macro sees the tokens of this block alone |
+/// | generic blocks, blocks of a trait, `cfg` on an item of the block | likewise: the types or items are not known |
+/// | `&mut self`, `self`, coordinates by reference | functions of a system have no effects |
+/// | a noise with derivative zero | it would move nothing |
+/// | a Lagrangian whose `∂²L/∂v²` is singular everywhere | the momenta do not determine the velocities |
+/// | `taylor2` with noise | the rule is defined for deterministic systems |
+/// | `#[force]`, `#[symmetry]`, `#[constraint]` | reserved, not supported yet |
+/// | bodies that unroll to more than 30 000 expressions or 2 000 000 steps of evaluation | compile time |
+///
+/// # What is generated
+///
+/// The block itself, without the role attributes: its functions remain ordinary functions. Beside it
+///
+/// - `impl System`: L and the noise Hamiltonians with their first and second derivatives, on which energy, Legendre transform, drift
+///   and the baseline methods rest;
+/// - for each rule `impl Variational<Rule>`: `prepare`, what depends on parameters and step size alone; `increment`, the
+///   step; and `PLAN`, what the step became. The doc comment of `increment` shows the discrete action.
+///
+/// The step solves `p₀ = −∂S/∂q₀`, `p₁ = ∂S/∂q₁`, `0 = ∂S/∂(internal variables)` for the discrete action S of the rule, which includes the
+/// Stratonovich correction. It is straight-line code with one `let` an operation around its linear solves and Newton
+/// iterations, and it does not allocate. After an error the implementations are emitted without bodies, so that uses of the
+/// system give no errors of their own.
 #[proc_macro_attribute]
 pub fn variational(attribute: TokenStream, item: TokenStream) -> TokenStream {
     compile::expand(&attribute.into(), &item.into()).into()

@@ -89,6 +89,79 @@ pub use newton::Newton;
 pub use plan::{Block, BlockKind, Operations, Plan, StrongOrder};
 pub use rules::{Endpoint, InitialPoint, Midpoint, Taylor2};
 pub use state::State;
+/// A system with time-dependent L, a helper, a constant, a parameter array and two noises:
+///
+/// ```
+/// use sve_runtime::prelude::*;
+///
+/// /// Two beads on parallel rails, coupled by a spring whose stiffness is modulated.
+/// struct Beads { m: [f64; 2], k: f64, sigma: f64 }
+///
+/// #[variational(midpoint, endpoint)]
+/// impl Beads {
+///     const DEPTH: f64 = 0.1;
+///
+///     fn stiffness(&self, t: f64) -> f64 {
+///         self.k * (1.0 + Self::DEPTH * t.sin())
+///     }
+///
+///     fn lagrangian(&self, t: f64, q: [f64; 2], v: [f64; 2]) -> f64 {
+///         let mut kinetic = 0.0;
+///         for i in 0..2 {
+///             kinetic += 0.5 * self.m[i] * v[i].powi(2);
+///         }
+///         kinetic - 0.5 * self.stiffness(t) * (q[1] - q[0]).powi(2)
+///     }
+///
+///     #[gamma]
+///     fn pushes(&self, q: [f64; 2]) -> [f64; 2] {
+///         [self.sigma * q[0], self.sigma * q[1]]
+///     }
+/// }
+///
+/// # fn main() -> Result<(), StepError> {
+/// let beads = Integrator::new(Beads { m: [1.0, 2.0], k: 4.0, sigma: 0.1 }, Endpoint);
+/// assert_eq!((beads.plan().degrees_of_freedom, beads.plan().noises), (2, 2));
+/// let mut state = State::new([0.0, 1.0], [0.0, 0.0]);
+/// beads.step(&mut state, 0.01, &[0.02, -0.01])?;
+/// // the functions of the block remain functions
+/// assert_eq!(beads.system().stiffness(0.0), 4.0);
+/// # Ok(())
+/// # }
+/// ```
+///
+/// With the runtime under another name, here within a module of one's own crate:
+///
+/// ```
+/// mod physics {
+///     pub use sve_runtime as sve;
+/// }
+/// use physics::sve::prelude::*;
+///
+/// struct Oscillator;
+///
+/// #[variational(taylor2, crate = physics::sve)]
+/// impl Oscillator {
+///     fn lagrangian(&self, q: f64, v: f64) -> f64 {
+///         0.5 * v * v - 0.5 * q * q
+///     }
+/// }
+/// # let _ = Integrator::new(Oscillator, Taylor2).plan();
+/// ```
+///
+/// What is not smooth is refused:
+///
+/// ```compile_fail
+/// # use sve_runtime::prelude::*;
+/// # struct Wall;
+/// #[variational(midpoint)]
+/// impl Wall {
+///     fn lagrangian(&self, q: f64, v: f64) -> f64 {
+///         0.5 * v * v - q.abs() // error: `abs` has no derivative at 0: write …
+///     }
+/// }
+/// # fn main() {}
+/// ```
 pub use sve_macros::variational;
 pub use system::{
     DerivedFor, Dimensions, Dims, IncrementsOf, LagrangianJet, NoiseJet, StateOf, System,
