@@ -1,6 +1,6 @@
 //! A figure as SVG and PNG.
 //!
-//! Both are drawn with the same code at [`SCALE`] device units a CSS pixel: plotters has integer coordinates, and whole
+//! Both are drawn with the same code at `SCALE` device units a CSS pixel: plotters has integer coordinates, and whole
 //! CSS pixels would make curves jagged. The font is embedded in the program; SVG names the generic family.
 
 use std::error::Error;
