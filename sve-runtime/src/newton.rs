@@ -331,16 +331,16 @@ fn relative<const K: usize>(at: &Evaluation<K>) -> f64 {
     let (mut largest, mut sum) = (0.0, 0.0);
     for i in 0..K {
         let m = at.magnitude[i];
-        // 0/0 is 0: an equation whose terms all vanish is satisfied. An infinite m is NaN: no finite residual is small
+        // 0/0 is 0: an equation whose terms all vanish is satisfied. An infinite m gives NaN: no finite residual is small
         // against infinity.
-        let r = at.residual[i].abs() / (m + f64::MIN_POSITIVE) + (m - m);
+        let r = at.residual[i].abs() / (m + f64::MIN_POSITIVE) + 0.0 * m;
         if r > largest {
             largest = r;
         }
         sum += r;
     }
     // the comparison drops a NaN, the sum does not
-    largest + (sum - sum)
+    largest + 0.0 * sum
 }
 
 #[cfg(test)]

@@ -36,6 +36,7 @@ fn turn_far(sin: f64, cos: f64, by: f64) -> (f64, f64) {
 
 /// `(sin x − x)/x³` of `x²`.
 #[inline]
+#[allow(clippy::excessive_precision)] // as their authors print them
 fn sine(x2: f64) -> f64 {
     const S: [f64; 6] = [
         -1.666_666_666_666_663_243_48e-01,
@@ -51,6 +52,7 @@ fn sine(x2: f64) -> f64 {
 
 /// `(cos x − 1 + x²/2)/x⁴` of `x²`.
 #[inline]
+#[allow(clippy::excessive_precision)] // as above
 fn cosine(x2: f64) -> f64 {
     const C: [f64; 6] = [
         4.166_666_666_666_660_190_37e-02,

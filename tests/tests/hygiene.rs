@@ -59,6 +59,8 @@ mod under_denied_lints {
         unreachable_pub
     )]
     #![deny(clippy::all, clippy::pedantic, clippy::nursery)]
+    // contradicts `unreachable_pub`
+    #![allow(clippy::redundant_pub_crate)]
     #![forbid(unsafe_code)]
 
     /// A system.
@@ -257,6 +259,7 @@ mod shadowed_types {
         }
     }
 
+    #[allow(clippy::unused_self)] // only the names matter
     impl Shadowed {
         /// Called like methods of the derived traits.
         pub fn prepare(&self) {}

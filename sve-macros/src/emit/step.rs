@@ -192,7 +192,7 @@ fn results(solves: &[Solve], dq: &[Value], dp: &[Value]) -> Vec<Value> {
         match solve {
             Solve::Formula => {}
             Solve::System(System { matrix, rhs }, _) => {
-                results.extend(matrix.iter().flatten().chain(rhs))
+                results.extend(matrix.iter().flatten().chain(rhs));
             }
             Solve::Iteration(newton) => {
                 let Newton {

@@ -2,14 +2,14 @@
 
 /// Linear oscillator, endpoint rule: the three-line loop.
 #[inline]
-pub fn oscillator_endpoint(z: &mut [f64; 2], h: f64, sigma: f64, dw: f64) {
+pub(crate) fn oscillator_endpoint(z: &mut [f64; 2], h: f64, sigma: f64, dw: f64) {
     z[0] += h * z[1];
     z[1] = z[1] - h * z[0] + sigma * dw;
 }
 
 /// Kubo oscillator, midpoint rule in its Cayley form: a rotation with `tan(θ/2) = x/2`.
 #[inline]
-pub fn kubo_cayley(z: &mut [f64; 2], h: f64, a: f64, sigma: f64, dw: f64) {
+pub(crate) fn kubo_cayley(z: &mut [f64; 2], h: f64, a: f64, sigma: f64, dw: f64) {
     let half = 0.5 * (a * h + sigma * dw);
     let scale = 1.0 / (1.0 + half * half);
     let (c, s) = ((1.0 - half * half) * scale, 2.0 * half * scale);
@@ -18,7 +18,7 @@ pub fn kubo_cayley(z: &mut [f64; 2], h: f64, a: f64, sigma: f64, dw: f64) {
 
 /// Pendulum, midpoint rule: Newton's method on `(q₁, p₁)` from the old state, until the update is at rounding.
 #[inline]
-pub fn pendulum_naive(z: &mut [f64; 2], h: f64, g: f64) {
+pub(crate) fn pendulum_naive(z: &mut [f64; 2], h: f64, g: f64) {
     let [q0, p0] = *z;
     let (mut q1, mut p1) = (q0, p0);
     for _ in 0..50 {
@@ -38,7 +38,7 @@ pub fn pendulum_naive(z: &mut [f64; 2], h: f64, g: f64) {
 
 /// Pendulum, midpoint rule: one unknown, a guess extrapolated from the step before, no iteration to confirm.
 #[inline]
-pub fn pendulum_best(z: &mut [f64; 2], last: &mut f64, h: f64, g: f64) {
+pub(crate) fn pendulum_best(z: &mut [f64; 2], last: &mut f64, h: f64, g: f64) {
     let [q0, p0] = *z;
     let (half, kick) = (0.5 * h, 0.5 * h * g);
     let mut v = p0 + *last;
@@ -56,16 +56,16 @@ pub fn pendulum_best(z: &mut [f64; 2], last: &mut f64, h: f64, g: f64) {
 }
 
 /// Parameters of the double pendulum.
-pub struct Double {
-    pub m: [f64; 2],
-    pub l: [f64; 2],
-    pub g: f64,
+pub(crate) struct Double {
+    pub(crate) m: [f64; 2],
+    pub(crate) l: [f64; 2],
+    pub(crate) g: f64,
 }
 
 /// Double pendulum, midpoint rule: Newton's method on the velocity at the midpoint with a hand-derived Jacobian, from
 /// the explicit velocity, until the update is at rounding.
 #[inline]
-pub fn double_naive(q: &mut [f64; 2], p: &mut [f64; 2], h: f64, s: &Double) {
+pub(crate) fn double_naive(q: &mut [f64; 2], p: &mut [f64; 2], h: f64, s: &Double) {
     let (m11, m22) = (
         (s.m[0] + s.m[1]) * s.l[0] * s.l[0],
         s.m[1] * s.l[1] * s.l[1],

@@ -11,6 +11,7 @@ use std::time::Instant;
 use criterion::Criterion;
 use sve_runtime::noise::Wiener;
 use sve_runtime::prelude::*;
+use sve_runtime::{Dims, System, Variational};
 
 const STEPS: usize = 2000;
 
@@ -91,145 +92,117 @@ struct Comparison<'a> {
     sides: Vec<Side<'a>>,
 }
 
-fn comparisons(dw: &[f64]) -> Vec<Comparison<'_>> {
-    let oscillator = Integrator::new(Oscillator { sigma: 1.0 }, Endpoint);
-    let kubo = Integrator::new(Kubo { a: 1.0, sigma: 1.0 }, Midpoint);
-    let pendulum = Integrator::new(Pendulum { g: 9.8 }, Midpoint);
-    let parameters = || hand::Double {
-        m: [1.0, 0.5],
-        l: [1.0, 0.7],
-        g: 9.8,
+/// A side with a name.
+fn side<'a>(name: &'static str, run: impl Fn() -> f64 + 'a) -> Side<'a> {
+    (name, Box::new(run))
+}
+
+/// All steps of a derived integrator, one for each entry of `dw`.
+fn derived<S, R, const N: usize, const M: usize>(
+    integrator: &Integrator<S, R>,
+    start: State<N>,
+    h: f64,
+    dw: impl Iterator<Item = [f64; M]>,
+) -> f64
+where
+    S: Variational<R> + System<Dims = Dims<N, M>>,
+{
+    let mut state = black_box(start);
+    let h = black_box(h);
+    for dw in dw {
+        integrator.step(&mut state, h, &dw).expect("a step");
+    }
+    state.q[0] + state.p[N - 1]
+}
+
+/// Increments of no process.
+fn quiet() -> impl Iterator<Item = [f64; 0]> {
+    std::iter::repeat_n([], STEPS)
+}
+
+fn oscillator(dw: &[f64]) -> Comparison<'_> {
+    let integrator = Integrator::new(Oscillator { sigma: 1.0 }, Endpoint);
+    let hand = move || {
+        let mut z = black_box([1.0, 0.0]);
+        let (h, sigma) = black_box((0.1, 1.0));
+        for &dw in dw {
+            hand::oscillator_endpoint(&mut z, h, sigma, dw);
+        }
+        z[0] + z[1]
     };
-    let double = Integrator::new(
-        DoublePendulum {
-            m: [1.0, 0.5],
-            l: [1.0, 0.7],
-            g: 9.8,
-        },
-        Midpoint,
-    );
-    vec![
-        Comparison {
-            name: "oscillator endpoint",
-            sides: vec![
-                (
-                    "three-line loop",
-                    Box::new(move || {
-                        let mut z = black_box([1.0, 0.0]);
-                        let (h, sigma) = black_box((0.1, 1.0));
-                        for &dw in dw {
-                            hand::oscillator_endpoint(&mut z, h, sigma, dw);
-                        }
-                        z[0] + z[1]
-                    }),
-                ),
-                (
-                    "sve",
-                    Box::new(move || {
-                        let mut state = black_box(State::new([1.0], [0.0]));
-                        let h = black_box(0.1);
-                        for &dw in dw {
-                            oscillator.step(&mut state, h, &[dw]).expect("a step");
-                        }
-                        state.q[0] + state.p[0]
-                    }),
-                ),
-            ],
-        },
-        Comparison {
-            name: "Kubo midpoint",
-            sides: vec![
-                (
-                    "Cayley form",
-                    Box::new(move || {
-                        let mut z = black_box([1.0, 0.0]);
-                        let (h, a, sigma) = black_box((0.1, 1.0, 1.0));
-                        for &dw in dw {
-                            hand::kubo_cayley(&mut z, h, a, sigma, dw);
-                        }
-                        z[0] + z[1]
-                    }),
-                ),
-                (
-                    "sve",
-                    Box::new(move || {
-                        let mut state = black_box(State::new([1.0], [0.0]));
-                        let h = black_box(0.1);
-                        for &dw in dw {
-                            kubo.step(&mut state, h, &[dw]).expect("a step");
-                        }
-                        state.q[0] + state.p[0]
-                    }),
-                ),
-            ],
-        },
-        Comparison {
-            name: "pendulum midpoint",
-            sides: vec![
-                (
-                    "naive Newton",
-                    Box::new(|| {
-                        let mut z = black_box([1.0, 0.3]);
-                        let (h, g) = black_box((0.1, 9.8));
-                        for _ in 0..STEPS {
-                            hand::pendulum_naive(&mut z, h, g);
-                        }
-                        z[0] + z[1]
-                    }),
-                ),
-                (
-                    "best by hand",
-                    Box::new(|| {
-                        let mut z = black_box([1.0, 0.3]);
-                        let (h, g) = black_box((0.1, 9.8));
-                        let mut last = 0.0;
-                        for _ in 0..STEPS {
-                            hand::pendulum_best(&mut z, &mut last, h, g);
-                        }
-                        z[0] + z[1]
-                    }),
-                ),
-                (
-                    "sve",
-                    Box::new(move || {
-                        let mut state = black_box(State::new([1.0], [0.3]));
-                        let h = black_box(0.1);
-                        for _ in 0..STEPS {
-                            pendulum.step(&mut state, h, &[]).expect("a step");
-                        }
-                        state.q[0] + state.p[0]
-                    }),
-                ),
-            ],
-        },
-        Comparison {
-            name: "double pendulum midpoint",
-            sides: vec![
-                (
-                    "naive Newton",
-                    Box::new(move || {
-                        let (mut q, mut p) = black_box(([1.0, 0.5], [0.3, -0.2]));
-                        let (h, system) = (black_box(0.01), parameters());
-                        for _ in 0..STEPS {
-                            hand::double_naive(&mut q, &mut p, h, &system);
-                        }
-                        q[0] + p[1]
-                    }),
-                ),
-                (
-                    "sve",
-                    Box::new(move || {
-                        let mut state = black_box(State::new([1.0, 0.5], [0.3, -0.2]));
-                        let h = black_box(0.01);
-                        for _ in 0..STEPS {
-                            double.step(&mut state, h, &[]).expect("a step");
-                        }
-                        state.q[0] + state.p[1]
-                    }),
-                ),
-            ],
-        },
-    ]
+    let start = State::new([1.0], [0.0]);
+    let sve = move || derived(&integrator, start, 0.1, dw.iter().map(|&dw| [dw]));
+    Comparison {
+        name: "oscillator endpoint",
+        sides: vec![side("three-line loop", hand), side("sve", sve)],
+    }
+}
+
+fn kubo(dw: &[f64]) -> Comparison<'_> {
+    let integrator = Integrator::new(Kubo { a: 1.0, sigma: 1.0 }, Midpoint);
+    let hand = move || {
+        let mut z = black_box([1.0, 0.0]);
+        let (h, a, sigma) = black_box((0.1, 1.0, 1.0));
+        for &dw in dw {
+            hand::kubo_cayley(&mut z, h, a, sigma, dw);
+        }
+        z[0] + z[1]
+    };
+    let start = State::new([1.0], [0.0]);
+    let sve = move || derived(&integrator, start, 0.1, dw.iter().map(|&dw| [dw]));
+    Comparison {
+        name: "Kubo midpoint",
+        sides: vec![side("Cayley form", hand), side("sve", sve)],
+    }
+}
+
+fn pendulum() -> Comparison<'static> {
+    let integrator = Integrator::new(Pendulum { g: 9.8 }, Midpoint);
+    let naive = || {
+        let mut z = black_box([1.0, 0.3]);
+        let (h, g) = black_box((0.1, 9.8));
+        for _ in 0..STEPS {
+            hand::pendulum_naive(&mut z, h, g);
+        }
+        z[0] + z[1]
+    };
+    let best = || {
+        let mut z = black_box([1.0, 0.3]);
+        let (h, g) = black_box((0.1, 9.8));
+        let mut last = 0.0;
+        for _ in 0..STEPS {
+            hand::pendulum_best(&mut z, &mut last, h, g);
+        }
+        z[0] + z[1]
+    };
+    let sve = move || derived(&integrator, State::new([1.0], [0.3]), 0.1, quiet());
+    Comparison {
+        name: "pendulum midpoint",
+        sides: vec![
+            side("naive Newton", naive),
+            side("best by hand", best),
+            side("sve", sve),
+        ],
+    }
+}
+
+fn double_pendulum() -> Comparison<'static> {
+    let (m, l, g) = ([1.0, 0.5], [1.0, 0.7], 9.8);
+    let integrator = Integrator::new(DoublePendulum { m, l, g }, Midpoint);
+    let naive = move || {
+        let (mut q, mut p) = black_box(([1.0, 0.5], [0.3, -0.2]));
+        let (h, system) = (black_box(0.01), hand::Double { m, l, g });
+        for _ in 0..STEPS {
+            hand::double_naive(&mut q, &mut p, h, &system);
+        }
+        q[0] + p[1]
+    };
+    let start = State::new([1.0, 0.5], [0.3, -0.2]);
+    let sve = move || derived(&integrator, start, 0.01, quiet());
+    Comparison {
+        name: "double pendulum midpoint",
+        sides: vec![side("naive Newton", naive), side("sve", sve)],
+    }
 }
 
 /// Alternating runs of a comparison.
@@ -263,7 +236,7 @@ fn ratios(comparisons: &[Comparison<'_>]) {
 
 fn main() {
     let dw = increments();
-    let comparisons = comparisons(&dw);
+    let comparisons = [oscillator(&dw), kubo(&dw), pendulum(), double_pendulum()];
     let mut criterion = Criterion::default().configure_from_args();
     for Comparison { name, sides } in &comparisons {
         let mut group = criterion.benchmark_group(*name);
