@@ -56,8 +56,8 @@ use proc_macro::TokenStream;
 /// dp = ∂L/∂q dt   + Σ ∂γ/∂q ∘ dW − Σ ∂H₁/∂q ∘ dW        p = ∂L/∂v
 /// ```
 ///
-/// `N = 1` may be written `q: f64`. What the functions read of `self` are the parameters: fields `f64` and `[f64; K]`, whose
-/// lengths need not be known to the macro. `N` and `M` are literals or constants of the block, `Self::N`.
+/// `N = 1` may be written `q: f64`. What the functions read of `self` are the parameters: fields `f64` and `[f64; K]`, also of
+/// structs within, whose lengths need not be known to the macro. `N` and `M` are literals or constants of the block, `Self::N`.
 ///
 /// # Language of a body
 ///
