@@ -1,8 +1,13 @@
 //! A system with a rule: the step, and what it is called with.
 
+use crate::error::StepError;
+use crate::method::Method;
 use crate::newton::Newton;
+use crate::noise::Noise;
 use crate::plan::Plan;
-use crate::system::{DerivedFor, Variational};
+use crate::state::State;
+use crate::system::{DerivedFor, Dims, System, Variational};
+use crate::trajectory::Trajectory;
 
 /// A system and the rule that discretises its action.
 ///
@@ -27,6 +32,8 @@ use crate::system::{DerivedFor, Variational};
 /// # Ok(())
 /// # }
 /// ```
+///
+/// It owns the system, or borrows it: `Integrator::new(&pendulum, Midpoint)` leaves it to other methods too.
 #[derive(Clone, Copy, Debug)]
 pub struct Integrator<S, R> {
     system: S,
@@ -74,5 +81,30 @@ impl<S: Variational<R>, R> Integrator<S, R> {
     /// What the step became.
     pub fn plan(&self) -> &'static Plan {
         S::PLAN
+    }
+}
+
+/// What [`Method`] offers, without having to import it.
+impl<S, R, const N: usize, const M: usize> Integrator<S, R>
+where
+    S: Variational<R> + System<Dims = Dims<N, M>>,
+{
+    /// One step of length `h` with the given Wiener increments, one a process in source order.
+    ///
+    /// # Errors
+    /// A [`StepError`] when an input is not finite, `h ≤ 0`, or the step fails; `state` is then unchanged.
+    #[inline]
+    pub fn step(&self, state: &mut State<N>, h: f64, dw: &[f64; M]) -> Result<(), StepError> {
+        Method::step(self, state, h, dw)
+    }
+
+    /// The states after each step of length `h` from `state`; see [`Method::trajectory`].
+    pub fn trajectory<W: Noise>(
+        &self,
+        state: State<N>,
+        h: f64,
+        noise: W,
+    ) -> Trajectory<'_, Self, W> {
+        Method::trajectory(self, state, h, noise)
     }
 }

@@ -94,12 +94,14 @@ where
         dw: &[f64; M],
     ) -> Result<(), StepError> {
         let system = Integrator::system(self);
-        match system.increment(prepared, state, h, dw, self.newton()) {
-            Ok((q, p)) if S::RETURNS_STATE => replace(state, h, dw, &q, &p),
-            Ok((dq, dp)) => advance(state, h, dw, &dq, &dp),
-            Err(error) => Err(explain(error, &{ *state }, h, &{ *dw })),
-        }
-        .map_err(|error| look_at_the_mass(system, error))
+        let error = match system.increment(prepared, state, h, dw, self.newton()) {
+            Ok((q, p)) if S::RETURNS_STATE && replace(state, h, &q, &p) => return Ok(()),
+            Ok((dq, dp)) if !S::RETURNS_STATE && add(state, h, &dq, &dp) => return Ok(()),
+            Ok(_) => SolveError::NonFinite,
+            Err(error) => error,
+        };
+        let error = explain(error, &{ *state }, h, &{ *dw });
+        Err(look_at_the_mass(system, error))
     }
 }
 
@@ -122,39 +124,43 @@ pub(crate) fn advance<const N: usize, const M: usize>(
     dq: &[f64; N],
     dp: &[f64; N],
 ) -> Result<(), StepError> {
+    if add(state, h, dq, dp) {
+        Ok(())
+    } else {
+        Err(explain(SolveError::NonFinite, &{ *state }, h, &{ *dw }))
+    }
+}
+
+/// Adds the increments to the state where the result is finite; whether it was.
+#[inline]
+fn add<const N: usize>(state: &mut State<N>, h: f64, dq: &[f64; N], dp: &[f64; N]) -> bool {
     let (mut q, mut p) = (state.q, state.p);
     for i in 0..N {
         q[i] += dq[i];
         p[i] += dp[i];
     }
-    replace(state, h, dw, &q, &p)
+    replace(state, h, &q, &p)
 }
 
-/// Replaces the state where the result is finite.
+/// Replaces the state where the result is finite; whether it was.
 #[inline]
-fn replace<const N: usize, const M: usize>(
-    state: &mut State<N>,
-    h: f64,
-    dw: &[f64; M],
-    q: &[f64; N],
-    p: &[f64; N],
-) -> Result<(), StepError> {
+fn replace<const N: usize>(state: &mut State<N>, h: f64, q: &[f64; N], p: &[f64; N]) -> bool {
     // One test of the sum finds every NaN and infinity; that it may overflow by itself is sorted out off the path.
     let mut sum = 0.0;
     for i in 0..N {
         sum += q[i] + p[i];
     }
     if !sum.is_finite() && !all_finite(&{ *q }, &{ *p }) {
-        return Err(explain(SolveError::NonFinite, &{ *state }, h, &{ *dw }));
+        return false;
     }
     // After the branch: beside the additions of q the compiler would put both into one vector, which makes the chain of
     // operations from q to q longer.
     let t = state.t + h;
     if !t.is_finite() {
-        return Err(explain(SolveError::NonFinite, &{ *state }, h, &{ *dw }));
+        return false;
     }
     *state = State::at(t, *q, *p);
-    Ok(())
+    true
 }
 
 /// Says `Singular` where a result is not finite because the mass matrix has no inverse: a formula divides by it unasked.

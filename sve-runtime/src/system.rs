@@ -155,3 +155,53 @@ pub trait Variational<R>: System {
 pub trait DerivedFor<S> {}
 
 impl<S: Variational<R>, R> DerivedFor<S> for R {}
+
+#[diagnostic::do_not_recommend]
+impl<S: System> System for &S {
+    type Dims = S::Dims;
+    const AFFINE_MOMENTUM: bool = S::AFFINE_MOMENTUM;
+
+    #[inline]
+    fn lagrangian_jet(
+        &self,
+        t: f64,
+        q: &VectorOf<S>,
+        v: &VectorOf<S>,
+    ) -> <S::Dims as Dimensions>::LagrangianJet {
+        (**self).lagrangian_jet(t, q, v)
+    }
+
+    #[inline]
+    fn noise_jets(
+        &self,
+        t: f64,
+        q: &VectorOf<S>,
+        p: &VectorOf<S>,
+    ) -> <S::Dims as Dimensions>::NoiseJets {
+        (**self).noise_jets(t, q, p)
+    }
+}
+
+#[diagnostic::do_not_recommend]
+impl<S: Variational<R>, R> Variational<R> for &S {
+    type Prepared = S::Prepared;
+    const PLAN: &'static Plan = S::PLAN;
+    const RETURNS_STATE: bool = S::RETURNS_STATE;
+
+    #[inline]
+    fn prepare(&self, h: f64) -> S::Prepared {
+        (**self).prepare(h)
+    }
+
+    #[inline]
+    fn increment(
+        &self,
+        prepared: &S::Prepared,
+        state: &StateOf<S>,
+        h: f64,
+        dw: &IncrementsOf<S>,
+        newton: &Newton,
+    ) -> Result<(VectorOf<S>, VectorOf<S>), SolveError> {
+        (**self).increment(prepared, state, h, dw, newton)
+    }
+}

@@ -202,3 +202,22 @@ fn of_baselines() {
     let end = runge.trajectory(start, 0.05, NoNoise).nth(9);
     assert_eq!(end.unwrap().unwrap().t, 0.5);
 }
+
+/// A borrowed system is the same system.
+#[test]
+fn a_system_can_be_borrowed() {
+    let pendulum = sve_tests::models::Pendulum { g: 9.8 };
+    let start = State::new([1.0], [0.3]);
+    let (mut owned, mut borrowed, mut other) = (start, start, start);
+    let by_reference = Integrator::new(&pendulum, Midpoint);
+    Integrator::new(pendulum.clone(), Midpoint)
+        .step(&mut owned, 0.1, &[])
+        .unwrap();
+    by_reference.step(&mut borrowed, 0.1, &[]).unwrap();
+    sve_runtime::baseline::RungeKutta4::new(&pendulum)
+        .step(&mut other, 0.1, &[])
+        .unwrap();
+    assert_eq!(owned, borrowed);
+    assert!((other.q[0] - owned.q[0]).abs() < 1e-2);
+    assert_eq!(by_reference.plan().system, "Pendulum");
+}

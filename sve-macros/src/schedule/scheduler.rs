@@ -24,6 +24,9 @@ pub(crate) struct Scheduler<'a> {
     pub(super) shared_denominators: HashSet<Expr>,
 }
 
+/// Products of more factors than this are not opened to look for shorter ways.
+const OPENED: usize = 8;
+
 /// `Π base^exponent`.
 pub(super) type Factors = Vec<(Expr, i32)>;
 
@@ -129,32 +132,88 @@ impl<'a> Scheduler<'a> {
     /// `c Π base^k`, the factors in the order in which they become known.
     pub(super) fn lower_product(&mut self, c: f64, factors: &[(Expr, i32)]) -> Value {
         let last = factors.iter().map(|f| self.rank(f.0)).max().unwrap_or(0);
-        let mut sorted = factors.to_vec();
-        sorted.sort_by_key(|f| self.rank(f.0));
-        let mut product = (c != 1.0).then(|| self.constant(c));
-        let mut below: Option<Value> = None;
-        for (base, k) in sorted {
-            let value = self.done[&base];
-            let early = self.rank(base) < last;
-            if k < 0 && !early && !self.shared_denominators.contains(&base) {
-                let power = self.power(value, k.unsigned_abs());
-                below = Some(self.times(below, power));
-                continue;
+        let below_line = |this: &Self, &(base, k): &(Expr, i32)| {
+            k < 0 && this.rank(base) == last && !this.shared_denominators.contains(&base)
+        };
+        let (below, above): (Factors, Factors) = factors.iter().partition(|f| below_line(self, f));
+        let mut values = self.factors(&above);
+        if c != 1.0 || (values.is_empty() && below.is_empty()) {
+            values.push(self.constant(c));
+        }
+        let below: Vec<Value> = below
+            .iter()
+            .map(|&(base, k)| self.power(self.done[&base], k.unsigned_abs()))
+            .collect();
+        match (values.is_empty(), below.is_empty()) {
+            (_, true) => self.multiply(values),
+            (true, false) => {
+                let below = self.multiply(below);
+                self.push(Operation::Recip(below))
             }
+            (false, false) => {
+                let (values, below) = (self.multiply(values), self.multiply(below));
+                self.push(Operation::Div(values, below))
+            }
+        }
+    }
+
+    /// The values of factors, denominators as reciprocals.
+    pub(super) fn factors(&mut self, factors: &[(Expr, i32)]) -> Vec<Value> {
+        let mut values = Vec::with_capacity(factors.len());
+        for &(base, k) in factors {
+            let value = self.done[&base];
             let value = if k < 0 {
                 self.push(Operation::Recip(value))
             } else {
                 value
             };
-            let power = self.power(value, k.unsigned_abs());
-            product = Some(self.times(product, power));
+            values.push(self.power(value, k.unsigned_abs()));
         }
-        match (product, below) {
-            (Some(product), Some(below)) => self.push(Operation::Div(product, below)),
-            (None, Some(below)) => self.push(Operation::Recip(below)),
-            (Some(product), None) => product,
-            (None, None) => self.constant(1.0),
+        values
+    }
+
+    /// The product of values, with the products among them opened or as they stand, whichever is less work.
+    pub(super) fn multiply(&mut self, values: Vec<Value>) -> Value {
+        let opened = self.open_products(&values);
+        if opened.len() == values.len() || opened.len() > OPENED {
+            return self.chain(values);
         }
+        self.cheaper(
+            |this| this.chain(opened.clone()),
+            |this| this.chain(values.clone()),
+        )
+    }
+
+    /// The factors of values of the last tier among them.
+    fn open_products(&self, values: &[Value]) -> Vec<Value> {
+        let tier = |v: Value| self.program.get(v).tier;
+        let last = values.iter().map(|&v| tier(v).rank()).max().unwrap_or(0);
+        let mut open = values.to_vec();
+        let mut found = Vec::new();
+        while let Some(value) = open.pop() {
+            match self.program.get(value).operation {
+                Operation::Mul(a, b)
+                    if tier(value).rank() == last
+                        && tier(value) != Tier::Prepare
+                        && found.len() <= OPENED =>
+                {
+                    open.extend([a, b]);
+                }
+                _ => found.push(value),
+            }
+        }
+        found
+    }
+
+    /// The product of values in the order in which they become known, and of creation among those: the same factors make
+    /// the same products.
+    fn chain(&mut self, mut values: Vec<Value>) -> Value {
+        values.sort_by_key(|&v| (self.program.get(v).tier.rank(), v));
+        let mut product = None;
+        for value in values {
+            product = Some(self.times(product, value));
+        }
+        product.unwrap_or_else(|| self.constant(1.0))
     }
 
     pub(super) fn times(&mut self, product: Option<Value>, factor: Value) -> Value {
@@ -192,6 +251,30 @@ impl<'a> Scheduler<'a> {
         }
     }
 
+    /// `c·(x y)` for `(c·x)·y` with y known as early as x, so that products which differ by a constant share the rest; not in what is prepared,
+    /// where the constant costs nothing.
+    fn constant_outwards(&mut self, operation: Operation) -> Option<Value> {
+        let Operation::Mul(a, b) = operation else {
+            return None;
+        };
+        let is_constant =
+            |v: Value| matches!(self.program.get(v).operation, Operation::Constant(_));
+        for (scaled, other) in [(a, b), (b, a)] {
+            let instruction = self.program.get(scaled);
+            let Operation::Mul(x, y) = instruction.operation else {
+                continue;
+            };
+            let (c, x) = if is_constant(x) { (x, y) } else { (y, x) };
+            let early = self.program.get(other).tier.rank() <= instruction.tier.rank();
+            let prepared = instruction.tier == Tier::Prepare;
+            if early && !prepared && is_constant(c) && !is_constant(other) {
+                let bare = self.multiply(vec![x, other]);
+                return Some(self.push(Operation::Mul(c, bare)));
+            }
+        }
+        None
+    }
+
     /// The value of an operation that needs none: equal operands that cancel, and zeros and ones among them.
     fn trivial(&mut self, operation: Operation) -> Option<Value> {
         let constant = |v: Value| match self.program.get(v).operation {
@@ -215,6 +298,9 @@ impl<'a> Scheduler<'a> {
     pub(super) fn push(&mut self, operation: Operation) -> Value {
         if let Some(known) = self.trivial(operation) {
             return known;
+        }
+        if let Some(product) = self.constant_outwards(operation) {
+            return product;
         }
         let inner = |v: Value| self.negated(v);
         match operation {

@@ -137,7 +137,12 @@ impl Scheduler<'_> {
                 &[(base, -1)] if !self.shared_denominators.contains(&base) => {
                     Operation::Div(inner, self.done[&base])
                 }
-                _ => Operation::Mul(inner, self.lower_product(1.0, &common)),
+                _ => {
+                    let mut values = self.factors(&common);
+                    values.push(inner);
+                    parts.push((self.multiply(values), false));
+                    continue;
+                }
             };
             parts.push((self.push(product), false));
         }
@@ -156,7 +161,7 @@ impl Scheduler<'_> {
                 .collect();
             let coefficient = self.sum_items(&early);
             let late = self.lower_product(1.0, &late);
-            parts.push((self.push(Operation::Mul(coefficient, late)), false));
+            parts.push((self.multiply(vec![coefficient, late]), false));
         }
         parts
     }

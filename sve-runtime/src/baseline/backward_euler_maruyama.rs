@@ -9,9 +9,7 @@
 //! Strong order ½ (1 where the noise is additive), deterministic order 1.
 //! For: the stable scheme, which damps what should oscillate: its energy settles where the exact one grows.
 
-use crate::error::StepError;
 use crate::mechanics::{Field, correction_of, noise_of, solve_velocity};
-use crate::method::{Method, advance, check_step_size, explain};
 use crate::newton::{Evaluation, Newton, SolveError};
 use crate::state::State;
 use crate::system::{Dims, System};
@@ -74,30 +72,18 @@ impl<S: System> BackwardEulerMaruyama<S> {
     }
 }
 
-impl<S, const N: usize, const M: usize> Method for BackwardEulerMaruyama<S>
-where
-    S: System<Dims = Dims<N, M>>,
-{
-    type System = S;
-    type Prepared = ();
-
-    fn system(&self) -> &S {
-        &self.system
-    }
-
+impl<S> BackwardEulerMaruyama<S> {
+    /// `(q₁ − q₀, p₁ − p₀)`.
     #[inline]
-    fn prepare(&self, h: f64) -> Result<(), StepError> {
-        check_step_size(h)
-    }
-
-    #[inline]
-    fn step_prepared(
+    fn increment<const N: usize, const M: usize>(
         &self,
-        (): &(),
-        state: &mut State<N>,
+        state: &State<N>,
         h: f64,
         dw: &[f64; M],
-    ) -> Result<(), StepError> {
+    ) -> Result<Field<[f64; N]>, SolveError>
+    where
+        S: System<Dims = Dims<N, M>>,
+    {
         let jets = self.system.noise_jets(state.t, &state.q, &state.p);
         let mut n = noise_of(&jets, dw);
         if self.corrected {
@@ -107,12 +93,11 @@ where
                 n.p[i] += h * correction.p[i];
             }
         }
-        match drift_implicit(&self.system, &self.newton, state, h, &n) {
-            Ok(d) => advance(state, h, dw, &d.q, &d.p),
-            Err(error) => Err(explain(error, state, h, dw)),
-        }
+        drift_implicit(&self.system, &self.newton, state, h, &n)
     }
 }
+
+method_by_increment!(BackwardEulerMaruyama, M);
 
 /// `(q₁ − q₀, p₁ − p₀)` where `n` is what the noise contributes.
 #[inline]

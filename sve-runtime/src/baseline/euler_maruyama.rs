@@ -7,9 +7,8 @@
 //! Strong order ½ (1 where the noise is additive), deterministic order 1.
 //! For: the scheme that everyone knows, whose energy grows exponentially where the exact one grows linearly.
 
-use crate::error::StepError;
-use crate::mechanics::{correction_of, noise_of, solve_drift};
-use crate::method::{Method, advance, check_step_size, explain};
+use crate::mechanics::{Field, correction_of, noise_of, solve_drift};
+use crate::newton::SolveError;
 use crate::state::State;
 use crate::system::{Dims, System};
 
@@ -63,32 +62,19 @@ impl<S: System> EulerMaruyama<S> {
     }
 }
 
-impl<S, const N: usize, const M: usize> Method for EulerMaruyama<S>
-where
-    S: System<Dims = Dims<N, M>>,
-{
-    type System = S;
-    type Prepared = ();
-
-    fn system(&self) -> &S {
-        &self.system
-    }
-
+impl<S> EulerMaruyama<S> {
+    /// `(q₁ − q₀, p₁ − p₀)`.
     #[inline]
-    fn prepare(&self, h: f64) -> Result<(), StepError> {
-        check_step_size(h)
-    }
-
-    #[inline]
-    fn step_prepared(
+    fn increment<const N: usize, const M: usize>(
         &self,
-        (): &(),
-        state: &mut State<N>,
+        state: &State<N>,
         h: f64,
         dw: &[f64; M],
-    ) -> Result<(), StepError> {
-        let drift =
-            solve_drift(&self.system, state).map_err(|error| explain(error, state, h, dw))?;
+    ) -> Result<Field<[f64; N]>, SolveError>
+    where
+        S: System<Dims = Dims<N, M>>,
+    {
+        let drift = solve_drift(&self.system, state)?;
         let jets = self.system.noise_jets(state.t, &state.q, &state.p);
         let mut d = noise_of(&jets, dw);
         for i in 0..N {
@@ -102,6 +88,8 @@ where
                 d.p[i] += h * correction.p[i];
             }
         }
-        advance(state, h, dw, &d.q, &d.p)
+        Ok(d)
     }
 }
+
+method_by_increment!(EulerMaruyama, M);

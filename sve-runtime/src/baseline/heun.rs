@@ -6,9 +6,7 @@
 //! Strong order 1 where the noises commute, else ½; deterministic order 2.
 //! For: the explicit Stratonovich scheme of the same cost class as a variational step.
 
-use crate::error::StepError;
 use crate::mechanics::{Field, noise_of, solve_drift};
-use crate::method::{Method, advance, check_step_size, explain};
 use crate::newton::SolveError;
 use crate::state::State;
 use crate::system::{Dims, System};
@@ -51,48 +49,30 @@ impl<S: System> Heun<S> {
     }
 }
 
-impl<S, const N: usize, const M: usize> Method for Heun<S>
-where
-    S: System<Dims = Dims<N, M>>,
-{
-    type System = S;
-    type Prepared = ();
-
-    fn system(&self) -> &S {
-        &self.system
-    }
-
+impl<S> Heun<S> {
+    /// `(q₁ − q₀, p₁ − p₀)`.
     #[inline]
-    fn prepare(&self, h: f64) -> Result<(), StepError> {
-        check_step_size(h)
-    }
-
-    #[inline]
-    fn step_prepared(
+    fn increment<const N: usize, const M: usize>(
         &self,
-        (): &(),
-        state: &mut State<N>,
+        state: &State<N>,
         h: f64,
         dw: &[f64; M],
-    ) -> Result<(), StepError> {
-        let system = &self.system;
-        let both = || {
-            let first = euler(system, state, h, dw)?;
-            let second = euler(system, &stage(state, h, 1.0, &first)?, h, dw)?;
-            Ok((first, second))
-        };
-        match both() {
-            Ok((mut d, second)) => {
-                for i in 0..N {
-                    d.q[i] = 0.5 * (d.q[i] + second.q[i]);
-                    d.p[i] = 0.5 * (d.p[i] + second.p[i]);
-                }
-                advance(state, h, dw, &d.q, &d.p)
-            }
-            Err(error) => Err(explain(error, state, h, dw)),
+    ) -> Result<Field<[f64; N]>, SolveError>
+    where
+        S: System<Dims = Dims<N, M>>,
+    {
+        let first = euler(&self.system, state, h, dw)?;
+        let second = euler(&self.system, &stage(state, h, 1.0, &first)?, h, dw)?;
+        let mut d = first;
+        for i in 0..N {
+            d.q[i] = 0.5 * (first.q[i] + second.q[i]);
+            d.p[i] = 0.5 * (first.p[i] + second.p[i]);
         }
+        Ok(d)
     }
 }
+
+method_by_increment!(Heun, M);
 
 /// `h f(z) + Σ g_a(z) ΔW_a`.
 #[inline]

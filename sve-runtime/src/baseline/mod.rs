@@ -13,6 +13,49 @@
 //!
 //! None of them is symplectic: that is what they are here to show.
 
+/// `impl Method` for a baseline with `system` and `increment`; for systems without noise unless a name for the number of
+/// their processes is given.
+macro_rules! method_by_increment {
+    ($name:ident) => {
+        method_by_increment!(@ $name, 0,);
+    };
+    ($name:ident, $m:ident) => {
+        method_by_increment!(@ $name, $m, const $m: usize);
+    };
+    (@ $name:ident, $m:tt, $($generic:tt)*) => {
+        impl<S, const N: usize, $($generic)*> crate::method::Method for $name<S>
+        where
+            S: System<Dims = Dims<N, $m>>,
+        {
+            type System = S;
+            type Prepared = ();
+
+            fn system(&self) -> &S {
+                &self.system
+            }
+
+            #[inline]
+            fn prepare(&self, h: f64) -> Result<(), crate::error::StepError> {
+                crate::method::check_step_size(h)
+            }
+
+            #[inline]
+            fn step_prepared(
+                &self,
+                (): &(),
+                state: &mut State<N>,
+                h: f64,
+                dw: &[f64; $m],
+            ) -> Result<(), crate::error::StepError> {
+                match self.increment(state, h, dw) {
+                    Ok(d) => crate::method::advance(state, h, dw, &d.q, &d.p),
+                    Err(error) => Err(crate::method::explain(error, state, h, dw)),
+                }
+            }
+        }
+    };
+}
+
 mod backward_euler_maruyama;
 mod euler_maruyama;
 mod heun;

@@ -5,9 +5,7 @@
 //! W. Kutta, Z. Math. Phys. 46 (1901). Order 4; for systems without noise, which its type demands.
 //! For: the accurate scheme of everyday use, whose energy nevertheless drifts; and references over short times.
 
-use crate::error::StepError;
 use crate::mechanics::{Field, solve_drift};
-use crate::method::{Method, advance, check_step_size, explain};
 use crate::newton::SolveError;
 use crate::state::State;
 use crate::system::{Dims, System};
@@ -70,55 +68,31 @@ impl<S: System> RungeKutta4<S> {
     }
 }
 
-impl<S, const N: usize> Method for RungeKutta4<S>
-where
-    S: System<Dims = Dims<N, 0>>,
-{
-    type System = S;
-    type Prepared = ();
-
-    fn system(&self) -> &S {
-        &self.system
-    }
-
+impl<S> RungeKutta4<S> {
+    /// `(q₁ − q₀, p₁ − p₀)`.
     #[inline]
-    fn prepare(&self, h: f64) -> Result<(), StepError> {
-        check_step_size(h)
-    }
-
-    #[inline]
-    fn step_prepared(
+    #[allow(clippy::trivially_copy_pass_by_ref)] // the increments as every baseline takes them
+    fn increment<const N: usize>(
         &self,
-        (): &(),
-        state: &mut State<N>,
+        state: &State<N>,
         h: f64,
-        dw: &[f64; 0],
-    ) -> Result<(), StepError> {
-        match increment(&self.system, state, h) {
-            Ok(d) => advance(state, h, dw, &d.q, &d.p),
-            Err(error) => Err(explain(error, state, h, dw)),
+        _dw: &[f64; 0],
+    ) -> Result<Field<[f64; N]>, SolveError>
+    where
+        S: System<Dims = Dims<N, 0>>,
+    {
+        let half = 0.5 * h;
+        let k1 = solve_drift(&self.system, state)?;
+        let k2 = solve_drift(&self.system, &stage(state, half, half, &k1)?)?;
+        let k3 = solve_drift(&self.system, &stage(state, half, half, &k2)?)?;
+        let k4 = solve_drift(&self.system, &stage(state, h, h, &k3)?)?;
+        let mut d = k1;
+        for i in 0..N {
+            d.q[i] = h / 6.0 * (k1.q[i] + 2.0 * k2.q[i] + 2.0 * k3.q[i] + k4.q[i]);
+            d.p[i] = h / 6.0 * (k1.p[i] + 2.0 * k2.p[i] + 2.0 * k3.p[i] + k4.p[i]);
         }
+        Ok(d)
     }
 }
 
-#[inline]
-fn increment<S, const N: usize>(
-    system: &S,
-    z: &State<N>,
-    h: f64,
-) -> Result<Field<[f64; N]>, SolveError>
-where
-    S: System<Dims = Dims<N, 0>>,
-{
-    let half = 0.5 * h;
-    let k1 = solve_drift(system, z)?;
-    let k2 = solve_drift(system, &stage(z, half, half, &k1)?)?;
-    let k3 = solve_drift(system, &stage(z, half, half, &k2)?)?;
-    let k4 = solve_drift(system, &stage(z, h, h, &k3)?)?;
-    let mut d = k1;
-    for i in 0..N {
-        d.q[i] = h / 6.0 * (k1.q[i] + 2.0 * k2.q[i] + 2.0 * k3.q[i] + k4.q[i]);
-        d.p[i] = h / 6.0 * (k1.p[i] + 2.0 * k2.p[i] + 2.0 * k3.p[i] + k4.p[i]);
-    }
-    Ok(d)
-}
+method_by_increment!(RungeKutta4);

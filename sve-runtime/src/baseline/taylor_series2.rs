@@ -6,9 +6,8 @@
 //! For: the method from which the second-order Taylor variational integrator is made, which spends the same derivatives on
 //! the action instead; this one gains energy without bound.
 
-use crate::error::StepError;
-use crate::mechanics::{Motion, solve_motion};
-use crate::method::{Method, advance, check_step_size, explain};
+use crate::mechanics::{Field, Motion, solve_motion};
+use crate::newton::SolveError;
 use crate::state::State;
 use crate::system::{Dims, System};
 
@@ -53,37 +52,27 @@ impl<S: System> TaylorSeries2<S> {
     }
 }
 
-impl<S, const N: usize> Method for TaylorSeries2<S>
-where
-    S: System<Dims = Dims<N, 0>>,
-{
-    type System = S;
-    type Prepared = ();
-
-    fn system(&self) -> &S {
-        &self.system
-    }
-
+impl<S> TaylorSeries2<S> {
+    /// `(q₁ − q₀, p₁ − p₀)`.
     #[inline]
-    fn prepare(&self, h: f64) -> Result<(), StepError> {
-        check_step_size(h)
-    }
-
-    #[inline]
-    fn step_prepared(
+    #[allow(clippy::trivially_copy_pass_by_ref)] // the increments as every baseline takes them
+    fn increment<const N: usize>(
         &self,
-        (): &(),
-        state: &mut State<N>,
+        state: &State<N>,
         h: f64,
-        dw: &[f64; 0],
-    ) -> Result<(), StepError> {
-        let Motion { first, second } =
-            solve_motion(&self.system, state).map_err(|error| explain(error, state, h, dw))?;
+        _dw: &[f64; 0],
+    ) -> Result<Field<[f64; N]>, SolveError>
+    where
+        S: System<Dims = Dims<N, 0>>,
+    {
+        let Motion { first, second } = solve_motion(&self.system, state)?;
         let mut d = first;
         for i in 0..N {
             d.q[i] = h * (first.q[i] + 0.5 * h * second.q[i]);
             d.p[i] = h * (first.p[i] + 0.5 * h * second.p[i]);
         }
-        advance(state, h, dw, &d.q, &d.p)
+        Ok(d)
     }
 }
+
+method_by_increment!(TaylorSeries2);
