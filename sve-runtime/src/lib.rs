@@ -46,7 +46,7 @@
 //! | --- | --- |
 //! | describe a system | [`#[variational(…)]`](macro@variational) |
 //! | choose a rule | [`InitialPoint`], [`Endpoint`], [`Midpoint`], [`Taylor2`] |
-//! | make steps | [`Integrator`], [`State`], and [`Method`] with `step`, `prepare` and `trajectory` |
+//! | make steps | [`Integrator`] with `step` and `trajectory`, [`State`]; [`Method`] is common to integrators and baselines |
 //! | see what a step became | [`Integrator::plan`], [`Plan`] |
 //! | drive it with noise | [`noise`]: [`Wiener`](noise::Wiener), [`Recorded`](noise::Recorded), [`Truncated`](noise::Truncated), [`FromRng`](noise::FromRng), [`NoNoise`](noise::NoNoise) |
 //! | evaluate energy, momentum, velocity, drift | [`Mechanics`] |
