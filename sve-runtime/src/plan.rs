@@ -148,10 +148,11 @@ impl fmt::Display for Plan {
         )?;
         write!(f, "  {}, {k} unknown{}", self.kind(), plural(k))?;
         if k > 0 {
+            let nonzeros = self.jacobian_nonzeros();
             write!(
                 f,
-                ", {} non-zeros in the Jacobian",
-                self.jacobian_nonzeros()
+                ", {nonzeros} non-zero{} in the Jacobian",
+                plural(nonzeros)
             )?;
         }
         writeln!(f)?;

@@ -197,7 +197,7 @@ fn printed() {
     let expected = format!(
         "Kubo by the rule midpoint
   1 degree of freedom, 1 Wiener process
-  linear, 1 unknown, 1 non-zeros in the Jacobian
+  linear, 1 unknown, 1 non-zero in the Jacobian
     linear   v_0
   deterministic order 2, strong order 1 (all noises commute)
   operations a step size: {} arithmetic, 0 transcendental
