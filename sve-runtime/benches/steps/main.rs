@@ -48,6 +48,7 @@ impl Kubo {
     }
 }
 
+#[derive(Clone, Copy)]
 struct Pendulum {
     g: f64,
 }
@@ -59,6 +60,7 @@ impl Pendulum {
     }
 }
 
+#[derive(Clone, Copy)]
 struct DoublePendulum {
     m: [f64; 2],
     l: [f64; 2],
@@ -113,6 +115,16 @@ where
         integrator.step(&mut state, h, &dw).expect("a step");
     }
     state.q[0] + state.p[N - 1]
+}
+
+/// The same steps by a trajectory, which keeps what depends on the step size alone.
+fn along<S, R, const N: usize>(integrator: &Integrator<S, R>, start: State<N>, h: f64) -> f64
+where
+    S: Variational<R> + System<Dims = Dims<N, 0>>,
+{
+    let states = integrator.trajectory(black_box(start), black_box(h), NoNoise);
+    let last = states.take(STEPS).last().expect("a step").expect("a step");
+    last.q[0] + last.p[N - 1]
 }
 
 /// Increments of no process.
@@ -175,13 +187,16 @@ fn pendulum() -> Comparison<'static> {
         }
         z[0] + z[1]
     };
-    let sve = move || derived(&integrator, State::new([1.0], [0.3]), 0.1, quiet());
+    let start = State::new([1.0], [0.3]);
+    let sve = move || derived(&integrator, start, 0.1, quiet());
+    let trajectory = move || along(&integrator, start, 0.1);
     Comparison {
         name: "pendulum midpoint",
         sides: vec![
             side("naive Newton", naive),
             side("best by hand", best),
             side("sve", sve),
+            side("sve trajectory", trajectory),
         ],
     }
 }
@@ -199,9 +214,14 @@ fn double_pendulum() -> Comparison<'static> {
     };
     let start = State::new([1.0, 0.5], [0.3, -0.2]);
     let sve = move || derived(&integrator, start, 0.01, quiet());
+    let trajectory = move || along(&integrator, start, 0.01);
     Comparison {
         name: "double pendulum midpoint",
-        sides: vec![side("naive Newton", naive), side("sve", sve)],
+        sides: vec![
+            side("naive Newton", naive),
+            side("sve", sve),
+            side("sve trajectory", trajectory),
+        ],
     }
 }
 
