@@ -28,7 +28,7 @@ pub enum StepError {
     #[error(
         "Newton's method stopped after {iterations} iterations in the step from t = {t} with h = {h:e}: \
          relative residual {residual:e}, wanted {tolerance:e}; \
-         take a smaller h, or raise `max_iterations` with `with_newton`"
+         take a smaller h, or raise `max_iterations` with `with_newton` if that was the limit"
     )]
     NotConverged {
         /// Time at the start of the step.
@@ -37,7 +37,7 @@ pub enum StepError {
         h: f64,
         /// Iterations made.
         iterations: u32,
-        /// Largest residual, relative to the largest term of its equation.
+        /// Largest residual, relative to the sum of the magnitudes of its equation's terms.
         residual: f64,
         /// What it had to reach.
         tolerance: f64,
@@ -45,7 +45,7 @@ pub enum StepError {
     /// The equations of the step have a singular Jacobian.
     #[error(
         "the equations of the step from t = {t} with h = {h:e} are singular (iteration {iteration}): \
-         the mass matrix ∂²L/∂v² has no inverse near q = {q:?}; \
+         the mass matrix ∂²L/∂v² has no inverse near q = {q:?}, or none at v = 0; \
          choose coordinates that are regular there, or start elsewhere"
     )]
     Singular {
@@ -61,7 +61,7 @@ pub enum StepError {
     /// The step left the numbers: an overflow, or a point where L or its derivatives are not defined.
     #[error(
         "the step from t = {t} with h = {h:e} gave a non-finite result from q = {q:?}, p = {p:?}: \
-         L or a derivative is undefined nearby, or the motion overflowed; take a smaller h, or look at L there"
+         L or a derivative is undefined nearby, the motion overflowed, or a parameter is not finite; take a smaller h, or look at L there"
     )]
     NonFiniteResult {
         /// Time at the start of the step.

@@ -146,7 +146,8 @@ impl Newton {
             // The only call, so that the equations are compiled into the loop.
             let at = evaluate(&run.x);
             let relative = relative(&at);
-            if relative <= self.tolerance {
+            // A guess that satisfies singular equations is one of many that do.
+            if relative <= self.tolerance && (run.iteration > 0 || update(&at).is_some()) {
                 return Ok(run.x);
             }
             if relative <= 0.5 * run.previous

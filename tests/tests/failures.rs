@@ -355,3 +355,38 @@ fn huge_increments() {
         }
     }
 }
+
+/// Polar coordinates with a radial force: the angle has no mass at the origin.
+mod polar {
+    use sve_runtime::prelude::*;
+
+    pub struct Polar;
+
+    #[variational(initial_point, endpoint, midpoint, taylor2)]
+    impl Polar {
+        fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+            0.5 * (v[0] * v[0] + (q[0] * v[1]).powi(2)) - q[0]
+        }
+    }
+}
+
+/// At rest in the origin the equations hold for every angular velocity: an error, not one of the solutions.
+#[test]
+fn equations_that_many_velocities_satisfy_are_singular() {
+    fn check<R>(rule: R)
+    where
+        polar::Polar: sve_runtime::Variational<R>,
+        polar::Polar: sve_runtime::System<Dims = sve_runtime::Dims<2, 0>>,
+    {
+        let start = State::new([0.0, 0.0], [0.0, 0.0]);
+        let mut state = start;
+        let result = Integrator::new(polar::Polar, rule).step(&mut state, 0.1, &[]);
+        assert!(
+            matches!(result, Err(StepError::Singular { .. })),
+            "{result:?}"
+        );
+        assert_eq!(state, start);
+    }
+    check(InitialPoint);
+    check(Taylor2);
+}

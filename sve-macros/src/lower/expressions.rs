@@ -132,7 +132,9 @@ impl Lowering<'_> {
             .flat_map(|scope| scope.keys().map(String::as_str))
             .collect();
         known.sort_unstable();
-        match nearest(name, known) {
+        // a name in capitals is a constant from outside, not a misspelt variable
+        let constant = name.chars().all(|c| !c.is_lowercase());
+        match nearest(name, known).filter(|_| !constant) {
             Some(near) => format!("`{name}` is not known here; did you mean `{near}`?"),
             None => format!(
                 "`{name}` is not known here, for only this `impl` block is seen: make it a field of the struct, or write `const {name}: f64 = …;` in this block and use `Self::{name}`"

@@ -2,7 +2,7 @@
 //!
 //! - Sine and cosine of one angle are one call.
 //! - Those of `a ± b`, where both are wanted of `a` and of `b` anyway, follow by the addition theorems.
-//! - In an iteration the angle is `base + turn`, the base known before: sine and cosine of the base are called once, those of
+//! - In an iteration the angle is `base + turn`, the base known before: sine and cosine of the base are found once, those of
 //!   the turn, which is small, are short polynomials (`turn` in the runtime).
 //!
 //! Errors are of the size of the rounding of 1, absolutely; that of the angle itself is as large.
@@ -135,18 +135,26 @@ impl Scheduler<'_> {
         let all = terms(self.arena, angle);
         let (base, turn): (Vec<Term>, Vec<Term>) =
             all.into_iter().partition(|t| !self.is_late(t.0));
-        if base.is_empty() {
-            return None;
-        }
-        let base = match base.as_slice() {
-            [(term, 1.0)] => self.done[term],
-            _ => self.add_terms(&base),
+        let (sin, cos) = match base.as_slice() {
+            [] => return None,
+            &[(a, 1.0), (b, sign)]
+                if sign.abs() == 1.0 && self.angles.is_pair(a) && self.angles.is_pair(b) =>
+            {
+                let sin = self.combine(Function::Sin, a, b, sign);
+                (sin, self.combine(Function::Cos, a, b, sign))
+            }
+            base => {
+                let base = match base {
+                    [(term, 1.0)] => self.done[term],
+                    _ => self.add_terms(base),
+                };
+                let both = self.push(Operation::SinCos(base));
+                (
+                    self.push(Operation::SinOf(both)),
+                    self.push(Operation::CosOf(both)),
+                )
+            }
         };
-        let both = self.push(Operation::SinCos(base));
-        let (sin, cos) = (
-            self.push(Operation::SinOf(both)),
-            self.push(Operation::CosOf(both)),
-        );
         let turn = self.add_terms(&turn);
         Some(Operation::Turn(sin, cos, turn))
     }

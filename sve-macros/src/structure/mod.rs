@@ -13,7 +13,7 @@ use std::collections::HashMap;
 use crate::action::Action;
 use crate::equations::Equations;
 use crate::model::{Meaning, Quantity, Symbols};
-use crate::symbolic::{Arena, Expr, Symbol};
+use crate::symbolic::{Arena, Expr, Node, Symbol};
 use graph::{match_columns, strong_components};
 use outputs::{cheapest, linear_map};
 
@@ -187,7 +187,8 @@ impl Reduced<'_> {
     /// momentum balance stays, and the velocity in it.
     fn pivot(&mut self) -> Option<(usize, Symbol, f64)> {
         let mut best: Option<(usize, usize, Symbol, f64)> = None;
-        for (row, &residual) in self.residuals.clone().iter().enumerate() {
+        for row in 0..self.residuals.len() {
+            let residual = self.residuals[row];
             let present: Vec<Symbol> = self
                 .unknowns
                 .iter()
@@ -198,6 +199,9 @@ impl Reduced<'_> {
                 continue;
             }
             for &unknown in &present {
+                if self.moves_node(residual, unknown) {
+                    continue;
+                }
                 let slope = self.arena.diff(residual, unknown);
                 if let Some(coefficient) = self.arena.constant_value(slope)
                     && coefficient != 0.0
@@ -208,6 +212,17 @@ impl Reduced<'_> {
             }
         }
         best.map(|(_, row, unknown, coefficient)| (row, unknown, coefficient))
+    }
+
+    /// Whether an unknown occurs within a named intermediate result, `q₀ + c d`. There it stands beside something much larger
+    /// when the step is small, so that the equation gives it with the rounding of that: `m v − B (q₀ + d) = p₀` is no
+    /// equation for d.
+    fn moves_node(&self, residual: Expr, unknown: Symbol) -> bool {
+        let mut nodes = self
+            .arena
+            .reachable(&[residual], |e| self.arena.contains(e, unknown))
+            .into_iter();
+        nodes.any(|e| matches!(self.arena.node(e), Node::Opaque(_)))
     }
 
     /// Rows and columns of each block, in the order of solution.
