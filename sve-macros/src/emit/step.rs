@@ -314,15 +314,17 @@ impl Newton {
                 let i = Literal::usize_unsuffixed(i);
                 quote!(guess[#i] + refinement[#i])
             });
+            // within the arm of the first solve, so that its division is done once
             quote! {
                 let #names = guess;
                 #statements
-                let guess = match #private::solve(&#guess_matrix, &#rhs) {
+                match #private::solve(&#guess_matrix, &#rhs) {
                     ::core::option::Option::Some(refinement) => [#(#entries),*],
                     ::core::option::Option::None => guess,
-                };
+                }
             }
         });
+        let guessed = refine.unwrap_or_else(|| quote!(guess));
         let (residual, magnitude, jacobian) = (
             printer.array(residual),
             printer.array(magnitude),
@@ -333,10 +335,9 @@ impl Newton {
         let statements = printer.statements(Tier::Iterate(at));
         quote! {
             let guess = match #private::solve(&#guess_matrix, &#guess_rhs) {
-                ::core::option::Option::Some(guess) => guess,
+                ::core::option::Option::Some(guess) => { #guessed }
                 ::core::option::Option::None => [0.0; #size],
             };
-            let guess = { #refine guess };
             let fallback = || { #fallback };
             let #solved = newton.solve_or(guess, fallback, |&#iterates: &[f64; #size]| {
                 #statements
