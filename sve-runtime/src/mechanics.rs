@@ -165,7 +165,8 @@ where
         }
         linear::solve(&at_rest.dvv, &rhs).ok_or(SolveError::Singular { iteration: 0 })?
     } else {
-        Newton::default().solve([0.0; N], |v| {
+        let newton = Newton::default();
+        let equations = |v: &[f64; N]| {
             let jet = system.lagrangian_jet(*t, q, v);
             let mut at = Evaluation {
                 residual: jet.dv,
@@ -178,7 +179,12 @@ where
                 at.magnitude[i] = jet.dv[i].abs() + p[i].abs();
             }
             at
-        })?
+        };
+        match newton.solve([0.0; N], equations) {
+            // the mass vanishes at rest, as for L = v⁴/4: from a velocity of the momentum's sign
+            Err(SolveError::Singular { iteration: 1 }) => newton.solve(*p, equations)?,
+            solved => solved?,
+        }
     };
     if v.iter().all(|x| x.is_finite()) {
         Ok(v)

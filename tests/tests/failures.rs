@@ -360,7 +360,7 @@ fn huge_increments() {
 mod polar {
     use sve_runtime::prelude::*;
 
-    pub struct Polar;
+    pub(super) struct Polar;
 
     #[variational(initial_point, endpoint, midpoint, taylor2)]
     impl Polar {

@@ -9,7 +9,8 @@ macro_rules! charges {
     ($($module:ident, $q:ident, $v:ident, $lagrangian:expr, $strength:expr;)*) => {$(
         mod $module {
             use sve_runtime::prelude::*;
-            pub struct Literal;
+            #[derive(Debug)]
+            pub(super) struct Literal;
             #[variational(initial_point, endpoint, midpoint, taylor2)]
             impl Literal {
                 const B: f64 = $strength;
@@ -19,7 +20,8 @@ macro_rules! charges {
                         + field * $lagrangian
                 }
             }
-            pub struct Parameter { pub b: f64 }
+            #[derive(Debug)]
+            pub(super) struct Parameter { pub(super) b: f64 }
             #[variational(initial_point, endpoint, midpoint, taylor2)]
             impl Parameter {
                 fn lagrangian(&self, $q: [f64; 2], $v: [f64; 2]) -> f64 {

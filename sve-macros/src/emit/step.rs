@@ -37,6 +37,8 @@ struct System {
 struct Newton {
     guess: System,
     refinement: Option<(Vec<Symbol>, Vec<Value>)>,
+    /// Code of the guess where no linear system gives one.
+    rest: TokenStream,
     /// Code that computes another guess where it stands.
     fallback: TokenStream,
     residual: Vec<Value>,
@@ -74,6 +76,7 @@ pub(super) fn schedule(
                     guess,
                     refinement,
                     fallback: _,
+                    singular_at_rest: _,
                     residual,
                     jacobian,
                     curvature,
@@ -100,8 +103,9 @@ pub(super) fn schedule(
                 Solve::System(system(&mut scheduler, linear), solved.clone())
             }
             Solution::Iteration(iteration) => {
-                let fallback = fallback(&iteration.fallback, symbols, private, arena);
-                Solve::Iteration(Box::new(newton(&mut scheduler, iteration, fallback)))
+                let rest = rest(iteration, dq.len());
+                let fallback = fallback(&iteration.fallback, &rest, symbols, private, arena);
+                Solve::Iteration(Box::new(newton(&mut scheduler, iteration, rest, fallback)))
             }
         })
         .collect();
@@ -127,7 +131,12 @@ fn system(scheduler: &mut Scheduler<'_>, linear: &Linear) -> System {
     }
 }
 
-fn newton(scheduler: &mut Scheduler<'_>, iteration: &Iteration, fallback: TokenStream) -> Newton {
+fn newton(
+    scheduler: &mut Scheduler<'_>,
+    iteration: &Iteration,
+    rest: TokenStream,
+    fallback: TokenStream,
+) -> Newton {
     let guess = system(scheduler, &iteration.guess);
     let refinement = iteration.refinement.as_ref();
     let refinement = refinement.map(|r| (r.first.clone(), scheduler.values(&r.rhs)));
@@ -144,6 +153,7 @@ fn newton(scheduler: &mut Scheduler<'_>, iteration: &Iteration, fallback: TokenS
     Newton {
         guess,
         refinement,
+        rest,
         fallback,
         residual,
         magnitude,
@@ -157,6 +167,7 @@ fn newton(scheduler: &mut Scheduler<'_>, iteration: &Iteration, fallback: TokenS
 /// Code of a guess that is computed only after a failure, all of it where it stands.
 fn fallback(
     linear: &Linear,
+    rest: &TokenStream,
     symbols: &Symbols,
     private: &TokenStream,
     arena: &Arena,
@@ -171,7 +182,6 @@ fn fallback(
         .collect();
     let (statements, arrays) =
         Straight::new(arena, symbols, &roots).finish(private, &[&linear.matrix, &rhs]);
-    let size = Literal::usize_unsuffixed(linear.rhs.len());
     let [matrix, rhs] = arrays.as_slice() else {
         return TokenStream::new();
     };
@@ -180,9 +190,19 @@ fn fallback(
         let [rhs] = #rhs;
         match #private::solve(&#matrix, &rhs) {
             ::core::option::Option::Some(guess) => guess,
-            ::core::option::Option::None => [0.0; #size],
+            ::core::option::Option::None => #rest,
         }
     }
+}
+
+/// The guess where no linear system gives one: rest; but where the mass vanishes at rest, a velocity of the momentum's sign.
+fn rest(iteration: &Iteration, degrees_of_freedom: usize) -> TokenStream {
+    let size = iteration.iterates.len();
+    if iteration.singular_at_rest && size == degrees_of_freedom {
+        return quote!(state.p);
+    }
+    let size = Literal::usize_unsuffixed(size);
+    quote!([0.0; #size])
 }
 
 /// Every value that is used other than by an instruction.
@@ -198,6 +218,7 @@ fn results(solves: &[Solve], dq: &[Value], dp: &[Value]) -> Vec<Value> {
                 let Newton {
                     guess,
                     refinement,
+                    rest: _,
                     fallback: _,
                     residual,
                     magnitude,
@@ -297,6 +318,7 @@ impl Newton {
         let Self {
             guess,
             refinement,
+            rest,
             fallback,
             residual,
             magnitude,
@@ -336,7 +358,7 @@ impl Newton {
         quote! {
             let guess = match #private::solve(&#guess_matrix, &#guess_rhs) {
                 ::core::option::Option::Some(guess) => { #guessed }
-                ::core::option::Option::None => [0.0; #size],
+                ::core::option::Option::None => #rest,
             };
             let fallback = || { #fallback };
             let #solved = newton.solve_or(guess, fallback, |&#iterates: &[f64; #size]| {

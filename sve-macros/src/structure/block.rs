@@ -58,9 +58,9 @@ impl Reduced<'_> {
                 solution,
             };
         }
-        let (guess, refinement) = self
-            .guess(&residual, &jacobian, &unknowns)
-            .unwrap_or_else(|| (at_zero.clone(), None));
+        let explicit = self.guess(&residual, &jacobian, &unknowns);
+        let singular_at_rest = explicit.is_none();
+        let (guess, refinement) = explicit.unwrap_or_else(|| (at_zero.clone(), None));
         let curvature = match unknowns.as_slice() {
             [unknown] => Some(self.arena.diff(jacobian[0][0], *unknown)),
             _ => None,
@@ -70,6 +70,7 @@ impl Reduced<'_> {
             guess,
             refinement,
             fallback: at_zero,
+            singular_at_rest,
             residual,
             jacobian,
             curvature,

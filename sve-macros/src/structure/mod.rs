@@ -83,6 +83,8 @@ pub(crate) struct Iteration {
     pub(crate) refinement: Option<Refinement>,
     /// The guess after a failure: the Newton step from zero, which is the linearly implicit step.
     pub(crate) fallback: Linear,
+    /// Whether the equations have no Jacobian at zero, wherever the system is: the mass vanishes at rest, as for L = v⁴/4.
+    pub(crate) singular_at_rest: bool,
     pub(crate) residual: Vec<Expr>,
     pub(crate) jacobian: Vec<Vec<Expr>>,
     /// Second derivative of a single equation in a single unknown.
