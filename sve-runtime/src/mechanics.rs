@@ -20,6 +20,17 @@ pub struct Field<V> {
     pub p: V,
 }
 
+impl<const N: usize> Field<[f64; N]> {
+    /// Adds a multiple of another field.
+    #[inline]
+    pub(crate) fn add_scaled(&mut self, scale: f64, other: &Self) {
+        for i in 0..N {
+            self.q[i] += scale * other.q[i];
+            self.p[i] += scale * other.p[i];
+        }
+    }
+}
+
 /// What follows from a Lagrangian and its noises; implemented for every [`System`].
 ///
 /// ```

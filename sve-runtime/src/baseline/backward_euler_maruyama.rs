@@ -88,10 +88,7 @@ impl<S> BackwardEulerMaruyama<S> {
         let mut n = noise_of(&jets, dw);
         if self.corrected {
             let correction = correction_of(&jets);
-            for i in 0..N {
-                n.q[i] += h * correction.q[i];
-                n.p[i] += h * correction.p[i];
-            }
+            n.add_scaled(h, &correction);
         }
         drift_implicit(&self.system, &self.newton, state, h, &n)
     }

@@ -77,16 +77,10 @@ impl<S> EulerMaruyama<S> {
         let drift = solve_drift(&self.system, state)?;
         let jets = self.system.noise_jets(state.t, &state.q, &state.p);
         let mut d = noise_of(&jets, dw);
-        for i in 0..N {
-            d.q[i] += h * drift.q[i];
-            d.p[i] += h * drift.p[i];
-        }
+        d.add_scaled(h, &drift);
         if self.corrected {
             let correction = correction_of(&jets);
-            for i in 0..N {
-                d.q[i] += h * correction.q[i];
-                d.p[i] += h * correction.p[i];
-            }
+            d.add_scaled(h, &correction);
         }
         Ok(d)
     }

@@ -87,9 +87,6 @@ where
 {
     let drift = solve_drift(system, at)?;
     let mut d = noise_of(&system.noise_jets(at.t, &at.q, &at.p), dw);
-    for i in 0..N {
-        d.q[i] += h * drift.q[i];
-        d.p[i] += h * drift.p[i];
-    }
+    d.add_scaled(h, &drift);
     Ok(d)
 }
