@@ -145,6 +145,11 @@ impl Arena {
                 (dx, self.neg(dy))
             }
             Binary::Hypot => (self.div(x, value), self.div(y, value)),
+            // 0^y is 0 where it has a derivative, y > 0; `ln 0` would make that 0 · ∞
+            Binary::Pow if self.constant_value(x) == Some(0.0) => {
+                let zero = self.constant(0.0);
+                (zero, zero)
+            }
             Binary::Pow => {
                 let lower = self.sum(-1.0, &[(1.0, y)]);
                 let power = self.call2(Binary::Pow, x, lower);

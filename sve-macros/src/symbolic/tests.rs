@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 
 use super::expr::Bits;
 use super::{Arena, Binary, Expr, Function, Symbol};
@@ -124,6 +125,13 @@ fn moderate(made: &[(Expr, f64)]) -> bool {
         .all(|(_, x)| x.is_finite() && x.abs() < 30.0 && (*x == 0.0 || x.abs() > 1e-2))
 }
 
+/// Whether a difference is what rounding the argument makes of it: next to a singularity, as that of `atanh` at 1, the
+/// library's own values on the two sides differ by so much.
+fn rounded(f: Function, x: f64, difference: f64) -> bool {
+    let slope = slope(|x| f.evaluate(x), x, 1e-9);
+    difference.abs() <= 4.0 * f64::EPSILON * slope.abs() * x.abs().max(1.0)
+}
+
 /// The derivative by central differences of sixth order.
 fn slope(f: impl Fn(f64) -> f64, x: f64, h: f64) -> f64 {
     let odd = |k: f64| f(x + k * h) - f(x - k * h);
@@ -131,7 +139,7 @@ fn slope(f: impl Fn(f64) -> f64, x: f64, h: f64) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 1000, max_global_rejects: 100_000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 1000, max_global_rejects: 100_000, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..ProptestConfig::default() })]
 
     #[test]
     fn construction_agrees_with_evaluation(recipe in recipe(), at in prop::collection::vec(value(), SYMBOLS)) {
@@ -198,11 +206,11 @@ proptest! {
         let minus = arena.neg(sx);
         let mirrored = arena.call(f, minus);
         let (found, expected) = (arena.evaluate(mirrored, |_| x), f.evaluate(-x));
-        prop_assert!(same(found, expected), "{f:?} {x}: {found} {expected}");
+        prop_assert!(same(found, expected) || rounded(f, -x, found - expected), "{f:?} {x}: {found} {expected}");
         let shifted = arena.sum(1.0, &[(-2.0, sx)]);
         let mirrored = arena.call(f, shifted);
         let (found, expected) = (arena.evaluate(mirrored, |_| x), f.evaluate(1.0 - 2.0 * x));
-        prop_assert!(same(found, expected), "{f:?} {x}: {found} {expected}");
+        prop_assert!(same(found, expected) || rounded(f, 1.0 - 2.0 * x, found - expected), "{f:?} {x}: {found} {expected}");
     }
 
     #[test]
@@ -309,7 +317,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, max_global_rejects: 100_000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 200, max_global_rejects: 100_000, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..ProptestConfig::default() })]
 
     #[test]
     fn substitution_agrees_with_evaluation(
@@ -448,4 +456,15 @@ fn exponents_do_not_overflow() {
     assert_eq!(w.0.evaluate(power, |_| 1.0), 1.0);
     let derivative = w.0.diff(power, Symbol(0));
     assert!(w.0.evaluate(derivative, |_| 1.0) > 1e20);
+}
+
+/// A power of the literal zero has a derivative in its exponent, which is zero.
+#[test]
+fn powers_of_zero() {
+    let mut arena = Arena::new();
+    let (zero, x) = (arena.constant(0.0), arena.symbol(Symbol(0)));
+    let power = arena.call2(Binary::Pow, zero, x);
+    let derivative = arena.diff(power, Symbol(0));
+    assert_eq!(arena.evaluate(power, |_| 1.5), 0.0);
+    assert_eq!(arena.evaluate(derivative, |_| 1.5), 0.0);
 }
