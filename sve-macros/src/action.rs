@@ -19,6 +19,15 @@ pub(crate) struct Action {
     pub(crate) displacement: Vec<Symbol>,
     /// Variables in which the action is stationary.
     pub(crate) internal: Vec<Symbol>,
+    pub(crate) work: Vec<Work>,
+}
+
+/// Virtual work of a component of the force, Lagrange–d'Alembert: `impulse · δ place` joins δS.
+pub(crate) struct Work {
+    /// A component of F at a node, times its weight in time.
+    pub(crate) impulse: Expr,
+    /// The coordinate of the node.
+    pub(crate) place: Expr,
 }
 
 /// The variables that every rule has.
@@ -54,7 +63,7 @@ pub(crate) fn discretise(
         displacement,
         dw,
     };
-    let (value, internal) = match rule {
+    let (value, internal, work) = match rule {
         Rule::InitialPoint => step.one_node(0.0),
         Rule::Midpoint => step.one_node(0.5),
         Rule::Endpoint => step.one_node(1.0),
@@ -72,6 +81,7 @@ pub(crate) fn discretise(
         start_p,
         displacement,
         internal,
+        work,
     }
 }
 
@@ -82,8 +92,8 @@ impl Step<'_> {
     /// S_d = h L(t̄,q̄,v) + ⟨p, d − h v⟩ − Σ G_a(t̄,q̄,p) ΔW_a + (c − ½) Σ_ab ⟨∂G_a/∂p, ∂G_b/∂q⟩ ΔW_a ΔW_b
     /// ```
     ///
-    /// The last term is the Stratonovich correction.
-    fn one_node(&mut self, c: f64) -> (Expr, Vec<Symbol>) {
+    /// The last term is the Stratonovich correction. A force does the work `⟨h F(t̄,q̄,v), δq̄⟩`.
+    fn one_node(&mut self, c: f64) -> (Expr, Vec<Symbol>, Vec<Work>) {
         let n = self.model.dof();
         let v = self
             .symbols
@@ -125,7 +135,23 @@ impl Step<'_> {
             terms.push((c - 0.5, correction));
         }
         let value = self.arena.sum(0.0, &terms);
-        (value, v.into_iter().chain(p).collect())
+        let work = self.work(1.0, &node);
+        (value, v.into_iter().chain(p).collect(), work)
+    }
+
+    /// The work of the force at a node, for a part of the step.
+    fn work(&mut self, part: f64, node: &HashMap<Symbol, Expr>) -> Vec<Work> {
+        let h = self.arena.symbol(self.h);
+        let components = self.model.force.iter().flatten().zip(&self.model.q);
+        let work = components.map(|(&f, q)| {
+            let f = self.arena.substitute(f, node);
+            let impulse = self.arena.mul(h, f);
+            Work {
+                impulse: self.arena.scale(part, impulse),
+                place: node[q],
+            }
+        });
+        work.collect()
     }
 
     /// `Σ_a Σ_b ⟨∂G_a/∂p, ∂G_b/∂q⟩ ΔW_a ΔW_b` at a node.
@@ -157,8 +183,9 @@ impl Step<'_> {
     /// ```
     ///
     /// `v` and `a` are defined by equations, so they join the action with the multipliers μ and ν; the second is scaled
-    /// by ½h² to be of the size of a momentum.
-    fn taylor2(&mut self) -> (Expr, Vec<Symbol>) {
+    /// by ½h² to be of the size of a momentum. A force F joins the flow, `… − F` in the last bracket, and does half of its work
+    /// at each end.
+    fn taylor2(&mut self) -> (Expr, Vec<Symbol>, Vec<Work>) {
         let n = self.model.dof();
         let mut declare = |name: &str| {
             self.symbols
@@ -198,15 +225,18 @@ impl Step<'_> {
             terms.push((0.5, self.arena.product(&[(h, 2), (nu, 1), (flow, 1)])));
         }
         let value = self.arena.sum(0.0, &terms);
-        (value, [v, a, mu, nu].concat())
+        let mut work = self.work(0.5, &start);
+        work.extend(self.work(0.5, &end));
+        (value, [v, a, mu, nu].concat(), work)
     }
 
-    /// Component `i` of `L_vv a + L_vq v + L_vt − L_q` at a node.
+    /// Component `i` of `L_vv a + L_vq v + L_vt − L_q − F` at a node.
     fn euler_lagrange(&mut self, i: usize, node: &HashMap<Symbol, Expr>, a: &[Expr]) -> Expr {
         let momentum = self.arena.diff(self.model.lagrangian, self.model.v[i]);
         let force = self.arena.diff(self.model.lagrangian, self.model.q[i]);
         let drift = self.arena.diff(momentum, self.model.time);
         let mut terms = vec![(1.0, drift), (-1.0, force)];
+        terms.extend(self.model.force.iter().map(|f| (-1.0, f[i])));
         for j in 0..self.model.dof() {
             let v = self.arena.symbol(self.model.v[j]);
             let moved = self.arena.diff(momentum, self.model.q[j]);

@@ -17,6 +17,7 @@ use crate::regular;
 use crate::rule::Rule;
 use crate::structure::{self, Degenerate};
 use crate::symbolic::Arena;
+use crate::symmetry;
 
 /// The expansion of the attribute: the user's block as it was, and the derived implementations or the errors.
 pub(crate) fn expand(attribute: &TokenStream, item: &TokenStream) -> TokenStream {
@@ -54,7 +55,9 @@ fn derive(attribute: TokenStream, item: ItemImpl) -> syn::Result<TokenStream> {
     check_rules(&block, &model)?;
     let mechanics = mechanics::mechanics(&model, &mut arena);
     regular::check(&block, &model, &mechanics, &arena)?;
+    let momenta = symmetry::check(&block, &model, &mut arena)?;
     let mut output = emit::system(&block, &model, &mechanics, &arena);
+    output.extend(emit::momenta(&block, &model, &momenta, &arena));
     for (rule, _) in &block.arguments.rules {
         let mut symbols = model.symbols.clone();
         let action = action::discretise(*rule, &model, &mut symbols, &mut arena);

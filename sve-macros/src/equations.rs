@@ -5,8 +5,10 @@
 //! ```text
 //! 0 = ∂S/∂x   (each internal x)        0 = ∂S/∂d − ∂S/∂q₀ − p₀        p₁ − p₀ = ∂S/∂q₀
 //! ```
+//!
+//! With a force each ∂S/∂x has the work beside it that is done when x varies (Lagrange–d'Alembert).
 
-use crate::action::Action;
+use crate::action::{Action, Work};
 use crate::symbolic::{Arena, Expr, Node, Symbol};
 
 /// The equations of a step.
@@ -25,13 +27,13 @@ pub(crate) struct Equations {
 pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
     let mut residuals = Vec::new();
     for &x in &action.internal {
-        let stationary = arena.diff(action.value, x);
+        let stationary = variation(action, x, arena);
         residuals.push(divide_out(arena, stationary, action.h));
     }
     let mut dp = Vec::new();
     for i in 0..action.start_q.len() {
-        let end = arena.diff(action.value, action.displacement[i]);
-        let kick = arena.diff(action.value, action.start_q[i]);
+        let end = variation(action, action.displacement[i], arena);
+        let kick = variation(action, action.start_q[i], arena);
         let p0 = arena.symbol(action.start_p[i]);
         let balance = arena.sum(0.0, &[(1.0, end), (-1.0, kick), (-1.0, p0)]);
         residuals.push(balance);
@@ -61,6 +63,16 @@ pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
         dq,
         dp,
     }
+}
+
+/// `∂S/∂x` with the work of the force.
+fn variation(action: &Action, x: Symbol, arena: &mut Arena) -> Expr {
+    let mut terms = vec![(1.0, arena.diff(action.value, x))];
+    for Work { impulse, place } in &action.work {
+        let moved = arena.diff(*place, x);
+        terms.push((1.0, arena.mul(*impulse, moved)));
+    }
+    arena.sum(0.0, &terms)
 }
 
 /// `expr` divided by the highest power of `h` that every term of it has as a factor: the same equation, of finite size

@@ -22,6 +22,7 @@ mod schedule;
 mod schedule_tests;
 mod structure;
 mod symbolic;
+mod symmetry;
 
 use proc_macro::TokenStream;
 
@@ -46,15 +47,25 @@ use proc_macro::TokenStream;
 /// | `fn lagrangian` | `(&self, q: [f64; N], v: [f64; N]) -> f64` | L, required |
 /// | `#[gamma] fn …` | `(&self, q: [f64; N]) -> f64` or `-> [f64; M]` | γ: one Wiener process a component |
 /// | `#[h1] fn …` | `(&self, q: [f64; N], p: [f64; N]) -> f64` or `-> [f64; M]` | H₁: likewise |
+/// | `#[force] fn …` | `(&self, q: [f64; N], v: [f64; N]) -> [f64; N]` | F, a force that no potential has (Lagrange–d'Alembert); several add up |
+/// | `#[symmetry] fn …` | `(&self, q: [f64; N]) -> [f64; N]` | ξ, the generator of a symmetry of everything else in the block |
 /// | other `fn` | anything in the language below | helpers, inlined |
 /// | `const` | a number or an array | written `Self::NAME` |
 ///
 /// The equations are, with Stratonovich integrals and an independent Wiener process for each γ and each H₁ in source order,
 ///
 /// ```text
-/// dq =  v dt      + Σ ∂H₁/∂p ∘ dW
-/// dp = ∂L/∂q dt   + Σ ∂γ/∂q ∘ dW − Σ ∂H₁/∂q ∘ dW        p = ∂L/∂v
+/// dq =  v dt          + Σ ∂H₁/∂p ∘ dW
+/// dp = (∂L/∂q + F) dt + Σ ∂γ/∂q ∘ dW − Σ ∂H₁/∂q ∘ dW        p = ∂L/∂v
 /// ```
+///
+/// A symmetry is proved, or refused with the name of the function that it changes:
+///
+/// ```text
+/// ⟨∂L/∂q, ξ⟩ + ⟨∂L/∂v, Dξ v⟩ = 0     ⟨∂γ/∂q, ξ⟩ = 0     ⟨∂H₁/∂q, ξ⟩ − ⟨p, Dξ ∂H₁/∂p⟩ = 0     ⟨F, ξ⟩ = 0
+/// ```
+///
+/// Then ⟨p, ξ⟩ is conserved, with noise too, and by the steps where ξ is affine in q.
 ///
 /// `N = 1` may be written `q: f64`. What the functions read of `self` are the parameters: fields `f64` and `[f64; K]`, also of
 /// structs within, whose lengths need not be known to the macro. `N` and `M` are literals or constants of the block, `Self::N`.
@@ -89,7 +100,8 @@ use proc_macro::TokenStream;
 /// | a noise with derivative zero | it would move nothing |
 /// | a Lagrangian whose `∂²L/∂v²` is singular everywhere | the momenta do not determine the velocities |
 /// | `taylor2` with noise | the rule is defined for deterministic systems |
-/// | `#[force]`, `#[symmetry]`, `#[constraint]` | reserved, not supported yet |
+/// | a `#[symmetry]` that changes L, a noise, or on which a force does work | its momentum would not be conserved |
+/// | `#[constraint]` | reserved, not supported yet |
 /// | bodies that unroll to more than 30 000 expressions or 2 000 000 steps of evaluation | compile time |
 ///
 /// # What is generated
@@ -98,6 +110,7 @@ use proc_macro::TokenStream;
 ///
 /// - `impl System`: L and the noise Hamiltonians with their first and second derivatives, on which energy, Legendre transform, drift
 ///   and the baseline methods rest;
+/// - for each `#[symmetry] fn name` a function `name_momentum(&self, &State<N>) -> f64`, the momentum ⟨p, ξ⟩, of the same visibility;
 /// - for each rule `impl Variational<Rule>`: `prepare`, what depends on parameters and step size alone; `increment`, the
 ///   step; and `PLAN`, what the step became. The doc comment of `increment` shows the discrete action.
 ///

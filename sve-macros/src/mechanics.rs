@@ -24,10 +24,19 @@ pub(crate) struct NoiseJet {
     pub(crate) dpp: Vec<Vec<Expr>>,
 }
 
+/// A force with its derivatives, in the order of the runtime's `ForceJet`.
+pub(crate) struct ForceJet {
+    pub(crate) value: Vec<Expr>,
+    pub(crate) dq: Vec<Vec<Expr>>,
+    pub(crate) dv: Vec<Vec<Expr>>,
+    pub(crate) dt: Vec<Expr>,
+}
+
 /// What the mechanics of a model consist of.
 pub(crate) struct Mechanics {
     pub(crate) lagrangian: LagrangianJet,
     pub(crate) noises: Vec<NoiseJet>,
+    pub(crate) force: Option<ForceJet>,
     /// Whether `∂L/∂v` is affine in v.
     pub(crate) affine_momentum: bool,
     /// The first pair of noises that does not commute.
@@ -62,9 +71,16 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
         .map(|noise| noise_jet(noise, model, arena))
         .collect::<Vec<_>>();
     let clash = clash(model, &noises, arena);
+    let force = model.force.as_ref().map(|force| ForceJet {
+        dq: hessian(arena, force, &model.q),
+        dv: hessian(arena, force, &model.v),
+        dt: gradient_in(arena, force, model.time),
+        value: force.clone(),
+    });
     Mechanics {
         lagrangian,
         noises,
+        force,
         affine_momentum,
         clash,
     }

@@ -1,7 +1,7 @@
 //! The mechanical system as expressions: what every later stage reads.
 //!
 //! Invariant: `lagrangian` contains the symbols of time, `q`, `v` and parameters only; a noise Hamiltonian those of time,
-//! `q`, `p` and parameters.
+//! `q`, `p` and parameters; a force those of L; a generator those of time, `q` and parameters.
 
 use proc_macro2::TokenStream;
 
@@ -41,6 +41,13 @@ pub(crate) struct NoiseTerm {
     /// Source name, with an index where the function returns an array.
     pub(crate) name: String,
     pub(crate) hamiltonian: Expr,
+}
+
+/// A generator ξ of a symmetry.
+pub(crate) struct Generator {
+    /// Source name.
+    pub(crate) name: String,
+    pub(crate) field: Vec<Expr>,
 }
 
 /// Symbols and what they mean, indexed by symbol.
@@ -93,6 +100,9 @@ pub(crate) struct Model {
     pub(crate) p: Vec<Symbol>,
     pub(crate) lagrangian: Expr,
     pub(crate) noises: Vec<NoiseTerm>,
+    /// F, where there is a force.
+    pub(crate) force: Option<Vec<Expr>>,
+    pub(crate) symmetries: Vec<Generator>,
 }
 
 impl Model {

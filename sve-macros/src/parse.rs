@@ -28,6 +28,8 @@ pub(crate) enum Role {
     Lagrangian,
     Gamma,
     H1,
+    Force,
+    Symmetry,
     Helper,
 }
 
@@ -51,6 +53,9 @@ pub(crate) struct Annotated {
     pub(crate) lagrangian: Part,
     /// `#[gamma]` and `#[h1]` functions in source order.
     pub(crate) noises: Vec<Part>,
+    /// `#[force]` functions, which add up.
+    pub(crate) forces: Vec<Part>,
+    pub(crate) symmetries: Vec<Part>,
     /// All functions, for any can be called from another.
     pub(crate) functions: Vec<Rc<ImplItemFn>>,
     pub(crate) constants: Vec<ImplItemConst>,
@@ -123,6 +128,8 @@ pub(crate) fn annotated(attribute: TokenStream, mut item: ItemImpl) -> syn::Resu
 
     let mut lagrangians = Vec::new();
     let mut noises = Vec::new();
+    let mut forces = Vec::new();
+    let mut symmetries = Vec::new();
     let mut functions = Vec::new();
     let mut constants = Vec::new();
     for (member, role) in std::mem::take(&mut item.items).into_iter().zip(roles) {
@@ -134,6 +141,8 @@ pub(crate) fn annotated(attribute: TokenStream, mut item: ItemImpl) -> syn::Resu
                     // one that cannot be read is there nevertheless
                     Role::Lagrangian => lagrangians.push(errors.keep(part(&function, role))),
                     Role::Gamma | Role::H1 => noises.extend(errors.keep(part(&function, role))),
+                    Role::Force => forces.extend(errors.keep(part(&function, role))),
+                    Role::Symmetry => symmetries.extend(errors.keep(part(&function, role))),
                 }
                 functions.push(function);
             }
@@ -160,6 +169,8 @@ pub(crate) fn annotated(attribute: TokenStream, mut item: ItemImpl) -> syn::Resu
             item,
             lagrangian,
             noises,
+            forces,
+            symmetries,
             functions,
             constants,
         }),
@@ -182,8 +193,8 @@ fn check_block(item: &ItemImpl, errors: &mut Errors) {
     }
 }
 
-/// Role attributes, with what they would need and do not have yet.
-const LATER: [&str; 3] = ["force", "symmetry", "constraint"];
+/// The attribute of a role that does not exist yet.
+const LATER: &str = "constraint";
 
 /// The role of each member; the attributes that say so are removed.
 fn take_roles(item: &mut ItemImpl, errors: &mut Errors) -> Vec<Option<Role>> {
@@ -208,17 +219,23 @@ fn take_roles(item: &mut ItemImpl, errors: &mut Errors) -> Vec<Option<Role>> {
             let Some(ident) = attribute.path().get_ident().map(ToString::to_string) else {
                 return true;
             };
-            let role = match ident.as_str() {
-                "gamma" => Role::Gamma,
-                "h1" => Role::H1,
-                later if LATER.contains(&later) => {
-                    errors.push(attribute.span(), format!("`#[{later}]` is not supported yet: remove the function or the attribute"));
-                    return false;
-                }
-                _ => return true,
+            if ident == LATER {
+                errors.push(
+                    attribute.span(),
+                    format!(
+                        "`#[{LATER}]` is not supported yet: remove the function or the attribute"
+                    ),
+                );
+                return false;
+            }
+            let Some(role) = Role::of_attribute(&ident) else {
+                return true;
             };
             if name.is_none() {
-                errors.push(attribute.span(), format!("`#[{ident}]` belongs on a function"));
+                errors.push(
+                    attribute.span(),
+                    format!("`#[{ident}]` belongs on a function"),
+                );
             }
             if attribute.meta.require_path_only().is_err() {
                 errors.push(attribute.span(), format!("`#[{ident}]` takes no arguments"));
@@ -238,7 +255,7 @@ fn take_roles(item: &mut ItemImpl, errors: &mut Errors) -> Vec<Option<Role>> {
                     errors.push(
                         name.span(),
                         format!(
-                            "`lagrangian` cannot also be a noise: rename it, or remove `#[{}]`",
+                            "`lagrangian` cannot play another role: rename it, or remove `#[{}]`",
                             role.attribute()
                         ),
                     );
@@ -255,10 +272,21 @@ fn take_roles(item: &mut ItemImpl, errors: &mut Errors) -> Vec<Option<Role>> {
 }
 
 impl Role {
+    /// The roles that an attribute gives.
+    const MARKED: [Self; 4] = [Self::Gamma, Self::H1, Self::Force, Self::Symmetry];
+
+    fn of_attribute(name: &str) -> Option<Self> {
+        Self::MARKED
+            .into_iter()
+            .find(|role| role.attribute() == name)
+    }
+
     pub(crate) fn attribute(self) -> &'static str {
         match self {
             Self::Gamma => "gamma",
             Self::H1 => "h1",
+            Self::Force => "force",
+            Self::Symmetry => "symmetry",
             Self::Lagrangian | Self::Helper => "",
         }
     }
@@ -269,6 +297,8 @@ impl Role {
             Self::Lagrangian => "fn lagrangian(&self, q: [f64; N], v: [f64; N]) -> f64",
             Self::Gamma => "fn name(&self, q: [f64; N]) -> f64` or `-> [f64; M]",
             Self::H1 => "fn name(&self, q: [f64; N], p: [f64; N]) -> f64` or `-> [f64; M]",
+            Self::Force => "fn name(&self, q: [f64; N], v: [f64; N]) -> [f64; N]",
+            Self::Symmetry => "fn name(&self, q: [f64; N]) -> [f64; N]",
             Self::Helper => "",
         }
     }
@@ -276,8 +306,8 @@ impl Role {
     /// Vector arguments after `&self` and the optional time.
     fn vectors(self) -> usize {
         match self {
-            Self::Gamma => 1,
-            _ => 2,
+            Self::Gamma | Self::Symmetry => 1,
+            Self::Lagrangian | Self::H1 | Self::Force | Self::Helper => 2,
         }
     }
 }
@@ -325,7 +355,6 @@ fn is_timed(
     arguments: &[(Pat, Type)],
     expected: &str,
 ) -> syn::Result<bool> {
-    const H1: &str = "a noise that depends on the momentum is `#[h1]`";
     if arguments.len() == role.vectors() {
         return Ok(false);
     }
@@ -342,8 +371,15 @@ fn is_timed(
         return Err(syn::Error::new(name.span(), message));
     }
     let is_time = is_f64(&arguments[0].1);
-    if role == Role::Gamma && (!is_time || is_momentum(&arguments[1].0)) {
-        let message = format!("`#[gamma]` depends on q alone: {expected}; {H1}");
+    if role.vectors() == 1 && (!is_time || is_momentum(&arguments[1].0)) {
+        let hint = match role {
+            Role::Gamma => "; a noise that depends on the momentum is `#[h1]`",
+            _ => "",
+        };
+        let message = format!(
+            "`#[{}]` depends on q alone: {expected}{hint}",
+            role.attribute()
+        );
         return Err(syn::Error::new(arguments[1].0.span(), message));
     }
     if !is_time {
@@ -410,5 +446,5 @@ fn is_role(group: &Group) -> bool {
         _ => return false,
     };
     let path = matches!(inside.next(), Some(TokenTree::Punct(punct)) if punct.as_char() == ':');
-    !path && (LATER.contains(&name.as_str()) || matches!(name.as_str(), "gamma" | "h1"))
+    !path && (name == LATER || Role::of_attribute(&name).is_some())
 }

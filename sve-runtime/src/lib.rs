@@ -164,7 +164,7 @@ pub use state::State;
 /// ```
 pub use sve_macros::variational;
 pub use system::{
-    DerivedFor, Dimensions, Dims, IncrementsOf, LagrangianJet, NoiseJet, StateOf, System,
+    DerivedFor, Dimensions, Dims, ForceJet, IncrementsOf, LagrangianJet, NoiseJet, StateOf, System,
     Variational, VectorOf,
 };
 pub use trajectory::Trajectory;
@@ -185,7 +185,7 @@ pub mod __private {
     pub use crate::newton::{Evaluation, Newton, SolveError};
     pub use crate::plan::{Block, BlockKind, Operations, Plan, StrongOrder};
     pub use crate::state::State;
-    pub use crate::system::{Dims, LagrangianJet, NoiseJet, System, Variational};
+    pub use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System, Variational};
     pub use crate::turn::turn;
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Input: the derivatives that the macro generated ([`System`]). Output: what users and baselines evaluate.
 //! Formulas: the equations of motion of a stochastic Hamilton–Pontryagin system,
-//! `dq = v dt + Σ ∂G_a/∂p ∘ dW_a`, `dp = ∂L/∂q dt − Σ ∂G_a/∂q ∘ dW_a`, `p = ∂L/∂v`, with `G = −γ` or `G = H₁`.
+//! `dq = v dt + Σ ∂G_a/∂p ∘ dW_a`, `dp = (∂L/∂q + F) dt − Σ ∂G_a/∂q ∘ dW_a`, `p = ∂L/∂v`, with `G = −γ` or `G = H₁`.
 
 use crate::error::StepError;
 use crate::linear;
@@ -83,7 +83,7 @@ pub trait Mechanics: System {
     /// As [`velocity`](Self::velocity).
     fn hamiltonian(&self, state: &StateOf<Self>) -> Result<f64, StepError>;
 
-    /// The drift of the (Stratonovich) first-order form, `(v, ∂L/∂q)`.
+    /// The drift of the (Stratonovich) first-order form, `(v, ∂L/∂q + F)`.
     ///
     /// # Errors
     /// As [`velocity`](Self::velocity).
@@ -204,7 +204,7 @@ where
     }
 }
 
-/// The drift `(v, ∂L/∂q)`; only the velocity is known to be finite.
+/// The drift `(v, ∂L/∂q + F)`; only the velocity is known to be finite.
 #[inline]
 pub(crate) fn solve_drift<S, const N: usize, const M: usize>(
     system: &S,
@@ -214,7 +214,13 @@ where
     S: System<Dims = Dims<N, M>> + ?Sized,
 {
     let q = solve_velocity(system, state)?;
-    let p = system.lagrangian_jet(state.t, &state.q, &q).dq;
+    let mut p = system.lagrangian_jet(state.t, &state.q, &q).dq;
+    if S::FORCED {
+        let force = system.force_jet(state.t, &state.q, &q).value;
+        for i in 0..N {
+            p[i] += force[i];
+        }
+    }
     Ok(Field { q, p })
 }
 
@@ -235,24 +241,29 @@ where
 {
     let v = solve_velocity(system, state)?;
     let jet = system.lagrangian_jet(state.t, &state.q, &v);
-    // d/dt ∂L/∂v = ∂L/∂q:  L_vv a = L_q − L_vq v − L_vt
+    let force = system.force_jet(state.t, &state.q, &v);
+    // d/dt ∂L/∂v = ∂L/∂q + F:  L_vv a = L_q + F − L_vq v − L_vt
+    let mut total = jet.dq;
     let mut rhs = [0.0; N];
     for i in 0..N {
-        rhs[i] = jet.dq[i] - jet.dvt[i];
+        total[i] += force.value[i];
+        rhs[i] = total[i] - jet.dvt[i];
         for j in 0..N {
             rhs[i] -= jet.dqv[j][i] * v[j];
         }
     }
     let a = linear::solve(&jet.dvv, &rhs).ok_or(SolveError::Singular { iteration: 0 })?;
-    // d/dt ∂L/∂q = L_qq v + L_qv a + L_qt
+    // d/dt (∂L/∂q + F) = (L_qq + F_q) v + (L_qv + F_v) a + L_qt + F_t
     let mut p = jet.dqt;
     for i in 0..N {
+        p[i] += force.dt[i];
         for j in 0..N {
-            p[i] += jet.dqq[i][j] * v[j] + jet.dqv[i][j] * a[j];
+            p[i] += (jet.dqq[i][j] + force.dq[i][j]) * v[j];
+            p[i] += (jet.dqv[i][j] + force.dv[i][j]) * a[j];
         }
     }
     Ok(Motion {
-        first: Field { q: v, p: jet.dq },
+        first: Field { q: v, p: total },
         second: Field { q: a, p },
     })
 }

@@ -23,8 +23,12 @@ pub trait Dimensions {
     type LagrangianJet;
     /// `[NoiseJet<N>; M]`.
     type NoiseJets;
+    /// [`ForceJet<N>`](ForceJet).
+    type ForceJet;
     /// All increments zero.
     const NO_INCREMENTS: Self::Increments;
+    /// No force.
+    const NO_FORCE: Self::ForceJet;
     /// The time of a state.
     fn time(state: &Self::State) -> f64;
     /// Sets the time of a state.
@@ -37,6 +41,13 @@ impl<const N: usize, const M: usize> Dimensions for Dims<N, M> {
     type State = State<N>;
     type LagrangianJet = LagrangianJet<N>;
     type NoiseJets = [NoiseJet<N>; M];
+    type ForceJet = ForceJet<N>;
+    const NO_FORCE: ForceJet<N> = ForceJet {
+        value: [0.0; N],
+        dq: [[0.0; N]; N],
+        dv: [[0.0; N]; N],
+        dt: [0.0; N],
+    };
     const NO_INCREMENTS: [f64; M] = [0.0; M];
     fn time(state: &State<N>) -> f64 {
         state.t
@@ -53,7 +64,7 @@ pub type IncrementsOf<S> = <<S as System>::Dims as Dimensions>::Increments;
 /// `State<N>` of a system.
 pub type StateOf<S> = <<S as System>::Dims as Dimensions>::State;
 
-/// A mechanical system: the derivatives of its Lagrangian and of its noise Hamiltonians.
+/// A mechanical system: the derivatives of its Lagrangian, of its noise Hamiltonians and of its force.
 ///
 /// Implemented by `#[variational(…)]`; what users call is in [`Mechanics`](crate::Mechanics).
 #[diagnostic::on_unimplemented(
@@ -65,6 +76,8 @@ pub trait System {
     type Dims: Dimensions;
     /// Whether `∂L/∂v` is affine in `v`, so that the Legendre transform is inverted by one linear solve.
     const AFFINE_MOMENTUM: bool;
+    /// Whether there is a force.
+    const FORCED: bool = false;
     /// `L` and its first and second derivatives.
     fn lagrangian_jet(
         &self,
@@ -79,6 +92,17 @@ pub trait System {
         q: &VectorOf<Self>,
         p: &VectorOf<Self>,
     ) -> <Self::Dims as Dimensions>::NoiseJets;
+    /// The force F with its first derivatives; zero where there is none.
+    #[inline]
+    fn force_jet(
+        &self,
+        t: f64,
+        q: &VectorOf<Self>,
+        v: &VectorOf<Self>,
+    ) -> <Self::Dims as Dimensions>::ForceJet {
+        let _ = (t, q, v);
+        <Self::Dims as Dimensions>::NO_FORCE
+    }
 }
 
 /// `L(t, q, v)` with its first and second derivatives; `dqv[i][j] = ∂²L/∂qᵢ∂vⱼ`.
@@ -115,6 +139,19 @@ pub struct NoiseJet<const N: usize> {
     pub dqp: [[f64; N]; N],
     /// `∂²G/∂p∂p`.
     pub dpp: [[f64; N]; N],
+}
+
+/// A force `F(t, q, v)` with its first derivatives; `dv[i][j] = ∂Fᵢ/∂vⱼ`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForceJet<const N: usize> {
+    /// `F`.
+    pub value: [f64; N],
+    /// `∂F/∂q`, rows by component of F.
+    pub dq: [[f64; N]; N],
+    /// `∂F/∂v`, rows by component of F.
+    pub dv: [[f64; N]; N],
+    /// `∂F/∂t`.
+    pub dt: [f64; N],
 }
 
 /// A system for which the rule `R` has been derived.
@@ -160,6 +197,7 @@ impl<S: Variational<R>, R> DerivedFor<S> for R {}
 impl<S: System> System for &S {
     type Dims = S::Dims;
     const AFFINE_MOMENTUM: bool = S::AFFINE_MOMENTUM;
+    const FORCED: bool = S::FORCED;
 
     #[inline]
     fn lagrangian_jet(
@@ -179,6 +217,16 @@ impl<S: System> System for &S {
         p: &VectorOf<S>,
     ) -> <S::Dims as Dimensions>::NoiseJets {
         (**self).noise_jets(t, q, p)
+    }
+
+    #[inline]
+    fn force_jet(
+        &self,
+        t: f64,
+        q: &VectorOf<S>,
+        v: &VectorOf<S>,
+    ) -> <S::Dims as Dimensions>::ForceJet {
+        (**self).force_jet(t, q, v)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Plans and instructions → tokens. Infallible, and the only place that knows it prints Rust.
 
 mod code;
+mod momenta;
 mod plan;
 mod rule;
 mod step;
@@ -8,12 +9,13 @@ mod straight;
 mod stub;
 mod system;
 
+pub(crate) use momenta::momenta;
 pub(crate) use rule::rule;
 pub(crate) use stub::stub;
 pub(crate) use system::system;
 
-use proc_macro2::TokenStream;
-use quote::quote;
+use proc_macro2::{Ident, TokenStream};
+use quote::{format_ident, quote};
 
 use crate::parse::Annotated;
 
@@ -21,6 +23,11 @@ use crate::parse::Annotated;
 fn private(block: &Annotated) -> TokenStream {
     let runtime = &block.arguments.runtime;
     quote!(#runtime::__private)
+}
+
+/// The function that a symmetry gives.
+pub(crate) fn momentum_name(symmetry: &Ident) -> Ident {
+    format_ident!("{symmetry}_momentum", span = symmetry.span())
 }
 
 /// Attributes of every generated implementation. Generated arithmetic is not written to please a reader's linter.

@@ -34,6 +34,7 @@ pub(crate) fn stub(block: &ItemImpl, attribute: &TokenStream) -> TokenStream {
             iteration: #operations,
         }
     };
+    let momenta = momenta(block, &private, &n);
     let rules = rules(attribute).into_iter().map(|rule| {
         let rule = format_ident!("{}", rule.type_name());
         quote! {
@@ -65,6 +66,28 @@ pub(crate) fn stub(block: &ItemImpl, attribute: &TokenStream) -> TokenStream {
             fn noise_jets(&self, time: f64, q: &[f64; #n], p: &[f64; #n]) -> [#private::NoiseJet<#n>; #m] { #fail }
         }
         #(#rules)*
+        #momenta
+    }
+}
+
+/// The functions that symmetries would give.
+fn momenta(block: &ItemImpl, private: &TokenStream, n: &TokenStream) -> TokenStream {
+    let self_ty = &block.self_ty;
+    let attributes = super::attributes();
+    let (generics, _, clause) = block.generics.split_for_impl();
+    let is_symmetry = |f: &&ImplItemFn| f.attrs.iter().any(|a| a.path().is_ident("symmetry"));
+    let functions = functions(block).filter(is_symmetry).map(|f| {
+        let (visibility, name) = (&f.vis, super::momentum_name(&f.sig.ident));
+        quote! {
+            #visibility fn #name(&self, state: &#private::State<#n>) -> f64 {
+                ::core::unreachable!("the macro reported an error")
+            }
+        }
+    });
+    quote! {
+        #attributes
+        #[allow(dead_code)]
+        impl #generics #self_ty #clause { #(#functions)* }
     }
 }
 

@@ -5,7 +5,7 @@ use quote::quote;
 
 use super::straight::Straight;
 use super::{attributes, private};
-use crate::mechanics::{LagrangianJet, Mechanics, NoiseJet};
+use crate::mechanics::{ForceJet, LagrangianJet, Mechanics, NoiseJet};
 use crate::model::{Model, Symbols};
 use crate::parse::Annotated;
 use crate::symbolic::{Arena, Expr};
@@ -23,13 +23,18 @@ pub(crate) fn system(
     let Mechanics {
         lagrangian,
         noises,
+        force,
         affine_momentum,
         clash: _,
     } = mechanics;
     let lagrangian_body = lagrangian_jet(&private, lagrangian, &model.symbols, arena);
     let noise_body = noise_jets(&private, noises, &model.symbols, arena);
+    let force = force
+        .as_ref()
+        .map(|jet| force_jet(&private, jet, &n, &model.symbols, arena));
     // the user's functions are not called by what is derived from them, and yet are not dead
-    let functions = block.noises.iter().chain([&block.lagrangian]);
+    let parts = [&block.noises, &block.forces, &block.symmetries];
+    let functions = parts.into_iter().flatten().chain([&block.lagrangian]);
     let functions = functions.map(|part| &part.name);
     quote! {
         #attributes
@@ -46,6 +51,7 @@ pub(crate) fn system(
             fn noise_jets(&self, time: f64, q: &[f64; #n], p: &[f64; #n]) -> [#private::NoiseJet<#n>; #m] {
                 #noise_body
             }
+            #force
         }
     }
 }
@@ -81,6 +87,33 @@ fn lagrangian_jet(
         let [[value]] = #value;
         let [dq, dv, dqt, dvt] = #vectors;
         #private::LagrangianJet { value, dq, dv, dqq: #dqq, dqv: #dqv, dvv: #dvv, dqt, dvt }
+    }
+}
+
+/// `FORCED` and `force_jet`.
+fn force_jet(
+    private: &TokenStream,
+    jet: &ForceJet,
+    n: &Literal,
+    symbols: &Symbols,
+    arena: &Arena,
+) -> TokenStream {
+    let ForceJet { value, dq, dv, dt } = jet;
+    let vectors = [value.clone(), dt.clone()];
+    let roots: Vec<Expr> = [&vectors[..], &dq[..], &dv[..]].concat().concat();
+    let (statements, arrays) =
+        Straight::new(arena, symbols, &roots).finish(private, &[&vectors, dq, dv]);
+    let [vectors, dq, dv] = arrays.as_slice() else {
+        return TokenStream::new();
+    };
+    quote! {
+        const FORCED: bool = true;
+        #[inline]
+        fn force_jet(&self, time: f64, q: &[f64; #n], v: &[f64; #n]) -> #private::ForceJet<#n> {
+            #statements
+            let [value, dt] = #vectors;
+            #private::ForceJet { value, dq: #dq, dv: #dv, dt }
+        }
     }
 }
 

@@ -17,7 +17,7 @@ use quote::ToTokens;
 use syn::spanned::Spanned;
 
 use crate::errors::Errors;
-use crate::model::{Meaning, Model, NoiseTerm, Symbols};
+use crate::model::{Generator, Meaning, Model, NoiseTerm, Symbols};
 use crate::parse::{Annotated, Part, Role};
 use crate::symbolic::{Arena, Expr, Symbol};
 use value::{Shape, Value};
@@ -109,6 +109,28 @@ impl Lowering<'_> {
             let result = self.run(noise, &shape, time, arguments);
             self.noise_terms(noise, result, &mut noises);
         }
+        let mut force: Option<Vec<Expr>> = None;
+        for part in &block.forces {
+            let result = self.run(part, &shape, time, &[&q, &v]);
+            let Some(more) = self.vector_result(part, &result, &shape) else {
+                continue;
+            };
+            force = Some(match force {
+                Some(sum) => {
+                    let pairs = sum.into_iter().zip(more);
+                    pairs.map(|(a, b)| self.arena.add(a, b)).collect()
+                }
+                None => more,
+            });
+        }
+        let mut symmetries = Vec::new();
+        for part in &block.symmetries {
+            let result = self.run(part, &shape, time, &[&q]);
+            if let Some(field) = self.vector_result(part, &result, &shape) {
+                let name = part.name.to_string();
+                symmetries.push(Generator { name, field });
+            }
+        }
         Some(Model {
             symbols: Symbols::default(),
             time,
@@ -117,6 +139,8 @@ impl Lowering<'_> {
             p,
             lagrangian: lagrangian?,
             noises,
+            force,
+            symmetries,
         })
     }
 
@@ -184,6 +208,56 @@ impl Lowering<'_> {
             return None;
         }
         self.scalar(value, &part.name)
+    }
+
+    /// A vector of the shape of the coordinates.
+    fn vector_result(&mut self, part: &Part, value: &Value, shape: &Shape) -> Option<Vec<Expr>> {
+        if self.shape(&part.output)? != *shape {
+            let lagrangian = &self.block.lagrangian;
+            let coordinates = &lagrangian.arguments[usize::from(lagrangian.timed)].1;
+            self.errors.push(
+                part.output.span(),
+                format!(
+                    "`{}` must return a vector like the coordinates, `{}`",
+                    part.name,
+                    readable(coordinates)
+                ),
+            );
+            return None;
+        }
+        let mut entries = Vec::new();
+        self.entries(value, shape, &part.name, &mut entries)?;
+        Some(entries)
+    }
+
+    /// The numbers of a value of a known shape, in memory order.
+    fn entries(
+        &mut self,
+        value: &Value,
+        shape: &Shape,
+        at: &impl Spanned,
+        out: &mut Vec<Expr>,
+    ) -> Option<()> {
+        match (shape, value) {
+            (Shape::Scalar, value) => out.push(self.scalar(value, at)?),
+            (Shape::Array(n, inner), Value::Field(path)) => {
+                for i in 0..*n {
+                    self.entries(&Value::Field(path.index(i)), inner, at, out)?;
+                }
+            }
+            (Shape::Array(n, inner), Value::Array(values)) if values.len() == *n => {
+                for value in values {
+                    self.entries(value, inner, at, out)?;
+                }
+            }
+            (_, Value::Poison) => return None,
+            (Shape::Array(n, _), other) => {
+                let message = format!("expected an array of {n}, found {}", other.kind());
+                self.errors.push(at.span(), message);
+                return None;
+            }
+        }
+        Some(())
     }
 
     fn noise_terms(&mut self, part: &Part, value: Value, noises: &mut Vec<NoiseTerm>) {

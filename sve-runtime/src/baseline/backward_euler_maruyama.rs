@@ -4,7 +4,7 @@
 //! implicit: everything that comes from the noise, its Itô correction too, is taken at the start of the step, so that no
 //! unbounded ΔW enters the equation that is solved.
 //! With `n = h c(z₀) + Σ g_a(z₀) ΔW_a` and `q₁ = q₀ + n_q + h v₁` the unknown is `v₁` alone:
-//! `L_v(t₁, q₁, v₁) − p₀ − h L_q(t₁, q₁, v₁) − n_p = 0`, by Newton's method from `v₀`.
+//! `L_v(t₁, q₁, v₁) − p₀ − h (L_q + F)(t₁, q₁, v₁) − n_p = 0`, by Newton's method from `v₀`.
 //! Kloeden and Platen, Numerical Solution of Stochastic Differential Equations, section 12.2.
 //! Strong order ½ (1 where the noise is additive), deterministic order 1.
 //! For: the stable scheme, which damps what should oscillate: its energy settles where the exact one grows.
@@ -125,6 +125,7 @@ where
     };
     let v = newton.solve(solve_velocity(system, state)?, |v| {
         let jet = system.lagrangian_jet(t, &at(&moved(v)), v);
+        let force = system.force_jet(t, &at(&moved(v)), v);
         let mut equations = Evaluation {
             residual: [0.0; N],
             magnitude: [0.0; N],
@@ -132,20 +133,24 @@ where
             curvature: f64::NAN,
         };
         for i in 0..N {
-            let terms = [jet.dv[i], -state.p[i], -h * jet.dq[i], -n.p[i]];
+            let kick = h * (jet.dq[i] + force.value[i]);
+            let terms = [jet.dv[i], -state.p[i], -kick, -n.p[i]];
             equations.residual[i] = terms.iter().sum();
             equations.magnitude[i] = terms.iter().map(|x| x.abs()).sum();
             for j in 0..N {
-                equations.jacobian[i][j] += h * (jet.dqv[j][i] - jet.dqv[i][j] - h * jet.dqq[i][j]);
+                let along_q = jet.dqq[i][j] + force.dq[i][j];
+                let along_v = jet.dqv[i][j] + force.dv[i][j];
+                equations.jacobian[i][j] += h * (jet.dqv[j][i] - along_v - h * along_q);
             }
         }
         equations
     })?;
     let dq = moved(&v);
-    let force = system.lagrangian_jet(t, &at(&dq), &v).dq;
+    let jet = system.lagrangian_jet(t, &at(&dq), &v);
+    let force = system.force_jet(t, &at(&dq), &v);
     let mut dp = n.p;
     for i in 0..N {
-        dp[i] += h * force[i];
+        dp[i] += h * (jet.dq[i] + force.value[i]);
     }
     Ok(Field { q: dq, p: dp })
 }

@@ -1,0 +1,162 @@
+//! Whether each `#[symmetry]` is one, and the momentum that it conserves.
+//!
+//! Input: the model with its generators ξ. Output: the momentum maps ⟨p, ξ⟩, or an error that names the function which is
+//! not invariant. To be zero identically (mathematics.md, section 9; with `ξ_t` for a generator that depends on time):
+//!
+//! ```text
+//! L:   ⟨L_q, ξ⟩ + ⟨L_v, Dξ v + ξ_t⟩        γ:   ⟨γ_q, ξ⟩
+//! H₁:  ⟨∂H₁/∂q, ξ⟩ − ⟨p, Dξ ∂H₁/∂p⟩        F:   ⟨F, ξ⟩, the work of the force
+//! ```
+
+use crate::emit::momentum_name;
+use crate::errors::Errors;
+use crate::model::{Generator, Model};
+use crate::parse::{Annotated, Part};
+use crate::symbolic::{Arena, Expr, Symbol};
+
+/// A conserved momentum.
+pub(crate) struct MomentumMap {
+    /// Source name of the symmetry.
+    pub(crate) name: String,
+    /// ⟨p, ξ⟩.
+    pub(crate) value: Expr,
+    /// Whether ξ is affine in q and free of time: then the steps conserve it too.
+    pub(crate) affine: bool,
+}
+
+/// Longest formula of a remainder that is shown, in characters.
+const READABLE: usize = 160;
+
+/// Proves the symmetries of a block.
+pub(crate) fn check(
+    block: &Annotated,
+    model: &Model,
+    arena: &mut Arena,
+) -> syn::Result<Vec<MomentumMap>> {
+    let mut errors = Errors::new();
+    let mut maps = Vec::new();
+    for (part, generator) in block.symmetries.iter().zip(&model.symmetries) {
+        let moves_nothing = generator.field.iter().all(|&x| arena.is_zero(x));
+        if moves_nothing {
+            errors.push(
+                part.name.span(),
+                format!("the symmetry `{}` moves nothing: return the velocity of each coordinate along it, such as `[-q[1], q[0]]` for a rotation", part.name),
+            );
+            continue;
+        }
+        let function = momentum_name(&part.name);
+        if block.functions.iter().any(|f| f.sig.ident == function) {
+            errors.push(
+                part.name.span(),
+                format!("`{}` gives the function `{function}`, which the block has already: rename one of them", part.name),
+            );
+        }
+        for (whose, change) in changes(block, generator, model, arena) {
+            if !arena.is_zero(change) {
+                let message = broken(part, &whose, change, model, arena);
+                errors.push(part.name.span(), message);
+            }
+        }
+        maps.push(momentum(generator, model, arena));
+    }
+    errors.finish(maps)
+}
+
+fn broken(part: &Part, whose: &str, change: Expr, model: &Model, arena: &Arena) -> String {
+    let remainder = arena
+        .display(change, READABLE, &|s| model.symbols.name(s))
+        .map(|formula| format!(": it changes at the rate {formula}, which is not zero"))
+        .unwrap_or_default();
+    format!(
+        "`{}` is not a symmetry of {whose}{remainder}; correct the generator, or remove `#[symmetry]`",
+        part.name
+    )
+}
+
+/// How much each function of the block changes along a generator.
+fn changes(
+    block: &Annotated,
+    generator: &Generator,
+    model: &Model,
+    arena: &mut Arena,
+) -> Vec<(String, Expr)> {
+    let xi = &generator.field;
+    let v: Vec<Expr> = model.v.iter().map(|&s| arena.symbol(s)).collect();
+    let p: Vec<Expr> = model.p.iter().map(|&s| arena.symbol(s)).collect();
+
+    let mut flow = transported(xi, &v, model, arena);
+    for (at, &x) in xi.iter().enumerate() {
+        let drift = arena.diff(x, model.time);
+        flow[at] = arena.add(flow[at], drift);
+    }
+    let along_q = pairing(model.lagrangian, &model.q, xi, arena);
+    let along_v = pairing(model.lagrangian, &model.v, &flow, arena);
+    let mut changes = vec![("the Lagrangian".to_owned(), arena.add(along_q, along_v))];
+    for noise in &model.noises {
+        let along_q = pairing(noise.hamiltonian, &model.q, xi, arena);
+        let kick: Vec<Expr> = model
+            .p
+            .iter()
+            .map(|&s| arena.diff(noise.hamiltonian, s))
+            .collect();
+        let turned = transported(xi, &kick, model, arena);
+        let turned = dot(&p, &turned, arena);
+        changes.push((
+            format!("the noise `{}`", noise.name),
+            arena.sub(along_q, turned),
+        ));
+    }
+    if let Some(force) = &model.force {
+        let names: Vec<String> = block
+            .forces
+            .iter()
+            .map(|part| format!("`{}`", part.name))
+            .collect();
+        let whose = format!("the force {}, which does work along it", names.join(" + "));
+        changes.push((whose, dot(force, xi, arena)));
+    }
+    changes
+}
+
+/// `⟨∂f/∂x, by⟩`.
+fn pairing(f: Expr, x: &[Symbol], by: &[Expr], arena: &mut Arena) -> Expr {
+    let gradient: Vec<Expr> = x.iter().map(|&s| arena.diff(f, s)).collect();
+    dot(&gradient, by, arena)
+}
+
+fn dot(a: &[Expr], b: &[Expr], arena: &mut Arena) -> Expr {
+    let terms: Vec<(f64, Expr)> = a
+        .iter()
+        .zip(b)
+        .map(|(&a, &b)| (1.0, arena.mul(a, b)))
+        .collect();
+    arena.sum(0.0, &terms)
+}
+
+/// `Dξ by`.
+fn transported(xi: &[Expr], by: &[Expr], model: &Model, arena: &mut Arena) -> Vec<Expr> {
+    xi.iter()
+        .map(|&x| pairing(x, &model.q, by, arena))
+        .collect()
+}
+
+fn momentum(generator: &Generator, model: &Model, arena: &mut Arena) -> MomentumMap {
+    let p: Vec<Expr> = model.p.iter().map(|&s| arena.symbol(s)).collect();
+    let value = dot(&p, &generator.field, arena);
+    let mut affine = true;
+    for &x in &generator.field {
+        affine &= !arena.contains(x, model.time);
+        for &q in &model.q {
+            let slope = arena.diff(x, q);
+            for &other in &model.q {
+                let bend = arena.diff(slope, other);
+                affine &= arena.is_zero(bend);
+            }
+        }
+    }
+    MomentumMap {
+        name: generator.name.clone(),
+        value,
+        affine,
+    }
+}
