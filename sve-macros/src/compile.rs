@@ -18,6 +18,7 @@ use crate::rule::Rule;
 use crate::structure::{self, Degenerate};
 use crate::symbolic::Arena;
 use crate::symmetry;
+use crate::tangent;
 
 /// The expansion of the attribute: the user's block as it was, and the derived implementations or the errors.
 pub(crate) fn expand(attribute: &TokenStream, item: &TokenStream) -> TokenStream {
@@ -64,8 +65,17 @@ fn derive(attribute: TokenStream, item: ItemImpl) -> syn::Result<TokenStream> {
         let equations = equations::equations(&action, &mut arena);
         let scheme = structure::analyse(equations, &action, &mut symbols, &mut arena)
             .map_err(|degenerate| explain(&degenerate, &block, &symbols))?;
+        let linearisation = tangent::linearise(&scheme, &action, &symbols, &mut arena);
         output.extend(emit::rule(
-            *rule, &block, &model, &mechanics, &action, &scheme, &symbols, &arena,
+            *rule,
+            &block,
+            &model,
+            &mechanics,
+            &action,
+            &scheme,
+            &linearisation,
+            &symbols,
+            &arena,
         ));
     }
     Ok(output)

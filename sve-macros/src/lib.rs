@@ -23,6 +23,7 @@ mod schedule_tests;
 mod structure;
 mod symbolic;
 mod symmetry;
+mod tangent;
 
 use proc_macro::TokenStream;
 

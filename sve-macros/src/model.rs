@@ -75,6 +75,24 @@ impl Symbols {
         &self.meanings[symbol.0 as usize]
     }
 
+    /// The symbols of the parameters, in the order of their first use.
+    pub(crate) fn parameters(&self) -> impl Iterator<Item = Symbol> + '_ {
+        (0..self.meanings.len() as u32)
+            .map(Symbol)
+            .filter(|&s| matches!(self.meaning(s), Meaning::Parameter { .. }))
+    }
+
+    /// A parameter as the source has it, without `self`.
+    pub(crate) fn source(&self, parameter: Symbol) -> String {
+        match self.meaning(parameter) {
+            Meaning::Parameter { access, .. } => {
+                let path = access.to_string().replace(' ', "");
+                path.strip_prefix("self.").unwrap_or(&path).to_owned()
+            }
+            _ => self.name(parameter),
+        }
+    }
+
     /// The name of a symbol in generated code and formulas.
     pub(crate) fn name(&self, symbol: Symbol) -> String {
         match self.meaning(symbol) {

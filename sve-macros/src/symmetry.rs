@@ -11,7 +11,7 @@
 use crate::emit::momentum_name;
 use crate::errors::Errors;
 use crate::model::{Generator, Model};
-use crate::parse::{Annotated, Part};
+use crate::parse::{Annotated, Part, Role};
 use crate::symbolic::{Arena, Expr, Symbol};
 
 /// A conserved momentum.
@@ -51,9 +51,9 @@ pub(crate) fn check(
                 format!("`{}` gives the function `{function}`, which the block has already: rename one of them", part.name),
             );
         }
-        for (whose, change) in changes(block, generator, model, arena) {
+        for (what, change) in changes(block, generator, model, arena) {
             if !arena.is_zero(change) {
-                let message = broken(part, &whose, change, model, arena);
+                let message = broken(part, &what, change, model, arena);
                 errors.push(part.name.span(), message);
             }
         }
@@ -62,15 +62,28 @@ pub(crate) fn check(
     errors.finish(maps)
 }
 
-fn broken(part: &Part, whose: &str, change: Expr, model: &Model, arena: &Arena) -> String {
-    let remainder = arena
+fn broken(part: &Part, what: &Changes, change: Expr, model: &Model, arena: &Arena) -> String {
+    let name = &part.name;
+    let rate = arena
         .display(change, READABLE, &|s| model.symbols.name(s))
-        .map(|formula| format!(": it changes at the rate {formula}, which is not zero"))
+        .map(|formula| format!(" at the rate {formula}"))
         .unwrap_or_default();
-    format!(
-        "`{}` is not a symmetry of {whose}{remainder}; correct the generator, or remove `#[symmetry]`",
-        part.name
-    )
+    match what {
+        Changes::Function(whose) => format!(
+            "`{name}` is not a symmetry of {whose}, which changes along it{rate}; correct the generator, or remove `#[symmetry]`"
+        ),
+        Changes::Work(force) => format!(
+            "the force {force} does work along the symmetry `{name}`{rate}, so that its momentum is not conserved; remove `#[symmetry]`, or the force along it"
+        ),
+    }
+}
+
+/// What should not change along a generator, and does.
+enum Changes {
+    /// A function of the block, as a message calls it.
+    Function(String),
+    /// The work of the forces of these names.
+    Work(String),
 }
 
 /// How much each function of the block changes along a generator.
@@ -79,7 +92,7 @@ fn changes(
     generator: &Generator,
     model: &Model,
     arena: &mut Arena,
-) -> Vec<(String, Expr)> {
+) -> Vec<(Changes, Expr)> {
     let xi = &generator.field;
     let v: Vec<Expr> = model.v.iter().map(|&s| arena.symbol(s)).collect();
     let p: Vec<Expr> = model.p.iter().map(|&s| arena.symbol(s)).collect();
@@ -91,7 +104,10 @@ fn changes(
     }
     let along_q = pairing(model.lagrangian, &model.q, xi, arena);
     let along_v = pairing(model.lagrangian, &model.v, &flow, arena);
-    let mut changes = vec![("the Lagrangian".to_owned(), arena.add(along_q, along_v))];
+    let mut changes = vec![(
+        Changes::Function("the Lagrangian".to_owned()),
+        arena.add(along_q, along_v),
+    )];
     for noise in &model.noises {
         let along_q = pairing(noise.hamiltonian, &model.q, xi, arena);
         let kick: Vec<Expr> = model
@@ -101,10 +117,16 @@ fn changes(
             .collect();
         let turned = transported(xi, &kick, model, arena);
         let turned = dot(&p, &turned, arena);
-        changes.push((
-            format!("the noise `{}`", noise.name),
-            arena.sub(along_q, turned),
-        ));
+        let mut change = arena.sub(along_q, turned);
+        let source = noise.name.split('[').next();
+        let is_gamma =
+            |part: &Part| part.role == Role::Gamma && source.is_some_and(|s| part.name == s);
+        if block.noises.iter().any(is_gamma) {
+            // the noise Hamiltonian is −γ
+            change = arena.neg(change);
+        }
+        let whose = format!("the noise `{}`", noise.name);
+        changes.push((Changes::Function(whose), change));
     }
     if let Some(force) = &model.force {
         let names: Vec<String> = block
@@ -112,8 +134,7 @@ fn changes(
             .iter()
             .map(|part| format!("`{}`", part.name))
             .collect();
-        let whose = format!("the force {}, which does work along it", names.join(" + "));
-        changes.push((whose, dot(force, xi, arena)));
+        changes.push((Changes::Work(names.join(" + ")), dot(force, xi, arena)));
     }
     changes
 }

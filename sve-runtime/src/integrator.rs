@@ -7,6 +7,7 @@ use crate::noise::Noise;
 use crate::plan::Plan;
 use crate::state::State;
 use crate::system::{DerivedFor, Dims, System, Variational};
+use crate::tangent::{self, Sensitivity, Tangent};
 use crate::trajectory::Trajectory;
 
 /// A system and the rule that discretises its action.
@@ -96,6 +97,87 @@ where
     #[inline]
     pub fn step(&self, state: &mut State<N>, h: f64, dw: &[f64; M]) -> Result<(), StepError> {
         Method::step(self, state, h, dw)
+    }
+
+    /// The tangent map of one step, `∂(q₁,p₁)/∂(q₀,p₀)` at fixed increments: a symplectic matrix, where no force acts.
+    ///
+    /// From the derivatives of the step's own equations by the implicit-function theorem, so it is exact to rounding.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// struct Pendulum { g: f64 }
+    ///
+    /// #[variational(midpoint)]
+    /// impl Pendulum {
+    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + self.g * q.cos() }
+    /// }
+    ///
+    /// # fn main() -> Result<(), StepError> {
+    /// let pendulum = Integrator::new(Pendulum { g: 9.8 }, Midpoint);
+    /// let tangent = pendulum.tangent(&State::new([1.0], [0.0]), 0.1, &[])?;
+    /// let determinant = tangent[0][0] * tangent[1][1] - tangent[0][1] * tangent[1][0];
+    /// assert!((determinant - 1.0).abs() < 1e-15);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// As [`step`](Self::step); [`StepError::Singular`] where the equations have no regular Jacobian at their solution.
+    pub fn tangent(
+        &self,
+        state: &State<N>,
+        h: f64,
+        dw: &[f64; M],
+    ) -> Result<Tangent<N>, StepError> {
+        self.step_with_derivatives(&mut { *state }, h, dw)
+            .map(|(tangent, _)| tangent)
+    }
+
+    /// The derivatives of the result of one step in each parameter, at fixed start and increments.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// struct Oscillator { k: f64 }
+    ///
+    /// #[variational(endpoint)]
+    /// impl Oscillator {
+    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v - 0.5 * self.k * q * q }
+    /// }
+    ///
+    /// # fn main() -> Result<(), StepError> {
+    /// let oscillator = Integrator::new(Oscillator { k: 4.0 }, Endpoint);
+    /// // q₁ = q₀ + h p₀, p₁ = p₀ − h k q₁
+    /// let sensitivity = oscillator.sensitivity(&State::new([1.0], [0.0]), 0.1, &[])?;
+    /// assert_eq!(sensitivity.get("k").unwrap().p, [-0.1]);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// As [`tangent`](Self::tangent).
+    pub fn sensitivity(
+        &self,
+        state: &State<N>,
+        h: f64,
+        dw: &[f64; M],
+    ) -> Result<Sensitivity<N>, StepError> {
+        self.step_with_derivatives(&mut { *state }, h, dw)
+            .map(|(_, sensitivity)| sensitivity)
+    }
+
+    /// One step with its [`tangent`](Self::tangent) and [`sensitivity`](Self::sensitivity), from one solution of its equations.
+    ///
+    /// # Errors
+    /// As [`tangent`](Self::tangent); `state` is then unchanged.
+    pub fn step_with_derivatives(
+        &self,
+        state: &mut State<N>,
+        h: f64,
+        dw: &[f64; M],
+    ) -> Result<(Tangent<N>, Sensitivity<N>), StepError> {
+        tangent::derivatives(self, state, h, dw)
     }
 
     /// The states after each step of length `h` from `state`; see [`Method::trajectory`].

@@ -78,6 +78,7 @@ mod plan;
 mod rules;
 mod state;
 mod system;
+mod tangent;
 mod trajectory;
 mod turn;
 
@@ -164,9 +165,10 @@ pub use state::State;
 /// ```
 pub use sve_macros::variational;
 pub use system::{
-    DerivedFor, Dimensions, Dims, ForceJet, IncrementsOf, LagrangianJet, NoiseJet, StateOf, System,
-    Variational, VectorOf,
+    DerivedFor, Dimensions, Dims, ForceJet, IncrementsOf, LagrangianJet, NoiseJet, StateOf, StepOf,
+    System, Variational, VectorOf,
 };
+pub use tangent::{Sensitivity, Tangent};
 pub use trajectory::Trajectory;
 
 /// What a program that integrates a system imports: `use sve_runtime::prelude::*;`.
@@ -186,6 +188,7 @@ pub mod __private {
     pub use crate::plan::{Block, BlockKind, Operations, Plan, StrongOrder};
     pub use crate::state::State;
     pub use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System, Variational};
+    pub use crate::tangent::{Entries, Linearisation};
     pub use crate::turn::turn;
 }
 

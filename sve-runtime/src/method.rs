@@ -93,16 +93,31 @@ where
         h: f64,
         dw: &[f64; M],
     ) -> Result<(), StepError> {
-        let system = Integrator::system(self);
-        let error = match system.increment(prepared, state, h, dw, self.newton()) {
-            Ok((q, p)) if S::RETURNS_STATE && replace(state, h, &q, &p) => return Ok(()),
-            Ok((dq, dp)) if !S::RETURNS_STATE && add(state, h, &dq, &dp) => return Ok(()),
-            Ok(_) => SolveError::NonFinite,
-            Err(error) => error,
-        };
-        let error = explain(error, &{ *state }, h, &{ *dw });
-        Err(look_at_the_mass(system, error))
+        solve_step(self, prepared, state, h, dw).map(|_| ())
     }
+}
+
+/// One step of an integrator; what its blocks were solved for.
+#[inline]
+pub(crate) fn solve_step<S, R, const N: usize, const M: usize>(
+    integrator: &Integrator<S, R>,
+    prepared: &S::Prepared,
+    state: &mut State<N>,
+    h: f64,
+    dw: &[f64; M],
+) -> Result<S::Unknowns, StepError>
+where
+    S: Variational<R> + System<Dims = Dims<N, M>>,
+{
+    let system = integrator.system();
+    let error = match system.increment(prepared, state, h, dw, integrator.newton()) {
+        Ok((q, p, x)) if S::RETURNS_STATE && replace(state, h, &q, &p) => return Ok(x),
+        Ok((dq, dp, x)) if !S::RETURNS_STATE && add(state, h, &dq, &dp) => return Ok(x),
+        Ok(_) => SolveError::NonFinite,
+        Err(error) => error,
+    };
+    let error = explain(error, &{ *state }, h, &{ *dw });
+    Err(look_at_the_mass(system, error))
 }
 
 /// Accepts positive finite step sizes.

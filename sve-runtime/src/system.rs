@@ -6,6 +6,7 @@
 use crate::newton::{Newton, SolveError};
 use crate::plan::Plan;
 use crate::state::State;
+use crate::tangent::Linearisation;
 
 /// The fixed sizes of a system: `N` degrees of freedom, `M` Wiener processes.
 #[derive(Clone, Copy, Debug)]
@@ -78,6 +79,8 @@ pub trait System {
     const AFFINE_MOMENTUM: bool;
     /// Whether there is a force.
     const FORCED: bool = false;
+    /// The parameters, as the source has them: `m`, `l[0]`, `body.mass`.
+    const PARAMETERS: &'static [&'static str] = &[];
     /// `L` and its first and second derivatives.
     fn lagrangian_jet(
         &self,
@@ -164,6 +167,8 @@ pub struct ForceJet<const N: usize> {
 pub trait Variational<R>: System {
     /// What depends on parameters and step size alone.
     type Prepared: Copy;
+    /// What the blocks of the step are solved for, `[f64; K]`.
+    type Unknowns: Copy;
     /// What the step became.
     const PLAN: &'static Plan;
     /// Whether [`increment`](Self::increment) returns `(q₁, p₁)` instead. So do linear steps whose matrix is another one in
@@ -171,7 +176,7 @@ pub trait Variational<R>: System {
     const RETURNS_STATE: bool;
     /// Computes what depends on parameters and step size alone.
     fn prepare(&self, h: f64) -> Self::Prepared;
-    /// `(q₁ − q₀, p₁ − p₀)` of one step; see [`RETURNS_STATE`](Self::RETURNS_STATE).
+    /// `(q₁ − q₀, p₁ − p₀)` of one step, see [`RETURNS_STATE`](Self::RETURNS_STATE), and what its blocks were solved for.
     ///
     /// # Errors
     /// When an implicit equation of the step cannot be solved.
@@ -182,8 +187,19 @@ pub trait Variational<R>: System {
         h: f64,
         dw: &IncrementsOf<Self>,
         newton: &Newton,
-    ) -> Result<(VectorOf<Self>, VectorOf<Self>), SolveError>;
+    ) -> Result<StepOf<Self, R>, SolveError>;
+    /// The step's equations and results to first order around a step that was solved.
+    fn linearise(
+        &self,
+        state: &StateOf<Self>,
+        h: f64,
+        dw: &IncrementsOf<Self>,
+        unknowns: &Self::Unknowns,
+    ) -> Linearisation;
 }
+
+/// What [`Variational::increment`] returns.
+pub type StepOf<S, R> = (VectorOf<S>, VectorOf<S>, <S as Variational<R>>::Unknowns);
 
 /// A rule that has been derived for the system `S`: [`Variational`] seen from the rule.
 ///
@@ -198,6 +214,7 @@ impl<S: System> System for &S {
     type Dims = S::Dims;
     const AFFINE_MOMENTUM: bool = S::AFFINE_MOMENTUM;
     const FORCED: bool = S::FORCED;
+    const PARAMETERS: &'static [&'static str] = S::PARAMETERS;
 
     #[inline]
     fn lagrangian_jet(
@@ -233,6 +250,7 @@ impl<S: System> System for &S {
 #[diagnostic::do_not_recommend]
 impl<S: Variational<R>, R> Variational<R> for &S {
     type Prepared = S::Prepared;
+    type Unknowns = S::Unknowns;
     const PLAN: &'static Plan = S::PLAN;
     const RETURNS_STATE: bool = S::RETURNS_STATE;
 
@@ -249,7 +267,18 @@ impl<S: Variational<R>, R> Variational<R> for &S {
         h: f64,
         dw: &IncrementsOf<S>,
         newton: &Newton,
-    ) -> Result<(VectorOf<S>, VectorOf<S>), SolveError> {
+    ) -> Result<StepOf<S, R>, SolveError> {
         (**self).increment(prepared, state, h, dw, newton)
+    }
+
+    #[inline]
+    fn linearise(
+        &self,
+        state: &StateOf<S>,
+        h: f64,
+        dw: &IncrementsOf<S>,
+        unknowns: &S::Unknowns,
+    ) -> Linearisation {
+        (**self).linearise(state, h, dw, unknowns)
     }
 }

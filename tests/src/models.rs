@@ -1,16 +1,18 @@
 //! The systems under test: those of the paper and some that stress one feature each.
 
 mod deterministic;
+mod forced;
 mod noisy;
+mod symmetric;
 
 use sve_runtime::prelude::*;
 
 pub use deterministic::{
     HenonHeiles, Magnetic, PlanarDoublePendulum, Quartic, Relativistic, SphericalPendulum,
 };
-pub use noisy::{
-    Actions, Central, Chain, Clashing, Driven, Mixed, OneMomentum, Polar, Synchrotron,
-};
+pub use forced::{Damped, Stirred, Towed};
+pub use noisy::{Actions, Chain, Clashing, Driven, Mixed, OneMomentum, Polar, Synchrotron};
+pub use symmetric::{Central, Charges, Stretched};
 
 /// L = v²/2 + g cos q.
 #[derive(Clone, Debug)]

@@ -5,9 +5,9 @@ use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
 
 use crate::models::{
-    Actions, Central, Chain, Clashing, DoublePendulum, Driven, HenonHeiles, Kubo, Magnetic, Mixed,
-    OneMomentum, Oscillator, Pendulum, PlanarDoublePendulum, Polar, Quartic, Relativistic,
-    SphericalPendulum, Synchrotron,
+    Actions, Central, Chain, Charges, Clashing, Damped, DoublePendulum, Driven, HenonHeiles, Kubo,
+    Magnetic, Mixed, OneMomentum, Oscillator, Pendulum, PlanarDoublePendulum, Polar, Quartic,
+    Relativistic, SphericalPendulum, Stirred, Stretched, Synchrotron, Towed,
 };
 use crate::random::Random;
 
@@ -17,6 +17,11 @@ pub trait Model<const N: usize, const M: usize>: System<Dims = Dims<N, M>> {
     fn l(&self, t: f64, q: [f64; N], v: [f64; N]) -> f64;
     /// The noise Hamiltonians, −γ and H₁, in source order.
     fn g(&self, t: f64, q: [f64; N], p: [f64; N]) -> [f64; M];
+    /// The force; zero where there is none.
+    fn f(&self, t: f64, q: [f64; N], v: [f64; N]) -> [f64; N] {
+        let _ = (t, q, v);
+        [0.0; N]
+    }
     /// A point where everything is regular, and a steps's way around it.
     fn point(random: &mut Random) -> State<N>;
 }
@@ -69,12 +74,12 @@ pub fn every_step(visitor: &mut impl Visitor) {
         )*};
     }
     visit!(
-        pendulum(), planar_double_pendulum(), magnetic(), spherical_pendulum(), relativistic(), HenonHeiles, quartic();
+        pendulum(), planar_double_pendulum(), magnetic(), spherical_pendulum(), relativistic(), HenonHeiles, quartic(), stirred(), stretched();
         (InitialPoint, Endpoint, Midpoint, Taylor2)
     );
     visit!(
         oscillator(), kubo(), double_pendulum(), mixed(), polar(), driven(), synchrotron(), actions(), clashing(),
-        chain(), one_momentum(), central();
+        chain(), one_momentum(), central(), damped(), towed(), charges();
         (InitialPoint, Endpoint, Midpoint)
     );
 }
@@ -84,6 +89,7 @@ macro_rules! models {
         $make:ident: $model:ident<$n:literal, $m:literal> = $value:expr;
         l($lt:ident, $lq:ident, $lv:ident, $ls:ident) = $l:expr;
         g($t:ident, $q:ident, $p:ident, $s:ident) = $g:expr;
+        $(f($ft:ident, $fq:ident, $fv:ident, $fs:ident) = $f:expr;)?
         point($random:ident) = $point:expr;
     )*) => {$(
         #[doc = concat!("`", stringify!($model), "` with generic parameters.")]
@@ -100,6 +106,10 @@ macro_rules! models {
                 let $s = self;
                 $g
             }
+            $(fn f(&self, $ft: f64, $fq: [f64; $n], $fv: [f64; $n]) -> [f64; $n] {
+                let $fs = self;
+                $f
+            })?
             fn point($random: &mut Random) -> State<$n> {
                 let (q, p) = $point;
                 State::at($random.uniform(0.2, 1.0), q, p)
@@ -206,4 +216,43 @@ models! {
     l(_t, q, v, s) = s.lagrangian(q, v);
     g(_t, q, _p, s) = [-s.shake(q)];
     point(r) = ([r.uniform(0.7, 1.5), r.uniform(-1.0, 1.0)], r.array(-1.0, 1.0));
+
+    damped: Damped<1, 1> = Damped { m: 1.3, k: 0.8, nu: 0.7, sigma: 0.4 };
+    l(_t, q, v, s) = s.lagrangian(q[0], v[0]);
+    g(_t, q, _p, s) = [-s.bath(q[0])];
+    f(_t, q, v, s) = [s.friction(q[0], v[0])];
+    point(r) = (r.array(-1.5, 1.5), r.array(-1.0, 1.0));
+
+    stirred: Stirred<2, 0> = Stirred { c: 0.6, w: 0.9 };
+    l(_t, q, v, s) = s.lagrangian(q, v);
+    g(_t, _q, _p, _s) = [];
+    f(t, q, v, s) = {
+        let (a, b) = (s.drag(q, v), s.stir(t, q, v));
+        [a[0] + b[0], a[1] + b[1]]
+    };
+    point(r) = (r.array(-1.0, 1.0), r.array(-1.0, 1.0));
+
+    towed: Towed<2, 2> = Towed { c: [0.5, 0.8], s: [0.4, 0.3] };
+    l(_t, q, v, s) = s.lagrangian(q, v);
+    g(_t, q, p, s) = [s.jitter(q, p), -s.push(q)];
+    f(_t, q, v, s) = s.tow(q, v);
+    point(r) = (r.array(-1.0, 1.0), r.array(-1.0, 1.0));
+
+    charges: Charges<6, 3> = Charges { m: [1.0, 0.6], b: 0.7, s: [0.3, 0.2, 0.4] };
+    l(_t, q, v, s) = s.lagrangian(pair(q), pair(v));
+    g(_t, q, p, s) = {
+        let [a, b] = s.jitter(pair(q), pair(p));
+        [a, b, -s.pull(pair(q))]
+    };
+    point(r) = (r.array(-1.0, 1.0), r.array(-0.5, 0.5));
+
+    stretched: Stretched<1, 0> = Stretched { m: 1.2 };
+    l(_t, q, v, s) = s.lagrangian(q[0], v[0]);
+    g(_t, _q, _p, _s) = [];
+    point(r) = (r.array(-0.5, 0.5), r.array(-0.5, 0.5));
+}
+
+/// Coordinates of two bodies.
+fn pair([a, b, c, d, e, f]: [f64; 6]) -> [[f64; 3]; 2] {
+    [[a, b, c], [d, e, f]]
 }

@@ -3,7 +3,9 @@
 #[test]
 fn compile_fail() {
     let cases = trybuild::TestCases::new();
-    for stage in ["parse", "language", "model", "noise", "use"] {
+    for stage in [
+        "parse", "language", "model", "noise", "force", "symmetry", "use",
+    ] {
         cases.compile_fail(format!("ui/{stage}/*.rs"));
     }
 }

@@ -4,7 +4,7 @@
 //! Nothing here uses a symbolic derivative: it is the oracle of the differentiation, the residuals and the solves.
 
 use sve_runtime::prelude::*;
-use sve_runtime::{LagrangianJet, NoiseJet, Variational};
+use sve_runtime::{ForceJet, LagrangianJet, NoiseJet, Variational};
 use sve_tests::differences::{derivative, derivatives, gradient, moved};
 use sve_tests::oracle::{Model, Rule, Visitor, every_step, name};
 use sve_tests::random::Random;
@@ -42,6 +42,7 @@ impl Visitor for Jets {
             let v = system.velocity_at(t, q, p).unwrap();
             lagrangian(plan.system, system, t, q, v);
             noises(plan.system, system, t, q, p);
+            force(plan.system, system, t, q, v);
         }
     }
 }
@@ -137,6 +138,35 @@ fn noises<S, const N: usize, const M: usize>(
     }
 }
 
+fn force<S, const N: usize, const M: usize>(
+    name: &str,
+    system: &S,
+    t: f64,
+    q: [f64; N],
+    v: [f64; N],
+) where
+    S: Model<N, M>,
+{
+    let ForceJet { value, dq, dv, dt } = system.force_jet(t, &q, &v);
+    let what = |entry: &str| format!("{name}: {entry} of F at t = {t}, q = {q:?}, v = {v:?}");
+    let exact = system.f(t, q, v);
+    let in_time = derivatives(|d| system.f(t + d, q, v));
+    for i in 0..N {
+        // the same terms in another order
+        assert_close(value[i], exact[i], 1e-14, &|| what(&format!("value[{i}]")));
+        assert_close(dt[i], in_time[i], FIRST, &|| what(&format!("dt[{i}]")));
+    }
+    for j in 0..N {
+        let column_q = derivatives(|d| system.f(t, moved(q, j, d), v));
+        let column_v = derivatives(|d| system.f(t, q, moved(v, j, d)));
+        for i in 0..N {
+            let entry = |matrix: &str| what(&format!("{matrix}[{i}][{j}]"));
+            assert_close(dq[i][j], column_q[i], FIRST, &|| entry("dq"));
+            assert_close(dv[i][j], column_v[i], FIRST, &|| entry("dv"));
+        }
+    }
+}
+
 #[test]
 fn jets_are_derivatives_of_the_users_functions() {
     every_step(&mut Jets(Random::new(5)));
@@ -179,13 +209,13 @@ where
     action
 }
 
-/// The action of the Taylor rule, its velocity and acceleration found by fixed-point iterations, which converge as h² does.
-fn taylor<S, const N: usize, const M: usize>(
+/// Both nodes of the Taylor rule, place and velocity, found by fixed-point iterations, which converge as h² does.
+fn taylor_nodes<S, const N: usize, const M: usize>(
     system: &S,
     step: &Step<M>,
     q0: [f64; N],
     q1: [f64; N],
-) -> f64
+) -> [([f64; N], [f64; N]); 2]
 where
     S: Model<N, M>,
 {
@@ -196,14 +226,33 @@ where
         a = acceleration(system, t, q0, v, a);
         v = core::array::from_fn(|i| (q1[i] - q0[i]) / h - 0.5 * h * a[i]);
     }
-    let (q_end, v_end) = (
+    let end = (
         core::array::from_fn(|i| q0[i] + h * v[i]),
         core::array::from_fn(|i| v[i] + h * a[i]),
     );
-    0.5 * h * (system.l(t, q0, v) + system.l(t + h, q_end, v_end))
+    [(q0, v), end]
 }
 
-/// One correction of `a` towards the solution of `d/dt ∂L/∂v = ∂L/∂q`; `d/dt` is a difference along the parabola.
+/// The action of the Taylor rule; `work` adds the virtual work of the force at the nodes of the step itself.
+fn taylor<S, const N: usize, const M: usize>(
+    system: &S,
+    step: &Step<M>,
+    q0: [f64; N],
+    q1: [f64; N],
+    work: &[[f64; N]; 2],
+) -> f64
+where
+    S: Model<N, M>,
+{
+    let [(q, v), (q_end, v_end)] = taylor_nodes(system, step, q0, q1);
+    let mut action = system.l(step.t, q, v) + system.l(step.t + step.h, q_end, v_end);
+    for i in 0..N {
+        action += work[0][i] * q[i] + work[1][i] * q_end[i];
+    }
+    0.5 * step.h * action
+}
+
+/// One correction of `a` towards the solution of `d/dt ∂L/∂v = ∂L/∂q + F`; `d/dt` is a difference along the parabola.
 fn acceleration<S, const N: usize, const M: usize>(
     system: &S,
     t: f64,
@@ -215,6 +264,7 @@ where
     S: Model<N, M>,
 {
     let force = gradient(q, |q| system.l(t, q, v));
+    let other = system.f(t, q, v);
     // the equation is linear in a, with the mass matrix
     let rate = |a: [f64; N]| {
         derivatives(|d| {
@@ -224,7 +274,7 @@ where
         })
     };
     let here = rate(a);
-    let residual: Vec<f64> = (0..N).map(|i| force[i] - here[i]).collect();
+    let residual: Vec<f64> = (0..N).map(|i| force[i] + other[i] - here[i]).collect();
     let columns: Vec<[f64; N]> = (0..N)
         .map(|j| derivatives(|d| gradient(moved(v, j, d), |v| system.l(t, q, v))))
         .collect();
@@ -272,15 +322,21 @@ impl Equations {
         // ∂S/∂p = 0 is affine in v, with the coefficient −h
         let at_rest = gradient(p, |p| action(start.q, end.q, [0.0; N], p));
         let v = at_rest.map(|slip| slip / step.h);
+        let node = core::array::from_fn(|i| start.q[i] + c * (end.q[i] - start.q[i]));
+        let impulse = system.f(step.t + c * step.h, node, v).map(|f| f * step.h);
         let stationary = gradient(v, |v| action(start.q, end.q, v, p));
         let start_p = gradient(start.q, |q| action(q, end.q, v, p));
         let end_p = gradient(end.q, |q| action(start.q, q, v, p));
         for i in 0..N {
             self.vanishes(stationary[i], &|| what(&format!("∂S/∂v[{i}]")));
-            self.vanishes(start.p[i] + start_p[i], &|| {
+            // the force does the work h⟨F, (1−c)δq₀ + cδq₁⟩
+            let (at_start, at_end) = ((1.0 - c) * impulse[i], c * impulse[i]);
+            self.vanishes(start.p[i] + start_p[i] + at_start, &|| {
                 what(&format!("p₀[{i}] + ∂S/∂q₀"))
             });
-            self.vanishes(end.p[i] - end_p[i], &|| what(&format!("p₁[{i}] − ∂S/∂q₁")));
+            self.vanishes(end.p[i] - end_p[i] - at_end, &|| {
+                what(&format!("p₁[{i}] − ∂S/∂q₁"))
+            });
         }
     }
 
@@ -293,9 +349,14 @@ impl Equations {
     ) where
         S: Model<N, M>,
     {
+        let [(q, v), (q_end, v_end)] = taylor_nodes(system, step, start.q, end.q);
+        let work = [
+            system.f(step.t, q, v),
+            system.f(step.t + step.h, q_end, v_end),
+        ];
         for i in 0..N {
-            let by_start = derivative(|d| taylor(system, step, moved(start.q, i, d), end.q));
-            let by_end = derivative(|d| taylor(system, step, start.q, moved(end.q, i, d)));
+            let by_start = derivative(|d| taylor(system, step, moved(start.q, i, d), end.q, &work));
+            let by_end = derivative(|d| taylor(system, step, start.q, moved(end.q, i, d), &work));
             self.vanishes(start.p[i] + by_start, &|| {
                 what(&format!("p₀[{i}] + ∂S/∂q₀"))
             });

@@ -47,7 +47,7 @@ where
     let start = State::new([0.0, 0.0], [1.0, 1000.0]);
     let prepared = system.prepare(h);
     let newton = Newton::default();
-    let (dq, dp) = system
+    let (dq, dp, _) = system
         .increment(&prepared, &start, h, &[], &newton)
         .unwrap();
     [dq[0], dq[1], dp[0], dp[1]]

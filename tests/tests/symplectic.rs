@@ -76,6 +76,10 @@ impl Visitor for Symplectic {
         S: Model<N, M> + Variational<R>,
         R: Rule,
     {
+        // a force contracts or feeds the symplectic form: see `forces`
+        if S::FORCED {
+            return;
+        }
         for _ in 0..5 {
             let start = S::point(&mut self.random);
             let dw = self.random.array(-0.3, 0.3);

@@ -4,6 +4,7 @@ use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::code::Printer;
+use super::linearise::linearise;
 use super::plan::plan;
 use super::step::schedule;
 use super::{attributes, private};
@@ -14,6 +15,7 @@ use crate::parse::Annotated;
 use crate::rule::Rule;
 use crate::structure::{Form, Scheme};
 use crate::symbolic::Arena;
+use crate::tangent::Linearisation;
 
 #[allow(clippy::too_many_arguments)] // every stage's output is read here, and nowhere after
 pub(crate) fn rule(
@@ -23,6 +25,7 @@ pub(crate) fn rule(
     mechanics: &Mechanics,
     action: &Action,
     scheme: &Scheme,
+    linearisation: &Linearisation,
     symbols: &Symbols,
     arena: &Arena,
 ) -> TokenStream {
@@ -33,7 +36,7 @@ pub(crate) fn rule(
     let n = Literal::usize_unsuffixed(model.dof());
     let m = Literal::usize_unsuffixed(model.noises.len());
 
-    let step = schedule(scheme, symbols, &private, arena);
+    let step = schedule(scheme, &linearisation.unknowns, symbols, &private, arena);
     let mut printer = Printer::new(&step.program, symbols, &private);
     let kept = printer.split_prepared(&step.results);
     let prepared = Literal::usize_unsuffixed(kept.len());
@@ -50,6 +53,8 @@ pub(crate) fn rule(
         symbols,
     );
     let returns_state = scheme.form == Form::State;
+    let unknowns = Literal::usize_unsuffixed(linearisation.unknowns.len());
+    let linearise = linearise(&private, model, linearisation, symbols, arena);
     let doc = doc(action, symbols, arena);
     quote! {
         #attributes
@@ -71,9 +76,10 @@ pub(crate) fn rule(
                 h: f64,
                 dw: &[f64; #m],
                 newton: &#private::Newton,
-            ) -> ::core::result::Result<([f64; #n], [f64; #n]), #private::SolveError> {
+            ) -> ::core::result::Result<([f64; #n], [f64; #n], [f64; #unknowns]), #private::SolveError> {
                 #body
             }
+            #linearise
         }
     }
 }

@@ -15,6 +15,8 @@ pub(super) struct Step {
     solves: Vec<Solve>,
     dq: Vec<Value>,
     dp: Vec<Value>,
+    /// What the solves determine.
+    unknowns: Vec<Symbol>,
     /// Every value that is used other than by an instruction.
     pub(super) results: Vec<Value>,
     pub(super) program: Program,
@@ -52,6 +54,7 @@ struct Newton {
 /// Turns all expressions of a scheme into one program.
 pub(super) fn schedule(
     scheme: &Scheme,
+    unknowns: &[Symbol],
     symbols: &Symbols,
     private: &TokenStream,
     arena: &Arena,
@@ -116,6 +119,7 @@ pub(super) fn schedule(
         solves,
         dq,
         dp,
+        unknowns: unknowns.to_vec(),
         results,
     }
 }
@@ -264,13 +268,14 @@ impl Step {
             quote!(#solve #after)
         });
         let (dq, dp) = (printer.array(&self.dq), printer.array(&self.dp));
+        let unknowns = self.unknowns.iter().map(|&s| input_name(symbols, s));
         let time = self.uses_time(symbols).then(|| quote!(let time = state.t;));
         quote! {
             #time
             #load
             #(#start)*
             #(#blocks)*
-            ::core::result::Result::Ok((#dq, #dp))
+            ::core::result::Result::Ok((#dq, #dp, [#(#unknowns),*]))
         }
     }
 
@@ -283,7 +288,7 @@ impl Step {
 }
 
 /// A pattern of names.
-fn names(list: &[Symbol], symbols: &Symbols) -> TokenStream {
+pub(super) fn names(list: &[Symbol], symbols: &Symbols) -> TokenStream {
     let names = list.iter().map(|&s| input_name(symbols, s));
     quote!([#(#names),*])
 }

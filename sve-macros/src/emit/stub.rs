@@ -2,7 +2,7 @@
 //!
 //! Sizes come from the signatures, by the compiler where they are not literal.
 
-use proc_macro2::{Literal, TokenStream};
+use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 use syn::{Expr, FnArg, ImplItem, ImplItemFn, ItemImpl, Lit, ReturnType, Type};
 
@@ -41,6 +41,7 @@ pub(crate) fn stub(block: &ItemImpl, attribute: &TokenStream) -> TokenStream {
             #attributes
             impl #generics #private::Variational<#runtime::#rule> for #self_ty #clause {
                 type Prepared = ();
+                type Unknowns = [f64; 0];
                 const PLAN: &'static #private::Plan = &#plan;
                 const RETURNS_STATE: bool = false;
                 fn prepare(&self, h: f64) {}
@@ -51,7 +52,16 @@ pub(crate) fn stub(block: &ItemImpl, attribute: &TokenStream) -> TokenStream {
                     h: f64,
                     dw: &[f64; #m],
                     newton: &#private::Newton,
-                ) -> ::core::result::Result<([f64; #n], [f64; #n]), #private::SolveError> {
+                ) -> ::core::result::Result<([f64; #n], [f64; #n], [f64; 0]), #private::SolveError> {
+                    #fail
+                }
+                fn linearise(
+                    &self,
+                    state: &#private::State<#n>,
+                    h: f64,
+                    dw: &[f64; #m],
+                    unknowns: &[f64; 0],
+                ) -> #private::Linearisation {
                     #fail
                 }
             }
@@ -62,6 +72,7 @@ pub(crate) fn stub(block: &ItemImpl, attribute: &TokenStream) -> TokenStream {
         impl #generics #private::System for #self_ty #clause {
             type Dims = #private::Dims<#n, #m>;
             const AFFINE_MOMENTUM: bool = true;
+            const PARAMETERS: &'static [&'static str] = &[];
             fn lagrangian_jet(&self, time: f64, q: &[f64; #n], v: &[f64; #n]) -> #private::LagrangianJet<#n> { #fail }
             fn noise_jets(&self, time: f64, q: &[f64; #n], p: &[f64; #n]) -> [#private::NoiseJet<#n>; #m] { #fail }
         }
@@ -76,13 +87,16 @@ fn momenta(block: &ItemImpl, private: &TokenStream, n: &TokenStream) -> TokenStr
     let attributes = super::attributes();
     let (generics, _, clause) = block.generics.split_for_impl();
     let is_symmetry = |f: &&ImplItemFn| f.attrs.iter().any(|a| a.path().is_ident("symmetry"));
-    let functions = functions(block).filter(is_symmetry).map(|f| {
+    let is_free = |name: &Ident| functions(block).all(|f| f.sig.ident != *name);
+    let functions = functions(block).filter(is_symmetry).filter_map(|f| {
         let (visibility, name) = (&f.vis, super::momentum_name(&f.sig.ident));
-        quote! {
-            #visibility fn #name(&self, state: &#private::State<#n>) -> f64 {
-                ::core::unreachable!("the macro reported an error")
+        is_free(&name).then(|| {
+            quote! {
+                #visibility fn #name(&self, state: &#private::State<#n>) -> f64 {
+                    ::core::unreachable!("the macro reported an error")
+                }
             }
-        }
+        })
     });
     quote! {
         #attributes

@@ -32,6 +32,7 @@ pub(crate) fn system(
     let force = force
         .as_ref()
         .map(|jet| force_jet(&private, jet, &n, &model.symbols, arena));
+    let parameters = model.symbols.parameters().map(|s| model.symbols.source(s));
     // the user's functions are not called by what is derived from them, and yet are not dead
     let parts = [&block.noises, &block.forces, &block.symmetries];
     let functions = parts.into_iter().flatten().chain([&block.lagrangian]);
@@ -43,6 +44,7 @@ pub(crate) fn system(
         impl #private::System for #self_ty {
             type Dims = #private::Dims<#n, #m>;
             const AFFINE_MOMENTUM: bool = #affine_momentum;
+            const PARAMETERS: &'static [&'static str] = &[#(#parameters),*];
             #[inline]
             fn lagrangian_jet(&self, time: f64, q: &[f64; #n], v: &[f64; #n]) -> #private::LagrangianJet<#n> {
                 #lagrangian_body

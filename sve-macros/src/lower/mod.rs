@@ -155,12 +155,14 @@ impl Lowering<'_> {
             let t = self.arena.symbol(time);
             self.bind(pattern, Value::Scalar(t));
         }
+        let mut differs = false;
         for ((pattern, ty), symbols) in arguments.zip(vectors) {
             match self.shape(ty) {
                 Some(found) if found == *shape => {}
                 found => {
-                    if found.is_some() {
+                    if found.is_some() && !differs {
                         self.differs(part, ty);
+                        differs = true;
                     }
                     self.bind(pattern, Value::Poison);
                     continue;
@@ -212,6 +214,14 @@ impl Lowering<'_> {
 
     /// A vector of the shape of the coordinates.
     fn vector_result(&mut self, part: &Part, value: &Value, shape: &Shape) -> Option<Vec<Expr>> {
+        let arguments = &part.arguments[usize::from(part.timed)..];
+        if arguments
+            .iter()
+            .any(|(_, ty)| self.shape(ty).as_ref() != Some(shape))
+        {
+            // reported there
+            return None;
+        }
         if self.shape(&part.output)? != *shape {
             let lagrangian = &self.block.lagrangian;
             let coordinates = &lagrangian.arguments[usize::from(lagrangian.timed)].1;

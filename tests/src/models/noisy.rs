@@ -224,6 +224,12 @@ impl Chain {
     pub fn shake(&self, q: [f64; 6]) -> f64 {
         self.s * (q[3] - q[2]).sin()
     }
+
+    /// ξ, the shift of the whole chain.
+    #[symmetry]
+    pub fn shift(&self, _q: [f64; 6]) -> [f64; 6] {
+        [1.0; Self::LENGTH]
+    }
 }
 
 /// Three coordinates, of which one alone feels a noise in its momentum.
@@ -252,29 +258,5 @@ impl OneMomentum {
     #[gamma]
     pub fn push(&self, q: [f64; 3]) -> f64 {
         self.s[1] * q[2] * q[1]
-    }
-}
-
-/// A central potential in the plane with a noise of the distance: angular momentum is conserved.
-#[derive(Clone, Debug)]
-pub struct Central {
-    /// Mass.
-    pub m: f64,
-    /// Strength of the noise.
-    pub s: f64,
-}
-
-#[variational(initial_point, endpoint, midpoint)]
-impl Central {
-    /// L.
-    pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
-        let r = (q[0].powi(2) + q[1].powi(2)).sqrt();
-        0.5 * self.m * (v[0].powi(2) + v[1].powi(2)) - 0.25 * r.powi(4) + 1.0 / (1.0 + r)
-    }
-
-    /// γ.
-    #[gamma]
-    pub fn shake(&self, q: [f64; 2]) -> f64 {
-        self.s * q[0].hypot(q[1]).sin()
     }
 }

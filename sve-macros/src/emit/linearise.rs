@@ -1,0 +1,60 @@
+//! `fn linearise`: the entries of the linearised step.
+
+use proc_macro2::{Literal, TokenStream};
+use quote::quote;
+
+use super::step::names;
+use super::straight::Straight;
+use crate::model::{Model, Symbols};
+use crate::symbolic::{Arena, Expr};
+use crate::tangent::{Entry, Linearisation};
+
+pub(super) fn linearise(
+    private: &TokenStream,
+    model: &Model,
+    linearisation: &Linearisation,
+    symbols: &Symbols,
+    arena: &Arena,
+) -> TokenStream {
+    let Linearisation {
+        unknowns,
+        outputs,
+        inputs,
+        matrices,
+    } = linearisation;
+    let n = Literal::usize_unsuffixed(model.dof());
+    let m = Literal::usize_unsuffixed(model.noises.len());
+    let size = Literal::usize_unsuffixed(unknowns.len());
+    let roots: Vec<Expr> = matrices.iter().flatten().map(|entry| entry.value).collect();
+    let rows: Vec<Vec<Expr>> = matrices
+        .iter()
+        .map(|matrix| matrix.iter().map(|entry| entry.value).collect())
+        .collect();
+    let rows: Vec<[Vec<Expr>; 1]> = rows.into_iter().map(|row| [row]).collect();
+    let views: Vec<&[Vec<Expr>]> = rows.iter().map(<[_; 1]>::as_slice).collect();
+    let (statements, values) = Straight::new(arena, symbols, &roots).finish(private, &views);
+    let matrices = matrices.iter().zip(values).map(|(entries, values)| {
+        let places = entries.iter().map(|&Entry { row, column, .. }| {
+            let [row, column] = [row, column].map(Literal::usize_unsuffixed);
+            quote!((#row, #column))
+        });
+        quote!(#private::Entries { places: &[#(#places),*], values: &#values[0] })
+    });
+    let unknowns = names(unknowns, symbols);
+    quote! {
+        type Unknowns = [f64; #size];
+        #[inline]
+        fn linearise(
+            &self,
+            state: &#private::State<#n>,
+            h: f64,
+            dw: &[f64; #m],
+            unknowns: &[f64; #size],
+        ) -> #private::Linearisation {
+            let time = state.t;
+            let #unknowns = *unknowns;
+            #statements
+            #private::Linearisation::new([#size, #outputs, #inputs], [#(#matrices),*])
+        }
+    }
+}

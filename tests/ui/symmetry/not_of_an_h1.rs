@@ -1,0 +1,27 @@
+use sve_runtime::prelude::*;
+
+struct Trap {
+    k: f64,
+}
+
+#[variational(midpoint)]
+impl Trap {
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        0.5 * (v[0] * v[0] + v[1] * v[1]) - self.k * (q[0] * q[0] + q[1] * q[1])
+    }
+
+    #[h1]
+    fn jitter(&self, q: [f64; 2], p: [f64; 2]) -> [f64; 2] {
+        [q[0] * p[1] - q[1] * p[0], self.k * p[0]]
+    }
+
+    #[symmetry]
+    fn rotation(&self, q: [f64; 2]) -> [f64; 2] {
+        [-q[1], q[0]]
+    }
+}
+
+fn main() {
+    let system = Trap { k: 1.0 };
+    let _ = Integrator::new(system, Midpoint);
+}
