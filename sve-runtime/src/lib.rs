@@ -5,8 +5,8 @@
 //! map, as straight-line code that does not allocate.
 //!
 //! ```text
-//! dq =  v dt      + Σ ∂H₁/∂p ∘ dW
-//! dp = ∂L/∂q dt   + Σ ∂γ/∂q ∘ dW − Σ ∂H₁/∂q ∘ dW        p = ∂L/∂v        (Stratonovich)
+//! dq =  v dt           + Σ ∂H₁/∂p ∘ dW
+//! dp = (∂L/∂q + F) dt  + Σ ∂γ/∂q ∘ dW − Σ ∂H₁/∂q ∘ dW        p = ∂L/∂v        (Stratonovich)
 //! ```
 //!
 //! ```
@@ -48,6 +48,7 @@
 //! | choose a rule | [`InitialPoint`], [`Endpoint`], [`Midpoint`], [`Taylor2`] |
 //! | make steps | [`Integrator`] with `step` and `trajectory`, [`State`]; [`Method`] is common to integrators and baselines |
 //! | see what a step became | [`Integrator::plan`], [`Plan`] |
+//! | differentiate a step in its start and in the parameters | [`Integrator::tangent`], [`Integrator::sensitivity`] |
 //! | drive it with noise | [`noise`]: [`Wiener`](noise::Wiener), [`Recorded`](noise::Recorded), [`Truncated`](noise::Truncated), [`FromRng`](noise::FromRng), [`NoNoise`](noise::NoNoise) |
 //! | evaluate energy, momentum, velocity, drift | [`Mechanics`] |
 //! | compare with other methods | [`baseline`] |
@@ -127,6 +128,47 @@ pub use state::State;
 /// beads.step(&mut state, 0.01, &[0.02, -0.01])?;
 /// // the functions of the block remain functions
 /// assert_eq!(beads.system().stiffness(0.0), 4.0);
+/// # Ok(())
+/// # }
+/// ```
+///
+/// With a force and a symmetry, which gives a conserved momentum:
+///
+/// ```
+/// use sve_runtime::prelude::*;
+///
+/// /// Two beads on parallel rails, coupled by a damped spring.
+/// struct Coupled { m: [f64; 2], k: f64, nu: f64 }
+///
+/// #[variational(midpoint)]
+/// impl Coupled {
+///     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+///         let [m1, m2] = self.m;
+///         0.5 * m1 * v[0] * v[0] + 0.5 * m2 * v[1] * v[1] - 0.5 * self.k * (q[1] - q[0]).powi(2)
+///     }
+///
+///     #[force]
+///     fn damping(&self, _q: [f64; 2], v: [f64; 2]) -> [f64; 2] {
+///         let pull = self.nu * (v[1] - v[0]);
+///         [pull, -pull]
+///     }
+///
+///     #[symmetry]
+///     fn shift(&self, _q: [f64; 2]) -> [f64; 2] {
+///         [1.0, 1.0]
+///     }
+/// }
+///
+/// # fn main() -> Result<(), StepError> {
+/// let coupled = Integrator::new(Coupled { m: [1.0, 2.0], k: 4.0, nu: 0.5 }, Midpoint);
+/// let mut state = State::new([0.0, 1.0], [0.25, 0.5]);
+/// let before = coupled.system().hamiltonian(&state)?;
+/// for _ in 0..100 {
+///     coupled.step(&mut state, 0.05, &[])?;
+/// }
+/// // the damping takes energy, but no total momentum
+/// assert!(coupled.system().hamiltonian(&state)? < before);
+/// assert!((coupled.system().shift_momentum(&state) - 0.75).abs() < 1e-14);
 /// # Ok(())
 /// # }
 /// ```

@@ -1,0 +1,201 @@
+//! Langevin dynamics in a double well: friction and a bath that together sample exp(−H/kT).
+//!
+//! L = ½v² − V(q), V = a(q² − 1)², friction F = −νv, γ = σq with σ² = 2νkT. The histogram of q is set against the density
+//! exp(−V/kT)/Z; particles that run independently give its standard error. The picture goes to `target/langevin.svg`.
+
+use std::error::Error;
+use std::path::Path;
+
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
+use sve_examples::{palette, render};
+use sve_runtime::prelude::*;
+
+#[derive(Clone, Copy, Debug)]
+struct Langevin {
+    /// Height of the barrier between the wells.
+    a: f64,
+    /// Rate of friction.
+    nu: f64,
+    /// Temperature times Boltzmann's constant.
+    kt: f64,
+}
+
+#[variational(midpoint)]
+impl Langevin {
+    fn potential(&self, q: f64) -> f64 {
+        self.a * (q * q - 1.0).powi(2)
+    }
+
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v - self.potential(q)
+    }
+
+    #[force]
+    fn friction(&self, _q: f64, v: f64) -> f64 {
+        -self.nu * v
+    }
+
+    #[gamma]
+    fn bath(&self, q: f64) -> f64 {
+        (2.0 * self.nu * self.kt).sqrt() * q
+    }
+}
+
+const H: f64 = 0.05;
+const PARTICLES: u64 = 400;
+/// Steps of each particle, after as many that are forgotten.
+const STEPS: usize = 20_000;
+const BINS: usize = 32;
+const RANGE: f64 = 1.8;
+const WIDTH: f64 = 2.0 * RANGE / BINS as f64;
+
+/// Mean and variance of what each particle contributes.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sample {
+    sum: f64,
+    squares: f64,
+}
+
+impl Sample {
+    fn add(&mut self, x: f64) {
+        self.sum += x;
+        self.squares += x * x;
+    }
+
+    fn mean(self) -> f64 {
+        self.sum / PARTICLES as f64
+    }
+
+    fn standard_error(self) -> f64 {
+        let n = PARTICLES as f64;
+        ((self.squares / n - self.mean().powi(2)) / (n - 1.0)).sqrt()
+    }
+}
+
+/// The bin of a coordinate.
+fn bin(q: f64) -> Option<usize> {
+    let at = ((q + RANGE) / WIDTH).floor();
+    (0.0..BINS as f64).contains(&at).then_some(at as usize)
+}
+
+fn middle(bin: usize) -> f64 {
+    -RANGE + (bin as f64 + 0.5) * WIDTH
+}
+
+/// The part of the density exp(−V/kT)/Z in each bin, by Simpson's rule, divided by the width.
+fn density(system: &Langevin) -> Vec<f64> {
+    let weight = |q: f64| (-system.potential(q) / system.kt).exp();
+    let simpson = |a: f64, b: f64| (weight(a) + 4.0 * weight(0.5 * (a + b)) + weight(b)) / 6.0;
+    let part = |at: f64| (0..16).map(move |k| at + WIDTH * f64::from(k) / 16.0);
+    let mean =
+        |at: f64| -> f64 { part(at).map(|x| simpson(x, x + WIDTH / 16.0)).sum::<f64>() / 16.0 };
+    // beyond three times the range nothing is left
+    let all: f64 = (0..3 * BINS)
+        .map(|k| WIDTH * mean(-3.0 * RANGE + k as f64 * WIDTH))
+        .sum();
+    (0..BINS)
+        .map(|k| mean(-RANGE + k as f64 * WIDTH) / all)
+        .collect()
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let system = Langevin {
+        a: 1.0,
+        nu: 1.0,
+        kt: 0.4,
+    };
+    let midpoint = Integrator::new(system, Midpoint);
+    println!("{}\n", midpoint.plan());
+
+    let mut histogram = [Sample::default(); BINS];
+    let mut kinetic = Sample::default();
+    for particle in 0..PARTICLES {
+        let start = State::new([if particle % 2 == 0 { -1.0 } else { 1.0 }], [0.0]);
+        let trajectory = midpoint.trajectory(start, H, Wiener::new(42).path(particle));
+        let mut counts = [0u32; BINS];
+        let mut squares = 0.0;
+        for state in trajectory.take(2 * STEPS).skip(STEPS) {
+            let state = state?;
+            squares += state.p[0].powi(2);
+            if let Some(at) = bin(state.q[0]) {
+                counts[at] += 1;
+            }
+        }
+        kinetic.add(squares / STEPS as f64);
+        for (sample, count) in histogram.iter_mut().zip(counts) {
+            sample.add(f64::from(count) / (STEPS as f64 * WIDTH));
+        }
+    }
+
+    println!(
+        "{PARTICLES} particles, {STEPS} steps each, h = {H}, kT = {}",
+        system.kt
+    );
+    println!(
+        "<p²> = {:.4} ± {:.4}, expected kT = {}\n",
+        kinetic.mean(),
+        kinetic.standard_error(),
+        system.kt
+    );
+    let exact = density(&system);
+    println!(
+        "{:>7} {:>9} {:>10} {:>8}",
+        "q", "density", "histogram", "± error"
+    );
+    for (at, (sample, exact)) in histogram.iter().zip(&exact).enumerate() {
+        let bar = "#".repeat((40.0 * sample.mean()).round() as usize);
+        println!(
+            "{:>7.3} {exact:>9.4} {:>10.4} {:>8.4}  {bar}",
+            middle(at),
+            sample.mean(),
+            sample.standard_error()
+        );
+    }
+    let far = histogram
+        .iter()
+        .zip(&exact)
+        .map(|(s, e)| ((s.mean() - e) / s.standard_error()).abs());
+    println!(
+        "\nfarthest bin: {:.1} standard errors",
+        far.fold(0.0, f64::max)
+    );
+
+    let picture = Path::new("target").join("langevin.svg");
+    std::fs::create_dir_all("target")?;
+    std::fs::write(&picture, render::svg(&figure(&histogram, &exact))?)?;
+    println!("picture: {}", picture.display());
+    Ok(())
+}
+
+/// The histogram as steps, the density as a line.
+fn figure(histogram: &[Sample], exact: &[f64]) -> Figure {
+    let steps = histogram.iter().enumerate().flat_map(|(at, sample)| {
+        let (middle, mean) = (middle(at), sample.mean());
+        [(middle - 0.5 * WIDTH, mean), (middle + 0.5 * WIDTH, mean)]
+    });
+    let line = exact.iter().enumerate().map(|(at, &e)| (middle(at), e));
+    let panel = Panel::new(
+        "Langevin dynamics in a double well",
+        Axis::new("q", -RANGE..RANGE),
+        Axis::new("probability density", 0.0..1.0),
+    )
+    .legend(Corner::TopRight)
+    .with(Layer::new(
+        "midpoint rule",
+        steps.collect(),
+        Pen::line(palette::BLUE, 1.5),
+    ))
+    .with(Layer::new(
+        "exp(−V/kT)/Z",
+        line.collect(),
+        Pen::dots(palette::VERMILION, 2.5),
+    ));
+    Figure {
+        name: "langevin",
+        width: 560,
+        rows: vec![Row {
+            height: 360,
+            panels: vec![panel],
+        }],
+    }
+}
