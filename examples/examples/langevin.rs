@@ -75,7 +75,7 @@ impl Sample {
 /// The bin of a coordinate.
 fn bin(q: f64) -> Option<usize> {
     let at = ((q + RANGE) / WIDTH).floor();
-    (0.0..BINS as f64).contains(&at).then_some(at as usize)
+    (0..BINS).find(|&k| k as f64 == at)
 }
 
 fn middle(bin: usize) -> f64 {
@@ -143,7 +143,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         "q", "density", "histogram", "± error"
     );
     for (at, (sample, exact)) in histogram.iter().zip(&exact).enumerate() {
-        let bar = "#".repeat((40.0 * sample.mean()).round() as usize);
+        let filled = |k: &i32| f64::from(*k) + 0.5 < 40.0 * sample.mean();
+        let bar: String = (0..40).take_while(filled).map(|_| '#').collect();
         println!(
             "{:>7.3} {exact:>9.4} {:>10.4} {:>8.4}  {bar}",
             middle(at),
