@@ -1,10 +1,12 @@
 //! The systems under test: those of the paper and some that stress one feature each.
 
+mod banded;
 mod deterministic;
 mod noisy;
 
 use sve_runtime::prelude::*;
 
+pub use banded::Rails;
 pub use deterministic::{
     HenonHeiles, Magnetic, PlanarDoublePendulum, Quartic, Relativistic, SphericalPendulum,
 };

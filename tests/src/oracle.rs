@@ -6,7 +6,7 @@ use sve_runtime::{Dims, System, Variational};
 
 use crate::models::{
     Actions, Central, Chain, Clashing, DoublePendulum, Driven, HenonHeiles, Kubo, Magnetic, Mixed,
-    OneMomentum, Oscillator, Pendulum, PlanarDoublePendulum, Polar, Quartic, Relativistic,
+    OneMomentum, Oscillator, Pendulum, PlanarDoublePendulum, Polar, Quartic, Rails, Relativistic,
     SphericalPendulum, Synchrotron,
 };
 use crate::random::Random;
@@ -74,7 +74,7 @@ pub fn every_step(visitor: &mut impl Visitor) {
     );
     visit!(
         oscillator(), kubo(), double_pendulum(), mixed(), polar(), driven(), synchrotron(), actions(), clashing(),
-        chain(), one_momentum(), central();
+        chain(), one_momentum(), central(), rails();
         (InitialPoint, Endpoint, Midpoint)
     );
 }
@@ -206,4 +206,9 @@ models! {
     l(_t, q, v, s) = s.lagrangian(q, v);
     g(_t, q, _p, s) = [-s.shake(q)];
     point(r) = ([r.uniform(0.7, 1.5), r.uniform(-1.0, 1.0)], r.array(-1.0, 1.0));
+
+    rails: Rails<8, 1> = Rails { m: 1.2, r: 0.4, k: [1.1, 0.6], s: 0.5 };
+    l(_t, q, v, s) = s.lagrangian(q, v);
+    g(_t, q, _p, s) = [-s.shake(q)];
+    point(r) = (r.array(-0.5, 0.5), r.array(-1.0, 1.0));
 }

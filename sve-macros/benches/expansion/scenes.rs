@@ -44,7 +44,7 @@ impl Scene {
                 "let mut l = 0.0;
                 for i in 0..N {
                     let carried = self.m * (N - i) as f64;
-                    l += 0.5 * carried * (self.l * v[i]).powi(2) + carried * self.k * self.l * q[i].cos();
+                    l += 0.5 * carried * (self.l * v[i]).powi(2) - carried * self.potential(q[i]);
                     for j in 0..i { l += carried * self.l * self.l * v[i] * v[j] * (q[i] - q[j]).cos(); }
                 }
                 l"
@@ -69,7 +69,8 @@ impl Scene {
         };
         let potential = match self {
             Self::Chain => "0.5 * self.k * x.powi(2) + 0.25 * self.l * x.powi(4)",
-            Self::Pendulum => "x",
+            // x is the angle
+            Self::Pendulum => "-self.k * self.l * x.cos()",
             // x is the square of the distance
             Self::Bodies => "-self.k * self.m * self.m / (x + self.l * self.l).sqrt()",
         };
