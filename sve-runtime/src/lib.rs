@@ -67,6 +67,7 @@
 //!
 //! There are none.
 
+mod banded;
 pub mod baseline;
 mod error;
 mod integrator;
@@ -225,6 +226,7 @@ pub mod prelude {
 /// What generated code calls. Not part of the public interface.
 #[doc(hidden)]
 pub mod __private {
+    pub use crate::banded::Banded;
     pub use crate::linear::solve;
     pub use crate::newton::{Evaluation, Newton, SolveError};
     pub use crate::plan::{Block, BlockKind, Operations, Plan, StrongOrder};

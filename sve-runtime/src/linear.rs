@@ -1,4 +1,4 @@
-//! Dense linear systems of a size known at compile time.
+//! Linear systems of a size known at compile time, and the solution of dense ones.
 //!
 //! Input: matrix and right-hand side; output: the solution, or `None` where the matrix is singular to rounding.
 //! One and two unknowns are written out (Cramer's rule is forward stable for two: Higham, Accuracy and Stability of
@@ -9,12 +9,46 @@ use crate::newton::SolveError;
 
 /// Relative size under which what is left of two terms counts as zero: the rounding error of forming it.
 /// A pivot is what is left of K.
-const SINGULAR: f64 = 4.0 * f64::EPSILON;
+pub(crate) const SINGULAR: f64 = 4.0 * f64::EPSILON;
+
+/// A matrix of `K` rows that a step solves with.
+pub trait Matrix<const K: usize> {
+    /// The solution of `a x = b`; nothing where the matrix is singular to rounding.
+    fn solve(&self, b: &[f64; K]) -> Option<[f64; K]>;
+    /// Whether all entries are.
+    fn is_finite(&self) -> bool;
+    /// The entry of the first row and column.
+    fn first(&self) -> f64;
+}
 
 /// Solves `a x = b`.
 #[inline(always)]
-#[allow(clippy::inline_always)] // the sizes are constants: the branch and the loops vanish
-pub fn solve<const K: usize>(a: &[[f64; K]; K], b: &[f64; K]) -> Option<[f64; K]> {
+#[allow(clippy::inline_always)] // as below
+pub fn solve<const K: usize>(a: &impl Matrix<K>, b: &[f64; K]) -> Option<[f64; K]> {
+    a.solve(b)
+}
+
+impl<const K: usize> Matrix<K> for [[f64; K]; K] {
+    #[inline(always)]
+    #[allow(clippy::inline_always)] // the sizes are constants: the branch and the loops vanish
+    fn solve(&self, b: &[f64; K]) -> Option<[f64; K]> {
+        dense(self, b)
+    }
+
+    fn is_finite(&self) -> bool {
+        self.as_flattened().iter().all(|x| x.is_finite())
+    }
+
+    #[inline(always)]
+    #[allow(clippy::inline_always)] // as above
+    fn first(&self) -> f64 {
+        self[0][0]
+    }
+}
+
+#[inline(always)]
+#[allow(clippy::inline_always)] // as above
+fn dense<const K: usize>(a: &[[f64; K]; K], b: &[f64; K]) -> Option<[f64; K]> {
     let mut x = [0.0; K];
     match K {
         0 => {}
@@ -162,14 +196,14 @@ fn cancelled<const K: usize>(matrix: &[[f64; K]; K], k: usize) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::solve;
 
     /// `SplitMix64`, uniform in [−1, 1).
-    struct Random(u64);
+    pub(crate) struct Random(pub(crate) u64);
 
     impl Random {
-        fn next(&mut self) -> f64 {
+        pub(crate) fn next(&mut self) -> f64 {
             self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
             let mut z = self.0;
             z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -182,7 +216,7 @@ mod tests {
         }
 
         /// A power of two from 2⁻⁶⁰ to 2⁶⁰.
-        fn unit(&mut self) -> f64 {
+        pub(crate) fn unit(&mut self) -> f64 {
             2.0_f64.powi((61.0 * self.next()) as i32)
         }
     }
@@ -252,7 +286,7 @@ mod tests {
         permuted::<4>();
         permuted::<5>();
         permuted::<6>();
-        assert_eq!(solve(&[], &[]), Some([]));
+        assert_eq!(solve(&[[0.0; 0]; 0], &[]), Some([]));
     }
 
     fn singular<const K: usize>() {

@@ -4,7 +4,7 @@
 //! Output: the root, to rounding. Invariant: every test compares a residual with the terms it is the sum of, so the method
 //! does the same when the units of any unknown or equation change.
 
-use crate::linear;
+use crate::linear::Matrix;
 
 /// Options of the Newton iteration. The defaults iterate to rounding level and need no change.
 ///
@@ -31,15 +31,15 @@ impl Default for Newton {
     }
 }
 
-/// Residual and Jacobian at a point.
+/// Residual and Jacobian at a point. The Jacobian is of any type that can be solved with.
 #[derive(Clone, Copy, Debug)]
-pub struct Evaluation<const K: usize> {
+pub struct Evaluation<const K: usize, J = [[f64; K]; K]> {
     /// What has to vanish.
     pub residual: [f64; K],
     /// For each equation, the sum of the magnitudes of its terms.
     pub magnitude: [f64; K],
     /// Derivatives, rows by equation.
-    pub jacobian: [[f64; K]; K],
+    pub jacobian: J,
     /// Second derivative of a single equation in a single unknown; NaN where there are more, or where it is not at hand.
     pub curvature: f64,
 }
@@ -112,11 +112,11 @@ impl Newton {
     /// [`SolveError`] when the iteration limit is reached or the iteration stands still away from a root, the Jacobian is
     /// singular, or no finite residual can be found; the one from the second point.
     #[inline]
-    pub fn solve_or<const K: usize>(
+    pub fn solve_or<const K: usize, J: Matrix<K>>(
         &self,
         guess: [f64; K],
         fallback: impl FnOnce() -> [f64; K],
-        evaluate: impl Fn(&[f64; K]) -> Evaluation<K>,
+        evaluate: impl Fn(&[f64; K]) -> Evaluation<K, J>,
     ) -> Result<[f64; K], SolveError> {
         self.iterate(guess, Some(fallback), evaluate)
     }
@@ -126,20 +126,20 @@ impl Newton {
     /// # Errors
     /// As there.
     #[inline]
-    pub fn solve<const K: usize>(
+    pub fn solve<const K: usize, J: Matrix<K>>(
         &self,
         guess: [f64; K],
-        evaluate: impl Fn(&[f64; K]) -> Evaluation<K>,
+        evaluate: impl Fn(&[f64; K]) -> Evaluation<K, J>,
     ) -> Result<[f64; K], SolveError> {
         self.iterate(guess, None::<fn() -> [f64; K]>, evaluate)
     }
 
     #[inline]
-    fn iterate<const K: usize>(
+    fn iterate<const K: usize, J: Matrix<K>>(
         &self,
         guess: [f64; K],
         mut fallback: Option<impl FnOnce() -> [f64; K]>,
-        evaluate: impl Fn(&[f64; K]) -> Evaluation<K>,
+        evaluate: impl Fn(&[f64; K]) -> Evaluation<K, J>,
     ) -> Result<[f64; K], SolveError> {
         let mut run = Run::from(guess);
         loop {
@@ -172,10 +172,10 @@ impl Newton {
 
     /// Moves on; whether to the root. Nothing where the Jacobian is singular or the update not finite.
     #[inline]
-    fn update<const K: usize>(
+    fn update<const K: usize, J: Matrix<K>>(
         &self,
         run: &mut Run<K>,
-        at: &Evaluation<K>,
+        at: &Evaluation<K, J>,
         relative: f64,
     ) -> Option<bool> {
         let (update, cubic) = update(at)?;
@@ -210,10 +210,10 @@ impl Newton {
     /// Decides where an evaluation is not finite, an update did not halve the residual, the limit is reached or the
     /// Jacobian is singular.
     #[cold]
-    fn doubt<const K: usize>(
+    fn doubt<const K: usize, J: Matrix<K>>(
         &self,
         mut run: Run<K>,
-        at: &Evaluation<K>,
+        at: &Evaluation<K, J>,
         relative: f64,
     ) -> Result<Doubt<K>, SolveError> {
         if !relative.is_finite() {
@@ -225,7 +225,7 @@ impl Newton {
             tolerance: self.tolerance,
         };
         if relative > 0.5 * run.previous {
-            let jacobian_is_finite = at.jacobian.iter().flatten().all(|a| a.is_finite());
+            let jacobian_is_finite = at.jacobian.is_finite();
             let at_rounding =
                 |i: usize| (run.x[i] - run.from[i]).abs() <= ROUNDING * run.x[i].abs();
             // The second case is a steep residual, which one unit in the last place of an unknown changes by more than
@@ -300,11 +300,11 @@ impl<const K: usize> Run<K> {
 /// The update, and whether it is of third order: of a single unknown, Newton's `u = f/f′` becomes Chebyshev's
 /// `u + ½ (f″/f′) u²` where that is a small change (Traub, Iterative Methods for the Solution of Equations, section 5).
 #[inline]
-fn update<const K: usize>(at: &Evaluation<K>) -> Option<([f64; K], bool)> {
+fn update<const K: usize, J: Matrix<K>>(at: &Evaluation<K, J>) -> Option<([f64; K], bool)> {
     if K != 1 {
-        return Some((linear::solve(&at.jacobian, &at.residual)?, false));
+        return Some((at.jacobian.solve(&at.residual)?, false));
     }
-    let slope = at.jacobian[0][0];
+    let slope = at.jacobian.first();
     if slope == 0.0 {
         return None;
     }
@@ -328,7 +328,7 @@ fn straight<const K: usize>(update: [f64; K]) -> [f64; K] {
 
 /// Largest residual relative to the terms it is the sum of; NaN where one is not finite.
 #[inline]
-fn relative<const K: usize>(at: &Evaluation<K>) -> f64 {
+fn relative<const K: usize, J>(at: &Evaluation<K, J>) -> f64 {
     let (mut largest, mut sum) = (0.0, 0.0);
     for i in 0..K {
         let m = at.magnitude[i];

@@ -33,6 +33,9 @@ pub struct Block {
     pub unknowns: &'static [&'static str],
     /// Structural non-zeros of its Jacobian.
     pub nonzeros: usize,
+    /// Entries before and behind the diagonal of its Jacobian, where it is solved as a banded matrix; `unknowns` are in that
+    /// order.
+    pub band: Option<(usize, usize)>,
 }
 
 /// Strong order of convergence of a stochastic step.
@@ -157,12 +160,16 @@ impl fmt::Display for Plan {
         }
         writeln!(f)?;
         for block in self.blocks {
-            writeln!(
+            write!(
                 f,
                 "    {:<8} {}",
                 block.kind.to_string(),
                 block.unknowns.join(", ")
             )?;
+            if let Some((before, behind)) = block.band {
+                write!(f, " (banded, {before} + 1 + {behind})")?;
+            }
+            writeln!(f)?;
         }
         write!(f, "  deterministic order {}", self.deterministic_order)?;
         match self.strong_order {

@@ -1,5 +1,6 @@
 //! The systems under test: those of the paper and some that stress one feature each.
 
+mod banded;
 mod deterministic;
 mod forced;
 mod noisy;
@@ -7,6 +8,7 @@ mod symmetric;
 
 use sve_runtime::prelude::*;
 
+pub use banded::Rails;
 pub use deterministic::{
     HenonHeiles, Magnetic, PlanarDoublePendulum, Quartic, Relativistic, SphericalPendulum,
 };

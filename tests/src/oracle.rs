@@ -7,7 +7,7 @@ use sve_runtime::{Dims, System, Variational};
 use crate::models::{
     Actions, Central, Chain, Charges, Clashing, Damped, DoublePendulum, Driven, HenonHeiles, Kubo,
     Magnetic, Mixed, OneMomentum, Oscillator, Pendulum, PlanarDoublePendulum, Polar, Quartic,
-    Relativistic, SphericalPendulum, Stirred, Stretched, Synchrotron, Towed,
+    Rails, Relativistic, SphericalPendulum, Stirred, Stretched, Synchrotron, Towed,
 };
 use crate::random::Random;
 
@@ -79,7 +79,7 @@ pub fn every_step(visitor: &mut impl Visitor) {
     );
     visit!(
         oscillator(), kubo(), double_pendulum(), mixed(), polar(), driven(), synchrotron(), actions(), clashing(),
-        chain(), one_momentum(), central(), damped(), towed(), charges();
+        chain(), one_momentum(), central(), damped(), towed(), charges(), rails();
         (InitialPoint, Endpoint, Midpoint)
     );
 }
@@ -250,6 +250,11 @@ models! {
     l(_t, q, v, s) = s.lagrangian(q[0], v[0]);
     g(_t, _q, _p, _s) = [];
     point(r) = (r.array(-0.5, 0.5), r.array(-0.5, 0.5));
+
+    rails: Rails<8, 1> = Rails { m: 1.2, r: 0.4, k: [1.1, 0.6], s: 0.5 };
+    l(_t, q, v, s) = s.lagrangian(q, v);
+    g(_t, q, _p, s) = [-s.shake(q)];
+    point(r) = (r.array(-0.5, 0.5), r.array(-1.0, 1.0));
 }
 
 /// Coordinates of two bodies.

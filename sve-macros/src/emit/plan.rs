@@ -8,7 +8,7 @@ use crate::model::{Model, Symbols};
 use crate::parse::Annotated;
 use crate::rule::Rule;
 use crate::schedule::{Operation, Program, Tier};
-use crate::structure::{Block, Kind, Scheme};
+use crate::structure::{Band, Block, Kind, Scheme};
 
 #[allow(clippy::too_many_arguments)] // what a plan reports is spread over the stages
 pub(super) fn plan(
@@ -30,14 +30,18 @@ pub(super) fn plan(
         None => quote!(One),
         Some((a, b)) => quote!(Half { pair: (#a, #b) }),
     };
-    let blocks = scheme.blocks.iter().map(|Block { kind, unknowns, nonzeros, solution: _ }| {
+    let blocks = scheme.blocks.iter().map(|Block { kind, unknowns, nonzeros, band, solution: _ }| {
         let kind = match kind {
             Kind::Explicit => quote!(Explicit),
             Kind::Linear => quote!(Linear),
             Kind::Newton => quote!(Newton),
         };
         let unknowns = unknowns.iter().map(|&u| symbols.name(u));
-        quote!(#private::Block { kind: #private::BlockKind::#kind, unknowns: &[#(#unknowns),*], nonzeros: #nonzeros })
+        let band = match band {
+            Some(Band { lower, upper }) => quote!(::core::option::Option::Some((#lower, #upper))),
+            None => quote!(::core::option::Option::None),
+        };
+        quote!(#private::Block { kind: #private::BlockKind::#kind, unknowns: &[#(#unknowns),*], nonzeros: #nonzeros, band: #band })
     });
     let count = |wanted: &dyn Fn(Tier) -> bool| operations(private, program, wanted);
     let prepare = count(&|tier| tier == Tier::Prepare);

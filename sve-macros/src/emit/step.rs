@@ -7,7 +7,7 @@ use super::code::{Printer, input_name};
 use super::straight::Straight;
 use crate::model::{Meaning, Symbols};
 use crate::schedule::{Operation, Program, Scheduler, Tier, Tiers, Value};
-use crate::structure::{Iteration, Linear, Refinement, Scheme, Solution};
+use crate::structure::{Band, Iteration, Linear, Refinement, Scheme, Solution};
 use crate::symbolic::{Arena, Expr, Symbol};
 
 /// A step with values for expressions.
@@ -31,8 +31,14 @@ enum Solve {
 
 /// A linear system.
 struct System {
-    matrix: Vec<Vec<Value>>,
+    matrix: Matrix,
     rhs: Vec<Value>,
+}
+
+/// The entries of a matrix, of its band where it has one.
+struct Matrix {
+    rows: Vec<Vec<Value>>,
+    band: Option<Band>,
 }
 
 /// An iteration.
@@ -45,7 +51,7 @@ struct Newton {
     fallback: TokenStream,
     residual: Vec<Value>,
     magnitude: Vec<Value>,
-    jacobian: Vec<Vec<Value>>,
+    jacobian: Matrix,
     curvature: Option<Value>,
     iterates: Vec<Symbol>,
     solved: Vec<Symbol>,
@@ -126,13 +132,46 @@ pub(super) fn schedule(
 
 fn system(scheduler: &mut Scheduler<'_>, linear: &Linear) -> System {
     System {
-        matrix: linear
-            .matrix
-            .iter()
-            .map(|row| scheduler.values(row))
-            .collect(),
+        matrix: matrix(scheduler, &linear.matrix),
         rhs: scheduler.values(&linear.rhs),
     }
+}
+
+fn matrix(scheduler: &mut Scheduler<'_>, entries: &[Vec<Expr>]) -> Matrix {
+    let (band, entries) = banded(entries, scheduler.arena());
+    Matrix {
+        rows: entries.iter().map(|row| scheduler.values(row)).collect(),
+        band,
+    }
+}
+
+/// A matrix as its band, if it has one, else as it is.
+fn banded<'a>(
+    matrix: &'a [Vec<Expr>],
+    arena: &Arena,
+) -> (Option<Band>, std::borrow::Cow<'a, [Vec<Expr>]>) {
+    let is_zero = |e: &&Expr| arena.constant_value(**e) == Some(0.0);
+    match (
+        Band::of(matrix, arena),
+        matrix.iter().flatten().find(is_zero),
+    ) {
+        (Some(band), Some(&zero)) => (Some(band), band.rows(matrix, zero).into()),
+        _ => (None, matrix.into()),
+    }
+}
+
+/// Rows of entries as a matrix of the runtime.
+fn typed(
+    private: &TokenStream,
+    band: Option<Band>,
+    size: usize,
+    rows: &TokenStream,
+) -> TokenStream {
+    let Some(band) = band else {
+        return rows.clone();
+    };
+    let [size, lower, width] = [size, band.lower, band.width()].map(Literal::usize_unsuffixed);
+    quote!(#private::Banded::<#size, #lower, #width>(#rows))
 }
 
 fn newton(
@@ -144,11 +183,7 @@ fn newton(
     let guess = system(scheduler, &iteration.guess);
     let refinement = iteration.refinement.as_ref();
     let refinement = refinement.map(|r| (r.first.clone(), scheduler.values(&r.rhs)));
-    let jacobian = iteration
-        .jacobian
-        .iter()
-        .map(|row| scheduler.values(row))
-        .collect();
+    let jacobian = matrix(scheduler, &iteration.jacobian);
     let (residual, magnitude) = iteration
         .residual
         .iter()
@@ -177,18 +212,14 @@ fn fallback(
     arena: &Arena,
 ) -> TokenStream {
     let rhs = [linear.rhs.clone()];
-    let roots: Vec<Expr> = linear
-        .matrix
-        .iter()
-        .flatten()
-        .chain(&rhs[0])
-        .copied()
-        .collect();
+    let (band, matrix) = banded(&linear.matrix, arena);
+    let roots: Vec<Expr> = matrix.iter().flatten().chain(&rhs[0]).copied().collect();
     let (statements, arrays) =
-        Straight::new(arena, symbols, &roots).finish(private, &[&linear.matrix, &rhs]);
+        Straight::new(arena, symbols, &roots).finish(private, &[&matrix, &rhs]);
     let [matrix, rhs] = arrays.as_slice() else {
         return TokenStream::new();
     };
+    let matrix = typed(private, band, linear.rhs.len(), matrix);
     quote! {
         #statements
         let [rhs] = #rhs;
@@ -216,7 +247,7 @@ fn results(solves: &[Solve], dq: &[Value], dp: &[Value]) -> Vec<Value> {
         match solve {
             Solve::Formula => {}
             Solve::System(System { matrix, rhs }, _) => {
-                results.extend(matrix.iter().flatten().chain(rhs));
+                results.extend(matrix.rows.iter().flatten().chain(rhs));
             }
             Solve::Iteration(newton) => {
                 let Newton {
@@ -232,7 +263,7 @@ fn results(solves: &[Solve], dq: &[Value], dp: &[Value]) -> Vec<Value> {
                     solved: _,
                 } = &**newton;
                 results.extend(refinement.iter().flat_map(|r| &r.1));
-                let matrices = guess.matrix.iter().chain(jacobian).flatten();
+                let matrices = guess.matrix.rows.iter().chain(&jacobian.rows).flatten();
                 results.extend(
                     matrices
                         .chain(&guess.rhs)
@@ -293,6 +324,17 @@ pub(super) fn names(list: &[Symbol], symbols: &Symbols) -> TokenStream {
     quote!([#(#names),*])
 }
 
+impl Matrix {
+    fn tokens(&self, private: &TokenStream, printer: &Printer<'_>) -> TokenStream {
+        typed(
+            private,
+            self.band,
+            self.rows.len(),
+            &printer.matrix(&self.rows),
+        )
+    }
+}
+
 impl System {
     fn tokens(
         &self,
@@ -300,7 +342,8 @@ impl System {
         printer: &Printer<'_>,
         solved: &TokenStream,
     ) -> TokenStream {
-        let (matrix, rhs) = (printer.matrix(&self.matrix), printer.array(&self.rhs));
+        let matrix = self.matrix.tokens(private, printer);
+        let rhs = printer.array(&self.rhs);
         quote! {
             let #solved = match #private::solve(&#matrix, &#rhs) {
                 ::core::option::Option::Some(solution) => solution,
@@ -333,7 +376,8 @@ impl Newton {
             solved,
         } = self;
         let size = Literal::usize_unsuffixed(iterates.len());
-        let (guess_matrix, guess_rhs) = (printer.matrix(&guess.matrix), printer.array(&guess.rhs));
+        let guess_matrix = guess.matrix.tokens(private, printer);
+        let guess_rhs = printer.array(&guess.rhs);
         let refine = refinement.as_ref().map(|(first, rhs)| {
             let (names, rhs) = (names(first, symbols), printer.array(rhs));
             let statements = printer.statements(Tier::Guess(at));
@@ -355,7 +399,7 @@ impl Newton {
         let (residual, magnitude, jacobian) = (
             printer.array(residual),
             printer.array(magnitude),
-            printer.matrix(jacobian),
+            jacobian.tokens(private, printer),
         );
         let curvature = curvature.map_or_else(|| quote!(f64::NAN), |c| printer.operand(c));
         let (iterates, solved) = (names(iterates, symbols), names(solved, symbols));

@@ -63,6 +63,10 @@ impl<'a> Scheduler<'a> {
         }
     }
 
+    pub(crate) fn arena(&self) -> &'a Arena {
+        self.arena
+    }
+
     /// The program that computes `results`.
     pub(crate) fn finish(mut self, results: &[Value]) -> Program {
         self.program.mark_live(results);

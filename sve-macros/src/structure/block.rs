@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use super::band::{self, Band, Order};
 use super::{Block, Iteration, Kind, Linear, Reduced, Refinement, Solution};
 use crate::model::Meaning;
 use crate::symbolic::{Expr, Symbol};
@@ -17,11 +18,12 @@ impl Reduced<'_> {
         columns: &[usize],
         known: &mut Replacement,
     ) -> Block {
-        let unknowns: Vec<Symbol> = columns.iter().map(|&c| self.unknowns[c]).collect();
-        let residual: Vec<Expr> = rows
+        let unknowns = columns.iter().map(|&c| self.unknowns[c]).collect();
+        let residual = rows
             .iter()
             .map(|&r| self.arena.substitute(self.residuals[r], known))
             .collect();
+        let (residual, unknowns) = self.ordered(residual, unknowns);
         let jacobian = self.jacobian(&residual, &unknowns);
         let zero = self.arena.constant(0.0);
         let nonzeros = jacobian.iter().flatten().filter(|&&e| e != zero).count();
@@ -42,10 +44,12 @@ impl Reduced<'_> {
                 kind,
                 unknowns,
                 nonzeros,
+                band: None,
                 solution: Solution::Formula,
             };
         }
         let solved = self.solved(&unknowns, known);
+        let band = Band::of(&jacobian, self.arena);
         if linear {
             let solution = Solution::System {
                 linear: at_zero,
@@ -55,6 +59,7 @@ impl Reduced<'_> {
                 kind: Kind::Linear,
                 unknowns,
                 nonzeros,
+                band,
                 solution,
             };
         }
@@ -81,7 +86,24 @@ impl Reduced<'_> {
             kind: Kind::Newton,
             unknowns,
             nonzeros,
+            band,
             solution: Solution::Iteration(Box::new(iteration)),
+        }
+    }
+
+    /// Equations and unknowns in an order that makes their Jacobian banded, if there is one.
+    fn ordered(&self, residual: Vec<Expr>, unknowns: Vec<Symbol>) -> (Vec<Expr>, Vec<Symbol>) {
+        let contained = |&r: &Expr| {
+            let present = (0..unknowns.len()).filter(|&c| self.arena.contains(r, unknowns[c]));
+            present.collect()
+        };
+        let depends: Vec<Vec<usize>> = residual.iter().map(contained).collect();
+        match band::order(&depends) {
+            Some(Order { rows, columns }) => (
+                rows.iter().map(|&r| residual[r]).collect(),
+                columns.iter().map(|&c| unknowns[c]).collect(),
+            ),
+            None => (residual, unknowns),
         }
     }
 

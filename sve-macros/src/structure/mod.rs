@@ -4,6 +4,7 @@
 //! eliminated that some equation gives with a numeric coefficient, then the rest is split into strongly connected blocks of
 //! equations against unknowns (Duff, Erisman, Reid: Direct Methods for Sparse Matrices, chapter 6).
 
+mod band;
 mod block;
 mod graph;
 mod outputs;
@@ -14,6 +15,7 @@ use crate::action::Action;
 use crate::equations::Equations;
 use crate::model::{Meaning, Quantity, Symbols};
 use crate::symbolic::{Arena, Expr, Node, Symbol};
+pub(crate) use band::Band;
 use graph::{match_columns, strong_components};
 use outputs::{cheapest, linear_map};
 
@@ -48,6 +50,8 @@ pub(crate) struct Block {
     /// Unknowns, as the equations name them.
     pub(crate) unknowns: Vec<Symbol>,
     pub(crate) nonzeros: usize,
+    /// The band of its Jacobian, where it is solved as a banded matrix.
+    pub(crate) band: Option<Band>,
     pub(crate) solution: Solution,
 }
 

@@ -1,0 +1,134 @@
+//! What the compiler makes of a scene: times of `cargo check` and `cargo build --release` of a crate with nothing but the
+//! scene, its dependencies built before; and the time of a step of the program.
+
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Instant;
+
+/// Where crates are written and built.
+const SCRATCH: &str = env!("CARGO_TARGET_TMPDIR");
+
+const MACROS: &str = env!("CARGO_MANIFEST_DIR");
+
+/// A crate that holds one scene after the other.
+pub(super) struct Crate {
+    root: PathBuf,
+}
+
+/// Seconds; a step in nanoseconds.
+pub(super) struct Built {
+    pub(super) check: f64,
+    pub(super) release: f64,
+    pub(super) step: f64,
+}
+
+impl Crate {
+    /// A crate whose dependencies are built.
+    pub(super) fn new() -> Result<Self, String> {
+        let root = Path::new(SCRATCH).join("scene");
+        let runtime = Path::new(MACROS).with_file_name("sve-runtime");
+        let manifest = format!(
+            "[package]\nname = \"scene\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[dependencies]\nsve-runtime = {{ path = \"{}\" }}\n\n[workspace]\n",
+            runtime.display()
+        );
+        let written = fs::create_dir_all(root.join("src"))
+            .and_then(|()| fs::write(root.join("Cargo.toml"), manifest))
+            .and_then(|()| {
+                fs::copy(
+                    Path::new(MACROS).with_file_name("Cargo.lock"),
+                    root.join("Cargo.lock"),
+                )
+            });
+        written.map_err(|error| format!("{}: {error}", root.display()))?;
+        let built = Self { root };
+        built.write("fn main() {}")?;
+        built.cargo(&["check"])?;
+        built.cargo(&["build", "--release"])?;
+        Ok(built)
+    }
+
+    /// Builds and runs a program.
+    pub(super) fn build(&self, program: &str) -> Result<Built, String> {
+        self.write(program)?;
+        let check = self.cargo(&["check"])?;
+        let release = self.cargo(&["build", "--release"])?;
+        let step = output(
+            &mut Command::new(self.root.join("target/release/scene")),
+            "",
+        )?;
+        let step = step
+            .trim()
+            .parse()
+            .map_err(|_| format!("not a time: {step}"))?;
+        Ok(Built {
+            check,
+            release,
+            step,
+        })
+    }
+
+    fn write(&self, program: &str) -> Result<(), String> {
+        fs::write(self.root.join("src/main.rs"), program).map_err(|error| error.to_string())
+    }
+
+    /// The seconds that a command of cargo takes.
+    fn cargo(&self, arguments: &[&str]) -> Result<f64, String> {
+        let mut command = Command::new("cargo");
+        command
+            .args(arguments)
+            .args(["--quiet", "--target-dir", "target"])
+            .current_dir(&self.root);
+        let start = Instant::now();
+        output(&mut command, "")?;
+        Ok(start.elapsed().as_secs_f64())
+    }
+}
+
+/// What this benchmark prints when it is compiled without optimisation, as macros are in a user's build.
+pub(super) fn unoptimised(arguments: &[String]) -> Result<String, String> {
+    let mut command = Command::new("cargo");
+    command
+        .args(["bench", "--quiet", "--bench", "expansion"])
+        .args(["--config", "profile.bench.opt-level=0"])
+        .arg("--target-dir")
+        .arg(Path::new(SCRATCH).join("unoptimised"))
+        .args(["--", "--times"])
+        .args(arguments)
+        .current_dir(MACROS);
+    output(&mut command, "")
+}
+
+/// Lines of tokens as the formatter writes them.
+pub(super) fn lines(tokens: &str) -> Result<usize, String> {
+    let mut command = Command::new("rustfmt");
+    command.args(["--edition", "2024"]);
+    output(&mut command, tokens).map(|text| text.lines().count())
+}
+
+/// The standard output of a command that is given `input`.
+fn output(command: &mut Command, input: &str) -> Result<String, String> {
+    let described = format!("{command:?}");
+    let mut child = match command
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::inherit())
+        .spawn()
+    {
+        Ok(child) => child,
+        Err(error) => return Err(format!("{described}: {error}")),
+    };
+    if let Some(mut stdin) = child.stdin.take() {
+        // a child that reads nothing closes its end
+        let _ = stdin.write_all(input.as_bytes());
+    }
+    let output = child
+        .wait_with_output()
+        .map_err(|error| format!("{described}: {error}"))?;
+    if output.status.success() {
+        Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+    } else {
+        Err(format!("{described}: {}", output.status))
+    }
+}
