@@ -228,7 +228,7 @@ pub mod prelude {
 pub mod __private {
     pub use crate::banded::Banded;
     pub use crate::linear::solve;
-    pub use crate::newton::{Evaluation, Newton, SolveError};
+    pub use crate::newton::{Evaluation, Newton, SolveError, spread};
     pub use crate::plan::{Block, BlockKind, Operations, Plan, StrongOrder};
     pub use crate::state::State;
     pub use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System, Variational};

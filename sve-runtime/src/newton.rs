@@ -101,7 +101,8 @@ impl Newton {
     /// The root near `guess`; from the point that `fallback` gives where the iteration fails from there.
     ///
     /// It is accepted where the residual is `tolerance` times the terms it is the sum of, or where it no longer shrinks
-    /// for want of digits: those of its terms' inner sums, or those of the unknowns.
+    /// for want of digits: those of its terms' inner sums, or those of the unknowns. `rounding` tells by how much the
+    /// evaluation of the residual at a point can be wrong; it is asked only then.
     /// The last update is not confirmed by another evaluation where the order of convergence, measured on the previous two
     /// residuals, puts the next one below rounding.
     ///
@@ -116,12 +117,13 @@ impl Newton {
         &self,
         guess: [f64; K],
         fallback: impl FnOnce() -> [f64; K],
+        rounding: impl Fn(&[f64; K]) -> [f64; K],
         evaluate: impl Fn(&[f64; K]) -> Evaluation<K, J>,
     ) -> Result<[f64; K], SolveError> {
-        self.iterate(guess, Some(fallback), evaluate)
+        self.iterate(guess, Some(fallback), rounding, evaluate)
     }
 
-    /// The root near `guess`, as [`solve_or`](Self::solve_or) without a second point.
+    /// The root near `guess`, as [`solve_or`](Self::solve_or) without a second point or a bound of rounding errors.
     ///
     /// # Errors
     /// As there.
@@ -131,7 +133,7 @@ impl Newton {
         guess: [f64; K],
         evaluate: impl Fn(&[f64; K]) -> Evaluation<K, J>,
     ) -> Result<[f64; K], SolveError> {
-        self.iterate(guess, None::<fn() -> [f64; K]>, evaluate)
+        self.iterate(guess, None::<fn() -> [f64; K]>, |_| [0.0; K], evaluate)
     }
 
     #[inline]
@@ -139,6 +141,7 @@ impl Newton {
         &self,
         guess: [f64; K],
         mut fallback: Option<impl FnOnce() -> [f64; K]>,
+        rounding: impl Fn(&[f64; K]) -> [f64; K],
         evaluate: impl Fn(&[f64; K]) -> Evaluation<K, J>,
     ) -> Result<[f64; K], SolveError> {
         let mut run = Run::from(guess);
@@ -159,7 +162,7 @@ impl Newton {
                 }
                 continue;
             }
-            match self.doubt(run, &at, relative) {
+            match self.doubt(run, &at, relative, &rounding) {
                 Ok(Doubt::Root(x)) => return Ok(x),
                 Ok(Doubt::Goes(on)) => run = on,
                 Err(error) => match fallback.take() {
@@ -215,6 +218,7 @@ impl Newton {
         mut run: Run<K>,
         at: &Evaluation<K, J>,
         relative: f64,
+        rounding: &impl Fn(&[f64; K]) -> [f64; K],
     ) -> Result<Doubt<K>, SolveError> {
         if !relative.is_finite() {
             return run.retreat().map(Doubt::Goes);
@@ -232,6 +236,17 @@ impl Newton {
             // its tolerance.
             let digits_are_gone = relative < NEAR && jacobian_is_finite && (0..K).all(at_rounding);
             if relative < QUADRATIC || digits_are_gone {
+                return Ok(Doubt::Root(run.x));
+            }
+            // A residual of products whose factors cancel, such as the force between neighbours far from the origin, may be
+            // all rounding: it cannot shrink beside its terms, which are as small.
+            let bounds = rounding(&run.x);
+            let is_rounding = |i: usize| {
+                let satisfied = self.tolerance * at.magnitude[i];
+                let size = at.residual[i].abs();
+                size <= satisfied || (size <= bounds[i] && bounds[i].is_finite())
+            };
+            if run.iteration > 0 && jacobian_is_finite && (0..K).all(is_rounding) {
                 return Ok(Doubt::Root(run.x));
             }
             if run.x == run.from {
@@ -295,6 +310,16 @@ impl<const K: usize> Run<K> {
             ..self
         })
     }
+}
+
+/// Bound of the error of `f(x)` where x is wrong by up to `error`.
+#[cold]
+pub fn spread(f: impl Fn(f64) -> f64, x: f64, error: f64) -> f64 {
+    let value = f(x);
+    let (above, below) = ((f(x + error) - value).abs(), (f(x - error) - value).abs());
+    // the larger one, or NaN: at the edge of its domain a function has no bound
+    let largest = if above > below { above } else { below };
+    largest + 0.0 * above + f64::EPSILON * value.abs()
 }
 
 /// The update, and whether it is of third order: of a single unknown, Newton's `u = f/f′` becomes Chebyshev's

@@ -108,7 +108,7 @@ impl<'a> Printer<'a> {
         quote!([#(#rows),*])
     }
 
-    fn statement(&self, value: Value, operation: Operation) -> TokenStream {
+    pub(super) fn statement(&self, value: Value, operation: Operation) -> TokenStream {
         let name = self.name(value);
         let of = |v: Value| self.operand(v);
         let infix = |a, operator: &TokenStream, b| {

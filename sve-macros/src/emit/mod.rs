@@ -4,6 +4,7 @@ mod code;
 mod linearise;
 mod momenta;
 mod plan;
+mod rounding;
 mod rule;
 mod step;
 mod straight;

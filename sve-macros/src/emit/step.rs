@@ -4,6 +4,7 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use super::code::{Printer, input_name};
+use super::rounding::rounding;
 use super::straight::Straight;
 use crate::model::{Meaning, Symbols};
 use crate::schedule::{Operation, Program, Scheduler, Tier, Tiers, Value};
@@ -49,12 +50,21 @@ struct Newton {
     rest: TokenStream,
     /// Code that computes another guess where it stands.
     fallback: TokenStream,
+    /// Code of the rounding errors of the residual.
+    rounding: TokenStream,
     residual: Vec<Value>,
     magnitude: Vec<Value>,
     jacobian: Matrix,
     curvature: Option<Value>,
     iterates: Vec<Symbol>,
     solved: Vec<Symbol>,
+}
+
+/// Code of an iteration that runs where the usual course does not arrive.
+struct Aside {
+    rest: TokenStream,
+    fallback: TokenStream,
+    rounding: TokenStream,
 }
 
 /// Turns all expressions of a scheme into one program.
@@ -113,8 +123,12 @@ pub(super) fn schedule(
             }
             Solution::Iteration(iteration) => {
                 let rest = rest(iteration, dq.len());
-                let fallback = fallback(&iteration.fallback, &rest, symbols, private, arena);
-                Solve::Iteration(Box::new(newton(&mut scheduler, iteration, rest, fallback)))
+                let aside = Aside {
+                    fallback: fallback(&iteration.fallback, &rest, symbols, private, arena),
+                    rounding: rounding(&iteration.residual, symbols, private, arena),
+                    rest,
+                };
+                Solve::Iteration(Box::new(newton(&mut scheduler, iteration, aside)))
             }
         })
         .collect();
@@ -174,12 +188,12 @@ fn typed(
     quote!(#private::Banded::<#size, #lower, #width>(#rows))
 }
 
-fn newton(
-    scheduler: &mut Scheduler<'_>,
-    iteration: &Iteration,
-    rest: TokenStream,
-    fallback: TokenStream,
-) -> Newton {
+fn newton(scheduler: &mut Scheduler<'_>, iteration: &Iteration, aside: Aside) -> Newton {
+    let Aside {
+        rest,
+        fallback,
+        rounding,
+    } = aside;
     let guess = system(scheduler, &iteration.guess);
     let refinement = iteration.refinement.as_ref();
     let refinement = refinement.map(|r| (r.first.clone(), scheduler.values(&r.rhs)));
@@ -194,6 +208,7 @@ fn newton(
         refinement,
         rest,
         fallback,
+        rounding,
         residual,
         magnitude,
         jacobian,
@@ -255,6 +270,7 @@ fn results(solves: &[Solve], dq: &[Value], dp: &[Value]) -> Vec<Value> {
                     refinement,
                     rest: _,
                     fallback: _,
+                    rounding: _,
                     residual,
                     magnitude,
                     jacobian,
@@ -368,6 +384,7 @@ impl Newton {
             refinement,
             rest,
             fallback,
+            rounding,
             residual,
             magnitude,
             jacobian,
@@ -410,7 +427,8 @@ impl Newton {
                 ::core::option::Option::None => #rest,
             };
             let fallback = || { #fallback };
-            let #solved = newton.solve_or(guess, fallback, |&#iterates: &[f64; #size]| {
+            let rounding = |&#iterates: &[f64; #size]| { #rounding };
+            let #solved = newton.solve_or(guess, fallback, rounding, |&#iterates: &[f64; #size]| {
                 #statements
                 #private::Evaluation {
                     residual: #residual,

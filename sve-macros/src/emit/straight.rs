@@ -5,7 +5,7 @@ use quote::quote;
 
 use super::code::Printer;
 use crate::model::Symbols;
-use crate::schedule::{Scheduler, Tier, Tiers};
+use crate::schedule::{Program, Scheduler, Tier, Tiers, Value};
 use crate::symbolic::{Arena, Expr};
 
 /// Code of one tier: everything in it is computed where it is called.
@@ -25,6 +25,12 @@ impl<'a> Straight<'a> {
             scheduler: Scheduler::new(arena, symbols, tiers, roots),
             symbols,
         }
+    }
+
+    /// The program, and the values of `exprs` in it.
+    pub(super) fn program(mut self, exprs: &[Expr]) -> (Program, Vec<Value>) {
+        let values = self.scheduler.values(exprs);
+        (self.scheduler.finish(&values), values)
     }
 
     /// The statements, and each array of expressions as tokens.
