@@ -52,6 +52,9 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
     };
     let affine_momentum = lagrangian.dvv.iter().flatten().all(|&entry| {
         model.v.iter().all(|&v| {
+            if !arena.contains(entry, v) {
+                return true;
+            }
             let change = arena.diff(entry, v);
             arena.is_zero(change)
         })

@@ -2,7 +2,7 @@
 //!
 //! Input: which unknowns each equation contains. Output: an order of both, where a banded solve is less work than a dense one.
 //! Unknowns are numbered along a breadth-first search from one far end of the graph of equations and unknowns (Cuthill and
-//! McKee, Reducing the bandwidth of sparse symmetric matrices, 1969; the end as George and Liu find it), equations by the
+//! `McKee`, Reducing the bandwidth of sparse symmetric matrices, 1969; the end as George and Liu find it), equations by the
 //! middle of the unknowns they contain.
 
 use std::collections::VecDeque;
