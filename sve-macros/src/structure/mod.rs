@@ -213,7 +213,9 @@ impl Reduced<'_> {
             }
             for list in std::iter::once(&mut self.dq).chain(&mut self.dp) {
                 for expr in list {
-                    *expr = self.arena.substitute(*expr, &by);
+                    if self.arena.contains(*expr, unknown) {
+                        *expr = self.arena.substitute(*expr, &by);
+                    }
                 }
             }
         }

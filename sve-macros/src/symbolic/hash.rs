@@ -21,7 +21,11 @@ impl Multiply {
 
 impl Hasher for Multiply {
     fn write(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
+        let (words, rest) = bytes.as_chunks();
+        for &word in words {
+            self.word(u64::from_le_bytes(word));
+        }
+        for &byte in rest {
             self.word(u64::from(byte));
         }
     }
