@@ -60,10 +60,15 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
         dvv,
     };
     let affine_momentum = lagrangian.dvv.iter().flatten().all(|&entry| {
-        model.v.iter().all(|&v| {
-            let change = arena.diff(entry, v);
-            arena.is_zero(change)
-        })
+        let constant = arena.constant_value(entry).is_some();
+        constant
+            || model.v.iter().all(|&v| {
+                if !arena.contains(entry, v) {
+                    return true;
+                }
+                let change = arena.diff(entry, v);
+                arena.is_zero(change)
+            })
     });
     let noises = model
         .noises

@@ -68,6 +68,13 @@ fn velocity(block: &Annotated, i: usize, n: usize) -> String {
     }
 }
 
+/// The column of a row's largest entry, from column `first` on; `first` where there is none.
+fn largest_from(row: &[f64], first: usize) -> usize {
+    (first..row.len())
+        .max_by(|&a, &b| row[a].abs().total_cmp(&row[b].abs()))
+        .unwrap_or(first)
+}
+
 /// The columns that occur in a null vector; none where the matrix is regular.
 fn null_columns(mut matrix: Vec<Vec<f64>>) -> Vec<usize> {
     let n = matrix.len();
@@ -80,24 +87,36 @@ fn null_columns(mut matrix: Vec<Vec<f64>>) -> Vec<usize> {
         }
     }
     let mut order: Vec<usize> = (0..n).collect();
+    // the largest entry of each row behind the columns that are done: most rows of a large matrix stay as they are
+    let mut largest: Vec<usize> = matrix.iter().map(|row| largest_from(row, 0)).collect();
     let mut rank = 0;
     while rank < n {
-        let pivot = (rank..n)
-            .flat_map(|i| (rank..n).map(move |j| (i, j)))
-            .max_by(|a, b| matrix[a.0][a.1].abs().total_cmp(&matrix[b.0][b.1].abs()));
-        let Some((i, j)) = pivot.filter(|&(i, j)| matrix[i][j].abs() > PIVOT) else {
+        let size = |i: usize| matrix[i][largest[i]].abs();
+        let pivot = (rank..n).max_by(|&a, &b| size(a).total_cmp(&size(b)));
+        let Some(i) = pivot.filter(|&i| size(i) > PIVOT) else {
             break;
         };
+        let j = largest[i];
         matrix.swap(rank, i);
+        largest.swap(rank, i);
         order.swap(rank, j);
-        for row in &mut matrix {
+        for (row, largest) in matrix.iter_mut().zip(&mut largest) {
             row.swap(rank, j);
+            if *largest == rank {
+                *largest = j;
+            }
         }
         let pivot = matrix[rank].clone();
-        for (_, row) in matrix.iter_mut().enumerate().filter(|(i, _)| *i != rank) {
+        for (i, row) in matrix.iter_mut().enumerate().filter(|(i, _)| *i != rank) {
+            if row[rank] == 0.0 {
+                continue;
+            }
             let factor = row[rank] / pivot[rank];
             for k in rank..n {
                 row[k] -= factor * pivot[k];
+            }
+            if i > rank {
+                largest[i] = largest_from(row, rank + 1);
             }
         }
         rank += 1;
@@ -110,4 +129,61 @@ fn null_columns(mut matrix: Vec<Vec<f64>>) -> Vec<usize> {
         .filter(|k| rank < n && in_null_vector(k))
         .map(|k| order[k])
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::null_columns;
+
+    /// Uniform in [−1, 1): the finaliser of splitmix64.
+    fn uniform(state: &mut u64) -> f64 {
+        *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = *state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    /// A matrix with the part `filled` of its entries, and a diagonal.
+    fn random(n: usize, filled: f64, state: &mut u64) -> Vec<Vec<f64>> {
+        let mut matrix = vec![vec![0.0; n]; n];
+        for i in 0..n {
+            for j in 0..n {
+                if uniform(state).abs() < filled {
+                    matrix[i][j] = uniform(state);
+                }
+            }
+            matrix[i][i] += 3.0;
+        }
+        matrix
+    }
+
+    #[test]
+    fn regular_matrices_have_none() {
+        let mut state = 1;
+        for n in 1..12 {
+            for filled in [0.0, 0.2, 1.0] {
+                assert_eq!(null_columns(random(n, filled, &mut state)), []);
+            }
+        }
+    }
+
+    #[test]
+    fn columns_of_a_null_vector_are_found() {
+        let mut state = 2;
+        for n in 3..12 {
+            for filled in [0.0, 0.2, 1.0] {
+                let mut matrix = random(n, filled, &mut state);
+                // one column is a combination of two others, so these three are in a null vector
+                let [a, b] = [n / 3, n - 1];
+                for row in &mut matrix {
+                    row[0] = 2.0 * row[b] - 0.5 * row[a];
+                }
+                let mut found = null_columns(matrix);
+                found.sort_unstable();
+                assert_eq!(found, [0, a, b], "{n} {filled}");
+            }
+        }
+        assert_eq!(null_columns(vec![vec![0.0; 2]; 2]), [0, 1]);
+    }
 }

@@ -9,6 +9,12 @@ use crate::model::{Meaning, Quantity, Symbols};
 use crate::schedule::{Operation, Program, Tier, Value, operands};
 use crate::symbolic::{Function, Symbol};
 
+/// Rows and columns from which on a matrix may be written by its entries.
+const LARGE: usize = 7;
+
+/// Tokens of an assignment to an entry, in those of a zero and its comma.
+const SPARSE: usize = 4;
+
 /// Prints a program.
 pub(super) struct Printer<'a> {
     program: &'a Program,
@@ -103,9 +109,35 @@ impl<'a> Printer<'a> {
         quote!([#(#operands),*])
     }
 
+    /// Rows as an array of arrays; of a large matrix with few entries only these are written.
     pub(super) fn matrix(&self, rows: &[Vec<Value>]) -> TokenStream {
+        let entries = |row: usize| {
+            let entries = rows[row].iter().enumerate();
+            entries.filter(|x| !self.is_zero(*x.1))
+        };
+        let (height, width) = (rows.len(), rows.first().map_or(0, Vec::len));
+        let count: usize = (0..height).map(|row| entries(row).count()).sum();
+        if height >= LARGE && width >= LARGE && SPARSE * count <= height * width {
+            let assignments = (0..height).flat_map(|row| {
+                let i = Literal::usize_unsuffixed(row);
+                entries(row).map(move |(column, &value)| {
+                    let (j, value) = (Literal::usize_unsuffixed(column), self.operand(value));
+                    quote!(entries[#i][#j] = #value;)
+                })
+            });
+            let [height, width] = [height, width].map(Literal::usize_unsuffixed);
+            return quote!({
+                let mut entries = [[0f64; #width]; #height];
+                #(#assignments)*
+                entries
+            });
+        }
         let rows = rows.iter().map(|row| self.array(row));
         quote!([#(#rows),*])
+    }
+
+    fn is_zero(&self, value: Value) -> bool {
+        self.program.get(value).operation == Operation::Constant(0)
     }
 
     pub(super) fn statement(&self, value: Value, operation: Operation) -> TokenStream {

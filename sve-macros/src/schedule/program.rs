@@ -2,9 +2,7 @@
 //!
 //! Invariant: an instruction's operands precede it and are of its tier or an earlier one.
 
-use std::collections::HashMap;
-
-use crate::symbolic::{Binary, Function, Symbol};
+use crate::symbolic::{Binary, Function, Map, Symbol};
 
 /// When a value is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -80,7 +78,7 @@ pub(crate) struct Instruction {
 #[derive(Default)]
 pub(crate) struct Program {
     pub(super) instructions: Vec<Instruction>,
-    pub(super) numbers: HashMap<Operation, Value>,
+    pub(super) numbers: Map<Operation, Value>,
     /// Which instructions a result depends on; the others are not listed.
     live: Vec<bool>,
 }

@@ -6,7 +6,7 @@ use super::angles::Angles;
 use super::program::{Instruction, Operation, Program, Tier, Value, operands};
 use crate::model::{Meaning, Symbols};
 use crate::structure::is_state;
-use crate::symbolic::{Arena, Expr, Function, Node, Symbol};
+use crate::symbolic::{Arena, Expr, Function, Map, Node, Symbol};
 
 /// Where the unknowns of the blocks are known.
 pub(crate) type Tiers = HashMap<Symbol, Tier>;
@@ -17,7 +17,7 @@ pub(crate) struct Scheduler<'a> {
     symbols: &'a Symbols,
     tiers: Tiers,
     pub(super) program: Program,
-    pub(super) done: HashMap<Expr, Value>,
+    pub(super) done: Map<Expr, Value>,
     /// Angles of which sine or cosine are wanted.
     pub(super) angles: Angles,
     /// Bases that stand in the denominator of more than one product.
@@ -53,7 +53,7 @@ impl<'a> Scheduler<'a> {
             symbols,
             tiers,
             program: Program::default(),
-            done: HashMap::new(),
+            done: Map::default(),
             angles,
             shared_denominators: denominators
                 .into_iter()
@@ -75,6 +75,9 @@ impl<'a> Scheduler<'a> {
 
     /// The value of an expression; operands first, so nothing recurses deeply.
     pub(crate) fn value(&mut self, expr: Expr) -> Value {
+        if let Some(&known) = self.done.get(&expr) {
+            return known;
+        }
         let todo = self
             .arena
             .reachable(&[expr], |e| !self.done.contains_key(&e));

@@ -108,19 +108,21 @@ impl Reduced<'_> {
     }
 
     fn jacobian(&mut self, residual: &[Expr], unknowns: &[Symbol]) -> Vec<Vec<Expr>> {
-        let mut jacobian = Vec::new();
+        let zero = self.arena.constant(0.0);
+        let mut slopes = Vec::with_capacity(residual.len() * unknowns.len());
         for &r in residual {
-            let row = unknowns.iter().map(|&u| {
-                let slope = self.arena.diff(r, u);
-                if self.arena.is_zero(slope) {
-                    self.arena.constant(0.0)
-                } else {
-                    slope
-                }
-            });
-            jacobian.push(row.collect());
+            slopes.extend(unknowns.iter().map(|&u| self.arena.diff(r, u)));
         }
-        jacobian
+        let zeros = self.arena.zeros(&slopes);
+        for (slope, is_zero) in slopes.iter_mut().zip(zeros) {
+            if is_zero {
+                *slope = zero;
+            }
+        }
+        slopes
+            .chunks(unknowns.len())
+            .map(<[Expr]>::to_vec)
+            .collect()
     }
 
     /// The linear system of the Newton step from a point.
@@ -130,12 +132,12 @@ impl Reduced<'_> {
         jacobian: &[Vec<Expr>],
         point: &Replacement,
     ) -> Linear {
-        let mut at = |e: Expr| self.arena.substitute(e, point);
-        let matrix = jacobian
-            .iter()
-            .map(|row| row.iter().map(|&e| at(e)).collect())
+        let entries = self.arena.substitute_all(&jacobian.concat(), point);
+        let matrix = entries
+            .chunks(residual.len())
+            .map(<[Expr]>::to_vec)
             .collect();
-        let rhs: Vec<Expr> = residual.iter().map(|&r| at(r)).collect();
+        let rhs = self.arena.substitute_all(residual, point);
         let rhs = rhs.into_iter().map(|r| self.arena.neg(r)).collect();
         Linear { matrix, rhs }
     }
@@ -166,23 +168,22 @@ impl Reduced<'_> {
             }
             None
         };
-        let finite = |e: &Expr| {
-            let mut nodes = self.arena.reachable(&[*e], |_| true).into_iter();
-            nodes.all(|e| self.arena.constant_value(e).is_none_or(f64::is_finite))
-        };
         let size = unknowns.len();
         let regular = (0..size).all(|i| {
             guess.matrix[i].iter().any(|&e| e != zero)
                 && guess.matrix.iter().any(|row| row[i] != zero)
         });
         let refined = refinement.iter().flat_map(|r| &r.rhs);
-        let defined = guess
+        let all: Vec<Expr> = guess
             .matrix
             .iter()
             .flatten()
             .chain(&guess.rhs)
             .chain(refined)
-            .all(finite);
+            .copied()
+            .collect();
+        let mut nodes = self.arena.reachable(&all, |_| true).into_iter();
+        let defined = nodes.all(|e| self.arena.constant_value(e).is_none_or(f64::is_finite));
         (regular && defined).then_some((guess, refinement))
     }
 
@@ -253,6 +254,9 @@ impl Reduced<'_> {
     fn is_linear(&mut self, jacobian: &[Vec<Expr>], unknowns: &[Symbol]) -> bool {
         for &entry in jacobian.iter().flatten() {
             for &u in unknowns {
+                if !self.arena.contains(entry, u) {
+                    continue;
+                }
                 let change = self.arena.diff(entry, u);
                 if !self.arena.is_zero(change) {
                     return false;

@@ -164,11 +164,39 @@ struct Reduced<'a> {
     dp: Vec<Vec<Expr>>,
 }
 
+/// An unknown that an equation gives as `x = f(others)`.
+#[derive(Clone, Copy)]
+struct Pivot {
+    unknown: Symbol,
+    coefficient: f64,
+}
+
+/// An equation that may give an unknown: looked at again only when it has changed.
+struct Candidate {
+    /// Unknowns in it, in the order of `unknowns`.
+    present: Vec<Symbol>,
+    /// Whether `pivot` was sought.
+    asked: bool,
+    pivot: Option<Pivot>,
+}
+
 impl Reduced<'_> {
     /// Removes every unknown that an equation gives as `x = f(others)` with a numeric coefficient, the shortest
     /// equation first.
     fn eliminate(&mut self) {
-        while let Some((row, unknown, coefficient)) = self.pivot() {
+        let mut candidates: Vec<Candidate> = Vec::new();
+        for row in 0..self.residuals.len() {
+            candidates.push(self.candidate(row));
+        }
+        while let Some((
+            row,
+            Pivot {
+                unknown,
+                coefficient,
+            },
+        )) = self.best(&mut candidates)
+        {
+            candidates.remove(row);
             let equation = self.residuals.remove(row);
             let zero = self.arena.constant(0.0);
             let rest = self
@@ -177,47 +205,69 @@ impl Reduced<'_> {
             let value = self.arena.scale(-1.0 / coefficient, rest);
             let by = HashMap::from([(unknown, value)]);
             self.unknowns.retain(|&u| u != unknown);
-            for list in std::iter::once(&mut self.residuals)
-                .chain([&mut self.dq])
-                .chain(&mut self.dp)
-            {
+            for row in 0..self.residuals.len() {
+                if self.arena.contains(self.residuals[row], unknown) {
+                    self.residuals[row] = self.arena.substitute(self.residuals[row], &by);
+                    candidates[row] = self.candidate(row);
+                }
+            }
+            for list in std::iter::once(&mut self.dq).chain(&mut self.dp) {
                 for expr in list {
-                    *expr = self.arena.substitute(*expr, &by);
+                    if self.arena.contains(*expr, unknown) {
+                        *expr = self.arena.substitute(*expr, &by);
+                    }
                 }
             }
         }
     }
 
-    /// The equation with the fewest unknowns that has one with a numeric coefficient: equation, unknown, coefficient.
-    /// Of equations with equally many the first is taken, of its unknowns the first in the order of `unknowns`; so the
-    /// momentum balance stays, and the velocity in it.
-    fn pivot(&mut self) -> Option<(usize, Symbol, f64)> {
-        let mut best: Option<(usize, usize, Symbol, f64)> = None;
-        for row in 0..self.residuals.len() {
-            let residual = self.residuals[row];
-            let present: Vec<Symbol> = self
-                .unknowns
-                .iter()
-                .copied()
-                .filter(|&u| self.arena.contains(residual, u))
-                .collect();
-            if best.is_some_and(|b| b.0 <= present.len()) {
+    /// The equation with the fewest unknowns that has one with a numeric coefficient; of equations with equally many the
+    /// first.
+    fn best(&mut self, candidates: &mut [Candidate]) -> Option<(usize, Pivot)> {
+        let mut best: Option<(usize, usize, Pivot)> = None;
+        for (row, candidate) in candidates.iter_mut().enumerate() {
+            let present = candidate.present.len();
+            if best.is_some_and(|b| b.0 <= present) {
                 continue;
             }
-            for &unknown in &present {
-                if self.moves_node(residual, unknown) {
-                    continue;
-                }
-                let slope = self.arena.diff(residual, unknown);
-                if let Some(coefficient) = self.arena.constant_value(slope)
-                    && coefficient != 0.0
-                {
-                    best = Some((present.len(), row, unknown, coefficient));
-                    break;
-                }
+            if !std::mem::replace(&mut candidate.asked, true) {
+                candidate.pivot = self.pivot(row, &candidate.present);
+            }
+            if let Some(pivot) = candidate.pivot {
+                best = Some((present, row, pivot));
             }
         }
-        best.map(|(_, row, unknown, coefficient)| (row, unknown, coefficient))
+        best.map(|(_, row, pivot)| (row, pivot))
+    }
+
+    fn candidate(&self, row: usize) -> Candidate {
+        let contained = |u: &Symbol| self.arena.contains(self.residuals[row], *u);
+        Candidate {
+            present: self.unknowns.iter().copied().filter(contained).collect(),
+            asked: false,
+            pivot: None,
+        }
+    }
+
+    /// Of an equation's unknowns the first, in the order of `unknowns`, with a numeric coefficient; so the momentum balance
+    /// stays, and the velocity in it.
+    fn pivot(&mut self, row: usize, present: &[Symbol]) -> Option<Pivot> {
+        let residual = self.residuals[row];
+        for &unknown in present {
+            if self.moves_node(residual, unknown) {
+                continue;
+            }
+            let slope = self.arena.diff(residual, unknown);
+            if let Some(coefficient) = self.arena.constant_value(slope)
+                && coefficient != 0.0
+            {
+                return Some(Pivot {
+                    unknown,
+                    coefficient,
+                });
+            }
+        }
+        None
     }
 
     /// Whether an unknown occurs within a named intermediate result, `q₀ + c d`. There it stands beside something much larger

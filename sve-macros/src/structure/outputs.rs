@@ -93,20 +93,22 @@ pub(super) fn cheapest(
     dq: &[Expr],
     blocks: &[Block],
 ) -> Vec<Expr> {
-    let mut needed: Vec<Expr> = dq.to_vec();
+    let mut needed = vec![false; arena.len()];
+    let need = |roots: &[Expr], needed: &mut Vec<bool>| {
+        for e in arena.reachable(roots, |e| !needed[e.index()]) {
+            needed[e.index()] = true;
+        }
+    };
+    need(dq, &mut needed);
     for block in blocks {
         if let Solution::System { linear, .. } = &block.solution {
-            needed.extend(linear.matrix.iter().flatten().chain(&linear.rhs));
+            need(&linear.matrix.concat(), &mut needed);
+            need(&linear.rhs, &mut needed);
         }
     }
     let mut chosen = Vec::new();
     for list in candidates {
-        let base = cost(arena, &needed);
-        let price = |e: Expr| {
-            let mut with = needed.clone();
-            with.push(e);
-            cost(arena, &with) - base
-        };
+        let price = |e: Expr| cost(arena, &arena.reachable(&[e], |e| !needed[e.index()]));
         let mut best = (price(list[0]), list[0]);
         for &other in &list[1..] {
             let p = price(other);
@@ -114,17 +116,16 @@ pub(super) fn cheapest(
                 best = (p, other);
             }
         }
-        needed.push(best.1);
+        need(&[best.1], &mut needed);
         chosen.push(best.1);
     }
     chosen
 }
 
-fn cost(arena: &Arena, roots: &[Expr]) -> usize {
-    arena
-        .reachable(roots, |_| true)
-        .into_iter()
-        .map(|e| match arena.node(e) {
+fn cost(arena: &Arena, nodes: &[Expr]) -> usize {
+    nodes
+        .iter()
+        .map(|&e| match arena.node(e) {
             Node::Constant(_) | Node::Symbol(_) | Node::Opaque(_) => 0,
             Node::Sum(_, terms) => terms.len(),
             Node::Product(factors) => factors.len(),

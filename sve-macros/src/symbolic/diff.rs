@@ -7,6 +7,9 @@ use super::expr::{Arena, Binary, Bits, Expr, Function, Node, Symbol};
 impl Arena {
     /// `∂expr/∂symbol`.
     pub(crate) fn diff(&mut self, expr: Expr, symbol: Symbol) -> Expr {
+        if !self.contains(expr, symbol) {
+            return self.constant(0.0);
+        }
         let todo = self.reachable(&[expr], |e| {
             self.contains(e, symbol) && !self.derivatives.contains_key(&(e, symbol))
         });
@@ -31,11 +34,13 @@ impl Arena {
             Node::Symbol(s) => self.constant(f64::from(u8::from(s == symbol))),
             Node::Opaque(x) => self.known(x, symbol),
             Node::Sum(_, terms) => {
-                let terms: Vec<_> = terms
-                    .iter()
-                    .map(|&(x, c)| (c.get(), self.known(x, symbol)))
-                    .collect();
-                self.sum(0.0, &terms)
+                let mut slopes = Vec::new();
+                for &(x, c) in &terms {
+                    if self.contains(x, symbol) {
+                        slopes.push((c.get(), self.known(x, symbol)));
+                    }
+                }
+                self.sum(0.0, &slopes)
             }
             Node::Product(factors) => {
                 let mut terms = Vec::new();

@@ -4,11 +4,21 @@
 //! recursion; equal nodes have equal names; the interning maps are only looked up, never iterated, so that the same input
 //! gives the same output.
 
+use std::cell::Cell;
 use std::collections::HashMap;
+
+use super::hash::Map;
 
 /// An expression: a name of a node in its arena.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) struct Expr(u32);
+
+impl Expr {
+    /// Its place in the arena.
+    pub(crate) fn index(self) -> usize {
+        self.0 as usize
+    }
+}
 
 /// A free variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -86,23 +96,33 @@ type SetId = u32;
 /// Owner of all expressions of one expansion.
 pub(crate) struct Arena {
     nodes: Vec<Node>,
-    names: HashMap<Node, Expr>,
+    names: Map<Node, Expr>,
     /// Symbols in each node.
     contents: Vec<SetId>,
     sets: Vec<Vec<u64>>,
-    set_names: HashMap<Vec<u64>, SetId>,
-    pub(super) derivatives: HashMap<(Expr, Symbol), Expr>,
+    set_names: Map<Vec<u64>, SetId>,
+    pub(super) derivatives: Map<(Expr, Symbol), Expr>,
+    /// What the walks have seen.
+    marks: Cell<Marks>,
+}
+
+/// Marks of a walk: a node is marked where it has the number of the walk.
+#[derive(Default)]
+struct Marks {
+    walk: u32,
+    of: Vec<u32>,
 }
 
 impl Arena {
     pub(crate) fn new() -> Self {
         Self {
             nodes: Vec::new(),
-            names: HashMap::new(),
+            names: Map::default(),
             contents: Vec::new(),
             sets: vec![Vec::new()],
-            set_names: HashMap::from([(Vec::new(), 0)]),
-            derivatives: HashMap::new(),
+            set_names: Map::from_iter([(Vec::new(), 0)]),
+            derivatives: Map::default(),
+            marks: Cell::default(),
         }
     }
 
@@ -181,9 +201,9 @@ impl Arena {
                 join(&one);
             }
             _ => {
-                for operand in operands(node) {
-                    join(&self.sets[self.contents[operand.0 as usize] as usize]);
-                }
+                each_operand(node, |operand| {
+                    join(&self.sets[self.contents[operand.index()] as usize]);
+                });
             }
         }
         if let Some(&id) = self.set_names.get(&set) {
@@ -197,63 +217,106 @@ impl Arena {
 
     /// Everything that `roots` are made of and `wanted` accepts, operands before users.
     pub(crate) fn reachable(&self, roots: &[Expr], wanted: impl Fn(Expr) -> bool) -> Vec<Expr> {
-        let mut seen = vec![false; self.nodes.len()];
+        // a walk within `wanted` would find no marks, and make its own
+        let mut marks = self.marks.take();
+        marks.walk += 1;
+        marks.of.resize(self.nodes.len(), 0);
         let mut stack: Vec<Expr> = Vec::new();
         let mut found = Vec::new();
-        let visit = |expr: Expr, seen: &mut Vec<bool>, stack: &mut Vec<Expr>| {
-            if !seen[expr.0 as usize] && wanted(expr) {
-                seen[expr.0 as usize] = true;
+        let visit = |expr: Expr, marks: &mut Marks, stack: &mut Vec<Expr>| {
+            let mark = &mut marks.of[expr.index()];
+            if *mark != marks.walk && wanted(expr) {
+                *mark = marks.walk;
                 stack.push(expr);
             }
         };
         for &root in roots {
-            visit(root, &mut seen, &mut stack);
+            visit(root, &mut marks, &mut stack);
         }
         while let Some(expr) = stack.pop() {
             found.push(expr);
-            for operand in operands(self.node(expr)) {
-                visit(operand, &mut seen, &mut stack);
-            }
+            each_operand(self.node(expr), |operand| {
+                visit(operand, &mut marks, &mut stack);
+            });
         }
+        self.marks.set(marks);
         found.sort_unstable();
         found
     }
 
     /// `expr` with symbols replaced.
     pub(crate) fn substitute(&mut self, expr: Expr, by: &HashMap<Symbol, Expr>) -> Expr {
-        let touched = self.reachable(&[expr], |e| self.symbols_of(e).any(|s| by.contains_key(&s)));
-        let mut done: HashMap<Expr, Expr> = HashMap::with_capacity(touched.len());
-        for e in touched {
-            let of = |x: Expr| done.get(&x).copied().unwrap_or(x);
-            let new = match self.node(e).clone() {
-                Node::Constant(_) => e,
-                Node::Symbol(symbol) => by.get(&symbol).copied().unwrap_or(e),
-                Node::Sum(constant, terms) => {
-                    let terms: Vec<_> = terms.iter().map(|&(x, c)| (c.get(), of(x))).collect();
-                    self.sum(constant.get(), &terms)
-                }
-                Node::Product(factors) => {
-                    let factors: Vec<_> = factors.iter().map(|&(x, k)| (of(x), k)).collect();
-                    self.product(&factors)
-                }
-                Node::Call(function, x) => self.call(function, of(x)),
-                Node::Call2(function, x, y) => self.call2(function, of(x), of(y)),
-                Node::Opaque(x) => self.opaque(of(x)),
-            };
-            done.insert(e, new);
+        self.substitute_all(&[expr], by)[0]
+    }
+
+    /// Each of `exprs` with symbols replaced; what they share is rebuilt once.
+    pub(crate) fn substitute_all(
+        &mut self,
+        exprs: &[Expr],
+        by: &HashMap<Symbol, Expr>,
+    ) -> Vec<Expr> {
+        let mut replaced = Vec::new();
+        for symbol in by.keys() {
+            let word = symbol.0 as usize / 64;
+            if replaced.len() <= word {
+                replaced.resize(word + 1, 0);
+            }
+            replaced[word] |= 1 << (symbol.0 % 64);
         }
-        done.get(&expr).copied().unwrap_or(expr)
+        let mut done = Map::default();
+        let mut results = Vec::with_capacity(exprs.len());
+        for &expr in exprs {
+            if self.has_any(expr, &replaced) {
+                let touched = self.reachable(&[expr], |e| {
+                    self.has_any(e, &replaced) && !done.contains_key(&e)
+                });
+                for e in touched {
+                    let new = self.rebuild(e, by, &done);
+                    done.insert(e, new);
+                }
+            }
+            results.push(done.get(&expr).copied().unwrap_or(expr));
+        }
+        results
+    }
+
+    /// Whether any symbol of a set occurs in `expr`.
+    fn has_any(&self, expr: Expr, set: &[u64]) -> bool {
+        let own = &self.sets[self.contents[expr.index()] as usize];
+        own.iter().zip(set).any(|(a, b)| a & b != 0)
+    }
+
+    /// A node with its symbol or its operands replaced.
+    fn rebuild(&mut self, e: Expr, by: &HashMap<Symbol, Expr>, done: &Map<Expr, Expr>) -> Expr {
+        let of = |x: Expr| done.get(&x).copied().unwrap_or(x);
+        match self.node(e).clone() {
+            Node::Constant(_) => e,
+            Node::Symbol(symbol) => by.get(&symbol).copied().unwrap_or(e),
+            Node::Sum(constant, terms) => {
+                let terms: Vec<_> = terms.iter().map(|&(x, c)| (c.get(), of(x))).collect();
+                self.sum(constant.get(), &terms)
+            }
+            Node::Product(factors) => {
+                let factors: Vec<_> = factors.iter().map(|&(x, k)| (of(x), k)).collect();
+                self.product(&factors)
+            }
+            Node::Call(function, x) => self.call(function, of(x)),
+            Node::Call2(function, x, y) => self.call2(function, of(x), of(y)),
+            Node::Opaque(x) => self.opaque(of(x)),
+        }
     }
 }
 
-/// The operands of a node.
-pub(super) fn operands(node: &Node) -> impl Iterator<Item = Expr> + '_ {
-    let (list, pair): (Box<dyn Iterator<Item = Expr> + '_>, [Option<Expr>; 2]) = match node {
-        Node::Constant(_) | Node::Symbol(_) => (Box::new(std::iter::empty()), [None, None]),
-        Node::Sum(_, terms) => (Box::new(terms.iter().map(|t| t.0)), [None, None]),
-        Node::Product(factors) => (Box::new(factors.iter().map(|f| f.0)), [None, None]),
-        Node::Call(_, x) | Node::Opaque(x) => (Box::new(std::iter::empty()), [Some(*x), None]),
-        Node::Call2(_, x, y) => (Box::new(std::iter::empty()), [Some(*x), Some(*y)]),
-    };
-    list.chain(pair.into_iter().flatten())
+/// Does something with each operand of a node.
+fn each_operand(node: &Node, mut f: impl FnMut(Expr)) {
+    match node {
+        Node::Constant(_) | Node::Symbol(_) => {}
+        Node::Sum(_, terms) => terms.iter().for_each(|t| f(t.0)),
+        Node::Product(factors) => factors.iter().for_each(|t| f(t.0)),
+        Node::Call(_, x) | Node::Opaque(x) => f(*x),
+        Node::Call2(_, x, y) => {
+            f(*x);
+            f(*y);
+        }
+    }
 }

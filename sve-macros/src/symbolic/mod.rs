@@ -6,9 +6,11 @@
 mod diff;
 mod display;
 mod expr;
+mod hash;
 mod simplify;
 #[cfg(test)]
 mod tests;
 mod zero;
 
 pub(crate) use expr::{Arena, Binary, Expr, Function, Node, Symbol};
+pub(crate) use hash::Map;

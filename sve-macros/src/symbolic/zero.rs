@@ -3,8 +3,7 @@
 //! Input: an expression; output: true if at every point where it is defined its value is within a running bound of the
 //! rounding errors of its evaluation. The points are fixed, so the answer is the same in every build.
 
-use std::collections::HashMap;
-
+use super::Map;
 use super::expr::{Arena, Expr, Function, Node, Symbol};
 
 /// Points at which an identity has to hold.
@@ -48,6 +47,18 @@ impl Arena {
         false
     }
 
+    /// Which of `exprs` are zero: as [`is_zero`](Self::is_zero), with what they share evaluated once at the point that tells most
+    /// of them from zero.
+    pub(crate) fn zeros(&self, exprs: &[Expr]) -> Vec<bool> {
+        let first = self.evaluate_bounded(&self.reachable(exprs, |_| true), 0);
+        let is_zero = |e: &Expr| {
+            let Rounded { value, error } = first[e];
+            let differs = value.is_finite() && error.is_finite() && value.abs() > SLACK * error;
+            !differs && self.is_zero(*e)
+        };
+        exprs.iter().map(is_zero).collect()
+    }
+
     /// The values of `exprs` at random points where all of them are defined; what is within its rounding error is zero.
     pub(crate) fn samples<'a>(&'a self, exprs: &'a [Expr]) -> impl Iterator<Item = Vec<f64>> + 'a {
         let nodes = self.reachable(exprs, |_| true);
@@ -73,7 +84,7 @@ impl Arena {
         self.evaluate_nodes(&self.reachable(&[expr], |_| true), at)[&expr].value
     }
 
-    fn evaluate_bounded(&self, nodes: &[Expr], attempt: u64) -> HashMap<Expr, Rounded> {
+    fn evaluate_bounded(&self, nodes: &[Expr], attempt: u64) -> Map<Expr, Rounded> {
         self.evaluate_nodes(nodes, |symbol| {
             let unit = uniform(attempt, u64::from(symbol.0));
             // near and inside the unit interval first, where most functions are defined; then of either sign
@@ -85,8 +96,9 @@ impl Arena {
         })
     }
 
-    fn evaluate_nodes(&self, nodes: &[Expr], at: impl Fn(Symbol) -> f64) -> HashMap<Expr, Rounded> {
-        let mut values: HashMap<Expr, Rounded> = HashMap::with_capacity(nodes.len());
+    fn evaluate_nodes(&self, nodes: &[Expr], at: impl Fn(Symbol) -> f64) -> Map<Expr, Rounded> {
+        let mut values: Map<Expr, Rounded> = Map::default();
+        values.reserve(nodes.len());
         for &e in nodes {
             let (value, inherited) = match self.node(e) {
                 Node::Constant(bits) => (bits.get(), 0.0),
