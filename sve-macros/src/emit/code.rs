@@ -7,7 +7,7 @@ use quote::{format_ident, quote};
 
 use crate::model::{Meaning, Quantity, Symbols};
 use crate::schedule::{Operation, Program, Tier, Value, operands};
-use crate::symbolic::{Function, Symbol};
+use crate::symbolic::{Binary, Function, Symbol};
 
 /// Prints a program.
 pub(super) struct Printer<'a> {
@@ -141,9 +141,14 @@ impl<'a> Printer<'a> {
             }
             Operation::Call(function, a) => call(function, &of(a)),
             Operation::Call2(function, a, b) => {
-                let method = local(function.name());
-                let (a, b) = (of(a), of(b));
-                quote!(f64::#method(#a, #b))
+                let (name, a, b) = (local(function.name()), of(a), of(b));
+                match function {
+                    Binary::PowLog(n) => {
+                        let (n, private) = (Literal::i32_suffixed(n), &self.private);
+                        quote!(#private::#name(#a, #b, #n))
+                    }
+                    Binary::Atan2 | Binary::Hypot | Binary::Pow => quote!(f64::#name(#a, #b)),
+                }
             }
             Operation::Turn(sin, cos, by) => {
                 let names = (pair("sin", value), pair("cos", value));
