@@ -10,7 +10,7 @@ mod expr;
 mod simplify;
 mod stable;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod zero;
 
 pub(crate) use expr::{Arena, Binary, Expr, Function, Node, Symbol};

@@ -20,7 +20,7 @@
 //! `sinh x / cosh x` as tanh x, and powers of `x / hypot(x, y)` as powers of that ratio.
 //!
 //! Each form is as exact as the plain one everywhere, to a rounding or two, and costs about as much. The exceptions call
-//! exp_m1, sinh or cosh beside a function that is computed anyway; a step leaves those out.
+//! `exp_m1`, sinh or cosh beside a function that is computed anyway; a step leaves those out.
 
 use std::collections::{HashMap, HashSet};
 
@@ -40,6 +40,7 @@ pub(crate) enum Purpose {
 type Factors = Vec<(Expr, i32)>;
 
 /// What the f in `a f − a` is.
+#[derive(Clone, Copy)]
 enum Reading {
     /// `√radicand^k`, k = ±1.
     Root(Expr, i32),
@@ -54,12 +55,19 @@ enum Reading {
     Leg(f64, Expr),
 }
 
+/// A part of a sum.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Beside {
+    Constant,
+    Term(usize),
+}
+
 /// A term of a sum, `scale · a · f`, beside `−scale · value · a`.
 struct Difference {
     /// Which term it is.
     at: usize,
-    /// Where the other is: a term, or the constant.
-    beside: Option<usize>,
+    /// Where the other is.
+    beside: Beside,
     /// `a`; nothing where it is 1.
     common: Factors,
     /// `scale · value`.
@@ -178,7 +186,7 @@ impl Forms<'_> {
         let mut used = vec![false; terms.len()];
         let mut constant = constant;
         let mut new: Vec<(f64, Expr)> = Vec::new();
-        let mut waiting: Vec<(Option<usize>, Vec<Difference>)> = Vec::new();
+        let mut waiting: Vec<(Beside, Vec<Difference>)> = Vec::new();
         for at in 0..terms.len() {
             for difference in self.differences(at, constant, terms) {
                 match waiting.iter_mut().find(|w| w.0 == difference.beside) {
@@ -188,17 +196,19 @@ impl Forms<'_> {
             }
         }
         for (beside, group) in waiting {
-            let value = beside.map_or(constant, |at| terms[at].1);
-            let free = |d: &&Difference, used: &[bool]| !used[d.at];
-            if beside.is_some_and(|at| used[at]) || value == 0.0 {
+            let (value, taken) = match beside {
+                Beside::Constant => (constant, false),
+                Beside::Term(at) => (terms[at].1, used[at]),
+            };
+            if taken {
                 continue;
             }
-            let group: Vec<&Difference> = group.iter().filter(|d| free(d, &used)).collect();
+            let group: Vec<&Difference> = group.iter().filter(|d| !used[d.at]).collect();
             for difference in cancelling(value, &group) {
                 used[difference.at] = true;
                 match beside {
-                    Some(at) => used[at] = true,
-                    None => constant = 0.0,
+                    Beside::Constant => constant = 0.0,
+                    Beside::Term(at) => used[at] = true,
                 }
                 let common = self.product(&difference.common);
                 let whole = self.arena.mul(common, difference.rest);
@@ -214,18 +224,13 @@ impl Forms<'_> {
     }
 
     /// Where in a sum `common` stands: a term, or the constant. Looks only, for most terms are no differences.
-    fn beside(
-        &self,
-        common: &Factors,
-        constant: f64,
-        terms: &[(Expr, f64)],
-    ) -> Option<Option<usize>> {
+    fn beside(&self, common: &Factors, constant: f64, terms: &[(Expr, f64)]) -> Option<Beside> {
         let common = match common.as_slice() {
-            [] => return (constant != 0.0).then_some(None),
+            [] => return (constant != 0.0).then_some(Beside::Constant),
             &[(base, 1)] => base,
             _ => self.arena.known_product(common)?,
         };
-        terms.iter().position(|t| t.0 == common).map(Some)
+        terms.iter().position(|t| t.0 == common).map(Beside::Term)
     }
 
     /// `a − a x²`, where x is exact.
@@ -326,9 +331,9 @@ impl Forms<'_> {
                 let (u, rest) = self.root(radicand, k)?;
                 (u, 1.0, rest)
             }
-            Reading::Square(function, x) => (1.0, 1.0, self.from_square(function, base, x)?),
+            Reading::Square(function, x) => (1.0, 1.0, self.square_less_one(function, base, x)?),
             Reading::TanhSquare(cosh) => (1.0, 1.0, self.inverse_square(cosh)),
-            Reading::Value(function, x) => (1.0, 1.0, self.from_value(function, base, x)?),
+            Reading::Value(function, x) => (1.0, 1.0, self.less_one(function, base, x)?),
             Reading::Exp(x, k) => {
                 let x = self.of(x);
                 let x = self.arena.scale(f64::from(k), x);
@@ -343,7 +348,7 @@ impl Forms<'_> {
     }
 
     /// `f(x)² − 1`.
-    fn from_square(&mut self, function: Function, call: Expr, x: Expr) -> Option<Expr> {
+    fn square_less_one(&mut self, function: Function, call: Expr, x: Expr) -> Option<Expr> {
         let x = self.of(x);
         let (sign, other) = match function {
             Function::Cos => (-1.0, Function::Sin),
@@ -364,7 +369,7 @@ impl Forms<'_> {
     }
 
     /// `f(x) − 1`.
-    fn from_value(&mut self, function: Function, call: Expr, x: Expr) -> Option<Expr> {
+    fn less_one(&mut self, function: Function, call: Expr, x: Expr) -> Option<Expr> {
         let x = self.of(x);
         match function {
             Function::Cos => {
