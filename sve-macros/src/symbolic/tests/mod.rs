@@ -4,6 +4,7 @@ mod derivatives;
 mod exact;
 pub(crate) mod number;
 pub(crate) mod recipe;
+mod removable;
 mod stable;
 
 use std::collections::HashMap;

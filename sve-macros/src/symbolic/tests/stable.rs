@@ -218,7 +218,7 @@ fn difference(arena: &mut Arena, (f, value): (Expr, f64), c: f64, common: &[(Exp
 }
 
 /// What is emitted for an expression, computed.
-fn computed(arena: &Arena, expr: Expr, at: &[f64; 4]) -> f64 {
+pub(super) fn computed(arena: &Arena, expr: Expr, at: &[f64; 4]) -> f64 {
     let (table, inputs) = symbols();
     let mut scheduler = Scheduler::new(arena, &table, HashMap::new(), &[expr]);
     let value = scheduler.value(expr);
@@ -262,7 +262,7 @@ fn arguments(random: &mut Random, cancels: &[(f64, f64)]) -> Vec<(f64, f64, bool
 }
 
 /// The error of a value in units of 2⁻⁵² of the exact one.
-fn units(found: f64, exact: Double) -> f64 {
+pub(super) fn units(found: f64, exact: Double) -> f64 {
     let size = exact.nearest().abs();
     ((of(found) - exact).nearest() / size).abs() / f64::EPSILON
 }
