@@ -1,7 +1,7 @@
 //! Model → what the runtime needs of it beside the steps: derivatives of L and of the noises, and whether the noises commute.
 
 use crate::model::{Model, NoiseTerm};
-use crate::symbolic::{Arena, Expr, Symbol};
+use crate::symbolic::{Arena, Expr, Purpose, Symbol};
 
 /// Derivatives of the Lagrangian, in the order of the runtime's `LagrangianJet`.
 pub(crate) struct LagrangianJet {
@@ -32,6 +32,49 @@ pub(crate) struct ForceJet {
     pub(crate) dt: Vec<Expr>,
 }
 
+impl LagrangianJet {
+    fn exprs(&mut self) -> Vec<&mut Expr> {
+        let Self {
+            value,
+            dq,
+            dv,
+            dqq,
+            dqv,
+            dvv,
+            dqt,
+            dvt,
+        } = self;
+        let vectors = [dq, dv, dqt, dvt].into_iter().flatten();
+        let matrices = [dqq, dqv, dvv].into_iter().flatten().flatten();
+        std::iter::once(value)
+            .chain(vectors)
+            .chain(matrices)
+            .collect()
+    }
+}
+
+impl NoiseJet {
+    fn exprs(&mut self) -> Vec<&mut Expr> {
+        let Self {
+            dq,
+            dp,
+            dqq,
+            dqp,
+            dpp,
+        } = self;
+        let matrices = [dqq, dqp, dpp].into_iter().flatten().flatten();
+        [dq, dp].into_iter().flatten().chain(matrices).collect()
+    }
+}
+
+impl ForceJet {
+    fn exprs(&mut self) -> Vec<&mut Expr> {
+        let Self { value, dq, dv, dt } = self;
+        let matrices = [dq, dv].into_iter().flatten().flatten();
+        [value, dt].into_iter().flatten().chain(matrices).collect()
+    }
+}
+
 /// What the mechanics of a model consist of.
 pub(crate) struct Mechanics {
     pub(crate) lagrangian: LagrangianJet,
@@ -49,7 +92,7 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
     let dq = gradient(arena, l, &model.q);
     let dv = gradient(arena, l, &model.v);
     let dvv = hessian(arena, &dv, &model.v);
-    let lagrangian = LagrangianJet {
+    let mut lagrangian = LagrangianJet {
         value: l,
         dqq: hessian(arena, &dq, &model.q),
         dqv: hessian(arena, &dq, &model.v),
@@ -70,18 +113,27 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
                 arena.is_zero(change)
             })
     });
-    let noises = model
+    let mut noises = model
         .noises
         .iter()
         .map(|noise| noise_jet(noise, model, arena))
         .collect::<Vec<_>>();
     let clash = clash(model, &noises, arena);
-    let force = model.force.as_ref().map(|force| ForceJet {
+    let mut force = model.force.as_ref().map(|force| ForceJet {
         dq: hessian(arena, force, &model.q),
         dv: hessian(arena, force, &model.v),
         dt: gradient_in(arena, force, model.time),
         value: force.clone(),
     });
+    let jets = noises.iter_mut().flat_map(NoiseJet::exprs);
+    let forces = force.iter_mut().flat_map(ForceJet::exprs);
+    let exprs = lagrangian
+        .exprs()
+        .into_iter()
+        .chain(jets)
+        .chain(forces)
+        .collect();
+    arena.stabilise(Purpose::Values, exprs);
     Mechanics {
         lagrangian,
         noises,

@@ -7,37 +7,53 @@ use proptest::test_runner::RngSeed;
 
 use crate::model::{Meaning, Quantity, Symbols};
 use crate::schedule::{Operation, Program, Scheduler, Tier, Value, operands};
+use crate::symbolic::tests::number::Number;
 use crate::symbolic::{Arena, Expr, Function, Symbol};
 
-/// Runs all instructions in order.
-fn run(program: &Program, at: &dyn Fn(Symbol) -> f64) -> HashMap<Value, f64> {
-    let mut values: HashMap<Value, f64> = HashMap::new();
+/// Runs all instructions in order, in any kind of number.
+pub(crate) fn run<T: Number>(program: &Program, at: &dyn Fn(Symbol) -> T) -> HashMap<Value, T> {
+    let mut values: HashMap<Value, T> = HashMap::new();
+    let mut pairs: HashMap<Value, (T, T)> = HashMap::new();
     for (value, instruction) in program.all() {
         for operand in operands(instruction.operation) {
-            assert!(values.contains_key(&operand), "operands come first");
+            assert!(
+                values.contains_key(&operand) || pairs.contains_key(&operand),
+                "operands come first"
+            );
             assert!(
                 program.get(operand).tier <= instruction.tier,
                 "operands are known"
             );
         }
         let of = |v: Value| values[&v];
+        let sin_cos = |x: T| (x.call(Function::Sin), x.call(Function::Cos));
         let result = match instruction.operation {
-            Operation::Constant(bits) => f64::from_bits(bits),
+            Operation::Constant(bits) => T::of(f64::from_bits(bits)),
             Operation::Input(symbol) => at(symbol),
-            Operation::Add(a, b) => of(a) + of(b),
-            Operation::Sub(a, b) => of(a) - of(b),
-            Operation::Mul(a, b) => of(a) * of(b),
-            Operation::Div(a, b) => of(a) / of(b),
-            Operation::Neg(a) => -of(a),
-            Operation::Abs(a) => of(a).abs(),
-            Operation::Recip(a) => 1.0 / of(a),
-            Operation::Call(function, a) => function.evaluate(of(a)),
-            Operation::Call2(function, a, b) => function.evaluate(of(a), of(b)),
-            // the value of a pair is its angle
-            Operation::SinCos(a) => of(a),
-            Operation::Turn(sin, cos, by) => of(sin).atan2(of(cos)) + of(by),
-            Operation::SinOf(pair) => of(pair).sin(),
-            Operation::CosOf(pair) => of(pair).cos(),
+            Operation::Add(a, b) => of(a).plus(of(b)),
+            Operation::Sub(a, b) => of(a).minus(of(b)),
+            Operation::Mul(a, b) => of(a).times(of(b)),
+            Operation::Div(a, b) => of(a).over(of(b)),
+            Operation::Neg(a) => of(a).scale(-1.0),
+            Operation::Abs(a) => of(a).scale(of(a).value().signum()),
+            Operation::Recip(a) => T::of(1.0).over(of(a)),
+            Operation::Call(function, a) => of(a).call(function),
+            Operation::Call2(function, a, b) => of(a).call2(function, of(b)),
+            Operation::SinCos(a) => {
+                pairs.insert(value, sin_cos(of(a)));
+                continue;
+            }
+            Operation::Turn(sin, cos, by) => {
+                let (sin, cos, (s, c)) = (of(sin), of(cos), sin_cos(of(by)));
+                let turned = (
+                    sin.times(c).plus(cos.times(s)),
+                    cos.times(c).minus(sin.times(s)),
+                );
+                pairs.insert(value, turned);
+                continue;
+            }
+            Operation::SinOf(pair) => pairs[&pair].0,
+            Operation::CosOf(pair) => pairs[&pair].1,
         };
         values.insert(value, result);
     }
@@ -45,7 +61,7 @@ fn run(program: &Program, at: &dyn Fn(Symbol) -> f64) -> HashMap<Value, f64> {
 }
 
 /// A symbol of each tier.
-fn symbols() -> (Symbols, Vec<Symbol>) {
+pub(crate) fn symbols() -> (Symbols, Vec<Symbol>) {
     let mut symbols = Symbols::default();
     let all = vec![
         symbols.declare(Meaning::Parameter {

@@ -77,6 +77,7 @@ mod method;
 mod newton;
 pub mod noise;
 mod plan;
+mod power;
 mod rules;
 mod state;
 mod system;
@@ -230,6 +231,7 @@ pub mod __private {
     pub use crate::linear::solve;
     pub use crate::newton::{Evaluation, Newton, SolveError, spread};
     pub use crate::plan::{Block, BlockKind, Operations, Plan, StrongOrder};
+    pub use crate::power::power_log;
     pub use crate::state::State;
     pub use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System, Variational};
     pub use crate::tangent::{Entries, Linearisation};

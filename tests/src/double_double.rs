@@ -12,6 +12,12 @@ pub struct Double {
 }
 
 impl Double {
+    /// 1.
+    pub const ONE: Self = Self {
+        high: 1.0,
+        low: 0.0,
+    };
+
     /// The nearest `f64`.
     pub fn nearest(self) -> f64 {
         self.high + self.low

@@ -33,6 +33,9 @@ mod regular;
 mod rule;
 #[path = "../../src/schedule/mod.rs"]
 mod schedule;
+#[cfg(test)] // which cargo sets here too
+#[path = "../../src/schedule_tests.rs"]
+mod schedule_tests;
 #[path = "../../src/structure/mod.rs"]
 mod structure;
 #[path = "../../src/symbolic/mod.rs"]

@@ -7,7 +7,7 @@ use quote::{format_ident, quote};
 
 use crate::model::{Meaning, Quantity, Symbols};
 use crate::schedule::{Operation, Program, Tier, Value, operands};
-use crate::symbolic::{Function, Symbol};
+use crate::symbolic::{Binary, Function, Symbol};
 
 /// Rows and columns from which on a matrix may be written by its entries.
 const LARGE: usize = 7;
@@ -172,11 +172,7 @@ impl<'a> Printer<'a> {
                 quote!(1f64 / #a)
             }
             Operation::Call(function, a) => call(function, &of(a)),
-            Operation::Call2(function, a, b) => {
-                let method = local(function.name());
-                let (a, b) = (of(a), of(b));
-                quote!(f64::#method(#a, #b))
-            }
+            Operation::Call2(function, a, b) => call2(function, &of(a), &of(b), &self.private),
             Operation::Turn(sin, cos, by) => {
                 let names = (pair("sin", value), pair("cos", value));
                 let (sin, cos, by, private) = (of(sin), of(cos), of(by), &self.private);
@@ -267,11 +263,28 @@ fn input(meaning: &Meaning) -> Option<TokenStream> {
     }
 }
 
-fn call(function: Function, x: &TokenStream) -> TokenStream {
+pub(super) fn call(function: Function, x: &TokenStream) -> TokenStream {
     if let Function::Powf(exponent) = function {
         let exponent = constant(exponent.get());
         return quote!(f64::powf(#x, #exponent));
     }
     let method = local(function.name());
     quote!(f64::#method(#x))
+}
+
+/// A call with two arguments.
+pub(super) fn call2(
+    function: Binary,
+    x: &TokenStream,
+    y: &TokenStream,
+    private: &TokenStream,
+) -> TokenStream {
+    let name = local(function.name());
+    match function {
+        Binary::PowLog(n) => {
+            let n = Literal::i32_suffixed(n);
+            quote!(#private::#name(#x, #y, #n))
+        }
+        Binary::Atan2 | Binary::Hypot | Binary::Pow => quote!(f64::#name(#x, #y)),
+    }
 }

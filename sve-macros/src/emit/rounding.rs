@@ -7,11 +7,11 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
-use super::code::{Printer, constant};
+use super::code::{Printer, call, call2};
 use super::straight::Straight;
 use crate::model::Symbols;
 use crate::schedule::{Operation, Program, Value};
-use crate::symbolic::{Arena, Expr, Function};
+use crate::symbolic::{Arena, Expr};
 
 /// Statements, and the array of the bounds.
 pub(super) fn rounding(
@@ -102,17 +102,16 @@ impl Bounds<'_> {
             }
             Operation::Neg(a) | Operation::Abs(a) | Operation::SinCos(a) => [of(a), None, None],
             Operation::Call(function, a) => {
-                let (call, at) = (call(function), x(a));
-                let spread = of(a).map(|d| quote!(#private::spread(#call, #at, #d)));
+                let (call, at) = (call(function, &quote!(x)), x(a));
+                let spread = of(a).map(|d| quote!(#private::spread(|x| #call, #at, #d)));
                 [spread, None, None]
             }
             Operation::Call2(function, a, b) => {
-                let method = format_ident!("{}", function.name());
-                let (at, with) = (x(a), x(b));
-                let first =
-                    of(a).map(|d| quote!(#private::spread(|x| f64::#method(x, #with), #at, #d)));
-                let second =
-                    of(b).map(|d| quote!(#private::spread(|y| f64::#method(#at, y), #with, #d)));
+                let (a_at, b_at) = (x(a), x(b));
+                let along_a = call2(function, &quote!(x), &b_at, private);
+                let along_b = call2(function, &a_at, &quote!(x), private);
+                let first = of(a).map(|d| quote!(#private::spread(|x| #along_a, #a_at, #d)));
+                let second = of(b).map(|d| quote!(#private::spread(|x| #along_b, #b_at, #d)));
                 [first, second, None]
             }
             Operation::Turn(sin, cos, by) => [of(sin), of(cos), of(by)],
@@ -123,13 +122,4 @@ impl Bounds<'_> {
 
 fn name(value: Value) -> Ident {
     format_ident!("error_{}", value.index())
-}
-
-fn call(function: Function) -> TokenStream {
-    if let Function::Powf(exponent) = function {
-        let exponent = constant(exponent.get());
-        return quote!(|x| f64::powf(x, #exponent));
-    }
-    let method = format_ident!("{}", function.name());
-    quote!(f64::#method)
 }

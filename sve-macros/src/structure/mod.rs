@@ -14,7 +14,7 @@ use std::collections::HashMap;
 use crate::action::Action;
 use crate::equations::Equations;
 use crate::model::{Meaning, Quantity, Symbols};
-use crate::symbolic::{Arena, Expr, Node, Symbol};
+use crate::symbolic::{Arena, Expr, Node, Purpose, Symbol};
 pub(crate) use band::Band;
 use graph::{match_columns, strong_components};
 use outputs::{cheapest, linear_map};
@@ -149,7 +149,57 @@ pub(crate) fn analyse(
         dp,
         form: Form::Increment,
     };
-    Ok(linear_map(increments, action, symbols, arena))
+    let mut scheme = linear_map(increments, action, symbols, arena);
+    arena.stabilise(Purpose::Step, scheme.exprs());
+    Ok(scheme)
+}
+
+impl Scheme {
+    /// All that is to be computed.
+    fn exprs(&mut self) -> Vec<&mut Expr> {
+        let Self {
+            blocks,
+            dq,
+            dp,
+            form: _,
+        } = self;
+        let mut exprs: Vec<&mut Expr> = dq.iter_mut().chain(dp).collect();
+        for block in blocks {
+            match &mut block.solution {
+                Solution::Formula => {}
+                Solution::System { linear, solved: _ } => exprs.extend(linear.exprs()),
+                Solution::Iteration(iteration) => exprs.extend(iteration.exprs()),
+            }
+        }
+        exprs
+    }
+}
+
+impl Linear {
+    fn exprs(&mut self) -> impl Iterator<Item = &mut Expr> {
+        let Self { matrix, rhs } = self;
+        matrix.iter_mut().flatten().chain(rhs)
+    }
+}
+
+impl Iteration {
+    fn exprs(&mut self) -> impl Iterator<Item = &mut Expr> {
+        let Self {
+            guess,
+            refinement,
+            fallback,
+            singular_at_rest: _,
+            residual,
+            jacobian,
+            curvature,
+            iterates: _,
+            solved: _,
+        } = self;
+        let refined = refinement.iter_mut().flat_map(|r| &mut r.rhs);
+        let entries = residual.iter_mut().chain(jacobian.iter_mut().flatten());
+        let linear = guess.exprs().chain(fallback.exprs());
+        linear.chain(refined).chain(entries).chain(curvature)
+    }
 }
 
 /// Equations and the unknowns that they determine.

@@ -2,7 +2,7 @@
 //!
 //! Each node is differentiated once for each symbol, operands first, so shared subexpressions stay shared.
 
-use super::expr::{Arena, Binary, Bits, Expr, Function, Node, Symbol};
+use super::expr::{Arena, Binary, Expr, Function, Node, Symbol};
 
 impl Arena {
     /// `∂expr/∂symbol`.
@@ -71,7 +71,6 @@ impl Arena {
 
     /// `f′(x)`, with `value = f(x)` at hand.
     fn diff_function(&mut self, function: Function, x: Expr, value: Expr) -> Expr {
-        let squared = self.pow(x, 2);
         match function {
             Function::Sqrt => {
                 let inverse = self.pow(value, -1);
@@ -106,13 +105,17 @@ impl Arena {
                 let square = self.pow(value, 2);
                 self.sum(1.0, &[(1.0, square)])
             }
-            Function::Asin => self.inverse_root(1.0, -1.0, squared),
+            Function::Asin => {
+                let y = self.factored(1.0, -1.0, x);
+                self.inverse_root(y)
+            }
             Function::Acos => {
-                let asin = self.inverse_root(1.0, -1.0, squared);
+                let y = self.factored(1.0, -1.0, x);
+                let asin = self.inverse_root(y);
                 self.neg(asin)
             }
             Function::Atan => {
-                let y = self.sum(1.0, &[(1.0, squared)]);
+                let y = self.one_and_square(x);
                 self.pow(y, -1)
             }
             Function::Sinh => self.call(Function::Cosh, x),
@@ -121,46 +124,85 @@ impl Arena {
                 let square = self.pow(value, 2);
                 self.sum(1.0, &[(-1.0, square)])
             }
-            Function::Asinh => self.inverse_root(1.0, 1.0, squared),
-            Function::Acosh => self.inverse_root(-1.0, 1.0, squared),
+            Function::Asinh => {
+                let y = self.one_and_square(x);
+                self.inverse_root(y)
+            }
+            Function::Acosh => {
+                let y = self.factored(-1.0, 1.0, x);
+                self.inverse_root(y)
+            }
             Function::Atanh => {
-                let y = self.sum(1.0, &[(-1.0, squared)]);
+                let y = self.factored(1.0, -1.0, x);
                 self.pow(y, -1)
             }
             Function::Powf(k) => {
-                let lower = self.call(Function::Powf(Bits::new(k.get() - 1.0)), x);
+                let lower = self.constant_power(x, k.get() - 1.0);
                 self.scale(k.get(), lower)
             }
         }
     }
 
-    /// `1/√(a + b x²)`.
-    fn inverse_root(&mut self, a: f64, b: f64, squared: Expr) -> Expr {
-        let y = self.sum(a, &[(b, squared)]);
-        let root = self.call(Function::Sqrt, y);
+    /// `1 + x²`.
+    fn one_and_square(&mut self, x: Expr) -> Expr {
+        let squared = self.pow(x, 2);
+        self.sum(1.0, &[(1.0, squared)])
+    }
+
+    /// `(a + b x)(1 + x)`, which is ±(1 − x²) and does not cancel next to x = ±1.
+    fn factored(&mut self, a: f64, b: f64, x: Expr) -> Expr {
+        let (minus, plus) = (self.sum(a, &[(b, x)]), self.sum(1.0, &[(1.0, x)]));
+        self.mul(minus, plus)
+    }
+
+    /// `1/√x`.
+    fn inverse_root(&mut self, x: Expr) -> Expr {
+        let root = self.call(Function::Sqrt, x);
         self.pow(root, -1)
     }
 
     fn diff_binary(&mut self, function: Binary, x: Expr, y: Expr, value: Expr) -> (Expr, Expr) {
         match function {
             Binary::Atan2 => {
-                let (xx, yy) = (self.pow(x, 2), self.pow(y, 2));
-                let norm = self.add(xx, yy);
-                let (dx, dy) = (self.div(y, norm), self.div(x, norm));
+                // the squares of x and y may overflow where their root does not
+                let norm = self.call2(Binary::Hypot, x, y);
+                let (dx, dy) = (
+                    self.product(&[(y, 1), (norm, -2)]),
+                    self.product(&[(x, 1), (norm, -2)]),
+                );
                 (dx, self.neg(dy))
             }
             Binary::Hypot => (self.div(x, value), self.div(y, value)),
-            // 0^y is 0 where it has a derivative, y > 0; `ln 0` would make that 0 · ∞
-            Binary::Pow if self.constant_value(x) == Some(0.0) => {
+            // 0^y is 0 where it has a derivative, y > 0
+            Binary::Pow | Binary::PowLog(_) if self.constant_value(x) == Some(0.0) => {
                 let zero = self.constant(0.0);
                 (zero, zero)
             }
-            Binary::Pow => {
-                let lower = self.sum(-1.0, &[(1.0, y)]);
-                let power = self.call2(Binary::Pow, x, lower);
-                let ln = self.call(Function::Ln, x);
-                (self.mul(y, power), self.mul(ln, value))
+            Binary::Pow => self.diff_power(x, y, 0),
+            Binary::PowLog(n) => self.diff_power(x, y, n),
+        }
+    }
+
+    /// The derivatives of `x^y lnⁿ x`: `y x^(y−1) lnⁿ x + n x^(y−1) lnⁿ⁻¹ x` and `x^y lnⁿ⁺¹ x`.
+    fn diff_power(&mut self, x: Expr, y: Expr, n: i32) -> (Expr, Expr) {
+        let lower = self.sum(-1.0, &[(1.0, y)]);
+        let power = self.power_log(x, lower, n);
+        let mut terms = vec![(1.0, self.mul(y, power))];
+        if n > 0 {
+            terms.push((f64::from(n), self.power_log(x, lower, n - 1)));
+        }
+        (self.sum(0.0, &terms), self.power_log(x, y, n + 1))
+    }
+
+    /// `x^y lnⁿ x`.
+    fn power_log(&mut self, x: Expr, y: Expr, n: i32) -> Expr {
+        match self.constant_value(x) {
+            _ if n == 0 => self.call2(Binary::Pow, x, y),
+            Some(base) if base > 0.0 => {
+                let power = self.call2(Binary::Pow, x, y);
+                self.scale(base.ln().powi(n), power)
             }
+            _ => self.call2(Binary::PowLog(n), x, y),
         }
     }
 }

@@ -73,6 +73,8 @@ pub(crate) enum Binary {
     Atan2,
     Hypot,
     Pow,
+    /// `x^y lnⁿ x` with n > 0, the derivatives of `x^y` in y: zero at x = 0 where y > 0.
+    PowLog(i32),
 }
 
 /// What an expression is made of.
@@ -182,6 +184,11 @@ impl Arena {
         self.contents.push(set);
         self.names.insert(node, expr);
         expr
+    }
+
+    /// The product of these factors, where it exists.
+    pub(super) fn known_product(&self, factors: &[(Expr, i32)]) -> Option<Expr> {
+        self.names.get(&Node::Product(factors.to_vec())).copied()
     }
 
     fn content_of(&mut self, node: &Node) -> SetId {
@@ -308,7 +315,7 @@ impl Arena {
 }
 
 /// Does something with each operand of a node.
-fn each_operand(node: &Node, mut f: impl FnMut(Expr)) {
+pub(super) fn each_operand(node: &Node, mut f: impl FnMut(Expr)) {
     match node {
         Node::Constant(_) | Node::Symbol(_) => {}
         Node::Sum(_, terms) => terms.iter().for_each(|t| f(t.0)),

@@ -94,35 +94,42 @@ impl Arena {
         let mut coefficient = 1.0;
         let mut flat: Vec<(Expr, i32)> = Vec::with_capacity(factors.len());
         let mut open: Vec<(Expr, i32)> = factors.iter().rev().copied().collect();
-        while let Some((base, k)) = open.pop() {
-            match self.node(base).clone() {
-                Node::Constant(value) => coefficient *= value.get().powi(k),
-                Node::Product(list) if list.iter().all(|f| moderate(f.1, k)) => {
-                    open.extend(list.iter().map(|&(x, j)| (x, j * k)));
-                }
-                Node::Product(_) => {
-                    // exponents that no sensible formula has stay a power of a power
-                    let base = self.opaque(base);
-                    flat.push((base, k));
-                }
-                Node::Sum(constant, terms) => match terms.as_slice() {
-                    [(term, c)] if constant.get() == 0.0 => {
-                        coefficient *= c.get().powi(k);
-                        open.push((*term, k));
+        loop {
+            while let Some((base, k)) = open.pop() {
+                match self.node(base).clone() {
+                    Node::Constant(value) => coefficient *= value.get().powi(k),
+                    Node::Product(list) if list.iter().all(|f| moderate(f.1, k)) => {
+                        open.extend(list.iter().map(|&(x, j)| (x, j * k)));
                     }
-                    [(_, c), ..] if !(1.0..2.0).contains(&c.get()) => {
-                        // x + y, −x − y and (x + y)/2 share a base: its leading coefficient is in [1, 2),
-                        // reached by sign and powers of two, which round nothing
-                        let unit = power_of_two(c.get());
-                        coefficient *= unit.powi(k);
-                        flat.push((self.scale(1.0 / unit, base), k));
+                    Node::Product(_) => {
+                        // exponents that no sensible formula has stay a power of a power
+                        let base = self.opaque(base);
+                        flat.push((base, k));
                     }
+                    Node::Sum(constant, terms) => match terms.as_slice() {
+                        [(term, c)] if constant.get() == 0.0 => {
+                            coefficient *= c.get().powi(k);
+                            open.push((*term, k));
+                        }
+                        _ => {
+                            let (unit, base) = self.leading_one(base);
+                            coefficient *= unit.powi(k);
+                            flat.push((base, k));
+                        }
+                    },
                     _ => flat.push((base, k)),
-                },
-                _ => flat.push((base, k)),
+                }
+            }
+            collect_powers(&mut flat);
+            let Some((radicand, k)) = self.take_radicand(&mut flat) else {
+                break;
+            };
+            if self.stands_as_it_is(radicand, &flat) {
+                flat.push((radicand, k));
+            } else {
+                open.push((radicand, k));
             }
         }
-        self.collect_powers(&mut flat);
         let bare = match flat.as_slice() {
             [] => return self.constant(coefficient),
             [(base, 1)] => *base,
@@ -134,35 +141,70 @@ impl Arena {
         self.scale(coefficient, bare)
     }
 
-    /// Sorts and merges; reduces √x to powers of x in pairs.
-    fn collect_powers(&mut self, flat: &mut Vec<(Expr, i32)>) {
-        loop {
-            flat.sort_by_key(|f| f.0);
-            let mut merged: Vec<(Expr, i32)> = Vec::with_capacity(flat.len());
-            for &(base, k) in flat.iter() {
-                match merged.last_mut() {
-                    Some(last) if last.0 == base && last.1.abs() < EXPONENT => last.1 += k,
-                    _ => merged.push((base, k)),
-                }
+    /// A sum as `unit · base`: x + y, −x − y and (x + y)/2 share a base, whose leading coefficient is in [1, 2), reached by
+    /// sign and powers of two, which round nothing.
+    fn leading_one(&mut self, sum: Expr) -> (f64, Expr) {
+        match self.node(sum) {
+            Node::Sum(_, terms) if !(1.0..2.0).contains(&terms[0].1.get()) => {
+                let unit = power_of_two(terms[0].1.get());
+                (unit, self.scale(1.0 / unit, sum))
             }
-            merged.retain(|f| f.1 != 0);
-            let root = merged.iter().position(|&(base, k)| {
-                k.abs() >= 2 && matches!(self.node(base), Node::Call(Function::Sqrt, _))
-            });
-            *flat = merged;
-            let Some(at) = root else { return };
-            let (base, k) = flat[at];
-            let Node::Call(Function::Sqrt, radicand) = *self.node(base) else {
-                return;
-            };
-            flat[at].1 = k % 2;
-            match self.node(radicand).clone() {
-                Node::Product(list) if list.iter().all(|f| moderate(f.1, k / 2)) => {
-                    flat.extend(list.iter().map(|&(x, j)| (x, j * (k / 2))));
+            _ => (1.0, sum),
+        }
+    }
+
+    /// What `expr` becomes as a factor: a constant, and bases with exponents.
+    pub(super) fn as_factors(&mut self, expr: Expr) -> (f64, Vec<(Expr, i32)>) {
+        let bare = |node: &Node, base: Expr| match node {
+            Node::Product(list) => list.clone(),
+            _ => vec![(base, 1)],
+        };
+        match self.node(expr) {
+            Node::Sum(constant, terms) => match terms.as_slice() {
+                &[(term, c)] if constant.get() == 0.0 => (c.get(), bare(self.node(term), term)),
+                _ => {
+                    let (unit, base) = self.leading_one(expr);
+                    (unit, vec![(base, 1)])
                 }
-                _ => flat.push((radicand, k / 2)),
+            },
+            node => (1.0, bare(node, expr)),
+        }
+    }
+
+    /// Whether a radicand is a base in the form in which its root has it: it is computed anyway, and its multiples are not.
+    fn stands_as_it_is(&mut self, radicand: Expr, flat: &[(Expr, i32)]) -> bool {
+        let (_, factors) = self.as_factors(radicand);
+        match factors.as_slice() {
+            &[(base, 1)] => {
+                matches!(self.node(base), Node::Sum(..)) && flat.iter().all(|f| f.0 != base)
+            }
+            _ => false,
+        }
+    }
+
+    /// Takes powers of a radicand out of those of its root, where something is left to do: `√x^k = x^(k/2) √x^(k%2)`, and,
+    /// beside a power of x of the other sign, `√x⁻¹ = x⁻¹ √x` and `√x = x √x⁻¹`, so that nothing of the form 0/0 is left at x = 0.
+    fn take_radicand(&mut self, flat: &mut [(Expr, i32)]) -> Option<(Expr, i32)> {
+        for at in 0..flat.len() {
+            let (root, k) = flat[at];
+            let Node::Call(Function::Sqrt, radicand) = *self.node(root) else {
+                continue;
+            };
+            if k.abs() >= 2 {
+                flat[at].1 = k % 2;
+                return Some((radicand, k / 2));
+            }
+            if flat.len() > 1 {
+                let (_, factors) = self.as_factors(radicand);
+                if times_divisible(flat, &factors, -k) > 0
+                    || times_divisible(flat, &[(radicand, 1)], -k) > 0
+                {
+                    flat[at].1 = -k;
+                    return Some((radicand, k));
+                }
             }
         }
+        None
     }
 
     pub(crate) fn call(&mut self, function: Function, x: Expr) -> Expr {
@@ -201,7 +243,7 @@ impl Arena {
     }
 
     /// Integer powers become products, half-integer powers square roots and products.
-    fn constant_power(&mut self, x: Expr, exponent: f64) -> Expr {
+    pub(super) fn constant_power(&mut self, x: Expr, exponent: f64) -> Expr {
         let twice = 2.0 * exponent;
         if twice == twice.round() && twice.abs() <= 128.0 {
             let twice = twice as i32;
@@ -213,6 +255,34 @@ impl Arena {
         }
         self.call(Function::Powf(Bits::new(exponent)), x)
     }
+}
+
+/// Sorts, and adds the exponents of equal bases.
+fn collect_powers(flat: &mut Vec<(Expr, i32)>) {
+    flat.sort_by_key(|f| f.0);
+    let mut merged: Vec<(Expr, i32)> = Vec::with_capacity(flat.len());
+    for &(base, k) in flat.iter() {
+        match merged.last_mut() {
+            Some(last) if last.0 == base && last.1.abs() < EXPONENT => last.1 += k,
+            _ => merged.push((base, k)),
+        }
+    }
+    merged.retain(|f| f.1 != 0);
+    *flat = merged;
+}
+
+/// How often all of `factors`, to the power `sign` = ±1, are contained in `product`.
+pub(super) fn times_divisible(product: &[(Expr, i32)], factors: &[(Expr, i32)], sign: i32) -> i32 {
+    let power = |base: Expr| product.iter().find(|f| f.0 == base).map_or(0, |f| f.1);
+    let times = |&(base, e): &(Expr, i32)| {
+        let same_sign = i64::from(power(base)) * i64::from(e) * i64::from(sign) > 0;
+        if same_sign {
+            power(base).abs() / e.abs()
+        } else {
+            0
+        }
+    };
+    factors.iter().map(times).min().unwrap_or(0)
 }
 
 /// Whether the exponents of a power of a power may be multiplied.
@@ -316,12 +386,13 @@ impl Function {
 }
 
 impl Binary {
-    /// The name of the method of `f64`.
+    /// The name of the method of `f64`, or of the function of the runtime.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Atan2 => "atan2",
             Self::Hypot => "hypot",
             Self::Pow => "powf",
+            Self::PowLog(_) => "power_log",
         }
     }
 
@@ -330,6 +401,8 @@ impl Binary {
             Self::Atan2 => x.atan2(y),
             Self::Hypot => x.hypot(y),
             Self::Pow => x.powf(y),
+            Self::PowLog(_) if x == 0.0 && y > 0.0 => 0.0,
+            Self::PowLog(n) => x.powf(y) * x.ln().powi(n),
         }
     }
 }
