@@ -55,12 +55,15 @@ fn code_of_coupled_systems_grows_quadratically() {
 }
 
 #[test]
-fn a_residual_costs_a_few_times_the_function() {
+fn residuals_and_jacobians_cost_a_few_times_the_function() {
     for scene in Scene::ALL {
         for n in [1, 2, 3, 6, 12] {
             let block = syn::parse2(parse(&scene.block(n))).expect("a block");
             let count = operations::count(parse(Scene::RULE), block).expect("a system");
             let ratio = count.residual as f64 / count.lagrangian as f64;
+            assert!(ratio > 0.0 && ratio < 4.0, "{} {n}: {ratio}", scene.name());
+            // no more entries than there are pairs in L, each from one term
+            let ratio = count.jacobian as f64 / count.residual as f64;
             assert!(ratio > 0.0 && ratio < 4.0, "{} {n}: {ratio}", scene.name());
         }
     }
