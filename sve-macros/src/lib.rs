@@ -8,6 +8,8 @@ mod compile;
 mod emit;
 mod equations;
 mod errors;
+#[cfg(test)]
+mod growth;
 mod lower;
 mod mechanics;
 mod model;

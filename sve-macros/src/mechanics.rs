@@ -161,8 +161,12 @@ fn clash(model: &Model, jets: &[NoiseJet], arena: &mut Arena) -> Option<(String,
         for (j, b) in jets.iter().enumerate().skip(i + 1) {
             let mut terms = Vec::new();
             for k in 0..model.dof() {
-                terms.push((1.0, arena.mul(a.dq[k], b.dp[k])));
-                terms.push((-1.0, arena.mul(a.dp[k], b.dq[k])));
+                for (sign, x, y) in [(1.0, a.dq[k], b.dp[k]), (-1.0, a.dp[k], b.dq[k])] {
+                    // most noises are in few coordinates
+                    if [x, y].iter().all(|&e| arena.constant_value(e) != Some(0.0)) {
+                        terms.push((sign, arena.mul(x, y)));
+                    }
+                }
             }
             let bracket = arena.sum(0.0, &terms);
             if !arena.is_zero(bracket) {

@@ -144,7 +144,7 @@ mod tests {
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 
-    /// A matrix with the part `filled` of its entries, and a diagonal.
+    /// A matrix with the part `filled` of its entries, and a cyclic permutation.
     fn random(n: usize, filled: f64, state: &mut u64) -> Vec<Vec<f64>> {
         let mut matrix = vec![vec![0.0; n]; n];
         for i in 0..n {
@@ -153,7 +153,7 @@ mod tests {
                     matrix[i][j] = uniform(state);
                 }
             }
-            matrix[i][i] += 3.0;
+            matrix[i][(i + 1) % n] += 1.0;
         }
         matrix
     }

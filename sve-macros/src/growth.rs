@@ -1,0 +1,70 @@
+//! How the output grows with a system, counted: linear for a chain, at most quadratic where everything is coupled; and the
+//! residual costs a few times L, as a gradient does (Baur and Strassen 1983: at most about 4).
+//!
+//! The scenes are those of `benches/expansion`, which measures times.
+
+#[path = "../benches/expansion/operations.rs"]
+mod operations;
+#[path = "../benches/expansion/scenes.rs"]
+#[allow(dead_code)] // the program around a scene is for the benchmark
+mod scenes;
+
+use proc_macro2::{TokenStream, TokenTree};
+
+use crate::compile::expand;
+use scenes::Scene;
+
+fn parse(text: &str) -> TokenStream {
+    text.parse().expect("tokens")
+}
+
+/// Tokens of the expansion, those within groups too.
+fn tokens(rule: &str, scene: Scene, n: usize) -> f64 {
+    let mut open = vec![expand(&parse(rule), &parse(&scene.block(n)))];
+    let mut sum = 0;
+    while let Some(stream) = open.pop() {
+        for tree in stream {
+            sum += 1;
+            if let TokenTree::Group(group) = tree {
+                open.push(group.stream());
+            }
+        }
+    }
+    f64::from(sum)
+}
+
+/// The exponent of growth from one size to its double.
+fn exponent(rule: &str, scene: Scene, n: usize) -> f64 {
+    (tokens(rule, scene, 2 * n) / tokens(rule, scene, n)).log2()
+}
+
+#[test]
+fn code_of_a_chain_grows_linearly() {
+    for rule in ["midpoint", "endpoint", "initial_point", "taylor2"] {
+        let exponent = exponent(rule, Scene::Chain, 24);
+        assert!(exponent < 1.05, "{rule}: {exponent}");
+    }
+}
+
+#[test]
+fn code_of_coupled_systems_grows_quadratically() {
+    for scene in [Scene::Pendulum, Scene::Bodies] {
+        let exponent = exponent("midpoint", scene, 6);
+        assert!(exponent < 2.05, "{}: {exponent}", scene.name());
+    }
+}
+
+#[test]
+fn residuals_and_jacobians_cost_a_few_times_the_function() {
+    for scene in Scene::ALL {
+        for n in [1, 2, 3, 6, 12] {
+            let block = syn::parse2(parse(&scene.block(n))).expect("a block");
+            let count = operations::count(parse(Scene::RULE), block).expect("a system");
+            let ratio = count.residual as f64 / count.lagrangian as f64;
+            assert!(ratio > 0.0 && ratio < 4.0, "{} {n}: {ratio}", scene.name());
+            // no more entries than there are pairs in L, each from one term
+            let ratio = count.jacobian as f64 / count.residual as f64;
+            assert!(ratio > 0.0 && ratio < 4.0, "{} {n}: {ratio}", scene.name());
+        }
+    }
+}
