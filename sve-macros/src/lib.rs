@@ -20,6 +20,8 @@ mod rule;
 mod schedule;
 #[cfg(test)]
 mod schedule_tests;
+#[cfg(test)]
+mod scheme_tests;
 mod structure;
 mod symbolic;
 

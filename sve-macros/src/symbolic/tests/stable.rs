@@ -151,6 +151,26 @@ const RULES: &[Rule] = &[
         cancels: ZERO,
     },
     Rule {
+        name: "x² / hypot(−2x, y)² − ¼",
+        plain: |a, x, y| {
+            let scaled = a.scale(-2.0, x);
+            let hypot = a.call2(Binary::Hypot, scaled, y);
+            (a.product(&[(x, 2), (hypot, -2)]), 0.25)
+        },
+        exact: |x, y| of(-0.25) * square(y) / (square(of(2.0) * x) + square(y)),
+        cancels: &[(1.5, 0.0)],
+    },
+    Rule {
+        name: "x y / hypot(−2x, y)²",
+        plain: |a, x, y| {
+            let scaled = a.scale(-2.0, x);
+            let hypot = a.call2(Binary::Hypot, scaled, y);
+            (a.product(&[(x, 1), (y, 1), (hypot, -2)]), 0.0)
+        },
+        exact: |x, y| x * y / (square(of(2.0) * x) + square(y)),
+        cancels: &[],
+    },
+    Rule {
         name: "ln(1 + x)",
         plain: |a, x, _| {
             let y = a.sum(1.0, &[(1.0, x)]);
