@@ -22,6 +22,8 @@ mod rule;
 mod schedule;
 #[cfg(test)]
 mod schedule_tests;
+#[cfg(test)]
+mod scheme_tests;
 mod structure;
 mod symbolic;
 mod symmetry;

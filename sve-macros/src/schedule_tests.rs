@@ -21,7 +21,7 @@ pub(crate) fn run<T: Number>(program: &Program, at: &dyn Fn(Symbol) -> T) -> Has
                 "operands come first"
             );
             assert!(
-                program.get(operand).tier <= instruction.tier,
+                program.get(operand).tier.rank() <= instruction.tier.rank(),
                 "operands are known"
             );
         }

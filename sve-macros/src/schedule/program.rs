@@ -28,7 +28,7 @@ impl Tier {
     }
 
     /// Position in the order of computation.
-    pub(super) fn rank(self) -> usize {
+    pub(crate) fn rank(self) -> usize {
         match self {
             Self::Prepare => 0,
             Self::Noise => 1,

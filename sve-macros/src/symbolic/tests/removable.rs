@@ -5,8 +5,11 @@ use super::exact::{self, Double, of};
 use super::stable::{computed, units};
 use crate::symbolic::{Arena, Binary, Expr, Function, Purpose, Symbol};
 
+/// An expression of two variables.
+type Formula<'a> = &'a dyn Fn(&mut Arena, Expr, Expr) -> Expr;
+
 /// Makes an expression of two variables, differentiates it in the listed ones, and computes that at a point.
-fn derivative(make: &dyn Fn(&mut Arena, Expr, Expr) -> Expr, by: &[u32], at: [f64; 2]) -> f64 {
+fn derivative(make: Formula<'_>, by: &[u32], at: [f64; 2]) -> f64 {
     let mut arena = Arena::new();
     let [x, y] = [0, 1].map(|i| arena.symbol(Symbol(i)));
     let mut expr = make(&mut arena, x, y);
@@ -29,9 +32,6 @@ fn power(k: f64) -> impl Fn(&mut Arena, Expr, Expr) -> Expr {
         a.call2(Binary::Pow, x, k)
     }
 }
-
-/// Makes an expression of two.
-type Build<'a> = &'a dyn Fn(&mut Arena, Expr, Expr) -> Expr;
 
 #[test]
 fn constant_powers_at_zero() {
@@ -188,7 +188,7 @@ fn hypot_and_atan2_everywhere_but_the_origin() {
         let (u, w) = (x / r, y / r);
         let second = 1.0 / r;
         let inverse = second * second;
-        let table: [(Build<'_>, &[u32], f64); 10] = [
+        let table: [(Formula<'_>, &[u32], f64); 10] = [
             (&hypot, &[0], u),
             (&hypot, &[1], w),
             (&hypot, &[0, 0], w * w * second),
