@@ -1,6 +1,8 @@
 //! The whole pipeline, a line a stage: attribute → block → model → action → equations → scheme → tokens.
 
-use proc_macro2::TokenStream;
+use std::collections::BTreeSet;
+
+use proc_macro2::{Span, TokenStream, TokenTree};
 use quote::quote;
 use syn::ItemImpl;
 
@@ -26,31 +28,66 @@ pub(crate) fn expand(attribute: &TokenStream, item: &TokenStream) -> TokenStream
     let block = match syn::parse2::<ItemImpl>(item.clone()) {
         Ok(block) => block,
         Err(error) => {
-            let message = format!(
-                "`#[variational]` belongs on the `impl` block that holds the Lagrangian: {error}"
-            );
-            let error = syn::Error::new(error.span(), message).into_compile_error();
+            let is_impl = |t: TokenTree| matches!(t, TokenTree::Ident(word) if word == "impl");
+            let error = if item.clone().into_iter().any(is_impl) {
+                error
+            } else {
+                let message = "`#[variational]` belongs on the `impl` block that holds the Lagrangian, `impl MySystem { fn lagrangian(…) … }`";
+                syn::Error::new(error.span(), message)
+            };
+            let error = error.into_compile_error();
             return quote!(#item #error);
         }
     };
     let plain = parse::without_roles(item);
-    let stub = emit::stub(&block, attribute);
-    let derived = derive(attribute.clone(), block).unwrap_or_else(|error| {
-        let error = error.into_compile_error();
-        quote!(#error #stub)
-    });
-    quote! {
-        // `&self` is what this macro asks for
-        #[allow(clippy::trivially_copy_pass_by_ref, clippy::unused_self)]
-        #plain
-        #derived
+    let mut mistaken = BTreeSet::new();
+    match derive(attribute.clone(), block, &mut mistaken) {
+        Ok(derived) => quote! {
+            // `&self` is what this macro asks for
+            #[allow(clippy::trivially_copy_pass_by_ref, clippy::unused_self)]
+            #plain
+            #derived
+        },
+        Err(error) => after_mistakes(&error, attribute, item, &mistaken),
     }
 }
 
-fn derive(attribute: TokenStream, item: ItemImpl) -> syn::Result<TokenStream> {
+/// The errors, beside a block that gives no errors of its own in the functions and constants of these names.
+fn after_mistakes(
+    error: &syn::Error,
+    attribute: &TokenStream,
+    item: &TokenStream,
+    mistaken: &BTreeSet<String>,
+) -> TokenStream {
+    let error = error.to_compile_error();
+    match syn::parse2::<ItemImpl>(item.clone()) {
+        Ok(block) => {
+            let (block, stub) = emit::stub(block, attribute, mistaken);
+            quote!(#error #block #stub)
+        }
+        Err(_) => error,
+    }
+}
+
+/// The derived implementations; or the errors, and in `mistaken` the names of functions and constants that have some.
+fn derive(
+    attribute: TokenStream,
+    item: ItemImpl,
+    mistaken: &mut BTreeSet<String>,
+) -> syn::Result<TokenStream> {
     let mut arena = Arena::new();
-    let block = parse::annotated(attribute, item)?;
-    let model = lower::lower(&block, &mut arena)?;
+    let mut errors = Errors::new();
+    let read = parse::annotated(attribute, item, &mut errors).and_then(|block| {
+        let model = lower::lower(&block, &mut arena, &mut errors)?;
+        Some((block, model))
+    });
+    mistaken.clone_from(errors.places());
+    let Some((block, model)) = errors.finish(read)? else {
+        return Err(syn::Error::new(
+            Span::call_site(),
+            "this block cannot be read",
+        ));
+    };
     check_rules(&block, &model)?;
     let mechanics = mechanics::mechanics(&model, &mut arena);
     regular::check(&block, &model, &mechanics, &arena)?;

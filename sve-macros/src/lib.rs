@@ -10,6 +10,8 @@ mod equations;
 mod errors;
 mod lower;
 mod mechanics;
+#[cfg(test)]
+mod mistakes;
 mod model;
 mod nesting;
 mod parse;
