@@ -22,6 +22,15 @@ use crate::symbolic::Arena;
 
 /// The expansion of the attribute: the user's block as it was, and the derived implementations or the errors.
 pub(crate) fn expand(attribute: &TokenStream, item: &TokenStream) -> TokenStream {
+    expand_within(attribute, item, WORK)
+}
+
+/// The expansion with another bound on the work of each stage.
+pub(crate) fn expand_within(
+    attribute: &TokenStream,
+    item: &TokenStream,
+    work: usize,
+) -> TokenStream {
     if let Err(error) = nesting::check(attribute).and_then(|()| nesting::check(item)) {
         return error.into_compile_error();
     }
@@ -41,7 +50,7 @@ pub(crate) fn expand(attribute: &TokenStream, item: &TokenStream) -> TokenStream
     };
     let plain = parse::without_roles(item);
     let mut mistaken = BTreeSet::new();
-    match derive(attribute.clone(), block, &mut mistaken) {
+    match derive(attribute.clone(), block, work, &mut mistaken) {
         Ok(derived) => quote! {
             // `&self` is what this macro asks for
             #[allow(clippy::trivially_copy_pass_by_ref, clippy::unused_self)]
@@ -73,6 +82,7 @@ fn after_mistakes(
 fn derive(
     attribute: TokenStream,
     item: ItemImpl,
+    work: usize,
     mistaken: &mut BTreeSet<String>,
 ) -> syn::Result<TokenStream> {
     let mut arena = Arena::new();
@@ -89,20 +99,65 @@ fn derive(
         ));
     };
     check_rules(&block, &model)?;
+    check_size(&block, &model)?;
+    arena.grant(work);
     let mechanics = mechanics::mechanics(&model, &mut arena);
-    regular::check(&block, &model, &mechanics, &arena)?;
-    let mut output = emit::system(&block, &model, &mechanics, &arena);
+    let regular = regular::check(&block, &model, &mechanics, &arena);
+    check_work(&block, &model, &arena, work)?;
+    regular?;
+    let mut steps = Vec::new();
     for (rule, _) in &block.arguments.rules {
         let mut symbols = model.symbols.clone();
+        arena.grant(work);
         let action = action::discretise(*rule, &model, &mut symbols, &mut arena);
         let equations = equations::equations(&action, &mut arena);
-        let scheme = structure::analyse(equations, &action, &mut symbols, &mut arena)
-            .map_err(|degenerate| explain(&degenerate, &block, &symbols))?;
+        let scheme = structure::analyse(equations, &action, &mut symbols, &mut arena);
+        check_work(&block, &model, &arena, work)?;
+        let scheme = scheme.map_err(|degenerate| explain(&degenerate, &block, &symbols))?;
+        steps.push((*rule, symbols, action, scheme));
+    }
+    // what is left to do is in proportion to what has been built
+    arena.grant(usize::MAX);
+    let mut output = emit::system(&block, &model, &mechanics, &arena);
+    for (rule, symbols, action, scheme) in &steps {
         output.extend(emit::rule(
-            *rule, &block, &model, &mechanics, &action, &scheme, &symbols, &arena,
+            *rule, &block, &model, &mechanics, action, scheme, symbols, &arena,
         ));
     }
     Ok(output)
+}
+
+/// Work that the derivatives may take, and then each rule, in the units of the arena's budget; a unit is some 20 nanoseconds of
+/// an optimised build. A dense system of 48 coordinates takes five sixths of it.
+const WORK: usize = 200_000_000;
+
+/// Second derivatives of L and of the noises that are written down, zeros included.
+const ENTRIES: usize = 200_000;
+
+/// An error where there would be too many second derivatives.
+fn check_size(block: &Annotated, model: &Model) -> syn::Result<()> {
+    let (n, m) = (model.dof(), model.noises.len());
+    let entries = (m + 1).saturating_mul(3 * n * n);
+    if entries <= ENTRIES {
+        return Ok(());
+    }
+    let message = format!(
+        "this system is too large to unroll: {n} coordinates and {m} noise terms have {entries} second derivatives, and the limit is {ENTRIES}; use fewer of them"
+    );
+    Err(syn::Error::new(block.lagrangian.name.span(), message))
+}
+
+/// An error where the last stage used up its work.
+fn check_work(block: &Annotated, model: &Model, arena: &Arena, work: usize) -> syn::Result<()> {
+    if !arena.is_exhausted() {
+        return Ok(());
+    }
+    let message = format!(
+        "this system is too large to unroll: with {} coordinates and {} noise terms its derivatives take more than {work} operations of the macro, which is the limit; use fewer coordinates or noise terms, shorter loops, or helpers that are called less often",
+        model.dof(),
+        model.noises.len(),
+    );
+    Err(syn::Error::new(block.lagrangian.name.span(), message))
 }
 
 /// A rule that is not for this system.

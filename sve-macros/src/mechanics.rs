@@ -51,10 +51,11 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
         dvv,
     };
     let affine_momentum = lagrangian.dvv.iter().flatten().all(|&entry| {
-        model.v.iter().all(|&v| {
-            let change = arena.diff(entry, v);
-            arena.is_zero(change)
-        })
+        arena.is_exhausted()
+            || model.v.iter().all(|&v| {
+                let change = arena.diff(entry, v);
+                arena.is_zero(change)
+            })
     });
     let noises = model
         .noises
@@ -86,6 +87,9 @@ fn noise_jet(noise: &NoiseTerm, model: &Model, arena: &mut Arena) -> NoiseJet {
 fn clash(model: &Model, jets: &[NoiseJet], arena: &mut Arena) -> Option<(String, String)> {
     for (i, a) in jets.iter().enumerate() {
         for (j, b) in jets.iter().enumerate().skip(i + 1) {
+            if arena.is_exhausted() {
+                return None;
+            }
             let mut terms = Vec::new();
             for k in 0..model.dof() {
                 terms.push((1.0, arena.mul(a.dq[k], b.dp[k])));

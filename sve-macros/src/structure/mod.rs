@@ -190,6 +190,10 @@ impl Reduced<'_> {
     fn pivot(&mut self) -> Option<(usize, Symbol, f64)> {
         let mut best: Option<(usize, usize, Symbol, f64)> = None;
         for row in 0..self.residuals.len() {
+            self.arena.spend(1 + self.unknowns.len() / 8);
+            if self.arena.is_exhausted() {
+                return None;
+            }
             let residual = self.residuals[row];
             let present: Vec<Symbol> = self
                 .unknowns

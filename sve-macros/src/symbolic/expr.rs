@@ -4,6 +4,7 @@
 //! recursion; equal nodes have equal names; the interning maps are only looked up, never iterated, so that the same input
 //! gives the same output.
 
+use std::cell::Cell;
 use std::collections::HashMap;
 
 /// An expression: a name of a node in its arena.
@@ -80,6 +81,12 @@ pub(crate) enum Node {
     Opaque(Expr),
 }
 
+/// What a new node costs of the budget, since it is likely to be differentiated, scheduled and printed.
+const NODE: usize = 1_000;
+
+/// What each of its operands adds.
+const OPERAND: usize = 300;
+
 /// The symbols that an expression contains, as an index of interned sets.
 type SetId = u32;
 
@@ -92,6 +99,8 @@ pub(crate) struct Arena {
     sets: Vec<Vec<u64>>,
     set_names: HashMap<Vec<u64>, SetId>,
     pub(super) derivatives: HashMap<(Expr, Symbol), Expr>,
+    /// Work that may still be done: `budget`.
+    pub(super) budget: Cell<usize>,
 }
 
 impl Arena {
@@ -103,6 +112,7 @@ impl Arena {
             sets: vec![Vec::new()],
             set_names: HashMap::from([(Vec::new(), 0)]),
             derivatives: HashMap::new(),
+            budget: Cell::new(usize::MAX),
         }
     }
 
@@ -156,7 +166,12 @@ impl Arena {
         if let Some(&expr) = self.names.get(&node) {
             return expr;
         }
+        let size = operands(&node).count();
+        if self.is_exhausted() && size > 0 {
+            return self.intern(Node::Constant(Bits::new(0.0)));
+        }
         let set = self.content_of(&node);
+        self.spend(NODE + OPERAND * size + self.sets[set as usize].len());
         let expr = Expr(self.nodes.len() as u32);
         self.nodes.push(node.clone());
         self.contents.push(set);
@@ -197,7 +212,11 @@ impl Arena {
 
     /// Everything that `roots` are made of and `wanted` accepts, operands before users.
     pub(crate) fn reachable(&self, roots: &[Expr], wanted: impl Fn(Expr) -> bool) -> Vec<Expr> {
+        if self.is_exhausted() {
+            return Vec::new();
+        }
         let mut seen = vec![false; self.nodes.len()];
+        let mut work = 1 + seen.len() / 64;
         let mut stack: Vec<Expr> = Vec::new();
         let mut found = Vec::new();
         let visit = |expr: Expr, seen: &mut Vec<bool>, stack: &mut Vec<Expr>| {
@@ -212,16 +231,28 @@ impl Arena {
         while let Some(expr) = stack.pop() {
             found.push(expr);
             for operand in operands(self.node(expr)) {
+                work += 1;
                 visit(operand, &mut seen, &mut stack);
             }
         }
+        self.spend(work);
         found.sort_unstable();
         found
     }
 
     /// `expr` with symbols replaced.
     pub(crate) fn substitute(&mut self, expr: Expr, by: &HashMap<Symbol, Expr>) -> Expr {
-        let touched = self.reachable(&[expr], |e| self.symbols_of(e).any(|s| by.contains_key(&s)));
+        let mut replaced: Vec<u64> = Vec::new();
+        for symbol in by.keys() {
+            let word = symbol.0 as usize / 64;
+            replaced.resize(replaced.len().max(word + 1), 0);
+            replaced[word] |= 1 << (symbol.0 % 64);
+        }
+        self.spend(by.len());
+        let touched = self.reachable(&[expr], |e| {
+            let set = &self.sets[self.contents[e.0 as usize] as usize];
+            set.iter().zip(&replaced).any(|(a, b)| a & b != 0)
+        });
         let mut done: HashMap<Expr, Expr> = HashMap::with_capacity(touched.len());
         for e in touched {
             let of = |x: Expr| done.get(&x).copied().unwrap_or(x);

@@ -3,6 +3,7 @@
 //! Expressions live in an [`Arena`] and are named by [`Expr`]. Construction applies local rules only (`simplify`), so that
 //! equal expressions are mostly equal names; what these rules miss is decided numerically (`zero`).
 
+mod budget;
 mod diff;
 mod display;
 mod expr;

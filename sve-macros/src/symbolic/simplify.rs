@@ -3,7 +3,7 @@
 //! Each rule holds wherever the left side is defined; some right sides are defined in more places (x·x⁻¹ → 1).
 //! There is no rule √(x²) → x, which is wrong at x < 0.
 
-use super::expr::{Arena, Binary, Bits, Expr, Function, Node, Symbol};
+use super::expr::{Arena, Binary, Bits, Expr, Function, Node, Symbol, operands};
 
 /// Sums longer than this are kept as one term of another sum instead of being merged into it.
 const MERGE_LIMIT: usize = 64;
@@ -42,6 +42,7 @@ impl Arena {
                 _ => flat.push((term, c)),
             }
         }
+        self.spend(flat.len());
         flat.sort_by_key(|t| t.0);
         let mut merged: Vec<(Expr, f64)> = Vec::with_capacity(flat.len());
         for (term, c) in flat {
@@ -95,6 +96,7 @@ impl Arena {
         let mut flat: Vec<(Expr, i32)> = Vec::with_capacity(factors.len());
         let mut open: Vec<(Expr, i32)> = factors.iter().rev().copied().collect();
         while let Some((base, k)) = open.pop() {
+            self.spend(1 + operands(self.node(base)).count());
             match self.node(base).clone() {
                 Node::Constant(value) => coefficient *= value.get().powi(k),
                 Node::Product(list) if list.iter().all(|f| moderate(f.1, k)) => {
