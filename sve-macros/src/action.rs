@@ -159,6 +159,9 @@ impl Step<'_> {
         let mut terms = Vec::new();
         for (a, &dw_a) in self.model.noises.iter().zip(&self.dw) {
             for (b, &dw_b) in self.model.noises.iter().zip(&self.dw) {
+                if self.arena.is_exhausted() {
+                    return self.arena.constant(0.0);
+                }
                 let (dw_a, dw_b) = (self.arena.symbol(dw_a), self.arena.symbol(dw_b));
                 for i in 0..self.model.dof() {
                     let dp = self.arena.diff(a.hamiltonian, self.model.p[i]);

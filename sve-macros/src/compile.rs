@@ -1,6 +1,8 @@
 //! The whole pipeline, a line a stage: attribute → block → model → action → equations → scheme → tokens.
 
-use proc_macro2::TokenStream;
+use std::collections::BTreeSet;
+
+use proc_macro2::{Span, TokenStream, TokenTree};
 use quote::quote;
 use syn::ItemImpl;
 
@@ -22,63 +24,156 @@ use crate::tangent;
 
 /// The expansion of the attribute: the user's block as it was, and the derived implementations or the errors.
 pub(crate) fn expand(attribute: &TokenStream, item: &TokenStream) -> TokenStream {
+    expand_within(attribute, item, WORK)
+}
+
+/// The expansion with another bound on the work of each stage.
+pub(crate) fn expand_within(
+    attribute: &TokenStream,
+    item: &TokenStream,
+    work: usize,
+) -> TokenStream {
     if let Err(error) = nesting::check(attribute).and_then(|()| nesting::check(item)) {
         return error.into_compile_error();
     }
     let block = match syn::parse2::<ItemImpl>(item.clone()) {
         Ok(block) => block,
         Err(error) => {
-            let message = format!(
-                "`#[variational]` belongs on the `impl` block that holds the Lagrangian: {error}"
-            );
-            let error = syn::Error::new(error.span(), message).into_compile_error();
+            let is_impl = |t: TokenTree| matches!(t, TokenTree::Ident(word) if word == "impl");
+            let error = if item.clone().into_iter().any(is_impl) {
+                error
+            } else {
+                let message = "`#[variational]` belongs on the `impl` block that holds the Lagrangian, `impl MySystem { fn lagrangian(…) … }`";
+                syn::Error::new(error.span(), message)
+            };
+            let error = error.into_compile_error();
             return quote!(#item #error);
         }
     };
     let plain = parse::without_roles(item);
-    let stub = emit::stub(&block, attribute);
-    let derived = derive(attribute.clone(), block).unwrap_or_else(|error| {
-        let error = error.into_compile_error();
-        quote!(#error #stub)
-    });
-    quote! {
-        // `&self` is what this macro asks for
-        #[allow(clippy::trivially_copy_pass_by_ref, clippy::unused_self)]
-        #plain
-        #derived
+    let mut mistaken = BTreeSet::new();
+    match derive(attribute.clone(), block, work, &mut mistaken) {
+        Ok(derived) => quote! {
+            // `&self` is what this macro asks for
+            #[allow(clippy::trivially_copy_pass_by_ref, clippy::unused_self)]
+            #plain
+            #derived
+        },
+        Err(error) => after_mistakes(&error, attribute, item, &mistaken),
     }
 }
 
-fn derive(attribute: TokenStream, item: ItemImpl) -> syn::Result<TokenStream> {
+/// The errors, beside a block that gives no errors of its own in the functions and constants of these names.
+fn after_mistakes(
+    error: &syn::Error,
+    attribute: &TokenStream,
+    item: &TokenStream,
+    mistaken: &BTreeSet<String>,
+) -> TokenStream {
+    let error = error.to_compile_error();
+    match syn::parse2::<ItemImpl>(item.clone()) {
+        Ok(block) => {
+            let (block, stub) = emit::stub(block, attribute, mistaken);
+            quote!(#error #block #stub)
+        }
+        Err(_) => error,
+    }
+}
+
+/// The derived implementations; or the errors, and in `mistaken` the names of functions and constants that have some.
+fn derive(
+    attribute: TokenStream,
+    item: ItemImpl,
+    work: usize,
+    mistaken: &mut BTreeSet<String>,
+) -> syn::Result<TokenStream> {
     let mut arena = Arena::new();
-    let block = parse::annotated(attribute, item)?;
-    let model = lower::lower(&block, &mut arena)?;
+    let mut errors = Errors::new();
+    let read = parse::annotated(attribute, item, &mut errors).and_then(|block| {
+        let model = lower::lower(&block, &mut arena, &mut errors)?;
+        Some((block, model))
+    });
+    mistaken.clone_from(errors.places());
+    let Some((block, model)) = errors.finish(read)? else {
+        return Err(syn::Error::new(
+            Span::call_site(),
+            "this block cannot be read",
+        ));
+    };
     check_rules(&block, &model)?;
+    check_size(&block, &model)?;
+    arena.grant(work);
     let mechanics = mechanics::mechanics(&model, &mut arena);
-    regular::check(&block, &model, &mechanics, &arena)?;
-    let momenta = symmetry::check(&block, &model, &mut arena)?;
-    let mut output = emit::system(&block, &model, &mechanics, &arena);
-    output.extend(emit::momenta(&block, &model, &momenta, &arena));
+    let regular = regular::check(&block, &model, &mechanics, &arena);
+    check_work(&block, &model, &arena, work)?;
+    regular?;
+    let momenta = symmetry::check(&block, &model, &mut arena);
+    check_work(&block, &model, &arena, work)?;
+    let momenta = momenta?;
+    let mut steps = Vec::new();
     for (rule, _) in &block.arguments.rules {
         let mut symbols = model.symbols.clone();
+        arena.grant(work);
         let action = action::discretise(*rule, &model, &mut symbols, &mut arena);
         let equations = equations::equations(&action, &mut arena);
-        let scheme = structure::analyse(equations, &action, &mut symbols, &mut arena)
-            .map_err(|degenerate| explain(&degenerate, &block, &symbols))?;
+        let scheme = structure::analyse(equations, &action, &mut symbols, &mut arena);
+        check_work(&block, &model, &arena, work)?;
+        let scheme = scheme.map_err(|degenerate| explain(&degenerate, &block, &symbols))?;
         let linearisation = tangent::linearise(&scheme, &action, &symbols, &mut arena);
+        check_work(&block, &model, &arena, work)?;
+        steps.push((*rule, symbols, action, scheme, linearisation));
+    }
+    // what is left to do is in proportion to what has been built
+    arena.grant(usize::MAX);
+    let mut output = emit::system(&block, &model, &mechanics, &arena);
+    output.extend(emit::momenta(&block, &model, &momenta, &arena));
+    for (rule, symbols, action, scheme, linearisation) in &steps {
         output.extend(emit::rule(
             *rule,
             &block,
             &model,
             &mechanics,
-            &action,
-            &scheme,
-            &linearisation,
-            &symbols,
+            action,
+            scheme,
+            linearisation,
+            symbols,
             &arena,
         ));
     }
     Ok(output)
+}
+
+/// Work that the derivatives may take, and then each rule, in the units of the arena's budget; a unit is some 20 nanoseconds of
+/// an optimised build. A dense system of 48 coordinates takes five sixths of it.
+const WORK: usize = 200_000_000;
+
+/// Second derivatives of L and of the noises that are written down, zeros included.
+const ENTRIES: usize = 200_000;
+
+/// An error where there would be too many second derivatives.
+fn check_size(block: &Annotated, model: &Model) -> syn::Result<()> {
+    let (n, m) = (model.dof(), model.noises.len());
+    let entries = (m + 1).saturating_mul(3 * n * n);
+    if entries <= ENTRIES {
+        return Ok(());
+    }
+    let message = format!(
+        "this system is too large to unroll: {n} coordinates and {m} noise terms have {entries} second derivatives, and the limit is {ENTRIES}; use fewer of them"
+    );
+    Err(syn::Error::new(block.lagrangian.name.span(), message))
+}
+
+/// An error where the last stage used up its work.
+fn check_work(block: &Annotated, model: &Model, arena: &Arena, work: usize) -> syn::Result<()> {
+    if !arena.is_exhausted() {
+        return Ok(());
+    }
+    let message = format!(
+        "this system is too large to unroll: with {} coordinates and {} noise terms its derivatives take more than {work} operations of the macro, which is the limit; use fewer coordinates or noise terms, shorter loops, or helpers that are called less often",
+        model.dof(),
+        model.noises.len(),
+    );
+    Err(syn::Error::new(block.lagrangian.name.span(), message))
 }
 
 /// A rule that is not for this system.

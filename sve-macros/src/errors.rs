@@ -2,6 +2,8 @@
 //!
 //! Invariant: a sink that received an error cannot be turned into a value ([`Errors::finish`] is the only way out).
 
+use std::collections::BTreeSet;
+
 use proc_macro2::Span;
 
 /// Mistakes found so far.
@@ -10,6 +12,10 @@ use proc_macro2::Span;
 pub(crate) struct Errors {
     first: Option<syn::Error>,
     count: usize,
+    /// The function or constant that is being read.
+    place: Option<String>,
+    /// Functions and constants with mistakes.
+    places: BTreeSet<String>,
 }
 
 impl Errors {
@@ -24,10 +30,25 @@ impl Errors {
 
     pub(crate) fn add(&mut self, error: syn::Error) {
         self.count += 1;
+        self.places.extend(self.place.clone());
         match &mut self.first {
             Some(first) => first.combine(error),
             None => self.first = Some(error),
         }
+    }
+
+    /// Mistakes from here on are those of the function or constant `place`; what to hand to [`Errors::leave`] is returned.
+    pub(crate) fn enter(&mut self, place: &str) -> Option<String> {
+        self.place.replace(place.to_owned())
+    }
+
+    pub(crate) fn leave(&mut self, outer: Option<String>) {
+        self.place = outer;
+    }
+
+    /// Functions and constants with mistakes so far.
+    pub(crate) fn places(&self) -> &BTreeSet<String> {
+        &self.places
     }
 
     /// Mistakes so far.
@@ -38,12 +59,6 @@ impl Errors {
     /// The value of a result; its mistake is recorded.
     pub(crate) fn keep<T>(&mut self, result: syn::Result<T>) -> Option<T> {
         result.map_err(|error| self.add(error)).ok()
-    }
-
-    /// The mistakes, or that of the last resort where there were none.
-    pub(crate) fn fail(self, span: Span, last_resort: &str) -> syn::Error {
-        self.first
-            .unwrap_or_else(|| syn::Error::new(span, last_resort))
     }
 
     /// `value`, unless something was wrong.
@@ -60,7 +75,7 @@ pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) 
     known
         .into_iter()
         .map(|candidate| (distance(name, candidate), candidate))
-        .filter(|&(d, candidate)| d <= 1 + candidate.len().min(name.len()) / 4)
+        .filter(|&(d, candidate)| d < name.len() && d <= 1 + candidate.len().min(name.len()) / 4)
         .min()
         .map(|(_, candidate)| candidate)
 }

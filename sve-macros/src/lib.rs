@@ -12,6 +12,8 @@ mod errors;
 mod growth;
 mod lower;
 mod mechanics;
+#[cfg(test)]
+mod mistakes;
 mod model;
 mod nesting;
 mod parse;
@@ -81,11 +83,15 @@ use proc_macro::TokenStream;
 ///
 /// - `let` with patterns (names, tuples, arrays, `_`), shadowing, `let mut` with `=`, `+=`, `-=`, `*=`, `/=`; blocks;
 /// - `+ − * /`, parentheses, `f64` literals, and integers where Rust wants them: indices, bounds, exponents of `powi`;
-/// - `for` over a range with bounds known at compile time, or over an array; loops are unrolled;
-/// - arrays, tuples, `[x; N]`, indexing by what is known at compile time, `len()` of an array;
-/// - calls of functions of the block, `self.f(…)` or `Self::f(…)`, constants `Self::NAME`, and `std::f64::consts`;
+/// - `for` over a range with bounds known at compile time, an array or an iterator; loops are unrolled;
+/// - `if`, `continue` and `break` by conditions on integers known at compile time, such as `i != j`;
+/// - arrays, tuples, slices, `[x; N]`, indexing by what is known at compile time, `len()` of an array;
+/// - of the methods of arrays and iterators: `iter`, `into_iter`, `copied`, `map`, `zip`, `enumerate`, `rev`, `step_by`, `skip`, `take`, `chain`, `filter`
+///   (on indices), `flatten`, `flat_map`, `fold`, `sum`, `product`, `windows`, `chunks`, `chunks_exact`, with closures that are written in place;
+/// - calls of functions of the block, `self.f(…)` or `Self::f(…)`; constants `Self::NAME`, those of `std::f64::consts`, and those from
+///   outside the block whose names are in capitals, which are read like parameters;
 /// - `as f64` and `f64::from` of integers known at compile time;
-/// - of the methods of `f64`: `powi`, `powf`, `sqrt`, `cbrt`, `exp`, `exp2`, `exp_m1`, `ln`, `ln_1p`, `log2`, `log10`, `sin`, `cos`, `sin_cos`,
+/// - of the methods of `f64`: `powi`, `powf`, `sqrt`, `cbrt`, `exp`, `exp2`, `exp_m1`, `ln`, `ln_1p`, `log`, `log2`, `log10`, `sin`, `cos`, `sin_cos`,
 ///   `tan`, `asin`, `acos`, `atan`, `atan2`, `sinh`, `cosh`, `tanh`, `asinh`, `acosh`, `atanh`, `hypot`, `recip`, `mul_add`, `to_radians`,
 ///   `to_degrees`.
 ///
@@ -97,9 +103,10 @@ use proc_macro::TokenStream;
 /// | refused | why |
 /// | --- | --- |
 /// | `abs`, `signum`, `min`, `max`, `clamp`, `floor`, `round`, …, `%` of numbers | not smooth: there is no derivative to take |
-/// | `if`, `match`, comparisons | a Lagrangian is one formula everywhere |
+/// | `if` on numbers, `match` | a Lagrangian is one formula everywhere |
 /// | `while`, bounds of loops and indices that are not known at compile time, recursion | nothing could be unrolled |
-/// | functions and constants outside the block, closures, macro calls | the macro sees the tokens of this block alone |
+/// | functions outside the block, lengths and bounds by constants outside it, macro calls | the macro sees the tokens of this block alone |
+/// | closures bound to a name | a function of the block is as short |
 /// | generic blocks, blocks of a trait, `cfg` on an item of the block | likewise: the types or items are not known |
 /// | `&mut self`, `self`, coordinates by reference | functions of a system have no effects |
 /// | a noise with derivative zero | it would move nothing |
@@ -107,7 +114,7 @@ use proc_macro::TokenStream;
 /// | `taylor2` with noise | the rule is defined for deterministic systems |
 /// | a `#[symmetry]` that changes L, a noise, or on which a force does work | its momentum would not be conserved |
 /// | `#[constraint]` | reserved, not supported yet |
-/// | bodies that unroll to more than 30 000 expressions or 2 000 000 steps of evaluation | compile time |
+/// | bodies that unroll to more than 30 000 expressions or 2 000 000 steps of evaluation; more than 200 000 second derivatives; derivatives that take the macro too much work | compile time: 48 densely coupled coordinates are accepted |
 ///
 /// # What is generated
 ///

@@ -105,6 +105,7 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
     let affine_momentum = lagrangian.dvv.iter().flatten().all(|&entry| {
         let constant = arena.constant_value(entry).is_some();
         constant
+            || arena.is_exhausted()
             || model.v.iter().all(|&v| {
                 if !arena.contains(entry, v) {
                     return true;
@@ -159,6 +160,9 @@ fn noise_jet(noise: &NoiseTerm, model: &Model, arena: &mut Arena) -> NoiseJet {
 fn clash(model: &Model, jets: &[NoiseJet], arena: &mut Arena) -> Option<(String, String)> {
     for (i, a) in jets.iter().enumerate() {
         for (j, b) in jets.iter().enumerate().skip(i + 1) {
+            if arena.is_exhausted() {
+                return None;
+            }
             let mut terms = Vec::new();
             for k in 0..model.dof() {
                 for (sign, x, y) in [(1.0, a.dq[k], b.dp[k]), (-1.0, a.dp[k], b.dq[k])] {

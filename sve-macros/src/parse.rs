@@ -6,7 +6,7 @@
 use std::rc::Rc;
 
 use proc_macro2::{Delimiter, Group, Span, TokenStream, TokenTree};
-use syn::parse::{Parse, ParseStream};
+use syn::parse::{ParseStream, Parser};
 use syn::spanned::Spanned;
 use syn::{
     FnArg, Ident, ImplItem, ImplItemConst, ImplItemFn, ItemImpl, Pat, ReturnType, Token, Type,
@@ -61,39 +61,17 @@ pub(crate) struct Annotated {
     pub(crate) constants: Vec<ImplItemConst>,
 }
 
-impl Parse for Arguments {
-    fn parse(input: ParseStream<'_>) -> syn::Result<Self> {
-        let mut errors = Errors::new();
-        let mut rules: Vec<(Rule, Ident)> = Vec::new();
-        let mut runtime = syn::parse_quote!(::sve_runtime);
-        while !input.is_empty() {
-            if input.peek(Token![crate]) {
-                input.parse::<Token![crate]>()?;
-                input.parse::<Token![=]>()?;
-                runtime = input.call(syn::Path::parse_mod_style)?;
-            } else {
-                let name: Ident = input.parse().map_err(|e| {
-                    syn::Error::new(
-                        e.span(),
-                        format!("expected the name of a rule: {}", Rule::listed()),
-                    )
-                })?;
-                match Rule::named(&name.to_string()) {
-                    Some(rule) if rules.iter().any(|(other, _)| *other == rule) => {
-                        errors.push(
-                            name.span(),
-                            format!("the rule `{name}` is listed twice: remove one"),
-                        );
-                    }
-                    Some(rule) => rules.push((rule, name)),
-                    None => errors.push(name.span(), unknown_rule(&name.to_string())),
-                }
-            }
-            if !input.is_empty() {
-                input.parse::<Token![,]>()?;
-            }
-        }
-        if rules.is_empty() && errors.count() == 0 {
+impl Arguments {
+    /// Reads the attribute; what is wrong in it is left out.
+    pub(crate) fn read(attribute: TokenStream, errors: &mut Errors) -> Self {
+        let mut read = Self {
+            rules: Vec::new(),
+            runtime: syn::parse_quote!(::sve_runtime),
+        };
+        let before = errors.count();
+        let parsed = (|input: ParseStream<'_>| read.entries(input, errors)).parse2(attribute);
+        errors.keep(parsed);
+        if read.rules.is_empty() && errors.count() == before {
             errors.push(
                 Span::call_site(),
                 format!(
@@ -102,7 +80,62 @@ impl Parse for Arguments {
                 ),
             );
         }
-        errors.finish(Self { rules, runtime })
+        read
+    }
+
+    fn entries(&mut self, input: ParseStream<'_>, errors: &mut Errors) -> syn::Result<()> {
+        while !input.is_empty() {
+            if input.peek(Token![crate]) {
+                input.parse::<Token![crate]>()?;
+                input.parse::<Token![=]>()?;
+                self.runtime = input.call(syn::Path::parse_mod_style)?;
+            } else {
+                let name: Ident = input.parse().map_err(|e| {
+                    syn::Error::new(
+                        e.span(),
+                        format!(
+                            "expected the name of a rule, without quotes: {}",
+                            Rule::listed()
+                        ),
+                    )
+                })?;
+                if !input.is_empty() && !input.peek(Token![,]) {
+                    // what follows is a part of the same mistake
+                    return Err(no_argument(&name, input.span()));
+                }
+                match Rule::named(&name.to_string()) {
+                    Some(rule) if self.rules.iter().any(|(other, _)| *other == rule) => {
+                        errors.push(
+                            name.span(),
+                            format!("the rule `{name}` is listed twice: remove one"),
+                        );
+                    }
+                    Some(rule) => self.rules.push((rule, name)),
+                    None => errors.push(name.span(), unknown_rule(&name.to_string())),
+                }
+            }
+            if !input.is_empty() {
+                input.parse::<Token![,]>()?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What to say of a name in the attribute that something else than a comma follows.
+fn no_argument(name: &Ident, follows: Span) -> syn::Error {
+    match Rule::named(&name.to_string()) {
+        Some(_) => syn::Error::new(
+            follows,
+            "expected a comma: rules take no arguments, as in `#[variational(midpoint, endpoint)]`",
+        ),
+        None => syn::Error::new(
+            name.span(),
+            format!(
+                "there is no argument `{name}`: the arguments are rules ({}) and `crate = path`",
+                Rule::listed()
+            ),
+        ),
     }
 }
 
@@ -119,12 +152,17 @@ fn unknown_rule(name: &str) -> String {
     }
 }
 
-/// Sorts the block.
-pub(crate) fn annotated(attribute: TokenStream, mut item: ItemImpl) -> syn::Result<Annotated> {
-    let mut errors = Errors::new();
-    let arguments = errors.keep(syn::parse2::<Arguments>(attribute));
-    check_block(&item, &mut errors);
-    let roles = take_roles(&mut item, &mut errors);
+/// Sorts the block; nothing where its functions cannot be read for a mistake.
+pub(crate) fn annotated(
+    attribute: TokenStream,
+    mut item: ItemImpl,
+    errors: &mut Errors,
+) -> Option<Annotated> {
+    let arguments = Arguments::read(attribute, errors);
+    let before = errors.count();
+    check_block(&item, errors);
+    let is_plain = errors.count() == before;
+    let roles = take_roles(&mut item, errors);
 
     let mut lagrangians = Vec::new();
     let mut noises = Vec::new();
@@ -136,6 +174,7 @@ pub(crate) fn annotated(attribute: TokenStream, mut item: ItemImpl) -> syn::Resu
         match (member, role) {
             (ImplItem::Fn(function), Some(role)) => {
                 let function = Rc::new(function);
+                let outer = errors.enter(&function.sig.ident.to_string());
                 match role {
                     Role::Helper => {}
                     // one that cannot be read is there nevertheless
@@ -144,6 +183,7 @@ pub(crate) fn annotated(attribute: TokenStream, mut item: ItemImpl) -> syn::Resu
                     Role::Force => forces.extend(errors.keep(part(&function, role))),
                     Role::Symmetry => symmetries.extend(errors.keep(part(&function, role))),
                 }
+                errors.leave(outer);
                 functions.push(function);
             }
             (ImplItem::Const(constant), _) => constants.push(constant),
@@ -163,19 +203,16 @@ pub(crate) fn annotated(attribute: TokenStream, mut item: ItemImpl) -> syn::Resu
         );
     }
     let lagrangian = lagrangians.into_iter().next().flatten();
-    match (arguments, lagrangian) {
-        (Some(arguments), Some(lagrangian)) => errors.finish(Annotated {
-            arguments,
-            item,
-            lagrangian,
-            noises,
-            forces,
-            symmetries,
-            functions,
-            constants,
-        }),
-        _ => Err(errors.fail(item.self_ty.span(), "this block cannot be read")),
-    }
+    is_plain.then_some(Annotated {
+        arguments,
+        item,
+        lagrangian: lagrangian?,
+        noises,
+        forces,
+        symmetries,
+        functions,
+        constants,
+    })
 }
 
 fn check_block(item: &ItemImpl, errors: &mut Errors) {
@@ -238,7 +275,10 @@ fn take_roles(item: &mut ItemImpl, errors: &mut Errors) -> Vec<Option<Role>> {
                 );
             }
             if attribute.meta.require_path_only().is_err() {
-                errors.push(attribute.span(), format!("`#[{ident}]` takes no arguments"));
+                errors.push(
+                    attribute.span(),
+                    format!("`#[{ident}]` takes no arguments: the signature says all"),
+                );
             }
             found.push(role);
             false
@@ -438,6 +478,11 @@ fn members_without_roles(members: TokenStream) -> TokenStream {
     kept.into_iter().collect()
 }
 
+/// Whether an attribute of this name gives a role.
+pub(crate) fn is_role_name(name: &str) -> bool {
+    name == LATER || Role::of_attribute(name).is_some()
+}
+
 /// Whether `[…]` is an attribute of this macro.
 fn is_role(group: &Group) -> bool {
     let mut inside = group.stream().into_iter();
@@ -446,5 +491,5 @@ fn is_role(group: &Group) -> bool {
         _ => return false,
     };
     let path = matches!(inside.next(), Some(TokenTree::Punct(punct)) if punct.as_char() == ':');
-    !path && (name == LATER || Role::of_attribute(&name).is_some())
+    !path && is_role_name(&name)
 }

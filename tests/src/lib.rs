@@ -1,7 +1,8 @@
-//! What the integration tests share: models, the users' functions as oracles, differences, random points.
+//! What the integration tests share: models, the users' functions as oracles, checks of a feature of the language, differences, random points.
 
 pub mod differences;
 pub mod double_double;
+pub mod language;
 pub mod models;
 pub mod oracle;
 pub mod random;

@@ -3,11 +3,12 @@
 //! Weights: an addition, subtraction, multiplication, division or change of sign is 1; a call of a function is [`CALL`], a sine
 //! with its cosine one call.
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Span, TokenStream};
 use syn::ItemImpl;
 
 use crate::action;
 use crate::equations;
+use crate::errors::Errors;
 use crate::lower;
 use crate::model::Symbols;
 use crate::parse;
@@ -29,8 +30,13 @@ pub(super) struct Operations {
 /// Counts operations of the first rule of a block.
 pub(super) fn count(attribute: TokenStream, block: ItemImpl) -> syn::Result<Operations> {
     let mut arena = Arena::new();
-    let block = parse::annotated(attribute, block)?;
-    let model = lower::lower(&block, &mut arena)?;
+    let mut errors = Errors::new();
+    let read = parse::annotated(attribute, block, &mut errors).and_then(|block| {
+        let model = lower::lower(&block, &mut arena, &mut errors)?;
+        Some((block, model))
+    });
+    let no_system = || syn::Error::new(Span::call_site(), "the scene cannot be read");
+    let (block, model) = errors.finish(read)?.ok_or_else(no_system)?;
     let mut symbols = model.symbols.clone();
     let rule = block.arguments.rules[0].0;
     let action = action::discretise(rule, &model, &mut symbols, &mut arena);

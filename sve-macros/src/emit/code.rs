@@ -152,7 +152,8 @@ impl<'a> Printer<'a> {
                 return TokenStream::new();
             }
             Operation::Input(symbol) => match input(self.symbols.meaning(symbol)) {
-                Some(access) => access,
+                // a field of another type is then one error, at the field
+                Some(access) => return quote!(let #name: f64 = #access;),
                 None => return TokenStream::new(),
             },
             Operation::Add(a, b) => infix(a, &quote!(+), b),

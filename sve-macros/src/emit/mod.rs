@@ -2,6 +2,7 @@
 
 mod code;
 mod linearise;
+mod mend;
 mod momenta;
 mod plan;
 mod rounding;

@@ -1,16 +1,40 @@
-//! What is emitted after an error: implementations without bodies, so that no second-hand errors follow.
+//! What is emitted after an error: the block with its mistakes taken out, and implementations without bodies, so that no
+//! second-hand errors follow.
 //!
 //! Sizes come from the signatures, by the compiler where they are not literal.
 
+use std::collections::BTreeSet;
+
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
-use syn::{Expr, FnArg, ImplItem, ImplItemFn, ItemImpl, Lit, ReturnType, Type};
+use syn::{Attribute, Expr, FnArg, ImplItem, ImplItemFn, ItemImpl, Lit, ReturnType, Type};
 
-use crate::parse::{Arguments, is_f64};
+use super::mend::mend;
+use crate::errors::Errors;
+use crate::parse::{Arguments, is_f64, is_role_name};
 use crate::rule::Rule;
 
-/// Stubs for every rule that the attribute names.
-pub(crate) fn stub(block: &ItemImpl, attribute: &TokenStream) -> TokenStream {
+/// The user's block, mended where it has mistakes, and stubs for every rule that the attribute names.
+pub(crate) fn stub(
+    mut block: ItemImpl,
+    attribute: &TokenStream,
+    mistaken: &BTreeSet<String>,
+) -> (TokenStream, TokenStream) {
+    mend(&mut block, mistaken);
+    let stub = implementations(&block, attribute);
+    for member in &mut block.items {
+        if let Some(attributes) = member_attributes(member) {
+            attributes.retain(|a| {
+                !a.path()
+                    .get_ident()
+                    .is_some_and(|i| is_role_name(&i.to_string()))
+            });
+        }
+    }
+    (quote!(#block), stub)
+}
+
+fn implementations(block: &ItemImpl, attribute: &TokenStream) -> TokenStream {
     let self_ty = &block.self_ty;
     let runtime = runtime(attribute);
     let private = quote!(#runtime::__private);
@@ -107,7 +131,9 @@ fn momenta(block: &ItemImpl, private: &TokenStream, n: &TokenStream) -> TokenStr
 
 /// The rules that the attribute names; all of them where it has a mistake, since any may have been meant.
 fn rules(attribute: &TokenStream) -> Vec<Rule> {
-    match syn::parse2::<Arguments>(attribute.clone()) {
+    let mut errors = Errors::new();
+    let arguments = Arguments::read(attribute.clone(), &mut errors);
+    match errors.finish(arguments) {
         Ok(arguments) => arguments.rules.iter().map(|(rule, _)| *rule).collect(),
         Err(_) => Rule::ALL.to_vec(),
     }
@@ -127,6 +153,14 @@ fn runtime(attribute: &TokenStream) -> TokenStream {
     match syn::parse2::<syn::Path>(path) {
         Ok(path) => quote!(#path),
         Err(_) => quote!(::sve_runtime),
+    }
+}
+
+fn member_attributes(member: &mut ImplItem) -> Option<&mut Vec<Attribute>> {
+    match member {
+        ImplItem::Fn(function) => Some(&mut function.attrs),
+        ImplItem::Const(constant) => Some(&mut constant.attrs),
+        _ => None,
     }
 }
 

@@ -1,86 +1,22 @@
 //! Calls: smooth functions of `f64`, helpers and constants of the block.
 
+use std::collections::HashMap;
 use std::f64::consts;
 
+use proc_macro2::Span;
 use syn::spanned::Spanned;
-use syn::{Expr as Syntax, FnArg, Pat};
+use syn::{Expr as Syntax, FnArg};
 
 use super::Lowering;
-use super::value::Value;
+use super::floats::{are, plural};
+use super::value::{FieldPath, Value};
 use crate::errors::nearest;
-use crate::symbolic::{Binary, Expr, Function};
 
-/// Methods of `f64` with one operand.
-const UNARY: &[(&str, Function)] = &[
-    ("sqrt", Function::Sqrt),
-    ("cbrt", Function::Cbrt),
-    ("exp", Function::Exp),
-    ("exp2", Function::Exp2),
-    ("exp_m1", Function::ExpM1),
-    ("ln", Function::Ln),
-    ("ln_1p", Function::Ln1p),
-    ("log2", Function::Log2),
-    ("log10", Function::Log10),
-    ("sin", Function::Sin),
-    ("cos", Function::Cos),
-    ("tan", Function::Tan),
-    ("asin", Function::Asin),
-    ("acos", Function::Acos),
-    ("atan", Function::Atan),
-    ("sinh", Function::Sinh),
-    ("cosh", Function::Cosh),
-    ("tanh", Function::Tanh),
-    ("asinh", Function::Asinh),
-    ("acosh", Function::Acosh),
-    ("atanh", Function::Atanh),
-];
-
-/// The other methods of `f64` that are understood.
-const OTHER: &[&str] = &[
-    "powi",
-    "powf",
-    "atan2",
-    "hypot",
-    "recip",
-    "mul_add",
-    "sin_cos",
-    "to_radians",
-    "to_degrees",
-];
-
-/// Methods of `f64` that are not smooth, and what to write instead.
-const ROUGH: &[(&str, &str)] = &[
-    (
-        "abs",
-        "`abs` has no derivative at 0: write `x * x` for a square, or `(x * x + eps * eps).sqrt()` for a smooth modulus",
-    ),
-    (
-        "signum",
-        "`signum` is not continuous: use `(x / width).tanh()`",
-    ),
-    (
-        "min",
-        "`min` is not smooth: use a smooth penalty, such as `(-x / width).exp()`",
-    ),
-    (
-        "max",
-        "`max` is not smooth: use a smooth penalty, such as `(x / width).exp()`",
-    ),
-    ("clamp", "`clamp` is not smooth: use `tanh`"),
-    ("floor", "`floor` is not continuous"),
-    ("ceil", "`ceil` is not continuous"),
-    ("round", "`round` is not continuous"),
-    ("trunc", "`trunc` is not continuous"),
-    (
-        "fract",
-        "`fract` is not continuous: a periodic function is made of `sin` and `cos`",
-    ),
-    (
-        "rem_euclid",
-        "`rem_euclid` is not continuous: an angle needs no reduction, use `sin` and `cos`",
-    ),
-    ("div_euclid", "`div_euclid` is not continuous"),
-];
+/// A value that a function is given, and where it is written.
+pub(super) struct Argument {
+    pub(super) value: Value,
+    pub(super) at: Span,
+}
 
 const CONSTANTS: &[(&str, f64)] = &[
     ("PI", consts::PI),
@@ -107,9 +43,19 @@ const CONSTANTS: &[(&str, f64)] = &[
 /// Calls of helpers inside each other.
 const CALL_DEPTH: usize = 64;
 
-/// Whether `std::f64::consts` has this name.
-pub(super) fn is_float_constant(name: &str) -> bool {
-    CONSTANTS.iter().any(|c| c.0 == name)
+/// What `std::f64::consts` has under this name.
+pub(super) fn float_constant(name: &str) -> Option<f64> {
+    CONSTANTS.iter().find(|c| c.0 == name).map(|c| c.1)
+}
+
+/// Whether a name is in capitals, as those of constants are.
+pub(super) fn is_constant_name(name: &str) -> bool {
+    name.chars().any(char::is_uppercase) && !name.chars().any(char::is_lowercase)
+}
+
+/// Methods that return what they are called on.
+fn is_copy(name: &str) -> bool {
+    matches!(name, "clone" | "to_owned" | "as_slice" | "each_ref")
 }
 
 impl Lowering<'_> {
@@ -134,11 +80,25 @@ impl Lowering<'_> {
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         match names.as_slice() {
             [owner, name] if self.is_self(owner) => self.block_constant(expr, name),
-            [.., "consts", name] => match CONSTANTS.iter().find(|c| c.0 == *name) {
-                Some(&(_, value)) => Value::Scalar(self.arena.constant(value)),
-                None => self.refuse(expr, format!("there is no constant `{name}` in `std::f64::consts`")),
+            ["std" | "core", "f64", "consts", name]
+            | ["f64", "consts", name]
+            | ["consts", name] => match float_constant(name) {
+                Some(value) => Value::Scalar(self.arena.constant(value)),
+                None => {
+                    let near = nearest(name, CONSTANTS.iter().map(|c| c.0))
+                        .map(|near| format!("; did you mean `{near}`?"))
+                        .unwrap_or_default();
+                    self.refuse(&expr.path.segments.last(), format!("there is no constant `{name}` in `std::f64::consts`{near}"))
+                }
             },
-            _ => self.refuse(expr, "this path is not known here: constants are `Self::NAME` of this block or `std::f64::consts::NAME`"),
+            ["f64", "EPSILON"] => Value::Scalar(self.arena.constant(f64::EPSILON)),
+            ["f64", "MIN_POSITIVE"] => Value::Scalar(self.arena.constant(f64::MIN_POSITIVE)),
+            ["f64", "MAX" | "MIN" | "INFINITY" | "NEG_INFINITY" | "NAN"] => {
+                self.refuse(expr, "this number has no place in a formula: it overflows, or is none")
+            }
+            // a constant from elsewhere
+            [.., name] if is_constant_name(name) && expr.qself.is_none() => Value::Field(FieldPath::outside(expr.path.clone())),
+            _ => self.refuse(expr, "this path is not known here: constants are `Self::NAME` of this block, `std::f64::consts::NAME`, or outside the block in capitals"),
         }
     }
 
@@ -165,20 +125,40 @@ impl Lowering<'_> {
         if self.active.contains(&key) {
             return self.refuse(&last, format!("the constant `{name}` is defined by itself"));
         }
-        self.active.push(key);
-        let outer = std::mem::replace(&mut self.scopes, vec![std::collections::HashMap::new()]);
-        let value = self.eval(&constant.expr);
-        self.scopes = outer;
-        self.active.pop();
-        value
+        if self.broken.contains(&key) {
+            return Value::Poison;
+        }
+        self.enclosed(key, |this| {
+            let value = this.eval(&constant.expr);
+            this.number(value, &constant.ty, &constant.expr)
+        })
     }
 
     pub(super) fn call(&mut self, call: &syn::ExprCall) -> Value {
-        let Syntax::Path(path) = &*call.func else {
-            return self.refuse(
-                &call.func,
-                "only functions of this block and of `f64` can be called",
-            );
+        let arguments: Vec<Argument> = call.args.iter().map(|a| self.argument(a)).collect();
+        self.apply(&call.func, arguments)
+    }
+
+    pub(super) fn argument(&mut self, expr: &Syntax) -> Argument {
+        Argument {
+            value: self.eval(expr),
+            at: expr.span(),
+        }
+    }
+
+    /// Calls what an expression names: a function of the block or of `f64`, or a closure written in place.
+    pub(super) fn apply(&mut self, function: &Syntax, arguments: Vec<Argument>) -> Value {
+        let path = match function {
+            Syntax::Path(path) => path,
+            Syntax::Closure(closure) => return self.closure(closure, arguments),
+            Syntax::Paren(inner) => return self.apply(&inner.expr, arguments),
+            Syntax::Group(inner) => return self.apply(&inner.expr, arguments),
+            _ => {
+                return self.refuse(
+                    function,
+                    "only functions of this block and of `f64` can be called",
+                );
+            }
         };
         let names: Vec<String> = path
             .path
@@ -187,234 +167,177 @@ impl Lowering<'_> {
             .map(|s| s.ident.to_string())
             .collect();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let arguments: Vec<&Syntax> = call.args.iter().collect();
+        let at = path.path.segments.last().span();
         match names.as_slice() {
-            ["f64", "from"] if arguments.len() == 1 => match self.eval(arguments[0]) {
-                Value::Int(i) => Value::Scalar(self.arena.constant(i as f64)),
-                other => other,
+            ["f64", "from"] => match arguments.first().map(|a| &a.value) {
+                Some(Value::Int(i)) => Value::Scalar(self.arena.constant(*i as f64)),
+                Some(other) => other.clone(),
+                None => self.refuse(&at, "`from` takes 1 argument, here are none"),
             },
-            ["f64", name] if !arguments.is_empty() => {
-                let receiver = self.eval(arguments[0]);
-                self.float_method(name, path.span(), (&receiver, arguments[0]), &arguments[1..])
-            }
-            [owner, name] if self.is_self(owner) => {
-                let at = path.path.segments.last().span();
-                self.helper(name, at, None, &arguments)
-            }
+            ["f64", name] if arguments.is_empty() => self.refuse(
+                &at,
+                format!("`f64::{name}` needs the number to act on, as in `f64::{name}(x)`"),
+            ),
+            ["f64", name] => self.float_method(name, at, &arguments),
+            [owner, name] if self.is_self(owner) => self.helper(name, at, false, arguments),
             [name] if self.variable(name).is_some() => match self.variable(name) {
                 Some(Value::Poison) => Value::Poison,
                 _ => self.refuse(path, format!("`{name}` is a variable, not a function")),
             },
-            _ => self.refuse(path, format!("the function `{}` is not known here: make it a function of this `impl` block and call `self.{}(…)`", names.join("::"), names.last().unwrap_or(&""))),
+            [.., "from_fn"] => self.refuse(
+                path,
+                "the length of this array is not written here: write `let mut a = [0.0; N]; for i in 0..N { a[i] = …; }`",
+            ),
+            [name] if self.block.functions.iter().any(|f| f.sig.ident == name) => self.refuse(
+                path,
+                format!("a function of this block is called `self.{name}(…)`, or `Self::{name}(…)` if it has no `self`"),
+            ),
+            _ => {
+                let name = names.last().copied().unwrap_or_default();
+                self.refuse(path, format!("the function `{}` is not known here: make it a function of this `impl` block and call `self.{name}(…)`", names.join("::")))
+            }
         }
     }
 
     pub(super) fn method_call(&mut self, call: &syn::ExprMethodCall) -> Value {
-        let arguments: Vec<&Syntax> = call.args.iter().collect();
         let name = call.method.to_string();
+        let at = call.method.span();
         if matches!(&*call.receiver, Syntax::Path(path) if path.path.is_ident("self")) {
-            return self.helper(&name, call.method.span(), Some(()), &arguments);
+            let arguments = call.args.iter().map(|a| self.argument(a)).collect();
+            return self.helper(&name, at, true, arguments);
         }
-        let receiver = self.eval(&call.receiver);
-        if let (Value::Array(values), "len") = (&receiver, name.as_str()) {
-            return Value::Int(values.len() as i64);
-        }
-        if let (Value::Int(i), "pow") = (&receiver, name.as_str())
-            && let [exponent] = arguments.as_slice()
-            && let Value::Int(k) = self.eval(exponent)
+        let receiver = self.argument(&call.receiver);
+        if let Value::Poison = receiver.value
+            && !super::floats::is_method(&name)
         {
-            return match u32::try_from(k).ok().and_then(|k| i.checked_pow(k)) {
-                Some(power) => Value::Int(power),
-                None => self.refuse(&call.method, "this power overflows"),
-            };
-        }
-        if let (Value::Field(path), "len") = (&receiver, name.as_str()) {
-            let message = format!(
-                "the length of `{}` is not known to the macro: write a literal, or a constant of this block",
-                super::readable(&path.access())
-            );
-            return self.refuse(&call.method, message);
-        }
-        if let Value::Array(_) = receiver {
-            return self.refuse(&call.method, format!("`{name}` of an array is not understood: write a loop, `let mut sum = 0.0; for i in 0..N {{ sum += … }}`"));
-        }
-        self.float_method(
-            &name,
-            call.method.span(),
-            (&receiver, &call.receiver),
-            &arguments,
-        )
-    }
-
-    /// A method of `f64`.
-    fn float_method(
-        &mut self,
-        name: &str,
-        at: proc_macro2::Span,
-        receiver: (&Value, &Syntax),
-        arguments: &[&Syntax],
-    ) -> Value {
-        if let Some((_, message)) = ROUGH.iter().find(|r| r.0 == name) {
-            self.errors.push(at, message);
+            // of what type it would be is not known
             return Value::Poison;
         }
-        let unary = UNARY.iter().find(|u| u.0 == name);
-        let expected = match (unary, name) {
-            (Some(_), _) | (None, "recip" | "sin_cos" | "to_radians" | "to_degrees") => 0,
-            (None, "powi" | "powf" | "atan2" | "hypot") => 1,
-            (None, "mul_add") => 2,
-            _ => {
-                let known = UNARY.iter().map(|u| u.0).chain(OTHER.iter().copied());
-                let hint = nearest(name, known)
-                    .map(|near| format!("; did you mean `{near}`?"))
-                    .unwrap_or_default();
-                self.errors.push(
-                    at,
-                    format!("`{name}` is not a function that can be differentiated here{hint}"),
-                );
-                return Value::Poison;
-            }
-        };
-        if arguments.len() != expected {
-            self.errors.push(
-                at,
-                format!(
-                    "`{name}` takes {expected} arguments, here are {}",
-                    arguments.len()
-                ),
-            );
-            return Value::Poison;
+        if is_copy(&name) && call.args.is_empty() {
+            return receiver.value;
         }
-        let x = self.scalar(receiver.0, receiver.1);
-        if name == "powi" {
-            return self.powi(x, arguments[0]);
+        if let Some(value) = self.sequence_method(call, &receiver) {
+            return value;
         }
-        let rest: Vec<Option<Expr>> = arguments
-            .iter()
-            .map(|argument| {
-                let value = self.eval(argument);
-                self.scalar(&value, argument)
-            })
-            .collect();
-        let Some(rest) = rest.into_iter().collect::<Option<Vec<Expr>>>() else {
-            return Value::Poison;
-        };
-        let Some(x) = x else { return Value::Poison };
-        let value = self.smooth(name, unary.map(|u| u.1), x, &rest);
-        if let Value::Scalar(e) = value
-            && !self.arena.is_finite(e)
-        {
-            self.errors
-                .push(at, format!("`{name}` is not defined at this constant"));
-            return Value::Poison;
+        let mut arguments = vec![receiver];
+        for argument in &call.args {
+            let argument = self.argument(argument);
+            arguments.push(argument);
         }
-        value
+        if let Some(value) = self.integer_method(&name, at, &arguments) {
+            return value;
+        }
+        self.float_method(&name, at, &arguments)
     }
 
-    fn smooth(&mut self, name: &str, unary: Option<Function>, x: Expr, rest: &[Expr]) -> Value {
-        let arena = &mut *self.arena;
-        Value::Scalar(match (unary, name, rest) {
-            (Some(function), ..) => arena.call(function, x),
-            (_, "recip", _) => arena.pow(x, -1),
-            (_, "to_radians", _) => arena.scale(consts::PI / 180.0, x),
-            (_, "to_degrees", _) => arena.scale(180.0 / consts::PI, x),
-            (_, "sin_cos", _) => {
-                let pair = [Function::Sin, Function::Cos].map(|f| Value::Scalar(arena.call(f, x)));
-                return Value::Tuple(pair.into());
-            }
-            (_, "powf", [y]) => arena.call2(Binary::Pow, x, *y),
-            (_, "atan2", [y]) => arena.call2(Binary::Atan2, x, *y),
-            (_, "hypot", [y]) => arena.call2(Binary::Hypot, x, *y),
-            (_, "mul_add", [y, z]) => {
-                let product = arena.mul(x, *y);
-                arena.add(product, *z)
-            }
-            _ => return Value::Poison,
-        })
-    }
-
-    fn powi(&mut self, x: Option<Expr>, exponent: &Syntax) -> Value {
-        let k = match self.eval(exponent) {
-            Value::Int(k) if k.unsigned_abs() <= 1024 => k as i32,
-            Value::Poison => return Value::Poison,
-            Value::Int(k) => return self.refuse(exponent, format!("the power {k} is out of proportion; the limit is 1024")),
-            _ => return self.refuse(exponent, "the exponent of `powi` must be an integer known at compile time; for others use `powf`"),
-        };
-        let Some(x) = x else { return Value::Poison };
-        if k < 0 && self.arena.constant_value(x) == Some(0.0) {
-            return self.refuse(exponent, "this divides by zero");
-        }
-        let value = self.arena.pow(x, k);
-        if !self.arena.is_finite(value) {
-            return self.refuse(exponent, "the constants here overflow an `f64`");
-        }
-        Value::Scalar(value)
-    }
-
-    /// Inlines a function of the block.
+    /// Inlines a function of the block; `method` says that it was called `self.name(…)`.
     fn helper(
         &mut self,
         name: &str,
-        at: proc_macro2::Span,
-        method: Option<()>,
-        arguments: &[&Syntax],
+        at: Span,
+        method: bool,
+        mut arguments: Vec<Argument>,
     ) -> Value {
         let block = self.block;
-        let mut values: Vec<Value> = arguments.iter().map(|a| self.eval(a)).collect();
-        let found = block.functions.iter().find(|f| f.sig.ident == name);
-        let Some(helper) = found else {
+        let Some(helper) = block.functions.iter().find(|f| f.sig.ident == name) else {
             return self.no_function(name, at);
         };
         if self.broken.contains(name) {
             return Value::Poison;
         }
         if self.active.iter().any(|a| a == name) {
-            self.errors.push(
-                at,
-                format!("`{name}` calls itself: recursion cannot be unrolled, write a `for` loop"),
-            );
-            return Value::Poison;
+            let message =
+                format!("`{name}` calls itself: recursion cannot be unrolled, write a `for` loop");
+            return self.refuse(&at, message);
         }
         if self.active.len() >= CALL_DEPTH {
-            self.errors.push(at, "helpers call each other too deeply");
-            return Value::Poison;
+            let message = format!(
+                "helpers call each other more than {CALL_DEPTH} deep: write the formula in fewer functions"
+            );
+            return self.refuse(&at, message);
         }
-        let mut inputs: Vec<Pat> = Vec::new();
-        let mut receiver = false;
-        for input in &helper.sig.inputs {
-            match input {
-                FnArg::Receiver(_) => receiver = true,
-                FnArg::Typed(typed) => inputs.push((*typed.pat).clone()),
-            }
+        let inputs: Vec<&syn::PatType> = helper
+            .sig
+            .inputs
+            .iter()
+            .filter_map(|input| match input {
+                FnArg::Receiver(_) => None,
+                FnArg::Typed(typed) => Some(typed),
+            })
+            .collect();
+        let receiver = inputs.len() < helper.sig.inputs.len();
+        if method && !receiver {
+            let message = format!("`{name}` has no `self`: call it `Self::{name}(…)`");
+            return self.refuse(&at, message);
         }
         // `Self::f(self, x)` passes the receiver as an argument
-        if receiver && method.is_none() && !values.is_empty() {
-            values.remove(0);
+        if receiver && !method && !arguments.is_empty() {
+            arguments.remove(0);
         }
-        if values.len() != inputs.len() {
-            self.errors.push(
-                at,
-                format!(
-                    "`{name}` takes {} arguments, here are {}",
-                    inputs.len(),
-                    values.len()
-                ),
+        if arguments.len() != inputs.len() {
+            let message = format!(
+                "`{name}` takes {}, here {}",
+                plural(inputs.len(), "argument"),
+                are(arguments.len())
             );
-            return Value::Poison;
+            return self.refuse(&at, message);
         }
-        self.active.push(name.to_owned());
-        let outer = std::mem::replace(&mut self.scopes, vec![std::collections::HashMap::new()]);
-        for (pattern, value) in inputs.iter().zip(values) {
-            self.bind(pattern, value);
-        }
+        // before the function is entered: this mistake is the caller's
+        let values: Vec<Value> = inputs
+            .iter()
+            .zip(arguments)
+            .map(|(input, argument)| self.number(argument.value, &input.ty, &argument.at))
+            .collect();
+        self.enclosed(name.to_owned(), |this| {
+            for (input, argument) in inputs.iter().zip(values) {
+                let value = this.ascribed(argument, &input.ty);
+                this.bind_length(&input.ty, &value);
+                this.bind(&input.pat, value);
+            }
+            let value = this.block_value(&helper.block);
+            match (&helper.sig.output, helper.block.stmts.last()) {
+                (syn::ReturnType::Type(_, ty), Some(last)) => this.number(value, ty, last),
+                _ => value,
+            }
+        })
+    }
+
+    /// Runs something with scopes of its own, as a function or constant that is called `name`.
+    fn enclosed(&mut self, name: String, run: impl FnOnce(&mut Self) -> Value) -> Value {
+        let scopes = std::mem::replace(&mut self.scopes, vec![HashMap::new()]);
+        let floor = std::mem::take(&mut self.floor);
+        let outer = self.errors.enter(&name);
+        self.active.push(name.clone());
         let mistakes = self.errors.count();
-        let value = self.block_value(&helper.block);
-        self.scopes = outer;
-        self.active.pop();
+        let value = run(self);
         if self.errors.count() > mistakes {
-            self.broken.insert(name.to_owned());
+            self.broken.insert(name);
         }
+        self.active.pop();
+        self.errors.leave(outer);
+        self.floor = floor;
+        self.scopes = scopes;
         value
+    }
+
+    /// The name `K` of a helper `fn f<const K: usize>(x: [f64; K])` is the length of its argument.
+    fn bind_length(&mut self, ty: &syn::Type, value: &Value) {
+        let ty = match ty {
+            syn::Type::Reference(reference) => &*reference.elem,
+            other => other,
+        };
+        let (syn::Type::Array(array), Value::Array(values)) = (ty, value) else {
+            return;
+        };
+        if let Syntax::Path(path) = &array.len
+            && let Some(name) = path.path.get_ident()
+            && let Some(scope) = self.scopes.last_mut()
+        {
+            scope.insert(name.to_string(), Value::Int(values.len() as i64));
+        }
+        if let Some(first) = values.first() {
+            self.bind_length(&array.elem, first);
+        }
     }
 
     fn no_function(&mut self, name: &str, at: proc_macro2::Span) -> Value {

@@ -4,6 +4,8 @@ use syn::spanned::Spanned;
 use syn::{BinOp, Expr as Syntax, Lit, UnOp};
 
 use super::Lowering;
+use super::branches::Leaving;
+use super::calls::is_constant_name;
 use super::value::{FieldPath, Value};
 use crate::errors::nearest;
 
@@ -22,18 +24,27 @@ impl Lowering<'_> {
         if !self.tick(expr) {
             return Value::Poison;
         }
+        self.deeper(expr, |this| this.eval_inner(expr))
+            .unwrap_or(Value::Poison)
+    }
+
+    /// Runs something one level deeper, or reports that this is too deep.
+    pub(super) fn deeper<T>(
+        &mut self,
+        at: &impl Spanned,
+        run: impl FnOnce(&mut Self) -> T,
+    ) -> Option<T> {
         if self.depth >= DEPTH {
-            return self.refuse(
-                expr,
-                format!(
-                    "this expression is nested more than {DEPTH} deep: name parts of it with `let`"
-                ),
+            let message = format!(
+                "this expression is nested more than {DEPTH} deep: name parts of it with `let`"
             );
+            self.refuse(at, message);
+            return None;
         }
         self.depth += 1;
-        let value = self.eval_inner(expr);
+        let value = run(self);
         self.depth -= 1;
-        value
+        Some(value)
     }
 
     fn eval_inner(&mut self, expr: &Syntax) -> Value {
@@ -47,7 +58,15 @@ impl Lowering<'_> {
             Syntax::Path(path) => self.path(path),
             Syntax::Unary(unary) => self.unary(unary),
             Syntax::Binary(binary) => self.binary(binary),
-            Syntax::Field(_) | Syntax::Index(_) => self.entry(expr),
+            Syntax::Index(index) => match &*index.index {
+                Syntax::Range(range) => self.slice(&index.expr, range),
+                _ => self.entry(expr),
+            },
+            Syntax::Field(_) => self.entry(expr),
+            Syntax::Range(range) => self.range(range),
+            Syntax::If(branch) => self.branch(branch),
+            Syntax::Continue(e) if e.label.is_none() => self.leave(Leaving::Continue),
+            Syntax::Break(e) if e.label.is_none() && e.expr.is_none() => self.leave(Leaving::Break),
             Syntax::Cast(cast) => self.cast(cast),
             Syntax::Array(array) => {
                 Value::Array(array.elems.iter().map(|e| self.eval(e)).collect())
@@ -89,7 +108,10 @@ impl Lowering<'_> {
                 Ok(value) => Value::Int(value),
                 Err(_) => self.refuse(literal, "this integer is too large"),
             },
-            Lit::Float(_) => self.refuse(literal, "every number of a body is an `f64`"),
+            Lit::Float(_) => self.refuse(
+                literal,
+                "every number of a body is an `f64`: leave out the suffix",
+            ),
             _ => self.refuse(literal, "only numbers have a place here"),
         }
     }
@@ -115,6 +137,9 @@ impl Lowering<'_> {
                     format!("a constant of this block is written `Self::{name}`"),
                 );
             }
+            if is_constant_name(&name) {
+                return Value::Field(FieldPath::outside(path.clone()));
+            }
             let message = self.unknown(&name);
             return self.refuse(expr, message);
         }
@@ -123,21 +148,16 @@ impl Lowering<'_> {
 
     /// What to say of a name that is not a variable.
     fn unknown(&self, name: &str) -> String {
-        if super::calls::is_float_constant(name) {
-            return format!("`{name}` is not known here: write `std::f64::consts::{name}`");
-        }
         let mut known: Vec<&str> = self
             .scopes
             .iter()
             .flat_map(|scope| scope.keys().map(String::as_str))
             .collect();
         known.sort_unstable();
-        // a name in capitals is a constant from outside, not a misspelt variable
-        let constant = name.chars().all(|c| !c.is_lowercase());
-        match nearest(name, known).filter(|_| !constant) {
+        match nearest(name, known) {
             Some(near) => format!("`{name}` is not known here; did you mean `{near}`?"),
             None => format!(
-                "`{name}` is not known here, for only this `impl` block is seen: make it a field of the struct, or write `const {name}: f64 = …;` in this block and use `Self::{name}`"
+                "`{name}` is not known here: a parameter is a field of the struct, written `self.{name}`; a constant is written in capitals"
             ),
         }
     }
@@ -155,7 +175,10 @@ impl Lowering<'_> {
                 None => Value::Poison,
             },
             (UnOp::Deref(_), value) => value,
-            (op, _) => self.refuse(op, "this operator has no derivative"),
+            (op, _) => self.refuse(
+                op,
+                "`!` is for conditions on indices, `if !(i == j)`: it has no derivative",
+            ),
         }
     }
 
@@ -183,6 +206,9 @@ impl Lowering<'_> {
             }
         }
         if spine.is_empty() {
+            // for the mistakes in its operands
+            self.eval(&binary.left);
+            self.eval(&binary.right);
             return self.refuse(&binary.op, no_derivative(&binary.op));
         }
         let mut value = self.eval(&innermost.left);
@@ -251,6 +277,10 @@ impl Lowering<'_> {
             (Value::Poison, _) => Value::Poison,
             (Value::Int(i), "f64") => Value::Scalar(self.arena.constant(i as f64)),
             (Value::Int(i), "i64" | "i32" | "isize") => Value::Int(i),
+            (Value::Int(i), "i16") if i16::try_from(i).is_ok() => Value::Int(i),
+            (Value::Int(i), "i8") if i8::try_from(i).is_ok() => Value::Int(i),
+            (Value::Int(i), "u16") if u16::try_from(i).is_ok() => Value::Int(i),
+            (Value::Int(i), "u8") if u8::try_from(i).is_ok() => Value::Int(i),
             (Value::Int(i), "u64" | "u32" | "usize") if i >= 0 => Value::Int(i),
             (value, _) => {
                 let message = format!(
@@ -271,7 +301,10 @@ impl Lowering<'_> {
         if size > super::STEPS / 20 {
             return self.refuse(
                 &repeat.len,
-                format!("an array of {size} numbers is too large to unroll"),
+                format!(
+                    "an array of {size} numbers is too large to unroll; the limit is {}",
+                    super::STEPS / 20
+                ),
             );
         }
         if !self.work(size, &repeat.len) {
@@ -281,6 +314,9 @@ impl Lowering<'_> {
     }
 }
 
+/// What to say of a macro call.
+pub(super) const MACRO: &str = "a macro call cannot be differentiated: write the formula";
+
 /// Why `%` of numbers is refused.
 const REMAINDER: &str = "`%` is not smooth: an angle needs no reduction, use `sin` and `cos`";
 
@@ -289,9 +325,12 @@ fn no_derivative(op: &BinOp) -> &'static str {
     match op {
         BinOp::RemAssign(_) => REMAINDER,
         BinOp::Eq(_) | BinOp::Ne(_) | BinOp::Lt(_) | BinOp::Le(_) | BinOp::Gt(_) | BinOp::Ge(_) => {
-            "a comparison is not smooth: a Lagrangian is one formula everywhere; use a smooth transition such as `tanh`"
+            "a comparison has no value in a formula: use a smooth transition such as `tanh` (conditions on indices belong in `if`)"
         }
-        _ => "this operator has no derivative",
+        BinOp::BitXor(_) | BinOp::BitXorAssign(_) => {
+            "`^` is not a power in Rust: write `x.powi(2)`, or `x.powf(y)` for other exponents"
+        }
+        _ => "this operator is none of numbers: a formula has `+`, `-`, `*` and `/`",
     }
 }
 
@@ -319,13 +358,9 @@ fn compound(op: &BinOp) -> Option<char> {
 /// What to say of syntax outside the language, and at which token.
 fn refusal(expr: &Syntax) -> (proc_macro2::Span, &'static str) {
     match expr {
-        Syntax::If(e) => (
-            e.if_token.span,
-            "`if` is not smooth: a Lagrangian is one formula everywhere; use a smooth transition such as `tanh`",
-        ),
         Syntax::Match(e) => (
             e.match_token.span,
-            "`match` is not smooth: a Lagrangian is one formula everywhere",
+            "`match` is not smooth: a Lagrangian is one formula everywhere; on an index write `if i == 0 { … } else { … }`",
         ),
         Syntax::While(e) => (
             e.while_token.span,
@@ -337,38 +372,34 @@ fn refusal(expr: &Syntax) -> (proc_macro2::Span, &'static str) {
         ),
         Syntax::Closure(e) => (
             e.span(),
-            "closures are not understood: make it a function of this `impl` block, or a `for` loop",
+            "a closure is understood only where it is called, as in `.map(|x| x * x)`: make it a function of this `impl` block",
         ),
-        Syntax::Macro(e) => (
-            e.mac.path.span(),
-            "a macro call cannot be differentiated: write the formula",
-        ),
+        Syntax::Macro(e) => (e.mac.path.span(), MACRO),
         Syntax::Return(e) => (
             e.return_token.span,
             "`return` is not needed: end the body with the value",
         ),
         Syntax::Break(e) => (
             e.break_token.span,
-            "`break` is not understood: a body is straight-line code",
+            "`break` with a label or a value is not understood: shorten the loop's range",
         ),
         Syntax::Continue(e) => (
             e.continue_token.span,
-            "`continue` is not understood: a body is straight-line code",
+            "`continue` with a label is not understood: write a condition on the indices around the rest",
         ),
         Syntax::Unsafe(e) => (e.unsafe_token.span, "`unsafe` has no place in a formula"),
         Syntax::Try(e) => (
             e.question_token.span,
-            "`?` is not understood: a body is straight-line code",
+            "`?` leaves the function early: a body is straight-line code, leave it out",
         ),
         Syntax::Struct(e) => (
             e.path.span(),
-            "structures are not understood here: use arrays and tuples",
+            "structures are not understood here: use arrays and tuples, `(a, b)`",
         ),
         Syntax::Reference(e) => (
             e.and_token.span,
             "`&mut` is not understood: a helper returns what it computes",
         ),
-        Syntax::Range(e) => (e.span(), "a range stands only in a loop, `for i in A..B`"),
         other => (
             other.span(),
             "this expression is not understood: a body is made of `let`, arithmetic, arrays, `for` over constant bounds, helpers of this block and smooth `f64` functions",

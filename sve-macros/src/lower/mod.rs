@@ -4,10 +4,13 @@
 //! inlined, arrays and tuples are values. After a mistake the run goes on with a poisoned value, so that each mistake is
 //! reported once and independent ones together.
 
+mod branches;
 mod calls;
 mod expressions;
+mod floats;
 mod pattern;
 mod places;
+mod sequences;
 mod statements;
 mod value;
 
@@ -20,6 +23,7 @@ use crate::errors::Errors;
 use crate::model::{Generator, Meaning, Model, NoiseTerm, Symbols};
 use crate::parse::{Annotated, Part, Role};
 use crate::symbolic::{Arena, Expr, Symbol};
+use branches::Leaving;
 use value::{Shape, Value};
 
 /// Statements and expressions that one expansion may execute.
@@ -40,6 +44,10 @@ pub(crate) struct Lowering<'a> {
     scopes: Vec<HashMap<String, Value>>,
     /// Helpers and constants being evaluated, to notice recursion.
     active: Vec<String>,
+    /// Scopes below this one are around the closure that is being run.
+    floor: usize,
+    /// The round of a loop is being left.
+    leaving: Option<Leaving>,
     /// Helpers in which a mistake has been reported.
     broken: HashSet<String>,
     steps: usize,
@@ -47,34 +55,33 @@ pub(crate) struct Lowering<'a> {
     depth: usize,
 }
 
-/// Runs all parts of the block.
-pub(crate) fn lower(block: &Annotated, arena: &mut Arena) -> syn::Result<Model> {
+/// Runs all parts of the block; mistakes join those that `errors` has already.
+pub(crate) fn lower(block: &Annotated, arena: &mut Arena, errors: &mut Errors) -> Option<Model> {
     let mut lowering = Lowering {
         arena,
         symbols: Symbols::default(),
         parameters: HashMap::new(),
         parameter_names: HashSet::new(),
         block,
-        errors: Errors::new(),
+        errors: std::mem::take(errors),
         scopes: Vec::new(),
+        floor: 0,
+        leaving: None,
         active: Vec::new(),
         broken: HashSet::new(),
         steps: 0,
         depth: 0,
     };
     let model = lowering.model();
-    let Lowering {
-        errors, symbols, ..
-    } = lowering;
-    let parts = errors.finish(model)?;
-    parts
-        .map(|parts| Model { symbols, ..parts })
-        .ok_or_else(|| {
-            syn::Error::new(
-                block.lagrangian.name.span(),
-                "this Lagrangian cannot be read",
-            )
-        })
+    *errors = lowering.errors;
+    let symbols = lowering.symbols;
+    if model.is_none() && errors.count() == 0 {
+        errors.push(
+            block.lagrangian.name.span(),
+            "this Lagrangian cannot be read",
+        );
+    }
+    model.map(|parts| Model { symbols, ..parts })
 }
 
 impl Lowering<'_> {
@@ -148,6 +155,7 @@ impl Lowering<'_> {
     fn run(&mut self, part: &Part, shape: &Shape, time: Symbol, vectors: &[&[Symbol]]) -> Value {
         self.scopes = vec![HashMap::new()];
         self.active = vec![part.name.to_string()];
+        let outer = self.errors.enter(&part.name.to_string());
         let mut arguments = part.arguments.iter();
         if part.timed
             && let Some((pattern, _)) = arguments.next()
@@ -181,6 +189,7 @@ impl Lowering<'_> {
         if self.errors.count() > mistakes {
             self.broken.insert(part.name.to_string());
         }
+        self.errors.leave(outer);
         value
     }
 
@@ -205,11 +214,23 @@ impl Lowering<'_> {
         if self.shape(&part.output)? != Shape::Scalar {
             self.errors.push(
                 part.output.span(),
-                format!("`{}` must return `f64`", part.name),
+                format!("`{}` must return `f64`, one number: the energy of motion less that of position", part.name),
             );
             return None;
         }
-        self.scalar(value, &part.name)
+        self.result(part, value)
+    }
+
+    /// The expression of what a part returns, or an error at its last expression.
+    fn result(&mut self, part: &Part, value: &Value) -> Option<Expr> {
+        let outer = self.errors.enter(&part.name.to_string());
+        let result = match part.function.block.stmts.last() {
+            Some(syn::Stmt::Expr(_, Some(semicolon))) => self.scalar(value, semicolon),
+            Some(last) => self.scalar(value, last),
+            None => self.scalar(value, &part.name),
+        };
+        self.errors.leave(outer);
+        result
     }
 
     /// A vector of the shape of the coordinates.
@@ -298,7 +319,7 @@ impl Lowering<'_> {
             }
         };
         for (name, value) in components {
-            let Some(value) = self.scalar(&value, &part.name) else {
+            let Some(value) = self.result(part, &value) else {
                 continue;
             };
             let moves = self.arena.symbols_of(value).any(|s| {
@@ -330,19 +351,30 @@ impl Lowering<'_> {
     fn scalar(&mut self, value: &Value, at: &impl Spanned) -> Option<Expr> {
         match value {
             Value::Scalar(expr) => Some(*expr),
-            Value::Field(path) => Some(self.parameter(path)),
-            Value::Poison => None,
-            Value::Int(i) => {
+            Value::Field(path) if path.is_self() => {
                 self.errors.push(
                     at.span(),
-                    format!("an integer stands where an `f64` belongs: write `{i}.0`"),
+                    "`self` is not a number: write one of its fields, `self.name`",
                 );
                 None
             }
-            Value::Array(_) | Value::Tuple(_) | Value::Unit => {
+            Value::Field(path) => Some(self.parameter(path)),
+            Value::Poison => None,
+            Value::Int(i) => {
+                self.errors.push(at.span(), integer(*i));
+                None
+            }
+            Value::Array(_) | Value::Tuple(_) | Value::Sequence(_) | Value::Unit | Value::Unset => {
+                let hint = match value {
+                    Value::Array(_) => ": take an entry, such as `x[0]`",
+                    Value::Tuple(_) => ": take an entry, such as `x.0`",
+                    Value::Sequence(_) => ": end with `.sum::<f64>()`",
+                    Value::Unit => ": end with the value, without `;`",
+                    _ => ": assign to it first",
+                };
                 self.errors.push(
                     at.span(),
-                    format!("expected an `f64`, found {}", value.kind()),
+                    format!("expected an `f64`, found {}{hint}", value.kind()),
                 );
                 None
             }
@@ -386,13 +418,23 @@ impl Lowering<'_> {
         if self.steps < STEPS && self.arena.len() <= NODES {
             return true;
         }
+        let what = if self.steps < STEPS {
+            format!("more than {NODES} expressions, the limit of what is differentiated")
+        } else {
+            format!("more than {STEPS} steps of evaluation, the limit")
+        };
         self.steps = STEPS;
         self.errors.push(
             at.span(),
-            format!("this body is too large to unroll: more than {STEPS} steps or {NODES} expressions; use fewer or shorter loops"),
+            format!("this unrolls to {what}; use fewer or shorter loops"),
         );
         false
     }
+}
+
+/// What to say of an integer among numbers.
+fn integer(i: i64) -> String {
+    format!("an integer stands where an `f64` belongs: write `{i}.0`")
 }
 
 /// Source text of a type, for messages.
@@ -402,5 +444,9 @@ fn readable(ty: &impl ToTokens) -> String {
         .replace(" ;", ";")
         .replace(" [", "[")
         .replace("& ", "&")
+        .replace(" < ", "<")
+        .replace(" >", ">")
+        .replace(" ::", "::")
+        .replace(":: ", "::")
         .replace(" . ", ".")
 }

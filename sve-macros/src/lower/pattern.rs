@@ -1,23 +1,31 @@
 //! Patterns: names, tuples, arrays, `_`.
 
-use syn::Pat;
 use syn::spanned::Spanned;
+use syn::{Expr as Syntax, Pat, Type};
 
 use super::Lowering;
+use super::integer;
 use super::value::Value;
+use crate::parse::is_f64;
 
 impl Lowering<'_> {
     /// Binds the names of a pattern in the innermost scope.
     pub(super) fn bind(&mut self, pattern: &Pat, value: Value) {
         match pattern {
-            Pat::Ident(ident) if ident.subpat.is_none() => {
+            Pat::Ident(ident) => {
+                if let Some((_, inner)) = &ident.subpat {
+                    self.bind(inner, value.clone());
+                }
                 if let Some(scope) = self.scopes.last_mut() {
                     scope.insert(ident.ident.to_string(), value);
                 }
             }
-            Pat::Wild(_) => {}
+            Pat::Wild(_) | Pat::Rest(_) => {}
             Pat::Paren(inner) => self.bind(&inner.pat, value),
-            Pat::Type(typed) => self.bind(&typed.pat, value),
+            Pat::Type(typed) => {
+                let value = self.ascribed(value, &typed.ty);
+                self.bind(&typed.pat, value);
+            }
             Pat::Reference(reference) => self.bind(&reference.pat, value),
             Pat::Tuple(tuple) => self.bind_list(pattern, &tuple.elems, value, "tuple"),
             Pat::Slice(slice) => self.bind_list(pattern, &slice.elems, value, "array"),
@@ -48,12 +56,18 @@ impl Lowering<'_> {
         value: Value,
         wanted: &str,
     ) {
+        let rest = patterns.iter().position(is_rest);
         let values = match value {
             Value::Tuple(values) if wanted == "tuple" => values,
             Value::Array(values) if wanted == "array" => values,
-            Value::Field(path) if wanted == "array" => (0..patterns.len())
-                .map(|i| Value::Field(path.index(i)))
-                .collect(),
+            // a constant index from the end of a field's array is not known
+            Value::Field(path)
+                if wanted == "array" && rest.is_none_or(|at| at + 1 == patterns.len()) =>
+            {
+                (0..patterns.len())
+                    .map(|i| Value::Field(path.index(i)))
+                    .collect()
+            }
             Value::Poison => {
                 for pattern in patterns {
                     self.bind(pattern, Value::Poison);
@@ -74,36 +88,117 @@ impl Lowering<'_> {
                 return;
             }
         };
-        if values.len() != patterns.len() {
+        let named = patterns.len() - usize::from(rest.is_some());
+        if values.len() < named || (rest.is_none() && values.len() > named) {
             self.errors.push(
                 whole.span(),
                 format!(
-                    "this pattern has {} entries, and the value has {}: name each, or write `_`",
-                    patterns.len(),
+                    "this pattern has {}, and the value has {}: name each, or write `_` or `..`",
+                    entries(named),
                     values.len()
                 ),
             );
         }
+        let skipped = values.len().saturating_sub(named);
         let mut values = values.into_iter();
-        for pattern in patterns {
+        for (at, pattern) in patterns.iter().enumerate() {
+            if rest == Some(at) {
+                let middle: Vec<Value> = values.by_ref().take(skipped).collect();
+                if let Pat::Ident(name) = pattern
+                    && let Some(scope) = self.scopes.last_mut()
+                {
+                    scope.insert(name.ident.to_string(), Value::Array(middle));
+                }
+                continue;
+            }
             self.bind(pattern, values.next().unwrap_or(Value::Poison));
         }
     }
 
-    /// After a pattern that is not understood: its names hold errors, so that their uses report nothing.
-    fn poison_names(&mut self, pattern: &Pat) {
-        struct Names(Vec<String>);
-        impl<'ast> syn::visit::Visit<'ast> for Names {
-            fn visit_pat_ident(&mut self, ident: &'ast syn::PatIdent) {
-                self.0.push(ident.ident.to_string());
+    /// `let x;`: its names wait for values.
+    pub(super) fn declare(&mut self, pattern: &Pat) {
+        for name in names(pattern) {
+            if let Some(scope) = self.scopes.last_mut() {
+                scope.insert(name, Value::Unset);
             }
         }
-        let mut names = Names(Vec::new());
-        syn::visit::Visit::visit_pat(&mut names, pattern);
-        if let Some(scope) = self.scopes.last_mut() {
-            for name in names.0 {
+    }
+
+    /// A value where a type is written: no integer where that is `f64`.
+    pub(super) fn number(&mut self, value: Value, ty: &Type, at: &impl Spanned) -> Value {
+        match value {
+            Value::Int(i) if is_f64(ty) => self.refuse(at, integer(i)),
+            value => value,
+        }
+    }
+
+    /// A value of a type that is written beside it: an array of the struct's fields gets its length from there.
+    pub(super) fn ascribed(&mut self, value: Value, ty: &Type) -> Value {
+        match (value, ty) {
+            (value, Type::Reference(reference)) => self.ascribed(value, &reference.elem),
+            (Value::Field(path), Type::Array(array)) => match self.length_of_type(&array.len) {
+                Some(n) => Value::Array(
+                    (0..n)
+                        .map(|i| self.ascribed(Value::Field(path.index(i)), &array.elem))
+                        .collect(),
+                ),
+                None => Value::Field(path),
+            },
+            (value, _) => value,
+        }
+    }
+
+    /// A length that is a literal or made of constants of the block; silent about others, which are Rust's to know.
+    fn length_of_type(&mut self, length: &Syntax) -> Option<usize> {
+        let errors = std::mem::take(&mut self.errors);
+        let broken = self.broken.clone();
+        let value = self.eval(length);
+        self.errors = errors;
+        self.broken = broken;
+        match value {
+            Value::Int(n) if self.work(usize::try_from(n).ok()?, length) => usize::try_from(n).ok(),
+            _ => None,
+        }
+    }
+
+    /// After a pattern that is not understood: its names hold errors, so that their uses report nothing.
+    pub(super) fn poison_names(&mut self, pattern: &Pat) {
+        for name in names(pattern) {
+            if let Some(scope) = self.scopes.last_mut() {
                 scope.insert(name, Value::Poison);
             }
         }
     }
+}
+
+fn entries(n: usize) -> String {
+    match n {
+        1 => "1 entry".to_owned(),
+        _ => format!("{n} entries"),
+    }
+}
+
+/// `..` or `rest @ ..`.
+fn is_rest(pattern: &Pat) -> bool {
+    match pattern {
+        Pat::Rest(_) => true,
+        Pat::Ident(name) => name
+            .subpat
+            .as_ref()
+            .is_some_and(|(_, inner)| matches!(**inner, Pat::Rest(_))),
+        _ => false,
+    }
+}
+
+/// The names that a pattern binds.
+fn names(pattern: &Pat) -> Vec<String> {
+    struct Names(Vec<String>);
+    impl<'ast> syn::visit::Visit<'ast> for Names {
+        fn visit_pat_ident(&mut self, ident: &'ast syn::PatIdent) {
+            self.0.push(ident.ident.to_string());
+        }
+    }
+    let mut names = Names(Vec::new());
+    syn::visit::Visit::visit_pat(&mut names, pattern);
+    names.0
 }

@@ -47,9 +47,11 @@ impl Lowering<'_> {
 
     /// Assigns to a variable, an entry or a component.
     pub(super) fn store(&mut self, place: &Syntax, value: Value) {
-        if let Syntax::Tuple(_) | Syntax::Array(_) | Syntax::Infer(_) = place {
-            self.refuse(place, "assign to one variable at a time, or write `let`");
-            return;
+        match place {
+            Syntax::Infer(_) => return,
+            Syntax::Tuple(tuple) => return self.store_list(place, &tuple.elems, value),
+            Syntax::Array(array) => return self.store_list(place, &array.elems, value),
+            _ => {}
         }
         let Some((base, picks)) = self.picks(place) else {
             return;
@@ -61,19 +63,94 @@ impl Lowering<'_> {
             );
             return;
         };
-        let slot = self
-            .scopes
-            .iter_mut()
-            .rev()
-            .find_map(|scope| scope.get_mut(&name));
-        let Some(slot) = slot else {
+        let Some(at) = self.scopes.iter().rposition(|s| s.contains_key(&name)) else {
             self.refuse(base, "this variable is not known here");
+            return;
+        };
+        if at < self.floor {
+            self.refuse(
+                base,
+                "a closure that changes a variable around it is not understood: write a `for` loop",
+            );
+            return;
+        }
+        let Some(slot) = self.scopes[at].get_mut(&name) else {
             return;
         };
         match slot_of(slot, &picks) {
             Ok(Some(slot)) => *slot = value,
             Ok(None) => {}
             Err((span, message)) => self.errors.push(span, message),
+        }
+    }
+
+    /// `(a, b) = …` and `[a, b] = …`.
+    fn store_list(
+        &mut self,
+        whole: &Syntax,
+        places: &syn::punctuated::Punctuated<Syntax, syn::Token![,]>,
+        value: Value,
+    ) {
+        let values = match (value, whole) {
+            (Value::Tuple(values), Syntax::Tuple(_)) | (Value::Array(values), Syntax::Array(_))
+                if values.len() == places.len() =>
+            {
+                values
+            }
+            (Value::Poison, _) => vec![Value::Poison; places.len()],
+            (other, _) => {
+                let message = format!(
+                    "{} cannot be assigned to these {} places",
+                    other.kind(),
+                    places.len()
+                );
+                self.refuse(whole, message);
+                return;
+            }
+        };
+        for (place, value) in places.iter().zip(values) {
+            self.store(place, value);
+        }
+    }
+
+    /// `x[A..B]`.
+    pub(super) fn slice(&mut self, base: &Syntax, range: &syn::ExprRange) -> Value {
+        let value = self.eval(base);
+        let mut bound = |expr: &Option<Box<Syntax>>| match expr {
+            Some(expr) => self.index_value(expr).map(Some),
+            None => Some(None),
+        };
+        let Some((from, to)) = bound(&range.start).zip(bound(&range.end)) else {
+            return Value::Poison;
+        };
+        let from = from.unwrap_or(0);
+        let to = match range.limits {
+            syn::RangeLimits::Closed(_) => to.map(|to| to.saturating_add(1)),
+            syn::RangeLimits::HalfOpen(_) => to,
+        };
+        match value {
+            Value::Poison => Value::Poison,
+            Value::Array(values) => {
+                let n = values.len();
+                match values.get(from..to.unwrap_or(n)) {
+                    Some(part) => Value::Array(part.to_vec()),
+                    None => self.refuse(
+                        range,
+                        format!("this range is not within the array, which has {n} entries"),
+                    ),
+                }
+            }
+            Value::Field(path) => match to {
+                Some(to) if self.work(to, range) => {
+                    Value::Array((from..to).map(|i| Value::Field(path.index(i))).collect())
+                }
+                Some(_) => Value::Poison,
+                None => self.refuse(
+                    range,
+                    "the length of this field is not known to the macro: write both bounds",
+                ),
+            },
+            other => self.refuse(base, format!("{} cannot be indexed", other.kind())),
         }
     }
 
@@ -87,7 +164,7 @@ impl Lowering<'_> {
         let mut base = expr;
         loop {
             base = match base {
-                Syntax::Index(index) => {
+                Syntax::Index(index) if !matches!(*index.index, Syntax::Range(_)) => {
                     let at = self.index_value(&index.index)?;
                     picks.push(Pick::Index(at, index.index.span()));
                     &index.expr
@@ -112,7 +189,7 @@ impl Lowering<'_> {
             Value::Int(i) if i >= 0 => usize::try_from(i).ok(),
             Value::Poison => None,
             Value::Int(i) => {
-                self.refuse(expr, format!("index {i} is negative"));
+                self.refuse(expr, format!("index {i} is negative: begin the loop later, or write `(i + N - 1) % N` on a ring"));
                 None
             }
             other => {
@@ -198,6 +275,15 @@ fn no_member(value: &Value, pick: &Pick<'_>) -> Mistake {
     let kind = value.kind();
     match pick {
         Pick::Index(_, span) => (*span, format!("{kind} cannot be indexed")),
-        Pick::Member(member) => (member.span(), format!("{kind} has no such field")),
+        Pick::Member(member) => {
+            let entries = match value {
+                Value::Tuple(values) if !values.is_empty() => {
+                    format!(": its entries are `.0` to `.{}`", values.len() - 1)
+                }
+                Value::Array(_) => ": its entries are `[0]`, `[1]`, …".to_owned(),
+                _ => String::new(),
+            };
+            (member.span(), format!("{kind} has no such entry{entries}"))
+        }
     }
 }

@@ -2,15 +2,24 @@
 
 use std::collections::HashMap;
 
-use syn::{Block, Expr as Syntax, ExprForLoop, RangeLimits, Stmt};
+use syn::{Block, Expr as Syntax, ExprForLoop, Item, Pat, RangeLimits, Stmt, UseTree};
 
 use super::Lowering;
+use super::branches::Leaving;
+use super::calls::float_constant;
+use super::expressions::MACRO;
 use super::value::Value;
 
 impl Lowering<'_> {
     /// Runs a block in a scope of its own; the value of its last expression.
     pub(super) fn block_value(&mut self, block: &Block) -> Value {
         self.scopes.push(HashMap::new());
+        // items hold in all of the block
+        for statement in &block.stmts {
+            if let Stmt::Item(item) = statement {
+                self.item(item);
+            }
+        }
         let mut last = Value::Unit;
         for statement in &block.stmts {
             if !self.tick(statement) {
@@ -18,6 +27,9 @@ impl Lowering<'_> {
                 break;
             }
             last = self.statement(statement);
+            if self.leaving.is_some() {
+                break;
+            }
         }
         self.scopes.pop();
         last
@@ -27,9 +39,22 @@ impl Lowering<'_> {
         match statement {
             Stmt::Local(local) => {
                 let value = match &local.init {
-                    Some(init) if init.diverge.is_none() => self.eval(&init.expr),
-                    Some(_) => self.refuse(local, "`let … else` branches: a body is straight-line code"),
-                    None => self.refuse(local, "give this variable a value where it is declared, as in `let mut x = 0.0;`"),
+                    Some(init) if init.diverge.is_none() => {
+                        let value = self.eval(&init.expr);
+                        match &local.pat {
+                            Pat::Type(typed) => self.number(value, &typed.ty, &init.expr),
+                            _ => value,
+                        }
+                    }
+                    Some(_) => {
+                        self.poison_names(&local.pat);
+                        return self
+                            .refuse(local, "`let … else` branches: a body is straight-line code");
+                    }
+                    None => {
+                        self.declare(&local.pat);
+                        return Value::Unit;
+                    }
                 };
                 self.bind(&local.pat, value);
                 Value::Unit
@@ -42,28 +67,64 @@ impl Lowering<'_> {
                     (Some(_), _) => Value::Unit,
                 }
             }
-            Stmt::Item(item) => self.refuse(item, "items inside a body are not seen: make it a function or constant of this `impl` block"),
-            Stmt::Macro(mac) => self.refuse(&mac.mac.path, "a macro call cannot be differentiated: write the formula"),
+            Stmt::Item(_) => Value::Unit,
+            Stmt::Macro(mac) => self.refuse(&mac.mac.path, MACRO),
+        }
+    }
+
+    /// An item inside a body: `const` and `use` of `std::f64::consts`.
+    fn item(&mut self, item: &Item) {
+        match item {
+            Item::Const(constant) => {
+                let value = self.eval(&constant.expr);
+                if let Some(scope) = self.scopes.last_mut() {
+                    scope.insert(constant.ident.to_string(), value);
+                }
+            }
+            Item::Use(import) => self.import(&import.tree),
+            _ => {
+                if let (Item::Fn(function), Some(scope)) = (item, self.scopes.last_mut()) {
+                    scope.insert(function.sig.ident.to_string(), Value::Poison);
+                }
+                self.refuse(item, "items inside a body are not seen: make it a function or constant of this `impl` block");
+            }
+        }
+    }
+
+    /// `use std::f64::consts::{PI, TAU}`; names of other things are left to their uses.
+    fn import(&mut self, tree: &UseTree) {
+        let mut tree = tree;
+        let mut path = Vec::new();
+        while let UseTree::Path(step) = tree {
+            path.push(step.ident.to_string());
+            tree = &step.tree;
+        }
+        let path: Vec<&str> = path.iter().map(String::as_str).collect();
+        let ["std" | "core", "f64", "consts"] = path.as_slice() else {
+            return;
+        };
+        let trees: Vec<&UseTree> = match tree {
+            UseTree::Group(group) => group.items.iter().collect(),
+            one => vec![one],
+        };
+        for tree in trees {
+            let (name, alias) = match tree {
+                UseTree::Name(name) => (name.ident.to_string(), name.ident.to_string()),
+                UseTree::Rename(rename) => (rename.ident.to_string(), rename.rename.to_string()),
+                _ => continue,
+            };
+            if let Some(value) = float_constant(&name) {
+                let value = Value::Scalar(self.arena.constant(value));
+                if let Some(scope) = self.scopes.last_mut() {
+                    scope.insert(alias, value);
+                }
+            }
         }
     }
 
     pub(super) fn for_loop(&mut self, for_loop: &ExprForLoop) -> Value {
-        let items = match &*for_loop.expr {
-            Syntax::Range(range) => self.range(range),
-            other => match self.eval(other) {
-                Value::Array(values) => Some(values),
-                Value::Poison => None,
-                value => {
-                    let message = format!(
-                        "a loop runs over a range `A..B` with bounds known at compile time or over an array, and this is {}",
-                        value.kind()
-                    );
-                    self.refuse(other, message);
-                    None
-                }
-            },
-        };
-        let Some(items) = items else {
+        let items = self.argument(&for_loop.expr);
+        let Some(items) = self.items(&items, None) else {
             return Value::Poison;
         };
         let mistakes = self.errors.count();
@@ -79,50 +140,49 @@ impl Lowering<'_> {
                 // the same mistake in the next round would be the same error
                 return Value::Poison;
             }
+            if self.leaving.take() == Some(Leaving::Break) {
+                break;
+            }
         }
         Value::Unit
     }
 
-    fn range(&mut self, range: &syn::ExprRange) -> Option<Vec<Value>> {
+    /// `A..B` and `A..=B`: an iterator.
+    pub(super) fn range(&mut self, range: &syn::ExprRange) -> Value {
         let (Some(start), Some(end)) = (&range.start, &range.end) else {
-            self.refuse(range, "a loop needs both bounds: `A..B`");
-            return None;
+            return self.refuse(
+                range,
+                "both bounds are needed, `A..B`: to count, use `enumerate`",
+            );
         };
-        let (from, to) = (self.eval(start), self.eval(end));
-        match (from, to) {
-            (Value::Int(from), Value::Int(to)) => {
-                let to = match range.limits {
-                    RangeLimits::HalfOpen(_) => to,
-                    RangeLimits::Closed(_) => to.saturating_add(1),
-                };
-                if to.saturating_sub(from) > super::STEPS as i64 {
-                    self.refuse(
-                        range,
-                        format!(
-                            "this loop has {} rounds, too many to unroll; the limit is {}",
-                            to.saturating_sub(from),
-                            super::STEPS
-                        ),
-                    );
-                    return None;
-                }
-                Some((from..to).map(Value::Int).collect())
-            }
-            (Value::Poison, _) | (_, Value::Poison) => None,
-            (Value::Int(_), other) => {
+        let Some((from, to)) = self.bound(start).zip(self.bound(end)) else {
+            return Value::Poison;
+        };
+        let to = match range.limits {
+            RangeLimits::HalfOpen(_) => to,
+            RangeLimits::Closed(_) => to.saturating_add(1),
+        };
+        let rounds = to.saturating_sub(from);
+        if rounds > super::STEPS as i64 {
+            let message = format!(
+                "this range has {rounds} rounds, too many to unroll; the limit is {}",
+                super::STEPS
+            );
+            return self.refuse(range, message);
+        }
+        Value::Sequence((from..to).map(Value::Int).collect())
+    }
+
+    fn bound(&mut self, expr: &Syntax) -> Option<i64> {
+        match self.eval(expr) {
+            Value::Int(bound) => Some(bound),
+            Value::Poison => None,
+            other => {
                 let message = format!(
-                    "the bounds of a loop must be known at compile time (a literal, `q.len()`, a constant of this block), and this is {}",
+                    "the bounds of a loop must be known at compile time (a literal, `q.len()`, a constant `Self::N` of this block), and this is {}",
                     other.kind()
                 );
-                self.refuse(end, message);
-                None
-            }
-            (other, _) => {
-                let message = format!(
-                    "the bounds of a loop must be known at compile time (a literal, a constant of this block), and this is {}",
-                    other.kind()
-                );
-                self.refuse(start, message);
+                self.refuse(expr, message);
                 None
             }
         }

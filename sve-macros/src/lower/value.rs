@@ -1,7 +1,7 @@
 //! What a variable of a body can hold while it is run symbolically.
 
-use proc_macro2::{Ident, Literal, TokenStream};
-use quote::quote;
+use proc_macro2::{Ident, Literal, Span, TokenStream};
+use quote::{quote, quote_spanned};
 use syn::spanned::Spanned;
 use syn::{Expr as Syntax, Type};
 
@@ -10,7 +10,7 @@ use crate::parse::is_f64;
 use crate::symbolic::Expr;
 
 /// A value.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub(super) enum Value {
     /// An `f64`.
     Scalar(Expr),
@@ -18,9 +18,13 @@ pub(super) enum Value {
     Int(i64),
     Array(Vec<Value>),
     Tuple(Vec<Value>),
-    /// A field of the user's struct: a number or an array, which its use decides.
+    /// An iterator: the list of its items.
+    Sequence(Vec<Value>),
+    /// A field of the user's struct, or a constant from outside the block: a number or an array, which its use decides.
     Field(FieldPath),
     Unit,
+    /// A variable that has been declared and not yet assigned to.
+    Unset,
     /// The result of a mistake that has been reported.
     Poison,
 }
@@ -29,7 +33,7 @@ impl Value {
     /// Numbers in it.
     pub(super) fn entries(&self) -> usize {
         match self {
-            Self::Array(values) | Self::Tuple(values) => {
+            Self::Array(values) | Self::Tuple(values) | Self::Sequence(values) => {
                 1 + values.iter().map(Self::entries).sum::<usize>()
             }
             _ => 1,
@@ -42,20 +46,24 @@ impl Value {
             Self::Int(i) => format!("the integer {i}"),
             Self::Array(values) => format!("an array of {}", values.len()),
             Self::Tuple(values) => format!("a tuple of {}", values.len()),
-            Self::Field(path) => format!("the field `{}`", super::readable(&path.access())),
+            Self::Sequence(values) => format!("an iterator over {}", values.len()),
+            Self::Field(path) => path.kind(),
             Self::Unit => "nothing".to_owned(),
+            Self::Unset => "a variable without a value".to_owned(),
             Self::Poison => "an error".to_owned(),
         }
     }
 }
 
-/// `self.a`, `self.m[2]`, `self.body.mass`.
-#[derive(Clone, Debug)]
+/// `self.a`, `self.m[2]`, `self.body.mass`; `GRAVITY`, `constants::MASSES[2]`.
+#[derive(Clone)]
 pub(super) struct FieldPath {
+    /// A constant from outside the block; `self` if there is none.
+    outside: Option<syn::Path>,
     steps: Vec<FieldStep>,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 enum FieldStep {
     Named(Ident),
     Numbered(u32),
@@ -63,8 +71,36 @@ enum FieldStep {
 }
 
 impl FieldPath {
+    /// `self`.
     pub(super) fn new() -> Self {
-        Self { steps: Vec::new() }
+        Self {
+            outside: None,
+            steps: Vec::new(),
+        }
+    }
+
+    /// A constant from outside the block.
+    pub(super) fn outside(path: syn::Path) -> Self {
+        Self {
+            outside: Some(path),
+            steps: Vec::new(),
+        }
+    }
+
+    /// What it is, for messages.
+    pub(super) fn kind(&self) -> String {
+        let path = super::readable(&self.access());
+        match (&self.outside, self.steps.is_empty()) {
+            (Some(_), _) => {
+                format!("`{path}`, a constant from outside this block, whose value is not seen")
+            }
+            (None, true) => "`self`".to_owned(),
+            (None, false) => format!("the field `{path}`"),
+        }
+    }
+
+    pub(super) fn is_self(&self) -> bool {
+        self.outside.is_none() && self.steps.is_empty()
     }
 
     pub(super) fn member(&self, member: &syn::Member) -> Self {
@@ -79,14 +115,24 @@ impl FieldPath {
     }
 
     fn then(&self, step: FieldStep) -> Self {
-        let mut steps = self.steps.clone();
-        steps.push(step);
-        Self { steps }
+        let mut longer = self.clone();
+        longer.steps.push(step);
+        longer
     }
 
     /// The expression that reads it.
     pub(super) fn access(&self) -> TokenStream {
-        let mut tokens = quote!(self);
+        let mut tokens = match &self.outside {
+            Some(path) => quote!(#path),
+            None => {
+                // for errors that the compiler has with the field
+                let at = match self.steps.first() {
+                    Some(FieldStep::Named(name)) => name.span().resolved_at(Span::call_site()),
+                    _ => Span::call_site(),
+                };
+                quote_spanned!(at=> self)
+            }
+        };
         for step in &self.steps {
             match step {
                 FieldStep::Named(name) => tokens.extend(quote!(. #name)),
@@ -105,15 +151,14 @@ impl FieldPath {
 
     /// A name for generated code: `m_2`.
     pub(super) fn name(&self) -> String {
-        let parts: Vec<String> = self
-            .steps
-            .iter()
-            .map(|step| match step {
-                FieldStep::Named(name) => name.to_string().trim_start_matches("r#").to_owned(),
-                FieldStep::Numbered(index) => index.to_string(),
-                FieldStep::Index(index) => index.to_string(),
-            })
-            .collect();
+        let plain = |name: &Ident| name.to_string().trim_start_matches("r#").to_owned();
+        let path = self.outside.iter().flat_map(|path| &path.segments);
+        let steps = self.steps.iter().map(|step| match step {
+            FieldStep::Named(name) => plain(name),
+            FieldStep::Numbered(index) => index.to_string(),
+            FieldStep::Index(index) => index.to_string(),
+        });
+        let parts: Vec<String> = path.map(|s| plain(&s.ident)).chain(steps).collect();
         parts.join("_")
     }
 }
@@ -194,13 +239,15 @@ impl Lowering<'_> {
     }
 
     fn length(&mut self, expr: &Syntax) -> Option<usize> {
-        if let Syntax::Path(path) = expr
-            && let Some(name) = path.path.get_ident()
-        {
-            self.refuse(
-                expr,
-                format!("`{name}` is not known here, for only this `impl` block is seen: write `const {name}: usize = …;` in this block and use `Self::{name}`"),
-            );
+        if let Some(name) = bare_name(expr) {
+            let message = if self.constant_named(&name.to_string()).is_some() {
+                format!("a constant of this block is written `Self::{name}`")
+            } else {
+                format!(
+                    "`{name}` is not known here, for only this `impl` block is seen: write `const {name}: usize = …;` in this block and use `Self::{name}`"
+                )
+            };
+            self.refuse(name, message);
             return None;
         }
         self.scopes.push(std::collections::HashMap::new());
@@ -217,5 +264,16 @@ impl Lowering<'_> {
                 None
             }
         }
+    }
+}
+
+/// A name that stands alone in a length.
+fn bare_name(expr: &Syntax) -> Option<&Ident> {
+    match expr {
+        Syntax::Path(path) => path.path.get_ident(),
+        Syntax::Binary(binary) => bare_name(&binary.left).or_else(|| bare_name(&binary.right)),
+        Syntax::Paren(inner) => bare_name(&inner.expr),
+        Syntax::Cast(cast) => bare_name(&cast.expr),
+        _ => None,
     }
 }

@@ -276,6 +276,10 @@ impl Reduced<'_> {
     fn best(&mut self, candidates: &mut [Candidate]) -> Option<(usize, Pivot)> {
         let mut best: Option<(usize, usize, Pivot)> = None;
         for (row, candidate) in candidates.iter_mut().enumerate() {
+            self.arena.spend(1);
+            if self.arena.is_exhausted() {
+                return None;
+            }
             let present = candidate.present.len();
             if best.is_some_and(|b| b.0 <= present) {
                 continue;

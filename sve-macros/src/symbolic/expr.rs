@@ -92,6 +92,12 @@ pub(crate) enum Node {
     Opaque(Expr),
 }
 
+/// What a new node costs of the budget, since it is likely to be differentiated, scheduled and printed.
+const NODE: usize = 1_000;
+
+/// What each of its operands adds.
+const OPERAND: usize = 300;
+
 /// The symbols that an expression contains, as an index of interned sets.
 type SetId = u32;
 
@@ -106,6 +112,8 @@ pub(crate) struct Arena {
     pub(super) derivatives: Map<(Expr, Symbol), Expr>,
     /// What the walks have seen.
     marks: Cell<Marks>,
+    /// Work that may still be done: `budget`.
+    pub(super) budget: Cell<usize>,
 }
 
 /// Marks of a walk: a node is marked where it has the number of the walk.
@@ -125,6 +133,7 @@ impl Arena {
             set_names: Map::from_iter([(Vec::new(), 0)]),
             derivatives: Map::default(),
             marks: Cell::default(),
+            budget: Cell::new(usize::MAX),
         }
     }
 
@@ -178,7 +187,13 @@ impl Arena {
         if let Some(&expr) = self.names.get(&node) {
             return expr;
         }
+        let mut size = 0;
+        each_operand(&node, |_| size += 1);
+        if self.is_exhausted() && size > 0 {
+            return self.intern(Node::Constant(Bits::new(0.0)));
+        }
         let set = self.content_of(&node);
+        self.spend(NODE + OPERAND * size + self.sets[set as usize].len());
         let expr = Expr(self.nodes.len() as u32);
         self.nodes.push(node.clone());
         self.contents.push(set);
@@ -224,10 +239,14 @@ impl Arena {
 
     /// Everything that `roots` are made of and `wanted` accepts, operands before users.
     pub(crate) fn reachable(&self, roots: &[Expr], wanted: impl Fn(Expr) -> bool) -> Vec<Expr> {
+        if self.is_exhausted() {
+            return Vec::new();
+        }
         // a walk within `wanted` would find no marks, and make its own
         let mut marks = self.marks.take();
         marks.walk += 1;
         marks.of.resize(self.nodes.len(), 0);
+        let mut work = 1;
         let mut stack: Vec<Expr> = Vec::new();
         let mut found = Vec::new();
         let visit = |expr: Expr, marks: &mut Marks, stack: &mut Vec<Expr>| {
@@ -243,10 +262,12 @@ impl Arena {
         while let Some(expr) = stack.pop() {
             found.push(expr);
             each_operand(self.node(expr), |operand| {
+                work += 1;
                 visit(operand, &mut marks, &mut stack);
             });
         }
         self.marks.set(marks);
+        self.spend(work);
         found.sort_unstable();
         found
     }

@@ -4,6 +4,7 @@
 //! equal expressions are mostly equal names; what these rules miss is decided numerically (`zero`). Before they are computed,
 //! expressions are put into forms that do not cancel (`stable`).
 
+mod budget;
 mod diff;
 mod display;
 mod expr;

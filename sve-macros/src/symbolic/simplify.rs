@@ -42,6 +42,7 @@ impl Arena {
                 _ => flat.push((term, c)),
             }
         }
+        self.spend(flat.len());
         flat.sort_by_key(|t| t.0);
         let mut merged: Vec<(Expr, f64)> = Vec::with_capacity(flat.len());
         for (term, c) in flat {
@@ -96,6 +97,7 @@ impl Arena {
         let mut open: Vec<(Expr, i32)> = factors.iter().rev().copied().collect();
         loop {
             while let Some((base, k)) = open.pop() {
+                self.spend(1);
                 match self.node(base).clone() {
                     Node::Constant(value) => coefficient *= value.get().powi(k),
                     Node::Product(list) if list.iter().all(|f| moderate(f.1, k)) => {

@@ -120,6 +120,10 @@ impl Arena {
             let form = forms.form(e);
             forms.done.insert(e, form);
         }
+        // a walk without budget finds nothing
+        for &root in roots {
+            forms.done.entry(root).or_insert(root);
+        }
         (forms.done, forms.replaced)
     }
 

@@ -28,6 +28,9 @@ impl Arena {
         if let Some(value) = self.constant_value(expr) {
             return value == 0.0;
         }
+        if self.is_exhausted() {
+            return true;
+        }
         let nodes = self.reachable(&[expr], |_| true);
         let mut held = 0;
         for attempt in 0..ATTEMPTS {
@@ -62,6 +65,7 @@ impl Arena {
     /// The values of `exprs` at random points where all of them are defined; what is within its rounding error is zero.
     pub(crate) fn samples<'a>(&'a self, exprs: &'a [Expr]) -> impl Iterator<Item = Vec<f64>> + 'a {
         let nodes = self.reachable(exprs, |_| true);
+        let attempts = if self.is_exhausted() { 0 } else { ATTEMPTS };
         let defined = move |attempt| {
             let at = self.evaluate_bounded(&nodes, attempt);
             let value = |e: &Expr| {
@@ -75,7 +79,7 @@ impl Arena {
             };
             exprs.iter().map(value).collect::<Option<Vec<f64>>>()
         };
-        (0..ATTEMPTS).filter_map(defined).take(POINTS)
+        (0..attempts).filter_map(defined).take(POINTS)
     }
 
     /// The value of `expr` at a point.
@@ -97,6 +101,7 @@ impl Arena {
     }
 
     fn evaluate_nodes(&self, nodes: &[Expr], at: impl Fn(Symbol) -> f64) -> Map<Expr, Rounded> {
+        self.spend(4 * nodes.len());
         let mut values: Map<Expr, Rounded> = Map::default();
         values.reserve(nodes.len());
         for &e in nodes {

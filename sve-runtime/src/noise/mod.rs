@@ -59,6 +59,11 @@ pub use wiener::Wiener;
 /// assert_eq!(dw, [0.5]);
 /// # Ok::<(), NoiseError>(())
 /// ```
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a source of Wiener increments",
+    label = "expected a source, such as `Wiener::new(42)`",
+    note = "sources are `Wiener::new(seed)`, `Recorded`, `Truncated`, `FromRng`, and `NoNoise` for systems without noise terms"
+)]
 pub trait Noise {
     /// Fills `dw` with the increments of every process over step number `step` (from 0) of length `h`,
     /// each of variance `h`.

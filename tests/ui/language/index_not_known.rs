@@ -2,17 +2,16 @@ use sve_runtime::prelude::*;
 
 struct Pendulum {
     g: f64,
+    which: usize,
 }
 
 #[variational(midpoint)]
 impl Pendulum {
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
-        let sum;
-        sum = v[0] * v[0] + v[1] * v[1];
-        sum - self.g * q[0] * q[1]
+        v[0] * v[0] + v[1] * v[1] - self.g * q[self.which]
     }
 }
 
 fn main() {
-    let _ = Integrator::new(Pendulum { g: 1.0 }, Midpoint);
+    let _ = Integrator::new(Pendulum { g: 1.0, which: 0 }, Midpoint);
 }

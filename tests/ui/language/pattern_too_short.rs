@@ -1,7 +1,5 @@
 use sve_runtime::prelude::*;
 
-const STIFFNESS: f64 = 2.0;
-
 struct Pendulum {
     g: f64,
 }
@@ -9,7 +7,8 @@ struct Pendulum {
 #[variational(midpoint)]
 impl Pendulum {
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
-        v[0] * v[0] + v[1] * v[1] - STIFFNESS * self.g * q[0] * q[1]
+        let [x] = q;
+        v[0] * v[0] + v[1] * v[1] - self.g * x
     }
 }
 

@@ -1,0 +1,98 @@
+//! What the macro decides while it unrolls: `if` on integers known at compile time, `continue` and `break`.
+//!
+//! A condition on a coordinate or parameter is refused: a Lagrangian is one formula everywhere.
+
+use syn::{BinOp, Expr as Syntax, Lit, UnOp};
+
+use super::Lowering;
+use super::value::Value;
+
+/// Why a condition has no value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Undecided {
+    /// It depends on what is not known at compile time.
+    Unknown,
+    /// A mistake in it has been reported.
+    Reported,
+}
+
+/// How a loop's round was left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Leaving {
+    Continue,
+    Break,
+}
+
+impl Lowering<'_> {
+    pub(super) fn branch(&mut self, branch: &syn::ExprIf) -> Value {
+        match self.decide(&branch.cond) {
+            Ok(true) => self.block_value(&branch.then_branch),
+            Ok(false) => match &branch.else_branch {
+                Some((_, other)) => self.eval(other),
+                None => Value::Unit,
+            },
+            Err(Undecided::Reported) => Value::Poison,
+            Err(Undecided::Unknown) => self.refuse(
+                &branch.if_token,
+                "`if` on a number is not smooth: a Lagrangian is one formula everywhere; use a smooth transition such as `tanh` (conditions on indices, `if i != j`, are understood)",
+            ),
+        }
+    }
+
+    /// Whether a condition on integers holds.
+    pub(super) fn decide(&mut self, condition: &Syntax) -> Result<bool, Undecided> {
+        if !self.tick(condition) {
+            return Err(Undecided::Reported);
+        }
+        match condition {
+            Syntax::Paren(inner) => self.decide_deeper(&inner.expr),
+            Syntax::Group(inner) => self.decide_deeper(&inner.expr),
+            Syntax::Unary(unary) if matches!(unary.op, UnOp::Not(_)) => {
+                self.decide_deeper(&unary.expr).map(|holds| !holds)
+            }
+            Syntax::Lit(literal) => match &literal.lit {
+                Lit::Bool(value) => Ok(value.value),
+                _ => Err(Undecided::Unknown),
+            },
+            Syntax::Binary(binary) => match binary.op {
+                BinOp::And(_) => {
+                    Ok(self.decide_deeper(&binary.left)? && self.decide_deeper(&binary.right)?)
+                }
+                BinOp::Or(_) => {
+                    Ok(self.decide_deeper(&binary.left)? || self.decide_deeper(&binary.right)?)
+                }
+                _ => self.compare(binary),
+            },
+            _ => Err(Undecided::Unknown),
+        }
+    }
+
+    fn decide_deeper(&mut self, condition: &Syntax) -> Result<bool, Undecided> {
+        self.deeper(condition, |this| this.decide(condition))
+            .unwrap_or(Err(Undecided::Reported))
+    }
+
+    fn compare(&mut self, binary: &syn::ExprBinary) -> Result<bool, Undecided> {
+        let (left, right) = (self.eval(&binary.left), self.eval(&binary.right));
+        let (a, b) = match (left, right) {
+            (Value::Int(a), Value::Int(b)) => (a, b),
+            (Value::Poison, _) | (_, Value::Poison) => return Err(Undecided::Reported),
+            _ => return Err(Undecided::Unknown),
+        };
+        match binary.op {
+            BinOp::Eq(_) => Ok(a == b),
+            BinOp::Ne(_) => Ok(a != b),
+            BinOp::Lt(_) => Ok(a < b),
+            BinOp::Le(_) => Ok(a <= b),
+            BinOp::Gt(_) => Ok(a > b),
+            BinOp::Ge(_) => Ok(a >= b),
+            _ => Err(Undecided::Unknown),
+        }
+    }
+
+    /// `continue` or `break`: nothing more of the loop's body is run.
+    pub(super) fn leave(&mut self, leaving: Leaving) -> Value {
+        self.leaving = Some(leaving);
+        Value::Poison
+    }
+}

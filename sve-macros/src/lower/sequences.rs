@@ -1,0 +1,380 @@
+//! Iterators over what is known at compile time, and the closures that their methods take.
+//!
+//! An iterator is the list of its items. Items are computed at once rather than when they are asked for, which makes no
+//! difference since closures that assign to variables around them are refused.
+
+use std::collections::HashMap;
+
+use proc_macro2::Span;
+use syn::spanned::Spanned;
+use syn::{Expr as Syntax, ExprMethodCall};
+
+use super::Lowering;
+use super::branches::Undecided;
+use super::calls::Argument;
+use super::value::{FieldPath, Value};
+
+/// Methods of arrays and iterators that are understood.
+const METHODS: &[&str] = &[
+    "iter",
+    "into_iter",
+    "copied",
+    "cloned",
+    "len",
+    "as_flattened",
+    "rev",
+    "enumerate",
+    "flatten",
+    "zip",
+    "chain",
+    "map",
+    "flat_map",
+    "filter",
+    "skip",
+    "take",
+    "step_by",
+    "windows",
+    "chunks",
+    "chunks_exact",
+    "sum",
+    "product",
+    "fold",
+];
+
+impl Lowering<'_> {
+    /// A method of an array or an iterator; nothing if the receiver is neither.
+    pub(super) fn sequence_method(
+        &mut self,
+        call: &ExprMethodCall,
+        receiver: &Argument,
+    ) -> Option<Value> {
+        let name = call.method.to_string();
+        let known = METHODS.contains(&name.as_str());
+        let items = match &receiver.value {
+            Value::Array(items) | Value::Sequence(items) => items.clone(),
+            Value::Field(path) if known => return Some(self.of_field(call, path)),
+            _ => return None,
+        };
+        if !known {
+            return Some(self.refuse(&call.method, not_understood(&name)));
+        }
+        if !self.work(items.len(), call) {
+            return Some(Value::Poison);
+        }
+        let is_array = matches!(receiver.value, Value::Array(_));
+        let arguments: Vec<&Syntax> = call.args.iter().collect();
+        Some(match (name.as_str(), arguments.as_slice()) {
+            ("len", []) => Value::Int(items.len() as i64),
+            ("iter" | "into_iter" | "copied" | "cloned", []) => Value::Sequence(items),
+            ("map", [function]) => match self.mapped(items, function) {
+                Some(items) if is_array => Value::Array(items),
+                Some(items) => Value::Sequence(items),
+                None => Value::Poison,
+            },
+            ("windows" | "chunks" | "chunks_exact", [length]) => self.pieces(&name, &items, length),
+            ("as_flattened", []) => match self.flattened(items, call.method.span()) {
+                Some(items) => Value::Array(items),
+                None => Value::Poison,
+            },
+            ("sum" | "product", []) => self.total(call, items),
+            ("fold", [start, function]) => self.fold(items, start, function),
+            (_, arguments) => match self.adapted(call, items, arguments) {
+                Some(items) => Value::Sequence(items),
+                None => Value::Poison,
+            },
+        })
+    }
+
+    /// Methods that turn an iterator into another.
+    fn adapted(
+        &mut self,
+        call: &ExprMethodCall,
+        items: Vec<Value>,
+        arguments: &[&Syntax],
+    ) -> Option<Vec<Value>> {
+        let name = call.method.to_string();
+        Some(match (name.as_str(), arguments) {
+            ("rev", []) => items.into_iter().rev().collect(),
+            ("enumerate", []) => items
+                .into_iter()
+                .enumerate()
+                .map(|(i, item)| Value::Tuple(vec![Value::Int(i as i64), item]))
+                .collect(),
+            ("flatten", []) => self.flattened(items, call.method.span())?,
+            ("flat_map", [function]) => {
+                let items = self.mapped(items, function)?;
+                self.flattened(items, call.method.span())?
+            }
+            ("zip", [other]) => {
+                let other = self.argument(other);
+                let others = self.items(&other, Some(items.len()))?;
+                items
+                    .into_iter()
+                    .zip(others)
+                    .map(|(a, b)| Value::Tuple(vec![a, b]))
+                    .collect()
+            }
+            ("chain", [other]) => {
+                let other = self.argument(other);
+                let others = self.items(&other, None)?;
+                items.into_iter().chain(others).collect()
+            }
+            ("filter", [function]) => self.filtered(items, function)?,
+            ("skip", [count]) => {
+                let count = self.index_value(count)?;
+                items.into_iter().skip(count).collect()
+            }
+            ("take", [count]) => {
+                let count = self.index_value(count)?;
+                items.into_iter().take(count).collect()
+            }
+            ("step_by", [count]) => match self.index_value(count)? {
+                0 => {
+                    self.refuse(
+                        count,
+                        "a step of 0 does not end: write `.step_by(1)` or more",
+                    );
+                    return None;
+                }
+                count => items.into_iter().step_by(count).collect(),
+            },
+            _ => {
+                let message = format!("`{name}` does not take {} arguments", arguments.len());
+                self.refuse(&call.method, message);
+                return None;
+            }
+        })
+    }
+
+    /// A method of a field, whose length is not seen: as an iterator it waits for one that is.
+    fn of_field(&mut self, call: &ExprMethodCall, path: &FieldPath) -> Value {
+        let arguments: Vec<&Syntax> = call.args.iter().collect();
+        match (call.method.to_string().as_str(), arguments.as_slice()) {
+            ("iter" | "into_iter" | "copied" | "cloned", []) => Value::Field(path.clone()),
+            ("zip", [other]) => {
+                let other = self.argument(other);
+                let Some(others) = self.items(&other, None) else {
+                    return Value::Poison;
+                };
+                let pair = |(i, item)| Value::Tuple(vec![Value::Field(path.index(i)), item]);
+                Value::Sequence(others.into_iter().enumerate().map(pair).collect())
+            }
+            _ => self.refuse(&call.method, no_length(path)),
+        }
+    }
+
+    /// The items of an array or iterator; those of a field are as many as `length`.
+    pub(super) fn items(
+        &mut self,
+        argument: &Argument,
+        length: Option<usize>,
+    ) -> Option<Vec<Value>> {
+        match (&argument.value, length) {
+            (Value::Array(items) | Value::Sequence(items), _) => Some(items.clone()),
+            (Value::Field(path), Some(length)) => {
+                Some((0..length).map(|i| Value::Field(path.index(i))).collect())
+            }
+            (Value::Field(path), None) if !path.is_self() => {
+                self.refuse(&argument.at, no_length(path));
+                None
+            }
+            (Value::Poison, _) => None,
+            (other, _) => {
+                let message = format!(
+                    "a loop runs over a range `A..B` with bounds known at compile time or over an array, and this is {}",
+                    other.kind()
+                );
+                self.refuse(&argument.at, message);
+                None
+            }
+        }
+    }
+
+    fn flattened(&mut self, items: Vec<Value>, at: Span) -> Option<Vec<Value>> {
+        let mut flat = Vec::new();
+        for value in items {
+            flat.extend(self.items(&Argument { value, at }, None)?);
+        }
+        self.work(flat.len(), &at).then_some(flat)
+    }
+
+    fn mapped(&mut self, items: Vec<Value>, function: &Syntax) -> Option<Vec<Value>> {
+        let mistakes = self.errors.count();
+        let mut results = Vec::new();
+        for item in items {
+            results.push(self.apply(function, vec![argument(item, function)]));
+            if self.errors.count() > mistakes || !self.tick(function) {
+                // the same mistake for the next item would be the same error
+                return None;
+            }
+        }
+        Some(results)
+    }
+
+    fn filtered(&mut self, items: Vec<Value>, function: &Syntax) -> Option<Vec<Value>> {
+        let Syntax::Closure(closure) = function else {
+            self.refuse(
+                function,
+                "`filter` takes a closure, as in `.filter(|&j| j != i)`",
+            );
+            return None;
+        };
+        let mut kept = Vec::new();
+        for item in items {
+            self.scopes.push(HashMap::new());
+            if let Some(pattern) = closure.inputs.first() {
+                self.bind(pattern, item.clone());
+            }
+            let decision = self.decide(&closure.body);
+            self.scopes.pop();
+            match decision {
+                Ok(true) => kept.push(item),
+                Ok(false) => {}
+                Err(Undecided::Reported) => return None,
+                Err(Undecided::Unknown) => {
+                    self.refuse(&closure.body, "what `filter` keeps must be known at compile time: compare indices, as in `j != i`");
+                    return None;
+                }
+            }
+        }
+        Some(kept)
+    }
+
+    fn fold(&mut self, items: Vec<Value>, start: &Syntax, function: &Syntax) -> Value {
+        let mut value = self.eval(start);
+        let mistakes = self.errors.count();
+        for item in items {
+            let arguments = vec![argument(value, start), argument(item, function)];
+            value = self.apply(function, arguments);
+            if self.errors.count() > mistakes || !self.tick(function) {
+                return Value::Poison;
+            }
+        }
+        value
+    }
+
+    /// `sum` and `product`, of numbers or of integers.
+    fn total(&mut self, call: &ExprMethodCall, items: Vec<Value>) -> Value {
+        let is_sum = call.method == "sum";
+        let named = call.turbofish.as_ref().map(super::readable);
+        let floats = match &named {
+            Some(name) => name.contains("f64") || name.contains('_'),
+            None => items.is_empty(),
+        };
+        if !floats && items.iter().all(|item| matches!(item, Value::Int(_))) {
+            let mut total = i64::from(!is_sum);
+            for item in items {
+                let Value::Int(i) = item else { continue };
+                let next = if is_sum {
+                    total.checked_add(i)
+                } else {
+                    total.checked_mul(i)
+                };
+                let Some(next) = next else {
+                    return self.refuse(&call.method, "this integer arithmetic overflows");
+                };
+                total = next;
+            }
+            return Value::Int(total);
+        }
+        let mut numbers = Vec::new();
+        for item in items {
+            let Some(number) = self.scalar(&item, &call.receiver) else {
+                return Value::Poison;
+            };
+            numbers.push(number);
+        }
+        Value::Scalar(if is_sum {
+            let terms: Vec<_> = numbers.into_iter().map(|x| (1.0, x)).collect();
+            self.arena.sum(0.0, &terms)
+        } else {
+            let factors: Vec<_> = numbers.into_iter().map(|x| (x, 1)).collect();
+            self.arena.product(&factors)
+        })
+    }
+
+    /// `windows`, `chunks`, `chunks_exact`.
+    fn pieces(&mut self, name: &str, items: &[Value], length: &Syntax) -> Value {
+        let n = match self.index_value(length) {
+            Some(0) => {
+                return self.refuse(length, "pieces of length 0 do not end: write 1 or more");
+            }
+            Some(n) => n,
+            None => return Value::Poison,
+        };
+        let pieces: Vec<Value> = match name {
+            "windows" => items.windows(n).map(|w| Value::Array(w.to_vec())).collect(),
+            "chunks" => items.chunks(n).map(|w| Value::Array(w.to_vec())).collect(),
+            _ => items
+                .chunks_exact(n)
+                .map(|w| Value::Array(w.to_vec()))
+                .collect(),
+        };
+        if self.work(n.saturating_mul(pieces.len()), length) {
+            Value::Sequence(pieces)
+        } else {
+            Value::Poison
+        }
+    }
+
+    /// Runs a closure that is written where it is called.
+    pub(super) fn closure(
+        &mut self,
+        closure: &syn::ExprClosure,
+        arguments: Vec<Argument>,
+    ) -> Value {
+        if closure.inputs.len() != arguments.len() {
+            let message = format!(
+                "this closure takes {} arguments and is given {}",
+                closure.inputs.len(),
+                arguments.len()
+            );
+            return self.refuse(closure, message);
+        }
+        let floor = std::mem::replace(&mut self.floor, self.scopes.len());
+        self.scopes.push(HashMap::new());
+        for (pattern, argument) in closure.inputs.iter().zip(arguments) {
+            self.bind(pattern, argument.value);
+        }
+        let value = self.eval(&closure.body);
+        self.scopes.pop();
+        self.floor = floor;
+        value
+    }
+}
+
+fn argument(value: Value, at: &Syntax) -> Argument {
+    Argument {
+        value,
+        at: at.span(),
+    }
+}
+
+fn no_length(path: &FieldPath) -> String {
+    let name = super::readable(&path.access());
+    format!(
+        "the length of `{name}` is not known to the macro: write `for i in 0..N` and `{name}[i]`, zip it with the coordinates, or name its type, `let a: [f64; N] = {name};`"
+    )
+}
+
+fn not_understood(name: &str) -> String {
+    let instead = match name {
+        "collect" => {
+            "fill an array in a loop, `let mut a = [0.0; N]; for i in 0..N { a[i] = …; }`, or use `map` of an array"
+        }
+        "iter_mut" | "for_each" => "write a loop over indices, `for i in 0..N { a[i] = …; }`",
+        "max" | "min" | "max_by" | "min_by" | "any" | "all" | "position" | "find" => {
+            "it is not smooth in the entries"
+        }
+        "sin" | "cos" | "tan" | "exp" | "ln" | "sqrt" | "powi" | "powf" | "recip" => {
+            return format!(
+                "`{name}` is a function of one number: take an entry, `x[i].{name}(…)`, or write `.map(|x| x.{name}(…))`"
+            );
+        }
+        "dot" | "norm" | "norm_squared" | "dist" | "length" => {
+            "arrays have no such method: write the sum, `a[0] * b[0] + a[1] * b[1]`, as a function of this block"
+        }
+        _ => "write a loop, `let mut sum = 0.0; for i in 0..N { sum += …; }`",
+    };
+    format!("`{name}` of an array or iterator is not understood: {instead}")
+}

@@ -1,0 +1,21 @@
+use sve_runtime::prelude::*;
+
+struct Pendulum {
+    g: f64,
+}
+
+#[variational(midpoint)]
+impl Pendulum {
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        let mut sum = 0.0;
+        let _ = q.map(|x| {
+            sum += x;
+            x
+        });
+        v[0] * v[0] + v[1] * v[1] - self.g * sum
+    }
+}
+
+fn main() {
+    let _ = Integrator::new(Pendulum { g: 1.0 }, Midpoint);
+}

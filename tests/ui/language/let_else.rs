@@ -1,0 +1,19 @@
+use sve_runtime::prelude::*;
+
+struct Pendulum {
+    g: f64,
+}
+
+#[variational(midpoint)]
+impl Pendulum {
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        let Some(x) = Some(q[0]) else {
+            return 0.0;
+        };
+        v[0] * v[0] + v[1] * v[1] - self.g * x * q[1]
+    }
+}
+
+fn main() {
+    let _ = Integrator::new(Pendulum { g: 1.0 }, Midpoint);
+}

@@ -1,0 +1,19 @@
+use sve_runtime::prelude::*;
+
+struct Pendulum {
+    g: f64,
+}
+
+#[variational(midpoint)]
+impl Pendulum {
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        v[0] * v[0] + v[1] * v[1] - Self::A * self.g * q[0] * q[1]
+    }
+
+    const A: f64 = Self::B;
+    const B: f64 = Self::A;
+}
+
+fn main() {
+    let _ = Integrator::new(Pendulum { g: 1.0 }, Midpoint);
+}

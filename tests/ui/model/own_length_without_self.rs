@@ -1,0 +1,18 @@
+use sve_runtime::prelude::*;
+
+struct Pendulum {
+    g: f64,
+}
+
+#[variational(midpoint)]
+impl Pendulum {
+    fn lagrangian(&self, q: [f64; N], v: [f64; N]) -> f64 {
+        v[0] * v[0] - self.g * q[0] * q[1] + v[1] * v[1]
+    }
+
+    const N: usize = 2;
+}
+
+fn main() {
+    let _ = Integrator::new(Pendulum { g: 1.0 }, Midpoint);
+}

@@ -1,0 +1,20 @@
+use sve_runtime::prelude::*;
+
+struct Pendulum {
+    g: f64,
+}
+
+#[variational(midpoint)]
+impl Pendulum {
+    fn lagrangian(&self, q: [f64; 1000], v: [f64; 1000]) -> f64 {
+        let mut sum = 0.0;
+        for i in 0..1000 {
+            sum += v[i] * v[i] - self.g * q[i];
+        }
+        sum
+    }
+}
+
+fn main() {
+    let _ = Integrator::new(Pendulum { g: 1.0 }, Midpoint);
+}

@@ -1,0 +1,27 @@
+use sve_runtime::prelude::*;
+
+struct Pendulum {
+    g: f64,
+}
+
+#[variational(midpoint)]
+impl Pendulum {
+    fn lagrangian(&self, q: [f64; 1], v: [f64; 1]) -> f64 {
+        v[0] * v[0] - self.g * q[0].abs()
+    }
+
+    #[gamma]
+    fn push(&self, q: [f64; 1]) -> f64 {
+        self.g * q[0]
+    }
+}
+
+fn main() {
+    let pendulum = Integrator::new(Pendulum { g: 1.0 }, Midpoint);
+    let mut state = State::new([1.0], [0.0]);
+    let _ = pendulum.step(&mut state, 0.1, &[0.5]);
+    let _ = pendulum.plan().to_string();
+    for state in pendulum.trajectory(state, 0.1, Wiener::new(1)).take(10) {
+        let _ = state;
+    }
+}
