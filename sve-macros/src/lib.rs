@@ -8,6 +8,8 @@ mod compile;
 mod emit;
 mod equations;
 mod errors;
+#[cfg(test)]
+mod limits;
 mod lower;
 mod mechanics;
 #[cfg(test)]
