@@ -10,6 +10,8 @@ mod equations;
 mod errors;
 #[cfg(test)]
 mod growth;
+#[cfg(test)]
+mod limits;
 mod lower;
 mod mechanics;
 #[cfg(test)]

@@ -8,11 +8,15 @@ use super::integer;
 use super::value::Value;
 use crate::parse::is_f64;
 
+/// Nesting of arrays and tuples in a variable.
+const NESTING: usize = 32;
+
 impl Lowering<'_> {
     /// Binds the names of a pattern in the innermost scope.
     pub(super) fn bind(&mut self, pattern: &Pat, value: Value) {
         match pattern {
             Pat::Ident(ident) => {
+                let value = self.shallow(value, pattern);
                 if let Some((_, inner)) = &ident.subpat {
                     self.bind(inner, value.clone());
                 }
@@ -122,6 +126,14 @@ impl Lowering<'_> {
                 scope.insert(name, Value::Unset);
             }
         }
+    }
+
+    /// A value that a variable may hold: one that is nested without end would overflow the stack.
+    pub(super) fn shallow(&mut self, value: Value, at: &impl Spanned) -> Value {
+        if value.is_deeper(NESTING) {
+            return self.refuse(at, format!("arrays nested more than {NESTING} deep"));
+        }
+        value
     }
 
     /// A value where a type is written: no integer where that is `f64`.

@@ -47,6 +47,7 @@ impl Lowering<'_> {
 
     /// Assigns to a variable, an entry or a component.
     pub(super) fn store(&mut self, place: &Syntax, value: Value) {
+        let value = self.shallow(value, place);
         match place {
             Syntax::Infer(_) => return,
             Syntax::Tuple(tuple) => return self.store_list(place, &tuple.elems, value),

@@ -40,6 +40,16 @@ impl Value {
         }
     }
 
+    /// Whether arrays are nested in it more than `depth` deep.
+    pub(super) fn is_deeper(&self, depth: usize) -> bool {
+        match self {
+            Self::Array(values) | Self::Tuple(values) | Self::Sequence(values) => {
+                depth == 0 || values.iter().any(|value| value.is_deeper(depth - 1))
+            }
+            _ => false,
+        }
+    }
+
     pub(super) fn kind(&self) -> String {
         match self {
             Self::Scalar(_) => "an `f64`".to_owned(),
