@@ -245,11 +245,16 @@ fn inverse_functions_next_to_one() {
                 if function == Function::Acosh && sign < 0.0 {
                     continue;
                 }
-                let found = derivative(&|a, x, _| a.call(function, x), &[0], [x, 0.0]);
+                // of a product: 1 − x² itself has a stable form anyway
+                let whole = |a: &mut Arena, x: Expr, y: Expr| {
+                    let product = a.mul(x, y);
+                    a.call(function, product)
+                };
+                let found = derivative(&whole, &[0], [x, 1.0]);
                 let error = units(found, slope(of(x)));
                 assert!(error <= 2.0, "{function:?} at {x}: {error} units");
                 // once more: x/√(1 − x²)³ and its like
-                let again = derivative(&|a, x, _| a.call(function, x), &[0, 0], [x, 0.0]);
+                let again = derivative(&whole, &[0, 0], [x, 1.0]);
                 let inner = slope(of(x));
                 let expected = match function {
                     Function::Atanh => of(2.0 * x) * inner * inner,
