@@ -53,6 +53,9 @@ impl Arena {
     /// Which of `exprs` are zero: as [`is_zero`](Self::is_zero), with what they share evaluated once at the point that tells most
     /// of them from zero.
     pub(crate) fn zeros(&self, exprs: &[Expr]) -> Vec<bool> {
+        if self.is_exhausted() {
+            return vec![true; exprs.len()];
+        }
         let first = self.evaluate_bounded(&self.reachable(exprs, |_| true), 0);
         let is_zero = |e: &Expr| {
             let Rounded { value, error } = first[e];
