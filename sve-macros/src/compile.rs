@@ -8,6 +8,7 @@ use crate::action;
 use crate::emit;
 use crate::equations;
 use crate::errors::Errors;
+use crate::explain;
 use crate::lower;
 use crate::mechanics;
 use crate::model::{Meaning, Model};
@@ -54,15 +55,19 @@ fn derive(attribute: TokenStream, item: ItemImpl) -> syn::Result<TokenStream> {
     check_rules(&block, &model)?;
     let mechanics = mechanics::mechanics(&model, &mut arena);
     regular::check(&block, &model, &mechanics, &arena)?;
-    let mut output = emit::system(&block, &model, &mechanics, &arena);
+    let about = explain::system(&model, &mechanics, &arena);
+    let mut output = emit::system(&block, &model, &mechanics, &about, &arena);
     for (rule, _) in &block.arguments.rules {
         let mut symbols = model.symbols.clone();
         let action = action::discretise(*rule, &model, &mut symbols, &mut arena);
         let equations = equations::equations(&action, &mut arena);
         let scheme = structure::analyse(equations, &action, &mut symbols, &mut arena)
-            .map_err(|degenerate| explain(&degenerate, &block, &symbols))?;
+            .map_err(|degenerate| singular(&degenerate, &block, &symbols))?;
+        let texts = explain::step(
+            *rule, &model, &mechanics, &action, &scheme, &symbols, &arena,
+        );
         output.extend(emit::rule(
-            *rule, &block, &model, &mechanics, &action, &scheme, &symbols, &arena,
+            *rule, &block, &model, &mechanics, &scheme, &about, &texts, &symbols, &arena,
         ));
     }
     Ok(output)
@@ -83,7 +88,7 @@ fn check_rules(block: &Annotated, model: &Model) -> syn::Result<()> {
 }
 
 /// A structurally singular step: L does not determine some velocities.
-fn explain(
+fn singular(
     degenerate: &Degenerate,
     block: &Annotated,
     symbols: &crate::model::Symbols,

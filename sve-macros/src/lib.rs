@@ -8,6 +8,7 @@ mod compile;
 mod emit;
 mod equations;
 mod errors;
+mod explain;
 mod lower;
 mod mechanics;
 mod model;

@@ -12,7 +12,7 @@ pub(crate) use rule::rule;
 pub(crate) use stub::stub;
 pub(crate) use system::system;
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use crate::parse::Annotated;
@@ -21,6 +21,34 @@ use crate::parse::Annotated;
 fn private(block: &Annotated) -> TokenStream {
     let runtime = &block.arguments.runtime;
     quote!(#runtime::__private)
+}
+
+/// Doc comments, a line each: headings with formulas below. As text blocks these are neither markdown nor tests.
+fn documented(parts: &[(&str, &str)]) -> TokenStream {
+    let mut tokens = TokenStream::new();
+    let mut line = |text: &str| {
+        let text = verbatim(&format!(" {text}"));
+        tokens.extend(quote!(#[doc = #text]));
+    };
+    for (at, (heading, text)) in parts.iter().enumerate() {
+        if at > 0 {
+            line("");
+        }
+        line(heading);
+        if !text.is_empty() {
+            line("");
+            line("```text");
+            text.lines().for_each(&mut line);
+            line("```");
+        }
+    }
+    tokens
+}
+
+/// A string literal that is read as it is, also in the expansion: letters with bars stay letters.
+fn verbatim(text: &str) -> Literal {
+    let raw = format!("r\"{text}\"");
+    raw.parse().unwrap_or_else(|_| Literal::string(text))
 }
 
 /// Attributes of every generated implementation. Generated arithmetic is not written to please a reader's linter.

@@ -61,12 +61,13 @@ pub(super) fn schedule(
         dq,
         dp,
         form: _,
+        increments: _,
     } = scheme;
     let mut tiers = Tiers::new();
     let mut all: Vec<Expr> = [dq.as_slice(), dp].concat();
     for (at, block) in blocks.iter().enumerate() {
         match &block.solution {
-            Solution::Formula => {}
+            Solution::Formula(_) => {}
             Solution::System { linear, solved } => {
                 tiers.extend(solved.iter().map(|&s| (s, Tier::Solved(at))));
                 all.extend(linear.matrix.iter().flatten().chain(&linear.rhs));
@@ -98,7 +99,7 @@ pub(super) fn schedule(
     let solves: Vec<Solve> = blocks
         .iter()
         .map(|block| match &block.solution {
-            Solution::Formula => Solve::Formula,
+            Solution::Formula(_) => Solve::Formula,
             Solution::System { linear, solved } => {
                 Solve::System(system(&mut scheduler, linear), solved.clone())
             }

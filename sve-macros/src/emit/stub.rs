@@ -32,6 +32,7 @@ pub(crate) fn stub(block: &ItemImpl, attribute: &TokenStream) -> TokenStream {
             prepare: #operations,
             step: #operations,
             iteration: #operations,
+            formulas: #private::Formulas { system: "", motion: "", action: "", step: "" },
         }
     };
     let rules = rules(attribute).into_iter().map(|rule| {

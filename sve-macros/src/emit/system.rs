@@ -4,7 +4,8 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use super::straight::Straight;
-use super::{attributes, private};
+use super::{attributes, documented, private};
+use crate::explain::SystemTexts;
 use crate::mechanics::{LagrangianJet, Mechanics, NoiseJet};
 use crate::model::{Model, Symbols};
 use crate::parse::Annotated;
@@ -14,6 +15,7 @@ pub(crate) fn system(
     block: &Annotated,
     model: &Model,
     mechanics: &Mechanics,
+    about: &SystemTexts,
     arena: &Arena,
 ) -> TokenStream {
     let (private, attributes) = (private(block), attributes());
@@ -26,6 +28,20 @@ pub(crate) fn system(
         affine_momentum,
         clash: _,
     } = mechanics;
+    let of_motion = if noises.is_empty() {
+        "Equations of motion:"
+    } else {
+        "Equations of motion (Stratonovich):"
+    };
+    let doc = documented(&[("The system:", &about.system()), (of_motion, &about.motion)]);
+    let jet_doc = documented(&[(
+        "L with its first and second derivatives.",
+        &about.lagrangian,
+    )]);
+    let noise_doc = documented(&[(
+        "The noise Hamiltonians, −γ and H₁, with their first and second derivatives.",
+        &about.noises,
+    )]);
     let lagrangian_body = lagrangian_jet(&private, lagrangian, &model.symbols, arena);
     let noise_body = noise_jets(&private, noises, &model.symbols, arena);
     // the user's functions are not called by what is derived from them, and yet are not dead
@@ -34,14 +50,17 @@ pub(crate) fn system(
     quote! {
         #attributes
         const _: () = { #(let _ = <#self_ty>::#functions;)* };
+        #doc
         #attributes
         impl #private::System for #self_ty {
             type Dims = #private::Dims<#n, #m>;
             const AFFINE_MOMENTUM: bool = #affine_momentum;
+            #jet_doc
             #[inline]
             fn lagrangian_jet(&self, time: f64, q: &[f64; #n], v: &[f64; #n]) -> #private::LagrangianJet<#n> {
                 #lagrangian_body
             }
+            #noise_doc
             #[inline]
             fn noise_jets(&self, time: f64, q: &[f64; #n], p: &[f64; #n]) -> [#private::NoiseJet<#n>; #m] {
                 #noise_body

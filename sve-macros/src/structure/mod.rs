@@ -23,6 +23,8 @@ pub(crate) struct Scheme {
     pub(crate) dq: Vec<Expr>,
     pub(crate) dp: Vec<Expr>,
     pub(crate) form: Form,
+    /// `q₁ − q₀` and `p₁ − p₀` as the equations give them, for readers.
+    pub(crate) increments: (Vec<Expr>, Vec<Expr>),
 }
 
 /// What `dq` and `dp` are.
@@ -54,7 +56,7 @@ pub(crate) struct Block {
 /// What there is to compute.
 pub(crate) enum Solution {
     /// A single unknown by a formula, which has taken its place in everything that follows.
-    Formula,
+    Formula(Expr),
     /// A linear system; `solved` are the names of the solution in everything that follows.
     System { linear: Linear, solved: Vec<Symbol> },
     /// An iteration from the solution of a linear system.
@@ -141,6 +143,7 @@ pub(crate) fn analyse(
     let dp = cheapest(system.arena, &candidates, &dq, &blocks);
     let increments = Scheme {
         blocks,
+        increments: (dq.clone(), dp.clone()),
         dq,
         dp,
         form: Form::Increment,

@@ -110,6 +110,11 @@ impl Arena {
         &self.nodes[expr.0 as usize]
     }
 
+    /// The operands of an expression.
+    pub(crate) fn operands_of(&self, expr: Expr) -> impl Iterator<Item = Expr> + '_ {
+        operands(self.node(expr))
+    }
+
     /// Number of nodes so far.
     pub(crate) fn len(&self) -> usize {
         self.nodes.len()
@@ -139,6 +144,11 @@ impl Arena {
         let set = &self.sets[self.contents[expr.0 as usize] as usize];
         let (word, bit) = (symbol.0 as usize / 64, symbol.0 % 64);
         set.get(word).is_some_and(|w| w >> bit & 1 == 1)
+    }
+
+    /// The expression of a symbol, if there is one yet.
+    pub(crate) fn known_symbol(&self, symbol: Symbol) -> Option<Expr> {
+        self.names.get(&Node::Symbol(symbol)).copied()
     }
 
     /// The symbols that occur in `expr`, ascending.

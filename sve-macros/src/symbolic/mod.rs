@@ -5,10 +5,14 @@
 
 mod diff;
 mod display;
+#[cfg(test)]
+mod display_tests;
 mod expr;
+mod number;
 mod simplify;
 #[cfg(test)]
 mod tests;
 mod zero;
 
+pub(crate) use display::{Notation, Sum, Text};
 pub(crate) use expr::{Arena, Binary, Expr, Function, Node, Symbol};

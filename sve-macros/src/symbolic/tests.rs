@@ -35,7 +35,7 @@ const FUNCTIONS: [Function; 21] = [
 const BINARIES: [Binary; 3] = [Binary::Atan2, Binary::Hypot, Binary::Pow];
 
 /// Numbers of symbols in random expressions.
-const SYMBOLS: usize = 3;
+pub(super) const SYMBOLS: usize = 3;
 
 /// Values with signs, zeros, ones, powers of two and ranges.
 fn value() -> impl Strategy<Value = f64> {
@@ -47,7 +47,7 @@ fn value() -> impl Strategy<Value = f64> {
     ]
 }
 
-fn close(found: f64, expected: f64, size: f64) -> bool {
+pub(super) fn close(found: f64, expected: f64, size: f64) -> bool {
     (found - expected).abs() <= 1e-12 * (1.0 + size)
 }
 
@@ -60,7 +60,7 @@ fn same(found: f64, expected: f64) -> bool {
 
 /// A way to make an expression from earlier ones.
 #[derive(Clone, Debug)]
-enum Make {
+pub(super) enum Make {
     Constant(f64),
     Symbol(usize),
     Sum(f64, Vec<(f64, usize)>),
@@ -83,12 +83,12 @@ fn make() -> impl Strategy<Value = Make> {
     ]
 }
 
-fn recipe() -> impl Strategy<Value = Vec<Make>> {
+pub(super) fn recipe() -> impl Strategy<Value = Vec<Make>> {
     prop::collection::vec(make(), 1..14)
 }
 
 /// The expressions of a recipe, and their values by plain evaluation with a bound of the sizes that cancelled on the way.
-fn build(recipe: &[Make], at: &[f64], arena: &mut Arena) -> Vec<(Expr, f64)> {
+pub(super) fn build(recipe: &[Make], at: &[f64], arena: &mut Arena) -> Vec<(Expr, f64)> {
     let mut made: Vec<(Expr, f64)> = (0..SYMBOLS)
         .map(|i| (arena.symbol(Symbol(i as u32)), at[i]))
         .collect();
@@ -120,7 +120,7 @@ fn build(recipe: &[Make], at: &[f64], arena: &mut Arena) -> Vec<(Expr, f64)> {
 }
 
 /// Whether every intermediate value is moderate, so that rounding and conditioning are harmless.
-fn moderate(made: &[(Expr, f64)]) -> bool {
+pub(super) fn moderate(made: &[(Expr, f64)]) -> bool {
     made.iter()
         .all(|(_, x)| x.is_finite() && x.abs() < 30.0 && (*x == 0.0 || x.abs() > 1e-2))
 }
