@@ -35,7 +35,7 @@ pub(crate) fn rule(
     let m = Literal::usize_unsuffixed(model.noises.len());
 
     let step = schedule(scheme, symbols, &private, arena);
-    let mut printer = Printer::new(&step.program, symbols, &private);
+    let mut printer = Printer::new(&step.program, symbols, &step.labels, &private);
     let kept = printer.split_prepared(&step.results);
     let prepared = Literal::usize_unsuffixed(kept.len());
     let (prepare, kept) = (printer.prepare(), printer.array(&kept));

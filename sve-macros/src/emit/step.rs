@@ -3,11 +3,12 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use super::code::{Printer, input_name};
-use super::straight::Straight;
+use super::code::Printer;
+use super::names::{Labels, input_name};
+use super::straight::{Straight, rows};
 use crate::model::{Meaning, Symbols};
 use crate::schedule::{Operation, Program, Scheduler, Tier, Tiers, Value};
-use crate::structure::{Iteration, Linear, Refinement, Scheme, Solution};
+use crate::structure::{Block, Form, Iteration, Linear, Refinement, Scheme, Solution};
 use crate::symbolic::{Arena, Expr, Symbol};
 
 /// A step with values for expressions.
@@ -18,6 +19,8 @@ pub(super) struct Step {
     /// Every value that is used other than by an instruction.
     pub(super) results: Vec<Value>,
     pub(super) program: Program,
+    /// What the values are.
+    pub(super) labels: Labels,
 }
 
 /// A block with values for expressions.
@@ -60,7 +63,7 @@ pub(super) fn schedule(
         blocks,
         dq,
         dp,
-        form: _,
+        form,
         increments: _,
     } = scheme;
     let mut tiers = Tiers::new();
@@ -110,14 +113,80 @@ pub(super) fn schedule(
             }
         })
         .collect();
+    let rows = [dq.as_slice(), dp].concat();
     let (dq, dp) = (scheduler.values(dq), scheduler.values(dp));
     let results = results(&solves, &dq, &dp);
+    let mut labels = Labels::default();
+    if scheme.is_matrix() {
+        labels.map(&scheduler, arena, symbols, &rows);
+    }
+    let formulas = formulas(blocks, symbols);
+    labels.expressions(&scheduler, arena, symbols, &formulas, &all);
+    let mut first = 0;
+    for (solve, block) in solves.iter().zip(blocks) {
+        solve.label(first, &mut labels);
+        first += block.unknowns.len();
+    }
+    let [q, p] = match form {
+        Form::Increment => ["dq", "dp"],
+        Form::State => ["q1", "p1"],
+    };
+    labels.vector(q, 0, &dq);
+    labels.vector(p, 0, &dp);
     Step {
         program: scheduler.finish(&results),
+        labels,
         solves,
         dq,
         dp,
         results,
+    }
+}
+
+/// The unknowns that have formulas, which bear their names.
+fn formulas(blocks: &[Block], symbols: &Symbols) -> Vec<(Expr, String)> {
+    let formula = |block: &Block| match block.solution {
+        Solution::Formula(formula) => Some((formula, symbols.name(block.unknowns[0]))),
+        _ => None,
+    };
+    blocks.iter().filter_map(formula).collect()
+}
+
+impl Solve {
+    /// Says what the values of a block are, its equations counted from `first`.
+    fn label(&self, first: usize, labels: &mut Labels) {
+        match self {
+            Self::Formula => {}
+            Self::System(System { matrix, rhs }, _) => {
+                labels.matrix("matrix", first, matrix);
+                labels.vector("rhs", first, rhs);
+            }
+            Self::Iteration(newton) => {
+                let Newton {
+                    guess,
+                    refinement,
+                    rest: _,
+                    fallback: _,
+                    residual,
+                    magnitude,
+                    jacobian,
+                    curvature,
+                    iterates: _,
+                    solved: _,
+                } = &**newton;
+                labels.matrix("mass", first, &guess.matrix);
+                labels.vector("residual", first, residual);
+                labels.matrix("jacobian", first, jacobian);
+                if let Some(curvature) = curvature {
+                    labels.call(*curvature, format!("curvature_{first}"));
+                }
+                labels.vector("guess_rhs", first, &guess.rhs);
+                if let Some((_, rhs)) = refinement {
+                    labels.vector("refinement_rhs", first, rhs);
+                }
+                labels.vector("magnitude", first, magnitude);
+            }
+        }
     }
 }
 
@@ -181,8 +250,11 @@ fn fallback(
         .chain(&rhs[0])
         .copied()
         .collect();
-    let (statements, arrays) =
-        Straight::new(arena, symbols, &roots).finish(private, &[&linear.matrix, &rhs]);
+    let matrices: [(&[Vec<Expr>], Vec<String>); 2] = [
+        (&linear.matrix, rows("matrix", linear.matrix.len())),
+        (&rhs, vec!["rhs".to_owned()]),
+    ];
+    let (statements, arrays) = Straight::new(arena, symbols, &roots).finish(private, &matrices);
     let [matrix, rhs] = arrays.as_slice() else {
         return TokenStream::new();
     };

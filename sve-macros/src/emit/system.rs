@@ -3,7 +3,7 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use super::straight::Straight;
+use super::straight::{Straight, rows};
 use super::{attributes, documented, private};
 use crate::explain::SystemTexts;
 use crate::mechanics::{LagrangianJet, Mechanics, NoiseJet};
@@ -90,8 +90,18 @@ fn lagrangian_jet(
     let roots: Vec<Expr> = [&value[..], &vectors[..], &dqq[..], &dqv[..], &dvv[..]]
         .concat()
         .concat();
-    let (statements, arrays) =
-        Straight::new(arena, symbols, &roots).finish(private, &[&value, &vectors, dqq, dqv, dvv]);
+    let n = dq.len();
+    let matrices: [(&[Vec<Expr>], Vec<String>); 5] = [
+        (&value, vec!["lagrangian".to_owned()]),
+        (
+            &vectors,
+            ["dq", "dv", "dqt", "dvt"].map(ToOwned::to_owned).to_vec(),
+        ),
+        (dqq, rows("dqq", n)),
+        (dqv, rows("dqv", n)),
+        (dvv, rows("dvv", n)),
+    ];
+    let (statements, arrays) = Straight::new(arena, symbols, &roots).finish(private, &matrices);
     let [value, vectors, dqq, dqv, dvv] = arrays.as_slice() else {
         return TokenStream::new();
     };
@@ -110,22 +120,29 @@ fn noise_jets(
     arena: &Arena,
 ) -> TokenStream {
     let mut roots: Vec<Expr> = Vec::new();
-    let mut blocks: Vec<Vec<Vec<Expr>>> = Vec::new();
-    for NoiseJet {
-        dq,
-        dp,
-        dqq,
-        dqp,
-        dpp,
-    } in jets
-    {
-        let vectors = vec![dq.clone(), dp.clone()];
-        for block in [&vectors, dqq, dqp, dpp] {
-            roots.extend(block.iter().flatten());
-            blocks.push(block.clone());
-        }
+    let mut blocks: Vec<(Vec<Vec<Expr>>, Vec<String>)> = Vec::new();
+    for (at, jet) in jets.iter().enumerate() {
+        let NoiseJet {
+            dq,
+            dp,
+            dqq,
+            dqp,
+            dpp,
+        } = jet;
+        let name = |part: &str| format!("noise_{at}_{part}");
+        let matrix = |part: &str| rows(&name(part), dq.len());
+        blocks.push((vec![dq.clone(), dp.clone()], vec![name("dq"), name("dp")]));
+        blocks.push((dqq.clone(), matrix("dqq")));
+        blocks.push((dqp.clone(), matrix("dqp")));
+        blocks.push((dpp.clone(), matrix("dpp")));
     }
-    let views: Vec<&[Vec<Expr>]> = blocks.iter().map(Vec::as_slice).collect();
+    for (block, _) in &blocks {
+        roots.extend(block.iter().flatten());
+    }
+    let views = blocks
+        .iter()
+        .map(|(block, names)| (block.as_slice(), names.clone()));
+    let views: Vec<(&[Vec<Expr>], Vec<String>)> = views.collect();
     let (statements, arrays) = Straight::new(arena, symbols, &roots).finish(private, &views);
     let jets = arrays.chunks(4).map(|chunk| {
         let (vectors, dqq, dqp, dpp) = (&chunk[0], &chunk[1], &chunk[2], &chunk[3]);

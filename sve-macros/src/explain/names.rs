@@ -2,9 +2,10 @@
 
 use std::collections::HashMap;
 
+use crate::action::{Node, node};
 use crate::model::{Meaning, Quantity, Symbols};
 use crate::rule::Rule;
-use crate::symbolic::{Arena, Expr, Function, Node, Notation, Symbol};
+use crate::symbolic::{self, Arena, Expr, Function, Notation, Symbol};
 
 /// Letters that have a meaning of their own.
 const LETTERS: [&str; 6] = ["q", "v", "p", "t", "h", "L"];
@@ -53,10 +54,10 @@ impl<'a> Names<'a> {
             return;
         }
         let letter = match arena.node(expr) {
-            Node::Call(Function::Sin, _) => 's',
-            Node::Call(Function::Cos, _) => 'c',
-            Node::Call(Function::Sqrt, _) => 'r',
-            Node::Call(..) | Node::Call2(..) => 'f',
+            symbolic::Node::Call(Function::Sin, _) => 's',
+            symbolic::Node::Call(Function::Cos, _) => 'c',
+            symbolic::Node::Call(Function::Sqrt, _) => 'r',
+            symbolic::Node::Call(..) | symbolic::Node::Call2(..) => 'f',
             _ => 'u',
         };
         let count = self.counts.entry(letter).or_default();
@@ -73,42 +74,19 @@ impl<'a> Names<'a> {
 
     /// Calls an intermediate result of the step, `q₀ + c d` and the like, by its name; others have none and are written out.
     pub(super) fn call_node(&mut self, expr: Expr, arena: &Arena) {
-        let Node::Opaque(content) = *arena.node(expr) else {
-            return;
+        let Some(rule) = self.rule else { return };
+        let name = match (node(expr, self.symbols, arena), rule) {
+            (None, _) => return,
+            (Some(Node::Time), Rule::Midpoint) => "t̄".to_owned(),
+            (Some(Node::Time), _) => "t₁".to_owned(),
+            (Some(Node::Position(i)), Rule::Midpoint) => self.component("q̄", i),
+            (Some(Node::Position(i)), Rule::Taylor2) => self.component("q̂", i),
+            (Some(Node::Position(i)), Rule::Endpoint | Rule::InitialPoint) => {
+                self.component("q₁", i)
+            }
+            (Some(Node::Velocity(i)), _) => self.component("v̂", i),
         };
-        let Node::Sum(_, terms) = arena.node(content) else {
-            return;
-        };
-        let symbols = terms
-            .iter()
-            .filter_map(|&(term, c)| match arena.node(term) {
-                Node::Symbol(symbol) if c.get() == 1.0 => Some(*symbol),
-                _ => None,
-            });
-        let name = symbols.into_iter().find_map(|s| self.node(s));
-        if let Some(name) = name {
-            self.call(expr, name);
-        }
-    }
-
-    /// The node that a symbol of the start moves to.
-    fn node(&self, start: Symbol) -> Option<String> {
-        let rule = self.rule?;
-        let (letter, i) = match self.symbols.meaning(start) {
-            Meaning::Time if rule == Rule::Midpoint => return Some("t̄".to_owned()),
-            Meaning::Time => return Some("t₁".to_owned()),
-            Meaning::Start(Quantity::Position, i) => match rule {
-                Rule::Midpoint => ("q̄", *i),
-                Rule::Taylor2 => ("q̂", *i),
-                Rule::Endpoint | Rule::InitialPoint => ("q₁", *i),
-            },
-            Meaning::Unknown(name) if rule == Rule::Taylor2 => match name.split_once('_') {
-                Some(("v", i)) => ("v̂", i.parse().ok()?),
-                _ => return None,
-            },
-            _ => return None,
-        };
-        Some(self.component(letter, i))
+        self.call(expr, name);
     }
 
     /// `q₀[i]`, or `q₀` where there is one coordinate.

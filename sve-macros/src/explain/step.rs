@@ -207,7 +207,7 @@ fn equations(
         }
         lines.extend(explained.into_iter().map(|line| format!("{indent}{line}")));
     }
-    if &scheme.dq != dq {
+    if scheme.is_matrix() {
         lines.push(
             "computed as a matrix times the state, whose entries are known before it".to_owned(),
         );

@@ -27,6 +27,13 @@ pub(crate) struct Scheme {
     pub(crate) increments: (Vec<Expr>, Vec<Expr>),
 }
 
+impl Scheme {
+    /// Whether `dq` and `dp` are a matrix times the state, whose entries are known before it.
+    pub(crate) fn is_matrix(&self) -> bool {
+        self.dq != self.increments.0
+    }
+}
+
 /// What `dq` and `dp` are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Form {
