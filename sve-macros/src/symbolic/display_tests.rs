@@ -1,13 +1,12 @@
 //! Printed mathematics means what it was printed from: a reader with the usual rules of precedence evaluates it to the same.
 
 use std::collections::HashMap;
-use std::iter::Peekable;
-use std::str::Chars;
 
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
 use super::display::Notation;
+use super::reader::read;
 use super::tests::{SYMBOLS, build, close, moderate, recipe};
 use super::{Arena, Expr, Function, Sum, Symbol};
 
@@ -30,150 +29,15 @@ impl Notation for Letters {
     }
 }
 
-/// A reader of printed formulas.
-struct Reader<'a> {
-    rest: Peekable<Chars<'a>>,
-    values: &'a HashMap<&'a str, f64>,
-}
-
-impl Reader<'_> {
-    fn read(text: &str, values: &HashMap<&str, f64>) -> f64 {
-        let mut reader = Reader {
-            rest: text.chars().peekable(),
-            values,
-        };
-        let value = reader.sum();
-        assert_eq!(reader.rest.next(), None, "{text}");
-        value
-    }
-
-    fn takes(&mut self, c: char) -> bool {
-        self.rest.next_if_eq(&c).is_some()
-    }
-
-    fn word(&mut self, wanted: impl Fn(char) -> bool) -> String {
-        let mut word = String::new();
-        while let Some(c) = self.rest.next_if(|&c| wanted(c)) {
-            word.push(c);
-        }
-        word
-    }
-
-    fn sum(&mut self) -> f64 {
-        let mut value = if self.takes('−') {
-            -self.term()
-        } else {
-            self.term()
-        };
-        while self.takes(' ') {
-            let subtract = self.rest.next() == Some('−');
-            assert!(self.takes(' '));
-            let term = self.term();
-            value = if subtract { value - term } else { value + term };
-        }
-        value
-    }
-
-    fn term(&mut self) -> f64 {
-        let mut value = self.power();
-        loop {
-            if self.takes('·') {
-                value *= self.power();
-            } else if self.takes('/') {
-                value /= self.power();
-            } else {
-                return value;
-            }
-        }
-    }
-
-    fn power(&mut self) -> f64 {
-        let base = self.atom();
-        if self.takes('^') {
-            return base.powf(self.atom());
-        }
-        let digits = "⁰¹²³⁴⁵⁶⁷⁸⁹";
-        let raised = self.word(|c| c == '⁻' || digits.contains(c));
-        let mut exponent = 0;
-        for c in raised.chars().filter(|&c| c != '⁻') {
-            exponent = 10 * exponent + digits.chars().position(|d| d == c).unwrap() as i32;
-        }
-        match raised.as_str() {
-            "" => base,
-            _ if raised.starts_with('⁻') => base.powi(-exponent),
-            _ => base.powi(exponent),
-        }
-    }
-
-    fn atom(&mut self) -> f64 {
-        match self.rest.peek() {
-            Some('(') => {
-                self.takes('(');
-                let value = self.sum();
-                assert!(self.takes(')'));
-                value
-            }
-            Some('√') => {
-                self.takes('√');
-                self.atom().sqrt()
-            }
-            Some('∛') => {
-                self.takes('∛');
-                self.atom().cbrt()
-            }
-            Some(c) if c.is_ascii_digit() => {
-                let number = self.word(|c| c.is_ascii_digit() || c == '.');
-                number.parse().unwrap()
-            }
-            _ => self.named(),
-        }
-    }
-
-    fn named(&mut self) -> f64 {
-        let name = self.word(|c| c.is_ascii_alphanumeric() || "π₀₁₂".contains(c));
-        if !self.takes('(') {
-            return if name == "π" {
-                std::f64::consts::PI
-            } else {
-                *self
-                    .values
-                    .get(name.as_str())
-                    .unwrap_or_else(|| panic!("what is {name:?}?"))
-            };
-        }
-        let x = self.sum();
-        let y = self.takes(',').then(|| {
-            assert!(self.takes(' '));
-            self.sum()
-        });
-        assert!(self.takes(')'));
-        match (name.as_str(), y) {
-            ("atan2", Some(y)) => x.atan2(y),
-            ("hypot", Some(y)) => x.hypot(y),
-            ("exp", None) => x.exp(),
-            ("ln", None) => x.ln(),
-            ("log₂", None) => x.log2(),
-            ("log₁₀", None) => x.log10(),
-            ("sin", None) => x.sin(),
-            ("cos", None) => x.cos(),
-            ("tan", None) => x.tan(),
-            ("asin", None) => x.asin(),
-            ("acos", None) => x.acos(),
-            ("atan", None) => x.atan(),
-            ("sinh", None) => x.sinh(),
-            ("cosh", None) => x.cosh(),
-            ("tanh", None) => x.tanh(),
-            ("asinh", None) => x.asinh(),
-            ("acosh", None) => x.acosh(),
-            ("atanh", None) => x.atanh(),
-            other => panic!("no function {other:?}"),
-        }
-    }
-}
-
 /// Values of the letters.
-fn letters(at: &[f64]) -> HashMap<&'static str, f64> {
-    NAMES.into_iter().zip(at.iter().copied()).collect()
+fn letters(at: &[f64]) -> HashMap<String, f64> {
+    let names = NAMES.into_iter().map(ToOwned::to_owned);
+    names.zip(at.iter().copied()).collect()
+}
+
+/// The value of a formula of which everything is known.
+fn value_of(text: &str, values: &HashMap<String, f64>) -> f64 {
+    read(text, values).unwrap_or_else(|| panic!("what is in {text}?"))
 }
 
 proptest! {
@@ -186,7 +50,7 @@ proptest! {
         prop_assume!(moderate(&made));
         let (root, value) = made[made.len() - 1];
         let Some(text) = arena.display(root, 2000, &Letters(None)) else { return Ok(()) };
-        let read = Reader::read(&text.text, &letters(&at));
+        let read = value_of(&text.text, &letters(&at));
         prop_assert!(close(read, value, 1e3), "{} is {read}, not {value}", text.text);
     }
 
@@ -200,14 +64,14 @@ proptest! {
         let (named, w) = made[which % made.len()];
         let notation = Letters(Some(named));
         let mut values = letters(&at);
-        values.insert("w", w);
+        values.insert("w".to_owned(), w);
         let definition = arena.display_definition(named, 2000, &notation);
         let Some(definition) = definition else { return Ok(()) };
-        let read = Reader::read(&definition.text, &values);
+        let read = value_of(&definition.text, &values);
         prop_assert!(close(read, w, 1e3), "{} is {read}, not {w}", definition.text);
 
         let Some(text) = arena.display(root, 2000, &notation) else { return Ok(()) };
-        let read = Reader::read(&text.text, &values);
+        let read = value_of(&text.text, &values);
         prop_assert!(close(read, value, 1e3), "{} is {read}, not {value}", text.text);
         prop_assert_eq!(text.text.contains('w'), text.named.contains(&named));
 
@@ -217,12 +81,12 @@ proptest! {
         sum.add(-3.0, root, &arena);
         sum.add(4.0, root, &arena);
         let Some(text) = arena.display_sum(&sum, 2000, &notation) else { return Ok(()) };
-        let read = Reader::read(&text.text, &values);
+        let read = value_of(&text.text, &values);
         prop_assert!(close(read, value, 1e3), "{} is {read}, not {value}", text.text);
 
         let Some((negative, factor)) = arena.display_factor(&sum, 2000, &notation) else { return Ok(()) };
         let sign = if negative { -1.0 } else { 1.0 };
-        let read = sign * Reader::read(&format!("2·{}", factor.text), &values) / 2.0;
+        let read = sign * value_of(&format!("2·{}", factor.text), &values) / 2.0;
         prop_assert!(close(read, value, 1e3), "{} is {read}, not {value}", factor.text);
     }
 
@@ -237,7 +101,7 @@ proptest! {
         let x = arena.symbol(Symbol(0));
         let term = arena.scale(c, x);
         let text = arena.display(term, 2000, &Letters(None)).unwrap().text;
-        let read = Reader::read(&text, &letters(&[1.0, 0.0, 0.0]));
+        let read = value_of(&text, &letters(&[1.0, 0.0, 0.0]));
         prop_assert!((read - c).abs() <= 4.0 * f64::EPSILON * c.abs(), "{text} is not {c}");
     }
 }

@@ -9,6 +9,8 @@ mod display;
 mod display_tests;
 mod expr;
 mod number;
+#[cfg(test)]
+mod reader;
 mod simplify;
 #[cfg(test)]
 mod tests;
