@@ -14,6 +14,8 @@ mod mechanics;
 mod model;
 mod nesting;
 mod parse;
+#[cfg(test)]
+mod readable_tests;
 mod regular;
 #[cfg(test)]
 mod robustness;

@@ -332,3 +332,63 @@ impl Scope {
         name
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::schedule::Tiers;
+
+    /// Names of `x + h` with x known before a step, in the iteration of a block and after it, each labelled alike.
+    #[test]
+    fn names_in_scope_together_differ() {
+        let (mut arena, mut symbols, mut tiers) = (Arena::new(), Symbols::default(), Tiers::new());
+        let step = symbols.declare(Meaning::StepSize);
+        let h = arena.symbol(step);
+        let places = [
+            Tier::State,
+            Tier::State,
+            Tier::Iterate(0),
+            Tier::Iterate(0),
+            Tier::Solved(0),
+            Tier::Iterate(1),
+        ];
+        let mut roots = Vec::new();
+        for (i, tier) in places.into_iter().enumerate() {
+            let symbol = symbols.declare(Meaning::Unknown(format!("x_{i}")));
+            tiers.insert(symbol, tier);
+            let x = arena.symbol(symbol);
+            roots.push(arena.add(x, h));
+        }
+        let last = arena.call(Function::Exp, roots[0]);
+        roots.push(last);
+        let mut scheduler = Scheduler::new(&arena, &symbols, tiers, &roots);
+        let values = scheduler.values(&roots);
+        let program = scheduler.finish(&values);
+        let all_named = |names: [&str; 7]| {
+            let mut labels = Labels::default();
+            for (&value, name) in values.iter().zip(names) {
+                labels.call(value, name.to_owned());
+            }
+            let names = Names::new(&program, &symbols, &labels);
+            values
+                .iter()
+                .map(|&v| names.of(v).to_string())
+                .collect::<Vec<_>>()
+        };
+
+        let found = all_named(["a", "a", "b", "b", "b", "b", "c"]);
+        assert_eq!(found[0], "a");
+        assert_ne!(found[1], "a");
+        assert_eq!(found[2], "b");
+        assert_ne!(found[3], "b");
+        // those of an iteration are out of scope after it
+        assert_eq!(found[4], "b");
+        assert_ne!(found[5], "b");
+        // what is known before an iteration is in scope in it
+        assert_ne!(all_named(["a", "b", "a", "c", "d", "e", "f"])[2], "a");
+        // inputs and variables of emitted code
+        for taken in ["x_3", "h", "state", "guess"] {
+            assert_ne!(all_named([taken, "b", "a", "c", "d", "e", "f"])[0], taken);
+        }
+    }
+}
