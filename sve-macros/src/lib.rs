@@ -102,7 +102,10 @@ use proc_macro::TokenStream;
 /// - `impl System`: L and the noise Hamiltonians with their first and second derivatives, on which energy, Legendre transform, drift
 ///   and the baseline methods rest;
 /// - for each rule `impl Variational<Rule>`: `prepare`, what depends on parameters and step size alone; `increment`, the
-///   step; and `PLAN`, what the step became. The doc comment of `increment` shows the discrete action.
+///   step; and `PLAN`, what the step became.
+///
+/// Their documentation shows L, the noise terms, the equations of motion, the discrete action and the equations of the step as
+/// mathematics; `PLAN` has the same texts, of bounded length.
 ///
 /// The step solves `p₀ = −∂S/∂q₀`, `p₁ = ∂S/∂q₁`, `0 = ∂S/∂(internal variables)` for the discrete action S of the rule, which includes the
 /// Stratonovich correction. It is straight-line code with one `let` an operation around its linear solves and Newton
