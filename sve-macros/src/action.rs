@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 use crate::model::{Meaning, Model, Quantity, Symbols};
 use crate::rule::Rule;
-use crate::symbolic::{Arena, Expr, Symbol};
+use crate::symbolic::{self, Arena, Expr, Symbol};
 
 /// A discrete action with its variables.
 pub(crate) struct Action {
@@ -28,6 +28,37 @@ pub(crate) struct Work {
     pub(crate) impulse: Expr,
     /// The coordinate of the node.
     pub(crate) place: Expr,
+}
+
+/// What an intermediate result of an action stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Node {
+    Time,
+    Position(usize),
+    Velocity(usize),
+}
+
+/// What `t + c h`, `q₀ + c d` or, in `taylor2`, `v + h a` is, also after unknowns were eliminated from it; nothing for other
+/// expressions.
+pub(crate) fn node(expr: Expr, symbols: &Symbols, arena: &Arena) -> Option<Node> {
+    let symbolic::Node::Opaque(content) = *arena.node(expr) else {
+        return None;
+    };
+    let symbolic::Node::Sum(_, terms) = arena.node(content) else {
+        return None;
+    };
+    terms.iter().find_map(|&(term, c)| match arena.node(term) {
+        symbolic::Node::Symbol(symbol) if c.get() == 1.0 => match symbols.meaning(*symbol) {
+            Meaning::Time => Some(Node::Time),
+            Meaning::Start(Quantity::Position, i) => Some(Node::Position(*i)),
+            Meaning::Unknown(name) => {
+                let i = name.strip_prefix("v_")?;
+                Some(Node::Velocity(i.parse().ok()?))
+            }
+            _ => None,
+        },
+        _ => None,
+    })
 }
 
 /// The variables that every rule has.

@@ -10,6 +10,7 @@ use crate::action;
 use crate::emit;
 use crate::equations;
 use crate::errors::Errors;
+use crate::explain;
 use crate::lower;
 use crate::mechanics;
 use crate::model::{Meaning, Model};
@@ -118,24 +119,27 @@ fn derive(
         let equations = equations::equations(&action, &mut arena);
         let scheme = structure::analyse(equations, &action, &mut symbols, &mut arena);
         check_work(&block, &model, &arena, work)?;
-        let scheme = scheme.map_err(|degenerate| explain(&degenerate, &block, &symbols))?;
+        let scheme = scheme.map_err(|degenerate| singular(&degenerate, &block, &symbols))?;
         let linearisation = tangent::linearise(&scheme, &action, &symbols, &mut arena);
         check_work(&block, &model, &arena, work)?;
         steps.push((*rule, symbols, action, scheme, linearisation));
     }
     // what is left to do is in proportion to what has been built
     arena.grant(usize::MAX);
-    let mut output = emit::system(&block, &model, &mechanics, &arena);
+    let about = explain::system(&model, &mechanics, &arena);
+    let mut output = emit::system(&block, &model, &mechanics, &about, &arena);
     output.extend(emit::momenta(&block, &model, &momenta, &arena));
     for (rule, symbols, action, scheme, linearisation) in &steps {
+        let texts = explain::step(*rule, &model, &mechanics, action, scheme, symbols, &arena);
         output.extend(emit::rule(
             *rule,
             &block,
             &model,
             &mechanics,
-            action,
             scheme,
             linearisation,
+            &about,
+            &texts,
             symbols,
             &arena,
         ));
@@ -191,7 +195,7 @@ fn check_rules(block: &Annotated, model: &Model) -> syn::Result<()> {
 }
 
 /// A structurally singular step: L does not determine some velocities.
-fn explain(
+fn singular(
     degenerate: &Degenerate,
     block: &Annotated,
     symbols: &crate::model::Symbols,

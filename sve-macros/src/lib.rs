@@ -8,6 +8,7 @@ mod compile;
 mod emit;
 mod equations;
 mod errors;
+mod explain;
 #[cfg(test)]
 mod growth;
 #[cfg(test)]
@@ -19,6 +20,8 @@ mod mistakes;
 mod model;
 mod nesting;
 mod parse;
+#[cfg(test)]
+mod readable_tests;
 mod regular;
 #[cfg(test)]
 mod robustness;
@@ -126,7 +129,10 @@ use proc_macro::TokenStream;
 ///   and the baseline methods rest; differences such as `1 − cos x` or `√(1 + x) − 1` are computed in forms that do not cancel;
 /// - for each `#[symmetry] fn name` a function `name_momentum(&self, &State<N>) -> f64`, the momentum ⟨p, ξ⟩, of the same visibility;
 /// - for each rule `impl Variational<Rule>`: `prepare`, what depends on parameters and step size alone; `increment`, the
-///   step; and `PLAN`, what the step became. The doc comment of `increment` shows the discrete action.
+///   step; and `PLAN`, what the step became.
+///
+/// Their documentation shows L, the noise terms, the equations of motion, the discrete action and the equations of the step as
+/// mathematics; `PLAN` has the same texts, of bounded length.
 ///
 /// The step solves `p₀ = −∂S/∂q₀`, `p₁ = ∂S/∂q₁`, `0 = ∂S/∂(internal variables)` for the discrete action S of the rule, which includes the
 /// Stratonovich correction. It is straight-line code with one `let` an operation around its linear solves and Newton

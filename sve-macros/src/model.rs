@@ -40,6 +40,8 @@ pub(crate) enum Quantity {
 pub(crate) struct NoiseTerm {
     /// Source name, with an index where the function returns an array.
     pub(crate) name: String,
+    /// Whether the user wrote γ, of which the Hamiltonian is the negative.
+    pub(crate) is_gamma: bool,
     pub(crate) hamiltonian: Expr,
 }
 
@@ -93,7 +95,11 @@ impl Symbols {
         }
     }
 
-    /// The name of a symbol in generated code and formulas.
+    pub(crate) fn meanings(&self) -> &[Meaning] {
+        &self.meanings
+    }
+
+    /// The name of a symbol in generated code and messages.
     pub(crate) fn name(&self, symbol: Symbol) -> String {
         match self.meaning(symbol) {
             Meaning::Parameter { name, .. } | Meaning::Unknown(name) => name.clone(),

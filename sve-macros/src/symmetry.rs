@@ -10,8 +10,9 @@
 
 use crate::emit::momentum_name;
 use crate::errors::Errors;
+use crate::explain;
 use crate::model::{Generator, Model};
-use crate::parse::{Annotated, Part, Role};
+use crate::parse::{Annotated, Part};
 use crate::symbolic::{Arena, Expr, Symbol};
 
 /// A conserved momentum.
@@ -64,8 +65,7 @@ pub(crate) fn check(
 
 fn broken(part: &Part, what: &Changes, change: Expr, model: &Model, arena: &Arena) -> String {
     let name = &part.name;
-    let rate = arena
-        .display(change, READABLE, &|s| model.symbols.name(s))
+    let rate = explain::formula(&model.symbols, change, READABLE, arena)
         .map(|formula| format!(" at the rate {formula}"))
         .unwrap_or_default();
     match what {
@@ -118,10 +118,7 @@ fn changes(
         let turned = transported(xi, &kick, model, arena);
         let turned = dot(&p, &turned, arena);
         let mut change = arena.sub(along_q, turned);
-        let source = noise.name.split('[').next();
-        let is_gamma =
-            |part: &Part| part.role == Role::Gamma && source.is_some_and(|s| part.name == s);
-        if block.noises.iter().any(is_gamma) {
+        if noise.is_gamma {
             // the noise Hamiltonian is −γ
             change = arena.neg(change);
         }

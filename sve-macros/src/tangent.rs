@@ -46,7 +46,7 @@ pub(crate) fn linearise(
     let mut residuals = Vec::new();
     for block in &scheme.blocks {
         match &block.solution {
-            Solution::Formula => {}
+            Solution::Formula(_) => {}
             Solution::System { linear, solved } => {
                 residuals.extend(balance(linear, solved, arena));
                 unknowns.extend(solved);

@@ -90,7 +90,7 @@ pub use integrator::Integrator;
 pub use mechanics::{Field, Mechanics};
 pub use method::Method;
 pub use newton::Newton;
-pub use plan::{Block, BlockKind, Operations, Plan, StrongOrder};
+pub use plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
 pub use rules::{Endpoint, InitialPoint, Midpoint, Taylor2};
 pub use state::State;
 /// A system with time-dependent L, a helper, a constant, a parameter array and two noises:
@@ -230,7 +230,7 @@ pub mod __private {
     pub use crate::banded::Banded;
     pub use crate::linear::solve;
     pub use crate::newton::{Evaluation, Newton, SolveError, spread};
-    pub use crate::plan::{Block, BlockKind, Operations, Plan, StrongOrder};
+    pub use crate::plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
     pub use crate::power::power_log;
     pub use crate::state::State;
     pub use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System, Variational};

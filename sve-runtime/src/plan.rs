@@ -62,6 +62,24 @@ pub struct Operations {
     pub transcendental: usize,
 }
 
+/// What was derived, as mathematics. Lines end with `\n`; the last one does not.
+///
+/// Time levels are subscripts, `q₀` and `q₁`, start and end of a step; components are in brackets, `q₀[2]`, and a single
+/// coordinate has none. `q̄`, `t̄` are the node of the midpoint rule, `q̂`, `v̂` the predicted end of `taylor2`; `Δq = q₁ − q₀`;
+/// `ΔW[a]` is the increment of process `a`. Parameters are called like their fields. `c1`, `s1`, `u1`, … stand for parts
+/// that are written below. What would be long is cut off, and says how much.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Formulas {
+    /// L and the noise terms.
+    pub system: &'static str,
+    /// Equations of motion, as stochastic differential equations of Stratonovich.
+    pub motion: &'static str,
+    /// The discrete action of the rule.
+    pub action: &'static str,
+    /// The equations of the step after elimination, block by block, and what follows from them.
+    pub step: &'static str,
+}
+
 /// What a step became.
 ///
 /// ```
@@ -98,6 +116,8 @@ pub struct Plan {
     pub step: Operations,
     /// Done once an iteration, all Newton blocks together, linear solves not counted.
     pub iteration: Operations,
+    /// What was derived.
+    pub formulas: Formulas,
 }
 
 impl Plan {
@@ -123,6 +143,11 @@ impl Plan {
         }
     }
 
+    /// The head of what the plan prints: sizes, blocks and orders, without the formulas and the counts of operations.
+    pub fn structure(&self) -> impl fmt::Display + '_ {
+        Structure(self)
+    }
+
     fn implicit(&self) -> impl Iterator<Item = &Block> {
         self.blocks.iter().filter(|b| b.kind != BlockKind::Explicit)
     }
@@ -140,18 +165,55 @@ impl fmt::Display for Operations {
 
 impl fmt::Display for Plan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Formulas {
+            system,
+            motion,
+            action,
+            step,
+        } = self.formulas;
+        let of_motion = match self.strong_order {
+            StrongOrder::Deterministic => "equations of motion",
+            _ => "equations of motion (Stratonovich)",
+        };
+        writeln!(f, "{}", self.structure())?;
+        for (heading, text) in [
+            ("system", system),
+            (of_motion, motion),
+            ("discrete action", action),
+            ("equations of the step", step),
+        ] {
+            writeln!(f, "  {heading}")?;
+            for line in text.lines() {
+                writeln!(f, "    {line}")?;
+            }
+        }
+        writeln!(f, "  operations a step size: {}", self.prepare)?;
+        write!(f, "  operations a step: {}", self.step)?;
+        if self.kind() == BlockKind::Newton {
+            write!(f, "\n  operations an iteration: {}", self.iteration)?;
+        }
+        Ok(())
+    }
+}
+
+/// A plan without its formulas: see [`Plan::structure`].
+struct Structure<'a>(&'a Plan);
+
+impl fmt::Display for Structure<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let plan = self.0;
         let plural = |n: usize| if n == 1 { "" } else { "s" };
-        let (n, m, k) = (self.degrees_of_freedom, self.noises, self.unknowns());
-        writeln!(f, "{} by the rule {}", self.system, self.rule)?;
+        let (n, m, k) = (plan.degrees_of_freedom, plan.noises, plan.unknowns());
+        writeln!(f, "{} by the rule {}", plan.system, plan.rule)?;
         writeln!(
             f,
             "  {n} degree{} of freedom, {m} Wiener process{}",
             plural(n),
             if m == 1 { "" } else { "es" }
         )?;
-        write!(f, "  {}, {k} unknown{}", self.kind(), plural(k))?;
+        write!(f, "  {}, {k} unknown{}", plan.kind(), plural(k))?;
         if k > 0 {
-            let nonzeros = self.jacobian_nonzeros();
+            let nonzeros = plan.jacobian_nonzeros();
             write!(
                 f,
                 ", {nonzeros} non-zero{} in the Jacobian",
@@ -159,7 +221,7 @@ impl fmt::Display for Plan {
             )?;
         }
         writeln!(f)?;
-        for block in self.blocks {
+        for block in plan.blocks {
             write!(
                 f,
                 "    {:<8} {}",
@@ -171,19 +233,13 @@ impl fmt::Display for Plan {
             }
             writeln!(f)?;
         }
-        write!(f, "  deterministic order {}", self.deterministic_order)?;
-        match self.strong_order {
-            StrongOrder::Deterministic => writeln!(f)?,
-            StrongOrder::One => writeln!(f, ", strong order 1 (all noises commute)")?,
+        write!(f, "  deterministic order {}", plan.deterministic_order)?;
+        match plan.strong_order {
+            StrongOrder::Deterministic => Ok(()),
+            StrongOrder::One => write!(f, ", strong order 1 (all noises commute)"),
             StrongOrder::Half { pair: (a, b) } => {
-                writeln!(f, ", strong order 1/2 ({a} and {b} do not commute)")?;
+                write!(f, ", strong order 1/2 ({a} and {b} do not commute)")
             }
         }
-        writeln!(f, "  operations a step size: {}", self.prepare)?;
-        write!(f, "  operations a step: {}", self.step)?;
-        if self.kind() == BlockKind::Newton {
-            write!(f, "\n  operations an iteration: {}", self.iteration)?;
-        }
-        Ok(())
     }
 }

@@ -12,7 +12,9 @@ use crate::models::{
 use crate::random::Random;
 
 /// A system whose functions can be called.
-pub trait Model<const N: usize, const M: usize>: System<Dims = Dims<N, M>> {
+pub trait Model<const N: usize, const M: usize>:
+    System<Dims = Dims<N, M>> + std::fmt::Debug
+{
     /// L as the user wrote it.
     fn l(&self, t: f64, q: [f64; N], v: [f64; N]) -> f64;
     /// The noise Hamiltonians, −γ and H₁, in source order.

@@ -1,8 +1,10 @@
 //! What the macro says of the steps it made: kinds of blocks, numbers of unknowns, orders.
 
 use sve_runtime::prelude::*;
-use sve_runtime::{BlockKind, StrongOrder, Variational};
-use sve_tests::oracle::{Model, Rule, Visitor, every_step, kubo, rails};
+use sve_runtime::{BlockKind, Plan, StrongOrder, Variational};
+use sve_tests::oracle::{
+    Model, Rule, Visitor, every_step, kubo, oscillator, planar_double_pendulum, rails,
+};
 
 /// System, rule, kind and number of unknowns of its implicit blocks, strong order with the pair that does not commute.
 const PLANS: &[(&str, &str, &str)] = &[
@@ -197,20 +199,42 @@ fn of_every_model_and_rule() {
 }
 
 #[test]
-fn printed() {
+fn kubo_by_midpoint() {
     let plan = Integrator::new(kubo(), Midpoint).plan();
     // the counts of operations are what they are: see the plan's own numbers
     let expected = format!(
         "Kubo by the rule midpoint
   1 degree of freedom, 1 Wiener process
   linear, 1 unknown, 1 non-zero in the Jacobian
-    linear   v_0
+    linear   v
   deterministic order 2, strong order 1 (all noises commute)
+  system
+    L = v²/(2·a) − a·q²/2
+    H₁ jitter = sigma·(q² + p²)/2
+  equations of motion (Stratonovich)
+    dq = v dt + sigma·p ∘ dW
+    dp = −a·q dt − sigma·q ∘ dW
+    p = v/a
+  discrete action
+    S = h·L(q̄, v) + p·(q₁ − q₀ − h·v) − H₁(q̄, p)·ΔW
+    S = h·(v²/a − a·q̄²)/2 + p·(Δq − h·v) − sigma·ΔW·(p² + q̄²)/2
+    q̄ = (q₀ + q₁)/2, Δq = q₁ − q₀
+  equations of the step
+    from a linear equation
+      v = (2·p₀ − h·a·q₀ − sigma·ΔW·q₀)/(2·(1/a + h·a·(h + sigma·ΔW/a)/4 + sigma·ΔW·(h + sigma·ΔW/a)/4))
+    then
+      q₁ = q₀ + h·v + sigma·ΔW·v/a
+      p₁ = p₀ − h·a·q̄ − sigma·ΔW·q̄
+    with
+      q̄ = q₀ + h·v/2 + sigma·ΔW·v/(2·a)
+    computed as a matrix times the state, whose entries are known before it
   operations a step size: {} arithmetic, 0 transcendental
   operations a step: {} arithmetic, 0 transcendental",
         plan.prepare.arithmetic, plan.step.arithmetic
     );
     assert_eq!(plan.to_string(), expected);
+    let head = expected.lines().take(5).collect::<Vec<_>>().join("\n");
+    assert_eq!(plan.structure().to_string(), head);
     // a rotation of two numbers by a rational function of ah + σΔW
     assert!(plan.step.arithmetic <= 40);
 }
@@ -218,13 +242,77 @@ fn printed() {
 #[test]
 fn banded_blocks_are_in_the_order_of_the_band() {
     // the k-th bead is number 3k mod 8; which end comes first is a matter of taste
-    let way = [5, 2, 7, 4, 1, 6, 3, 0].map(|i| format!("v_{i}"));
+    let way = [5, 2, 7, 4, 1, 6, 3, 0].map(|i| format!("v[{i}]"));
     let plan = Integrator::new(rails(), Midpoint).plan();
     let mut found = plan.blocks[0].unknowns.to_vec();
-    if found[0] == "v_0" {
+    if found[0] == "v[0]" {
         found.reverse();
     }
     assert_eq!(found, way);
     let text = plan.to_string();
     assert!(text.contains(" (banded, 1 + 1 + 1)"), "{text}");
+}
+
+/// Everything but the counts of operations.
+fn formulas(plan: &Plan) -> String {
+    let text = plan.to_string();
+    let lines: Vec<&str> = text
+        .lines()
+        .skip_while(|line| !line.starts_with("  system"))
+        .filter(|line| !line.starts_with("  operations"))
+        .collect();
+    lines.join("\n")
+}
+
+#[test]
+fn linear_oscillator_by_endpoint() {
+    let plan = Integrator::new(oscillator(), Endpoint).plan();
+    let expected = "  system
+    L = v²/2 − q²/2
+    γ push = sigma·q
+  equations of motion (Stratonovich)
+    dq = v dt
+    dp = −q dt + sigma ∘ dW
+    p = v
+  discrete action
+    S = h·L(q₁, v) + p·(q₁ − q₀ − h·v) + γ(q₁)·ΔW
+    S = h·(v² − q₁²)/2 + p·(Δq − h·v) + sigma·ΔW·q₁
+    Δq = q₁ − q₀
+  equations of the step
+    q₁ = q₀ + h·p₀
+    p₁ = p₀ + sigma·ΔW − h·q₁";
+    assert_eq!(formulas(plan), expected);
+}
+
+#[test]
+fn double_pendulum_by_midpoint() {
+    let plan = Integrator::new(planar_double_pendulum(), Midpoint).plan();
+    let expected = "  system
+    L = l[0]²·v[0]²·(m[0] + m[1])/2 + m[1]·l[1]²·v[1]²/2 + m[1]·l[0]·l[1]·v[0]·v[1]·cos(q[0] − q[1]) + l[0]·g·cos(q[0])·(m[0] + m[1]) + m[1]·l[1]·g·cos(q[1])
+  equations of motion
+    dq[0] = v[0] dt
+    dq[1] = v[1] dt
+    dp[0] = −(m[1]·l[0]·l[1]·v[0]·v[1]·sin(q[0] − q[1]) + l[0]·g·sin(q[0])·(m[0] + m[1])) dt
+    dp[1] = (m[1]·l[0]·l[1]·v[0]·v[1]·sin(q[0] − q[1]) − m[1]·l[1]·g·sin(q[1])) dt
+    p[0] = l[0]²·v[0]·(m[0] + m[1]) + m[1]·l[0]·l[1]·v[1]·cos(q[0] − q[1])
+    p[1] = m[1]·l[1]²·v[1] + m[1]·l[0]·l[1]·v[0]·cos(q[0] − q[1])
+  discrete action
+    S = h·L(q̄, v) + ⟨p, q₁ − q₀ − h·v⟩
+    S = h·(l[0]²·v[0]²·(m[0] + m[1]) + m[1]·l[1]²·v[1]² + 2·m[1]·l[0]·l[1]·v[0]·v[1]·cos(q̄[0] − q̄[1]) + 2·l[0]·g·cos(q̄[0])·(m[0] + m[1]) + 2·m[1]·l[1]·g·cos(q̄[1]))/2 + p[0]·(Δq[0] − h·v[0]) + p[1]·(Δq[1] − h·v[1])
+    q̄ = (q₀ + q₁)/2, Δq = q₁ − q₀
+  equations of the step
+    Newton's method for v[1], v[0]
+      0 = l[0]²·v[0]·(m[0] + m[1]) − p₀[0] + m[1]·l[0]·l[1]·v[1]·c1 + h·(l[0]·g·sin(q̄[0])·(m[0] + m[1]) + m[1]·l[0]·l[1]·v[0]·v[1]·s1)/2
+      0 = m[1]·l[1]²·v[1] − p₀[1] + m[1]·l[0]·l[1]·v[0]·c1 + h·(m[1]·l[1]·g·sin(q̄[1]) − m[1]·l[0]·l[1]·v[0]·v[1]·s1)/2
+    then
+      q₁[0] = q₀[0] + h·v[0]
+      q₁[1] = q₀[1] + h·v[1]
+      p₁[0] = 2·l[0]²·v[0]·(m[0] + m[1]) − p₀[0] + 2·m[1]·l[0]·l[1]·v[1]·c1
+      p₁[1] = 2·m[1]·l[1]²·v[1] − p₀[1] + 2·m[1]·l[0]·l[1]·v[0]·c1
+    with
+      q̄[0] = q₀[0] + h·v[0]/2
+      q̄[1] = q₀[1] + h·v[1]/2
+      s1 = sin(q̄[0] − q̄[1])
+      c1 = cos(q̄[0] − q̄[1])";
+    assert_eq!(formulas(plan), expected);
 }

@@ -17,6 +17,8 @@ mod emit;
 mod equations;
 #[path = "../../src/errors.rs"]
 mod errors;
+#[path = "../../src/explain/mod.rs"]
+mod explain;
 #[path = "../../src/lower/mod.rs"]
 mod lower;
 #[path = "../../src/mechanics.rs"]

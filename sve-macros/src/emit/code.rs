@@ -2,12 +2,13 @@
 
 use std::collections::{HashMap, HashSet};
 
-use proc_macro2::{Ident, Literal, Span, TokenStream};
-use quote::{format_ident, quote};
+use proc_macro2::{Ident, Literal, TokenStream};
+use quote::quote;
 
+use super::names::{Labels, Names, input_name, local};
 use crate::model::{Meaning, Quantity, Symbols};
 use crate::schedule::{Operation, Program, Tier, Value, operands};
-use crate::symbolic::{Binary, Function, Symbol};
+use crate::symbolic::{Binary, Function};
 
 /// Rows and columns from which on a matrix may be written by its entries.
 const LARGE: usize = 7;
@@ -21,16 +22,23 @@ pub(super) struct Printer<'a> {
     symbols: &'a Symbols,
     /// Path of what generated code calls.
     private: TokenStream,
+    names: Names,
     /// Values that the step reads from what `prepare` returned, with their place there.
     prepared: HashMap<Value, usize>,
 }
 
 impl<'a> Printer<'a> {
-    pub(super) fn new(program: &'a Program, symbols: &'a Symbols, private: &TokenStream) -> Self {
+    pub(super) fn new(
+        program: &'a Program,
+        symbols: &'a Symbols,
+        labels: &Labels,
+        private: &TokenStream,
+    ) -> Self {
         Self {
             program,
             symbols,
             private: private.clone(),
+            names: Names::new(program, symbols, labels),
             prepared: HashMap::new(),
         }
     }
@@ -141,7 +149,6 @@ impl<'a> Printer<'a> {
     }
 
     pub(super) fn statement(&self, value: Value, operation: Operation) -> TokenStream {
-        let name = self.name(value);
         let of = |v: Value| self.operand(v);
         let infix = |a, operator: &TokenStream, b| {
             let (a, b) = (self.operand(a), self.operand(b));
@@ -153,7 +160,10 @@ impl<'a> Printer<'a> {
             }
             Operation::Input(symbol) => match input(self.symbols.meaning(symbol)) {
                 // a field of another type is then one error, at the field
-                Some(access) => return quote!(let #name: f64 = #access;),
+                Some(access) => {
+                    let name = self.name(value);
+                    return quote!(let #name: f64 = #access;);
+                }
                 None => return TokenStream::new(),
             },
             Operation::Add(a, b) => infix(a, &quote!(+), b),
@@ -175,59 +185,28 @@ impl<'a> Printer<'a> {
             Operation::Call(function, a) => call(function, &of(a)),
             Operation::Call2(function, a, b) => call2(function, &of(a), &of(b), &self.private),
             Operation::Turn(sin, cos, by) => {
-                let names = (pair("sin", value), pair("cos", value));
+                let [sin_name, cos_name] = self.names.pair(value);
                 let (sin, cos, by, private) = (of(sin), of(cos), of(by), &self.private);
-                let (sin_name, cos_name) = names;
                 return quote!(let (#sin_name, #cos_name) = #private::turn(#sin, #cos, #by););
             }
             Operation::SinCos(a) => {
-                let (sin, cos) = (pair("sin", value), pair("cos", value));
+                let [sin, cos] = self.names.pair(value);
                 let a = of(a);
                 return quote!(let (#sin, #cos) = f64::sin_cos(#a););
             }
         };
+        let name = self.name(value);
         quote!(let #name = #expression;)
     }
 
     fn name(&self, value: Value) -> Ident {
-        let prefix = match self.program.get(value).operation {
-            Operation::Input(symbol) => return self.input_name(symbol),
-            Operation::SinOf(both) => return pair("sin", both),
-            Operation::CosOf(both) => return pair("cos", both),
-            Operation::Constant(_) => "constant",
-            Operation::Add(..) | Operation::Sub(..) => "sum",
-            Operation::Mul(..) => "product",
-            Operation::Div(..) => "ratio",
-            Operation::Neg(_) => "minus",
-            Operation::Abs(_) => "size",
-            Operation::Recip(_) => "inverse",
-            Operation::Call(function, _) => function.name(),
-            Operation::Call2(..) => "value",
-            Operation::SinCos(_) | Operation::Turn(..) => "sin_cos",
-        };
-        local(&format!("{prefix}_{}", value.index()))
+        match self.program.get(value).operation {
+            Operation::Input(symbol) => input_name(self.symbols, symbol),
+            Operation::SinOf(both) => self.names.pair(both)[0].clone(),
+            Operation::CosOf(both) => self.names.pair(both)[1].clone(),
+            _ => self.names.of(value),
+        }
     }
-
-    fn input_name(&self, symbol: Symbol) -> Ident {
-        input_name(self.symbols, symbol)
-    }
-}
-
-/// The name of a symbol in generated code; fields of the user's struct cannot clash with anything else.
-pub(super) fn input_name(symbols: &Symbols, symbol: Symbol) -> Ident {
-    match symbols.meaning(symbol) {
-        Meaning::Parameter { name, .. } => local(&format!("self_{name}")),
-        Meaning::StepSize => format_ident!("h"),
-        _ => local(&symbols.name(symbol)),
-    }
-}
-
-fn local(name: &str) -> Ident {
-    Ident::new(name, Span::call_site())
-}
-
-fn pair(part: &str, both: Value) -> Ident {
-    local(&format!("{part}_{}", both.index()))
 }
 
 /// A literal; a negative one in parentheses.

@@ -3,7 +3,7 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use super::step::names;
+use super::step::names as pattern;
 use super::straight::Straight;
 use crate::model::{Model, Symbols};
 use crate::symbolic::{Arena, Expr};
@@ -31,7 +31,17 @@ pub(super) fn linearise(
         .map(|matrix| matrix.iter().map(|entry| entry.value).collect())
         .collect();
     let rows: Vec<[Vec<Expr>; 1]> = rows.into_iter().map(|row| [row]).collect();
-    let views: Vec<&[Vec<Expr>]> = rows.iter().map(<[_; 1]>::as_slice).collect();
+    let names = [
+        "residual_by_x",
+        "residual_by_z",
+        "output_by_x",
+        "output_by_z",
+    ];
+    let views: Vec<(&[Vec<Expr>], Vec<String>)> = rows
+        .iter()
+        .zip(names)
+        .map(|(row, name)| (row.as_slice(), vec![name.to_owned()]))
+        .collect();
     let (statements, values) = Straight::new(arena, symbols, &roots).finish(private, &views);
     let matrices = matrices.iter().zip(values).map(|(entries, values)| {
         let places = entries.iter().map(|&Entry { row, column, .. }| {
@@ -40,7 +50,7 @@ pub(super) fn linearise(
         });
         quote!(#private::Entries { places: &[#(#places),*], values: &#values[0] })
     });
-    let unknowns = names(unknowns, symbols);
+    let unknowns = pattern(unknowns, symbols);
     quote! {
         type Unknowns = [f64; #size];
         #[inline]

@@ -4,6 +4,7 @@ mod code;
 mod linearise;
 mod mend;
 mod momenta;
+mod names;
 mod plan;
 mod rounding;
 mod rule;
@@ -17,7 +18,7 @@ pub(crate) use rule::rule;
 pub(crate) use stub::stub;
 pub(crate) use system::system;
 
-use proc_macro2::{Ident, TokenStream};
+use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use crate::parse::Annotated;
@@ -31,6 +32,34 @@ fn private(block: &Annotated) -> TokenStream {
 /// The function that a symmetry gives.
 pub(crate) fn momentum_name(symmetry: &Ident) -> Ident {
     format_ident!("{symmetry}_momentum", span = symmetry.span())
+}
+
+/// Doc comments, a line each: headings with formulas below. As text blocks these are neither markdown nor tests.
+fn documented(parts: &[(&str, &str)]) -> TokenStream {
+    let mut tokens = TokenStream::new();
+    let mut line = |text: &str| {
+        let text = verbatim(&format!(" {text}"));
+        tokens.extend(quote!(#[doc = #text]));
+    };
+    for (at, (heading, text)) in parts.iter().enumerate() {
+        if at > 0 {
+            line("");
+        }
+        line(heading);
+        if !text.is_empty() {
+            line("");
+            line("```text");
+            text.lines().for_each(&mut line);
+            line("```");
+        }
+    }
+    tokens
+}
+
+/// A string literal that is read as it is, also in the expansion: letters with bars stay letters.
+fn verbatim(text: &str) -> Literal {
+    let raw = format!("r\"{text}\"");
+    raw.parse().unwrap_or_else(|_| Literal::string(text))
 }
 
 /// Attributes of every generated implementation. Generated arithmetic is not written to please a reader's linter.

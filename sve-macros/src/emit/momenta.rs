@@ -5,6 +5,7 @@ use quote::quote;
 
 use super::straight::Straight;
 use super::{attributes, momentum_name, private};
+use crate::explain;
 use crate::model::Model;
 use crate::parse::Annotated;
 use crate::symbolic::Arena;
@@ -33,9 +34,9 @@ pub(crate) fn momenta(
         } = map;
         let function = momentum_name(&part.name);
         let visibility = &part.function.vis;
-        let (statements, values) =
-            Straight::new(arena, &model.symbols, &[*value]).finish(&private, &[&[vec![*value]]]);
-        let formula = arena.display(*value, READABLE, &|s| model.symbols.name(s));
+        let (statements, values) = Straight::new(arena, &model.symbols, &[*value])
+            .finish(&private, &[(&[vec![*value]], vec!["momentum".to_owned()])]);
+        let formula = explain::formula(&model.symbols, *value, READABLE, arena);
         let doc = doc(name, formula.as_deref(), *affine);
         quote! {
             #[doc = #doc]

@@ -3,6 +3,8 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
+use super::verbatim;
+use crate::explain::{self, StepTexts, SystemTexts};
 use crate::mechanics::Mechanics;
 use crate::model::{Model, Symbols};
 use crate::parse::Annotated;
@@ -18,9 +20,17 @@ pub(super) fn plan(
     model: &Model,
     mechanics: &Mechanics,
     scheme: &Scheme,
+    about: &SystemTexts,
+    texts: &StepTexts,
     program: &Program,
     symbols: &Symbols,
 ) -> TokenStream {
+    let StepTexts {
+        action,
+        step: equations,
+    } = texts;
+    let texts = [&about.system(), &about.motion, action, equations];
+    let [terms, motion, action, equations] = texts.map(|text| verbatim(text));
     let self_ty = &block.item.self_ty;
     let system = quote!(#self_ty).to_string();
     let (name, order) = (rule.attribute_name(), rule.deterministic_order());
@@ -36,7 +46,7 @@ pub(super) fn plan(
             Kind::Linear => quote!(Linear),
             Kind::Newton => quote!(Newton),
         };
-        let unknowns = unknowns.iter().map(|&u| symbols.name(u));
+        let unknowns = unknowns.iter().map(|&u| explain::unknown(symbols, u));
         let band = match band {
             Some(Band { lower, upper }) => quote!(::core::option::Option::Some((#lower, #upper))),
             None => quote!(::core::option::Option::None),
@@ -59,6 +69,12 @@ pub(super) fn plan(
             prepare: #prepare,
             step: #step,
             iteration: #iteration,
+            formulas: #private::Formulas {
+                system: #terms,
+                motion: #motion,
+                action: #action,
+                step: #equations,
+            },
         }
     }
 }

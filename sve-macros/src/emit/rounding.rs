@@ -8,6 +8,7 @@ use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use super::code::{Printer, call, call2};
+use super::names::Labels;
 use super::straight::Straight;
 use crate::model::Symbols;
 use crate::schedule::{Operation, Program, Value};
@@ -21,7 +22,7 @@ pub(super) fn rounding(
     arena: &Arena,
 ) -> TokenStream {
     let (program, values) = Straight::new(arena, symbols, exprs).program(exprs);
-    let printer = Printer::new(&program, symbols, private);
+    let printer = Printer::new(&program, symbols, &Labels::default(), private);
     let bounds = Bounds {
         program: &program,
         printer: &printer,

@@ -7,8 +7,8 @@ use super::code::Printer;
 use super::linearise::linearise;
 use super::plan::plan;
 use super::step::schedule;
-use super::{attributes, private};
-use crate::action::Action;
+use super::{attributes, documented, private};
+use crate::explain::{StepTexts, SystemTexts};
 use crate::mechanics::Mechanics;
 use crate::model::{Model, Symbols};
 use crate::parse::Annotated;
@@ -23,9 +23,10 @@ pub(crate) fn rule(
     block: &Annotated,
     model: &Model,
     mechanics: &Mechanics,
-    action: &Action,
     scheme: &Scheme,
     linearisation: &Linearisation,
+    about: &SystemTexts,
+    texts: &StepTexts,
     symbols: &Symbols,
     arena: &Arena,
 ) -> TokenStream {
@@ -37,7 +38,7 @@ pub(crate) fn rule(
     let m = Literal::usize_unsuffixed(model.noises.len());
 
     let step = schedule(scheme, &linearisation.unknowns, symbols, &private, arena);
-    let mut printer = Printer::new(&step.program, symbols, &private);
+    let mut printer = Printer::new(&step.program, symbols, &step.labels, &private);
     let kept = printer.split_prepared(&step.results);
     let prepared = Literal::usize_unsuffixed(kept.len());
     let (prepare, kept) = (printer.prepare(), printer.array(&kept));
@@ -49,25 +50,43 @@ pub(crate) fn rule(
         model,
         mechanics,
         scheme,
+        about,
+        texts,
         &step.program,
         symbols,
     );
     let returns_state = scheme.form == Form::State;
     let unknowns = Literal::usize_unsuffixed(linearisation.unknowns.len());
     let linearise = linearise(&private, model, linearisation, symbols, arena);
-    let doc = doc(action, symbols, arena);
+    let StepTexts {
+        action,
+        step: equations,
+    } = texts;
+    let increment_doc = documented(&[(
+        "One step from `q₀`, `p₀`: `(q₁ − q₀, p₁ − p₀)`, or `(q₁, p₁)` where `RETURNS_STATE`.",
+        equations,
+    )]);
+    let doc = documented(&[
+        (
+            "Discrete action, of which `p₀ = −∂S/∂q₀`, `p₁ = ∂S/∂q₁`, `0 = ∂S/∂(each internal variable)`:",
+            action,
+        ),
+        ("Equations of the step:", equations),
+    ]);
     quote! {
+        #doc
         #attributes
         impl #private::Variational<#runtime::#rule_type> for #self_ty {
             type Prepared = [f64; #prepared];
             const PLAN: &'static #private::Plan = &#plan;
             const RETURNS_STATE: bool = #returns_state;
+            /// What depends on parameters and step size alone.
             #[inline]
             fn prepare(&self, h: f64) -> [f64; #prepared] {
                 #prepare
                 #kept
             }
-            #[doc = #doc]
+            #increment_doc
             #[inline]
             fn increment(
                 &self,
@@ -82,19 +101,4 @@ pub(crate) fn rule(
             #linearise
         }
     }
-}
-
-/// Longest formula that is worth reading, in characters.
-const READABLE: usize = 600;
-
-fn doc(action: &Action, symbols: &Symbols, arena: &Arena) -> String {
-    let mut doc = String::from(
-        "One step: solves `p0 = -∂S/∂q0`, `0 = ∂S/∂(internal variables)` for the displacement `d = q1 - q0`, and returns `(d, p1 - p0)`.",
-    );
-    if let Some(formula) = arena.display(action.value, READABLE, &|s| symbols.name(s)) {
-        doc.push_str("\n\n```text\nS = ");
-        doc.push_str(&formula);
-        doc.push_str("\n```");
-    }
-    doc
 }

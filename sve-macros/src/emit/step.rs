@@ -3,12 +3,13 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use super::code::{Printer, input_name};
+use super::code::Printer;
+use super::names::{Labels, input_name};
 use super::rounding::rounding;
-use super::straight::Straight;
+use super::straight::{Straight, rows};
 use crate::model::{Meaning, Symbols};
 use crate::schedule::{Operation, Program, Scheduler, Tier, Tiers, Value};
-use crate::structure::{Band, Iteration, Linear, Refinement, Scheme, Solution};
+use crate::structure::{Band, Block, Form, Iteration, Linear, Refinement, Scheme, Solution};
 use crate::symbolic::{Arena, Expr, Symbol};
 
 /// A step with values for expressions.
@@ -21,6 +22,8 @@ pub(super) struct Step {
     /// Every value that is used other than by an instruction.
     pub(super) results: Vec<Value>,
     pub(super) program: Program,
+    /// What the values are.
+    pub(super) labels: Labels,
 }
 
 /// A block with values for expressions.
@@ -79,13 +82,14 @@ pub(super) fn schedule(
         blocks,
         dq,
         dp,
-        form: _,
+        form,
+        increments: _,
     } = scheme;
     let mut tiers = Tiers::new();
     let mut all: Vec<Expr> = [dq.as_slice(), dp].concat();
     for (at, block) in blocks.iter().enumerate() {
         match &block.solution {
-            Solution::Formula => {}
+            Solution::Formula(_) => {}
             Solution::System { linear, solved } => {
                 tiers.extend(solved.iter().map(|&s| (s, Tier::Solved(at))));
                 all.extend(linear.matrix.iter().flatten().chain(&linear.rhs));
@@ -117,7 +121,7 @@ pub(super) fn schedule(
     let solves: Vec<Solve> = blocks
         .iter()
         .map(|block| match &block.solution {
-            Solution::Formula => Solve::Formula,
+            Solution::Formula(_) => Solve::Formula,
             Solution::System { linear, solved } => {
                 Solve::System(system(&mut scheduler, linear), solved.clone())
             }
@@ -132,15 +136,99 @@ pub(super) fn schedule(
             }
         })
         .collect();
+    let rows = [dq.as_slice(), dp].concat();
     let (dq, dp) = (scheduler.values(dq), scheduler.values(dp));
     let results = results(&solves, &dq, &dp);
+    let mut labels = Labels::default();
+    if scheme.is_matrix() {
+        labels.map(&scheduler, arena, symbols, &rows);
+    }
+    let formulas = formulas(blocks, symbols);
+    labels.expressions(&scheduler, arena, symbols, &formulas, &all);
+    let mut first = 0;
+    for (solve, block) in solves.iter().zip(blocks) {
+        solve.label(first, &mut labels);
+        first += block.unknowns.len();
+    }
+    let [q, p] = match form {
+        Form::Increment => ["dq", "dp"],
+        Form::State => ["q1", "p1"],
+    };
+    labels.vector(q, 0, &dq);
+    labels.vector(p, 0, &dp);
     Step {
         program: scheduler.finish(&results),
+        labels,
         solves,
         dq,
         dp,
         unknowns: unknowns.to_vec(),
         results,
+    }
+}
+
+/// The unknowns that have formulas, which bear their names.
+fn formulas(blocks: &[Block], symbols: &Symbols) -> Vec<(Expr, String)> {
+    let formula = |block: &Block| match block.solution {
+        Solution::Formula(formula) => Some((formula, symbols.name(block.unknowns[0]))),
+        _ => None,
+    };
+    blocks.iter().filter_map(formula).collect()
+}
+
+impl Solve {
+    /// Says what the values of a block are, its equations counted from `first`.
+    fn label(&self, first: usize, labels: &mut Labels) {
+        match self {
+            Self::Formula => {}
+            Self::System(System { matrix, rhs }, _) => {
+                matrix.label("matrix", first, labels);
+                labels.vector("rhs", first, rhs);
+            }
+            Self::Iteration(newton) => {
+                let Newton {
+                    guess,
+                    refinement,
+                    rest: _,
+                    fallback: _,
+                    rounding: _,
+                    residual,
+                    magnitude,
+                    jacobian,
+                    curvature,
+                    iterates: _,
+                    solved: _,
+                } = &**newton;
+                guess.matrix.label("mass", first, labels);
+                labels.vector("residual", first, residual);
+                jacobian.label("jacobian", first, labels);
+                if let Some(curvature) = curvature {
+                    labels.call(*curvature, format!("curvature_{first}"));
+                }
+                labels.vector("guess_rhs", first, &guess.rhs);
+                if let Some((_, rhs)) = refinement {
+                    labels.vector("refinement_rhs", first, rhs);
+                }
+                labels.vector("magnitude", first, magnitude);
+            }
+        }
+    }
+}
+
+impl Matrix {
+    /// Says what the entries are, their rows and columns counted from `first`.
+    fn label(&self, name: &str, first: usize, labels: &mut Labels) {
+        let Some(band) = self.band else {
+            labels.matrix(name, first, &self.rows);
+            return;
+        };
+        for (i, row) in self.rows.iter().enumerate() {
+            for (k, &value) in row.iter().enumerate() {
+                if let Some(j) = (i + k).checked_sub(band.lower) {
+                    labels.call(value, format!("{name}_{}_{}", first + i, first + j));
+                }
+            }
+        }
     }
 }
 
@@ -229,8 +317,11 @@ fn fallback(
     let rhs = [linear.rhs.clone()];
     let (band, matrix) = banded(&linear.matrix, arena);
     let roots: Vec<Expr> = matrix.iter().flatten().chain(&rhs[0]).copied().collect();
-    let (statements, arrays) =
-        Straight::new(arena, symbols, &roots).finish(private, &[&matrix, &rhs]);
+    let matrices: [(&[Vec<Expr>], Vec<String>); 2] = [
+        (&matrix, rows("matrix", matrix.len())),
+        (&rhs, vec!["rhs".to_owned()]),
+    ];
+    let (statements, arrays) = Straight::new(arena, symbols, &roots).finish(private, &matrices);
     let [matrix, rhs] = arrays.as_slice() else {
         return TokenStream::new();
     };

@@ -56,6 +56,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream) -> TokenStream {
             prepare: #operations,
             step: #operations,
             iteration: #operations,
+            formulas: #private::Formulas { system: "", motion: "", action: "", step: "" },
         }
     };
     let momenta = momenta(block, &private, &n);

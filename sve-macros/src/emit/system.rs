@@ -3,8 +3,9 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use super::straight::Straight;
-use super::{attributes, private};
+use super::straight::{Straight, rows};
+use super::{attributes, documented, private};
+use crate::explain::SystemTexts;
 use crate::mechanics::{ForceJet, LagrangianJet, Mechanics, NoiseJet};
 use crate::model::{Model, Symbols};
 use crate::parse::Annotated;
@@ -14,6 +15,7 @@ pub(crate) fn system(
     block: &Annotated,
     model: &Model,
     mechanics: &Mechanics,
+    about: &SystemTexts,
     arena: &Arena,
 ) -> TokenStream {
     let (private, attributes) = (private(block), attributes());
@@ -27,6 +29,20 @@ pub(crate) fn system(
         affine_momentum,
         clash: _,
     } = mechanics;
+    let of_motion = if noises.is_empty() {
+        "Equations of motion:"
+    } else {
+        "Equations of motion (Stratonovich):"
+    };
+    let doc = documented(&[("The system:", &about.system()), (of_motion, &about.motion)]);
+    let jet_doc = documented(&[(
+        "L with its first and second derivatives.",
+        &about.lagrangian,
+    )]);
+    let noise_doc = documented(&[(
+        "The noise Hamiltonians, −γ and H₁, with their first and second derivatives.",
+        &about.noises,
+    )]);
     let lagrangian_body = lagrangian_jet(&private, lagrangian, &model.symbols, arena);
     let noise_body = noise_jets(&private, noises, &model.symbols, arena);
     let force = force
@@ -40,15 +56,18 @@ pub(crate) fn system(
     quote! {
         #attributes
         const _: () = { #(let _ = <#self_ty>::#functions;)* };
+        #doc
         #attributes
         impl #private::System for #self_ty {
             type Dims = #private::Dims<#n, #m>;
             const AFFINE_MOMENTUM: bool = #affine_momentum;
             const PARAMETERS: &'static [&'static str] = &[#(#parameters),*];
+            #jet_doc
             #[inline]
             fn lagrangian_jet(&self, time: f64, q: &[f64; #n], v: &[f64; #n]) -> #private::LagrangianJet<#n> {
                 #lagrangian_body
             }
+            #noise_doc
             #[inline]
             fn noise_jets(&self, time: f64, q: &[f64; #n], p: &[f64; #n]) -> [#private::NoiseJet<#n>; #m] {
                 #noise_body
@@ -79,8 +98,18 @@ fn lagrangian_jet(
     let roots: Vec<Expr> = [&value[..], &vectors[..], &dqq[..], &dqv[..], &dvv[..]]
         .concat()
         .concat();
-    let (statements, arrays) =
-        Straight::new(arena, symbols, &roots).finish(private, &[&value, &vectors, dqq, dqv, dvv]);
+    let n = dq.len();
+    let matrices: [(&[Vec<Expr>], Vec<String>); 5] = [
+        (&value, vec!["lagrangian".to_owned()]),
+        (
+            &vectors,
+            ["dq", "dv", "dqt", "dvt"].map(ToOwned::to_owned).to_vec(),
+        ),
+        (dqq, rows("dqq", n)),
+        (dqv, rows("dqv", n)),
+        (dvv, rows("dvv", n)),
+    ];
+    let (statements, arrays) = Straight::new(arena, symbols, &roots).finish(private, &matrices);
     let [value, vectors, dqq, dqv, dvv] = arrays.as_slice() else {
         return TokenStream::new();
     };
@@ -103,8 +132,13 @@ fn force_jet(
     let ForceJet { value, dq, dv, dt } = jet;
     let vectors = [value.clone(), dt.clone()];
     let roots: Vec<Expr> = [&vectors[..], &dq[..], &dv[..]].concat().concat();
-    let (statements, arrays) =
-        Straight::new(arena, symbols, &roots).finish(private, &[&vectors, dq, dv]);
+    let size = value.len();
+    let matrices: [(&[Vec<Expr>], Vec<String>); 3] = [
+        (&vectors, ["force", "dt"].map(ToOwned::to_owned).to_vec()),
+        (dq, rows("dq", size)),
+        (dv, rows("dv", size)),
+    ];
+    let (statements, arrays) = Straight::new(arena, symbols, &roots).finish(private, &matrices);
     let [vectors, dq, dv] = arrays.as_slice() else {
         return TokenStream::new();
     };
@@ -126,22 +160,29 @@ fn noise_jets(
     arena: &Arena,
 ) -> TokenStream {
     let mut roots: Vec<Expr> = Vec::new();
-    let mut blocks: Vec<Vec<Vec<Expr>>> = Vec::new();
-    for NoiseJet {
-        dq,
-        dp,
-        dqq,
-        dqp,
-        dpp,
-    } in jets
-    {
-        let vectors = vec![dq.clone(), dp.clone()];
-        for block in [&vectors, dqq, dqp, dpp] {
-            roots.extend(block.iter().flatten());
-            blocks.push(block.clone());
-        }
+    let mut blocks: Vec<(Vec<Vec<Expr>>, Vec<String>)> = Vec::new();
+    for (at, jet) in jets.iter().enumerate() {
+        let NoiseJet {
+            dq,
+            dp,
+            dqq,
+            dqp,
+            dpp,
+        } = jet;
+        let name = |part: &str| format!("noise_{at}_{part}");
+        let matrix = |part: &str| rows(&name(part), dq.len());
+        blocks.push((vec![dq.clone(), dp.clone()], vec![name("dq"), name("dp")]));
+        blocks.push((dqq.clone(), matrix("dqq")));
+        blocks.push((dqp.clone(), matrix("dqp")));
+        blocks.push((dpp.clone(), matrix("dpp")));
     }
-    let views: Vec<&[Vec<Expr>]> = blocks.iter().map(Vec::as_slice).collect();
+    for (block, _) in &blocks {
+        roots.extend(block.iter().flatten());
+    }
+    let views = blocks
+        .iter()
+        .map(|(block, names)| (block.as_slice(), names.clone()));
+    let views: Vec<(&[Vec<Expr>], Vec<String>)> = views.collect();
     let (statements, arrays) = Straight::new(arena, symbols, &roots).finish(private, &views);
     let jets = arrays.chunks(4).map(|chunk| {
         let (vectors, dqq, dqp, dpp) = (&chunk[0], &chunk[1], &chunk[2], &chunk[3]);

@@ -331,12 +331,17 @@ impl Lowering<'_> {
             if !moves {
                 self.idle(part, &name);
             }
-            let hamiltonian = if part.role == Role::Gamma {
+            let is_gamma = part.role == Role::Gamma;
+            let hamiltonian = if is_gamma {
                 self.arena.neg(value)
             } else {
                 value
             };
-            noises.push(NoiseTerm { name, hamiltonian });
+            noises.push(NoiseTerm {
+                name,
+                is_gamma,
+                hamiltonian,
+            });
         }
     }
 

@@ -106,6 +106,13 @@ impl Program {
             .map(|(at, i)| (Value(at as u32), *i))
     }
 
+    /// All instructions in the order of their tiers, operands first.
+    pub(crate) fn in_order(&self) -> Vec<(Value, Instruction)> {
+        let mut list: Vec<_> = self.all().collect();
+        list.sort_by_key(|(_, i)| i.tier.rank());
+        list
+    }
+
     /// Number of instructions so far, to come back to.
     pub(super) fn checkpoint(&self) -> usize {
         self.instructions.len()

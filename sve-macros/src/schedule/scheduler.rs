@@ -73,6 +73,15 @@ impl<'a> Scheduler<'a> {
         self.program
     }
 
+    /// The value of an expression that was asked for, or is part of one that was.
+    pub(crate) fn known(&self, expr: Expr) -> Option<Value> {
+        self.done.get(&expr).copied()
+    }
+
+    pub(crate) fn operation(&self, value: Value) -> Operation {
+        self.program.get(value).operation
+    }
+
     /// The value of an expression; operands first, so nothing recurses deeply.
     pub(crate) fn value(&mut self, expr: Expr) -> Value {
         if let Some(&known) = self.done.get(&expr) {

@@ -174,7 +174,7 @@ fn contents(scheme: &Scheme) -> (Vec<Expr>, Tiers) {
     let mut all: Vec<Expr> = [&scheme.dq[..], &scheme.dp].concat();
     for (at, block) in scheme.blocks.iter().enumerate() {
         match &block.solution {
-            Solution::Formula => {}
+            Solution::Formula(_) => {}
             Solution::System { linear, solved } => {
                 tiers.extend(solved.iter().map(|&s| (s, Tier::Solved(at))));
                 all.extend(linear.matrix.iter().flatten().chain(&linear.rhs));

@@ -55,7 +55,7 @@ pub(super) fn solution(
     };
     for block in &scheme.blocks {
         match &block.solution {
-            Solution::Formula => {}
+            Solution::Formula(_) => {}
             Solution::System { linear, solved } => {
                 let Linear { matrix, rhs } = linear;
                 let x = solve(&known, matrix, rhs)?;

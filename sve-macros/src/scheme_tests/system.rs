@@ -100,7 +100,11 @@ impl System {
             let value = *build(recipe, &variables(with), arena).last().expect("one");
             let hamiltonian = if *momenta { value } else { arena.neg(value) };
             let name = "noise".to_owned();
-            noises.push(NoiseTerm { name, hamiltonian });
+            noises.push(NoiseTerm {
+                name,
+                is_gamma: !*momenta,
+                hamiltonian,
+            });
         }
         Model {
             symbols,

@@ -34,7 +34,8 @@ impl Reduced<'_> {
         if linear && unknowns.len() == 1 {
             let coefficient = at_zero.matrix[0][0];
             let formula = self.arena.div(at_zero.rhs[0], coefficient);
-            known.insert(unknowns[0], self.arena.opaque(formula));
+            let formula = self.arena.opaque(formula);
+            known.insert(unknowns[0], formula);
             let kind = if self.is_parameter(coefficient) {
                 Kind::Explicit
             } else {
@@ -45,7 +46,7 @@ impl Reduced<'_> {
                 unknowns,
                 nonzeros,
                 band: None,
-                solution: Solution::Formula,
+                solution: Solution::Formula(formula),
             };
         }
         let solved = self.solved(&unknowns, known);

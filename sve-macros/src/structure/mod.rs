@@ -25,6 +25,15 @@ pub(crate) struct Scheme {
     pub(crate) dq: Vec<Expr>,
     pub(crate) dp: Vec<Expr>,
     pub(crate) form: Form,
+    /// `q₁ − q₀` and `p₁ − p₀` as the equations give them, for readers.
+    pub(crate) increments: (Vec<Expr>, Vec<Expr>),
+}
+
+impl Scheme {
+    /// Whether `dq` and `dp` are a matrix times the state, whose entries are known before it.
+    pub(crate) fn is_matrix(&self) -> bool {
+        self.dq != self.increments.0
+    }
 }
 
 /// What `dq` and `dp` are.
@@ -58,7 +67,7 @@ pub(crate) struct Block {
 /// What there is to compute.
 pub(crate) enum Solution {
     /// A single unknown by a formula, which has taken its place in everything that follows.
-    Formula,
+    Formula(Expr),
     /// A linear system; `solved` are the names of the solution in everything that follows.
     System { linear: Linear, solved: Vec<Symbol> },
     /// An iteration from the solution of a linear system.
@@ -145,6 +154,7 @@ pub(crate) fn analyse(
     let dp = cheapest(system.arena, &candidates, &dq, &blocks);
     let increments = Scheme {
         blocks,
+        increments: (dq.clone(), dp.clone()),
         dq,
         dp,
         form: Form::Increment,
@@ -162,11 +172,12 @@ impl Scheme {
             dq,
             dp,
             form: _,
+            increments: _,
         } = self;
         let mut exprs: Vec<&mut Expr> = dq.iter_mut().chain(dp).collect();
         for block in blocks {
             match &mut block.solution {
-                Solution::Formula => {}
+                Solution::Formula(formula) => exprs.push(formula),
                 Solution::System { linear, solved: _ } => exprs.extend(linear.exprs()),
                 Solution::Iteration(iteration) => exprs.extend(iteration.exprs()),
             }

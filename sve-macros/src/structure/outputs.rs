@@ -24,7 +24,7 @@ pub(super) fn linear_map(
     let formulas = scheme
         .blocks
         .iter()
-        .all(|b| matches!(b.solution, Solution::Formula));
+        .all(|b| matches!(b.solution, Solution::Formula(_)));
     let implicit = scheme.blocks.iter().any(|b| b.kind == Kind::Linear);
     if !formulas || !implicit || action.start_q.len() > MATRIX {
         return scheme;

@@ -141,6 +141,13 @@ impl Arena {
         &self.nodes[expr.0 as usize]
     }
 
+    /// The operands of an expression.
+    pub(crate) fn operands_of(&self, expr: Expr) -> impl Iterator<Item = Expr> {
+        let mut list = Vec::new();
+        each_operand(self.node(expr), |operand| list.push(operand));
+        list.into_iter()
+    }
+
     /// Number of nodes so far.
     pub(crate) fn len(&self) -> usize {
         self.nodes.len()
@@ -170,6 +177,11 @@ impl Arena {
         let set = &self.sets[self.contents[expr.0 as usize] as usize];
         let (word, bit) = (symbol.0 as usize / 64, symbol.0 % 64);
         set.get(word).is_some_and(|w| w >> bit & 1 == 1)
+    }
+
+    /// The expression of a symbol, if there is one yet.
+    pub(crate) fn known_symbol(&self, symbol: Symbol) -> Option<Expr> {
+        self.names.get(&Node::Symbol(symbol)).copied()
     }
 
     /// The symbols that occur in `expr`, ascending.

@@ -7,14 +7,20 @@
 mod budget;
 mod diff;
 mod display;
+#[cfg(test)]
+mod display_tests;
 mod expr;
 mod hash;
+mod number;
+#[cfg(test)]
+mod reader;
 mod simplify;
 mod stable;
 #[cfg(test)]
 pub(crate) mod tests;
 mod zero;
 
+pub(crate) use display::{Notation, Sum, Text};
 pub(crate) use expr::{Arena, Binary, Expr, Function, Node, Symbol};
 pub(crate) use hash::Map;
 pub(crate) use stable::Purpose;

@@ -19,7 +19,7 @@ use number::{Bounded, Number};
 use recipe::{BINARIES, FUNCTIONS, Make, Random, grow};
 
 /// Numbers of symbols in random expressions.
-const SYMBOLS: usize = 3;
+pub(super) const SYMBOLS: usize = 3;
 
 /// Values with signs, zeros, ones, powers of two and ranges.
 fn value() -> impl Strategy<Value = f64> {
@@ -31,7 +31,7 @@ fn value() -> impl Strategy<Value = f64> {
     ]
 }
 
-fn close(found: f64, expected: f64, size: f64) -> bool {
+pub(super) fn close(found: f64, expected: f64, size: f64) -> bool {
     (found - expected).abs() <= 1e-12 * (1.0 + size)
 }
 
@@ -55,12 +55,12 @@ fn make() -> impl Strategy<Value = Make> {
     ]
 }
 
-fn recipe() -> impl Strategy<Value = Vec<Make>> {
+pub(super) fn recipe() -> impl Strategy<Value = Vec<Make>> {
     prop::collection::vec(make(), 1..14)
 }
 
 /// The expressions of a recipe, and their values by plain evaluation.
-fn build(recipe: &[Make], at: &[f64], arena: &mut Arena) -> Vec<(Expr, f64)> {
+pub(super) fn build(recipe: &[Make], at: &[f64], arena: &mut Arena) -> Vec<(Expr, f64)> {
     let symbols: Vec<Symbol> = (0..SYMBOLS as u32).map(Symbol).collect();
     let exprs = recipe::build(recipe, &symbols, arena);
     exprs
@@ -70,7 +70,7 @@ fn build(recipe: &[Make], at: &[f64], arena: &mut Arena) -> Vec<(Expr, f64)> {
 }
 
 /// Whether every intermediate value is moderate, so that rounding and conditioning are harmless.
-fn moderate(made: &[(Expr, f64)]) -> bool {
+pub(super) fn moderate(made: &[(Expr, f64)]) -> bool {
     made.iter()
         .all(|(_, x)| x.is_finite() && x.abs() < 30.0 && (*x == 0.0 || x.abs() > 1e-2))
 }

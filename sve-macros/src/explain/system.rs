@@ -1,0 +1,168 @@
+//! The system and its equations of motion, in the first-order Stratonovich form.
+
+use super::names::Names;
+use super::page::Page;
+use super::shown;
+use crate::mechanics::Mechanics;
+use crate::model::{Model, NoiseTerm};
+use crate::symbolic::{Arena, Expr, Sum};
+
+/// Texts that no rule changes.
+pub(crate) struct SystemTexts {
+    /// L.
+    pub(crate) lagrangian: String,
+    /// The noise terms as the user means them: γ, not −γ. Empty where there are none.
+    pub(crate) noises: String,
+    /// `dq = …`, `dp = …`, `p = ∂L/∂v`.
+    pub(crate) motion: String,
+}
+
+impl SystemTexts {
+    /// L and the noise terms.
+    pub(crate) fn system(&self) -> String {
+        let parts = [self.lagrangian.as_str(), &self.noises];
+        let parts: Vec<&str> = parts.into_iter().filter(|text| !text.is_empty()).collect();
+        parts.join("\n")
+    }
+}
+
+/// Writes down the system.
+pub(crate) fn system(model: &Model, mechanics: &Mechanics, arena: &Arena) -> SystemTexts {
+    let mut page = Page::new(arena, Names::new(&model.symbols, None));
+    SystemTexts {
+        lagrangian: lagrangian(model, &mut page).join("\n"),
+        noises: noises(model, &mut page).join("\n"),
+        motion: motion(model, mechanics, arena).join("\n"),
+    }
+}
+
+fn lagrangian(model: &Model, page: &mut Page<'_>) -> Vec<String> {
+    page.name_parts(&[model.lagrangian]);
+    let mut lines = vec![format!("L = {}", page.formula(model.lagrangian))];
+    lines.extend(page.explanations(|_| false));
+    lines
+}
+
+fn noises(model: &Model, page: &mut Page<'_>) -> Vec<String> {
+    let count = shown(model.noises.len());
+    let some = &model.noises[..count];
+    let roots: Vec<Expr> = some.iter().map(|noise| noise.hamiltonian).collect();
+    page.name_parts(&roots);
+    let mut lines = Vec::new();
+    for noise in some {
+        let NoiseTerm {
+            name,
+            is_gamma,
+            hamiltonian,
+        } = noise;
+        let (letter, sign) = if *is_gamma {
+            ("γ", -1.0)
+        } else {
+            ("H₁", 1.0)
+        };
+        let mut sum = Sum::default();
+        sum.add(sign, *hamiltonian, page.arena);
+        lines.push(format!("{letter} {name} = {}", page.sum(&sum)));
+    }
+    let mut lines = Page::list(lines, model.noises.len(), "noises");
+    lines.extend(page.explanations(|_| false));
+    lines
+}
+
+/// The equations of motion.
+fn motion(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Vec<String> {
+    let n = model.dof();
+    let count = shown(n);
+    let mut page = Page::new(arena, Names::new(&model.symbols, None));
+    let (jet, noises) = (&mechanics.lagrangian, &mechanics.noises);
+    let mut roots: Vec<Expr> = [&jet.dq[..count], &jet.dv[..count]].concat();
+    for noise in noises {
+        roots.extend(noise.dq[..count].iter().chain(&noise.dp[..count]));
+    }
+    page.name_parts(&roots);
+    let mut lines = Vec::new();
+
+    let kicks = |page: &mut Page<'_>, line: &mut Line, entry: &dyn Fn(usize) -> Expr, sign: f64| {
+        for a in 0..noises.len() {
+            let mut kick = Sum::default();
+            kick.add(sign, entry(a), arena);
+            line.add(page, &kick, &increment(a, noises.len()));
+        }
+    };
+    let moved: Vec<String> = (0..count)
+        .map(|i| {
+            let mut line = Line::new(&page.names.component("dq", i));
+            line.push(false, &format!("{} dt", page.names.component("v", i)));
+            kicks(&mut page, &mut line, &|a| noises[a].dp[i], 1.0);
+            line.text
+        })
+        .collect();
+    lines.extend(Page::list(moved, n, "coordinates"));
+    let pushed: Vec<String> = (0..count)
+        .map(|i| {
+            let mut line = Line::new(&page.names.component("dp", i));
+            let mut force = Sum::default();
+            force.add(1.0, jet.dq[i], arena);
+            line.add(&mut page, &force, "dt");
+            kicks(&mut page, &mut line, &|a| noises[a].dq[i], -1.0);
+            line.text
+        })
+        .collect();
+    lines.extend(Page::list(pushed, n, "momenta"));
+    let momenta: Vec<String> = (0..count)
+        .map(|i| {
+            let name = page.names.component("p", i);
+            format!("{name} = {}", page.formula(jet.dv[i]))
+        })
+        .collect();
+    lines.extend(Page::list(momenta, n, "momenta"));
+    lines.extend(page.explanations(|_| false));
+    lines
+}
+
+/// The differential of a process.
+fn increment(process: usize, of: usize) -> String {
+    if of == 1 {
+        "∘ dW".to_owned()
+    } else {
+        format!("∘ dW[{process}]")
+    }
+}
+
+/// `dx = a dt + b ∘ dW`, in the making.
+struct Line {
+    text: String,
+    empty: bool,
+}
+
+impl Line {
+    fn new(left: &str) -> Self {
+        Self {
+            text: format!("{left} = 0"),
+            empty: true,
+        }
+    }
+
+    /// Adds a coefficient times a differential.
+    fn add(&mut self, page: &mut Page<'_>, coefficient: &Sum, differential: &str) {
+        if !coefficient.is_zero() {
+            let (negative, factor) = page.factor(coefficient);
+            self.push(negative, &format!("{factor} {differential}"));
+        }
+    }
+
+    fn push(&mut self, negative: bool, term: &str) {
+        let sign = match (self.empty, negative) {
+            (true, true) => "−",
+            (true, false) => "",
+            (false, true) => " − ",
+            (false, false) => " + ",
+        };
+        if self.empty {
+            self.text.truncate(self.text.len() - 1);
+            self.empty = false;
+        }
+        self.text.push_str(sign);
+        self.text.push_str(term);
+    }
+}
