@@ -104,7 +104,7 @@ fn derive(
     check_rules(&block, &model)?;
     check_size(&block, &model)?;
     arena.grant(work);
-    let mechanics = mechanics::mechanics(&model, &mut arena);
+    let mut mechanics = mechanics::mechanics(&model, &mut arena);
     let regular = regular::check(&block, &model, &mechanics, &arena);
     check_work(&block, &model, &arena, work)?;
     regular?;
@@ -126,7 +126,8 @@ fn derive(
     }
     // what is left to do is in proportion to what has been built
     arena.grant(usize::MAX);
-    let about = explain::system(&model, &mechanics, &arena);
+    let about = explain::system(&model, &mechanics, &momenta, &arena);
+    mechanics.stabilise(&mut arena);
     let mut output = emit::system(&block, &model, &mechanics, &about, &arena);
     output.extend(emit::momenta(&block, &model, &momenta, &arena));
     for (rule, symbols, action, scheme, linearisation) in &steps {
@@ -138,6 +139,7 @@ fn derive(
             &mechanics,
             scheme,
             linearisation,
+            &momenta,
             &about,
             &texts,
             symbols,

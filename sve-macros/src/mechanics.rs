@@ -92,7 +92,7 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
     let dq = gradient(arena, l, &model.q);
     let dv = gradient(arena, l, &model.v);
     let dvv = hessian(arena, &dv, &model.v);
-    let mut lagrangian = LagrangianJet {
+    let lagrangian = LagrangianJet {
         value: l,
         dqq: hessian(arena, &dq, &model.q),
         dqv: hessian(arena, &dq, &model.v),
@@ -114,33 +114,34 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
                 arena.is_zero(change)
             })
     });
-    let mut noises = model
+    let noises = model
         .noises
         .iter()
         .map(|noise| noise_jet(noise, model, arena))
         .collect::<Vec<_>>();
     let clash = clash(model, &noises, arena);
-    let mut force = model.force.as_ref().map(|force| ForceJet {
+    let force = model.force.as_ref().map(|force| ForceJet {
         dq: hessian(arena, force, &model.q),
         dv: hessian(arena, force, &model.v),
         dt: gradient_in(arena, force, model.time),
         value: force.clone(),
     });
-    let jets = noises.iter_mut().flat_map(NoiseJet::exprs);
-    let forces = force.iter_mut().flat_map(ForceJet::exprs);
-    let exprs = lagrangian
-        .exprs()
-        .into_iter()
-        .chain(jets)
-        .chain(forces)
-        .collect();
-    arena.stabilise(Purpose::Values, exprs);
     Mechanics {
         lagrangian,
         noises,
         force,
         affine_momentum,
         clash,
+    }
+}
+
+impl Mechanics {
+    /// Puts everything into the forms in which it is computed.
+    pub(crate) fn stabilise(&mut self, arena: &mut Arena) {
+        let jets = self.noises.iter_mut().flat_map(NoiseJet::exprs);
+        let force = self.force.iter_mut().flat_map(ForceJet::exprs);
+        let exprs = self.lagrangian.exprs().into_iter().chain(jets).chain(force);
+        arena.stabilise(Purpose::Values, exprs.collect());
     }
 }
 

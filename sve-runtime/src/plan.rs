@@ -70,11 +70,11 @@ pub struct Operations {
 /// that are written below. What would be long is cut off, and says how much.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Formulas {
-    /// L and the noise terms.
+    /// L, the noise terms, the force, and the momenta of symmetries.
     pub system: &'static str,
     /// Equations of motion, as stochastic differential equations of Stratonovich.
     pub motion: &'static str,
-    /// The discrete action of the rule.
+    /// The discrete action of the rule, and the virtual work of the force.
     pub action: &'static str,
     /// The equations of the step after elimination, block by block, and what follows from them.
     pub step: &'static str,
@@ -110,6 +110,8 @@ pub struct Plan {
     pub deterministic_order: u32,
     /// Strong order of convergence with noise.
     pub strong_order: StrongOrder,
+    /// The momenta of symmetries, by their functions, that every step conserves to rounding.
+    pub conserved: &'static [&'static str],
     /// Done once for a step size.
     pub prepare: Operations,
     /// Done once a step (iterations not counted).
@@ -235,11 +237,15 @@ impl fmt::Display for Structure<'_> {
         }
         write!(f, "  deterministic order {}", plan.deterministic_order)?;
         match plan.strong_order {
-            StrongOrder::Deterministic => Ok(()),
-            StrongOrder::One => write!(f, ", strong order 1 (all noises commute)"),
+            StrongOrder::Deterministic => {}
+            StrongOrder::One => write!(f, ", strong order 1 (all noises commute)")?,
             StrongOrder::Half { pair: (a, b) } => {
-                write!(f, ", strong order 1/2 ({a} and {b} do not commute)")
+                write!(f, ", strong order 1/2 ({a} and {b} do not commute)")?;
             }
         }
+        if !plan.conserved.is_empty() {
+            write!(f, "\n  conserves {}", plan.conserved.join(", "))?;
+        }
+        Ok(())
     }
 }

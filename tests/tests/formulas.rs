@@ -77,6 +77,13 @@ fn component(letter: &str, i: usize, of: usize) -> String {
     }
 }
 
+/// The index in `letter[i]`.
+fn component_of(name: &str) -> usize {
+    name.split(['[', ']'])
+        .nth(1)
+        .map_or(0, |i| i.parse().unwrap())
+}
+
 /// Adds what the equations say of names that nothing is known of yet, as far as it follows.
 fn follow(equations: &[(&str, &str)], values: &mut Values) {
     for _ in 0..equations.len() {
@@ -116,6 +123,7 @@ impl Systems {
         insert(&mut values, "p", &p);
         let what = |line: (&str, &str)| format!("{}: {} = {}", plan.system, line.0, line.1);
 
+        let force = system.f(t, q, v);
         let g = system.g(t, q, p);
         let lines = equations(plan.formulas.system);
         let mut known = values.clone();
@@ -126,6 +134,7 @@ impl Systems {
                 None if line.0 == "L" => system.l(t, q, v),
                 Some(("γ", _)) => -noises.next().unwrap(),
                 Some(("H₁", _)) => *noises.next().unwrap(),
+                None if line.0.starts_with('F') => force[component_of(line.0)],
                 _ => continue,
             };
             close(
@@ -151,11 +160,7 @@ impl Systems {
             .collect();
         follow(&definitions, &mut known);
         for line in lines {
-            let index = line
-                .0
-                .split(['[', ']'])
-                .nth(1)
-                .map_or(0, |i| i.parse().unwrap());
+            let index = component_of(line.0);
             let (letter, right) = (line.0.split('[').next().unwrap(), line.1);
             // dx = a dt + b ∘ dW: with one of the differentials 1 at a time
             let right = right.replace(" dt", "·dt").replace(" ∘ dW", "·dW");
@@ -171,7 +176,7 @@ impl Systems {
                     ("p", _) => jet.dv[index],
                     ("dq", false) => v[index],
                     ("dq", true) => jets[a].dp[index],
-                    ("dp", false) => jet.dq[index],
+                    ("dp", false) => jet.dq[index] + force[index],
                     ("dp", true) => -jets[a].dq[index],
                     _ => continue,
                 };

@@ -3,7 +3,8 @@
 use sve_runtime::prelude::*;
 use sve_runtime::{BlockKind, Plan, StrongOrder, Variational};
 use sve_tests::oracle::{
-    Model, Rule, Visitor, every_step, kubo, oscillator, planar_double_pendulum, rails,
+    Model, Rule, Visitor, charges, damped, every_step, kubo, oscillator, planar_double_pendulum,
+    rails, stretched,
 };
 
 /// System, rule, kind and number of unknowns of its implicit blocks, strong order with the pair that does not commute.
@@ -112,6 +113,39 @@ const PLANS: &[(&str, &str, &str)] = &[
     ("Rails", "initial_point", "linear 8, strong 1"),
     ("Rails", "endpoint", "linear 8, strong 1"),
     ("Rails", "midpoint", "Newton 8, strong 1"),
+    ("Stirred", "initial_point", "Newton 2"),
+    ("Stirred", "endpoint", "Newton 1"),
+    ("Stirred", "midpoint", "Newton 2"),
+    ("Stirred", "taylor2", "Newton 5"),
+    ("Stretched", "initial_point", "Newton 1"),
+    ("Stretched", "endpoint", "Newton 1"),
+    ("Stretched", "midpoint", "Newton 1"),
+    ("Stretched", "taylor2", "Newton 3"),
+    ("Damped", "initial_point", "linear 1, strong 1"),
+    ("Damped", "endpoint", "explicit 0, strong 1"),
+    ("Damped", "midpoint", "Newton 1, strong 1"),
+    (
+        "Towed",
+        "initial_point",
+        "Newton 2, strong 1/2: jitter, push",
+    ),
+    ("Towed", "endpoint", "Newton 3, strong 1/2: jitter, push"),
+    ("Towed", "midpoint", "Newton 3, strong 1/2: jitter, push"),
+    (
+        "Charges",
+        "initial_point",
+        "linear 6, strong 1/2: jitter[1], pull",
+    ),
+    (
+        "Charges",
+        "endpoint",
+        "Newton 10, strong 1/2: jitter[1], pull",
+    ),
+    (
+        "Charges",
+        "midpoint",
+        "Newton 8, strong 1/2: jitter[1], pull",
+    ),
     ("Central", "initial_point", "explicit 0, strong 1"),
     ("Central", "endpoint", "explicit 0, strong 1"),
     ("Central", "midpoint", "Newton 2, strong 1"),
@@ -315,4 +349,42 @@ fn double_pendulum_by_midpoint() {
       s1 = sin(q̄[0] − q̄[1])
       c1 = cos(q̄[0] − q̄[1])";
     assert_eq!(formulas(plan), expected);
+}
+
+#[test]
+fn forces_and_symmetries() {
+    let plan = Integrator::new(damped(), Midpoint).plan();
+    let expected = "  system
+    L = m·v²/2 − k·(q² − 1)²/4
+    γ bath = sigma·q
+    F = −m·nu·v
+  equations of motion (Stratonovich)
+    dq = v dt
+    dp = −(k·q·(q² − 1) + m·nu·v) dt + sigma ∘ dW
+    p = m·v
+  discrete action
+    S = h·L(q̄, v) + p·(q₁ − q₀ − h·v) + γ(q̄)·ΔW";
+    assert!(formulas(plan).starts_with(expected), "{plan}");
+    assert!(formulas(plan).contains("with the virtual work h·F(q̄, v)·δq̄ beside δS"));
+    assert!(plan.conserved.is_empty());
+
+    let plan = Integrator::new(charges(), Midpoint).plan();
+    assert_eq!(plan.conserved, ["rotation_momentum", "shift_momentum"]);
+    assert!(
+        plan.to_string()
+            .contains("\n  conserves rotation_momentum, shift_momentum\n")
+    );
+    assert!(
+        plan.formulas
+            .system
+            .contains("conserved shift_momentum = p[2] + p[5]")
+    );
+    // not affine in q: not by the steps
+    let plan = Integrator::new(stretched(), Midpoint).plan();
+    assert!(plan.conserved.is_empty());
+    assert!(
+        plan.formulas
+            .system
+            .contains("conserved by the motion shift_momentum = ")
+    );
 }

@@ -11,6 +11,7 @@ use crate::parse::Annotated;
 use crate::rule::Rule;
 use crate::schedule::{Operation, Program, Tier};
 use crate::structure::{Band, Block, Kind, Scheme};
+use crate::symmetry::MomentumMap;
 
 #[allow(clippy::too_many_arguments)] // what a plan reports is spread over the stages
 pub(super) fn plan(
@@ -20,6 +21,7 @@ pub(super) fn plan(
     model: &Model,
     mechanics: &Mechanics,
     scheme: &Scheme,
+    momenta: &[MomentumMap],
     about: &SystemTexts,
     texts: &StepTexts,
     program: &Program,
@@ -53,6 +55,8 @@ pub(super) fn plan(
         };
         quote!(#private::Block { kind: #private::BlockKind::#kind, unknowns: &[#(#unknowns),*], nonzeros: #nonzeros, band: #band })
     });
+    let conserved = momenta.iter().filter(|map| map.affine);
+    let conserved = conserved.map(|map| format!("{}_momentum", map.name));
     let count = |wanted: &dyn Fn(Tier) -> bool| operations(private, program, wanted);
     let prepare = count(&|tier| tier == Tier::Prepare);
     let iteration = count(&|tier| matches!(tier, Tier::Iterate(_)));
@@ -66,6 +70,7 @@ pub(super) fn plan(
             blocks: &[#(#blocks),*],
             deterministic_order: #order,
             strong_order: #private::StrongOrder::#strong,
+            conserved: &[#(#conserved),*],
             prepare: #prepare,
             step: #step,
             iteration: #iteration,

@@ -15,6 +15,7 @@ use crate::parse::Annotated;
 use crate::rule::Rule;
 use crate::structure::{Form, Scheme};
 use crate::symbolic::Arena;
+use crate::symmetry::MomentumMap;
 use crate::tangent::Linearisation;
 
 #[allow(clippy::too_many_arguments)] // every stage's output is read here, and nowhere after
@@ -25,6 +26,7 @@ pub(crate) fn rule(
     mechanics: &Mechanics,
     scheme: &Scheme,
     linearisation: &Linearisation,
+    momenta: &[MomentumMap],
     about: &SystemTexts,
     texts: &StepTexts,
     symbols: &Symbols,
@@ -50,6 +52,7 @@ pub(crate) fn rule(
         model,
         mechanics,
         scheme,
+        momenta,
         about,
         texts,
         &step.program,

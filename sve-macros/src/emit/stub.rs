@@ -53,6 +53,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream) -> TokenStream {
             blocks: &[],
             deterministic_order: 0,
             strong_order: #private::StrongOrder::Deterministic,
+            conserved: &[],
             prepare: #operations,
             step: #operations,
             iteration: #operations,

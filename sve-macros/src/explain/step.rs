@@ -36,6 +36,7 @@ pub(crate) fn step(
         lines.extend(parts);
         nodes.push("Δq = q₁ − q₀".to_owned());
     }
+    lines.extend(work(rule, model, arena));
     nodes.retain(|node| !node.is_empty());
     if !nodes.is_empty() {
         lines.push(nodes.join(", "));
@@ -56,7 +57,7 @@ fn textbook(rule: Rule, model: &Model, mechanics: &Mechanics, arena: &Arena) -> 
         (Rule::Endpoint, true) => ("t₁, ", "q₁", "t₁ = t₀ + h"),
         (Rule::Midpoint, false) => ("", "q̄", "q̄ = (q₀ + q₁)/2"),
         (Rule::Midpoint, true) => ("t̄, ", "q̄", "q̄ = (q₀ + q₁)/2, t̄ = t₀ + h/2"),
-        (Rule::Taylor2, _) => return taylor2(model.dof(), timed),
+        (Rule::Taylor2, _) => return taylor2(model.dof(), timed, model.force.is_some()),
     };
     let t = if timed { t } else { "" };
     let slip = pairing(model.dof(), "p", "q₁ − q₀ − h·v");
@@ -88,14 +89,40 @@ fn textbook(rule: Rule, model: &Model, mechanics: &Mechanics, arena: &Arena) -> 
     (terms.concat(), node)
 }
 
-fn taylor2(n: usize, timed: bool) -> (String, String) {
+/// The virtual work of the force, which joins δS.
+fn work(rule: Rule, model: &Model, arena: &Arena) -> Option<String> {
+    let force = model.force.as_ref()?;
+    let timed = force.iter().any(|&f| arena.contains(f, model.time));
+    let of = |t: &str, q: &str, v: &str| {
+        let t = if timed {
+            format!("{t}, ")
+        } else {
+            String::new()
+        };
+        if model.dof() == 1 {
+            format!("F({t}{q}, {v})·δ{q}")
+        } else {
+            format!("⟨F({t}{q}, {v}), δ{q}⟩")
+        }
+    };
+    let work = match rule {
+        Rule::InitialPoint => of("t₀", "q₀", "v"),
+        Rule::Midpoint => of("t̄", "q̄", "v"),
+        Rule::Endpoint => of("t₁", "q₁", "v"),
+        Rule::Taylor2 => format!("({} + {})/2", of("t₀", "q₀", "v"), of("t₁", "q̂", "v̂")),
+    };
+    Some(format!("with the virtual work h·{work} beside δS"))
+}
+
+fn taylor2(n: usize, timed: bool, forced: bool) -> (String, String) {
     let (t0, t1, drift) = if timed {
         ("t₀, ", "t₁, ", " + L_vt")
     } else {
         ("", "", "")
     };
     let slip = pairing(n, "μ", "q₁ − q₀ − h·v − h²·a/2");
-    let flow = pairing(n, "ν", &format!("L_vv·a + L_vq·v{drift} − L_q"));
+    let force = if forced { " − F" } else { "" };
+    let flow = pairing(n, "ν", &format!("L_vv·a + L_vq·v{drift} − L_q{force}"));
     let mut node = "q̂ = q₀ + h·v, v̂ = v + h·a".to_owned();
     if timed {
         node.push_str(", t₁ = t₀ + h");

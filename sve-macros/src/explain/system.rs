@@ -6,6 +6,7 @@ use super::shown;
 use crate::mechanics::Mechanics;
 use crate::model::{Model, NoiseTerm};
 use crate::symbolic::{Arena, Expr, Sum};
+use crate::symmetry::MomentumMap;
 
 /// Texts that no rule changes.
 pub(crate) struct SystemTexts {
@@ -13,25 +14,40 @@ pub(crate) struct SystemTexts {
     pub(crate) lagrangian: String,
     /// The noise terms as the user means them: γ, not −γ. Empty where there are none.
     pub(crate) noises: String,
+    /// F. Empty where there is none.
+    pub(crate) force: String,
+    /// The conserved momenta. Empty where there are none.
+    pub(crate) momenta: String,
     /// `dq = …`, `dp = …`, `p = ∂L/∂v`.
     pub(crate) motion: String,
 }
 
 impl SystemTexts {
-    /// L and the noise terms.
+    /// L, the noise terms, the force and what is conserved.
     pub(crate) fn system(&self) -> String {
-        let parts = [self.lagrangian.as_str(), &self.noises];
-        let parts: Vec<&str> = parts.into_iter().filter(|text| !text.is_empty()).collect();
+        let parts = [&self.lagrangian, &self.noises, &self.force, &self.momenta];
+        let parts: Vec<&str> = parts
+            .into_iter()
+            .map(String::as_str)
+            .filter(|text| !text.is_empty())
+            .collect();
         parts.join("\n")
     }
 }
 
 /// Writes down the system.
-pub(crate) fn system(model: &Model, mechanics: &Mechanics, arena: &Arena) -> SystemTexts {
+pub(crate) fn system(
+    model: &Model,
+    mechanics: &Mechanics,
+    momenta: &[MomentumMap],
+    arena: &Arena,
+) -> SystemTexts {
     let mut page = Page::new(arena, Names::new(&model.symbols, None));
     SystemTexts {
         lagrangian: lagrangian(model, &mut page).join("\n"),
         noises: noises(model, &mut page).join("\n"),
+        force: force(model, &mut page).join("\n"),
+        momenta: conserved(momenta, &mut page).join("\n"),
         motion: motion(model, mechanics, arena).join("\n"),
     }
 }
@@ -69,6 +85,43 @@ fn noises(model: &Model, page: &mut Page<'_>) -> Vec<String> {
     lines
 }
 
+fn force(model: &Model, page: &mut Page<'_>) -> Vec<String> {
+    let Some(force) = &model.force else {
+        return Vec::new();
+    };
+    let some = &force[..shown(force.len())];
+    page.name_parts(some);
+    let lines = some.iter().enumerate().map(|(i, &f)| {
+        let name = page.names.component("F", i);
+        format!("{name} = {}", page.formula(f))
+    });
+    let mut lines = Page::list(lines.collect(), force.len(), "components of F");
+    lines.extend(page.explanations(|_| false));
+    lines
+}
+
+fn conserved(momenta: &[MomentumMap], page: &mut Page<'_>) -> Vec<String> {
+    let some = &momenta[..shown(momenta.len())];
+    let values: Vec<Expr> = some.iter().map(|map| map.value).collect();
+    page.name_parts(&values);
+    let lines = some.iter().map(|map| {
+        let MomentumMap {
+            name,
+            value,
+            affine,
+        } = map;
+        let whose = if *affine {
+            "conserved"
+        } else {
+            "conserved by the motion"
+        };
+        format!("{whose} {name}_momentum = {}", page.formula(*value))
+    });
+    let mut lines = Page::list(lines.collect(), momenta.len(), "symmetries");
+    lines.extend(page.explanations(|_| false));
+    lines
+}
+
 /// The equations of motion.
 fn motion(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Vec<String> {
     let n = model.dof();
@@ -78,6 +131,9 @@ fn motion(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Vec<String> {
     let mut roots: Vec<Expr> = [&jet.dq[..count], &jet.dv[..count]].concat();
     for noise in noises {
         roots.extend(noise.dq[..count].iter().chain(&noise.dp[..count]));
+    }
+    if let Some(force) = &mechanics.force {
+        roots.extend(&force.value[..count]);
     }
     page.name_parts(&roots);
     let mut lines = Vec::new();
@@ -103,6 +159,9 @@ fn motion(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Vec<String> {
             let mut line = Line::new(&page.names.component("dp", i));
             let mut force = Sum::default();
             force.add(1.0, jet.dq[i], arena);
+            if let Some(other) = &mechanics.force {
+                force.add(1.0, other.value[i], arena);
+            }
             line.add(&mut page, &force, "dt");
             kicks(&mut page, &mut line, &|a| noises[a].dq[i], -1.0);
             line.text
