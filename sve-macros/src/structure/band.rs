@@ -10,7 +10,7 @@ use std::collections::VecDeque;
 use crate::symbolic::{Arena, Expr};
 
 /// Blocks smaller than this are solved as dense ones, whose loops the compiler writes out.
-const SMALLEST: usize = 7;
+const SMALLEST: usize = 5;
 
 /// The entries of a matrix that may differ from zero: those from `lower` before the diagonal to `upper` behind it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -279,7 +279,7 @@ mod tests {
             }
         };
         assert_eq!(band(&pattern(40, 1, arrow)), None);
-        assert_eq!(band(&pattern(6, 1, chain(6))), None);
-        assert!(band(&pattern(7, 1, chain(7))).is_some());
+        assert_eq!(band(&pattern(4, 1, chain(4))), None);
+        assert!(band(&pattern(5, 1, chain(5))).is_some());
     }
 }
