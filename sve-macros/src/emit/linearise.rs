@@ -3,7 +3,7 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use super::step::names as pattern;
+use super::solve::names as pattern;
 use super::straight::Straight;
 use crate::model::{Model, Symbols};
 use crate::symbolic::{Arena, Expr};

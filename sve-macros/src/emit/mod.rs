@@ -8,6 +8,7 @@ mod names;
 mod plan;
 mod rounding;
 mod rule;
+mod solve;
 mod step;
 mod straight;
 mod stub;
