@@ -390,3 +390,34 @@ fn forces_and_symmetries() {
             .contains("conserved by the motion shift_momentum = ")
     );
 }
+
+/// The readme's system, by its rule alone: the order of terms may depend on other rules.
+mod readme {
+    use sve_runtime::prelude::*;
+
+    pub(super) struct Kubo {
+        pub(super) a: f64,
+        pub(super) sigma: f64,
+    }
+
+    #[variational(midpoint)]
+    impl Kubo {
+        fn lagrangian(&self, q: [f64; 1], v: [f64; 1]) -> f64 {
+            v[0].powi(2) / (2.0 * self.a) - self.a / 2.0 * q[0].powi(2)
+        }
+
+        #[h1]
+        fn jitter(&self, q: [f64; 1], p: [f64; 1]) -> f64 {
+            self.sigma / 2.0 * (q[0].powi(2) + p[0].powi(2))
+        }
+    }
+}
+
+/// What the readme shows is what the plan prints.
+#[test]
+fn the_plan_in_the_readme() {
+    let text = include_str!("../../README.md");
+    let kubo = readme::Kubo { a: 1.0, sigma: 1.0 };
+    let plan = Integrator::new(kubo, Midpoint).plan().to_string();
+    assert!(text.contains(&plan), "{plan}");
+}
