@@ -28,6 +28,21 @@ pub(super) const SYSTEMS: &[(&str, &str)] = &[
         "taylor2, crate = sve_runtime",
         "impl Wheel { fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * self.0 * v * v * (1.0 + self.body.r#type * q * q) - q.cosh().ln() } }",
     ),
+    (
+        "midpoint",
+        "impl Pair {
+            fn lagrangian(&self, q: [[f64; 2]; 2], v: [[f64; 2]; 2]) -> f64 {
+                let r = (q[0][0] - q[1][0]).hypot(q[0][1] - q[1][1]);
+                0.5 * self.m * v.as_flattened().iter().map(|v| v * v).sum::<f64>() - self.k * (r - 1.0).powi(2)
+            }
+            #[force] fn damping(&self, t: f64, q: [[f64; 2]; 2], v: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+                let pull = [self.nu * (v[1][0] - v[0][0]), self.nu * (v[1][1] - v[0][1])];
+                [pull, [-pull[0], -pull[1]]]
+            }
+            #[symmetry] fn shift(&self, _q: [[f64; 2]; 2]) -> [[f64; 2]; 2] { [[1.0, 0.0]; 2] }
+            #[symmetry] fn drift(&self, t: f64, _q: [[f64; 2]; 2]) -> [[f64; 2]; 2] { [[0.0, 1.0]; 2] }
+        }",
+    ),
 ];
 
 pub(super) fn tokens(text: &str) -> TokenStream {

@@ -31,6 +31,11 @@ mod without_prelude {
         fn turn(&self, t: f64, q: [f64; 2], p: [f64; 2]) -> f64 {
             t.cos() * q[0] * p[1]
         }
+
+        #[force]
+        fn drag(&self, q: [f64; 2], v: [f64; 2]) -> [f64; 2] {
+            [-v[0] * q[1].exp(), -v[1]]
+        }
     }
 
     #[::sve_runtime::variational(taylor2)]
@@ -83,6 +88,12 @@ mod under_denied_lints {
         fn push(&self, q: [f64; 2]) -> f64 {
             self.mass * q[0]
         }
+
+        /// F.
+        #[force]
+        fn drag(&self, _q: [f64; 2], v: [f64; 2]) -> [f64; 2] {
+            [-self.mass * v[0], 0.0]
+        }
     }
 
     /// A system with neither parameters nor positions: most arguments are unused.
@@ -94,6 +105,12 @@ mod under_denied_lints {
         /// L.
         const fn lagrangian(&self, _q: f64, v: f64) -> f64 {
             0.5 * v * v
+        }
+
+        /// ξ.
+        #[symmetry]
+        const fn shift(&self, _q: f64) -> f64 {
+            1.0
         }
     }
 }

@@ -108,6 +108,45 @@ fn a_symmetry_that_is_not_affine() {
     assert!((order - 2.0).abs() < 0.05, "{order}");
 }
 
+/// A free particle seen in a frame that expands, x = eᵗ q: its symmetry depends on time.
+struct Expanding;
+
+#[variational(midpoint)]
+impl Expanding {
+    fn lagrangian(&self, t: f64, q: f64, v: f64) -> f64 {
+        0.5 * (t.exp() * (v + q)).powi(2)
+    }
+
+    #[symmetry]
+    fn shift(&self, t: f64, _q: f64) -> f64 {
+        (-t).exp()
+    }
+}
+
+#[test]
+fn a_symmetry_that_depends_on_time() {
+    let start = State::new([0.1], [0.8]);
+    assert!(
+        Integrator::new(Expanding, Midpoint)
+            .plan()
+            .conserved
+            .is_empty()
+    );
+    let loss = |steps: u32| {
+        let midpoint = Integrator::new(Expanding, Midpoint);
+        let mut state = start;
+        for _ in 0..steps {
+            midpoint
+                .step(&mut state, 1.0 / f64::from(steps), &[])
+                .unwrap();
+        }
+        (Expanding.shift_momentum(&state) - Expanding.shift_momentum(&start)).abs()
+    };
+    let order = (loss(32) / loss(64)).log2();
+    // the next term of the error is of relative size h
+    assert!((order - 2.0).abs() < 0.05, "{order}");
+}
+
 /// What is not conserved moves far beyond the bound: the test can tell.
 #[test]
 fn without_the_symmetry() {
