@@ -282,3 +282,19 @@ fn temporaries_are_called_by_what_they_are() {
         assert!(rotation.contains(&format!("let {name} =")), "{name}");
     }
 }
+
+#[test]
+fn entries_of_a_band_are_called_by_their_place() {
+    let expansion = expand(&tokens("midpoint"), &tokens(&chain(12))).to_string();
+    let mut found = 0;
+    let words = expansion.split(|c: char| !c.is_alphanumeric() && c != '_');
+    for name in words.filter_map(|word| word.strip_prefix("jacobian_")) {
+        let place: Vec<i32> = name.split('_').filter_map(|i| i.parse().ok()).collect();
+        let &[i, j] = place.as_slice() else {
+            panic!("{name}")
+        };
+        assert!((i - j).abs() <= 1, "{name}");
+        found += 1;
+    }
+    assert!(found > 12, "{found}");
+}

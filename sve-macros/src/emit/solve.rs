@@ -177,10 +177,9 @@ impl Matrix {
             return;
         };
         for (i, row) in self.rows.iter().enumerate() {
+            let begin = band.begin(i);
             for (k, &value) in row.iter().enumerate() {
-                if let Some(j) = (i + k).checked_sub(band.lower) {
-                    labels.call(value, format!("{name}_{}_{}", first + i, first + j));
-                }
+                labels.call(value, format!("{name}_{}_{}", first + i, first + begin + k));
             }
         }
     }

@@ -65,10 +65,15 @@ impl Band {
         size >= SMALLEST && 3 * self.work(size) < size.pow(3)
     }
 
+    /// The first column of a row.
+    pub(crate) fn begin(self, row: usize) -> usize {
+        row.saturating_sub(self.lower)
+    }
+
     /// The rows of a matrix as the runtime's `Banded` has them: from the first column of the band on, `width` entries.
     pub(crate) fn rows(self, matrix: &[Vec<Expr>], zero: Expr) -> Vec<Vec<Expr>> {
         let row = |(i, row): (usize, &Vec<Expr>)| {
-            let begin = i.saturating_sub(self.lower);
+            let begin = self.begin(i);
             let entries =
                 (begin..begin + self.width()).map(|j| row.get(j).copied().unwrap_or(zero));
             entries.collect()
