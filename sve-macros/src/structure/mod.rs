@@ -9,7 +9,7 @@ mod block;
 mod graph;
 mod outputs;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use crate::action::Action;
 use crate::equations::Equations;
@@ -119,7 +119,9 @@ pub(crate) fn analyse(
     symbols: &mut Symbols,
     arena: &mut Arena,
 ) -> Result<Scheme, Degenerate> {
+    let rows = foreign(&equations, action, symbols);
     let mut system = Reduced {
+        rows,
         arena,
         symbols,
         unknowns: equations.unknowns,
@@ -217,6 +219,8 @@ impl Iteration {
 type RowsAndColumns = (Vec<usize>, Vec<usize>);
 
 struct Reduced<'a> {
+    /// Of each residual, which unknowns may not be eliminated by it.
+    rows: Vec<HashSet<Symbol>>,
     arena: &'a mut Arena,
     symbols: &'a mut Symbols,
     unknowns: Vec<Symbol>,
@@ -258,6 +262,7 @@ impl Reduced<'_> {
         )) = self.best(&mut candidates)
         {
             candidates.remove(row);
+            self.rows.remove(row);
             let equation = self.residuals.remove(row);
             let zero = self.arena.constant(0.0);
             let rest = self
@@ -319,7 +324,7 @@ impl Reduced<'_> {
     fn pivot(&mut self, row: usize, present: &[Symbol]) -> Option<Pivot> {
         let residual = self.residuals[row];
         for &unknown in present {
-            if self.moves_node(residual, unknown) {
+            if self.rows[row].contains(&unknown) || self.moves_node(residual, unknown) {
                 continue;
             }
             let slope = self.arena.diff(residual, unknown);
@@ -373,6 +378,38 @@ impl Reduced<'_> {
             })
             .collect())
     }
+}
+
+/// For each equation the unknowns that it may not give, although it has them with a numeric coefficient: such a coefficient
+/// may be small beside the masses, as that of a weak coupling or of friction is. A velocity, an acceleration or its
+/// multiplier may come from the equation of its own coordinate, and a velocity not from the equation of motion: elimination
+/// along the diagonal of a mass matrix, which is positive definite, needs no pivoting (Higham, Accuracy and Stability of
+/// Numerical Algorithms, section 10.1).
+fn foreign(equations: &Equations, action: &Action, symbols: &Symbols) -> Vec<HashSet<Symbol>> {
+    let n = action.start_q.len();
+    let kind_and_index = |unknown: Symbol| match symbols.meaning(unknown) {
+        Meaning::Unknown(name) => name.split_once('_'),
+        _ => None,
+    };
+    let forbidden = |row: usize, unknown: Symbol| {
+        let Some((kind, index)) = kind_and_index(unknown) else {
+            return false;
+        };
+        let is_own = index.parse() == Ok(row % n);
+        let variation = action.internal.get(row).copied().and_then(kind_and_index);
+        let is_motion = variation.is_some_and(|(of, _)| of == "nu");
+        match kind {
+            "v" => is_motion || !is_own,
+            "a" | "nu" => !is_own,
+            _ => false,
+        }
+    };
+    let rows = 0..equations.residuals.len();
+    rows.map(|row| {
+        let unknowns = equations.unknowns.iter().copied();
+        unknowns.filter(|&u| forbidden(row, u)).collect()
+    })
+    .collect()
 }
 
 /// Whether a symbol is part of the state at the start of the step.

@@ -1,7 +1,8 @@
 //! Whether an expression vanishes identically, decided by evaluation at random points.
 //!
 //! Input: an expression; output: true if at every point where it is defined its value is within a running bound of the
-//! rounding errors of its evaluation. The points are fixed, so the answer is the same in every build.
+//! rounding errors of its evaluation. Where a function underflows or has saturated, a point tells nothing and another one is
+//! taken. The points are fixed, so the answer is the same in every build.
 
 use super::Map;
 use super::expr::{Arena, Expr, Function, Node, Symbol};
@@ -9,8 +10,18 @@ use super::expr::{Arena, Expr, Function, Node, Symbol};
 /// Points at which an identity has to hold.
 const POINTS: usize = 6;
 
-/// Points tried before an expression is called nowhere defined, and so not zero.
-const ATTEMPTS: u64 = 40;
+/// Points tried before an expression is called nowhere defined, and so not zero: first those near 1 …
+const ATTEMPTS: u64 = 40 + SCALES.len() as u64 * TIMES;
+
+/// … then, where those tell nothing, points of other scales: `exp(−(q/1e−6)²)` and `1 − cos(1e−9 q)` vanish to rounding near 1.
+const SCALES: [f64; 10] = [1e-3, 1e3, 1e-6, 1e6, 1e-9, 1e9, 1e-12, 1e12, 1e-15, 1e15];
+
+/// Points tried of each other scale.
+const TIMES: u64 = 16;
+
+/// Relative change of a function, for such a change of its argument, below which the value tells nothing of the argument:
+/// tanh of 20 is 1, and exp of −1000 is 0.
+const FLAT: f64 = 1e-9;
 
 /// The running bound is of first order; this leaves room for the second.
 const SLACK: f64 = 64.0;
@@ -94,12 +105,18 @@ impl Arena {
     fn evaluate_bounded(&self, nodes: &[Expr], attempt: u64) -> Map<Expr, Rounded> {
         self.evaluate_nodes(nodes, |symbol| {
             let unit = uniform(attempt, u64::from(symbol.0));
+            let near_one = ATTEMPTS - SCALES.len() as u64 * TIMES;
+            let scale = match attempt.checked_sub(near_one) {
+                None => 1.0,
+                Some(later) => SCALES[(later / TIMES) as usize],
+            };
             // near and inside the unit interval first, where most functions are defined; then of either sign
-            if attempt.is_multiple_of(2) {
-                0.1 + 0.8 * unit
-            } else {
-                4.0 * unit - 2.0
-            }
+            scale
+                * if attempt.is_multiple_of(2) {
+                    0.1 + 0.8 * unit
+                } else {
+                    4.0 * unit - 2.0
+                }
         })
     }
 
@@ -131,30 +148,40 @@ impl Arena {
                         if x.value != 0.0 {
                             relative +=
                                 f64::from(k.abs()) * (f64::EPSILON + x.error / x.value.abs());
+                        } else if x.error.is_nan() {
+                            relative = f64::NAN;
                         }
                     }
-                    (product, relative * product.abs())
+                    let underflows =
+                        product == 0.0 && factors.iter().all(|f| values[&f.0].value != 0.0);
+                    (product, relative * product.abs() + unknown(underflows))
                 }
                 Node::Call(function, x) => {
                     let x = values[x];
-                    (
-                        function.evaluate(x.value),
-                        function.slope(x.value) * x.error,
-                    )
+                    let (value, slope) = (function.evaluate(x.value), function.slope(x.value));
+                    let flat = slope * x.value.abs() <= FLAT * value.abs() && x.value != 0.0;
+                    (value, slope * x.error + unknown(flat))
                 }
                 Node::Call2(function, x, y) => {
                     let (x, y) = (values[x], values[y]);
                     let value = function.evaluate(x.value, y.value);
                     let dx = function.evaluate(x.value + x.error, y.value) - value;
                     let dy = function.evaluate(x.value, y.value + y.error) - value;
-                    (value, dx.abs() + dy.abs())
+                    let underflows = value == 0.0 && x.value != 0.0 && y.value != 0.0;
+                    (value, dx.abs() + dy.abs() + unknown(underflows))
                 }
             };
-            let error = inherited + f64::EPSILON * value.abs();
+            let has_digits = value == 0.0 || value.abs() >= f64::MIN_POSITIVE;
+            let error = inherited + f64::EPSILON * value.abs() + unknown(!has_digits);
             values.insert(e, Rounded { value, error });
         }
         values
     }
+}
+
+/// An error without a bound, where a value has lost what it should tell.
+fn unknown(is_lost: bool) -> f64 {
+    if is_lost { f64::NAN } else { 0.0 }
 }
 
 impl Function {
