@@ -17,6 +17,7 @@ use crate::model::{Meaning, Model};
 use crate::nesting;
 use crate::parse::{self, Annotated};
 use crate::regular;
+use crate::roles;
 use crate::rule::Rule;
 use crate::structure::{self, Degenerate};
 use crate::symbolic::Arena;
@@ -51,7 +52,7 @@ pub(crate) fn expand_within(
             return quote!(#item #error);
         }
     };
-    let plain = parse::without_roles(item);
+    let plain = roles::without_roles(item);
     let mut mistaken = BTreeSet::new();
     match derive(attribute.clone(), block, work, &mut mistaken) {
         Ok(derived) => quote! {

@@ -25,6 +25,7 @@ mod readable_tests;
 mod regular;
 #[cfg(test)]
 mod robustness;
+mod roles;
 mod rule;
 mod schedule;
 #[cfg(test)]

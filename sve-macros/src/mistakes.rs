@@ -61,7 +61,7 @@ fn one_error_a_mistake_in_a_body() {
             3,
         ),
         (
-            "println!(\"{}\", v[0]); let f = |x: f64| x; f(v[0]) + f(v[1])",
+            "println!(\"{}\", v[0]); let f = |x: f64| x.abs(); f(v[0]) + f(v[1])",
             2,
         ),
         ("let (a, b) = v; a + b + q[0].abs()", 2),

@@ -5,7 +5,7 @@
 
 use std::rc::Rc;
 
-use proc_macro2::{Delimiter, Group, Span, TokenStream, TokenTree};
+use proc_macro2::{Span, TokenStream};
 use syn::parse::{ParseStream, Parser};
 use syn::spanned::Spanned;
 use syn::{
@@ -13,6 +13,7 @@ use syn::{
 };
 
 use crate::errors::{Errors, nearest};
+use crate::roles::{Role, take_roles};
 use crate::rule::Rule;
 
 /// The arguments of the attribute.
@@ -20,17 +21,6 @@ pub(crate) struct Arguments {
     pub(crate) rules: Vec<(Rule, Ident)>,
     /// Path of the runtime crate, `::sve_runtime` unless `crate = path` says otherwise.
     pub(crate) runtime: syn::Path,
-}
-
-/// What a function of the block is.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Role {
-    Lagrangian,
-    Gamma,
-    H1,
-    Force,
-    Symmetry,
-    Helper,
 }
 
 /// A function that plays a role in mechanics, taken apart.
@@ -87,8 +77,13 @@ impl Arguments {
         while !input.is_empty() {
             if input.peek(Token![crate]) {
                 input.parse::<Token![crate]>()?;
-                input.parse::<Token![=]>()?;
-                self.runtime = input.call(syn::Path::parse_mod_style)?;
+                let path = input
+                    .parse::<Token![=]>()
+                    .and_then(|_| input.call(syn::Path::parse_mod_style));
+                self.runtime = path.map_err(|e| {
+                    let message = "expected the path of the runtime, without quotes, as in `crate = physics::sve_runtime`";
+                    syn::Error::new(e.span(), message)
+                })?;
             } else {
                 let name: Ident = input.parse().map_err(|e| {
                     syn::Error::new(
@@ -191,10 +186,14 @@ pub(crate) fn annotated(
         }
     }
     if lagrangians.is_empty() {
-        errors.push(
-            item.self_ty.span(),
-            "this block has no Lagrangian: add `fn lagrangian(&self, q: [f64; N], v: [f64; N]) -> f64`",
-        );
+        let (at, hint) = match misspelt_lagrangian(&functions) {
+            Some(name) => (name.span(), format!("rename `{name}` to `lagrangian`")),
+            None => (
+                item.self_ty.span(),
+                format!("add `{}`", Role::Lagrangian.signature()),
+            ),
+        };
+        errors.push(at, format!("this block has no Lagrangian: {hint}"));
     }
     if let Some(Some(second)) = lagrangians.get(1) {
         errors.push(
@@ -215,6 +214,20 @@ pub(crate) fn annotated(
     })
 }
 
+/// Whether this is the attribute of this macro once more.
+pub(crate) fn is_this(attribute: &syn::Attribute) -> bool {
+    let last = attribute.path().segments.last();
+    last.is_some_and(|segment| segment.ident == "variational")
+}
+
+/// The function that was meant to be the Lagrangian.
+fn misspelt_lagrangian(functions: &[Rc<ImplItemFn>]) -> Option<&Ident> {
+    functions.iter().map(|f| &f.sig.ident).find(|name| {
+        let name = name.to_string().to_lowercase();
+        name == "l" || nearest(&name, ["lagrangian"]).is_some()
+    })
+}
+
 fn check_block(item: &ItemImpl, errors: &mut Errors) {
     if let Some((path, _)) = &item.trait_ {
         errors.push(
@@ -222,133 +235,24 @@ fn check_block(item: &ItemImpl, errors: &mut Errors) {
             "`#[variational]` belongs on an inherent block, `impl MySystem { … }`, not on the implementation of a trait",
         );
     }
-    if !item.generics.params.is_empty() {
+    if let Some(second) = item.attrs.iter().find(|a| is_this(a)) {
         errors.push(
-            item.generics.span(),
-            "a generic system cannot be differentiated at compile time: write a concrete type, with parameters as fields",
+            second.path().span(),
+            "one attribute lists all rules, as in `#[variational(midpoint, endpoint)]`",
         );
     }
-}
-
-/// The attribute of a role that does not exist yet.
-const LATER: &str = "constraint";
-
-/// The role of each member; the attributes that say so are removed.
-fn take_roles(item: &mut ItemImpl, errors: &mut Errors) -> Vec<Option<Role>> {
-    let mut roles = Vec::new();
-    for member in &mut item.items {
-        let (attributes, name) = match member {
-            ImplItem::Fn(f) => (&mut f.attrs, Some(f.sig.ident.clone())),
-            ImplItem::Const(c) => (&mut c.attrs, None),
-            _ => {
-                roles.push(None);
-                continue;
-            }
+    if !item.generics.params.is_empty() {
+        let only_lifetimes = item
+            .generics
+            .params
+            .iter()
+            .all(|p| matches!(p, syn::GenericParam::Lifetime(_)));
+        let message = if only_lifetimes {
+            "lifetimes are left out here: write `'_` where the type has one, as in `impl MySystem<'_>`"
+        } else {
+            "a generic system cannot be differentiated at compile time: write a concrete type, with parameters as fields"
         };
-        if let Some(attribute) = attributes.iter().find(|a| a.path().is_ident("cfg")) {
-            errors.push(
-                attribute.span(),
-                "whether this `cfg` holds is not known to the macro: put it on the whole block, or on two blocks",
-            );
-        }
-        let mut found: Vec<Role> = Vec::new();
-        attributes.retain(|attribute| {
-            let Some(ident) = attribute.path().get_ident().map(ToString::to_string) else {
-                return true;
-            };
-            if ident == LATER {
-                errors.push(
-                    attribute.span(),
-                    format!(
-                        "`#[{LATER}]` is not supported yet: remove the function or the attribute"
-                    ),
-                );
-                return false;
-            }
-            let Some(role) = Role::of_attribute(&ident) else {
-                return true;
-            };
-            if name.is_none() {
-                errors.push(
-                    attribute.span(),
-                    format!("`#[{ident}]` belongs on a function"),
-                );
-            }
-            if attribute.meta.require_path_only().is_err() {
-                errors.push(
-                    attribute.span(),
-                    format!("`#[{ident}]` takes no arguments: the signature says all"),
-                );
-            }
-            found.push(role);
-            false
-        });
-        let role = name.map(|name| {
-            if found.len() > 1 {
-                errors.push(
-                    name.span(),
-                    format!("`{name}` plays two roles: keep one of its attributes"),
-                );
-            }
-            match found.first() {
-                Some(role) if name == "lagrangian" => {
-                    errors.push(
-                        name.span(),
-                        format!(
-                            "`lagrangian` cannot play another role: rename it, or remove `#[{}]`",
-                            role.attribute()
-                        ),
-                    );
-                    Role::Lagrangian
-                }
-                Some(&role) => role,
-                None if name == "lagrangian" => Role::Lagrangian,
-                None => Role::Helper,
-            }
-        });
-        roles.push(role);
-    }
-    roles
-}
-
-impl Role {
-    /// The roles that an attribute gives.
-    const MARKED: [Self; 4] = [Self::Gamma, Self::H1, Self::Force, Self::Symmetry];
-
-    fn of_attribute(name: &str) -> Option<Self> {
-        Self::MARKED
-            .into_iter()
-            .find(|role| role.attribute() == name)
-    }
-
-    pub(crate) fn attribute(self) -> &'static str {
-        match self {
-            Self::Gamma => "gamma",
-            Self::H1 => "h1",
-            Self::Force => "force",
-            Self::Symmetry => "symmetry",
-            Self::Lagrangian | Self::Helper => "",
-        }
-    }
-
-    /// The signature that a function of this role must have.
-    fn signature(self) -> &'static str {
-        match self {
-            Self::Lagrangian => "fn lagrangian(&self, q: [f64; N], v: [f64; N]) -> f64",
-            Self::Gamma => "fn name(&self, q: [f64; N]) -> f64` or `-> [f64; M]",
-            Self::H1 => "fn name(&self, q: [f64; N], p: [f64; N]) -> f64` or `-> [f64; M]",
-            Self::Force => "fn name(&self, q: [f64; N], v: [f64; N]) -> [f64; N]",
-            Self::Symmetry => "fn name(&self, q: [f64; N]) -> [f64; N]",
-            Self::Helper => "",
-        }
-    }
-
-    /// Vector arguments after `&self` and the optional time.
-    fn vectors(self) -> usize {
-        match self {
-            Self::Gamma | Self::Symmetry => 1,
-            Self::Lagrangian | Self::H1 | Self::Force | Self::Helper => 2,
-        }
+        errors.push(item.generics.span(), message);
     }
 }
 
@@ -359,6 +263,10 @@ fn part(function: &Rc<ImplItemFn>, role: Role) -> syn::Result<Part> {
     if !sig.generics.params.is_empty() {
         let message = format!("this function cannot be generic: {expected}");
         return Err(syn::Error::new(sig.generics.span(), message));
+    }
+    if let Some((at, word)) = qualifier(sig) {
+        let message = format!("`{word}` has no place here: {expected}");
+        return Err(syn::Error::new(at, message));
     }
     let mut inputs = sig.inputs.iter();
     let message = format!("the first argument must be `&self`: {expected}");
@@ -386,6 +294,20 @@ fn part(function: &Rc<ImplItemFn>, role: Role) -> syn::Result<Part> {
         output: (**output).clone(),
         function: Rc::clone(function),
     })
+}
+
+/// What makes a function another than a formula.
+fn qualifier(sig: &syn::Signature) -> Option<(Span, &'static str)> {
+    let is_async = sig.asyncness.map(|word| (word.span, "async"));
+    let is_unsafe = match &sig.safety {
+        syn::Safety::Unsafe(word) => Some((word.span, "unsafe")),
+        _ => None,
+    };
+    let is_foreign = sig
+        .abi
+        .as_ref()
+        .map(|abi| (abi.extern_token.span, "extern"));
+    is_async.or(is_unsafe).or(is_foreign)
 }
 
 /// Whether the first argument is the time, or what is wrong with the arguments.
@@ -449,47 +371,4 @@ fn is_shared(receiver: &syn::Receiver) -> bool {
 /// Whether a type is written `f64`.
 pub(crate) fn is_f64(ty: &Type) -> bool {
     matches!(ty, Type::Path(path) if path.qself.is_none() && path.path.is_ident("f64"))
-}
-
-/// The block as it is emitted: the user's tokens without the attributes that only this macro understands.
-pub(crate) fn without_roles(item: &TokenStream) -> TokenStream {
-    let mut tokens: Vec<TokenTree> = item.clone().into_iter().collect();
-    if let Some(TokenTree::Group(body)) = tokens.last_mut()
-        && body.delimiter() == Delimiter::Brace
-    {
-        let mut kept = Group::new(Delimiter::Brace, members_without_roles(body.stream()));
-        kept.set_span(body.span());
-        *body = kept;
-    }
-    tokens.into_iter().collect()
-}
-
-fn members_without_roles(members: TokenStream) -> TokenStream {
-    let mut kept: Vec<TokenTree> = Vec::new();
-    for token in members {
-        let hash = matches!(kept.last(), Some(TokenTree::Punct(punct)) if punct.as_char() == '#');
-        match &token {
-            TokenTree::Group(group) if hash && is_role(group) => {
-                kept.pop();
-            }
-            _ => kept.push(token),
-        }
-    }
-    kept.into_iter().collect()
-}
-
-/// Whether an attribute of this name gives a role.
-pub(crate) fn is_role_name(name: &str) -> bool {
-    name == LATER || Role::of_attribute(name).is_some()
-}
-
-/// Whether `[…]` is an attribute of this macro.
-fn is_role(group: &Group) -> bool {
-    let mut inside = group.stream().into_iter();
-    let name = match inside.next() {
-        Some(TokenTree::Ident(name)) => name.to_string(),
-        _ => return false,
-    };
-    let path = matches!(inside.next(), Some(TokenTree::Punct(punct)) if punct.as_char() == ':');
-    !path && is_role_name(&name)
 }

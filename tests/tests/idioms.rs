@@ -1,4 +1,4 @@
-//! What is written without thinking: iterators, slices, conditions on indices, constants from elsewhere. Each system is compared
+//! What is written without thinking: iterators, slices, closures, conditions on indices, constants from elsewhere. Each system is compared
 //! with its own function, and its derivatives with differences.
 
 use std::f64::consts::PI;
@@ -149,6 +149,39 @@ feature! {
     fn turned(&self, x: &[f64]) -> [f64; 2] {
         let axis: [[f64; 2]; 2] = self.axis;
         axis.map(|row| row.iter().zip(x).map(|(a, x)| a * x).sum())
+    }
+}
+
+feature! {
+    closures, Closures { k: [f64; 2] = [0.7, 1.3] },
+    #[allow(clippy::let_and_return)] // spellings are what is tested
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        let square = |x: f64| x * x;
+        let half = 0.5;
+        let kinetic = |i: usize| -> f64 {
+            let energy = half * square(v[i]);
+            energy
+        };
+        let half = 0.25;
+        let spring = move |(k, x): (f64, &f64)| half * k * square(*x);
+        let pairs = (0..2).map(|i| kinetic(i) * square(q[1 - i])).sum::<f64>();
+        let springs = self.k.into_iter().zip(&q).map(spring).sum::<f64>();
+        Self::total(2, |i| kinetic(i) + pairs) - springs - Self::total(2, |i| q[i].sin() * self.k[i])
+    }
+    fn total(n: usize, term: impl Fn(usize) -> f64) -> f64 {
+        let mut sum = 0.0;
+        for i in 0..n {
+            sum += term(i);
+        }
+        sum
+    }
+}
+
+feature! {
+    all_constants_at_once, AllConstantsAtOnce { k: f64 = 0.7 },
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        use std::f64::consts::*;
+        FRAC_1_PI * v[0].powi(2) + LN_2 * v[1].powi(2) - self.k * (TAU * q[0]).cos() * (q[1] / SQRT_2).sin()
     }
 }
 

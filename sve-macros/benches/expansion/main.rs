@@ -31,6 +31,8 @@ mod nesting;
 mod parse;
 #[path = "../../src/regular.rs"]
 mod regular;
+#[path = "../../src/roles.rs"]
+mod roles;
 #[path = "../../src/rule.rs"]
 mod rule;
 #[path = "../../src/schedule/mod.rs"]

@@ -11,7 +11,8 @@ use syn::{Attribute, Expr, FnArg, ImplItem, ImplItemFn, ItemImpl, Lit, ReturnTyp
 
 use super::mend::mend;
 use crate::errors::Errors;
-use crate::parse::{Arguments, is_f64, is_role_name};
+use crate::parse::{Arguments, is_f64, is_this};
+use crate::roles::is_role_name;
 use crate::rule::Rule;
 
 /// The user's block, mended where it has mistakes, and stubs for every rule that the attribute names.
@@ -21,7 +22,14 @@ pub(crate) fn stub(
     mistaken: &BTreeSet<String>,
 ) -> (TokenStream, TokenStream) {
     mend(&mut block, mistaken);
-    let stub = implementations(&block, attribute);
+    let rules = if block.attrs.iter().any(is_this) {
+        // those of the other attribute are meant too
+        Rule::ALL.to_vec()
+    } else {
+        rules(attribute)
+    };
+    block.attrs.retain(|attribute| !is_this(attribute));
+    let stub = implementations(&block, attribute, &rules);
     for member in &mut block.items {
         if let Some(attributes) = member_attributes(member) {
             attributes.retain(|a| {
@@ -34,14 +42,21 @@ pub(crate) fn stub(
     (quote!(#block), stub)
 }
 
-fn implementations(block: &ItemImpl, attribute: &TokenStream) -> TokenStream {
+fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) -> TokenStream {
     let self_ty = &block.self_ty;
     let runtime = runtime(attribute);
     let private = quote!(#runtime::__private);
     let attributes = super::attributes();
     let (generics, _, clause) = block.generics.split_for_impl();
-    let n = coordinates(block);
-    let m = processes(block);
+    // lengths that are generic have no place in constants
+    let is_generic = !block.generics.params.is_empty();
+    let one = || quote!(1);
+    let n = if is_generic {
+        one()
+    } else {
+        coordinates(block)
+    };
+    let m = if is_generic { one() } else { processes(block) };
     let fail = quote!(::core::unreachable!("the macro reported an error"));
     let operations = quote!(#private::Operations { arithmetic: 0, transcendental: 0 });
     let plan = quote! {
@@ -61,7 +76,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream) -> TokenStream {
         }
     };
     let momenta = momenta(block, &private, &n);
-    let rules = rules(attribute).into_iter().map(|rule| {
+    let rules = rules.iter().map(|rule| {
         let rule = format_ident!("{}", rule.type_name());
         quote! {
             #attributes
@@ -210,6 +225,10 @@ fn size(types: &[&Type]) -> TokenStream {
         Type::Reference(reference) => &*reference.elem,
         other => *other,
     });
+    if types.clone().any(|ty| matches!(ty, Type::Slice(_))) {
+        // it has no size
+        return quote!(1);
+    }
     quote!({ #(::core::mem::size_of::<#types>() / ::core::mem::size_of::<f64>())+* })
 }
 

@@ -34,7 +34,7 @@ impl Lowering<'_> {
             Err(Undecided::Reported) => Value::Poison,
             Err(Undecided::Unknown) => self.refuse(
                 &branch.if_token,
-                "`if` on a number is not smooth: a Lagrangian is one formula everywhere; use a smooth transition such as `tanh` (conditions on indices, `if i != j`, are understood)",
+                "`if` on a number is not smooth: a Lagrangian is one formula everywhere; use a smooth transition such as `tanh` (conditions on indices, `if i != j`, are understood); for variants of a system write a type each",
             ),
         }
     }

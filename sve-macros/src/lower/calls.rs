@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::f64::consts;
+use std::rc::Rc;
 
 use proc_macro2::Span;
 use syn::spanned::Spanned;
@@ -18,7 +19,8 @@ pub(super) struct Argument {
     pub(super) at: Span,
 }
 
-const CONSTANTS: &[(&str, f64)] = &[
+/// What `std::f64::consts` has.
+pub(super) const CONSTANTS: &[(&str, f64)] = &[
     ("PI", consts::PI),
     ("TAU", consts::TAU),
     ("E", consts::E),
@@ -96,6 +98,10 @@ impl Lowering<'_> {
             ["f64", "MAX" | "MIN" | "INFINITY" | "NEG_INFINITY" | "NAN"] => {
                 self.refuse(expr, "this number has no place in a formula: it overflows, or is none")
             }
+            ["f64", name] if super::floats::is_method(name) => {
+                let message = format!("a function is called, or named in `map` and its like: pass a closure, `|x| x.{name}()`");
+                self.refuse(expr, message)
+            }
             // a constant from elsewhere
             [.., name] if is_constant_name(name) && expr.qself.is_none() => Value::Field(FieldPath::outside(expr.path.clone())),
             _ => self.refuse(expr, "this path is not known here: constants are `Self::NAME` of this block, `std::f64::consts::NAME`, or outside the block in capitals"),
@@ -111,6 +117,12 @@ impl Lowering<'_> {
                 .iter()
                 .map(|c| c.ident.to_string())
                 .collect();
+            if block.functions.iter().any(|f| f.sig.ident == name) {
+                let message = format!(
+                    "a function is called, or named in `map` and its like: pass a closure, `|x| Self::{name}(x)`"
+                );
+                return self.refuse(&last, message);
+            }
             let message = match nearest(name, known.iter().map(String::as_str)) {
                 Some(near) => {
                     format!("this block has no constant `{name}`; did you mean `{near}`?")
@@ -182,6 +194,10 @@ impl Lowering<'_> {
             [owner, name] if self.is_self(owner) => self.helper(name, at, false, arguments),
             [name] if self.variable(name).is_some() => match self.variable(name) {
                 Some(Value::Poison) => Value::Poison,
+                Some(Value::Closure(closure)) => {
+                    let closure = Rc::clone(closure);
+                    self.call_closure(&closure, arguments, path)
+                }
                 _ => self.refuse(path, format!("`{name}` is a variable, not a function")),
             },
             [.., "from_fn"] => self.refuse(
@@ -191,6 +207,10 @@ impl Lowering<'_> {
             [name] if self.block.functions.iter().any(|f| f.sig.ident == name) => self.refuse(
                 path,
                 format!("a function of this block is called `self.{name}(…)`, or `Self::{name}(…)` if it has no `self`"),
+            ),
+            [name] if let Some(method) = super::floats::method_meant(name) => self.refuse(
+                path,
+                format!("`{name}` is a method of numbers in Rust: write `x.{method}`"),
             ),
             _ => {
                 let name = names.last().copied().unwrap_or_default();

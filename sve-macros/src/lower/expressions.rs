@@ -83,6 +83,7 @@ impl Lowering<'_> {
                 self.store(&assign.left, value);
                 Value::Unit
             }
+            Syntax::Closure(closure) => self.capture(closure),
             Syntax::Call(call) => self.call(call),
             Syntax::MethodCall(call) => self.method_call(call),
             other => {
@@ -242,8 +243,8 @@ impl Lowering<'_> {
                 ),
             };
         }
-        let a = self.scalar(left.0, left.1);
-        let b = self.scalar(right.0, right.1);
+        let a = self.operand(left.0, left.1);
+        let b = self.operand(right.0, right.1);
         let (Some(a), Some(b)) = (a, b) else {
             return Value::Poison;
         };
@@ -269,6 +270,15 @@ impl Lowering<'_> {
         }
     }
 
+    /// The number that an operand is, or an error that says how to write it as one.
+    fn operand(&mut self, value: &Value, syntax: &Syntax) -> Option<crate::symbolic::Expr> {
+        if let (Value::Int(_), Some(message)) = (value, as_number(syntax)) {
+            self.refuse(syntax, message);
+            return None;
+        }
+        self.scalar(value, syntax)
+    }
+
     /// `as`, of integers known at compile time only.
     fn cast(&mut self, cast: &syn::ExprCast) -> Value {
         let value = self.eval(&cast.expr);
@@ -282,6 +292,13 @@ impl Lowering<'_> {
             (Value::Int(i), "u16") if u16::try_from(i).is_ok() => Value::Int(i),
             (Value::Int(i), "u8") if u8::try_from(i).is_ok() => Value::Int(i),
             (Value::Int(i), "u64" | "u32" | "usize") if i >= 0 => Value::Int(i),
+            (value @ Value::Field(_), _) => {
+                let message = format!(
+                    "`as` is for integers known at compile time, and this is {}: let its type be `f64`, and leave `as` out",
+                    value.kind()
+                );
+                self.refuse(&cast.as_token, message)
+            }
             (value, _) => {
                 let message = format!(
                     "`as` is for integers known at compile time, and this is {}: leave it out, every number of a formula is an `f64`",
@@ -314,8 +331,43 @@ impl Lowering<'_> {
     }
 }
 
+/// How an integer is written as a number, where that is not by its value.
+fn as_number(syntax: &Syntax) -> Option<String> {
+    let text = super::readable(syntax);
+    match syntax {
+        Syntax::Paren(inner) => as_number(&inner.expr),
+        Syntax::Path(_) | Syntax::MethodCall(_) => Some(format!(
+            "an integer stands where an `f64` belongs: write `{text} as f64`"
+        )),
+        Syntax::Binary(binary) if matches!(binary.op, BinOp::Div(_)) => Some(format!(
+            "`{text}` divides integers, without the fraction: write its numbers as `1.0 / 2.0`"
+        )),
+        Syntax::Binary(_) => Some(format!(
+            "an integer stands where an `f64` belongs: write `({text}) as f64`"
+        )),
+        // `x ** 2`
+        Syntax::Unary(unary) if matches!(unary.op, UnOp::Deref(_)) => Some(
+            "`**` is not a power in Rust: write `x.powi(2)`, or `x.powf(y)` for other exponents"
+                .to_owned(),
+        ),
+        _ => None,
+    }
+}
+
 /// What to say of a macro call.
-pub(super) const MACRO: &str = "a macro call cannot be differentiated: write the formula";
+pub(super) fn no_macro(path: &syn::Path) -> &'static str {
+    let name = path.segments.last().map(|s| s.ident.to_string());
+    match name.as_deref() {
+        Some(
+            "assert" | "assert_eq" | "assert_ne" | "debug_assert" | "debug_assert_eq"
+            | "debug_assert_ne",
+        ) => "a step is not derived from assertions: check parameters where the system is made",
+        Some("print" | "println" | "eprint" | "eprintln" | "dbg") => {
+            "a step does not print: leave this out, and print the states of a trajectory"
+        }
+        _ => "a macro call cannot be differentiated: write the formula",
+    }
+}
 
 /// Why `%` of numbers is refused.
 const REMAINDER: &str = "`%` is not smooth: an angle needs no reduction, use `sin` and `cos`";
@@ -370,11 +422,7 @@ fn refusal(expr: &Syntax) -> (proc_macro2::Span, &'static str) {
             e.loop_token.span,
             "the rounds of `loop` are not known at compile time: write `for i in A..B`",
         ),
-        Syntax::Closure(e) => (
-            e.span(),
-            "a closure is understood only where it is called, as in `.map(|x| x * x)`: make it a function of this `impl` block",
-        ),
-        Syntax::Macro(e) => (e.mac.path.span(), MACRO),
+        Syntax::Macro(e) => (e.mac.path.span(), no_macro(&e.mac.path)),
         Syntax::Return(e) => (
             e.return_token.span,
             "`return` is not needed: end the body with the value",

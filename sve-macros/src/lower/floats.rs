@@ -259,6 +259,20 @@ pub(super) fn is_method(name: &str) -> bool {
     operands(name).is_some() || ROUGH.iter().any(|r| r.0 == name)
 }
 
+/// How a function that is written `sin(x)` is called as a method; of those that are smooth.
+pub(super) fn method_meant(name: &str) -> Option<String> {
+    match (operands(name), foreign(name)) {
+        (Some(0), _) => Some(format!("{name}()")),
+        (Some(1), _) => Some(format!("{name}(y)")),
+        (Some(_), _) => Some(format!("{name}(y, z)")),
+        (None, Some("powi` or `powf")) => Some("powi(n)` or `x.powf(y)".to_owned()),
+        // of how many numbers `norm` is meant is not seen
+        (None, Some("hypot") | None) => None,
+        (None, Some(method)) if method.ends_with(')') => Some(method.to_owned()),
+        (None, Some(method)) => method_meant(method),
+    }
+}
+
 /// Arguments of a method beside the receiver.
 fn operands(name: &str) -> Option<usize> {
     match name {

@@ -6,6 +6,7 @@
 
 mod branches;
 mod calls;
+mod closures;
 mod expressions;
 mod floats;
 mod pattern;
@@ -21,7 +22,8 @@ use syn::spanned::Spanned;
 
 use crate::errors::Errors;
 use crate::model::{Generator, Meaning, Model, NoiseTerm, Symbols};
-use crate::parse::{Annotated, Part, Role};
+use crate::parse::{Annotated, Part};
+use crate::roles::Role;
 use crate::symbolic::{Arena, Expr, Symbol};
 use branches::Leaving;
 use value::{Shape, Value};
@@ -369,11 +371,17 @@ impl Lowering<'_> {
                 self.errors.push(at.span(), integer(*i));
                 None
             }
-            Value::Array(_) | Value::Tuple(_) | Value::Sequence(_) | Value::Unit | Value::Unset => {
+            Value::Array(_)
+            | Value::Tuple(_)
+            | Value::Sequence(_)
+            | Value::Closure(_)
+            | Value::Unit
+            | Value::Unset => {
                 let hint = match value {
                     Value::Array(_) => ": take an entry, such as `x[0]`",
                     Value::Tuple(_) => ": take an entry, such as `x.0`",
                     Value::Sequence(_) => ": end with `.sum::<f64>()`",
+                    Value::Closure(_) => ": call it, `f(x)`",
                     Value::Unit => ": end with the value, without `;`",
                     _ => ": assign to it first",
                 };

@@ -1,4 +1,4 @@
-//! Iterators over what is known at compile time, and the closures that their methods take.
+//! Iterators over what is known at compile time.
 //!
 //! An iterator is the list of its items. Items are computed at once rather than when they are asked for, which makes no
 //! difference since closures that assign to variables around them are refused.
@@ -316,31 +316,6 @@ impl Lowering<'_> {
             Value::Poison
         }
     }
-
-    /// Runs a closure that is written where it is called.
-    pub(super) fn closure(
-        &mut self,
-        closure: &syn::ExprClosure,
-        arguments: Vec<Argument>,
-    ) -> Value {
-        if closure.inputs.len() != arguments.len() {
-            let message = format!(
-                "this closure takes {} arguments and is given {}",
-                closure.inputs.len(),
-                arguments.len()
-            );
-            return self.refuse(closure, message);
-        }
-        let floor = std::mem::replace(&mut self.floor, self.scopes.len());
-        self.scopes.push(HashMap::new());
-        for (pattern, argument) in closure.inputs.iter().zip(arguments) {
-            self.bind(pattern, argument.value);
-        }
-        let value = self.eval(&closure.body);
-        self.scopes.pop();
-        self.floor = floor;
-        value
-    }
 }
 
 fn argument(value: Value, at: &Syntax) -> Argument {
@@ -361,6 +336,12 @@ fn not_understood(name: &str) -> String {
     let instead = match name {
         "collect" => {
             "fill an array in a loop, `let mut a = [0.0; N]; for i in 0..N { a[i] = …; }`, or use `map` of an array"
+        }
+        "first" | "last" => "write `x[0]` or `x[x.len() - 1]`",
+        "split_at" | "split_first" | "split_last" => "write pieces, `&x[..2]` and `&x[2..]`",
+        "into" | "try_into" => "write the array, `[x[0], x[1]]`",
+        "cycle" | "scan" | "take_while" | "skip_while" | "last_mut" => {
+            "write a loop over indices; the next on a ring is `x[(i + 1) % N]`"
         }
         "iter_mut" | "for_each" => "write a loop over indices, `for i in 0..N { a[i] = …; }`",
         "max" | "min" | "max_by" | "min_by" | "any" | "all" | "position" | "find" => {

@@ -6,8 +6,8 @@ use syn::{Block, Expr as Syntax, ExprForLoop, Item, Pat, RangeLimits, Stmt, UseT
 
 use super::Lowering;
 use super::branches::Leaving;
-use super::calls::float_constant;
-use super::expressions::MACRO;
+use super::calls::{CONSTANTS, float_constant};
+use super::expressions::no_macro;
 use super::value::Value;
 
 impl Lowering<'_> {
@@ -68,7 +68,7 @@ impl Lowering<'_> {
                 }
             }
             Stmt::Item(_) => Value::Unit,
-            Stmt::Macro(mac) => self.refuse(&mac.mac.path, MACRO),
+            Stmt::Macro(mac) => self.refuse(&mac.mac.path, no_macro(&mac.mac.path)),
         }
     }
 
@@ -108,17 +108,28 @@ impl Lowering<'_> {
             one => vec![one],
         };
         for tree in trees {
+            if matches!(tree, UseTree::Glob(_)) {
+                for (name, value) in CONSTANTS {
+                    self.name(name, *value);
+                }
+                continue;
+            }
             let (name, alias) = match tree {
                 UseTree::Name(name) => (name.ident.to_string(), name.ident.to_string()),
                 UseTree::Rename(rename) => (rename.ident.to_string(), rename.rename.to_string()),
                 _ => continue,
             };
             if let Some(value) = float_constant(&name) {
-                let value = Value::Scalar(self.arena.constant(value));
-                if let Some(scope) = self.scopes.last_mut() {
-                    scope.insert(alias, value);
-                }
+                self.name(&alias, value);
             }
+        }
+    }
+
+    /// Gives a constant a name in the innermost scope.
+    fn name(&mut self, name: &str, value: f64) {
+        let value = Value::Scalar(self.arena.constant(value));
+        if let Some(scope) = self.scopes.last_mut() {
+            scope.insert(name.to_owned(), value);
         }
     }
 

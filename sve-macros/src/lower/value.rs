@@ -1,10 +1,13 @@
 //! What a variable of a body can hold while it is run symbolically.
 
+use std::rc::Rc;
+
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{quote, quote_spanned};
 use syn::spanned::Spanned;
 use syn::{Expr as Syntax, Type};
 
+use super::closures::Closure;
 use super::{Lowering, readable};
 use crate::parse::is_f64;
 use crate::symbolic::Expr;
@@ -22,6 +25,8 @@ pub(super) enum Value {
     Sequence(Vec<Value>),
     /// A field of the user's struct, or a constant from outside the block: a number or an array, which its use decides.
     Field(FieldPath),
+    /// `|x| …`, which waits to be called.
+    Closure(Rc<Closure>),
     Unit,
     /// A variable that has been declared and not yet assigned to.
     Unset,
@@ -58,6 +63,7 @@ impl Value {
             Self::Tuple(values) => format!("a tuple of {}", values.len()),
             Self::Sequence(values) => format!("an iterator over {}", values.len()),
             Self::Field(path) => path.kind(),
+            Self::Closure(_) => "a closure".to_owned(),
             Self::Unit => "nothing".to_owned(),
             Self::Unset => "a variable without a value".to_owned(),
             Self::Poison => "an error".to_owned(),

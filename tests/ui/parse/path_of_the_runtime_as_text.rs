@@ -4,11 +4,10 @@ struct Pendulum {
     g: f64,
 }
 
-#[variational(midpoint)]
+#[variational(midpoint, crate = "sve_runtime")]
 impl Pendulum {
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
-        let square = |x: f64| x * x;
-        square(v[0]) + square(v[1]) - self.g * q[0] * q[1]
+        0.5 * (v[0] * v[0] + v[1] * v[1]) - self.g * q[0] * q[1]
     }
 }
 

@@ -1,0 +1,116 @@
+//! Closures: run where they are called, with the variables that they name as these were where the closure is written.
+
+use std::cell::Cell;
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use proc_macro2::Ident;
+use syn::spanned::Spanned;
+use syn::visit::Visit;
+use syn::{ExprClosure, Pat};
+
+use super::Lowering;
+use super::calls::Argument;
+use super::floats::{are, plural};
+use super::value::Value;
+
+/// A closure that a variable holds.
+pub(super) struct Closure {
+    syntax: ExprClosure,
+    /// The variables around it that it names. They cannot change while it borrows them.
+    around: HashMap<String, Value>,
+    /// A mistake in it has been reported.
+    broken: Cell<bool>,
+}
+
+impl Lowering<'_> {
+    /// A closure that is not called where it is written.
+    pub(super) fn capture(&mut self, closure: &ExprClosure) -> Value {
+        let mut names = Names(Vec::new());
+        names.visit_expr(&closure.body);
+        let mut around = HashMap::new();
+        let mut size = 1;
+        for name in names.0 {
+            if let Some(value) = self.variable(&name) {
+                size += value.entries();
+                around.insert(name, value.clone());
+            }
+        }
+        if !self.work(size, closure) {
+            return Value::Poison;
+        }
+        Value::Closure(Rc::new(Closure {
+            syntax: closure.clone(),
+            around,
+            broken: Cell::new(false),
+        }))
+    }
+
+    /// Calls a closure that a variable holds.
+    pub(super) fn call_closure(
+        &mut self,
+        closure: &Closure,
+        arguments: Vec<Argument>,
+        at: &impl Spanned,
+    ) -> Value {
+        let size = closure.around.values().map(Value::entries).sum::<usize>();
+        if closure.broken.get() || !self.work(size, at) {
+            return Value::Poison;
+        }
+        if let Some(refused) = self.arity(&closure.syntax, &arguments, at) {
+            return refused;
+        }
+        let mistakes = self.errors.count();
+        let scopes = std::mem::replace(&mut self.scopes, vec![closure.around.clone()]);
+        let value = self.closure(&closure.syntax, arguments);
+        self.scopes = scopes;
+        closure.broken.set(self.errors.count() > mistakes);
+        value
+    }
+
+    /// Runs a closure that is written where it is called.
+    pub(super) fn closure(&mut self, closure: &ExprClosure, arguments: Vec<Argument>) -> Value {
+        if let Some(refused) = self.arity(closure, &arguments, closure) {
+            return refused;
+        }
+        let floor = std::mem::replace(&mut self.floor, self.scopes.len());
+        self.scopes.push(HashMap::new());
+        for (pattern, argument) in closure.inputs.iter().zip(arguments) {
+            let value = match pattern {
+                Pat::Type(typed) => self.number(argument.value, &typed.ty, &argument.at),
+                _ => argument.value,
+            };
+            self.bind(pattern, value);
+        }
+        let value = self.eval(&closure.body);
+        self.scopes.pop();
+        self.floor = floor;
+        value
+    }
+
+    /// An error at `at` unless there are as many arguments as the closure takes.
+    fn arity(
+        &mut self,
+        closure: &ExprClosure,
+        arguments: &[Argument],
+        at: &impl Spanned,
+    ) -> Option<Value> {
+        (closure.inputs.len() != arguments.len()).then(|| {
+            let message = format!(
+                "this closure takes {}, here {}",
+                plural(closure.inputs.len(), "argument"),
+                are(arguments.len())
+            );
+            self.refuse(at, message)
+        })
+    }
+}
+
+/// The names in an expression.
+struct Names(Vec<String>);
+
+impl<'ast> Visit<'ast> for Names {
+    fn visit_ident(&mut self, ident: &'ast Ident) {
+        self.0.push(ident.to_string());
+    }
+}

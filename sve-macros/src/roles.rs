@@ -1,0 +1,228 @@
+//! Roles of functions: the attributes that give them, those that were meant to, and the block without them.
+//!
+//! Input: the members of the `impl` block. Output: a [`Role`] each, and the user's tokens without these attributes.
+
+use proc_macro2::{Delimiter, Group, Ident, TokenStream, TokenTree};
+use syn::spanned::Spanned;
+use syn::{Attribute, ImplItem, ItemImpl};
+
+use crate::errors::{Errors, nearest};
+
+/// What a function of the block is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Role {
+    Lagrangian,
+    Gamma,
+    H1,
+    Force,
+    Symmetry,
+    Helper,
+}
+
+/// The attribute of a role that does not exist yet.
+const LATER: &str = "constraint";
+
+/// The role of each member; the attributes that say so are removed.
+pub(crate) fn take_roles(item: &mut ItemImpl, errors: &mut Errors) -> Vec<Option<Role>> {
+    item.items
+        .iter_mut()
+        .map(|member| match member {
+            ImplItem::Fn(function) => {
+                let found = take_attributes(&mut function.attrs, true, errors);
+                Some(role(&function.sig.ident, &found, errors))
+            }
+            ImplItem::Const(constant) => {
+                take_attributes(&mut constant.attrs, false, errors);
+                None
+            }
+            _ => None,
+        })
+        .collect()
+}
+
+/// The roles that the attributes of a member give; these are removed.
+fn take_attributes(
+    attributes: &mut Vec<Attribute>,
+    is_function: bool,
+    errors: &mut Errors,
+) -> Vec<Role> {
+    if let Some(attribute) = attributes.iter().find(|a| a.path().is_ident("cfg")) {
+        errors.push(
+            attribute.span(),
+            "whether this `cfg` holds is not known to the macro: put it on the whole block, or on two blocks",
+        );
+    }
+    let mut found = Vec::new();
+    attributes.retain(|attribute| {
+        let Some(name) = attribute.path().get_ident().map(ToString::to_string) else {
+            return true;
+        };
+        if name == LATER {
+            errors.push(
+                attribute.span(),
+                format!("`#[{LATER}]` is not supported yet: remove the function or the attribute"),
+            );
+            return false;
+        }
+        let Some(role) = Role::of_attribute(&name) else {
+            let meant = Role::meant(&name);
+            if let Some(role) = meant {
+                errors.push(attribute.path().span(), no_role(&name, role));
+            }
+            return meant.is_none();
+        };
+        if !is_function {
+            errors.push(
+                attribute.span(),
+                format!("`#[{name}]` belongs on a function"),
+            );
+        }
+        if attribute.meta.require_path_only().is_err() {
+            errors.push(
+                attribute.span(),
+                format!("`#[{name}]` takes no arguments: the signature says all"),
+            );
+        }
+        found.push(role);
+        false
+    });
+    found
+}
+
+/// The role of a function, from its name and those that its attributes give.
+fn role(name: &Ident, found: &[Role], errors: &mut Errors) -> Role {
+    if found.len() > 1 {
+        errors.push(
+            name.span(),
+            format!("`{name}` plays two roles: keep one of its attributes"),
+        );
+    }
+    match found.first() {
+        Some(role) if name == "lagrangian" => {
+            errors.push(
+                name.span(),
+                format!(
+                    "`lagrangian` cannot play another role: rename it, or remove `#[{}]`",
+                    role.attribute()
+                ),
+            );
+            Role::Lagrangian
+        }
+        Some(&role) => role,
+        None if name == "lagrangian" => Role::Lagrangian,
+        None => Role::Helper,
+    }
+}
+
+/// What to say of an attribute that gives no role.
+fn no_role(name: &str, meant: Role) -> String {
+    let all = Role::MARKED.map(|role| format!("`#[{}]`", role.attribute()));
+    format!(
+        "there is no attribute `#[{name}]`; did you mean `#[{}]`? The roles are {}",
+        meant.attribute(),
+        all.join(", ")
+    )
+}
+
+impl Role {
+    /// The roles that an attribute gives.
+    const MARKED: [Self; 4] = [Self::Gamma, Self::H1, Self::Force, Self::Symmetry];
+
+    fn of_attribute(name: &str) -> Option<Self> {
+        Self::MARKED
+            .into_iter()
+            .find(|role| role.attribute() == name)
+    }
+
+    /// The role that an attribute of another name was meant to give.
+    fn meant(name: &str) -> Option<Self> {
+        let lower = name.to_lowercase();
+        let by_another_name = match lower.as_str() {
+            "noise" | "wiener" => Some(Self::Gamma),
+            "friction" | "damping" | "dissipation" => Some(Self::Force),
+            _ => None,
+        };
+        // attributes of other macros are left alone: one that is meant begins with the right letter, and of `h1` one letter is half
+        let marks = Self::MARKED
+            .map(Self::attribute)
+            .into_iter()
+            .filter(|mark| {
+                *mark == lower || (mark.len() > 2 && mark.chars().next() == lower.chars().next())
+            });
+        let misspelt = || nearest(&lower, marks).and_then(Self::of_attribute);
+        by_another_name.or_else(misspelt)
+    }
+
+    pub(crate) fn attribute(self) -> &'static str {
+        match self {
+            Self::Gamma => "gamma",
+            Self::H1 => "h1",
+            Self::Force => "force",
+            Self::Symmetry => "symmetry",
+            Self::Lagrangian | Self::Helper => "",
+        }
+    }
+
+    /// The signature that a function of this role must have.
+    pub(crate) fn signature(self) -> &'static str {
+        match self {
+            Self::Lagrangian => "fn lagrangian(&self, q: [f64; N], v: [f64; N]) -> f64",
+            Self::Gamma => "fn name(&self, q: [f64; N]) -> f64` or `-> [f64; M]",
+            Self::H1 => "fn name(&self, q: [f64; N], p: [f64; N]) -> f64` or `-> [f64; M]",
+            Self::Force => "fn name(&self, q: [f64; N], v: [f64; N]) -> [f64; N]",
+            Self::Symmetry => "fn name(&self, q: [f64; N]) -> [f64; N]",
+            Self::Helper => "",
+        }
+    }
+
+    /// Vector arguments after `&self` and the optional time.
+    pub(crate) fn vectors(self) -> usize {
+        match self {
+            Self::Gamma | Self::Symmetry => 1,
+            Self::Lagrangian | Self::H1 | Self::Force | Self::Helper => 2,
+        }
+    }
+}
+
+/// The block as it is emitted: the user's tokens without the attributes that only this macro understands.
+pub(crate) fn without_roles(item: &TokenStream) -> TokenStream {
+    let mut tokens: Vec<TokenTree> = item.clone().into_iter().collect();
+    if let Some(TokenTree::Group(body)) = tokens.last_mut()
+        && body.delimiter() == Delimiter::Brace
+    {
+        let mut kept = Group::new(Delimiter::Brace, members_without_roles(body.stream()));
+        kept.set_span(body.span());
+        *body = kept;
+    }
+    tokens.into_iter().collect()
+}
+
+fn members_without_roles(members: TokenStream) -> TokenStream {
+    let mut kept: Vec<TokenTree> = Vec::new();
+    for token in members {
+        let hash = matches!(kept.last(), Some(TokenTree::Punct(punct)) if punct.as_char() == '#');
+        match &token {
+            TokenTree::Group(group) if hash && is_role(group) => {
+                kept.pop();
+            }
+            _ => kept.push(token),
+        }
+    }
+    kept.into_iter().collect()
+}
+
+/// Whether an attribute of this name gives a role.
+pub(crate) fn is_role_name(name: &str) -> bool {
+    name == LATER || Role::of_attribute(name).is_some() || Role::meant(name).is_some()
+}
+
+/// Whether `[…]` is an attribute of this macro.
+fn is_role(group: &Group) -> bool {
+    let mut inside = group.stream().into_iter();
+    let name = match inside.next() {
+        Some(TokenTree::Ident(name)) => name.to_string(),
+        _ => return false,
+    };
+    let path = matches!(inside.next(), Some(TokenTree::Punct(punct)) if punct.as_char() == ':');
+    !path && is_role_name(&name)
+}

@@ -1,0 +1,17 @@
+use sve_runtime::prelude::*;
+
+struct Pendulum {
+    g: f64,
+}
+
+#[variational(midpoint)]
+impl Pendulum {
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        let pull = |x: f64, y: f64| self.g * x * y;
+        0.5 * (v[0] * v[0] + v[1] * v[1]) - pull(q[0])
+    }
+}
+
+fn main() {
+    let _ = Integrator::new(Pendulum { g: 1.0 }, Midpoint);
+}

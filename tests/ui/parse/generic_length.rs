@@ -1,0 +1,16 @@
+use sve_runtime::prelude::*;
+
+struct Pendulum<const N: usize> {
+    g: f64,
+}
+
+#[variational(midpoint)]
+impl<const N: usize> Pendulum<N> {
+    fn lagrangian(&self, q: [f64; N], v: [f64; N]) -> f64 {
+        0.5 * v[0] * v[0] - self.g * q[0]
+    }
+}
+
+fn main() {
+    let _ = Pendulum::<2> { g: 1.0 }.g;
+}

@@ -1,0 +1,18 @@
+use sve_runtime::prelude::*;
+
+struct Pendulum<'a> {
+    g: f64,
+    name: &'a str,
+}
+
+#[variational(midpoint)]
+impl<'a> Pendulum<'a> {
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        0.5 * (v[0] * v[0] + v[1] * v[1]) - self.g * q[0] * q[1]
+    }
+}
+
+fn main() {
+    let pendulum = Pendulum { g: 1.0, name: "" };
+    let _ = (pendulum.name, Integrator::new(pendulum, Midpoint));
+}
