@@ -71,6 +71,7 @@ mod banded;
 pub mod baseline;
 mod error;
 mod integrator;
+mod lanes;
 mod linear;
 mod mechanics;
 mod method;
@@ -87,6 +88,7 @@ mod turn;
 
 pub use error::StepError;
 pub use integrator::Integrator;
+pub use lanes::{LANES, Lane, Mask, StateLanes};
 pub use mechanics::{Field, Mechanics};
 pub use method::Method;
 pub use newton::Newton;
@@ -209,8 +211,8 @@ pub use state::State;
 /// ```
 pub use sve_macros::variational;
 pub use system::{
-    DerivedFor, Dimensions, Dims, ForceJet, IncrementsOf, LagrangianJet, NoiseJet, StateOf, StepOf,
-    System, Variational, VectorOf,
+    DerivedFor, Dimensions, Dims, ForceJet, IncrementLanesOf, IncrementsOf, LagrangianJet,
+    NoiseJet, StateLanesOf, StateOf, StepOf, System, Variational, VectorOf,
 };
 pub use tangent::{Sensitivity, Tangent};
 pub use trajectory::Trajectory;

@@ -23,14 +23,12 @@ pub trait Matrix<const K: usize> {
 
 /// Solves `a x = b`.
 #[inline(always)]
-#[allow(clippy::inline_always)] // as below
 pub fn solve<const K: usize>(a: &impl Matrix<K>, b: &[f64; K]) -> Option<[f64; K]> {
     a.solve(b)
 }
 
 impl<const K: usize> Matrix<K> for [[f64; K]; K] {
     #[inline(always)]
-    #[allow(clippy::inline_always)] // the sizes are constants: the branch and the loops vanish
     fn solve(&self, b: &[f64; K]) -> Option<[f64; K]> {
         dense(self, b)
     }
@@ -40,14 +38,12 @@ impl<const K: usize> Matrix<K> for [[f64; K]; K] {
     }
 
     #[inline(always)]
-    #[allow(clippy::inline_always)] // as above
     fn first(&self) -> f64 {
         self[0][0]
     }
 }
 
 #[inline(always)]
-#[allow(clippy::inline_always)] // as above
 fn dense<const K: usize>(a: &[[f64; K]; K], b: &[f64; K]) -> Option<[f64; K]> {
     let mut x = [0.0; K];
     match K {

@@ -2,11 +2,14 @@
 
 use crate::Integrator;
 use crate::error::StepError;
+use crate::lanes::{ALL, Lane, Mask, StateLanes};
 use crate::linear;
 use crate::newton::SolveError;
 use crate::noise::Noise;
 use crate::state::State;
-use crate::system::{Dims, IncrementsOf, StateOf, System, Variational};
+use crate::system::{
+    Dims, IncrementLanesOf, IncrementsOf, StateLanesOf, StateOf, System, Variational,
+};
 use crate::trajectory::Trajectory;
 
 /// A one-step method for a system: an [`Integrator`] or a [`baseline`](crate::baseline).
@@ -36,6 +39,20 @@ pub trait Method {
         h: f64,
         dw: &IncrementsOf<Self::System>,
     ) -> Result<(), StepError>;
+
+    /// One step of each lane where the usual course serves; the lanes left as they are, which
+    /// [`step_prepared`](Self::step_prepared) has to step, or to say why not. Without an own form, all of them.
+    #[inline(always)]
+    fn step_lanes(
+        &self,
+        prepared: &Self::Prepared,
+        states: &mut StateLanesOf<Self::System>,
+        h: f64,
+        dw: &IncrementLanesOf<Self::System>,
+    ) -> Mask {
+        let _ = (prepared, states, h, dw);
+        ALL
+    }
 
     /// One step of length `h` with the given Wiener increments, one a process in source order.
     ///
@@ -94,6 +111,17 @@ where
         dw: &[f64; M],
     ) -> Result<(), StepError> {
         solve_step(self, prepared, state, h, dw).map(|_| ())
+    }
+
+    #[inline(always)]
+    fn step_lanes(
+        &self,
+        prepared: &S::Prepared,
+        states: &mut StateLanes<N>,
+        h: f64,
+        dw: &[Lane; M],
+    ) -> Mask {
+        Integrator::system(self).increment_lanes(prepared, states, h, dw, self.newton())
     }
 }
 

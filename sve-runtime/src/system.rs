@@ -3,6 +3,7 @@
 //! Everything that depends on the number of coordinates goes through one associated type,
 //! [`System::Dims`], so that `Integrator<S, R>` needs no constants in its type.
 
+use crate::lanes::{ALL, Lane, Mask, StateLanes};
 use crate::newton::{Newton, SolveError};
 use crate::plan::Plan;
 use crate::state::State;
@@ -20,6 +21,10 @@ pub trait Dimensions {
     type Increments: Copy + core::fmt::Debug + AsRef<[f64]> + AsMut<[f64]>;
     /// The state, [`State<N>`](State).
     type State: Clone + core::fmt::Debug;
+    /// A state in each lane, [`StateLanes<N>`](StateLanes).
+    type StateLanes: Clone + core::fmt::Debug;
+    /// The increments of each lane, `[Lane; M]`.
+    type IncrementLanes: Copy + core::fmt::Debug + AsRef<[Lane]> + AsMut<[Lane]>;
     /// [`LagrangianJet<N>`](LagrangianJet).
     type LagrangianJet;
     /// `[NoiseJet<N>; M]`.
@@ -28,18 +33,30 @@ pub trait Dimensions {
     type ForceJet;
     /// All increments zero.
     const NO_INCREMENTS: Self::Increments;
+    /// All increments of all lanes zero.
+    const NO_INCREMENT_LANES: Self::IncrementLanes;
     /// No force.
     const NO_FORCE: Self::ForceJet;
     /// The time of a state.
     fn time(state: &Self::State) -> f64;
     /// Sets the time of a state.
     fn set_time(state: &mut Self::State, t: f64);
+    /// The same state in each lane.
+    fn splat(state: &Self::State) -> Self::StateLanes;
+    /// The state of a lane.
+    fn get(lanes: &Self::StateLanes, lane: usize) -> Self::State;
+    /// Replaces the state of a lane.
+    fn set(lanes: &mut Self::StateLanes, lane: usize, state: &Self::State);
+    /// The times of the lanes.
+    fn times(lanes: &mut Self::StateLanes) -> &mut Lane;
 }
 
 impl<const N: usize, const M: usize> Dimensions for Dims<N, M> {
     type Vector = [f64; N];
     type Increments = [f64; M];
     type State = State<N>;
+    type StateLanes = StateLanes<N>;
+    type IncrementLanes = [Lane; M];
     type LagrangianJet = LagrangianJet<N>;
     type NoiseJets = [NoiseJet<N>; M];
     type ForceJet = ForceJet<N>;
@@ -50,11 +67,27 @@ impl<const N: usize, const M: usize> Dimensions for Dims<N, M> {
         dt: [0.0; N],
     };
     const NO_INCREMENTS: [f64; M] = [0.0; M];
+    const NO_INCREMENT_LANES: [Lane; M] = [[0.0; crate::lanes::LANES]; M];
     fn time(state: &State<N>) -> f64 {
         state.t
     }
     fn set_time(state: &mut State<N>, t: f64) {
         state.t = t;
+    }
+    fn splat(state: &State<N>) -> StateLanes<N> {
+        StateLanes::splat(state)
+    }
+    #[inline(always)]
+    fn get(lanes: &StateLanes<N>, lane: usize) -> State<N> {
+        lanes.get(lane)
+    }
+    #[inline(always)]
+    fn set(lanes: &mut StateLanes<N>, lane: usize, state: &State<N>) {
+        lanes.set(lane, state);
+    }
+    #[inline(always)]
+    fn times(lanes: &mut StateLanes<N>) -> &mut Lane {
+        &mut lanes.t
     }
 }
 
@@ -64,6 +97,10 @@ pub type VectorOf<S> = <<S as System>::Dims as Dimensions>::Vector;
 pub type IncrementsOf<S> = <<S as System>::Dims as Dimensions>::Increments;
 /// `State<N>` of a system.
 pub type StateOf<S> = <<S as System>::Dims as Dimensions>::State;
+/// `StateLanes<N>` of a system.
+pub type StateLanesOf<S> = <<S as System>::Dims as Dimensions>::StateLanes;
+/// `[Lane; M]` of a system.
+pub type IncrementLanesOf<S> = <<S as System>::Dims as Dimensions>::IncrementLanes;
 
 /// A mechanical system: the derivatives of its Lagrangian, of its noise Hamiltonians and of its force.
 ///
@@ -188,6 +225,20 @@ pub trait Variational<R>: System {
         dw: &IncrementsOf<Self>,
         newton: &Newton,
     ) -> Result<StepOf<Self, R>, SolveError>;
+    /// One step of each lane where its equations are solved in the usual course; the lanes whose states were left as they are,
+    /// for [`increment`](Self::increment) to step or to say why not.
+    #[inline(always)]
+    fn increment_lanes(
+        &self,
+        prepared: &Self::Prepared,
+        states: &mut StateLanesOf<Self>,
+        h: f64,
+        dw: &IncrementLanesOf<Self>,
+        newton: &Newton,
+    ) -> Mask {
+        let _ = (prepared, states, h, dw, newton);
+        ALL
+    }
     /// The step's equations and results to first order around a step that was solved.
     fn linearise(
         &self,
@@ -269,6 +320,18 @@ impl<S: Variational<R>, R> Variational<R> for &S {
         newton: &Newton,
     ) -> Result<StepOf<S, R>, SolveError> {
         (**self).increment(prepared, state, h, dw, newton)
+    }
+
+    #[inline(always)]
+    fn increment_lanes(
+        &self,
+        prepared: &S::Prepared,
+        states: &mut StateLanesOf<S>,
+        h: f64,
+        dw: &IncrementLanesOf<S>,
+        newton: &Newton,
+    ) -> Mask {
+        (**self).increment_lanes(prepared, states, h, dw, newton)
     }
 
     #[inline]

@@ -258,7 +258,6 @@ mod passed_through {
         /// Helpers may be `const`, hidden and unused.
         #[doc(hidden)]
         #[inline(always)]
-        #[allow(clippy::inline_always)]
         const fn square(x: f64) -> f64 {
             x * x
         }

@@ -1,0 +1,74 @@
+//! Code compiled for the vectors of the machine it runs on.
+//!
+//! Input: a kernel, whose whole body is inlined. Output: what it returns, the same bits whichever version ran: wider vectors
+//! change no rounding, since Rust never contracts a multiplication and an addition into one operation.
+
+/// Work to be compiled for several widths of vectors. `run` and all it calls in its loops are to be `#[inline(always)]`.
+pub(crate) trait Kernel {
+    /// What the work gives.
+    type Output;
+    /// Does it.
+    fn run(self) -> Self::Output;
+}
+
+/// Runs a kernel with the widest vectors that this machine has.
+#[inline]
+pub(crate) fn dispatch<K: Kernel>(kernel: K) -> K::Output {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::is_x86_feature_detected as has;
+        if has!("avx512f") && has!("avx512dq") && has!("avx512vl") && has!("avx512bw") {
+            // Safety: the machine has what the function is compiled for.
+            #[allow(unsafe_code)]
+            return unsafe { avx512(kernel) };
+        }
+        if has!("avx2") {
+            // Safety: as above.
+            #[allow(unsafe_code)]
+            return unsafe { avx2(kernel) };
+        }
+    }
+    // Elsewhere the vectors that every machine of the target has: those of two numbers on x86-64 and AArch64.
+    kernel.run()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2")]
+fn avx512<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn avx2<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Kernel, dispatch};
+
+    struct Sum<'a>(&'a [f64]);
+
+    impl Kernel for Sum<'_> {
+        type Output = f64;
+        #[inline(always)]
+        fn run(self) -> f64 {
+            self.0.iter().sum()
+        }
+    }
+
+    #[test]
+    fn every_version_gives_the_same() {
+        let numbers: Vec<f64> = (0..1000).map(|i| f64::from(i).sin()).collect();
+        let plain = Sum(&numbers).run();
+        assert_eq!(dispatch(Sum(&numbers)), plain);
+        #[cfg(target_arch = "x86_64")]
+        if std::arch::is_x86_feature_detected!("avx2") {
+            // Safety: just asked.
+            #[allow(unsafe_code)]
+            let narrow = unsafe { super::avx2(Sum(&numbers)) };
+            assert_eq!(narrow, plain);
+        }
+    }
+}
