@@ -230,6 +230,7 @@ pub mod prelude {
 #[doc(hidden)]
 pub mod __private {
     pub use crate::banded::Banded;
+    pub use crate::lanes::elementary as lane;
     pub use crate::linear::solve;
     pub use crate::newton::{Evaluation, Newton, SolveError, spread};
     pub use crate::plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};

@@ -6,6 +6,7 @@
 #[cfg(feature = "ensemble")]
 #[allow(dead_code)] // until the driver of ensembles calls it
 pub(crate) mod dispatch;
+pub mod elementary;
 
 use crate::state::State;
 
