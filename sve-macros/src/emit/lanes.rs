@@ -14,8 +14,9 @@ use quote::{format_ident, quote};
 use super::code::Printer;
 use super::names::Labels;
 use super::solve::names;
+use super::step::formulas;
 use crate::model::{Meaning, Symbols};
-use crate::schedule::{Operation, Scheduler, Tier, Tiers, Value, operands};
+use crate::schedule::{Operation, Program, Scheduler, Tier, Tiers, Value, operands};
 use crate::structure::{Block, Form, Iteration, Linear, Scheme, Solution};
 use crate::symbolic::{Arena, Expr, Symbol};
 
@@ -47,8 +48,7 @@ pub(super) fn lanes(
     if plan.rows.len() > KEPT {
         return None;
     }
-    let labels = Labels::default();
-    let printer = Printer::of_lanes(&step.program, symbols, &labels, private);
+    let printer = Printer::of_lanes(&step.program, symbols, &step.labels, private);
     let writer = Writer {
         scheme,
         step: &step,
@@ -104,7 +104,9 @@ struct Step {
     solves: Vec<Solve>,
     dq: Vec<Value>,
     dp: Vec<Value>,
-    program: crate::schedule::Program,
+    program: Program,
+    /// What the values are.
+    labels: Labels,
 }
 
 /// What the iteration starts from. That of a single unknown is worth a division, since a lane waits for the slowest of all:
@@ -156,8 +158,14 @@ impl Step {
             .flat_map(|s| [s.begin(), s.iterate()].concat())
             .chain(dq.iter().chain(&dp).copied())
             .collect();
+        let mut labels = Labels::default();
+        let formulas = formulas(&scheme.blocks, symbols);
+        labels.expressions(&scheduler, arena, symbols, &formulas, &all);
+        labels.vector("dq", 0, &dq);
+        labels.vector("dp", 0, &dp);
         Self {
             program: scheduler.finish(&results),
+            labels,
             solves,
             dq,
             dp,
@@ -373,7 +381,8 @@ impl Writer<'_> {
         let solved = self.solved();
         quote! {
             #tokens
-            let (mut q1, mut p1) = (#private::lane::rows::<#n>(), #private::lane::rows::<#n>());
+            let mut q1 = #private::lane::rows::<#n>();
+            let mut p1 = #private::lane::rows::<#n>();
             let mut any = 0u64;
             #last
             states.advance(&q1.0, &p1.0, any, |lane| #solved)
@@ -508,7 +517,8 @@ impl Writer<'_> {
         let (store_q, store_p) = (store("q"), store("p"));
         let private = self.private;
         quote! {
-            let (q_lane, p_lane) = (#q, #p);
+            let q_lane = #q;
+            let p_lane = #p;
             #(#store_q)*
             #(#store_p)*
             any |= #private::lane::is_left(q_lane, p_lane, #solved);
