@@ -24,6 +24,10 @@
 mod box_muller;
 mod error;
 mod from_rng;
+#[cfg(feature = "ensemble")]
+#[allow(dead_code)] // until the driver of ensembles calls it
+pub(crate) mod lanes;
+mod law;
 mod none;
 mod recorded;
 mod threefry;
