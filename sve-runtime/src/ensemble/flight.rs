@@ -58,17 +58,10 @@ where
             failures: Vec::new(),
             values: vec![[0.0; LANES]; run.ensemble.names.len()],
         };
-        for tile in 0..BLOCK_TILES as u64 {
-            let first = first_path + tile * LANES as u64;
-            let wanted = |path: u64| path < run.paths && only.is_none_or(|only| only == path);
-            if (first..first + LANES as u64).any(wanted) {
-                flight.start_tile(first, wanted);
-            } else {
-                flight.tiles.push(Tile {
-                    states: StateLanes::splat(&State::new([0.0; N], [0.0; N])),
-                    alive: 0,
-                });
-            }
+        let paths = first_path..first_path.saturating_add(BLOCK_PATHS).min(run.paths);
+        for first in paths.clone().step_by(LANES) {
+            let wanted = |path| paths.contains(&path) && only.is_none_or(|only| only == path);
+            flight.start_tile(first, wanted);
         }
         Ok(flight)
     }
@@ -106,7 +99,11 @@ where
     fn unfit(&self, state: &State<N>) -> Option<Cause> {
         let named = |what: String, value: f64| {
             let t = state.t;
-            (!value.is_finite()).then(|| Cause::Step(StepError::NonFiniteInput { what, value, t }))
+            (!value.is_finite()).then_some(Cause::Step(StepError::NonFiniteInput {
+                what,
+                value,
+                t,
+            }))
         };
         if state.t != self.run.start_time {
             let (t, expected) = (state.t, self.run.start_time);
@@ -122,7 +119,7 @@ where
         while self.step < until && self.tiles.iter().any(|tile| tile.alive != 0) {
             let stretch = self.step / STRETCH;
             let end = until.min((stretch + 1) * STRETCH);
-            self.increments.load(stretch);
+            self.increments.load(stretch, self.tiles.len());
             for tile in 0..self.tiles.len() {
                 self.advance_tile(tile, end);
             }
@@ -140,7 +137,8 @@ where
                 prepared: &self.prepared,
                 h: self.run.h,
                 start_time: self.run.start_time,
-                increments: self.increments.tile(number),
+                increments: &self.increments,
+                number,
                 tile,
                 step: &mut step,
                 end,
@@ -155,7 +153,7 @@ where
     /// Makes a step of those lanes that the lane step left, and sets the time of all.
     #[inline(never)]
     fn step_singly(&mut self, number: usize, step: u64, left: Mask) {
-        let increments = self.increments.tile(number)[(step % STRETCH) as usize];
+        let increments = self.increments.of(number, step);
         for lane in lanes(left) {
             let mut state = self.tiles[number].states.get(lane);
             let dw = increments.map(|process| process[lane]);
@@ -211,7 +209,8 @@ struct Stretch<'f, I: Method, const N: usize, const M: usize> {
     prepared: &'f I::Prepared,
     h: f64,
     start_time: f64,
-    increments: &'f [[Lane; M]],
+    increments: &'f Increments<M>,
+    number: usize,
     tile: &'f mut Tile<N>,
     step: &'f mut u64,
     end: u64,
@@ -230,10 +229,10 @@ where
         let mut left = 0;
         let mut step = *self.step;
         while step < self.end {
-            let dw = &self.increments[(step % STRETCH) as usize];
+            let dw = self.increments.of(self.number, step);
             left = self
                 .method
-                .step_lanes(self.prepared, &mut states, self.h, dw)
+                .step_lanes(self.prepared, &mut states, self.h, &dw)
                 & self.tile.alive;
             if left != 0 {
                 break;

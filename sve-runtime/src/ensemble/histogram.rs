@@ -50,6 +50,7 @@ impl Request {
             return self.bins + 1;
         }
         let guess = (value - low) / (high - low) * self.bins as f64;
+        #[allow(clippy::cast_sign_loss)] // the value is not below the range
         let mut bin = (guess as usize).min(self.bins - 1);
         // the guess is rounded, the edges decide
         while bin > 0 && value < self.edge(bin) {

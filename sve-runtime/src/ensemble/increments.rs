@@ -5,20 +5,22 @@
 
 use super::BLOCK_TILES;
 use crate::lanes::{LANES, Lane};
-use crate::noise::{Noise, NoiseError, Truncated, Wiener};
+use crate::noise::lanes::{Increments as Source, fill};
+use crate::noise::{NoiseError, Truncated, Wiener};
 
-/// Steps whose increments are drawn at once: a multiple of the four that share a block of the generator.
+/// Steps whose increments are drawn at once, so that what surrounds a draw and a tile's steps is little beside them.
 pub(super) const STRETCH: u64 = 16;
 
 /// Steps that share a block of the generator.
 const QUAD: u64 = 4;
+const QUADS: usize = (STRETCH / QUAD) as usize;
 
 /// Which increments.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Law {
-    /// Of a Wiener process.
-    Wiener,
-    /// Those, clipped.
+    /// Drawn.
+    Drawn(Source),
+    /// Of a Wiener process, clipped.
     Truncated {
         /// The exponent of [`Truncated`].
         exponent: f64,
@@ -34,68 +36,75 @@ impl Law {
             Self::Truncated { exponent } => Truncated::new(Wiener::new(0))
                 .exponent(exponent)?
                 .largest(h),
-            Self::Wiener | Self::None => Ok(f64::INFINITY),
+            Self::Drawn(_) | Self::None => Ok(f64::INFINITY),
         }
     }
 }
 
 /// The increments of a stretch of steps for the tiles of a block.
 pub(super) struct Increments<const M: usize> {
-    /// Where there are any: one a path.
-    wiener: Vec<Wiener>,
-    h: f64,
+    law: Law,
+    seed: u64,
+    first_path: u64,
+    /// √h.
+    scale: f64,
     largest: f64,
     /// Which stretch is there.
     stretch: Option<u64>,
-    /// Of each tile, step and process.
-    values: Vec<[Lane; M]>,
+    /// Of each four steps, tile and process.
+    values: Vec<[Lane; 4]>,
 }
 
 impl<const M: usize> Increments<M> {
-    /// Those of the paths from `first` on.
-    pub(super) fn new(law: Law, seed: u64, first: u64, h: f64, largest: f64) -> Self {
-        let paths = match law {
-            Law::None => 0,
-            _ if M == 0 => 0,
-            Law::Wiener | Law::Truncated { .. } => (BLOCK_TILES * LANES) as u64,
-        };
+    /// Those of the paths from `first_path` on.
+    pub(super) fn new(law: Law, seed: u64, first_path: u64, h: f64, largest: f64) -> Self {
         Self {
-            wiener: (0..paths)
-                .map(|k| Wiener::new(seed).path(first.wrapping_add(k)))
-                .collect(),
-            h,
+            law,
+            seed,
+            first_path,
+            scale: h.sqrt(),
             largest,
             stretch: None,
-            values: vec![[[0.0; LANES]; M]; BLOCK_TILES * STRETCH as usize],
+            values: vec![[[0.0; LANES]; 4]; QUADS * BLOCK_TILES * M],
         }
     }
 
-    /// Draws those of a stretch.
-    pub(super) fn load(&mut self, stretch: u64) {
-        if self.stretch == Some(stretch) {
+    /// Draws those of a stretch, for the first so many tiles.
+    pub(super) fn load(&mut self, stretch: u64, tiles: usize) {
+        let source = match self.law {
+            Law::Drawn(source) => source,
+            Law::Truncated { .. } => Source::Normal,
+            Law::None => return,
+        };
+        if M == 0 || self.stretch == Some(stretch) {
             return;
         }
         self.stretch = Some(stretch);
-        for (path, wiener) in self.wiener.iter_mut().enumerate() {
-            let (tile, lane) = (path / LANES, path % LANES);
-            for at in 0..STRETCH {
-                let mut dw = [0.0; M];
-                let step = stretch * STRETCH + at;
-                debug_assert!(STRETCH.is_multiple_of(QUAD));
-                if wiener.increments(step, self.h, &mut dw).is_err() {
-                    // the step size was checked before
-                    continue;
-                }
-                let values = &mut self.values[tile * STRETCH as usize + at as usize];
-                for process in 0..M {
-                    values[process][lane] = dw[process].clamp(-self.largest, self.largest);
+        let quads = self.values.chunks_exact_mut(BLOCK_TILES * M);
+        for (quad, values) in (stretch * QUADS as u64..).zip(quads) {
+            let values = &mut values[..tiles * M];
+            fill(
+                source,
+                self.seed,
+                self.first_path,
+                quad,
+                self.scale,
+                M,
+                values,
+            );
+            if self.largest < f64::INFINITY {
+                for dw in values.as_flattened_mut().as_flattened_mut() {
+                    *dw = dw.clamp(-self.largest, self.largest);
                 }
             }
         }
     }
 
-    /// Those of a tile for the stretch that was drawn last, one a step.
-    pub(super) fn tile(&self, tile: usize) -> &[[Lane; M]] {
-        &self.values[tile * STRETCH as usize..][..STRETCH as usize]
+    /// Those of a tile for a step of the stretch that was drawn last.
+    #[inline(always)]
+    pub(super) fn of(&self, tile: usize, step: u64) -> [Lane; M] {
+        let quad = (step % STRETCH / QUAD) as usize;
+        let values = &self.values[(quad * BLOCK_TILES + tile) * M..][..M];
+        core::array::from_fn(|process| values[process][(step % QUAD) as usize])
     }
 }

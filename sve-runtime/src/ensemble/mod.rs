@@ -39,6 +39,7 @@ use self::run::Run;
 use self::start::Start;
 use crate::lanes::LANES;
 use crate::method::Method;
+use crate::noise::lanes::Increments as Source;
 use crate::state::State;
 use crate::system::{Dims, StateOf, System};
 
@@ -113,7 +114,7 @@ where
             steps: None,
             every: None,
             start: None,
-            law: Law::Wiener,
+            law: Law::Drawn(Source::Normal),
             names: Vec::new(),
             observables: Vec::new(),
             histograms: Vec::new(),

@@ -4,7 +4,7 @@
 //! Invariant: what is stored is finite or, where it overflowed, infinite, never NaN; without values the mean and the
 //! squares are 0 and the extremes ±∞. Sums over the lanes of a tile go by halves, so they have the same bits for vectors of any width.
 //!
-//! Source: Chan, Golub, LeVeque, *Updating formulae and a pairwise algorithm for computing sample variances*, COMPSTAT (1982).
+//! Source: T. F. Chan, G. H. Golub, R. J. `LeVeque`, *Updating formulae and a pairwise algorithm for computing sample variances*, COMPSTAT (1982).
 
 use crate::lanes::{LANES, Lane, Mask};
 

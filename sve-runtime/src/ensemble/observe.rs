@@ -93,10 +93,8 @@ impl<S: System, T: Observable<S>> Kernel for Tile<'_, S, T> {
     fn run(self) {
         for lane in 0..LANES {
             let state = <S::Dims as Dimensions>::get(self.states, lane);
-            self.values[lane] = match self.observable.value(self.system, &state) {
-                Ok(value) => value,
-                Err(_) => f64::NAN,
-            };
+            let value = self.observable.value(self.system, &state);
+            self.values[lane] = value.unwrap_or(f64::NAN);
         }
     }
 }

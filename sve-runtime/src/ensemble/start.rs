@@ -7,12 +7,15 @@ use crate::noise::{box_muller, threefry};
 /// Separates these draws from the increments of the same seed and path.
 const DOMAIN: u64 = u64::from_le_bytes(*b"start   ");
 
+/// The start of a path, by its number.
+type Draw<'a, T> = Box<dyn Fn(u64, &mut StartRng) -> T + Sync + 'a>;
+
 /// Where paths start.
 pub(super) enum Start<'a, T> {
     /// All at one state.
     Same(T),
     /// Each at its own.
-    Drawn(Box<dyn Fn(u64, &mut StartRng) -> T + Sync + 'a>),
+    Drawn(Draw<'a, T>),
 }
 
 /// The generator of random numbers for the start of a path: a function of seed and path alone.
@@ -59,7 +62,7 @@ impl StartRng {
         if let Some(spare) = self.spare.take() {
             return spare;
         }
-        let [first, second] = box_muller::pair(self.word(), self.word());
+        let [first, second] = box_muller::pair(self.word(), self.word(), 1.0);
         self.spare = Some(second);
         first
     }

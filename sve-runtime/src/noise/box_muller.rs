@@ -94,7 +94,7 @@ pub(super) fn four(words: [u64; 4], scale: f64) -> [f64; 4] {
 
 /// Two independent normals of standard deviation `scale`.
 #[inline(always)]
-pub(super) fn pair(radius: u64, angle: u64, scale: f64) -> [f64; 2] {
+pub(crate) fn pair(radius: u64, angle: u64, scale: f64) -> [f64; 2] {
     let r = scale * minus_two_ln(radius).sqrt();
     // the two top bits go; the bit set below them is the centre of a cell of width 4
     let x = ((angle << 2) | 2).cast_signed() as f64;

@@ -21,16 +21,15 @@
 //! # Ok::<(), sve_runtime::noise::NoiseError>(())
 //! ```
 
-mod box_muller;
+pub(crate) mod box_muller;
 mod error;
 mod from_rng;
 #[cfg(feature = "ensemble")]
-#[allow(dead_code)] // until the driver of ensembles calls it
 pub(crate) mod lanes;
 mod law;
 mod none;
 mod recorded;
-mod threefry;
+pub(crate) mod threefry;
 mod truncated;
 mod wiener;
 
