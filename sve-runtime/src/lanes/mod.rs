@@ -4,7 +4,6 @@
 //! the same bits in any lane, beside any neighbours, with vectors of any width.
 
 #[cfg(feature = "ensemble")]
-#[allow(dead_code)] // until the driver of ensembles calls it
 pub(crate) mod dispatch;
 pub(crate) mod elementary;
 pub(crate) mod newton;
