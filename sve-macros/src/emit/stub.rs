@@ -58,7 +58,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
     };
     let m = if is_generic { one() } else { processes(block) };
     let fail = quote!(::core::unreachable!("the macro reported an error"));
-    let operations = quote!(#private::Operations { arithmetic: 0, transcendental: 0 });
+    let operations = quote!(#private::Operations { arithmetic: 0, transcendental: 0, turns: 0 });
     let plan = quote! {
         #private::Plan {
             system: "",
