@@ -8,7 +8,7 @@ use super::failure::{Cause, Failure};
 use super::increments::{Increments, STRETCH};
 use super::run::Run;
 use super::start::{Start, StartRng};
-use super::{BLOCK_PATHS, BLOCK_TILES};
+use super::{BLOCK_PATHS, BLOCK_TILES, EnsembleError};
 use crate::error::StepError;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::lanes::{ALL, LANES, Lane, Mask, StateLanes};
@@ -17,8 +17,8 @@ use crate::state::State;
 use crate::system::{Dims, System};
 
 /// The paths of a block.
-pub(super) struct Flight<'r, 'a, I: Method, const N: usize, const M: usize> {
-    pub(super) run: &'r Run<'a, I>,
+pub(super) struct Flight<'a, I: Method, const N: usize, const M: usize> {
+    pub(super) run: Run<'a, I>,
     prepared: I::Prepared,
     increments: Increments<M>,
     pub(super) first_path: u64,
@@ -38,21 +38,25 @@ pub(super) struct Tile<const N: usize> {
     left: Mask,
 }
 
-impl<'r, 'a, I, S, const N: usize, const M: usize> Flight<'r, 'a, I, N, M>
+impl<'a, I, S, const N: usize, const M: usize> Flight<'a, I, N, M>
 where
     I: Method<System = S>,
     S: System<Dims = Dims<N, M>>,
 {
     /// The paths of a block at their start; of one path alone, where one is given.
     pub(super) fn new(
-        run: &'r Run<'a, I>,
+        run: Run<'a, I>,
         block: u64,
         only: Option<u64>,
-    ) -> Result<Self, StepError> {
+    ) -> Result<Self, EnsembleError> {
         let first_path = block * BLOCK_PATHS;
         let mut flight = Self {
             run,
-            prepared: run.ensemble.method.prepare(run.h)?,
+            prepared: run
+                .ensemble
+                .method
+                .prepare(run.h)
+                .map_err(EnsembleError::Prepare)?,
             increments: run.increments(first_path),
             first_path,
             step: 0,
