@@ -10,11 +10,16 @@ use crate::lanes::{LANES, Lane, Mask};
 
 /// An observable over all recorded times.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Column {
+    #[cfg_attr(feature = "serde", serde(with = "crate::floats::many"))]
     pub(super) mean: Vec<f64>,
     /// Sums of squared deviations from the mean.
+    #[cfg_attr(feature = "serde", serde(with = "crate::floats::many"))]
     pub(super) squares: Vec<f64>,
+    #[cfg_attr(feature = "serde", serde(with = "crate::floats::many"))]
     pub(super) min: Vec<f64>,
+    #[cfg_attr(feature = "serde", serde(with = "crate::floats::many"))]
     pub(super) max: Vec<f64>,
 }
 
