@@ -1,5 +1,7 @@
 //! The functions against values of many digits (`tests/data/elementary`), their symmetries, ranges, exact values and bits.
 
+use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
 use super::*;
 
 /// Arguments, value, and what is missing to it in units of the last place.
@@ -102,8 +104,10 @@ accurate! {
     powers: powf(x, y), 1.3;
 }
 
+type Real = fn(f64) -> f64;
+
 /// The functions of one argument, and their parity: 1 if `f(−x) = f(x)`, −1 if `f(−x) = −f(x)`.
-const ALL: [(&str, fn(f64) -> f64, i8); 20] = [
+const ALL: [(&str, Real, i8); 20] = [
     ("sin", sin, -1),
     ("cos", cos, 1),
     ("tan", tan, -1),
@@ -214,7 +218,7 @@ fn a_result_is_right_or_not_a_number() {
 #[test]
 fn ranges_end_where_they_are_said_to() {
     let up = f64::next_up;
-    let ends: [(fn(f64) -> f64, f64, f64); 18] = [
+    let ends: [(Real, f64, f64); 18] = [
         (sin, 131_072.0, up(131_072.0)),
         (cos, -131_072.0, -up(131_072.0)),
         (exp, 708.0, up(708.0)),
@@ -310,7 +314,6 @@ fn zeros_ones_and_tiny_numbers_are_exact() {
     }
     assert_eq!((atan2(0.0, 1.0).to_bits(), atan2(-0.0, 1.0)), (0, 0.0));
     assert!(atan2(-0.0, 1.0).is_sign_negative());
-    use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
     assert_eq!((atan2(0.0, -1.0), atan2(-0.0, -1.0)), (PI, -PI));
     assert_eq!(
         (atan2(2.0, 0.0), atan2(-2.0, -0.0)),
@@ -353,7 +356,12 @@ fn an_angle_is_turned() {
     }
     // three roundings of numbers up to 1, and two of the comparison
     assert!(worst <= 3.0 * f64::EPSILON, "{worst:e}");
-    for by in [0.785_4, -0.785_4, f64::INFINITY, f64::NAN] {
+    for by in [
+        FRAC_PI_4.next_up(),
+        -FRAC_PI_4.next_up(),
+        f64::INFINITY,
+        f64::NAN,
+    ] {
         let (s, c) = turn(0.6, 0.8, by);
         assert!(s.is_nan() && c.is_nan());
     }
