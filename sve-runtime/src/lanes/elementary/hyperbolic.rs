@@ -26,10 +26,7 @@ pub fn tanh(x: f64) -> f64 {
     // 1 beyond
     let size = select(size > 25.0, 25.0, size);
     let e = exp_m1(2.0 * size);
-    // e/(e + 2) = 1 − 2/(e + 2), which for large results is more exact
-    let large = size > 0.55;
-    let quotient = select(large, 2.0, e) / (e + 2.0);
-    select(large, 1.0 - quotient, quotient).copysign(x)
+    (e / (e + 2.0)).copysign(x)
 }
 
 /// The inverse of the hyperbolic sine, to two units in the last place, for `|x| ≤ 10¹⁵⁰`; NaN beyond.

@@ -81,7 +81,7 @@ pub fn power_log(x: f64, y: f64, n: i32) -> f64 {
     result
 }
 
-/// The cube root, to one unit in the last place, of a normal and finite number; NaN else.
+/// The cube root, to 0.7 units in the last place, of a normal and finite number; NaN else.
 ///
 /// A guess from the exponent, to 5 bits; a polynomial, to 23; one step of Newton's method (FreeBSD, `s_cbrt.c`).
 #[inline(always)]

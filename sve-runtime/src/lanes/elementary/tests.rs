@@ -98,7 +98,7 @@ accurate! {
     arcs_of_sine: asin(x), 2.0;
     arcs_of_cosine: acos(x), 2.0;
     arcs_of_tangent: atan(x), 2.0;
-    cube_roots: cbrt(x), 1.0;
+    cube_roots: cbrt(x), 0.7;
     angles: atan2(x, y), 2.0;
     lengths: hypot(x, y), 1.3;
     powers: powf(x, y), 1.3;
