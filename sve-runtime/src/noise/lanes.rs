@@ -3,7 +3,9 @@
 //! Input: a block of four steps, the paths and processes. Output: their increments, in lanes of consecutive paths.
 //! Invariant: each has the bits that [`law::increments`](super::law::increments) gives for that path.
 
-use super::law::{Law, Normal, increments};
+use core::marker::PhantomData;
+
+use super::law::{Law, Normal, ThreePoints, words};
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::lanes::{LANES, Lane};
 
@@ -12,12 +14,15 @@ use crate::lanes::{LANES, Lane};
 pub(crate) enum Increments {
     /// Normal, those of [`Wiener`](super::Wiener).
     Normal,
+    /// Those of [`ThreePoint`](super::ThreePoint).
+    ThreePoint,
 }
 
 /// The increments of `processes` processes over the four steps 4 `block` … 4 `block` + 3, each of standard deviation `scale` = √h.
 ///
 /// Path `first_path` + [`LANES`] `tile` + `lane` (modulo 2⁶⁴) and process `p` (from 0) are in
-/// `out[tile * processes + p][step % 4][lane]`; there are as many tiles as `out` has room for.
+/// `out[tile * processes + p][step % 4][lane]`; there are as many tiles as `out` has room for. Many tiles a call save the cost of
+/// the call, which is that of some ten increments; what is filled should stay in the first cache.
 #[inline(never)]
 pub(crate) fn fill(
     increments: Increments,
@@ -35,40 +40,52 @@ pub(crate) fn fill(
         scale,
         processes,
         out,
-        law: Normal,
     };
-    match increments {
-        Increments::Normal => dispatch(fill),
+    // x86-64 converts words in vectors since AVX-512
+    #[cfg(target_arch = "x86_64")]
+    let direct = std::arch::is_x86_feature_detected!("avx512dq");
+    #[cfg(not(target_arch = "x86_64"))]
+    let direct = true;
+    match (increments, direct) {
+        (Increments::Normal, true) => dispatch(OfLaw::<Normal, true>(fill, PhantomData)),
+        (Increments::Normal, false) => dispatch(OfLaw::<Normal, false>(fill, PhantomData)),
+        (Increments::ThreePoint, _) => dispatch(OfLaw::<ThreePoints, true>(fill, PhantomData)),
     }
 }
 
-struct Fill<'a, L> {
+struct Fill<'a> {
     seed: u64,
     first_path: u64,
     block: u64,
     scale: f64,
     processes: usize,
     out: &'a mut [[Lane; 4]],
-    #[allow(dead_code)]
-    law: L,
 }
 
-impl<L: Law> Kernel for Fill<'_, L> {
+struct OfLaw<'a, L, const DIRECT: bool>(Fill<'a>, PhantomData<L>);
+
+impl<L: Law, const DIRECT: bool> Kernel for OfLaw<'_, L, DIRECT> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        if self.processes == 0 {
-            return;
-        }
-        for (tile, rows) in self.out.chunks_exact_mut(self.processes).enumerate() {
-            let first = self.first_path.wrapping_add((tile * LANES) as u64);
-            for (process, [a, b, c, d]) in rows.iter_mut().enumerate() {
-                for lane in 0..LANES {
-                    let path = first.wrapping_add(lane as u64);
-                    [a[lane], b[lane], c[lane], d[lane]] =
-                        increments::<L>(self.seed, path, self.block, process as u64, self.scale);
-                }
+        let Fill {
+            seed,
+            first_path,
+            block,
+            scale,
+            processes,
+            out,
+        } = self.0;
+        let (mut first, mut process) = (first_path, 0);
+        for row in out {
+            let of_lane =
+                |lane| words::<L>(seed, first.wrapping_add(lane as u64), block, process as u64);
+            L::row::<DIRECT>(of_lane, scale, row);
+            process += 1;
+            if process == processes {
+                process = 0;
+                first = first.wrapping_add(LANES as u64);
             }
         }
     }
