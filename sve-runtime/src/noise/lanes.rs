@@ -15,6 +15,7 @@ pub(crate) enum Increments {
     /// Normal, those of [`Wiener`](super::Wiener).
     Normal,
     /// Those of [`ThreePoint`](super::ThreePoint).
+    #[cfg_attr(not(test), allow(dead_code))] // until the driver of ensembles offers it
     ThreePoint,
 }
 
@@ -93,37 +94,103 @@ impl<L: Law, const DIRECT: bool> Kernel for OfLaw<'_, L, DIRECT> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Increments, LANES, fill};
-    use crate::noise::Wiener;
+    use core::marker::PhantomData;
+
+    use super::{Fill, Increments, LANES, Lane, OfLaw, fill};
+    use crate::lanes::dispatch::{Kernel, versions};
+    use crate::noise::law::{Law, Normal, ThreePoints};
+    use crate::noise::{ThreePoint, Wiener};
+
+    /// First path, block, processes, tiles.
+    const CASES: [(u64, u64, usize, usize); 4] = [
+        (0, 0, 1, 1),
+        (u64::MAX - 20, 5, 2, 3),
+        (123_456, u64::MAX / 4, 3, 2),
+        (1 << 40, 1 << 30, 1, 40),
+    ];
 
     #[test]
     fn the_bits_of_single_paths() {
         let (seed, h) = (7, 0.037_f64);
-        for (first, block, processes, tiles) in [
-            (0, 0, 1, 1),
-            (u64::MAX - 20, 5, 2, 3),
-            (123_456, u64::MAX / 4, 3, 2),
-        ] {
-            let mut out = vec![[[f64::NAN; LANES]; 4]; processes * tiles];
-            fill(
-                Increments::Normal,
-                seed,
-                first,
-                block,
-                h.sqrt(),
-                processes,
-                &mut out,
-            );
-            for (row, steps) in out.iter().enumerate() {
-                for (step, lanes) in steps.iter().enumerate() {
-                    for (lane, dw) in lanes.iter().enumerate() {
-                        let path = first.wrapping_add((row / processes * LANES + lane) as u64);
-                        let single = Wiener::new(seed).path(path);
-                        let step = 4 * block + step as u64;
-                        assert_eq!(*dw, single.increment(step, row % processes, h));
+        let normal = |path, step, process| Wiener::new(seed).path(path).increment(step, process, h);
+        let three =
+            |path, step, process| ThreePoint::new(seed).path(path).increment(step, process, h);
+        let laws: [(Increments, &dyn Fn(u64, u64, usize) -> f64); 2] = [
+            (Increments::Normal, &normal),
+            (Increments::ThreePoint, &three),
+        ];
+        for (law, single) in laws {
+            for (first, block, processes, tiles) in CASES {
+                let mut out = vec![[[f64::NAN; LANES]; 4]; processes * tiles];
+                fill(law, seed, first, block, h.sqrt(), processes, &mut out);
+                for (row, steps) in out.iter().enumerate() {
+                    for (step, lanes) in steps.iter().enumerate() {
+                        for (lane, dw) in lanes.iter().enumerate() {
+                            let path = first.wrapping_add((row / processes * LANES + lane) as u64);
+                            let expected = single(path, 4 * block + step as u64, row % processes);
+                            assert_eq!(
+                                dw.to_bits(),
+                                expected.to_bits(),
+                                "{law:?} {row} {step} {lane}"
+                            );
+                        }
                     }
                 }
             }
         }
+    }
+
+    /// A fill with memory of its own.
+    #[derive(Clone)]
+    struct Filled<L, const DIRECT: bool> {
+        case: (u64, u64, usize, usize),
+        law: PhantomData<L>,
+    }
+
+    impl<L: Law, const DIRECT: bool> Kernel for Filled<L, DIRECT> {
+        type Output = Vec<[Lane; 4]>;
+
+        #[inline(always)]
+        fn run(self) -> Self::Output {
+            let (first_path, block, processes, tiles) = self.case;
+            let mut out = vec![[[f64::NAN; LANES]; 4]; processes * tiles];
+            let fill = Fill {
+                seed: 11,
+                first_path,
+                block,
+                scale: 0.3,
+                processes,
+                out: &mut out,
+            };
+            OfLaw::<L, DIRECT>(fill, PhantomData).run();
+            out
+        }
+    }
+
+    fn assert_versions_agree<L: Law>() {
+        for case in CASES {
+            let law = PhantomData::<L>;
+            let mut all = versions(&Filled::<L, true> { case, law });
+            all.extend(versions(&Filled::<L, false> { case, law }));
+            let bits = |out: &Vec<[Lane; 4]>| {
+                let numbers = out.as_flattened().as_flattened();
+                numbers.iter().map(|z| z.to_bits()).collect::<Vec<_>>()
+            };
+            for version in &all {
+                assert_eq!(bits(version), bits(&all[0]));
+            }
+        }
+    }
+
+    #[test]
+    fn every_width_gives_the_same_bits() {
+        assert_versions_agree::<Normal>();
+        assert_versions_agree::<ThreePoints>();
+    }
+
+    #[test]
+    fn what_does_not_fill_is_fine() {
+        fill(Increments::Normal, 1, 0, 0, 1.0, 0, &mut []);
+        fill(Increments::ThreePoint, 1, 0, 0, 1.0, 3, &mut []);
     }
 }

@@ -24,18 +24,17 @@
 //! ```
 
 mod blocks;
-mod box_muller;
+pub(crate) mod box_muller;
 mod bridge;
 mod error;
 mod from_rng;
 #[cfg(feature = "ensemble")]
-#[allow(dead_code)] // until the driver of ensembles calls it
 pub(crate) mod lanes;
 mod law;
 mod none;
 mod recorded;
 mod three_point;
-mod threefry;
+pub(crate) mod threefry;
 mod truncated;
 mod wiener;
 

@@ -20,7 +20,7 @@ const PARITY: u64 = 0x1bd1_1bda_a9fc_1a22;
 
 /// The random block of a counter under a key.
 #[inline(always)]
-pub(super) fn block(counter: [u64; 4], key: [u64; 4]) -> [u64; 4] {
+pub(crate) fn block(counter: [u64; 4], key: [u64; 4]) -> [u64; 4] {
     let [k0, k1, k2, k3] = key;
     let schedule = [k0, k1, k2, k3, PARITY ^ k0 ^ k1 ^ k2 ^ k3];
     // written out: as a loop over rounds it is not unrolled, and takes three times as long
