@@ -15,7 +15,6 @@ pub(crate) enum Increments {
     /// Normal, those of [`Wiener`](super::Wiener).
     Normal,
     /// Those of [`ThreePoint`](super::ThreePoint).
-    #[cfg_attr(not(test), allow(dead_code))] // until the driver of ensembles offers it
     ThreePoint,
 }
 
@@ -101,6 +100,9 @@ mod tests {
     use crate::noise::law::{Law, Normal, ThreePoints};
     use crate::noise::{ThreePoint, Wiener};
 
+    /// The increment of a path, step and process.
+    type Single<'a> = &'a dyn Fn(u64, u64, usize) -> f64;
+
     /// First path, block, processes, tiles.
     const CASES: [(u64, u64, usize, usize); 4] = [
         (0, 0, 1, 1),
@@ -115,7 +117,7 @@ mod tests {
         let normal = |path, step, process| Wiener::new(seed).path(path).increment(step, process, h);
         let three =
             |path, step, process| ThreePoint::new(seed).path(path).increment(step, process, h);
-        let laws: [(Increments, &dyn Fn(u64, u64, usize) -> f64); 2] = [
+        let laws: [(Increments, Single<'_>); 2] = [
             (Increments::Normal, &normal),
             (Increments::ThreePoint, &three),
         ];
