@@ -244,6 +244,13 @@ pub mod prelude {
 #[doc(hidden)]
 pub mod __private {
     pub use crate::banded::Banded;
+    /// What steps in lanes call.
+    pub mod lane {
+        pub use crate::lanes::elementary::*;
+        pub use crate::lanes::newton::Course;
+        pub use crate::lanes::solve::solve;
+        pub use crate::lanes::{LANES, Lane, Mask, StateLanes, is_left, rows};
+    }
     pub use crate::linear::solve;
     pub use crate::newton::{Evaluation, Newton, SolveError, spread};
     pub use crate::plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};

@@ -40,6 +40,7 @@ where
         let ensemble = self.ensemble;
         let (law, exponent) = match ensemble.law {
             Law::Drawn(Source::Normal) => (0, 0.0),
+            Law::Drawn(Source::ThreePoint) => (3, 0.0),
             Law::Truncated { exponent } => (1, exponent),
             Law::None => (2, 0.0),
         };

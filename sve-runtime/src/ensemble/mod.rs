@@ -199,6 +199,13 @@ where
         self
     }
 
+    /// Draws increments of three values, those of [`ThreePoint`](crate::noise::ThreePoint): for means, not for paths.
+    #[must_use]
+    pub fn three_point(mut self) -> Self {
+        self.law = Law::Drawn(Source::ThreePoint);
+        self
+    }
+
     /// Makes all increments zero.
     #[must_use]
     pub fn no_noise(mut self) -> Self {
