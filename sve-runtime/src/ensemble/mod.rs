@@ -4,7 +4,7 @@
 //! Invariant: all results are functions of the settings, with the same bits for any number of threads, and for the merge of
 //! shards as for the whole run.
 //!
-//! A run cuts its paths into blocks of [`BLOCK_PATHS`], each of four tiles of [`LANES`](crate::LANES) lanes. The blocks are the unit of
+//! A run cuts its paths into blocks of [`BLOCK_PATHS`], each of a few tiles of [`LANES`](crate::LANES) lanes. The blocks are the unit of
 //! work, and their results are merged pairwise in a fixed tree.
 
 #[cfg(feature = "checkpoint")]
@@ -55,12 +55,14 @@ use crate::noise::lanes::Increments as Source;
 use crate::state::State;
 use crate::system::{Dims, StateOf, System};
 
-/// Tiles of lanes in a block.
-const BLOCK_TILES: usize = 4;
-
 /// Paths of a block, which one thread runs and whose statistics are merged with those of other blocks in a fixed order.
-/// Part of the contract: another number would change the last bits of statistics.
-pub const BLOCK_PATHS: u64 = (BLOCK_TILES * LANES) as u64;
+/// Part of the contract: another number would change the last bits of statistics. Few enough that a thousand paths keep several threads busy.
+pub const BLOCK_PATHS: u64 = 64;
+
+/// Tiles of lanes in a block.
+const BLOCK_TILES: usize = BLOCK_PATHS as usize / LANES;
+
+const _: () = assert!(BLOCK_TILES * LANES == BLOCK_PATHS as usize);
 
 /// Many paths of one method, and what is to be known of them.
 ///
