@@ -272,3 +272,34 @@ fn end_the_run_where_that_is_wanted() {
         .stop_on_failure(true);
     assert_eq!(fine.run().unwrap().failed(), 0);
 }
+
+#[test]
+fn that_end_a_run_are_the_lowest_even_if_a_later_one_is_first() {
+    use std::sync::atomic::{AtomicBool, Ordering};
+    let method = spring();
+    let begun = AtomicBool::new(false);
+    let ensemble = ensemble(&method)
+        .start_with(|path, _| {
+            match path {
+                // another thread has the block of path 130; let it fail meanwhile
+                70 => {
+                    for _ in 0..100 {
+                        std::thread::sleep(std::time::Duration::from_millis(5));
+                        if begun.load(Ordering::Relaxed) {
+                            break;
+                        }
+                    }
+                    std::thread::sleep(std::time::Duration::from_millis(50));
+                }
+                130 => begun.store(true, Ordering::Relaxed),
+                _ => return State::new([0.1], [0.0]),
+            }
+            State::new([f64::NAN], [0.0])
+        })
+        .stop_on_failure(true)
+        .threads(2);
+    match ensemble.run() {
+        Err(EnsembleError::Failed(failure)) => assert_eq!(failure.path, 70),
+        other => panic!("{other:?}"),
+    }
+}
