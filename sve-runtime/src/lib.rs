@@ -256,6 +256,6 @@ pub mod __private {
 }
 
 /// The examples of the readme, as tests.
-#[cfg(doctest)]
+#[cfg(all(doctest, feature = "ensemble"))]
 #[doc = include_str!("../../README.md")]
 struct Readme;
