@@ -2,7 +2,7 @@
 //! chance alone would exceed one of the few hundred bounds here for one choice of seeds in several thousand.
 
 use rand::{SeedableRng, rngs::StdRng};
-use sve_runtime::noise::{FromRng, Noise, Truncated, Wiener};
+use sve_runtime::noise::{FromRng, Noise, ThreePoint, Truncated, Wiener};
 
 const BOUND: f64 = 5.0;
 
