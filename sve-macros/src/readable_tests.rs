@@ -186,7 +186,9 @@ fn check_scope(stream: TokenStream, outer: &[String], count: &mut usize) {
             }
             TokenTree::Group(group) => check_scope(group.stream(), &names, count),
             TokenTree::Ident(word) if word == "let" => {
-                let bound = match trees.get(at + 1) {
+                let is_mut = |t: &TokenTree| matches!(t, TokenTree::Ident(word) if word == "mut");
+                let pattern = at + 1 + usize::from(trees.get(at + 1).is_some_and(is_mut));
+                let bound = match trees.get(pattern) {
                     Some(TokenTree::Ident(name)) => vec![name.to_string()],
                     Some(TokenTree::Group(pair)) if pair.delimiter() == Delimiter::Parenthesis => {
                         let parts = pair.stream().into_iter();

@@ -65,10 +65,16 @@
 //!
 //! # Features
 //!
-//! There are none.
+//! None is on by default, and none changes a number.
+//!
+//! | feature | gives |
+//! | --- | --- |
+//! | `ensemble` | `Ensemble`: many paths, on all cores |
 
 mod banded;
 pub mod baseline;
+#[cfg(feature = "ensemble")]
+pub mod ensemble;
 mod error;
 mod integrator;
 mod lanes;
@@ -219,6 +225,8 @@ pub use trajectory::Trajectory;
 
 /// What a program that integrates a system imports: `use sve_runtime::prelude::*;`.
 pub mod prelude {
+    #[cfg(feature = "ensemble")]
+    pub use crate::ensemble::{Ensemble, EnsembleError, Failure, StartRng, Statistics, Summary};
     pub use crate::noise::{FromRng, NoNoise, Noise, NoiseError, Recorded, Truncated, Wiener};
     pub use crate::{
         Endpoint, InitialPoint, Integrator, Mechanics, Method, Midpoint, Newton, State, StepError,
@@ -230,6 +238,13 @@ pub mod prelude {
 #[doc(hidden)]
 pub mod __private {
     pub use crate::banded::Banded;
+    /// What steps in lanes call.
+    pub mod lane {
+        pub use crate::lanes::elementary::*;
+        pub use crate::lanes::newton::Course;
+        pub use crate::lanes::solve::solve;
+        pub use crate::lanes::{LANES, Lane, Mask, StateLanes, is_left, rows};
+    }
     pub use crate::linear::solve;
     pub use crate::newton::{Evaluation, Newton, SolveError, spread};
     pub use crate::plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};

@@ -42,6 +42,8 @@ pub trait Method {
 
     /// One step of each lane where the usual course serves; the lanes left as they are, which
     /// [`step_prepared`](Self::step_prepared) has to step, or to say why not. Without an own form, all of them.
+    ///
+    /// Times are left alone in every lane: they are the same function of the number of steps for all, and the caller's.
     #[inline(always)]
     fn step_lanes(
         &self,

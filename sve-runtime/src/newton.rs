@@ -67,13 +67,13 @@ pub enum SolveError {
 
 /// Below the square root of rounding an exact Newton step squares the residual; one that does not even halve it
 /// there is moving within rounding errors of the residual itself.
-const QUADRATIC: f64 = 1.5e-8;
+pub(crate) const QUADRATIC: f64 = 1.5e-8;
 
 /// Relative change of an update by the curvature up to which the change is made.
-const BENT: f64 = 0.25;
+pub(crate) const BENT: f64 = 0.25;
 
 /// Relative residual under which two successive ones measure the constant of quadratic convergence.
-const NEAR: f64 = 0.1;
+pub(crate) const NEAR: f64 = 0.1;
 
 /// Relative change of an unknown that is its own rounding: two numbers next to each other differ by up to one unit, and
 /// an iteration that has arrived jumps between neighbours.

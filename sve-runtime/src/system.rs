@@ -226,7 +226,7 @@ pub trait Variational<R>: System {
         newton: &Newton,
     ) -> Result<StepOf<Self, R>, SolveError>;
     /// One step of each lane where its equations are solved in the usual course; the lanes whose states were left as they are,
-    /// for [`increment`](Self::increment) to step or to say why not.
+    /// for [`increment`](Self::increment) to step or to say why not. Times are left alone everywhere.
     #[inline(always)]
     fn increment_lanes(
         &self,

@@ -35,9 +35,9 @@ fn turn_far(sin: f64, cos: f64, by: f64) -> (f64, f64) {
 }
 
 /// `(sin x − x)/x³` of `x²`.
-#[inline]
+#[inline(always)]
 #[allow(clippy::excessive_precision)] // as their authors print them
-fn sine(x2: f64) -> f64 {
+pub(crate) fn sine(x2: f64) -> f64 {
     const S: [f64; 6] = [
         -1.666_666_666_666_663_243_48e-01,
         8.333_333_333_322_489_461_24e-03,
@@ -51,9 +51,9 @@ fn sine(x2: f64) -> f64 {
 }
 
 /// `(cos x − 1 + x²/2)/x⁴` of `x²`.
-#[inline]
+#[inline(always)]
 #[allow(clippy::excessive_precision)] // as above
-fn cosine(x2: f64) -> f64 {
+pub(crate) fn cosine(x2: f64) -> f64 {
     const C: [f64; 6] = [
         4.166_666_666_666_660_190_37e-02,
         -1.388_888_888_887_410_957_49e-03,

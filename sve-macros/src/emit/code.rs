@@ -25,6 +25,8 @@ pub(super) struct Printer<'a> {
     names: Names,
     /// Values that the step reads from what `prepare` returned, with their place there.
     prepared: HashMap<Value, usize>,
+    /// Whether it prints a loop over lanes.
+    lanes: bool,
 }
 
 impl<'a> Printer<'a> {
@@ -40,6 +42,20 @@ impl<'a> Printer<'a> {
             private: private.clone(),
             names: Names::new(program, symbols, labels),
             prepared: HashMap::new(),
+            lanes: false,
+        }
+    }
+
+    /// A printer of loops over lanes.
+    pub(super) fn of_lanes(
+        program: &'a Program,
+        symbols: &'a Symbols,
+        labels: &Labels,
+        private: &TokenStream,
+    ) -> Self {
+        Self {
+            lanes: true,
+            ..Self::new(program, symbols, labels, private)
         }
     }
 
@@ -158,7 +174,7 @@ impl<'a> Printer<'a> {
             Operation::Constant(_) | Operation::SinOf(_) | Operation::CosOf(_) => {
                 return TokenStream::new();
             }
-            Operation::Input(symbol) => match input(self.symbols.meaning(symbol)) {
+            Operation::Input(symbol) => match input(self.symbols.meaning(symbol), self.lanes) {
                 // a field of another type is then one error, at the field
                 Some(access) => {
                     let name = self.name(value);
@@ -182,16 +198,23 @@ impl<'a> Printer<'a> {
                 let a = of(a);
                 quote!(1f64 / #a)
             }
+            Operation::Call(function, a) if self.lanes => {
+                call_in_lane(function, &of(a), &self.private)
+            }
             Operation::Call(function, a) => call(function, &of(a)),
             Operation::Call2(function, a, b) => call2(function, &of(a), &of(b), &self.private),
             Operation::Turn(sin, cos, by) => {
                 let [sin_name, cos_name] = self.names.pair(value);
                 let (sin, cos, by, private) = (of(sin), of(cos), of(by), &self.private);
-                return quote!(let (#sin_name, #cos_name) = #private::turn(#sin, #cos, #by););
+                let module = self.lanes.then(|| quote!(lane::));
+                return quote!(let (#sin_name, #cos_name) = #private::#module turn(#sin, #cos, #by););
             }
             Operation::SinCos(a) => {
                 let [sin, cos] = self.names.pair(value);
-                let a = of(a);
+                let (a, private) = (of(a), &self.private);
+                if self.lanes {
+                    return quote!(let (#sin, #cos) = #private::lane::sin_cos(#a););
+                }
                 return quote!(let (#sin, #cos) = f64::sin_cos(#a););
             }
         };
@@ -225,18 +248,26 @@ pub(super) fn constant(value: f64) -> TokenStream {
 }
 
 /// How an input is read; nothing where it is bound otherwise.
-fn input(meaning: &Meaning) -> Option<TokenStream> {
+fn input(meaning: &Meaning, lanes: bool) -> Option<TokenStream> {
     let entry = |vector: TokenStream, i: usize| {
         let i = Literal::usize_unsuffixed(i);
         Some(quote!(#vector[#i]))
     };
+    let of_lane = |vector: TokenStream, i: usize| {
+        let i = Literal::usize_unsuffixed(i);
+        Some(quote!(#vector[#i][lane]))
+    };
     match *meaning {
         Meaning::Parameter { ref access, .. } => Some(access.clone()),
+        Meaning::Time if lanes => Some(quote!(states.t[lane])),
         Meaning::Time => Some(quote!(time)),
         Meaning::StepSize | Meaning::Unknown(_) => None,
         Meaning::Position(i) => entry(quote!(q), i),
         Meaning::Velocity(i) => entry(quote!(v), i),
         Meaning::Momentum(i) => entry(quote!(p), i),
+        Meaning::Start(Quantity::Position, i) if lanes => of_lane(quote!(states.q), i),
+        Meaning::Start(Quantity::Momentum, i) if lanes => of_lane(quote!(states.p), i),
+        Meaning::Wiener(i) if lanes => of_lane(quote!(dw), i),
         Meaning::Start(Quantity::Position, i) => entry(quote!(state.q), i),
         Meaning::Start(Quantity::Momentum, i) => entry(quote!(state.p), i),
         Meaning::Wiener(i) => entry(quote!(dw), i),
@@ -250,6 +281,26 @@ pub(super) fn call(function: Function, x: &TokenStream) -> TokenStream {
     }
     let method = local(function.name());
     quote!(f64::#method(#x))
+}
+
+/// A call within a loop over lanes: of a function without branches where there is one.
+fn call_in_lane(function: Function, x: &TokenStream, private: &TokenStream) -> TokenStream {
+    match function {
+        Function::Exp
+        | Function::Exp2
+        | Function::ExpM1
+        | Function::Ln
+        | Function::Ln1p
+        | Function::Log2
+        | Function::Log10
+        | Function::Sin
+        | Function::Cos
+        | Function::Tan => {
+            let name = local(function.name());
+            quote!(#private::lane::#name(#x))
+        }
+        _ => call(function, x),
+    }
 }
 
 /// A call with two arguments.

@@ -1,6 +1,7 @@
 //! Plans and instructions → tokens. Infallible, and the only place that knows it prints Rust.
 
 mod code;
+mod lanes;
 mod linearise;
 mod mend;
 mod momenta;

@@ -13,7 +13,7 @@ use crate::schedule::{Operation, Program, Scheduler, Tier, Value};
 use crate::symbolic::{self, Arena, Expr, Function, Symbol};
 
 /// Variables of emitted code that are no values of the program.
-const DECLARED: [&str; 23] = [
+const DECLARED: [&str; 31] = [
     "q",
     "v",
     "p",
@@ -30,6 +30,14 @@ const DECLARED: [&str; 23] = [
     "value",
     "newton",
     "prepared",
+    "states",
+    "kept",
+    "lane",
+    "any",
+    "q1",
+    "p1",
+    "q_lane",
+    "p_lane",
     "guess",
     "refinement",
     "fallback",

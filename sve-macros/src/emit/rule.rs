@@ -4,6 +4,7 @@ use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::code::Printer;
+use super::lanes::lanes;
 use super::linearise::linearise;
 use super::plan::plan;
 use super::step::schedule;
@@ -61,6 +62,9 @@ pub(crate) fn rule(
     let returns_state = scheme.form == Form::State;
     let unknowns = Literal::usize_unsuffixed(linearisation.unknowns.len());
     let linearise = linearise(&private, model, linearisation, symbols, arena);
+    let lanes = cfg!(feature = "lanes")
+        .then(|| lanes(scheme, model.noises.len(), symbols, &private, arena))
+        .flatten();
     let StepTexts {
         action,
         step: equations,
@@ -101,6 +105,7 @@ pub(crate) fn rule(
             ) -> ::core::result::Result<([f64; #n], [f64; #n], [f64; #unknowns]), #private::SolveError> {
                 #body
             }
+            #lanes
             #linearise
         }
     }

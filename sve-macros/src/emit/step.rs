@@ -112,7 +112,7 @@ pub(super) fn schedule(
 }
 
 /// The unknowns that have formulas, which bear their names.
-fn formulas(blocks: &[Block], symbols: &Symbols) -> Vec<(Expr, String)> {
+pub(super) fn formulas(blocks: &[Block], symbols: &Symbols) -> Vec<(Expr, String)> {
     let formula = |block: &Block| match block.solution {
         Solution::Formula(formula) => Some((formula, symbols.name(block.unknowns[0]))),
         _ => None,

@@ -4,14 +4,16 @@
 //! the same bits in any lane, beside any neighbours, with vectors of any width.
 
 #[cfg(feature = "ensemble")]
-#[allow(dead_code)] // until the driver of ensembles calls it
 pub(crate) mod dispatch;
+pub(crate) mod elementary;
+pub(crate) mod newton;
+pub(crate) mod solve;
 
 use crate::state::State;
 
-/// How many states are stepped at once: two registers of AVX-512, four of AVX2. The loops of a step over them are fused, so that
-/// two chains of operations are always in flight.
-pub const LANES: usize = 16;
+/// How many states are stepped at once: four registers of AVX-512, eight of AVX2. The loops of a step over them are fused, so
+/// that as many chains of operations are in flight.
+pub const LANES: usize = 32;
 
 /// A number of each lane.
 pub type Lane = [f64; LANES];
@@ -20,7 +22,7 @@ pub type Lane = [f64; LANES];
 pub type Mask = u32;
 
 /// All lanes.
-pub(crate) const ALL: Mask = (1 << LANES) - 1;
+pub(crate) const ALL: Mask = Mask::MAX >> (Mask::BITS as usize - LANES);
 
 /// [`LANES`] states, each component an array over the lanes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,4 +72,66 @@ impl<const N: usize> StateLanes<N> {
             self.p[i][lane] = state.p[i];
         }
     }
+
+    /// Replaces the states by those after a step, but for the lanes that are left ([`is_left`]); the set of these. Whether
+    /// there are any is known, which of them is seldom asked. Times stay.
+    ///
+    /// Whole vectors are stored where no lane is left: what is stored in part cannot be read back before it is in the cache.
+    #[inline(always)]
+    pub fn advance(
+        &mut self,
+        q: &[Lane; N],
+        p: &[Lane; N],
+        any: u64,
+        solved: impl Fn(usize) -> bool,
+    ) -> Mask {
+        if any == 0 {
+            (self.q, self.p) = (*q, *p);
+            return 0;
+        }
+        self.advance_some(q, p, solved)
+    }
+
+    #[cold]
+    fn advance_some(
+        &mut self,
+        q: &[Lane; N],
+        p: &[Lane; N],
+        solved: impl Fn(usize) -> bool,
+    ) -> Mask {
+        let mut mask = 0;
+        for lane in 0..LANES {
+            let [new_q, new_p] = [q, p].map(|rows| rows.map(|row| row[lane]));
+            if is_left(new_q, new_p, solved(lane)) != 0 {
+                mask |= 1 << lane;
+                continue;
+            }
+            for i in 0..N {
+                self.q[i][lane] = new_q[i];
+                self.p[i][lane] = new_p[i];
+            }
+        }
+        mask
+    }
+}
+
+/// 0 where the equations of a lane are `solved` and its new state is finite, otherwise 1.
+#[inline(always)]
+pub fn is_left<const N: usize>(q: [f64; N], p: [f64; N], solved: bool) -> u64 {
+    let mut sum = 0.0;
+    for i in 0..N {
+        sum += q[i] + p[i];
+    }
+    u64::from(!((sum.abs() < f64::INFINITY) & solved))
+}
+
+/// Numbers of each lane, on the boundaries of vectors: across two lines of the cache, loads and stores take twice as long.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub struct Aligned<T>(pub T);
+
+/// Numbers of each lane that one loop over the lanes hands to a later one.
+#[inline(always)]
+pub const fn rows<const K: usize>() -> Aligned<[Lane; K]> {
+    Aligned([[0.0; LANES]; K])
 }

@@ -28,7 +28,7 @@ use super::{Noise, NoiseError, box_muller};
 #[derive(Clone, Debug)]
 pub struct FromRng<R> {
     rng: R,
-    /// The second normal of the last pair.
+    /// The second normal of the last pair, of variance 1.
     spare: Option<f64>,
 }
 
@@ -43,7 +43,7 @@ impl<R: rand_core::Rng> FromRng<R> {
         if let Some(spare) = self.spare.take() {
             return spare;
         }
-        let [first, second] = box_muller::pair(self.rng.next_u64(), self.rng.next_u64());
+        let [first, second] = box_muller::pair(self.rng.next_u64(), self.rng.next_u64(), 1.0);
         self.spare = Some(second);
         first
     }

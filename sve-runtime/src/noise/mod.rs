@@ -21,12 +21,15 @@
 //! # Ok::<(), sve_runtime::noise::NoiseError>(())
 //! ```
 
-mod box_muller;
+pub(crate) mod box_muller;
 mod error;
 mod from_rng;
+#[cfg(feature = "ensemble")]
+pub(crate) mod lanes;
+mod law;
 mod none;
 mod recorded;
-mod threefry;
+pub(crate) mod threefry;
 mod truncated;
 mod wiener;
 

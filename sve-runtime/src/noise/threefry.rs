@@ -19,7 +19,7 @@ const ROTATIONS: [[[u32; 2]; 4]; 2] = [
 const PARITY: u64 = 0x1bd1_1bda_a9fc_1a22;
 
 /// The random block of a counter under a key.
-#[inline]
+#[inline(always)]
 pub(crate) fn block(counter: [u64; 4], key: [u64; 4]) -> [u64; 4] {
     let [k0, k1, k2, k3] = key;
     let schedule = [k0, k1, k2, k3, PARITY ^ k0 ^ k1 ^ k2 ^ k3];
@@ -36,7 +36,7 @@ pub(crate) fn block(counter: [u64; 4], key: [u64; 4]) -> [u64; 4] {
     x
 }
 
-#[inline]
+#[inline(always)]
 fn four_rounds(x: &mut [u64; 4], [r0, r1, r2, r3]: [[u32; 2]; 4]) {
     neighbours(x, r0);
     crossed(x, r1);
@@ -45,21 +45,21 @@ fn four_rounds(x: &mut [u64; 4], [r0, r1, r2, r3]: [[u32; 2]; 4]) {
 }
 
 /// A round of even number.
-#[inline]
+#[inline(always)]
 fn neighbours(x: &mut [u64; 4], [first, second]: [u32; 2]) {
     mix(x, 0, 1, first);
     mix(x, 2, 3, second);
 }
 
 /// A round of odd number.
-#[inline]
+#[inline(always)]
 fn crossed(x: &mut [u64; 4], [first, second]: [u32; 2]) {
     mix(x, 0, 3, first);
     mix(x, 2, 1, second);
 }
 
 /// Adds the `n`th round key: the schedule from word `n` on, and `n` itself to the last word.
-#[inline]
+#[inline(always)]
 fn add_key(x: &mut [u64; 4], schedule: &[u64; 5], n: usize) {
     for i in 0..4 {
         x[i] = x[i].wrapping_add(schedule[(n + i) % 5]);
@@ -67,7 +67,7 @@ fn add_key(x: &mut [u64; 4], schedule: &[u64; 5], n: usize) {
     x[3] = x[3].wrapping_add(n as u64);
 }
 
-#[inline]
+#[inline(always)]
 fn mix(x: &mut [u64; 4], a: usize, b: usize, rotation: u32) {
     x[a] = x[a].wrapping_add(x[b]);
     x[b] = x[b].rotate_left(rotation) ^ x[a];

@@ -8,13 +8,8 @@
 //! published result: it is part of the public contract, and the tests hold its values.
 
 use super::error::check_step;
-use super::{Noise, NoiseError, box_muller, threefry};
-
-/// Separates these draws from whatever else a seed may be used for.
-const DOMAIN: u64 = u64::from_le_bytes(*b"wiener  ");
-
-/// Steps that share a block.
-const STEPS: u64 = 4;
+use super::law::{self, Normal, place};
+use super::{Noise, NoiseError};
 
 /// Wiener paths from a seed: any step of any path, in any order, always the same.
 ///
@@ -82,31 +77,27 @@ impl Wiener {
     #[inline]
     pub fn increment(&self, step: u64, process: usize, h: f64) -> f64 {
         let (block, at) = place(step);
-        h.sqrt() * normals(self.key(), block, process)[at]
+        self.draw(block, process, h.sqrt())[at]
     }
 
-    fn key(&self) -> [u64; 4] {
-        [self.seed, self.path, DOMAIN, 0]
+    /// The increments of one process over the four steps of a block.
+    #[inline]
+    fn draw(&self, block: u64, process: usize, scale: f64) -> [f64; 4] {
+        law::increments::<Normal>(self.seed, self.path, block, process as u64, scale)
     }
 
     fn fill(&mut self, block: u64, processes: usize, h: f64) -> Result<(), NoiseError> {
         check_step(h)?;
-        let (key, scale) = (self.key(), h.sqrt());
+        let scale = h.sqrt();
         if self.increments.len() < processes {
             self.increments.resize(processes, [0.0; 4]);
         }
-        for (process, four) in self.increments.iter_mut().enumerate() {
-            *four = normals(key, block, process).map(|z| scale * z);
+        for process in 0..self.increments.len() {
+            self.increments[process] = self.draw(block, process, scale);
         }
         self.block = Some((block, h));
         Ok(())
     }
-}
-
-/// The normals of one process over four steps.
-#[inline]
-fn normals(key: [u64; 4], block: u64, process: usize) -> [f64; 4] {
-    box_muller::four(threefry::block([block, process as u64, 0, 0], key))
 }
 
 impl Noise for Wiener {
@@ -123,27 +114,22 @@ impl Noise for Wiener {
     }
 }
 
-/// The block of a step, and its place there.
-#[inline]
-fn place(step: u64) -> (u64, usize) {
-    (step / STEPS, (step % STEPS) as usize)
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{DOMAIN, Noise, Wiener};
+    use super::{Noise, Wiener};
+    use crate::noise::law::{Law, Normal};
     use crate::noise::{box_muller, threefry};
 
     #[test]
     fn layout() {
         let path = Wiener::new(11).path(22);
         for (step, process) in [(0, 0), (3, 1), (4, 0), (4_000_001, 7), (u64::MAX, 2)] {
-            let words = threefry::block([step / 4, process, 0, 0], [11, 22, DOMAIN, 0]);
-            let four = box_muller::four(words);
+            let words = threefry::block([step / 4, process, 0, 0], [11, 22, Normal::DOMAIN, 0]);
+            let four = box_muller::four(words, 1.0);
             let expected = 0.25_f64.sqrt() * four[(step % 4) as usize];
             assert_eq!(path.increment(step, process as usize, 0.25), expected);
         }
-        assert_eq!(DOMAIN.to_le_bytes(), *b"wiener  ");
+        assert_eq!(Normal::DOMAIN.to_le_bytes(), *b"wiener  ");
     }
 
     #[test]

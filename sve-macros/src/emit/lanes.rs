@@ -1,0 +1,543 @@
+//! The step of many states at once, a lane each: loops over the lanes that the compiler turns into vector instructions.
+//!
+//! Input: a scheme. Output: `increment_lanes`, or nothing for a system that is too large for it. Invariant: no
+//! branches within a loop; what leaves the usual course is marked, and stepped by `increment`.
+//!
+//! The code is cut into loops where an iteration begins and ends. A value that a later loop needs is stored in an array over
+//! the lanes, a row of `kept`.
+
+use std::collections::BTreeMap;
+
+use proc_macro2::{Ident, Literal, TokenStream};
+use quote::{format_ident, quote};
+
+use super::code::Printer;
+use super::names::Labels;
+use super::solve::names;
+use super::step::formulas;
+use crate::model::{Meaning, Symbols};
+use crate::schedule::{Operation, Program, Scheduler, Tier, Tiers, Value, operands};
+use crate::structure::{Block, Form, Iteration, Linear, Scheme, Solution};
+use crate::symbolic::{Arena, Expr, Symbol};
+
+/// Unknowns of a block up to which it is solved in lanes.
+const UNKNOWNS: usize = 6;
+
+/// Instructions up to which a step is written for lanes: beyond, its values fit neither registers nor the first cache.
+const INSTRUCTIONS: usize = 1500;
+
+/// Values kept between loops, likewise.
+const KEPT: usize = 96;
+
+/// `increment_lanes` of a scheme with so many noises.
+pub(super) fn lanes(
+    scheme: &Scheme,
+    noises: usize,
+    symbols: &Symbols,
+    private: &TokenStream,
+    arena: &Arena,
+) -> Option<TokenStream> {
+    if !scheme.blocks.iter().all(fits) {
+        return None;
+    }
+    let step = Step::new(scheme, symbols, arena);
+    if step.program.all().count() > INSTRUCTIONS {
+        return None;
+    }
+    let plan = Loops::new(scheme, &step);
+    if plan.rows.len() > KEPT {
+        return None;
+    }
+    let printer = Printer::of_lanes(&step.program, symbols, &step.labels, private);
+    let writer = Writer {
+        scheme,
+        step: &step,
+        loops: &plan,
+        printer: &printer,
+        symbols,
+        private,
+    };
+    let body = writer.body();
+    let [n, m] = [scheme.dq.len(), noises].map(Literal::usize_unsuffixed);
+    Some(quote! {
+        #[inline(always)]
+        fn increment_lanes(
+            &self,
+            _: &Self::Prepared,
+            states: &mut #private::lane::StateLanes<#n>,
+            h: f64,
+            dw: &[#private::lane::Lane; #m],
+            newton: &#private::Newton,
+        ) -> #private::lane::Mask {
+            #body
+        }
+    })
+}
+
+/// Whether a block is small and dense.
+fn fits(block: &Block) -> bool {
+    block.band.is_none() && block.unknowns.len() <= UNKNOWNS
+}
+
+/// A linear system with values for expressions.
+struct System {
+    matrix: Vec<Vec<Value>>,
+    rhs: Vec<Value>,
+}
+
+/// A block with values for expressions.
+enum Solve {
+    Formula,
+    System(System),
+    Iteration {
+        guess: System,
+        refinement: Option<Vec<Value>>,
+        residual: Vec<Value>,
+        magnitude: Vec<Value>,
+        jacobian: Vec<Vec<Value>>,
+        curvature: Option<Value>,
+    },
+}
+
+/// A step with values for expressions.
+struct Step {
+    solves: Vec<Solve>,
+    dq: Vec<Value>,
+    dp: Vec<Value>,
+    program: Program,
+    /// What the values are.
+    labels: Labels,
+}
+
+/// What the iteration starts from. That of a single unknown is worth a division, since a lane waits for the slowest of all:
+/// the linearly implicit step is second order in h, and two evaluations are enough mostly.
+fn start(iteration: &Iteration) -> &Linear {
+    if iteration.iterates.len() == 1 {
+        &iteration.fallback
+    } else {
+        &iteration.guess
+    }
+}
+
+impl Step {
+    fn new(scheme: &Scheme, symbols: &Symbols, arena: &Arena) -> Self {
+        let mut tiers = Tiers::new();
+        let mut all: Vec<Expr> = [scheme.dq.as_slice(), &scheme.dp].concat();
+        for (at, block) in scheme.blocks.iter().enumerate() {
+            match &block.solution {
+                Solution::Formula(_) => {}
+                Solution::System { linear, solved } => {
+                    tiers.extend(solved.iter().map(|&s| (s, Tier::Solved(at))));
+                    all.extend(linear.matrix.iter().flatten().chain(&linear.rhs));
+                }
+                Solution::Iteration(iteration) => {
+                    let start = start(iteration);
+                    if let Some(refinement) = &iteration.refinement {
+                        let first = &refinement.first;
+                        tiers.extend(first.iter().map(|&s| (s, Tier::Guess(at))));
+                        all.extend(&refinement.rhs);
+                    }
+                    let iterates = &iteration.iterates;
+                    tiers.extend(iterates.iter().map(|&s| (s, Tier::Iterate(at))));
+                    tiers.extend(iteration.solved.iter().map(|&s| (s, Tier::Solved(at))));
+                    let matrices = start.matrix.iter().chain(&iteration.jacobian).flatten();
+                    let vectors = start.rhs.iter().chain(&iteration.residual);
+                    all.extend(matrices.chain(vectors).chain(&iteration.curvature));
+                }
+            }
+        }
+        let mut scheduler = Scheduler::new(arena, symbols, tiers, &all);
+        let solves: Vec<Solve> = scheme
+            .blocks
+            .iter()
+            .map(|block| Solve::new(block, &mut scheduler))
+            .collect();
+        let (dq, dp) = (scheduler.values(&scheme.dq), scheduler.values(&scheme.dp));
+        let results: Vec<Value> = solves
+            .iter()
+            .flat_map(|s| [s.begin(), s.iterate()].concat())
+            .chain(dq.iter().chain(&dp).copied())
+            .collect();
+        let mut labels = Labels::default();
+        let formulas = formulas(&scheme.blocks, symbols);
+        labels.expressions(&scheduler, arena, symbols, &formulas, &all);
+        labels.vector("dq", 0, &dq);
+        labels.vector("dp", 0, &dp);
+        Self {
+            program: scheduler.finish(&results),
+            labels,
+            solves,
+            dq,
+            dp,
+        }
+    }
+}
+
+impl System {
+    fn new(linear: &Linear, scheduler: &mut Scheduler<'_>) -> Self {
+        let rows = linear.matrix.iter();
+        Self {
+            matrix: rows.map(|row| scheduler.values(row)).collect(),
+            rhs: scheduler.values(&linear.rhs),
+        }
+    }
+
+    fn values(&self) -> impl Iterator<Item = Value> + '_ {
+        self.matrix.iter().flatten().chain(&self.rhs).copied()
+    }
+
+    fn tokens(&self, private: &TokenStream, printer: &Printer<'_>, rhs: &[Value]) -> TokenStream {
+        let (matrix, rhs) = (printer.matrix(&self.matrix), printer.array(rhs));
+        quote!(#private::lane::solve(&#matrix, &#rhs))
+    }
+}
+
+impl Solve {
+    fn new(block: &Block, scheduler: &mut Scheduler<'_>) -> Self {
+        match &block.solution {
+            Solution::Formula(_) => Self::Formula,
+            Solution::System { linear, .. } => Self::System(System::new(linear, scheduler)),
+            Solution::Iteration(iteration) => {
+                let guess = System::new(start(iteration), scheduler);
+                let refinement = iteration.refinement.as_ref();
+                let refinement = refinement.map(|r| scheduler.values(&r.rhs));
+                let rows = iteration.jacobian.iter();
+                let jacobian = rows.map(|row| scheduler.values(row)).collect();
+                let residuals = iteration.residual.iter();
+                let (residual, magnitude) = residuals.map(|&r| scheduler.residual(r)).unzip();
+                Self::Iteration {
+                    guess,
+                    refinement,
+                    residual,
+                    magnitude,
+                    jacobian,
+                    curvature: iteration.curvature.map(|c| scheduler.value(c)),
+                }
+            }
+        }
+    }
+
+    /// Values that are used before an iteration, other than by instructions.
+    fn begin(&self) -> Vec<Value> {
+        match self {
+            Self::Formula => Vec::new(),
+            Self::System(system) => system.values().collect(),
+            Self::Iteration {
+                guess, refinement, ..
+            } => {
+                let refined = refinement.iter().flatten().copied();
+                guess.values().chain(refined).collect()
+            }
+        }
+    }
+
+    /// Values that are used in each iteration, other than by instructions.
+    fn iterate(&self) -> Vec<Value> {
+        match self {
+            Self::Formula | Self::System(_) => Vec::new(),
+            Self::Iteration {
+                residual,
+                magnitude,
+                jacobian,
+                curvature,
+                ..
+            } => {
+                let vectors = residual.iter().chain(magnitude);
+                let all = vectors.chain(jacobian.iter().flatten()).chain(curvature);
+                all.copied().collect()
+            }
+        }
+    }
+}
+
+/// Which loop computes and which one uses a value. The loops are numbered in order: 0 up to the first iteration, 1 the
+/// iteration, 2 from there to the next, …
+struct Loops {
+    /// The loop before or at which each block stands.
+    of_block: Vec<usize>,
+    /// For each loop, the values of earlier ones that it uses, in order.
+    uses: Vec<Vec<Value>>,
+    /// Their rows in `kept`; inputs are read again.
+    rows: BTreeMap<Value, usize>,
+}
+
+impl Loops {
+    fn new(scheme: &Scheme, step: &Step) -> Self {
+        let mut of_block = Vec::new();
+        let mut current = 0;
+        for block in &scheme.blocks {
+            of_block.push(current);
+            if matches!(block.solution, Solution::Iteration(_)) {
+                current += 2;
+            }
+        }
+        let mut loops = Self {
+            of_block,
+            uses: vec![Vec::new(); current + 1],
+            rows: BTreeMap::new(),
+        };
+        for (_, instruction) in step.program.all() {
+            let user = loops.of_tier(instruction.tier, scheme);
+            for operand in operands(instruction.operation) {
+                loops.note(operand, user, scheme, step);
+            }
+        }
+        for (at, solve) in step.solves.iter().enumerate() {
+            let begin = loops.of_block[at];
+            for value in solve.begin() {
+                loops.note(value, Some(begin), scheme, step);
+            }
+            for value in solve.iterate() {
+                loops.note(value, Some(begin + 1), scheme, step);
+            }
+        }
+        for &value in step.dq.iter().chain(&step.dp) {
+            loops.note(value, Some(current), scheme, step);
+        }
+        for uses in &mut loops.uses {
+            uses.sort_unstable();
+            uses.dedup();
+        }
+        loops
+    }
+
+    /// The loop in which values of a tier are computed; none where they are before all lanes.
+    fn of_tier(&self, tier: Tier, scheme: &Scheme) -> Option<usize> {
+        let iterates = |at: usize| matches!(scheme.blocks[at].solution, Solution::Iteration(_));
+        let after = |at: usize| if iterates(at) { 2 } else { 0 };
+        match tier {
+            Tier::Prepare => None,
+            Tier::Noise | Tier::State => Some(0),
+            Tier::Guess(at) => Some(self.of_block[at]),
+            Tier::Iterate(at) => Some(self.of_block[at] + 1),
+            Tier::Solved(at) => Some(self.of_block[at] + after(at)),
+        }
+    }
+
+    /// Notes that a loop uses a value.
+    fn note(&mut self, value: Value, user: Option<usize>, scheme: &Scheme, step: &Step) {
+        let instruction = step.program.get(value);
+        let (Some(user), Some(computed)) = (user, self.of_tier(instruction.tier, scheme)) else {
+            return;
+        };
+        if user == computed || matches!(instruction.operation, Operation::Constant(_)) {
+            return;
+        }
+        self.uses[user].push(value);
+        let next = self.rows.len();
+        self.rows.entry(value).or_insert(next);
+    }
+}
+
+/// Writes the loops.
+struct Writer<'a> {
+    scheme: &'a Scheme,
+    step: &'a Step,
+    loops: &'a Loops,
+    printer: &'a Printer<'a>,
+    symbols: &'a Symbols,
+    private: &'a TokenStream,
+}
+
+impl Writer<'_> {
+    fn body(&self) -> TokenStream {
+        let (private, printer) = (self.private, self.printer);
+        let rows = Literal::usize_unsuffixed(self.loops.rows.len());
+        let prepare = printer.statements(Tier::Prepare);
+        let mut tokens = quote! {
+            #prepare
+            let mut kept = #private::lane::rows::<#rows>();
+        };
+        let start = [Tier::Noise, Tier::State].map(|tier| printer.statements(tier));
+        let mut section = quote!(#(#start)*);
+        for (at, (solve, block)) in self.step.solves.iter().zip(&self.scheme.blocks).enumerate() {
+            let after = printer.statements(Tier::Solved(at));
+            match (solve, &block.solution) {
+                (Solve::System(system), Solution::System { solved, .. }) => {
+                    let solved = names(solved, self.symbols);
+                    let solution = system.tokens(private, printer, &system.rhs);
+                    section.extend(quote!(let #solved = #solution; #after));
+                }
+                (Solve::Iteration { .. }, Solution::Iteration(iteration)) => {
+                    let (course, guess) = (course(at), self.guess(at, iteration));
+                    section.extend(quote!(#course.begin(lane, #guess);));
+                    let size = Literal::usize_unsuffixed(iteration.iterates.len());
+                    let one = self.one(self.loops.of_block[at], &section);
+                    let iterate = self.iterate(at, iteration);
+                    tokens.extend(quote! {
+                        let mut #course = #private::lane::Course::<#size>::new(newton);
+                        #one
+                        #iterate
+                    });
+                    let solved = names(&iteration.solved, self.symbols);
+                    section = quote!(let #solved = #course.at(lane); #after);
+                }
+                _ => section.extend(after),
+            }
+        }
+        section.extend(self.advance());
+        let last = self.one(self.loops.uses.len() - 1, &section);
+        let n = Literal::usize_unsuffixed(self.scheme.dq.len());
+        let solved = self.solved();
+        quote! {
+            #tokens
+            let mut q1 = #private::lane::rows::<#n>();
+            let mut p1 = #private::lane::rows::<#n>();
+            let mut any = 0u64;
+            #last
+            states.advance(&q1.0, &p1.0, any, |lane| #solved)
+        }
+    }
+
+    /// A loop over the lanes: what it takes from earlier ones, its statements, what it keeps for later ones.
+    fn one(&self, number: usize, statements: &TokenStream) -> TokenStream {
+        let private = self.private;
+        let take = self.loops.uses[number].iter().map(|&value| {
+            let instruction = self.step.program.get(value);
+            if self.is_read_again(value) {
+                return self.printer.statement(value, instruction.operation);
+            }
+            let (name, row) = (self.printer.operand(value), self.row(value));
+            quote!(let #name = kept.0[#row][lane];)
+        });
+        let keep = self.loops.rows.keys().filter_map(|&value| {
+            let tier = self.step.program.get(value).tier;
+            let computed = self.loops.of_tier(tier, self.scheme) == Some(number);
+            let (name, row) = (self.printer.operand(value), self.row(value));
+            (computed && !self.is_read_again(value)).then(|| quote!(kept.0[#row][lane] = #name;))
+        });
+        quote! {
+            for lane in 0..#private::lane::LANES {
+                #(#take)*
+                #statements
+                #(#keep)*
+            }
+        }
+    }
+
+    fn row(&self, value: Value) -> Literal {
+        Literal::usize_unsuffixed(self.loops.rows.get(&value).copied().unwrap_or_default())
+    }
+
+    /// Whether a value is an input that each loop can read: a state is not changed before the last one.
+    fn is_read_again(&self, value: Value) -> bool {
+        match self.step.program.get(value).operation {
+            Operation::Input(symbol) => {
+                !matches!(self.symbols.meaning(symbol), Meaning::Unknown(_))
+            }
+            _ => false,
+        }
+    }
+
+    fn guess(&self, at: usize, iteration: &Iteration) -> TokenStream {
+        let (private, printer) = (self.private, self.printer);
+        let Solve::Iteration {
+            guess, refinement, ..
+        } = &self.step.solves[at]
+        else {
+            return TokenStream::new();
+        };
+        let first = guess.tokens(private, printer, &guess.rhs);
+        let (Some(rhs), Some(refinement)) = (refinement, &iteration.refinement) else {
+            return first;
+        };
+        let names = names(&refinement.first, self.symbols);
+        let statements = printer.statements(Tier::Guess(at));
+        let more = guess.tokens(private, printer, rhs);
+        let entries = (0..refinement.first.len()).map(|i| {
+            let i = Literal::usize_unsuffixed(i);
+            quote!(guess[#i] + refinement[#i])
+        });
+        quote!({
+            let guess = #first;
+            let #names = guess;
+            #statements
+            let refinement = #more;
+            [#(#entries),*]
+        })
+    }
+
+    fn iterate(&self, at: usize, iteration: &Iteration) -> TokenStream {
+        let (private, printer) = (self.private, self.printer);
+        let Solve::Iteration {
+            residual,
+            magnitude,
+            jacobian,
+            curvature,
+            ..
+        } = &self.step.solves[at]
+        else {
+            return TokenStream::new();
+        };
+        let course = course(at);
+        let iterates: &[Symbol] = &iteration.iterates;
+        let iterates = names(iterates, self.symbols);
+        let statements = printer.statements(Tier::Iterate(at));
+        let (residual, magnitude) = (printer.array(residual), printer.array(magnitude));
+        let jacobian = printer.matrix(jacobian);
+        let curvature = curvature.map_or_else(|| quote!(f64::NAN), |c| printer.operand(c));
+        let body = self.one(
+            self.loops.of_block[at] + 1,
+            &quote! {
+                let #iterates = #course.at(lane);
+                #statements
+                #course.update(lane, &#private::Evaluation {
+                    residual: #residual,
+                    magnitude: #magnitude,
+                    jacobian: #jacobian,
+                    curvature: #curvature,
+                });
+            },
+        );
+        quote!(while #course.goes_on() { #body })
+    }
+
+    /// The new state of a lane.
+    fn advance(&self) -> TokenStream {
+        let (dq, dp) = (&self.step.dq, &self.step.dp);
+        let new = |row: &TokenStream, values: &[Value]| {
+            let entries = values.iter().enumerate().map(|(i, &value)| {
+                let (i, value) = (Literal::usize_unsuffixed(i), self.printer.operand(value));
+                match self.scheme.form {
+                    Form::Increment => quote!(states.#row[#i][lane] + #value),
+                    Form::State => quote!(#value),
+                }
+            });
+            quote!([#(#entries),*])
+        };
+        let (q, p) = (new(&quote!(q), dq), new(&quote!(p), dp));
+        let solved = self.solved();
+        let store = |row: &str| {
+            let (row, new) = (format_ident!("{row}1"), format_ident!("{row}_lane"));
+            (0..dq.len()).map(move |i| {
+                let i = Literal::usize_unsuffixed(i);
+                quote!(#row.0[#i][lane] = #new[#i];)
+            })
+        };
+        let (store_q, store_p) = (store("q"), store("p"));
+        let private = self.private;
+        quote! {
+            let q_lane = #q;
+            let p_lane = #p;
+            #(#store_q)*
+            #(#store_p)*
+            any |= #private::lane::is_left(q_lane, p_lane, #solved);
+        }
+    }
+
+    /// Whether all iterations of a lane arrived.
+    fn solved(&self) -> TokenStream {
+        let iterations = self.scheme.blocks.iter().enumerate();
+        let arrived = iterations.filter_map(|(at, block)| {
+            let course = course(at);
+            matches!(block.solution, Solution::Iteration(_))
+                .then(|| quote!(& #course.arrived(lane)))
+        });
+        quote!(true #(#arrived)*)
+    }
+}
+
+/// The iteration of a block.
+fn course(at: usize) -> Ident {
+    format_ident!("course_{at}")
+}

@@ -1,0 +1,59 @@
+//! A path that failed: which, when and why.
+
+use crate::error::StepError;
+
+/// How many failures a summary describes; all are counted.
+pub const FAILURES_KEPT: usize = 256;
+
+/// A path that failed. It has no part in the statistics from the next record on.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("path {path} failed after {step} steps, at t = {t}: {cause}")]
+pub struct Failure {
+    /// Which path, from 0; [`replay`](super::Ensemble::replay) repeats it.
+    pub path: u64,
+    /// Steps that it had made.
+    pub step: u64,
+    /// The time that it had reached.
+    pub t: f64,
+    /// Why it failed.
+    #[source]
+    pub cause: Cause,
+}
+
+/// Why a path failed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Cause {
+    /// Its state could not be stepped.
+    #[error("{0}")]
+    Step(#[source] StepError),
+    /// It starts at another time than path 0.
+    #[error(
+        "it starts at t = {t}, and path 0 at t = {expected}: the paths of an ensemble start together"
+    )]
+    StartTime {
+        /// Its own time.
+        t: f64,
+        /// The time of path 0.
+        expected: f64,
+    },
+    /// An observable returned an error.
+    #[error("the observable `{name}` failed: {error}")]
+    Observable {
+        /// Which.
+        name: String,
+        /// What it returned.
+        #[source]
+        error: StepError,
+    },
+    /// An observable returned a number that is not finite.
+    #[error(
+        "the observable `{name}` is {value}: statistics need finite numbers; look at what it computes there"
+    )]
+    NotFinite {
+        /// Which.
+        name: String,
+        /// What it returned.
+        value: f64,
+    },
+}

@@ -1,0 +1,247 @@
+//! The paths of a block on their way, a tile of lanes at a time.
+//!
+//! Input: the ensemble's settings and a block's number. Output: its states at any step, and its failures.
+//! Invariant: a path's states depend on its number alone: lanes do not touch one another, and one that the lane step leaves
+//! is stepped by the scalar step whatever its neighbours do. The time after step `k` is `t₀ + k h`, rounded once.
+
+use super::failure::{Cause, Failure};
+use super::increments::{Increments, STRETCH};
+use super::run::Run;
+use super::start::{Start, StartRng};
+use super::{BLOCK_PATHS, BLOCK_TILES};
+use crate::error::StepError;
+use crate::lanes::dispatch::{Kernel, dispatch};
+use crate::lanes::{ALL, LANES, Lane, Mask, StateLanes};
+use crate::method::Method;
+use crate::state::State;
+use crate::system::{Dims, System};
+
+/// The paths of a block.
+pub(super) struct Flight<'r, 'a, I: Method, const N: usize, const M: usize> {
+    pub(super) run: &'r Run<'a, I>,
+    prepared: I::Prepared,
+    increments: Increments<M>,
+    pub(super) first_path: u64,
+    /// Steps made.
+    pub(super) step: u64,
+    pub(super) tiles: Vec<Tile<N>>,
+    pub(super) failures: Vec<Failure>,
+    /// Room for the observables of a tile.
+    pub(super) values: Vec<Lane>,
+}
+
+/// States in lanes, and the lanes whose paths exist and have not failed. The others copy a path that lives.
+pub(super) struct Tile<const N: usize> {
+    pub(super) states: StateLanes<N>,
+    pub(super) alive: Mask,
+}
+
+impl<'r, 'a, I, S, const N: usize, const M: usize> Flight<'r, 'a, I, N, M>
+where
+    I: Method<System = S>,
+    S: System<Dims = Dims<N, M>>,
+{
+    /// The paths of a block at their start; of one path alone, where one is given.
+    pub(super) fn new(
+        run: &'r Run<'a, I>,
+        block: u64,
+        only: Option<u64>,
+    ) -> Result<Self, StepError> {
+        let first_path = block * BLOCK_PATHS;
+        let mut flight = Self {
+            run,
+            prepared: run.ensemble.method.prepare(run.h)?,
+            increments: run.increments(first_path),
+            first_path,
+            step: 0,
+            tiles: Vec::with_capacity(BLOCK_TILES),
+            failures: Vec::new(),
+            values: vec![[0.0; LANES]; run.ensemble.names.len()],
+        };
+        let paths = first_path..first_path.saturating_add(BLOCK_PATHS).min(run.paths);
+        for first in paths.clone().step_by(LANES) {
+            let wanted = |path| paths.contains(&path) && only.is_none_or(|only| only == path);
+            flight.start_tile(first, wanted);
+        }
+        Ok(flight)
+    }
+
+    fn start_tile(&mut self, first: u64, wanted: impl Fn(u64) -> bool) {
+        let starts: [State<N>; LANES] = core::array::from_fn(|lane| {
+            let path = first + lane as u64;
+            match &self.run.ensemble.start {
+                Some(Start::Drawn(draw)) if wanted(path) => {
+                    draw(path, &mut StartRng::new(self.run.ensemble.seed, path))
+                }
+                Some(Start::Same(state)) => *state,
+                _ => State::new([0.0; N], [0.0; N]),
+            }
+        });
+        let mut states = StateLanes::splat(&starts[0]);
+        let mut alive = 0;
+        for lane in 0..LANES {
+            states.set(lane, &starts[lane]);
+            alive |= Mask::from(wanted(first + lane as u64)) << lane;
+        }
+        let tile = self.tiles.len();
+        self.tiles.push(Tile { states, alive });
+        for lane in lanes(alive) {
+            if let Some(cause) = self.unfit(&starts[lane]) {
+                self.fail(tile, lane, 0, cause);
+            }
+        }
+        for lane in lanes(ALL & !self.tiles[tile].alive) {
+            self.replace(tile, lane);
+        }
+    }
+
+    /// Why a path cannot start there.
+    fn unfit(&self, state: &State<N>) -> Option<Cause> {
+        let named = |what: String, value: f64| {
+            let t = state.t;
+            (!value.is_finite()).then_some(Cause::Step(StepError::NonFiniteInput {
+                what,
+                value,
+                t,
+            }))
+        };
+        if state.t != self.run.start_time {
+            let (t, expected) = (state.t, self.run.start_time);
+            return Some(Cause::StartTime { t, expected });
+        }
+        (0..N)
+            .find_map(|i| named(format!("q[{i}]"), state.q[i]))
+            .or_else(|| (0..N).find_map(|i| named(format!("p[{i}]"), state.p[i])))
+    }
+
+    /// Steps every living path until it has made so many steps.
+    pub(super) fn advance(&mut self, until: u64) {
+        while self.step < until && self.tiles.iter().any(|tile| tile.alive != 0) {
+            let stretch = self.step / STRETCH;
+            let end = until.min((stretch + 1) * STRETCH);
+            self.increments.load(stretch, self.tiles.len());
+            for tile in 0..self.tiles.len() {
+                self.advance_tile(tile, end);
+            }
+            self.step = end;
+        }
+        self.step = until;
+    }
+
+    fn advance_tile(&mut self, number: usize, end: u64) {
+        let mut step = self.step;
+        while step < end && self.tiles[number].alive != 0 {
+            let tile = &mut self.tiles[number];
+            let left = dispatch(Stretch {
+                method: self.run.ensemble.method,
+                prepared: &self.prepared,
+                h: self.run.h,
+                start_time: self.run.start_time,
+                increments: &self.increments,
+                number,
+                tile,
+                step: &mut step,
+                end,
+            });
+            if left != 0 {
+                self.step_singly(number, step, left);
+                step += 1;
+            }
+        }
+    }
+
+    /// Makes a step of those lanes that the lane step left, and sets the time of all.
+    #[inline(never)]
+    fn step_singly(&mut self, number: usize, step: u64, left: Mask) {
+        let increments = self.increments.of(number, step);
+        for lane in lanes(left) {
+            let mut state = self.tiles[number].states.get(lane);
+            let dw = increments.map(|process| process[lane]);
+            let method = self.run.ensemble.method;
+            match method.step_prepared(&self.prepared, &mut state, self.run.h, &dw) {
+                Ok(()) => self.tiles[number].states.set(lane, &state),
+                Err(error) => {
+                    self.fail(number, lane, step, Cause::Step(error));
+                }
+            }
+        }
+        self.tiles[number].states.t = [self.run.time(step + 1); LANES];
+    }
+
+    /// Takes a path out after so many steps.
+    #[cold]
+    pub(super) fn fail(&mut self, tile: usize, lane: usize, step: u64, cause: Cause) {
+        self.tiles[tile].alive &= !(1 << lane);
+        self.failures.push(Failure {
+            path: self.first_path + (tile * LANES + lane) as u64,
+            step,
+            t: self.tiles[tile].states.t[lane],
+            cause,
+        });
+        if self.run.ensemble.stop_on_failure {
+            // paths after this one can no more be the first that fails
+            self.tiles[tile].alive &= (1 << lane) - 1;
+            for later in &mut self.tiles[tile + 1..] {
+                later.alive = 0;
+            }
+        }
+        self.replace(tile, lane);
+    }
+
+    /// Lets a lane without a path go the way of one that has: no step may have to look for a solution that is not there.
+    fn replace(&mut self, tile: usize, lane: usize) {
+        let tile = &mut self.tiles[tile];
+        if tile.alive != 0 {
+            let other = tile.states.get(tile.alive.trailing_zeros() as usize);
+            tile.states.set(lane, &other);
+        }
+    }
+}
+
+/// The lanes of a set.
+pub(super) fn lanes(set: Mask) -> impl Iterator<Item = usize> {
+    (0..LANES).filter(move |lane| set >> lane & 1 == 1)
+}
+
+/// Steps of a tile, until some living lane is left; which.
+struct Stretch<'f, I: Method, const N: usize, const M: usize> {
+    method: &'f I,
+    prepared: &'f I::Prepared,
+    h: f64,
+    start_time: f64,
+    increments: &'f Increments<M>,
+    number: usize,
+    tile: &'f mut Tile<N>,
+    step: &'f mut u64,
+    end: u64,
+}
+
+impl<I, S, const N: usize, const M: usize> Kernel for Stretch<'_, I, N, M>
+where
+    I: Method<System = S>,
+    S: System<Dims = Dims<N, M>>,
+{
+    type Output = Mask;
+
+    #[inline(always)]
+    fn run(self) -> Mask {
+        let mut states = self.tile.states;
+        let mut left = 0;
+        let mut step = *self.step;
+        while step < self.end {
+            let dw = self.increments.of(self.number, step);
+            left = self
+                .method
+                .step_lanes(self.prepared, &mut states, self.h, &dw)
+                & self.tile.alive;
+            if left != 0 {
+                break;
+            }
+            step += 1;
+            states.t = [self.start_time + step as f64 * self.h; LANES];
+        }
+        self.tile.states = states;
+        *self.step = step;
+        left
+    }
+}

@@ -1,0 +1,110 @@
+//! The Wiener increments of a block of paths, in lanes.
+//!
+//! Input: the first path and a stretch of steps. Output: one increment a lane, step and process.
+//! Invariant: those of path `k` are the ones of `Wiener::new(seed).path(k)`, or of the same truncated, bit for bit.
+
+use super::BLOCK_TILES;
+use crate::lanes::{LANES, Lane};
+use crate::noise::lanes::{Increments as Source, fill};
+use crate::noise::{NoiseError, Truncated, Wiener};
+
+/// Steps whose increments are drawn at once, so that what surrounds a draw and a tile's steps is little beside them.
+pub(super) const STRETCH: u64 = 16;
+
+/// Steps that share a block of the generator.
+const QUAD: u64 = 4;
+const QUADS: usize = (STRETCH / QUAD) as usize;
+
+/// Which increments.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Law {
+    /// Drawn.
+    Drawn(Source),
+    /// Of a Wiener process, clipped.
+    Truncated {
+        /// The exponent of [`Truncated`].
+        exponent: f64,
+    },
+    /// None: zeros.
+    None,
+}
+
+impl Law {
+    /// The largest increment that is left as it is.
+    pub(super) fn largest(self, h: f64) -> Result<f64, NoiseError> {
+        match self {
+            Self::Truncated { exponent } => Truncated::new(Wiener::new(0))
+                .exponent(exponent)?
+                .largest(h),
+            Self::Drawn(_) | Self::None => Ok(f64::INFINITY),
+        }
+    }
+}
+
+/// The increments of a stretch of steps for the tiles of a block.
+pub(super) struct Increments<const M: usize> {
+    law: Law,
+    seed: u64,
+    first_path: u64,
+    /// √h.
+    scale: f64,
+    largest: f64,
+    /// Which stretch is there.
+    stretch: Option<u64>,
+    /// Of each four steps, tile and process.
+    values: Vec<[Lane; 4]>,
+}
+
+impl<const M: usize> Increments<M> {
+    /// Those of the paths from `first_path` on.
+    pub(super) fn new(law: Law, seed: u64, first_path: u64, h: f64, largest: f64) -> Self {
+        Self {
+            law,
+            seed,
+            first_path,
+            scale: h.sqrt(),
+            largest,
+            stretch: None,
+            values: vec![[[0.0; LANES]; 4]; QUADS * BLOCK_TILES * M],
+        }
+    }
+
+    /// Draws those of a stretch, for the first so many tiles.
+    pub(super) fn load(&mut self, stretch: u64, tiles: usize) {
+        let source = match self.law {
+            Law::Drawn(source) => source,
+            Law::Truncated { .. } => Source::Normal,
+            Law::None => return,
+        };
+        if M == 0 || self.stretch == Some(stretch) {
+            return;
+        }
+        self.stretch = Some(stretch);
+        let quads = self.values.chunks_exact_mut(BLOCK_TILES * M);
+        for (quad, values) in (stretch * QUADS as u64..).zip(quads) {
+            let values = &mut values[..tiles * M];
+            fill(
+                source,
+                self.seed,
+                self.first_path,
+                quad,
+                self.scale,
+                M,
+                values,
+            );
+            if self.largest < f64::INFINITY {
+                for dw in values.as_flattened_mut().as_flattened_mut() {
+                    *dw = dw.clamp(-self.largest, self.largest);
+                }
+            }
+        }
+    }
+
+    /// Those of a tile for a step of the stretch that was drawn last.
+    #[inline(always)]
+    pub(super) fn of(&self, tile: usize, step: u64) -> [Lane; M] {
+        let quad = (step % STRETCH / QUAD) as usize;
+        let values = &self.values[(quad * BLOCK_TILES + tile) * M..][..M];
+        core::array::from_fn(|process| values[process][(step % QUAD) as usize])
+    }
+}

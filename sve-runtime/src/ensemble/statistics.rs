@@ -1,0 +1,146 @@
+//! What a summary shows of one observable: statistics and histograms, at each recorded time.
+//!
+//! Input: merged columns. Output: what users read. Invariant: a mean of no paths and a variance of fewer than two are NaN,
+//! and nothing else is.
+
+use super::histogram::{Bins, Request};
+use super::moments::Column;
+
+/// An observable at each recorded time, over the paths that have not failed until then.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Statistics {
+    name: String,
+    counts: Vec<u64>,
+    column: Column,
+}
+
+impl Statistics {
+    pub(super) fn new(name: String, counts: Vec<u64>, mut column: Column) -> Self {
+        for (mean, &count) in column.mean.iter_mut().zip(&counts) {
+            if count == 0 {
+                *mean = f64::NAN;
+            }
+        }
+        Self {
+            name,
+            counts,
+            column,
+        }
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// How many paths there are.
+    pub fn counts(&self) -> &[u64] {
+        &self.counts
+    }
+
+    /// Means; NaN where all paths have failed.
+    pub fn mean(&self) -> &[f64] {
+        &self.column.mean
+    }
+
+    /// Variances, the sums of squared deviations over the number of paths less one; NaN for fewer than two paths.
+    pub fn variance(&self) -> Vec<f64> {
+        let of = |(squares, count): (&f64, &u64)| match count {
+            0 | 1 => f64::NAN,
+            _ => squares / (count - 1) as f64,
+        };
+        self.column
+            .squares
+            .iter()
+            .zip(&self.counts)
+            .map(of)
+            .collect()
+    }
+
+    /// Standard deviations, the square roots of the variances.
+    pub fn standard_deviation(&self) -> Vec<f64> {
+        self.variance().into_iter().map(f64::sqrt).collect()
+    }
+
+    /// Standard errors of the means: √(variance / paths).
+    pub fn standard_error(&self) -> Vec<f64> {
+        let variances = self.variance().into_iter().zip(&self.counts);
+        variances
+            .map(|(variance, &count)| (variance / count as f64).sqrt())
+            .collect()
+    }
+
+    /// Least values; +∞ where all paths have failed.
+    pub fn min(&self) -> &[f64] {
+        &self.column.min
+    }
+
+    /// Greatest values; −∞ where all paths have failed.
+    pub fn max(&self) -> &[f64] {
+        &self.column.max
+    }
+}
+
+/// How many paths have an observable in each of equal parts of a range.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Histogram {
+    request: Request,
+    bins: Bins,
+}
+
+impl Histogram {
+    pub(super) fn new(request: Request, bins: Bins) -> Self {
+        Self { request, bins }
+    }
+
+    /// The observable.
+    pub fn name(&self) -> &str {
+        &self.request.name
+    }
+
+    /// The borders of the bins, one more than there are bins. A value on a border is in the bin above it.
+    pub fn edges(&self) -> Vec<f64> {
+        (0..=self.request.bins)
+            .map(|bin| self.request.edge(bin))
+            .collect()
+    }
+
+    /// How many recorded times it has: all of them, or 1 where only the end was asked for.
+    pub fn rows(&self) -> usize {
+        self.bins.0.len() / (self.request.bins + 2)
+    }
+
+    /// Paths in each bin at the end.
+    pub fn counts(&self) -> &[u64] {
+        self.counts_at(self.rows() - 1)
+    }
+
+    /// Paths in each bin at a recorded time.
+    ///
+    /// # Panics
+    /// Unless `row` is below [`rows`](Self::rows).
+    pub fn counts_at(&self, row: usize) -> &[u64] {
+        &self.row(row)[1..=self.request.bins]
+    }
+
+    /// Paths below the range at a recorded time.
+    ///
+    /// # Panics
+    /// As [`counts_at`](Self::counts_at).
+    pub fn below_at(&self, row: usize) -> u64 {
+        self.row(row)[0]
+    }
+
+    /// Paths above the range at a recorded time, or on its upper bound.
+    ///
+    /// # Panics
+    /// As [`counts_at`](Self::counts_at).
+    pub fn above_at(&self, row: usize) -> u64 {
+        self.row(row)[self.request.bins + 1]
+    }
+
+    fn row(&self, row: usize) -> &[u64] {
+        let width = self.request.bins + 2;
+        &self.bins.0[row * width..][..width]
+    }
+}

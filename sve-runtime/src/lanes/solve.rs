@@ -1,0 +1,122 @@
+//! Linear systems of a few unknowns, branch-free, for loops over lanes.
+//!
+//! Input: matrix and right-hand side of a lane; output: the solution, NaN or infinite where the matrix is singular. One and
+//! two unknowns by the formulas of [`linear`](crate::linear), bit for bit; from three on Gaussian elimination with
+//! partial pivoting, where the scalar solve scales rows first: a pivot that is small beside its row's other entries may be another one.
+
+use crate::linear::SINGULAR;
+
+/// Solves `a x = b`.
+#[inline(always)]
+pub fn solve<const K: usize>(a: &[[f64; K]; K], b: &[f64; K]) -> [f64; K] {
+    let mut x = [0.0; K];
+    match K {
+        0 => {}
+        1 => x[0] = b[0] / a[0][0],
+        2 => {
+            let (ad, bc) = (a[0][0] * a[1][1], a[0][1] * a[1][0]);
+            let det = ad - bc;
+            let inverse = if det.abs() <= SINGULAR * (ad.abs() + bc.abs()) {
+                f64::NAN
+            } else {
+                1.0 / det
+            };
+            x[0] = (b[0] * a[1][1] - b[1] * a[0][1]) * inverse;
+            x[1] = (b[1] * a[0][0] - b[0] * a[1][0]) * inverse;
+        }
+        _ => x = eliminate(*a, *b),
+    }
+    x
+}
+
+#[inline(always)]
+fn eliminate<const K: usize>(mut a: [[f64; K]; K], mut b: [f64; K]) -> [f64; K] {
+    for k in 0..K {
+        for i in k + 1..K {
+            let larger = a[i][k].abs() > a[k][k].abs();
+            for j in k..K {
+                let (upper, lower) = (a[k][j], a[i][j]);
+                a[k][j] = if larger { lower } else { upper };
+                a[i][j] = if larger { upper } else { lower };
+            }
+            let (upper, lower) = (b[k], b[i]);
+            b[k] = if larger { lower } else { upper };
+            b[i] = if larger { upper } else { lower };
+        }
+        let inverse = 1.0 / a[k][k];
+        for i in k + 1..K {
+            let factor = a[i][k] * inverse;
+            for j in k + 1..K {
+                a[i][j] -= factor * a[k][j];
+            }
+            b[i] -= factor * b[k];
+        }
+        a[k][k] = inverse;
+    }
+    let mut x = [0.0; K];
+    for k in (0..K).rev() {
+        let mut sum = b[k];
+        for j in k + 1..K {
+            sum -= a[k][j] * x[j];
+        }
+        x[k] = sum * a[k][k];
+    }
+    x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::solve;
+    use crate::linear::{self, tests::Random};
+
+    fn against_the_scalar_solve<const K: usize>(random: &mut Random, tolerance: f64) {
+        for _ in 0..200 {
+            let a: [[f64; K]; K] =
+                core::array::from_fn(|_| core::array::from_fn(|_| random.next()));
+            let b: [f64; K] = core::array::from_fn(|_| random.next());
+            let x = solve(&a, &b);
+            let expected = linear::solve(&a, &b).unwrap();
+            // backward stable: the residual is small beside its terms, whatever the condition
+            for i in 0..K {
+                let terms = (0..K).map(|j| a[i][j] * x[j]);
+                let (mut residual, mut size) = (-b[i], b[i].abs());
+                for term in terms {
+                    residual += term;
+                    size += term.abs();
+                }
+                let largest = x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+                assert!(
+                    residual.abs() <= 1e-15 * K as f64 * (size + largest),
+                    "{residual:e}"
+                );
+                if tolerance == 0.0 {
+                    assert_eq!(x[i], expected[i]);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn solutions() {
+        let mut random = Random(5);
+        against_the_scalar_solve::<1>(&mut random, 0.0);
+        against_the_scalar_solve::<2>(&mut random, 0.0);
+        against_the_scalar_solve::<3>(&mut random, 1.0);
+        against_the_scalar_solve::<6>(&mut random, 1.0);
+    }
+
+    #[test]
+    fn pivots_are_sought() {
+        let a = [[0.0, 1.0, 0.0], [0.0, 0.0, 2.0], [4.0, 0.0, 0.0]];
+        assert_eq!(solve(&a, &[1.0, 2.0, 4.0]), [1.0, 1.0, 1.0]);
+    }
+
+    #[test]
+    fn singular_matrices_have_no_finite_solution() {
+        let finite = |x: &[f64]| x.iter().all(|x| x.is_finite());
+        assert!(!finite(&solve(&[[0.0]], &[1.0])));
+        assert!(!finite(&solve(&[[1.0, 2.0], [0.5, 1.0]], &[1.0, 1.0])));
+        let a = [[1.0, 2.0, 3.0], [2.0, 4.0, 6.0], [1.0, 1.0, 1.0]];
+        assert!(!finite(&solve(&a, &[1.0, 1.0, 1.0])));
+    }
+}

@@ -1,0 +1,8 @@
+//! Ensembles: what a summary says against paths integrated one by one, and that threads and shards change no bit of it.
+
+// closures are written as users write them
+#![allow(clippy::redundant_closure_for_method_calls)]
+
+mod exact;
+mod naive;
+mod threads;
