@@ -9,12 +9,15 @@
 
 mod error;
 mod failure;
+mod fingerprint;
 mod flight;
 mod histogram;
 mod increments;
 mod moments;
 mod observe;
+mod progress;
 mod record;
+mod replay;
 mod run;
 mod start;
 mod statistics;
@@ -98,6 +101,7 @@ pub struct Ensemble<'a, I: Method> {
     stop_on_failure: bool,
     shard: (u64, u64),
     threads: Option<usize>,
+    progress: bool,
 }
 
 impl<'a, I, S, const N: usize, const M: usize> Ensemble<'a, I>
@@ -122,6 +126,7 @@ where
             stop_on_failure: false,
             shard: (0, 1),
             threads: None,
+            progress: false,
         }
     }
 
@@ -171,6 +176,13 @@ where
     #[must_use]
     pub fn truncated(mut self, exponent: f64) -> Self {
         self.law = Law::Truncated { exponent };
+        self
+    }
+
+    /// Draws increments of three values, those of [`ThreePoint`](crate::noise::ThreePoint): for means, not for paths.
+    #[must_use]
+    pub fn three_point(mut self) -> Self {
+        self.law = Law::Drawn(Source::ThreePoint);
         self
     }
 
@@ -243,6 +255,13 @@ where
     #[must_use]
     pub fn threads(mut self, threads: usize) -> Self {
         self.threads = Some(threads);
+        self
+    }
+
+    /// Shows on standard error, where that is a terminal, how far the run is: with the feature `progress` as a bar.
+    #[must_use]
+    pub fn progress(mut self, shown: bool) -> Self {
+        self.progress = shown;
         self
     }
 

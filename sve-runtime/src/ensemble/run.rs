@@ -2,8 +2,6 @@
 //!
 //! Input: an [`Ensemble`]. Output: a [`Run`], or what has to be written instead.
 
-use core::ops::Range;
-
 use super::increments::Increments;
 use super::start::{Start, StartRng};
 use super::summary::Info;
@@ -22,8 +20,16 @@ pub(super) struct Run<'a, I: Method> {
     largest: f64,
     pub(super) records: usize,
     /// Blocks to run.
-    pub(super) shard: Range<u64>,
+    pub(super) shard: [u64; 2],
 }
+
+impl<I: Method> Clone for Run<'_, I> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<I: Method> Copy for Run<'_, I> {}
 
 impl<'a, I: Method> Run<'a, I> {
     /// Checks the settings.
@@ -80,7 +86,7 @@ impl<'a, I: Method> Run<'a, I> {
             start_time,
             largest,
             records: steps.div_ceil(every) as usize + 1,
-            shard: border(index)..border(index + 1),
+            shard: [border(index), border(index + 1)],
         })
     }
 
@@ -100,13 +106,14 @@ impl<'a, I: Method> Run<'a, I> {
     }
 
     /// What summaries of the same run have in common.
-    pub(super) fn info(&self) -> Info {
+    pub(super) fn info(&self, fingerprint: u64) -> Info {
         let times = (0..self.records).map(|record| self.time(self.step_of(record)));
         Info {
             names: self.ensemble.names.clone(),
             histograms: self.ensemble.histograms.clone(),
             times: times.collect(),
             paths: self.paths,
+            fingerprint,
         }
     }
 }

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::flight::Flight;
+use super::progress::Progress;
 use super::run::Run;
 use super::summary::Summary;
 use super::tree::{Node, Tree, joined};
@@ -22,10 +23,13 @@ where
     /// Runs the blocks of the shard.
     pub(super) fn go(&self) -> Result<Summary, EnsembleError> {
         let blocks = self.paths.div_ceil(BLOCK_PATHS);
+        let [start, end] = self.shard;
+        let paths = (end * BLOCK_PATHS).min(self.paths) - (start * BLOCK_PATHS).min(self.paths);
         let shared = Shared {
-            next: AtomicU64::new(self.shard.start),
+            next: AtomicU64::new(start),
             tree: Mutex::new(Tree::new(blocks)),
             stop: Mutex::new(None),
+            progress: Progress::new(self.ensemble.progress, paths),
         };
         let work = || {
             rayon::scope(|scope| {
@@ -41,6 +45,7 @@ where
                 .build()?
                 .install(work),
         }
+        shared.progress.end();
         if let Some(error) = shared
             .stop
             .into_inner()
@@ -50,7 +55,7 @@ where
         }
         let tree = shared.tree.into_inner();
         Ok(Summary::new(
-            self.info(),
+            self.info(self.fingerprint()),
             tree.unwrap_or_else(PoisonError::into_inner),
         ))
     }
@@ -59,11 +64,15 @@ where
     fn work(&self, shared: &Shared) {
         loop {
             let block = shared.next.fetch_add(1, Ordering::Relaxed);
-            if block >= self.shard.end || shared.stops_before(block) {
+            if block >= self.shard[1] || shared.stops_before(block) {
                 return;
             }
             match self.block(block) {
-                Ok(node) => shared.insert(node),
+                Ok(node) => {
+                    let paths = self.paths - block * BLOCK_PATHS;
+                    shared.progress.add(paths.min(BLOCK_PATHS));
+                    shared.insert(node);
+                }
                 Err(error) => shared.stop(error),
             }
         }
@@ -71,7 +80,7 @@ where
 
     /// The paths of a block, from start to end.
     fn block(&self, block: u64) -> Result<Node, EnsembleError> {
-        let mut flight = Flight::new(self, block, None).map_err(EnsembleError::Prepare)?;
+        let mut flight = Flight::new(*self, block, None)?;
         let mut node = Node::new(block, self);
         for record in 0..self.records {
             flight.advance(self.step_of(record));
@@ -94,6 +103,7 @@ struct Shared {
     tree: Mutex<Tree>,
     /// The error of the first path that failed, where that ends the run.
     stop: Mutex<Option<EnsembleError>>,
+    progress: Progress,
 }
 
 impl Shared {

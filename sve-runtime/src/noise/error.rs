@@ -88,6 +88,14 @@ pub enum NoiseError {
         /// Steps that were to become one.
         factor: u64,
     },
+    /// A step cannot be halved that often.
+    #[error(
+        "a step can be halved at most 63 times, and a refinement of depth {depth} was asked for"
+    )]
+    Depth {
+        /// Depth asked for.
+        depth: u32,
+    },
     /// A recording does not fit into memory.
     #[error(
         "{steps} steps of {processes} Wiener processes do not fit into memory; \

@@ -4,5 +4,7 @@
 #![allow(clippy::redundant_closure_for_method_calls)]
 
 mod exact;
+mod failures;
 mod naive;
+mod shards;
 mod threads;
