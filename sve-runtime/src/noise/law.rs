@@ -66,19 +66,13 @@ impl Law for ThreePoints {
 
     #[inline(always)]
     fn four(words: [u64; 4], scale: f64) -> [f64; 4] {
-        let step = ROOT_3 * scale;
+        let step = (ROOT_3 * scale).to_bits();
         words.map(|word| {
-            let up = if word.cast_signed() >= Self::BOUND {
-                step
-            } else {
-                0.0
-            };
-            let down = if word.cast_signed() < -Self::BOUND {
-                step
-            } else {
-                0.0
-            };
-            up - down
+            let signs = word.cast_signed() >> 63;
+            // its size, or that less 1 below 0: as far from the end of either sign; comparisons are slow in old vectors
+            let size = word.cast_signed() ^ signs;
+            let small = (size - Self::BOUND) >> 63;
+            f64::from_bits((step | (word & (1 << 63))) & !small.cast_unsigned())
         })
     }
 }
