@@ -4,7 +4,7 @@
 //! Invariant: all results are functions of the settings, with the same bits for any number of threads, and for the merge of
 //! shards as for the whole run.
 //!
-//! A run cuts its paths into blocks of [`BLOCK_PATHS`], each of a few tiles of [`LANES`](crate::LANES) lanes. The blocks are the unit of
+//! A run cuts its paths into blocks of [`BLOCK_PATHS`], each of a few tiles of `LANES` lanes. The blocks are the unit of
 //! work, and their results are merged pairwise in a fixed tree.
 
 #[cfg(feature = "checkpoint")]

@@ -1,0 +1,194 @@
+//! Ensembles against what is written by hand for one system: `cargo bench -p sve-runtime --features ensemble --bench ensemble`.
+//!
+//! Prints a table: nanoseconds a normal or a trajectory-step, medians of runs that alternate between all sides of a task so that a
+//! noisy machine hits them alike, and the best run; the ratio to the median of the first side; and the ratio that is wanted, which
+//! was set where the limits were 0.475 ns (noise), 0.50 (A), 0.77 (B) and 1.5 (pendulum) by portable code.
+
+mod check;
+mod derived;
+mod hand;
+mod limits;
+#[path = "../steps/hand.rs"]
+#[allow(dead_code)] // has more steps than are compared here
+mod scalar;
+mod systems;
+mod wide;
+mod words;
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use words::{Philox, Threefry};
+
+/// Paths of a task.
+const PATHS: usize = 1024;
+/// Steps of a path.
+const STEPS: usize = 10_000;
+/// Double pendulums, whose steps take a hundred times as long.
+const DOUBLE: usize = 64;
+/// Their steps.
+const DOUBLE_STEPS: usize = 2000;
+/// Alternating runs of a task.
+const ROUNDS: usize = 31;
+
+/// One way of doing a task.
+struct Side<'a> {
+    name: &'static str,
+    run: Box<dyn Fn() -> f64 + 'a>,
+    /// Largest ratio to the first side that is wanted.
+    wanted: Option<f64>,
+}
+
+/// What all sides do.
+struct Task<'a> {
+    name: &'static str,
+    /// Normals or trajectory-steps of a run.
+    count: usize,
+    sides: Vec<Side<'a>>,
+}
+
+fn side<'a>(name: &'static str, run: impl Fn() -> f64 + 'a) -> Side<'a> {
+    let run = Box::new(run);
+    Side {
+        name,
+        run,
+        wanted: None,
+    }
+}
+
+impl Side<'_> {
+    fn wanted(self, ratio: f64) -> Self {
+        Self {
+            wanted: Some(ratio),
+            ..self
+        }
+    }
+}
+
+fn noise() -> [Task<'static>; 2] {
+    let (philox, threefry) = (Philox { seed: 1, block: 0 }, Threefry { seed: 1, block: 0 });
+    let count = PATHS * STEPS;
+    let words = vec![
+        side("xoshiro256++", limits::xoshiro_words),
+        side("Threefry4x64-13", move || limits::words(threefry)),
+        side("Philox4x32-10", move || limits::words(philox)),
+    ];
+    let normals = vec![
+        side("xoshiro256++", limits::xoshiro_normals),
+        side("Threefry4x64-13", move || limits::normals(threefry)),
+        side("Philox4x32-10", move || limits::normals(philox)),
+        side("sve, summed", derived::walks).wanted(1.47),
+    ];
+    [
+        Task {
+            name: "words",
+            count,
+            sides: words,
+        },
+        Task {
+            name: "normals",
+            count,
+            sides: normals,
+        },
+    ]
+}
+
+fn oscillators() -> [Task<'static>; 4] {
+    let task = |name, sides| Task {
+        name,
+        count: PATHS * STEPS,
+        sides,
+    };
+    [
+        task(
+            "A oscillator endpoint",
+            vec![
+                side("by hand", || limits::oscillators(1)),
+                side("sve", || derived::oscillators(1)).wanted(1.80),
+            ],
+        ),
+        task(
+            "A, 2 threads against 1",
+            vec![
+                side("sve", || derived::oscillators(1)),
+                side("sve, 2 threads", || derived::oscillators(2)).wanted(1.0 / 1.9),
+                side("by hand, 2 threads", || limits::oscillators(2)),
+            ],
+        ),
+        task(
+            "B Kubo midpoint",
+            vec![
+                side("by hand", || limits::kubos(1)),
+                side("sve", || derived::kubos(1)).wanted(1.43),
+            ],
+        ),
+        task(
+            "B, 2 threads against 1",
+            vec![
+                side("sve", || derived::kubos(1)),
+                side("sve, 2 threads", || derived::kubos(2)).wanted(1.0 / 1.9),
+                side("by hand, 2 threads", || limits::kubos(2)),
+            ],
+        ),
+    ]
+}
+
+fn pendulums() -> [Task<'static>; 2] {
+    [
+        Task {
+            name: "pendulum midpoint",
+            count: PATHS * STEPS,
+            sides: vec![
+                side("by hand", limits::pendulums),
+                side("sve", derived::pendulums).wanted(2.0),
+            ],
+        },
+        Task {
+            name: "double pendulum",
+            count: DOUBLE * DOUBLE_STEPS,
+            sides: vec![
+                side("sve, scalar steps", derived::double_pendulums_singly),
+                side("sve", derived::double_pendulums).wanted(0.25),
+            ],
+        },
+    ]
+}
+
+fn table(tasks: &[Task<'_>]) {
+    println!(
+        "{:<24}{:<20}{:>9}{:>9}{:>8}{:>8}",
+        "task", "by", "ns", "best", "ratio", "wanted"
+    );
+    for Task { name, count, sides } in tasks {
+        let mut times = vec![Vec::with_capacity(ROUNDS); sides.len()];
+        for _ in 0..ROUNDS {
+            for (side, times) in sides.iter().zip(&mut times) {
+                let start = Instant::now();
+                black_box((side.run)());
+                times.push(start.elapsed().as_secs_f64() * 1e9 / *count as f64);
+            }
+        }
+        for times in &mut times {
+            times.sort_by(f64::total_cmp);
+        }
+        let limit = times[0][ROUNDS / 2];
+        for (side, times) in sides.iter().zip(&times) {
+            let (ns, best) = (times[ROUNDS / 2], times[0]);
+            let wanted = side.wanted.map_or(String::new(), |r| format!("{r:.2}"));
+            println!(
+                "{name:<24}{:<20}{ns:>9.3}{best:>9.3}{:>8.2}{wanted:>8}",
+                side.name,
+                ns / limit
+            );
+        }
+    }
+}
+
+fn main() {
+    check::all();
+    println!("with {}, medians of {ROUNDS} runs", wide::name());
+    let mut tasks = Vec::from(noise());
+    tasks.extend(oscillators());
+    tasks.extend(pendulums());
+    table(&tasks);
+}
