@@ -1,7 +1,6 @@
 //! Runs of what is written by hand: every function does a whole task and returns a number that depends on all of it.
 
 use std::hint::black_box;
-use std::thread;
 
 use crate::hand::{self, Fill, Kubos, LONG, Oscillators, Pendulums, RECORD, Stream, Sums, W};
 use crate::wide::dispatch;
@@ -41,22 +40,15 @@ pub(crate) fn xoshiro_normals() -> f64 {
     rows[0][0][0]
 }
 
-/// Runs a task of all paths on `threads` threads, which differ in their seeds.
-fn on_threads(threads: usize, run: impl Fn(u64, usize) -> f64 + Sync) -> f64 {
-    if threads == 1 {
-        return run(0, PATHS / W);
-    }
-    thread::scope(|scope| {
-        let run = &run;
-        let handles: Vec<_> = (0..threads)
-            .map(|k| scope.spawn(move || run(k as u64, PATHS / W / threads)))
-            .collect();
-        handles.into_iter().map(|h| h.join().expect("a run")).sum()
-    })
+/// Runs a task of all paths on the threads of the surrounding pool, which differ in their seeds.
+fn on_all_threads(run: impl Fn(u64, usize) -> f64 + Sync) -> f64 {
+    let threads = rayon::current_num_threads();
+    let parts = rayon::broadcast(|context| run(context.index() as u64, PATHS / W / threads));
+    parts.into_iter().sum()
 }
 
-pub(crate) fn oscillators(threads: usize) -> f64 {
-    on_threads(threads, |seed, tiles| {
+pub(crate) fn oscillators() -> f64 {
+    on_all_threads(|seed, tiles| {
         let mut sums: Sums = vec![[0.0; 2]; STEPS / RECORD];
         let (h, sigma) = black_box((0.1, 1.0));
         dispatch(Oscillators {
@@ -70,8 +62,8 @@ pub(crate) fn oscillators(threads: usize) -> f64 {
     })
 }
 
-pub(crate) fn kubos(threads: usize) -> f64 {
-    on_threads(threads, |seed, tiles| {
+pub(crate) fn kubos() -> f64 {
+    on_all_threads(|seed, tiles| {
         let mut sums: Sums = vec![[0.0; 2]; STEPS / RECORD];
         let (h, a, sigma) = black_box((0.1, 1.0, 1.0));
         dispatch(Kubos {
