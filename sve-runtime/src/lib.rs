@@ -69,13 +69,19 @@
 //!
 //! | feature | gives |
 //! | --- | --- |
-//! | `ensemble` | `Ensemble`: many paths, on all cores |
+//! | `ensemble` | `Ensemble`: many paths, on all cores; statistics as CSV |
+//! | `progress` | a bar that shows how far an ensemble is |
+//! | `checkpoint` | ensembles that are stopped and continued |
+//! | `npy`, `parquet` | statistics of ensembles in these formats |
+//! | `serde` | states, errors and summaries can be serialised |
 
 mod banded;
 pub mod baseline;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 mod error;
+#[cfg(feature = "serde")]
+mod floats;
 mod integrator;
 mod lanes;
 mod linear;
@@ -256,6 +262,6 @@ pub mod __private {
 }
 
 /// The examples of the readme, as tests.
-#[cfg(doctest)]
+#[cfg(all(doctest, feature = "ensemble"))]
 #[doc = include_str!("../../README.md")]
 struct Readme;

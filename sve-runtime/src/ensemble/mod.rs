@@ -4,9 +4,12 @@
 //! Invariant: all results are functions of the settings, with the same bits for any number of threads, and for the merge of
 //! shards as for the whole run.
 //!
-//! A run cuts its paths into blocks of [`BLOCK_PATHS`], each of four tiles of [`LANES`](crate::LANES) lanes. The blocks are the unit of
+//! A run cuts its paths into blocks of [`BLOCK_PATHS`], each of four tiles of `LANES` lanes. The blocks are the unit of
 //! work, and their results are merged pairwise in a fixed tree.
 
+#[cfg(feature = "checkpoint")]
+mod checkpoint;
+mod csv;
 mod error;
 mod failure;
 mod fingerprint;
@@ -14,7 +17,13 @@ mod flight;
 mod histogram;
 mod increments;
 mod moments;
+#[cfg(feature = "npy")]
+mod npy;
 mod observe;
+#[cfg(feature = "parquet")]
+mod parquet;
+#[cfg(feature = "serde")]
+mod parts;
 mod progress;
 mod record;
 mod replay;
@@ -86,6 +95,7 @@ pub const BLOCK_PATHS: u64 = (BLOCK_TILES * LANES) as u64;
 /// # Ok(())
 /// # }
 /// ```
+#[allow(clippy::struct_excessive_bools)] // switches, each with a function of its name
 pub struct Ensemble<'a, I: Method> {
     method: &'a I,
     paths: Option<u64>,
@@ -102,6 +112,11 @@ pub struct Ensemble<'a, I: Method> {
     shard: (u64, u64),
     threads: Option<usize>,
     progress: bool,
+    stop_when: Option<Box<dyn Fn() -> bool + Sync + 'a>>,
+    #[cfg(feature = "checkpoint")]
+    checkpoint: Option<(std::path::PathBuf, core::time::Duration)>,
+    #[cfg(feature = "checkpoint")]
+    resume: bool,
 }
 
 impl<'a, I, S, const N: usize, const M: usize> Ensemble<'a, I>
@@ -127,6 +142,11 @@ where
             shard: (0, 1),
             threads: None,
             progress: false,
+            stop_when: None,
+            #[cfg(feature = "checkpoint")]
+            checkpoint: None,
+            #[cfg(feature = "checkpoint")]
+            resume: false,
         }
     }
 
@@ -262,6 +282,39 @@ where
     #[must_use]
     pub fn progress(mut self, shown: bool) -> Self {
         self.progress = shown;
+        self
+    }
+
+    /// Writes the results of finished blocks into a file, now and then and at the end, for [`resume`](Self::resume).
+    ///
+    /// The file is always a whole one: it is written beside the old one and then renamed. A run without `resume` writes over what is there.
+    #[cfg(feature = "checkpoint")]
+    #[must_use]
+    pub fn checkpoint(
+        mut self,
+        path: impl Into<std::path::PathBuf>,
+        every: core::time::Duration,
+    ) -> Self {
+        self.checkpoint = Some((path.into(), every));
+        self
+    }
+
+    /// Continues from the file of [`checkpoint`](Self::checkpoint) where there is one, with the bits of a run that was not stopped.
+    ///
+    /// The settings have to be those of the run that wrote it; [`run`](Self::run) refuses the file otherwise. What cannot be looked at, parameters and closures, is
+    /// compared by the first steps of path 0.
+    #[cfg(feature = "checkpoint")]
+    #[must_use]
+    pub fn resume(mut self, resume: bool) -> Self {
+        self.resume = resume;
+        self
+    }
+
+    /// Ends the run early when this says so, as after a signal or with the time of a batch system: no further block is begun, and
+    /// the summary has the paths that were run.
+    #[must_use]
+    pub fn stop_when(mut self, stop: impl Fn() -> bool + Sync + 'a) -> Self {
+        self.stop_when = Some(Box::new(stop));
         self
     }
 

@@ -2,6 +2,8 @@
 //!
 //! Input: an [`Ensemble`]. Output: a [`Run`], or what has to be written instead.
 
+use core::ops::Range;
+
 use super::increments::Increments;
 use super::start::{Start, StartRng};
 use super::summary::Info;
@@ -103,6 +105,12 @@ impl<'a, I: Method> Run<'a, I> {
     pub(super) fn increments<const M: usize>(&self, first_path: u64) -> Increments<M> {
         let Ensemble { law, seed, .. } = *self.ensemble;
         Increments::new(law, seed, first_path, self.h, self.largest)
+    }
+
+    /// How many paths some blocks have.
+    pub(super) fn paths_of(&self, blocks: Range<u64>) -> u64 {
+        let border = |block: u64| (block * BLOCK_PATHS).min(self.paths);
+        border(blocks.end) - border(blocks.start)
     }
 
     /// What summaries of the same run have in common.

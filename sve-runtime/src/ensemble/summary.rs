@@ -16,6 +16,7 @@ use crate::state::State;
 
 /// What summaries of the same run have in common.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Info {
     pub(super) names: Vec<String>,
     pub(super) histograms: Vec<Request>,
@@ -27,8 +28,8 @@ pub(super) struct Info {
 /// Statistics of the paths of an [`Ensemble`](super::Ensemble): of all, or of the shards merged so far.
 #[derive(Clone)]
 pub struct Summary {
-    info: Info,
-    tree: Tree,
+    pub(super) info: Info,
+    pub(super) tree: Tree,
     statistics: Vec<Statistics>,
     histograms: Vec<Histogram>,
     counts: Vec<u64>,

@@ -100,9 +100,6 @@ mod tests {
     use crate::noise::law::{Law, Normal, ThreePoints};
     use crate::noise::{ThreePoint, Wiener};
 
-    /// The increment of a path, step and process.
-    type Single<'a> = &'a dyn Fn(u64, u64, usize) -> f64;
-
     /// First path, block, processes, tiles.
     const CASES: [(u64, u64, usize, usize); 4] = [
         (0, 0, 1, 1),
@@ -114,14 +111,13 @@ mod tests {
     #[test]
     fn the_bits_of_single_paths() {
         let (seed, h) = (7, 0.037_f64);
-        let normal = |path, step, process| Wiener::new(seed).path(path).increment(step, process, h);
-        let three =
-            |path, step, process| ThreePoint::new(seed).path(path).increment(step, process, h);
-        let laws: [(Increments, Single<'_>); 2] = [
-            (Increments::Normal, &normal),
-            (Increments::ThreePoint, &three),
-        ];
-        for (law, single) in laws {
+        for law in [Increments::Normal, Increments::ThreePoint] {
+            let single = |path, step, process| match law {
+                Increments::Normal => Wiener::new(seed).path(path).increment(step, process, h),
+                Increments::ThreePoint => {
+                    ThreePoint::new(seed).path(path).increment(step, process, h)
+                }
+            };
             for (first, block, processes, tiles) in CASES {
                 let mut out = vec![[[f64::NAN; LANES]; 4]; processes * tiles];
                 fill(law, seed, first, block, h.sqrt(), processes, &mut out);

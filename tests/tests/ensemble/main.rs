@@ -5,6 +5,9 @@
 
 mod exact;
 mod failures;
+mod files;
+mod memory;
 mod naive;
+mod settings;
 mod shards;
 mod threads;
