@@ -1,4 +1,5 @@
-//! Ensembles against what is written by hand for one system: `cargo bench -p sve-runtime --features ensemble --bench ensemble`.
+//! Ensembles against what is written by hand for one system: `cargo bench -p sve-runtime --features ensemble --bench ensemble`,
+//! with `-- normals` only the tasks whose names contain that.
 //!
 //! Prints a table: nanoseconds a normal or a trajectory-step, medians of runs that alternate between all sides of a task so that a
 //! noisy machine hits them alike, and the best run; the ratio to the median of the first side; and the ratio that is wanted, which
@@ -220,5 +221,10 @@ fn main() {
     let mut tasks = Vec::from(noise());
     tasks.extend(oscillators());
     tasks.extend(pendulums());
+    let wanted: Vec<String> = std::env::args()
+        .skip(1)
+        .filter(|arg| !arg.starts_with('-'))
+        .collect();
+    tasks.retain(|task| wanted.is_empty() || wanted.iter().any(|w| task.name.contains(w)));
     table(&tasks);
 }
