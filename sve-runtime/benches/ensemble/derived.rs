@@ -78,7 +78,7 @@ pub(crate) fn double_pendulums_singly() -> f64 {
         let last = states.take(DOUBLE_STEPS).last().expect("a step");
         sum += last.expect("a step").p[0];
     }
-    sum
+    sum / DOUBLE as f64
 }
 
 pub(crate) fn double_pendulums() -> f64 {

@@ -1,8 +1,8 @@
-//! Runs of what is written by hand: every function does a whole task and returns a number that depends on all of it.
+//! Runs of what is written by hand: every function does a whole task. Those of systems return the mean of the observable at the end.
 
 use std::hint::black_box;
 
-use crate::hand::{self, Fill, Kubos, LONG, Oscillators, Pendulums, RECORD, Stream, Sums, W};
+use crate::hand::{self, Fill, Kubos, Oscillators, Pendulums, RECORD, Stream, Sums, W};
 use crate::wide::{Kernel, Plain, dispatch};
 use crate::words::{Words, Xoshiro};
 use crate::{PATHS, STEPS};
@@ -49,11 +49,11 @@ pub(crate) fn xoshiro_normals(fused: bool) -> f64 {
     rows[0][0][0]
 }
 
-/// Runs a task of all paths on the threads of the surrounding pool, which differ in their seeds.
+/// Runs a task of all paths on the threads of the surrounding pool, which differ in their seeds; from the sums the mean.
 fn on_all_threads(part: impl Fn(u64, usize) -> f64 + Sync) -> f64 {
     let threads = rayon::current_num_threads();
     let parts = rayon::broadcast(|context| part(context.index() as u64, PATHS / W / threads));
-    parts.into_iter().sum()
+    parts.into_iter().sum::<f64>() / PATHS as f64
 }
 
 pub(crate) fn oscillators(fused: bool) -> f64 {
@@ -70,7 +70,7 @@ pub(crate) fn oscillators(fused: bool) -> f64 {
                 sums: &mut sums,
             },
         );
-        sums[0][0]
+        sums[STEPS / RECORD - 1][0]
     })
 }
 
@@ -89,7 +89,7 @@ pub(crate) fn kubos(fused: bool) -> f64 {
                 sums: &mut sums,
             },
         );
-        sums[0][0]
+        sums[STEPS / RECORD - 1][0]
     })
 }
 
@@ -106,5 +106,5 @@ pub(crate) fn pendulums(fused: bool) -> f64 {
             g,
         },
     );
-    q[0][0] + p[0][LONG - 1]
+    p.as_flattened().iter().sum::<f64>() / PATHS as f64
 }
