@@ -6,9 +6,9 @@ use std::array::from_fn;
 use std::f64::consts::FRAC_PI_2;
 
 use crate::hand::{self, Fill, Kubos, LONG, Oscillators, Pendulums, RECORD, Stream, W};
-use crate::scalar;
 use crate::wide::dispatch;
 use crate::words::{self, Words, Xoshiro};
+use crate::{PATHS, STEPS, derived, limits, scalar};
 
 /// Everything.
 pub(crate) fn all() {
@@ -21,6 +21,7 @@ pub(crate) fn all() {
     oscillators();
     kubos();
     pendulums();
+    tasks();
 }
 
 /// Box and Muller's pair with the functions of the standard library.
@@ -178,4 +179,55 @@ fn pendulums() {
         let difference = (z[0] - q[0][lane]).abs().max((z[1] - p[0][lane]).abs());
         assert!(difference < 1e-9, "pendulum {lane}: off by {difference}");
     }
+}
+
+/// All sides of a task do the same: their means agree.
+fn tasks() {
+    let near = |what: &str, mean: f64, expected: f64, allowed: f64| {
+        assert!(
+            (mean - expected).abs() <= allowed,
+            "{what}: {mean} for {expected}"
+        );
+    };
+    assert_eq!(STEPS, 1000, "the expectations below are those of t = 100");
+    // by the recursion of the moments; an energy is distributed nearly exponentially
+    let (energy, error) = (50.599_043_290_997_86, 50.6 / (PATHS as f64).sqrt());
+    near(
+        "oscillators",
+        limits::oscillators(true),
+        energy,
+        5.0 * error,
+    );
+    near(
+        "derived oscillators",
+        derived::oscillators(),
+        energy,
+        5.0 * error,
+    );
+    // the phase is as good as uniform
+    let error = (0.5 / PATHS as f64).sqrt();
+    near("Kubo oscillators", limits::kubos(true), 0.0, 5.0 * error);
+    near(
+        "derived Kubo oscillators",
+        derived::kubos(),
+        0.0,
+        5.0 * error,
+    );
+    // without noise they are the same up to roundings, which grow linearly, and those of the double pendulum hardly in t = 2
+    near(
+        "pendulums",
+        limits::pendulums(true),
+        derived::pendulums(),
+        1e-8,
+    );
+    let singly = derived::double_pendulums_singly();
+    near(
+        "double pendulums",
+        derived::double_pendulums(),
+        singly,
+        1e-10,
+    );
+    // a sum of STEPS increments of variance 0.1
+    let error = (0.1 * (STEPS * PATHS) as f64).sqrt() / PATHS as f64;
+    near("walks", derived::walks(), 0.0, 5.0 * error);
 }

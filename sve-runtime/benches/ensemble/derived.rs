@@ -1,4 +1,5 @@
-//! Runs of derived steps in ensembles: the same tasks as [`limits`](crate::limits), by what users call.
+//! Runs of derived steps in ensembles: the same tasks as [`limits`](crate::limits), by what users call, on the threads of the
+//! surrounding pool.
 
 use std::hint::black_box;
 
@@ -16,7 +17,7 @@ fn end(summary: &Summary) -> f64 {
     means[means.len() - 1]
 }
 
-pub(crate) fn oscillators(threads: usize) -> f64 {
+pub(crate) fn oscillators() -> f64 {
     let integrator = Integrator::new(Oscillator { sigma: 1.0 }, Endpoint);
     let summary = Ensemble::new(&integrator)
         .paths(PATHS as u64)
@@ -25,12 +26,11 @@ pub(crate) fn oscillators(threads: usize) -> f64 {
         .record_every(RECORD as u64)
         .start(State::new([1.0], [0.0]))
         .observe("energy", Oscillator::hamiltonian)
-        .threads(threads)
         .run();
     end(&summary.expect("a run"))
 }
 
-pub(crate) fn kubos(threads: usize) -> f64 {
+pub(crate) fn kubos() -> f64 {
     let integrator = Integrator::new(Kubo { a: 1.0, sigma: 1.0 }, Midpoint);
     let summary = Ensemble::new(&integrator)
         .paths(PATHS as u64)
@@ -39,7 +39,6 @@ pub(crate) fn kubos(threads: usize) -> f64 {
         .record_every(RECORD as u64)
         .start(State::new([1.0], [0.0]))
         .observe("q", |_, state| state.q[0])
-        .threads(threads)
         .run();
     end(&summary.expect("a run"))
 }
@@ -55,7 +54,6 @@ pub(crate) fn pendulums() -> f64 {
             State::new([q[tile][lane]], [p[tile][lane]])
         })
         .observe("p", |_, state| state.p[0])
-        .threads(1)
         .run();
     end(&summary.expect("a run"))
 }
@@ -80,7 +78,7 @@ pub(crate) fn double_pendulums_singly() -> f64 {
         let last = states.take(DOUBLE_STEPS).last().expect("a step");
         sum += last.expect("a step").p[0];
     }
-    sum
+    sum / DOUBLE as f64
 }
 
 pub(crate) fn double_pendulums() -> f64 {
@@ -90,7 +88,6 @@ pub(crate) fn double_pendulums() -> f64 {
         .steps(black_box(0.01), DOUBLE_STEPS as u64)
         .start_with(|path, _| double_start(path))
         .observe("p", |_, state| state.p[0])
-        .threads(1)
         .run();
     end(&summary.expect("a run"))
 }
@@ -137,7 +134,6 @@ pub(crate) fn walks() -> f64 {
         .steps(black_box(0.1), STEPS as u64)
         .start(State::new([0.0], [0.0]))
         .observe("q", |_, state| state.q[0])
-        .threads(1)
         .run();
     end(&summary.expect("a run"))
 }

@@ -9,6 +9,16 @@ pub(crate) trait Kernel {
     fn run<const FUSED: bool>(self);
 }
 
+/// A kernel that may not contract, as the library's may not.
+pub(crate) struct Plain<K>(pub(crate) K);
+
+impl<K: Kernel> Kernel for Plain<K> {
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        self.0.run::<false>();
+    }
+}
+
 /// Runs a kernel with the widest vectors of this machine.
 pub(crate) fn dispatch<K: Kernel>(kernel: K) {
     #[cfg(target_arch = "x86_64")]
