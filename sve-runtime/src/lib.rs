@@ -257,6 +257,7 @@ pub mod __private {
     pub use crate::newton::{Evaluation, Newton, SolveError, spread};
     pub use crate::plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
     pub use crate::power::power_log;
+    pub use crate::rules::Whole;
     pub use crate::state::State;
     pub use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System, Variational};
     pub use crate::tangent::{Entries, Linearisation};
