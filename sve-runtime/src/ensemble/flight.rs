@@ -157,7 +157,7 @@ where
             let increments = self.increments.of(tile, step);
             let mut state = self.tiles[tile].states.get(lane);
             state.t = self.run.time(step);
-            let dw = increments.map(|process| process[lane]);
+            let dw = increments.0.map(|process| process[lane]);
             let method = self.run.ensemble.method;
             match method.step_prepared(&self.prepared, &mut state, self.run.h, &dw) {
                 Ok(()) => {
@@ -237,7 +237,8 @@ where
                 }
                 let dw = self.increments.of(number, step);
                 let states = &mut tile.states;
-                tile.left = self.method.step_lanes(self.prepared, states, self.h, &dw) & tile.alive;
+                tile.left =
+                    self.method.step_lanes(self.prepared, states, self.h, &dw.0) & tile.alive;
                 tile.states.t = [t; LANES];
                 left |= tile.left;
             }

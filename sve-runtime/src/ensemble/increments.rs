@@ -4,7 +4,7 @@
 //! Invariant: those of path `k` are the ones of `Wiener::new(seed).path(k)`, or of the same truncated, bit for bit.
 
 use super::BLOCK_TILES;
-use crate::lanes::{LANES, Lane};
+use crate::lanes::{Aligned, LANES, Lane};
 use crate::noise::lanes::{Increments as Source, fill};
 use crate::noise::{NoiseError, Truncated, Wiener};
 
@@ -52,7 +52,7 @@ pub(super) struct Increments<const M: usize> {
     /// Which stretch is there.
     stretch: Option<u64>,
     /// Of each four steps, tile and process.
-    values: Vec<[Lane; 4]>,
+    values: Vec<Aligned<[Lane; 4]>>,
 }
 
 impl<const M: usize> Increments<M> {
@@ -65,7 +65,7 @@ impl<const M: usize> Increments<M> {
             scale: h.sqrt(),
             largest,
             stretch: None,
-            values: vec![[[0.0; LANES]; 4]; QUADS * BLOCK_TILES * M],
+            values: vec![Aligned([[0.0; LANES]; 4]); QUADS * BLOCK_TILES * M],
         }
     }
 
@@ -93,7 +93,7 @@ impl<const M: usize> Increments<M> {
                 values,
             );
             if self.largest < f64::INFINITY {
-                for dw in values.as_flattened_mut().as_flattened_mut() {
+                for dw in values.iter_mut().flat_map(|row| row.0.as_flattened_mut()) {
                     *dw = dw.clamp(-self.largest, self.largest);
                 }
             }
@@ -102,9 +102,11 @@ impl<const M: usize> Increments<M> {
 
     /// Those of a tile for a step of the stretch that was drawn last.
     #[inline(always)]
-    pub(super) fn of(&self, tile: usize, step: u64) -> [Lane; M] {
+    pub(super) fn of(&self, tile: usize, step: u64) -> Aligned<[Lane; M]> {
         let quad = (step % STRETCH / QUAD) as usize;
         let values = &self.values[(quad * BLOCK_TILES + tile) * M..][..M];
-        core::array::from_fn(|process| values[process][(step % QUAD) as usize])
+        Aligned(core::array::from_fn(|process| {
+            values[process].0[(step % QUAD) as usize]
+        }))
     }
 }

@@ -7,7 +7,7 @@ use core::marker::PhantomData;
 
 use super::law::{Law, Normal, ThreePoints, words};
 use crate::lanes::dispatch::{Kernel, dispatch};
-use crate::lanes::{LANES, Lane};
+use crate::lanes::{Aligned, LANES, Lane};
 
 /// Which distribution the increments have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +31,7 @@ pub(crate) fn fill(
     block: u64,
     scale: f64,
     processes: usize,
-    out: &mut [[Lane; 4]],
+    out: &mut [Aligned<[Lane; 4]>],
 ) {
     let fill = Fill {
         seed,
@@ -59,7 +59,7 @@ struct Fill<'a> {
     block: u64,
     scale: f64,
     processes: usize,
-    out: &'a mut [[Lane; 4]],
+    out: &'a mut [Aligned<[Lane; 4]>],
 }
 
 struct OfLaw<'a, L, const DIRECT: bool>(Fill<'a>, PhantomData<L>);
@@ -81,7 +81,7 @@ impl<L: Law, const DIRECT: bool> Kernel for OfLaw<'_, L, DIRECT> {
         for row in out {
             let of_lane =
                 |lane| words::<L>(seed, first.wrapping_add(lane as u64), block, process as u64);
-            L::row::<DIRECT>(of_lane, scale, row);
+            L::row::<DIRECT>(of_lane, scale, &mut row.0);
             process += 1;
             if process == processes {
                 process = 0;
@@ -93,6 +93,7 @@ impl<L: Law, const DIRECT: bool> Kernel for OfLaw<'_, L, DIRECT> {
 
 #[cfg(test)]
 mod tests {
+    use crate::lanes::Aligned;
     use core::marker::PhantomData;
 
     use super::{Fill, Increments, LANES, Lane, OfLaw, fill};
@@ -119,10 +120,10 @@ mod tests {
                 }
             };
             for (first, block, processes, tiles) in CASES {
-                let mut out = vec![[[f64::NAN; LANES]; 4]; processes * tiles];
+                let mut out = vec![Aligned([[f64::NAN; LANES]; 4]); processes * tiles];
                 fill(law, seed, first, block, h.sqrt(), processes, &mut out);
                 for (row, steps) in out.iter().enumerate() {
-                    for (step, lanes) in steps.iter().enumerate() {
+                    for (step, lanes) in steps.0.iter().enumerate() {
                         for (lane, dw) in lanes.iter().enumerate() {
                             let path = first.wrapping_add((row / processes * LANES + lane) as u64);
                             let expected = single(path, 4 * block + step as u64, row % processes);
@@ -146,12 +147,12 @@ mod tests {
     }
 
     impl<L: Law, const DIRECT: bool> Kernel for Filled<L, DIRECT> {
-        type Output = Vec<[Lane; 4]>;
+        type Output = Vec<Aligned<[Lane; 4]>>;
 
         #[inline(always)]
         fn run(self) -> Self::Output {
             let (first_path, block, processes, tiles) = self.case;
-            let mut out = vec![[[f64::NAN; LANES]; 4]; processes * tiles];
+            let mut out = vec![Aligned([[f64::NAN; LANES]; 4]); processes * tiles];
             let fill = Fill {
                 seed: 11,
                 first_path,
@@ -170,9 +171,9 @@ mod tests {
             let law = PhantomData::<L>;
             let mut all = versions(&Filled::<L, true> { case, law });
             all.extend(versions(&Filled::<L, false> { case, law }));
-            let bits = |out: &Vec<[Lane; 4]>| {
-                let numbers = out.as_flattened().as_flattened();
-                numbers.iter().map(|z| z.to_bits()).collect::<Vec<_>>()
+            let bits = |out: &Vec<Aligned<[Lane; 4]>>| {
+                let numbers = out.iter().flat_map(|row| row.0.as_flattened());
+                numbers.map(|z| z.to_bits()).collect::<Vec<_>>()
             };
             for version in &all {
                 assert_eq!(bits(version), bits(&all[0]));
