@@ -1,10 +1,11 @@
 //! One-step methods: what a trajectory can be made of.
 
 use crate::Integrator;
+use crate::continuation::{self, Lost};
 use crate::error::StepError;
 use crate::lanes::{ALL, Lane, Mask, StateLanes};
 use crate::linear;
-use crate::newton::SolveError;
+use crate::newton::{SolveError, Solver};
 use crate::noise::Noise;
 use crate::state::State;
 use crate::system::{
@@ -139,14 +140,106 @@ pub(crate) fn solve_step<S, R, const N: usize, const M: usize>(
 where
     S: Variational<R> + System<Dims = Dims<N, M>>,
 {
-    let system = integrator.system();
-    let error = match system.increment(prepared, state, h, dw, integrator.newton()) {
+    let solver = Solver::new(integrator.newton());
+    let error = match integrator
+        .system()
+        .increment(prepared, state, h, dw, &solver)
+    {
         Ok((q, p, x)) if S::RETURNS_STATE && replace(state, h, &q, &p) => return Ok(x),
         Ok((dq, dp, x)) if !S::RETURNS_STATE && add(state, h, &dq, &dp) => return Ok(x),
         Ok(_) => SolveError::NonFinite,
         Err(error) => error,
     };
-    let error = explain(error, &{ *state }, h, &{ *dw });
+    match rescue(integrator, &{ *state }, h, &{ *dw }, &error) {
+        Ok((end, x)) => {
+            *state = end;
+            Ok(x)
+        }
+        Err(error) => Err(error),
+    }
+}
+
+/// One step that keeps in `rest` what rounding takes from the state.
+#[inline]
+pub(crate) fn compensated_step<S, R, const N: usize, const M: usize>(
+    integrator: &Integrator<S, R>,
+    prepared: &S::Prepared,
+    state: &mut State<N>,
+    rest: &mut State<N>,
+    h: f64,
+    dw: &[f64; M],
+) -> Result<(), StepError>
+where
+    S: Variational<R> + System<Dims = Dims<N, M>>,
+{
+    let solver = Solver::new(integrator.newton());
+    let system = integrator.system();
+    let Ok((dq, dp, _)) = system.increment(prepared, state, h, dw, &solver) else {
+        // rare: nothing is gained from the increments that are followed to
+        return solve_step(integrator, prepared, state, h, dw).map(|_| ());
+    };
+    let (mut q, mut p, mut low) = (state.q, state.p, *rest);
+    for i in 0..N {
+        (q[i], low.q[i]) = two_sum(q[i], dq[i] + rest.q[i]);
+        (p[i], low.p[i]) = two_sum(p[i], dp[i] + rest.p[i]);
+    }
+    if !replace(state, h, &q, &p) {
+        let error = explain(SolveError::NonFinite, &{ *state }, h, &{ *dw });
+        return Err(look_at_the_mass(system, error));
+    }
+    *rest = low;
+    Ok(())
+}
+
+/// A sum and its rounding error, exactly (Knuth).
+#[inline]
+fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let second = sum - a;
+    (sum, (a - (sum - second)) + (b - second))
+}
+
+/// The step where its equations were not solved in the usual course: the solution followed from that without noise, one that has
+/// to be trusted where there is none to follow, or why there is none.
+#[cold]
+fn rescue<S, R, const N: usize, const M: usize>(
+    integrator: &Integrator<S, R>,
+    state: &State<N>,
+    h: f64,
+    dw: &[f64; M],
+    error: &SolveError,
+) -> Result<(State<N>, S::Unknowns), StepError>
+where
+    S: Variational<R> + System<Dims = Dims<N, M>>,
+{
+    let system = integrator.system();
+    let followed = match error {
+        SolveError::Singular { iteration: 0 } => None,
+        _ => continuation::follow(integrator, state, h, dw),
+    };
+    let found = match followed {
+        Some(Ok(found)) => Ok(found),
+        Some(Err(Lost { noise })) => {
+            return Err(StepError::NoSolution {
+                t: state.t,
+                h,
+                dw: dw.to_vec(),
+                reached: noise,
+            });
+        }
+        None => {
+            let solver = Solver::trusting(integrator.newton());
+            system.increment(&system.prepare(h), state, h, dw, &solver)
+        }
+    };
+    let mut end = *state;
+    let error = match found {
+        Ok((q, p, x)) if S::RETURNS_STATE && replace(&mut end, h, &q, &p) => return Ok((end, x)),
+        Ok((q, p, x)) if !S::RETURNS_STATE && add(&mut end, h, &q, &p) => return Ok((end, x)),
+        Ok(_) => SolveError::NonFinite,
+        Err(error) => error,
+    };
+    let error = explain(error, state, h, dw);
     Err(look_at_the_mass(system, error))
 }
 
@@ -275,6 +368,12 @@ pub(crate) fn explain<const N: usize, const M: usize>(
             iterations,
             residual,
             tolerance,
+        },
+        SolveError::OtherBranch => StepError::NoSolution {
+            t,
+            h,
+            dw: dw.to_vec(),
+            reached: f64::NAN,
         },
         SolveError::Singular { iteration } => StepError::Singular {
             t,

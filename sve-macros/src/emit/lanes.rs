@@ -91,6 +91,8 @@ enum Solve {
     System(System),
     Iteration {
         guess: System,
+        /// The matrix in the limit of no noise and h → 0, where there is one.
+        origin: Option<Vec<Vec<Value>>>,
         refinement: Option<Vec<Value>>,
         residual: Vec<Value>,
         magnitude: Vec<Value>,
@@ -140,7 +142,8 @@ impl Step {
                     let iterates = &iteration.iterates;
                     tiers.extend(iterates.iter().map(|&s| (s, Tier::Iterate(at))));
                     tiers.extend(iteration.solved.iter().map(|&s| (s, Tier::Solved(at))));
-                    let matrices = start.matrix.iter().chain(&iteration.jacobian).flatten();
+                    let matrices = start.matrix.iter().chain(&iteration.jacobian);
+                    let matrices = matrices.chain(&iteration.guess.matrix).flatten();
                     let vectors = start.rhs.iter().chain(&iteration.residual);
                     all.extend(matrices.chain(vectors).chain(&iteration.curvature));
                 }
@@ -199,6 +202,9 @@ impl Solve {
             Solution::System { linear, .. } => Self::System(System::new(linear, scheduler)),
             Solution::Iteration(iteration) => {
                 let guess = System::new(start(iteration), scheduler);
+                let rows = iteration.guess.matrix.iter();
+                let origin = (!iteration.singular_at_rest)
+                    .then(|| rows.map(|row| scheduler.values(row)).collect());
                 let refinement = iteration.refinement.as_ref();
                 let refinement = refinement.map(|r| scheduler.values(&r.rhs));
                 let rows = iteration.jacobian.iter();
@@ -207,6 +213,7 @@ impl Solve {
                 let (residual, magnitude) = residuals.map(|&r| scheduler.residual(r)).unzip();
                 Self::Iteration {
                     guess,
+                    origin,
                     refinement,
                     residual,
                     magnitude,
@@ -223,10 +230,14 @@ impl Solve {
             Self::Formula => Vec::new(),
             Self::System(system) => system.values().collect(),
             Self::Iteration {
-                guess, refinement, ..
+                guess,
+                origin,
+                refinement,
+                ..
             } => {
                 let refined = refinement.iter().flatten().copied();
-                guess.values().chain(refined).collect()
+                let origin = origin.iter().flatten().flatten().copied();
+                guess.values().chain(origin).chain(refined).collect()
             }
         }
     }
@@ -360,7 +371,8 @@ impl Writer<'_> {
                 }
                 (Solve::Iteration { .. }, Solution::Iteration(iteration)) => {
                     let (course, guess) = (course(at), self.guess(at, iteration));
-                    section.extend(quote!(#course.begin(lane, #guess);));
+                    let origin = self.origin(at);
+                    section.extend(quote!(#course.begin(lane, #guess, #origin);));
                     let size = Literal::usize_unsuffixed(iteration.iterates.len());
                     let one = self.one(self.loops.of_block[at], &section);
                     let iterate = self.iterate(at, iteration);
@@ -455,6 +467,21 @@ impl Writer<'_> {
             let refinement = #more;
             [#(#entries),*]
         })
+    }
+
+    /// A number of the sign of the determinant in the limit of no noise and h → 0.
+    fn origin(&self, at: usize) -> TokenStream {
+        let (private, printer) = (self.private, self.printer);
+        match &self.step.solves[at] {
+            Solve::Iteration {
+                origin: Some(matrix),
+                ..
+            } => {
+                let matrix = printer.matrix(matrix);
+                quote!(#private::lane::orientation(&#matrix))
+            }
+            _ => quote!(f64::NAN),
+        }
     }
 
     fn iterate(&self, at: usize, iteration: &Iteration) -> TokenStream {

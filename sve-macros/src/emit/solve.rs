@@ -37,6 +37,8 @@ struct Matrix {
 pub(super) struct Newton {
     guess: System,
     refinement: Option<(Vec<Symbol>, Vec<Value>)>,
+    /// Whether the matrix of the guess is that of the limit of no noise and h → 0.
+    has_limit: bool,
     /// Code of the guess where no linear system gives one.
     rest: TokenStream,
     /// Code that computes another guess where it stands.
@@ -96,6 +98,7 @@ impl Solve {
                 let Newton {
                     guess,
                     refinement,
+                    has_limit: _,
                     rest: _,
                     fallback: _,
                     rounding: _,
@@ -143,6 +146,7 @@ impl Solve {
                 let Newton {
                     guess,
                     refinement,
+                    has_limit: _,
                     rest: _,
                     fallback: _,
                     rounding: _,
@@ -247,6 +251,7 @@ fn newton(scheduler: &mut Scheduler<'_>, iteration: &Iteration, aside: Aside) ->
     Newton {
         guess,
         refinement,
+        has_limit: !iteration.singular_at_rest,
         rest,
         fallback,
         rounding,
@@ -347,6 +352,7 @@ impl Newton {
         let Self {
             guess,
             refinement,
+            has_limit,
             rest,
             fallback,
             rounding,
@@ -386,14 +392,19 @@ impl Newton {
         let curvature = curvature.map_or_else(|| quote!(f64::NAN), |c| printer.operand(c));
         let (iterates, solved) = (names(iterates, symbols), names(solved, symbols));
         let statements = printer.statements(Tier::Iterate(at));
+        let (oriented, origin) = if *has_limit {
+            (quote!(origin), quote!(origin))
+        } else {
+            (quote!(_), quote!(f64::NAN))
+        };
         quote! {
-            let guess = match #private::solve(&#guess_matrix, &#guess_rhs) {
-                ::core::option::Option::Some(guess) => { #guessed }
-                ::core::option::Option::None => #rest,
+            let (guess, origin) = match #private::solve_oriented(&#guess_matrix, &#guess_rhs) {
+                ::core::option::Option::Some((guess, #oriented)) => ({ #guessed }, #origin),
+                ::core::option::Option::None => (#rest, f64::NAN),
             };
             let fallback = || { #fallback };
             let rounding = |&#iterates: &[f64; #size]| { #rounding };
-            let #solved = newton.solve_or(guess, fallback, rounding, |&#iterates: &[f64; #size]| {
+            let #solved = newton.solve_or(guess, origin, fallback, rounding, |&#iterates: &[f64; #size]| {
                 #statements
                 #private::Evaluation {
                     residual: #residual,
