@@ -11,7 +11,6 @@
 
 use crate::Integrator;
 use crate::newton::{SolveError, Solver, Tape};
-use crate::plan::BlockKind;
 use crate::state::State;
 use crate::system::{Dims, StepOf, System, Variational};
 
@@ -43,9 +42,8 @@ pub(crate) fn follow<S, R, const N: usize, const M: usize>(
 where
     S: Variational<R> + System<Dims = Dims<N, M>>,
 {
-    let iterates = S::PLAN.blocks.iter().any(|b| b.kind == BlockKind::Newton);
-    let finite = state.q.iter().chain(&state.p).all(|x| x.is_finite());
-    if !iterates || !finite || !dw.iter().all(|x| x.is_finite()) {
+    let numbers = state.q.iter().chain(&state.p).chain(dw);
+    if !numbers.chain([&state.t]).all(|x| x.is_finite()) {
         return None;
     }
     let system = integrator.system();

@@ -25,10 +25,7 @@ pub trait Matrix<const K: usize> {
 /// Solves `a x = b`.
 #[inline(always)]
 pub fn solve<const K: usize>(a: &impl Matrix<K>, b: &[f64; K]) -> Option<[f64; K]> {
-    match a.solve_oriented(b) {
-        Some((x, _)) => Some(x),
-        None => None,
-    }
+    a.solve_oriented(b).map(|(x, _)| x)
 }
 
 /// Solves `a x = b`; with the solution a number of the sign of the determinant.

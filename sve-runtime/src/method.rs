@@ -7,6 +7,7 @@ use crate::lanes::{ALL, Lane, Mask, StateLanes};
 use crate::linear;
 use crate::newton::{SolveError, Solver};
 use crate::noise::Noise;
+use crate::plan::{BlockKind, Plan};
 use crate::state::State;
 use crate::system::{
     Dims, IncrementLanesOf, IncrementsOf, StateLanesOf, StateOf, System, Variational,
@@ -150,13 +151,26 @@ where
         Ok(_) => SolveError::NonFinite,
         Err(error) => error,
     };
-    match rescue(integrator, &{ *state }, h, &{ *dw }, &error) {
-        Ok((end, x)) => {
-            *state = end;
-            Ok(x)
-        }
-        Err(error) => Err(error),
+    // asked of the plan at compile time: a step that does not iterate keeps its state in registers
+    if const { iterates(S::PLAN) } {
+        let (end, x) = rescue(integrator, &{ *state }, h, &{ *dw })?;
+        *state = end;
+        return Ok(x);
     }
+    let error = explain(error, &{ *state }, h, &{ *dw });
+    Err(look_at_the_mass(integrator.system(), error))
+}
+
+/// Whether a block of the step is solved by Newton's method.
+const fn iterates(plan: &Plan) -> bool {
+    let mut at = 0;
+    while at < plan.blocks.len() {
+        if matches!(plan.blocks[at].kind, BlockKind::Newton) {
+            return true;
+        }
+        at += 1;
+    }
+    false
 }
 
 /// One step that keeps in `rest` what rounding takes from the state.
@@ -202,22 +216,18 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
 /// The step where its equations were not solved in the usual course: the solution followed from that without noise, one that has
 /// to be trusted where there is none to follow, or why there is none.
 #[cold]
+#[inline(never)]
 fn rescue<S, R, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     state: &State<N>,
     h: f64,
     dw: &[f64; M],
-    error: &SolveError,
 ) -> Result<(State<N>, S::Unknowns), StepError>
 where
     S: Variational<R> + System<Dims = Dims<N, M>>,
 {
     let system = integrator.system();
-    let followed = match error {
-        SolveError::Singular { iteration: 0 } => None,
-        _ => continuation::follow(integrator, state, h, dw),
-    };
-    let found = match followed {
+    let found = match continuation::follow(integrator, state, h, dw) {
         Some(Ok(found)) => Ok(found),
         Some(Err(Lost { noise })) => {
             return Err(StepError::NoSolution {

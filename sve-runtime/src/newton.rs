@@ -7,7 +7,7 @@
 //! **Which root.** Equations of a step may have several solutions; the step is the one that is connected with rest, no noise and
 //! h → 0. An iteration is *calm* where each Jacobian has the orientation (the sign of the determinant) of the one in that limit,
 //! and each update passes the test of Kantorovich: a residual that is at most a quarter of the one before, beside the terms it had then;
-//! of a single unknown also |f f″| ≤ ½ f′² and a slope that changes by a half at most (the theorem gives these bounds). Where the second derivative
+//! of a single unknown also |f f″| ≤ ½ f′² (the theorem gives these bounds). Where the second derivative
 //! does not change much between guess and root, no fold of the equations lies between them. Of a single unknown the root of an
 //! iteration that was not calm is accepted too, if the orientation holds all along the segment from the guess, at 17 points. Both
 //! tests sample: they are cheap rather than sufficient. What fails them is left to [`continuation`](crate::continuation).
@@ -123,8 +123,6 @@ struct Run<const K: usize> {
     previous: f64,
     /// What the residuals have to come below in a calm iteration.
     bound: [f64; K],
-    /// The slope there, of a single unknown.
-    slope: f64,
     /// Updates made.
     iteration: u32,
     /// Halvings of the last update.
@@ -314,14 +312,18 @@ impl Newton {
         let arrived = 16.0 * next <= self.tolerance * ratio && run.previous < NEAR;
         let mut bound = [0.0; K];
         for i in 0..K {
-            bound[i] = CALM * relative * at.magnitude[i];
+            // of a single residual that is a part of itself, at hand before the division
+            bound[i] = if K == 1 {
+                CALM * at.residual[i].abs()
+            } else {
+                CALM * relative * at.magnitude[i]
+            };
         }
         *run = Run {
             x,
             from: run.x,
             previous: relative,
             bound,
-            slope: orientation,
             iteration: run.iteration + 1,
             halvings: 0,
             // of a single unknown the bend of its curve, which decides on the order, is the test of Kantorovich
@@ -428,7 +430,6 @@ impl<const K: usize> Run<K> {
             // so large that the first residual passes for smaller, if it is finite
             previous: f64::MAX,
             bound: [f64::MAX; K],
-            slope: f64::NAN,
             iteration: 0,
             halvings: 0,
             calm: true,
@@ -445,14 +446,14 @@ impl<const K: usize> Run<K> {
         }
     }
 
-    /// Whether the residuals are as much smaller as those of an iteration in reach of its root, and a slope has not changed much.
+    /// Whether the residuals are as much smaller as those of an iteration in reach of its root.
     #[inline]
-    fn is_calm<J: Matrix<K>>(&self, at: &Evaluation<K, J>) -> bool {
+    fn is_calm<J>(&self, at: &Evaluation<K, J>) -> bool {
         let mut calm = true;
         for i in 0..K {
             calm &= at.residual[i].abs() <= self.bound[i];
         }
-        calm && (K != 1 || is_similar(at.jacobian.first(), self.slope))
+        calm
     }
 
     /// Whether the residual is smaller by a part of what the slope promises for a part of an update.
@@ -569,14 +570,6 @@ fn update<const K: usize, J: Matrix<K>>(at: &Evaluation<K, J>) -> Option<Update<
         cubic,
         orientation: slope,
     })
-}
-
-/// Whether a slope is within a half of an earlier one, if there is one: between the two points of a calm iteration it
-/// changes by a half at most.
-#[inline(always)]
-pub(crate) fn is_similar(slope: f64, earlier: f64) -> bool {
-    let change = (slope - earlier).abs();
-    (change <= 0.5 * earlier.abs()) | earlier.is_nan()
 }
 
 /// Whether two determinants are of opposite signs; a NaN has none.

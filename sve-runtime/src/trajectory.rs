@@ -39,8 +39,10 @@ pub struct Refinements {
 struct Refinement<W> {
     depth: u32,
     /// [`Halves::halves_of`], which only some sources have.
-    halves: fn(&W, Part, f64, &[f64], &mut [f64], &mut [f64]),
+    halves: HalvesOf<W>,
 }
+
+type HalvesOf<W> = fn(&W, Part, f64, &[f64], &mut [f64], &mut [f64]);
 
 /// What rounding took from the state.
 #[derive(Debug)]
@@ -148,26 +150,51 @@ impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
                 return Err(StepError::Noise { t, source });
             }
         }
-        let (method, h) = (self.method, self.h);
-        let made = match &mut self.compensation {
-            None => method.step_prepared(&prepared, &mut self.state, h, &dw),
-            Some(Compensation { rest, step }) => {
-                step(method, &prepared, &mut self.state, rest, h, &dw)
-            }
-        };
-        if let Err(error) = made {
-            self.refined(error, &{ dw })?;
+        // what is rare has its own way out, so that the usual step is compiled as if there were nothing else
+        if self.compensation.is_some() {
+            return self.compensated_step(&prepared, &{ dw });
         }
+        let made = self
+            .method
+            .step_prepared(&prepared, &mut self.state, self.h, &dw);
+        match made {
+            Ok(()) => Ok(Some(self.arrive())),
+            Err(error) => self.refined(error, &{ dw }),
+        }
+    }
+
+    /// The state after a step was made.
+    #[inline(always)]
+    fn arrive(&mut self) -> StateOf<I::System> {
         self.step += 1;
         // k h is rounded once, where adding h k times would drift
         let t = self.start + self.step as f64 * self.h;
         <<I::System as System>::Dims>::set_time(&mut self.state, t);
-        Ok(Some(self.state.clone()))
+        self.state.clone()
+    }
+
+    #[inline(never)]
+    fn compensated_step(
+        &mut self,
+        prepared: &I::Prepared,
+        dw: &IncrementsOf<I::System>,
+    ) -> Result<Option<StateOf<I::System>>, StepError> {
+        if let Some(Compensation { rest, step }) = &mut self.compensation
+            && let Err(error) = step(self.method, prepared, &mut self.state, rest, self.h, dw)
+        {
+            return self.refined(error, dw);
+        }
+        Ok(Some(self.arrive()))
     }
 
     /// The step in smaller ones, where that was asked for.
     #[cold]
-    fn refined(&mut self, error: StepError, dw: &IncrementsOf<I::System>) -> Result<(), StepError> {
+    #[inline(never)]
+    fn refined(
+        &mut self,
+        error: StepError,
+        dw: &IncrementsOf<I::System>,
+    ) -> Result<Option<StateOf<I::System>>, StepError> {
         let Some(refinement) = &self.refinement else {
             return Err(error);
         };
@@ -177,7 +204,7 @@ impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
         self.state = state;
         self.refinements.steps += 1;
         self.refinements.deepest = self.refinements.deepest.max(deepest);
-        Ok(())
+        Ok(Some(self.arrive()))
     }
 
     /// A part of a step that failed as a whole, in its halves; how often the smallest of its parts was halved.

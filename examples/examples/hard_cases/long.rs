@@ -124,7 +124,7 @@ fn sizes() -> (Verdict, String) {
     )
 }
 
-pub fn rows(table: &mut Table) {
+pub(super) fn rows(table: &mut Table) {
     let row = ["pendulum", "10⁷ steps: rounding errors", "midpoint"];
     table.add(row, Verdict::Holds, judge(pendulum(), 4.0));
     let row = [

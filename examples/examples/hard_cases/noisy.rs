@@ -103,14 +103,14 @@ fn refined() -> (Verdict, String) {
     let mut path = rotor
         .trajectory(rotor_start(), H, Wiener::new(1))
         .refine(16);
-    for _ in 0..100_000 {
+    for _ in 0..5000 {
         if let Some(Err(error)) = path.next() {
             return (Verdict::Stops, error.to_string());
         }
     }
     let made = path.refinements();
     let numbers = format!(
-        "{} of 100,000 steps in parts, the smallest halved {} times",
+        "{} of 5,000 steps in parts, the smallest halved {} times",
         made.steps, made.deepest
     );
     (Verdict::Holds, numbers)
@@ -185,7 +185,7 @@ fn holds<T>(found: Result<T, StepError>, judge: impl Fn(T) -> (bool, String)) ->
     }
 }
 
-pub fn rows(table: &mut Table) {
+pub(super) fn rows(table: &mut Table) {
     let row = ["Kubo", "σ√h = 0.1 … 10: turns at random", "midpoint"];
     let found = holds(circle(), |worst| {
         (

@@ -118,7 +118,7 @@ fn angular(state: &State<2>) -> f64 {
     state.q[0] * state.p[1] - state.q[1] * state.p[0]
 }
 
-pub fn rows(table: &mut Table) {
+pub(super) fn rows(table: &mut Table) {
     kepler(table);
     chaos(table);
     coordinates(table);

@@ -74,7 +74,7 @@ fn sweep(run: impl Fn(f64) -> Option<f64>) -> (Verdict, String) {
     (Verdict::Holds, numbers)
 }
 
-pub fn rows(table: &mut Table) {
+pub(super) fn rows(table: &mut Table) {
     use Verdict::{BlowsUp, Holds};
     let case = ["linear oscillator", "stiff: ωh to 1000"];
     let row = |method| [case[0], case[1], method];

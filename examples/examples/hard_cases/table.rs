@@ -4,7 +4,7 @@ use std::fmt;
 
 /// How a case ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub(super) enum Verdict {
     /// What has to be bounded or conserved is.
     Holds,
     /// The method leaves its range: the energy grows without bound.
@@ -37,11 +37,11 @@ struct Row {
 
 /// The rows so far.
 #[derive(Default)]
-pub struct Table(Vec<Row>);
+pub(super) struct Table(Vec<Row>);
 
 impl Table {
     /// Adds a row: the case with what makes it hard, the method, the verdict expected, and what came out.
-    pub fn add(
+    pub(super) fn add(
         &mut self,
         [case, hard, method]: [&'static str; 3],
         expected: Verdict,
@@ -58,7 +58,7 @@ impl Table {
     }
 
     /// Prints the rows; whether every verdict is the expected one.
-    pub fn print(&self) -> bool {
+    pub(super) fn print(&self) -> bool {
         let width = |text: fn(&Row) -> &str| {
             let longest = self.0.iter().map(|row| text(row).chars().count()).max();
             longest.unwrap_or(0)

@@ -9,7 +9,7 @@
 
 use super::solve::solve_oriented;
 use super::{LANES, Lane};
-use crate::newton::{BENT, CALM, Evaluation, NEAR, Newton, QUADRATIC, is_opposite, is_similar};
+use crate::newton::{BENT, CALM, Evaluation, NEAR, Newton, QUADRATIC, is_opposite};
 
 /// Iterations after which lanes on their way are given up, so that they do not hold up the others.
 const LIMIT: u32 = 12;
@@ -26,8 +26,6 @@ pub struct Course<const K: usize> {
     previous: Lane,
     /// What the residuals have to come below in a calm iteration.
     bound: [Lane; K],
-    /// The last slopes, of a single unknown.
-    slope: Lane,
     /// The sign of the determinant of the Jacobian without noise and step; NaN where it is not known.
     origin: Lane,
     end: [u64; LANES],
@@ -44,7 +42,6 @@ impl<const K: usize> Course<K> {
             // so large that the first residual passes for smaller, if it is finite
             previous: [f64::MAX; LANES],
             bound: [[f64::MAX; LANES]; K],
-            slope: [f64::NAN; LANES],
             origin: [f64::NAN; LANES],
             end: [ACTIVE; LANES],
             tolerance: newton.tolerance,
@@ -90,14 +87,16 @@ impl<const K: usize> Course<K> {
         let (relative, update, cubic, orientation) = updates(at);
         let previous = self.previous[lane];
         // as in `Newton`; near rounding there is no test
-        let mut calm = true;
+        let mut calm = (K != 1) | cubic;
         for i in 0..K {
-            calm &= at.residual[i].abs() <= self.bound[i][lane];
-            self.bound[i][lane] = CALM * relative * at.magnitude[i];
-        }
-        if K == 1 {
-            calm &= cubic & is_similar(orientation, self.slope[lane]);
-            self.slope[lane] = orientation;
+            let residual = at.residual[i].abs();
+            calm &= residual <= self.bound[i][lane];
+            let size = if K == 1 {
+                residual
+            } else {
+                relative * at.magnitude[i]
+            };
+            self.bound[i][lane] = CALM * size;
         }
         let usual = (calm | (previous < QUADRATIC)) & !is_opposite(orientation, self.origin[lane]);
         let improves = (relative <= 0.5 * previous) & usual;

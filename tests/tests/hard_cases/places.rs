@@ -92,7 +92,6 @@ fn spherical_pendulum_through_the_pole() {
 /// case; it is finite, or an error that says where.
 #[test]
 fn kepler_collision() {
-    let collision = core::f64::consts::PI / 8.0_f64.sqrt();
     fn check<R>(rule: R, h: f64) -> Option<(StepError, State<2>)>
     where
         Kepler: Variational<R>,
@@ -101,6 +100,7 @@ fn kepler_collision() {
         let start = State::new([1.0, 0.0], [0.0, 0.0]);
         finite(kepler.trajectory(start, h, NoNoise), 100_000)
     }
+    let collision = core::f64::consts::PI / 8.0_f64.sqrt();
     let mut errors = 0;
     for h in [1e-1, 1e-2, 1e-3] {
         let ends = [
