@@ -15,7 +15,6 @@ pub(crate) enum Increments {
     /// Normal, those of [`Wiener`](super::Wiener).
     Normal,
     /// Those of [`ThreePoint`](super::ThreePoint).
-    #[cfg_attr(not(test), allow(dead_code))] // until the driver of ensembles offers it
     ThreePoint,
 }
 

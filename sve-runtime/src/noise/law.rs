@@ -66,19 +66,13 @@ impl Law for ThreePoints {
 
     #[inline(always)]
     fn four(words: [u64; 4], scale: f64) -> [f64; 4] {
-        let step = ROOT_3 * scale;
+        let step = (ROOT_3 * scale).to_bits();
         words.map(|word| {
-            let up = if word.cast_signed() >= Self::BOUND {
-                step
-            } else {
-                0.0
-            };
-            let down = if word.cast_signed() < -Self::BOUND {
-                step
-            } else {
-                0.0
-            };
-            up - down
+            let signs = word.cast_signed() >> 63;
+            // its size, or that less 1 below 0: as far from the end of either sign; comparisons are slow in old vectors
+            let size = word.cast_signed() ^ signs;
+            let small = (size - Self::BOUND) >> 63;
+            f64::from_bits((step | (word & (1 << 63))) & !small.cast_unsigned())
         })
     }
 }
@@ -108,4 +102,27 @@ pub(crate) fn increments<L: Law>(
     scale: f64,
 ) -> [f64; 4] {
     L::four(words::<L>(seed, path, block, process), scale)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Law, ROOT_3, ThreePoints};
+
+    /// ⌊2⁶⁴/6⌋ words give each sign: those at the ends of the range with sign.
+    #[test]
+    fn a_sixth_of_the_words_has_each_sign() {
+        let sixth = ((1_u128 << 64) / 6) as u64;
+        let top = (1_u64 << 63) - 1;
+        let bottom = 1_u64 << 63;
+        let of = |words: [u64; 4]| ThreePoints::four(words, 2.0);
+        let step = 2.0 * ROOT_3;
+        assert_eq!(
+            of([top, top - sixth + 1, top - sixth, 0]),
+            [step, step, 0.0, 0.0]
+        );
+        let low = [bottom, bottom + sixth - 1, bottom + sixth, u64::MAX];
+        assert_eq!(of(low), [-step, -step, 0.0, 0.0]);
+        assert!(of(low)[2..].iter().all(|z| z.is_sign_positive()));
+        assert_eq!(ROOT_3, 3.0_f64.sqrt());
+    }
 }
