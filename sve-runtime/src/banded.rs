@@ -14,8 +14,9 @@ use crate::linear::{Matrix, SINGULAR};
 pub struct Banded<const K: usize, const LOWER: usize, const WIDTH: usize>(pub [[f64; WIDTH]; K]);
 
 impl<const K: usize, const LOWER: usize, const WIDTH: usize> Matrix<K> for Banded<K, LOWER, WIDTH> {
-    fn solve(&self, rhs: &[f64; K]) -> Option<[f64; K]> {
+    fn solve_oriented(&self, rhs: &[f64; K]) -> Option<([f64; K], f64)> {
         let (mut a, mut b) = (self.0, *rhs);
+        let mut negative = false;
         let mut scale = a.map(|row| largest(&row));
         for k in 0..K {
             let end = end::<K, LOWER>(k);
@@ -27,6 +28,7 @@ impl<const K: usize, const LOWER: usize, const WIDTH: usize> Matrix<K> for Bande
             a.swap(k, pivot);
             b.swap(k, pivot);
             scale.swap(k, pivot);
+            negative ^= (a[k][0] < 0.0) ^ (pivot != k);
             for i in k + 1..end {
                 let factor = a[i][0] / a[k][0];
                 for j in 1..WIDTH {
@@ -44,7 +46,7 @@ impl<const K: usize, const LOWER: usize, const WIDTH: usize> Matrix<K> for Bande
             }
             x[k] = sum / a[k][0];
         }
-        Some(x)
+        Some((x, if negative { -1.0 } else { 1.0 }))
     }
 
     fn is_finite(&self) -> bool {
@@ -120,7 +122,7 @@ fn largest<const WIDTH: usize>(row: &[f64; WIDTH]) -> f64 {
 mod tests {
     use super::Banded;
     use crate::linear::tests::Random;
-    use crate::linear::{Matrix, solve};
+    use crate::linear::{Matrix, solve, solve_oriented};
 
     /// The first column of a row.
     fn first<const LOWER: usize>(row: usize) -> usize {
@@ -183,8 +185,9 @@ mod tests {
             let b: [f64; K] = core::array::from_fn(|_| generator.next());
             let dense = full(&a);
             swapped += u32::from((1..K).any(|i| dense[i][i - 1].abs() > dense[i - 1][i - 1].abs()));
-            let (x, y) = (a.solve(&b), solve(&dense, &b));
-            assert_eq!(x, y, "{dense:?} {b:?}");
+            let (x, y) = (solve_oriented(&a, &b), solve_oriented(&dense, &b));
+            let signs = |x: Option<([f64; K], f64)>| x.map(|(x, o)| (x, o < 0.0));
+            assert_eq!(signs(x), signs(y), "{dense:?} {b:?}");
             *(if x.is_some() {
                 &mut solved
             } else {
@@ -213,7 +216,7 @@ mod tests {
         let mut a = Banded::<3, 1, 3>([[2.0, 1.0, 0.0], [1.0, 2.0, 1.0], [1.0, 2.0, 0.0]]);
         assert!(a.is_finite());
         assert_eq!(a.first(), 2.0);
-        assert_eq!(a.solve(&[3.0, 4.0, 3.0]), Some([1.0; 3]));
+        assert_eq!(solve(&a, &[3.0, 4.0, 3.0]), Some([1.0; 3]));
         a.0[2][1] = f64::NAN;
         assert!(!a.is_finite());
     }

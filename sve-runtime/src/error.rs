@@ -50,6 +50,19 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         tolerance: f64,
     },
+    /// The equations of the step have no solution that is connected with the one of a small step without noise; any other that they
+    /// may have belongs to another branch, and is not taken.
+    #[error("{}", no_solution(*t, *h, dw, *reached))]
+    NoSolution {
+        /// Time at the start of the step.
+        t: f64,
+        /// Step size.
+        h: f64,
+        /// Increments of the noise.
+        dw: Vec<f64>,
+        /// The part of the increments up to which the solution exists; NaN where there is none even without noise.
+        reached: f64,
+    },
     /// The equations of the step have a singular Jacobian.
     #[error(
         "the equations of the step from t = {t} with h = {h:e} are singular (iteration {iteration}): \
@@ -94,4 +107,18 @@ pub enum StepError {
         /// What the noise said.
         source: NoiseError,
     },
+}
+
+/// The message of [`StepError::NoSolution`].
+fn no_solution(t: f64, h: f64, dw: &[f64], reached: f64) -> String {
+    let knobs = "take a smaller h, or let the trajectory do so with `refine`";
+    if reached.is_nan() {
+        return format!(
+            "the equations of the step from t = {t} with h = {h:e} have no solution that is connected with that of a small step: {knobs}"
+        );
+    }
+    format!(
+        "the equations of the step from t = {t} with h = {h:e} have no solution for the increments {dw:?} that is connected with \
+         that without noise: it ends at {reached:.3} of them; bound the increments with `Truncated`, {knobs}"
+    )
 }

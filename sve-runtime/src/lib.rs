@@ -77,6 +77,7 @@
 
 mod banded;
 pub mod baseline;
+mod continuation;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 mod error;
@@ -103,7 +104,7 @@ pub use integrator::Integrator;
 pub use lanes::{LANES, Lane, Mask, StateLanes};
 pub use mechanics::{Field, Mechanics};
 pub use method::Method;
-pub use newton::Newton;
+pub use newton::{Newton, Solver};
 pub use plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
 pub use rules::{Endpoint, InitialPoint, Midpoint, Taylor2};
 pub use state::State;
@@ -227,7 +228,7 @@ pub use system::{
     NoiseJet, StateLanesOf, StateOf, StepOf, System, Variational, VectorOf,
 };
 pub use tangent::{Sensitivity, Tangent};
-pub use trajectory::Trajectory;
+pub use trajectory::{Refinements, Trajectory};
 
 /// What a program that integrates a system imports: `use sve_runtime::prelude::*;`.
 pub mod prelude {
@@ -250,11 +251,11 @@ pub mod __private {
     pub mod lane {
         pub use crate::lanes::elementary::*;
         pub use crate::lanes::newton::Course;
-        pub use crate::lanes::solve::solve;
+        pub use crate::lanes::solve::{orientation, solve};
         pub use crate::lanes::{LANES, Lane, Mask, StateLanes, is_left, rows};
     }
-    pub use crate::linear::solve;
-    pub use crate::newton::{Evaluation, Newton, SolveError, spread};
+    pub use crate::linear::{solve, solve_oriented};
+    pub use crate::newton::{Evaluation, Newton, SolveError, Solver, spread};
     pub use crate::plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
     pub use crate::power::power_log;
     pub use crate::rules::Whole;

@@ -13,8 +13,9 @@ pub(crate) const SINGULAR: f64 = 4.0 * f64::EPSILON;
 
 /// A matrix of `K` rows that a step solves with.
 pub trait Matrix<const K: usize> {
-    /// The solution of `a x = b`; nothing where the matrix is singular to rounding.
-    fn solve(&self, b: &[f64; K]) -> Option<[f64; K]>;
+    /// The solution of `a x = b` with a number of the sign of the determinant; nothing where the matrix is singular to
+    /// rounding.
+    fn solve_oriented(&self, b: &[f64; K]) -> Option<([f64; K], f64)>;
     /// Whether all entries are.
     fn is_finite(&self) -> bool;
     /// The entry of the first row and column.
@@ -24,12 +25,18 @@ pub trait Matrix<const K: usize> {
 /// Solves `a x = b`.
 #[inline(always)]
 pub fn solve<const K: usize>(a: &impl Matrix<K>, b: &[f64; K]) -> Option<[f64; K]> {
-    a.solve(b)
+    a.solve_oriented(b).map(|(x, _)| x)
+}
+
+/// Solves `a x = b`; with the solution a number of the sign of the determinant.
+#[inline(always)]
+pub fn solve_oriented<const K: usize>(a: &impl Matrix<K>, b: &[f64; K]) -> Option<([f64; K], f64)> {
+    a.solve_oriented(b)
 }
 
 impl<const K: usize> Matrix<K> for [[f64; K]; K] {
     #[inline(always)]
-    fn solve(&self, b: &[f64; K]) -> Option<[f64; K]> {
+    fn solve_oriented(&self, b: &[f64; K]) -> Option<([f64; K], f64)> {
         dense(self, b)
     }
 
@@ -44,8 +51,9 @@ impl<const K: usize> Matrix<K> for [[f64; K]; K] {
 }
 
 #[inline(always)]
-fn dense<const K: usize>(a: &[[f64; K]; K], b: &[f64; K]) -> Option<[f64; K]> {
+fn dense<const K: usize>(a: &[[f64; K]; K], b: &[f64; K]) -> Option<([f64; K], f64)> {
     let mut x = [0.0; K];
+    let mut orientation = 1.0;
     match K {
         0 => {}
         1 => {
@@ -53,6 +61,7 @@ fn dense<const K: usize>(a: &[[f64; K]; K], b: &[f64; K]) -> Option<[f64; K]> {
                 return None;
             }
             x[0] = b[0] / a[0][0];
+            orientation = a[0][0];
         }
         2 => {
             let (ad, bc) = (a[0][0] * a[1][1], a[0][1] * a[1][0]);
@@ -63,14 +72,16 @@ fn dense<const K: usize>(a: &[[f64; K]; K], b: &[f64; K]) -> Option<[f64; K]> {
             let inverse = 1.0 / det;
             x[0] = (b[0] * a[1][1] - b[1] * a[0][1]) * inverse;
             x[1] = (b[1] * a[0][0] - b[0] * a[1][0]) * inverse;
+            orientation = det;
         }
         _ => return eliminate(a, b),
     }
-    Some(x)
+    Some((x, orientation))
 }
 
-fn eliminate<const K: usize>(matrix: &[[f64; K]; K], rhs: &[f64; K]) -> Option<[f64; K]> {
+fn eliminate<const K: usize>(matrix: &[[f64; K]; K], rhs: &[f64; K]) -> Option<([f64; K], f64)> {
     let (mut a, mut b) = (*matrix, *rhs);
+    let mut negative = false;
     let mut scale = [0.0; K];
     for i in 0..K {
         scale[i] = largest(&a[i]);
@@ -91,6 +102,7 @@ fn eliminate<const K: usize>(matrix: &[[f64; K]; K], rhs: &[f64; K]) -> Option<[
         a.swap(k, pivot);
         b.swap(k, pivot);
         scale.swap(k, pivot);
+        negative ^= (a[k][k] < 0.0) ^ (pivot != k);
         for i in k + 1..K {
             let factor = a[i][k] / a[k][k];
             for j in k + 1..K {
@@ -107,7 +119,7 @@ fn eliminate<const K: usize>(matrix: &[[f64; K]; K], rhs: &[f64; K]) -> Option<[
         }
         x[k] = sum / a[k][k];
     }
-    Some(x)
+    Some((x, if negative { -1.0 } else { 1.0 }))
 }
 
 /// Solves `a x = b` for many right-hand sides, the columns of `b`, which become the solutions. Both are stored row by row,
@@ -193,7 +205,7 @@ fn cancelled<const K: usize>(matrix: &[[f64; K]; K], k: usize) -> bool {
 
 #[cfg(test)]
 pub(crate) mod tests {
-    use super::solve;
+    use super::{solve, solve_oriented};
 
     /// `SplitMix64`, uniform in [−1, 1).
     pub(crate) struct Random(pub(crate) u64);
@@ -272,6 +284,38 @@ pub(crate) mod tests {
         for i in 0..K {
             assert_eq!(x[i], i as f64);
         }
+    }
+
+    /// The determinant by permutations, which is exact enough to have a sign.
+    fn determinant<const K: usize>(a: &[[f64; K]; K], row: usize, used: usize) -> f64 {
+        let (mut sum, mut sign) = (0.0, 1.0);
+        if row == K {
+            return 1.0;
+        }
+        for j in (0..K).filter(|j| used >> j & 1 == 0) {
+            sum += sign * a[row][j] * determinant(a, row + 1, used | 1 << j);
+            sign = -sign;
+        }
+        sum
+    }
+
+    fn orientations<const K: usize>() {
+        let mut random = Random(300 + K as u64);
+        for _ in 0..500 {
+            let a = random.matrix::<K>();
+            let expected = determinant(&a, 0, 0);
+            let (_, orientation) = solve_oriented(&a, &[1.0; K]).unwrap();
+            assert_eq!(orientation < 0.0, expected < 0.0, "{a:?}");
+        }
+    }
+
+    #[test]
+    fn the_orientation_has_the_sign_of_the_determinant() {
+        orientations::<1>();
+        orientations::<2>();
+        orientations::<3>();
+        orientations::<4>();
+        orientations::<5>();
     }
 
     #[test]

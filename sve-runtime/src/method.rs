@@ -1,11 +1,13 @@
 //! One-step methods: what a trajectory can be made of.
 
 use crate::Integrator;
+use crate::continuation::{self, Lost};
 use crate::error::StepError;
 use crate::lanes::{ALL, Lane, Mask, StateLanes};
 use crate::linear;
-use crate::newton::SolveError;
+use crate::newton::{SolveError, Solver};
 use crate::noise::Noise;
+use crate::plan::{BlockKind, Plan};
 use crate::state::State;
 use crate::system::{
     Dims, IncrementLanesOf, IncrementsOf, StateLanesOf, StateOf, System, Variational,
@@ -139,14 +141,115 @@ pub(crate) fn solve_step<S, R, const N: usize, const M: usize>(
 where
     S: Variational<R> + System<Dims = Dims<N, M>>,
 {
-    let system = integrator.system();
-    let error = match system.increment(prepared, state, h, dw, integrator.newton()) {
+    let solver = Solver::new(integrator.newton());
+    let error = match integrator
+        .system()
+        .increment(prepared, state, h, dw, &solver)
+    {
         Ok((q, p, x)) if S::RETURNS_STATE && replace(state, h, &q, &p) => return Ok(x),
         Ok((dq, dp, x)) if !S::RETURNS_STATE && add(state, h, &dq, &dp) => return Ok(x),
         Ok(_) => SolveError::NonFinite,
         Err(error) => error,
     };
+    // asked of the plan at compile time: a step that does not iterate keeps its state in registers
+    if const { iterates(S::PLAN) } {
+        let (end, x) = rescue(integrator, &{ *state }, h, &{ *dw })?;
+        *state = end;
+        return Ok(x);
+    }
     let error = explain(error, &{ *state }, h, &{ *dw });
+    Err(look_at_the_mass(integrator.system(), error))
+}
+
+/// Whether a block of the step is solved by Newton's method.
+const fn iterates(plan: &Plan) -> bool {
+    let mut at = 0;
+    while at < plan.blocks.len() {
+        if matches!(plan.blocks[at].kind, BlockKind::Newton) {
+            return true;
+        }
+        at += 1;
+    }
+    false
+}
+
+/// One step that keeps in `rest` what rounding takes from the state.
+#[inline]
+pub(crate) fn compensated_step<S, R, const N: usize, const M: usize>(
+    integrator: &Integrator<S, R>,
+    prepared: &S::Prepared,
+    state: &mut State<N>,
+    rest: &mut State<N>,
+    h: f64,
+    dw: &[f64; M],
+) -> Result<(), StepError>
+where
+    S: Variational<R> + System<Dims = Dims<N, M>>,
+{
+    let solver = Solver::new(integrator.newton());
+    let system = integrator.system();
+    let Ok((dq, dp, _)) = system.increment(prepared, state, h, dw, &solver) else {
+        // rare: nothing is gained from the increments that are followed to
+        return solve_step(integrator, prepared, state, h, dw).map(|_| ());
+    };
+    let (mut q, mut p, mut low) = (state.q, state.p, *rest);
+    for i in 0..N {
+        (q[i], low.q[i]) = two_sum(q[i], dq[i] + rest.q[i]);
+        (p[i], low.p[i]) = two_sum(p[i], dp[i] + rest.p[i]);
+    }
+    if !replace(state, h, &q, &p) {
+        let error = explain(SolveError::NonFinite, &{ *state }, h, &{ *dw });
+        return Err(look_at_the_mass(system, error));
+    }
+    *rest = low;
+    Ok(())
+}
+
+/// A sum and its rounding error, exactly (Knuth).
+#[inline]
+fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let second = sum - a;
+    (sum, (a - (sum - second)) + (b - second))
+}
+
+/// The step where its equations were not solved in the usual course: the solution followed from that without noise, one that has
+/// to be trusted where there is none to follow, or why there is none.
+#[cold]
+#[inline(never)]
+fn rescue<S, R, const N: usize, const M: usize>(
+    integrator: &Integrator<S, R>,
+    state: &State<N>,
+    h: f64,
+    dw: &[f64; M],
+) -> Result<(State<N>, S::Unknowns), StepError>
+where
+    S: Variational<R> + System<Dims = Dims<N, M>>,
+{
+    let system = integrator.system();
+    let found = match continuation::follow(integrator, state, h, dw) {
+        Some(Ok(found)) => Ok(found),
+        Some(Err(Lost { noise })) => {
+            return Err(StepError::NoSolution {
+                t: state.t,
+                h,
+                dw: dw.to_vec(),
+                reached: noise,
+            });
+        }
+        None => {
+            let solver = Solver::trusting(integrator.newton());
+            system.increment(&system.prepare(h), state, h, dw, &solver)
+        }
+    };
+    let mut end = *state;
+    let error = match found {
+        Ok((q, p, x)) if S::RETURNS_STATE && replace(&mut end, h, &q, &p) => return Ok((end, x)),
+        Ok((q, p, x)) if !S::RETURNS_STATE && add(&mut end, h, &q, &p) => return Ok((end, x)),
+        Ok(_) => SolveError::NonFinite,
+        Err(error) => error,
+    };
+    let error = explain(error, state, h, dw);
     Err(look_at_the_mass(system, error))
 }
 
@@ -275,6 +378,12 @@ pub(crate) fn explain<const N: usize, const M: usize>(
             iterations,
             residual,
             tolerance,
+        },
+        SolveError::OtherBranch => StepError::NoSolution {
+            t,
+            h,
+            dw: dw.to_vec(),
+            reached: f64::NAN,
         },
         SolveError::Singular { iteration } => StepError::Singular {
             t,

@@ -3,6 +3,22 @@
 //! Input: a first guess and a function that gives residual, the size of the residual's terms and the Jacobian.
 //! Output: the root, to rounding. Invariant: every test compares a residual with the terms it is the sum of, so the method
 //! does the same when the units of any unknown or equation change.
+//!
+//! **Which root.** Equations of a step may have several solutions; the step is the one that is connected with rest, no noise and
+//! h → 0. An iteration is *calm* where each Jacobian has the orientation (the sign of the determinant) of the one in that limit,
+//! and each update passes the test of Kantorovich: a residual that is at most a quarter of the one before, beside the terms it had then;
+//! of a single unknown also |f f″| ≤ ½ f′² (the theorem gives these bounds). Where the second derivative
+//! does not change much between guess and root, no fold of the equations lies between them. Of a single unknown the root of an
+//! iteration that was not calm is accepted too, if the orientation holds all along the segment from the guess, at 17 points. Both
+//! tests sample: they are cheap rather than sufficient. What fails them is left to [`continuation`](crate::continuation).
+//!
+//! Sources: Ortega, Rheinboldt, *Iterative Solution of Nonlinear Equations in Several Variables* (1970), section 12.6;
+//! Deuflhard, *Newton Methods for Nonlinear Problems* (2011), section 2.1.
+
+mod solver;
+
+pub use solver::Solver;
+pub(crate) use solver::Tape;
 
 use crate::linear::Matrix;
 
@@ -17,7 +33,7 @@ use crate::linear::Matrix;
 pub struct Newton {
     /// Residual, relative to the sum of its terms' magnitudes, that counts as zero.
     pub tolerance: f64,
-    /// Iterations (Jacobian evaluations) after which the step fails.
+    /// Iterations (Jacobian evaluations) after which an attempt fails; a step makes several before it does.
     pub max_iterations: u32,
 }
 
@@ -63,6 +79,8 @@ pub enum SolveError {
     },
     /// Residual or Jacobian is NaN or infinite.
     NonFinite,
+    /// What was found is separated by singular Jacobians from where the solution comes from.
+    OtherBranch,
 }
 
 /// Below the square root of rounding an exact Newton step squares the residual; one that does not even halve it
@@ -82,6 +100,18 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Halvings of an update that leads out of the domain of the equations.
 const HALVINGS: u32 = 60;
 
+/// Halvings of an update that does not reduce the residual.
+const DAMPINGS: u32 = 24;
+
+/// Part of the decrease that the slope promises with which a damped update is content.
+const DECREASE: f64 = 0.25;
+
+/// Parts of the segment from a guess to its root at whose ends the Jacobian is looked at.
+const PARTS: u32 = 16;
+
+/// What an iteration of several unknowns in reach of its root multiplies the residual by, at most (Kantorovich).
+pub(crate) const CALM: f64 = 0.25;
+
 /// Where an iteration stands.
 #[derive(Clone, Copy)]
 struct Run<const K: usize> {
@@ -91,14 +121,56 @@ struct Run<const K: usize> {
     from: [f64; K],
     /// Relative residual there.
     previous: f64,
+    /// What the residuals have to come below in a calm iteration.
+    bound: [f64; K],
     /// Updates made.
     iteration: u32,
     /// Halvings of the last update.
     halvings: u32,
+    /// Whether nothing but the usual course was taken.
+    calm: bool,
+    /// Whether updates have to reduce the residual.
+    damped: bool,
+    /// Relative residual that is accepted.
+    tolerance: f64,
+    /// Where the segment from the guess to the root is looked at: the number of the point, from 1. `from` is the root then.
+    sample: u32,
+}
+
+/// How an iteration is to go.
+#[derive(Clone, Copy)]
+struct Way {
+    /// The sign of the determinant of the Jacobian where the solution comes from; NaN where it is not known.
+    origin: f64,
+    trust: Trust,
+}
+
+/// What is accepted beside the root of a calm iteration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Trust {
+    /// Nothing.
+    Calm,
+    /// A single unknown with the right orientation all along the segment from its guess: no fold is between them. With more
+    /// unknowns a segment says little, since ways lead around folds.
+    Segment,
+    /// Any root with the right orientation all along the segment, where there is no better way to know.
+    Any,
+}
+
+impl Trust {
+    /// Whether an iteration in so many unknowns that was not calm may be of use.
+    fn extends_to(self, unknowns: usize) -> bool {
+        match self {
+            Self::Calm => false,
+            Self::Segment => unknowns == 1,
+            Self::Any => true,
+        }
+    }
 }
 
 impl Newton {
-    /// The root near `guess`; from the point that `fallback` gives where the iteration fails from there.
+    /// The root near `guess`; as far as these are trusted: if none is reached from there, from the point that `fallback` gives; if none from there either, by
+    /// updates from `guess` that are halved until they reduce the residual.
     ///
     /// It is accepted where the residual is `tolerance` times the terms it is the sum of, or where it no longer shrinks
     /// for want of digits: those of its terms' inner sums, or those of the unknowns. `rounding` tells by how much the
@@ -111,19 +183,20 @@ impl Newton {
     ///
     /// # Errors
     /// [`SolveError`] when the iteration limit is reached or the iteration stands still away from a root, the Jacobian is
-    /// singular, or no finite residual can be found; the one from the second point.
+    /// singular, no finite residual can be found, or the root belongs to another branch; the last one.
     #[inline]
-    pub fn solve_or<const K: usize, J: Matrix<K>>(
+    fn solve_or<const K: usize, J: Matrix<K>>(
         &self,
         guess: [f64; K],
+        way: Way,
         fallback: impl FnOnce() -> [f64; K],
         rounding: impl Fn(&[f64; K]) -> [f64; K],
         evaluate: impl Fn(&[f64; K]) -> Evaluation<K, J>,
     ) -> Result<[f64; K], SolveError> {
-        self.iterate(guess, Some(fallback), rounding, evaluate)
+        self.iterate(guess, way, Some(fallback), rounding, evaluate)
     }
 
-    /// The root near `guess`, as [`solve_or`](Self::solve_or) without a second point or a bound of rounding errors.
+    /// The root near `guess`, without a second point, a bound of rounding errors or a place that it comes from.
     ///
     /// # Errors
     /// As there.
@@ -133,62 +206,99 @@ impl Newton {
         guess: [f64; K],
         evaluate: impl Fn(&[f64; K]) -> Evaluation<K, J>,
     ) -> Result<[f64; K], SolveError> {
-        self.iterate(guess, None::<fn() -> [f64; K]>, |_| [0.0; K], evaluate)
+        let way = Way {
+            origin: f64::NAN,
+            trust: Trust::Any,
+        };
+        self.iterate(guess, way, None::<fn() -> [f64; K]>, |_| [0.0; K], evaluate)
     }
 
     #[inline]
     fn iterate<const K: usize, J: Matrix<K>>(
         &self,
         guess: [f64; K],
+        way: Way,
         mut fallback: Option<impl FnOnce() -> [f64; K]>,
         rounding: impl Fn(&[f64; K]) -> [f64; K],
         evaluate: impl Fn(&[f64; K]) -> Evaluation<K, J>,
     ) -> Result<[f64; K], SolveError> {
-        let mut run = Run::from(guess);
+        let single = fallback.is_none() || !way.trust.extends_to(K);
+        let mut run = Run::from(guess, self.tolerance);
         loop {
             // The only call, so that the equations are compiled into the loop.
             let at = evaluate(&run.x);
             let relative = relative(&at);
             // A guess that satisfies singular equations is one of many that do.
-            if relative <= self.tolerance && (run.iteration > 0 || update(&at).is_some()) {
-                return Ok(run.x);
-            }
-            if relative <= 0.5 * run.previous
-                && run.iteration < self.max_iterations
-                && let Some(arrived) = self.update(&mut run, &at, relative)
+            let arrived = if relative <= run.tolerance
+                && (run.iteration > 0 || is_regular(&at, way.origin))
             {
-                if arrived {
+                true
+            } else if relative <= 0.5 * run.previous
+                && run.is_calm(&at)
+                && run.iteration < self.max_iterations
+                && let Some(arrived) = self.update(&mut run, &at, relative, way.origin)
+            {
+                arrived
+            } else {
+                match self.doubt(run, &at, relative, way, &guess, &rounding) {
+                    Ok(Doubt::Root(root)) => return Ok(root),
+                    Ok(Doubt::Arrived(at)) => {
+                        run = at;
+                        true
+                    }
+                    Ok(Doubt::Goes(on)) => {
+                        run = on;
+                        continue;
+                    }
+                    Err(error) if single || run.damped => return Err(error),
+                    Err(_) => {
+                        run = match fallback.take() {
+                            // a calm way from another point says nothing of the guess
+                            Some(fallback) => Run {
+                                calm: false,
+                                ..Run::from(fallback(), self.tolerance)
+                            },
+                            None => Run::damped(guess, self.tolerance),
+                        };
+                        continue;
+                    }
+                }
+            };
+            if arrived {
+                let extends = way.trust.extends_to(K);
+                if run.calm || (way.origin.is_nan() && extends) {
                     return Ok(run.x);
                 }
-                continue;
-            }
-            match self.doubt(run, &at, relative, &rounding) {
-                Ok(Doubt::Root(x)) => return Ok(x),
-                Ok(Doubt::Goes(on)) => run = on,
-                Err(error) => match fallback.take() {
-                    Some(fallback) => run = Run::from(fallback()),
-                    None => return Err(error),
-                },
+                if !extends {
+                    return Err(SolveError::OtherBranch);
+                }
+                run = run.to_be_looked_at(&guess);
             }
         }
     }
 
-    /// Moves on; whether to the root. Nothing where the Jacobian is singular or the update not finite.
+    /// Moves on; whether to the root. Nothing where the Jacobian is singular or of another orientation than at `origin`, or the
+    /// update not finite.
     #[inline]
     fn update<const K: usize, J: Matrix<K>>(
         &self,
         run: &mut Run<K>,
         at: &Evaluation<K, J>,
         relative: f64,
+        origin: f64,
     ) -> Option<bool> {
-        let (update, cubic) = update(at)?;
+        let Update {
+            by: update,
+            cubic,
+            orientation,
+        } = update(at)?;
         let mut x = run.x;
         let mut sum = 0.0;
         for i in 0..K {
             x[i] -= update[i];
             sum += update[i];
         }
-        if !sum.is_finite() {
+        if !sum.is_finite() || is_opposite(orientation, origin) {
             return None;
         }
         // r_{k+1} ≈ (r_k / r_{k−1}²) r_k², or with cubes, with a factor of 16 to spare; an update that was damped or
@@ -200,26 +310,47 @@ impl Newton {
             (r2 * relative, p2)
         };
         let arrived = 16.0 * next <= self.tolerance * ratio && run.previous < NEAR;
+        let mut bound = [0.0; K];
+        for i in 0..K {
+            // of a single residual that is a part of itself, at hand before the division
+            bound[i] = if K == 1 {
+                CALM * at.residual[i].abs()
+            } else {
+                CALM * relative * at.magnitude[i]
+            };
+        }
         *run = Run {
             x,
             from: run.x,
             previous: relative,
+            bound,
             iteration: run.iteration + 1,
             halvings: 0,
+            // of a single unknown the bend of its curve, which decides on the order, is the test of Kantorovich
+            calm: run.calm && (K != 1 || cubic),
+            ..*run
         };
         Some(arrived)
     }
 
-    /// Decides where an evaluation is not finite, an update did not halve the residual, the limit is reached or the
-    /// Jacobian is singular.
+    /// Decides where an evaluation is not finite, an update did not halve the residual or was not calm, the limit is reached or
+    /// the Jacobian is singular or turned.
     #[cold]
     fn doubt<const K: usize, J: Matrix<K>>(
         &self,
         mut run: Run<K>,
         at: &Evaluation<K, J>,
         relative: f64,
+        way: Way,
+        start: &[f64; K],
         rounding: &impl Fn(&[f64; K]) -> [f64; K],
     ) -> Result<Doubt<K>, SolveError> {
+        if run.sample > 0 {
+            if !relative.is_finite() {
+                return Err(SolveError::OtherBranch);
+            }
+            return run.look(at, way.origin, start);
+        }
         if !relative.is_finite() {
             return run.retreat().map(Doubt::Goes);
         }
@@ -236,7 +367,7 @@ impl Newton {
             // its tolerance.
             let digits_are_gone = relative < NEAR && jacobian_is_finite && (0..K).all(at_rounding);
             if relative < QUADRATIC || digits_are_gone {
-                return Ok(Doubt::Root(run.x));
+                return Ok(Doubt::Arrived(run));
             }
             // A residual of products whose factors cancel, such as the force between neighbours far from the origin, may be
             // all rounding: it cannot shrink beside its terms, which are as small.
@@ -247,7 +378,7 @@ impl Newton {
                 size <= satisfied || (size <= bounds[i] && bounds[i].is_finite())
             };
             if run.iteration > 0 && jacobian_is_finite && (0..K).all(is_rounding) {
-                return Ok(Doubt::Root(run.x));
+                return Ok(Doubt::Arrived(run));
             }
             if run.x == run.from {
                 return Err(if jacobian_is_finite {
@@ -257,11 +388,21 @@ impl Newton {
                 });
             }
         }
-        if run.iteration >= self.max_iterations {
+        // below that the residual may be shrinking into its rounding
+        run.calm &= run.previous < QUADRATIC;
+        if run.iteration >= self.max_iterations || !(run.calm || way.trust.extends_to(K)) {
             return Err(not_converged);
         }
-        match self.update(&mut run, at, relative) {
-            Some(true) => Ok(Doubt::Root(run.x)),
+        if run.damped && !run.decreased(relative) {
+            let nearer = run.retreat()?;
+            if nearer.halvings > DAMPINGS {
+                return Err(not_converged);
+            }
+            return Ok(Doubt::Goes(nearer));
+        }
+        // another orientation far from the root need not be one at the root
+        match self.update(&mut run, at, relative, f64::NAN) {
+            Some(true) => Ok(Doubt::Arrived(run)),
             Some(false) => Ok(Doubt::Goes(run)),
             None if update(at).is_none() => Err(SolveError::Singular {
                 iteration: run.iteration + 1,
@@ -273,22 +414,87 @@ impl Newton {
 
 /// What [`Newton::doubt`] decides.
 enum Doubt<const K: usize> {
-    /// This is the root.
+    /// This is the root, and of the right branch.
     Root([f64; K]),
+    /// This is a root.
+    Arrived(Run<K>),
     /// The iteration goes on from here.
     Goes(Run<K>),
 }
 
 impl<const K: usize> Run<K> {
-    fn from(guess: [f64; K]) -> Self {
+    fn from(guess: [f64; K], tolerance: f64) -> Self {
         Self {
             x: guess,
             from: [0.0; K],
             // so large that the first residual passes for smaller, if it is finite
             previous: f64::MAX,
+            bound: [f64::MAX; K],
             iteration: 0,
             halvings: 0,
+            calm: true,
+            damped: false,
+            tolerance,
+            sample: 0,
         }
+    }
+
+    fn damped(guess: [f64; K], tolerance: f64) -> Self {
+        Self {
+            damped: true,
+            ..Self::from(guess, tolerance)
+        }
+    }
+
+    /// Whether the residuals are as much smaller as those of an iteration in reach of its root.
+    #[inline]
+    fn is_calm<J>(&self, at: &Evaluation<K, J>) -> bool {
+        let mut calm = true;
+        for i in 0..K {
+            calm &= at.residual[i].abs() <= self.bound[i];
+        }
+        calm
+    }
+
+    /// Whether the residual is smaller by a part of what the slope promises for a part of an update.
+    fn decreased(&self, relative: f64) -> bool {
+        let part = 0.5_f64.powi(self.halvings as i32);
+        self.previous == f64::MAX || relative <= (1.0 - DECREASE * part) * self.previous
+    }
+
+    /// From a root: looks at the segment from the guess to it.
+    #[cold]
+    fn to_be_looked_at(self, start: &[f64; K]) -> Self {
+        Self {
+            x: *start,
+            from: self.x,
+            // neither accepted nor improved: each evaluation comes to `look`
+            tolerance: -1.0,
+            previous: -1.0,
+            sample: 1,
+            ..self
+        }
+    }
+
+    /// Looks at a point of the segment from the guess to the root.
+    fn look<J: Matrix<K>>(
+        mut self,
+        at: &Evaluation<K, J>,
+        origin: f64,
+        start: &[f64; K],
+    ) -> Result<Doubt<K>, SolveError> {
+        if !is_regular(at, origin) {
+            return Err(SolveError::OtherBranch);
+        }
+        if self.sample > PARTS {
+            return Ok(Doubt::Root(self.from));
+        }
+        let part = f64::from(self.sample) / f64::from(PARTS);
+        for i in 0..K {
+            self.x[i] = start[i] + part * (self.from[i] - start[i]);
+        }
+        self.sample += 1;
+        Ok(Doubt::Goes(self))
     }
 
     /// Half the way back from a point where the equations are not defined.
@@ -307,6 +513,7 @@ impl<const K: usize> Run<K> {
         Ok(Self {
             x: nearer,
             halvings: self.halvings + 1,
+            calm: false,
             ..self
         })
     }
@@ -322,12 +529,27 @@ pub fn spread(f: impl Fn(f64) -> f64, x: f64, error: f64) -> f64 {
     largest + 0.0 * above + f64::EPSILON * value.abs()
 }
 
-/// The update, and whether it is of third order: of a single unknown, Newton's `u = f/f′` becomes Chebyshev's
+/// An update of the unknowns.
+struct Update<const K: usize> {
+    /// What is to be subtracted.
+    by: [f64; K],
+    /// Whether it is of third order.
+    cubic: bool,
+    /// A number of the sign of the determinant of the Jacobian.
+    orientation: f64,
+}
+
+/// The update: of a single unknown, Newton's `u = f/f′` becomes Chebyshev's
 /// `u + ½ (f″/f′) u²` where that is a small change (Traub, Iterative Methods for the Solution of Equations, section 5).
 #[inline]
-fn update<const K: usize, J: Matrix<K>>(at: &Evaluation<K, J>) -> Option<([f64; K], bool)> {
+fn update<const K: usize, J: Matrix<K>>(at: &Evaluation<K, J>) -> Option<Update<K>> {
     if K != 1 {
-        return Some((at.jacobian.solve(&at.residual)?, false));
+        let (by, orientation) = at.jacobian.solve_oriented(&at.residual)?;
+        return Some(Update {
+            by,
+            cubic: false,
+            orientation,
+        });
     }
     let slope = at.jacobian.first();
     if slope == 0.0 {
@@ -336,11 +558,32 @@ fn update<const K: usize, J: Matrix<K>>(at: &Evaluation<K, J>) -> Option<([f64; 
     // two divisions at once: one, of which the other quantity is a multiple, would be followed by the multiplication
     let mut update = [at.residual[0] / slope; K];
     let bend = 0.5 * at.curvature / slope * update[0];
-    if bend.abs() <= BENT {
+    let cubic = bend.abs() <= BENT;
+    let by = if cubic {
         update[0] += bend * update[0];
-        Some((update, true))
+        update
     } else {
-        Some((straight(update), false))
+        straight(update)
+    };
+    Some(Update {
+        by,
+        cubic,
+        orientation: slope,
+    })
+}
+
+/// Whether two determinants are of opposite signs; a NaN has none.
+#[inline(always)]
+pub(crate) fn is_opposite(a: f64, b: f64) -> bool {
+    (a < 0.0 && b > 0.0) || (a > 0.0 && b < 0.0)
+}
+
+/// Whether the Jacobian has an inverse, and the orientation of the one where the solution comes from.
+#[inline]
+fn is_regular<const K: usize, J: Matrix<K>>(at: &Evaluation<K, J>, origin: f64) -> bool {
+    match update(at) {
+        Some(update) => !is_opposite(update.orientation, origin),
+        None => false,
     }
 }
 

@@ -4,7 +4,7 @@
 //! [`System::Dims`], so that `Integrator<S, R>` needs no constants in its type.
 
 use crate::lanes::{ALL, Lane, Mask, StateLanes};
-use crate::newton::{Newton, SolveError};
+use crate::newton::{Newton, SolveError, Solver};
 use crate::plan::Plan;
 use crate::state::State;
 use crate::tangent::Linearisation;
@@ -223,7 +223,7 @@ pub trait Variational<R>: System {
         state: &StateOf<Self>,
         h: f64,
         dw: &IncrementsOf<Self>,
-        newton: &Newton,
+        newton: &Solver<'_>,
     ) -> Result<StepOf<Self, R>, SolveError>;
     /// One step of each lane where its equations are solved in the usual course; the lanes whose states were left as they are,
     /// for [`increment`](Self::increment) to step or to say why not. Times are left alone everywhere.
@@ -317,7 +317,7 @@ impl<S: Variational<R>, R> Variational<R> for &S {
         state: &StateOf<S>,
         h: f64,
         dw: &IncrementsOf<S>,
-        newton: &Newton,
+        newton: &Solver<'_>,
     ) -> Result<StepOf<S, R>, SolveError> {
         (**self).increment(prepared, state, h, dw, newton)
     }

@@ -148,8 +148,9 @@ fn without_a_failure() {
 
 #[test]
 fn newton_limit() {
+    // with one iteration each the solution could still be followed from short steps
     let options = Newton {
-        max_iterations: 1,
+        max_iterations: 0,
         ..Newton::default()
     };
     let pendulum = Integrator::new(pendulum(), Midpoint).with_newton(options);
@@ -165,13 +166,13 @@ fn newton_limit() {
     else {
         panic!("{error:?}");
     };
-    assert_eq!((t, h, iterations), (2.5, 0.5, 1));
+    assert_eq!((t, h, iterations), (2.5, 0.5, 0));
     assert_eq!(tolerance, options.tolerance);
     assert!(tolerance < residual && residual < 1.0, "{residual}");
     says(
         &error,
         &[
-            "after 1 iterations".to_owned(),
+            "after 0 iterations".to_owned(),
             "t = 2.5".to_owned(),
             "h = 5e-1".to_owned(),
             format!("{residual:e}"),
@@ -198,6 +199,7 @@ fn no_solution() {
             Ok(()) => assert!(state.q.iter().chain(&state.p).all(|x| x.is_finite())),
             Err(
                 StepError::NotConverged { t, h, .. }
+                | StepError::NoSolution { t, h, .. }
                 | StepError::Singular { t, h, .. }
                 | StepError::NonFiniteResult { t, h, .. },
             ) => {

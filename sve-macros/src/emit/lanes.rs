@@ -198,7 +198,8 @@ impl Writer<'_> {
                 }
                 (Solve::Iteration(newton), Solution::Iteration(iteration)) => {
                     let (course, guess) = (course(at), self.guess(at, newton, iteration));
-                    section.extend(quote!(#course.begin(lane, #guess);));
+                    let origin = self.origin(newton);
+                    section.extend(quote!(#course.begin(lane, #guess, #origin);));
                     let size = Literal::usize_unsuffixed(iteration.iterates.len());
                     let one = self.one(self.loops.of_block[at], &section);
                     let iterate = self.iterate(at, newton, iteration);
@@ -295,10 +296,24 @@ impl Writer<'_> {
         })
     }
 
+    /// A number of the sign of the determinant in the limit of no noise and h → 0.
+    fn origin(&self, newton: &Newton) -> TokenStream {
+        let (private, printer) = (self.private, self.printer);
+        match &newton.origin {
+            Some(origin) => {
+                // the lanes have no bands
+                let matrix = printer.matrix(&origin.rows);
+                quote!(#private::lane::orientation(&#matrix))
+            }
+            None => quote!(f64::NAN),
+        }
+    }
+
     fn iterate(&self, at: usize, newton: &Newton, iteration: &Iteration) -> TokenStream {
         let (private, printer) = (self.private, self.printer);
         let Newton {
             guess: _,
+            origin: _,
             refinement: _,
             residual,
             magnitude,

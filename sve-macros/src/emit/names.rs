@@ -13,7 +13,7 @@ use crate::schedule::{Operation, Program, Scheduler, Tier, Value};
 use crate::symbolic::{self, Arena, Expr, Function, Symbol};
 
 /// Variables of emitted code that are no values of the program.
-const DECLARED: [&str; 31] = [
+const DECLARED: [&str; 32] = [
     "q",
     "v",
     "p",
@@ -39,6 +39,7 @@ const DECLARED: [&str; 31] = [
     "q_lane",
     "p_lane",
     "guess",
+    "origin",
     "refinement",
     "fallback",
     "rounding",

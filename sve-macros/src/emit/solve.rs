@@ -76,6 +76,7 @@ impl Solver<'_> {
         } = self;
         let Newton {
             guess,
+            origin,
             refinement: _,
             residual,
             magnitude,
@@ -94,14 +95,19 @@ impl Solver<'_> {
         let iterates = names(&iteration.iterates, symbols);
         let solved = names(&iteration.solved, symbols);
         let statements = printer.statements(Tier::Iterate(at));
+        // the matrix of the guess is the one of the limit
+        let (oriented, origin) = match origin {
+            Some(_) => (quote!(origin), quote!(origin)),
+            None => (quote!(_), quote!(f64::NAN)),
+        };
         quote! {
-            let guess = match #private::solve(&#matrix, &#rhs) {
-                ::core::option::Option::Some(guess) => { #guessed }
-                ::core::option::Option::None => #rest,
+            let (guess, origin) = match #private::solve_oriented(&#matrix, &#rhs) {
+                ::core::option::Option::Some((guess, #oriented)) => ({ #guessed }, #origin),
+                ::core::option::Option::None => (#rest, f64::NAN),
             };
             let fallback = || { #fallback };
             let rounding = |&#iterates: &[f64; #size]| { #rounding };
-            let #solved = newton.solve_or(guess, fallback, rounding, |&#iterates: &[f64; #size]| {
+            let #solved = newton.solve_or(guess, origin, fallback, rounding, |&#iterates: &[f64; #size]| {
                 #statements
                 #private::Evaluation {
                     residual: #residual,

@@ -76,7 +76,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
                     state: &#private::State<#n>,
                     h: f64,
                     dw: &[f64; #m],
-                    newton: &#private::Newton,
+                    newton: &#private::Solver<'_>,
                 ) -> ::core::result::Result<([f64; #n], [f64; #n], [f64; 0]), #private::SolveError> {
                     #fail
                 }

@@ -44,6 +44,8 @@ pub(super) struct Matrix {
 /// An iteration.
 pub(super) struct Newton {
     pub(super) guess: System,
+    /// The Jacobian in the limit of no noise and h → 0, where it exists: its determinant has the sign of that of the solution.
+    pub(super) origin: Option<Matrix>,
     /// Right-hand side of the second stage of the guess.
     pub(super) refinement: Option<Vec<Value>>,
     pub(super) residual: Vec<Value>,
@@ -125,7 +127,7 @@ fn wanted(scheme: &Scheme, start: Start) -> (Tiers, Vec<Expr>) {
             Solution::Iteration(iteration) => {
                 let guess = start(iteration);
                 let Iteration {
-                    guess: _,
+                    guess: limit,
                     refinement,
                     fallback: _,
                     singular_at_rest: _,
@@ -141,6 +143,9 @@ fn wanted(scheme: &Scheme, start: Start) -> (Tiers, Vec<Expr>) {
                 }
                 tiers.extend(iterates.iter().map(|&s| (s, Tier::Iterate(at))));
                 tiers.extend(solved.iter().map(|&s| (s, Tier::Solved(at))));
+                if !std::ptr::eq(guess, limit) {
+                    all.extend(limit.matrix.iter().flatten());
+                }
                 let matrices = guess.matrix.iter().chain(jacobian).flatten();
                 all.extend(matrices.chain(&guess.rhs).chain(residual).chain(curvature));
             }
@@ -165,6 +170,8 @@ impl Solve {
             Solution::System { linear, solved: _ } => Self::System(System::new(linear, scheduler)),
             Solution::Iteration(iteration) => {
                 let guess = System::new(start(iteration), scheduler);
+                let origin = (!iteration.singular_at_rest)
+                    .then(|| Matrix::new(&iteration.guess.matrix, scheduler));
                 let refinement = iteration.refinement.as_ref();
                 let refinement = refinement.map(|r| scheduler.values(&r.rhs));
                 let jacobian = Matrix::new(&iteration.jacobian, scheduler);
@@ -172,6 +179,7 @@ impl Solve {
                 let (residual, magnitude) = residuals.map(|&r| scheduler.residual(r)).unzip();
                 Self::Iteration(Box::new(Newton {
                     guess,
+                    origin,
                     refinement,
                     residual,
                     magnitude,
@@ -189,7 +197,9 @@ impl Solve {
             Self::System(system) => system.values().collect(),
             Self::Iteration(newton) => {
                 let refined = newton.refinement.iter().flatten().copied();
-                newton.guess.values().chain(refined).collect()
+                let origin = newton.origin.iter().flat_map(|m| &m.rows).flatten();
+                let guess = newton.guess.values().chain(origin.copied());
+                guess.chain(refined).collect()
             }
         }
     }
@@ -201,6 +211,7 @@ impl Solve {
             Self::Iteration(newton) => {
                 let Newton {
                     guess: _,
+                    origin: _,
                     refinement: _,
                     residual,
                     magnitude,
@@ -225,6 +236,7 @@ impl Solve {
             Self::Iteration(newton) => {
                 let Newton {
                     guess,
+                    origin: _,
                     refinement,
                     residual,
                     magnitude,

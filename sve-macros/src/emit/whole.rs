@@ -44,7 +44,7 @@ pub(super) fn code(
             let time = state.t;
             let guess = { #guess };
             let rounding = |&#iterates: &[f64; #size]| { #rounding };
-            let #solved = newton.solve_or(guess, || #rest, rounding, |&#iterates: &[f64; #size]| {
+            let #solved = newton.solve_or(guess, f64::NAN, || #rest, rounding, |&#iterates: &[f64; #size]| {
                 #evaluation
             })?;
             #results

@@ -1,15 +1,15 @@
 //! Newton's method in lanes: the usual course of [`Newton`], branch-free.
 //!
 //! Input and output as there, a lane each. A lane whose iteration arrives is left alone from then on, whatever its
-//! neighbours do; one that leaves the usual course (a residual that does not halve, a singular Jacobian, a NaN) is given up,
-//! for the scalar step to treat. Where a lane arrives, its residual passed the same tests as there; the last digit may differ:
+//! neighbours do; one that leaves the usual course (a residual that does not halve, an iteration that is not calm, a Jacobian that
+//! is singular or turned, a NaN) is given up, for the scalar step to treat. Where a lane arrives, its residual passed the same tests as there; the last digit may differ:
 //! quotients share a division, and a satisfied equation gets one more update instead of a test of its Jacobian.
 
 #![allow(clippy::needless_bitwise_bool)] // both sides are computed: a branch would end the vectors
 
-use super::solve::solve;
+use super::solve::solve_oriented;
 use super::{LANES, Lane};
-use crate::newton::{BENT, Evaluation, NEAR, Newton, QUADRATIC};
+use crate::newton::{BENT, CALM, Evaluation, NEAR, Newton, QUADRATIC, is_opposite};
 
 /// Iterations after which lanes on their way are given up, so that they do not hold up the others.
 const LIMIT: u32 = 12;
@@ -24,6 +24,10 @@ pub struct Course<const K: usize> {
     x: [Lane; K],
     /// Relative residuals of the last evaluation.
     previous: Lane,
+    /// What the residuals have to come below in a calm iteration.
+    bound: [Lane; K],
+    /// The sign of the determinant of the Jacobian without noise and step; NaN where it is not known.
+    origin: Lane,
     end: [u64; LANES],
     tolerance: f64,
     left: u32,
@@ -37,18 +41,21 @@ impl<const K: usize> Course<K> {
             x: [[0.0; LANES]; K],
             // so large that the first residual passes for smaller, if it is finite
             previous: [f64::MAX; LANES],
+            bound: [[f64::MAX; LANES]; K],
+            origin: [f64::NAN; LANES],
             end: [ACTIVE; LANES],
             tolerance: newton.tolerance,
             left: newton.max_iterations.min(LIMIT) + 1,
         }
     }
 
-    /// Sets the guess of a lane.
+    /// Sets the guess of a lane, and the sign of the determinant of its Jacobian without noise and step.
     #[inline(always)]
-    pub fn begin(&mut self, lane: usize, guess: [f64; K]) {
+    pub fn begin(&mut self, lane: usize, guess: [f64; K], origin: f64) {
         for i in 0..K {
             self.x[i][lane] = guess[i];
         }
+        self.origin[lane] = origin;
     }
 
     /// The point of a lane: to evaluate, or the root.
@@ -77,18 +84,30 @@ impl<const K: usize> Course<K> {
     /// Moves a lane on by an evaluation at its point.
     #[inline(always)]
     pub fn update(&mut self, lane: usize, at: &Evaluation<K>) {
-        let (relative, update, cubic) = updates(at);
+        let (relative, update, cubic, orientation) = updates(at);
         let previous = self.previous[lane];
-        let improves = relative <= 0.5 * previous;
+        // as in `Newton`; near rounding there is no test
+        let mut calm = (K != 1) | cubic;
+        for i in 0..K {
+            let residual = at.residual[i].abs();
+            calm &= residual <= self.bound[i][lane];
+            let size = if K == 1 {
+                residual
+            } else {
+                relative * at.magnitude[i]
+            };
+            self.bound[i][lane] = CALM * size;
+        }
+        let usual = (calm | (previous < QUADRATIC)) & !is_opposite(orientation, self.origin[lane]);
+        let improves = (relative <= 0.5 * previous) & usual;
         // as in `Newton::update`
         let (r2, p2) = (relative * relative, previous * previous);
         let next = r2 * if cubic { r2 } else { relative };
         let ratio = p2 * if cubic { previous } else { 1.0 };
         let foreseen = (16.0 * next <= self.tolerance * ratio) & (previous < NEAR);
         let arrives = improves & (foreseen | (relative <= self.tolerance));
-        let is_rounding = !improves & (relative < QUADRATIC);
-        // far from the root a residual need not shrink
-        let moves = improves | ((previous >= NEAR) & (relative < f64::INFINITY));
+        let is_rounding = !improves & usual & (relative < QUADRATIC);
+        let moves = improves;
         let active = self.end[lane] == ACTIVE;
         for i in 0..K {
             let x = self.x[i][lane];
@@ -101,9 +120,9 @@ impl<const K: usize> Course<K> {
     }
 }
 
-/// The residual relative to its terms, the update, and whether it is of third order.
+/// The residual relative to its terms, the update, whether it is of third order, and a number of the sign of the determinant.
 #[inline(always)]
-fn updates<const K: usize>(at: &Evaluation<K>) -> (f64, [f64; K], bool) {
+fn updates<const K: usize>(at: &Evaluation<K>) -> (f64, [f64; K], bool, f64) {
     if K == 1 {
         let (residual, slope) = (at.residual[0], at.jacobian[0][0]);
         let magnitude = at.magnitude[0] + f64::MIN_POSITIVE;
@@ -114,7 +133,8 @@ fn updates<const K: usize>(at: &Evaluation<K>) -> (f64, [f64; K], bool) {
         let bend = 0.5 * at.curvature * inverse_slope * newton;
         let cubic = bend.abs() <= BENT;
         let update = newton + if cubic { bend * newton } else { 0.0 };
-        return ((residual * (slope * inverse)).abs(), [update; K], cubic);
+        let relative = (residual * (slope * inverse)).abs();
+        return (relative, [update; K], cubic, slope);
     }
     let (mut largest, mut magnitude, mut sum) = (0.0, 1.0, 0.0);
     for i in 0..K {
@@ -125,7 +145,8 @@ fn updates<const K: usize>(at: &Evaluation<K>) -> (f64, [f64; K], bool) {
     }
     // the comparison drops a NaN, the sum does not
     let relative = largest / magnitude + 0.0 * sum;
-    (relative, solve(&at.jacobian, &at.residual), false)
+    let (update, orientation) = solve_oriented(&at.jacobian, &at.residual);
+    (relative, update, false, orientation)
 }
 
 #[cfg(test)]
@@ -137,7 +158,7 @@ mod tests {
     fn cubic(a: &Lane, newton: &Newton) -> Course<1> {
         let mut course = Course::<1>::new(newton);
         for lane in 0..LANES {
-            course.begin(lane, [a[lane]]);
+            course.begin(lane, [a[lane]], 1.0);
         }
         while course.goes_on() {
             for lane in 0..LANES {
@@ -155,7 +176,7 @@ mod tests {
     }
 
     fn values() -> Lane {
-        core::array::from_fn(|lane| 0.3 * lane as f64 - 4.0)
+        core::array::from_fn(|lane| 0.07 * lane as f64 - 1.1)
     }
 
     #[test]
@@ -210,6 +231,36 @@ mod tests {
     }
 
     #[test]
+    fn what_is_not_calm_is_given_up() {
+        // x³ bends too much between 4 and the root near 1.4
+        let course = cubic(&[4.0; LANES], &Newton::default());
+        assert!((0..LANES).all(|lane| !course.arrived(lane)));
+    }
+
+    #[test]
+    fn a_turned_jacobian_is_given_up() {
+        for (origin, arrives) in [(1.0, true), (f64::NAN, true), (-1.0, false)] {
+            let mut course = Course::<1>::new(&Newton::default());
+            for lane in 0..LANES {
+                course.begin(lane, [1.5], origin);
+            }
+            while course.goes_on() {
+                for lane in 0..LANES {
+                    let [x] = course.at(lane);
+                    let at = Evaluation {
+                        residual: [x * x - 2.0],
+                        magnitude: [x * x + 2.0],
+                        jacobian: [[2.0 * x]],
+                        curvature: 2.0,
+                    };
+                    course.update(lane, &at);
+                }
+            }
+            assert!((0..LANES).all(|lane| course.arrived(lane) == arrives));
+        }
+    }
+
+    #[test]
     fn a_singular_jacobian_is_given_up() {
         let mut course = Course::<1>::new(&Newton::default());
         while course.goes_on() {
@@ -233,7 +284,7 @@ mod tests {
         // the intersection of a circle and a diagonal
         let mut course = Course::<2>::new(&Newton::default());
         for lane in 0..LANES {
-            course.begin(lane, [1.0 + 0.1 * lane as f64, 2.0]);
+            course.begin(lane, [1.0 + 0.01 * lane as f64, 1.1], -1.0);
         }
         while course.goes_on() {
             for lane in 0..LANES {

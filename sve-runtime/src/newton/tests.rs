@@ -2,7 +2,7 @@
 
 use std::cell::{Cell, RefCell};
 
-use super::{Evaluation, Newton, SolveError};
+use super::{Evaluation, Newton, SolveError, Solver, Tape};
 
 /// One equation, its terms and its derivative.
 fn scalar(terms: &[f64], derivative: f64) -> Evaluation<1> {
@@ -313,4 +313,78 @@ fn a_looser_tolerance_saves_evaluations() {
         let (found, count) = counted(&strict, [1.5], square_root);
         assert!((found.unwrap()[0] - 2.0_f64.sqrt()).abs() <= f64::EPSILON && count < 12);
     }
+}
+
+/// `solve_or` with a known orientation, and a second guess that leads nowhere either.
+fn oriented(
+    guess: f64,
+    origin: f64,
+    evaluate: impl Fn(&[f64; 1]) -> Evaluation<1>,
+) -> Result<[f64; 1], SolveError> {
+    let newton = Newton::default();
+    Solver::new(&newton).solve_or([guess], origin, || [-guess], |_| [0.0], evaluate)
+}
+
+#[test]
+fn updates_are_damped_where_full_ones_diverge() {
+    let arctangent = |x: &[f64; 1]| Evaluation {
+        residual: [x[0].atan()],
+        magnitude: [2.0],
+        jacobian: [[1.0 / (1.0 + x[0] * x[0])]],
+        curvature: -2.0 * x[0] / (1.0 + x[0] * x[0]).powi(2),
+    };
+    let (alone, _) = counted(&Newton::default(), [3.0], arctangent);
+    assert!(alone.is_err(), "{alone:?}");
+    for guess in [1.5, 3.0, 30.0] {
+        let [x] = oriented(guess, 1.0, arctangent).unwrap();
+        assert!(x.abs() < 1e-14, "{x:e}");
+    }
+    // where there is no root the residual cannot be reduced for ever
+    let none = |x: &[f64; 1]| Evaluation {
+        curvature: 2.0,
+        ..scalar(&[x[0] * x[0], 1.0], 2.0 * x[0])
+    };
+    assert!(oriented(0.7, f64::NAN, none).is_err());
+}
+
+#[test]
+fn a_root_of_another_orientation_is_none() {
+    // x³ − 4x² + 2.5x = 0.45: the root that comes from 0.18 without the first two terms has met another one; the third is near 3.2
+    let third = |x: &[f64; 1]| Evaluation {
+        curvature: 6.0 * x[0] - 8.0,
+        ..scalar(
+            &[x[0].powi(3), -4.0 * x[0] * x[0], 2.5 * x[0], -0.45],
+            3.0 * x[0] * x[0] - 8.0 * x[0] + 2.5,
+        )
+    };
+    let [near] = oriented(3.4, 1.0, third).unwrap();
+    assert!((third(&[near]).residual[0]).abs() < 1e-14);
+    // from beyond the local maximum: the same root, with a piece of the other orientation before it
+    assert!(oriented(0.6, 1.0, third).is_err());
+    // its own orientation, but the opposite of where the solution comes from
+    assert_eq!(oriented(3.4, -1.0, third), Err(SolveError::OtherBranch));
+    assert!(oriented(3.4, f64::NAN, third).is_ok());
+}
+
+#[test]
+fn a_solution_that_is_followed_has_to_be_near() {
+    let newton = Newton::default();
+    let evaluate = |x: &[f64; 1]| Evaluation {
+        curvature: 2.0,
+        ..square_root(x)
+    };
+    let follow = |guesses: Vec<f64>| {
+        let tape = Tape::new(guesses);
+        let solver = Solver::following(&newton, &tape);
+        let found = solver.solve_or([2.0], 1.0, || [8.0], |_| [0.0], evaluate);
+        found.map(|x| (x, tape.into_found()))
+    };
+    let (x, found) = follow(vec![1.5]).unwrap();
+    assert_eq!(found, x);
+    assert!((x[0] - 2.0_f64.sqrt()).abs() < 1e-15);
+    // far away, or on the side where the slope is negative
+    assert!(follow(vec![0.3]).is_err());
+    assert!(follow(vec![-1.5]).is_err());
+    // without a guess on the tape it is the block's own, from where the curve bends little on the way
+    assert!(follow(Vec::new()).is_ok());
 }

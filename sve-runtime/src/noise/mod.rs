@@ -28,6 +28,7 @@ pub(crate) mod box_muller;
 mod bridge;
 mod error;
 mod from_rng;
+mod halves;
 #[cfg(feature = "ensemble")]
 pub(crate) mod lanes;
 mod law;
@@ -41,6 +42,7 @@ mod wiener;
 pub use bridge::{Part, Refined};
 pub use error::NoiseError;
 pub use from_rng::FromRng;
+pub use halves::Halves;
 pub use none::NoNoise;
 pub use recorded::Recorded;
 pub use three_point::ThreePoint;

@@ -1,0 +1,113 @@
+//! Oscillators whose period is far below the step. The step is 1, so that ω is ωh.
+
+use sve_runtime::prelude::*;
+use sve_runtime::{Dims, System, Variational};
+
+use super::table::{Table, Verdict};
+
+struct Linear {
+    omega: f64,
+}
+
+#[variational(initial_point, endpoint, midpoint)]
+impl Linear {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v - 0.5 * self.omega.powi(2) * q * q
+    }
+}
+
+/// ω is the frequency of the largest curvature on the way, at q = 1.
+struct Quartic {
+    omega: f64,
+}
+
+#[variational(initial_point, endpoint, midpoint)]
+impl Quartic {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v - self.omega.powi(2) / 12.0 * q.powi(4)
+    }
+}
+
+/// The largest energy in units of the first; nothing where it passes a million or a step fails.
+fn largest_energy<S, R>(system: S, rule: R) -> Option<f64>
+where
+    S: Variational<R> + System<Dims = Dims<1, 0>>,
+{
+    let integrator = Integrator::new(system, rule);
+    let start = State::new([1.0], [0.0]);
+    let first = integrator.system().hamiltonian(&start).ok()?;
+    let mut largest = 1.0_f64;
+    for state in integrator.trajectory(start, 1.0, NoNoise).take(5000) {
+        let energy = integrator.system().hamiltonian(&state.ok()?).ok()?;
+        largest = largest.max(energy / first);
+        if largest > 1e6 {
+            return None;
+        }
+    }
+    Some(largest)
+}
+
+/// From ωh = 0.1 to 1000; where the method stops, to a thousandth.
+fn sweep(run: impl Fn(f64) -> Option<f64>) -> (Verdict, String) {
+    let mut largest = 1.0_f64;
+    let mut good = 0.1;
+    for omega in [0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0] {
+        match run(omega) {
+            Some(energy) => {
+                largest = largest.max(energy);
+                good = omega;
+            }
+            None => {
+                let mut bad = omega;
+                while bad - good > 1e-3 {
+                    let middle = 0.5 * (good + bad);
+                    match run(middle) {
+                        Some(_) => good = middle,
+                        None => bad = middle,
+                    }
+                }
+                return (Verdict::BlowsUp, format!("from ωh = {bad:.3} on"));
+            }
+        }
+    }
+    let numbers = format!("ωh = 0.1 … 1000: energy at most {largest:.12} of the first");
+    (Verdict::Holds, numbers)
+}
+
+pub(super) fn rows(table: &mut Table) {
+    use Verdict::{BlowsUp, Holds};
+    let case = ["linear oscillator", "stiff: ωh to 1000"];
+    let row = |method| [case[0], case[1], method];
+    table.add(
+        row("midpoint"),
+        Holds,
+        sweep(|omega| largest_energy(Linear { omega }, Midpoint)),
+    );
+    table.add(
+        row("endpoint"),
+        BlowsUp,
+        sweep(|omega| largest_energy(Linear { omega }, Endpoint)),
+    );
+    table.add(
+        row("initial point"),
+        BlowsUp,
+        sweep(|omega| largest_energy(Linear { omega }, InitialPoint)),
+    );
+    let case = ["quartic oscillator", "stiff: ωh to 1000"];
+    let row = |method| [case[0], case[1], method];
+    table.add(
+        row("midpoint"),
+        Holds,
+        sweep(|omega| largest_energy(Quartic { omega }, Midpoint)),
+    );
+    table.add(
+        row("endpoint"),
+        BlowsUp,
+        sweep(|omega| largest_energy(Quartic { omega }, Endpoint)),
+    );
+    table.add(
+        row("initial point"),
+        BlowsUp,
+        sweep(|omega| largest_energy(Quartic { omega }, InitialPoint)),
+    );
+}

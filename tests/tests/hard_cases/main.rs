@@ -1,0 +1,14 @@
+//! Cases where integrators break: stiff, chaotic, singular, of odd sizes, dominated by noise, long.
+//!
+//! Each test says what has to hold and why; bounds that are not derived are a few times what is measured.
+
+mod branches;
+mod long;
+mod noise;
+mod orbits;
+mod places;
+mod refine;
+mod sampling;
+mod scales;
+mod stiff;
+mod systems;

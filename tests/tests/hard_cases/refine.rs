@@ -1,0 +1,94 @@
+//! Steps that fail, made in parts on the same path.
+
+use sve_runtime::noise::{Halves, Part};
+use sve_runtime::prelude::*;
+
+use super::systems::Rotor;
+
+const H: f64 = 0.5;
+const STEPS: usize = 2000;
+
+fn system() -> Integrator<Rotor, Midpoint> {
+    Integrator::new(Rotor { s: 0.3 }, Midpoint)
+}
+
+fn start() -> State<1> {
+    State::new([0.0], [2.0])
+}
+
+/// Without parts the path ends at a step that has no solution; with parts it goes on, with the same bits each time.
+#[test]
+fn a_path_goes_on_and_is_repeatable() {
+    let midpoint = system();
+    let plain = midpoint.trajectory(start(), H, Wiener::new(1));
+    let error = plain.take(STEPS).find_map(Result::err).unwrap();
+    assert!(matches!(error, StepError::NoSolution { .. }), "{error}");
+
+    let run = || {
+        let mut path = midpoint.trajectory(start(), H, Wiener::new(1)).refine(20);
+        let states: Vec<State<1>> = path.by_ref().take(STEPS).map(Result::unwrap).collect();
+        (states, path.refinements())
+    };
+    let ((states, refinements), again) = (run(), run());
+    assert_eq!((&states, refinements), (&again.0, again.1));
+    assert!(
+        refinements.steps > 0 && refinements.steps < STEPS as u64 / 2,
+        "{refinements:?}"
+    );
+    assert!((1..=20).contains(&refinements.deepest));
+    for (step, state) in (1..=STEPS).zip(&states) {
+        assert_eq!(state.t, step as f64 * H);
+    }
+}
+
+/// A refined step is the steps of its parts, by hand; the others are plain steps.
+#[test]
+fn parts_are_those_of_the_bridge() {
+    let midpoint = system();
+    let noise = Wiener::new(1);
+    let mut path = midpoint.trajectory(start(), H, noise.clone()).refine(1);
+    let mut state = start();
+    let mut refined = 0;
+    for step in 0.. {
+        let dw = noise.increment(step, 0, H);
+        let before = state;
+        if midpoint.step(&mut state, H, &[dw]).is_err() {
+            refined += 1;
+            let mut halves = [[0.0], [0.0]];
+            let [left, right] = &mut halves;
+            noise.halves_of(Part::whole(step), H, &[dw], left, right);
+            if halves
+                .iter()
+                .any(|dw| midpoint.step(&mut state, 0.5 * H, dw).is_err())
+            {
+                // one level is not enough: the state stays where the whole step began
+                assert!(path.next().unwrap().is_err());
+                assert_eq!(
+                    path.state(),
+                    &State {
+                        t: step as f64 * H,
+                        ..before
+                    }
+                );
+                break;
+            }
+        }
+        state.t = (step + 1) as f64 * H;
+        assert_eq!(path.next().unwrap().unwrap(), state);
+        assert_eq!(path.refinements().steps, refined);
+    }
+    assert!(refined > 0);
+}
+
+/// Where no step fails nothing is refined, and the states are the same.
+#[test]
+fn steps_that_succeed_are_left_alone() {
+    let midpoint = system();
+    let small = State::new([0.0], [0.1]);
+    let plain = midpoint.trajectory(small, 0.01, Wiener::new(3)).take(1000);
+    let mut path = midpoint.trajectory(small, 0.01, Wiener::new(3)).refine(8);
+    for state in plain {
+        assert_eq!(path.next().unwrap().unwrap(), state.unwrap());
+    }
+    assert_eq!(path.refinements(), sve_runtime::Refinements::default());
+}

@@ -1,0 +1,108 @@
+//! Oscillators whose period is far below the step.
+
+use sve_runtime::{Dims, System, Variational, prelude::*};
+use sve_tests::models::Quartic;
+
+use super::systems::Stiff;
+
+/// The largest energy in units of the first; nothing where a step fails or it passes a million.
+fn largest_energy<S, R>(integrator: &Integrator<S, R>, steps: usize) -> Option<f64>
+where
+    S: Variational<R> + System<Dims = Dims<1, 0>>,
+{
+    let start = State::new([1.0], [0.0]);
+    let energy = |state: &State<1>| integrator.system().hamiltonian(state).unwrap();
+    let first = energy(&start);
+    let mut largest = 1.0_f64;
+    for state in integrator.trajectory(start, 1.0, NoNoise).take(steps) {
+        largest = largest.max(energy(&state.ok()?) / first);
+        if largest > 1e6 {
+            return None;
+        }
+    }
+    Some(largest)
+}
+
+/// The step is 1, so that ω is ωh.
+fn linear<R>(rule: R, omega: f64, steps: usize) -> Option<f64>
+where
+    Stiff: Variational<R>,
+{
+    largest_energy(&Integrator::new(Stiff { omega }, rule), steps)
+}
+
+/// ω² = 3k is the largest curvature of the potential on the way.
+fn quartic<R>(rule: R, omega: f64, steps: usize) -> Option<f64>
+where
+    Quartic: Variational<R>,
+{
+    let k = omega.powi(2) / 3.0;
+    largest_energy(&Integrator::new(Quartic { m: 1.0, k }, rule), steps)
+}
+
+const OMEGA_H: [f64; 9] = [0.1, 0.3, 1.0, 1.9, 2.1, 5.0, 10.0, 100.0, 1000.0];
+
+/// Where a rule stops: the smallest ωh, to a thousandth, at which the energy passes a million or a step fails.
+fn stops_at(run: impl Fn(f64) -> Option<f64>) -> f64 {
+    let (mut good, mut bad) = (0.1, 10.0);
+    while bad - good > 1e-3 {
+        let middle = 0.5 * (good + bad);
+        match run(middle) {
+            Some(_) => good = middle,
+            None => bad = middle,
+        }
+    }
+    bad
+}
+
+/// The midpoint rule conserves quadratic energies, whatever the step: what is left is the random walk of rounding errors,
+/// which a step amplifies by up to ωh (the momentum is ωh times what the position is).
+#[test]
+fn linear_midpoint_conserves_energy() {
+    for omega in OMEGA_H {
+        let largest = linear(Midpoint, omega, 5000).unwrap();
+        let walk = 16.0 * f64::EPSILON * (1.0 + omega) * 5000.0_f64.sqrt();
+        assert!(largest <= 1.0 + walk, "ωh = {omega}: {largest}");
+    }
+}
+
+/// The other two are stable for ωh < 2, where their modified energy p² + ω²q² ± hω²qp is definite: it bounds the energy by
+/// (1 + ωh/2)/(1 − ωh/2) of the first. Above, they are hyperbolic maps.
+#[test]
+fn linear_endpoint_and_initial_point_stop_at_two() {
+    for omega in OMEGA_H {
+        let runs = [
+            linear(Endpoint, omega, 5000),
+            linear(InitialPoint, omega, 5000),
+        ];
+        for largest in runs {
+            let bound = (1.0 + 0.5 * omega) / (1.0 - 0.5 * omega);
+            match largest {
+                Some(largest) => assert!(omega < 2.0 && largest <= 1.000_001 * bound),
+                None => assert!(omega > 2.0, "ωh = {omega}"),
+            }
+        }
+    }
+    for stop in [
+        stops_at(|omega| linear(Endpoint, omega, 5000)),
+        stops_at(|omega| linear(InitialPoint, omega, 5000)),
+    ] {
+        assert!((stop - 2.0).abs() < 0.002, "{stop}");
+    }
+}
+
+/// The midpoint rule does not conserve the energy of a quartic oscillator, and no theorem bounds it for large steps; it stays
+/// within a factor of nine of the first for all ωh, where the others blow up near ωh = 1.4 (their orbit is lost in chaos there).
+#[test]
+fn quartic_midpoint_stays_bounded() {
+    for omega in OMEGA_H {
+        let largest = quartic(Midpoint, omega, 20_000).unwrap();
+        assert!(largest < 20.0, "ωh = {omega}: {largest}");
+    }
+    for stop in [
+        stops_at(|omega| quartic(Endpoint, omega, 5000)),
+        stops_at(|omega| quartic(InitialPoint, omega, 5000)),
+    ] {
+        assert!((1.2..1.7).contains(&stop), "{stop}");
+    }
+}

@@ -1,0 +1,99 @@
+//! Systems of the hard cases that the models of other tests do not have.
+
+use sve_runtime::prelude::*;
+
+/// L = ½v² − ½ω²q².
+pub(super) struct Stiff {
+    pub(super) omega: f64,
+}
+
+#[variational(initial_point, endpoint, midpoint)]
+impl Stiff {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v - 0.5 * self.omega.powi(2) * q * q
+    }
+}
+
+/// A planet in a plane, L = ½|v|² + k/r, γ = σ/r.
+pub(super) struct Kepler {
+    pub(super) k: f64,
+    pub(super) sigma: f64,
+}
+
+#[variational(initial_point, endpoint, midpoint)]
+impl Kepler {
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        0.5 * (v[0] * v[0] + v[1] * v[1]) + self.k / q[0].hypot(q[1])
+    }
+
+    #[gamma]
+    fn flicker(&self, q: [f64; 2]) -> f64 {
+        self.sigma / q[0].hypot(q[1])
+    }
+
+    #[symmetry]
+    pub(super) fn rotation(&self, q: [f64; 2]) -> [f64; 2] {
+        [-q[1], q[0]]
+    }
+}
+
+/// L = ½v² − ½q², H₁ = s(p⁴/4 − βp³/3): the midpoint rule is a cubic equation in the momentum of the middle.
+#[derive(Clone)]
+pub(super) struct Fourth {
+    pub(super) s: f64,
+    pub(super) beta: f64,
+}
+
+#[variational(initial_point, endpoint, midpoint)]
+impl Fourth {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v - 0.5 * q * q
+    }
+
+    #[h1]
+    fn jitter(&self, _q: f64, p: f64) -> f64 {
+        self.s * (0.25 * p.powi(4) - self.beta / 3.0 * p.powi(3))
+    }
+}
+
+/// A pendulum with noise of degree four in the momentum, L = ½v² + cos q, H₁ = ¼sp⁴: its momentum stays small, so that steps without a
+/// solution are met again and again.
+pub(super) struct Rotor {
+    pub(super) s: f64,
+}
+
+#[variational(midpoint)]
+impl Rotor {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v + q.cos()
+    }
+
+    #[h1]
+    fn jitter(&self, _q: f64, p: f64) -> f64 {
+        0.25 * self.s * p.powi(4)
+    }
+}
+
+/// A damped oscillator in a bath, L = ½v² − ½ω²q², F = −νv, γ = σq.
+pub(super) struct Bath {
+    pub(super) omega: f64,
+    pub(super) nu: f64,
+    pub(super) sigma: f64,
+}
+
+#[variational(initial_point, endpoint, midpoint)]
+impl Bath {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v - 0.5 * self.omega.powi(2) * q * q
+    }
+
+    #[force]
+    fn friction(&self, _q: f64, v: f64) -> f64 {
+        -self.nu * v
+    }
+
+    #[gamma]
+    fn bath(&self, q: f64) -> f64 {
+        self.sigma * q
+    }
+}
