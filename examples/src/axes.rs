@@ -96,7 +96,7 @@ impl Frame {
             vec![(left, top), (left, bottom), (right, bottom)],
             line,
         ))?;
-        for x in round_numbers(&self.x, panel.x.labels) {
+        for x in labelled(&panel.x, &self.x) {
             let (u, _) = self.device(&(x, self.y.start));
             let style = text(LABEL, HPos::Center, VPos::Top);
             area.draw(&PathElement::new(
@@ -109,7 +109,7 @@ impl Frame {
                 style,
             ))?;
         }
-        for y in round_numbers(&self.y, panel.y.labels) {
+        for y in labelled(&panel.y, &self.y) {
             let (_, v) = self.device(&(self.x.start, y));
             let style = text(LABEL, HPos::Right, VPos::Center);
             area.draw(&PathElement::new(
@@ -139,6 +139,23 @@ fn length(range: &Range<f64>) -> f64 {
 fn widened(range: &Range<f64>, to: f64) -> Range<f64> {
     let middle = f64::midpoint(range.start, range.end);
     middle - to / 2.0..middle + to / 2.0
+}
+
+/// Where the labels of an axis stand. Exponents are whole: a label has no other.
+fn labelled(axis: &Axis, range: &Range<f64>) -> Vec<f64> {
+    let count = if axis.powers {
+        let decades = length(range).floor();
+        (1..axis.labels)
+            .take_while(|k| *k as f64 <= decades)
+            .count()
+    } else {
+        axis.labels
+    };
+    let mut numbers = round_numbers(range, count);
+    if axis.powers {
+        numbers.retain(|x| (x - x.round()).abs() < 1e-9);
+    }
+    numbers
 }
 
 /// Multiples of 1, 2 or 5 times a power of ten in the range, about `count` of them.

@@ -70,6 +70,7 @@
 //! | feature | gives |
 //! | --- | --- |
 //! | `ensemble` | `Ensemble`: many paths, on all cores |
+//! | `study` | `study::Study`: errors, orders and times of several methods on one problem; with `ensemble` |
 
 mod banded;
 pub mod baseline;
@@ -87,6 +88,8 @@ mod plan;
 mod power;
 mod rules;
 mod state;
+#[cfg(feature = "study")]
+pub mod study;
 mod system;
 mod tangent;
 mod trajectory;

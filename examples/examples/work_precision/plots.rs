@@ -1,0 +1,245 @@
+//! The figure of a problem: errors against time to solution and against the step size, as logarithms.
+//!
+//! Variational rules have solid lines, methods to compare with dashed ones, other programs dotted ones. The wide band under the first
+//! panel's lines follows the fastest method at each error.
+
+use std::ops::Range;
+
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row, Shape, Stroke, Symbols};
+use sve_examples::palette::{self, Color};
+use sve_runtime::study::Record;
+
+use crate::verdict::{Curve, Winner};
+
+/// Weak errors below so many standard errors cannot be told from none.
+const SIGNIFICANT: f64 = 2.0;
+
+/// The least and the most that an axis of errors shows.
+const ERRORS: Range<f64> = 1e-15..30.0;
+
+const BAND: Color = (253, 231, 160);
+const WIDTH: u32 = 1100;
+const HEIGHT: u32 = 400;
+
+/// A quantity of a record.
+type Quantity = fn(&Record) -> Option<f64>;
+
+/// One method's records, in order of the step size.
+pub(crate) struct Series {
+    pub(crate) name: String,
+    pub(crate) records: Vec<Record>,
+    foreign: bool,
+}
+
+/// The records of each method, those of other programs with the program's name.
+pub(crate) fn series(own: &[Record], peers: &[Record]) -> Vec<Series> {
+    let mut all: Vec<Series> = Vec::new();
+    for (record, foreign) in own
+        .iter()
+        .map(|r| (r, false))
+        .chain(peers.iter().map(|r| (r, true)))
+    {
+        let name = if foreign {
+            format!("{} ({})", record.method, record.source)
+        } else {
+            record.method.clone()
+        };
+        match all.iter_mut().find(|series| series.name == name) {
+            Some(series) => series.records.push(record.clone()),
+            None => all.push(Series {
+                name,
+                records: vec![record.clone()],
+                foreign,
+            }),
+        }
+    }
+    all
+}
+
+fn time(record: &Record) -> Option<f64> {
+    record.time_to_solution_s
+}
+
+fn step(record: &Record) -> Option<f64> {
+    record.h
+}
+
+fn strong(record: &Record) -> Option<f64> {
+    record.error
+}
+
+fn weak(record: &Record) -> Option<f64> {
+    let (error, spread) = (record.weak_error?.abs(), record.weak_error_se?);
+    (error > SIGNIFICANT * spread).then_some(error)
+}
+
+fn largest(record: &Record) -> Option<f64> {
+    record.energy_error
+}
+
+fn drift(record: &Record) -> Option<f64> {
+    record.energy_drift.map(f64::abs)
+}
+
+impl Series {
+    fn points(&self, x: Quantity, y: Quantity) -> Vec<(f64, f64)> {
+        let shown = |y: &f64| ERRORS.contains(y);
+        let point = |record: &Record| Some((x(record)?, y(record).filter(shown)?));
+        self.records.iter().filter_map(point).collect()
+    }
+
+    /// Strong errors against time.
+    pub(crate) fn curve(&self) -> Curve {
+        Curve {
+            name: self.name.clone(),
+            points: self.points(time, strong),
+        }
+    }
+}
+
+/// The look of a method, the same in all figures; of other programs by their number.
+fn pen(series: &Series, number: usize) -> Pen {
+    let (color, shape) = match series.name.as_str() {
+        "midpoint" => (palette::BLUE, Shape::Disc),
+        "endpoint" | "endpoint, uncorrected" => (palette::GREEN, Shape::Square),
+        "initial point" | "initial point, uncorrected" => (palette::SKY, Shape::Triangle),
+        "taylor2" => (palette::PURPLE, Shape::Circle),
+        "Heun" => (palette::ORANGE, Shape::Circle),
+        "Runge–Kutta 4" => (palette::BLACK, Shape::Square),
+        "Taylor series 2" => (palette::PURPLE, Shape::Cross),
+        "Euler" | "Euler–Maruyama" => (palette::VERMILION, Shape::Cross),
+        "backward Euler–Maruyama" => (palette::GREY, Shape::Triangle),
+        _ => {
+            let shapes = [Shape::Cross, Shape::Triangle, Shape::Square, Shape::Circle];
+            (
+                palette::CYCLE[(number + 3) % palette::CYCLE.len()],
+                shapes[number % shapes.len()],
+            )
+        }
+    };
+    let variational = ["midpoint", "endpoint", "initial point", "taylor2"];
+    let (width, dash) = if series.foreign {
+        (1.6, Some((1.5, 3.0)))
+    } else if variational.contains(&&*series.name) {
+        (2.2, None)
+    } else if series.name.ends_with("uncorrected") {
+        (1.6, Some((2.0, 4.0)))
+    } else {
+        (1.4, Some((7.0, 4.0)))
+    };
+    Pen {
+        color,
+        line: Some(Stroke { width, dash }),
+        symbol: Some(Symbols {
+            shape,
+            radius: 3.2,
+            count: None,
+        }),
+    }
+}
+
+fn exponents(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    points.iter().map(|(x, y)| (x.log10(), y.log10())).collect()
+}
+
+/// The range of some numbers with room around them; a decade where there are none.
+fn range(numbers: impl Iterator<Item = f64>) -> Range<f64> {
+    let (low, high) = numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+        (low.min(x), high.max(x))
+    });
+    if low <= high {
+        low - 0.25..high + 0.25
+    } else {
+        -1.0..0.0
+    }
+}
+
+/// A panel of one quantity against another.
+fn panel(
+    title: String,
+    (x_name, x): (&str, Quantity),
+    (y_name, y): (&str, Quantity),
+    all: &[Series],
+) -> Panel {
+    let curves: Vec<Vec<(f64, f64)>> = all
+        .iter()
+        .map(|series| exponents(&series.points(x, y)))
+        .collect();
+    let points = || curves.iter().flatten();
+    let mut panel = Panel::new(
+        title,
+        Axis::powers(x_name, range(points().map(|p| p.0))),
+        Axis::powers(y_name, range(points().map(|p| p.1))),
+    );
+    for (number, (series, curve)) in all.iter().zip(curves).enumerate() {
+        // a method without points is in the legend all the same: its errors are too large or too small to be shown
+        let layer = Layer::new(series.name.clone(), curve, pen(series, number));
+        panel = panel.with(layer);
+    }
+    panel
+}
+
+/// A line of slope `order` under the points of a panel.
+fn slope(mut panel: Panel, order: i32) -> Panel {
+    let (x, y) = (panel.x.range.clone(), panel.y.range.clone());
+    let order = f64::from(order);
+    let right = (x.end, y.start + order * (x.end - x.start));
+    let shift = (y.end - right.1).max(0.0) * 0.5;
+    let line = [(x.start, y.start + shift), (x.end, right.1 + shift)];
+    let pen = Pen::dashed(palette::GREY, 0.8, (1.0, 3.0));
+    panel
+        .layers
+        .insert(0, Layer::new("", line.to_vec(), pen).unlisted());
+    panel
+}
+
+/// The figure: strong errors in the first row; weak errors, or errors of the invariant, in the second.
+pub(crate) fn figure(
+    name: &'static str,
+    all: &[Series],
+    winners: &[Winner],
+    (weak_name, invariant): (Option<&str>, Option<&str>),
+    verdict: &str,
+) -> Figure {
+    let times = ("time to solution of one path (s)", time as Quantity);
+    let steps = ("step size h", step as Quantity);
+    let error = ("error at the end", strong as Quantity);
+    let mut first = panel(verdict.to_owned(), times, error, all).legend(Corner::BottomLeft);
+    let band: Vec<(f64, f64)> = winners
+        .iter()
+        .flat_map(|w| [(w.times.0, w.errors.0), (w.times.1, w.errors.1)])
+        .collect();
+    let band = Layer::new("fastest", exponents(&band), Pen::line(BAND, 11.0));
+    first.layers.insert(0, band);
+    first.x.range.start -= 0.42 * (first.x.range.end - first.x.range.start);
+    let second = slope(slope(panel(String::new(), steps, error, all), 1), 2);
+    let mut rows = vec![vec![first, second]];
+    let mut below = Vec::new();
+    if let Some(observed) = weak_name {
+        let what = format!("weak error of {observed}");
+        below.push(panel(String::new(), times, (&what, weak), all));
+    }
+    if let Some(invariant) = invariant {
+        let what = format!("largest error of {invariant}");
+        below.push(panel(String::new(), times, (&what, largest), all));
+        if below.len() < 2 {
+            let what = format!("secular drift of {invariant} in a unit of time");
+            below.push(panel(String::new(), times, (&what, drift), all));
+        }
+    } else if let Some(observed) = weak_name {
+        let what = format!("weak error of {observed}");
+        below.push(panel(String::new(), steps, (&what, weak), all));
+    }
+    if !below.is_empty() {
+        rows.push(below);
+    }
+    let row = |panels| Row {
+        height: HEIGHT,
+        panels,
+    };
+    Figure {
+        name,
+        width: WIDTH,
+        rows: rows.into_iter().map(row).collect(),
+    }
+}
