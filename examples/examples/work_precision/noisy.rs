@@ -147,21 +147,21 @@ pub(crate) fn kubo() -> Result<Problem, StudyError> {
 pub(crate) fn synchrotron() -> Result<Problem, StudyError> {
     let system = Synchrotron {
         omega: 1.0,
-        sigma: [0.2, 0.2],
+        sigma: [0.1, 0.1],
     };
     let methods = Methods::new(system);
     let report = methods
         .study("synchrotron")
         .start(State::new([0.5], [0.0]))
-        .horizon(16.0)
-        .steps(powers(6..=11))
+        .horizon(8.0)
+        .steps(powers(4..=10))
         .paths(300)
         .fine(&methods.midpoint, 16)
         .observe("energy", Mechanics::hamiltonian)
         .run()?;
     Ok(Problem {
         title: "Synchrotron, two noises in q",
-        setting: "L = v²/2 + ω² cos q, γ = (−σ₁ cos q, −σ₂ sin q), ω = 1, σ₁ = σ₂ = 0.2, from q = 0.5 at rest to t = 16. Errors against the midpoint \
+        setting: "L = v²/2 + ω² cos q, γ = (−σ₁ cos q, −σ₂ sin q), ω = 1, σ₁ = σ₂ = 0.1, from q = 0.5 at rest to t = 8. Errors against the midpoint \
                   rule with 16 times shorter steps on each of 300 paths.",
         invariant: None,
         report,
@@ -201,16 +201,16 @@ pub(crate) fn langevin() -> Result<Problem, StudyError> {
     let report = methods
         .study("langevin")
         .start(State::new([-1.0], [0.0]))
-        .horizon(8.0)
-        .steps(powers(5..=10))
-        .paths(500)
+        .horizon(2.0)
+        .steps(powers(3..=9))
+        .paths(2000)
         .fine(&methods.midpoint, 16)
         .observe("q²", |_, state| state.q[0].powi(2))
         .run()?;
     Ok(Problem {
         title: "Langevin dynamics in a double well, friction and additive noise",
-        setting: "L = v²/2 − a(q² − 1)², F = −νv, γ = √(2νkT) q, a = ν = 1, kT = 0.4, from q = −1 at rest to t = 8. Errors against the midpoint rule with \
-                  16 times shorter steps on each of 500 paths.",
+        setting: "L = v²/2 − a(q² − 1)², F = −νv, γ = √(2νkT) q, a = ν = 1, kT = 0.4, from q = −1 at rest to t = 2. Errors against the midpoint rule with \
+                  16 times shorter steps on each of 2000 paths.",
         invariant: None,
         report,
     })

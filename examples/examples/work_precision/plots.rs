@@ -18,11 +18,11 @@ const SIGNIFICANT: f64 = 2.0;
 const ERRORS: Range<f64> = 1e-15..30.0;
 
 const BAND: Color = (253, 231, 160);
-const WIDTH: u32 = 1100;
-const HEIGHT: u32 = 400;
+const WIDTH: u32 = 1200;
+const HEIGHT: u32 = 380;
 
-/// A quantity of a record.
-type Quantity = fn(&Record) -> Option<f64>;
+/// A quantity of a record, where it is known.
+pub(crate) type Quantity = fn(&Record) -> Option<f64>;
 
 /// One method's records, in order of the step size.
 pub(crate) struct Series {
@@ -64,16 +64,16 @@ fn step(record: &Record) -> Option<f64> {
     record.h
 }
 
-fn strong(record: &Record) -> Option<f64> {
+pub(crate) fn strong(record: &Record) -> Option<f64> {
     record.error
 }
 
-fn weak(record: &Record) -> Option<f64> {
+pub(crate) fn weak(record: &Record) -> Option<f64> {
     let (error, spread) = (record.weak_error?.abs(), record.weak_error_se?);
     (error > SIGNIFICANT * spread).then_some(error)
 }
 
-fn largest(record: &Record) -> Option<f64> {
+pub(crate) fn largest(record: &Record) -> Option<f64> {
     record.energy_error
 }
 
@@ -88,11 +88,11 @@ impl Series {
         self.records.iter().filter_map(point).collect()
     }
 
-    /// Strong errors against time.
-    pub(crate) fn curve(&self) -> Curve {
+    /// A kind of error against time.
+    pub(crate) fn curve(&self, error: Quantity) -> Curve {
         Curve {
             name: self.name.clone(),
-            points: self.points(time, strong),
+            points: self.points(time, error),
         }
     }
 }
@@ -179,17 +179,24 @@ fn panel(
     panel
 }
 
-/// A line of slope `order` under the points of a panel.
-fn slope(mut panel: Panel, order: i32) -> Panel {
+/// Short lines whose slopes are orders, in the corner where no error is.
+fn slopes(mut panel: Panel, orders: &[i32]) -> Panel {
     let (x, y) = (panel.x.range.clone(), panel.y.range.clone());
-    let order = f64::from(order);
-    let right = (x.end, y.start + order * (x.end - x.start));
-    let shift = (y.end - right.1).max(0.0) * 0.5;
-    let line = [(x.start, y.start + shift), (x.end, right.1 + shift)];
-    let pen = Pen::dashed(palette::GREY, 0.8, (1.0, 3.0));
-    panel
-        .layers
-        .insert(0, Layer::new("", line.to_vec(), pen).unlisted());
+    let (width, height) = (x.end - x.start, y.end - y.start);
+    let (left, length, bottom) = (
+        x.start + 0.74 * width,
+        0.14 * width,
+        y.start + 0.05 * height,
+    );
+    for &order in orders {
+        let end = (left + length, bottom + f64::from(order) * length);
+        let pen = Pen::line(palette::GREY, 1.0);
+        let line = Layer::new("", vec![(left, bottom), end], pen).unlisted();
+        let at = (end.0 + 0.012 * width, end.1);
+        panel = panel
+            .with(line)
+            .note(at, format!("order {order}"), palette::GREY);
+    }
     panel
 }
 
@@ -204,15 +211,16 @@ pub(crate) fn figure(
     let times = ("time to solution of one path (s)", time as Quantity);
     let steps = ("step size h", step as Quantity);
     let error = ("error at the end", strong as Quantity);
-    let mut first = panel(verdict.to_owned(), times, error, all).legend(Corner::BottomLeft);
-    let band: Vec<(f64, f64)> = winners
-        .iter()
-        .flat_map(|w| [(w.times.0, w.errors.0), (w.times.1, w.errors.1)])
-        .collect();
-    let band = Layer::new("fastest", exponents(&band), Pen::line(BAND, 11.0));
+    let mut first = panel(verdict.to_owned(), times, error, all);
+    let band: Vec<(f64, f64)> = winners.iter().flat_map(|w| w.trace.clone()).collect();
+    let band = Layer::new("", exponents(&band), Pen::line(BAND, 11.0)).unlisted();
     first.layers.insert(0, band);
-    first.x.range.start -= 0.42 * (first.x.range.end - first.x.range.start);
-    let second = slope(slope(panel(String::new(), steps, error, all), 1), 2);
+    let orders: &[i32] = if weak_name.is_some() {
+        &[1, 2]
+    } else {
+        &[1, 2, 4]
+    };
+    let second = slopes(panel(String::new(), steps, error, all), orders).legend(Corner::Outside);
     let mut rows = vec![vec![first, second]];
     let mut below = Vec::new();
     if let Some(observed) = weak_name {

@@ -11,7 +11,8 @@ use crate::verdict::{Winner, duration, rounded};
 /// What the page says of a problem.
 pub(crate) struct Section<'a> {
     pub(crate) problem: &'a Problem,
-    pub(crate) winners: &'a [Winner],
+    /// Who wins where, in words.
+    pub(crate) conclusions: &'a str,
     pub(crate) svg: &'a str,
     pub(crate) records: &'a [Record],
 }
@@ -28,7 +29,7 @@ pub(crate) fn verdict(winners: &[Winner]) -> String {
     let parts: Vec<String> = winners
         .iter()
         .map(|w| {
-            let (high, low) = (rounded(w.errors.0), rounded(w.errors.1));
+            let [high, low] = w.ends().map(|(_, error)| rounded(error));
             if high == low {
                 format!("{} ({high})", w.name)
             } else {
@@ -43,24 +44,31 @@ pub(crate) fn verdict(winners: &[Winner]) -> String {
     }
 }
 
-/// The conclusion in words, with times.
-pub(crate) fn conclusion(winners: &[Winner]) -> String {
-    let mut text = String::new();
-    for winner in winners {
-        let (high, low) = winner.errors;
-        let (short, long) = winner.times;
-        // writing into a String cannot fail
-        let _ = write!(
-            text,
-            "For errors from {} to {} take <strong>{}</strong> ({} to {}). ",
-            rounded(high),
-            rounded(low),
-            escape(&winner.name),
-            duration(short),
-            duration(long)
-        );
+/// The conclusion for a kind of error in words, with times.
+pub(crate) fn conclusion(what: &str, winners: &[Winner]) -> String {
+    let parts: Vec<String> = winners
+        .iter()
+        .map(|winner| {
+            let [(short, high), (long, low)] = winner.ends();
+            let name = escape(&winner.name);
+            if winner.trace.len() == 1 {
+                let (at, time) = (rounded(high), duration(short));
+                return format!("at {at} <strong>{name}</strong> ({time})");
+            }
+            format!(
+                "from {} to {} <strong>{name}</strong> ({} to {})",
+                rounded(high),
+                rounded(low),
+                duration(short),
+                duration(long)
+            )
+        })
+        .collect();
+    if parts.is_empty() {
+        String::new()
+    } else {
+        format!("<p>For {}: {}.</p>", escape(what), parts.join(", "))
     }
-    text
 }
 
 fn orders(problem: &Problem) -> String {
@@ -149,10 +157,10 @@ fn table(records: &[Record]) -> String {
 pub(crate) fn body(section: &Section<'_>) -> String {
     let problem = section.problem;
     format!(
-        "<section>\n<h2>{}</h2>\n<p>{}</p>\n<p>{}</p>\n<figure>\n{}\n</figure>\n{}</section>\n{}",
+        "<section>\n<h2>{}</h2>\n<p>{}</p>\n{}\n<figure>\n{}\n</figure>\n{}</section>\n{}",
         escape(problem.title),
         escape(problem.setting),
-        conclusion(section.winners),
+        section.conclusions,
         section.svg,
         orders(problem),
         table(section.records)
@@ -174,7 +182,8 @@ pub(crate) fn head(machine: &str, peers: usize) -> String {
          method. Variational rules have solid lines, methods to compare with dashed ones.</p>\n\
          <p>Errors are root mean squares over paths of the distance of (q, p) from the reference at the end, on the same Brownian paths for all methods and step sizes. \
          Weak errors are differences of means on these paths; what is below two standard errors is not drawn. Times are medians of alternating repeats, \
-         of the steps of one path on one thread, with the increments at hand. Dotted grey lines have the slopes 1 and 2.</p>\n\
+         of the steps of one path on one thread, with the increments at hand. Methods whose order is below ¼ are not counted among the fastest: they \
+         converge to something else, if at all.</p>\n\
          <p>Machine: {}. {peers}</p>",
         escape(machine)
     )

@@ -11,13 +11,19 @@ pub(crate) struct Curve {
 }
 
 /// A range of errors and the method that reaches them in the least time.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(crate) struct Winner {
     pub(crate) name: String,
-    /// Largest and smallest error.
-    pub(crate) errors: (f64, f64),
-    /// Times to reach them, in seconds.
-    pub(crate) times: (f64, f64),
+    /// Times in seconds and errors, from the largest to the smallest.
+    pub(crate) trace: Vec<(f64, f64)>,
+}
+
+impl Winner {
+    /// The first and the last point of the trace.
+    pub(crate) fn ends(&self) -> [(f64, f64); 2] {
+        // a winner has won somewhere
+        [self.trace[0], self.trace[self.trace.len() - 1]]
+    }
 }
 
 /// Errors that are asked for, in a decade.
@@ -45,7 +51,7 @@ fn time_to(points: &[(f64, f64)], error: f64) -> Option<f64> {
     coarse.chain(between).min_by(f64::total_cmp)
 }
 
-/// The winners from the largest error to the smallest. Errors above `largest` are of no use to anyone.
+/// The winners from the largest error to the smallest, up to `largest`.
 pub(crate) fn winners(curves: &[Curve], largest: f64) -> Vec<Winner> {
     let errors = || curves.iter().flat_map(|curve| &curve.points).map(|p| p.1);
     let (Some(low), Some(high)) = (
@@ -72,15 +78,13 @@ pub(crate) fn winners(curves: &[Curve], largest: f64) -> Vec<Winner> {
             if let Some(time) = same.and_then(time)
                 && best > CLEARLY * time
             {
-                last.errors.1 = error;
-                last.times.1 = time;
+                last.trace.push((time, error));
                 continue;
             }
         }
         winners.push(Winner {
             name: curve.name.clone(),
-            errors: (error, error),
-            times: (best, best),
+            trace: vec![(best, error)],
         });
     }
     winners

@@ -1,18 +1,23 @@
 //! Times of steps.
 //!
-//! Input: a method, a start, increments. Output: a [`Timing`]: medians, so that what disturbs a machine now and then does not count.
+//! Input: a method, a start, increments. Output: a [`Timing`]. A long path is timed in parts, each as the median of its repeats: what disturbs a
+//! machine now and then hits few repeats of a short part, and every repeat of a long one.
 
 use std::time::Duration;
 
 use super::report::Timing;
 use super::subject::Subject;
+use crate::error::StepError;
 use crate::system::{IncrementsOf, StateOf, System};
 
 /// The least time that is measured at once: some hundred times the resolution of a clock.
-const SLICE: Duration = Duration::from_micros(200);
+const SLICE: Duration = Duration::from_micros(50);
 
 /// Walks of a path measured at once, where one takes no time at all.
 const MOST: u32 = 1 << 20;
+
+/// Steps of a part.
+const PART: usize = 2048;
 
 /// The times of a method with a step size.
 pub(super) struct Watch<'a, S: System> {
@@ -22,8 +27,8 @@ pub(super) struct Watch<'a, S: System> {
     increments: Vec<IncrementsOf<S>>,
     /// How often the path is walked in a measurement.
     times: u32,
-    /// Seconds a path, one a measurement.
-    seconds: Vec<f64>,
+    /// Seconds of each part, one a measurement.
+    seconds: Vec<Vec<f64>>,
 }
 
 impl<'a, S: System> Watch<'a, S> {
@@ -34,42 +39,50 @@ impl<'a, S: System> Watch<'a, S> {
         h: f64,
         increments: Vec<IncrementsOf<S>>,
     ) -> Self {
-        let mut times = 1;
-        // these walks also warm the caches
-        while let Ok(elapsed) = subject.clock(start, h, &increments, times)
-            && elapsed < SLICE
-            && times < MOST
-        {
-            times *= 2;
-        }
-        Self {
+        let seconds = vec![Vec::new(); increments.len().div_ceil(PART)];
+        let mut watch = Self {
             case,
             subject,
             h,
             increments,
-            times,
-            seconds: Vec::new(),
+            times: 1,
+            seconds,
+        };
+        // these walks also warm the caches
+        while let Ok(elapsed) = watch.clock(start)
+            && elapsed.iter().sum::<Duration>() < SLICE
+            && watch.times < MOST
+        {
+            watch.times *= 2;
         }
+        watch
+    }
+
+    fn clock(&self, start: &StateOf<S>) -> Result<Vec<Duration>, StepError> {
+        let parts: Vec<&[IncrementsOf<S>]> = self.increments.chunks(PART).collect();
+        self.subject.clock(start, self.h, &parts, self.times)
     }
 
     pub(super) fn measure(&mut self, start: &StateOf<S>) {
-        let elapsed = self
-            .subject
-            .clock(start, self.h, &self.increments, self.times);
-        if let Ok(elapsed) = elapsed {
-            self.seconds
-                .push(elapsed.as_secs_f64() / f64::from(self.times));
+        let Ok(elapsed) = self.clock(start) else {
+            return;
+        };
+        for (seconds, elapsed) in self.seconds.iter_mut().zip(elapsed) {
+            seconds.push(elapsed.as_secs_f64() / f64::from(self.times));
         }
     }
 
     pub(super) fn timing(mut self) -> Option<Timing> {
-        self.seconds.sort_by(f64::total_cmp);
-        let time_to_solution = quartile(&self.seconds, 2)?;
+        let (mut time_to_solution, mut distance) = (0.0, 0.0);
+        for seconds in &mut self.seconds {
+            seconds.sort_by(f64::total_cmp);
+            time_to_solution += quartile(seconds, 2)?;
+            distance += quartile(seconds, 3)? - quartile(seconds, 1)?;
+        }
         let ns = 1e9 / self.increments.len() as f64;
-        let quartiles = quartile(&self.seconds, 3)? - quartile(&self.seconds, 1)?;
         Some(Timing {
             ns_per_step: ns * time_to_solution,
-            ns_spread: ns * 0.5 * quartiles,
+            ns_spread: ns * 0.5 * distance,
             time_to_solution,
         })
     }

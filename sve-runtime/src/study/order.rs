@@ -100,13 +100,16 @@ fn slope(x: &[f64], y: &[f64]) -> f64 {
     covariance / width(x)
 }
 
-/// The standard error of a slope from the distances to the line.
+/// The standard error of a slope from the distances to the line; two points have none.
 fn scatter(x: &[f64], y: &[f64], slope: f64) -> f64 {
     let (mx, my) = (mean(x), mean(y));
     let distances = x
         .iter()
         .zip(y)
         .map(|(x, y)| (y - my - slope * (x - mx)).powi(2));
+    if x.len() == 2 {
+        return f64::NAN;
+    }
     (distances.sum::<f64>() / (x.len() as f64 - 2.0) / width(x)).sqrt()
 }
 

@@ -32,14 +32,14 @@ pub(super) trait Subject<S: System>: Sync {
     /// Mean number of Newton iterations of a step along the path; `None` where the method does not tell.
     fn iterations(&self, start: &StateOf<S>, path: &Recorded) -> Option<f64>;
 
-    /// Time to walk the path so many times, its increments at hand.
+    /// Times to walk the path so many times, its increments at hand: one for each of its parts.
     fn clock(
         &self,
         start: &StateOf<S>,
         h: f64,
-        increments: &[IncrementsOf<S>],
+        parts: &[&[IncrementsOf<S>]],
         times: u32,
-    ) -> Result<Duration, StepError>;
+    ) -> Result<Vec<Duration>, StepError>;
 }
 
 /// The increments over a step.
@@ -87,18 +87,30 @@ impl<S: System, I: Method<System = S> + Sync> Subject<S> for I {
         &self,
         start: &StateOf<S>,
         h: f64,
-        increments: &[IncrementsOf<S>],
+        parts: &[&[IncrementsOf<S>]],
         times: u32,
-    ) -> Result<Duration, StepError> {
-        let begin = Instant::now();
+    ) -> Result<Vec<Duration>, StepError> {
+        let mut sums = vec![Duration::ZERO; parts.len()];
+        let mut begin = Instant::now();
         for _ in 0..times {
             let prepared = self.prepare(black_box(h))?;
             let mut state = black_box(start.clone());
-            for dw in increments {
-                self.step_prepared(&prepared, &mut state, h, dw)?;
+            for (sum, part) in sums.iter_mut().zip(parts) {
+                for dw in *part {
+                    self.step_prepared(&prepared, &mut state, h, dw)?;
+                }
+                black_box(&state);
+                // reading the clock takes as long as a few steps
+                if parts.len() > 1 {
+                    let end = Instant::now();
+                    *sum += end - begin;
+                    begin = end;
+                }
             }
-            black_box(&state);
         }
-        Ok(begin.elapsed())
+        if let [sum] = &mut sums[..] {
+            *sum = begin.elapsed();
+        }
+        Ok(sums)
     }
 }
