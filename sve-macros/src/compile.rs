@@ -7,7 +7,7 @@ use quote::quote;
 use syn::ItemImpl;
 
 use crate::action;
-use crate::emit;
+use crate::emit::{self, Context, Derived};
 use crate::equations;
 use crate::errors::Errors;
 use crate::explain;
@@ -113,17 +113,40 @@ fn derive(
     check_work(&block, &model, &arena, work)?;
     let momenta = momenta?;
     let mut steps = Vec::new();
-    for (rule, _) in &block.arguments.rules {
+    let compared: &[bool] = if block.arguments.compared {
+        &[false, true]
+    } else {
+        &[false]
+    };
+    let rules = |is_whole| {
+        block
+            .arguments
+            .rules
+            .iter()
+            .map(move |(rule, _)| (*rule, is_whole))
+    };
+    for (rule, is_whole) in compared.iter().copied().flat_map(rules) {
         let mut symbols = model.symbols.clone();
         arena.grant(work);
-        let action = action::discretise(*rule, &model, &mut symbols, &mut arena);
+        let action = action::discretise(rule, &model, &mut symbols, &mut arena);
         let equations = equations::equations(&action, &mut arena);
-        let scheme = structure::analyse(equations, &action, &mut symbols, &mut arena);
+        let scheme = if is_whole {
+            Ok(structure::unanalysed(equations, &mut symbols, &mut arena))
+        } else {
+            structure::analyse(equations, &action, &mut symbols, &mut arena)
+        };
         check_work(&block, &model, &arena, work)?;
         let scheme = scheme.map_err(|degenerate| singular(&degenerate, &block, &symbols))?;
         let linearisation = tangent::linearise(&scheme, &action, &symbols, &mut arena);
         check_work(&block, &model, &arena, work)?;
-        steps.push((*rule, symbols, action, scheme, linearisation));
+        steps.push(Derived {
+            rule,
+            is_whole,
+            symbols,
+            action,
+            scheme,
+            linearisation,
+        });
     }
     // what is left to do is in proportion to what has been built
     arena.grant(usize::MAX);
@@ -131,21 +154,24 @@ fn derive(
     mechanics.stabilise(&mut arena);
     let mut output = emit::system(&block, &model, &mechanics, &about, &arena);
     output.extend(emit::momenta(&block, &model, &momenta, &arena));
-    for (rule, symbols, action, scheme, linearisation) in &steps {
-        let texts = explain::step(*rule, &model, &mechanics, action, scheme, symbols, &arena);
-        output.extend(emit::rule(
-            *rule,
-            &block,
-            &model,
-            &mechanics,
-            scheme,
-            linearisation,
-            &momenta,
-            &about,
-            &texts,
+    let context = Context {
+        block: &block,
+        model: &model,
+        mechanics: &mechanics,
+        momenta: &momenta,
+        about: &about,
+        arena: &arena,
+    };
+    for derived in &steps {
+        let Derived {
+            rule,
             symbols,
-            &arena,
-        ));
+            action,
+            scheme,
+            ..
+        } = derived;
+        let texts = explain::step(*rule, &model, &mechanics, action, scheme, symbols, &arena);
+        output.extend(emit::rule(&context, derived, &texts));
     }
     Ok(output)
 }

@@ -3,6 +3,8 @@
 //! Use it through `sve-runtime`, which re-exports it and has runnable examples. Generated code refers to that crate.
 //! How the macro works is told in `ARCHITECTURE.md`; the code begins in `compile.rs`, a line a stage.
 
+#[cfg(test)]
+mod absent_tests;
 mod action;
 mod compile;
 mod emit;

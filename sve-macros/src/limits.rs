@@ -3,26 +3,35 @@
 use crate::compile::expand_within;
 use crate::robustness::{SYSTEMS, expanded, tokens};
 
-/// Systems whose derivatives are far larger than they are: helpers that double, dense couplings, products of long sums, high
-/// powers, many noises.
-fn large_systems() -> Vec<(&'static str, String)> {
-    let system = |n: usize, body: &str| {
-        format!(
-            "fn lagrangian(&self, q: [f64; {n}], v: [f64; {n}]) -> f64 {{ let mut s: f64 = v.iter().zip(&self.m).map(|(v, m)| 0.5 * m * v * v).sum(); {body} }}"
-        )
-    };
-    let mut doubling = vec!["fn f0(&self, x: f64) -> f64 { x.sin() * x }".to_owned()];
-    doubling.extend((1..40).map(|i| {
+/// Particles with a term in L.
+fn system(n: usize, body: &str) -> String {
+    format!(
+        "fn lagrangian(&self, q: [f64; {n}], v: [f64; {n}]) -> f64 {{ let mut s: f64 = v.iter().zip(&self.m).map(|(v, m)| 0.5 * m * v * v).sum(); {body} }}"
+    )
+}
+
+/// Helpers `f0` to `f39`, each of which calls the one before three times.
+fn doubling() -> String {
+    let mut helpers = vec!["fn f0(&self, x: f64) -> f64 { x.sin() * x }".to_owned()];
+    helpers.extend((1..40).map(|i| {
         let f = i - 1;
         format!("fn f{i}(&self, x: f64) -> f64 {{ self.f{f}(x + {i}.0) * self.f{f}(x) + self.f{f}(x * x) }}")
     }));
-    let doubling = doubling.join(" ");
-    let noises = |n: usize, m: usize| {
-        format!(
-            "{} #[h1] fn noise(&self, q: [f64; {n}], p: [f64; {n}]) -> [f64; {m}] {{ let mut a = [0.0; {m}]; for i in 0..{m} {{ a[i] = (q[i % {n}] * (i as f64 + 1.0)).sin() * p[(i + 1) % {n}]; }} a }}",
-            system(n, "s")
-        )
-    };
+    helpers.join(" ")
+}
+
+/// Free particles with many noises.
+fn noises(n: usize, m: usize) -> String {
+    format!(
+        "{} #[h1] fn noise(&self, q: [f64; {n}], p: [f64; {n}]) -> [f64; {m}] {{ let mut a = [0.0; {m}]; for i in 0..{m} {{ a[i] = (q[i % {n}] * (i as f64 + 1.0)).sin() * p[(i + 1) % {n}]; }} a }}",
+        system(n, "s")
+    )
+}
+
+/// Systems whose derivatives are far larger than they are: helpers that double, dense couplings, products of long sums, high
+/// powers, many noises.
+fn large_systems() -> Vec<(&'static str, String)> {
+    let doubling = doubling();
     vec![
         (
             "midpoint",

@@ -21,6 +21,9 @@ pub(crate) struct Arguments {
     pub(crate) rules: Vec<(Rule, Ident)>,
     /// Path of the runtime crate, `::sve_runtime` unless `crate = path` says otherwise.
     pub(crate) runtime: syn::Path,
+    /// Whether each rule is derived a second time without its structure, which `structure = both` asks for: a comparison for
+    /// tests and benchmarks of this project, which no message offers to users.
+    pub(crate) compared: bool,
 }
 
 /// A function that plays a role in mechanics, taken apart.
@@ -57,6 +60,7 @@ impl Arguments {
         let mut read = Self {
             rules: Vec::new(),
             runtime: syn::parse_quote!(::sve_runtime),
+            compared: false,
         };
         let before = errors.count();
         let parsed = (|input: ParseStream<'_>| read.entries(input, errors)).parse2(attribute);
@@ -94,19 +98,15 @@ impl Arguments {
                         ),
                     )
                 })?;
-                if !input.is_empty() && !input.peek(Token![,]) {
+                if name == "structure" && is_both(input) {
+                    self.compared = true;
+                    input.parse::<Token![=]>()?;
+                    input.parse::<Ident>()?;
+                } else if !input.is_empty() && !input.peek(Token![,]) {
                     // what follows is a part of the same mistake
                     return Err(no_argument(&name, input.span()));
-                }
-                match Rule::named(&name.to_string()) {
-                    Some(rule) if self.rules.iter().any(|(other, _)| *other == rule) => {
-                        errors.push(
-                            name.span(),
-                            format!("the rule `{name}` is listed twice: remove one"),
-                        );
-                    }
-                    Some(rule) => self.rules.push((rule, name)),
-                    None => errors.push(name.span(), unknown_rule(&name.to_string())),
+                } else {
+                    self.rule(name, errors);
                 }
             }
             if !input.is_empty() {
@@ -115,6 +115,25 @@ impl Arguments {
         }
         Ok(())
     }
+
+    fn rule(&mut self, name: Ident, errors: &mut Errors) {
+        match Rule::named(&name.to_string()) {
+            Some(rule) if self.rules.iter().any(|(other, _)| *other == rule) => {
+                errors.push(
+                    name.span(),
+                    format!("the rule `{name}` is listed twice: remove one"),
+                );
+            }
+            Some(rule) => self.rules.push((rule, name)),
+            None => errors.push(name.span(), unknown_rule(&name.to_string())),
+        }
+    }
+}
+
+/// Whether `= both` follows.
+fn is_both(input: ParseStream<'_>) -> bool {
+    let ahead = input.fork();
+    ahead.parse::<Token![=]>().is_ok() && ahead.parse::<Ident>().is_ok_and(|word| word == "both")
 }
 
 /// What to say of a name in the attribute that something else than a comma follows.

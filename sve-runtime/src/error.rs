@@ -4,6 +4,7 @@ use crate::noise::NoiseError;
 
 /// Why a step could not be made. The state it was given is unchanged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum StepError {
     /// Something handed to the step is NaN or infinite.
@@ -14,14 +15,17 @@ pub enum StepError {
         /// Which number: `q[0]`, `p[1]`, `dw[0]`, `t`.
         what: String,
         /// Its value.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         value: f64,
         /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
     },
     /// The step size is not a positive finite number.
     #[error("the step size h = {h} must be positive and finite")]
     StepSize {
         /// The step size given.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         h: f64,
     },
     /// Newton's method did not reach rounding level.
@@ -32,14 +36,18 @@ pub enum StepError {
     )]
     NotConverged {
         /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
         /// Step size.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         h: f64,
         /// Iterations made.
         iterations: u32,
         /// Largest residual, relative to the sum of the magnitudes of its equation's terms.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         residual: f64,
         /// What it had to reach.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         tolerance: f64,
     },
     /// The equations of the step have a singular Jacobian.
@@ -50,8 +58,10 @@ pub enum StepError {
     )]
     Singular {
         /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
         /// Step size; 0 where the Legendre transform itself was to be inverted.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         h: f64,
         /// Configuration at the start of the step.
         q: Vec<f64>,
@@ -65,8 +75,10 @@ pub enum StepError {
     )]
     NonFiniteResult {
         /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
         /// Step size; 0 where no step was involved.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         h: f64,
         /// Configuration at the start of the step.
         q: Vec<f64>,
@@ -77,6 +89,7 @@ pub enum StepError {
     #[error("no noise for the step from t = {t}: {source}")]
     Noise {
         /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
         /// What the noise said.
         source: NoiseError,

@@ -49,7 +49,7 @@
 //! | make steps | [`Integrator`] with `step` and `trajectory`, [`State`]; [`Method`] is common to integrators and baselines |
 //! | see what a step became | [`Integrator::plan`], [`Plan`] |
 //! | differentiate a step in its start and in the parameters | [`Integrator::tangent`], [`Integrator::sensitivity`] |
-//! | drive it with noise | [`noise`]: [`Wiener`](noise::Wiener), [`Recorded`](noise::Recorded), [`Truncated`](noise::Truncated), [`FromRng`](noise::FromRng), [`NoNoise`](noise::NoNoise) |
+//! | drive it with noise | [`noise`]: [`Wiener`](noise::Wiener), [`ThreePoint`](noise::ThreePoint), [`Recorded`](noise::Recorded), [`Truncated`](noise::Truncated), [`FromRng`](noise::FromRng), [`NoNoise`](noise::NoNoise) |
 //! | evaluate energy, momentum, velocity, drift | [`Mechanics`] |
 //! | compare with other methods | [`baseline`] |
 //! | write code for any system | [`System`], [`Variational`], [`Dims`] |
@@ -69,7 +69,11 @@
 //!
 //! | feature | gives |
 //! | --- | --- |
-//! | `ensemble` | `Ensemble`: many paths, on all cores |
+//! | `ensemble` | `Ensemble`: many paths, on all cores; statistics as CSV |
+//! | `progress` | a bar that shows how far an ensemble is |
+//! | `checkpoint` | ensembles that are stopped and continued |
+//! | `npy`, `parquet` | statistics of ensembles in these formats |
+//! | `serde` | states, errors and summaries can be serialised |
 //! | `study` | `study::Study`: errors, orders and times of several methods on one problem; with `ensemble` |
 
 mod banded;
@@ -77,6 +81,8 @@ pub mod baseline;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 mod error;
+#[cfg(feature = "serde")]
+mod floats;
 mod integrator;
 mod lanes;
 mod linear;
@@ -230,7 +236,9 @@ pub use trajectory::Trajectory;
 pub mod prelude {
     #[cfg(feature = "ensemble")]
     pub use crate::ensemble::{Ensemble, EnsembleError, Failure, StartRng, Statistics, Summary};
-    pub use crate::noise::{FromRng, NoNoise, Noise, NoiseError, Recorded, Truncated, Wiener};
+    pub use crate::noise::{
+        FromRng, NoNoise, Noise, NoiseError, Recorded, ThreePoint, Truncated, Wiener,
+    };
     pub use crate::{
         Endpoint, InitialPoint, Integrator, Mechanics, Method, Midpoint, Newton, State, StepError,
         Taylor2, variational,
@@ -252,6 +260,7 @@ pub mod __private {
     pub use crate::newton::{Evaluation, Newton, SolveError, spread};
     pub use crate::plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
     pub use crate::power::power_log;
+    pub use crate::rules::Whole;
     pub use crate::state::State;
     pub use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System, Variational};
     pub use crate::tangent::{Entries, Linearisation};
@@ -259,6 +268,6 @@ pub mod __private {
 }
 
 /// The examples of the readme, as tests.
-#[cfg(doctest)]
+#[cfg(all(doctest, feature = "ensemble"))]
 #[doc = include_str!("../../README.md")]
 struct Readme;

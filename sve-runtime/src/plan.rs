@@ -53,13 +53,26 @@ pub enum StrongOrder {
     },
 }
 
-/// Floating-point operations of straight-line code.
+/// Floating-point operations. Comparisons, the choice of pivots and the bookkeeping of Newton's method are not counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Operations {
     /// Additions, subtractions, multiplications, divisions.
     pub arithmetic: usize,
     /// Calls of `sqrt`, `sin`, `exp` and the like.
     pub transcendental: usize,
+    /// Sines with their cosines that follow from those of an angle near by, by a short polynomial.
+    pub turns: usize,
+}
+
+impl Operations {
+    /// These and others, so many times.
+    fn and(self, times: usize, others: Self) -> Self {
+        Self {
+            arithmetic: self.arithmetic + times * others.arithmetic,
+            transcendental: self.transcendental + times * others.transcendental,
+            turns: self.turns + times * others.turns,
+        }
+    }
 }
 
 /// What was derived, as mathematics. Lines end with `\n`; the last one does not.
@@ -114,9 +127,9 @@ pub struct Plan {
     pub conserved: &'static [&'static str],
     /// Done once for a step size.
     pub prepare: Operations,
-    /// Done once a step (iterations not counted).
+    /// Done once a step, with the linear solves; iterations not counted.
     pub step: Operations,
-    /// Done once an iteration, all Newton blocks together, linear solves not counted.
+    /// Done once an iteration, all Newton blocks together, with the linear solves.
     pub iteration: Operations,
     /// What was derived.
     pub formulas: Formulas,
@@ -145,6 +158,23 @@ impl Plan {
         }
     }
 
+    /// Operations of a step whose Newton blocks take so many iterations each.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    /// struct Pendulum;
+    /// #[variational(midpoint)]
+    /// impl Pendulum {
+    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + q.cos() }
+    /// }
+    /// let plan = Integrator::new(Pendulum, Midpoint).plan();
+    /// let (two, three) = (plan.operations(2), plan.operations(3));
+    /// assert_eq!(three.arithmetic - two.arithmetic, plan.iteration.arithmetic);
+    /// ```
+    pub fn operations(&self, iterations: usize) -> Operations {
+        self.step.and(iterations, self.iteration)
+    }
+
     /// The head of what the plan prints: sizes, blocks and orders, without the formulas and the counts of operations.
     pub fn structure(&self) -> impl fmt::Display + '_ {
         Structure(self)
@@ -161,7 +191,12 @@ impl fmt::Display for Operations {
             f,
             "{} arithmetic, {} transcendental",
             self.arithmetic, self.transcendental
-        )
+        )?;
+        match self.turns {
+            0 => Ok(()),
+            1 => write!(f, ", 1 turn of an angle"),
+            n => write!(f, ", {n} turns of angles"),
+        }
     }
 }
 

@@ -20,3 +20,9 @@ rules! {
     /// The second-order Taylor variational integrator of Schmitt, Shingel and Leok: deterministic systems only, order 2.
     Taylor2
 }
+
+/// A rule whose step was derived without looking for its structure: Newton's method in all unknowns. It is what derived steps
+/// are compared with, in tests and benchmarks of this project; the attribute gives it where it says `structure = both`.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Whole<R>(pub R);

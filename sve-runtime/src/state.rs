@@ -12,12 +12,16 @@
 /// assert_eq!((state.t, state.q[0], state.p[0]), (0.0, 1.0, 0.0));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct State<const N: usize> {
     /// Time.
+    #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
     pub t: f64,
     /// Configuration, one entry a coordinate.
+    #[cfg_attr(feature = "serde", serde(with = "crate::floats::array"))]
     pub q: [f64; N],
     /// Momentum `∂L/∂v`, one entry a coordinate.
+    #[cfg_attr(feature = "serde", serde(with = "crate::floats::array"))]
     pub p: [f64; N],
 }
 

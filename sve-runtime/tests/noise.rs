@@ -1,9 +1,11 @@
-//! The noise sources by what they promise: replay, bounds and errors. Recorded paths are in `noise_recorded`, the
-//! distribution in `noise_statistics`.
+//! The noise sources by what they promise: replay, bounds and errors. Recorded paths are in `noise_recorded`, refined
+//! ones in `noise_refined`, the distribution in `noise_statistics`.
 
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
-use sve_runtime::noise::{FromRng, NoNoise, Noise, NoiseError, Recorded, Truncated, Wiener};
+use sve_runtime::noise::{
+    FromRng, NoNoise, Noise, NoiseError, Part, Recorded, ThreePoint, Truncated, Wiener,
+};
 
 fn draw<const M: usize>(
     noise: &mut (impl Noise + ?Sized),
@@ -30,6 +32,19 @@ fn any_order_gives_the_same_bits() -> Result<(), NoiseError> {
             assert_eq!(path.increment(step, process, h), expected[process]);
         }
     }
+    Ok(())
+}
+
+#[test]
+fn three_points_are_replayed_too() -> Result<(), NoiseError> {
+    let h = 0.037;
+    let mut path = ThreePoint::new(7).path(3);
+    for step in (0..1000).map(|k| k * 389 % 1000) {
+        let expected = [0, 1, 2].map(|process| path.increment(step, process, h));
+        assert_eq!(draw(&mut path, step, h)?, expected);
+    }
+    let other = path.clone().path(4);
+    assert!((0..100).any(|step| path.increment(step, 0, h) != other.increment(step, 0, h)));
     Ok(())
 }
 
@@ -71,33 +86,88 @@ fn the_last_steps_exist() -> Result<(), NoiseError> {
     Ok(())
 }
 
-/// Published results depend on these numbers. Computed from the layout independently, at 40 digits.
+/// Published results depend on these numbers. Computed from the layout independently, at 45 digits.
 #[test]
 fn wiener_values_are_a_contract() {
-    let path = Wiener::new(42).path(7);
-    for (step, process, expected) in CONTRACT {
-        let got = path.increment(step, process, 1.0);
-        assert!(
-            (got - expected).abs() < 1e-14,
-            "({step}, {process}): {got:?}"
+    for (seed, number, step, process, expected) in CONTRACT {
+        let got = Wiener::new(seed).path(number).increment(step, process, 1.0);
+        assert_close(
+            got,
+            expected,
+            &format!("{seed}, {number}, {step}, {process}"),
         );
     }
 }
 
-const CONTRACT: [(u64, usize, f64); 6] = [
-    (0, 0, -0.810_305_703_597_274_4),
-    (1, 0, -0.511_627_064_737_853),
-    (3, 0, 0.753_473_268_642_748_8),
-    (4, 1, -0.038_211_099_771_952_625),
-    (1 << 40, 2, 0.805_062_855_382_579),
-    (u64::MAX, 0, -0.314_146_283_216_732_6),
+#[test]
+fn three_point_values_are_a_contract() {
+    let path = ThreePoint::new(42).path(7);
+    for (process, signs) in THREE_POINT.into_iter().enumerate() {
+        for (step, sign) in (0..).zip(signs) {
+            let expected = f64::from(sign) * (3.0_f64 * 0.04).sqrt();
+            let got = path.increment(step, process, 0.04);
+            assert_close(got, expected, &format!("{step}, {process}"));
+        }
+    }
+}
+
+#[test]
+fn bridge_values_are_a_contract() {
+    let path = Wiener::new(42).path(7);
+    for (step, process, level, index, expected) in BRIDGE {
+        let mut part = Part::whole(step);
+        for bit in (0..level).rev() {
+            part = part.halves().unwrap()[(index >> bit & 1) as usize];
+        }
+        assert_eq!((part.level(), part.index()), (level, index));
+        // half the square root of 4 is the scale of the normal
+        let [left, right] = path.halves(part, process, 4.0, 0.0);
+        assert_close(left, expected, &format!("{part:?}, {process}"));
+        assert_eq!(right, -left);
+    }
+}
+
+fn assert_close(got: f64, expected: f64, of: &str) {
+    assert!(
+        (got - expected).abs() <= 2e-15 * expected.abs(),
+        "{of}: {got:?} for {expected:?}"
+    );
+}
+
+const CONTRACT: [(u64, u64, u64, usize, f64); 10] = [
+    (42, 7, 0, 0, -0.810_305_703_597_274_4),
+    (42, 7, 1, 0, -0.511_627_064_737_853),
+    (42, 7, 2, 0, 0.990_485_368_886_923_8),
+    (42, 7, 3, 0, 0.753_473_268_642_748_8),
+    (42, 7, 4, 1, -0.038_211_099_771_952_625),
+    (42, 7, 1 << 40, 2, 0.805_062_855_382_579),
+    (42, 7, u64::MAX, 0, -0.314_146_283_216_732_6),
+    (0, 0, 0, 0, 1.710_514_190_584_562_5),
+    (u64::MAX, u64::MAX, 5, 3, -2.002_571_168_216_32),
+    (1, 0, 6, 1, -0.224_934_367_645_233_13),
+];
+
+/// Signs of the first 16 steps of two processes.
+const THREE_POINT: [[i8; 16]; 2] = [
+    [0, -1, 1, 1, 0, -1, 0, 0, -1, 0, -1, 0, 0, 0, 1, 0],
+    [0, 0, 0, 0, -1, 0, -1, 0, 1, 0, 0, 0, 0, -1, 0, 0],
+];
+
+/// Step, process, level, index.
+const BRIDGE: [(u64, usize, u32, u64, f64); 4] = [
+    (10, 0, 0, 0, -0.465_337_121_255_348_9),
+    (10, 5, 0, 0, -0.348_305_984_099_128_94),
+    (10, 2, 3, 7, 0.458_176_330_099_574_74),
+    (u64::MAX, 3, 63, (1 << 63) - 1, -2.044_413_788_731_174_6),
 ];
 
 #[test]
 fn every_source_refuses_impossible_steps() -> Result<(), NoiseError> {
     for h in [0.0, -0.1, f64::NAN, f64::INFINITY] {
-        let mut sources: [Box<dyn Noise>; 3] = [
+        let mut sources: [Box<dyn Noise>; 5] = [
             Box::new(Wiener::new(1)),
+            Box::new(ThreePoint::new(1)),
+            Box::new(Wiener::new(1).refine(2)?),
             Box::new(Truncated::new(Wiener::new(1))),
             Box::new(FromRng::new(StdRng::seed_from_u64(1))),
         ];
@@ -221,6 +291,7 @@ fn messages_have_the_numbers_and_the_remedy() {
         },
         NoiseError::TruncationStep { h: 1.5 },
         NoiseError::TruncationExponent { k: 0.5 },
+        NoiseError::Depth { depth: 64 },
     ];
     let expected = [
         "the recorded path has 9 steps and step 10 (from 0) was asked for; record more steps",
@@ -228,6 +299,7 @@ fn messages_have_the_numbers_and_the_remedy() {
         "a path of 10 steps cannot be coarsened by 3; take a divisor of 10, or record a multiple of the factor",
         "truncated increments are defined for h < 1, and h = 1.5; measure time in a larger unit, or take a smaller step",
         "the truncation exponent k = 0.5 must be finite and at least 1; 2 keeps strong order 1",
+        "a step can be halved at most 63 times, and a refinement of depth 64 was asked for",
     ];
     assert_eq!(errors.map(|error| error.to_string()), expected);
 }

@@ -1,8 +1,12 @@
 //! The distribution of the increments. Seeds are fixed, and bounds are five standard errors, so a failure is a fault:
 //! chance alone would exceed one of the few hundred bounds here for one choice of seeds in several thousand.
 
+mod statistics;
+
 use rand::{SeedableRng, rngs::StdRng};
-use sve_runtime::noise::{FromRng, Noise, Truncated, Wiener};
+use sve_runtime::noise::{FromRng, Noise, ThreePoint, Truncated, Wiener};
+
+use statistics::{Sample, normal_cdf, normal_moment};
 
 const BOUND: f64 = 5.0;
 
@@ -19,20 +23,6 @@ fn sample(mut noise: impl Noise, h: f64, n: usize) -> Vec<f64> {
             dw[0]
         })
         .collect()
-}
-
-/// E zᵏ of a standard normal: (k − 1)!! for even k.
-fn normal_moment(k: i32) -> f64 {
-    if k % 2 == 1 {
-        0.0
-    } else {
-        (1..k).step_by(2).map(f64::from).product()
-    }
-}
-
-/// Distribution function of the standard normal.
-fn normal_cdf(z: f64) -> f64 {
-    0.5 * libm::erfc(-z * core::f64::consts::FRAC_1_SQRT_2)
 }
 
 fn assert_normal(name: &str, z: &mut [f64]) {
@@ -82,6 +72,84 @@ fn assert_independent(name: &str, a: &[f64], b: &[f64]) {
             "{name}: {of} correlated, {error} standard errors"
         );
     }
+}
+
+/// Moments to the eighth, tails, the distances of Kolmogorov and Smirnov and of Anderson and Darling, counts of bins, on 10⁷ draws. The
+/// example `noise_quality` does it on 10⁹.
+#[test]
+fn ten_million_draws_are_normal() {
+    let mut sample = Sample::new();
+    let mut z = [0.0; 4];
+    for path in 0..25 {
+        let mut noise = Wiener::new(77).path(path);
+        for step in 0..100_000 {
+            noise.increments(step, 1.0, &mut z).unwrap();
+            for z in z {
+                sample.add(z);
+            }
+        }
+    }
+    for finding in sample.findings() {
+        assert!(finding.holds(), "{finding:?}");
+    }
+}
+
+/// The statistics see what they are for: a normal cut off at 3.9, one with a variance off by 1 %, and one with gaps.
+#[test]
+fn the_statistics_see_small_faults() {
+    type Fault = fn(f64) -> f64;
+    let faults: [(&str, Fault); 3] = [
+        ("above 4", |z| z.min(3.9)),
+        ("moment 2", |z| 1.005 * z),
+        ("χ² of bins", |z| (z * 128.0).round() / 128.0),
+    ];
+    for (what, fault) in faults {
+        let mut sample = Sample::new();
+        for z in self::sample(Wiener::new(78), 1.0, 2_000_000) {
+            sample.add(fault(z));
+        }
+        let found = sample
+            .findings()
+            .into_iter()
+            .find(|finding| finding.what == what);
+        assert!(found.is_some_and(|finding| !finding.holds()), "{what}");
+    }
+}
+
+/// Probabilities by counts, moments to the fifth, and that nothing is correlated.
+#[test]
+fn three_points_have_their_law() {
+    let n = 1_000_000;
+    let z = sample(ThreePoint::new(9), 1.0, n);
+    let root_3 = 3.0_f64.sqrt();
+    let n = n as f64;
+    for (value, probability) in [(-root_3, 1.0 / 6.0), (0.0, 2.0 / 3.0), (root_3, 1.0 / 6.0)] {
+        let count = z.iter().filter(|&&z| z == value).count() as f64;
+        let error = (count - n * probability) / (n * probability * (1.0 - probability)).sqrt();
+        assert!(error.abs() < BOUND, "{value}: {count}");
+    }
+    assert!(z.iter().all(|z| z.abs() == root_3 || *z == 0.0));
+    // E z^2k = 3^(k−1)
+    for k in 1..=5 {
+        let mean = z.iter().map(|z| z.powi(k)).sum::<f64>() / n;
+        let variance = 3.0_f64.powi(k - 1) - normal_moment(k).powi(2);
+        let error = (mean - normal_moment(k)) / (variance / n).sqrt();
+        assert!(error.abs() < BOUND, "moment {k}: {mean}");
+    }
+    let increments = |seed, path| sample(ThreePoint::new(seed).path(path), 1.0, 100_000);
+    let base = increments(SEED, PATH);
+    for lag in 1..=5 {
+        assert_independent(
+            &format!("lag {lag}"),
+            &base[lag..],
+            &base[..base.len() - lag],
+        );
+    }
+    assert_independent("seeds", &base, &increments(SEED + 1, PATH));
+    assert_independent("paths", &base, &increments(SEED, PATH + 1));
+    // nor with the normal ones of the same seed and path
+    let normal = sample(Wiener::new(SEED).path(PATH), 1.0, 100_000);
+    assert_independent("normal", &base, &normal);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The users' own functions of every model, which are what the generated code is measured against, and a walk over all
 //! models and rules.
 
+use sve_runtime::__private::Whole;
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
 
@@ -57,8 +58,8 @@ pub trait Visitor {
     /// Visits one.
     fn visit<S, R, const N: usize, const M: usize>(&mut self, integrator: &Integrator<S, R>)
     where
-        S: Model<N, M> + Variational<R>,
-        R: Rule;
+        S: Model<N, M> + Variational<R> + Variational<Whole<R>> + Clone,
+        R: Rule + Copy;
 }
 
 /// `Pendulum by midpoint`, for messages.

@@ -202,6 +202,9 @@ impl<'a> Printer<'a> {
                 call_in_lane(function, &of(a), &self.private)
             }
             Operation::Call(function, a) => call(function, &of(a)),
+            Operation::Call2(function, a, b) if self.lanes => {
+                call2_in_lane(function, &of(a), &of(b), &self.private)
+            }
             Operation::Call2(function, a, b) => call2(function, &of(a), &of(b), &self.private),
             Operation::Turn(sin, cos, by) => {
                 let [sin_name, cos_name] = self.names.pair(value);
@@ -283,23 +286,37 @@ pub(super) fn call(function: Function, x: &TokenStream) -> TokenStream {
     quote!(f64::#method(#x))
 }
 
-/// A call within a loop over lanes: of a function without branches where there is one.
+/// A call within a loop over lanes: of a function without branches.
 fn call_in_lane(function: Function, x: &TokenStream, private: &TokenStream) -> TokenStream {
     match function {
-        Function::Exp
-        | Function::Exp2
-        | Function::ExpM1
-        | Function::Ln
-        | Function::Ln1p
-        | Function::Log2
-        | Function::Log10
-        | Function::Sin
-        | Function::Cos
-        | Function::Tan => {
+        Function::Sqrt => call(function, x),
+        Function::Powf(exponent) => {
+            let exponent = constant(exponent.get());
+            quote!(#private::lane::powf(#x, #exponent))
+        }
+        _ => {
             let name = local(function.name());
             quote!(#private::lane::#name(#x))
         }
-        _ => call(function, x),
+    }
+}
+
+/// A call with two arguments within a loop over lanes.
+fn call2_in_lane(
+    function: Binary,
+    x: &TokenStream,
+    y: &TokenStream,
+    private: &TokenStream,
+) -> TokenStream {
+    match function {
+        Binary::PowLog(n) => {
+            let n = Literal::i32_suffixed(n);
+            quote!(#private::lane::power_log(#x, #y, #n))
+        }
+        _ => {
+            let name = local(function.name());
+            quote!(#private::lane::#name(#x, #y))
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Plans and instructions → tokens. Infallible, and the only place that knows it prints Rust.
 
 mod code;
+mod count;
 mod lanes;
 mod linearise;
 mod mend;
@@ -14,6 +15,7 @@ mod step;
 mod straight;
 mod stub;
 mod system;
+mod whole;
 
 pub(crate) use momenta::momenta;
 pub(crate) use rule::rule;
@@ -23,7 +25,37 @@ pub(crate) use system::system;
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
+use crate::action::Action;
+use crate::explain::SystemTexts;
+use crate::mechanics::Mechanics;
+use crate::model::{Model, Symbols};
 use crate::parse::Annotated;
+use crate::rule::Rule;
+use crate::structure::Scheme;
+use crate::symbolic::Arena;
+use crate::symmetry::MomentumMap;
+use crate::tangent::Linearisation;
+
+/// What the rules of a block share.
+pub(crate) struct Context<'a> {
+    pub(crate) block: &'a Annotated,
+    pub(crate) model: &'a Model,
+    pub(crate) mechanics: &'a Mechanics,
+    pub(crate) momenta: &'a [MomentumMap],
+    pub(crate) about: &'a SystemTexts,
+    pub(crate) arena: &'a Arena,
+}
+
+/// A rule with what was derived for it.
+pub(crate) struct Derived {
+    pub(crate) rule: Rule,
+    /// Whether its structure was not looked for.
+    pub(crate) is_whole: bool,
+    pub(crate) symbols: Symbols,
+    pub(crate) action: Action,
+    pub(crate) scheme: Scheme,
+    pub(crate) linearisation: Linearisation,
+}
 
 /// Path of what generated code calls in the runtime.
 fn private(block: &Annotated) -> TokenStream {

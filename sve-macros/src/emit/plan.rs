@@ -3,30 +3,35 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use super::verbatim;
-use crate::explain::{self, StepTexts, SystemTexts};
-use crate::mechanics::Mechanics;
-use crate::model::{Model, Symbols};
-use crate::parse::Annotated;
-use crate::rule::Rule;
-use crate::schedule::{Operation, Program, Tier};
-use crate::structure::{Band, Block, Kind, Scheme};
-use crate::symmetry::MomentumMap;
+use super::count::Work;
+use super::{Context, Derived, verbatim};
+use crate::explain::{self, StepTexts};
+use crate::model::Symbols;
+use crate::structure::{Band, Block, Kind};
 
-#[allow(clippy::too_many_arguments)] // what a plan reports is spread over the stages
 pub(super) fn plan(
     private: &TokenStream,
-    rule: Rule,
-    block: &Annotated,
-    model: &Model,
-    mechanics: &Mechanics,
-    scheme: &Scheme,
-    momenta: &[MomentumMap],
-    about: &SystemTexts,
+    context: &Context<'_>,
+    derived: &Derived,
     texts: &StepTexts,
-    program: &Program,
-    symbols: &Symbols,
+    work: &Work,
 ) -> TokenStream {
+    let Context {
+        block,
+        model,
+        mechanics,
+        momenta,
+        about,
+        arena: _,
+    } = context;
+    let Derived {
+        rule,
+        is_whole: _,
+        symbols,
+        action: _,
+        scheme,
+        linearisation: _,
+    } = derived;
     let StepTexts {
         action,
         step: equations,
@@ -42,25 +47,18 @@ pub(super) fn plan(
         None => quote!(One),
         Some((a, b)) => quote!(Half { pair: (#a, #b) }),
     };
-    let blocks = scheme.blocks.iter().map(|Block { kind, unknowns, nonzeros, band, solution: _ }| {
-        let kind = match kind {
-            Kind::Explicit => quote!(Explicit),
-            Kind::Linear => quote!(Linear),
-            Kind::Newton => quote!(Newton),
-        };
-        let unknowns = unknowns.iter().map(|&u| explain::unknown(symbols, u));
-        let band = match band {
-            Some(Band { lower, upper }) => quote!(::core::option::Option::Some((#lower, #upper))),
-            None => quote!(::core::option::Option::None),
-        };
-        quote!(#private::Block { kind: #private::BlockKind::#kind, unknowns: &[#(#unknowns),*], nonzeros: #nonzeros, band: #band })
-    });
+    let blocks = scheme
+        .blocks
+        .iter()
+        .map(|b| self::block(private, b, symbols));
     let conserved = momenta.iter().filter(|map| map.affine);
     let conserved = conserved.map(|map| format!("{}_momentum", map.name));
-    let count = |wanted: &dyn Fn(Tier) -> bool| operations(private, program, wanted);
-    let prepare = count(&|tier| tier == Tier::Prepare);
-    let iteration = count(&|tier| matches!(tier, Tier::Iterate(_)));
-    let step = count(&|tier| !matches!(tier, Tier::Prepare | Tier::Iterate(_)));
+    let Work {
+        prepare,
+        step,
+        iteration,
+    } = work;
+    let [prepare, step, iteration] = [prepare, step, iteration].map(|w| w.tokens(private));
     quote! {
         #private::Plan {
             system: #system,
@@ -84,35 +82,23 @@ pub(super) fn plan(
     }
 }
 
-/// Counts operations of some tiers; a sine with its cosine is one call.
-fn operations(
-    private: &TokenStream,
-    program: &Program,
-    wanted: &dyn Fn(Tier) -> bool,
-) -> TokenStream {
-    let (mut arithmetic, mut transcendental) = (0usize, 0usize);
-    for (_, instruction) in program.all().filter(|(_, i)| wanted(i.tier)) {
-        match instruction.operation {
-            Operation::Constant(_)
-            | Operation::Input(_)
-            | Operation::SinOf(_)
-            | Operation::CosOf(_) => {}
-            Operation::Add(..)
-            | Operation::Sub(..)
-            | Operation::Mul(..)
-            | Operation::Div(..)
-            | Operation::Neg(_)
-            | Operation::Abs(_)
-            | Operation::Recip(_) => {
-                arithmetic += 1;
-            }
-            Operation::Call(..)
-            | Operation::Call2(..)
-            | Operation::SinCos(_)
-            | Operation::Turn(..) => {
-                transcendental += 1;
-            }
-        }
-    }
-    quote!(#private::Operations { arithmetic: #arithmetic, transcendental: #transcendental })
+fn block(private: &TokenStream, block: &Block, symbols: &Symbols) -> TokenStream {
+    let Block {
+        kind,
+        unknowns,
+        nonzeros,
+        band,
+        solution: _,
+    } = block;
+    let kind = match kind {
+        Kind::Explicit => quote!(Explicit),
+        Kind::Linear => quote!(Linear),
+        Kind::Newton => quote!(Newton),
+    };
+    let unknowns = unknowns.iter().map(|&u| explain::unknown(symbols, u));
+    let band = match band {
+        Some(Band { lower, upper }) => quote!(::core::option::Option::Some((#lower, #upper))),
+        None => quote!(::core::option::Option::None),
+    };
+    quote!(#private::Block { kind: #private::BlockKind::#kind, unknowns: &[#(#unknowns),*], nonzeros: #nonzeros, band: #band })
 }

@@ -3,87 +3,51 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use super::code::Printer;
 use super::lanes::lanes;
 use super::linearise::linearise;
 use super::plan::plan;
-use super::step::schedule;
-use super::{attributes, documented, private};
-use crate::explain::{StepTexts, SystemTexts};
-use crate::mechanics::Mechanics;
-use crate::model::{Model, Symbols};
-use crate::parse::Annotated;
-use crate::rule::Rule;
-use crate::structure::{Form, Scheme};
-use crate::symbolic::Arena;
-use crate::symmetry::MomentumMap;
-use crate::tangent::Linearisation;
+use super::step::{self, Code};
+use super::{Context, Derived, attributes, documented, private, whole};
+use crate::explain::StepTexts;
+use crate::structure::{Block, Form, Solution};
 
-#[allow(clippy::too_many_arguments)] // every stage's output is read here, and nowhere after
-pub(crate) fn rule(
-    rule: Rule,
-    block: &Annotated,
-    model: &Model,
-    mechanics: &Mechanics,
-    scheme: &Scheme,
-    linearisation: &Linearisation,
-    momenta: &[MomentumMap],
-    about: &SystemTexts,
-    texts: &StepTexts,
-    symbols: &Symbols,
-    arena: &Arena,
-) -> TokenStream {
-    let (private, attributes) = (private(block), attributes());
-    let runtime = &block.arguments.runtime;
-    let rule_type = format_ident!("{}", rule.type_name());
-    let self_ty = &block.item.self_ty;
-    let n = Literal::usize_unsuffixed(model.dof());
-    let m = Literal::usize_unsuffixed(model.noises.len());
-
-    let step = schedule(scheme, &linearisation.unknowns, symbols, &private, arena);
-    let mut printer = Printer::new(&step.program, symbols, &step.labels, &private);
-    let kept = printer.split_prepared(&step.results);
-    let prepared = Literal::usize_unsuffixed(kept.len());
-    let (prepare, kept) = (printer.prepare(), printer.array(&kept));
-    let body = step.body(&private, &printer, symbols);
-    let plan = plan(
-        &private,
-        rule,
-        block,
-        model,
-        mechanics,
-        scheme,
-        momenta,
-        about,
-        texts,
-        &step.program,
+pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) -> TokenStream {
+    let (private, attributes) = (private(context.block), attributes());
+    let (model, arena) = (context.model, context.arena);
+    let Derived {
+        rule: _,
+        is_whole,
         symbols,
-    );
+        action: _,
+        scheme,
+        linearisation,
+    } = derived;
+    let self_ty = &context.block.item.self_ty;
+    let rule_type = rule_type(context, derived);
+    let [n, m, unknowns] = [
+        model.dof(),
+        model.noises.len(),
+        linearisation.unknowns.len(),
+    ]
+    .map(Literal::usize_unsuffixed);
+    let Code {
+        prepared,
+        prepare,
+        body,
+        work,
+    } = code(derived, &private, context);
+    let prepared = Literal::usize_unsuffixed(prepared);
+    let plan = plan(&private, context, derived, texts, &work);
     let returns_state = scheme.form == Form::State;
-    let unknowns = Literal::usize_unsuffixed(linearisation.unknowns.len());
     let linearise = linearise(&private, model, linearisation, symbols, arena);
-    let lanes = cfg!(feature = "lanes")
+    let lanes = (cfg!(feature = "lanes") && !is_whole)
         .then(|| lanes(scheme, model.noises.len(), symbols, &private, arena))
         .flatten();
-    let StepTexts {
-        action,
-        step: equations,
-    } = texts;
-    let increment_doc = documented(&[(
-        "One step from `q₀`, `p₀`: `(q₁ − q₀, p₁ − p₀)`, or `(q₁, p₁)` where `RETURNS_STATE`.",
-        equations,
-    )]);
-    let doc = documented(&[
-        (
-            "Discrete action, of which `p₀ = −∂S/∂q₀`, `p₁ = ∂S/∂q₁`, `0 = ∂S/∂(each internal variable)`:",
-            action,
-        ),
-        ("Equations of the step:", equations),
-    ]);
+    let [doc, increment_doc] = documentation(texts);
     quote! {
         #doc
         #attributes
-        impl #private::Variational<#runtime::#rule_type> for #self_ty {
+        impl #private::Variational<#rule_type> for #self_ty {
             type Prepared = [f64; #prepared];
             const PLAN: &'static #private::Plan = &#plan;
             const RETURNS_STATE: bool = #returns_state;
@@ -91,7 +55,6 @@ pub(crate) fn rule(
             #[inline]
             fn prepare(&self, h: f64) -> [f64; #prepared] {
                 #prepare
-                #kept
             }
             #increment_doc
             #[inline]
@@ -109,4 +72,52 @@ pub(crate) fn rule(
             #linearise
         }
     }
+}
+
+/// The rule, or the one that stands for it where it is derived without its structure.
+fn rule_type(context: &Context<'_>, derived: &Derived) -> TokenStream {
+    let runtime = &context.block.arguments.runtime;
+    let rule = format_ident!("{}", derived.rule.type_name());
+    let rule = quote!(#runtime::#rule);
+    if derived.is_whole {
+        quote!(#runtime::__private::Whole<#rule>)
+    } else {
+        rule
+    }
+}
+
+fn code(derived: &Derived, private: &TokenStream, context: &Context<'_>) -> Code {
+    let Derived {
+        scheme,
+        symbols,
+        linearisation,
+        ..
+    } = derived;
+    match scheme.blocks.as_slice() {
+        [
+            Block {
+                solution: Solution::Iteration(iteration),
+                ..
+            },
+        ] if derived.is_whole => whole::code(scheme, iteration, symbols, private, context.arena),
+        _ => step::code(
+            scheme,
+            &linearisation.unknowns,
+            symbols,
+            private,
+            context.arena,
+        ),
+    }
+}
+
+/// Of the implementation and of `increment`.
+fn documentation(texts: &StepTexts) -> [TokenStream; 2] {
+    let StepTexts { action, step } = texts;
+    let of_action = "Discrete action, of which `p₀ = −∂S/∂q₀`, `p₁ = ∂S/∂q₁`, `0 = ∂S/∂(each internal variable)`:";
+    let of_increment =
+        "One step from `q₀`, `p₀`: `(q₁ − q₀, p₁ − p₀)`, or `(q₁, p₁)` where `RETURNS_STATE`.";
+    [
+        documented(&[(of_action, action), ("Equations of the step:", step)]),
+        documented(&[(of_increment, step)]),
+    ]
 }

@@ -6,9 +6,10 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use super::code::Printer;
+use super::count::Operations;
 use super::names::{Labels, input_name};
 use super::rounding::rounding;
-use super::straight::{Straight, rows};
+use super::straight::{Printed, Straight, rows};
 use crate::model::Symbols;
 use crate::schedule::{Scheduler, Tier, Value};
 use crate::structure::{Band, Block, Iteration, Linear, Solution};
@@ -76,7 +77,7 @@ impl Solve {
             Solution::Iteration(iteration) => {
                 let rest = rest(iteration, degrees_of_freedom);
                 let aside = Aside {
-                    fallback: fallback(&iteration.fallback, &rest, symbols, private, arena),
+                    fallback: start(&iteration.fallback, &rest, symbols, private, arena).0,
                     rounding: rounding(&iteration.residual, symbols, private, arena),
                     rest,
                 };
@@ -259,34 +260,41 @@ fn newton(scheduler: &mut Scheduler<'_>, iteration: &Iteration, aside: Aside) ->
     }
 }
 
-/// Code of a guess that is computed only after a failure, all of it where it stands.
-fn fallback(
+/// Code of a guess that is computed where it stands, all of it: the solution of a linear system, or else rest. With its
+/// operations, the solve not counted.
+pub(super) fn start(
     linear: &Linear,
     rest: &TokenStream,
     symbols: &Symbols,
     private: &TokenStream,
     arena: &Arena,
-) -> TokenStream {
+) -> (TokenStream, Operations) {
     let rhs = [linear.rhs.clone()];
     let (band, matrix) = banded(&linear.matrix, arena);
     let roots: Vec<Expr> = matrix.iter().flatten().chain(&rhs[0]).copied().collect();
-    let matrices: [(&[Vec<Expr>], Vec<String>); 2] = [
-        (&matrix, rows("matrix", matrix.len())),
-        (&rhs, vec!["rhs".to_owned()]),
+    let mut straight = Straight::new(arena, symbols, &roots);
+    let values = [
+        (straight.values(&matrix), rows("matrix", matrix.len())),
+        (straight.values(&rhs), vec!["rhs".to_owned()]),
     ];
-    let (statements, arrays) = Straight::new(arena, symbols, &roots).finish(private, &matrices);
+    let Printed {
+        statements,
+        arrays,
+        operations,
+    } = straight.print(private, &values);
     let [matrix, rhs] = arrays.as_slice() else {
-        return TokenStream::new();
+        return (TokenStream::new(), operations);
     };
     let matrix = typed(private, band, linear.rhs.len(), matrix);
-    quote! {
+    let tokens = quote! {
         #statements
         let [rhs] = #rhs;
         match #private::solve(&#matrix, &rhs) {
             ::core::option::Option::Some(guess) => guess,
             ::core::option::Option::None => #rest,
         }
-    }
+    };
+    (tokens, operations)
 }
 
 /// The guess where no linear system gives one: rest; but where the mass vanishes at rest, a velocity of the momentum's sign.

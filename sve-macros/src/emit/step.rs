@@ -4,6 +4,7 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::code::Printer;
+use super::count::Work;
 use super::names::{Labels, input_name};
 use super::solve::Solve;
 use crate::model::{Meaning, Symbols};
@@ -11,22 +12,53 @@ use crate::schedule::{Operation, Program, Scheduler, Tier, Tiers, Value};
 use crate::structure::{Block, Form, Iteration, Refinement, Scheme, Solution};
 use crate::symbolic::{Arena, Expr, Symbol};
 
+/// The code of a step.
+pub(super) struct Code {
+    /// Numbers that `prepare` returns.
+    pub(super) prepared: usize,
+    /// The body of `prepare`.
+    pub(super) prepare: TokenStream,
+    /// The body of `increment`.
+    pub(super) body: TokenStream,
+    pub(super) work: Work,
+}
+
+/// The code of a scheme, in tiers.
+pub(super) fn code(
+    scheme: &Scheme,
+    unknowns: &[Symbol],
+    symbols: &Symbols,
+    private: &TokenStream,
+    arena: &Arena,
+) -> Code {
+    let step = schedule(scheme, unknowns, symbols, private, arena);
+    let mut printer = Printer::new(&step.program, symbols, &step.labels, private);
+    let kept = printer.split_prepared(&step.results);
+    let (prepare, array) = (printer.prepare(), printer.array(&kept));
+    Code {
+        prepared: kept.len(),
+        prepare: quote!(#prepare #array),
+        body: step.body(private, &printer, symbols),
+        work: Work::of(&step.program).with_solves(scheme),
+    }
+}
+
 /// A step with values for expressions.
-pub(super) struct Step {
+struct Step {
     solves: Vec<Solve>,
     dq: Vec<Value>,
     dp: Vec<Value>,
     /// What the solves determine.
     unknowns: Vec<Symbol>,
     /// Every value that is used other than by an instruction.
-    pub(super) results: Vec<Value>,
-    pub(super) program: Program,
+    results: Vec<Value>,
+    program: Program,
     /// What the values are.
-    pub(super) labels: Labels,
+    labels: Labels,
 }
 
 /// Turns all expressions of a scheme into one program.
-pub(super) fn schedule(
+fn schedule(
     scheme: &Scheme,
     unknowns: &[Symbol],
     symbols: &Symbols,
@@ -122,12 +154,7 @@ pub(super) fn formulas(blocks: &[Block], symbols: &Symbols) -> Vec<(Expr, String
 
 impl Step {
     /// The body of `increment`.
-    pub(super) fn body(
-        &self,
-        private: &TokenStream,
-        printer: &Printer<'_>,
-        symbols: &Symbols,
-    ) -> TokenStream {
+    fn body(&self, private: &TokenStream, printer: &Printer<'_>, symbols: &Symbols) -> TokenStream {
         let load = printer.load(&self.results);
         let start = [Tier::Noise, Tier::State].map(|tier| printer.statements(tier));
         let blocks = self.solves.iter().enumerate().map(|(at, solve)| {

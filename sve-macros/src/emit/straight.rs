@@ -4,6 +4,7 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::code::Printer;
+use super::count::Operations;
 use super::names::Labels;
 use crate::model::Symbols;
 use crate::schedule::{Program, Scheduler, Tier, Tiers, Value};
@@ -15,6 +16,17 @@ pub(super) struct Straight<'a> {
     roots: &'a [Expr],
     scheduler: Scheduler<'a>,
     symbols: &'a Symbols,
+}
+
+/// Rows of something, with what they are called: the entries of a row are `row_0`, `row_1`, ….
+pub(super) type Named<T> = (T, Vec<String>);
+
+/// What is printed.
+pub(super) struct Printed {
+    pub(super) statements: TokenStream,
+    /// The arrays that were asked for.
+    pub(super) arrays: Vec<TokenStream>,
+    pub(super) operations: Operations,
 }
 
 impl<'a> Straight<'a> {
@@ -38,33 +50,64 @@ impl<'a> Straight<'a> {
         (self.scheduler.finish(&values), values)
     }
 
-    /// The statements, and each array of expressions as tokens. The entries of a row are called `row_0`, `row_1`, ….
+    /// With a call for each angle, whatever is known of others.
+    pub(super) fn apart(mut self) -> Self {
+        self.scheduler.keep_angles_apart();
+        self
+    }
+
+    /// The values of rows of expressions.
+    pub(super) fn values(&mut self, rows: &[Vec<Expr>]) -> Vec<Vec<Value>> {
+        rows.iter().map(|row| self.scheduler.values(row)).collect()
+    }
+
+    /// The values of residuals, and of the magnitudes of their terms.
+    pub(super) fn residuals(&mut self, exprs: &[Expr]) -> (Vec<Value>, Vec<Value>) {
+        exprs.iter().map(|&e| self.scheduler.residual(e)).unzip()
+    }
+
+    /// The statements, and each array of expressions as tokens.
     pub(super) fn finish(
         mut self,
         private: &TokenStream,
-        matrices: &[(&[Vec<Expr>], Vec<String>)],
+        matrices: &[Named<&[Vec<Expr>]>],
     ) -> (TokenStream, Vec<TokenStream>) {
-        let values: Vec<Vec<Vec<_>>> = matrices
+        let named = matrices
             .iter()
-            .map(|(rows, _)| rows.iter().map(|row| self.scheduler.values(row)).collect())
-            .collect();
+            .map(|(rows, names)| (self.values(rows), names.clone()));
+        let values: Vec<Named<Vec<Vec<Value>>>> = named.collect();
+        let printed = self.print(private, &values);
+        (printed.statements, printed.arrays)
+    }
+
+    /// The code of values.
+    pub(super) fn print(self, private: &TokenStream, values: &[Named<Vec<Vec<Value>>>]) -> Printed {
         let mut labels = Labels::default();
-        for (rows, (_, names)) in values.iter().zip(matrices) {
+        for (rows, names) in values {
             for (row, name) in rows.iter().zip(names) {
                 labels.vector(name, 0, row);
             }
         }
         labels.expressions(&self.scheduler, self.arena, self.symbols, &[], self.roots);
-        let results: Vec<_> = values.iter().flatten().flatten().copied().collect();
+        let results: Vec<Value> = values
+            .iter()
+            .flat_map(|v| &v.0)
+            .flatten()
+            .copied()
+            .collect();
         let program = self.scheduler.finish(&results);
         let mut printer = Printer::new(&program, self.symbols, &labels, private);
         printer.split_prepared(&[]);
         let constants = printer.prepare();
         let statements = printer.statements(Tier::State);
-        (
-            quote!(#constants #statements),
-            values.iter().map(|rows| printer.matrix(rows)).collect(),
-        )
+        Printed {
+            statements: quote!(#constants #statements),
+            arrays: values
+                .iter()
+                .map(|(rows, _)| printer.matrix(rows))
+                .collect(),
+            operations: Operations::of(&program, |_| true),
+        }
     }
 }
 

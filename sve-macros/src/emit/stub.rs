@@ -58,23 +58,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
     };
     let m = if is_generic { one() } else { processes(block) };
     let fail = quote!(::core::unreachable!("the macro reported an error"));
-    let operations = quote!(#private::Operations { arithmetic: 0, transcendental: 0 });
-    let plan = quote! {
-        #private::Plan {
-            system: "",
-            rule: "",
-            degrees_of_freedom: 0,
-            noises: 0,
-            blocks: &[],
-            deterministic_order: 0,
-            strong_order: #private::StrongOrder::Deterministic,
-            conserved: &[],
-            prepare: #operations,
-            step: #operations,
-            iteration: #operations,
-            formulas: #private::Formulas { system: "", motion: "", action: "", step: "" },
-        }
-    };
+    let plan = plan(&private);
     let momenta = momenta(block, &private, &n);
     let rules = rules.iter().map(|rule| {
         let rule = format_ident!("{}", rule.type_name());
@@ -119,6 +103,27 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
         }
         #(#rules)*
         #momenta
+    }
+}
+
+/// A plan of nothing.
+fn plan(private: &TokenStream) -> TokenStream {
+    let operations = quote!(#private::Operations { arithmetic: 0, transcendental: 0, turns: 0 });
+    quote! {
+        #private::Plan {
+            system: "",
+            rule: "",
+            degrees_of_freedom: 0,
+            noises: 0,
+            blocks: &[],
+            deterministic_order: 0,
+            strong_order: #private::StrongOrder::Deterministic,
+            conserved: &[],
+            prepare: #operations,
+            step: #operations,
+            iteration: #operations,
+            formulas: #private::Formulas { system: "", motion: "", action: "", step: "" },
+        }
     }
 }
 

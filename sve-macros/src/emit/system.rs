@@ -29,20 +29,7 @@ pub(crate) fn system(
         affine_momentum,
         clash: _,
     } = mechanics;
-    let of_motion = if noises.is_empty() {
-        "Equations of motion:"
-    } else {
-        "Equations of motion (Stratonovich):"
-    };
-    let doc = documented(&[("The system:", &about.system()), (of_motion, &about.motion)]);
-    let jet_doc = documented(&[(
-        "L with its first and second derivatives.",
-        &about.lagrangian,
-    )]);
-    let noise_doc = documented(&[(
-        "The noise Hamiltonians, −γ and H₁, with their first and second derivatives.",
-        &about.noises,
-    )]);
+    let [doc, jet_doc, noise_doc] = documentation(about, !noises.is_empty());
     let lagrangian_body = lagrangian_jet(&private, lagrangian, &model.symbols, arena);
     let noise_body = noise_jets(&private, noises, &model.symbols, arena);
     let force = force
@@ -75,6 +62,22 @@ pub(crate) fn system(
             #force
         }
     }
+}
+
+/// Of the implementation, and of its functions for L and the noises.
+fn documentation(about: &SystemTexts, is_noisy: bool) -> [TokenStream; 3] {
+    let of_motion = if is_noisy {
+        "Equations of motion (Stratonovich):"
+    } else {
+        "Equations of motion:"
+    };
+    let of_lagrangian = "L with its first and second derivatives.";
+    let of_noises = "The noise Hamiltonians, −γ and H₁, with their first and second derivatives.";
+    [
+        documented(&[("The system:", &about.system()), (of_motion, &about.motion)]),
+        documented(&[(of_lagrangian, &about.lagrangian)]),
+        documented(&[(of_noises, &about.noises)]),
+    ]
 }
 
 fn lagrangian_jet(

@@ -19,6 +19,8 @@ pub(super) struct Angles {
     wanted: HashMap<Expr, (bool, bool)>,
     /// Angles that are known before an iteration that turns them further: both are wanted.
     bases: HashSet<Expr>,
+    /// Whether the addition theorems are left alone.
+    apart: bool,
 }
 
 impl Angles {
@@ -41,7 +43,15 @@ impl Angles {
                 bases.insert(*term);
             }
         }
-        Self { wanted, bases }
+        Self {
+            wanted,
+            bases,
+            apart: false,
+        }
+    }
+
+    pub(super) fn keep_apart(&mut self) {
+        self.apart = true;
     }
 
     fn is_pair(&self, angle: Expr) -> bool {
@@ -108,6 +118,9 @@ impl Scheduler<'_> {
 
     /// `a ± b` of two angles of which both sine and cosine are computed anyway.
     fn two_angles(&self, angle: Expr) -> Option<(Expr, Expr, f64)> {
+        if self.angles.apart {
+            return None;
+        }
         let mut angle = angle;
         while let Node::Opaque(x) = self.arena.node(angle) {
             angle = *x;

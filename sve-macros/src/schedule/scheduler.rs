@@ -63,6 +63,11 @@ impl<'a> Scheduler<'a> {
         }
     }
 
+    /// Has no function of an angle follow from those of others.
+    pub(crate) fn keep_angles_apart(&mut self) {
+        self.angles.keep_apart();
+    }
+
     pub(crate) fn arena(&self) -> &'a Arena {
         self.arena
     }

@@ -92,6 +92,34 @@ impl Reduced<'_> {
         }
     }
 
+    /// All equations as one block that is iterated from the Newton step from zero; `known` gets what its unknowns are called
+    /// afterwards.
+    pub(super) fn whole(&mut self, known: &mut Replacement) -> Block {
+        let (residual, unknowns) = (self.residuals.clone(), self.unknowns.clone());
+        let jacobian = self.jacobian(&residual, &unknowns);
+        let zero = self.arena.constant(0.0);
+        let origin: Replacement = unknowns.iter().map(|&u| (u, zero)).collect();
+        let at_zero = self.newton_step(&residual, &jacobian, &origin);
+        let iteration = Iteration {
+            guess: at_zero.clone(),
+            refinement: None,
+            fallback: at_zero,
+            singular_at_rest: false,
+            residual,
+            jacobian,
+            curvature: None,
+            iterates: unknowns.clone(),
+            solved: self.solved(&unknowns, known),
+        };
+        Block {
+            kind: Kind::Newton,
+            nonzeros: unknowns.len() * unknowns.len(),
+            unknowns,
+            band: None,
+            solution: Solution::Iteration(Box::new(iteration)),
+        }
+    }
+
     /// Equations and unknowns in an order that makes their Jacobian banded, if there is one.
     fn ordered(&self, residual: Vec<Expr>, unknowns: Vec<Symbol>) -> (Vec<Expr>, Vec<Symbol>) {
         let contained = |&r: &Expr| {

@@ -3,6 +3,8 @@
 //! Input: [`Equations`]. Output: a [`Scheme`], the same equations cut into blocks to be solved in order. First every unknown is
 //! eliminated that some equation gives with a numeric coefficient, then the rest is split into strongly connected blocks of
 //! equations against unknowns (Duff, Erisman, Reid: Direct Methods for Sparse Matrices, chapter 6).
+//!
+//! To show what this is worth, [`unanalysed`] does nothing of it.
 
 mod band;
 mod block;
@@ -164,6 +166,33 @@ pub(crate) fn analyse(
     let mut scheme = linear_map(increments, action, symbols, arena);
     arena.stabilise(Purpose::Step, scheme.exprs());
     Ok(scheme)
+}
+
+/// The equations as they are: Newton's method in all unknowns, whatever depends on what.
+pub(crate) fn unanalysed(equations: Equations, symbols: &mut Symbols, arena: &mut Arena) -> Scheme {
+    let mut system = Reduced {
+        rows: Vec::new(),
+        arena,
+        symbols,
+        unknowns: equations.unknowns,
+        residuals: equations.residuals,
+        dq: equations.dq,
+        dp: equations.dp,
+    };
+    let mut known = HashMap::new();
+    let block = system.whole(&mut known);
+    let kicks: Vec<Expr> = system.dp.iter().map(|forms| forms[0]).collect();
+    let dq = system.arena.substitute_all(&system.dq, &known);
+    let dp = system.arena.substitute_all(&kicks, &known);
+    let mut scheme = Scheme {
+        blocks: vec![block],
+        increments: (dq.clone(), dp.clone()),
+        dq,
+        dp,
+        form: Form::Increment,
+    };
+    arena.stabilise(Purpose::Step, scheme.exprs());
+    scheme
 }
 
 impl Scheme {

@@ -110,4 +110,22 @@ pub enum EnsembleError {
         /// Last of a run of common paths.
         last: u64,
     },
+    /// The file of a checkpoint could not be read or written.
+    #[cfg(feature = "checkpoint")]
+    #[error("the checkpoint {} could not be read or written: {source}", path.display())]
+    Checkpoint {
+        /// The file.
+        path: std::path::PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The file to continue from is none.
+    #[cfg(feature = "checkpoint")]
+    #[error(
+        "{} is not a checkpoint of this version; remove it, or give another path", path.display()
+    )]
+    NotACheckpoint {
+        /// The file.
+        path: std::path::PathBuf,
+    },
 }

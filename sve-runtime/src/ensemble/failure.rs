@@ -8,12 +8,14 @@ pub const FAILURES_KEPT: usize = 256;
 /// A path that failed. It has no part in the statistics from the next record on.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("path {path} failed after {step} steps, at t = {t}: {cause}")]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Failure {
     /// Which path, from 0; [`replay`](super::Ensemble::replay) repeats it.
     pub path: u64,
     /// Steps that it had made.
     pub step: u64,
     /// The time that it had reached.
+    #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
     pub t: f64,
     /// Why it failed.
     #[source]
@@ -21,7 +23,8 @@ pub struct Failure {
 }
 
 /// Why a path failed.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, thiserror::Error)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Cause {
     /// Its state could not be stepped.
@@ -33,8 +36,10 @@ pub enum Cause {
     )]
     StartTime {
         /// Its own time.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
         /// The time of path 0.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         expected: f64,
     },
     /// An observable returned an error.
@@ -54,6 +59,15 @@ pub enum Cause {
         /// Which.
         name: String,
         /// What it returned.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         value: f64,
     },
+}
+
+/// Equal in all numbers; NaN, which many causes have, equals NaN.
+impl PartialEq for Cause {
+    fn eq(&self, other: &Self) -> bool {
+        // the printed form of a number is the shortest that gives it back
+        format!("{self:?}") == format!("{other:?}")
+    }
 }

@@ -8,7 +8,7 @@ use super::failure::{Cause, Failure};
 use super::increments::{Increments, STRETCH};
 use super::run::Run;
 use super::start::{Start, StartRng};
-use super::{BLOCK_PATHS, BLOCK_TILES};
+use super::{BLOCK_PATHS, BLOCK_TILES, EnsembleError};
 use crate::error::StepError;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::lanes::{ALL, LANES, Lane, Mask, StateLanes};
@@ -17,8 +17,8 @@ use crate::state::State;
 use crate::system::{Dims, System};
 
 /// The paths of a block.
-pub(super) struct Flight<'r, 'a, I: Method, const N: usize, const M: usize> {
-    pub(super) run: &'r Run<'a, I>,
+pub(super) struct Flight<'a, I: Method, const N: usize, const M: usize> {
+    pub(super) run: Run<'a, I>,
     prepared: I::Prepared,
     increments: Increments<M>,
     pub(super) first_path: u64,
@@ -34,23 +34,29 @@ pub(super) struct Flight<'r, 'a, I: Method, const N: usize, const M: usize> {
 pub(super) struct Tile<const N: usize> {
     pub(super) states: StateLanes<N>,
     pub(super) alive: Mask,
+    /// Living lanes whose state is still the one before the last step.
+    left: Mask,
 }
 
-impl<'r, 'a, I, S, const N: usize, const M: usize> Flight<'r, 'a, I, N, M>
+impl<'a, I, S, const N: usize, const M: usize> Flight<'a, I, N, M>
 where
     I: Method<System = S>,
     S: System<Dims = Dims<N, M>>,
 {
     /// The paths of a block at their start; of one path alone, where one is given.
     pub(super) fn new(
-        run: &'r Run<'a, I>,
+        run: Run<'a, I>,
         block: u64,
         only: Option<u64>,
-    ) -> Result<Self, StepError> {
+    ) -> Result<Self, EnsembleError> {
         let first_path = block * BLOCK_PATHS;
         let mut flight = Self {
             run,
-            prepared: run.ensemble.method.prepare(run.h)?,
+            prepared: run
+                .ensemble
+                .method
+                .prepare(run.h)
+                .map_err(EnsembleError::Prepare)?,
             increments: run.increments(first_path),
             first_path,
             step: 0,
@@ -84,7 +90,11 @@ where
             alive |= Mask::from(wanted(first + lane as u64)) << lane;
         }
         let tile = self.tiles.len();
-        self.tiles.push(Tile { states, alive });
+        self.tiles.push(Tile {
+            states,
+            alive,
+            left: 0,
+        });
         for lane in lanes(alive) {
             if let Some(cause) = self.unfit(&starts[lane]) {
                 self.fail(tile, lane, 0, cause);
@@ -120,52 +130,43 @@ where
             let stretch = self.step / STRETCH;
             let end = until.min((stretch + 1) * STRETCH);
             self.increments.load(stretch, self.tiles.len());
-            for tile in 0..self.tiles.len() {
-                self.advance_tile(tile, end);
+            while self.step < end {
+                self.step = dispatch(Stretch {
+                    method: self.run.ensemble.method,
+                    prepared: &self.prepared,
+                    h: self.run.h,
+                    start_time: self.run.start_time,
+                    increments: &self.increments,
+                    tiles: &mut self.tiles,
+                    step: self.step,
+                    end,
+                });
+                for tile in 0..self.tiles.len() {
+                    self.step_singly(tile);
+                }
             }
-            self.step = end;
         }
         self.step = until;
     }
 
-    fn advance_tile(&mut self, number: usize, end: u64) {
-        let mut step = self.step;
-        while step < end && self.tiles[number].alive != 0 {
-            let tile = &mut self.tiles[number];
-            let left = dispatch(Stretch {
-                method: self.run.ensemble.method,
-                prepared: &self.prepared,
-                h: self.run.h,
-                start_time: self.run.start_time,
-                increments: &self.increments,
-                number,
-                tile,
-                step: &mut step,
-                end,
-            });
-            if left != 0 {
-                self.step_singly(number, step, left);
-                step += 1;
-            }
-        }
-    }
-
-    /// Makes a step of those lanes that the lane step left, and sets the time of all.
-    #[inline(never)]
-    fn step_singly(&mut self, number: usize, step: u64, left: Mask) {
-        let increments = self.increments.of(number, step);
-        for lane in lanes(left) {
-            let mut state = self.tiles[number].states.get(lane);
+    /// Makes the last step in those lanes that the lane step left.
+    fn step_singly(&mut self, tile: usize) {
+        let left = core::mem::take(&mut self.tiles[tile].left);
+        let step = self.step - 1;
+        for lane in lanes(left & self.tiles[tile].alive) {
+            let increments = self.increments.of(tile, step);
+            let mut state = self.tiles[tile].states.get(lane);
+            state.t = self.run.time(step);
             let dw = increments.map(|process| process[lane]);
             let method = self.run.ensemble.method;
             match method.step_prepared(&self.prepared, &mut state, self.run.h, &dw) {
-                Ok(()) => self.tiles[number].states.set(lane, &state),
-                Err(error) => {
-                    self.fail(number, lane, step, Cause::Step(error));
+                Ok(()) => {
+                    state.t = self.run.time(step + 1);
+                    self.tiles[tile].states.set(lane, &state);
                 }
+                Err(error) => self.fail(tile, lane, step, Cause::Step(error)),
             }
         }
-        self.tiles[number].states.t = [self.run.time(step + 1); LANES];
     }
 
     /// Takes a path out after so many steps.
@@ -175,7 +176,7 @@ where
         self.failures.push(Failure {
             path: self.first_path + (tile * LANES + lane) as u64,
             step,
-            t: self.tiles[tile].states.t[lane],
+            t: self.run.time(step),
             cause,
         });
         if self.run.ensemble.stop_on_failure {
@@ -203,16 +204,17 @@ pub(super) fn lanes(set: Mask) -> impl Iterator<Item = usize> {
     (0..LANES).filter(move |lane| set >> lane & 1 == 1)
 }
 
-/// Steps of a tile, until some living lane is left; which.
+/// Steps of all tiles, until one leaves a living lane; the number of steps then made.
+///
+/// The tiles take turns, since the operations of one step wait for one another.
 struct Stretch<'f, I: Method, const N: usize, const M: usize> {
     method: &'f I,
     prepared: &'f I::Prepared,
     h: f64,
     start_time: f64,
     increments: &'f Increments<M>,
-    number: usize,
-    tile: &'f mut Tile<N>,
-    step: &'f mut u64,
+    tiles: &'f mut [Tile<N>],
+    step: u64,
     end: u64,
 }
 
@@ -221,27 +223,26 @@ where
     I: Method<System = S>,
     S: System<Dims = Dims<N, M>>,
 {
-    type Output = Mask;
+    type Output = u64;
 
     #[inline(always)]
-    fn run(self) -> Mask {
-        let mut states = self.tile.states;
+    fn run(self) -> u64 {
+        let mut step = self.step;
         let mut left = 0;
-        let mut step = *self.step;
-        while step < self.end {
-            let dw = self.increments.of(self.number, step);
-            left = self
-                .method
-                .step_lanes(self.prepared, &mut states, self.h, &dw)
-                & self.tile.alive;
-            if left != 0 {
-                break;
+        while step < self.end && left == 0 {
+            let t = self.start_time + (step + 1) as f64 * self.h;
+            for (number, tile) in self.tiles.iter_mut().enumerate() {
+                if tile.alive == 0 {
+                    continue;
+                }
+                let dw = self.increments.of(number, step);
+                let states = &mut tile.states;
+                tile.left = self.method.step_lanes(self.prepared, states, self.h, &dw) & tile.alive;
+                tile.states.t = [t; LANES];
+                left |= tile.left;
             }
             step += 1;
-            states.t = [self.start_time + step as f64 * self.h; LANES];
         }
-        self.tile.states = states;
-        *self.step = step;
-        left
+        step
     }
 }

@@ -7,6 +7,7 @@ use crate::lanes::{LANES, Lane, Mask};
 
 /// What a histogram counts.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Request {
     /// Which observable.
     pub(super) name: String,
@@ -65,6 +66,7 @@ impl Request {
 
 /// Counts, in rows of one a recorded time: below the range, in its bins, above.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Bins(pub(super) Vec<u64>);
 
 impl Bins {

@@ -4,17 +4,29 @@
 //! Invariant: all results are functions of the settings, with the same bits for any number of threads, and for the merge of
 //! shards as for the whole run.
 //!
-//! A run cuts its paths into blocks of [`BLOCK_PATHS`], each of four tiles of [`LANES`](crate::LANES) lanes. The blocks are the unit of
+//! A run cuts its paths into blocks of [`BLOCK_PATHS`], each of a few tiles of `LANES` lanes. The blocks are the unit of
 //! work, and their results are merged pairwise in a fixed tree.
 
+#[cfg(feature = "checkpoint")]
+mod checkpoint;
+mod csv;
 mod error;
 mod failure;
+mod fingerprint;
 mod flight;
 mod histogram;
 mod increments;
 mod moments;
+#[cfg(feature = "npy")]
+mod npy;
 mod observe;
+#[cfg(feature = "parquet")]
+mod parquet;
+#[cfg(feature = "serde")]
+mod parts;
+mod progress;
 mod record;
+mod replay;
 mod run;
 mod start;
 mod statistics;
@@ -43,12 +55,14 @@ use crate::noise::lanes::Increments as Source;
 use crate::state::State;
 use crate::system::{Dims, StateOf, System};
 
-/// Tiles of lanes in a block.
-const BLOCK_TILES: usize = 4;
-
 /// Paths of a block, which one thread runs and whose statistics are merged with those of other blocks in a fixed order.
-/// Part of the contract: another number would change the last bits of statistics.
-pub const BLOCK_PATHS: u64 = (BLOCK_TILES * LANES) as u64;
+/// Part of the contract: another number would change the last bits of statistics. Few enough that a thousand paths keep several threads busy.
+pub const BLOCK_PATHS: u64 = 64;
+
+/// Tiles of lanes in a block.
+const BLOCK_TILES: usize = BLOCK_PATHS as usize / LANES;
+
+const _: () = assert!(BLOCK_TILES * LANES == BLOCK_PATHS as usize);
 
 /// Many paths of one method, and what is to be known of them.
 ///
@@ -83,6 +97,7 @@ pub const BLOCK_PATHS: u64 = (BLOCK_TILES * LANES) as u64;
 /// # Ok(())
 /// # }
 /// ```
+#[allow(clippy::struct_excessive_bools)] // switches, each with a function of its name
 pub struct Ensemble<'a, I: Method> {
     method: &'a I,
     paths: Option<u64>,
@@ -98,6 +113,12 @@ pub struct Ensemble<'a, I: Method> {
     stop_on_failure: bool,
     shard: (u64, u64),
     threads: Option<usize>,
+    progress: bool,
+    stop_when: Option<Box<dyn Fn() -> bool + Sync + 'a>>,
+    #[cfg(feature = "checkpoint")]
+    checkpoint: Option<(std::path::PathBuf, core::time::Duration)>,
+    #[cfg(feature = "checkpoint")]
+    resume: bool,
 }
 
 impl<'a, I, S, const N: usize, const M: usize> Ensemble<'a, I>
@@ -122,6 +143,12 @@ where
             stop_on_failure: false,
             shard: (0, 1),
             threads: None,
+            progress: false,
+            stop_when: None,
+            #[cfg(feature = "checkpoint")]
+            checkpoint: None,
+            #[cfg(feature = "checkpoint")]
+            resume: false,
         }
     }
 
@@ -171,6 +198,13 @@ where
     #[must_use]
     pub fn truncated(mut self, exponent: f64) -> Self {
         self.law = Law::Truncated { exponent };
+        self
+    }
+
+    /// Draws increments of three values, those of [`ThreePoint`](crate::noise::ThreePoint): for means, not for paths.
+    #[must_use]
+    pub fn three_point(mut self) -> Self {
+        self.law = Law::Drawn(Source::ThreePoint);
         self
     }
 
@@ -243,6 +277,46 @@ where
     #[must_use]
     pub fn threads(mut self, threads: usize) -> Self {
         self.threads = Some(threads);
+        self
+    }
+
+    /// Shows on standard error, where that is a terminal, how far the run is: with the feature `progress` as a bar.
+    #[must_use]
+    pub fn progress(mut self, shown: bool) -> Self {
+        self.progress = shown;
+        self
+    }
+
+    /// Writes the results of finished blocks into a file, now and then and at the end, for [`resume`](Self::resume).
+    ///
+    /// The file is always a whole one: it is written beside the old one and then renamed. A run without `resume` writes over what is there.
+    #[cfg(feature = "checkpoint")]
+    #[must_use]
+    pub fn checkpoint(
+        mut self,
+        path: impl Into<std::path::PathBuf>,
+        every: core::time::Duration,
+    ) -> Self {
+        self.checkpoint = Some((path.into(), every));
+        self
+    }
+
+    /// Continues from the file of [`checkpoint`](Self::checkpoint) where there is one, with the bits of a run that was not stopped.
+    ///
+    /// The settings have to be those of the run that wrote it; [`run`](Self::run) refuses the file otherwise. What cannot be looked at, parameters and closures, is
+    /// compared by the first steps of path 0.
+    #[cfg(feature = "checkpoint")]
+    #[must_use]
+    pub fn resume(mut self, resume: bool) -> Self {
+        self.resume = resume;
+        self
+    }
+
+    /// Ends the run early when this says so, as after a signal or with the time of a batch system: no further block is begun, and
+    /// the summary has the paths that were run.
+    #[must_use]
+    pub fn stop_when(mut self, stop: impl Fn() -> bool + Sync + 'a) -> Self {
+        self.stop_when = Some(Box::new(stop));
         self
     }
 

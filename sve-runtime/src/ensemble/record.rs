@@ -12,7 +12,7 @@ use crate::lanes::{LANES, Lane, Mask};
 use crate::method::Method;
 use crate::system::{Dims, System};
 
-impl<I, S, const N: usize, const M: usize> Flight<'_, '_, I, N, M>
+impl<I, S, const N: usize, const M: usize> Flight<'_, I, N, M>
 where
     I: Method<System = S>,
     S: System<Dims = Dims<N, M>>,
@@ -38,6 +38,15 @@ where
             node.counts[record] += u64::from(alive.count_ones());
             self.values = values;
         }
+    }
+
+    /// Lets the paths that fail an observable fail.
+    pub(super) fn observe_all(&mut self) {
+        let mut values = core::mem::take(&mut self.values);
+        for tile in 0..self.tiles.len() {
+            self.observe(tile, &mut values);
+        }
+        self.values = values;
     }
 
     /// Evaluates the observables of a tile; the lanes that live after that.

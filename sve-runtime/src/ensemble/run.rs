@@ -22,8 +22,16 @@ pub(super) struct Run<'a, I: Method> {
     largest: f64,
     pub(super) records: usize,
     /// Blocks to run.
-    pub(super) shard: Range<u64>,
+    pub(super) shard: [u64; 2],
 }
+
+impl<I: Method> Clone for Run<'_, I> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<I: Method> Copy for Run<'_, I> {}
 
 impl<'a, I: Method> Run<'a, I> {
     /// Checks the settings.
@@ -80,7 +88,7 @@ impl<'a, I: Method> Run<'a, I> {
             start_time,
             largest,
             records: steps.div_ceil(every) as usize + 1,
-            shard: border(index)..border(index + 1),
+            shard: [border(index), border(index + 1)],
         })
     }
 
@@ -99,14 +107,21 @@ impl<'a, I: Method> Run<'a, I> {
         Increments::new(law, seed, first_path, self.h, self.largest)
     }
 
+    /// How many paths some blocks have.
+    pub(super) fn paths_of(&self, blocks: Range<u64>) -> u64 {
+        let border = |block: u64| (block * BLOCK_PATHS).min(self.paths);
+        border(blocks.end) - border(blocks.start)
+    }
+
     /// What summaries of the same run have in common.
-    pub(super) fn info(&self) -> Info {
+    pub(super) fn info(&self, fingerprint: u64) -> Info {
         let times = (0..self.records).map(|record| self.time(self.step_of(record)));
         Info {
             names: self.ensemble.names.clone(),
             histograms: self.ensemble.histograms.clone(),
             times: times.collect(),
             paths: self.paths,
+            fingerprint,
         }
     }
 }

@@ -16,18 +16,20 @@ use crate::state::State;
 
 /// What summaries of the same run have in common.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Info {
     pub(super) names: Vec<String>,
     pub(super) histograms: Vec<Request>,
     pub(super) times: Vec<f64>,
     pub(super) paths: u64,
+    pub(super) fingerprint: u64,
 }
 
 /// Statistics of the paths of an [`Ensemble`](super::Ensemble): of all, or of the shards merged so far.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Summary {
-    info: Info,
-    tree: Tree,
+    pub(super) info: Info,
+    pub(super) tree: Tree,
     statistics: Vec<Statistics>,
     histograms: Vec<Histogram>,
     counts: Vec<u64>,
@@ -43,6 +45,10 @@ impl Info {
             (self.histograms == other.histograms, "histograms"),
             (self.times == other.times, "recorded times"),
             (self.paths == other.paths, "number of paths"),
+            (
+                self.fingerprint == other.fingerprint,
+                "seed, noise, start, parameters, method or observables",
+            ),
         ];
         match same.into_iter().find(|(same, _)| !same) {
             None => Ok(()),
@@ -230,6 +236,17 @@ impl Index<&str> for Summary {
                 self.info.names
             ),
         }
+    }
+}
+
+impl fmt::Debug for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Summary")
+            .field("paths", &self.paths())
+            .field("failed", &self.failed)
+            .field("times", &self.info.times.len())
+            .field("observables", &self.info.names)
+            .finish_non_exhaustive()
     }
 }
 

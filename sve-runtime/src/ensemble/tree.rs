@@ -15,6 +15,7 @@ use crate::method::Method;
 
 /// What is known of the paths of some blocks in a row.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Node {
     /// First block.
     pub(super) first: u64,
@@ -34,6 +35,7 @@ pub(super) struct Node {
     pub(super) failures: Vec<Failure>,
     /// Final states, where they are kept: the path's number for each, and `t`, `q…`, `p…` in a row.
     pub(super) final_paths: Vec<u64>,
+    #[cfg_attr(feature = "serde", serde(with = "crate::floats::many"))]
     pub(super) final_states: Vec<f64>,
 }
 

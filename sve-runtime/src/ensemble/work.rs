@@ -3,11 +3,17 @@
 //! Input: a [`Run`]. Output: its [`Summary`]. Invariant: what a block gives depends on its number alone, and the tree
 //! fixes how blocks are merged, so threads decide nothing but how long it takes.
 
+use core::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+#[cfg(feature = "checkpoint")]
+use super::checkpoint::Keeper;
 use super::flight::Flight;
+use super::progress::Progress;
 use super::run::Run;
+#[cfg(feature = "checkpoint")]
+use super::summary::Info;
 use super::summary::Summary;
 use super::tree::{Node, Tree, joined};
 use super::{BLOCK_PATHS, EnsembleError};
@@ -21,12 +27,10 @@ where
 {
     /// Runs the blocks of the shard.
     pub(super) fn go(&self) -> Result<Summary, EnsembleError> {
-        let blocks = self.paths.div_ceil(BLOCK_PATHS);
-        let shared = Shared {
-            next: AtomicU64::new(self.shard.start),
-            tree: Mutex::new(Tree::new(blocks)),
-            stop: Mutex::new(None),
-        };
+        let info = self.info(self.fingerprint());
+        let shared = Shared::new(self);
+        #[cfg(feature = "checkpoint")]
+        let shared = shared.load(self, &info)?;
         let work = || {
             rayon::scope(|scope| {
                 for _ in 0..rayon::current_num_threads() {
@@ -41,37 +45,35 @@ where
                 .build()?
                 .install(work),
         }
-        if let Some(error) = shared
-            .stop
-            .into_inner()
-            .unwrap_or_else(PoisonError::into_inner)
-        {
-            return Err(error);
-        }
-        let tree = shared.tree.into_inner();
-        Ok(Summary::new(
-            self.info(),
-            tree.unwrap_or_else(PoisonError::into_inner),
-        ))
+        Ok(Summary::new(info.clone(), shared.end()?))
     }
 
     /// Runs blocks until there are none.
     fn work(&self, shared: &Shared) {
         loop {
             let block = shared.next.fetch_add(1, Ordering::Relaxed);
-            if block >= self.shard.end || shared.stops_before(block) {
+            if block >= self.shard[1] || shared.stops_before(block) {
                 return;
             }
-            match self.block(block) {
-                Ok(node) => shared.insert(node),
-                Err(error) => shared.stop(error),
+            if shared.loaded.iter().any(|range| range.contains(&block)) {
+                continue;
+            }
+            if self.ensemble.stop_when.as_ref().is_some_and(|stop| stop()) {
+                return;
+            }
+            let done = self.block(block).and_then(|node| {
+                shared.progress.add(self.paths_of(block..block + 1));
+                shared.insert(node)
+            });
+            if let Err(error) = done {
+                shared.stop(error);
             }
         }
     }
 
     /// The paths of a block, from start to end.
     fn block(&self, block: u64) -> Result<Node, EnsembleError> {
-        let mut flight = Flight::new(self, block, None).map_err(EnsembleError::Prepare)?;
+        let mut flight = Flight::new(*self, block, None)?;
         let mut node = Node::new(block, self);
         for record in 0..self.records {
             flight.advance(self.step_of(record));
@@ -92,20 +94,64 @@ struct Shared {
     /// The block to be run next.
     next: AtomicU64,
     tree: Mutex<Tree>,
+    /// Blocks that another run has done.
+    loaded: Vec<Range<u64>>,
     /// The error of the first path that failed, where that ends the run.
     stop: Mutex<Option<EnsembleError>>,
+    progress: Progress,
+    #[cfg(feature = "checkpoint")]
+    keeper: Option<Keeper>,
 }
 
 impl Shared {
-    /// Takes the result of a block in. What can be joined is joined outside the lock.
-    fn insert(&self, node: Node) {
+    fn new<I: Method>(run: &Run<'_, I>) -> Self {
+        let [start, end] = run.shard;
+        let paths = run.paths_of(start..end);
+        Self {
+            next: AtomicU64::new(start),
+            tree: Mutex::new(Tree::new(run.paths.div_ceil(BLOCK_PATHS))),
+            loaded: Vec::new(),
+            stop: Mutex::new(None),
+            progress: Progress::new(run.ensemble.progress, paths),
+            #[cfg(feature = "checkpoint")]
+            keeper: None,
+        }
+    }
+
+    /// Takes the result of a block in. What can be joined is joined outside the lock, unless the tree is to be written, which
+    /// has to have all blocks.
+    fn insert(&self, node: Node) -> Result<(), EnsembleError> {
+        #[cfg(feature = "checkpoint")]
+        if let Some(keeper) = &self.keeper {
+            let mut tree = locked(&self.tree);
+            tree.insert(node);
+            return if keeper.is_due() {
+                keeper.save(&tree)
+            } else {
+                Ok(())
+            };
+        }
         let mut node = Some(node);
         loop {
             let other = locked(&self.tree).place(&mut node);
             match (node.take(), other) {
                 (Some(new), Some(other)) => node = Some(joined(new, other)),
-                _ => return,
+                _ => return Ok(()),
             }
+        }
+    }
+
+    /// The results, when all threads are done.
+    fn end(self) -> Result<Tree, EnsembleError> {
+        self.progress.end();
+        let tree = (self.tree.into_inner()).unwrap_or_else(PoisonError::into_inner);
+        #[cfg(feature = "checkpoint")]
+        if let Some(keeper) = &self.keeper {
+            keeper.save(&tree)?;
+        }
+        match (self.stop.into_inner()).unwrap_or_else(PoisonError::into_inner) {
+            Some(error) => Err(error),
+            None => Ok(tree),
         }
     }
 
@@ -122,6 +168,29 @@ impl Shared {
         locked(&self.stop)
             .as_ref()
             .is_some_and(|error| path(error) < block * BLOCK_PATHS)
+    }
+}
+
+#[cfg(feature = "checkpoint")]
+impl Shared {
+    /// Begins with what a checkpoint has, where there is one.
+    fn load<I: Method>(mut self, run: &Run<'_, I>, info: &Info) -> Result<Self, EnsembleError> {
+        let Some((path, every)) = &run.ensemble.checkpoint else {
+            return Ok(self);
+        };
+        let keeper = Keeper::new(path.clone(), *every, info.clone(), run.shard);
+        if run.ensemble.resume
+            && let Some(tree) = keeper.load()?
+        {
+            for node in tree.nodes.values() {
+                let blocks = node.first..node.first + node.blocks;
+                self.progress.add(run.paths_of(blocks.clone()));
+                self.loaded.push(blocks);
+            }
+            self.tree = Mutex::new(tree);
+        }
+        self.keeper = Some(keeper);
+        Ok(self)
     }
 }
 

@@ -10,6 +10,7 @@
 /// assert_eq!(error.to_string(), "the step size h = -0.1 must be positive and finite");
 /// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum NoiseError {
     /// A recorded path is over. A [`Trajectory`](crate::Trajectory) ends there without an error.
@@ -28,8 +29,10 @@ pub enum NoiseError {
     )]
     StepSize {
         /// Step size asked for.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         h: f64,
         /// Step size of the recording.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         recorded: f64,
     },
     /// A recorded path has another number of processes.
@@ -48,6 +51,7 @@ pub enum NoiseError {
     )]
     TruncationStep {
         /// Step size asked for.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         h: f64,
     },
     /// The exponent of a truncation is below 1 or not finite.
@@ -56,12 +60,14 @@ pub enum NoiseError {
     )]
     TruncationExponent {
         /// Exponent given.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         k: f64,
     },
     /// The step size is not a positive finite number.
     #[error("the step size h = {h} must be positive and finite")]
     InvalidStep {
         /// The step size given.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         h: f64,
     },
     /// An increment to be recorded is NaN or infinite.
@@ -75,6 +81,7 @@ pub enum NoiseError {
         /// Process, from 0.
         process: usize,
         /// Value given.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         value: f64,
     },
     /// The steps of a recorded path cannot be grouped by that factor.
@@ -87,6 +94,14 @@ pub enum NoiseError {
         recorded: u64,
         /// Steps that were to become one.
         factor: u64,
+    },
+    /// A step cannot be halved that often.
+    #[error(
+        "a step can be halved at most 63 times, and a refinement of depth {depth} was asked for"
+    )]
+    Depth {
+        /// Depth asked for.
+        depth: u32,
     },
     /// A recording does not fit into memory.
     #[error(

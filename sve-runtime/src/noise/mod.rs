@@ -6,6 +6,8 @@
 //! | source | increments | replayable |
 //! | --- | --- | --- |
 //! | [`Wiener`] | from a seed, counter-based | any step, in any order |
+//! | [`Refined`] | those of a `Wiener` path in smaller steps | any step, in any order |
+//! | [`ThreePoint`] | three values, for weak solutions; counter-based | any step, in any order |
 //! | [`Recorded`] | given, or taken from another source; can be coarsened | any step, in any order |
 //! | [`Truncated`] | those of another source, clipped for implicit steps | as the other source |
 //! | [`FromRng`] | from a random generator of the `rand` crates | no: draws follow one another |
@@ -21,7 +23,9 @@
 //! # Ok::<(), sve_runtime::noise::NoiseError>(())
 //! ```
 
+mod blocks;
 pub(crate) mod box_muller;
+mod bridge;
 mod error;
 mod from_rng;
 #[cfg(feature = "ensemble")]
@@ -29,14 +33,17 @@ pub(crate) mod lanes;
 mod law;
 mod none;
 mod recorded;
+mod three_point;
 pub(crate) mod threefry;
 mod truncated;
 mod wiener;
 
+pub use bridge::{Part, Refined};
 pub use error::NoiseError;
 pub use from_rng::FromRng;
 pub use none::NoNoise;
 pub use recorded::Recorded;
+pub use three_point::ThreePoint;
 pub use truncated::Truncated;
 pub use wiener::Wiener;
 
@@ -65,7 +72,7 @@ pub use wiener::Wiener;
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a source of Wiener increments",
     label = "expected a source, such as `Wiener::new(42)`",
-    note = "sources are `Wiener::new(seed)`, `Recorded`, `Truncated`, `FromRng`, and `NoNoise` for systems without noise terms"
+    note = "sources are `Wiener::new(seed)`, `ThreePoint::new(seed)`, `Recorded`, `Truncated`, `FromRng`, and `NoNoise` for systems without noise terms"
 )]
 pub trait Noise {
     /// Fills `dw` with the increments of every process over step number `step` (from 0) of length `h`,

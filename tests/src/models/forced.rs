@@ -15,7 +15,7 @@ pub struct Damped {
     pub sigma: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint)]
+#[variational(initial_point, endpoint, midpoint, structure = both)]
 impl Damped {
     /// L.
     pub fn lagrangian(&self, q: f64, v: f64) -> f64 {
@@ -44,7 +44,7 @@ pub struct Stirred {
     pub w: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, taylor2)]
+#[variational(initial_point, endpoint, midpoint, taylor2, structure = both)]
 impl Stirred {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
@@ -77,7 +77,7 @@ pub struct Towed {
     pub s: [f64; 2],
 }
 
-#[variational(initial_point, endpoint, midpoint)]
+#[variational(initial_point, endpoint, midpoint, structure = both)]
 impl Towed {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {

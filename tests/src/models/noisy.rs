@@ -11,7 +11,7 @@ pub struct Mixed {
     pub s: [f64; 3],
 }
 
-#[variational(initial_point, endpoint, midpoint)]
+#[variational(initial_point, endpoint, midpoint, structure = both)]
 impl Mixed {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
@@ -50,7 +50,7 @@ pub struct Polar {
     pub sigma: [f64; 2],
 }
 
-#[variational(initial_point, endpoint, midpoint)]
+#[variational(initial_point, endpoint, midpoint, structure = both)]
 impl Polar {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
@@ -83,7 +83,7 @@ pub struct Driven {
     pub sigma: [f64; 2],
 }
 
-#[variational(initial_point, endpoint, midpoint)]
+#[variational(initial_point, endpoint, midpoint, structure = both)]
 impl Driven {
     /// L.
     pub fn lagrangian(&self, t: f64, q: f64, v: f64) -> f64 {
@@ -112,7 +112,7 @@ pub struct Synchrotron {
     pub sigma: [f64; 2],
 }
 
-#[variational(initial_point, endpoint, midpoint)]
+#[variational(initial_point, endpoint, midpoint, structure = both)]
 impl Synchrotron {
     /// L.
     pub fn lagrangian(&self, q: f64, v: f64) -> f64 {
@@ -141,7 +141,7 @@ pub struct Actions {
     pub sigma: [f64; 2],
 }
 
-#[variational(initial_point, endpoint, midpoint)]
+#[variational(initial_point, endpoint, midpoint, structure = both)]
 impl Actions {
     /// L.
     pub fn lagrangian(&self, q: f64, v: f64) -> f64 {
@@ -167,7 +167,7 @@ pub struct Clashing {
     pub sigma: [f64; 2],
 }
 
-#[variational(initial_point, endpoint, midpoint)]
+#[variational(initial_point, endpoint, midpoint, structure = both)]
 impl Clashing {
     /// L.
     pub fn lagrangian(&self, q: f64, v: f64) -> f64 {
@@ -198,7 +198,7 @@ pub struct Chain {
     pub s: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint)]
+#[variational(initial_point, endpoint, midpoint, structure = both)]
 impl Chain {
     const LENGTH: usize = 6;
     const HARDENING: f64 = 0.3;
@@ -239,7 +239,7 @@ pub struct OneMomentum {
     pub s: [f64; 2],
 }
 
-#[variational(initial_point, endpoint, midpoint)]
+#[variational(initial_point, endpoint, midpoint, structure = both)]
 impl OneMomentum {
     /// L.
     pub fn lagrangian(&self, q: [f64; 3], v: [f64; 3]) -> f64 {

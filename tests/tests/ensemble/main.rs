@@ -4,5 +4,10 @@
 #![allow(clippy::redundant_closure_for_method_calls)]
 
 mod exact;
+mod failures;
+mod files;
+mod memory;
 mod naive;
+mod settings;
+mod shards;
 mod threads;

@@ -1,6 +1,7 @@
 //! An ensemble against a loop over trajectories.
 
 use sve_runtime::baseline::Heun;
+use sve_runtime::noise::ThreePoint;
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System};
 use sve_tests::models::{DoublePendulum, Kubo, Pendulum};
@@ -140,4 +141,12 @@ fn truncated_increments() {
     let truncated =
         |path| -> Box<dyn Noise> { Box::new(Truncated::new(wiener(path)).exponent(1.0).unwrap()) };
     check(&method, start, truncated, |e| e.seed(7).truncated(1.0));
+}
+
+#[test]
+fn three_point_increments() {
+    let method = Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint);
+    let start = State::new([0.5], [0.1]);
+    let three_point = |path| -> Box<dyn Noise> { Box::new(ThreePoint::new(7).path(path)) };
+    check(&method, start, three_point, |e| e.seed(7).three_point());
 }

@@ -79,7 +79,7 @@ pub fn exp_m1(x: f64) -> f64 {
     (scale * e + (scale - 1.0)).copysign(x)
 }
 
-/// `2ˣ`, to 1.1 units in the last place, for `|x| ≤ 1021`; NaN beyond.
+/// `2ˣ`, to 1.2 units in the last place, for `|x| ≤ 1021`; NaN beyond.
 #[inline(always)]
 pub fn exp2(x: f64) -> f64 {
     exp2_of_sum(x, 0.0)

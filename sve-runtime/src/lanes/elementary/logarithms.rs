@@ -68,7 +68,7 @@ pub fn ln(x: f64) -> f64 {
     k * LN_2_FIRST - ((half - (rest + k * LN_2_REST)) - f)
 }
 
-/// `ln(1 + x)`, to 1.5 units in the last place, for `−1 < x` finite; NaN else.
+/// `ln(1 + x)`, to one unit in the last place, for `−1 < x < 2¹⁰²³`; NaN else.
 #[inline(always)]
 pub fn ln_1p(x: f64) -> f64 {
     let sum = 1.0 + x;

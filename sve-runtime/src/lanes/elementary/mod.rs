@@ -1,7 +1,7 @@
 //! Elementary functions for lanes.
 //!
-//! Input: a number. Output: the function there, or NaN where the formulas here are not sure of it: outside of the domain, in
-//! the far or subnormal range that each function names, for infinities and NaN. Whoever meets a NaN asks the library's function.
+//! Input: a number. Output: the function there, or NaN where the formulas here are not sure of it: outside of the domain and in
+//! the far range that each function names. Whoever meets a NaN asks the library's function.
 //!
 //! Invariant: no branches, no calls, only `+ − × ÷ √`, comparisons and operations on bits, so that a loop over lanes becomes
 //! code of vectors, and the bits are the same with vectors of any width. Bounds of the errors are those that `tests.rs` checks.
@@ -10,14 +10,20 @@
 //! otherwise.
 
 mod angles;
+mod arcs;
 mod exponentials;
+mod hyperbolic;
 mod logarithms;
+mod powers;
 #[cfg(test)]
 mod tests;
 
 pub use angles::{cos, sin, sin_cos, tan, turn};
+pub use arcs::{acos, asin, atan, atan2};
 pub use exponentials::{exp, exp_m1, exp2};
+pub use hyperbolic::{acosh, asinh, atanh, cosh, sinh, tanh};
 pub use logarithms::{ln, ln_1p, log2, log10};
+pub use powers::{cbrt, hypot, power_log, powf};
 
 /// 1.5 · 2⁵²: what is added to it is rounded to an integer, ties to even, which then stands in the lowest bits.
 const TO_INTEGER: f64 = 6_755_399_441_055_744.0;

@@ -1,5 +1,7 @@
 //! The functions against values of many digits (`tests/data/elementary`), their symmetries, ranges, exact values and bits.
 
+use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
 use super::*;
 
 /// Arguments, value, and what is missing to it in units of the last place.
@@ -65,10 +67,11 @@ fn worst(name: &str, arguments: usize, f: impl Fn([f64; 2]) -> f64) -> (f64, [f6
 
 /// Asserts the bounds that the documentation states.
 macro_rules! accurate {
-    ($($test:ident: $f:ident, $bound:literal;)*) => {$(
+    ($($test:ident: $f:ident($($x:ident),*), $bound:literal;)*) => {$(
         #[test]
         fn $test() {
-            let (error, at) = worst(stringify!($f), 1, |[x, _]| $f(x));
+            let count = [$(stringify!($x)),*].len();
+            let (error, at) = worst(stringify!($f), count, |[$($x),*, ..]| $f($($x),*));
             println!("{} {error:.3} at {at:?}", stringify!($f));
             assert!(error <= $bound, "{error} units at {at:?}");
         }
@@ -76,14 +79,367 @@ macro_rules! accurate {
 }
 
 accurate! {
-    sines: sin, 0.8;
-    cosines: cos, 0.8;
-    tangents: tan, 2.0;
-    exponentials: exp, 0.9;
-    exponentials_of_two: exp2, 1.1;
-    exponentials_less_one: exp_m1, 1.5;
-    logarithms: ln, 0.9;
-    logarithms_of_one_more: ln_1p, 1.5;
-    logarithms_to_two: log2, 1.0;
-    logarithms_to_ten: log10, 1.0;
+    sines: sin(x), 1.1;
+    cosines: cos(x), 1.1;
+    tangents: tan(x), 2.5;
+    exponentials: exp(x), 0.9;
+    exponentials_of_two: exp2(x), 1.2;
+    exponentials_less_one: exp_m1(x), 1.5;
+    logarithms: ln(x), 0.9;
+    logarithms_of_one_more: ln_1p(x), 1.0;
+    logarithms_to_two: log2(x), 1.0;
+    logarithms_to_ten: log10(x), 1.0;
+    hyperbolic_sines: sinh(x), 2.0;
+    hyperbolic_cosines: cosh(x), 1.5;
+    hyperbolic_tangents: tanh(x), 2.5;
+    areas_of_sine: asinh(x), 2.0;
+    areas_of_cosine: acosh(x), 2.0;
+    areas_of_tangent: atanh(x), 2.0;
+    arcs_of_sine: asin(x), 2.0;
+    arcs_of_cosine: acos(x), 2.0;
+    arcs_of_tangent: atan(x), 2.0;
+    cube_roots: cbrt(x), 0.7;
+    angles: atan2(x, y), 2.0;
+    lengths: hypot(x, y), 1.3;
+    powers: powf(x, y), 1.3;
+}
+
+type Real = fn(f64) -> f64;
+
+/// The functions of one argument, and their parity: 1 if `f(−x) = f(x)`, −1 if `f(−x) = −f(x)`.
+const ALL: [(&str, Real, i8); 20] = [
+    ("sin", sin, -1),
+    ("cos", cos, 1),
+    ("tan", tan, -1),
+    ("exp", exp, 0),
+    ("exp_m1", exp_m1, 0),
+    ("exp2", exp2, 0),
+    ("ln", ln, 0),
+    ("ln_1p", ln_1p, 0),
+    ("log2", log2, 0),
+    ("log10", log10, 0),
+    ("sinh", sinh, -1),
+    ("cosh", cosh, 1),
+    ("tanh", tanh, -1),
+    ("asinh", asinh, -1),
+    ("acosh", acosh, 0),
+    ("atanh", atanh, -1),
+    ("asin", asin, -1),
+    ("acos", acos, 0),
+    ("atan", atan, -1),
+    ("cbrt", cbrt, -1),
+];
+
+/// Numbers of every size and both signs, the ends of the ranges, zeros, infinities, NaN.
+fn numbers() -> Vec<f64> {
+    let mut list = vec![
+        0.0,
+        0.5,
+        1.0,
+        2.0,
+        708.0,
+        1021.0,
+        131_072.0,
+        1e150,
+        f64::MAX,
+        f64::INFINITY,
+        f64::NAN,
+    ];
+    let mut state = 1u64;
+    for _ in 0..20_000 {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        // any bits at all, and of moderate size
+        let any = f64::from_bits(state ^ state >> 29);
+        let fraction = (state >> 11) as f64 * 0.5f64.powi(53);
+        list.extend([any, fraction, 4.0 * fraction, 1000.0 * fraction]);
+    }
+    list.iter().flat_map(|&x| [x, -x]).collect()
+}
+
+#[test]
+fn odd_and_even_functions_are_so_to_the_bit() {
+    for (name, f, parity) in ALL.into_iter().filter(|f| f.2 != 0) {
+        for x in numbers() {
+            let (left, right) = (f(-x), f(x) * f64::from(parity));
+            let same = left.to_bits() == right.to_bits() || left.is_nan() && right.is_nan();
+            assert!(same, "{name} {x:e}: {left:e}, {right:e}");
+        }
+    }
+}
+
+/// The library's function of a name.
+fn library(name: &str, x: f64) -> f64 {
+    match name {
+        "sin" => x.sin(),
+        "cos" => x.cos(),
+        "tan" => x.tan(),
+        "exp" => x.exp(),
+        "exp_m1" => x.exp_m1(),
+        "exp2" => x.exp2(),
+        "ln" => x.ln(),
+        "ln_1p" => x.ln_1p(),
+        "log2" => x.log2(),
+        "log10" => x.log10(),
+        "sinh" => x.sinh(),
+        "cosh" => x.cosh(),
+        "tanh" => x.tanh(),
+        "asinh" => x.asinh(),
+        "acosh" => x.acosh(),
+        "atanh" => x.atanh(),
+        "asin" => x.asin(),
+        "acos" => x.acos(),
+        "atan" => x.atan(),
+        "cbrt" => x.cbrt(),
+        _ => unreachable!("{name}"),
+    }
+}
+
+#[test]
+fn a_result_is_right_or_not_a_number() {
+    for (name, f, _) in ALL {
+        let mut known = 0;
+        for x in numbers() {
+            let (got, expected) = (f(x), library(name, x));
+            if got.is_nan() {
+                continue;
+            }
+            known += 1;
+            // the library's inverse hyperbolic functions lose digits; the tables above are the test of the last ones
+            let near = (got - expected).abs() <= 1e-7 * expected.abs() || got == expected;
+            assert!(near, "{name} {x:e}: {got:e}, {expected:e}");
+        }
+        assert!(known > 20_000, "{name}: {known}");
+    }
+}
+
+/// Where a function ends: the last argument with a value and the first without.
+#[test]
+fn ranges_end_where_they_are_said_to() {
+    let up = f64::next_up;
+    let ends: [(Real, f64, f64); 18] = [
+        (sin, 131_072.0, up(131_072.0)),
+        (cos, -131_072.0, -up(131_072.0)),
+        (exp, 708.0, up(708.0)),
+        (exp, -708.0, -up(708.0)),
+        (exp_m1, 708.0, up(708.0)),
+        (exp2, 1021.0, up(1021.0)),
+        (exp2, -1021.0, -up(1021.0)),
+        (ln, f64::MIN_POSITIVE, f64::MIN_POSITIVE / 2.0),
+        (ln, f64::MAX, f64::INFINITY),
+        (log2, f64::MIN_POSITIVE, 0.0),
+        (log10, f64::MIN_POSITIVE, -1.0),
+        (ln_1p, up(-1.0), -1.0),
+        (sinh, 708.0, up(708.0)),
+        (asinh, 1e150, up(1e150)),
+        (acosh, 1.0, 1.0f64.next_down()),
+        (atanh, 1.0f64.next_down(), 1.0),
+        (asin, 1.0, up(1.0)),
+        (cbrt, f64::MIN_POSITIVE, 0.0),
+    ];
+    for (i, (f, last, beyond)) in ends.into_iter().enumerate() {
+        assert!(f(last).is_finite() && f(beyond).is_nan(), "{i}: {last:e}");
+    }
+    for (name, f, _) in ALL {
+        assert!(f(f64::NAN).is_nan(), "{name}");
+    }
+    let (nan, inf) = (f64::NAN, f64::INFINITY);
+    for (y, x) in [
+        (0.0, 0.0),
+        (inf, 1.0),
+        (1.0, -inf),
+        (nan, 1.0),
+        (1.0, nan),
+        (1e-200, 1e200),
+    ] {
+        assert!(atan2(y, x).is_nan(), "{y} {x}");
+    }
+    for (x, y) in [
+        (0.0, 1.0),
+        (-2.0, 2.0),
+        (nan, 0.0),
+        (1.0, nan),
+        (1.0, inf),
+        (inf, 1.0),
+        (2.0, 1022.0),
+        (2.0, -1022.0),
+        (up(1.0), 1e300),
+    ] {
+        assert!(
+            powf(x, y).is_nan() && power_log(x, y, 1).is_nan(),
+            "{x} {y}"
+        );
+    }
+    for (x, y) in [
+        (0.0, 0.0),
+        (1e-136, 0.0),
+        (1e155, 0.0),
+        (nan, 1.0),
+        (inf, 1.0),
+    ] {
+        assert!(hypot(x, y).is_nan(), "{x} {y}");
+    }
+}
+
+#[test]
+fn zeros_ones_and_tiny_numbers_are_exact() {
+    for f in [
+        sin, tan, exp_m1, ln_1p, sinh, tanh, asinh, atanh, asin, atan,
+    ] {
+        for x in [
+            0.0,
+            -0.0,
+            1e-200,
+            -1e-30,
+            3e-9 * 0.5f64.powi(30),
+            f64::MIN_POSITIVE,
+            5e-324,
+        ] {
+            assert_eq!(f(x).to_bits(), x.to_bits(), "{x:e}");
+        }
+    }
+    for f in [cos, exp, exp2, cosh] {
+        for x in [0.0, -0.0, 1e-200, -1e-30] {
+            assert_eq!(f(x), 1.0);
+        }
+    }
+    for f in [ln, log2, log10, acosh, acos] {
+        assert_eq!(f(1.0).to_bits(), 0);
+    }
+    for k in -1021..=1021 {
+        let power = 2.0f64.powi(k);
+        assert_eq!((exp2(f64::from(k)), log2(power)), (power, f64::from(k)));
+        assert_eq!(powf(2.0, f64::from(k)), power);
+    }
+    assert_eq!((atan2(0.0, 1.0).to_bits(), atan2(-0.0, 1.0)), (0, 0.0));
+    assert!(atan2(-0.0, 1.0).is_sign_negative());
+    assert_eq!((atan2(0.0, -1.0), atan2(-0.0, -1.0)), (PI, -PI));
+    assert_eq!(
+        (atan2(2.0, 0.0), atan2(-2.0, -0.0)),
+        (FRAC_PI_2, -FRAC_PI_2)
+    );
+    assert_eq!(
+        (atan2(2.0, 2.0), atan(f64::INFINITY), acos(-1.0)),
+        (FRAC_PI_4, FRAC_PI_2, PI)
+    );
+    assert_eq!(
+        (
+            powf(1.0, -3.7),
+            powf(0.3, 0.0),
+            powf(4.0, 1.5),
+            hypot(3.0, -4.0)
+        ),
+        (1.0, 1.0, 8.0, 5.0)
+    );
+    assert_eq!(
+        (tanh(20.0), tanh(-f64::INFINITY), cbrt(-27.0)),
+        (1.0, -1.0, -3.0)
+    );
+    let (x, y) = (2.5, -0.4);
+    assert_eq!(power_log(x, y, 0), powf(x, y));
+    assert_eq!(power_log(x, y, 2), powf(x, y) * ln(x) * ln(x));
+}
+
+#[test]
+fn an_angle_is_turned() {
+    let mut worst: f64 = 0.0;
+    for i in 0..200 {
+        let (sin, cos) = (0.037 * f64::from(i) - 3.0).sin_cos();
+        for j in -785..=785 {
+            let by = 0.001 * f64::from(j) * 0.5f64.powi(i % 40);
+            let (s, c) = turn(sin, cos, by);
+            worst = worst.max((s - (sin * by.cos() + cos * by.sin())).abs());
+            worst = worst.max((c - (cos * by.cos() - sin * by.sin())).abs());
+        }
+        assert_eq!(turn(sin, cos, 0.0), (sin, cos));
+    }
+    // three roundings of numbers up to 1, and two of the comparison
+    assert!(worst <= 3.0 * f64::EPSILON, "{worst:e}");
+    for by in [
+        FRAC_PI_4.next_up(),
+        -FRAC_PI_4.next_up(),
+        f64::INFINITY,
+        f64::NAN,
+    ] {
+        let (s, c) = turn(0.6, 0.8, by);
+        assert!(s.is_nan() && c.is_nan());
+    }
+}
+
+/// Code for vectors of each width, against calls one by one.
+#[cfg(feature = "ensemble")]
+mod bits {
+    use super::super::*;
+    use super::numbers;
+    use crate::lanes::LANES;
+    use crate::lanes::dispatch::{Kernel, versions};
+
+    #[derive(Clone)]
+    struct Each<'a, F>(&'a [f64], F);
+
+    impl<F: Fn(f64, f64) -> f64> Kernel for Each<'_, F> {
+        type Output = Vec<u64>;
+        #[inline(always)]
+        fn run(self) -> Vec<u64> {
+            let mut out = vec![0.0; self.0.len()];
+            for (x, out) in self.0.chunks_exact(LANES).zip(out.chunks_exact_mut(LANES)) {
+                for lane in 0..LANES {
+                    out[lane] = self.1(x[lane], x[(lane + 1) % LANES]);
+                }
+            }
+            // the bits of a NaN mean nothing
+            out.iter()
+                .map(|x| if x.is_nan() { u64::MAX } else { x.to_bits() })
+                .collect()
+        }
+    }
+
+    macro_rules! same {
+        ($($f:ident($($x:ident),*) $expression:expr;)*) => {$({
+            let numbers = numbers();
+            let numbers = &numbers[..numbers.len() / LANES * LANES];
+            let versions = versions(&Each(numbers, #[inline(always)] |$($x),*| $expression));
+            for (i, chunk) in numbers.chunks_exact(LANES).enumerate() {
+                for lane in 0..LANES {
+                    let one = std::hint::black_box(|$($x: f64),*| $expression)(chunk[lane], chunk[(lane + 1) % LANES]);
+                    let one = if one.is_nan() { u64::MAX } else { one.to_bits() };
+                    for version in &versions {
+                        assert_eq!(version[i * LANES + lane], one, "{} {:e}", stringify!($f), chunk[lane]);
+                    }
+                }
+            }
+        })*};
+    }
+
+    #[test]
+    fn vectors_of_any_width_give_the_same() {
+        same! {
+            sin(x, _y) sin_cos(x).0;
+            cos(x, _y) sin_cos(x).1;
+            tan(x, _y) tan(x);
+            turn(x, y) turn(x, 0.5, y).0 + turn(x, 0.5, y).1;
+            exp(x, _y) exp(x);
+            exp2(x, _y) exp2(x);
+            exp_m1(x, _y) exp_m1(x);
+            ln(x, _y) ln(x);
+            ln_1p(x, _y) ln_1p(x);
+            log2(x, _y) log2(x);
+            log10(x, _y) log10(x);
+            sinh(x, _y) sinh(x);
+            cosh(x, _y) cosh(x);
+            tanh(x, _y) tanh(x);
+            asinh(x, _y) asinh(x);
+            acosh(x, _y) acosh(x);
+            atanh(x, _y) atanh(x);
+            asin(x, _y) asin(x);
+            acos(x, _y) acos(x);
+            atan(x, _y) atan(x);
+            atan2(x, y) atan2(x, y);
+            cbrt(x, _y) cbrt(x);
+            hypot(x, y) hypot(x, y);
+            powf(x, y) powf(x, y);
+            power_log(x, y) power_log(x, y, 2);
+        }
+    }
 }

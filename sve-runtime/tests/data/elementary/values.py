@@ -42,9 +42,9 @@ def scaled(low, high, signed=True):
     return draw
 
 
-QUARTERS = [x for k in list(range(1, 40)) + [100, 12345, 65536, 600001] for x in near(float(k * mp.pi / 4))]
+QUARTERS = [x for k in list(range(1, 40)) + [100, 12345, 65536, 160001] for x in near(float(k * mp.pi / 4))]
 HALVES = [x for k in range(1, 30) for x in near(float((k + mpf(1) / 2) * m.log(2)), 1)]
-ANGLES = ([uniform(-4, 4), uniform(-100, 100), scaled(-40, 20), uniform(-1048576, 1048576)], QUARTERS + [1e-300, 1048576.0])
+ANGLES = ([uniform(-4, 4), uniform(-100, 100), scaled(-40, 17), uniform(-131072, 131072)], QUARTERS + [1e-300, 131072.0])
 POWERS = ([uniform(-2, 2), uniform(-708, 708), scaled(-60, 9)], [0.0] + HALVES + [-x for x in HALVES])
 LOGS = ([uniform(0.5, 2), scaled(-1021, 1023, False), uniform(0.0001, 30)],
         near(1.0, 4) + near(math.sqrt(2)) + near(math.sqrt(0.5)) + [2.0**k for k in range(-5, 6)]

@@ -1,0 +1,263 @@
+//! Escape from a well: Langevin dynamics in V = a(q² − 1)² against Kramers' rate.
+//!
+//! Paths start in the left well. The difference of the populations of the wells, d(t) = P(q < 0) − P(q > 0), ends up as
+//! exp(−λt) with λ = 2k, k the rate of escape from one well. Kramers:
+//!
+//! ```text
+//! k = μ/β · α/2π · exp(−ΔU/kT)     μ = √(ν²/4 + β²) − ν/2     α² = V''(±1) = 8a     β² = −V''(0) = 4a
+//! ```
+//!
+//! This is the limit of a high barrier. What it is off at a finite one is known from λ itself, see [`spectrum`](crate::spectrum).
+//!
+//! Source: Kramers, *Brownian motion in a field of force and the diffusion model of chemical reactions*, Physica 7 (1940).
+
+use std::error::Error;
+use std::f64::consts::TAU;
+
+use sve_examples::check::Check;
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row, Shape};
+use sve_examples::palette::{self, Color};
+use sve_runtime::prelude::*;
+
+use crate::{Options, Report, spectrum};
+
+#[derive(Clone, Copy, Debug)]
+struct Well {
+    /// Height of the barrier.
+    a: f64,
+    /// Rate of friction.
+    nu: f64,
+    /// Temperature times Boltzmann's constant.
+    kt: f64,
+}
+
+#[variational(midpoint)]
+impl Well {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v - self.a * (q * q - 1.0).powi(2)
+    }
+
+    #[force]
+    fn friction(&self, _q: f64, v: f64) -> f64 {
+        -self.nu * v
+    }
+
+    #[gamma]
+    fn bath(&self, q: f64) -> f64 {
+        (2.0 * self.nu * self.kt).sqrt() * q
+    }
+}
+
+const H: f64 = 0.05;
+/// Heights of the barrier, in units of kT.
+const BARRIERS: [f64; 3] = [3.0, 4.0, 5.0];
+const COLORS: [Color; 3] = [palette::ORANGE, palette::GREEN, palette::BLUE];
+/// Time after which a path has come to rest in its well: friction and the well's own motion take about 1.
+const REST: f64 = 20.0;
+/// Steps between two records.
+const EVERY: u64 = 20;
+
+/// The decay of the populations at one temperature.
+struct Decay {
+    barrier: f64,
+    color: Color,
+    /// t and d(t).
+    points: Vec<(f64, f64)>,
+    /// λ as measured, with its standard error.
+    measured: (f64, f64),
+    /// λ of the Fokker–Planck operator.
+    exact: f64,
+    /// 2k by Kramers' formula.
+    kramers: f64,
+}
+
+impl Well {
+    fn at(barrier: f64) -> Self {
+        Self {
+            a: 1.0,
+            nu: 2.0,
+            kt: 1.0 / barrier,
+        }
+    }
+
+    /// Kramers' rate of escape from one well.
+    fn kramers(&self) -> f64 {
+        let (well, barrier) = ((8.0 * self.a).sqrt(), (4.0 * self.a).sqrt());
+        let growth = (0.25 * self.nu * self.nu + barrier * barrier).sqrt() - 0.5 * self.nu;
+        growth / barrier * well / TAU * (-self.a / self.kt).exp()
+    }
+
+    fn rate(&self) -> f64 {
+        spectrum::rate(self.a, self.nu, self.kt)
+    }
+}
+
+pub(crate) fn report(options: &Options) -> Result<Report, Box<dyn Error>> {
+    let decays = BARRIERS
+        .into_iter()
+        .zip(COLORS)
+        .map(|(barrier, color)| decay(options, barrier, color))
+        .collect::<Result<Vec<_>, _>>()?;
+    Ok(Report {
+        title: "Escape from a double well",
+        figure: draw(&decays),
+        caption: format!(
+            "V = (q² − 1)², friction ν = 2, h = {H}, {} paths for each temperature, started in the left well. Left: the difference of \
+             populations and exp(−λt) with the exact λ. Right: λ over Kramers' 2k. His formula is the limit of a high barrier; at ΔU/kT = 5 the exact λ is 5 % below it, at 9 still 3 %.",
+            options.paths
+        ),
+        checks: decays.iter().flat_map(checks).collect(),
+    })
+}
+
+fn decay(options: &Options, barrier: f64, color: Color) -> Result<Decay, Box<dyn Error>> {
+    let well = Well::at(barrier);
+    let exact = well.rate();
+    // until the difference has fallen to e⁻¹: later it drowns in noise, earlier it has not told enough
+    let horizon = REST + 1.0 / exact;
+    let records = (horizon / (H * EVERY as f64)).ceil();
+    let integrator = Integrator::new(well, Midpoint);
+    #[allow(clippy::cast_sign_loss)] // a count
+    let summary = Ensemble::new(&integrator)
+        .paths(options.paths)
+        .seed(options.seed)
+        .steps(H, records as u64 * EVERY)
+        .record_every(EVERY)
+        .start_with(|_, rng| State::new([-1.0], [well.kt.sqrt() * rng.normal()]))
+        .observe("left", |_, state| if state.q[0] < 0.0 { 1.0 } else { -1.0 })
+        .stop_on_failure(true)
+        .run()?;
+    let left = summary["left"].mean();
+    let points: Vec<(f64, f64)> = summary
+        .times()
+        .iter()
+        .copied()
+        .zip(left.iter().copied())
+        .collect();
+    let rest = points.partition_point(|(t, _)| *t < REST);
+    let ends = points.get(rest).zip(points.last());
+    let (&first, &last) = ends.ok_or("no records")?;
+    Ok(Decay {
+        barrier,
+        color,
+        measured: slope(first, last, options.paths),
+        points,
+        exact,
+        kramers: 2.0 * well.kramers(),
+    })
+}
+
+/// λ from d at two times, d₂/d₁ = exp(−λ(t₂ − t₁)), and its standard error. A path is ±1 at both times, with covariance exp(−λ(t₂ − t₁)) − d₁d₂.
+fn slope((t1, d1): (f64, f64), (t2, d2): (f64, f64), paths: u64) -> (f64, f64) {
+    let (time, ratio) = (t2 - t1, d2 / d1);
+    let covariance = ratio - d1 * d2;
+    let variance =
+        (1.0 - d1 * d1) / (d1 * d1) + (1.0 - d2 * d2) / (d2 * d2) - 2.0 * covariance / (d1 * d2);
+    (-ratio.ln() / time, (variance / paths as f64).sqrt() / time)
+}
+
+fn checks(decay: &Decay) -> Vec<Check> {
+    let Decay {
+        barrier,
+        measured: (lambda, error),
+        exact,
+        kramers,
+        ..
+    } = *decay;
+    // q lacks a variance of σ²h³/12 a step, and frequencies are off by (ωh)²/12: 0.2 % with the well's own
+    let bias = 8.0 * H * H / 12.0 * exact;
+    // the formula's next order: that of each of the two Laplace integrals is 3/16 kT/ΔU where friction is strong
+    let next = 0.375 / barrier;
+    let (z, off) = ((lambda - exact) / error, (lambda - kramers) / error);
+    vec![
+        Check::near(
+            format!("ΔU/kT = {barrier}: λ against the exact one (z = {z:.2})"),
+            lambda,
+            exact,
+            4.5 * error + bias,
+            "Fokker–Planck operator; 4.5 standard errors and (ωh)²/12 for the step",
+        ),
+        Check::near(
+            format!("ΔU/kT = {barrier}: λ against Kramers' 2k (z = {off:.2})"),
+            lambda,
+            kramers,
+            4.5 * error + bias + next * kramers,
+            "as above, and 3/8 kT/ΔU: the next order, for strong friction, of Laplace's method",
+        ),
+        Check::near(
+            format!("ΔU/kT = {barrier}: exact λ over Kramers' 2k"),
+            exact / kramers,
+            1.0,
+            next,
+            "the next order, as above; it is smaller with this friction",
+        ),
+    ]
+}
+
+fn draw(decays: &[Decay]) -> Figure {
+    let end = decays
+        .iter()
+        .filter_map(|decay| decay.points.last())
+        .fold(0.0, |end: f64, (t, _)| end.max(*t));
+    let mut populations = Panel::new(
+        "Difference of the populations",
+        Axis::new("time t", 0.0..end),
+        Axis::new("P(q < 0) − P(q > 0)", 0.0..1.0),
+    )
+    .legend(Corner::TopRight);
+    for decay in decays {
+        let rest = decay.points.iter().find(|(t, _)| *t >= REST);
+        let (t0, d0) = rest.copied().unwrap_or_default();
+        let last = decay.points.last().map_or(t0, |(t, _)| *t);
+        let line = (0..=200)
+            .map(|k| t0 + (last - t0) * f64::from(k) / 200.0)
+            .map(|t| (t, d0 * (-decay.exact * (t - t0)).exp()));
+        let mut dots = Pen::dots(decay.color, 2.2);
+        if let Some(symbols) = &mut dots.symbol {
+            symbols.count = Some(60);
+        }
+        populations = populations
+            .with(Layer::new("", line.collect(), Pen::line(palette::BLACK, 1.0)).unlisted())
+            .with(Layer::new(
+                format!("ΔU/kT = {}", decay.barrier),
+                decay.points.clone(),
+                dots,
+            ));
+    }
+    let line = (0..=28).map(|k| 2.0 + 0.25 * f64::from(k)).map(|barrier| {
+        let well = Well::at(barrier);
+        (barrier, well.rate() / (2.0 * well.kramers()))
+    });
+    let mut ratios = Panel::new(
+        "λ over Kramers' 2k",
+        Axis::new("ΔU/kT", 2.0..9.0),
+        Axis::new("ratio", 0.9..1.1),
+    )
+    .legend(Corner::TopRight)
+    .with(Layer::new(
+        "Kramers: the limit of a high barrier",
+        vec![(2.0, 1.0), (9.0, 1.0)],
+        Pen::dashed(palette::VERMILION, 1.4, (6.0, 3.0)),
+    ))
+    .with(Layer::new(
+        "exact",
+        line.collect(),
+        Pen::line(palette::BLACK, 1.2),
+    ));
+    for (k, decay) in decays.iter().enumerate() {
+        let (lambda, error) = decay.measured;
+        let at = |lambda: f64| (decay.barrier, lambda / decay.kramers);
+        let bar = vec![at(lambda - error), at(lambda), at(lambda + error)];
+        let pen = Pen::line(palette::BLUE, 1.5).symbols(Shape::Disc, 1);
+        let layer = Layer::new("midpoint rule, ± one standard error", bar, pen);
+        ratios = ratios.with(if k == 0 { layer } else { layer.unlisted() });
+    }
+    Figure {
+        name: "escape",
+        width: 1110,
+        rows: vec![Row {
+            height: 420,
+            panels: vec![populations, ratios],
+        }],
+    }
+}

@@ -1,0 +1,165 @@
+//! Ensembles of a hundred thousand paths against what is known exactly: growth of the mean energy, law of a phase, rate of escape.
+//!
+//! Input: seed, number of paths, folder. Output: SVG figures, `index.html` with them and their numbers, the same numbers with their
+//! z-scores on the terminal; status 1 where one is off. `cargo run --release --example ensemble -- --help` lists options.
+
+mod escape;
+mod kubo;
+mod oscillator;
+mod spectrum;
+
+use std::error::Error;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::Parser;
+use sve_examples::check::{self, Check};
+use sve_examples::figure::Figure;
+use sve_examples::page::{self, Section};
+use sve_examples::render;
+
+/// Runs ensembles of which the expectation is known and compares. Ends with status 1 where a number is off.
+#[derive(Clone, Debug, Parser)]
+#[command(name = "ensemble")]
+pub(crate) struct Options {
+    /// Seed of the Wiener paths
+    #[arg(long, default_value_t = 42)]
+    pub(crate) seed: u64,
+    /// Paths of each ensemble
+    #[arg(long, default_value_t = 100_000, value_parser = clap::value_parser!(u64).range(1000..=10_000_000))]
+    pub(crate) paths: u64,
+    /// Folder for figures and page
+    #[arg(long, default_value = "target/ensemble")]
+    pub(crate) out: PathBuf,
+}
+
+/// What a part gives: its drawing, the text under it, and its numbers.
+pub(crate) struct Report {
+    title: &'static str,
+    figure: Figure,
+    caption: String,
+    checks: Vec<Check>,
+}
+
+/// A part: runs its ensembles and reports.
+type Part = fn(&Options) -> Result<Report, Box<dyn Error>>;
+
+/// A mean against its expectation.
+pub(crate) fn mean(
+    what: impl AsRef<str>,
+    measured: f64,
+    expected: f64,
+    standard_error: f64,
+    paths: u64,
+    reason: &str,
+) -> Check {
+    let z = (measured - expected) / standard_error;
+    let factor = sve_examples::gaussian::standard_errors(paths as f64);
+    Check::near(
+        format!("{} (z = {z:.2})", what.as_ref()),
+        measured,
+        expected,
+        factor * standard_error,
+        format!("{reason}; {factor:.1} standard errors allowed (false alarm 1e-4)"),
+    )
+}
+
+fn main() -> ExitCode {
+    match ensemble(&Options::parse()) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Runs, writes and prints everything; whether all compared numbers agree.
+fn ensemble(options: &Options) -> Result<bool, Box<dyn Error>> {
+    let start = Instant::now();
+    fs::create_dir_all(&options.out)
+        .map_err(|e| format!("cannot make {}: {e}", options.out.display()))?;
+    let parts: [Part; 3] = [oscillator::report, kubo::report, escape::report];
+    let mut reports = Vec::new();
+    for part in parts {
+        let begin = Instant::now();
+        let report = part(options)?;
+        println!(
+            "{}",
+            check::table(
+                &format!("{} [{:.1} s]", report.title, begin.elapsed().as_secs_f64()),
+                &report.checks
+            )
+        );
+        reports.push(report);
+    }
+    let drawings = reports
+        .iter()
+        .map(|report| draw(&options.out, &report.figure))
+        .collect::<Result<Vec<_>, _>>()?;
+    let failed = reports
+        .iter()
+        .flat_map(|report| &report.checks)
+        .filter(|check| check.failed())
+        .count();
+    let index = options.out.join("index.html");
+    write(
+        &index,
+        html(options, &reports, &drawings, failed).as_bytes(),
+    )?;
+    println!(
+        "wrote {} and its figures in {:.1} s",
+        index.display(),
+        start.elapsed().as_secs_f64()
+    );
+    if failed > 0 {
+        eprintln!("{failed} of the numbers above are off");
+    }
+    Ok(failed == 0)
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    fs::write(path, bytes).map_err(|e| format!("cannot write {}: {e}", path.display()))
+}
+
+/// Writes a figure and returns its SVG.
+fn draw(folder: &Path, figure: &Figure) -> Result<String, Box<dyn Error>> {
+    let svg = render::svg(figure)?;
+    write(
+        &folder.join(figure.name).with_extension("svg"),
+        svg.as_bytes(),
+    )?;
+    Ok(svg)
+}
+
+fn html(options: &Options, reports: &[Report], drawings: &[String], failed: usize) -> String {
+    let sections: Vec<Section<'_>> = reports
+        .iter()
+        .zip(drawings)
+        .map(|(report, svg)| Section {
+            title: report.title,
+            svg,
+            caption: &report.caption,
+            checks: &report.checks,
+        })
+        .collect();
+    let verdict = match failed {
+        0 => "Every compared number agrees.".to_owned(),
+        n => {
+            format!("<strong>{n} of the compared numbers are off; their rows are marked.</strong>")
+        }
+    };
+    let head = format!(
+        "<p>{} paths each, seed {}. z is the difference to the expectation in standard errors. {verdict}</p>",
+        options.paths, options.seed
+    );
+    page::html(
+        "Ensembles against what is known exactly",
+        &head,
+        &sections,
+        "",
+    )
+}

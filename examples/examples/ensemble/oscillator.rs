@@ -1,0 +1,275 @@
+//! Figure 3 with a thousand times as many paths: growth of the mean energy of the stochastic linear oscillator.
+//!
+//! dq = p dt, dp = −q dt + σ dW: the mean energy is H₀ + σ²t/2. The energies of a linear scheme `z₁ = A z₀ + b ΔW` are quadratic forms
+//! of a Gaussian, whose means and variances follow from a recursion; A and b are read off the scheme's own step, so the expectation
+//! belongs to the code that ran.
+
+use std::array::from_fn;
+use std::error::Error;
+
+use sve_examples::check::Check;
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row, Shape};
+use sve_examples::gaussian::{Matrix, Scheme};
+use sve_examples::palette::{self, Color};
+use sve_runtime::baseline::{BackwardEulerMaruyama, EulerMaruyama};
+use sve_runtime::prelude::*;
+use sve_runtime::{Method, StepError};
+
+use crate::{Options, Report, mean};
+
+#[derive(Clone, Copy, Debug)]
+struct Oscillator {
+    sigma: f64,
+}
+
+#[variational(initial_point, endpoint, midpoint)]
+impl Oscillator {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v - 0.5 * q * q
+    }
+
+    #[gamma]
+    fn push(&self, q: f64) -> f64 {
+        self.sigma * q
+    }
+}
+
+const OSCILLATOR: Oscillator = Oscillator { sigma: 1.0 };
+const START: [f64; 2] = [1.0, 0.0];
+/// `H = ½ zᵀ z` as the matrix of a quadratic form.
+const ENERGY: Matrix<2> = [[0.5, 0.0], [0.0, 0.5]];
+const H: f64 = 0.1;
+/// Steps between two records.
+const EVERY: usize = 10;
+/// Steps of the variational rules, to the paper's horizon of 2000.
+const LONG: usize = 20_000;
+/// Steps of the baselines, which show at t = 100 already that their energies explode or stand still.
+const SHORT: usize = 1_000;
+/// Steps of the second panel.
+const EARLY: usize = 400;
+
+/// The mean energy of one method, measured and exact, after each [`EVERY`] steps.
+struct Curve {
+    name: &'static str,
+    color: Color,
+    variational: bool,
+    times: Vec<f64>,
+    means: Vec<f64>,
+    /// From the sample.
+    errors: Vec<f64>,
+    /// Exact mean and standard error of the mean, after each step.
+    exact: Vec<(f64, f64)>,
+}
+
+pub(crate) fn report(options: &Options) -> Result<Report, Box<dyn Error>> {
+    let curves = [
+        curve(
+            options,
+            "forward Euler–Maruyama",
+            palette::VERMILION,
+            &EulerMaruyama::new(OSCILLATOR),
+            SHORT,
+        )?,
+        curve(
+            options,
+            "backward Euler–Maruyama",
+            palette::ORANGE,
+            &BackwardEulerMaruyama::new(OSCILLATOR),
+            SHORT,
+        )?,
+        curve(
+            options,
+            "midpoint rule",
+            palette::PURPLE,
+            &Integrator::new(OSCILLATOR, Midpoint),
+            LONG,
+        )?,
+        curve(
+            options,
+            "initial-point rule",
+            palette::GREEN,
+            &Integrator::new(OSCILLATOR, InitialPoint),
+            LONG,
+        )?,
+        curve(
+            options,
+            "endpoint rule",
+            palette::BLUE,
+            &Integrator::new(OSCILLATOR, Endpoint),
+            LONG,
+        )?,
+    ];
+    Ok(Report {
+        title: "Figure 3 of the paper with many paths: mean energy of the stochastic linear oscillator",
+        figure: draw(&curves),
+        caption: format!(
+            "σ = 1, start (1, 0), h = {H}, {} paths, the same for all methods. Lines: expectation of each method by its \
+             moment recursion, dashed on either side one exact standard error of the mean. Right: what is left when the exact \
+             solution's H₀ + σ²t/2 is taken away. The band is that of the paths themselves: the methods, on the same paths, \
+             move in it together.",
+            options.paths
+        ),
+        checks: curves
+            .iter()
+            .flat_map(|curve| checks(options, curve))
+            .collect(),
+    })
+}
+
+fn curve<I>(
+    options: &Options,
+    name: &'static str,
+    color: Color,
+    method: &I,
+    steps: usize,
+) -> Result<Curve, Box<dyn Error>>
+where
+    I: Method<System = Oscillator> + Sync,
+{
+    let summary = Ensemble::new(method)
+        .paths(options.paths)
+        .seed(options.seed)
+        .steps(H, steps as u64)
+        .record_every(EVERY as u64)
+        .start(State::new([START[0]], [START[1]]))
+        .observe("energy", |_, state| {
+            0.5 * (state.q[0] * state.q[0] + state.p[0] * state.p[0])
+        })
+        .stop_on_failure(true)
+        .run()?;
+    let exact = scheme(method)?
+        .distributions(START)
+        .take(steps + 1)
+        .map(|law| {
+            let (mean, variance) = law.quadratic(&ENERGY);
+            (mean, (variance / options.paths as f64).sqrt())
+        })
+        .collect();
+    let energy = &summary["energy"];
+    Ok(Curve {
+        name,
+        color,
+        variational: steps == LONG,
+        times: summary.times().to_vec(),
+        means: energy.mean().to_vec(),
+        errors: energy.standard_error(),
+        exact,
+    })
+}
+
+/// The method as a map of distributions, from three of its steps.
+fn scheme(method: &impl Method<System = Oscillator>) -> Result<Scheme<2>, StepError> {
+    let image = |q: f64, p: f64, dw: f64| {
+        let mut state = State::new([q], [p]);
+        method.step(&mut state, H, &[dw])?;
+        Ok([state.q[0], state.p[0]])
+    };
+    let (first, second, b) = (
+        image(1.0, 0.0, 0.0)?,
+        image(0.0, 1.0, 0.0)?,
+        image(0.0, 0.0, 1.0)?,
+    );
+    Ok(Scheme {
+        a: from_fn(|i| [first[i], second[i]]),
+        noise: from_fn(|i| from_fn(|j| H * b[i] * b[j])),
+    })
+}
+
+fn checks(options: &Options, curve: &Curve) -> Vec<Check> {
+    let last = curve.times.len() - 1;
+    let mut records = vec![1, 10, 100, last];
+    records.retain(|&k| k <= last);
+    records.dedup();
+    let at = |&k: &usize| {
+        let (expected, error) = curve.exact[k * EVERY];
+        mean(
+            format!("{}: mean energy at t = {:.0}", curve.name, curve.times[k]),
+            curve.means[k],
+            expected,
+            error,
+            options.paths,
+            "moment recursion",
+        )
+    };
+    let (_, error) = curve.exact[last * EVERY];
+    // kurtosis of a squared radius is at most 9, that of one squared coordinate 15: the variance is known to √(14/n)
+    let relative = 0.5 * (14.0 / options.paths as f64).sqrt();
+    let spread = Check::near(
+        format!(
+            "{}: standard error of the last, from the sample",
+            curve.name
+        ),
+        curve.errors[last],
+        error,
+        4.5 * relative * error,
+        "moment recursion; 4.5 standard deviations of a sample's standard deviation",
+    );
+    records.iter().map(at).chain([spread]).collect()
+}
+
+fn draw(curves: &[Curve]) -> Figure {
+    let horizon = LONG as f64 * H;
+    let whole = Panel::new(
+        "Mean energy",
+        Axis::new("time t", 0.0..horizon),
+        Axis::new("mean energy", 0.0..1.2 * (0.5 + 0.5 * horizon)),
+    );
+    let early = EARLY as f64 * H;
+    let rest = Panel::new(
+        "Mean energy of the variational rules less H₀ + σ²t/2",
+        Axis::new("time t", 0.0..early),
+        Axis::new("difference", -0.2..0.3),
+    );
+    let whole = curves
+        .iter()
+        .fold(whole, |panel, c| lines(panel, c, LONG, |_| 0.0));
+    let rest = curves
+        .iter()
+        .filter(|c| c.variational)
+        .fold(rest, |panel, c| lines(panel, c, EARLY, |t| 0.5 + 0.5 * t));
+    Figure {
+        name: "energy",
+        width: 1110,
+        rows: vec![Row {
+            height: 460,
+            panels: vec![
+                whole.legend(Corner::BottomRight),
+                rest.legend(Corner::TopLeft),
+            ],
+        }],
+    }
+}
+
+/// Means of a method as symbols on its exact line and band, all less some function of time.
+fn lines(panel: Panel, curve: &Curve, steps: usize, less: impl Fn(f64) -> f64) -> Panel {
+    // a symbol after so many records
+    let stride = (steps / (40 * EVERY)).max(1);
+    let steps = steps.min(curve.exact.len() - 1);
+    let every = steps.div_ceil(2000);
+    let line = |width: f64| -> Vec<(f64, f64)> {
+        (0..=steps)
+            .step_by(every)
+            .map(|k| {
+                let (t, (mean, error)) = (k as f64 * H, curve.exact[k]);
+                (t, mean + width * error - less(t))
+            })
+            .collect()
+    };
+    let band = Pen::dashed(curve.color, 0.8, (2.0, 3.0));
+    let points: Vec<(f64, f64)> = curve
+        .times
+        .iter()
+        .zip(&curve.means)
+        .take(steps / EVERY + 1)
+        .map(|(&t, &mean)| (t, mean - less(t)))
+        .collect();
+    let marks = Pen {
+        line: None,
+        ..Pen::line(curve.color, 1.0).symbols(Shape::Circle, points.len().div_ceil(stride))
+    };
+    panel
+        .with(Layer::new("", line(1.0), band).unlisted())
+        .with(Layer::new("", line(-1.0), band).unlisted())
+        .with(Layer::new("", line(0.0), Pen::line(curve.color, 1.2)).unlisted())
+        .with(Layer::new(curve.name, points, marks))
+}

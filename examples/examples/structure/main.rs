@@ -1,0 +1,238 @@
+//! What specialisation saves: every scene's step next to the same step with structure detection switched off.
+//!
+//! Off means one Newton iteration in all unknowns of the rule, displacement, velocity and momentum, with the full symbolic
+//! Jacobian, everything computed anew in each iteration: what generic code would do. Solver and stopping rule are the same.
+//! Prints the table, and writes it to `target/structure.md`.
+
+mod scenes;
+
+use std::error::Error;
+use std::fmt::{Display, Write};
+use std::hint::black_box;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use scenes::{Facts, Scene, Visitor, every_scene};
+use sve_runtime::__private::Whole;
+use sve_runtime::prelude::*;
+use sve_runtime::{Dims, System, Variational};
+
+/// Steps of a run, all from the scene's start.
+const STEPS: usize = 512;
+
+/// Runs of each side, of which the median is taken; they alternate, so that a busy machine hits both alike.
+const RUNS: usize = 31;
+
+/// Time that a run takes at least.
+const RUN: Duration = Duration::from_micros(500);
+
+/// What is known of one side.
+struct Side {
+    facts: Facts,
+    iterations: f64,
+    nanoseconds: f64,
+}
+
+/// A scene with its two sides.
+struct Row {
+    scene: String,
+    derived: Side,
+    whole: Side,
+}
+
+#[derive(Default)]
+struct Rows(Vec<Result<Row, StepError>>);
+
+impl Visitor for Rows {
+    fn visit<S, R, const N: usize, const M: usize>(&mut self, scene: &Scene<S, R, N>)
+    where
+        S: System<Dims = Dims<N, M>> + Variational<R> + Variational<Whole<R>> + Copy,
+        R: Copy,
+    {
+        self.0.push(row(scene));
+    }
+}
+
+fn row<S, R, const N: usize, const M: usize>(scene: &Scene<S, R, N>) -> Result<Row, StepError>
+where
+    S: System<Dims = Dims<N, M>> + Variational<R> + Variational<Whole<R>> + Copy,
+    R: Copy,
+{
+    let wiener = Wiener::new(1);
+    let increments: Vec<[f64; M]> = (0..STEPS as u64)
+        .map(|k| core::array::from_fn(|i| wiener.increment(k, i, scene.h)))
+        .collect();
+    let derived = Runner::new(&scene.derived, scene.start, scene.h, &increments)?;
+    let whole = Runner::new(&scene.whole, scene.start, scene.h, &increments)?;
+    let mut times = [Vec::new(), Vec::new()];
+    for _ in 0..RUNS {
+        times[0].push(derived.time()?);
+        times[1].push(whole.time()?);
+    }
+    let [of_derived, of_whole] = times.map(median);
+    Ok(Row {
+        scene: format!("{}, `{}`", scene.name, scene.derived.plan().rule),
+        derived: Side {
+            facts: Facts::of::<S, R>(),
+            iterations: iterations(&scene.derived, scene.start, scene.h, &increments)?,
+            nanoseconds: of_derived,
+        },
+        whole: Side {
+            facts: Facts::of::<S, Whole<R>>(),
+            iterations: iterations(&scene.whole, scene.start, scene.h, &increments)?,
+            nanoseconds: of_whole,
+        },
+    })
+}
+
+/// Steps to be timed.
+struct Runner<'a, S, R, const N: usize, const M: usize> {
+    integrator: &'a Integrator<S, R>,
+    start: State<N>,
+    h: f64,
+    increments: &'a [[f64; M]],
+    /// How often all steps are made in a run.
+    passes: u32,
+}
+
+impl<'a, S, R, const N: usize, const M: usize> Runner<'a, S, R, N, M>
+where
+    S: System<Dims = Dims<N, M>> + Variational<R>,
+{
+    fn new(
+        integrator: &'a Integrator<S, R>,
+        start: State<N>,
+        h: f64,
+        increments: &'a [[f64; M]],
+    ) -> Result<Self, StepError> {
+        let mut runner = Self {
+            integrator,
+            start,
+            h,
+            increments,
+            passes: 1,
+        };
+        while runner.run()? < RUN {
+            runner.passes *= 2;
+        }
+        Ok(runner)
+    }
+
+    fn run(&self) -> Result<Duration, StepError> {
+        let clock = Instant::now();
+        for _ in 0..self.passes {
+            let (mut state, h) = (black_box(self.start), black_box(self.h));
+            let prepared = Method::prepare(self.integrator, h)?;
+            for dw in self.increments {
+                Method::step_prepared(self.integrator, &prepared, &mut state, h, dw)?;
+            }
+            black_box(state);
+        }
+        Ok(clock.elapsed())
+    }
+
+    /// Nanoseconds a step.
+    fn time(&self) -> Result<f64, StepError> {
+        let steps = f64::from(self.passes) * self.increments.len() as f64;
+        Ok(self.run()?.as_secs_f64() * 1e9 / steps)
+    }
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+/// Iterations that the steps take on average: the limit with which each just arrives.
+fn iterations<S, R, const N: usize, const M: usize>(
+    integrator: &Integrator<S, R>,
+    mut state: State<N>,
+    h: f64,
+    increments: &[[f64; M]],
+) -> Result<f64, StepError>
+where
+    S: System<Dims = Dims<N, M>> + Variational<R> + Clone,
+    R: Clone,
+{
+    let mut sum = 0;
+    for dw in increments {
+        let arrives = |limit: u32| {
+            let newton = Newton {
+                max_iterations: limit,
+                ..*integrator.newton()
+            };
+            let limited = integrator.clone().with_newton(newton);
+            limited.step(&mut { state }, h, dw).is_ok()
+        };
+        let most = integrator.newton().max_iterations;
+        sum += (0..most).find(|&limit| arrives(limit)).unwrap_or(most);
+        integrator.step(&mut state, h, dw)?;
+    }
+    Ok(f64::from(sum) / increments.len() as f64)
+}
+
+/// A table of what changes from the step without structure to the one with it.
+fn markdown(rows: &[Row]) -> Result<String, std::fmt::Error> {
+    let mut text = String::new();
+    let head = [
+        "scene, rule",
+        "blocks",
+        "operations",
+        "calls",
+        "turns",
+        "n",
+        "state",
+        "beside it",
+        "ns a step",
+        "ratio",
+    ];
+    writeln!(text, "| {} |", head.join(" | "))?;
+    writeln!(text, "|{}", " --- |".repeat(head.len()))?;
+    for row in rows {
+        writeln!(text, "| {} |", cells(row).join(" | "))?;
+    }
+    Ok(text)
+}
+
+fn cells(row: &Row) -> [String; 10] {
+    let Row {
+        scene,
+        derived,
+        whole,
+    } = row;
+    let (a, b) = (&whole.facts, &derived.facts);
+    let change = |a: &dyn Display, b: &dyn Display| format!("{a} → {b}");
+    let tenths = |x: f64| format!("{x:.1}");
+    [
+        scene.clone(),
+        change(&a.blocks, &b.blocks),
+        change(&a.operations, &b.operations),
+        change(&a.calls, &b.calls),
+        change(&a.turns, &b.turns),
+        change(&tenths(whole.iterations), &tenths(derived.iterations)),
+        b.state.to_string(),
+        change(&a.beside, &b.beside),
+        change(&tenths(whole.nanoseconds), &tenths(derived.nanoseconds)),
+        tenths(whole.nanoseconds / derived.nanoseconds),
+    ]
+}
+
+/// What the columns are.
+const LEGEND: &str = "Without structure → with it.
+operations, calls of functions, turns (sines and cosines from those of an angle near by): of a step and of n iterations
+n: iterations that moved the unknowns, on average; one more evaluation may tell that the last one arrived
+state, beside it: bytes of the state, and of what is kept for a step size with the largest system of equations
+ratio: of the times";
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut rows = Rows::default();
+    every_scene(&mut rows);
+    let rows: Vec<Row> = rows.0.into_iter().collect::<Result<_, _>>()?;
+    let table = markdown(&rows)?;
+    println!("{table}\n{LEGEND}");
+    let path = Path::new("target/structure.md");
+    std::fs::create_dir_all("target")?;
+    std::fs::write(path, &table)?;
+    println!("written to {}", path.display());
+    Ok(())
+}

@@ -1,0 +1,87 @@
+//! The statistics of a summary as an array of `NumPy`.
+//!
+//! Input: a [`Summary`]. Output: a one-dimensional structured array, a record for each recorded time.
+//! Invariant: little-endian on every machine; the data start at a multiple of 64 bytes.
+//!
+//! Source: the format as `NumPy` documents it, `numpy.lib.format`, versions 1.0 and, for names beyond ASCII, 3.0.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use super::Summary;
+use super::csv::Values;
+
+impl Summary {
+    /// Writes the statistics as a structured array of `NumPy`: `numpy.load("x.npy")["energy_mean"]`.
+    ///
+    /// Its fields are the columns of [`write_csv`](Self::write_csv); what does not exist is NaN.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write_npy(&self, mut to: impl Write) -> io::Result<()> {
+        let columns = self.columns();
+        let field = |(name, values): &(String, Values)| {
+            let kind = match values {
+                Values::Counts(_) => "<u8",
+                Values::Numbers(_) => "<f8",
+            };
+            format!("({}, '{kind}'), ", literal(name))
+        };
+        let fields: String = columns.iter().map(field).collect();
+        let rows = self.times().len();
+        let header =
+            format!("{{'descr': [{fields}], 'fortran_order': False, 'shape': ({rows},), }}");
+        to.write_all(&preamble(&header))?;
+        for row in 0..rows {
+            for (_, values) in &columns {
+                match values {
+                    Values::Counts(counts) => to.write_all(&counts[row].to_le_bytes())?,
+                    Values::Numbers(numbers) => to.write_all(&numbers[row].to_le_bytes())?,
+                }
+            }
+        }
+        to.flush()
+    }
+
+    /// Writes the statistics as an array of `NumPy` into a file; see [`write_npy`](Self::write_npy).
+    ///
+    /// # Errors
+    /// Where the file cannot be written.
+    pub fn to_npy(&self, path: impl AsRef<Path>) -> io::Result<()> {
+        self.write_npy(BufWriter::new(File::create(path)?))
+    }
+}
+
+/// What stands before the data: magic, version, length of the header, the header padded with spaces to a multiple of 64.
+fn preamble(header: &str) -> Vec<u8> {
+    let short = header.is_ascii() && header.len() < 65_000;
+    let fixed = if short { 10 } else { 12 };
+    let length = (fixed + header.len() + 1).next_multiple_of(64) - fixed;
+    let mut bytes = b"\x93NUMPY".to_vec();
+    if short {
+        bytes.extend([1, 0]);
+        bytes.extend((length as u16).to_le_bytes());
+    } else {
+        bytes.extend([3, 0]);
+        bytes.extend((length as u32).to_le_bytes());
+    }
+    bytes.extend(header.as_bytes());
+    bytes.resize(fixed + length - 1, b' ');
+    bytes.push(b'\n');
+    bytes
+}
+
+/// A string of Python.
+fn literal(name: &str) -> String {
+    let mut literal = String::from("'");
+    for c in name.chars() {
+        match c {
+            '\'' | '\\' => literal.extend(['\\', c]),
+            '\n' => literal.push_str("\\n"),
+            '\r' => literal.push_str("\\r"),
+            _ => literal.push(c),
+        }
+    }
+    literal + "'"
+}

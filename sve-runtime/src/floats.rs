@@ -1,0 +1,131 @@
+//! Floating-point numbers for serde.
+//!
+//! Input: numbers, lists and arrays of them. Output: themselves; in formats for people, such as JSON, what is not finite becomes the
+//! string `NaN`, `inf` or `-inf`, since JSON has no such numbers. Invariant: binary formats keep every bit.
+
+use core::fmt;
+
+use serde::de::{Error, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
+pub(crate) fn serialize<S: Serializer>(x: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    if serializer.is_human_readable() && !x.is_finite() {
+        serializer.collect_str(x)
+    } else {
+        serializer.serialize_f64(*x)
+    }
+}
+
+pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    if deserializer.is_human_readable() {
+        deserializer.deserialize_any(NumberOrName)
+    } else {
+        f64::deserialize(deserializer)
+    }
+}
+
+struct NumberOrName;
+
+impl Visitor<'_> for NumberOrName {
+    type Value = f64;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a number, \"NaN\", \"inf\" or \"-inf\"")
+    }
+
+    fn visit_f64<E: Error>(self, x: f64) -> Result<f64, E> {
+        Ok(x)
+    }
+
+    fn visit_i64<E: Error>(self, x: i64) -> Result<f64, E> {
+        Ok(x as f64)
+    }
+
+    fn visit_u64<E: Error>(self, x: u64) -> Result<f64, E> {
+        Ok(x as f64)
+    }
+
+    fn visit_str<E: Error>(self, name: &str) -> Result<f64, E> {
+        match name {
+            "NaN" => Ok(f64::NAN),
+            "inf" => Ok(f64::INFINITY),
+            "-inf" => Ok(f64::NEG_INFINITY),
+            _ => Err(E::custom(format_args!("{name:?} is not a number"))),
+        }
+    }
+}
+
+/// One of a list.
+#[derive(Serialize, Deserialize)]
+#[serde(transparent)]
+struct Float(#[serde(with = "self")] f64);
+
+/// Lists.
+#[cfg(feature = "ensemble")]
+pub(crate) mod many {
+    use super::{Deserialize, Deserializer, Float, Serializer};
+
+    pub(crate) fn serialize<S: Serializer>(x: &[f64], serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(x.iter().map(|&x| Float(x)))
+    }
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Vec<f64>, D::Error> {
+        let floats = Vec::<Float>::deserialize(deserializer)?;
+        Ok(floats.into_iter().map(|Float(x)| x).collect())
+    }
+}
+
+/// Arrays, whose length is known and not written.
+pub(crate) mod array {
+    use core::fmt;
+
+    use serde::de::{Error, SeqAccess, Visitor};
+    use serde::ser::SerializeTuple;
+    use serde::{Deserializer, Serializer};
+
+    use super::Float;
+
+    pub(crate) fn serialize<S: Serializer, const N: usize>(
+        x: &[f64; N],
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        let mut tuple = serializer.serialize_tuple(N)?;
+        for &x in x {
+            tuple.serialize_element(&Float(x))?;
+        }
+        tuple.end()
+    }
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>, const N: usize>(
+        deserializer: D,
+    ) -> Result<[f64; N], D::Error> {
+        deserializer.deserialize_tuple(N, Numbers::<N>)
+    }
+
+    struct Numbers<const N: usize>;
+
+    impl<'de, const N: usize> Visitor<'de> for Numbers<N> {
+        type Value = [f64; N];
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            write!(f, "{N} numbers")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<[f64; N], A::Error> {
+            let mut x = [0.0; N];
+            for (i, x) in x.iter_mut().enumerate() {
+                let Float(next) = seq
+                    .next_element()?
+                    .ok_or_else(|| A::Error::invalid_length(i, &self))?;
+                *x = next;
+            }
+            if seq.next_element::<Float>()?.is_some() {
+                return Err(A::Error::invalid_length(N + 1, &self));
+            }
+            Ok(x)
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Increments that are a pure function of seed, path, step and process.
+//!
+//! Input: these, a step size and a law. Output: increments of variance h.
+//! Invariant: what is kept between calls only saves work.
+
+use core::marker::PhantomData;
+
+use super::NoiseError;
+use super::error::check_step;
+use super::law::{self, Law, place};
+
+/// A path of a law.
+#[derive(Clone, Debug)]
+pub(super) struct Blocks<L> {
+    pub(super) seed: u64,
+    pub(super) path: u64,
+    law: PhantomData<L>,
+    /// Which four steps `increments` belongs to, and their step size.
+    block: Option<(u64, f64)>,
+    /// One entry a process.
+    increments: Vec<[f64; 4]>,
+}
+
+impl<L: Law> Blocks<L> {
+    pub(super) fn new(seed: u64) -> Self {
+        Self {
+            seed,
+            path: 0,
+            law: PhantomData,
+            block: None,
+            increments: Vec::new(),
+        }
+    }
+
+    pub(super) fn path(self, path: u64) -> Self {
+        Self {
+            path,
+            block: None,
+            ..self
+        }
+    }
+
+    #[inline]
+    pub(super) fn increment(&self, step: u64, process: usize, h: f64) -> f64 {
+        let (block, at) = place(step);
+        self.draw(block, process, h.sqrt())[at]
+    }
+
+    #[inline]
+    pub(super) fn increments(
+        &mut self,
+        step: u64,
+        h: f64,
+        dw: &mut [f64],
+    ) -> Result<(), NoiseError> {
+        let (block, at) = place(step);
+        if self.block != Some((block, h)) || self.increments.len() < dw.len() {
+            self.fill(block, dw.len(), h)?;
+        }
+        for (dw, four) in dw.iter_mut().zip(&self.increments) {
+            *dw = four[at];
+        }
+        Ok(())
+    }
+
+    /// The increments of one process over the four steps of a block.
+    #[inline]
+    fn draw(&self, block: u64, process: usize, scale: f64) -> [f64; 4] {
+        law::increments::<L>(self.seed, self.path, block, process as u64, scale)
+    }
+
+    fn fill(&mut self, block: u64, processes: usize, h: f64) -> Result<(), NoiseError> {
+        check_step(h)?;
+        let scale = h.sqrt();
+        if self.increments.len() < processes {
+            self.increments.resize(processes, [0.0; 4]);
+        }
+        for process in 0..self.increments.len() {
+            self.increments[process] = self.draw(block, process, scale);
+        }
+        self.block = Some((block, h));
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Blocks;
+    use crate::noise::law::{Law, Normal, ThreePoints};
+    use crate::noise::threefry;
+
+    fn layout<L: Law>(domain: [u8; 8]) {
+        let path = Blocks::<L>::new(11).path(22);
+        for (step, process) in [(0, 0), (3, 1), (4, 0), (4_000_001, 7), (u64::MAX, 2)] {
+            let domain = u64::from_le_bytes(domain);
+            let words = threefry::block([step / 4, process, 0, 0], [11, 22, domain, 0]);
+            let expected = L::four(words, 0.5)[(step % 4) as usize];
+            assert_eq!(path.increment(step, process as usize, 0.25), expected);
+        }
+    }
+
+    #[test]
+    fn layouts() {
+        layout::<Normal>(*b"wiener  ");
+        layout::<ThreePoints>(*b"3-points");
+    }
+
+    #[test]
+    fn keeps_its_block_and_its_memory() {
+        let mut path = Blocks::<Normal>::new(1);
+        let mut dw = [0.0; 3];
+        path.increments(8, 0.1, &mut dw).unwrap();
+        let memory = path.increments.as_ptr();
+        for step in [9, 10, 11, 12, 0, u64::MAX] {
+            path.increments(step, 0.1, &mut dw).unwrap();
+            assert_eq!(path.block, Some((step / 4, 0.1)));
+            assert_eq!(path.increments.as_ptr(), memory);
+        }
+        path.increments(u64::MAX, 0.1, &mut dw[..1]).unwrap();
+        assert_eq!(path.increments.len(), 3);
+    }
+}

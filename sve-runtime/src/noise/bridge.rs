@@ -1,0 +1,235 @@
+//! The same Brownian path in smaller steps.
+//!
+//! Input: the increment over a part of a step. Output: those over its two halves, which sum to it.
+//! Invariant: a half is a pure function of (seed, path, step, process, level, index) and the increment of the whole; given the whole,
+//! the left half is normal with mean ΔW/2 and variance h/4, independent of everything outside the part.
+//!
+//! Layout: the key of Threefry is (seed, path, domain, 0), the counter (step, process / 4, 2^level + index, 0), and its four
+//! words are the four normals of four processes. It is part of the public contract.
+//!
+//! Source: Lévy's construction; Karatzas, Shreve, *Brownian Motion and Stochastic Calculus*, 2nd ed., Springer (1991), section 2.3.
+
+use super::error::check_step;
+use super::{Noise, NoiseError, Wiener, box_muller, threefry};
+
+/// Separates these draws from the increments of the path itself.
+const DOMAIN: u64 = u64::from_le_bytes(*b"bridge  ");
+
+/// How often a step can be halved: the counter has 64 bits for level and index.
+const DEEPEST: u32 = 63;
+
+/// A part of a step: one of the 2^`level` equal ones.
+///
+/// ```
+/// use sve_runtime::noise::Part;
+///
+/// let [left, right] = Part::whole(10).halves().unwrap();
+/// let [_, last] = right.halves().unwrap();
+/// assert_eq!((left.level(), left.index()), (1, 0));
+/// assert_eq!((last.step(), last.level(), last.index()), (10, 2, 3));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Part {
+    step: u64,
+    level: u32,
+    index: u64,
+}
+
+impl Part {
+    /// A whole step.
+    pub const fn whole(step: u64) -> Self {
+        Self {
+            step,
+            level: 0,
+            index: 0,
+        }
+    }
+
+    /// The two halves in order of time; `None` for a part that was halved 63 times.
+    pub const fn halves(self) -> Option<[Self; 2]> {
+        if self.level == DEEPEST {
+            return None;
+        }
+        let left = Self {
+            level: self.level + 1,
+            index: 2 * self.index,
+            ..self
+        };
+        let right = Self {
+            index: left.index + 1,
+            ..left
+        };
+        Some([left, right])
+    }
+
+    /// The step it belongs to.
+    pub const fn step(self) -> u64 {
+        self.step
+    }
+
+    /// How often the step was halved.
+    pub const fn level(self) -> u32 {
+        self.level
+    }
+
+    /// Its place among the parts of its level, from 0.
+    pub const fn index(self) -> u64 {
+        self.index
+    }
+}
+
+impl Wiener {
+    /// The increments over the two halves of a part of length `h`, for a process whose increment over the part is `whole`.
+    ///
+    /// They sum to `whole` up to rounding, and have the law of a Brownian path that does so. NaN where `h` is negative or NaN.
+    ///
+    /// ```
+    /// use sve_runtime::noise::{Part, Wiener};
+    ///
+    /// let path = Wiener::new(42).path(3);
+    /// let (step, process, h) = (10, 0, 0.1);
+    /// let whole = path.increment(step, process, h);
+    /// let [left, right] = path.halves(Part::whole(step), process, h, whole);
+    /// assert!((left + right - whole).abs() < 1e-15);
+    /// ```
+    pub fn halves(&self, part: Part, process: usize, h: f64, whole: f64) -> [f64; 2] {
+        let normals = self.normals(part, process, 0.5 * h.sqrt());
+        split(whole, normals[process % 4])
+    }
+
+    /// The same path in steps of `h / 2^depth`: step `k` of length `h` is steps `2^depth k …` of this source, whose increments
+    /// sum to its.
+    ///
+    /// A deeper refinement of the same path agrees with this one as well.
+    ///
+    /// ```
+    /// use sve_runtime::noise::{Recorded, Wiener};
+    ///
+    /// let path = Wiener::new(42);
+    /// let fine = Recorded::record(path.clone().refine(3)?, 0.1 / 8.0, 1, 800)?;
+    /// let coarse = fine.coarsen(8)?;
+    /// for step in 0..100 {
+    ///     let dw = coarse.get(step).unwrap()[0];
+    ///     assert!((dw - path.increment(step as u64, 0, 0.1)).abs() < 1e-14);
+    /// }
+    /// # Ok::<(), sve_runtime::noise::NoiseError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`NoiseError::Depth`] for a depth above 63.
+    pub fn refine(self, depth: u32) -> Result<Refined, NoiseError> {
+        if depth > DEEPEST {
+            return Err(NoiseError::Depth { depth });
+        }
+        Ok(Refined {
+            path: self,
+            depth,
+            at: None,
+            processes: 0,
+            increments: Vec::new(),
+        })
+    }
+
+    /// Four normals for the group of processes that `process` is in.
+    #[inline]
+    fn normals(&self, part: Part, process: usize, scale: f64) -> [f64; 4] {
+        let node = (1 << part.level) + part.index;
+        let counter = [part.step, process as u64 / 4, node, 0];
+        let words = threefry::block(counter, [self.0.seed, self.0.path, DOMAIN, 0]);
+        box_muller::four(words, scale)
+    }
+}
+
+/// The halves of an increment, from √h/2 times a standard normal.
+#[inline]
+fn split(whole: f64, deviation: f64) -> [f64; 2] {
+    let left = 0.5 * whole + deviation;
+    [left, whole - left]
+}
+
+/// A [`Wiener`] path in smaller steps, from [`Wiener::refine`].
+///
+/// Its step size is `h / 2^depth`, where the path itself is stepped by `h`. Any step can be asked for in any order; in
+/// sequence a step costs about two blocks of random words for each four processes.
+///
+/// Its only error is [`NoiseError::InvalidStep`], for a step size that is not positive and finite, or whose `2^depth`-fold is not.
+#[derive(Clone, Debug)]
+pub struct Refined {
+    path: Wiener,
+    depth: u32,
+    /// Which step and step size `increments` belongs to.
+    at: Option<(u64, f64)>,
+    processes: usize,
+    /// Level by level from the whole step down to the part asked for, one entry a process.
+    increments: Vec<f64>,
+}
+
+impl Refined {
+    /// The first level where the parts that hold two steps differ, and below which all do; `None` if the steps are the same.
+    fn first_difference(&self, a: u64, b: u64) -> Option<u32> {
+        let highest = (a ^ b).checked_ilog2()?;
+        Some(self.depth.saturating_sub(highest))
+    }
+
+    /// Computes the increments of one level from those of the level above, or from the path.
+    fn descend(&mut self, step: u64, level: u32, whole_h: f64) -> Result<(), NoiseError> {
+        let processes = self.processes;
+        let row = level as usize * processes;
+        let whole_step = step >> self.depth;
+        let Some(above) = level.checked_sub(1) else {
+            return self
+                .path
+                .increments(whole_step, whole_h, &mut self.increments[..processes]);
+        };
+        let places = step - (whole_step << self.depth);
+        // the place of the part at the level above, and which of its halves
+        let index = places >> (self.depth - level);
+        let part = Part {
+            step: whole_step,
+            level: above,
+            index: index / 2,
+        };
+        let scale = 0.5 * (whole_h / two_to(above)).sqrt();
+        for first in (0..processes).step_by(4) {
+            let normals = self.path.normals(part, first, scale);
+            for process in first..processes.min(first + 4) {
+                let whole = self.increments[row - processes + process];
+                let halves = split(whole, normals[process - first]);
+                self.increments[row + process] = halves[(index % 2) as usize];
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Noise for Refined {
+    fn increments(&mut self, step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
+        check_step(h)?;
+        let whole_h = h * two_to(self.depth);
+        check_step(whole_h)?;
+        let mut first_level = Some(0);
+        if let Some((last, last_h)) = self.at
+            && last_h == h
+            && self.processes == dw.len()
+        {
+            first_level = self.first_difference(last, step);
+        }
+        if let Some(first_level) = first_level {
+            self.at = None;
+            self.processes = dw.len();
+            self.increments
+                .resize((self.depth as usize + 1) * dw.len(), 0.0);
+            for level in first_level..=self.depth {
+                self.descend(step, level, whole_h)?;
+            }
+            self.at = Some((step, h));
+        }
+        let leaf = self.depth as usize * self.processes;
+        dw.copy_from_slice(&self.increments[leaf..][..self.processes]);
+        Ok(())
+    }
+}
+
+fn two_to(level: u32) -> f64 {
+    (1_u64 << level) as f64
+}

@@ -1,0 +1,291 @@
+//! What a summary writes is read back: CSV, npy, Parquet, serde; runs continue from a checkpoint.
+
+use std::path::PathBuf;
+use std::sync::Mutex;
+use std::time::Duration;
+
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::record::Field;
+use sve_runtime::prelude::*;
+use sve_tests::models::Kubo;
+
+type Method = Integrator<Kubo, Midpoint>;
+
+fn kubo() -> Method {
+    Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint)
+}
+
+fn ensemble(method: &Method) -> Ensemble<'_, Method> {
+    Ensemble::new(method)
+        .paths(700)
+        .seed(3)
+        .steps(0.05, 40)
+        .record_every(15)
+        .start_with(|_, rng| State::new([rng.normal()], [rng.uniform()]))
+        .observe("q", |_, s| if s.q[0] > 2.5 { f64::NAN } else { s.q[0] })
+        .observe("a, \"b\" é", |_, s| {
+            if s.t < 0.1 { 1e-300 * s.p[0] } else { -s.p[0] }
+        })
+        .histogram("q", -2.0..2.0, 5)
+        .keep_final_states(true)
+}
+
+/// The columns of the table, as the summary has them; a variance of one path is NaN.
+fn table(summary: &Summary) -> Vec<(String, Vec<f64>)> {
+    let counts = summary.counts().iter().map(|&n| n as f64).collect();
+    let mut table = vec![
+        ("t".to_owned(), summary.times().to_vec()),
+        ("paths".to_owned(), counts),
+    ];
+    for s in summary.statistics() {
+        let mut add = |what: &str, values: &[f64]| {
+            table.push((format!("{}_{what}", s.name()), values.to_vec()));
+        };
+        add("mean", s.mean());
+        add("variance", &s.variance());
+        add("standard_error", &s.standard_error());
+        add("min", s.min());
+        add("max", s.max());
+    }
+    table
+}
+
+fn same(a: f64, b: f64) -> bool {
+    a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan()
+}
+
+/// A summary with several paths, and one of a single path, which has no variance.
+fn summaries() -> [Summary; 2] {
+    let method = kubo();
+    let one = ensemble(&method).paths(1).run().unwrap();
+    assert!(one["q"].variance()[0].is_nan());
+    [ensemble(&method).run().unwrap(), one]
+}
+
+#[test]
+fn csv() {
+    for summary in summaries() {
+        let mut bytes = Vec::new();
+        summary.write_csv(&mut bytes).unwrap();
+        let text = String::from_utf8(bytes).unwrap();
+        let mut lines = text.lines();
+        let table = table(&summary);
+        let header =
+            "t,paths,q_mean,q_variance,q_standard_error,q_min,q_max,\"a, \"\"b\"\" é_mean\",";
+        assert!(lines.next().unwrap().starts_with(header), "{text}");
+        for row in 0..summary.times().len() {
+            let fields: Vec<_> = lines.next().unwrap().split(',').collect();
+            assert_eq!(fields.len(), table.len());
+            for (field, (name, values)) in fields.iter().zip(&table) {
+                let value = if field.is_empty() {
+                    f64::NAN
+                } else {
+                    field.parse().unwrap()
+                };
+                assert!(same(value, values[row]), "{name}: {field}");
+            }
+        }
+        assert_eq!(lines.next(), None);
+    }
+}
+
+#[test]
+fn npy() {
+    for summary in summaries() {
+        let mut bytes = Vec::new();
+        summary.write_npy(&mut bytes).unwrap();
+        // a name beyond ASCII makes it version 3
+        assert_eq!(&bytes[..8], b"\x93NUMPY\x03\x00");
+        let length = u32::from_le_bytes(bytes[8..12].try_into().unwrap()) as usize;
+        assert_eq!((12 + length) % 64, 0);
+        let header = std::str::from_utf8(&bytes[12..12 + length]).unwrap();
+        let start = "{'descr': [('t', '<f8'), ('paths', '<u8'), ('q_mean', '<f8'), ";
+        assert!(header.starts_with(start), "{header}");
+        assert!(
+            header
+                .contains("('a, \"b\" é_max', '<f8'), ], 'fortran_order': False, 'shape': (4,), }")
+        );
+        assert!(header.ends_with('\n'));
+        let table = table(&summary);
+        let mut words = bytes[12 + length..].chunks_exact(8);
+        for row in 0..4 {
+            for (name, values) in &table {
+                let word = u64::from_le_bytes(words.next().unwrap().try_into().unwrap());
+                if name == "paths" {
+                    assert_eq!(word, summary.counts()[row]);
+                } else {
+                    assert!(same(f64::from_bits(word), values[row]), "{name}");
+                }
+            }
+        }
+        assert!(words.next().is_none() && words.remainder().is_empty());
+    }
+    let method = kubo();
+    let plain = ensemble_of_one_name(&method);
+    let mut bytes = Vec::new();
+    plain.write_npy(&mut bytes).unwrap();
+    assert_eq!(&bytes[..8], b"\x93NUMPY\x01\x00");
+    let length = usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+    assert_eq!((10 + length) % 64, 0);
+    assert_eq!(bytes.len(), 10 + length + 2 * 7 * 8);
+}
+
+fn ensemble_of_one_name(method: &Method) -> Summary {
+    let ensemble = Ensemble::new(method).paths(20).steps(0.1, 3);
+    let ensemble = ensemble.start(State::new([1.0], [0.0]));
+    ensemble.observe("it's", |_, s| s.q[0]).run().unwrap()
+}
+
+#[test]
+fn parquet_files() {
+    for summary in summaries() {
+        let path = scratch("table.parquet");
+        summary.to_parquet(&path).unwrap();
+        let reader = SerializedFileReader::new(std::fs::File::open(&path).unwrap()).unwrap();
+        let table = table(&summary);
+        let mut rows = 0;
+        for (row, record) in reader.get_row_iter(None).unwrap().enumerate() {
+            let record = record.unwrap();
+            let columns: Vec<_> = record.get_column_iter().collect();
+            assert_eq!(columns.len(), table.len());
+            for ((name, field), (expected, values)) in columns.into_iter().zip(&table) {
+                assert_eq!(name, expected);
+                match field {
+                    Field::Double(x) => assert!(same(*x, values[row]), "{name}: {x}"),
+                    Field::ULong(n) => {
+                        assert_eq!((*n, name.as_str()), (summary.counts()[row], "paths"));
+                    }
+                    other => panic!("{other:?}"),
+                }
+            }
+            rows += 1;
+        }
+        assert_eq!(rows, 4);
+        std::fs::remove_file(path).unwrap();
+    }
+}
+
+#[test]
+fn serde_of_summaries() {
+    for summary in summaries() {
+        let text = serde_json::to_string(&summary).unwrap();
+        let back: Summary = serde_json::from_str(&text).unwrap();
+        // serde_json's feature `float_roundtrip` is on
+        assert_eq!(back, summary);
+        assert_eq!(back.failures(), summary.failures());
+        // parts that do not fit together are an error, not a panic
+        let bent = text.replacen("\"counts\":[", "\"counts\":[1,", 1);
+        assert!(serde_json::from_str::<Summary>(&bent).is_err());
+    }
+}
+
+#[test]
+fn serde_of_states_and_errors() {
+    let state = State::at(0.1, [1.0, f64::INFINITY], [-0.0, 1e-320]);
+    let text = serde_json::to_string(&state).unwrap();
+    assert_eq!(text, r#"{"t":0.1,"q":[1.0,"inf"],"p":[-0.0,1e-320]}"#);
+    let back: State<2> = serde_json::from_str(&text).unwrap();
+    assert_eq!(back, state);
+    assert!(serde_json::from_str::<State<3>>(&text).is_err());
+    assert!(serde_json::from_str::<State<1>>(&text).is_err());
+
+    let h = f64::NAN;
+    let text = serde_json::to_string(&StepError::StepSize { h }).unwrap();
+    assert_eq!(text, r#"{"StepSize":{"h":"NaN"}}"#);
+    let back: StepError = serde_json::from_str(&text).unwrap();
+    assert!(matches!(back, StepError::StepSize { h } if h.is_nan()));
+}
+
+fn scratch(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name)
+}
+
+#[test]
+fn a_stopped_run_continues_with_the_same_bits() {
+    let method = kubo();
+    let whole = ensemble(&method).run().unwrap();
+    let path = scratch("continued.sve");
+    let _ = std::fs::remove_file(&path);
+    for (shard, of) in [(0, 1), (1, 3)] {
+        let whole = if of == 1 {
+            whole.clone()
+        } else {
+            ensemble(&method).shard(shard, of).run().unwrap()
+        };
+        let mut runs = 0;
+        loop {
+            let budget = Mutex::new(2);
+            let stop = || {
+                let mut left = budget.lock().unwrap();
+                *left -= 1;
+                *left < 0
+            };
+            let part = ensemble(&method)
+                .shard(shard, of)
+                .checkpoint(&path, Duration::ZERO)
+                .resume(true)
+                .stop_when(stop)
+                .run()
+                .unwrap();
+            runs += 1;
+            if part.paths() == whole.paths() {
+                assert_eq!(part, whole);
+                break;
+            }
+            assert!(runs < 20);
+        }
+        assert!(runs > 1);
+        std::fs::remove_file(&path).unwrap();
+    }
+}
+
+#[test]
+fn a_run_that_was_killed_continues() {
+    let method = kubo();
+    let path = scratch("killed.sve");
+    let _ = std::fs::remove_file(&path);
+    let ensemble = |panics: bool| {
+        ensemble(&method)
+            .observe("end", move |_, s| {
+                assert!(!(panics && s.t == 2.0 && s.p[0] > 2.2), "as if killed");
+                s.q[0]
+            })
+            .checkpoint(&path, Duration::ZERO)
+            .resume(true)
+    };
+    let killed = std::panic::AssertUnwindSafe(|| ensemble(true).threads(1).run());
+    assert!(std::panic::catch_unwind(killed).is_err());
+    let continued = ensemble(false).run().unwrap();
+    let _ = std::fs::remove_file(&path);
+    assert_eq!(continued, ensemble(false).run().unwrap());
+    std::fs::remove_file(&path).unwrap();
+}
+
+#[test]
+fn checkpoints_of_other_runs_are_refused() {
+    let method = kubo();
+    let path = scratch("refused.sve");
+    let first = ensemble(&method).checkpoint(&path, Duration::from_secs(60));
+    first.run().unwrap();
+    let refused = |change: fn(Ensemble<'_, Method>) -> Ensemble<'_, Method>, what: &str| {
+        let other = change(ensemble(&method)).checkpoint(&path, Duration::ZERO);
+        let error = other.resume(true).run().unwrap_err().to_string();
+        assert!(error.contains(what), "{error}");
+    };
+    refused(|e| e.seed(4), "seed");
+    refused(|e| e.paths(701), "number of paths");
+    refused(|e| e.shard(0, 2), "shard");
+    refused(|e| e.observe("p", |_, s| s.p[0]), "observables");
+    std::fs::write(&path, b"sve run1 and nonsense").unwrap();
+    refused(|e| e, "not a checkpoint");
+    std::fs::write(&path, b"").unwrap();
+    refused(|e| e, "not a checkpoint");
+    std::fs::remove_file(&path).unwrap();
+    let nowhere = ensemble(&method).checkpoint(path.join("x"), Duration::ZERO);
+    match nowhere.run() {
+        Err(error @ EnsembleError::Checkpoint { .. }) => {
+            assert!(error.to_string().contains("refused.sve"));
+        }
+        other => panic!("{other:?}"),
+    }
+}

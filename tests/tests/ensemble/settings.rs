@@ -1,0 +1,221 @@
+//! Settings that make no sense: each is an error that says what to write. Histograms and names.
+
+use sve_runtime::prelude::*;
+use sve_tests::models::Kubo;
+
+type Method = Integrator<Kubo, Midpoint>;
+type Change = fn(Ensemble<'_, Method>) -> Ensemble<'_, Method>;
+
+fn kubo() -> Method {
+    Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint)
+}
+
+fn sound(method: &Method) -> Ensemble<'_, Method> {
+    Ensemble::new(method)
+        .paths(10)
+        .steps(0.1, 10)
+        .start(State::new([1.0], [0.0]))
+        .observe("q", |_, state| state.q[0])
+}
+
+#[test]
+fn errors() {
+    let method = kubo();
+    let cases: [(Change, &str); 20] = [
+        (|e| e.paths(0), "`paths` was given 0"),
+        (|e| e.steps(0.1, 0), "`steps` was given 0"),
+        (|e| e.steps(0.0, 10), "h = 0 must be positive"),
+        (|e| e.steps(-0.1, 10), "h = -0.1 must be positive"),
+        (|e| e.steps(f64::NAN, 10), "h = NaN must be positive"),
+        (
+            |e| e.steps(1e308, 10),
+            "not finite; take fewer or shorter steps",
+        ),
+        (
+            |e| e.start(State::at(f64::NAN, [1.0], [0.0])),
+            "not finite; take fewer or shorter steps",
+        ),
+        (|e| e.record_every(0), "write 1 to record each step"),
+        (|e| e.threads(0), "leave it out to use every core"),
+        (
+            |e| e.observe("q", |_, _| 1.0),
+            "two observables are called `q`",
+        ),
+        (
+            |e| e.histogram("p", 0.0..1.0, 3),
+            "add `.observe(\"p\", …)`",
+        ),
+        (|e| e.histogram("q", 0.0..1.0, 0), "with 0 bins"),
+        (
+            |e| e.histogram("q", 1.0..1.0, 3),
+            "the lower below the upper",
+        ),
+        (|e| e.histogram("q", f64::NAN..1.0, 3), "finite bounds"),
+        (
+            |e| e.final_histogram("q", 0.0..f64::INFINITY, 3),
+            "finite bounds",
+        ),
+        (|e| e.shard(2, 2), "of 2 shards the numbers are 0 to 2 − 1"),
+        (|e| e.shard(0, 0), "of 0 shards"),
+        (
+            |e| e.truncated(0.5),
+            "k = 0.5 must be finite and at least 1",
+        ),
+        (|e| e.truncated(2.0).steps(1.5, 3), "h < 1"),
+        (
+            |e| e.stop_on_failure(true).observe("bad", |_, _| f64::NAN),
+            "path 0 failed after 0 steps",
+        ),
+    ];
+    for (change, says) in cases {
+        let error = change(sound(&method)).run().unwrap_err().to_string();
+        assert!(error.contains(says), "{error}");
+    }
+    assert!(sound(&method).run().is_ok());
+}
+
+#[test]
+fn what_is_missing_is_named() {
+    let method = kubo();
+    let start = State::new([1.0], [0.0]);
+    let says = |e: Ensemble<'_, Method>| e.run().unwrap_err().to_string();
+    let of = || Ensemble::new(&method);
+    assert!(says(of().steps(0.1, 1).start(start)).contains("`.paths(1000)`"));
+    assert!(says(of().paths(1).start(start)).contains("`.steps(0.01, 1000)`"));
+    assert!(says(of().paths(1).steps(0.1, 1)).contains("`.start(State::new([1.0], [0.0]))`"));
+}
+
+#[test]
+fn replays_of_no_path() {
+    let method = kubo();
+    let error = sound(&method).replay(10).err().unwrap().to_string();
+    assert!(error.contains("numbered from 0 to 10 − 1"), "{error}");
+}
+
+#[test]
+#[should_panic(expected = "there is no observable `p`; there are [\"q\"]")]
+fn a_name_that_is_not_there_panics() {
+    let _ = &sound(&kubo()).run().unwrap()["p"];
+}
+
+#[test]
+#[should_panic(expected = "final states of 3 numbers each are not those of 2 coordinates")]
+fn final_states_of_another_system_panic() {
+    let summary = sound(&kubo()).keep_final_states(true).run().unwrap();
+    let _ = summary.final_states::<2>().count();
+}
+
+#[test]
+fn a_name_may_be_asked_for() {
+    let summary = sound(&kubo()).run().unwrap();
+    assert_eq!(summary.get("q"), Some(&summary["q"]));
+    assert_eq!(summary.get("p"), None);
+    assert!(summary.histogram("q").is_none());
+    assert_eq!(summary.final_states::<1>().count(), 0);
+    let text = summary.to_string();
+    assert!(text.starts_with("10 paths, at t = 1\n  q  "), "{text}");
+}
+
+#[test]
+fn histograms_count_every_path_in_its_bin() {
+    let method = kubo();
+    // multiples of 1/8, and of 1/10, whose borders are rounded
+    for (low, high, bins) in [(-1.0, 1.0, 16), (-0.3, 0.7, 10)] {
+        let summary = Ensemble::new(&method)
+            .paths(500)
+            .steps(0.1, 2)
+            .record_every(1)
+            .start_with(|path, rng| {
+                let edge = low + (high - low) * (path % 40) as f64 / bins as f64 - 0.1;
+                let q = if path % 2 == 0 {
+                    edge
+                } else {
+                    0.5 * rng.normal()
+                };
+                State::new([q], [0.0])
+            })
+            .observe("q", |_, state| state.q[0])
+            .histogram("q", low..high, bins)
+            .final_histogram("q", low..high, bins)
+            .run()
+            .unwrap();
+        let [each, end] = summary.histograms() else {
+            panic!()
+        };
+        assert_eq!((each.rows(), end.rows()), (3, 1));
+        assert_eq!(
+            (each.counts(), each.counts_at(2)),
+            (end.counts(), end.counts())
+        );
+        let edges = each.edges();
+        assert_eq!((edges[0], edges[bins], edges.len()), (low, high, bins + 1));
+        for row in 0..3 {
+            // the states at that time, from an ensemble that ends there
+            let all = each.counts_at(row).iter().sum::<u64>();
+            assert_eq!(all + each.below_at(row) + each.above_at(row), 500);
+        }
+        let mut counts = vec![0; bins + 2];
+        for path in 0..500 {
+            let q = start_of(low, high, bins, path);
+            let bin = edges.iter().filter(|&&edge| q >= edge).count();
+            counts[bin] += 1;
+        }
+        assert_eq!(each.below_at(0), counts[0]);
+        assert_eq!(each.counts_at(0), &counts[1..=bins]);
+        assert_eq!(each.above_at(0), counts[bins + 1]);
+    }
+}
+
+fn start_of(low: f64, high: f64, bins: usize, path: u64) -> f64 {
+    let method = kubo();
+    let q = std::sync::Mutex::new(0.0);
+    let one = Ensemble::new(&method)
+        .paths(path + 1)
+        .steps(0.1, 1)
+        .start_with(|k, rng| {
+            let edge = low + (high - low) * (k % 40) as f64 / bins as f64 - 0.1;
+            let drawn = if k % 2 == 0 { edge } else { 0.5 * rng.normal() };
+            if k == path {
+                *q.lock().unwrap() = drawn;
+            }
+            State::new([drawn], [0.0])
+        });
+    one.replay(path).unwrap().for_each(drop);
+    drop(one);
+    q.into_inner().unwrap()
+}
+
+#[test]
+fn start_generators_differ_and_repeat() {
+    let draw = |seed: u64| {
+        let drawn = std::sync::Mutex::new(std::collections::BTreeMap::new());
+        let method = kubo();
+        let ensemble = Ensemble::new(&method)
+            .paths(20_000)
+            .seed(seed)
+            .steps(0.1, 1)
+            .start_with(|path, rng| {
+                let numbers = [rng.uniform(), rng.normal(), rng.normal(), rng.uniform()];
+                drawn.lock().unwrap().insert(path, numbers);
+                State::new([numbers[0]], [numbers[1]])
+            });
+        ensemble.run().unwrap();
+        drop(ensemble);
+        drawn.into_inner().unwrap()
+    };
+    let (first, again, other) = (draw(1), draw(1), draw(2));
+    assert_eq!(first, again);
+    assert!(first.iter().zip(&other).all(|(a, b)| a.1[0] != b.1[0]));
+    let n = 20_000.0_f64;
+    let mean = |f: &dyn Fn(&[f64; 4]) -> f64| first.values().map(f).sum::<f64>() / n;
+    // four standard errors each
+    assert!((mean(&|x| x[0]) - 0.5).abs() < 4.0 * (1.0 / (12.0 * n)).sqrt());
+    assert!((mean(&|x| (x[0] - 0.5) * (x[3] - 0.5))).abs() < 4.0 / 12.0 / n.sqrt());
+    assert!(mean(&|x| x[1]).abs() < 4.0 / n.sqrt());
+    assert!((mean(&|x| x[1] * x[1]) - 1.0).abs() < 4.0 * (2.0 / n).sqrt());
+    assert!(mean(&|x| x[1] * x[2]).abs() < 4.0 / n.sqrt());
+    // not those of the path's increments
+    let dw = |path| Wiener::new(1).path(path).increment(0, 0, 1.0);
+    let together = first.iter().map(|(&path, x)| dw(path) * x[1]).sum::<f64>() / n;
+    assert!(together.abs() < 4.0 / n.sqrt());
+}
