@@ -18,7 +18,7 @@ const BOTTOM: f64 = 44.0;
 const TOP: f64 = 30.0;
 const RIGHT: f64 = 16.0;
 /// Room for a legend outside of them.
-const LEGEND: f64 = 226.0;
+const LEGEND: f64 = 256.0;
 /// Sizes of text and length of a tick, in CSS pixels.
 pub(crate) const LABEL: f64 = 11.0;
 const NAME: f64 = 12.0;

@@ -100,31 +100,42 @@ fn section(
         File::create(out.join(name).with_extension("csv"))?,
         &records,
     )?;
-    let peers: Vec<Record> = peers
+    let (peers, others): (Vec<Record>, Vec<Record>) = peers
         .iter()
-        .filter(|r| r.problem == name)
+        .filter(|record| record.problem == name)
         .cloned()
-        .collect();
+        .partition(|record| same_horizon(record, problem.report.horizon()));
+    if let Some(other) = others.first() {
+        eprintln!(
+            "{} lines of {name} in the folder of peers, such as {} of {}, are left out: they end at another time than {}",
+            others.len(),
+            other.method,
+            other.source,
+            problem.report.horizon()
+        );
+    }
     let all = plots::series(&records, &peers);
-    let fastest = |error: plots::Quantity| {
+    let fastest = |error: plots::Quantity, foreign: bool| {
         let curves: Vec<_> = all
             .iter()
-            .filter(|series| converges(problem, series))
+            .filter(|series| series.foreign == foreign && converges(problem, series))
             .map(|series| series.curve(error))
             .collect();
         verdict::winners(&curves, LARGEST)
     };
-    let winners = fastest(plots::strong);
+    let winners = fastest(plots::strong, false);
     let weak = problem.report.observables().first().map(String::as_str);
     let mut conclusions = report::conclusion("an error at the end", &winners);
     if let Some(observed) = weak {
         let what = format!("a weak error of {observed}");
-        conclusions += &report::conclusion(&what, &fastest(plots::weak));
+        conclusions += &report::conclusion(&what, &fastest(plots::weak, false));
     }
     if let Some(invariant) = problem.invariant {
         let what = format!("a largest error of {invariant}");
-        conclusions += &report::conclusion(&what, &fastest(plots::largest));
+        conclusions += &report::conclusion(&what, &fastest(plots::largest, false));
     }
+    let what = "an error at the end, by other programs";
+    conclusions += &report::conclusion(what, &fastest(plots::strong, true));
     let figure = plots::figure(
         name,
         &all,
@@ -146,10 +157,18 @@ fn section(
 
 /// Whether a method's error falls with the step size; of other programs it is taken for granted.
 fn converges(problem: &Problem, series: &plots::Series) -> bool {
-    let mut methods = problem.report.rows().iter().map(|row| &row.method);
-    let own = methods.any(|method| *method == series.name);
     let mut orders = problem.report.orders().iter();
-    !own || orders.any(|order| order.method == series.name && order.order.value > 0.25)
+    series.foreign || orders.any(|order| order.method == series.name && order.order.value > 0.25)
+}
+
+/// Whether a record ends at that time, as far as its step size and times tell.
+fn same_horizon(record: &Record, horizon: f64) -> bool {
+    let (Some(h), Some(time), Some(ns)) = (record.h, record.time_to_solution_s, record.ns_per_step)
+    else {
+        return true;
+    };
+    let own = h * (time / (1e-9 * ns)).round();
+    (own - horizon).abs() <= 1e-3 * horizon
 }
 
 /// What other programs wrote.

@@ -18,7 +18,7 @@ const SIGNIFICANT: f64 = 2.0;
 const ERRORS: Range<f64> = 1e-15..30.0;
 
 const BAND: Color = (253, 231, 160);
-const WIDTH: u32 = 1200;
+const WIDTH: u32 = 1240;
 const HEIGHT: u32 = 380;
 
 /// A quantity of a record, where it is known.
@@ -28,7 +28,8 @@ pub(crate) type Quantity = fn(&Record) -> Option<f64>;
 pub(crate) struct Series {
     pub(crate) name: String,
     pub(crate) records: Vec<Record>,
-    foreign: bool,
+    /// Of another program.
+    pub(crate) foreign: bool,
 }
 
 /// The records of each method, those of other programs with the program's name.
@@ -40,7 +41,8 @@ pub(crate) fn series(own: &[Record], peers: &[Record]) -> Vec<Series> {
         .chain(peers.iter().map(|r| (r, true)))
     {
         let name = if foreign {
-            format!("{} ({})", record.method, record.source)
+            let program = record.source.split_whitespace().next();
+            format!("{}: {}", program.unwrap_or_default(), record.method)
         } else {
             record.method.clone()
         };
@@ -184,7 +186,7 @@ fn slopes(mut panel: Panel, orders: &[i32]) -> Panel {
     let (x, y) = (panel.x.range.clone(), panel.y.range.clone());
     let (width, height) = (x.end - x.start, y.end - y.start);
     let (left, length, bottom) = (
-        x.start + 0.74 * width,
+        x.start + 0.66 * width,
         0.14 * width,
         y.start + 0.05 * height,
     );

@@ -174,7 +174,8 @@ pub(crate) fn head(machine: &str, peers: usize) -> String {
             "No results of other programs were found in <code>peers/</code> beside this page.",
         ),
         n => format!(
-            "{n} lines of results of other programs were read from <code>peers/</code>; their lines are dotted, and their times as they measured them."
+            "{n} lines of results of other programs were read from <code>peers/</code>; their lines are dotted, and their times as they \
+             measured them. Batches of paths are to be compared with those of <code>Ensemble</code>, not with the single paths here. The yellow band is that of our own methods."
         ),
     };
     format!(
