@@ -52,6 +52,7 @@
 //! | drive it with noise | [`noise`]: [`Wiener`](noise::Wiener), [`ThreePoint`](noise::ThreePoint), [`Recorded`](noise::Recorded), [`Truncated`](noise::Truncated), [`FromRng`](noise::FromRng), [`NoNoise`](noise::NoNoise) |
 //! | evaluate energy, momentum, velocity, drift | [`Mechanics`] |
 //! | compare with other methods | [`baseline`] |
+//! | measure what an error costs, method by method | `study::Study`, with the feature `study` |
 //! | write code for any system | [`System`], [`Variational`], [`Dims`] |
 //! | change Newton's method | [`Newton`], [`Integrator::with_newton`] |
 //!

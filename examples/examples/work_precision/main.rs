@@ -127,8 +127,8 @@ fn section(
     let weak = problem.report.observables().first().map(String::as_str);
     let mut conclusions = report::conclusion("an error at the end", &winners);
     if let Some(observed) = weak {
-        let what = format!("a weak error of {observed}");
-        conclusions += &report::conclusion(&what, &fastest(plots::weak, false));
+        let what = format!("a weak error of {observed} (two standard errors where they are more)");
+        conclusions += &report::conclusion(&what, &fastest(plots::weak_bound, false));
     }
     if let Some(invariant) = problem.invariant {
         let what = format!("a largest error of {invariant}");

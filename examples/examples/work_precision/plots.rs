@@ -70,9 +70,15 @@ pub(crate) fn strong(record: &Record) -> Option<f64> {
     record.error
 }
 
-pub(crate) fn weak(record: &Record) -> Option<f64> {
+fn weak(record: &Record) -> Option<f64> {
     let (error, spread) = (record.weak_error?.abs(), record.weak_error_se?);
     (error > SIGNIFICANT * spread).then_some(error)
+}
+
+/// What the weak error is at most, to the same certainty.
+pub(crate) fn weak_bound(record: &Record) -> Option<f64> {
+    let (error, spread) = (record.weak_error?.abs(), record.weak_error_se?);
+    Some(error.max(SIGNIFICANT * spread))
 }
 
 pub(crate) fn largest(record: &Record) -> Option<f64> {

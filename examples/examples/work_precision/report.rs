@@ -80,10 +80,10 @@ fn orders(problem: &Problem) -> String {
         .map(|o| {
             let order = o.order;
             if order.standard_error.is_nan() {
-                format!("{} {:.2}", escape(&o.method), order.value)
+                format!("{} {:.3}", escape(&o.method), order.value)
             } else {
                 format!(
-                    "{} {:.2} ± {:.2}",
+                    "{} {:.3} ± {:.3}",
                     escape(&o.method),
                     order.value,
                     order.standard_error
