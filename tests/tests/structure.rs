@@ -207,6 +207,18 @@ mod table {
             assert_eq!(found, expected);
         }
     }
+
+    #[test]
+    fn the_plan_tells_turns_from_calls() {
+        let plan = Integrator::new(sve_tests::oracle::pendulum(), Midpoint).plan();
+        let text = plan.to_string();
+        let last =
+            "\n  operations an iteration: 13 arithmetic, 0 transcendental, 1 turn of an angle";
+        assert!(text.ends_with(last), "{text}");
+        let two = plan.operations(2);
+        assert_eq!(two.arithmetic, plan.step.arithmetic + 2 * 13);
+        assert_eq!((two.transcendental, two.turns), (1, 2));
+    }
 }
 
 /// What a term adds to a step.

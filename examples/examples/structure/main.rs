@@ -201,7 +201,10 @@ fn cells(row: &Row) -> [String; 10] {
         whole,
     } = row;
     let (a, b) = (&whole.facts, &derived.facts);
-    let change = |a: &dyn Display, b: &dyn Display| format!("{a} → {b}");
+    let change = |a: &dyn Display, b: &dyn Display| {
+        let (a, b) = (a.to_string(), b.to_string());
+        if a == b { a } else { format!("{a} → {b}") }
+    };
     let tenths = |x: f64| format!("{x:.1}");
     [
         scene.clone(),
@@ -218,7 +221,7 @@ fn cells(row: &Row) -> [String; 10] {
 }
 
 /// What the columns are.
-const LEGEND: &str = "Without structure → with it.
+const LEGEND: &str = "Without structure → with it; one value where both are the same.
 operations, calls of functions, turns (sines and cosines from those of an angle near by): of a step and of n iterations
 n: iterations that moved the unknowns, on average; one more evaluation may tell that the last one arrived
 state, beside it: bytes of the state, and of what is kept for a step size with the largest system of equations

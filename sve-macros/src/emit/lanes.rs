@@ -12,13 +12,12 @@ use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::code::Printer;
-use super::names::Labels;
-use super::solve::names;
-use super::step::formulas;
+use super::solve::{names, sum_of_stages};
+use super::values::{Newton, Solve, Step, System};
 use crate::model::{Meaning, Symbols};
-use crate::schedule::{Operation, Program, Scheduler, Tier, Tiers, Value, operands};
+use crate::schedule::{Operation, Tier, Value, operands};
 use crate::structure::{Block, Form, Iteration, Linear, Scheme, Solution};
-use crate::symbolic::{Arena, Expr, Symbol};
+use crate::symbolic::Arena;
 
 /// Unknowns of a block up to which it is solved in lanes.
 const UNKNOWNS: usize = 6;
@@ -40,7 +39,7 @@ pub(super) fn lanes(
     if !scheme.blocks.iter().all(fits) {
         return None;
     }
-    let step = Step::new(scheme, symbols, arena);
+    let step = Step::new(scheme, start, symbols, arena);
     if step.program.all().count() > INSTRUCTIONS {
         return None;
     }
@@ -79,36 +78,6 @@ fn fits(block: &Block) -> bool {
     block.band.is_none() && block.unknowns.len() <= UNKNOWNS
 }
 
-/// A linear system with values for expressions.
-struct System {
-    matrix: Vec<Vec<Value>>,
-    rhs: Vec<Value>,
-}
-
-/// A block with values for expressions.
-enum Solve {
-    Formula,
-    System(System),
-    Iteration {
-        guess: System,
-        refinement: Option<Vec<Value>>,
-        residual: Vec<Value>,
-        magnitude: Vec<Value>,
-        jacobian: Vec<Vec<Value>>,
-        curvature: Option<Value>,
-    },
-}
-
-/// A step with values for expressions.
-struct Step {
-    solves: Vec<Solve>,
-    dq: Vec<Value>,
-    dp: Vec<Value>,
-    program: Program,
-    /// What the values are.
-    labels: Labels,
-}
-
 /// What the iteration starts from. That of a single unknown is worth a division, since a lane waits for the slowest of all:
 /// the linearly implicit step is second order in h, and two evaluations are enough mostly.
 fn start(iteration: &Iteration) -> &Linear {
@@ -116,137 +85,6 @@ fn start(iteration: &Iteration) -> &Linear {
         &iteration.fallback
     } else {
         &iteration.guess
-    }
-}
-
-impl Step {
-    fn new(scheme: &Scheme, symbols: &Symbols, arena: &Arena) -> Self {
-        let mut tiers = Tiers::new();
-        let mut all: Vec<Expr> = [scheme.dq.as_slice(), &scheme.dp].concat();
-        for (at, block) in scheme.blocks.iter().enumerate() {
-            match &block.solution {
-                Solution::Formula(_) => {}
-                Solution::System { linear, solved } => {
-                    tiers.extend(solved.iter().map(|&s| (s, Tier::Solved(at))));
-                    all.extend(linear.matrix.iter().flatten().chain(&linear.rhs));
-                }
-                Solution::Iteration(iteration) => {
-                    let start = start(iteration);
-                    if let Some(refinement) = &iteration.refinement {
-                        let first = &refinement.first;
-                        tiers.extend(first.iter().map(|&s| (s, Tier::Guess(at))));
-                        all.extend(&refinement.rhs);
-                    }
-                    let iterates = &iteration.iterates;
-                    tiers.extend(iterates.iter().map(|&s| (s, Tier::Iterate(at))));
-                    tiers.extend(iteration.solved.iter().map(|&s| (s, Tier::Solved(at))));
-                    let matrices = start.matrix.iter().chain(&iteration.jacobian).flatten();
-                    let vectors = start.rhs.iter().chain(&iteration.residual);
-                    all.extend(matrices.chain(vectors).chain(&iteration.curvature));
-                }
-            }
-        }
-        let mut scheduler = Scheduler::new(arena, symbols, tiers, &all);
-        let solves: Vec<Solve> = scheme
-            .blocks
-            .iter()
-            .map(|block| Solve::new(block, &mut scheduler))
-            .collect();
-        let (dq, dp) = (scheduler.values(&scheme.dq), scheduler.values(&scheme.dp));
-        let results: Vec<Value> = solves
-            .iter()
-            .flat_map(|s| [s.begin(), s.iterate()].concat())
-            .chain(dq.iter().chain(&dp).copied())
-            .collect();
-        let mut labels = Labels::default();
-        let formulas = formulas(&scheme.blocks, symbols);
-        labels.expressions(&scheduler, arena, symbols, &formulas, &all);
-        labels.vector("dq", 0, &dq);
-        labels.vector("dp", 0, &dp);
-        Self {
-            program: scheduler.finish(&results),
-            labels,
-            solves,
-            dq,
-            dp,
-        }
-    }
-}
-
-impl System {
-    fn new(linear: &Linear, scheduler: &mut Scheduler<'_>) -> Self {
-        let rows = linear.matrix.iter();
-        Self {
-            matrix: rows.map(|row| scheduler.values(row)).collect(),
-            rhs: scheduler.values(&linear.rhs),
-        }
-    }
-
-    fn values(&self) -> impl Iterator<Item = Value> + '_ {
-        self.matrix.iter().flatten().chain(&self.rhs).copied()
-    }
-
-    fn tokens(&self, private: &TokenStream, printer: &Printer<'_>, rhs: &[Value]) -> TokenStream {
-        let (matrix, rhs) = (printer.matrix(&self.matrix), printer.array(rhs));
-        quote!(#private::lane::solve(&#matrix, &#rhs))
-    }
-}
-
-impl Solve {
-    fn new(block: &Block, scheduler: &mut Scheduler<'_>) -> Self {
-        match &block.solution {
-            Solution::Formula(_) => Self::Formula,
-            Solution::System { linear, .. } => Self::System(System::new(linear, scheduler)),
-            Solution::Iteration(iteration) => {
-                let guess = System::new(start(iteration), scheduler);
-                let refinement = iteration.refinement.as_ref();
-                let refinement = refinement.map(|r| scheduler.values(&r.rhs));
-                let rows = iteration.jacobian.iter();
-                let jacobian = rows.map(|row| scheduler.values(row)).collect();
-                let residuals = iteration.residual.iter();
-                let (residual, magnitude) = residuals.map(|&r| scheduler.residual(r)).unzip();
-                Self::Iteration {
-                    guess,
-                    refinement,
-                    residual,
-                    magnitude,
-                    jacobian,
-                    curvature: iteration.curvature.map(|c| scheduler.value(c)),
-                }
-            }
-        }
-    }
-
-    /// Values that are used before an iteration, other than by instructions.
-    fn begin(&self) -> Vec<Value> {
-        match self {
-            Self::Formula => Vec::new(),
-            Self::System(system) => system.values().collect(),
-            Self::Iteration {
-                guess, refinement, ..
-            } => {
-                let refined = refinement.iter().flatten().copied();
-                guess.values().chain(refined).collect()
-            }
-        }
-    }
-
-    /// Values that are used in each iteration, other than by instructions.
-    fn iterate(&self) -> Vec<Value> {
-        match self {
-            Self::Formula | Self::System(_) => Vec::new(),
-            Self::Iteration {
-                residual,
-                magnitude,
-                jacobian,
-                curvature,
-                ..
-            } => {
-                let vectors = residual.iter().chain(magnitude);
-                let all = vectors.chain(jacobian.iter().flatten()).chain(curvature);
-                all.copied().collect()
-            }
-        }
     }
 }
 
@@ -355,15 +193,15 @@ impl Writer<'_> {
             match (solve, &block.solution) {
                 (Solve::System(system), Solution::System { solved, .. }) => {
                     let solved = names(solved, self.symbols);
-                    let solution = system.tokens(private, printer, &system.rhs);
+                    let solution = self.solution(system, &system.rhs);
                     section.extend(quote!(let #solved = #solution; #after));
                 }
-                (Solve::Iteration { .. }, Solution::Iteration(iteration)) => {
-                    let (course, guess) = (course(at), self.guess(at, iteration));
+                (Solve::Iteration(newton), Solution::Iteration(iteration)) => {
+                    let (course, guess) = (course(at), self.guess(at, newton, iteration));
                     section.extend(quote!(#course.begin(lane, #guess);));
                     let size = Literal::usize_unsuffixed(iteration.iterates.len());
                     let one = self.one(self.loops.of_block[at], &section);
-                    let iterate = self.iterate(at, iteration);
+                    let iterate = self.iterate(at, newton, iteration);
                     tokens.extend(quote! {
                         let mut #course = #private::lane::Course::<#size>::new(newton);
                         #one
@@ -429,66 +267,61 @@ impl Writer<'_> {
         }
     }
 
-    fn guess(&self, at: usize, iteration: &Iteration) -> TokenStream {
-        let (private, printer) = (self.private, self.printer);
-        let Solve::Iteration {
-            guess, refinement, ..
-        } = &self.step.solves[at]
-        else {
-            return TokenStream::new();
-        };
-        let first = guess.tokens(private, printer, &guess.rhs);
-        let (Some(rhs), Some(refinement)) = (refinement, &iteration.refinement) else {
+    fn solution(&self, system: &System, rhs: &[Value]) -> TokenStream {
+        let private = self.private;
+        let (matrix, rhs) = (
+            self.printer.matrix(&system.matrix.rows),
+            self.printer.array(rhs),
+        );
+        quote!(#private::lane::solve(&#matrix, &#rhs))
+    }
+
+    fn guess(&self, at: usize, newton: &Newton, iteration: &Iteration) -> TokenStream {
+        let guess = &newton.guess;
+        let first = self.solution(guess, &guess.rhs);
+        let (Some(rhs), Some(refinement)) = (&newton.refinement, &iteration.refinement) else {
             return first;
         };
         let names = names(&refinement.first, self.symbols);
-        let statements = printer.statements(Tier::Guess(at));
-        let more = guess.tokens(private, printer, rhs);
-        let entries = (0..refinement.first.len()).map(|i| {
-            let i = Literal::usize_unsuffixed(i);
-            quote!(guess[#i] + refinement[#i])
-        });
+        let statements = self.printer.statements(Tier::Guess(at));
+        let more = self.solution(guess, rhs);
+        let sum = sum_of_stages(refinement.first.len());
         quote!({
             let guess = #first;
             let #names = guess;
             #statements
             let refinement = #more;
-            [#(#entries),*]
+            #sum
         })
     }
 
-    fn iterate(&self, at: usize, iteration: &Iteration) -> TokenStream {
+    fn iterate(&self, at: usize, newton: &Newton, iteration: &Iteration) -> TokenStream {
         let (private, printer) = (self.private, self.printer);
-        let Solve::Iteration {
+        let Newton {
+            guess: _,
+            refinement: _,
             residual,
             magnitude,
             jacobian,
             curvature,
-            ..
-        } = &self.step.solves[at]
-        else {
-            return TokenStream::new();
-        };
+        } = newton;
         let course = course(at);
-        let iterates: &[Symbol] = &iteration.iterates;
-        let iterates = names(iterates, self.symbols);
+        let iterates = names(&iteration.iterates, self.symbols);
         let statements = printer.statements(Tier::Iterate(at));
         let (residual, magnitude) = (printer.array(residual), printer.array(magnitude));
-        let jacobian = printer.matrix(jacobian);
+        let jacobian = printer.matrix(&jacobian.rows);
         let curvature = curvature.map_or_else(|| quote!(f64::NAN), |c| printer.operand(c));
-        let body = self.one(
-            self.loops.of_block[at] + 1,
-            &quote! {
-                let #iterates = #course.at(lane);
-                #statements
-                #course.update(lane, &#private::Evaluation {
-                    residual: #residual,
-                    magnitude: #magnitude,
-                    jacobian: #jacobian,
-                    curvature: #curvature,
-                });
-            },
-        );
+        let body = quote! {
+            let #iterates = #course.at(lane);
+            #statements
+            #course.update(lane, &#private::Evaluation {
+                residual: #residual,
+                magnitude: #magnitude,
+                jacobian: #jacobian,
+                curvature: #curvature,
+            });
+        };
+        let body = self.one(self.loops.of_block[at] + 1, &body);
         quote!(while #course.goes_on() { #body })
     }
 

@@ -15,6 +15,7 @@ mod step;
 mod straight;
 mod stub;
 mod system;
+mod values;
 mod whole;
 
 pub(crate) use momenta::momenta;
