@@ -9,7 +9,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::draw::{Area, font, px, stroke};
-use crate::figure::{Axis, Panel};
+use crate::figure::{Axis, Corner, Panel};
 use crate::palette;
 
 /// Room around the axes, in CSS pixels.
@@ -17,11 +17,18 @@ const LEFT: f64 = 62.0;
 const BOTTOM: f64 = 44.0;
 const TOP: f64 = 30.0;
 const RIGHT: f64 = 16.0;
+/// Room for a legend outside of them.
+const LEGEND: f64 = 256.0;
 /// Sizes of text and length of a tick, in CSS pixels.
 pub(crate) const LABEL: f64 = 11.0;
 const NAME: f64 = 12.0;
 const TITLE: f64 = 13.0;
 const TICK: f64 = 4.0;
+/// Axes of powers that are shorter have three, or two, labels a decade.
+const ONE_DECADE: f64 = 1.5;
+const FEW_DECADES: f64 = 3.0;
+/// One that is longer has no ticks there.
+const MANY_DECADES: f64 = 6.0;
 
 /// Where coordinates are on a panel's area.
 pub(crate) struct Frame {
@@ -36,10 +43,14 @@ pub(crate) struct Frame {
 impl Frame {
     /// The frame of a panel on an area of the given size in device units.
     pub(crate) fn new(panel: &Panel, (width, height): (u32, u32)) -> Result<Self, Box<dyn Error>> {
+        let right = match panel.legend {
+            Some(Corner::Outside) => RIGHT + LEGEND,
+            _ => RIGHT,
+        };
         let edges = [
             px(LEFT),
             px(TOP),
-            i32::try_from(width)? - px(RIGHT),
+            i32::try_from(width)? - px(right),
             i32::try_from(height)? - px(BOTTOM),
         ];
         let (x, y) = (panel.x.range.clone(), panel.y.range.clone());
@@ -96,7 +107,17 @@ impl Frame {
             vec![(left, top), (left, bottom), (right, bottom)],
             line,
         ))?;
-        for x in round_numbers(&self.x, panel.x.labels) {
+        for x in ticks(&panel.x, &self.x) {
+            let (u, _) = self.device(&(x, self.y.start));
+            let tick = vec![(u, bottom), (u, bottom + px(TICK / 2.0))];
+            area.draw(&PathElement::new(tick, line))?;
+        }
+        for y in ticks(&panel.y, &self.y) {
+            let (_, v) = self.device(&(self.x.start, y));
+            let tick = vec![(left - px(TICK / 2.0), v), (left, v)];
+            area.draw(&PathElement::new(tick, line))?;
+        }
+        for x in labelled(&panel.x, &self.x) {
             let (u, _) = self.device(&(x, self.y.start));
             let style = text(LABEL, HPos::Center, VPos::Top);
             area.draw(&PathElement::new(
@@ -109,7 +130,7 @@ impl Frame {
                 style,
             ))?;
         }
-        for y in round_numbers(&self.y, panel.y.labels) {
+        for y in labelled(&panel.y, &self.y) {
             let (_, v) = self.device(&(self.x.start, y));
             let style = text(LABEL, HPos::Right, VPos::Center);
             area.draw(&PathElement::new(
@@ -141,6 +162,45 @@ fn widened(range: &Range<f64>, to: f64) -> Range<f64> {
     middle - to / 2.0..middle + to / 2.0
 }
 
+/// Where the labels of an axis stand.
+fn labelled(axis: &Axis, range: &Range<f64>) -> Vec<f64> {
+    if !axis.powers {
+        return round_numbers(range, axis.labels);
+    }
+    let decades = length(range);
+    if decades < ONE_DECADE {
+        return within_decades(range, &[1.0, 2.0, 5.0]);
+    }
+    if decades < FEW_DECADES {
+        return within_decades(range, &[1.0, 3.0]);
+    }
+    // exponents are whole, so at most one label a decade
+    let count = (1..axis.labels)
+        .take_while(|k| *k as f64 <= decades)
+        .count();
+    let mut numbers = round_numbers(range, count);
+    numbers.retain(|x| (x - x.round()).abs() < 1e-9);
+    numbers
+}
+
+/// Where ticks without labels stand: between powers of ten, where there are not too many.
+fn ticks(axis: &Axis, range: &Range<f64>) -> Vec<f64> {
+    if axis.powers && length(range) < MANY_DECADES {
+        within_decades(range, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0])
+    } else {
+        Vec::new()
+    }
+}
+
+/// Decimal logarithms of some multiples of the powers of ten in a range.
+fn within_decades(range: &Range<f64>, multiples: &[f64]) -> Vec<f64> {
+    let decades = range.start.floor() as i32..=range.end.ceil() as i32;
+    decades
+        .flat_map(|k| multiples.iter().map(move |m| f64::from(k) + m.log10()))
+        .filter(|x| range.contains(x))
+        .collect()
+}
+
 /// Multiples of 1, 2 or 5 times a power of ten in the range, about `count` of them.
 fn round_numbers(range: &Range<f64>, count: usize) -> Vec<f64> {
     let rough = length(range) / count.max(1) as f64;
@@ -160,7 +220,13 @@ fn round_numbers(range: &Range<f64>, count: usize) -> Vec<f64> {
 /// A label: the number in full, or a power of ten.
 fn label(axis: &Axis, value: f64) -> String {
     if axis.powers {
-        return format!("10{}", superscript(value.round() as i64));
+        let exponent = (value + 1e-9).floor();
+        let multiple = 10_f64.powf(value - exponent).round() as i64;
+        let power = format!("10{}", superscript(exponent as i64));
+        return match multiple {
+            1 => power,
+            multiple => format!("{multiple}·{power}"),
+        };
     }
     let text = format!("{value:.4}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
@@ -219,6 +285,20 @@ mod tests {
         assert_eq!(label(&axis, -0.5), "−0.5");
         assert_eq!(label(&axis, -1e-12), "0");
         assert_eq!(label(&axis, 2000.0), "2000");
-        assert_eq!(label(&Axis::powers("", 0.0..1.0), -10.0), "10⁻¹⁰");
+        let powers = Axis::powers("", 0.0..1.0);
+        assert_eq!(label(&powers, -10.0), "10⁻¹⁰");
+        assert_eq!(label(&powers, 2e-3_f64.log10()), "2·10⁻³");
+    }
+
+    #[test]
+    fn short_axes_of_powers_are_labelled_within_their_decades() {
+        let axis = Axis::powers("", -3.1..-1.9);
+        let labels: Vec<String> = labelled(&axis, &axis.range)
+            .iter()
+            .map(|x| label(&axis, *x))
+            .collect();
+        assert_eq!(labels, ["10⁻³", "2·10⁻³", "5·10⁻³", "10⁻²"]);
+        let axis = Axis::powers("", -3.1..0.1);
+        assert_eq!(labelled(&axis, &axis.range), [-3.0, -2.0, -1.0, 0.0]);
     }
 }

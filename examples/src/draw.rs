@@ -221,9 +221,10 @@ where
     let left = match corner {
         Corner::TopLeft | Corner::BottomLeft => west + px(8.0),
         Corner::TopRight | Corner::BottomRight => east - box_width - px(4.0),
+        Corner::Outside => east + px(8.0),
     };
     let top = match corner {
-        Corner::TopLeft | Corner::TopRight => north + px(4.0),
+        Corner::TopLeft | Corner::TopRight | Corner::Outside => north + px(4.0),
         Corner::BottomLeft | Corner::BottomRight => south - box_height - px(4.0),
     };
     let corners = [(left, top), (left + box_width, top + box_height)];

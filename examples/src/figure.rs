@@ -59,7 +59,7 @@ pub struct Axis {
     pub labels: usize,
 }
 
-/// A corner of a panel.
+/// A place of a panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Corner {
     /// Top left.
@@ -70,6 +70,8 @@ pub enum Corner {
     BottomLeft,
     /// Bottom right.
     BottomRight,
+    /// Right of the axes, which become so much shorter.
+    Outside,
 }
 
 /// A text at a point of the axes.

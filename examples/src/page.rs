@@ -30,18 +30,23 @@ td:nth-child(2), td:nth-child(3), td:nth-child(4) { white-space: nowrap }
 @media print { section { break-inside: avoid } }
 ";
 
-/// The page. `head` and `foot` may contain markup.
-pub fn html(title: &str, head: &str, sections: &[Section<'_>], foot: &str) -> String {
+/// A page with a body of any markup.
+pub fn document(title: &str, body: &str) -> String {
     let title = escape(title);
-    let mut page = format!(
+    format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width\">\n\
-         <title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{head}\n"
-    );
+         <title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{body}\n</body>\n</html>\n"
+    )
+}
+
+/// A page of figures with their numbers. `head` and `foot` may contain markup.
+pub fn html(title: &str, head: &str, sections: &[Section<'_>], foot: &str) -> String {
+    let mut body = format!("{head}\n");
     for section in sections {
         // writing into a String cannot fail
         let _ = write!(
-            page,
+            body,
             "<section>\n<h2>{}</h2>\n<figure>\n{}\n<figcaption>{}</figcaption>\n</figure>\n{}</section>\n",
             escape(section.title),
             section.svg,
@@ -49,9 +54,8 @@ pub fn html(title: &str, head: &str, sections: &[Section<'_>], foot: &str) -> St
             table(section.checks)
         );
     }
-    page.push_str(foot);
-    page.push_str("\n</body>\n</html>\n");
-    page
+    body.push_str(foot);
+    document(title, &body)
 }
 
 fn table(checks: &[Check]) -> String {

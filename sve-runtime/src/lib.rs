@@ -52,6 +52,7 @@
 //! | drive it with noise | [`noise`]: [`Wiener`](noise::Wiener), [`ThreePoint`](noise::ThreePoint), [`Recorded`](noise::Recorded), [`Truncated`](noise::Truncated), [`FromRng`](noise::FromRng), [`NoNoise`](noise::NoNoise) |
 //! | evaluate energy, momentum, velocity, drift | [`Mechanics`] |
 //! | compare with other methods | [`baseline`] |
+//! | measure what an error costs, method by method | `study::Study`, with the feature `study` |
 //! | write code for any system | [`System`], [`Variational`], [`Dims`] |
 //! | change Newton's method | [`Newton`], [`Integrator::with_newton`] |
 //!
@@ -74,6 +75,7 @@
 //! | `checkpoint` | ensembles that are stopped and continued |
 //! | `npy`, `parquet` | statistics of ensembles in these formats |
 //! | `serde` | states, errors and summaries can be serialised |
+//! | `study` | `study::Study`: errors, orders and times of several methods on one problem; with `ensemble` |
 
 mod banded;
 pub mod baseline;
@@ -94,6 +96,8 @@ mod plan;
 mod power;
 mod rules;
 mod state;
+#[cfg(feature = "study")]
+pub mod study;
 mod system;
 mod tangent;
 mod trajectory;

@@ -5,7 +5,7 @@ use crate::continuation::{self, Lost};
 use crate::error::StepError;
 use crate::lanes::{ALL, Lane, Mask, StateLanes};
 use crate::linear;
-use crate::newton::{SolveError, Solver};
+use crate::newton::{Newton, SolveError, Solver};
 use crate::noise::Noise;
 use crate::plan::{BlockKind, Plan};
 use crate::state::State;
@@ -56,6 +56,21 @@ pub trait Method {
     ) -> Mask {
         let _ = (prepared, states, h, dw);
         ALL
+    }
+
+    /// Newton iterations that a step from here takes, the most of its blocks: 0 where its equations are explicit or linear.
+    /// `None` where the method does not tell, or the step fails.
+    ///
+    /// For measurements: it costs several steps, and a step itself counts nothing.
+    fn newton_iterations(
+        &self,
+        prepared: &Self::Prepared,
+        state: &StateOf<Self::System>,
+        h: f64,
+        dw: &IncrementsOf<Self::System>,
+    ) -> Option<u32> {
+        let _ = (prepared, state, h, dw);
+        None
     }
 
     /// One step of length `h` with the given Wiener increments, one a process in source order.
@@ -126,6 +141,30 @@ where
         dw: &[Lane; M],
     ) -> Mask {
         Integrator::system(self).increment_lanes(prepared, states, h, dw, self.newton())
+    }
+
+    /// The lowest limit with which the step gives the same bits: a guess that fails for want of iterations is replaced, and leads
+    /// to the root along another way.
+    fn newton_iterations(
+        &self,
+        prepared: &S::Prepared,
+        state: &State<N>,
+        h: f64,
+        dw: &[f64; M],
+    ) -> Option<u32> {
+        let increment = |max_iterations| {
+            let newton = Newton {
+                max_iterations,
+                ..*self.newton()
+            };
+            let (q, p, _) = Integrator::system(self)
+                .increment(prepared, state, h, dw, &Solver::new(&newton))
+                .ok()?;
+            Some((q, p))
+        };
+        let most = self.newton().max_iterations;
+        let step = increment(most)?;
+        (0..=most).find(|&limit| increment(limit) == Some(step))
     }
 }
 

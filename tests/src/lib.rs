@@ -1,7 +1,9 @@
-//! What the integration tests share: models, the users' functions as oracles, checks of a feature of the language, differences, random points.
+//! What the integration tests share: models, the users' functions as oracles, checks of a feature of the language, differences, random points,
+//! an exact solution.
 
 pub mod differences;
 pub mod double_double;
+pub mod exact;
 pub mod language;
 pub mod models;
 pub mod oracle;

@@ -7,6 +7,7 @@
 use sve_runtime::baseline::RungeKutta4;
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, StrongOrder, System, Variational};
+use sve_tests::exact::OscillatorStep;
 use sve_tests::models::{Actions, Clashing, Kubo, Oscillator};
 use sve_tests::oracle::{
     Rule, double_pendulum, mixed, pendulum, planar_double_pendulum, relativistic,
@@ -234,36 +235,15 @@ fn kubo_without_the_correction() {
     line("Kubo", "endpoint, uncorrected", "H₁ = σI", 0.0, measured);
 }
 
-/// Path by path: over a step the oscillator's solution is the rotation by h plus `σ ∫ (sin(h−s), cos(h−s)) dW`. This pair is
-/// drawn jointly with ΔW by the Cholesky factor of their covariance.
+/// Path by path.
 #[test]
 fn linear_oscillator_against_the_exact_path() {
     let sigma = 0.7;
     let start = State::new([1.0], [0.0]);
-    let level = 10;
-    let steps = 1_usize << level;
-    let h = 1.0 / steps as f64;
-    let (s, c) = h.sin_cos();
-    // of (ΔW, X, Y): 1 − cos h = 2 sin²(h/2), as the difference would cancel
-    let (wx, wy) = (2.0 * (h / 2.0).sin().powi(2), s);
-    let (xx, yy, xy) = (0.5 * (h - s * c), 0.5 * (h + s * c), 0.5 * s * s);
-    let w = h.sqrt();
-    let (xw, yw) = (wx / w, wy / w);
-    let x = (xx - xw * xw).sqrt();
-    let yx = (xy - xw * yw) / x;
-    // what is left is of the size of h⁵: rounding, 1e-16 h, may make it negative, and it does not matter
-    let y = (yy - yw * yw - yx * yx).max(0.0).sqrt();
+    let steps = 1_usize << 10;
+    let step = OscillatorStep::new(1.0 / steps as f64);
     let exact = |path: u64| {
-        let normals = Wiener::new(SEED).path(path);
-        let (mut increments, mut end) = (Vec::new(), start);
-        for step in 0..steps as u64 {
-            let [z0, z1, z2] = [0, 1, 2].map(|process| normals.increment(step, process, 1.0));
-            increments.push([w * z0]);
-            let ([q], [p]) = (end.q, end.p);
-            end.q = [c * q + s * p + sigma * (xw * z0 + x * z1)];
-            end.p = [c * p - s * q + sigma * (yw * z0 + yx * z1 + y * z2)];
-        }
-        let fine = Recorded::new(h, increments).unwrap();
+        let (fine, end) = step.path(sigma, start, &Wiener::new(SEED).path(path), steps);
         Path { fine, end }
     };
     three_rules(

@@ -1,0 +1,193 @@
+//! Work–precision: what an error costs, for eight problems and all methods.
+//!
+//! Writes `index.html`, which needs nothing else, and for each problem a figure as SVG and PNG and its numbers as CSV. Further CSV files of the same columns
+//! in the folder `peers` there, from other programs, are drawn into the same figures.
+//! `cargo run --release --example work_precision -- --help` lists options.
+
+mod deterministic;
+mod machine;
+mod noisy;
+mod plots;
+mod problem;
+mod report;
+mod systems;
+mod uncorrected;
+mod verdict;
+
+use std::error::Error;
+use std::fs::{self, File};
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::Parser;
+use sve_examples::{page, render};
+use sve_runtime::study::{Record, StudyError, read_csv, write_csv};
+
+use problem::Problem;
+use report::Section;
+
+/// Measures strong, weak and energy errors against time to solution, for all methods on eight problems.
+#[derive(Clone, Debug, Parser)]
+#[command(name = "work_precision")]
+struct Options {
+    /// Only the problem of this name
+    #[arg(long)]
+    only: Option<String>,
+    /// Folder for the page, figures and data
+    #[arg(long, default_value = "target/work-precision")]
+    out: PathBuf,
+}
+
+/// A problem, by the name that files have.
+type Entry = (&'static str, fn() -> Result<Problem, StudyError>);
+
+const PROBLEMS: [Entry; 8] = [
+    ("linear_oscillator", noisy::oscillator),
+    ("kubo", noisy::kubo),
+    ("synchrotron", noisy::synchrotron),
+    ("henon_heiles", noisy::henon_heiles),
+    ("langevin", noisy::langevin),
+    ("pendulum", deterministic::pendulum),
+    ("double_pendulum", deterministic::double_pendulum),
+    ("kepler", deterministic::kepler),
+];
+
+/// Larger errors help nobody: all motions have the size 1.
+const LARGEST: f64 = 0.1;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let options = Options::parse();
+    let begin = Instant::now();
+    fs::create_dir_all(&options.out)?;
+    let peers = peers(&options.out.join("peers"))?;
+    let mut sections = String::new();
+    for (name, run) in PROBLEMS {
+        if options.only.as_deref().is_some_and(|only| only != name) {
+            continue;
+        }
+        let problem = run()?;
+        println!("{}", problem.report);
+        sections.push_str(&section(&options.out, name, &problem, &peers)?);
+    }
+    if sections.is_empty() {
+        return Err(format!("no such problem; there are {:?}", PROBLEMS.map(|p| p.0)).into());
+    }
+    let index = options.out.join("index.html");
+    let head = report::head(&machine::description(), peers.len());
+    let title = "Work and precision: which method for which error";
+    fs::write(
+        &index,
+        page::document(title, &format!("{head}\n{sections}")),
+    )?;
+    println!(
+        "wrote {} in {:.1} s",
+        index.display(),
+        begin.elapsed().as_secs_f64()
+    );
+    Ok(())
+}
+
+/// Writes the files of a problem, and returns its part of the page.
+fn section(
+    out: &Path,
+    name: &'static str,
+    problem: &Problem,
+    peers: &[Record],
+) -> Result<String, Box<dyn Error>> {
+    let mut records = problem.report.records();
+    write_csv(
+        File::create(out.join(name).with_extension("csv"))?,
+        &records,
+    )?;
+    let (peers, others): (Vec<Record>, Vec<Record>) = peers
+        .iter()
+        .filter(|record| record.problem == name)
+        .cloned()
+        .partition(|record| same_horizon(record, problem.report.horizon()));
+    if let Some(other) = others.first() {
+        eprintln!(
+            "{} lines of {name} in the folder of peers, such as {} of {}, are left out: they end at another time than {}",
+            others.len(),
+            other.method,
+            other.source,
+            problem.report.horizon()
+        );
+    }
+    let all = plots::series(&records, &peers);
+    let fastest = |error: plots::Quantity, foreign: bool| {
+        let curves: Vec<_> = all
+            .iter()
+            .filter(|series| series.foreign == foreign && converges(problem, series))
+            .map(|series| series.curve(error))
+            .collect();
+        verdict::winners(&curves, LARGEST)
+    };
+    let winners = fastest(plots::strong, false);
+    let weak = problem.report.observables().first().map(String::as_str);
+    let mut conclusions = report::conclusion("an error at the end", &winners);
+    if let Some(observed) = weak {
+        let what = format!("a weak error of {observed} (two standard errors where they are more)");
+        conclusions += &report::conclusion(&what, &fastest(plots::weak_bound, false));
+    }
+    if let Some(invariant) = problem.invariant {
+        let what = format!("a largest error of {invariant}");
+        conclusions += &report::conclusion(&what, &fastest(plots::largest, false));
+    }
+    let what = "an error at the end, by other programs";
+    conclusions += &report::conclusion(what, &fastest(plots::strong, true));
+    let figure = plots::figure(
+        name,
+        &all,
+        &winners,
+        (weak, problem.invariant),
+        &report::verdict(&winners),
+    );
+    let svg = render::svg(&figure)?;
+    fs::write(out.join(name).with_extension("svg"), &svg)?;
+    fs::write(out.join(name).with_extension("png"), render::png(&figure)?)?;
+    records.extend(peers);
+    Ok(report::body(&Section {
+        problem,
+        conclusions: &conclusions,
+        svg: &svg,
+        records: &records,
+    }))
+}
+
+/// Whether a method's error falls with the step size; of other programs it is taken for granted.
+fn converges(problem: &Problem, series: &plots::Series) -> bool {
+    let mut orders = problem.report.orders().iter();
+    series.foreign || orders.any(|order| order.method == series.name && order.order.value > 0.25)
+}
+
+/// Whether a record ends at that time, as far as its step size and times tell.
+fn same_horizon(record: &Record, horizon: f64) -> bool {
+    let (Some(h), Some(time), Some(ns)) = (record.h, record.time_to_solution_s, record.ns_per_step)
+    else {
+        return true;
+    };
+    let own = h * (time / (1e-9 * ns)).round();
+    (own - horizon).abs() <= 1e-3 * horizon
+}
+
+/// What other programs wrote.
+fn peers(folder: &Path) -> Result<Vec<Record>, Box<dyn Error>> {
+    let Ok(entries) = fs::read_dir(folder) else {
+        return Ok(Vec::new());
+    };
+    let mut files: Vec<PathBuf> = entries
+        .map(|entry| entry.map(|entry| entry.path()))
+        .collect::<Result<_, _>>()?;
+    // the order of a folder is that of the file system
+    files.sort();
+    let mut records = Vec::new();
+    for file in files
+        .iter()
+        .filter(|file| file.extension().is_some_and(|e| e == "csv"))
+    {
+        let read = read_csv(BufReader::new(File::open(file)?));
+        records.extend(read.map_err(|e| format!("{}: {e}", file.display()))?);
+    }
+    Ok(records)
+}

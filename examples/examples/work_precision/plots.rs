@@ -1,0 +1,261 @@
+//! The figure of a problem: errors against time to solution and against the step size, as logarithms.
+//!
+//! Variational rules have solid lines, methods to compare with dashed ones, other programs dotted ones. The wide band under the first
+//! panel's lines follows the fastest method at each error.
+
+use std::ops::Range;
+
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row, Shape, Stroke, Symbols};
+use sve_examples::palette::{self, Color};
+use sve_runtime::study::Record;
+
+use crate::verdict::{Curve, Winner};
+
+/// Weak errors below so many standard errors cannot be told from none.
+const SIGNIFICANT: f64 = 2.0;
+
+/// The least and the most that an axis of errors shows.
+const ERRORS: Range<f64> = 1e-15..30.0;
+
+const BAND: Color = (253, 231, 160);
+const WIDTH: u32 = 1240;
+const HEIGHT: u32 = 380;
+
+/// A quantity of a record, where it is known.
+pub(crate) type Quantity = fn(&Record) -> Option<f64>;
+
+/// One method's records, in order of the step size.
+pub(crate) struct Series {
+    pub(crate) name: String,
+    pub(crate) records: Vec<Record>,
+    /// Of another program.
+    pub(crate) foreign: bool,
+}
+
+/// The records of each method, those of other programs with the program's name.
+pub(crate) fn series(own: &[Record], peers: &[Record]) -> Vec<Series> {
+    let mut all: Vec<Series> = Vec::new();
+    for (record, foreign) in own
+        .iter()
+        .map(|r| (r, false))
+        .chain(peers.iter().map(|r| (r, true)))
+    {
+        let name = if foreign {
+            let program = record.source.split_whitespace().next();
+            format!("{}: {}", program.unwrap_or_default(), record.method)
+        } else {
+            record.method.clone()
+        };
+        match all.iter_mut().find(|series| series.name == name) {
+            Some(series) => series.records.push(record.clone()),
+            None => all.push(Series {
+                name,
+                records: vec![record.clone()],
+                foreign,
+            }),
+        }
+    }
+    all
+}
+
+fn time(record: &Record) -> Option<f64> {
+    record.time_to_solution_s
+}
+
+fn step(record: &Record) -> Option<f64> {
+    record.h
+}
+
+pub(crate) fn strong(record: &Record) -> Option<f64> {
+    record.error
+}
+
+fn weak(record: &Record) -> Option<f64> {
+    let (error, spread) = (record.weak_error?.abs(), record.weak_error_se?);
+    (error > SIGNIFICANT * spread).then_some(error)
+}
+
+/// What the weak error is at most, to the same certainty.
+pub(crate) fn weak_bound(record: &Record) -> Option<f64> {
+    let (error, spread) = (record.weak_error?.abs(), record.weak_error_se?);
+    Some(error.max(SIGNIFICANT * spread))
+}
+
+pub(crate) fn largest(record: &Record) -> Option<f64> {
+    record.energy_error
+}
+
+fn drift(record: &Record) -> Option<f64> {
+    record.energy_drift.map(f64::abs)
+}
+
+impl Series {
+    fn points(&self, x: Quantity, y: Quantity) -> Vec<(f64, f64)> {
+        let shown = |y: &f64| ERRORS.contains(y);
+        let point = |record: &Record| Some((x(record)?, y(record).filter(shown)?));
+        self.records.iter().filter_map(point).collect()
+    }
+
+    /// A kind of error against time.
+    pub(crate) fn curve(&self, error: Quantity) -> Curve {
+        Curve {
+            name: self.name.clone(),
+            points: self.points(time, error),
+        }
+    }
+}
+
+/// The look of a method, the same in all figures; of other programs by their number.
+fn pen(series: &Series, number: usize) -> Pen {
+    let (color, shape) = match series.name.as_str() {
+        "midpoint" => (palette::BLUE, Shape::Disc),
+        "endpoint" | "endpoint, uncorrected" => (palette::GREEN, Shape::Square),
+        "initial point" | "initial point, uncorrected" => (palette::SKY, Shape::Triangle),
+        "taylor2" => (palette::PURPLE, Shape::Circle),
+        "Heun" => (palette::ORANGE, Shape::Circle),
+        "Runge–Kutta 4" => (palette::BLACK, Shape::Square),
+        "Taylor series 2" => (palette::PURPLE, Shape::Cross),
+        "Euler" | "Euler–Maruyama" => (palette::VERMILION, Shape::Cross),
+        "backward Euler–Maruyama" => (palette::GREY, Shape::Triangle),
+        _ => {
+            let shapes = [Shape::Cross, Shape::Triangle, Shape::Square, Shape::Circle];
+            (
+                palette::CYCLE[(number + 3) % palette::CYCLE.len()],
+                shapes[number % shapes.len()],
+            )
+        }
+    };
+    let variational = ["midpoint", "endpoint", "initial point", "taylor2"];
+    let (width, dash) = if series.foreign {
+        (1.6, Some((1.5, 3.0)))
+    } else if variational.contains(&&*series.name) {
+        (2.2, None)
+    } else if series.name.ends_with("uncorrected") {
+        (1.6, Some((2.0, 4.0)))
+    } else {
+        (1.4, Some((7.0, 4.0)))
+    };
+    Pen {
+        color,
+        line: Some(Stroke { width, dash }),
+        symbol: Some(Symbols {
+            shape,
+            radius: 3.2,
+            count: None,
+        }),
+    }
+}
+
+fn exponents(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    points.iter().map(|(x, y)| (x.log10(), y.log10())).collect()
+}
+
+/// The range of some numbers with room around them; a decade where there are none.
+fn range(numbers: impl Iterator<Item = f64>) -> Range<f64> {
+    let (low, high) = numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+        (low.min(x), high.max(x))
+    });
+    if low <= high {
+        low - 0.25..high + 0.25
+    } else {
+        -1.0..0.0
+    }
+}
+
+/// A panel of one quantity against another.
+fn panel(
+    title: String,
+    (x_name, x): (&str, Quantity),
+    (y_name, y): (&str, Quantity),
+    all: &[Series],
+) -> Panel {
+    let curves: Vec<Vec<(f64, f64)>> = all
+        .iter()
+        .map(|series| exponents(&series.points(x, y)))
+        .collect();
+    let points = || curves.iter().flatten();
+    let mut panel = Panel::new(
+        title,
+        Axis::powers(x_name, range(points().map(|p| p.0))),
+        Axis::powers(y_name, range(points().map(|p| p.1))),
+    );
+    for (number, (series, curve)) in all.iter().zip(curves).enumerate() {
+        // a method without points is in the legend all the same: its errors are too large or too small to be shown
+        let layer = Layer::new(series.name.clone(), curve, pen(series, number));
+        panel = panel.with(layer);
+    }
+    panel
+}
+
+/// Short lines whose slopes are orders, in the corner where no error is.
+fn slopes(mut panel: Panel, orders: &[i32]) -> Panel {
+    let (x, y) = (panel.x.range.clone(), panel.y.range.clone());
+    let (width, height) = (x.end - x.start, y.end - y.start);
+    let (left, length, bottom) = (
+        x.start + 0.66 * width,
+        0.14 * width,
+        y.start + 0.05 * height,
+    );
+    for &order in orders {
+        let end = (left + length, bottom + f64::from(order) * length);
+        let pen = Pen::line(palette::GREY, 1.0);
+        let line = Layer::new("", vec![(left, bottom), end], pen).unlisted();
+        let at = (end.0 + 0.012 * width, end.1);
+        panel = panel
+            .with(line)
+            .note(at, format!("order {order}"), palette::GREY);
+    }
+    panel
+}
+
+/// The figure: strong errors in the first row; weak errors, or errors of the invariant, in the second.
+pub(crate) fn figure(
+    name: &'static str,
+    all: &[Series],
+    winners: &[Winner],
+    (weak_name, invariant): (Option<&str>, Option<&str>),
+    verdict: &str,
+) -> Figure {
+    let times = ("time to solution of one path (s)", time as Quantity);
+    let steps = ("step size h", step as Quantity);
+    let error = ("error at the end", strong as Quantity);
+    let mut first = panel(verdict.to_owned(), times, error, all);
+    let band: Vec<(f64, f64)> = winners.iter().flat_map(|w| w.trace.clone()).collect();
+    let band = Layer::new("", exponents(&band), Pen::line(BAND, 11.0)).unlisted();
+    first.layers.insert(0, band);
+    let orders: &[i32] = if weak_name.is_some() {
+        &[1, 2]
+    } else {
+        &[1, 2, 4]
+    };
+    let second = slopes(panel(String::new(), steps, error, all), orders).legend(Corner::Outside);
+    let mut rows = vec![vec![first, second]];
+    let mut below = Vec::new();
+    if let Some(observed) = weak_name {
+        let what = format!("weak error of {observed}");
+        below.push(panel(String::new(), times, (&what, weak), all));
+    }
+    if let Some(invariant) = invariant {
+        let what = format!("largest error of {invariant}");
+        below.push(panel(String::new(), times, (&what, largest), all));
+        if below.len() < 2 {
+            let what = format!("secular drift of {invariant} in a unit of time");
+            below.push(panel(String::new(), times, (&what, drift), all));
+        }
+    } else if let Some(observed) = weak_name {
+        let what = format!("weak error of {observed}");
+        below.push(panel(String::new(), steps, (&what, weak), all));
+    }
+    if !below.is_empty() {
+        rows.push(below);
+    }
+    let row = |panels| Row {
+        height: HEIGHT,
+        panels,
+    };
+    Figure {
+        name,
+        width: WIDTH,
+        rows: rows.into_iter().map(row).collect(),
+    }
+}

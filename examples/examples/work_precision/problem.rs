@@ -1,0 +1,20 @@
+//! A problem with its results.
+
+use std::ops::RangeInclusive;
+
+use sve_runtime::study::Report;
+
+/// A problem of the study.
+pub(crate) struct Problem {
+    pub(crate) title: &'static str,
+    /// What was solved, and what its errors are.
+    pub(crate) setting: &'static str,
+    /// What is conserved, if anything.
+    pub(crate) invariant: Option<&'static str>,
+    pub(crate) report: Report,
+}
+
+/// Powers of two.
+pub(crate) fn powers(exponents: RangeInclusive<u32>) -> impl Iterator<Item = usize> {
+    exponents.map(|k| 1 << k)
+}

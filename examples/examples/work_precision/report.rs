@@ -1,0 +1,191 @@
+//! The page: for each problem a verdict in words, the figure, orders, and all numbers.
+
+use std::fmt::Write as _;
+
+use sve_examples::page::escape;
+use sve_runtime::study::Record;
+
+use crate::problem::Problem;
+use crate::verdict::{Winner, duration, rounded};
+
+/// What the page says of a problem.
+pub(crate) struct Section<'a> {
+    pub(crate) problem: &'a Problem,
+    /// Who wins where, in words.
+    pub(crate) conclusions: &'a str,
+    pub(crate) svg: &'a str,
+    pub(crate) records: &'a [Record],
+}
+
+const STYLE: &str = "<style>
+table.wide td, table.wide th { text-align: right; white-space: nowrap; padding-right: .6rem; font-size: 12px }
+table.wide td:first-child, table.wide th:first-child { text-align: left }
+details { margin: 0 0 2rem }
+@media print { details { display: none } }
+</style>";
+
+/// One line for a plot: who wins where.
+pub(crate) fn verdict(winners: &[Winner]) -> String {
+    let parts: Vec<String> = winners
+        .iter()
+        .map(|w| {
+            let [high, low] = w.ends().map(|(_, error)| rounded(error));
+            if high == low {
+                format!("{} ({high})", w.name)
+            } else {
+                format!("{} ({high}…{low})", w.name)
+            }
+        })
+        .collect();
+    if parts.is_empty() {
+        "no method converged".to_owned()
+    } else {
+        format!("fastest: {}", parts.join(", "))
+    }
+}
+
+/// The conclusion for a kind of error in words, with times.
+pub(crate) fn conclusion(what: &str, winners: &[Winner]) -> String {
+    let parts: Vec<String> = winners
+        .iter()
+        .map(|winner| {
+            let [(short, high), (long, low)] = winner.ends();
+            let name = escape(&winner.name);
+            if winner.trace.len() == 1 {
+                let (at, time) = (rounded(high), duration(short));
+                return format!("at {at} <strong>{name}</strong> ({time})");
+            }
+            format!(
+                "from {} to {} <strong>{name}</strong> ({} to {})",
+                rounded(high),
+                rounded(low),
+                duration(short),
+                duration(long)
+            )
+        })
+        .collect();
+    if parts.is_empty() {
+        String::new()
+    } else {
+        format!("<p>For {}: {}.</p>", escape(what), parts.join(", "))
+    }
+}
+
+fn orders(problem: &Problem) -> String {
+    let mut text = String::from("<p>Measured strong orders: ");
+    let orders: Vec<String> = problem
+        .report
+        .orders()
+        .iter()
+        .map(|o| {
+            let order = o.order;
+            if order.standard_error.is_nan() {
+                format!("{} {:.3}", escape(&o.method), order.value)
+            } else {
+                format!(
+                    "{} {:.3} ± {:.3}",
+                    escape(&o.method),
+                    order.value,
+                    order.standard_error
+                )
+            }
+        })
+        .collect();
+    text.push_str(&orders.join(", "));
+    text.push_str(".</p>\n");
+    text
+}
+
+const HEAD: [&str; 13] = [
+    "method",
+    "h",
+    "error",
+    "± se",
+    "weak error",
+    "± se",
+    "invariant",
+    "drift",
+    "ns/step",
+    "±",
+    "time",
+    "iterations",
+    "failures",
+];
+
+fn table(records: &[Record]) -> String {
+    let number = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.2e}"));
+    let plain = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.1}"));
+    let mut text =
+        String::from("<details><summary>All numbers</summary>\n<table class=\"wide\">\n<tr>");
+    for name in HEAD {
+        let _ = write!(text, "<th>{name}</th>");
+    }
+    text.push_str("</tr>\n");
+    for record in records {
+        let own = record.source.starts_with("sve ");
+        let method = if own {
+            record.method.clone()
+        } else {
+            format!("{} ({})", record.method, record.source)
+        };
+        let cells = [
+            escape(&method),
+            number(record.h),
+            number(record.error),
+            number(record.error_se),
+            number(record.weak_error),
+            number(record.weak_error_se),
+            number(record.energy_error),
+            number(record.energy_drift),
+            plain(record.ns_per_step),
+            plain(record.ns_spread),
+            record.time_to_solution_s.map(duration).unwrap_or_default(),
+            plain(record.newton_iterations),
+            record.failures.to_string(),
+        ];
+        text.push_str("<tr>");
+        for cell in cells {
+            let _ = write!(text, "<td>{cell}</td>");
+        }
+        text.push_str("</tr>\n");
+    }
+    text.push_str("</table></details>\n");
+    text
+}
+
+/// The body of a section.
+pub(crate) fn body(section: &Section<'_>) -> String {
+    let problem = section.problem;
+    format!(
+        "<section>\n<h2>{}</h2>\n<p>{}</p>\n{}\n<figure>\n{}\n</figure>\n{}</section>\n{}",
+        escape(problem.title),
+        escape(problem.setting),
+        section.conclusions,
+        section.svg,
+        orders(problem),
+        table(section.records)
+    )
+}
+
+/// What stands before the problems.
+pub(crate) fn head(machine: &str, peers: usize) -> String {
+    let peers = match peers {
+        0 => String::from(
+            "No results of other programs were found in <code>peers/</code> beside this page.",
+        ),
+        n => format!(
+            "{n} lines of results of other programs were read from <code>peers/</code>; their lines are dotted, and their times as they \
+             measured them. Batches of paths are to be compared with those of <code>Ensemble</code>, not with the single paths here. The yellow band is that of our own methods."
+        ),
+    };
+    format!(
+        "{STYLE}<p>Each figure answers: which method should I use for this error? Down is more precise, left is faster; the yellow band follows the fastest \
+         method. Variational rules have solid lines, methods to compare with dashed ones.</p>\n\
+         <p>Errors are root mean squares over paths of the distance of (q, p) from the reference at the end, on the same Brownian paths for all methods and step sizes. \
+         Weak errors are differences of means on these paths; what is below two standard errors is not drawn. Times are medians of alternating repeats, \
+         of the steps of one path on one thread, with the increments at hand. Methods whose order is below ¼ are not counted among the fastest: they \
+         converge to something else, if at all.</p>\n\
+         <p>Machine: {}. {peers}</p>",
+        escape(machine)
+    )
+}

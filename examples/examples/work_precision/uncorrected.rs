@@ -1,0 +1,66 @@
+//! The Kubo oscillator's rules without the Stratonovich correction of the discrete action, which the macro never leaves out.
+//!
+//! With x = a h + σ ΔW, endpoint: q₁ = q₀ + x p₀, p₁ = p₀ − x q₁; initial point: p₁ = p₀ − x q₀, q₁ = q₀ + x p₁.
+//! They converge, but to another equation.
+
+use sve_runtime::prelude::*;
+
+use crate::systems::Kubo;
+
+/// Which of the two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Node {
+    InitialPoint,
+    Endpoint,
+}
+
+/// A rule without the correction.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Uncorrected {
+    pub(crate) kubo: Kubo,
+    pub(crate) node: Node,
+}
+
+impl Method for Uncorrected {
+    type System = Kubo;
+    type Prepared = ();
+
+    fn system(&self) -> &Kubo {
+        &self.kubo
+    }
+
+    fn prepare(&self, h: f64) -> Result<(), StepError> {
+        if h > 0.0 && h.is_finite() {
+            Ok(())
+        } else {
+            Err(StepError::StepSize { h })
+        }
+    }
+
+    fn step_prepared(
+        &self,
+        (): &(),
+        state: &mut State<1>,
+        h: f64,
+        dw: &[f64; 1],
+    ) -> Result<(), StepError> {
+        let x = self.kubo.a * h + self.kubo.sigma * dw[0];
+        let State { t, q: [q], p: [p] } = *state;
+        let (q, p) = match self.node {
+            Node::Endpoint => {
+                let q = q + x * p;
+                (q, p - x * q)
+            }
+            Node::InitialPoint => {
+                let p = p - x * q;
+                (q + x * p, p)
+            }
+        };
+        if !(q + p).is_finite() {
+            let (q, p) = (state.q.to_vec(), state.p.to_vec());
+            return Err(StepError::NonFiniteResult { t, h, q, p });
+        }
+        *state = State::at(t + h, [q], [p]);
+        Ok(())
+    }
+}

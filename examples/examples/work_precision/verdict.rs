@@ -1,0 +1,112 @@
+//! Which method reaches an error in the least time.
+//!
+//! Input: times and errors of methods. Output: the range of errors divided among the fastest ones. Between two measured points a method is taken to
+//! lie on the straight line through them, in logarithms; beyond its points nothing is claimed.
+
+/// A method's measured points, times in seconds.
+pub(crate) struct Curve {
+    pub(crate) name: String,
+    /// Time and error.
+    pub(crate) points: Vec<(f64, f64)>,
+}
+
+/// A range of errors and the method that reaches them in the least time.
+#[derive(Clone, Debug)]
+pub(crate) struct Winner {
+    pub(crate) name: String,
+    /// Times in seconds and errors, from the largest to the smallest.
+    pub(crate) trace: Vec<(f64, f64)>,
+}
+
+impl Winner {
+    /// The first and the last point of the trace.
+    pub(crate) fn ends(&self) -> [(f64, f64); 2] {
+        // a winner has won somewhere
+        [self.trace[0], self.trace[self.trace.len() - 1]]
+    }
+}
+
+/// Errors that are asked for, in a decade.
+const IN_A_DECADE: i32 = 8;
+
+/// A method replaces the one before only if it is this much faster: what is within the spread of the times is no reason.
+const CLEARLY: f64 = 0.9;
+
+/// The least time in which a method reaches an error.
+fn time_to(points: &[(f64, f64)], error: f64) -> Option<f64> {
+    let coarse = points
+        .iter()
+        .filter(|(_, e)| *e <= error)
+        .map(|(time, _)| *time);
+    let between = points.windows(2).filter_map(|pair| {
+        let [(t0, e0), (t1, e1)] = pair else {
+            return None;
+        };
+        let (high, low) = (e0.max(*e1), e0.min(*e1));
+        (low < error && error <= high).then(|| {
+            let part = (error / e0).ln() / (e1 / e0).ln();
+            t0 * (t1 / t0).powf(part)
+        })
+    });
+    coarse.chain(between).min_by(f64::total_cmp)
+}
+
+/// The winners from the largest error to the smallest, up to `largest`.
+pub(crate) fn winners(curves: &[Curve], largest: f64) -> Vec<Winner> {
+    let errors = || curves.iter().flat_map(|curve| &curve.points).map(|p| p.1);
+    let (Some(low), Some(high)) = (
+        errors().min_by(f64::total_cmp),
+        errors().max_by(f64::total_cmp),
+    ) else {
+        return Vec::new();
+    };
+    let ticks = f64::from(IN_A_DECADE);
+    let grid = |x: f64| (ticks * x.log10()).floor() as i32;
+    let mut winners: Vec<Winner> = Vec::new();
+    for k in (grid(low) + 1..=grid(high.min(largest))).rev() {
+        let error = 10_f64.powf(f64::from(k) / ticks);
+        let time = |curve: &Curve| time_to(&curve.points, error);
+        let fastest = curves
+            .iter()
+            .filter_map(|curve| Some((curve, time(curve)?)))
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((curve, best)) = fastest else {
+            continue;
+        };
+        if let Some(last) = winners.last_mut() {
+            let same = curves.iter().find(|curve| curve.name == last.name);
+            if let Some(time) = same.and_then(time)
+                && best > CLEARLY * time
+            {
+                last.trace.push((time, error));
+                continue;
+            }
+        }
+        winners.push(Winner {
+            name: curve.name.clone(),
+            trace: vec![(best, error)],
+        });
+    }
+    winners
+}
+
+/// A time with a unit.
+pub(crate) fn duration(seconds: f64) -> String {
+    let (value, unit) = match seconds {
+        s if s < 1e-6 => (1e9 * s, "ns"),
+        s if s < 1e-3 => (1e6 * s, "µs"),
+        s if s < 1.0 => (1e3 * s, "ms"),
+        s => (s, "s"),
+    };
+    let decimals = usize::from(value < 9.95);
+    format!("{value:.decimals$} {unit}")
+}
+
+/// An error to one digit.
+pub(crate) fn rounded(error: f64) -> String {
+    if error >= 0.095 {
+        format!("{error:.1}")
+    } else {
+        format!("{error:.0e}")
+    }
+}

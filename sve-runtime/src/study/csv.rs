@@ -1,0 +1,289 @@
+//! Results as lines of a file, the same for every program that takes part in a comparison.
+//!
+//! Input: records. Output: text, a line each under a line of [`COLUMNS`]; and back. Invariant: what was written is read back with the same bits.
+//! Fields with a comma, a quotation mark or a line break are quoted, as in RFC 4180; a number that is not known is an empty field.
+
+use std::io::{BufRead, Write};
+
+use super::StudyError;
+
+/// Names of the columns of a file, in the order in which they are written.
+pub const COLUMNS: [&str; 15] = [
+    "problem",
+    "method",
+    "h",
+    "error",
+    "error_se",
+    "weak_error",
+    "weak_error_se",
+    "energy_error",
+    "energy_drift",
+    "ns_per_step",
+    "ns_spread",
+    "time_to_solution_s",
+    "newton_iterations",
+    "failures",
+    "source",
+];
+
+/// One line of a file of results: one method with one step size (or tolerance) on one problem. `None` is what is not known.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Record {
+    /// Name of the problem.
+    pub problem: String,
+    /// Name of the method.
+    pub method: String,
+    /// Step size; `None` for methods that choose it.
+    pub h: Option<f64>,
+    /// Strong error at the horizon: root of the mean square over paths of the distance from the reference.
+    pub error: Option<f64>,
+    /// Its standard error.
+    pub error_se: Option<f64>,
+    /// Weak error of the problem's first observable.
+    pub weak_error: Option<f64>,
+    /// Its standard error.
+    pub weak_error_se: Option<f64>,
+    /// Largest difference of the invariant from its first value.
+    pub energy_error: Option<f64>,
+    /// Its secular change in a unit of time.
+    pub energy_drift: Option<f64>,
+    /// Nanoseconds a step of one path.
+    pub ns_per_step: Option<f64>,
+    /// Half the distance of its quartiles.
+    pub ns_spread: Option<f64>,
+    /// Seconds to the horizon, one path.
+    pub time_to_solution_s: Option<f64>,
+    /// Newton iterations a step.
+    pub newton_iterations: Option<f64>,
+    /// Paths that failed.
+    pub failures: u64,
+    /// Which program, with its version.
+    pub source: String,
+}
+
+/// Writes records under a line with the names of the columns.
+///
+/// ```
+/// use sve_runtime::study::{Record, read_csv, write_csv};
+///
+/// let record = Record { problem: "Kubo".into(), method: "midpoint".into(), h: Some(0.1), ..Record::default() };
+/// let mut file = Vec::new();
+/// write_csv(&mut file, &[record.clone()])?;
+/// assert_eq!(read_csv(&file[..])?, [record]);
+/// # Ok::<(), sve_runtime::study::StudyError>(())
+/// ```
+///
+/// # Errors
+/// [`StudyError::Io`] when the writer fails.
+pub fn write_csv(mut to: impl Write, records: &[Record]) -> Result<(), StudyError> {
+    writeln!(to, "{}", COLUMNS.join(","))?;
+    for record in records {
+        let number = |x: Option<f64>| match x {
+            Some(x) if x.is_finite() => format!("{x:e}"),
+            _ => String::new(),
+        };
+        let fields = [
+            quoted(&record.problem),
+            quoted(&record.method),
+            number(record.h),
+            number(record.error),
+            number(record.error_se),
+            number(record.weak_error),
+            number(record.weak_error_se),
+            number(record.energy_error),
+            number(record.energy_drift),
+            number(record.ns_per_step),
+            number(record.ns_spread),
+            number(record.time_to_solution_s),
+            number(record.newton_iterations),
+            record.failures.to_string(),
+            quoted(&record.source),
+        ];
+        writeln!(to, "{}", fields.join(","))?;
+    }
+    Ok(())
+}
+
+/// Reads what [`write_csv`] or another program wrote: columns in any order, of which `problem` and `method` have to be there and unknown
+/// ones are passed over. Line breaks within a field are not read.
+///
+/// # Errors
+/// [`StudyError::Csv`] with the line that is wrong; [`StudyError::Io`] when the reader fails.
+pub fn read_csv(from: impl BufRead) -> Result<Vec<Record>, StudyError> {
+    let mut lines = from.lines().enumerate();
+    let Some((_, head)) = lines.next() else {
+        return Err(wrong(
+            1,
+            "the line with the names of the columns is missing",
+        ));
+    };
+    let head = fields(1, &head?)?;
+    for needed in ["problem", "method"] {
+        if !head.iter().any(|name| name == needed) {
+            return Err(wrong(1, format!("there is no column `{needed}`")));
+        }
+    }
+    let mut records = Vec::new();
+    for (at, text) in lines {
+        let (line, text) = (at + 1, text?);
+        if text.trim().is_empty() {
+            continue;
+        }
+        let fields = fields(line, &text)?;
+        if fields.len() != head.len() {
+            let what = format!("{} fields under {} columns", fields.len(), head.len());
+            return Err(wrong(line, what));
+        }
+        let mut record = Record::default();
+        for (name, field) in head.iter().zip(&fields) {
+            record.set(name, field).map_err(|what| wrong(line, what))?;
+        }
+        records.push(record);
+    }
+    Ok(records)
+}
+
+impl Record {
+    /// Sets the field of a column.
+    fn set(&mut self, column: &str, field: &str) -> Result<(), String> {
+        let number = match column {
+            "problem" => {
+                field.clone_into(&mut self.problem);
+                return Ok(());
+            }
+            "method" => {
+                field.clone_into(&mut self.method);
+                return Ok(());
+            }
+            "source" => {
+                field.clone_into(&mut self.source);
+                return Ok(());
+            }
+            "failures" => {
+                if !field.trim().is_empty() {
+                    self.failures = parsed(column, field)?;
+                }
+                return Ok(());
+            }
+            "h" => &mut self.h,
+            "error" => &mut self.error,
+            "error_se" => &mut self.error_se,
+            "weak_error" => &mut self.weak_error,
+            "weak_error_se" => &mut self.weak_error_se,
+            "energy_error" => &mut self.energy_error,
+            "energy_drift" => &mut self.energy_drift,
+            "ns_per_step" => &mut self.ns_per_step,
+            "ns_spread" => &mut self.ns_spread,
+            "time_to_solution_s" => &mut self.time_to_solution_s,
+            "newton_iterations" => &mut self.newton_iterations,
+            _ => return Ok(()),
+        };
+        *number = match field.trim() {
+            "" => None,
+            field => Some(parsed(column, field)?).filter(|x: &f64| x.is_finite()),
+        };
+        Ok(())
+    }
+}
+
+fn parsed<T: core::str::FromStr>(column: &str, field: &str) -> Result<T, String> {
+    let field = field.trim();
+    field
+        .parse()
+        .map_err(|_| format!("`{field}` is no number for the column `{column}`"))
+}
+
+fn wrong(line: usize, what: impl Into<String>) -> StudyError {
+    StudyError::Csv {
+        line,
+        what: what.into(),
+    }
+}
+
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}
+
+/// The fields of a line.
+fn fields(line: usize, text: &str) -> Result<Vec<String>, StudyError> {
+    let mut fields = vec![String::new()];
+    let mut inside = false;
+    let mut characters = text.trim_end_matches('\r').chars().peekable();
+    while let Some(character) = characters.next() {
+        // the list is never empty: it starts with one
+        let last = fields.len() - 1;
+        match character {
+            '"' if inside && characters.peek() == Some(&'"') => {
+                characters.next();
+                fields[last].push('"');
+            }
+            '"' => inside = !inside,
+            ',' if !inside => fields.push(String::new()),
+            other => fields[last].push(other),
+        }
+    }
+    if inside {
+        return Err(wrong(line, "a quotation mark is not closed"));
+    }
+    Ok(fields)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{COLUMNS, Record, StudyError, read_csv, write_csv};
+
+    #[test]
+    fn is_read_back_with_the_same_bits() {
+        let records = [
+            Record {
+                problem: "a \"problem\", quoted".into(),
+                method: "m".into(),
+                h: Some(0.1),
+                error: Some(1.0 / 3.0),
+                error_se: Some(5e-324),
+                weak_error: Some(-0.0),
+                weak_error_se: Some(f64::MAX),
+                energy_error: Some(1e-17),
+                energy_drift: Some(-2.0 / 7.0),
+                ns_per_step: Some(12.5),
+                ns_spread: Some(0.25),
+                time_to_solution_s: Some(1e-9 / 3.0),
+                newton_iterations: Some(2.1),
+                failures: u64::MAX,
+                source: "sve, 1".into(),
+            },
+            Record::default(),
+        ];
+        let mut file = Vec::new();
+        write_csv(&mut file, &records).unwrap();
+        assert!(file.starts_with(COLUMNS.join(",").as_bytes()));
+        assert_eq!(read_csv(&file[..]).unwrap(), records);
+    }
+
+    #[test]
+    fn other_programs_may_order_columns_and_leave_some_out() {
+        let text = "method,remark,problem,error\r\nm,x,p,1e-3\r\n\r\nn,,p,nan\r\n";
+        let records = read_csv(text.as_bytes()).unwrap();
+        assert_eq!(records.len(), 2);
+        assert_eq!((&*records[0].problem, records[0].error), ("p", Some(1e-3)));
+        assert_eq!((&*records[1].method, records[1].error), ("n", None));
+    }
+
+    #[test]
+    fn mistakes_are_named_with_their_lines() {
+        let message = |text: &str| match read_csv(text.as_bytes()) {
+            Err(StudyError::Csv { line, what }) => (line, what),
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(message("").0, 1);
+        assert!(message("problem,h\n").1.contains("`method`"));
+        let (line, what) = message("problem,method,h\np,m,1\np,m,x\n");
+        assert_eq!((line, what.contains("`x`")), (3, true));
+        assert_eq!(message("problem,method\np\n").0, 2);
+        assert_eq!(message("problem,method\np,\"m\n").0, 2);
+    }
+}

@@ -1,0 +1,304 @@
+//! Work–precision studies: what an error costs, for several methods and step sizes of one problem.
+//!
+//! Input: methods, a start, a horizon, numbers of steps, and a reference: an exact solution, or a fine step on the same
+//! Brownian path. Output: a [`Report`] with errors, their standard errors, orders, times and failures.
+//! Invariant: all but the times are functions of the settings, with the same bits for any number of threads.
+//!
+//! Every method and step size has the same Brownian paths: those of the finest step, whose increments are summed. So errors
+//! are strong errors, path by path, and differences between methods are not blurred by the choice of paths.
+
+mod clock;
+mod csv;
+mod error;
+mod estimate;
+mod order;
+mod reference;
+mod report;
+mod run;
+mod subject;
+mod table;
+
+pub use csv::{COLUMNS, Record, read_csv, write_csv};
+pub use error::StudyError;
+pub use estimate::Estimate;
+pub use order::Order;
+pub use report::{Invariant, Report, Row, Timing};
+
+use core::fmt;
+use std::borrow::Cow;
+
+use self::reference::Reference;
+use self::subject::Subject;
+use crate::ensemble::Observed;
+use crate::error::StepError;
+use crate::method::Method;
+use crate::noise::Recorded;
+use crate::state::State;
+use crate::system::{Dims, StateOf, System};
+
+/// Repeats of each timing, unless given.
+const REPEATS: u32 = 9;
+
+/// A function of the system and a state.
+type Closure<'a, S> = Box<dyn Fn(&S, &StateOf<S>) -> Result<f64, StepError> + Sync + 'a>;
+/// How far two states are from each other.
+type Distance<'a, S> = Box<dyn Fn(&StateOf<S>, &StateOf<S>) -> f64 + Sync + 'a>;
+
+/// A function of the state whose weak error is to be known.
+struct Observable<'a, S: System> {
+    name: Cow<'a, str>,
+    value: Closure<'a, S>,
+    /// Its exact mean at the horizon, where it is known.
+    mean: Option<f64>,
+}
+
+/// One problem, solved by several methods with several step sizes.
+///
+/// A start, a horizon, numbers of steps, a method and a reference have to be given. The seed is 0 and the number of paths 1
+/// unless they are given; a system without noise always has one path.
+///
+/// ```
+/// use sve_runtime::baseline::Heun;
+/// use sve_runtime::prelude::*;
+/// use sve_runtime::study::{Study, StudyError};
+///
+/// #[derive(Clone, Copy)]
+/// struct Kubo { a: f64, sigma: f64 }
+///
+/// #[variational(midpoint)]
+/// impl Kubo {
+///     fn lagrangian(&self, q: f64, v: f64) -> f64 { v * v / (2.0 * self.a) - self.a / 2.0 * q * q }
+///     #[h1]
+///     fn jitter(&self, q: f64, p: f64) -> f64 { self.sigma / 2.0 * (q * q + p * p) }
+/// }
+///
+/// # fn main() -> Result<(), StudyError> {
+/// let kubo = Kubo { a: 1.0, sigma: 0.5 };
+/// let midpoint = Integrator::new(kubo, Midpoint);
+/// let heun = Heun::new(kubo);
+/// let report = Study::new("Kubo")
+///     .start(State::new([1.0], [0.0]))
+///     .horizon(1.0)
+///     .steps([16, 32, 64, 128])
+///     .paths(200).seed(7)
+///     .method("midpoint", &midpoint)
+///     .method("Heun", &heun)
+///     .exact(|path| {
+///         let w: f64 = (0..path.len()).filter_map(|step| path.get(step)).map(|dw| dw[0]).sum();
+///         let (sin, cos) = (1.0 + 0.5 * w).sin_cos();
+///         State::new([cos], [-sin])
+///     })
+///     .invariant(|_, z| z.q[0].powi(2) + z.p[0].powi(2))
+///     .repeats(0) // no times
+///     .run()?;
+/// println!("{report}");
+/// let order = &report.orders()[0];
+/// assert_eq!(order.method, "midpoint");
+/// assert!((order.order.value - 1.0).abs() < 0.1 + 4.0 * order.order.standard_error);
+/// // the midpoint rule keeps q² + p², Heun's method does not
+/// let largest = |method| report.row(method, 16).unwrap().invariant.unwrap().largest;
+/// assert!(largest("midpoint") < 1e-14 && largest("Heun") > 1e-4);
+/// # Ok(())
+/// # }
+/// ```
+pub struct Study<'a, S: System> {
+    problem: Cow<'a, str>,
+    methods: Vec<(Cow<'a, str>, &'a dyn Subject<S>)>,
+    start: Option<StateOf<S>>,
+    horizon: Option<f64>,
+    steps: Vec<usize>,
+    paths: u64,
+    seed: u64,
+    reference: Option<Reference<'a, S>>,
+    distance: Distance<'a, S>,
+    observables: Vec<Observable<'a, S>>,
+    invariant: Option<Closure<'a, S>>,
+    repeats: u32,
+}
+
+impl<'a, S, const N: usize, const M: usize> Study<'a, S>
+where
+    S: System<Dims = Dims<N, M>>,
+{
+    /// A study of the problem of this name.
+    pub fn new(problem: impl Into<Cow<'a, str>>) -> Self {
+        Self {
+            problem: problem.into(),
+            methods: Vec::new(),
+            start: None,
+            horizon: None,
+            steps: Vec::new(),
+            paths: 1,
+            seed: 0,
+            reference: None,
+            distance: Box::new(euclidean),
+            observables: Vec::new(),
+            invariant: None,
+            repeats: REPEATS,
+        }
+    }
+
+    /// Where all paths start.
+    #[must_use]
+    pub fn start(mut self, state: State<N>) -> Self {
+        self.start = Some(state);
+        self
+    }
+
+    /// How long the solution is, in the units of time.
+    #[must_use]
+    pub fn horizon(mut self, horizon: f64) -> Self {
+        self.horizon = Some(horizon);
+        self
+    }
+
+    /// The numbers of steps that the horizon is cut into; each has to divide the largest, so that they share their paths.
+    #[must_use]
+    pub fn steps(mut self, numbers: impl IntoIterator<Item = usize>) -> Self {
+        self.steps = numbers.into_iter().collect();
+        self
+    }
+
+    /// How many Brownian paths.
+    #[must_use]
+    pub fn paths(mut self, paths: u64) -> Self {
+        self.paths = paths;
+        self
+    }
+
+    /// The seed of the paths: path `k` has the increments of [`Wiener::new(seed).path(k)`](crate::noise::Wiener) over the finest steps.
+    #[must_use]
+    pub fn seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
+    }
+
+    /// Adds a method: an [`Integrator`](crate::Integrator), a [`baseline`](crate::baseline), or any other [`Method`].
+    #[must_use]
+    pub fn method<I>(mut self, name: impl Into<Cow<'a, str>>, method: &'a I) -> Self
+    where
+        I: Method<System = S> + Sync,
+    {
+        self.methods.push((name.into(), method));
+        self
+    }
+
+    /// Compares with the exact state at the horizon, a function of the increments over the finest steps.
+    #[must_use]
+    pub fn exact(mut self, solution: impl Fn(&Recorded) -> State<N> + Sync + 'a) -> Self {
+        self.reference = Some(Reference::Exact(Box::new(solution)));
+        self
+    }
+
+    /// Compares with the exact state at the horizon, drawn jointly with the increments over the finest steps.
+    ///
+    /// For solutions that are not functions of the increments alone, such as integrals of `f(s) dW(s)`. The closure gets the number
+    /// of the path and of the steps, and has to return a path of that many steps up to the horizon; the seed is its own.
+    #[must_use]
+    pub fn exact_paths(
+        mut self,
+        draw: impl Fn(u64, usize) -> (Recorded, State<N>) + Sync + 'a,
+    ) -> Self {
+        self.reference = Some(Reference::Drawn(Box::new(draw)));
+        self
+    }
+
+    /// Compares with a method whose steps are `factor` times shorter than the finest ones, on the same paths.
+    ///
+    /// With strong order 1 a factor of 16 leaves an error of the reference of 1/16 of the smallest measured one.
+    #[must_use]
+    pub fn fine<I>(mut self, method: &'a I, factor: usize) -> Self
+    where
+        I: Method<System = S> + Sync,
+    {
+        self.reference = Some(Reference::Fine(method, factor));
+        self
+    }
+
+    /// What an error is; without it, the Euclidean distance of the `(q, p)`.
+    #[must_use]
+    pub fn distance(mut self, distance: impl Fn(&State<N>, &State<N>) -> f64 + Sync + 'a) -> Self {
+        self.distance = Box::new(distance);
+        self
+    }
+
+    /// Measures the weak error of a function of the system and a state, which returns `f64` or `Result<f64, StepError>`: the difference
+    /// of its means at the horizon, from common random numbers, so that its standard error is that of the differences.
+    #[must_use]
+    pub fn observe<F, O>(mut self, name: impl Into<Cow<'a, str>>, observable: F) -> Self
+    where
+        F: Fn(&S, &State<N>) -> O + Sync + 'a,
+        O: Observed,
+    {
+        self.observables.push(Observable {
+            name: name.into(),
+            value: Box::new(move |system, state| observable(system, state).observed()),
+            mean: None,
+        });
+        self
+    }
+
+    /// As [`observe`](Self::observe), against the exact mean, for references that are not exact. The standard error is that of the mean over the paths.
+    #[must_use]
+    pub fn observe_mean<F, O>(self, name: impl Into<Cow<'a, str>>, observable: F, mean: f64) -> Self
+    where
+        F: Fn(&S, &State<N>) -> O + Sync + 'a,
+        O: Observed,
+    {
+        let mut study = self.observe(name, observable);
+        if let Some(last) = study.observables.last_mut() {
+            last.mean = Some(mean);
+        }
+        study
+    }
+
+    /// Watches what the exact solution keeps, such as the energy where there is neither noise nor force, or a momentum map.
+    #[must_use]
+    pub fn invariant<F, O>(mut self, invariant: F) -> Self
+    where
+        F: Fn(&S, &State<N>) -> O + Sync + 'a,
+        O: Observed,
+    {
+        self.invariant = Some(Box::new(move |system, state| {
+            invariant(system, state).observed()
+        }));
+        self
+    }
+
+    /// How often each time is measured; 0 for no times. All methods take turns, so that what disturbs the machine disturbs all.
+    #[must_use]
+    pub fn repeats(mut self, repeats: u32) -> Self {
+        self.repeats = repeats;
+        self
+    }
+
+    /// Solves the problem with every method and number of steps.
+    ///
+    /// # Errors
+    /// A [`StudyError`] for settings that make no sense, and where the reference fails. A method that fails is counted in its [`Row`].
+    pub fn run(&self) -> Result<Report, StudyError> {
+        run::run(self)
+    }
+}
+
+fn euclidean<const N: usize>(a: &State<N>, b: &State<N>) -> f64 {
+    let mut sum = 0.0;
+    for i in 0..N {
+        sum += (a.q[i] - b.q[i]).powi(2) + (a.p[i] - b.p[i]).powi(2);
+    }
+    sum.sqrt()
+}
+
+impl<S: System> fmt::Debug for Study<'_, S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names: Vec<_> = self.methods.iter().map(|(name, _)| name).collect();
+        f.debug_struct("Study")
+            .field("problem", &self.problem)
+            .field("methods", &names)
+            .field("horizon", &self.horizon)
+            .field("steps", &self.steps)
+            .field("paths", &self.paths)
+            .field("seed", &self.seed)
+            .finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,121 @@
+//! What a study found.
+
+use super::csv::Record;
+use super::estimate::Estimate;
+use super::order::Order;
+
+/// The results of a [`Study`](super::Study): a row for each method and number of steps.
+///
+/// `Display` prints a table; [`records`](Self::records) are the rows as [`write_csv`](super::write_csv) writes them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Report {
+    pub(super) problem: String,
+    pub(super) horizon: f64,
+    pub(super) paths: u64,
+    pub(super) observables: Vec<String>,
+    pub(super) rows: Vec<Row>,
+    pub(super) orders: Vec<Order>,
+}
+
+/// One method with one step size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// The name of the method.
+    pub method: String,
+    /// Step size.
+    pub h: f64,
+    /// Steps to the horizon.
+    pub steps: usize,
+    /// Strong error at the horizon, the root of the mean square over the paths that did not fail; `None` where all failed.
+    pub error: Option<Estimate>,
+    /// Weak error of each observable, in the order in which they were given: the mean of the method less that of the reference. Empty where all paths failed.
+    pub weak_errors: Vec<Estimate>,
+    /// What became of the invariant, where one is watched.
+    pub invariant: Option<Invariant>,
+    /// Times; `None` where none were asked for, or every path failed.
+    pub timing: Option<Timing>,
+    /// Newton iterations of a step, on average along the first path that did not fail; `None` where the method does not tell.
+    pub newton_iterations: Option<f64>,
+    /// Paths on which a step failed, or the error overflowed.
+    pub failures: u64,
+}
+
+/// What became of an invariant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Invariant {
+    /// Largest difference from its first value, over steps and paths.
+    pub largest: f64,
+    /// Secular change in a unit of time: the slope of the least-squares line through its values, averaged over paths.
+    pub drift: Estimate,
+}
+
+/// What a step and a solution take, with the increments at hand, on one thread.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timing {
+    /// Nanoseconds a step, median of the repeats (where a path has more than 2048 steps, of each part of it).
+    pub ns_per_step: f64,
+    /// Half the distance of its quartiles.
+    pub ns_spread: f64,
+    /// Seconds to the horizon on one path, median of the repeats.
+    pub time_to_solution: f64,
+}
+
+impl Report {
+    /// The name of the problem.
+    pub fn problem(&self) -> &str {
+        &self.problem
+    }
+
+    /// How long the solutions are.
+    pub fn horizon(&self) -> f64 {
+        self.horizon
+    }
+
+    /// How many paths there are.
+    pub fn paths(&self) -> u64 {
+        self.paths
+    }
+
+    /// The names of the observables.
+    pub fn observables(&self) -> &[String] {
+        &self.observables
+    }
+
+    /// Every method in the order in which they were added, each with every number of steps.
+    pub fn rows(&self) -> &[Row] {
+        &self.rows
+    }
+
+    /// The row of a method and a number of steps.
+    pub fn row(&self, method: &str, steps: usize) -> Option<&Row> {
+        let wanted = |row: &&Row| row.method == method && row.steps == steps;
+        self.rows.iter().find(wanted)
+    }
+
+    /// The measured order of each method that has enough points for one.
+    pub fn orders(&self) -> &[Order] {
+        &self.orders
+    }
+
+    /// The rows as records of a file, with the source `sve` and its version.
+    pub fn records(&self) -> Vec<Record> {
+        let record = |row: &Row| Record {
+            problem: self.problem.clone(),
+            method: row.method.clone(),
+            h: Some(row.h),
+            error: row.error.map(|e| e.value),
+            error_se: row.error.map(|e| e.standard_error),
+            weak_error: row.weak_errors.first().map(|e| e.value),
+            weak_error_se: row.weak_errors.first().map(|e| e.standard_error),
+            energy_error: row.invariant.map(|i| i.largest),
+            energy_drift: row.invariant.map(|i| i.drift.value),
+            ns_per_step: row.timing.map(|t| t.ns_per_step),
+            ns_spread: row.timing.map(|t| t.ns_spread),
+            time_to_solution_s: row.timing.map(|t| t.time_to_solution),
+            newton_iterations: row.newton_iterations,
+            failures: row.failures,
+            source: concat!("sve ", env!("CARGO_PKG_VERSION")).to_owned(),
+        };
+        self.rows.iter().map(record).collect()
+    }
+}

@@ -1,0 +1,92 @@
+//! The table of a report, for a terminal.
+
+use core::fmt;
+
+use super::estimate::Estimate;
+use super::report::{Report, Row};
+
+const HEAD: [&str; 12] = [
+    "method",
+    "h",
+    "error",
+    "± se",
+    "weak error",
+    "± se",
+    "invariant",
+    "drift",
+    "ns/step",
+    "time",
+    "iterations",
+    "failures",
+];
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let paths = match self.paths {
+            1 => "1 path".to_owned(),
+            n => format!("{n} paths"),
+        };
+        write!(f, "{} to t = {}, {paths}", self.problem, self.horizon)?;
+        if let Some(first) = self.observables.first() {
+            write!(f, ", weak error of {first}")?;
+        }
+        writeln!(f)?;
+        let rows: Vec<[String; 12]> = self.rows.iter().map(cells).collect();
+        let width = |column: usize| {
+            let cells = rows.iter().map(|row| row[column].chars().count());
+            cells.max().unwrap_or(0).max(HEAD[column].chars().count())
+        };
+        let widths: [usize; 12] = core::array::from_fn(width);
+        line(f, &HEAD, &widths)?;
+        for row in &rows {
+            line(f, &row.each_ref().map(String::as_str), &widths)?;
+        }
+        for order in &self.orders {
+            let Estimate {
+                value,
+                standard_error,
+            } = order.order;
+            writeln!(
+                f,
+                "  order of {}: {value:.3} ± {standard_error:.3} from {} step sizes",
+                order.method, order.points
+            )?;
+        }
+        Ok(())
+    }
+}
+
+fn line(f: &mut fmt::Formatter<'_>, cells: &[&str; 12], widths: &[usize; 12]) -> fmt::Result {
+    // numbers to the right, names to the left
+    write!(f, "  {:<1$}", cells[0], widths[0])?;
+    for (cell, width) in cells.iter().zip(widths).skip(1) {
+        write!(f, "  {cell:>width$}")?;
+    }
+    writeln!(f)
+}
+
+fn cells(row: &Row) -> [String; 12] {
+    let number = |x: Option<f64>| x.map_or_else(|| "–".to_owned(), |x| format!("{x:.2e}"));
+    let weak = row.weak_errors.first();
+    [
+        row.method.clone(),
+        number(Some(row.h)),
+        number(row.error.map(|e| e.value)),
+        number(row.error.map(|e| e.standard_error)),
+        number(weak.map(|e| e.value)),
+        number(weak.map(|e| e.standard_error)),
+        number(row.invariant.map(|i| i.largest)),
+        number(row.invariant.map(|i| i.drift.value)),
+        row.timing.map_or_else(
+            || "–".to_owned(),
+            |t| format!("{:.1} ± {:.1}", t.ns_per_step, t.ns_spread),
+        ),
+        row.timing.map_or_else(
+            || "–".to_owned(),
+            |t| format!("{:.2e} s", t.time_to_solution),
+        ),
+        row.newton_iterations
+            .map_or_else(|| "–".to_owned(), |n| format!("{n:.2}")),
+        row.failures.to_string(),
+    ]
+}
