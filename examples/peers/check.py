@@ -1,0 +1,180 @@
+"""Checks that what the programs are compared with is right, and that their steps are those of the methods. Exits with status 1 where one is not.
+
+Takes some twenty seconds and measures no times. Where the example's own results lie in `target/work-precision`, it compares with them as well.
+"""
+
+import csv
+import math
+import sys
+from pathlib import Path
+
+import heyoka
+import numpy as np
+from common import Record, set_errors
+from peer_numba import methods, walk
+from problems import OSCILLATOR_SIGMA, PROBLEMS, Problem
+from references import along_parabolas, coarsen, paths
+from scipy.integrate import solve_ivp
+
+RESULTS = Path(__file__).resolve().parents[2] / "target" / "work-precision"
+"""Where the example writes."""
+SAME = {name: name for name in ("midpoint", "Heun", "Euler–Maruyama", "Runge–Kutta 4")} | {"initial point": "symplectic Euler"}
+"""Names here of the example's methods."""
+LARGEST = 0.3
+"""Larger errors are not compared: they are as large as the solution, and have heavy tails."""
+EQUAL, ROUNDING = 0.02, 2e-10
+"""How far errors may be apart without noise: the example's reference is a fine step, and rounding errors differ."""
+SIGMAS = 4.5
+"""Statistical bounds, in standard errors; there are some hundred comparisons."""
+
+BY_NAME = {problem.name: problem for problem in PROBLEMS}
+NUMBERS = {"midpoint": 2.0, "symplectic Euler": 1.0, "Runge–Kutta 4": 4.0}
+"""Orders without noise."""
+UNUSUAL = {
+    # noise that depends on the momentum
+    ("kubo", "Euler–Maruyama"): 0.5,
+    # the error of the first order comes and goes with the period, that of the second grows
+    ("kepler", "symplectic Euler"): 2.0,
+    ("pendulum", "symplectic Euler"): 1.8,
+    # the energy that is lost is of the fifth order, and shifts the phase ever faster
+    ("pendulum", "Runge–Kutta 4"): 4.8,
+}
+ORDER = 0.3
+"""How far a measured order may be from the true one, on few paths with few steps."""
+
+
+def ends() -> dict[str, tuple[float, float]]:
+    """Exact ends without noise, against other programs at their least tolerances: distance and bound."""
+    found = {}
+    for name, bound in {"pendulum": 1e-9, "double_pendulum": 1e-11, "kepler": 5e-9}.items():
+        problem = BY_NAME[name]
+        end, drift = paths(problem).ends[0], problem.drift(np)
+        other = solve_ivp(lambda t, z, drift=drift: drift(z), (0.0, problem.horizon), problem.start, method="DOP853", rtol=1e-13, atol=1e-13)
+        # of scipy's own error, seen when it is compared with itself at 1e-12
+        found[f"{name}: scipy at 1e-13"] = (np.linalg.norm(other.y[:, -1] - end), bound)
+        variables = tuple(heyoka.make_vars(*(f"z{i}" for i in range(problem.dimension))))
+        series = heyoka.taylor_adaptive(list(zip(variables, problem.drift(heyoka)(variables), strict=True)), list(problem.start), tol=1e-16)
+        series.propagate_until(problem.horizon)
+        found[f"{name}: heyoka at 1e-16"] = (np.linalg.norm(series.state - end), 3e-12)
+        energy = problem.invariant(np)
+        found[f"{name}: energy at the end"] = (abs(energy(tuple(end)) - energy(problem.start)), 1e-13 * abs(energy(problem.start)) + 1e-13)
+    start = np.array(BY_NAME["kepler"].start)
+    found["kepler: return to the start"] = (np.linalg.norm(paths(BY_NAME["kepler"]).ends[0] - start), 1e-12)
+    return found
+
+
+def moments() -> dict[str, tuple[float, float]]:
+    """Mean and covariance of the oscillator at the horizon against the exact ones, in standard errors."""
+    problem = BY_NAME["linear_oscillator"]
+    z, t = paths(problem).ends, problem.horizon
+    s, c = math.sin(t), math.cos(t)
+    mean = np.array([c, -s])
+    variance = OSCILLATOR_SIGMA**2 / 2.0 * np.array([t - s * c, t + s * c, s * s])
+    deviations = z - mean
+    samples = {"q²": deviations[:, 0] ** 2, "p²": deviations[:, 1] ** 2, "qp": deviations[:, 0] * deviations[:, 1]}
+    count = math.sqrt(len(z))
+    found = {}
+    for name, values, exact in zip("qp", deviations.T, (0.0, 0.0), strict=True):
+        found[f"oscillator: mean of {name}"] = (abs(values.mean() - exact) / (values.std() / count), SIGMAS)
+    for (name, values), exact in zip(samples.items(), variance, strict=True):
+        found[f"oscillator: mean of {name}, centred"] = (abs(values.mean() - exact) / (values.std() / count), SIGMAS)
+    return found
+
+
+def areas() -> dict[str, tuple[float, float]]:
+    """Steps along parabolas reach the exact ends only if increments and areas belong to them; and the law of coarse increments and areas."""
+    found = {}
+    # what is left is the error of these steps, for Kubo's noise that of Runge and Kutta's method
+    for name, bound in {"linear_oscillator": 2e-5, "kubo": 1e-4}.items():
+        problem, reference = BY_NAME[name], paths(BY_NAME[name])
+        h = problem.horizon / problem.steps[-1]
+        step = along_parabolas(problem)
+        reached = [step(problem.start, h, dw, area) for dw, area in zip(reference.dw[:100], reference.area[:100], strict=True)]
+        found[f"{name}: along parabolas"] = (np.sqrt(((np.array(reached) - reference.ends[:100]) ** 2).sum(axis=1).mean()), bound)
+    rng = np.random.default_rng(7)
+    n, fine = 20_000, 8
+    dw, area = coarsen(rng.standard_normal((n, fine, 1)), rng.standard_normal((n, fine, 1)) / math.sqrt(12.0), fine)
+    for what, values, exact in (
+        ("of ΔW", dw * dw, float(fine)),
+        ("of H", area * area, fine / 12.0),
+        ("of ΔW and H", dw * area, 0.0),
+    ):
+        found[f"coarse steps: covariance {what}"] = (abs(values.mean() - exact) / (values.std() / math.sqrt(n)), SIGMAS)
+    return found
+
+
+def orders() -> dict[str, tuple[float, float]]:
+    """Measured orders of the steps written by hand: those without noise, and mostly 1 with noise, as all of it commutes."""
+    found = {}
+    for problem in PROBLEMS:
+        for name, step in methods(problem).items():
+            if (problem.name, name) == ("langevin", "Euler–Maruyama"):
+                # with these steps its errors are as large as the solution, and have no order
+                continue
+            usual = 1.0 if problem.processes > 0 else NUMBERS[name]
+            expected = UNUSUAL.get((problem.name, name), usual)
+            if name == "midpoint":
+                found |= _iterations(problem, step)
+            coarse, fine = (_error(problem, step, steps) for steps in problem.steps[-3::2])
+            measured = math.log(coarse / fine) / math.log(problem.steps[-1] / problem.steps[-3])
+            found[f"{problem.name}: order of {name}, {measured:.2f}"] = (abs(measured - expected), ORDER)
+    return found
+
+
+def _iterations(problem: Problem, step) -> dict[str, tuple[float, float]]:
+    """Newton's method with the right derivative needs few iterations, even for the longest steps."""
+    steps = problem.steps[0]
+    dw, _ = paths(problem).coarse(steps)
+    _, iterations = walk(step, problem.start, problem.horizon / steps, dw, len(dw))
+    fixed_point = problem.name == "double_pendulum"
+    return {} if fixed_point else {f"{problem.name}: iterations": (iterations / (len(dw) * steps), 5.0)}
+
+
+def against_sve() -> dict[str, tuple[float, float]]:
+    """Errors of the same methods with the same steps as the example found them: equal without noise, else within their standard errors."""
+    found = {}
+    for problem in PROBLEMS:
+        file = RESULTS / f"{problem.name}.csv"
+        if not file.exists():
+            print(f"{file} is missing: not compared; the example `work_precision` writes it")
+            continue
+        chosen = methods(problem)
+        with file.open(encoding="utf-8") as lines:
+            for line in csv.DictReader(lines):
+                method = SAME.get(line["method"])
+                if method in chosen and line["error"] and float(line["error"]) < LARGEST:
+                    steps = round(problem.horizon / float(line["h"]))
+                    mine = Record(problem.name, method)
+                    dw, _ = paths(problem).coarse(steps)
+                    reached, _ = walk(chosen[method], problem.start, problem.horizon / steps, dw, len(dw))
+                    set_errors(mine, problem, reached, paths(problem).ends)
+                    theirs = float(line["error"])
+                    spread = math.hypot(mine.error_se, float(line["error_se"])) if problem.processes > 0 else EQUAL * theirs + ROUNDING
+                    found[f"{problem.name}: {method}, {steps} steps, {mine.error:.4e} and {theirs:.4e}, in spreads"] = (
+                        abs(mine.error - theirs) / spread,
+                        SIGMAS if problem.processes > 0 else 1.0,
+                    )
+    return found
+
+
+def _error(problem: Problem, step, steps: int) -> float:
+    reference = paths(problem)
+    dw, _ = reference.coarse(steps)
+    reached, _ = walk(step, problem.start, problem.horizon / steps, dw, len(dw))
+    return float(np.sqrt(((reached - reference.ends) ** 2).sum(axis=1).mean()))
+
+
+def main() -> None:
+    """Runs all checks and prints them."""
+    failed = 0
+    for check in (ends, moments, areas, orders, against_sve):
+        for name, (value, bound) in check().items():
+            # not a number is a failure too
+            good = value <= bound
+            failed += not good
+            print(f"{'' if good else 'FAILED: '}{name}: {value:.2e}, at most {bound:.0e}")
+    sys.exit(1 if failed else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,54 @@
+"""scipy: `solve_ivp` with DOP853 and Radau on the problems without noise, the equations compiled by numba."""
+
+import math
+from collections.abc import Callable
+from functools import partial
+
+import numba
+import numpy as np
+import scipy
+from common import Record, Walk, set_errors, set_invariant, set_times
+from problems import Problem
+from references import paths
+from scipy.integrate import solve_ivp
+
+SOURCE = f"scipy {scipy.__version__}"
+TOLERANCES = {
+    "DOP853": (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13),
+    # of order 5, and slow in Python: what is more precise takes seconds
+    "Radau": (1e-3, 1e-5),
+}
+
+
+def _rate(problem: Problem) -> Callable:
+    drift = numba.njit(problem.drift(math))
+    pair = numba.njit(lambda t, z: np.array(drift((z[0], z[1]))))
+    four = numba.njit(lambda t, z: np.array(drift((z[0], z[1], z[2], z[3]))))
+    return pair if problem.dimension == 2 else four
+
+
+def records(problem: Problem) -> tuple[list[Record], list[Record]]:
+    """One path at a time; there is no batch."""
+    if problem.processes > 0:
+        return [], []
+    reference, rate = paths(problem), _rate(problem)
+    lines = []
+    for method, tolerances in TOLERANCES.items():
+        for tolerance in tolerances:
+            solve = partial(solve_ivp, rate, (0.0, problem.horizon), problem.start, method=method, rtol=tolerance, atol=tolerance)
+            solution = solve()
+            line = Record(problem.name, method, failures=int(not solution.success), source=SOURCE)
+            if solution.success:
+                set_errors(line, problem, solution.y.T[-1:], reference.ends)
+                set_invariant(line, problem, solution.t, solution.y.T[None])
+            lines.append((line, Walk(_calls(solve), len(solution.t) - 1)))
+    set_times(lines)
+    return [line for line, _ in lines], []
+
+
+def _calls(solve: Callable[[], object]) -> Callable[[int], object]:
+    def run(times: int) -> None:
+        for _ in range(times):
+            solve()
+
+    return run
