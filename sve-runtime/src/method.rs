@@ -42,19 +42,21 @@ pub trait Method {
         dw: &IncrementsOf<Self::System>,
     ) -> Result<(), StepError>;
 
-    /// One step of each lane where the usual course serves; the lanes left as they are, which
-    /// [`step_prepared`](Self::step_prepared) has to step, or to say why not. Without an own form, all of them.
+    /// One step of each lane from `states` to `next` where the usual course serves; the lanes whose states are the same in
+    /// `next`, which [`step_prepared`](Self::step_prepared) has to step, or to say why not. Without an own form, all of them.
     ///
-    /// Times are left alone in every lane: they are the same function of the number of steps for all, and the caller's.
+    /// Times in `next` are left alone: they are the same function of the number of steps for all, and the caller's.
     #[inline(always)]
     fn step_lanes(
         &self,
         prepared: &Self::Prepared,
-        states: &mut StateLanesOf<Self::System>,
+        states: &StateLanesOf<Self::System>,
+        next: &mut StateLanesOf<Self::System>,
         h: f64,
         dw: &IncrementLanesOf<Self::System>,
     ) -> Mask {
-        let _ = (prepared, states, h, dw);
+        let _ = (prepared, h, dw);
+        next.clone_from(states);
         ALL
     }
 
@@ -136,11 +138,12 @@ where
     fn step_lanes(
         &self,
         prepared: &S::Prepared,
-        states: &mut StateLanes<N>,
+        states: &StateLanes<N>,
+        next: &mut StateLanes<N>,
         h: f64,
         dw: &[Lane; M],
     ) -> Mask {
-        Integrator::system(self).increment_lanes(prepared, states, h, dw, self.newton())
+        Integrator::system(self).increment_lanes(prepared, states, next, h, dw, self.newton())
     }
 
     /// The lowest limit with which the step gives the same bits: a guess that fails for want of iterations is replaced, and leads

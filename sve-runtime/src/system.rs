@@ -225,18 +225,20 @@ pub trait Variational<R>: System {
         dw: &IncrementsOf<Self>,
         newton: &Solver<'_>,
     ) -> Result<StepOf<Self, R>, SolveError>;
-    /// One step of each lane where its equations are solved in the usual course; the lanes whose states were left as they are,
-    /// for [`increment`](Self::increment) to step or to say why not. Times are left alone everywhere.
+    /// One step of each lane from `states` to `next` where its equations are solved in the usual course; the lanes whose states
+    /// are the same in `next`, for [`increment`](Self::increment) to step or to say why not. Times in `next` are left alone.
     #[inline(always)]
     fn increment_lanes(
         &self,
         prepared: &Self::Prepared,
-        states: &mut StateLanesOf<Self>,
+        states: &StateLanesOf<Self>,
+        next: &mut StateLanesOf<Self>,
         h: f64,
         dw: &IncrementLanesOf<Self>,
         newton: &Newton,
     ) -> Mask {
-        let _ = (prepared, states, h, dw, newton);
+        let _ = (prepared, h, dw, newton);
+        next.clone_from(states);
         ALL
     }
     /// The step's equations and results to first order around a step that was solved.
@@ -326,12 +328,13 @@ impl<S: Variational<R>, R> Variational<R> for &S {
     fn increment_lanes(
         &self,
         prepared: &S::Prepared,
-        states: &mut StateLanesOf<S>,
+        states: &StateLanesOf<S>,
+        next: &mut StateLanesOf<S>,
         h: f64,
         dw: &IncrementLanesOf<S>,
         newton: &Newton,
     ) -> Mask {
-        (**self).increment_lanes(prepared, states, h, dw, newton)
+        (**self).increment_lanes(prepared, states, next, h, dw, newton)
     }
 
     #[inline]

@@ -43,10 +43,17 @@ fn step<S, R, const N: usize, const M: usize>(
 where
     S: Model<N, M> + Variational<R>,
 {
-    let mut states = block.states;
+    let mut next = block.states;
     let prepared = Method::prepare(integrator, H).unwrap();
-    let left = Method::step_lanes(integrator, &prepared, &mut states, H, &block.dw);
-    (states, left)
+    let left = Method::step_lanes(
+        integrator,
+        &prepared,
+        &block.states,
+        &mut next,
+        H,
+        &block.dw,
+    );
+    (next, left)
 }
 
 /// A unit in the last place of the numbers in a state, at least of 1.

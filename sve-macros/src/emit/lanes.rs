@@ -63,7 +63,8 @@ pub(super) fn lanes(
         fn increment_lanes(
             &self,
             _: &Self::Prepared,
-            states: &mut #private::lane::StateLanes<#n>,
+            states: &#private::lane::StateLanes<#n>,
+            next: &mut #private::lane::StateLanes<#n>,
             h: f64,
             dw: &[#private::lane::Lane; #m],
             newton: &#private::Newton,
@@ -216,15 +217,12 @@ impl Writer<'_> {
         }
         section.extend(self.advance());
         let last = self.one(self.loops.uses.len() - 1, &section);
-        let n = Literal::usize_unsuffixed(self.scheme.dq.len());
         let solved = self.solved();
         quote! {
             #tokens
-            let mut q1 = #private::lane::rows::<#n>();
-            let mut p1 = #private::lane::rows::<#n>();
             let mut any = 0u64;
             #last
-            states.advance(&q1.0, &p1.0, any, |lane| #solved)
+            next.complete(states, any, |lane| #solved)
         }
     }
 
@@ -356,10 +354,10 @@ impl Writer<'_> {
         let (q, p) = (new(&quote!(q), dq), new(&quote!(p), dp));
         let solved = self.solved();
         let store = |row: &str| {
-            let (row, new) = (format_ident!("{row}1"), format_ident!("{row}_lane"));
+            let (row, new) = (format_ident!("{row}"), format_ident!("{row}_lane"));
             (0..dq.len()).map(move |i| {
                 let i = Literal::usize_unsuffixed(i);
-                quote!(#row.0[#i][lane] = #new[#i];)
+                quote!(next.#row[#i][lane] = #new[#i];)
             })
         };
         let (store_q, store_p) = (store("q"), store("p"));

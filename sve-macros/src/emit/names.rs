@@ -13,7 +13,7 @@ use crate::schedule::{Operation, Program, Scheduler, Tier, Value};
 use crate::symbolic::{self, Arena, Expr, Function, Symbol};
 
 /// Variables of emitted code that are no values of the program.
-const DECLARED: [&str; 32] = [
+const DECLARED: [&str; 31] = [
     "q",
     "v",
     "p",
@@ -34,8 +34,7 @@ const DECLARED: [&str; 32] = [
     "kept",
     "lane",
     "any",
-    "q1",
-    "p1",
+    "next",
     "q_lane",
     "p_lane",
     "guess",

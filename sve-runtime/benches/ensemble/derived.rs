@@ -119,9 +119,17 @@ impl Method for Walk {
     }
 
     #[inline(always)]
-    fn step_lanes(&self, (): &(), states: &mut StateLanes<1>, _h: f64, dw: &[Lane; 1]) -> Mask {
+    fn step_lanes(
+        &self,
+        (): &(),
+        states: &StateLanes<1>,
+        next: &mut StateLanes<1>,
+        _h: f64,
+        dw: &[Lane; 1],
+    ) -> Mask {
         for lane in 0..LANES {
-            states.q[0][lane] += dw[0][lane];
+            next.q[0][lane] = states.q[0][lane] + dw[0][lane];
+            next.p[0][lane] = states.p[0][lane];
         }
         0
     }

@@ -32,10 +32,36 @@ pub(super) struct Flight<'a, I: Method, const N: usize, const M: usize> {
 
 /// States in lanes, and the lanes whose paths exist and have not failed. The others copy a path that lives.
 pub(super) struct Tile<const N: usize> {
-    pub(super) states: StateLanes<N>,
+    /// The states, and room for those after a step, which changes places with them.
+    buffers: [StateLanes<N>; 2],
+    /// Which are the states.
+    at: bool,
     pub(super) alive: Mask,
     /// Living lanes whose state is still the one before the last step.
     left: Mask,
+}
+
+impl<const N: usize> Tile<N> {
+    /// The states reached so far.
+    pub(super) fn states(&self) -> &StateLanes<N> {
+        &self.buffers[usize::from(self.at)]
+    }
+
+    fn states_mut(&mut self) -> &mut StateLanes<N> {
+        &mut self.buffers[usize::from(self.at)]
+    }
+
+    /// Lets the two change places: the states before a step, and those after it.
+    #[inline(always)]
+    fn turn(&mut self) -> (&StateLanes<N>, &mut StateLanes<N>) {
+        self.at = !self.at;
+        let [first, second] = &mut self.buffers;
+        if self.at {
+            (first, second)
+        } else {
+            (second, first)
+        }
+    }
 }
 
 impl<'a, I, S, const N: usize, const M: usize> Flight<'a, I, N, M>
@@ -91,7 +117,8 @@ where
         }
         let tile = self.tiles.len();
         self.tiles.push(Tile {
-            states,
+            buffers: [states, states],
+            at: false,
             alive,
             left: 0,
         });
@@ -155,14 +182,14 @@ where
         let step = self.step - 1;
         for lane in lanes(left & self.tiles[tile].alive) {
             let increments = self.increments.of(tile, step);
-            let mut state = self.tiles[tile].states.get(lane);
+            let mut state = self.tiles[tile].states().get(lane);
             state.t = self.run.time(step);
             let dw = increments.0.map(|process| process[lane]);
             let method = self.run.ensemble.method;
             match method.step_prepared(&self.prepared, &mut state, self.run.h, &dw) {
                 Ok(()) => {
                     state.t = self.run.time(step + 1);
-                    self.tiles[tile].states.set(lane, &state);
+                    self.tiles[tile].states_mut().set(lane, &state);
                 }
                 Err(error) => self.fail(tile, lane, step, Cause::Step(error)),
             }
@@ -193,8 +220,8 @@ where
     fn replace(&mut self, tile: usize, lane: usize) {
         let tile = &mut self.tiles[tile];
         if tile.alive != 0 {
-            let other = tile.states.get(tile.alive.trailing_zeros() as usize);
-            tile.states.set(lane, &other);
+            let other = tile.states().get(tile.alive.trailing_zeros() as usize);
+            tile.states_mut().set(lane, &other);
         }
     }
 }
@@ -236,10 +263,12 @@ where
                     continue;
                 }
                 let dw = self.increments.of(number, step);
-                let states = &mut tile.states;
-                tile.left =
-                    self.method.step_lanes(self.prepared, states, self.h, &dw.0) & tile.alive;
-                tile.states.t = [t; LANES];
+                let (before, next) = tile.turn();
+                let left_here = self
+                    .method
+                    .step_lanes(self.prepared, before, next, self.h, &dw.0);
+                next.t = [t; LANES];
+                tile.left = left_here & tile.alive;
                 left |= tile.left;
             }
             step += 1;

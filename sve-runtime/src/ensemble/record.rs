@@ -57,10 +57,10 @@ where
             return 0;
         }
         for (k, observable) in ensemble.observables.iter().enumerate() {
-            observable.tile(system, &self.tiles[tile].states, &mut values[k]);
+            observable.tile(system, self.tiles[tile].states(), &mut values[k]);
             for lane in lanes(not_finite(&values[k]) & self.tiles[tile].alive) {
                 let name = ensemble.names[k].clone();
-                let cause = match observable.value(system, &self.tiles[tile].states.get(lane)) {
+                let cause = match observable.value(system, &self.tiles[tile].states().get(lane)) {
                     Ok(value) => Cause::NotFinite { name, value },
                     Err(error) => Cause::Observable { name, error },
                 };
@@ -80,7 +80,7 @@ where
         }
         for (number, tile) in self.tiles.iter().enumerate() {
             for lane in lanes(tile.alive) {
-                let state = tile.states.get(lane);
+                let state = tile.states().get(lane);
                 let path = self.first_path + (number * LANES + lane) as u64;
                 node.final_paths.push(path);
                 node.final_states.push(state.t);

@@ -91,7 +91,7 @@ where
         let mut tiles = self.tiles.iter();
         tiles.find_map(|tile| {
             let lane = lanes(tile.alive).next()?;
-            Some(tile.states.get(lane))
+            Some(tile.states().get(lane))
         })
     }
 }

@@ -73,42 +73,30 @@ impl<const N: usize> StateLanes<N> {
         }
     }
 
-    /// Replaces the states by those after a step, but for the lanes that are left ([`is_left`]); the set of these. Whether
-    /// there are any is known, which of them is seldom asked. Times stay.
-    ///
-    /// Whole vectors are stored where no lane is left: what is stored in part cannot be read back before it is in the cache.
+    /// Completes the states after a step: the lanes that are left ([`is_left`]) get back those `before` it; the set of these.
+    /// Whether there are any is known, which of them is seldom asked. Times stay.
     #[inline(always)]
-    pub fn advance(
-        &mut self,
-        q: &[Lane; N],
-        p: &[Lane; N],
-        any: u64,
-        solved: impl Fn(usize) -> bool,
-    ) -> Mask {
+    pub fn complete(&mut self, before: &Self, any: u64, solved: impl Fn(usize) -> bool) -> Mask {
         if any == 0 {
-            (self.q, self.p) = (*q, *p);
             return 0;
         }
-        self.advance_some(q, p, solved)
+        self.complete_some(before, solved)
     }
 
     #[cold]
-    fn advance_some(
-        &mut self,
-        q: &[Lane; N],
-        p: &[Lane; N],
-        solved: impl Fn(usize) -> bool,
-    ) -> Mask {
+    fn complete_some(&mut self, before: &Self, solved: impl Fn(usize) -> bool) -> Mask {
         let mut mask = 0;
         for lane in 0..LANES {
-            let [new_q, new_p] = [q, p].map(|rows| rows.map(|row| row[lane]));
-            if is_left(new_q, new_p, solved(lane)) != 0 {
+            let State { q, p, t } = self.get(lane);
+            if is_left(q, p, solved(lane)) != 0 {
                 mask |= 1 << lane;
-                continue;
-            }
-            for i in 0..N {
-                self.q[i][lane] = new_q[i];
-                self.p[i][lane] = new_p[i];
+                self.set(
+                    lane,
+                    &State {
+                        t,
+                        ..before.get(lane)
+                    },
+                );
             }
         }
         mask

@@ -133,7 +133,8 @@ fn lanes_take_the_same_branch() {
                 states.set(lane, state);
                 dw[0][lane] = *w;
             }
-            let left = midpoint.step_lanes(&prepared, &mut states, h, &dw);
+            let before = states;
+            let left = midpoint.step_lanes(&prepared, &before, &mut states, h, &dw);
             for (lane, (_, start, _, w)) in chunk.iter().enumerate() {
                 if left >> lane & 1 == 1 {
                     assert_eq!(states.get(lane).q, start.q);
