@@ -2,10 +2,11 @@
 //! scene, its dependencies built before; and the time of a step of the program.
 
 use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Instant;
+
+use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
 /// Where crates are written and built.
 const SCRATCH: &str = env!("CARGO_TARGET_TMPDIR");
@@ -54,10 +55,7 @@ impl Crate {
         self.write(program)?;
         let check = self.cargo(&["check"])?;
         let release = self.cargo(&["build", "--release"])?;
-        let step = output(
-            &mut Command::new(self.root.join("target/release/scene")),
-            "",
-        )?;
+        let step = output(&mut Command::new(self.root.join("target/release/scene")))?;
         let step = step
             .trim()
             .parse()
@@ -81,7 +79,7 @@ impl Crate {
             .args(["--quiet", "--target-dir", "target"])
             .current_dir(&self.root);
         let start = Instant::now();
-        output(&mut command, "")?;
+        output(&mut command)?;
         Ok(start.elapsed().as_secs_f64())
     }
 }
@@ -97,34 +95,29 @@ pub(super) fn unoptimised(arguments: &[String]) -> Result<String, String> {
         .args(["--", "--times"])
         .args(arguments)
         .current_dir(MACROS);
-    output(&mut command, "")
+    output(&mut command)
 }
 
-/// Lines of tokens as the formatter writes them.
-pub(super) fn lines(tokens: &str) -> Result<usize, String> {
-    let mut command = Command::new("rustfmt");
-    command.args(["--edition", "2024"]);
-    output(&mut command, tokens).map(|text| text.lines().count())
-}
-
-/// The standard output of a command that is given `input`.
-fn output(command: &mut Command, input: &str) -> Result<String, String> {
-    let described = format!("{command:?}");
-    let mut child = match command
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::inherit())
-        .spawn()
-    {
-        Ok(child) => child,
-        Err(error) => return Err(format!("{described}: {error}")),
+/// Lines of tokens: one a statement, two a block. The formatter itself overflows its stack on large systems.
+pub(super) fn lines(tokens: TokenStream) -> usize {
+    let of_tree = |tree| match tree {
+        TokenTree::Punct(mark) => usize::from(mark.as_char() == ';'),
+        TokenTree::Group(group) => {
+            let braces = group.delimiter() == Delimiter::Brace;
+            2 * usize::from(braces) + lines(group.stream())
+        }
+        _ => 0,
     };
-    if let Some(mut stdin) = child.stdin.take() {
-        // a child that reads nothing closes its end
-        let _ = stdin.write_all(input.as_bytes());
-    }
-    let output = child
-        .wait_with_output()
+    tokens.into_iter().map(of_tree).sum()
+}
+
+/// The standard output of a command.
+fn output(command: &mut Command) -> Result<String, String> {
+    let described = format!("{command:?}");
+    let output = command
+        .stdin(Stdio::null())
+        .stderr(Stdio::inherit())
+        .output()
         .map_err(|error| format!("{described}: {error}"))?;
     if output.status.success() {
         Ok(String::from_utf8_lossy(&output.stdout).into_owned())

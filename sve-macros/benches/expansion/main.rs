@@ -163,7 +163,7 @@ fn row(scene: Scene, n: usize, unoptimised: &str, scene_crate: &Crate) -> Result
             .trim()
             .parse()
             .map_err(|_| format!("not a time: {unoptimised}"))?,
-        lines: build::lines(&tokens.to_string())?,
+        lines: build::lines(tokens.clone()),
         tokens: count(tokens),
         operations: operations::count(attribute, block).map_err(|error| error.to_string())?,
         built: scene_crate.build(&program)?,
