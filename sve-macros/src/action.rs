@@ -6,7 +6,7 @@
 
 use std::collections::HashMap;
 
-use crate::model::{Meaning, Model, Quantity, Symbols};
+use crate::model::{Family, Meaning, Model, Quantity, Symbols, Unknown};
 use crate::rule::Rule;
 use crate::symbolic::{self, Arena, Expr, Symbol};
 
@@ -51,10 +51,10 @@ pub(crate) fn node(expr: Expr, symbols: &Symbols, arena: &Arena) -> Option<Node>
         symbolic::Node::Symbol(symbol) if c.get() == 1.0 => match symbols.meaning(*symbol) {
             Meaning::Time => Some(Node::Time),
             Meaning::Start(Quantity::Position, i) => Some(Node::Position(*i)),
-            Meaning::Unknown(name) => {
-                let i = name.strip_prefix("v_")?;
-                Some(Node::Velocity(i.parse().ok()?))
-            }
+            Meaning::Unknown(Unknown {
+                family: Family::Velocity,
+                index,
+            }) => Some(Node::Velocity(*index)),
             _ => None,
         },
         _ => None,
@@ -83,7 +83,7 @@ pub(crate) fn discretise(
     let h = symbols.declare(Meaning::StepSize);
     let start_q = symbols.declare_all(n, |i| Meaning::Start(Quantity::Position, i));
     let start_p = symbols.declare_all(n, |i| Meaning::Start(Quantity::Momentum, i));
-    let displacement = symbols.declare_all(n, |i| Meaning::Unknown(format!("d_{i}")));
+    let displacement = symbols.declare_all(n, Unknown::of(Family::Displacement));
     let dw = symbols.declare_all(model.noises.len(), Meaning::Wiener);
     let mut step = Step {
         arena,
@@ -126,12 +126,8 @@ impl Step<'_> {
     /// The last term is the Stratonovich correction. A force does the work `⟨h F(t̄,q̄,v), δq̄⟩`.
     fn one_node(&mut self, c: f64) -> (Expr, Vec<Symbol>, Vec<Work>) {
         let n = self.model.dof();
-        let v = self
-            .symbols
-            .declare_all(n, |i| Meaning::Unknown(format!("v_{i}")));
-        let p = self
-            .symbols
-            .declare_all(n, |i| Meaning::Unknown(format!("p_{i}")));
+        let v = self.symbols.declare_all(n, Unknown::of(Family::Velocity));
+        let p = self.symbols.declare_all(n, Unknown::of(Family::Momentum));
         let h = self.arena.symbol(self.h);
         let mut node = HashMap::new();
         let t = self.arena.symbol(self.model.time);
@@ -221,11 +217,13 @@ impl Step<'_> {
     /// at each end.
     fn taylor2(&mut self) -> (Expr, Vec<Symbol>, Vec<Work>) {
         let n = self.model.dof();
-        let mut declare = |name: &str| {
-            self.symbols
-                .declare_all(n, |i| Meaning::Unknown(format!("{name}_{i}")))
-        };
-        let [v, a, mu, nu] = ["v", "a", "mu", "nu"].map(&mut declare);
+        let families = [
+            Family::Velocity,
+            Family::Acceleration,
+            Family::Impulse,
+            Family::Flow,
+        ];
+        let [v, a, mu, nu] = families.map(|f| self.symbols.declare_all(n, Unknown::of(f)));
         let h = self.arena.symbol(self.h);
         let t = self.arena.symbol(self.model.time);
         let (mut start, mut end) = (HashMap::new(), HashMap::new());

@@ -233,7 +233,7 @@ fn singular(
         .unknowns
         .iter()
         .map(|&u| match symbols.meaning(u) {
-            Meaning::Unknown(name) => format!("`{name}`"),
+            Meaning::Unknown(unknown) => format!("`{unknown}`"),
             _ => String::new(),
         })
         .collect();

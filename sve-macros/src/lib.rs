@@ -7,6 +7,7 @@
 mod absent_tests;
 mod action;
 mod compile;
+mod domain;
 mod emit;
 mod equations;
 mod errors;

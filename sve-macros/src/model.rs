@@ -25,8 +25,52 @@ pub(crate) enum Meaning {
     Start(Quantity, usize),
     /// Increment of a Wiener process.
     Wiener(usize),
-    /// An unknown of the step, by name.
-    Unknown(String),
+    /// An unknown of the step.
+    Unknown(Unknown),
+    /// What an unknown is in the limit of a small step without noise.
+    Limit(Unknown),
+}
+
+/// An unknown of the step: what it stands for, and of which coordinate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Unknown {
+    pub(crate) family: Family,
+    pub(crate) index: usize,
+}
+
+/// What an unknown stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Family {
+    /// `q₁ − q₀`.
+    Displacement,
+    Velocity,
+    Momentum,
+    Acceleration,
+    /// The multiplier of the equation that defines the velocity of `taylor2`, a momentum.
+    Impulse,
+    /// The multiplier of the equation that defines the acceleration of `taylor2`.
+    Flow,
+}
+
+impl Unknown {
+    /// A meaning, for declarations.
+    pub(crate) fn of(family: Family) -> impl Fn(usize) -> Meaning {
+        move |index| Meaning::Unknown(Self { family, index })
+    }
+}
+
+impl std::fmt::Display for Unknown {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let letter = match self.family {
+            Family::Displacement => "d",
+            Family::Velocity => "v",
+            Family::Momentum => "p",
+            Family::Acceleration => "a",
+            Family::Impulse => "mu",
+            Family::Flow => "nu",
+        };
+        write!(f, "{letter}_{}", self.index)
+    }
 }
 
 /// `q₀` or `p₀`.
@@ -102,7 +146,9 @@ impl Symbols {
     /// The name of a symbol in generated code and messages.
     pub(crate) fn name(&self, symbol: Symbol) -> String {
         match self.meaning(symbol) {
-            Meaning::Parameter { name, .. } | Meaning::Unknown(name) => name.clone(),
+            Meaning::Parameter { name, .. } => name.clone(),
+            Meaning::Unknown(unknown) => unknown.to_string(),
+            Meaning::Limit(unknown) => format!("{unknown}_limit"),
             Meaning::Time => "t".to_owned(),
             Meaning::StepSize => "h".to_owned(),
             Meaning::Position(i) => format!("q_{i}"),

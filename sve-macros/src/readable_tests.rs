@@ -230,7 +230,7 @@ fn no_temporary_hides_another() {
     assert!(count > 1000, "{count}");
 }
 
-/// The stream without the blocks of `let fallback = || …` and `let rounding = |…| …`.
+/// The stream without the blocks of `let fallback = || …`, `let rounding = |…| …` and `let full = || …`.
 fn without_fallbacks(stream: TokenStream) -> TokenStream {
     let (mut after_let, mut aside) = (false, false);
     let mut output = Vec::new();
@@ -244,7 +244,8 @@ fn without_fallbacks(stream: TokenStream) -> TokenStream {
                 aside = false;
             }
             TokenTree::Ident(name) => {
-                aside |= after_let && (name == "fallback" || name == "rounding");
+                let computed_anew = ["fallback", "rounding", "full"];
+                aside |= after_let && computed_anew.iter().any(|known| name == known);
                 after_let = name == "let";
                 output.push(name.into());
             }

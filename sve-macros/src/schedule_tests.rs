@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-use crate::model::{Meaning, Quantity, Symbols};
+use crate::model::{Family, Meaning, Quantity, Symbols, Unknown};
 use crate::schedule::{Operation, Program, Scheduler, Tier, Value, operands};
 use crate::symbolic::tests::number::Number;
 use crate::symbolic::{Arena, Expr, Function, Symbol};
@@ -72,7 +72,7 @@ pub(crate) fn symbols() -> (Symbols, Vec<Symbol>) {
         symbols.declare(Meaning::Wiener(0)),
         symbols.declare(Meaning::Start(Quantity::Position, 0)),
         symbols.declare(Meaning::Start(Quantity::Momentum, 0)),
-        symbols.declare(Meaning::Unknown("v_0".to_owned())),
+        symbols.declare(Unknown::of(Family::Velocity)(0)),
     ];
     (symbols, all)
 }

@@ -1,133 +1,203 @@
-//! The solution of a step that is connected with the one without noise, and that with the one for h → 0.
+//! The solution of a step that is connected with no noise and h → 0.
 //!
-//! Input: a step whose equations were not solved in the usual course. Output: the step, or how far its solution can be followed.
-//! Invariant: each point of the way is reached from the last by a calm iteration (see [`newton`](crate::newton)).
+//! Input: a step that the fast path did not solve. Output: the step, or how far its solution can be followed.
+//! Invariant: each point is reached from the last by contracting updates (see [`newton`](crate::newton)) that end near the
+//! point extrapolated from the earlier ones, within the domain of L.
 //!
-//! The way is that of the definition: from small steps to `h` without noise, then from no noise to the increments `ΔW` at
-//! that `h`, along `s ΔW`. Guesses are extrapolated from the last two points; where one fails, the stride is halved.
-//! A fold, where the solution turns back, ends the way.
+//! The path is that of the definition. It starts where all is known: for h = 0 and no noise v is the velocity of p₀
+//! ([`legendre`](crate::legendre)) and nothing moves. It goes to `h` without noise, then to the increments `ΔW` at
+//! that `h`, along `s ΔW`. A stride that fails is halved; a fold, where the solution turns back, ends the path.
+//! Nothing is allocated.
 //!
-//! Source: Allgower, Georg, *Introduction to Numerical Continuation Methods* (2003), chapter 2; without its turns around folds.
+//! Source: Allgower, Georg, *Introduction to Numerical Continuation Methods* (2003), chapter 2 and, for the choice of strides,
+//! chapter 6; without its turns around folds.
 
 use crate::Integrator;
-use crate::newton::{SolveError, Solver, Tape};
+use crate::legendre;
+use crate::mechanics;
+use crate::newton::{SolveError, Solver};
 use crate::state::State;
 use crate::system::{Dims, StepOf, System, Variational};
 
-/// The smallest part of a way that is tried, of where it stands or of all of it.
+/// The smallest stride, relative to the part of the path that has been made, or to all of it at its start.
 const SMALLEST: f64 = 1e-7;
 
-/// The largest part of a way that is made at once. A calm iteration can leap where the equations have many folds; the
-/// shorter the stride, the fewer it has between its ends.
+/// The largest stride. A contracting iteration can leap between solutions where the equations have many; the shorter the stride, the
+/// fewer lie between its ends.
 const LARGEST: f64 = 0.125;
 
-/// Points tried on a way. Halving down to the smallest stride and doubling up to the largest again takes some 50.
-const POINTS: u32 = 400;
+/// The first stride, which has no extrapolation to be compared with.
+const FIRST: f64 = 1.0 / 64.0;
 
-/// How far a solution was followed.
+/// Points tried on a path. Halving down to the smallest stride and doubling up to the largest again takes some 50; a rapidly
+/// oscillating force takes some ten a period.
+const POINTS: u32 = 4000;
+
+/// Largest distance between the extrapolated and the solved point, in distances from the last point.
+const CURVED: f64 = 0.25;
+
+/// Ratio of a stride to the last one below which no extrapolation is made.
+const RENEWED: f64 = 1.0 / 16.0;
+
+/// Relative error of an increment: far above that of an ill-conditioned step, far below the distance of two solutions that a
+/// stride could confuse.
+const INEXACT: f64 = 1e-8;
+
+/// Error of an increment relative to the coordinate that it is added to.
+const ROUNDING: f64 = 1e-12;
+
+/// Why there is no solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Lost {
-    /// The part of the increments up to which it exists.
-    pub(crate) noise: f64,
+pub(crate) enum Lost {
+    /// There is nothing to follow: the momentum at the start has no velocity.
+    NoStart(SolveError),
+    /// The path ends.
+    Ends {
+        /// The part of the step size up to which the solution was followed without noise.
+        step: f64,
+        /// The part of the increments up to which it was followed at the whole step size.
+        noise: f64,
+    },
 }
 
-/// Follows the solution of a step; the error only where it exists without noise.
+/// Follows the solution of a step.
 #[cold]
 pub(crate) fn follow<S, R, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     state: &State<N>,
     h: f64,
     dw: &[f64; M],
-) -> Option<Result<StepOf<S, R>, Lost>>
+) -> Result<StepOf<S, R>, Lost>
 where
     S: Variational<R> + System<Dims = Dims<N, M>>,
 {
+    let system = integrator.system();
     let numbers = state.q.iter().chain(&state.p).chain(dw);
     if !numbers.chain([&state.t]).all(|x| x.is_finite()) {
-        return None;
+        return Err(Lost::NoStart(SolveError::NonFinite));
     }
-    let system = integrator.system();
-    let step = |part: f64, noise: f64, guesses: &[f64]| {
-        let h = part * h;
-        let tape = Tape::new(guesses.to_vec());
-        let solver = Solver::following(integrator.newton(), &tape);
-        let found = system.increment(
-            &system.prepare(h),
-            state,
-            h,
-            &dw.map(|w| noise * w),
-            &solver,
-        );
-        found.map(|found| (found, tape.into_found()))
+    let velocity = legendre::velocity(system, state).map_err(Lost::NoStart)?;
+    let motion = mechanics::solve_motion(system, state, velocity);
+    let acceleration = motion.map_or([0.0; N], |motion| motion.second.q);
+    let start = Point {
+        at: 0.0,
+        q: [0.0; N],
+        p: [0.0; N],
+        x: system.start(state, &velocity, &acceleration),
     };
-    let still = without_noise(|part, guesses| step(part, 0.0, guesses))?;
-    let mut last = None;
-    let noisy = way((0.0, still), |noise, guesses| {
-        let (found, unknowns) = step(1.0, noise, guesses)?;
-        last = Some(found);
-        Ok(unknowns)
-    });
-    Some(match (noisy, last) {
-        (Ok(_), Some(found)) => Ok(found),
-        (Ok(_), None) => return None,
-        (Err(noise), _) => Err(Lost { noise }),
-    })
-}
-
-/// The unknowns of the whole step without noise, followed from a part of it that is solved from its own guess.
-fn without_noise<T>(
-    step: impl Fn(f64, &[f64]) -> Result<(T, Vec<f64>), SolveError>,
-) -> Option<Vec<f64>> {
-    let mut part = 1.0;
-    while part >= SMALLEST {
-        if let Ok((_, found)) = step(part, &[]) {
-            let all = way((part, found), |part, guesses| Ok(step(part, guesses)?.1));
-            return all.ok();
-        }
-        part *= 0.5;
+    let scale = Scale {
+        q: &state.q,
+        p: &state.p,
+    };
+    let step = |part: f64, noise: f64, guesses: &S::Unknowns| {
+        let h = part * h;
+        let solver = Solver::following(integrator.newton(), guesses.as_ref());
+        let dw = dw.map(|w| noise * w);
+        system.increment(&system.prepare(h), state, h, &dw, &solver)
+    };
+    let mut end = path(start, scale, |part, x| step(part, 0.0, x))
+        .map_err(|step| Lost::Ends { step, noise: 0.0 })?;
+    if dw.iter().any(|&w| w != 0.0) {
+        end = path(Point { at: 0.0, ..end }, scale, |noise, x| {
+            step(1.0, noise, x)
+        })
+        .map_err(|noise| Lost::Ends { step: 1.0, noise })?;
     }
-    None
+    Ok((end.q, end.p, end.x))
 }
 
-/// Goes from a place and its unknowns to 1; where it ends instead.
-fn way(
-    from: (f64, Vec<f64>),
-    mut solve: impl FnMut(f64, &[f64]) -> Result<Vec<f64>, SolveError>,
-) -> Result<Vec<f64>, f64> {
-    let (mut here, mut unknowns) = from;
-    let mut before: Option<(f64, Vec<f64>)> = None;
-    let mut stride = LARGEST;
+/// A point of a path.
+#[derive(Clone, Copy)]
+struct Point<const N: usize, X> {
+    /// The part of the path before it.
+    at: f64,
+    /// `q₁ − q₀` and `p₁ − p₀`.
+    q: [f64; N],
+    p: [f64; N],
+    /// What the blocks were solved for.
+    x: X,
+}
+
+/// Configuration and momentum at the start of the step: their rounding is that of the increments.
+#[derive(Clone, Copy)]
+struct Scale<'a, const N: usize> {
+    q: &'a [f64; N],
+    p: &'a [f64; N],
+}
+
+/// Goes from a point at 0 to 1; or where the path ends instead.
+fn path<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>>(
+    start: Point<N, X>,
+    scale: Scale<'_, N>,
+    solve: impl Fn(f64, &X) -> Result<([f64; N], [f64; N], X), SolveError>,
+) -> Result<Point<N, X>, f64> {
+    let mut here = start;
+    let mut before: Option<Point<N, X>> = None;
+    let mut stride: f64 = FIRST;
     for _ in 0..POINTS {
-        if here >= 1.0 {
-            return Ok(unknowns);
-        }
         // the last stride ends at 1, whatever the rounding
-        let there = if stride >= 1.0 - here {
+        let there = if stride >= 1.0 - here.at {
             1.0
         } else {
-            here + stride
+            here.at + stride
         };
-        let guesses = match &before {
-            None => unknowns.clone(),
-            Some((past, earlier)) => {
-                let ratio = (there - here) / (here - past);
-                let pairs = unknowns.iter().zip(earlier);
-                pairs.map(|(x, y)| x + ratio * (x - y)).collect()
-            }
-        };
-        match solve(there, &guesses) {
-            Ok(found) => {
-                before = Some((here, std::mem::replace(&mut unknowns, found)));
-                here = there;
+        let ahead = before.map_or(here, |before| here.extrapolated(&before, there));
+        let found = solve(there, &ahead.x)
+            .ok()
+            .map(|(q, p, x)| Point { at: there, q, p, x });
+        match found {
+            Some(found) if before.is_none() || found.is_near(&ahead, &here, &start, scale) => {
+                if there >= 1.0 {
+                    return Ok(found);
+                }
+                before = Some(here);
+                here = found;
                 stride = (2.0 * stride).min(LARGEST);
             }
-            Err(_) => {
-                stride = 0.5 * stride.min(1.0 - here);
-                if stride < SMALLEST * if here > 0.0 { here } else { 1.0 } {
+            _ => {
+                stride = 0.5 * stride.min(1.0 - here.at);
+                if stride < SMALLEST * if here.at > 0.0 { here.at } else { FIRST } {
                     break;
                 }
+                // a line through points far apart says nothing of a stride that is short beside their distance
+                before = before.filter(|before| stride >= RENEWED * (here.at - before.at));
             }
         }
     }
-    Err(here)
+    Err(here.at)
+}
+
+impl<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>> Point<N, X> {
+    /// The point at `there` on the line from `before` through this one.
+    fn extrapolated(&self, before: &Self, there: f64) -> Self {
+        let ratio = (there - self.at) / (self.at - before.at);
+        let mut ahead = *self;
+        for i in 0..N {
+            ahead.q[i] += ratio * (self.q[i] - before.q[i]);
+            ahead.p[i] += ratio * (self.p[i] - before.p[i]);
+        }
+        for (x, y) in ahead.x.as_mut().iter_mut().zip(before.x.as_ref()) {
+            *x += ratio * (*x - y);
+        }
+        ahead
+    }
+
+    /// Whether the state here is near the extrapolated one, compared with its distance from the last point. The coordinates of
+    /// the state are compared, not the unknowns, some of which are multipliers without a size of their own.
+    fn is_near(&self, ahead: &Self, last: &Self, start: &Self, scale: Scale<'_, N>) -> bool {
+        let (mut error, mut distance): (f64, f64) = (0.0, 0.0);
+        let mut compare = |to: f64, guess: f64, from: f64, first: f64, size: f64| {
+            let unit = (to - first).abs().max((from - first).abs());
+            if unit > 0.0 {
+                let rounding = ROUNDING * size.abs() + INEXACT * unit;
+                error = error.max(((to - guess).abs() - rounding) / unit);
+                distance = distance.max((to - from).abs() / unit);
+            }
+        };
+        for i in 0..N {
+            compare(self.q[i], ahead.q[i], last.q[i], start.q[i], scale.q[i]);
+            compare(self.p[i], ahead.p[i], last.p[i], start.p[i], scale.p[i]);
+        }
+        error <= CURVED * distance
+    }
 }

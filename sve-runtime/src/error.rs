@@ -50,18 +50,41 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         tolerance: f64,
     },
-    /// The equations of the step have no solution that is connected with the one of a small step without noise; any other that they
-    /// may have belongs to another branch, and is not taken.
-    #[error("{}", no_solution(*t, *h, dw, *reached))]
-    NoSolution {
+    /// The solution that is connected with a small step without noise was followed and lost before the whole step; any other
+    /// solution that the equations may have belongs to another branch, and is not taken.
+    #[error("{}", branch_lost(*t, *h, dw, *step, *reached))]
+    BranchLost {
         /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
         /// Step size.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         h: f64,
         /// Increments of the noise.
         dw: Vec<f64>,
-        /// The part of the increments up to which the solution exists; NaN where there is none even without noise.
+        /// The part of the step size up to which the solution was followed without noise.
+        step: f64,
+        /// The part of the increments up to which it was followed at the whole step size; 0 where that was not reached.
         reached: f64,
+    },
+    /// The step ends where a function in L or in a noise is not defined.
+    #[error(
+        "the step from t = {t} with h = {h:e} leads out of the domain of L, from q = {q:?}, p = {p:?}: it needs {condition}; \
+         take a smaller h, or choose L so that the motion stays within its domain"
+    )]
+    OutsideDomain {
+        /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Step size.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        h: f64,
+        /// Configuration at the start of the step.
+        q: Vec<f64>,
+        /// Momentum at the start of the step.
+        p: Vec<f64>,
+        /// The condition that does not hold.
+        condition: String,
     },
     /// The equations of the step have a singular Jacobian.
     #[error(
@@ -109,16 +132,17 @@ pub enum StepError {
     },
 }
 
-/// The message of [`StepError::NoSolution`].
-fn no_solution(t: f64, h: f64, dw: &[f64], reached: f64) -> String {
+/// The message of [`StepError::BranchLost`].
+fn branch_lost(t: f64, h: f64, dw: &[f64], step: f64, reached: f64) -> String {
     let knobs = "take a smaller h, or let the trajectory do so with `refine`";
-    if reached.is_nan() {
+    if step < 1.0 {
         return format!(
-            "the equations of the step from t = {t} with h = {h:e} have no solution that is connected with that of a small step: {knobs}"
+            "the step from t = {t} with h = {h:e}: its solution was followed from h = 0 without noise and lost at {step:.3} of h, \
+             where it ends, branches or leaves the domain of L: {knobs}"
         );
     }
     format!(
-        "the equations of the step from t = {t} with h = {h:e} have no solution for the increments {dw:?} that is connected with \
-         that without noise: it ends at {reached:.3} of them; bound the increments with `Truncated`, {knobs}"
+        "the step from t = {t} with h = {h:e} and the increments {dw:?}: its solution was followed from no noise and lost at \
+         {reached:.3} of the increments, where it ends, branches or leaves the domain of L: {knobs}"
     )
 }

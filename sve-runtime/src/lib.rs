@@ -87,6 +87,7 @@ mod error;
 mod floats;
 mod integrator;
 mod lanes;
+mod legendre;
 mod linear;
 mod mechanics;
 mod method;
@@ -94,6 +95,7 @@ mod newton;
 pub mod noise;
 mod plan;
 mod power;
+mod regular;
 mod rules;
 mod state;
 #[cfg(feature = "study")]
@@ -259,9 +261,10 @@ pub mod __private {
         pub use crate::lanes::{LANES, Lane, Mask, StateLanes, is_left, rows};
     }
     pub use crate::linear::{solve, solve_oriented};
-    pub use crate::newton::{Evaluation, Newton, SolveError, Solver, spread};
+    pub use crate::newton::{BlockSolve, Evaluation, Newton, SolveError, Solver, spread};
     pub use crate::plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
     pub use crate::power::power_log;
+    pub use crate::regular::{all_positive, cold, is_regular_within};
     pub use crate::rules::Whole;
     pub use crate::state::State;
     pub use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System, Variational};

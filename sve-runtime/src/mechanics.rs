@@ -5,9 +5,10 @@
 //! `dq = v dt + Σ ∂G_a/∂p ∘ dW_a`, `dp = (∂L/∂q + F) dt − Σ ∂G_a/∂q ∘ dW_a`, `p = ∂L/∂v`, with `G = −γ` or `G = H₁`.
 
 use crate::error::StepError;
+use crate::legendre;
 use crate::linear;
 use crate::method::explain;
-use crate::newton::{Evaluation, Newton, SolveError};
+use crate::newton::SolveError;
 use crate::state::State;
 use crate::system::{Dims, IncrementsOf, NoiseJet, StateOf, System, VectorOf};
 
@@ -114,7 +115,7 @@ where
     #[inline]
     fn velocity_at(&self, t: f64, q: [f64; N], p: [f64; N]) -> Result<[f64; N], StepError> {
         let state = State { t, q, p };
-        solve_velocity(self, &state).map_err(|error| outside_a_step(error, &state))
+        legendre::velocity(self, &state).map_err(|error| outside_a_step(error, &state))
     }
 
     #[inline]
@@ -140,7 +141,8 @@ where
 
     #[inline]
     fn acceleration(&self, state: &State<N>) -> Result<Field<[f64; N]>, StepError> {
-        solve_motion(self, state)
+        legendre::velocity(self, state)
+            .and_then(|v| solve_motion(self, state, v))
             .and_then(|motion| finite(motion.second))
             .map_err(|error| outside_a_step(error, state))
     }
@@ -158,52 +160,6 @@ where
 
 // The same without the wording of errors: a method tells them of its whole step, not of one stage.
 
-/// The velocity with the momentum of `state`.
-#[inline]
-pub(crate) fn solve_velocity<S, const N: usize, const M: usize>(
-    system: &S,
-    state: &State<N>,
-) -> Result<[f64; N], SolveError>
-where
-    S: System<Dims = Dims<N, M>> + ?Sized,
-{
-    let State { t, q, p } = state;
-    let v = if S::AFFINE_MOMENTUM {
-        let at_rest = system.lagrangian_jet(*t, q, &[0.0; N]);
-        let mut rhs = *p;
-        for i in 0..N {
-            rhs[i] -= at_rest.dv[i];
-        }
-        linear::solve(&at_rest.dvv, &rhs).ok_or(SolveError::Singular { iteration: 0 })?
-    } else {
-        let newton = Newton::default();
-        let equations = |v: &[f64; N]| {
-            let jet = system.lagrangian_jet(*t, q, v);
-            let mut at = Evaluation {
-                residual: jet.dv,
-                magnitude: *p,
-                jacobian: jet.dvv,
-                curvature: f64::NAN,
-            };
-            for i in 0..N {
-                at.residual[i] -= p[i];
-                at.magnitude[i] = jet.dv[i].abs() + p[i].abs();
-            }
-            at
-        };
-        match newton.solve([0.0; N], equations) {
-            // the mass vanishes at rest, as for L = v⁴/4: from a velocity of the momentum's sign
-            Err(SolveError::Singular { iteration: 1 }) => newton.solve(*p, equations)?,
-            solved => solved?,
-        }
-    };
-    if v.iter().all(|x| x.is_finite()) {
-        Ok(v)
-    } else {
-        Err(SolveError::NonFinite)
-    }
-}
-
 /// The drift `(v, ∂L/∂q + F)`; only the velocity is known to be finite.
 #[inline]
 pub(crate) fn solve_drift<S, const N: usize, const M: usize>(
@@ -213,7 +169,7 @@ pub(crate) fn solve_drift<S, const N: usize, const M: usize>(
 where
     S: System<Dims = Dims<N, M>> + ?Sized,
 {
-    let q = solve_velocity(system, state)?;
+    let q = legendre::velocity(system, state)?;
     let mut p = system.lagrangian_jet(state.t, &state.q, &q).dq;
     if S::FORCED {
         let force = system.force_jet(state.t, &state.q, &q).value;
@@ -230,16 +186,16 @@ pub(crate) struct Motion<const N: usize> {
     pub(crate) second: Field<[f64; N]>,
 }
 
-/// The derivatives of the motion; only the velocity is known to be finite.
+/// The derivatives of the motion from the velocity `v`.
 #[inline]
 pub(crate) fn solve_motion<S, const N: usize, const M: usize>(
     system: &S,
     state: &State<N>,
+    v: [f64; N],
 ) -> Result<Motion<N>, SolveError>
 where
     S: System<Dims = Dims<N, M>> + ?Sized,
 {
-    let v = solve_velocity(system, state)?;
     let jet = system.lagrangian_jet(state.t, &state.q, &v);
     let force = system.force_jet(state.t, &state.q, &v);
     // d/dt ∂L/∂v = ∂L/∂q + F:  L_vv a = L_q + F − L_vq v − L_vt

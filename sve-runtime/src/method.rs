@@ -195,12 +195,11 @@ where
     };
     // asked of the plan at compile time: a step that does not iterate keeps its state in registers
     if const { iterates(S::PLAN) } {
-        let (end, x) = rescue(integrator, &{ *state }, h, &{ *dw })?;
+        let (end, x) = solve_by_continuation(integrator, &{ *state }, h, &{ *dw })?;
         *state = end;
         return Ok(x);
     }
-    let error = explain(error, &{ *state }, h, &{ *dw });
-    Err(look_at_the_mass(integrator.system(), error))
+    Err(explain_step(integrator, error, &{ *state }, h, &{ *dw }))
 }
 
 /// Whether a block of the step is solved by Newton's method.
@@ -255,11 +254,14 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
     (sum, (a - (sum - second)) + (b - second))
 }
 
-/// The step where its equations were not solved in the usual course: the solution followed from that without noise, one that has
-/// to be trusted where there is none to follow, or why there is none.
+/// A step on which the fast path failed: its solution followed by continuation from no noise and h → 0. Where the mass matrix is
+/// singular at the start there is nothing to follow, and Newton's result is accepted without that check.
+///
+/// # Errors
+/// Why neither gives a solution.
 #[cold]
 #[inline(never)]
-fn rescue<S, R, const N: usize, const M: usize>(
+fn solve_by_continuation<S, R, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     state: &State<N>,
     h: f64,
@@ -270,19 +272,21 @@ where
 {
     let system = integrator.system();
     let found = match continuation::follow(integrator, state, h, dw) {
-        Some(Ok(found)) => Ok(found),
-        Some(Err(Lost { noise })) => {
-            return Err(StepError::NoSolution {
+        Ok(found) => Ok(found),
+        Err(Lost::Ends { step, noise }) => {
+            return Err(StepError::BranchLost {
                 t: state.t,
                 h,
                 dw: dw.to_vec(),
+                step,
                 reached: noise,
             });
         }
-        None => {
+        Err(Lost::NoStart(SolveError::Singular { .. })) => {
             let solver = Solver::trusting(integrator.newton());
             system.increment(&system.prepare(h), state, h, dw, &solver)
         }
+        Err(Lost::NoStart(error)) => Err(error),
     };
     let mut end = *state;
     let error = match found {
@@ -291,8 +295,35 @@ where
         Ok(_) => SolveError::NonFinite,
         Err(error) => error,
     };
-    let error = explain(error, state, h, dw);
-    Err(look_at_the_mass(system, error))
+    Err(explain_step(integrator, error, state, h, dw))
+}
+
+/// The error of a step, with what the system knows of it: its conditions, and its mass matrix.
+#[cold]
+fn explain_step<S, R, const N: usize, const M: usize>(
+    integrator: &Integrator<S, R>,
+    error: SolveError,
+    state: &State<N>,
+    h: f64,
+    dw: &[f64; M],
+) -> StepError
+where
+    S: Variational<R> + System<Dims = Dims<N, M>>,
+{
+    let explained = explain(error, state, h, dw);
+    match (error, explained) {
+        (SolveError::OutsideDomain { condition }, StepError::NonFiniteResult { t, h, q, p }) => {
+            let condition = S::DOMAIN.get(condition).copied().unwrap_or("L is defined");
+            StepError::OutsideDomain {
+                t,
+                h,
+                q,
+                p,
+                condition: condition.to_owned(),
+            }
+        }
+        (_, explained) => look_at_the_mass(integrator.system(), explained),
+    }
 }
 
 /// Accepts positive finite step sizes.
@@ -421,11 +452,12 @@ pub(crate) fn explain<const N: usize, const M: usize>(
             residual,
             tolerance,
         },
-        SolveError::OtherBranch => StepError::NoSolution {
+        SolveError::OtherBranch => StepError::BranchLost {
             t,
             h,
             dw: dw.to_vec(),
-            reached: f64::NAN,
+            step: 0.0,
+            reached: 0.0,
         },
         SolveError::Singular { iteration } => StepError::Singular {
             t,
@@ -433,7 +465,7 @@ pub(crate) fn explain<const N: usize, const M: usize>(
             q: state.q.to_vec(),
             iteration,
         },
-        SolveError::NonFinite => StepError::NonFiniteResult {
+        SolveError::NonFinite | SolveError::OutsideDomain { .. } => StepError::NonFiniteResult {
             t,
             h,
             q: state.q.to_vec(),

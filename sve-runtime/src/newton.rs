@@ -18,8 +18,7 @@
 mod solver;
 mod update;
 
-pub use solver::Solver;
-pub(crate) use solver::Tape;
+pub use solver::{BlockSolve, Solver};
 pub(crate) use update::is_opposite;
 use update::{Update, is_regular, relative, update};
 
@@ -82,8 +81,13 @@ pub enum SolveError {
     },
     /// Residual or Jacobian is NaN or infinite.
     NonFinite,
-    /// What was found is separated by singular Jacobians from where the solution comes from.
+    /// Nothing shows that what was found is connected with the limit of no noise and h → 0.
     OtherBranch,
+    /// What was found is outside of the domain of L or of a noise.
+    OutsideDomain {
+        /// Which condition does not hold.
+        condition: usize,
+    },
 }
 
 /// Below the square root of rounding an exact Newton step squares the residual; one that does not even halve it

@@ -205,7 +205,9 @@ pub trait Variational<R>: System {
     /// What depends on parameters and step size alone.
     type Prepared: Copy;
     /// What the blocks of the step are solved for, `[f64; K]`.
-    type Unknowns: Copy;
+    type Unknowns: Copy + AsRef<[f64]> + AsMut<[f64]>;
+    /// The conditions that functions in L and in the noises put on where they are evaluated, as text.
+    const DOMAIN: &'static [&'static str] = &[];
     /// What the step became.
     const PLAN: &'static Plan;
     /// Whether [`increment`](Self::increment) returns `(q₁, p₁)` instead. So do linear steps whose matrix is another one in
@@ -213,6 +215,14 @@ pub trait Variational<R>: System {
     const RETURNS_STATE: bool;
     /// Computes what depends on parameters and step size alone.
     fn prepare(&self, h: f64) -> Self::Prepared;
+    /// What the blocks are solved for in the limit of no noise and h → 0, from velocity and acceleration at the start of the
+    /// step.
+    fn start(
+        &self,
+        state: &StateOf<Self>,
+        velocity: &VectorOf<Self>,
+        acceleration: &VectorOf<Self>,
+    ) -> Self::Unknowns;
     /// `(q₁ − q₀, p₁ − p₀)` of one step, see [`RETURNS_STATE`](Self::RETURNS_STATE), and what its blocks were solved for.
     ///
     /// # Errors
@@ -306,10 +316,20 @@ impl<S: Variational<R>, R> Variational<R> for &S {
     type Unknowns = S::Unknowns;
     const PLAN: &'static Plan = S::PLAN;
     const RETURNS_STATE: bool = S::RETURNS_STATE;
+    const DOMAIN: &'static [&'static str] = S::DOMAIN;
 
     #[inline]
     fn prepare(&self, h: f64) -> S::Prepared {
         (**self).prepare(h)
+    }
+
+    fn start(
+        &self,
+        state: &StateOf<S>,
+        velocity: &VectorOf<S>,
+        acceleration: &VectorOf<S>,
+    ) -> S::Unknowns {
+        (**self).start(state, velocity, acceleration)
     }
 
     #[inline]

@@ -105,7 +105,7 @@ impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
     /// let rotor = Integrator::new(Rotor, Midpoint);
     /// let start = State::new([0.0], [2.0]);
     /// let plain = rotor.trajectory(start, 0.5, Wiener::new(1)).take(1000).last().unwrap();
-    /// assert!(matches!(plain, Err(StepError::NoSolution { .. })));
+    /// assert!(matches!(plain, Err(StepError::BranchLost { .. })));
     ///
     /// let mut path = rotor.trajectory(start, 0.5, Wiener::new(1)).refine(16);
     /// for _ in 0..1000 {

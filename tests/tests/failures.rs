@@ -199,7 +199,7 @@ fn no_solution() {
             Ok(()) => assert!(state.q.iter().chain(&state.p).all(|x| x.is_finite())),
             Err(
                 StepError::NotConverged { t, h, .. }
-                | StepError::NoSolution { t, h, .. }
+                | StepError::BranchLost { t, h, .. }
                 | StepError::Singular { t, h, .. }
                 | StepError::NonFiniteResult { t, h, .. },
             ) => {

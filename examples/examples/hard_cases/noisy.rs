@@ -86,7 +86,7 @@ fn without_solution() -> (Verdict, String) {
     let rotor = Integrator::new(Rotor { s: 0.3 }, Midpoint);
     let path = rotor.trajectory(rotor_start(), H, Wiener::new(1));
     match path.take(100_000).find_map(Result::err) {
-        Some(StepError::NoSolution { t, dw, reached, .. }) => {
+        Some(StepError::BranchLost { t, dw, reached, .. }) => {
             let numbers = format!(
                 "at t = {t:.1}: the solution ends at {reached:.2} of ΔW = {:.2}",
                 dw[0]

@@ -12,11 +12,12 @@ use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::code::Printer;
-use super::solve::{names, sum_of_stages};
-use super::values::{Newton, Solve, Step, System};
+use super::solve::{accepted, names, sum_of_stages};
+use super::step::inside;
+use super::values::{Chosen, Newton, Solve, Step, System};
 use crate::model::{Meaning, Symbols};
 use crate::schedule::{Operation, Tier, Value, operands};
-use crate::structure::{Block, Form, Iteration, Linear, Scheme, Solution};
+use crate::structure::{Block, Form, Iteration, Judge, Linear, Scheme, Solution};
 use crate::symbolic::Arena;
 
 /// Unknowns of a block up to which it is solved in lanes.
@@ -39,7 +40,11 @@ pub(super) fn lanes(
     if !scheme.blocks.iter().all(fits) {
         return None;
     }
-    let step = Step::new(scheme, start, symbols, arena);
+    let chosen = Chosen {
+        start,
+        bounds: Judge::full,
+    };
+    let step = Step::new(scheme, chosen, symbols, arena);
     if step.program.all().count() > INSTRUCTIONS {
         return None;
     }
@@ -74,9 +79,13 @@ pub(super) fn lanes(
     })
 }
 
-/// Whether a block is small and dense.
+/// Whether a block is small and dense, and its solution judged where it is iterated: only the scalar step can follow a solution.
 fn fits(block: &Block) -> bool {
-    block.band.is_none() && block.unknowns.len() <= UNKNOWNS
+    let is_judged = match &block.solution {
+        Solution::Formula(_) | Solution::System { .. } => true,
+        Solution::Iteration(iteration) => iteration.judge.is_some(),
+    };
+    is_judged && block.band.is_none() && block.unknowns.len() <= UNKNOWNS
 }
 
 /// What the iteration starts from. That of a single unknown is worth a division, since a lane waits for the slowest of all:
@@ -130,7 +139,14 @@ impl Loops {
                 loops.note(value, Some(begin + 1), scheme, step);
             }
         }
-        for &value in step.dq.iter().chain(&step.dp) {
+        for (at, solve) in step.solves.iter().enumerate() {
+            let end = loops.of_block[at] + 2;
+            for value in solve.judge() {
+                loops.note(value, Some(end), scheme, step);
+            }
+        }
+        let domain = step.domain.iter().map(|c| &c.0);
+        for &value in step.dq.iter().chain(&step.dp).chain(domain) {
             loops.note(value, Some(current), scheme, step);
         }
         for uses in &mut loops.uses {
@@ -200,24 +216,32 @@ impl Writer<'_> {
                 (Solve::Iteration(newton), Solution::Iteration(iteration)) => {
                     let (course, guess) = (course(at), self.guess(at, newton, iteration));
                     let origin = self.origin(newton);
-                    section.extend(quote!(#course.begin(lane, #guess, #origin);));
+                    let limit = self.limit(newton, iteration);
+                    section.extend(quote!(#course.begin(lane, #guess, #limit, #origin);));
                     let size = Literal::usize_unsuffixed(iteration.iterates.len());
+                    let judged = newton.judge.is_some();
                     let one = self.one(self.loops.of_block[at], &section);
                     let iterate = self.iterate(at, newton, iteration);
                     tokens.extend(quote! {
-                        let mut #course = #private::lane::Course::<#size>::new(newton);
+                        let mut #course = #private::lane::Course::<#size, #judged>::new(newton);
                         #one
                         #iterate
                     });
                     let solved = names(&iteration.solved, self.symbols);
-                    section = quote!(let #solved = #course.at(lane); #after);
+                    let judge = self.judge(&course, newton, iteration);
+                    section = match judge {
+                        Some([limits, judge]) => {
+                            quote!(let #solved = #course.at(lane); #limits #after #judge)
+                        }
+                        None => quote!(let #solved = #course.at(lane); #after),
+                    };
                 }
                 _ => section.extend(after),
             }
         }
         section.extend(self.advance());
         let last = self.one(self.loops.uses.len() - 1, &section);
-        let solved = self.solved();
+        let (solved, _) = self.solved();
         quote! {
             #tokens
             let mut any = 0u64;
@@ -259,9 +283,10 @@ impl Writer<'_> {
     /// Whether a value is an input that each loop can read: a state is not changed before the last one.
     fn is_read_again(&self, value: Value) -> bool {
         match self.step.program.get(value).operation {
-            Operation::Input(symbol) => {
-                !matches!(self.symbols.meaning(symbol), Meaning::Unknown(_))
-            }
+            Operation::Input(symbol) => !matches!(
+                self.symbols.meaning(symbol),
+                Meaning::Unknown(_) | Meaning::Limit(_)
+            ),
             _ => false,
         }
     }
@@ -294,6 +319,37 @@ impl Writer<'_> {
         })
     }
 
+    /// The limit of no noise and h → 0, where it is asked for.
+    fn limit(&self, newton: &Newton, iteration: &Iteration) -> TokenStream {
+        let size = Literal::usize_unsuffixed(iteration.iterates.len());
+        match &newton.judge {
+            None => quote!([f64::NAN; #size]),
+            Some(verdict) => {
+                let rhs = verdict.limit_rhs.as_ref().unwrap_or(&newton.guess.rhs);
+                let matrix = newton.origin.as_ref().unwrap_or(&newton.guess.matrix);
+                let (matrix, rhs) = (self.printer.matrix(&matrix.rows), self.printer.array(rhs));
+                let private = self.private;
+                quote!(#private::lane::solve(&#matrix, &#rhs))
+            }
+        }
+    }
+
+    /// Names of the limit, and the test of a solution.
+    fn judge(
+        &self,
+        course: &Ident,
+        newton: &Newton,
+        iteration: &Iteration,
+    ) -> Option<[TokenStream; 2]> {
+        let verdict = newton.judge.as_ref()?;
+        let limit = names(&iteration.judge.as_ref()?.limit, self.symbols);
+        let accepted = accepted(verdict, self.printer, self.private);
+        Some([
+            quote!(let #limit = #course.limit(lane);),
+            quote!(#course.judge(lane, #accepted);),
+        ])
+    }
+
     /// A number of the sign of the determinant in the limit of no noise and h → 0.
     fn origin(&self, newton: &Newton) -> TokenStream {
         let (private, printer) = (self.private, self.printer);
@@ -317,6 +373,7 @@ impl Writer<'_> {
             magnitude,
             jacobian,
             curvature,
+            judge: _,
         } = newton;
         let course = course(at);
         let iterates = names(&iteration.iterates, self.symbols);
@@ -352,7 +409,12 @@ impl Writer<'_> {
             quote!([#(#entries),*])
         };
         let (q, p) = (new(&quote!(q), dq), new(&quote!(p), dp));
-        let solved = self.solved();
+        let (solved, domain) = self.solved();
+        // a state outside of the domain of L is none
+        let poison = (!self.step.domain.is_empty()).then(|| {
+            let n = Literal::usize_unsuffixed(dq.len());
+            quote!(let p_lane = if true #domain { p_lane } else { [f64::NAN; #n] };)
+        });
         let store = |row: &str| {
             let (row, new) = (format_ident!("{row}"), format_ident!("{row}_lane"));
             (0..dq.len()).map(move |i| {
@@ -365,21 +427,26 @@ impl Writer<'_> {
         quote! {
             let q_lane = #q;
             let p_lane = #p;
+            #poison
             #(#store_q)*
             #(#store_p)*
             any |= #private::lane::is_left(q_lane, p_lane, #solved);
         }
     }
 
-    /// Whether all iterations of a lane arrived.
-    fn solved(&self) -> TokenStream {
+    /// Whether all iterations of a lane arrived, and, where the values are at hand, whether L is defined there.
+    fn solved(&self) -> (TokenStream, TokenStream) {
         let iterations = self.scheme.blocks.iter().enumerate();
         let arrived = iterations.filter_map(|(at, block)| {
             let course = course(at);
             matches!(block.solution, Solution::Iteration(_))
                 .then(|| quote!(& #course.arrived(lane)))
         });
-        quote!(true #(#arrived)*)
+        let domain = self.step.domain.iter().map(|&(value, is_closed)| {
+            let holds = inside(&self.printer.operand(value), is_closed);
+            quote!(& (#holds))
+        });
+        (quote!(true #(#arrived)*), quote!(#(#domain)*))
     }
 }
 

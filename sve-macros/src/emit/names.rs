@@ -346,6 +346,7 @@ impl Scope {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::{Family, Unknown};
     use crate::schedule::Tiers;
 
     /// Names of `x + h` with x known before a step, in the iteration of a block and after it, each labelled alike.
@@ -364,7 +365,7 @@ mod tests {
         ];
         let mut roots = Vec::new();
         for (i, tier) in places.into_iter().enumerate() {
-            let symbol = symbols.declare(Meaning::Unknown(format!("x_{i}")));
+            let symbol = symbols.declare(Unknown::of(Family::Displacement)(i));
             tiers.insert(symbol, tier);
             let x = arena.symbol(symbol);
             roots.push(arena.add(x, h));
@@ -397,7 +398,7 @@ mod tests {
         // what is known before an iteration is in scope in it
         assert_ne!(all_named(["a", "b", "a", "c", "d", "e", "f"])[2], "a");
         // inputs and variables of emitted code
-        for taken in ["x_3", "h", "state", "guess"] {
+        for taken in ["d_3", "h", "state", "guess"] {
             assert_ne!(all_named([taken, "b", "a", "c", "d", "e", "f"])[0], taken);
         }
     }

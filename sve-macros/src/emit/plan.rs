@@ -35,6 +35,7 @@ pub(super) fn plan(
     let StepTexts {
         action,
         step: equations,
+        domain: _,
     } = texts;
     let texts = [&about.system(), &about.motion, action, equations];
     let [terms, motion, action, equations] = texts.map(|text| verbatim(text));

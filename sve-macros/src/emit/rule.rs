@@ -7,9 +7,11 @@ use super::lanes::lanes;
 use super::linearise::linearise;
 use super::plan::plan;
 use super::step::{self, Code};
-use super::{Context, Derived, attributes, documented, private, whole};
+use super::{Context, Derived, attributes, documented, private, verbatim, whole};
 use crate::explain::StepTexts;
+use crate::model::{Family, Meaning, Symbols, Unknown};
 use crate::structure::{Block, Form, Solution};
+use crate::symbolic::Symbol;
 
 pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) -> TokenStream {
     let (private, attributes) = (private(context.block), attributes());
@@ -44,6 +46,8 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
         .then(|| lanes(scheme, model.noises.len(), symbols, &private, arena))
         .flatten();
     let [doc, increment_doc] = documentation(texts);
+    let start = start(&linearisation.unknowns, symbols);
+    let domain = domain(texts);
     quote! {
         #doc
         #attributes
@@ -55,6 +59,16 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
             #[inline]
             fn prepare(&self, h: f64) -> [f64; #prepared] {
                 #prepare
+            }
+            #domain
+            #[inline]
+            fn start(
+                &self,
+                state: &#private::State<#n>,
+                velocity: &[f64; #n],
+                acceleration: &[f64; #n],
+            ) -> [f64; #unknowns] {
+                #start
             }
             #increment_doc
             #[inline]
@@ -72,6 +86,34 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
             #linearise
         }
     }
+}
+
+/// The conditions on where functions are evaluated, if there are any.
+fn domain(texts: &StepTexts) -> Option<TokenStream> {
+    let conditions = texts.domain.iter().map(|text| verbatim(text));
+    (!texts.domain.is_empty()).then(|| {
+        quote! {
+            const DOMAIN: &'static [&'static str] = &[#(#conditions),*];
+        }
+    })
+}
+
+/// What unknowns are in the limit of no noise and h → 0, where nothing moves and the acceleration is that of the motion.
+fn start(unknowns: &[Symbol], symbols: &Symbols) -> TokenStream {
+    let entries = unknowns.iter().map(|&symbol| {
+        let Meaning::Unknown(Unknown { family, index }) = *symbols.meaning(symbol) else {
+            return quote!(0f64);
+        };
+        let i = Literal::usize_unsuffixed(index);
+        match family {
+            Family::Displacement | Family::Flow => quote!(0f64),
+            Family::Velocity => quote!(velocity[#i]),
+            Family::Acceleration => quote!(acceleration[#i]),
+            // the multiplier of the velocity is the momentum
+            Family::Momentum | Family::Impulse => quote!(state.p[#i]),
+        }
+    });
+    quote!([#(#entries),*])
 }
 
 /// The rule, or the one that stands for it where it is derived without its structure.
@@ -112,7 +154,11 @@ fn code(derived: &Derived, private: &TokenStream, context: &Context<'_>) -> Code
 
 /// Of the implementation and of `increment`.
 fn documentation(texts: &StepTexts) -> [TokenStream; 2] {
-    let StepTexts { action, step } = texts;
+    let StepTexts {
+        action,
+        step,
+        domain: _,
+    } = texts;
     let of_action = "Discrete action, of which `p₀ = −∂S/∂q₀`, `p₁ = ∂S/∂q₁`, `0 = ∂S/∂(each internal variable)`:";
     let of_increment =
         "One step from `q₀`, `p₀`: `(q₁ − q₀, p₁ − p₀)`, or `(q₁, p₁)` where `RETURNS_STATE`.";

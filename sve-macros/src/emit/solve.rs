@@ -8,10 +8,10 @@ use super::count::Operations;
 use super::names::input_name;
 use super::rounding::rounding;
 use super::straight::{Printed, Straight, rows};
-use super::values::{Matrix, Newton, Solve, System, banded};
+use super::values::{Matrix, Newton, Solve, System, Verdict, banded};
 use crate::model::Symbols;
 use crate::schedule::Tier;
-use crate::structure::{Band, Block, Iteration, Linear, Refinement, Solution};
+use crate::structure::{Band, Block, Enclosure, Iteration, Linear, Refinement, Solution};
 use crate::symbolic::{Arena, Expr, Symbol};
 
 /// Writes solves.
@@ -23,10 +23,11 @@ pub(super) struct Solver<'a> {
 }
 
 impl Solver<'_> {
-    /// The solve of the block number `at` in a step of so many degrees of freedom.
+    /// The solve of the block number `at`, whose unknowns are those from number `first` on of what the step solves for, in a
+    /// step of so many degrees of freedom.
     pub(super) fn tokens(
         &self,
-        at: usize,
+        (at, first): (usize, usize),
         solve: &Solve,
         block: &Block,
         degrees_of_freedom: usize,
@@ -36,7 +37,7 @@ impl Solver<'_> {
                 self.system(system, &names(solved, self.symbols))
             }
             (Solve::Iteration(newton), Solution::Iteration(iteration)) => {
-                self.newton(at, newton, iteration, degrees_of_freedom)
+                self.newton((at, first), newton, iteration, degrees_of_freedom)
             }
             _ => TokenStream::new(),
         }
@@ -63,7 +64,7 @@ impl Solver<'_> {
 
     fn newton(
         &self,
-        at: usize,
+        (at, first): (usize, usize),
         newton: &Newton,
         iteration: &Iteration,
         degrees_of_freedom: usize,
@@ -82,6 +83,7 @@ impl Solver<'_> {
             magnitude,
             jacobian,
             curvature,
+            judge,
         } = newton;
         let size = Literal::usize_unsuffixed(iteration.iterates.len());
         let rest = rest(iteration, degrees_of_freedom);
@@ -100,14 +102,32 @@ impl Solver<'_> {
             Some(_) => (quote!(origin), quote!(origin)),
             None => (quote!(_), quote!(f64::NAN)),
         };
+        let limit = judge.as_ref().map(|verdict| match &verdict.limit_rhs {
+            None => quote!(guess),
+            Some(rhs) => {
+                let rhs = printer.array(rhs);
+                quote!(match #private::solve(&#matrix, &#rhs) {
+                    ::core::option::Option::Some(limit) => limit,
+                    ::core::option::Option::None => [f64::NAN; #size],
+                })
+            }
+        });
+        let limit = limit.unwrap_or_else(|| quote!([f64::NAN; #size]));
+        let (first, judged) = (Literal::usize_unsuffixed(first), judge.is_some());
+        let limits = iteration.judge.as_ref().map(|j| {
+            let names = names(&j.limit, symbols);
+            quote!(let #names = limit;)
+        });
         quote! {
-            let (guess, origin) = match #private::solve_oriented(&#matrix, &#rhs) {
-                ::core::option::Option::Some((guess, #oriented)) => ({ #guessed }, #origin),
-                ::core::option::Option::None => (#rest, f64::NAN),
+            let (guess, origin, limit) = match #private::solve_oriented(&#matrix, &#rhs) {
+                ::core::option::Option::Some((guess, #oriented)) => ({ #guessed }, #origin, #limit),
+                ::core::option::Option::None => (#rest, f64::NAN, [f64::NAN; #size]),
             };
             let fallback = || { #fallback };
             let rounding = |&#iterates: &[f64; #size]| { #rounding };
-            let #solved = newton.solve_or(guess, origin, fallback, rounding, |&#iterates: &[f64; #size]| {
+            let block = #private::BlockSolve { first: #first, judged: #judged, origin };
+            #limits
+            let #solved = newton.solve_block(block, guess, fallback, rounding, |&#iterates: &[f64; #size]| {
                 #statements
                 #private::Evaluation {
                     residual: #residual,
@@ -116,6 +136,64 @@ impl Solver<'_> {
                     curvature: #curvature,
                 }
             })?;
+        }
+    }
+
+    /// The test of the solution of a block, after the values that it needs.
+    pub(super) fn judge(&self, solve: &Solve, block: &Block) -> TokenStream {
+        let (Solve::Iteration(newton), Solution::Iteration(iteration)) = (solve, &block.solution)
+        else {
+            return TokenStream::new();
+        };
+        let (Some(verdict), Some(judge)) = (&newton.judge, &iteration.judge) else {
+            return TokenStream::new();
+        };
+        let private = self.private;
+        let accepted = accepted(verdict, self.printer, private);
+        let (full, or_full) = match &judge.full {
+            None => (None, None),
+            Some(bounds) => {
+                let full = self.full(bounds);
+                let full = quote!(let full = || { #full };);
+                (Some(full), Some(quote!(&& !#private::cold(full))))
+            }
+        };
+        quote! {
+            #full
+            if newton.judges() && !(#accepted) #or_full {
+                return ::core::result::Result::Err(#private::SolveError::OtherBranch);
+            }
+        }
+    }
+
+    /// Statements and the value of the test by the full bounds, computed where they stand.
+    fn full(&self, bounds: &Enclosure) -> TokenStream {
+        let Self {
+            private,
+            printer: _,
+            symbols,
+            arena,
+        } = self;
+        let Enclosure {
+            middle,
+            radii,
+            conditions,
+        } = bounds;
+        let roots: Vec<Expr> = bounds.exprs().copied().collect();
+        let conditions = [conditions.clone()];
+        let parts: [(&[Vec<Expr>], Vec<String>); 3] = [
+            (middle, rows("middle", middle.len())),
+            (radii, rows("radius", radii.len())),
+            (&conditions, vec!["distance".to_owned()]),
+        ];
+        let (statements, arrays) = Straight::new(arena, symbols, &roots).finish(private, &parts);
+        let [middle, radii, distances] = arrays.as_slice() else {
+            return quote!(false);
+        };
+        quote! {
+            #statements
+            let [distances] = #distances;
+            #private::is_regular_within(&#middle, &#radii) && #private::all_positive(&distances)
         }
     }
 
@@ -146,6 +224,23 @@ impl Solver<'_> {
             }
         }
     }
+}
+
+/// Whether a solution is accepted: the conditions hold and every matrix within the radii is regular.
+pub(super) fn accepted(
+    verdict: &Verdict,
+    printer: &Printer<'_>,
+    private: &TokenStream,
+) -> TokenStream {
+    let Verdict {
+        limit_rhs: _,
+        middle,
+        radii,
+        conditions,
+    } = verdict;
+    let (middle, radii) = (printer.matrix(middle), printer.matrix(radii));
+    let conditions = conditions.iter().map(|&c| printer.operand(c));
+    quote!(#private::is_regular_within(&#middle, &#radii) #(& (#conditions > 0f64))*)
 }
 
 /// The sum of the two stages of a guess.

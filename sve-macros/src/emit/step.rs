@@ -1,16 +1,16 @@
 //! The body of a step: the program of its tiers with the solves between them.
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use super::code::Printer;
 use super::count::Work;
 use super::names::input_name;
 use super::solve::Solver;
-use super::values::Step;
+use super::values::{Chosen, Step};
 use crate::model::{Meaning, Symbols};
 use crate::schedule::{Operation, Program, Tier};
-use crate::structure::Scheme;
+use crate::structure::{Block, Scheme, Solution};
 use crate::symbolic::{Arena, Symbol};
 
 /// The code of a step.
@@ -32,7 +32,11 @@ pub(super) fn code(
     private: &TokenStream,
     arena: &Arena,
 ) -> Code {
-    let step = Step::new(scheme, |iteration| &iteration.guess, symbols, arena);
+    let chosen = Chosen {
+        start: |iteration| &iteration.guess,
+        bounds: |judge| &judge.quick,
+    };
+    let step = Step::new(scheme, chosen, symbols, arena);
     let results = step.results();
     let mut printer = Printer::new(&step.program, symbols, &step.labels, private);
     let kept = printer.split_prepared(&results);
@@ -46,10 +50,23 @@ pub(super) fn code(
     let load = printer.load(&results);
     let start = [Tier::Noise, Tier::State].map(|tier| printer.statements(tier));
     let blocks = step.solves.iter().zip(&scheme.blocks).enumerate();
+    let mut first = 0;
     let blocks = blocks.map(|(at, (solve, block))| {
-        let solve = solver.tokens(at, solve, block, scheme.dq.len());
+        let tokens = solver.tokens((at, first), solve, block, scheme.dq.len());
+        first += solved(block);
         let after = printer.statements(Tier::Solved(at));
-        quote!(#solve #after)
+        let judge = solver.judge(solve, block);
+        quote!(#tokens #after #judge)
+    });
+    let blocks: Vec<TokenStream> = blocks.collect();
+    let domain = step.domain.iter().enumerate().map(|(at, &(value, is_closed))| {
+        let (value, at) = (printer.operand(value), Literal::usize_unsuffixed(at));
+        let holds = inside(&value, is_closed);
+        quote! {
+            if !(#holds) {
+                return ::core::result::Result::Err(#private::SolveError::OutsideDomain { condition: #at });
+            }
+        }
     });
     let (dq, dp) = (printer.array(&step.dq), printer.array(&step.dp));
     let unknowns = unknowns.iter().map(|&s| input_name(symbols, s));
@@ -62,9 +79,28 @@ pub(super) fn code(
             #load
             #(#start)*
             #(#blocks)*
+            #(#domain)*
             ::core::result::Result::Ok((#dq, #dp, [#(#unknowns),*]))
         },
         work: Work::of(&step.program).with_solves(scheme),
+    }
+}
+
+/// Whether a value is within its domain.
+pub(super) fn inside(value: &TokenStream, is_closed: bool) -> TokenStream {
+    if is_closed {
+        quote!(#value >= 0f64)
+    } else {
+        quote!(#value > 0f64)
+    }
+}
+
+/// How many unknowns of a block are solved for, those of formulas aside.
+fn solved(block: &Block) -> usize {
+    match &block.solution {
+        Solution::Formula(_) => 0,
+        Solution::System { solved, .. } => solved.len(),
+        Solution::Iteration(iteration) => iteration.solved.len(),
     }
 }
 

@@ -70,6 +70,14 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
                 const PLAN: &'static #private::Plan = &#plan;
                 const RETURNS_STATE: bool = false;
                 fn prepare(&self, h: f64) {}
+                fn start(
+                    &self,
+                    state: &#private::State<#n>,
+                    velocity: &[f64; #n],
+                    acceleration: &[f64; #n],
+                ) -> [f64; 0] {
+                    []
+                }
                 fn increment(
                     &self,
                     prepared: &(),

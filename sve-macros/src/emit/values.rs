@@ -6,17 +6,27 @@
 use super::names::Labels;
 use crate::model::Symbols;
 use crate::schedule::{Program, Scheduler, Tier, Tiers, Value};
-use crate::structure::{Band, Block, Form, Iteration, Linear, Refinement, Scheme, Solution};
+use crate::structure::{
+    Band, Block, Enclosure, Form, Iteration, Judge, Linear, Refinement, Scheme, Solution,
+};
 use crate::symbolic::{Arena, Expr};
 
-/// Which linear system an iteration starts from.
-pub(super) type Start = fn(&Iteration) -> &Linear;
+/// What of an iteration is printed in the main program of a step.
+#[derive(Clone, Copy)]
+pub(super) struct Chosen {
+    /// The linear system that it starts from.
+    pub(super) start: fn(&Iteration) -> &Linear,
+    /// The bounds that judge its solution.
+    pub(super) bounds: fn(&Judge) -> &Enclosure,
+}
 
 /// A step.
 pub(super) struct Step {
     pub(super) solves: Vec<Solve>,
     pub(super) dq: Vec<Value>,
     pub(super) dp: Vec<Value>,
+    /// What has to be positive, with whether 0 is allowed.
+    pub(super) domain: Vec<(Value, bool)>,
     pub(super) program: Program,
     /// What the values are.
     pub(super) labels: Labels,
@@ -52,26 +62,73 @@ pub(super) struct Newton {
     pub(super) magnitude: Vec<Value>,
     pub(super) jacobian: Matrix,
     pub(super) curvature: Option<Value>,
+    pub(super) judge: Option<Verdict>,
+}
+
+/// What decides whether a solution is connected with its limit.
+pub(super) struct Verdict {
+    /// Right-hand side of the limit where it is not the guess.
+    pub(super) limit_rhs: Option<Vec<Value>>,
+    pub(super) middle: Vec<Vec<Value>>,
+    pub(super) radii: Vec<Vec<Value>>,
+    pub(super) conditions: Vec<Value>,
+}
+
+impl Verdict {
+    fn new(
+        judge: &Judge,
+        chosen: Chosen,
+        iteration: &Iteration,
+        scheduler: &mut Scheduler<'_>,
+    ) -> Self {
+        let Enclosure {
+            middle,
+            radii,
+            conditions,
+        } = (chosen.bounds)(judge);
+        let mut rows = |matrix: &[Vec<Expr>]| -> Vec<Vec<Value>> {
+            matrix.iter().map(|row| scheduler.values(row)).collect()
+        };
+        let (middle, radii) = (rows(middle), rows(radii));
+        let differs = judge.limit_rhs != (chosen.start)(iteration).rhs;
+        Self {
+            limit_rhs: differs.then(|| scheduler.values(&judge.limit_rhs)),
+            middle,
+            radii,
+            conditions: scheduler.values(conditions),
+        }
+    }
+
+    /// Values that are used once a solution is found.
+    fn values(&self) -> impl Iterator<Item = Value> + '_ {
+        let entries = self.middle.iter().chain(&self.radii).flatten();
+        entries.chain(&self.conditions).copied()
+    }
 }
 
 impl Step {
     /// Turns all expressions of a scheme into one program.
-    pub(super) fn new(scheme: &Scheme, start: Start, symbols: &Symbols, arena: &Arena) -> Self {
+    pub(super) fn new(scheme: &Scheme, chosen: Chosen, symbols: &Symbols, arena: &Arena) -> Self {
         let Scheme {
             blocks,
             dq,
             dp,
             form,
+            domain,
             increments: _,
         } = scheme;
-        let (tiers, all) = wanted(scheme, start);
+        let (tiers, all) = wanted(scheme, chosen);
         let mut scheduler = Scheduler::new(arena, symbols, tiers, &all);
         let solves: Vec<Solve> = blocks
             .iter()
-            .map(|block| Solve::new(block, start, &mut scheduler))
+            .map(|block| Solve::new(block, chosen, &mut scheduler))
             .collect();
         let rows = [dq.as_slice(), dp].concat();
         let (dq, dp) = (scheduler.values(dq), scheduler.values(dp));
+        let domain: Vec<(Value, bool)> = domain
+            .iter()
+            .map(|c| (scheduler.value(c.value), c.is_closed))
+            .collect();
         let mut labels = Labels::default();
         if scheme.is_matrix() {
             labels.map(&scheduler, arena, symbols, &rows);
@@ -88,35 +145,40 @@ impl Step {
         };
         labels.vector(q, 0, &dq);
         labels.vector(p, 0, &dp);
-        let results = results(&solves, &dq, &dp);
+        let results = results(&solves, &dq, &dp, &domain);
         Self {
             program: scheduler.finish(&results),
             labels,
             solves,
             dq,
             dp,
+            domain,
         }
     }
 
     /// Every value that is used other than by an instruction.
     pub(super) fn results(&self) -> Vec<Value> {
-        results(&self.solves, &self.dq, &self.dp)
+        results(&self.solves, &self.dq, &self.dp, &self.domain)
     }
 }
 
-fn results(solves: &[Solve], dq: &[Value], dp: &[Value]) -> Vec<Value> {
-    let solves = solves.iter().flat_map(|s| [s.begin(), s.iterate()]);
+fn results(solves: &[Solve], dq: &[Value], dp: &[Value], domain: &[(Value, bool)]) -> Vec<Value> {
+    let solves = solves
+        .iter()
+        .flat_map(|s| [s.begin(), s.iterate(), s.judge()]);
     dq.iter()
         .chain(dp)
         .copied()
+        .chain(domain.iter().map(|c| c.0))
         .chain(solves.flatten())
         .collect()
 }
 
 /// When the unknowns of the blocks are known, and all that is to be computed.
-fn wanted(scheme: &Scheme, start: Start) -> (Tiers, Vec<Expr>) {
+fn wanted(scheme: &Scheme, chosen: Chosen) -> (Tiers, Vec<Expr>) {
     let mut tiers = Tiers::new();
     let mut all: Vec<Expr> = [scheme.dq.as_slice(), &scheme.dp].concat();
+    all.extend(scheme.domain.iter().map(|condition| condition.value));
     for (at, block) in scheme.blocks.iter().enumerate() {
         match &block.solution {
             Solution::Formula(_) => {}
@@ -125,7 +187,7 @@ fn wanted(scheme: &Scheme, start: Start) -> (Tiers, Vec<Expr>) {
                 all.extend(linear.matrix.iter().flatten().chain(&linear.rhs));
             }
             Solution::Iteration(iteration) => {
-                let guess = start(iteration);
+                let guess = (chosen.start)(iteration);
                 let Iteration {
                     guess: limit,
                     refinement,
@@ -134,9 +196,16 @@ fn wanted(scheme: &Scheme, start: Start) -> (Tiers, Vec<Expr>) {
                     residual,
                     jacobian,
                     curvature,
+                    judge,
                     iterates,
                     solved,
                 } = &**iteration;
+                if let Some(judge) = judge {
+                    // together with the solution
+                    tiers.extend(judge.limit.iter().map(|&s| (s, Tier::Solved(at))));
+                    all.extend((chosen.bounds)(judge).exprs());
+                    all.extend(&judge.limit_rhs);
+                }
                 if let Some(Refinement { first, rhs }) = refinement {
                     tiers.extend(first.iter().map(|&s| (s, Tier::Guess(at))));
                     all.extend(rhs);
@@ -164,12 +233,12 @@ fn formulas(blocks: &[Block], symbols: &Symbols) -> Vec<(Expr, String)> {
 }
 
 impl Solve {
-    fn new(block: &Block, start: Start, scheduler: &mut Scheduler<'_>) -> Self {
+    fn new(block: &Block, chosen: Chosen, scheduler: &mut Scheduler<'_>) -> Self {
         match &block.solution {
             Solution::Formula(_) => Self::Formula,
             Solution::System { linear, solved: _ } => Self::System(System::new(linear, scheduler)),
             Solution::Iteration(iteration) => {
-                let guess = System::new(start(iteration), scheduler);
+                let guess = System::new((chosen.start)(iteration), scheduler);
                 let origin = (!iteration.singular_at_rest)
                     .then(|| Matrix::new(&iteration.guess.matrix, scheduler));
                 let refinement = iteration.refinement.as_ref();
@@ -177,6 +246,9 @@ impl Solve {
                 let jacobian = Matrix::new(&iteration.jacobian, scheduler);
                 let residuals = iteration.residual.iter();
                 let (residual, magnitude) = residuals.map(|&r| scheduler.residual(r)).unzip();
+                let curvature = iteration.curvature.map(|c| scheduler.value(c));
+                let judge = iteration.judge.as_ref();
+                let judge = judge.map(|j| Verdict::new(j, chosen, iteration, scheduler));
                 Self::Iteration(Box::new(Newton {
                     guess,
                     origin,
@@ -184,7 +256,8 @@ impl Solve {
                     residual,
                     magnitude,
                     jacobian,
-                    curvature: iteration.curvature.map(|c| scheduler.value(c)),
+                    curvature,
+                    judge,
                 }))
             }
         }
@@ -199,8 +272,17 @@ impl Solve {
                 let refined = newton.refinement.iter().flatten().copied();
                 let origin = newton.origin.iter().flat_map(|m| &m.rows).flatten();
                 let guess = newton.guess.values().chain(origin.copied());
-                guess.chain(refined).collect()
+                let limit = newton.judge.iter().flat_map(|j| &j.limit_rhs).flatten();
+                guess.chain(refined).chain(limit.copied()).collect()
             }
+        }
+    }
+
+    /// Values that are used after an iteration to judge its solution.
+    pub(super) fn judge(&self) -> Vec<Value> {
+        match self {
+            Self::Formula | Self::System(_) => Vec::new(),
+            Self::Iteration(newton) => newton.judge.iter().flat_map(Verdict::values).collect(),
         }
     }
 
@@ -217,6 +299,7 @@ impl Solve {
                     magnitude,
                     jacobian,
                     curvature,
+                    judge: _,
                 } = &**newton;
                 let vectors = residual.iter().chain(magnitude);
                 let all = vectors.chain(jacobian.rows.iter().flatten());
@@ -242,6 +325,7 @@ impl Solve {
                     magnitude,
                     jacobian,
                     curvature,
+                    judge,
                 } = &**newton;
                 guess.matrix.label("mass", first, labels);
                 labels.vector("residual", first, residual);
@@ -254,6 +338,18 @@ impl Solve {
                     labels.vector("refinement_rhs", first, rhs);
                 }
                 labels.vector("magnitude", first, magnitude);
+                if let Some(Verdict {
+                    limit_rhs,
+                    middle,
+                    radii,
+                    conditions,
+                }) = judge
+                {
+                    labels.vector("limit_rhs", first, limit_rhs.as_deref().unwrap_or_default());
+                    labels.matrix("middle", first, middle);
+                    labels.matrix("radius", first, radii);
+                    labels.vector("distance", first, conditions);
+                }
             }
         }
     }

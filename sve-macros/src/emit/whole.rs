@@ -44,7 +44,8 @@ pub(super) fn code(
             let time = state.t;
             let guess = { #guess };
             let rounding = |&#iterates: &[f64; #size]| { #rounding };
-            let #solved = newton.solve_or(guess, f64::NAN, || #rest, rounding, |&#iterates: &[f64; #size]| {
+            let block = #private::BlockSolve { first: 0, judged: false, origin: f64::NAN };
+            let #solved = newton.solve_block(block, guess, || #rest, rounding, |&#iterates: &[f64; #size]| {
                 #evaluation
             })?;
             #results

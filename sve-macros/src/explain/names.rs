@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use crate::action::{Node, node};
-use crate::model::{Meaning, Quantity, Symbols};
+use crate::model::{Family, Meaning, Quantity, Symbols, Unknown};
 use crate::rule::Rule;
 use crate::symbolic::{self, Arena, Expr, Function, Notation, Symbol};
 
@@ -97,17 +97,18 @@ impl<'a> Names<'a> {
 
 /// What an unknown of a step is called.
 pub(crate) fn unknown(symbols: &Symbols, symbol: Symbol) -> String {
-    let name = symbols.name(symbol);
-    let Some((base, Ok(i))) = name.rsplit_once('_').map(|(base, i)| (base, i.parse())) else {
-        return name;
+    let Meaning::Unknown(Unknown { family, index }) = *symbols.meaning(symbol) else {
+        return symbols.name(symbol);
     };
-    let letter = match base {
-        "d" => "Δq",
-        "mu" => "μ",
-        "nu" => "ν",
-        other => other,
+    let letter = match family {
+        Family::Displacement => "Δq",
+        Family::Velocity => "v",
+        Family::Momentum => "p",
+        Family::Acceleration => "a",
+        Family::Impulse => "μ",
+        Family::Flow => "ν",
     };
-    component(letter, i, coordinates(symbols))
+    component(letter, index, coordinates(symbols))
 }
 
 fn component(letter: &str, i: usize, of: usize) -> String {
@@ -157,7 +158,7 @@ impl Notation for Names<'_> {
             Meaning::Start(Quantity::Position, i) => self.component("q₀", *i),
             Meaning::Start(Quantity::Momentum, i) => self.component("p₀", *i),
             Meaning::Wiener(i) => component("ΔW", *i, processes(self.symbols)),
-            Meaning::Unknown(_) => unknown(self.symbols, symbol),
+            Meaning::Unknown(_) | Meaning::Limit(_) => unknown(self.symbols, symbol),
         }
     }
 

@@ -16,6 +16,8 @@ pub(crate) struct StepTexts {
     pub(crate) action: String,
     /// The equations of the step after elimination, block by block, and its results.
     pub(crate) step: String,
+    /// The conditions on where functions are evaluated.
+    pub(crate) domain: Vec<String>,
 }
 
 /// Writes down a step.
@@ -44,7 +46,26 @@ pub(crate) fn step(
     StepTexts {
         action: lines.join("\n"),
         step: equations(rule, action, scheme, symbols, arena).join("\n"),
+        domain: domain(rule, scheme, symbols, arena),
     }
+}
+
+/// Characters from which on an expression is not written out in a condition.
+const CONDITION: usize = 120;
+
+/// The conditions on where functions are evaluated, `1 − v² > 0`.
+fn domain(rule: Rule, scheme: &Scheme, symbols: &Symbols, arena: &Arena) -> Vec<String> {
+    let conditions = scheme.domain.iter().map(|condition| {
+        let mut names = Names::new(symbols, Some(rule));
+        for e in arena.reachable(&[condition.text], |_| true) {
+            names.call_node(e, arena);
+        }
+        let value = arena.display(condition.text, CONDITION, &names);
+        let value = value.map_or_else(|| "an argument in L".to_owned(), |v| v.text);
+        let relation = if condition.is_closed { "≥" } else { ">" };
+        format!("{value} {relation} 0")
+    });
+    conditions.collect()
 }
 
 /// The action with L, γ and H₁ as functions, and its node.

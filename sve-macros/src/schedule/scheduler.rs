@@ -121,6 +121,7 @@ impl<'a> Scheduler<'a> {
                 let value = self.done[&x];
                 match function {
                     Function::Sin | Function::Cos => self.lower_angle(function, x),
+                    Function::Abs => self.push(Operation::Abs(value)),
                     _ => self.push(Operation::Call(function, value)),
                 }
             }

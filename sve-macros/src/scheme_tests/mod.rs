@@ -78,10 +78,13 @@ impl Case {
             Meaning::Start(Quantity::Position, i) => point.q0[*i],
             Meaning::Start(Quantity::Momentum, i) => point.p0[*i],
             Meaning::Wiener(i) => point.dw[*i],
-            Meaning::Position(_) | Meaning::Velocity(_) | Meaning::Momentum(_) => f64::NAN,
-            Meaning::Unknown(name) => {
-                let (list, names) = (&self.action.internal, &self.symbols);
-                let same = |s: &&Symbol| names.name(**s) == *name;
+            Meaning::Position(_)
+            | Meaning::Velocity(_)
+            | Meaning::Momentum(_)
+            | Meaning::Limit(_) => f64::NAN,
+            Meaning::Unknown(unknown) => {
+                let (list, symbols) = (&self.action.internal, &self.symbols);
+                let same = |s: &&Symbol| matches!(symbols.meaning(**s), Meaning::Unknown(u) if u == unknown);
                 let find = |list: &[Symbol]| list.iter().position(|s| same(&s));
                 match find(list) {
                     Some(at) => point.internal[at],

@@ -8,7 +8,7 @@ use crate::model::Meaning;
 use crate::symbolic::{Expr, Symbol};
 
 /// Expressions that take the place of symbols.
-type Replacement = HashMap<Symbol, Expr>;
+pub(super) type Replacement = HashMap<Symbol, Expr>;
 
 impl Reduced<'_> {
     /// Classifies a block and writes down what solves it; `known` gets what its unknowns are called afterwards.
@@ -64,6 +64,7 @@ impl Reduced<'_> {
                 solution,
             };
         }
+        let judge = self.judge(&residual, &jacobian, &unknowns, known);
         let explicit = self.guess(&residual, &jacobian, &unknowns);
         let singular_at_rest = explicit.is_none();
         let (guess, refinement) = explicit.unwrap_or_else(|| (at_zero.clone(), None));
@@ -80,6 +81,7 @@ impl Reduced<'_> {
             residual,
             jacobian,
             curvature,
+            judge: judge.filter(|_| !singular_at_rest),
             iterates,
             solved,
         };
@@ -108,6 +110,7 @@ impl Reduced<'_> {
             residual,
             jacobian,
             curvature: None,
+            judge: None,
             iterates: unknowns.clone(),
             solved: self.solved(&unknowns, known),
         };
@@ -155,7 +158,7 @@ impl Reduced<'_> {
     }
 
     /// The linear system of the Newton step from a point.
-    fn newton_step(
+    pub(super) fn newton_step(
         &mut self,
         residual: &[Expr],
         jacobian: &[Vec<Expr>],
@@ -217,7 +220,7 @@ impl Reduced<'_> {
     }
 
     /// The step size and the increments of the noise, as far as they occur.
-    fn small(&self, residual: &[Expr]) -> Vec<Symbol> {
+    pub(super) fn small(&self, residual: &[Expr]) -> Vec<Symbol> {
         let is_small = |s: &Symbol| {
             matches!(
                 self.symbols.meaning(*s),
@@ -245,9 +248,7 @@ impl Reduced<'_> {
         let mut point: Replacement = small.iter().map(|&s| (s, zero)).collect();
         let mut first = Vec::new();
         for &unknown in unknowns {
-            let symbol = self
-                .symbols
-                .declare(Meaning::Unknown(self.symbols.name(unknown)));
+            let symbol = self.symbols.declare(self.symbols.meaning(unknown).clone());
             point.insert(unknown, self.arena.symbol(symbol));
             first.push(symbol);
         }
@@ -271,8 +272,7 @@ impl Reduced<'_> {
     fn solved(&mut self, unknowns: &[Symbol], known: &mut Replacement) -> Vec<Symbol> {
         let mut solved = Vec::new();
         for &unknown in unknowns {
-            let name = Meaning::Unknown(self.symbols.name(unknown));
-            let symbol = self.symbols.declare(name);
+            let symbol = self.symbols.declare(self.symbols.meaning(unknown).clone());
             known.insert(unknown, self.arena.symbol(symbol));
             solved.push(symbol);
         }

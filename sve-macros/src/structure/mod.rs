@@ -8,17 +8,22 @@
 
 mod band;
 mod block;
+mod enclosure;
 mod graph;
+mod judge;
 mod outputs;
 
 use std::collections::{HashMap, HashSet};
 
 use crate::action::Action;
+use crate::domain::{self, Condition};
 use crate::equations::Equations;
-use crate::model::{Meaning, Quantity, Symbols};
+use crate::model::{Family, Meaning, Quantity, Symbols, Unknown};
 use crate::symbolic::{Arena, Expr, Node, Purpose, Symbol};
 pub(crate) use band::Band;
+pub(crate) use enclosure::Enclosure;
 use graph::{match_columns, strong_components};
+pub(crate) use judge::Judge;
 use outputs::{cheapest, linear_map};
 
 /// A step, ready to be scheduled.
@@ -27,6 +32,8 @@ pub(crate) struct Scheme {
     pub(crate) dq: Vec<Expr>,
     pub(crate) dp: Vec<Expr>,
     pub(crate) form: Form,
+    /// What has to hold at the solution, so that L is defined there.
+    pub(crate) domain: Vec<Condition>,
     /// `q₁ − q₀` and `p₁ − p₀` as the equations give them, for readers.
     pub(crate) increments: (Vec<Expr>, Vec<Expr>),
 }
@@ -104,6 +111,8 @@ pub(crate) struct Iteration {
     pub(crate) jacobian: Vec<Vec<Expr>>,
     /// Second derivative of a single equation in a single unknown.
     pub(crate) curvature: Option<Expr>,
+    /// What decides whether a solution is connected with its limit, where that can be bounded.
+    pub(crate) judge: Option<Judge>,
     /// Names of the iterates in `residual`, `jacobian` and `curvature`.
     pub(crate) iterates: Vec<Symbol>,
     pub(crate) solved: Vec<Symbol>,
@@ -130,7 +139,9 @@ pub(crate) fn analyse(
         residuals: equations.residuals,
         dq: equations.dq,
         dp: equations.dp,
+        domain: Vec::new(),
     };
+    system.domain = domain::conditions(&roots(action), system.arena);
     system.eliminate();
     let order = system.blocks()?;
     let mut blocks = Vec::new();
@@ -162,6 +173,7 @@ pub(crate) fn analyse(
         dq,
         dp,
         form: Form::Increment,
+        domain: system.domain_at(&known),
     };
     let mut scheme = linear_map(increments, action, symbols, arena);
     arena.stabilise(Purpose::Step, scheme.exprs());
@@ -178,6 +190,7 @@ pub(crate) fn unanalysed(equations: Equations, symbols: &mut Symbols, arena: &mu
         residuals: equations.residuals,
         dq: equations.dq,
         dp: equations.dp,
+        domain: Vec::new(),
     };
     let mut known = HashMap::new();
     let block = system.whole(&mut known);
@@ -190,6 +203,7 @@ pub(crate) fn unanalysed(equations: Equations, symbols: &mut Symbols, arena: &mu
         dq,
         dp,
         form: Form::Increment,
+        domain: Vec::new(),
     };
     arena.stabilise(Purpose::Step, scheme.exprs());
     scheme
@@ -203,9 +217,11 @@ impl Scheme {
             dq,
             dp,
             form: _,
+            domain,
             increments: _,
         } = self;
         let mut exprs: Vec<&mut Expr> = dq.iter_mut().chain(dp).collect();
+        exprs.extend(domain.iter_mut().map(|condition| &mut condition.value));
         for block in blocks {
             match &mut block.solution {
                 Solution::Formula(formula) => exprs.push(formula),
@@ -234,13 +250,16 @@ impl Iteration {
             residual,
             jacobian,
             curvature,
+            judge,
             iterates: _,
             solved: _,
         } = self;
         let refined = refinement.iter_mut().flat_map(|r| &mut r.rhs);
         let entries = residual.iter_mut().chain(jacobian.iter_mut().flatten());
         let linear = guess.exprs().chain(fallback.exprs());
-        linear.chain(refined).chain(entries).chain(curvature)
+        let judged = judge.iter_mut().flat_map(Judge::exprs);
+        let all = linear.chain(refined).chain(entries);
+        all.chain(curvature).chain(judged)
     }
 }
 
@@ -256,6 +275,13 @@ struct Reduced<'a> {
     residuals: Vec<Expr>,
     dq: Vec<Expr>,
     dp: Vec<Vec<Expr>>,
+    domain: Vec<Condition>,
+}
+
+/// What the functions of a step are called in: the action and the force.
+fn roots(action: &Action) -> Vec<Expr> {
+    let impulses = action.work.iter().map(|w| w.impulse);
+    std::iter::once(action.value).chain(impulses).collect()
 }
 
 /// An unknown that an equation gives as `x = f(others)`.
@@ -275,6 +301,16 @@ struct Candidate {
 }
 
 impl Reduced<'_> {
+    /// The conditions of the domain at the solution of all blocks.
+    fn domain_at(&mut self, known: &HashMap<Symbol, Expr>) -> Vec<Condition> {
+        let conditions = self.domain.clone().into_iter();
+        let at = conditions.map(|condition| Condition {
+            value: self.arena.substitute(condition.value, known),
+            ..condition
+        });
+        at.collect()
+    }
+
     /// Removes every unknown that an equation gives as `x = f(others)` with a numeric coefficient, the shortest
     /// equation first.
     fn eliminate(&mut self) {
@@ -312,6 +348,9 @@ impl Reduced<'_> {
                         *expr = self.arena.substitute(*expr, &by);
                     }
                 }
+            }
+            for condition in &mut self.domain {
+                condition.value = self.arena.substitute(condition.value, &by);
             }
         }
     }
@@ -416,21 +455,21 @@ impl Reduced<'_> {
 /// Numerical Algorithms, section 10.1).
 fn foreign(equations: &Equations, action: &Action, symbols: &Symbols) -> Vec<HashSet<Symbol>> {
     let n = action.start_q.len();
-    let kind_and_index = |unknown: Symbol| match symbols.meaning(unknown) {
-        Meaning::Unknown(name) => name.split_once('_'),
+    let as_unknown = |symbol: Symbol| match symbols.meaning(symbol) {
+        Meaning::Unknown(unknown) => Some(*unknown),
         _ => None,
     };
     let forbidden = |row: usize, unknown: Symbol| {
-        let Some((kind, index)) = kind_and_index(unknown) else {
+        let Some(Unknown { family, index }) = as_unknown(unknown) else {
             return false;
         };
-        let is_own = index.parse() == Ok(row % n);
-        let variation = action.internal.get(row).copied().and_then(kind_and_index);
-        let is_motion = variation.is_some_and(|(of, _)| of == "nu");
-        match kind {
-            "v" => is_motion || !is_own,
-            "a" | "nu" => !is_own,
-            _ => false,
+        let variation = action.internal.get(row).copied().and_then(as_unknown);
+        let is_own = index == variation.map_or(row % n, |of| of.index);
+        let is_motion = variation.is_some_and(|of| of.family == Family::Flow);
+        match family {
+            Family::Velocity => is_motion || !is_own,
+            Family::Acceleration | Family::Flow => !is_own,
+            Family::Displacement | Family::Momentum | Family::Impulse => false,
         }
     };
     let rows = 0..equations.residuals.len();

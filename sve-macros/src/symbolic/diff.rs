@@ -136,6 +136,8 @@ impl Arena {
                 let y = self.factored(1.0, -1.0, x);
                 self.pow(y, -1)
             }
+            // the sign, which is NaN at 0
+            Function::Abs => self.div(x, value),
             Function::Powf(k) => {
                 let lower = self.constant_power(x, k.get() - 1.0);
                 self.scale(k.get(), lower)

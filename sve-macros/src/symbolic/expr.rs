@@ -65,6 +65,8 @@ pub(crate) enum Function {
     Atanh,
     /// A power with a constant exponent that is neither integer nor half-integer.
     Powf(Bits),
+    /// The magnitude: not in the language, since it is not smooth; bounds are made of it.
+    Abs,
 }
 
 /// Functions of two arguments.

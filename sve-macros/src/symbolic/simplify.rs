@@ -90,6 +90,33 @@ impl Arena {
         self.product(&[(a, k)])
     }
 
+    /// The magnitude, with what is known not to be negative left as it is.
+    pub(crate) fn abs(&mut self, a: Expr) -> Expr {
+        match self.node(a).clone() {
+            Node::Constant(value) => self.constant(value.get().abs()),
+            Node::Call(Function::Exp | Function::Cosh | Function::Sqrt | Function::Abs, _) => a,
+            Node::Sum(constant, terms) => match terms.as_slice() {
+                [(term, c)] if constant.get() == 0.0 => {
+                    let size = self.abs(*term);
+                    self.scale(c.get().abs(), size)
+                }
+                _ => self.call(Function::Abs, a),
+            },
+            Node::Product(factors) => {
+                let sizes: Vec<_> = factors
+                    .iter()
+                    .map(|&(base, k)| {
+                        // no factor of a product is a product, so this is as deep as the nesting of sums of one term
+                        let base = if k % 2 == 0 { base } else { self.abs(base) };
+                        (base, k)
+                    })
+                    .collect();
+                self.product(&sizes)
+            }
+            _ => self.call(Function::Abs, a),
+        }
+    }
+
     /// `Π base^exponent`, equal bases collected.
     pub(crate) fn product(&mut self, factors: &[(Expr, i32)]) -> Expr {
         let mut coefficient = 1.0;
@@ -340,12 +367,13 @@ impl Function {
             Self::Acosh => "acosh",
             Self::Atanh => "atanh",
             Self::Powf(_) => "powf",
+            Self::Abs => "abs",
         }
     }
 
     fn parity(self) -> Parity {
         match self {
-            Self::Cos | Self::Cosh => Parity::Even,
+            Self::Cos | Self::Cosh | Self::Abs => Parity::Even,
             Self::Sin
             | Self::Tan
             | Self::Asin
@@ -383,6 +411,7 @@ impl Function {
             Self::Acosh => x.acosh(),
             Self::Atanh => x.atanh(),
             Self::Powf(k) => x.powf(k.get()),
+            Self::Abs => x.abs(),
         }
     }
 }

@@ -9,7 +9,8 @@
 //! Strong order ½ (1 where the noise is additive), deterministic order 1.
 //! For: the stable scheme, which damps what should oscillate: its energy settles where the exact one grows.
 
-use crate::mechanics::{Field, correction_of, noise_of, solve_velocity};
+use crate::legendre;
+use crate::mechanics::{Field, correction_of, noise_of};
 use crate::newton::{Evaluation, Newton, SolveError};
 use crate::state::State;
 use crate::system::{Dims, System};
@@ -123,7 +124,7 @@ where
         }
         q
     };
-    let v = newton.solve(solve_velocity(system, state)?, |v| {
+    let v = newton.solve(legendre::velocity(system, state)?, |v| {
         let jet = system.lagrangian_jet(t, &at(&moved(v)), v);
         let force = system.force_jet(t, &at(&moved(v)), v);
         let mut equations = Evaluation {

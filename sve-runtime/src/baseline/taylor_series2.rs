@@ -6,6 +6,7 @@
 //! For: the method from which the second-order Taylor variational integrator is made, which spends the same derivatives on
 //! the action instead; this one gains energy without bound.
 
+use crate::legendre;
 use crate::mechanics::{Field, Motion, solve_motion};
 use crate::newton::SolveError;
 use crate::state::State;
@@ -65,7 +66,8 @@ impl<S> TaylorSeries2<S> {
     where
         S: System<Dims = Dims<N, 0>>,
     {
-        let Motion { first, second } = solve_motion(&self.system, state)?;
+        let v = legendre::velocity(&self.system, state)?;
+        let Motion { first, second } = solve_motion(&self.system, state, v)?;
         let mut d = first;
         for i in 0..N {
             d.q[i] = h * (first.q[i] + 0.5 * h * second.q[i]);

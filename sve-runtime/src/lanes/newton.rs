@@ -20,8 +20,10 @@ const GIVEN_UP: u64 = 2;
 
 /// Iterations in `K` unknowns, a lane each.
 #[repr(C, align(64))]
-pub struct Course<const K: usize> {
+pub struct Course<const K: usize, const JUDGED: bool> {
     x: [Lane; K],
+    /// The solution in the limit of no noise and h → 0, for the judge.
+    limit: [Lane; K],
     /// Relative residuals of the last evaluation.
     previous: Lane,
     /// What the residuals have to come below in a calm iteration.
@@ -33,12 +35,13 @@ pub struct Course<const K: usize> {
     left: u32,
 }
 
-impl<const K: usize> Course<K> {
+impl<const K: usize, const JUDGED: bool> Course<K, JUDGED> {
     /// Before the first guess.
     #[inline(always)]
     pub fn new(newton: &Newton) -> Self {
         Self {
             x: [[0.0; LANES]; K],
+            limit: [[0.0; LANES]; K],
             // so large that the first residual passes for smaller, if it is finite
             previous: [f64::MAX; LANES],
             bound: [[f64::MAX; LANES]; K],
@@ -49,13 +52,31 @@ impl<const K: usize> Course<K> {
         }
     }
 
-    /// Sets the guess of a lane, and the sign of the determinant of its Jacobian without noise and step.
+    /// Sets the guess of a lane, and of its equations without noise and step the solution and the sign of the determinant of the
+    /// Jacobian.
     #[inline(always)]
-    pub fn begin(&mut self, lane: usize, guess: [f64; K], origin: f64) {
+    pub fn begin(&mut self, lane: usize, guess: [f64; K], limit: [f64; K], origin: f64) {
         for i in 0..K {
             self.x[i][lane] = guess[i];
+            if JUDGED {
+                self.limit[i][lane] = limit[i];
+            }
         }
-        self.origin[lane] = origin;
+        if !JUDGED {
+            self.origin[lane] = origin;
+        }
+    }
+
+    /// The limit of a lane.
+    #[inline(always)]
+    pub fn limit(&self, lane: usize) -> [f64; K] {
+        core::array::from_fn(|i| self.limit[i][lane])
+    }
+
+    /// Gives up a lane whose solution is not accepted.
+    #[inline(always)]
+    pub fn judge(&mut self, lane: usize, accepted: bool) {
+        self.end[lane] = if accepted { self.end[lane] } else { GIVEN_UP };
     }
 
     /// The point of a lane: to evaluate, or the root.
@@ -86,9 +107,9 @@ impl<const K: usize> Course<K> {
     pub fn update(&mut self, lane: usize, at: &Evaluation<K>) {
         let (relative, update, cubic, orientation) = updates(at);
         let previous = self.previous[lane];
-        // as in `Newton`; near rounding there is no test
-        let mut calm = (K != 1) | cubic;
-        for i in 0..K {
+        // as in `Newton`; near rounding there is no test, and none where the solution is judged afterwards
+        let mut calm = JUDGED | (K != 1) | cubic;
+        for i in 0..if JUDGED { 0 } else { K } {
             let residual = at.residual[i].abs();
             calm &= residual <= self.bound[i][lane];
             let size = if K == 1 {
@@ -98,7 +119,8 @@ impl<const K: usize> Course<K> {
             };
             self.bound[i][lane] = CALM * size;
         }
-        let usual = (calm | (previous < QUADRATIC)) & !is_opposite(orientation, self.origin[lane]);
+        let usual = JUDGED
+            | ((calm | (previous < QUADRATIC)) & !is_opposite(orientation, self.origin[lane]));
         let improves = (relative <= 0.5 * previous) & usual;
         // as in `Newton::update`
         let (r2, p2) = (relative * relative, previous * previous);
@@ -155,10 +177,10 @@ mod tests {
     use crate::newton::Newton;
 
     /// `x³ + x = a` from `x = a` with Chebyshev's update, all lanes.
-    fn cubic(a: &Lane, newton: &Newton) -> Course<1> {
-        let mut course = Course::<1>::new(newton);
+    fn cubic(a: &Lane, newton: &Newton) -> Course<1, false> {
+        let mut course = Course::<1, false>::new(newton);
         for lane in 0..LANES {
-            course.begin(lane, [a[lane]], 1.0);
+            course.begin(lane, [a[lane]], [0.0], 1.0);
         }
         while course.goes_on() {
             for lane in 0..LANES {
@@ -240,9 +262,9 @@ mod tests {
     #[test]
     fn a_turned_jacobian_is_given_up() {
         for (origin, arrives) in [(1.0, true), (f64::NAN, true), (-1.0, false)] {
-            let mut course = Course::<1>::new(&Newton::default());
+            let mut course = Course::<1, false>::new(&Newton::default());
             for lane in 0..LANES {
-                course.begin(lane, [1.5], origin);
+                course.begin(lane, [1.5], [0.0], origin);
             }
             while course.goes_on() {
                 for lane in 0..LANES {
@@ -262,7 +284,7 @@ mod tests {
 
     #[test]
     fn a_singular_jacobian_is_given_up() {
-        let mut course = Course::<1>::new(&Newton::default());
+        let mut course = Course::<1, false>::new(&Newton::default());
         while course.goes_on() {
             for lane in 0..LANES {
                 course.update(
@@ -282,9 +304,9 @@ mod tests {
     #[test]
     fn several_unknowns() {
         // the intersection of a circle and a diagonal
-        let mut course = Course::<2>::new(&Newton::default());
+        let mut course = Course::<2, false>::new(&Newton::default());
         for lane in 0..LANES {
-            course.begin(lane, [1.0 + 0.01 * lane as f64, 1.1], -1.0);
+            course.begin(lane, [1.0 + 0.01 * lane as f64, 1.1], [0.0; 2], -1.0);
         }
         while course.goes_on() {
             for lane in 0..LANES {

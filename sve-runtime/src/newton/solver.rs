@@ -1,8 +1,6 @@
-//! What a step hands to its iterations: the options, and where a solution is followed from one step to another, the guesses.
+//! What a step hands to the iterations of its blocks: the options, and how their solutions are found and accepted.
 //!
-//! Input: guess and equations of a block. Output: its solution. Invariant: without a tape the only cost is a test of that.
-
-use std::cell::{Cell, RefCell};
+//! Input: guess and equations of a block. Output: its solution. Invariant: without given guesses the only cost is a test of that.
 
 use super::{Evaluation, Newton, SolveError, Trust, Way};
 use crate::linear::Matrix;
@@ -11,45 +9,32 @@ use crate::linear::Matrix;
 #[derive(Clone, Copy, Debug)]
 pub struct Solver<'a> {
     newton: &'a Newton,
-    trust: Trust,
-    tape: Option<&'a Tape>,
+    mode: Mode<'a>,
 }
 
-/// The solutions of the blocks of a step, one after the other.
-#[derive(Debug, Default)]
-pub(crate) struct Tape {
-    /// Guesses; where they end, each block guesses for itself.
-    guesses: Vec<f64>,
-    /// How many of them are used.
-    used: Cell<usize>,
-    found: RefCell<Vec<f64>>,
+/// How solutions are found and accepted.
+#[derive(Clone, Copy, Debug)]
+enum Mode<'a> {
+    /// Blocks guess for themselves. A solution is judged by bounds of the Jacobian where the block has them, else by the
+    /// course of its iteration.
+    Fast,
+    /// Guesses of all unknowns are given, from the last point of a continuation; a solution is accepted where Newton's method
+    /// contracts towards it from there.
+    Following(&'a [f64]),
+    /// Any solution is accepted, where there is nothing to follow.
+    Trusting,
 }
 
-impl Tape {
-    pub(crate) fn new(guesses: Vec<f64>) -> Self {
-        Self {
-            guesses,
-            ..Self::default()
-        }
-    }
-
-    /// What was found.
-    pub(crate) fn into_found(self) -> Vec<f64> {
-        self.found.into_inner()
-    }
-
-    #[cold]
-    fn guess<const K: usize>(&self, own: [f64; K]) -> [f64; K] {
-        let used = self.used.get();
-        self.used.set(used + K);
-        let given = self.guesses.get(used..used + K);
-        given.and_then(|x| x.try_into().ok()).unwrap_or(own)
-    }
-
-    #[cold]
-    fn note(&self, solution: &[f64]) {
-        self.found.borrow_mut().extend(solution);
-    }
+/// A block of a step, for its iteration.
+#[derive(Clone, Copy, Debug)]
+pub struct BlockSolve {
+    /// Number of its first unknown among all of the step.
+    pub first: usize,
+    /// Whether its solution is judged by bounds of the Jacobian afterwards.
+    pub judged: bool,
+    /// A number of the sign of the determinant of the Jacobian in the limit of no noise and h → 0; NaN where there is no such
+    /// limit.
+    pub origin: f64,
 }
 
 impl<'a> Solver<'a> {
@@ -58,56 +43,68 @@ impl<'a> Solver<'a> {
     pub fn new(newton: &'a Newton) -> Self {
         Self {
             newton,
-            trust: Trust::Segment,
-            tape: None,
+            mode: Mode::Fast,
         }
     }
 
-    /// As [`new`](Self::new), where a solution cannot be followed.
+    /// As [`new`](Self::new), where a solution cannot be followed: any is accepted.
     pub(crate) fn trusting(newton: &'a Newton) -> Self {
         Self {
-            trust: Trust::Any,
-            ..Self::new(newton)
+            newton,
+            mode: Mode::Trusting,
         }
     }
 
-    /// Guesses are those of the tape, and a solution that is not in plain reach of its guess is none.
-    pub(crate) fn following(newton: &'a Newton, tape: &'a Tape) -> Self {
+    /// Starts from `guesses`, one of each unknown of the step, and accepts only what is reached by contracting updates.
+    pub(crate) fn following(newton: &'a Newton, guesses: &'a [f64]) -> Self {
         Self {
             newton,
-            trust: Trust::Calm,
-            tape: Some(tape),
+            mode: Mode::Following(guesses),
         }
     }
 
-    /// The solution of a block near `guess`; see the module's page. `origin` has the sign of the determinant of the Jacobian in
-    /// the limit of no noise and h → 0, or is NaN where there is no such limit.
+    /// Whether solutions have to pass the bounds of their block.
+    #[inline(always)]
+    pub fn judges(&self) -> bool {
+        matches!(self.mode, Mode::Fast)
+    }
+
+    /// The solution of a block near `guess`; see the module's page.
     ///
     /// # Errors
     /// [`SolveError`], from the last attempt.
     #[inline]
-    pub fn solve_or<const K: usize, J: Matrix<K>>(
+    pub fn solve_block<const K: usize, J: Matrix<K>>(
         &self,
+        block: BlockSolve,
         guess: [f64; K],
-        origin: f64,
         fallback: impl FnOnce() -> [f64; K],
         rounding: impl Fn(&[f64; K]) -> [f64; K],
         evaluate: impl Fn(&[f64; K]) -> Evaluation<K, J>,
     ) -> Result<[f64; K], SolveError> {
-        let guess = match self.tape {
-            None => guess,
-            Some(tape) => tape.guess(guess),
-        };
-        let way = Way {
+        let BlockSolve {
+            first,
+            judged,
             origin,
-            trust: self.trust,
+        } = block;
+        let (trust, origin) = match self.mode {
+            Mode::Fast if judged => (Trust::Any, f64::NAN),
+            Mode::Fast => (Trust::Segment, origin),
+            Mode::Following(_) => (Trust::Calm, origin),
+            Mode::Trusting => (Trust::Any, origin),
         };
-        let x = self
-            .newton
-            .solve_or(guess, way, fallback, rounding, evaluate)?;
-        if let Some(tape) = self.tape {
-            tape.note(&x);
-        }
-        Ok(x)
+        let guess = match self.mode {
+            Mode::Fast | Mode::Trusting => guess,
+            Mode::Following(guesses) => given(guesses, first).unwrap_or(guess),
+        };
+        let way = Way { origin, trust };
+        self.newton
+            .solve_or(guess, way, fallback, rounding, evaluate)
     }
+}
+
+/// The guesses of a block.
+#[cold]
+fn given<const K: usize>(guesses: &[f64], first: usize) -> Option<[f64; K]> {
+    guesses.get(first..first + K)?.try_into().ok()
 }

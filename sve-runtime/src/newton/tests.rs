@@ -2,7 +2,7 @@
 
 use std::cell::{Cell, RefCell};
 
-use super::{Evaluation, Newton, SolveError, Solver, Tape};
+use super::{BlockSolve, Evaluation, Newton, SolveError, Solver};
 
 /// One equation, its terms and its derivative.
 fn scalar(terms: &[f64], derivative: f64) -> Evaluation<1> {
@@ -322,7 +322,17 @@ fn oriented(
     evaluate: impl Fn(&[f64; 1]) -> Evaluation<1>,
 ) -> Result<[f64; 1], SolveError> {
     let newton = Newton::default();
-    Solver::new(&newton).solve_or([guess], origin, || [-guess], |_| [0.0], evaluate)
+    let solver = Solver::new(&newton);
+    solver.solve_block(block(origin), [guess], || [-guess], |_| [0.0], evaluate)
+}
+
+/// A block that is judged by the course of its iteration.
+fn block(origin: f64) -> BlockSolve {
+    BlockSolve {
+        first: 0,
+        judged: false,
+        origin,
+    }
 }
 
 #[test]
@@ -374,17 +384,14 @@ fn a_solution_that_is_followed_has_to_be_near() {
         ..square_root(x)
     };
     let follow = |guesses: Vec<f64>| {
-        let tape = Tape::new(guesses);
-        let solver = Solver::following(&newton, &tape);
-        let found = solver.solve_or([2.0], 1.0, || [8.0], |_| [0.0], evaluate);
-        found.map(|x| (x, tape.into_found()))
+        let solver = Solver::following(&newton, &guesses);
+        solver.solve_block(block(1.0), [2.0], || [8.0], |_| [0.0], evaluate)
     };
-    let (x, found) = follow(vec![1.5]).unwrap();
-    assert_eq!(found, x);
+    let x = follow(vec![1.5]).unwrap();
     assert!((x[0] - 2.0_f64.sqrt()).abs() < 1e-15);
     // far away, or on the side where the slope is negative
     assert!(follow(vec![0.3]).is_err());
     assert!(follow(vec![-1.5]).is_err());
-    // without a guess on the tape it is the block's own, from where the curve bends little on the way
+    // without a given guess it is the block's own, from where the curve bends little on the way
     assert!(follow(Vec::new()).is_ok());
 }

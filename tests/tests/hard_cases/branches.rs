@@ -71,12 +71,12 @@ fn compare(
             assert!(error <= 1e-6 * (1.0 + x.abs()), "{found} {x} {}", what());
             counts[0] += 1;
         }
-        (Err(StepError::NoSolution { reached, .. }), Branch::Ends(at)) => {
+        (Err(StepError::BranchLost { reached, .. }), Branch::Ends(at)) => {
             assert!((reached - at).abs() < 0.01, "{reached} {at} {}", what());
             counts[1] += 1;
         }
         // the reference has its own step size: within it of the fold either may be right
-        (Err(StepError::NoSolution { reached, .. }), Branch::Solution(_)) => {
+        (Err(StepError::BranchLost { reached, .. }), Branch::Solution(_)) => {
             assert!(reached > 0.999, "{reached} {}", what());
         }
         (Ok(_), Branch::Ends(at)) => assert!(at > 0.999, "another branch: {at} {}", what()),

@@ -52,7 +52,7 @@ fn place(error: &StepError) -> (f64, f64) {
         StepError::Singular { t, h, .. }
         | StepError::NonFiniteResult { t, h, .. }
         | StepError::NotConverged { t, h, .. }
-        | StepError::NoSolution { t, h, .. } => (t, h),
+        | StepError::BranchLost { t, h, .. } => (t, h),
         ref other => panic!("{other}"),
     }
 }

@@ -88,6 +88,7 @@ fn slope<T: Number>(function: Function, x: T, value: T) -> T {
         Function::Acosh => root(x.power(2).minus(one)),
         Function::Atanh => one.over(one.minus(x.power(2))),
         Function::Powf(k) => value.scale(k.get()).over(x),
+        Function::Abs => x.over(value),
     }
 }
 
