@@ -136,6 +136,7 @@ fn section(
     }
     let what = "an error at the end, by other programs";
     conclusions += &report::conclusion(what, &fastest(plots::strong, true));
+    println!("{}", report::plain(name, &conclusions));
     let figure = plots::figure(
         name,
         &all,

@@ -71,6 +71,15 @@ pub(crate) fn conclusion(what: &str, winners: &[Winner]) -> String {
     }
 }
 
+/// Conclusions for a terminal, a line each, with the problem before them.
+pub(crate) fn plain(problem: &str, conclusions: &str) -> String {
+    let text = conclusions.replace("<strong>", "").replace("</strong>", "");
+    let lines = text.split("<p>").filter(|line| !line.is_empty());
+    lines
+        .map(|line| format!("{problem} | {}\n", line.replace("</p>", "")))
+        .collect()
+}
+
 /// Orders where there are any, local slopes where the errors do not have one.
 fn orders(problem: &Problem) -> String {
     let report = &problem.report;

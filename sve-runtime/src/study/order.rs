@@ -196,8 +196,13 @@ impl Fit {
             // it is scatter
             return Some(size.max(standard_error));
         }
-        let ratio = match last.checked_sub(1) {
-            Some(level) => size / change(level).value.abs(),
+        let before = last.checked_sub(1).map(|level| change(level).value);
+        let ratio = match before {
+            // with noise up and down is scatter too, of paths that the jackknife does not have
+            Some(before) if self.random && before * value < 0.0 => {
+                return Some(size.max(before.abs()));
+            }
+            Some(before) => size / before.abs(),
             None if size <= SETTLED_ALONE => RATIOS.end,
             None => return None,
         };
