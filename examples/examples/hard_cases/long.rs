@@ -66,7 +66,9 @@ fn weights() -> Vec<f64> {
     };
     let mut weights: Vec<f64> = (0..BLOCK).map(weight).collect();
     let sum: f64 = weights.iter().sum();
-    weights.iter_mut().for_each(|w| *w /= sum);
+    for weight in &mut weights {
+        *weight /= sum;
+    }
     weights
 }
 

@@ -74,10 +74,12 @@ pub(crate) fn conclusion(what: &str, winners: &[Winner]) -> String {
 /// Conclusions for a terminal, a line each, with the problem before them.
 pub(crate) fn plain(problem: &str, conclusions: &str) -> String {
     let text = conclusions.replace("<strong>", "").replace("</strong>", "");
-    let lines = text.split("<p>").filter(|line| !line.is_empty());
+    let mut lines = String::new();
+    for line in text.split("<p>").filter(|line| !line.is_empty()) {
+        // writing into a String cannot fail
+        let _ = writeln!(lines, "{problem} | {}", line.replace("</p>", ""));
+    }
     lines
-        .map(|line| format!("{problem} | {}\n", line.replace("</p>", "")))
-        .collect()
 }
 
 /// Orders where there are any, local slopes where the errors do not have one.
@@ -182,7 +184,7 @@ pub(crate) fn head(machine: &str, peers: usize) -> String {
         "{STYLE}<p>Each figure answers: which method should I use for this error? Down is more precise, left is faster; the yellow band follows the fastest \
          method. Variational rules have solid lines, methods to compare with dashed ones.</p>\n\
          <p>Errors are root mean squares over paths of the distance of (q, p) from the reference at the end, on the same Brownian paths for all methods and step sizes. \
-         Weak errors are differences of means on these paths; what is below two standard errors is not drawn. Times are medians of alternating repeats, \
+         Weak errors are differences of means on these paths; what is below two standard errors is not drawn. Slopes of the invariant are those of least-squares lines through its values; of an error that only oscillates they are what is left at the ends, and change their sign with the step size. Times are medians of alternating repeats, \
          of the steps of one path on one thread, with the increments at hand. A method is called the fastest until another one is 10 % faster. \
          Methods whose errors fall more slowly than h^¼ are not counted among the fastest: they converge to something else, if at all. Where the \
          solution is not known, a problem with noise has the project's own midpoint rule with 16 times shorter steps for its reference, and \

@@ -84,6 +84,18 @@ pub struct NotAsymptotic {
     /// Slopes between consecutive step sizes, from the largest to the smallest, of those whose errors are neither of the size of the
     /// solution nor rounding. Their standard errors are those of the scatter between paths, NaN for a single one.
     pub slopes: Vec<Estimate>,
+    /// The order that the method has, where it tells.
+    pub of_method: Option<f64>,
+}
+
+impl NotAsymptotic {
+    /// Whether the errors still fall faster than the method's order says, as in [`Order::exceeds_method`].
+    pub fn exceeds_method(&self) -> bool {
+        let last = self.slopes.last();
+        self.of_method
+            .zip(last)
+            .is_some_and(|(order, last)| last.value > order + 2.0 * LARGEST_ERROR)
+    }
 }
 
 /// What the errors of a method tell of its order.

@@ -46,7 +46,9 @@ pub struct Row {
 pub struct Invariant {
     /// Largest difference from its first value, over steps and paths.
     pub largest: f64,
-    /// Secular change in a unit of time: the slope of the least-squares line through its values, averaged over paths.
+    /// The slope of the least-squares line through its values, averaged over paths: a secular change in a unit of time, where there is one.
+    /// Of an error that only oscillates it is what is left of the oscillation at the ends, of either sign: it passes through zero as the step
+    /// size changes, so that a single small value says nothing, and those of several step sizes have to be looked at together.
     pub drift: Estimate,
 }
 

@@ -299,7 +299,11 @@ where
                     points,
                     of_method: subject.order(),
                 }),
-                Convergence::Unsettled(slopes) => others.push(NotAsymptotic { method, slopes }),
+                Convergence::Unsettled(slopes) => others.push(NotAsymptotic {
+                    method,
+                    slopes,
+                    of_method: subject.order(),
+                }),
             }
         }
         (orders, others)

@@ -66,14 +66,19 @@ impl fmt::Display for Order {
             "{}: {value:.3} ± {error:.3} from {} step sizes",
             self.method, self.points
         )?;
-        match self.of_method {
-            Some(own) if self.exceeds_method() => write!(
-                f,
-                "; the method has order {own}, and its errors of that order cancel at this time, as where a rule is conjugate to \
-                 one of higher order (initial point and endpoint are, to Störmer–Verlet, for L = T(v) − V(q))"
-            ),
-            _ => Ok(()),
-        }
+        conjugate(f, self.of_method.filter(|_| self.exceeds_method()))
+    }
+}
+
+/// Why errors may fall faster than the order of their method says.
+fn conjugate(f: &mut fmt::Formatter<'_>, order: Option<f64>) -> fmt::Result {
+    match order {
+        Some(order) => write!(
+            f,
+            "; the method has order {order}, and its errors of that order cancel at this time, as where a rule is conjugate to \
+             one of higher order (initial point and endpoint are, to Störmer–Verlet, for L = T(v) − V(q))"
+        ),
+        None => Ok(()),
     }
 }
 
@@ -88,7 +93,8 @@ impl fmt::Display for NotAsymptotic {
             slopes => {
                 let slopes: Vec<String> =
                     slopes.iter().map(|s| format!("{:.2}", s.value)).collect();
-                write!(f, ", local slopes {}", slopes.join(", "))
+                write!(f, ", local slopes {}", slopes.join(", "))?;
+                conjugate(f, self.of_method.filter(|_| self.exceeds_method()))
             }
         }
     }
