@@ -304,6 +304,11 @@ def peer(task: str, program: str, how: str) -> Number:
 
 midpoint_pendulum = "a largest error of energy"
 
+FIRST = (
+    "rm -rf target/first && begin=$(date +%s) && cargo build -q --release --example paper --target-dir target/first"
+    " && echo built in $(($(date +%s) - begin)) s, $(du -sm target/first | cut -f1) MB; rm -rf target/first"
+)
+
 COMMANDS = [
     Command("paper", "cargo run --release --example paper", 6, [
         Number("paper.overflow", "Kubo, Euler–Maruyama uncorrected: overflow at t", text(r"overflow at t +([\d.]+)")),
@@ -312,6 +317,10 @@ COMMANDS = [
             "Kubo, Euler–Maruyama corrected: decimal exponent of the radius at t = 2000",
             exponent,
         ),
+    ]),
+    Command("first-build", FIRST, 100, [
+        Number("first.minutes", "first build of the example `paper`: minutes", lambda output: f"{float(find(output, r'built in ([0-9]+) s').group(1)) / 60:.1f}"),
+        Number("first.size", "the folder `target` after it: MB", text(r"built in \d+ s, (\d+) MB")),
     ]),
     Command("hard-cases", "cargo run --release --example hard_cases", 25, [
         *(stiff(row, m, long) for row in ("linear oscillator", "quartic oscillator") for m in ("endpoint", "initial point") for long in (False, True)),
