@@ -14,3 +14,6 @@ pub mod page;
 pub mod palette;
 mod raster;
 pub mod render;
+
+#[cfg(test)]
+mod documents;

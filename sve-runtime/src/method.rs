@@ -7,7 +7,7 @@ use crate::lanes::{ALL, Lane, Mask, StateLanes};
 use crate::linear;
 use crate::newton::{Newton, SolveError, Solver};
 use crate::noise::Noise;
-use crate::plan::{BlockKind, Plan};
+use crate::plan::{BlockKind, Plan, StrongOrder};
 use crate::state::State;
 use crate::system::{
     Dims, IncrementLanesOf, IncrementsOf, StateLanesOf, StateOf, System, Variational,
@@ -72,6 +72,11 @@ pub trait Method {
         dw: &IncrementsOf<Self::System>,
     ) -> Option<u32> {
         let _ = (prepared, state, h, dw);
+        None
+    }
+
+    /// The order of convergence at a fixed time, where the method tells: with noise the strong one, without the deterministic one.
+    fn order(&self) -> Option<f64> {
         None
     }
 
@@ -148,6 +153,15 @@ where
 
     /// The lowest limit with which the step gives the same bits: a guess that fails for want of iterations is replaced, and leads
     /// to the root along another way.
+    fn order(&self) -> Option<f64> {
+        let plan = self.plan();
+        Some(match plan.strong_order {
+            StrongOrder::Deterministic => f64::from(plan.deterministic_order),
+            StrongOrder::One => 1.0,
+            StrongOrder::Half { .. } => 0.5,
+        })
+    }
+
     fn newton_iterations(
         &self,
         prepared: &S::Prepared,

@@ -66,6 +66,34 @@ pub(crate) fn mean(
     )
 }
 
+/// A number against one that it is not expected to equal: they differ by something known, at most `known`, besides the scatter. The
+/// text says both parts of the difference, and no z, which would be large where all is well.
+pub(crate) fn apart(
+    what: impl AsRef<str>,
+    measured: f64,
+    expected: f64,
+    standard_error: f64,
+    (known, why): (f64, &str),
+) -> Check {
+    let off = 100.0 * (measured / expected - 1.0);
+    let parts = [known, STANDARD_ERRORS * standard_error].map(|x| (100.0 * x / expected).abs());
+    Check::near(
+        format!(
+            "{} (differs by {off:+.2} %; allowed {:.2} % for {why}, {:.2} % for scatter)",
+            what.as_ref(),
+            parts[0],
+            parts[1]
+        ),
+        measured,
+        expected,
+        STANDARD_ERRORS * standard_error + known,
+        format!("{why}, and {STANDARD_ERRORS} standard errors"),
+    )
+}
+
+/// Standard errors that a single number may be off: a false alarm in 150,000.
+const STANDARD_ERRORS: f64 = 4.5;
+
 fn main() -> ExitCode {
     match ensemble(&Options::parse()) {
         Ok(true) => ExitCode::SUCCESS,

@@ -67,7 +67,7 @@ pub(crate) fn report(options: &Options, tick: &dyn Fn()) -> Result<Report, Box<d
         figure: draw(options, &entries, &runs, &solution, &picture)?,
         caption: format!(
             "σ = 1, start (1, 0), h = {H}, T = {}, the same Wiener path everywhere, all phase plots on the same scale. \
-             Forward Euler–Maruyama {left}; backward Euler–Maruyama, which the paper prints as “symplectic \
+             Forward Euler–Maruyama {left}; backward Euler–Maruyama, which the text prints as “symplectic \
              Euler–Maruyama”, dissipates. The endpoint and initial-point rules are the symplectic methods; the exact \
              solution is drawn jointly with the increments of the path.",
             options.horizon

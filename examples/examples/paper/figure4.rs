@@ -50,7 +50,7 @@ pub(crate) fn report(options: &Options, tick: &dyn Fn()) -> Result<Report, Box<d
         figure: draw(options, &runs, left),
         caption: format!(
             "a = σ = 1, start (1, 0), h = {H}, T = {}, the same Wiener path everywhere. Exact: rotation by \
-             θ = at + σW(t). Euler–Maruyama is applied to the Stratonovich equation as it stands, as in the paper; it \
+             θ = at + σW(t). Euler–Maruyama is applied to the Stratonovich equation as it stands, as in the text; it \
              leaves the picture at t = {left:.1} and {overflow}. With the Itô correction of the drift (below) it solves the \
              right equation, and still does not keep the radius.",
             options.horizon

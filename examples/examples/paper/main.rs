@@ -1,4 +1,5 @@
-//! Figures 1 to 4 of "Stochastic Variational Integrators", and every number that they must show.
+//! Figures 1 to 4 of a text called "Stochastic Variational Integrators", and numbers that follow from its schemes. It is not the paper of
+//! Bou-Rabee and Owhadi of that title, but a later one that cites it; see [`TEXT`].
 //!
 //! Writes SVG, PNG and CSV of each figure and one `index.html` that needs nothing else; prints the table of measured and
 //! expected numbers; exits with status 1 where one is off. `cargo run --release --example paper -- --help` lists options.
@@ -141,22 +142,27 @@ fn html(options: &Options, reports: &[Report], drawings: &[String]) -> String {
         options.horizon, options.paths, options.seed
     );
     page::html(
-        "Stochastic variational integrators: the paper's figures",
+        "Four figures on stochastic variational integrators",
         &head,
         &sections,
-        ERRATA,
+        TEXT,
     )
 }
 
-/// Why labels differ from the paper's.
-const ERRATA: &str = "<section>
-<h2>Where this differs from the printed paper</h2>
+/// Which text it is, and why labels differ from its own.
+const TEXT: &str = "<section>
+<h2>Which text this is, and where it is read differently</h2>
+<p>Not “Stochastic variational integrators” by N. Bou-Rabee and H. Owhadi (IMA Journal of Numerical Analysis 29, 2009), but a later text of the
+same title, without a date in print, which cites theirs as its reference [2], says that numerical demonstrations were not presented there, and gives some in
+four figures: a pendulum, the stochastic linear oscillator on one path and on 100, and the Kubo oscillator. It prints no numbers for them:
+expected values here follow from its schemes, and were computed apart by <code>examples/peers/paper.py</code>.</p>
 <ol>
 <li>The printed “symplectic Euler–Maruyama”, q₁ = q₀ + h p₁, p₁ = p₀ − h q₁ + σΔW, is backward Euler: its determinant is
 1/(1 + h²), and its mean energy settles at 5. The discrete action of the endpoint rule gives q₁ = q₀ + h p₀,
-p₁ = p₀ − h q₁ + σΔW, which the paper prints as the partitioned method of its reference [5] and attributes to the initial point;
+p₁ = p₀ − h q₁ + σΔW, which the text prints as the partitioned method of its reference [5] and attributes to the initial point;
 the initial-point rule gives p₁ = p₀ − h q₀ + σΔW, q₁ = q₀ + h p₁. Here the two are called by their rules.</li>
-<li>With γ = −σq the paper's own equations give dp = … − σdW; for dp = … + σdW it is γ = +σq, which is used here.</li>
-<li>The oscillator's solution needs σ∫₀ᵗ sin(t − s) dW(s), not an integral to 1 without σ.</li>
+<li>With γ = −σq the text's own equations give dp = … − σdW; for dp = … + σdW it is γ = +σq, which is used here.</li>
+<li>The integral in the oscillator's solution runs to t, ∫₀ᵗ sin(t − s) dW(s); printed is an upper limit of 1. (σ = 1 was set before.)</li>
+<li>For the comparison on the Kubo oscillator the text refers to figure 2; it is in figure 4.</li>
 </ol>
 </section>";

@@ -9,8 +9,8 @@ pub(crate) const PAPER_HORIZON: f64 = 2000.0;
 /// The step size of the paper's figures.
 pub(crate) const H: f64 = 0.1;
 
-/// Draws figures 1 to 4 of "Stochastic Variational Integrators" from integrators derived at compile time, and compares
-/// every number that they must show with what is expected. Ends with status 1 where a number is off.
+/// Draws figures 1 to 4 of a text called "Stochastic Variational Integrators" (not Bou-Rabee and Owhadi's, which it cites) from
+/// integrators derived at compile time, and compares numbers with what its schemes must give. Ends with status 1 where one is off.
 #[derive(Clone, Debug, Parser)]
 #[command(name = "paper")]
 pub(crate) struct Options {

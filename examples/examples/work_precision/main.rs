@@ -136,6 +136,7 @@ fn section(
     }
     let what = "an error at the end, by other programs";
     conclusions += &report::conclusion(what, &fastest(plots::strong, true));
+    println!("{}", report::plain(name, &conclusions));
     let figure = plots::figure(
         name,
         &all,
@@ -157,8 +158,16 @@ fn section(
 
 /// Whether a method's error falls with the step size; of other programs it is taken for granted.
 fn converges(problem: &Problem, series: &plots::Series) -> bool {
-    let mut orders = problem.report.orders().iter();
-    series.foreign || orders.any(|order| order.method == series.name && order.order.value > 0.25)
+    const LEAST: f64 = 0.25;
+    let report = &problem.report;
+    let mut orders = report.orders().iter();
+    if let Some(order) = orders.find(|order| order.method == series.name) {
+        return order.order.value > LEAST;
+    }
+    let mut others = report.not_asymptotic().iter();
+    let slopes = others.find(|method| method.method == series.name);
+    let last = slopes.and_then(|method| method.slopes.last());
+    series.foreign || last.is_some_and(|slope| slope.value > LEAST)
 }
 
 /// Whether a record ends at that time, as far as its step size and times tell.

@@ -239,7 +239,7 @@ pub(crate) fn figure(
         let what = format!("largest error of {invariant}");
         below.push(panel(String::new(), times, (&what, largest), all));
         if below.len() < 2 {
-            let what = format!("secular drift of {invariant} in a unit of time");
+            let what = format!("|slope| of the line through {invariant}");
             below.push(panel(String::new(), times, (&what, drift), all));
         }
     } else if let Some(observed) = weak_name {

@@ -2,7 +2,7 @@
 
 use super::csv::Record;
 use super::estimate::Estimate;
-use super::order::Order;
+use super::order::{NotAsymptotic, Order};
 
 /// The results of a [`Study`](super::Study): a row for each method and number of steps.
 ///
@@ -15,6 +15,7 @@ pub struct Report {
     pub(super) observables: Vec<String>,
     pub(super) rows: Vec<Row>,
     pub(super) orders: Vec<Order>,
+    pub(super) not_asymptotic: Vec<NotAsymptotic>,
 }
 
 /// One method with one step size.
@@ -45,7 +46,9 @@ pub struct Row {
 pub struct Invariant {
     /// Largest difference from its first value, over steps and paths.
     pub largest: f64,
-    /// Secular change in a unit of time: the slope of the least-squares line through its values, averaged over paths.
+    /// The slope of the least-squares line through its values, averaged over paths: a secular change in a unit of time, where there is one.
+    /// Of an error that only oscillates it is what is left of the oscillation at the ends, of either sign: it passes through zero as the step
+    /// size changes, so that a single small value says nothing, and those of several step sizes have to be looked at together.
     pub drift: Estimate,
 }
 
@@ -92,9 +95,14 @@ impl Report {
         self.rows.iter().find(wanted)
     }
 
-    /// The measured order of each method that has enough points for one.
+    /// The measured order of each method whose errors have one at these step sizes: consecutive local slopes have settled.
     pub fn orders(&self) -> &[Order] {
         &self.orders
+    }
+
+    /// The other methods, with their local slopes.
+    pub fn not_asymptotic(&self) -> &[NotAsymptotic] {
+        &self.not_asymptotic
     }
 
     /// The rows as records of a file, with the source `sve` and its version.

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::clock::Watch;
 use super::estimate::Estimate;
-use super::order::{self, Level, Order};
+use super::order::{self, Convergence, Level, NotAsymptotic, Order};
 use super::reference::{Reference, Wanted};
 use super::report::{Invariant, Report, Row};
 use super::subject::{Subject, increments};
@@ -61,7 +61,7 @@ where
         .enumerate()
         .map(|(case, (method, steps))| plan.row(&outcomes, case, method, steps))
         .collect();
-    let orders = plan.orders(&outcomes);
+    let (orders, not_asymptotic) = plan.orders(&outcomes);
     plan.ask(&outcomes, &mut rows)?;
     Ok(Report {
         problem: study.problem.to_string(),
@@ -74,6 +74,7 @@ where
             .collect(),
         rows,
         orders,
+        not_asymptotic,
     })
 }
 
@@ -284,35 +285,44 @@ where
         row
     }
 
-    fn orders(&self, outcomes: &[Outcome]) -> Vec<Order> {
+    /// What the errors tell of the order of each method.
+    fn orders(&self, outcomes: &[Outcome]) -> (Vec<Order>, Vec<NotAsymptotic>) {
         let size = outcomes.iter().map(|o| o.size).sum::<f64>() / outcomes.len() as f64;
-        let order = |(method, (name, _)): (usize, &(_, _))| {
-            let name: &std::borrow::Cow<'_, str> = name;
-            let level = |(case, (of, steps)): (usize, (usize, usize))| {
-                let squares = outcomes
-                    .iter()
-                    .map(|outcome| Some(outcome.samples[case].as_ref()?.square))
-                    .collect::<Option<Vec<f64>>>();
-                let ln_h = (self.horizon / steps as f64).ln();
-                (of == method).then_some(Level {
-                    ln_h,
-                    squares: squares?,
-                })
-            };
-            let levels: Vec<Level> = self.cases().enumerate().filter_map(level).collect();
-            let (order, points) = order::fit(&levels, size.sqrt(), self.processes > 0)?;
-            Some(Order {
-                method: name.to_string(),
-                order,
-                points,
+        let (mut orders, mut others) = (Vec::new(), Vec::new());
+        for (method, (name, subject)) in self.study.methods.iter().enumerate() {
+            let levels = self.levels(outcomes, method);
+            let method = name.to_string();
+            match order::fit(levels, size.sqrt(), self.processes > 0) {
+                Convergence::Asymptotic(order, points) => orders.push(Order {
+                    method,
+                    order,
+                    points,
+                    of_method: subject.order(),
+                }),
+                Convergence::Unsettled(slopes) => others.push(NotAsymptotic {
+                    method,
+                    slopes,
+                    of_method: subject.order(),
+                }),
+            }
+        }
+        (orders, others)
+    }
+
+    /// The errors of a method with every number of steps with which no path failed.
+    fn levels(&self, outcomes: &[Outcome], method: usize) -> Vec<Level> {
+        let level = |(case, (of, steps)): (usize, (usize, usize))| {
+            if of != method {
+                return None;
+            }
+            let square = |outcome: &Outcome| Some(outcome.samples[case].as_ref()?.square);
+            Some(Level {
+                ln_h: (self.horizon / steps as f64).ln(),
+                steps,
+                squares: outcomes.iter().map(square).collect::<Option<_>>()?,
             })
         };
-        self.study
-            .methods
-            .iter()
-            .enumerate()
-            .filter_map(order)
-            .collect()
+        self.cases().enumerate().filter_map(level).collect()
     }
 
     /// Iterations and times, each on the first path that did not fail.

@@ -21,6 +21,9 @@ pub(super) type Visit<'a, S> = dyn FnMut(&StateOf<S>) -> Result<(), StepError> +
 pub(super) trait Subject<S: System>: Sync {
     fn system(&self) -> &S;
 
+    /// The order that the method has, where it tells.
+    fn order(&self) -> Option<f64>;
+
     /// The state at the end of the path, after a visit of each.
     fn walk(
         &self,
@@ -54,6 +57,10 @@ pub(super) fn increments<S: System>(path: &Recorded, step: usize) -> IncrementsO
 impl<S: System, I: Method<System = S> + Sync> Subject<S> for I {
     fn system(&self) -> &S {
         Method::system(self)
+    }
+
+    fn order(&self) -> Option<f64> {
+        Method::order(self)
     }
 
     fn walk(

@@ -3,6 +3,7 @@
 use core::fmt;
 
 use super::estimate::Estimate;
+use super::order::{NotAsymptotic, Order};
 use super::report::{Report, Row};
 
 const HEAD: [&str; 12] = [
@@ -42,17 +43,60 @@ impl fmt::Display for Report {
             line(f, &row.each_ref().map(String::as_str), &widths)?;
         }
         for order in &self.orders {
-            let Estimate {
-                value,
-                standard_error,
-            } = order.order;
-            writeln!(
-                f,
-                "  order of {}: {value:.3} ± {standard_error:.3} from {} step sizes",
-                order.method, order.points
-            )?;
+            writeln!(f, "  order of {order}")?;
+        }
+        for method in &self.not_asymptotic {
+            writeln!(f, "  order of {method}")?;
         }
         Ok(())
+    }
+}
+
+/// The method, its order with the error rounded up, and whether that is more than the method's own.
+impl fmt::Display for Order {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Estimate {
+            value,
+            standard_error,
+        } = self.order;
+        // no error is 0
+        let error = 1e-3 * (1e3 * standard_error).ceil().max(1.0);
+        write!(
+            f,
+            "{}: {value:.3} ± {error:.3} from {} step sizes",
+            self.method, self.points
+        )?;
+        conjugate(f, self.of_method.filter(|_| self.exceeds_method()))
+    }
+}
+
+/// Why errors may fall faster than the order of their method says.
+fn conjugate(f: &mut fmt::Formatter<'_>, order: Option<f64>) -> fmt::Result {
+    match order {
+        Some(order) => write!(
+            f,
+            "; the method has order {order}, and its errors of that order cancel at this time, as where a rule is conjugate to \
+             one of higher order (initial point and endpoint are, to Störmer–Verlet, for L = T(v) − V(q))"
+        ),
+        None => Ok(()),
+    }
+}
+
+/// The method and its local slopes.
+impl fmt::Display for NotAsymptotic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: not asymptotic", self.method)?;
+        match &self.slopes[..] {
+            [] => f.write_str(
+                ", no two step sizes with errors between a quarter of the solution and rounding",
+            ),
+            slopes => {
+                let slopes: Vec<String> =
+                    slopes.iter().map(|s| format!("{:.2}", s.value)).collect();
+                write!(f, ", local slopes {}", slopes.join(", "))?;
+                conjugate(f, self.of_method.filter(|_| self.exceeds_method()))
+            }
+        }
     }
 }
 

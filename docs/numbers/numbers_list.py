@@ -1,0 +1,394 @@
+"""The published numbers: for each its name, the command that prints it, and how it is found in what the command prints or writes."""
+
+import csv
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from math import exp, log
+from pathlib import Path
+from statistics import median
+
+
+@dataclass(frozen=True)
+class Output:
+    """What a command printed, and the root of the project, for the files that it wrote."""
+
+    text: str
+    root: Path
+
+    def records(self, path: str, **wanted: str) -> list[dict[str, str]]:
+        """The lines of a CSV file in which the columns have these values."""
+        with (self.root / "target/work-precision" / path).open(encoding="utf-8") as file:
+            rows = [row for row in csv.DictReader(file) if all(row[k] == v for k, v in wanted.items())]
+        if not rows:
+            raise LookupError(f"no {wanted} in {path}")
+        return rows
+
+
+Extract = Callable[[Output], str]
+
+
+@dataclass(frozen=True)
+class Number:
+    """A published number."""
+
+    name: str
+    what: str
+    extract: Extract
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command, about how long it runs on a quiet machine once compiled, and its numbers."""
+
+    name: str
+    line: str
+    seconds: int
+    numbers: list[Number]
+
+
+def short(x: float, digits: int = 2) -> str:
+    """A number with so many digits: 0.97, 5.4, 57, 1126."""
+    if x == 0.0:
+        return "0"
+    if not 1e-2 <= abs(x) < 1e5:
+        return f"{x:.{digits - 1}e}".replace("e-0", "e-").replace("e+0", "e")
+    decimals = max(0, digits - 1 - int(f"{x:e}".split("e")[1]))
+    return f"{x:.{decimals}f}"
+
+
+def time(seconds: float) -> str:
+    """A time with a unit."""
+    for unit, size in (("ns", 1e-9), ("µs", 1e-6), ("ms", 1e-3)):
+        if seconds < 999.5 * size:
+            return f"{short(seconds / size)} {unit}"
+    return f"{short(seconds)} s"
+
+
+def find(output: Output, pattern: str) -> re.Match[str]:
+    """The first match."""
+    match = re.search(pattern, output.text, re.M)
+    if match is None:
+        raise LookupError(pattern)
+    return match
+
+
+def text(pattern: str) -> Extract:
+    """The group of a pattern as it is printed."""
+    return lambda output: find(output, pattern).group(1)
+
+
+def value(pattern: str, digits: int = 2) -> Extract:
+    """The group of a pattern as a number with so many digits."""
+    return lambda output: short(float(find(output, pattern).group(1)), digits)
+
+
+def exponent(output: Output) -> str:
+    """The decimal exponent of the radius that corrected Euler–Maruyama ends at."""
+    return f"{float(find(output, r'ln radius at the horizon +([0-9.]+)').group(1)) / log(10.0):.0f}"
+
+
+# tables of the two benchmarks: task, by, ns, …
+
+
+def nanoseconds(task: str, by: str) -> Callable[[Output], float]:
+    """The median time of a side of a task."""
+    pattern = rf"^{re.escape(task)} +{re.escape(by)} +([\d.]+)"
+    return lambda output: float(find(output, pattern).group(1))
+
+
+def side(task: str, by: str) -> Extract:
+    """That time."""
+    return lambda output: short(nanoseconds(task, by)(output))
+
+
+def over(task: str, by: str, other: str) -> Extract:
+    """The ratio of the times of two sides."""
+    return lambda output: f"{nanoseconds(task, by)(output) / nanoseconds(task, other)(output):.2f}"
+
+
+# the example `work_precision`
+
+
+def fastest(problem: str, what: str, method: str, group: int) -> Extract:
+    """Where a method is the fastest: 1 the largest error, 2 the smallest, 3 the time for the largest, 4 for the smallest."""
+    pattern = rf"^{problem} \| For {what}[^:]*:.*?from (\S+) to (\S+) (?:{method}) \((.*?) to (.*?)\)"
+    return lambda output: find(output, pattern).group(group)
+
+
+def time_to(problem: str, method: str, error: float) -> Extract:
+    """The time to an error on the straight line, in logarithms, between the measured points beside it."""
+
+    def extract(output: Output) -> str:
+        rows = output.records(f"{problem}.csv", method=method)
+        points = [(float(r["error"]), float(r["time_to_solution_s"])) for r in rows]
+        for (e0, t0), (e1, t1) in zip(points, points[1:], strict=False):
+            if min(e0, e1) <= error <= max(e0, e1):
+                return time(exp(log(t0) + log(t1 / t0) * log(error / e0) / log(e1 / e0)))
+        raise LookupError(f"{method} does not reach {error} for {problem}")
+
+    return extract
+
+
+def reduced(problem: str, method: str, column: str, reduce: Callable[[list[float]], float], digits: int = 1) -> Extract:
+    """The largest, the last … of a column over the step sizes."""
+    return lambda output: short(
+        reduce([float(r[column]) for r in output.records(f"{problem}.csv", method=method) if r[column]]), digits
+    )
+
+
+def at_steps(method: str, steps: int, column: str) -> Extract:
+    """A column of the pendulum's table with a number of steps to t = 500."""
+
+    def extract(output: Output) -> str:
+        rows = output.records("pendulum.csv", method=method)
+        row = next(r for r in rows if round(500.0 / float(r["h"])) == steps)
+        x = float(row[column])
+        return time(x) if column == "time_to_solution_s" else short(x)
+
+    return extract
+
+
+def against_numba(problem: str) -> Callable[[Output], float]:
+    """A derived midpoint step over one written by hand in numba: the medians over the step sizes."""
+
+    def ratio(output: Output) -> float:
+        ns = [
+            median(float(r["ns_per_step"]) for r in output.records(path, method="midpoint"))
+            for path in (f"{problem}.csv", f"peers/numba_{problem}.csv")
+        ]
+        return ns[0] / ns[1]
+
+    return ratio
+
+
+PROBLEMS = ("linear_oscillator", "kubo", "synchrotron", "henon_heiles", "langevin", "pendulum", "double_pendulum", "kepler")
+
+
+def numba_range(reduce: Callable, output: Output) -> str:
+    """Over the problems but Kubo's."""
+    return f"{reduce(against_numba(problem)(output) for problem in PROBLEMS if problem != 'kubo'):.2f}"
+
+
+def pendulum_rows() -> list[Number]:
+    """Energy errors at about equal work: Runge–Kutta 4 makes twice the steps in about the same time."""
+    numbers = []
+    for steps in (1 << 13, 1 << 14, 1 << 15, 1 << 16):
+        for key, method, n in (("midpoint", "midpoint", steps), ("rk4", "Runge–Kutta 4", 2 * steps)):
+            for column, what in (
+                ("time_to_solution_s", "time to t = 500"),
+                ("energy_error", "largest energy error"),
+                ("energy_drift", "slope of the least-squares line through the energy"),
+            ):
+                name = f"wp.pendulum.{key}.{n}.{column.removeprefix('energy_').removesuffix('_to_solution_s')}"
+                numbers.append(Number(name, f"pendulum, {method}, {n} steps: {what}", at_steps(method, n, column)))
+    return numbers
+
+
+def cells(row: str, column: int) -> Extract:
+    """A cell of the table of `structure`: blocks 1, operations 2, calls 3, turns 4, times 8."""
+
+    def extract(output: Output) -> str:
+        line = find(output, rf"^\| {re.escape(row)} \| (.*) \|$").group(1)
+        return line.split(" | ")[column - 1].replace("+ 1 n", "+ n").replace("→ 1 n", "→ n")
+
+    return extract
+
+
+def rounded_cells(row: str, column: int) -> Extract:
+    """The same with its times rounded to two digits, or to whole nanoseconds."""
+    plain = cells(row, column)
+    return lambda output: " → ".join(
+        f"{float(x):.0f}" if float(x) >= 9.95 else short(float(x)) for x in plain(output).split(" → ")
+    )
+
+
+STRUCTURE = {
+    "pendulum": "pendulum, `midpoint`",
+    "oscillator": "linear oscillator, `endpoint`",
+    "kubo": "Kubo, `midpoint`",
+    "double": "double pendulum, `midpoint`",
+    "kepler": "Kepler, `midpoint`",
+    "chain": "chain of 12, `midpoint`",
+}
+
+
+def structure() -> list[Number]:
+    """The rows that the readme has."""
+    numbers = []
+    for key, row in STRUCTURE.items():
+        for column, what in ((1, "blocks"), (2, "operations"), (3, "calls"), (4, "turns")):
+            numbers.append(Number(f"structure.{key}.{what}", f"{row}: {what}, without structure → with it", cells(row, column)))
+        numbers.append(Number(f"structure.{key}.times", f"{row}: ns a step, likewise", rounded_cells(row, 8)))
+        numbers.append(Number(f"structure.{key}.ratio", f"{row}: ratio of the times", rounded_cells(row, 9)))
+    return numbers
+
+
+def case(row: str, method: str, pattern: str) -> Extract:
+    """A number of a row of `hard_cases`."""
+    return text(rf"^{row} +{method}  +(?:holds|blows up|stops|unresolved) +.*?{pattern}")
+
+
+WALK = r"within ([\d.]+) ε√n/2"
+LAST = r"first tenth, ([\d.e-]+) in the last"
+
+
+def long_rows() -> list[Number]:
+    """The long runs: envelope of the last tenth, and block means in units of the random walk."""
+    numbers = []
+    for h in ("0.01", "0.02", "0.03", "0.1"):
+        row = rf"pendulum +10⁷ steps of {h}: rounding errors"
+        what = f"pendulum, midpoint, 10⁷ steps of {h}: largest "
+        numbers.append(Number(f"hard.pendulum.{h}.energy", what + "energy error in the last tenth", case(row, "midpoint", LAST)))
+        numbers.append(Number(f"hard.pendulum.{h}.walk", what + "change of a block mean of the energy, in ε√n/2", case(row, "midpoint", WALK)))
+    for h in ("0.01", "0.03"):
+        row = rf"Kepler, circle +3·10⁶ steps of {h}: rounding errors"
+        what = f"circular orbit, midpoint, 3·10⁶ steps of {h}: largest change of a block mean of the angular momentum, in ε√n/2"
+        numbers.append(Number(f"hard.circle.{h}.walk", what, case(row, "midpoint", WALK)))
+    for h in ("0.01", "0.1"):
+        for key, method in (("plain", "endpoint"), ("compensated", "endpoint, compensated")):
+            row = rf"linear oscillator +10⁷ steps of {h}: rounding errors"
+            what = f"linear oscillator, {method}, 10⁷ steps of {h}: largest change of a block mean of q² + p² + hqp, in ε√n/2"
+            numbers.append(Number(f"hard.oscillator.{h}.{key}", what, case(row, method, WALK)))
+    for n, title in ((2500, "2,500"), (5000, "5,000"), (10000, "10,000")):
+        row = rf"Kepler, e = 0\.9 +1,000 periods of {title} steps"
+        what = f"Kepler, e = 0.9, 1,000 periods of {title} steps: largest energy error over the whole run"
+        numbers.append(Number(f"hard.kepler.{n}", what, case(row, "midpoint", r"energy within (\S+) ")))
+    return numbers
+
+
+def stiff(row: str, method: str, long: bool) -> Number:
+    """Where an oscillator blows up."""
+    pattern = r"steps, ([\d.]+) within 10⁶" if long else r"from ωh = ([\d.]+) within 5,000"
+    steps = "10⁶" if long else "5,000"
+    name = f"hard.{row.split()[0]}.{method.replace(' ', '-')}.{'long' if long else 'short'}"
+    return Number(name, f"{row}, {method}: blows up within {steps} steps from ωh", case(rf"{row} +stiff: ωh to 1000", method, pattern))
+
+
+def truncated(h: str) -> Number:
+    """Failing paths of the rotor, plain and truncated."""
+    what = f"rotor with H₁ of degree 4, h = {h}: failing paths of 20, plain and truncated"
+    return Number(f"hard.truncated.{h}", what, text(rf"plain and truncated:.*?h = {re.escape(h)}: (\d+, \d+)"))
+
+
+def built(scene: str, column: int, scale: float, digits: int = 2) -> Extract:
+    """A column of the only row of a scene's table: macro 2, release 6, R/L 10, ns 11; the macro unoptimised."""
+    pattern = rf"^{scene} by the rule midpoint\n.*\n +(.*)$"
+    return lambda output: short(scale * float(find(output, pattern).group(1).split()[column]), digits)
+
+
+SCENES = {"pendulum": ("n-pendulum", 6), "bodies": ("n-body", 24), "chain": ("chain", 48)}
+
+
+def expansion() -> list[Number]:
+    """What a system costs to compile."""
+    numbers = []
+    for key, (scene, n) in SCENES.items():
+        for what, column, scale, meaning in (
+            ("build", 6, 1e-3, "seconds of `cargo build --release`"),
+            ("macro", 2, 1e-3, "of which the macro, not optimised"),
+            ("operations", 10, 1.0, "operations of the residual over those of L"),
+            ("step", 11, 1e-3, "microseconds a step"),
+        ):
+            numbers.append(Number(f"build.{key}.{what}", f"{scene} of {n}: {meaning}", built(scene, column, scale)))
+    return numbers
+
+
+def peer(task: str, program: str, how: str) -> Number:
+    """A line of `ensembles.py`."""
+    pattern = rf"^{task} \| {program} \S+ \| {re.escape(how)} \| ([\d.]+) ns"
+    key = how.split("(")[0].replace(".", "-").lower()
+    return Number(f"peers.{program}.{key}.{task}", f"task {task} by {program}, {how}: ns a trajectory-step", value(pattern))
+
+
+midpoint_pendulum = "a largest error of energy"
+
+FIRST = (
+    "rm -rf target/first && begin=$(date +%s) && cargo build -q --release --example paper --target-dir target/first"
+    " && echo built in $(($(date +%s) - begin)) s, $(du -sm target/first | cut -f1) MB; rm -rf target/first"
+)
+
+COMMANDS = [
+    Command("paper", "cargo run --release --example paper", 6, [
+        Number("paper.overflow", "Kubo, Euler–Maruyama uncorrected: overflow at t", text(r"overflow at t +([\d.]+)")),
+        Number(
+            "paper.radius",
+            "Kubo, Euler–Maruyama corrected: decimal exponent of the radius at t = 2000",
+            exponent,
+        ),
+    ]),
+    Command("first-build", FIRST, 100, [
+        Number("first.minutes", "first build of the example `paper`: minutes", lambda output: f"{float(find(output, r'built in ([0-9]+) s').group(1)) / 60:.1f}"),
+        Number("first.size", "the folder `target` after it: MB", text(r"built in \d+ s, (\d+) MB")),
+    ]),
+    Command("hard-cases", "cargo run --release --example hard_cases", 25, [
+        *(stiff(row, m, long) for row in ("linear oscillator", "quartic oscillator") for m in ("endpoint", "initial point") for long in (False, True)),
+        *long_rows(),
+        *(truncated(h) for h in ("0.3", "0.1", "0.05", "0.02")),
+    ]),
+    Command("structure", "cargo run --release --example structure", 15, structure()),
+    Command("work-precision", "cargo run --release --example work_precision", 100, [
+        Number("wp.kubo.low", "Kubo: midpoint is the fastest for strong errors down to", fastest("kubo", "an error at the end", "midpoint", 2)),
+        Number("wp.kubo.midpoint", "Kubo: midpoint's time to an error of 2e-3", time_to("kubo", "midpoint", 2e-3)),
+        Number("wp.kubo.heun", "Kubo: Heun's time to an error of 2e-3", time_to("kubo", "Heun", 2e-3)),
+        Number("wp.kubo.circle", "Kubo, midpoint: largest change of q² + p², all step sizes", reduced("kubo", "midpoint", "energy_error", max)),
+        Number("wp.kubo.endpoint", "Kubo, endpoint without the correction: error with the finest step", reduced("kubo", "endpoint, uncorrected", "error", lambda x: x[-1], 2)),
+        Number("wp.kubo.initial", "Kubo, initial point without the correction: likewise", reduced("kubo", "initial point, uncorrected", "error", lambda x: x[-1], 2)),
+        Number("wp.oscillator.low", "linear oscillator: midpoint is the fastest down to", fastest("linear_oscillator", "an error at the end", "midpoint", 2)),
+        *(
+            Number(f"wp.{key}.low", f"{problem}: endpoint or initial point is the fastest down to", fastest(problem, "an error at the end", "endpoint|initial point", 2))
+            for key, problem in (("synchrotron", "synchrotron"), ("henon", "henon_heiles"), ("langevin", "langevin"))
+        ),
+        Number("wp.langevin.least", "double well, endpoint: ns a step, the least of all step sizes", reduced("langevin", "endpoint", "ns_per_step", min, 2)),
+        Number("wp.langevin.most", "double well, endpoint: ns a step, the most", reduced("langevin", "endpoint", "ns_per_step", max, 2)),
+        Number("wp.pendulum.low", "pendulum: midpoint is the fastest for energy errors down to", fastest("pendulum", midpoint_pendulum, "midpoint", 2)),
+        Number("wp.pendulum.short", "pendulum: midpoint's time for the largest of them", fastest("pendulum", midpoint_pendulum, "midpoint", 3)),
+        Number("wp.pendulum.long", "pendulum: midpoint's time for the smallest", fastest("pendulum", midpoint_pendulum, "midpoint", 4)),
+        *pendulum_rows(),
+    ]),
+    Command("steps", "cargo bench -p sve-runtime --bench steps -- nomatch", 5, [
+        Number("steps.oscillator", "linear oscillator, endpoint, over a three-line loop", over("oscillator endpoint", "sve", "three-line loop")),
+        Number("steps.kubo", "Kubo, midpoint, over its Cayley form", over("Kubo midpoint", "sve", "Cayley form")),
+        Number("steps.pendulum", "pendulum, midpoint, over naive Newton in two unknowns", over("pendulum midpoint", "sve", "naive Newton")),
+        Number("steps.pendulum.best", "pendulum, midpoint, over the best by hand", over("pendulum midpoint", "sve", "best by hand")),
+        Number("steps.pendulum.trajectory", "pendulum, midpoint, in a trajectory over naive Newton", over("pendulum midpoint", "sve trajectory", "naive Newton")),
+        Number("steps.pendulum.ns", "pendulum, midpoint: ns a step", side("pendulum midpoint", "sve")),
+        Number("steps.double", "double pendulum, midpoint, over naive Newton", over("double pendulum midpoint", "sve", "naive Newton")),
+        Number("steps.double.trajectory", "double pendulum, midpoint, in a trajectory over naive Newton", over("double pendulum midpoint", "sve trajectory", "naive Newton")),
+    ]),
+    Command("ensembles", "cargo bench -p sve-runtime --features ensemble --bench ensemble", 15, [
+        *(
+            Number(f"ensembles.{key}.{name}", f"{task}: ns a trajectory-step, {by}", side(task, by))
+            for key, task in (("A", "A oscillator endpoint"), ("B", "B Kubo midpoint"), ("pendulum", "pendulum midpoint"))
+            for name, by in (("sve", "sve"), ("hand", "by hand"), ("plain", "by hand, plain"))
+        ),
+        Number("ensembles.A.threads", "task A: two threads are so many times as fast as one", over("A, 2 threads against 1", "sve", "sve, 2 threads")),
+        Number("ensembles.B.threads", "task B: likewise", over("B, 2 threads against 1", "sve", "sve, 2 threads")),
+        Number("ensembles.double.sve", "double pendulum: ns a trajectory-step", side("double pendulum", "sve")),
+        Number("ensembles.double.single", "double pendulum: ns a step of a single one", side("double pendulum", "sve, scalar steps")),
+        Number("ensembles.vectors", "vectors of the machine", text(r"^with (.*?), medians")),
+    ]),
+    Command(
+        "expansion",
+        " && ".join(f"cargo bench -p sve-macros --bench expansion -- {scene} {n}" for scene, n in SCENES.values()),
+        60,
+        expansion(),
+    ),
+    Command("peer-ensembles", "target/peers/bin/python examples/peers/ensembles.py", 40, [
+        *(peer(task, program, how) for program, how in (("numba", "Generator(SFC64)"), ("numba", "np.random"), ("jax", "lax.scan")) for task in "AB"),
+        peer("A", "diffrax", "SemiImplicitEuler"),
+        peer("B", "diffrax", "Heun"),
+    ]),
+    Command("peer-steps", "target/peers/bin/python examples/peers/run.py --program numba", 60, [
+        Number("peers.steps.least", "midpoint steps over those by hand in numba, problems but Kubo: the least ratio", partial(numba_range, min)),
+        Number("peers.steps.most", "the same: the largest ratio", partial(numba_range, max)),
+        Number("peers.steps.kubo", "Kubo, midpoint step over its closed form by hand in numba", lambda output: f"{against_numba('kubo')(output):.2f}"),
+    ]),
+]
+
+FILES = {
+    "paper": [("target/paper/figure4.png", "docs/figure4.png")],
+    "work-precision": [(f"target/work-precision/{name}.svg", f"docs/work-precision-{name}.svg") for name in ("kubo", "pendulum")],
+}
+"""Figures of the readme: from where a command writes them to where the readme shows them."""
