@@ -29,7 +29,7 @@ impl Visitor for Repeated {
                 .step_prepared(&prepared, &mut prepared_state, h, &dw)
                 .unwrap();
             integrator.step(&mut plain_state, h, &dw).unwrap();
-            let time = start.t + f64::from(k + 1) * h;
+            let time = f64::from(k + 1).mul_add(h, start.t);
             prepared_state.t = time;
             plain_state.t = time;
             assert_eq!(state, prepared_state, "{} step {k}", name(integrator));
@@ -56,7 +56,7 @@ fn time_does_not_drift() {
     for k in 1..=100_000_u32 {
         let state = path.next().unwrap().unwrap();
         added += 0.1;
-        assert_eq!(state.t, 1.0 + f64::from(k) * 0.1);
+        assert_eq!(state.t, f64::from(k).mul_add(0.1, 1.0));
         assert_eq!(&state, path.state());
     }
     assert_ne!(added, 10_001.0, "adding h would have drifted");

@@ -6,6 +6,7 @@
 use core::hint::black_box;
 use std::time::{Duration, Instant};
 
+use crate::ensemble::fingerprint;
 use crate::error::StepError;
 use crate::method::Method;
 use crate::noise::Recorded;
@@ -20,6 +21,9 @@ pub(super) type Visit<'a, S> = dyn FnMut(&StateOf<S>) -> Result<(), StepError> +
 /// A [`Method`] of any type.
 pub(super) trait Subject<S: System>: Sync {
     fn system(&self) -> &S;
+
+    /// What tells this method, its options and the parameters of its system from others.
+    fn identity(&self) -> [u64; 2];
 
     /// The state at the end of the path, after a visit of each.
     fn walk(
@@ -54,6 +58,13 @@ pub(super) fn increments<S: System>(path: &Recorded, step: usize) -> IncrementsO
 impl<S: System, I: Method<System = S> + Sync> Subject<S> for I {
     fn system(&self) -> &S {
         Method::system(self)
+    }
+
+    fn identity(&self) -> [u64; 2] {
+        [
+            fingerprint::method(self),
+            fingerprint::parameters(Method::system(self)),
+        ]
     }
 
     fn walk(
