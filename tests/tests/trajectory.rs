@@ -63,6 +63,189 @@ fn time_does_not_drift() {
     assert_eq!(path.state().t, 10_001.0);
 }
 
+/// t₀ + k h to the nearest number: bounds with 53 bits each, and their sum as an integer.
+#[test]
+fn times_are_rounded_once() {
+    let oscillator = Integrator::new(oscillator(), Endpoint);
+    let mut random = Random::new(5);
+    let unit = 2.0_f64.powi(-40);
+    for round in 0..200 {
+        let start = (random.uniform(-1.0, 1.0) * 2.0_f64.powi(46)).round();
+        let h = (random.uniform(0.1, 1.0) * 2.0_f64.powi(30 + round % 15)).round();
+        let state = State::at(start * unit, [0.0], [0.0]);
+        let path = oscillator.trajectory(state, h * unit, NoNoise);
+        for (k, state) in (1..300).zip(path) {
+            // below 2⁵³ times 300: the conversion rounds to nearest, ties to even
+            let exact = start as i128 + i128::from(k) * h as i128;
+            assert_eq!(state.unwrap().t, exact as f64 * unit, "{start} + {k} · {h}");
+        }
+    }
+}
+
+/// A time that is infinite, or that a step does not change, is an error with the numbers, and the state is kept.
+#[test]
+fn times_that_do_not_advance_are_errors() {
+    let oscillator = Integrator::new(oscillator(), Endpoint);
+    let pendulum = Integrator::new(pendulum(), Midpoint);
+    for (start, h) in [
+        (1e16, 0.5),
+        (-1e16, 1.0),
+        (1.0, 1e-17),
+        (0.1, 1e-320),
+        (1e300, 1e280),
+        (1.7e308, 1e308),
+    ] {
+        let before = State::at(start, [0.0], [0.0]);
+        let expected = StepError::Time {
+            t: start,
+            h,
+            end: start + h,
+        };
+        let mut state = before;
+        let error = oscillator.step(&mut state, h, &[0.0]);
+        assert_eq!((error, state), (Err(expected.clone()), before));
+        let error = RungeKutta4::new(sve_tests::oracle::pendulum()).step(&mut state, h, &[]);
+        assert_eq!((error, state), (Err(expected.clone()), before));
+        if h < 1e200 {
+            let error = pendulum.step(&mut state, h, &[]);
+            assert_eq!((error, state), (Err(expected.clone()), before));
+        }
+        let mut path = oscillator.trajectory(before, h, NoNoise).refine(5);
+        assert_eq!(path.next(), Some(Err(expected.clone())));
+        assert_eq!(path.state(), &before);
+        assert_eq!(path.next(), None);
+        let text = expected.to_string();
+        assert!(text.contains(&format!("{h:e}")), "{text}");
+    }
+    // finite for a while: the last time is the last number
+    let h = 0.6 * f64::MAX;
+    let mut path = oscillator.trajectory(State::at(-h, [0.0], [0.0]), h, NoNoise);
+    assert_eq!(path.next().unwrap().unwrap().t, 0.0);
+    assert_eq!(path.next().unwrap().unwrap().t, h);
+    let (t, end) = (h, f64::INFINITY);
+    assert_eq!(path.next(), Some(Err(StepError::Time { t, h, end })));
+    // a step that changes the time by a single unit is one
+    let mut state = State::at(1.0, [0.0], [0.0]);
+    oscillator.step(&mut state, f64::EPSILON, &[0.0]).unwrap();
+    assert_eq!(state.t, 1.0 + f64::EPSILON);
+}
+
+/// Stored as text after each of some steps, and continued.
+struct Continued(Random);
+
+impl Visitor for Continued {
+    fn visit<S, R, const N: usize, const M: usize>(&mut self, integrator: &Integrator<S, R>)
+    where
+        S: Model<N, M> + Variational<R>,
+        R: Rule,
+    {
+        let start = S::point(&mut self.0);
+        let noise = || Wiener::new(3).path(4);
+        let whole: Vec<_> = integrator
+            .trajectory(start, 0.01, noise())
+            .take(20)
+            .map(Result::unwrap)
+            .collect();
+        for stop in [0, 1, 7, 19] {
+            let mut path = integrator.trajectory(start, 0.01, noise());
+            (0..stop).for_each(|_| drop(path.next()));
+            let text = serde_json::to_string(&path.snapshot()).unwrap();
+            let snapshot: Snapshot<State<N>> = serde_json::from_str(&text).unwrap();
+            assert_eq!(snapshot, path.snapshot());
+            let mut rest = integrator.resume(snapshot, noise()).unwrap();
+            assert_eq!(rest.step(), stop as u64);
+            for state in &whole[stop..] {
+                assert_eq!(
+                    &rest.next().unwrap().unwrap(),
+                    state,
+                    "{}",
+                    name(integrator)
+                );
+            }
+            // the same by hand: the noise from there on; only the time is counted from elsewhere
+            let middle = *path.state();
+            let mut rest = integrator.trajectory(middle, 0.01, noise().from_step(stop as u64));
+            if let Some(next) = whole.get(stop) {
+                assert_eq!(rest.next().unwrap().unwrap().p, next.p);
+            }
+        }
+    }
+}
+
+#[test]
+fn is_stored_and_continued_with_the_same_bits() {
+    every_step(&mut Continued(Random::new(21)));
+}
+
+/// With compensated sums and refined steps, which are more than a state.
+#[test]
+fn what_is_carried_is_stored_too() {
+    let oscillator = Integrator::new(oscillator(), Endpoint);
+    let start = State::at(0.3, [1.0], [0.2]);
+    let noise = Wiener::new(8);
+    let mut whole = oscillator
+        .trajectory(start, 1e-3, noise.clone())
+        .compensated();
+    let mut plain = oscillator.trajectory(start, 1e-3, noise.clone());
+    (0..1000).for_each(|_| drop((whole.next(), plain.next())));
+    let text = serde_json::to_string(&whole.snapshot()).unwrap();
+    let snapshot: Snapshot<State<1>> = serde_json::from_str(&text).unwrap();
+    assert_eq!(
+        (snapshot.step(), snapshot.h(), snapshot.state()),
+        (1000, 1e-3, whole.state())
+    );
+    let mut rest = oscillator.resume(snapshot.clone(), noise.clone()).unwrap();
+    // said again, it is the same
+    let mut again = oscillator
+        .resume(snapshot.clone(), noise.clone())
+        .unwrap()
+        .compensated();
+    let mut without = oscillator.trajectory(*whole.state(), 1e-3, noise.clone().from_step(1000));
+    let mut differs = false;
+    for _ in 0..1000 {
+        let state = whole.next().unwrap().unwrap();
+        assert_eq!(rest.next().unwrap().unwrap(), state);
+        assert_eq!(again.next().unwrap().unwrap(), state);
+        differs |= without.next().unwrap().unwrap().q != state.q;
+    }
+    assert!(differs, "the low parts matter");
+    assert_eq!(rest.snapshot(), whole.snapshot());
+    let error = EulerMaruyama::new(sve_tests::oracle::oscillator())
+        .resume(snapshot, noise.clone())
+        .err();
+    assert_eq!(error, Some(StepError::Uncompensated { t: 1.3 }));
+
+    let rotor = Integrator::new(Rotor, Midpoint);
+    let start = State::new([0.0], [2.0]);
+    let mut whole = rotor.trajectory(start, 0.5, Wiener::new(1)).refine(16);
+    (0..500).for_each(|_| drop(whole.next()));
+    assert!(whole.refinements().steps > 0);
+    let mut rest = rotor
+        .resume(whole.snapshot(), Wiener::new(1))
+        .unwrap()
+        .refine(16);
+    for _ in 0..500 {
+        assert_eq!(rest.next(), whole.next());
+    }
+    assert_eq!(rest.refinements(), whole.refinements());
+    assert_eq!(rest.snapshot(), whole.snapshot());
+}
+
+/// A pendulum with noise of fourth degree in the momentum, whose step has no solution for a large increment.
+struct Rotor;
+
+#[variational(midpoint)]
+impl Rotor {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v + q.cos()
+    }
+
+    #[h1]
+    fn jitter(&self, _q: f64, p: f64) -> f64 {
+        0.1 * p.powi(4)
+    }
+}
+
 fn ends_with<S, R, W, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     start: State<N>,
