@@ -53,10 +53,11 @@ impl Request {
 
     /// Distance from a whole number, in bins, within which the edges have to decide where a value belongs.
     ///
-    /// The place of a value is rounded four times, each edge once: 4ε bins and ε max(|low|, |high|)/(high − low) bins.
+    /// The place of a value is rounded four times, each edge once: 4ε bins and ε max(|low|, |high|)/(high − low) bins. Below the least normal
+    /// number rounding is as there.
     fn doubt(&self) -> f64 {
         let [low, high] = self.range;
-        let size = low.abs().max(high.abs()) / (high - low);
+        let size = low.abs().max(high.abs()).max(f64::MIN_POSITIVE) / (high - low);
         8.0 * f64::EPSILON * self.bins as f64 * (1.0 + size)
     }
 
