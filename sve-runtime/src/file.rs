@@ -168,7 +168,7 @@ mod tests {
         let folder = folder("half");
         let path = folder.join("x.csv");
         let half = |to: &mut io::BufWriter<fs::File>| {
-            to.write_all(&[b'x'; 100_000])?;
+            to.write_all(&vec![b'x'; 100_000])?;
             Err(io::Error::from(io::ErrorKind::StorageFull))
         };
         let error = write(&path, half).unwrap_err();

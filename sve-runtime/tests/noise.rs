@@ -4,8 +4,7 @@
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
 use sve_runtime::noise::{
-    FromRng, Halves, NoNoise, Noise, NoiseError, Part, Recorded, Replayable, ThreePoint, Truncated,
-    Wiener,
+    FromRng, NoNoise, Noise, NoiseError, Part, Recorded, ThreePoint, Truncated, Wiener,
 };
 
 fn draw<const M: usize>(
@@ -280,65 +279,6 @@ fn truncation_clips_and_nothing_else() -> Result<(), NoiseError> {
     assert_eq!(
         draw::<1>(&mut short, step, 0.1),
         Err(NoiseError::Exhausted { step, recorded })
-    );
-    Ok(())
-}
-
-/// Every source whose increments are a function of the step, entered at steps that share a block of the generator and that do not.
-#[test]
-fn a_path_is_entered_at_a_step() -> Result<(), NoiseError> {
-    fn check<W: Replayable + Clone>(source: &W, h: f64, steps: u64) -> Result<(), NoiseError> {
-        for first in [0, 1, 3, 4, 17, 40] {
-            let (mut whole, mut entered) = (source.clone(), source.clone().from_step(first));
-            for step in (0..steps - first).rev().chain(0..steps - first) {
-                let expected: [f64; 3] = draw(&mut whole, first + step, h)?;
-                assert_eq!(draw(&mut entered, step, h)?, expected, "{first} + {step}");
-            }
-            // entered twice
-            let mut twice = source.clone().from_step(first).from_step(2);
-            assert_eq!(
-                draw::<3>(&mut twice, 5, h)?,
-                draw::<3>(&mut whole, first + 7, h)?
-            );
-        }
-        Ok(())
-    }
-    let wiener = Wiener::new(11).path(5);
-    check(&wiener, 0.1, 50)?;
-    check(&wiener.clone().refine(3)?, 0.1, 50)?;
-    check(&ThreePoint::new(11).path(5), 0.1, 50)?;
-    check(&Truncated::new(wiener.clone()).deviations(1.0)?, 0.1, 50)?;
-    check(&NoNoise, 0.1, 50)?;
-    let recorded = Recorded::record(wiener.clone(), 0.1, 3, 50)?;
-    check(&recorded, 0.1, 50)?;
-    check(&&recorded, 0.1, 50)?;
-    assert_eq!(
-        draw::<3>(&mut recorded.clone().from_step(48), 2, 0.1),
-        Err(NoiseError::Exhausted {
-            step: 50,
-            recorded: 50
-        })
-    );
-    // the halves of a step are those of the step of the path
-    let part = Part::whole(2);
-    let ([mut left, mut right], [mut other_left, mut other_right]) = ([[0.0; 1]; 2], [[0.0; 1]; 2]);
-    let entered = wiener.clone().from_step(7);
-    entered.halves_of(part, 0.1, &[0.3], &mut left, &mut right);
-    wiener.halves_of(
-        Part::whole(9),
-        0.1,
-        &[0.3],
-        &mut other_left,
-        &mut other_right,
-    );
-    assert_eq!((left, right), (other_left, other_right));
-    // beyond the last step there is none
-    let mut last = wiener.from_step(u64::MAX);
-    draw::<1>(&mut last, 0, 0.1)?;
-    let (step, first) = (1, u64::MAX);
-    assert_eq!(
-        draw::<1>(&mut last, 1, 0.1),
-        Err(NoiseError::StepNumber { step, first })
     );
     Ok(())
 }

@@ -88,6 +88,10 @@ fn quotient(a: Pair, b: f64) -> f64 {
 mod tests {
     use super::edge;
 
+    fn count(number: impl TryInto<usize>) -> usize {
+        number.try_into().ok().expect("a number of parts")
+    }
+
     /// Ranges of whole numbers over powers of two, whose edges can be had from integers: (low (n − k) + high k)/n, rounded half to even.
     #[test]
     fn edges_are_correctly_rounded() {
@@ -108,7 +112,7 @@ mod tests {
                         // numbers below 2⁵³: their quotient is rounded once
                         let expected = numerator as f64 / parts as f64 * scale;
                         let range = [low as f64 * scale, high as f64 * scale];
-                        let found = edge(range, k as usize, parts as usize);
+                        let found = edge(range, count(k), count(parts));
                         assert_eq!(found, expected, "{low}..{high}, {k} of {parts}");
                         checked += 1;
                     }
@@ -138,7 +142,7 @@ mod tests {
             let exact = scaled.div_euclid(parts) | i128::from(scaled.rem_euclid(parts) != 0);
             let expected = exact as f64 / (1_u64 << 60) as f64;
             let range = [low as f64, high as f64];
-            assert_eq!(edge(range, k as usize, parts as usize), expected);
+            assert_eq!(edge(range, count(k), count(parts)), expected);
         }
     }
 }

@@ -21,8 +21,8 @@ impl Stiff {
     }
 }
 
-fn stiff(omega: f64, every: u64) -> (Integrator<Stiff, Endpoint>, u64) {
-    (Integrator::new(Stiff { omega }, Endpoint), every)
+fn stiff(omega: f64) -> Integrator<Stiff, Endpoint> {
+    Integrator::new(Stiff { omega }, Endpoint)
 }
 
 fn ensemble(
@@ -42,7 +42,7 @@ fn ensemble(
 fn is_reported_for_energies_that_grow_and_for_no_others() {
     // recorded often, and at the ends alone
     for every in [10, 200] {
-        let (unstable, every) = stiff(20.05, every);
+        let unstable = stiff(20.05);
         let summary = ensemble(&unstable, every).run().unwrap();
         assert_eq!(summary.failed(), 0);
         let end = *summary["energy"].max().last().unwrap();
@@ -61,7 +61,7 @@ fn is_reported_for_energies_that_grow_and_for_no_others() {
             summary.to_string().contains("`energy` diverges"),
             "{summary}"
         );
-        let (stable, every) = stiff(19.0, every);
+        let stable = stiff(19.0);
         let summary = ensemble(&stable, every).run().unwrap();
         assert_eq!(summary.warnings(), []);
     }
@@ -98,7 +98,7 @@ fn is_not_reported_for_motions_that_do_not() {
 
 #[test]
 fn bounds_make_paths_fail_that_leave_them() {
-    let (method, every) = stiff(20.05, 10);
+    let (method, every) = (stiff(20.05), 10);
     let free = ensemble(&method, every).run().unwrap();
     let bounded = ensemble(&method, every).bound("energy", ..=1e6);
     let summary = bounded.run().unwrap();

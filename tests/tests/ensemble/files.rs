@@ -275,8 +275,10 @@ fn a_run_that_was_killed_continues() {
     std::fs::remove_file(&path).unwrap();
 }
 
+type FileWriter = fn(&Summary, &Path) -> std::io::Result<()>;
+
 /// Each writer of a summary, by the name of what it writes.
-fn writers() -> [(&'static str, fn(&Summary, &Path) -> std::io::Result<()>); 3] {
+fn writers() -> [(&'static str, FileWriter); 3] {
     [
         ("x.csv", |summary, path| summary.to_csv(path)),
         ("x.npy", |summary, path| summary.to_npy(path)),
@@ -320,38 +322,44 @@ fn files_that_cannot_be_written_are_errors_with_their_path() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
-/// Of a writer that takes so many bytes and then has no room: nothing is said to be written that is not.
+/// A writer that takes so many bytes and then has no room.
+struct Room(usize);
+
+impl std::io::Write for Room {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let taken = bytes.len().min(self.0);
+        self.0 -= taken;
+        if taken == 0 && !bytes.is_empty() {
+            return Err(std::io::ErrorKind::StorageFull.into());
+        }
+        Ok(taken)
+    }
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+type Writer<W> = fn(&Summary, W) -> std::io::Result<()>;
+
+/// Nothing is said to be written that is not.
 #[test]
 fn writers_that_end_early_are_errors() {
-    struct Room(usize);
-    impl std::io::Write for Room {
-        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-            let taken = bytes.len().min(self.0);
-            self.0 -= taken;
-            if taken == 0 && !bytes.is_empty() {
-                return Err(std::io::ErrorKind::StorageFull.into());
-            }
-            Ok(taken)
-        }
-        fn flush(&mut self) -> std::io::Result<()> {
-            Ok(())
-        }
-    }
     let summary = ensemble_of_one_name(&kubo());
-    type Writer = fn(&Summary, BufWriter<Room>) -> std::io::Result<()>;
-    let writers: [(fn(&Summary, &mut Vec<u8>) -> std::io::Result<()>, Writer); 3] = [
-        (|s, to| s.write_csv(to), |s, to| s.write_csv(to)),
-        (|s, to| s.write_npy(to), |s, to| s.write_npy(to)),
-        (|s, to| s.write_parquet(to), |s, to| s.write_parquet(to)),
+    let writers: [Writer<BufWriter<Room>>; 3] = [
+        |s, to| s.write_csv(to),
+        |s, to| s.write_npy(to),
+        |s, to| s.write_parquet(to),
     ];
-    for (whole, limited) in writers {
-        let mut bytes = Vec::new();
-        whole(&summary, &mut bytes).unwrap();
-        for room in [0, 1, bytes.len() / 2, bytes.len() - 1] {
-            let result = limited(&summary, BufWriter::new(Room(room)));
-            assert!(result.is_err(), "{room} of {}", bytes.len());
+    let mut whole = [Vec::new(), Vec::new(), Vec::new()];
+    summary.write_csv(&mut whole[0]).unwrap();
+    summary.write_npy(&mut whole[1]).unwrap();
+    summary.write_parquet(&mut whole[2]).unwrap();
+    for (write, whole) in writers.into_iter().zip(whole) {
+        for room in [0, 1, whole.len() / 2, whole.len() - 1] {
+            let result = write(&summary, BufWriter::new(Room(room)));
+            assert!(result.is_err(), "{room} of {}", whole.len());
         }
-        limited(&summary, BufWriter::new(Room(bytes.len()))).unwrap();
+        write(&summary, BufWriter::new(Room(whole.len()))).unwrap();
     }
     let records = vec![sve_runtime::study::Record::default(); 3];
     let file = BufWriter::new(Room(200));
