@@ -63,8 +63,10 @@ pub enum StepError {
         /// Increments of the noise.
         dw: Vec<f64>,
         /// The part of the step size up to which the solution was followed without noise.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         step: f64,
         /// The part of the increments up to which it was followed at the whole step size; 0 where that was not reached.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         reached: f64,
     },
     /// The step ends where a function in L or in a noise is not defined.
@@ -121,6 +123,28 @@ pub enum StepError {
         /// Momentum at the start of the step.
         p: Vec<f64>,
     },
+    /// The step does not lead to a later finite time.
+    #[error("{}", no_time(*t, *h, *end))]
+    Time {
+        /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Step size.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        h: f64,
+        /// Time at its end: infinite, or that of the start where `h` is below its rounding.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        end: f64,
+    },
+    /// A snapshot of a compensated trajectory was given to a method that makes no compensated steps.
+    #[error(
+        "the snapshot at t = {t} has the low parts of compensated sums, and this method makes no compensated steps: resume it with the integrator that made it"
+    )]
+    Uncompensated {
+        /// Time of the snapshot.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+    },
     /// The noise could not give the increments of this step.
     #[error("no noise for the step from t = {t}: {source}")]
     Noise {
@@ -130,6 +154,20 @@ pub enum StepError {
         /// What the noise said.
         source: NoiseError,
     },
+}
+
+/// The message of [`StepError::Time`].
+fn no_time(t: f64, h: f64, end: f64) -> String {
+    if end.is_finite() {
+        let next = t.abs().next_up() - t.abs();
+        return format!(
+            "the step from t = {t} with h = {h:e} does not change the time, whose next number is {next:e} away: \
+             take a longer step, or measure time from a nearer origin"
+        );
+    }
+    format!(
+        "the step from t = {t} with h = {h:e} ends at t = {end}: take a smaller h, or fewer steps"
+    )
 }
 
 /// The message of [`StepError::BranchLost`].

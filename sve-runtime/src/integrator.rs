@@ -5,6 +5,7 @@ use crate::method::Method;
 use crate::newton::Newton;
 use crate::noise::Noise;
 use crate::plan::Plan;
+use crate::snapshot::Snapshot;
 use crate::state::State;
 use crate::system::{DerivedFor, Dims, System, Variational};
 use crate::tangent::{self, Sensitivity, Tangent};
@@ -188,5 +189,17 @@ where
         noise: W,
     ) -> Trajectory<'_, Self, W> {
         Method::trajectory(self, state, h, noise)
+    }
+
+    /// Continues a trajectory from a snapshot; see [`Method::resume`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn resume<W: Noise>(
+        &self,
+        snapshot: Snapshot<State<N>>,
+        noise: W,
+    ) -> Result<Trajectory<'_, Self, W>, StepError> {
+        Method::resume(self, snapshot, noise)
     }
 }

@@ -47,6 +47,7 @@
 //! | describe a system | [`#[variational(…)]`](macro@variational) |
 //! | choose a rule | [`InitialPoint`], [`Endpoint`], [`Midpoint`], [`Taylor2`] |
 //! | make steps | [`Integrator`] with `step` and `trajectory`, [`State`]; [`Method`] is common to integrators and baselines |
+//! | store a trajectory and continue it | [`Trajectory::snapshot`], [`Method::resume`]; a noise is entered at a step by [`from_step`](noise::Replayable::from_step) |
 //! | see what a step became | [`Integrator::plan`], [`Plan`] |
 //! | differentiate a step in its start and in the parameters | [`Integrator::tangent`], [`Integrator::sensitivity`] |
 //! | drive it with noise | [`noise`]: [`Wiener`](noise::Wiener), [`ThreePoint`](noise::ThreePoint), [`Recorded`](noise::Recorded), [`Truncated`](noise::Truncated), [`FromRng`](noise::FromRng), [`NoNoise`](noise::NoNoise) |
@@ -62,7 +63,7 @@
 //!
 //! What can fail returns [`StepError`], or [`NoiseError`](noise::NoiseError) for a noise source alone: a message with the numbers
 //! in question and what to change. A step that fails leaves the state as it was. A NaN or infinite input, a step size that is not positive, a
-//! singular mass matrix, an iteration that does not converge and an overflow are errors; no step returns NaN.
+//! singular mass matrix, an iteration that does not converge, an overflow and a time that does not advance are errors; no step returns NaN.
 //!
 //! # Features
 //!
@@ -74,7 +75,7 @@
 //! | `progress` | a bar that shows how far an ensemble is |
 //! | `checkpoint` | ensembles that are stopped and continued |
 //! | `npy`, `parquet` | statistics of ensembles in these formats |
-//! | `serde` | states, errors and summaries can be serialised |
+//! | `serde` | states, snapshots of trajectories, errors and summaries can be serialised |
 //! | `study` | `study::Study`: errors, orders and times of several methods on one problem; with `ensemble` |
 
 mod banded;
@@ -83,6 +84,8 @@ mod continuation;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 mod error;
+#[cfg(feature = "ensemble")]
+mod file;
 #[cfg(feature = "serde")]
 mod floats;
 mod integrator;
@@ -97,6 +100,7 @@ mod plan;
 mod power;
 mod regular;
 mod rules;
+mod snapshot;
 mod state;
 #[cfg(feature = "study")]
 pub mod study;
@@ -113,6 +117,7 @@ pub use method::Method;
 pub use newton::{Newton, Solver};
 pub use plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
 pub use rules::{Endpoint, InitialPoint, Midpoint, Taylor2};
+pub use snapshot::Snapshot;
 pub use state::State;
 /// A system with time-dependent L, a helper, a constant, a parameter array and two noises:
 ///
@@ -241,11 +246,11 @@ pub mod prelude {
     #[cfg(feature = "ensemble")]
     pub use crate::ensemble::{Ensemble, EnsembleError, Failure, StartRng, Statistics, Summary};
     pub use crate::noise::{
-        FromRng, NoNoise, Noise, NoiseError, Recorded, ThreePoint, Truncated, Wiener,
+        FromRng, NoNoise, Noise, NoiseError, Recorded, Replayable, ThreePoint, Truncated, Wiener,
     };
     pub use crate::{
-        Endpoint, InitialPoint, Integrator, Mechanics, Method, Midpoint, Newton, State, StepError,
-        Taylor2, variational,
+        Endpoint, InitialPoint, Integrator, Mechanics, Method, Midpoint, Newton, Snapshot, State,
+        StepError, Taylor2, variational,
     };
 }
 

@@ -1,5 +1,8 @@
 //! One-step methods: what a trajectory can be made of.
 
+use core::any::type_name;
+use core::hash::Hasher;
+
 use crate::Integrator;
 use crate::continuation::{self, Lost};
 use crate::error::StepError;
@@ -8,11 +11,12 @@ use crate::linear;
 use crate::newton::{Newton, SolveError, Solver};
 use crate::noise::Noise;
 use crate::plan::{BlockKind, Plan, StrongOrder};
+use crate::snapshot::Snapshot;
 use crate::state::State;
 use crate::system::{
     Dims, IncrementLanesOf, IncrementsOf, StateLanesOf, StateOf, System, Variational,
 };
-use crate::trajectory::Trajectory;
+use crate::trajectory::{CompensatedStep, Trajectory};
 
 /// A one-step method for a system: an [`Integrator`] or a [`baseline`](crate::baseline).
 pub trait Method {
@@ -60,6 +64,16 @@ pub trait Method {
         ALL
     }
 
+    /// Feeds to a hasher what besides system, step size and increments determines the steps: the method's name and options. Shards and
+    /// checkpoints of ensembles know by it whether they are of one method.
+    ///
+    /// Without an own form, the name of the type: a method with options has to add them.
+    fn identify(&self, to: &mut dyn Hasher) {
+        // arguments of the type are the system, which has an identity of its own
+        let name = type_name::<Self>();
+        to.write(name.split('<').next().unwrap_or(name).as_bytes());
+    }
+
     /// Newton iterations that a step from here takes, the most of its blocks: 0 where its equations are explicit or linear.
     /// `None` where the method does not tell, or the step fails.
     ///
@@ -97,7 +111,9 @@ pub trait Method {
 
     /// The states after each step of length `h` from `state`, without end (or to the end of a recorded path).
     ///
-    /// The state number `k` (from 1) has time `t₀ + k h`, rounded once.
+    /// The state number `k` (from 1) has time `t₀ + k h`, rounded once. The first step has the increments of step 0 of the noise,
+    /// whatever the time of `state`: to go on after `k` steps of a path, give [`noise.from_step(k)`](crate::noise::Replayable::from_step), or
+    /// [`resume`](Self::resume) a snapshot.
     fn trajectory<W: Noise>(
         &self,
         state: StateOf<Self::System>,
@@ -108,6 +124,62 @@ pub trait Method {
         Self: Sized,
     {
         Trajectory::new(self, state, h, noise)
+    }
+
+    /// Continues the trajectory that a [`Snapshot`] was taken of, with the bits of one that was not interrupted.
+    ///
+    /// System, method and noise have to be those of the first trajectory; the noise from its beginning, since the snapshot knows the number of
+    /// the step. A source whose increments [follow one another](crate::noise::FromRng) has to be in the state that it had then.
+    /// A trajectory that was [refined](Trajectory::refine) has to be told so again; one that was
+    /// [compensated](Trajectory::compensated) continues so.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// struct Pendulum { g: f64, sigma: f64 }
+    ///
+    /// #[variational(midpoint)]
+    /// impl Pendulum {
+    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + self.g * q.cos() }
+    ///     #[gamma]
+    ///     fn push(&self, q: f64) -> f64 { self.sigma * q }
+    /// }
+    ///
+    /// # fn main() -> Result<(), StepError> {
+    /// let pendulum = Integrator::new(Pendulum { g: 9.8, sigma: 0.1 }, Midpoint);
+    /// let mut path = pendulum.trajectory(State::new([1.0], [0.0]), 0.01, Wiener::new(7)).compensated();
+    /// path.nth(999).unwrap()?;
+    /// let snapshot = path.snapshot(); // with the feature `serde`, into a file and back
+    ///
+    /// let mut continued = pendulum.resume(snapshot, Wiener::new(7))?;
+    /// assert_eq!(continued.step(), 1000);
+    /// for _ in 0..1000 {
+    ///     assert_eq!(continued.next().unwrap()?, path.next().unwrap()?);
+    /// }
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// [`StepError::Uncompensated`] for a snapshot of a compensated trajectory, where this method makes no such steps.
+    fn resume<W: Noise>(
+        &self,
+        snapshot: Snapshot<StateOf<Self::System>>,
+        noise: W,
+    ) -> Result<Trajectory<'_, Self, W>, StepError>
+    where
+        Self: Sized,
+    {
+        Trajectory::resume(self, snapshot, noise)
+    }
+
+    /// The step that carries the low parts of the state, where there is one.
+    #[doc(hidden)]
+    fn compensated_step(&self) -> Option<CompensatedStep<Self>>
+    where
+        Self: Sized,
+    {
+        None
     }
 }
 
@@ -149,6 +221,16 @@ where
         dw: &[Lane; M],
     ) -> Mask {
         Integrator::system(self).increment_lanes(prepared, states, next, h, dw, self.newton())
+    }
+
+    fn compensated_step(&self) -> Option<CompensatedStep<Self>> {
+        (!S::RETURNS_STATE).then_some(compensated_step as CompensatedStep<Self>)
+    }
+
+    fn identify(&self, to: &mut dyn Hasher) {
+        to.write(type_name::<R>().as_bytes());
+        // the printed form of a number is the shortest that gives it back
+        to.write(format!("{:?}", self.newton()).as_bytes());
     }
 
     /// The lowest limit with which the step gives the same bits: a guess that fails for want of iterations is replaced, and leads
@@ -391,11 +473,17 @@ fn replace<const N: usize>(state: &mut State<N>, h: f64, q: &[f64; N], p: &[f64;
     // After the branch: beside the additions of q the compiler would put both into one vector, which makes the chain of
     // operations from q to q longer.
     let t = state.t + h;
-    if !t.is_finite() {
+    if !is_time(state.t, t) {
         return false;
     }
     *state = State::at(t, *q, *p);
     true
+}
+
+/// Whether a step may lead from the time `t` to this one.
+#[inline]
+pub(crate) fn is_time(t: f64, end: f64) -> bool {
+    end.is_finite() && end != t
 }
 
 /// Says `Singular` where a result is not finite because the mass matrix has no inverse: a formula divides by it unasked.
@@ -479,6 +567,8 @@ pub(crate) fn explain<const N: usize, const M: usize>(
             q: state.q.to_vec(),
             iteration,
         },
+        // the state after the step is finite with a time that is not, or that stands
+        SolveError::NonFinite if !is_time(t, t + h) => StepError::Time { t, h, end: t + h },
         SolveError::NonFinite | SolveError::OutsideDomain { .. } => StepError::NonFiniteResult {
             t,
             h,

@@ -118,6 +118,12 @@ pub trait System {
     const FORCED: bool = false;
     /// The parameters, as the source has them: `m`, `l[0]`, `body.mass`.
     const PARAMETERS: &'static [&'static str] = &[];
+    /// A hash of the formulas of L, the noises and the force: shards and checkpoints of ensembles know by it whether they are of one program.
+    const FORMULAS: u64 = 0;
+    /// Visits the values of the parameters, in the order of [`PARAMETERS`](Self::PARAMETERS).
+    fn parameters(&self, visit: &mut dyn FnMut(f64)) {
+        let _ = visit;
+    }
     /// `L` and its first and second derivatives.
     fn lagrangian_jet(
         &self,
@@ -278,6 +284,11 @@ impl<S: System> System for &S {
     const AFFINE_MOMENTUM: bool = S::AFFINE_MOMENTUM;
     const FORCED: bool = S::FORCED;
     const PARAMETERS: &'static [&'static str] = S::PARAMETERS;
+    const FORMULAS: u64 = S::FORMULAS;
+
+    fn parameters(&self, visit: &mut dyn FnMut(f64)) {
+        (**self).parameters(visit);
+    }
 
     #[inline]
     fn lagrangian_jet(

@@ -2,8 +2,9 @@
 
 use crate::Integrator;
 use crate::error::StepError;
-use crate::method::{self, Method};
+use crate::method::{self, Method, is_time};
 use crate::noise::{Halves, Noise, NoiseError, Part};
+use crate::snapshot::Snapshot;
 use crate::state::State;
 use crate::system::{Dimensions, Dims, IncrementsOf, StateOf, System, Variational};
 
@@ -27,6 +28,7 @@ pub struct Trajectory<'a, I: Method, W> {
 
 /// Which steps of a trajectory were made in smaller ones, see [`Trajectory::refine`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Refinements {
     /// Number of steps that were.
     pub steps: u64,
@@ -52,7 +54,8 @@ struct Compensation<I: Method> {
     step: CompensatedStep<I>,
 }
 
-type CompensatedStep<I> = fn(
+/// A step that keeps in the second state what rounding takes from the first.
+pub(crate) type CompensatedStep<I> = fn(
     &I,
     &<I as Method>::Prepared,
     &mut StateOf<<I as Method>::System>,
@@ -60,6 +63,18 @@ type CompensatedStep<I> = fn(
     f64,
     &IncrementsOf<<I as Method>::System>,
 ) -> Result<(), StepError>;
+
+/// The time `start + steps h`, rounded once: by a fused operation, which has the same bits on every machine.
+#[inline]
+pub(crate) fn time_after(start: f64, steps: u64, h: f64) -> f64 {
+    let steps = steps as f64;
+    if start == 0.0 {
+        // rounded once without it, which is faster where the machine has no fused operation
+        steps * h
+    } else {
+        steps.mul_add(h, start)
+    }
+}
 
 impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
     pub(crate) fn new(method: &'a I, state: StateOf<I::System>, h: f64, noise: W) -> Self {
@@ -76,6 +91,50 @@ impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
             refinements: Refinements::default(),
             compensation: None,
         }
+    }
+
+    pub(crate) fn resume(
+        method: &'a I,
+        snapshot: Snapshot<StateOf<I::System>>,
+        noise: W,
+    ) -> Result<Self, StepError> {
+        let Snapshot {
+            start,
+            h,
+            step,
+            state,
+            rest,
+            refinements,
+        } = snapshot;
+        let t = <<I::System as System>::Dims>::time(&state);
+        let compensated = |rest| match method.compensated_step() {
+            Some(step) => Ok(Compensation { rest, step }),
+            None => Err(StepError::Uncompensated { t }),
+        };
+        Ok(Self {
+            start,
+            step,
+            refinements,
+            compensation: rest.map(compensated).transpose()?,
+            ..Self::new(method, state, h, noise)
+        })
+    }
+
+    /// What it takes to continue from here with [`Method::resume`], with the bits of this trajectory.
+    pub fn snapshot(&self) -> Snapshot<StateOf<I::System>> {
+        Snapshot {
+            start: self.start,
+            h: self.h,
+            step: self.step,
+            state: self.state.clone(),
+            rest: self.compensation.as_ref().map(|low| low.rest.clone()),
+            refinements: self.refinements,
+        }
+    }
+
+    /// Number of steps made so far, those before a snapshot included: the next one has the increments of this step of the noise.
+    pub fn step(&self) -> u64 {
+        self.step
     }
 
     /// Makes a step that fails in two halves on the same path, and each of these that fails likewise, up to `depth` times.
@@ -150,25 +209,29 @@ impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
                 return Err(StepError::Noise { t, source });
             }
         }
+        let end = time_after(self.start, self.step + 1, self.h);
+        let t = <<I::System as System>::Dims>::time(&self.state);
+        // a time that was not finite before is for the step to report
+        if !is_time(t, end) && t.is_finite() {
+            return Err(StepError::Time { t, h: self.h, end });
+        }
         // what is rare has its own way out, so that the usual step is compiled as if there were nothing else
         if self.compensation.is_some() {
-            return self.compensated_step(&prepared, &{ dw });
+            return self.compensated_step(&prepared, end, &{ dw });
         }
         let made = self
             .method
             .step_prepared(&prepared, &mut self.state, self.h, &dw);
         match made {
-            Ok(()) => Ok(Some(self.arrive())),
-            Err(error) => self.refined(error, &{ dw }),
+            Ok(()) => Ok(Some(self.arrive(end))),
+            Err(error) => self.refined(error, end, &{ dw }),
         }
     }
 
-    /// The state after a step was made.
+    /// The state after a step was made, at a time that was rounded once, where adding `h` again and again would drift.
     #[inline(always)]
-    fn arrive(&mut self) -> StateOf<I::System> {
+    fn arrive(&mut self, t: f64) -> StateOf<I::System> {
         self.step += 1;
-        // k h is rounded once, where adding h k times would drift
-        let t = self.start + self.step as f64 * self.h;
         <<I::System as System>::Dims>::set_time(&mut self.state, t);
         self.state.clone()
     }
@@ -177,14 +240,15 @@ impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
     fn compensated_step(
         &mut self,
         prepared: &I::Prepared,
+        end: f64,
         dw: &IncrementsOf<I::System>,
     ) -> Result<Option<StateOf<I::System>>, StepError> {
         if let Some(Compensation { rest, step }) = &mut self.compensation
             && let Err(error) = step(self.method, prepared, &mut self.state, rest, self.h, dw)
         {
-            return self.refined(error, dw);
+            return self.refined(error, end, dw);
         }
-        Ok(Some(self.arrive()))
+        Ok(Some(self.arrive(end)))
     }
 
     /// The step in smaller ones, where that was asked for.
@@ -193,6 +257,7 @@ impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
     fn refined(
         &mut self,
         error: StepError,
+        end: f64,
         dw: &IncrementsOf<I::System>,
     ) -> Result<Option<StateOf<I::System>>, StepError> {
         let Some(refinement) = &self.refinement else {
@@ -204,7 +269,7 @@ impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
         self.state = state;
         self.refinements.steps += 1;
         self.refinements.deepest = self.refinements.deepest.max(deepest);
-        Ok(Some(self.arrive()))
+        Ok(Some(self.arrive(end)))
     }
 
     /// A part of a step that failed as a whole, in its halves; how often the smallest of its parts was halved.
@@ -287,7 +352,8 @@ where
                 "this step is a linear map from state to state: it has no increments to be summed with compensation"
             );
         }
-        self.compensation = Some(Compensation {
+        // one that was resumed has its low parts
+        self.compensation.get_or_insert_with(|| Compensation {
             rest: State::new([0.0; N], [0.0; N]),
             step: method::compensated_step,
         });

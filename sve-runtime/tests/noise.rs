@@ -196,8 +196,39 @@ fn every_source_refuses_impossible_steps() -> Result<(), NoiseError> {
     Ok(())
 }
 
+/// Against the untouched increments: `largest` is exact where nothing but a product and a root is computed.
+fn clips_at(mut truncated: Truncated<Wiener>, deviations: f64, h: f64) -> Result<(), NoiseError> {
+    let mut plain = Wiener::new(5);
+    let largest = f64::sqrt(h) * deviations;
+    assert!((truncated.largest(h)? / largest - 1.0).abs() < 1e-14);
+    let mut clipped = 0;
+    for step in 0..4000 {
+        let [free] = draw(&mut plain, step, h)?;
+        let [dw] = draw(&mut truncated, step, h)?;
+        if free.abs() <= largest * (1.0 - 1e-14) {
+            assert_eq!(dw, free);
+        } else {
+            assert_eq!(dw, truncated.largest(h)?.copysign(free));
+            clipped += 1;
+        }
+    }
+    let expected = 4000.0 * libm::erfc(deviations / 2.0_f64.sqrt());
+    assert!((f64::from(clipped) - expected).abs() <= 5.0 * expected.sqrt());
+    Ok(())
+}
+
 #[test]
 fn truncation_clips_and_nothing_else() -> Result<(), NoiseError> {
+    // any step size, long ones too
+    for (deviations, h) in [(6.0, 0.1), (1.5, 1.0), (2.5, 1e6), (0.5, 1e-300)] {
+        let truncated = Truncated::new(Wiener::new(5)).deviations(deviations)?;
+        clips_at(truncated, deviations, h)?;
+    }
+    assert_eq!(
+        Truncated::new(NoNoise),
+        Truncated::new(NoNoise).deviations(6.0)?
+    );
+    // as Milstein, Repin and Tretyakov propose, in two units of time: ten times h and τ are the same path, √10 times as large
     for (k, h) in [
         (1.0, 0.1),
         (2.0, 0.1),
@@ -205,41 +236,45 @@ fn truncation_clips_and_nothing_else() -> Result<(), NoiseError> {
         (4.0, 0.001),
         (2.0, 1e-300),
     ] {
-        let mut plain = Wiener::new(5);
-        let mut truncated = Truncated::new(Wiener::new(5)).exponent(k)?;
-        let largest = f64::sqrt(h) * (2.0 * k * f64::ln(h).abs()).sqrt();
-        assert!((truncated.largest(h)? / largest - 1.0).abs() < 1e-14);
-        let mut clipped = 0;
-        for step in 0..4000 {
-            let [free] = draw(&mut plain, step, h)?;
-            let [dw] = draw(&mut truncated, step, h)?;
-            if free.abs() <= largest * (1.0 - 1e-14) {
-                assert_eq!(dw, free);
-            } else {
-                assert_eq!(dw, truncated.largest(h)?.copysign(free));
-                clipped += 1;
-            }
-        }
-        let expected = 4000.0 * libm::erfc(largest / (2.0 * h).sqrt());
-        assert!((f64::from(clipped) - expected).abs() <= 5.0 * expected.sqrt());
+        let deviations = (2.0 * k * f64::ln(h).abs()).sqrt();
+        clips_at(
+            Truncated::new(Wiener::new(5)).exponent(k, 1.0)?,
+            deviations,
+            h,
+        )?;
+        clips_at(
+            Truncated::new(Wiener::new(5)).exponent(k, 10.0)?,
+            deviations,
+            10.0 * h,
+        )?;
     }
-    let two = Truncated::new(NoNoise).exponent(2.0)?;
-    assert_eq!(Truncated::new(NoNoise), two);
-    for h in [1.0, 1.5] {
+    for h in [2.0, 2.5] {
         assert_eq!(
-            draw::<1>(&mut Truncated::new(NoNoise), 0, h),
-            Err(NoiseError::TruncationStep { h })
+            draw::<1>(&mut Truncated::new(NoNoise).exponent(2.0, 2.0)?, 0, h),
+            Err(NoiseError::TruncationStep { h, tau: 2.0 })
         );
     }
-    for k in [0.5, f64::INFINITY, f64::NAN, -2.0] {
+    for (k, tau) in [
+        (0.5, 1.0),
+        (f64::INFINITY, 1.0),
+        (f64::NAN, 1.0),
+        (2.0, 0.0),
+        (2.0, f64::NAN),
+    ] {
         assert!(matches!(
-            Truncated::new(NoNoise).exponent(k),
+            Truncated::new(NoNoise).exponent(k, tau),
             Err(NoiseError::TruncationExponent { .. })
+        ));
+    }
+    for deviations in [0.0, -1.0, f64::INFINITY, f64::NAN] {
+        assert!(matches!(
+            Truncated::new(NoNoise).deviations(deviations),
+            Err(NoiseError::TruncationDeviations { .. })
         ));
     }
     // what the inner source says comes through
     let mut short = Truncated::new(Recorded::new(0.1, [[5.0]])?);
-    assert!(draw::<1>(&mut short, 0, 0.1)?[0] < 1.0);
+    assert!(draw::<1>(&mut short, 0, 0.1)?[0] < 2.0);
     let (step, recorded) = (1, 1);
     assert_eq!(
         draw::<1>(&mut short, step, 0.1),
@@ -289,16 +324,25 @@ fn messages_have_the_numbers_and_the_remedy() {
             recorded: 10,
             factor: 3,
         },
-        NoiseError::TruncationStep { h: 1.5 },
-        NoiseError::TruncationExponent { k: 0.5 },
+        NoiseError::TruncationStep { h: 1.5, tau: 1.0 },
+        NoiseError::TruncationExponent { k: 0.5, tau: 1.0 },
+        NoiseError::TruncationDeviations { deviations: -1.0 },
+        NoiseError::StepNumber {
+            step: 1,
+            first: u64::MAX,
+        },
         NoiseError::Depth { depth: 64 },
     ];
     let expected = [
         "the recorded path has 9 steps and step 10 (from 0) was asked for; record more steps",
         "the path was recorded with 1 Wiener processes, and the system has 3; record 3",
         "a path of 10 steps cannot be coarsened by 3; take a divisor of 10, or record a multiple of the factor",
-        "truncated increments are defined for h < 1, and h = 1.5; measure time in a larger unit, or take a smaller step",
-        "the truncation exponent k = 0.5 must be finite and at least 1; 2 keeps strong order 1",
+        "increments truncated at √(2k ln(τ/h)) standard deviations need h < τ, and h = 1.5, τ = 1; \
+         give their number with `deviations`, which has no such limit, or take a smaller step",
+        "the truncation exponent k = 0.5 must be finite and at least 1, where 2 keeps strong order 1, \
+         and the time τ = 1 positive and finite",
+        "increments cannot be truncated at -1 standard deviations: the bound must be positive and finite, for example 6",
+        "step 1 of a path that was entered at its step 18446744073709551615 has a number above 2^64 − 1: enter it earlier",
         "a step can be halved at most 63 times, and a refinement of depth 64 was asked for",
     ];
     assert_eq!(errors.map(|error| error.to_string()), expected);

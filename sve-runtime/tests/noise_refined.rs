@@ -1,6 +1,9 @@
-//! Paths in smaller steps: sums, replay, agreement of depths, and the law of a bridge.
+//! Paths in smaller steps: sums, replay, agreement of depths, and the law of a bridge. Paths that are entered at a step.
 
-use sve_runtime::noise::{Noise, NoiseError, Part, Recorded, Refined, Wiener};
+use sve_runtime::noise::{
+    Halves, NoNoise, Noise, NoiseError, Part, Recorded, Refined, Replayable, ThreePoint, Truncated,
+    Wiener,
+};
 
 const H: f64 = 0.3;
 
@@ -232,4 +235,69 @@ fn halves_have_the_conditional_law() {
     let [a, _] = path.halves(part, 0, H, 0.0);
     let [b, _] = path.halves(part, 0, H, 1.0);
     assert!((b - a - 0.5).abs() < 1e-15);
+}
+
+fn draw<const M: usize>(noise: &mut impl Noise, step: u64, h: f64) -> Result<[f64; M], NoiseError> {
+    let mut dw = [f64::NAN; M];
+    noise.increments(step, h, &mut dw)?;
+    Ok(dw)
+}
+
+/// Every source whose increments are a function of the step, entered at steps that share a block of the generator and that do not.
+#[test]
+fn a_path_is_entered_at_a_step() -> Result<(), NoiseError> {
+    fn check<W: Replayable + Clone>(source: &W, h: f64, steps: u64) -> Result<(), NoiseError> {
+        for first in [0, 1, 3, 4, 17, 40] {
+            let (mut whole, mut entered) = (source.clone(), source.clone().from_step(first));
+            for step in (0..steps - first).rev().chain(0..steps - first) {
+                let expected: [f64; 3] = draw(&mut whole, first + step, h)?;
+                assert_eq!(draw(&mut entered, step, h)?, expected, "{first} + {step}");
+            }
+            // entered twice
+            let mut twice = source.clone().from_step(first).from_step(2);
+            assert_eq!(
+                draw::<3>(&mut twice, 5, h)?,
+                draw::<3>(&mut whole, first + 7, h)?
+            );
+        }
+        Ok(())
+    }
+    let wiener = Wiener::new(11).path(5);
+    check(&wiener, 0.1, 50)?;
+    check(&wiener.clone().refine(3)?, 0.1, 50)?;
+    check(&ThreePoint::new(11).path(5), 0.1, 50)?;
+    check(&Truncated::new(wiener.clone()).deviations(1.0)?, 0.1, 50)?;
+    check(&NoNoise, 0.1, 50)?;
+    let recorded = Recorded::record(wiener.clone(), 0.1, 3, 50)?;
+    check(&recorded, 0.1, 50)?;
+    check(&&recorded, 0.1, 50)?;
+    assert_eq!(
+        draw::<3>(&mut recorded.clone().from_step(48), 2, 0.1),
+        Err(NoiseError::Exhausted {
+            step: 50,
+            recorded: 50
+        })
+    );
+    // the halves of a step are those of the step of the path
+    let part = Part::whole(2);
+    let ([mut left, mut right], [mut other_left, mut other_right]) = ([[0.0; 1]; 2], [[0.0; 1]; 2]);
+    let entered = wiener.clone().from_step(7);
+    entered.halves_of(part, 0.1, &[0.3], &mut left, &mut right);
+    wiener.halves_of(
+        Part::whole(9),
+        0.1,
+        &[0.3],
+        &mut other_left,
+        &mut other_right,
+    );
+    assert_eq!((left, right), (other_left, other_right));
+    // beyond the last step there is none
+    let mut last = wiener.from_step(u64::MAX);
+    draw::<1>(&mut last, 0, 0.1)?;
+    let (step, first) = (1, u64::MAX);
+    assert_eq!(
+        draw::<1>(&mut last, 1, 0.1),
+        Err(NoiseError::StepNumber { step, first })
+    );
+    Ok(())
 }

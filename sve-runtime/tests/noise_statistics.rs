@@ -250,7 +250,8 @@ fn steps_are_independent() {
 fn truncation_loses_as_little_as_published() {
     let (n, h, k) = (400_000, 0.2_f64, 2.0);
     let free = sample(Wiener::new(8), h, n);
-    let clipped = sample(Truncated::new(Wiener::new(8)), h, n);
+    let clipped = Truncated::new(Wiener::new(8)).exponent(k, 1.0).unwrap();
+    let clipped = sample(clipped, h, n);
     let (mut lost, mut cut) = (0.0, 0.0);
     for (a, b) in free.iter().zip(&clipped) {
         lost += (a * a - b * b) / h / n as f64;
@@ -259,4 +260,31 @@ fn truncation_loses_as_little_as_published() {
     let bound = (1.0 + 2.0 * (2.0 * k * h.ln().abs()).sqrt()) * h.powf(k);
     assert!(0.0 < lost && lost < bound, "{lost} against {bound}");
     assert!(0.0 < cut && cut < h.powf(k), "{cut}");
+}
+
+/// The table of [`Truncated`]: the part that is clipped, and c² = E(|ξ| − A)₊², with the standard errors of what is rare.
+#[test]
+fn truncation_loses_what_its_table_says() {
+    let n = 1_000_000;
+    let free = sample(Wiener::new(9), 1.0, n);
+    for (deviations, one_in, c) in [(3.0, 370.0, 2.0e-2), (4.0, 15_800.0, 2.5e-3)] {
+        let clipped = Truncated::new(Wiener::new(9))
+            .deviations(deviations)
+            .unwrap();
+        let clipped = sample(clipped, 1.0, n);
+        let lost: Vec<f64> = free.iter().zip(&clipped).map(|(a, b)| a - b).collect();
+        let count = lost.iter().filter(|x| **x != 0.0).count() as f64;
+        let expected = n as f64 / one_in;
+        assert!(
+            (count - expected).abs() < BOUND * expected.sqrt() + 0.01 * expected,
+            "{count}"
+        );
+        let square = lost.iter().map(|x| x * x).sum::<f64>() / n as f64;
+        let fourth = lost.iter().map(|x| x.powi(4)).sum::<f64>() / n as f64;
+        let error = (fourth / n as f64).sqrt();
+        assert!(
+            (square - c * c).abs() < BOUND * error + 0.05 * c * c,
+            "{square:e} {error:e}"
+        );
+    }
 }

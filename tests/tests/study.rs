@@ -497,6 +497,30 @@ fn settings_that_make_no_sense_are_named() {
     assert!(message(good().paths(0)).starts_with("`paths` was given 0"));
     assert!(message(good().method("midpoint", &midpoint)).contains("two of `midpoint`"));
     assert!(message(good().fine(&midpoint, 0)).starts_with("`fine` was given 0"));
+    let many = message(good().fine(&midpoint, 1 << 61));
+    assert!(
+        many.contains("2305843009213693952 times 64 steps"),
+        "{many}"
+    );
+    // the same method made anew is the same; another one, other options, or smaller steps are not
+    let again = Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint);
+    let own = message(good().fine(&again, 1));
+    assert!(
+        own.contains("is the method `midpoint` with the same 64 steps"),
+        "{own}"
+    );
+    assert!(good().fine(&again, 2).run().is_ok());
+    assert!(
+        good()
+            .fine(&Heun::new(Kubo { a: 1.0, sigma: 0.5 }), 1)
+            .run()
+            .is_ok()
+    );
+    let newton = Newton {
+        max_iterations: 9,
+        ..Newton::default()
+    };
+    assert!(good().fine(&again.with_newton(newton), 1).run().is_ok());
     for horizon in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let error = good().horizon(horizon).run().unwrap_err();
         assert!(matches!(error, StudyError::Horizon { .. }));

@@ -2,6 +2,7 @@
 
 mod code;
 mod count;
+mod identity;
 mod lanes;
 mod linearise;
 mod mend;

@@ -3,6 +3,7 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
+use super::identity::identity;
 use super::straight::{Straight, rows};
 use super::{attributes, documented, private};
 use crate::explain::SystemTexts;
@@ -35,6 +36,7 @@ pub(crate) fn system(
     let force = force
         .as_ref()
         .map(|jet| force_jet(&private, jet, &n, &model.symbols, arena));
+    let identity = identity(model, arena);
     let parameters = model.symbols.parameters().map(|s| model.symbols.source(s));
     // the user's functions are not called by what is derived from them, and yet are not dead
     let parts = [&block.noises, &block.forces, &block.symmetries];
@@ -49,6 +51,7 @@ pub(crate) fn system(
             type Dims = #private::Dims<#n, #m>;
             const AFFINE_MOMENTUM: bool = #affine_momentum;
             const PARAMETERS: &'static [&'static str] = &[#(#parameters),*];
+            #identity
             #jet_doc
             #[inline]
             fn lagrangian_jet(&self, time: f64, q: &[f64; #n], v: &[f64; #n]) -> #private::LagrangianJet<#n> {

@@ -95,7 +95,7 @@ impl<S> BackwardEulerMaruyama<S> {
     }
 }
 
-method_by_increment!(BackwardEulerMaruyama, M);
+method_by_increment!(BackwardEulerMaruyama, M, [corrected, newton]);
 
 /// `(q₁ − q₀, p₁ − p₀)` where `n` is what the noise contributes.
 #[inline]

@@ -86,4 +86,4 @@ impl<S> EulerMaruyama<S> {
     }
 }
 
-method_by_increment!(EulerMaruyama, M);
+method_by_increment!(EulerMaruyama, M, [corrected]);

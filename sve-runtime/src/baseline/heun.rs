@@ -72,7 +72,7 @@ impl<S> Heun<S> {
     }
 }
 
-method_by_increment!(Heun, M);
+method_by_increment!(Heun, M, []);
 
 /// `h f(z) + Σ g_a(z) ΔW_a`.
 #[inline]

@@ -14,15 +14,15 @@
 //! None of them is symplectic: that is what they are here to show.
 
 /// `impl Method` for a baseline with `system` and `increment`; for systems without noise unless a name for the number of
-/// their processes is given.
+/// their processes is given. Fields that are options of the method follow in brackets.
 macro_rules! method_by_increment {
     ($name:ident) => {
-        method_by_increment!(@ $name, 0,);
+        method_by_increment!(@ $name, [], 0,);
     };
-    ($name:ident, $m:ident) => {
-        method_by_increment!(@ $name, $m, const $m: usize);
+    ($name:ident, $m:ident, [$($option:ident),*]) => {
+        method_by_increment!(@ $name, [$($option),*], $m, const $m: usize);
     };
-    (@ $name:ident, $m:tt, $($generic:tt)*) => {
+    (@ $name:ident, [$($option:ident),*], $m:tt, $($generic:tt)*) => {
         impl<S, const N: usize, $($generic)*> crate::method::Method for $name<S>
         where
             S: System<Dims = Dims<N, $m>>,
@@ -32,6 +32,11 @@ macro_rules! method_by_increment {
 
             fn system(&self) -> &S {
                 &self.system
+            }
+
+            fn identify(&self, to: &mut dyn core::hash::Hasher) {
+                to.write(stringify!($name).as_bytes());
+                $(to.write(format!("{:?}", self.$option).as_bytes());)*
             }
 
             #[inline]

@@ -1,29 +1,49 @@
 //! A file from which a run that was stopped continues.
 //!
 //! Input: the merged results of the blocks that have ended. Output: a file, written beside the old one and put in its place at once, so
-//! that there is always a whole one. Invariant: the result of a continued run has the bits of one that was not stopped, since blocks
-//! merge in the same tree.
+//! that there is always a whole one. Invariants: the result of a continued run has the bits of one that was not stopped, since blocks
+//! merge in the same tree; nothing of a file is read before its length and checksum are right.
+//!
+//! Layout: [`MAGIC`], version (4 bytes), length of the content (8), checksum (8), content; numbers with their low bytes first.
+//! The checksum is XXH64 of all other bytes behind the magic. The content is postcard's form of [`Contents`].
 
-use std::fs::{self, File};
-use std::io::{self, Write};
+use core::hash::Hasher as _;
+use std::fs;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
+use twox_hash::XxHash64;
 
 use super::EnsembleError;
-use super::summary::{Info, Summary};
+use super::error::{Damage, Difference};
+use super::parts::{OwnedParts, Parts};
+use super::summary::Info;
 use super::tree::Tree;
 
-/// The first bytes of a file, and what they say of its format.
-const MAGIC: &[u8; 8] = b"sve run1";
+/// The first bytes of a file, in every version.
+const MAGIC: &[u8; 8] = b"sve run\0";
 
-/// What a file has after those.
-#[derive(Serialize, Deserialize)]
-struct Contents {
+/// What the content is.
+const VERSION: u32 = 2;
+
+/// Bytes before the content.
+const HEAD: usize = MAGIC.len() + 4 + 8 + 8;
+
+/// What a file has.
+#[derive(Serialize)]
+struct Contents<'a> {
     shard: [u64; 2],
-    summary: Summary,
+    parts: Parts<'a>,
+}
+
+/// What is read.
+#[derive(Deserialize)]
+struct OwnedContents {
+    shard: [u64; 2],
+    parts: OwnedParts,
 }
 
 /// Keeps the file of a run.
@@ -54,17 +74,38 @@ impl Keeper {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(failed(path, error)),
         };
-        let contents: Contents = bytes
-            .strip_prefix(MAGIC)
-            .and_then(|bytes| postcard::from_bytes(bytes).ok())
-            .ok_or_else(|| EnsembleError::NotACheckpoint {
-                path: path.to_owned(),
-            })?;
-        self.info.same_run(&contents.summary.info)?;
-        if contents.shard != self.shard {
-            return Err(EnsembleError::OtherRun { what: "shard" });
+        let path = || path.to_owned();
+        let content = match opened(&bytes) {
+            Ok(content) => content,
+            Err(Unreadable::Foreign) => return Err(EnsembleError::NotACheckpoint { path: path() }),
+            Err(Unreadable::Version(version)) => {
+                return Err(EnsembleError::CheckpointVersion {
+                    path: path(),
+                    version,
+                    expected: VERSION,
+                });
+            }
+            Err(Unreadable::Damaged(damage)) => {
+                let path = path();
+                return Err(EnsembleError::DamagedCheckpoint { path, damage });
+            }
+        };
+        let unfit = || EnsembleError::DamagedCheckpoint {
+            path: path(),
+            damage: Damage::Content,
+        };
+        let Ok((OwnedContents { shard, parts }, [])) = postcard::take_from_bytes(content) else {
+            return Err(unfit());
+        };
+        let other = |what| Err(EnsembleError::OtherCheckpoint { path: path(), what });
+        if let Some(what) = self.info.difference(&parts.run) {
+            return other(what);
         }
-        Ok(Some(contents.summary.tree))
+        if shard != self.shard {
+            return other(Difference::Shard);
+        }
+        let (_, tree) = parts.fit_together().ok_or_else(unfit)?;
+        Ok(Some(tree))
     }
 
     /// Whether it is time to write the file; the one that is told so writes it.
@@ -77,16 +118,24 @@ impl Keeper {
         due
     }
 
-    /// Writes the file.
+    /// Writes the file, where there is something to be written.
     pub(super) fn save(&self, tree: &Tree) -> Result<(), EnsembleError> {
+        if tree.nodes.is_empty() {
+            return Ok(());
+        }
         let path = self.path.as_path();
         let contents = Contents {
             shard: self.shard,
-            summary: Summary::new(self.info.clone(), tree.clone()),
+            parts: Parts::new(&self.info, tree),
         };
-        let bytes =
+        let content =
             postcard::to_stdvec(&contents).map_err(|e| failed(path, io::Error::other(e)))?;
-        replace(path, &bytes).map_err(|error| failed(path, error))
+        let head = head(&content);
+        crate::file::write(path, |to| {
+            to.write_all(&head)?;
+            to.write_all(&content)
+        })
+        .map_err(|error| failed(path, error))
     }
 }
 
@@ -95,13 +144,61 @@ fn failed(path: &Path, source: io::Error) -> EnsembleError {
     EnsembleError::Checkpoint { path, source }
 }
 
-/// Writes a file beside the old one and puts it in its place.
-fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut name = path.as_os_str().to_owned();
-    name.push(".new");
-    let mut file = File::create(&name)?;
-    file.write_all(MAGIC)?;
-    file.write_all(bytes)?;
-    file.sync_all()?;
-    fs::rename(&name, path)
+/// What stands before a content.
+fn head(content: &[u8]) -> Vec<u8> {
+    let (version, length) = (VERSION.to_le_bytes(), (content.len() as u64).to_le_bytes());
+    let checksum = checksum(&version, &length, content).to_le_bytes();
+    [&MAGIC[..], &version, &length, &checksum].concat()
+}
+
+fn checksum(version: &[u8], length: &[u8], content: &[u8]) -> u64 {
+    let mut hash = XxHash64::default();
+    hash.write(version);
+    hash.write(length);
+    hash.write(content);
+    hash.finish()
+}
+
+/// Why the content of a file is not to be read.
+enum Unreadable {
+    /// It is no checkpoint.
+    Foreign,
+    /// It is one of this format.
+    Version(u32),
+    /// It is not as it was written.
+    Damaged(Damage),
+}
+
+/// The content of a file whose length, checksum and version are right.
+fn opened(bytes: &[u8]) -> Result<&[u8], Unreadable> {
+    let found = bytes.len() as u64;
+    let rest = bytes.strip_prefix(MAGIC).ok_or(Unreadable::Foreign)?;
+    let parts = rest.split_first_chunk::<4>().and_then(|(version, rest)| {
+        let (length, rest) = rest.split_first_chunk::<8>()?;
+        let (checksum, content) = rest.split_first_chunk::<8>()?;
+        Some((version, length, u64::from_le_bytes(*checksum), content))
+    });
+    let damaged = |damage| Err(Unreadable::Damaged(damage));
+    let Some((version, length, expected, content)) = parts else {
+        return damaged(Damage::Length {
+            expected: HEAD as u64,
+            found,
+        });
+    };
+    let whole = u64::from_le_bytes(*length).saturating_add(HEAD as u64);
+    if whole != found {
+        return damaged(Damage::Length {
+            expected: whole,
+            found,
+        });
+    }
+    let checksum = checksum(version, length, content);
+    if checksum != expected {
+        let found = checksum;
+        return damaged(Damage::Checksum { expected, found });
+    }
+    match u32::from_le_bytes(*version) {
+        VERSION => Ok(content),
+        other => Err(Unreadable::Version(other)),
+    }
 }

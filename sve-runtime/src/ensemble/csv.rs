@@ -3,8 +3,7 @@
 //! Input: a [`Summary`]. Output: a row for each recorded time with `t`, `paths` and, of each observable, `mean`, `variance`, `standard_error`, `min` and
 //! `max`. Invariant: numbers are written with the digits that give back their bits; what does not exist is an empty field.
 
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::Path;
 
 use super::Summary;
@@ -60,12 +59,13 @@ impl Summary {
         to.flush()
     }
 
-    /// Writes the statistics as CSV into a file; see [`write_csv`](Self::write_csv).
+    /// Writes the statistics as CSV into a file; see [`write_csv`](Self::write_csv). The file is written beside
+    /// the one of that name, if there is one, and takes its place when it is whole.
     ///
     /// # Errors
-    /// Where the file cannot be written.
+    /// Where the file cannot be written, with its path; nothing of it is left then.
     pub fn to_csv(&self, path: impl AsRef<Path>) -> io::Result<()> {
-        self.write_csv(BufWriter::new(File::create(path)?))
+        crate::file::write(path.as_ref(), |file| self.write_csv(file))
     }
 }
 

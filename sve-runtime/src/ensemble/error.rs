@@ -39,6 +39,41 @@ pub enum EnsembleError {
         /// Steps asked for.
         steps: u64,
     },
+    /// A step is too short to change the time.
+    #[error(
+        "{steps} steps of {h:e} from t = {start}: at t = {t} a step does not change the time, whose next number is {next} away; \
+         take longer steps, or measure time from a nearer origin"
+    )]
+    TimeStands {
+        /// Time of the start.
+        start: f64,
+        /// Step size.
+        h: f64,
+        /// Steps asked for.
+        steps: u64,
+        /// Time that a step does not change.
+        t: f64,
+        /// Distance from this time to the next number.
+        next: f64,
+    },
+    /// What the run has to keep does not fit into memory.
+    #[error("{what} take {bytes} bytes, more than this machine gives; {remedy}")]
+    TooLarge {
+        /// What is to be kept, with its numbers.
+        what: String,
+        /// Bytes that it takes, at the least.
+        bytes: u128,
+        /// What to write instead.
+        remedy: &'static str,
+    },
+    /// Three-point increments are not truncated.
+    #[error(
+        "`three_point` and `truncated({deviations})` exclude each other: three-point increments are bounded by √(3h) already; leave one of them out"
+    )]
+    TruncatedThreePoint {
+        /// Standard deviations given.
+        deviations: f64,
+    },
     /// The truncation of the increments is not possible.
     #[error("`truncated`: {0}")]
     Truncation(#[source] NoiseError),
@@ -48,13 +83,15 @@ pub enum EnsembleError {
         /// The name.
         name: String,
     },
-    /// A histogram of an observable that does not exist.
+    /// A histogram or a bound of an observable that does not exist.
     #[error(
-        "there is no observable `{name}` to make a histogram of, only {known:?}: add `.observe(\"{name}\", …)`"
+        "there is no observable `{name}` to {purpose}, only {known:?}: add `.observe(\"{name}\", …)`"
     )]
     UnknownObservable {
         /// The name asked for.
         name: String,
+        /// What it was asked for.
+        purpose: &'static str,
         /// The names there are.
         known: Vec<String>,
     },
@@ -72,6 +109,18 @@ pub enum EnsembleError {
         /// Bins.
         bins: usize,
     },
+    /// A bound that no value keeps.
+    #[error(
+        "`bound(\"{name}\", {low:e}..={high:e})` leaves no value: the lower bound must not be above the upper one, and neither NaN"
+    )]
+    Bound {
+        /// The observable.
+        name: String,
+        /// Lower bound.
+        low: f64,
+        /// Upper bound.
+        high: f64,
+    },
     /// A shard that does not exist.
     #[error("`shard({index}, {of})`: of {of} shards the numbers are 0 to {of} − 1")]
     Shard {
@@ -80,6 +129,25 @@ pub enum EnsembleError {
         /// How many there are.
         of: u64,
     },
+    /// A shard without a path.
+    #[error(
+        "`shard({index}, {of})` has no path: {paths} paths are {blocks} blocks, which are not divided; take at most {blocks} shards"
+    )]
+    EmptyShard {
+        /// Shard asked for.
+        index: u64,
+        /// How many there are.
+        of: u64,
+        /// Paths of the ensemble.
+        paths: u64,
+        /// Blocks of paths.
+        blocks: u64,
+    },
+    /// A run was stopped before a path ended.
+    #[error(
+        "the run was stopped by `stop_when` before its first paths ended, so there is nothing to summarise; let it run longer"
+    )]
+    NothingRun,
     /// A path that the ensemble does not have.
     #[error("path {path} cannot be replayed: the paths are numbered from 0 to {paths} − 1")]
     Path {
@@ -96,11 +164,11 @@ pub enum EnsembleError {
     Threads(#[from] rayon::ThreadPoolBuildError),
     /// Summaries of different runs were to be merged.
     #[error(
-        "the summaries differ in their {what}, so they are of different runs; merge shards of one ensemble alone"
+        "the summaries differ in {what}, so they are of different runs; merge shards of one ensemble alone"
     )]
     OtherRun {
         /// In what they differ.
-        what: &'static str,
+        what: Difference,
     },
     /// Summaries with common paths were to be merged.
     #[error("both summaries have the paths {first} to {last}; merge each shard once")]
@@ -122,10 +190,118 @@ pub enum EnsembleError {
     /// The file to continue from is none.
     #[cfg(feature = "checkpoint")]
     #[error(
-        "{} is not a checkpoint of this version; remove it, or give another path", path.display()
+        "{} is not a checkpoint: it does not begin as one; remove it, or give another path", path.display()
     )]
     NotACheckpoint {
         /// The file.
         path: std::path::PathBuf,
     },
+    /// The file to continue from was written in another format.
+    #[cfg(feature = "checkpoint")]
+    #[error(
+        "the checkpoint {} has format {version}, and this version of sve reads format {expected}; remove it, or continue with the version that wrote it",
+        path.display()
+    )]
+    CheckpointVersion {
+        /// The file.
+        path: std::path::PathBuf,
+        /// Its format.
+        version: u32,
+        /// The format that is read.
+        expected: u32,
+    },
+    /// The file to continue from is not as it was written.
+    #[cfg(feature = "checkpoint")]
+    #[error(
+        "the checkpoint {} is damaged: {damage}; remove it, or put a sound copy in its place", path.display()
+    )]
+    DamagedCheckpoint {
+        /// The file.
+        path: std::path::PathBuf,
+        /// What is wrong with it.
+        damage: Damage,
+    },
+    /// The file to continue from belongs to another run.
+    #[cfg(feature = "checkpoint")]
+    #[error(
+        "the checkpoint {} is of another run, with {what} of its own; continue it with its own settings and program, or remove it, or give another path",
+        path.display()
+    )]
+    OtherCheckpoint {
+        /// The file.
+        path: std::path::PathBuf,
+        /// In what the runs differ.
+        what: Difference,
+    },
+}
+
+/// What is wrong with the bytes of a file.
+#[cfg(feature = "checkpoint")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Damage {
+    /// It has another length than it says.
+    #[error("it has {found} bytes where {expected} were written")]
+    Length {
+        /// Bytes that were written; at least so many where the file does not say.
+        expected: u64,
+        /// Bytes there are.
+        found: u64,
+    },
+    /// Its content has another checksum than it says.
+    #[error("its content has the checksum {found:016x} where {expected:016x} was written")]
+    Checksum {
+        /// Checksum that was written.
+        expected: u64,
+        /// Checksum of what is there.
+        found: u64,
+    },
+    /// Its checksum is right and its content is not that of a run.
+    #[error("its content does not fit together, though its checksum is right")]
+    Content,
+}
+
+/// In what two runs differ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Difference {
+    /// Names or order of the observables.
+    #[error("observables (their names and order)")]
+    Observables,
+    /// The histograms.
+    #[error("histograms")]
+    Histograms,
+    /// The recorded times.
+    #[error("recorded times")]
+    Times,
+    /// The number of paths.
+    #[error("a number of paths")]
+    Paths,
+    /// The part of the run.
+    #[error("a shard")]
+    Shard,
+    /// The seed.
+    #[error("a seed")]
+    Seed,
+    /// The law of the increments.
+    #[error("a law of the noise (truncation, three points or none)")]
+    Noise,
+    /// Other settings of the ensemble: step size, number of steps, bounds, whether final states are kept.
+    #[error("settings (step size, number of steps, bounds, or whether final states are kept)")]
+    Settings,
+    /// The formulas of the system: another program.
+    #[error("formulas of the system (another program)")]
+    Formulas,
+    /// The values of the system's parameters.
+    #[error("values of the system's parameters")]
+    Parameters,
+    /// The method or its options.
+    #[error("a method (rule or options of Newton's method)")]
+    Method,
+    /// Where the paths start.
+    #[error("starts of the paths")]
+    Starts,
+    /// What is computed along the paths.
+    #[error("values along its paths (observables, or functions of another machine)")]
+    Values,
 }

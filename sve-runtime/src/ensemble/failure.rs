@@ -2,7 +2,7 @@
 
 use crate::error::StepError;
 
-/// How many failures a summary describes; all are counted.
+/// How many failures a summary describes, with number, time and error: those of the lowest paths. All are counted.
 pub const FAILURES_KEPT: usize = 256;
 
 /// A path that failed. It has no part in the statistics from the next record on.
@@ -61,6 +61,23 @@ pub enum Cause {
         /// What it returned.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         value: f64,
+    },
+    /// An observable left the range that was given for it.
+    #[error(
+        "the observable `{name}` is {value:e}, outside of the bound {low:e}..={high:e} that was given for it"
+    )]
+    OutOfBound {
+        /// Which.
+        name: String,
+        /// What it returned.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        value: f64,
+        /// Lower bound.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        low: f64,
+        /// Upper bound.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        high: f64,
     },
 }
 

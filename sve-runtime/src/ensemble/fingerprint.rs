@@ -1,33 +1,114 @@
-//! A number by which shards and checkpoints of the same run know one another.
+//! Numbers by which shards and checkpoints of the same run know one another.
 //!
-//! Input: the settings, and the first steps of path 0, which stand for what cannot be looked at: parameters, method, closures.
-//! Output: 64 bits. Invariant: equal runs have equal numbers, on other machines too: computed values enter in single precision, where the last
-//! digit of a platform's functions does not show.
+//! Input: the settings, the system's formulas and parameters, the method, starts, and values along some paths. Output: a 64-bit hash of
+//! each, so that a message can say which one differs. Invariant: equal runs have equal numbers; every value enters with all its bits.
 //!
-//! Source: the hash is FNV-1a (Fowler, Noll, Vo), `http://www.isthe.com/chongo/tech/comp/fnv/`.
+//! Closures cannot be read, so they are sampled: starts of up to 33 paths; observables along path 0 at its recorded times, and along
+//! three others for a few steps. What a closure does elsewhere is not seen.
+//!
+//! Source of the hash: XXH64 (Y. Collet, `https://xxhash.com`), by the crate `twox-hash`.
 
-use super::flight::Flight;
-use super::increments::Law;
+use core::hash::Hasher as _;
+use std::collections::BTreeSet;
+
+use twox_hash::XxHash64;
+
+use super::error::Difference;
+use super::law::Law;
 use super::run::Run;
+use super::start::{Start, StartRng};
 use crate::method::Method;
 use crate::noise::lanes::Increments as Source;
+use crate::noise::{Noise, ThreePoint, Wiener};
+use crate::state::State;
 use crate::system::{Dims, System};
 
-/// Steps of path 0 that are looked at.
-const STEPS: u64 = 8;
+/// Steps of path 0 that are followed, at the least.
+const STEPS: u64 = 4096;
 
-struct Hash(u64);
+/// One step in so many of the run is made for the fingerprint, where that is more than [`STEPS`]. A single step costs up to nine of those
+/// in lanes, so this is at most a hundredth of the time.
+const SHARE: u128 = 1024;
+
+/// Steps of three other paths that are followed.
+const OTHER_STEPS: u64 = 64;
+
+/// First paths whose starts are looked at, and as many evenly over all, and the last.
+const STARTS: u64 = 16;
+
+/// What runs that belong together have in common.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Fingerprint {
+    seed: u64,
+    noise: u64,
+    settings: u64,
+    formulas: u64,
+    parameters: u64,
+    method: u64,
+    starts: u64,
+    values: u64,
+}
+
+impl Fingerprint {
+    /// The first thing in which another run differs.
+    pub(super) fn difference(&self, other: &Self) -> Option<Difference> {
+        [
+            (self.formulas == other.formulas, Difference::Formulas),
+            (self.parameters == other.parameters, Difference::Parameters),
+            (self.method == other.method, Difference::Method),
+            (self.seed == other.seed, Difference::Seed),
+            (self.noise == other.noise, Difference::Noise),
+            (self.settings == other.settings, Difference::Settings),
+            (self.starts == other.starts, Difference::Starts),
+            (self.values == other.values, Difference::Values),
+        ]
+        .into_iter()
+        .find_map(|(same, what)| (!same).then_some(what))
+    }
+}
+
+/// A hash in the making, with the same bits on machines of either byte order.
+#[derive(Default)]
+pub(crate) struct Hash(XxHash64);
 
 impl Hash {
-    fn add(&mut self, word: u64) {
-        for byte in word.to_le_bytes() {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+    pub(crate) fn add(&mut self, word: u64) {
+        self.0.write(&word.to_le_bytes());
+    }
+
+    /// Adds all bits of a number; any NaN is the same.
+    pub(crate) fn add_number(&mut self, x: f64) {
+        self.add(if x.is_nan() { f64::NAN } else { x }.to_bits());
+    }
+
+    fn add_state<const N: usize>(&mut self, state: &State<N>) {
+        self.add_number(state.t);
+        for &x in state.q.iter().chain(&state.p) {
+            self.add_number(x);
         }
     }
 
-    fn add_computed(&mut self, value: f64) {
-        self.add(u64::from((value as f32).to_bits()));
+    pub(crate) fn finish(&self) -> u64 {
+        self.0.finish()
     }
+}
+
+/// The hash of what a function adds.
+pub(crate) fn hash(of: impl FnOnce(&mut Hash)) -> u64 {
+    let mut hash = Hash::default();
+    of(&mut hash);
+    hash.finish()
+}
+
+/// The hash of the values of a system's parameters.
+pub(crate) fn parameters<S: System>(system: &S) -> u64 {
+    hash(|hash| system.parameters(&mut |x| hash.add_number(x)))
+}
+
+/// The hash of a method and its options, without the system.
+pub(crate) fn method<I: Method>(method: &I) -> u64 {
+    hash(|hash| method.identify(&mut hash.0))
 }
 
 impl<I, S, const N: usize, const M: usize> Run<'_, I>
@@ -35,44 +116,116 @@ where
     I: Method<System = S>,
     S: System<Dims = Dims<N, M>>,
 {
-    pub(super) fn fingerprint(self) -> u64 {
-        let mut hash = Hash(0xcbf2_9ce4_8422_2325);
+    pub(super) fn fingerprint(self) -> Fingerprint {
         let ensemble = self.ensemble;
-        let (law, exponent) = match ensemble.law {
-            Law::Drawn(Source::Normal) => (0, 0.0),
-            Law::Drawn(Source::ThreePoint) => (3, 0.0),
-            Law::Truncated { exponent } => (1, exponent),
-            Law::None => (2, 0.0),
-        };
-        hash.add(law);
-        hash.add(exponent.to_bits());
-        hash.add(ensemble.seed);
-        hash.add(self.h.to_bits());
-        hash.add(self.steps);
-        hash.add(u64::from(ensemble.keep_final_states));
-        hash.add(N as u64);
-        hash.add(M as u64);
-        self.look(&mut hash);
-        hash.0
+        Fingerprint {
+            seed: hash(|hash| hash.add(ensemble.seed)),
+            noise: hash(|hash| match self.law {
+                Law::None => hash.add(2),
+                Law::Drawn { source, largest } => {
+                    hash.add(u64::from(source == Source::ThreePoint));
+                    hash.add_number(largest);
+                }
+            }),
+            settings: hash(|hash| {
+                hash.add_number(self.h);
+                hash.add(self.steps);
+                hash.add(u64::from(ensemble.keep_final_states));
+                for (name, range) in &ensemble.bounds {
+                    let column = ensemble.names.iter().position(|known| known == name);
+                    hash.add(column.unwrap_or(usize::MAX) as u64);
+                    for &x in range {
+                        hash.add_number(x);
+                    }
+                }
+            }),
+            formulas: hash(|hash| hash.add(S::FORMULAS)),
+            parameters: parameters(ensemble.method.system()),
+            method: method(ensemble.method),
+            starts: hash(|hash| self.add_starts(hash)),
+            values: hash(|hash| self.add_values(hash)),
+        }
     }
 
-    /// The first steps of path 0.
-    fn look(self, hash: &mut Hash) {
-        let Ok(mut flight) = Flight::new(self, 0, Some(0)) else {
+    fn start_of(self, path: u64) -> State<N> {
+        match &self.ensemble.start {
+            Some(Start::Same(state)) => *state,
+            Some(Start::Drawn(draw)) => draw(path, &mut StartRng::new(self.ensemble.seed, path)),
+            None => State::new([f64::NAN; N], [f64::NAN; N]),
+        }
+    }
+
+    fn add_starts(self, hash: &mut Hash) {
+        let even = |k: u64| (u128::from(self.paths) * u128::from(k) / u128::from(STARTS)) as u64;
+        let mut paths: BTreeSet<u64> = (0..STARTS.min(self.paths)).collect();
+        paths.extend((0..STARTS).map(even));
+        paths.insert(self.paths - 1);
+        for path in paths {
+            hash.add_state(&self.start_of(path));
+        }
+    }
+
+    /// States and observables along some paths.
+    fn add_values(self, hash: &mut Hash) {
+        let all = u128::from(self.paths) * u128::from(self.steps) / SHARE;
+        let followed = u64::try_from(all).unwrap_or(u64::MAX).max(STEPS);
+        self.add_path(0, followed, hash);
+        let others = [1, self.paths / 2, self.paths - 1];
+        for path in BTreeSet::from(others.map(|path| path.min(self.paths - 1))) {
+            self.add_path(path, OTHER_STEPS, hash);
+        }
+    }
+
+    /// Follows a path for so many steps, one state at a time.
+    fn add_path(self, path: u64, steps: u64, hash: &mut Hash) {
+        let (method, system) = (self.ensemble.method, self.ensemble.method.system());
+        let Ok(prepared) = method.prepare(self.h) else {
             return;
         };
-        let system = self.ensemble.method.system();
-        for step in 0..=STEPS.min(self.steps) {
-            flight.advance(step);
-            let Some(state) = flight.only() else {
-                return;
+        let mut state = self.start_of(path);
+        let mut noise = self.noise(path);
+        for step in 0..=steps.min(self.steps) {
+            if step > 0 {
+                let mut dw = [0.0; M];
+                let made = noise(step - 1, &mut dw)
+                    && method
+                        .step_prepared(&prepared, &mut state, self.h, &dw)
+                        .is_ok();
+                if !made {
+                    hash.add(step);
+                    return;
+                }
+                state.t = self.time(step);
+            }
+            let recorded = self.records_after(step);
+            if recorded || step.is_power_of_two() {
+                hash.add_state(&state);
+            }
+            if recorded {
+                for observable in &self.ensemble.observables {
+                    hash.add_number(observable.value(system, &state).unwrap_or(f64::NAN));
+                }
+            }
+        }
+    }
+
+    /// The increments of a path, of each step in order; false where there are none.
+    fn noise(self, path: u64) -> impl FnMut(u64, &mut [f64; M]) -> bool {
+        let (seed, h) = (self.ensemble.seed, self.h);
+        let mut wiener = Wiener::new(seed).path(path);
+        let mut three_point = ThreePoint::new(seed).path(path);
+        move |step, dw| {
+            let Law::Drawn { source, largest } = self.law else {
+                return true;
             };
-            for value in state.q.iter().chain(&state.p) {
-                hash.add_computed(*value);
+            let drawn = match source {
+                Source::Normal => wiener.increments(step, h, dw),
+                Source::ThreePoint => three_point.increments(step, h, dw),
+            };
+            for dw in dw {
+                *dw = dw.clamp(-largest, largest);
             }
-            for observable in &self.ensemble.observables {
-                hash.add_computed(observable.value(system, &state).unwrap_or(f64::NAN));
-            }
+            drawn.is_ok()
         }
     }
 }

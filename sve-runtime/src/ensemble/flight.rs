@@ -8,13 +8,14 @@ use super::failure::{Cause, Failure};
 use super::increments::{Increments, STRETCH};
 use super::run::Run;
 use super::start::{Start, StartRng};
-use super::{BLOCK_PATHS, BLOCK_TILES, EnsembleError};
+use super::{BLOCK_PATHS, BLOCK_TILES, EnsembleError, path_at};
 use crate::error::StepError;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::lanes::{ALL, LANES, Lane, Mask, StateLanes};
 use crate::method::Method;
 use crate::state::State;
 use crate::system::{Dims, System};
+use crate::trajectory::time_after;
 
 /// The paths of a block.
 pub(super) struct Flight<'a, I: Method, const N: usize, const M: usize> {
@@ -90,8 +91,10 @@ where
             failures: Vec::new(),
             values: vec![[0.0; LANES]; run.ensemble.names.len()],
         };
-        let paths = first_path..first_path.saturating_add(BLOCK_PATHS).min(run.paths);
-        for first in paths.clone().step_by(LANES) {
+        let paths = first_path..path_at(block + 1, run.paths);
+        // the last block may end at the largest number
+        let tiles = (paths.end - first_path).div_ceil(LANES as u64);
+        for first in (0..tiles).map(|tile| first_path + tile * LANES as u64) {
             let wanted = |path| paths.contains(&path) && only.is_none_or(|only| only == path);
             flight.start_tile(first, wanted);
         }
@@ -100,7 +103,7 @@ where
 
     fn start_tile(&mut self, first: u64, wanted: impl Fn(u64) -> bool) {
         let starts: [State<N>; LANES] = core::array::from_fn(|lane| {
-            let path = first + lane as u64;
+            let path = first.wrapping_add(lane as u64);
             match &self.run.ensemble.start {
                 Some(Start::Drawn(draw)) if wanted(path) => {
                     draw(path, &mut StartRng::new(self.run.ensemble.seed, path))
@@ -113,7 +116,7 @@ where
         let mut alive = 0;
         for lane in 0..LANES {
             states.set(lane, &starts[lane]);
-            alive |= Mask::from(wanted(first + lane as u64)) << lane;
+            alive |= Mask::from(wanted(first.wrapping_add(lane as u64))) << lane;
         }
         let tile = self.tiles.len();
         self.tiles.push(Tile {
@@ -257,7 +260,7 @@ where
         let mut step = self.step;
         let mut left = 0;
         while step < self.end && left == 0 {
-            let t = self.start_time + (step + 1) as f64 * self.h;
+            let t = time_after(self.start_time, step + 1, self.h);
             for (number, tile) in self.tiles.iter_mut().enumerate() {
                 if tile.alive == 0 {
                     continue;

@@ -4,9 +4,9 @@
 //! Invariant: those of path `k` are the ones of `Wiener::new(seed).path(k)`, or of the same truncated, bit for bit.
 
 use super::BLOCK_TILES;
+use super::law::Law;
 use crate::lanes::{Aligned, LANES, Lane};
-use crate::noise::lanes::{Increments as Source, fill};
-use crate::noise::{NoiseError, Truncated, Wiener};
+use crate::noise::lanes::fill;
 
 /// Steps whose increments are drawn at once, so that what surrounds a draw and a tile's steps is little beside them.
 pub(super) const STRETCH: u64 = 16;
@@ -15,32 +15,6 @@ pub(super) const STRETCH: u64 = 16;
 const QUAD: u64 = 4;
 const QUADS: usize = (STRETCH / QUAD) as usize;
 
-/// Which increments.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Law {
-    /// Drawn.
-    Drawn(Source),
-    /// Of a Wiener process, clipped.
-    Truncated {
-        /// The exponent of [`Truncated`].
-        exponent: f64,
-    },
-    /// None: zeros.
-    None,
-}
-
-impl Law {
-    /// The largest increment that is left as it is.
-    pub(super) fn largest(self, h: f64) -> Result<f64, NoiseError> {
-        match self {
-            Self::Truncated { exponent } => Truncated::new(Wiener::new(0))
-                .exponent(exponent)?
-                .largest(h),
-            Self::Drawn(_) | Self::None => Ok(f64::INFINITY),
-        }
-    }
-}
-
 /// The increments of a stretch of steps for the tiles of a block.
 pub(super) struct Increments<const M: usize> {
     law: Law,
@@ -48,7 +22,6 @@ pub(super) struct Increments<const M: usize> {
     first_path: u64,
     /// √h.
     scale: f64,
-    largest: f64,
     /// Which stretch is there.
     stretch: Option<u64>,
     /// Of each four steps, tile and process.
@@ -57,13 +30,12 @@ pub(super) struct Increments<const M: usize> {
 
 impl<const M: usize> Increments<M> {
     /// Those of the paths from `first_path` on.
-    pub(super) fn new(law: Law, seed: u64, first_path: u64, h: f64, largest: f64) -> Self {
+    pub(super) fn new(law: Law, seed: u64, first_path: u64, h: f64) -> Self {
         Self {
             law,
             seed,
             first_path,
             scale: h.sqrt(),
-            largest,
             stretch: None,
             values: vec![Aligned([[0.0; LANES]; 4]); QUADS * BLOCK_TILES * M],
         }
@@ -71,10 +43,8 @@ impl<const M: usize> Increments<M> {
 
     /// Draws those of a stretch, for the first so many tiles.
     pub(super) fn load(&mut self, stretch: u64, tiles: usize) {
-        let source = match self.law {
-            Law::Drawn(source) => source,
-            Law::Truncated { .. } => Source::Normal,
-            Law::None => return,
+        let Law::Drawn { source, largest } = self.law else {
+            return;
         };
         if M == 0 || self.stretch == Some(stretch) {
             return;
@@ -92,9 +62,9 @@ impl<const M: usize> Increments<M> {
                 M,
                 values,
             );
-            if self.largest < f64::INFINITY {
+            if largest < f64::INFINITY {
                 for dw in values.iter_mut().flat_map(|row| row.0.as_flattened_mut()) {
-                    *dw = dw.clamp(-self.largest, self.largest);
+                    *dw = dw.clamp(-largest, largest);
                 }
             }
         }

@@ -10,12 +10,15 @@
 #[cfg(feature = "checkpoint")]
 mod checkpoint;
 mod csv;
+mod edges;
 mod error;
 mod failure;
-mod fingerprint;
+mod final_state;
+pub(crate) mod fingerprint;
 mod flight;
 mod histogram;
 mod increments;
+mod law;
 mod moments;
 #[cfg(feature = "npy")]
 mod npy;
@@ -28,36 +31,46 @@ mod progress;
 mod record;
 mod replay;
 mod run;
+mod sizes;
 mod start;
 mod statistics;
 mod summary;
 mod tree;
+mod warning;
 mod work;
 
-pub use error::EnsembleError;
+#[cfg(feature = "checkpoint")]
+pub use error::Damage;
+pub use error::{Difference, EnsembleError};
 pub use failure::{Cause, FAILURES_KEPT, Failure};
+pub use final_state::FinalState;
 pub use observe::Observed;
 pub use start::StartRng;
 pub use statistics::{Histogram, Statistics};
 pub use summary::Summary;
+pub use warning::Warning;
 
 use core::fmt;
-use core::ops::Range;
+use core::ops::{Bound, Range, RangeBounds};
 
 use self::histogram::Request;
-use self::increments::Law;
+use self::law::Wanted;
 use self::observe::{Closure, Observable};
 use self::run::Run;
 use self::start::Start;
 use crate::lanes::LANES;
 use crate::method::Method;
-use crate::noise::lanes::Increments as Source;
 use crate::state::State;
 use crate::system::{Dims, StateOf, System};
 
 /// Paths of a block, which one thread runs and whose statistics are merged with those of other blocks in a fixed order.
 /// Part of the contract: another number would change the last bits of statistics. Few enough that a thousand paths keep several threads busy.
 pub const BLOCK_PATHS: u64 = 64;
+
+/// The first path of a block, or the number of paths where there is no such block.
+fn path_at(block: u64, paths: u64) -> u64 {
+    (block.checked_mul(BLOCK_PATHS)).map_or(paths, |first| first.min(paths))
+}
 
 /// Tiles of lanes in a block.
 const BLOCK_TILES: usize = BLOCK_PATHS as usize / LANES;
@@ -105,10 +118,12 @@ pub struct Ensemble<'a, I: Method> {
     steps: Option<(f64, u64)>,
     every: Option<u64>,
     start: Option<Start<'a, StateOf<I::System>>>,
-    law: Law,
+    law: Wanted,
     names: Vec<String>,
     observables: Vec<Box<dyn Observable<I::System> + 'a>>,
     histograms: Vec<Request>,
+    /// Observables with their least and greatest values.
+    bounds: Vec<(String, [f64; 2])>,
     keep_final_states: bool,
     stop_on_failure: bool,
     shard: (u64, u64),
@@ -135,10 +150,11 @@ where
             steps: None,
             every: None,
             start: None,
-            law: Law::Drawn(Source::Normal),
+            law: Wanted::default(),
             names: Vec::new(),
             observables: Vec::new(),
             histograms: Vec::new(),
+            bounds: Vec::new(),
             keep_final_states: false,
             stop_on_failure: false,
             shard: (0, 1),
@@ -194,24 +210,27 @@ where
         self
     }
 
-    /// Clips the increments as [`Truncated`](crate::noise::Truncated) does, with its exponent (2 keeps the strong order 1).
+    /// Clips the increments as [`Truncated`](crate::noise::Truncated) does, at so many standard deviations √h, for example 6.
+    ///
+    /// The bound of Milstein, Repin and Tretyakov with the exponent k and a time τ of the system is `(2.0 * k * (tau / h).ln()).sqrt()` of them.
+    /// Excludes [`three_point`](Self::three_point), whose increments are bounded.
     #[must_use]
-    pub fn truncated(mut self, exponent: f64) -> Self {
-        self.law = Law::Truncated { exponent };
+    pub fn truncated(mut self, deviations: f64) -> Self {
+        self.law.truncated = Some(deviations);
         self
     }
 
     /// Draws increments of three values, those of [`ThreePoint`](crate::noise::ThreePoint): for means, not for paths.
     #[must_use]
     pub fn three_point(mut self) -> Self {
-        self.law = Law::Drawn(Source::ThreePoint);
+        self.law.three_point = true;
         self
     }
 
-    /// Makes all increments zero.
+    /// Makes all increments zero, whatever else was asked for.
     #[must_use]
     pub fn no_noise(mut self) -> Self {
-        self.law = Law::None;
+        self.law.no_noise = true;
         self
     }
 
@@ -252,6 +271,23 @@ where
         self
     }
 
+    /// Lets a path fail that has an observable outside of a range at a recorded time, as `.bound("energy", ..=1e3)`: a motion that has lost
+    /// all meaning is then a [`Failure`] that is counted, and no part of the statistics. Bounds of the range are inside, and
+    /// several ranges may be given.
+    ///
+    /// Without it, a path fails where its state or an observable is no longer finite. [`Summary::warnings`] reports observables that diverge.
+    #[must_use]
+    pub fn bound(mut self, name: impl Into<String>, range: impl RangeBounds<f64>) -> Self {
+        let number = |bound, none| match bound {
+            Bound::Included(&x) | Bound::Excluded(&x) => x,
+            Bound::Unbounded => none,
+        };
+        let low = number(range.start_bound(), f64::NEG_INFINITY);
+        let high = number(range.end_bound(), f64::INFINITY);
+        self.bounds.push((name.into(), [low, high]));
+        self
+    }
+
     /// Keeps the state of each path at the end. The memory of a run then grows with its paths.
     #[must_use]
     pub fn keep_final_states(mut self, keep: bool) -> Self {
@@ -266,7 +302,7 @@ where
         self
     }
 
-    /// Runs part `index` (from 0) of `of` parts. The summaries of all parts [merge](Summary::merge) into that of the whole.
+    /// Runs part `index` (from 0) of `of` parts, at most one for each [`BLOCK_PATHS`] paths. The summaries of all parts [merge](Summary::merge) into that of the whole.
     #[must_use]
     pub fn shard(mut self, index: u64, of: u64) -> Self {
         self.shard = (index, of);
@@ -289,7 +325,8 @@ where
 
     /// Writes the results of finished blocks into a file, now and then and at the end, for [`resume`](Self::resume).
     ///
-    /// The file is always a whole one: it is written beside the old one and then renamed. A run without `resume` writes over what is there.
+    /// The file is always a whole one: it is written beside the old one, brought to the disk and then renamed. A run without `resume`
+    /// writes over what is there, once a block of paths has ended.
     #[cfg(feature = "checkpoint")]
     #[must_use]
     pub fn checkpoint(
@@ -303,8 +340,9 @@ where
 
     /// Continues from the file of [`checkpoint`](Self::checkpoint) where there is one, with the bits of a run that was not stopped.
     ///
-    /// The settings have to be those of the run that wrote it; [`run`](Self::run) refuses the file otherwise. What cannot be looked at, parameters and closures, is
-    /// compared by the first steps of path 0.
+    /// The file has to be as it was written, which its length and a checksum show, and of the same run: settings, formulas and parameters
+    /// of the system, method and starts. [`run`](Self::run) refuses the file otherwise, and says whether it is damaged or in what
+    /// the runs differ. Closures are sampled only: what is not seen of them is said at [`Summary::merge`].
     #[cfg(feature = "checkpoint")]
     #[must_use]
     pub fn resume(mut self, resume: bool) -> Self {
@@ -323,8 +361,9 @@ where
     /// Makes the steps of all paths.
     ///
     /// # Errors
-    /// An [`EnsembleError`] for settings that make no sense; [`EnsembleError::Failed`] where
-    /// [`stop_on_failure`](Self::stop_on_failure) was asked for.
+    /// An [`EnsembleError`] for settings that make no sense or do not fit into memory; [`EnsembleError::Failed`] where
+    /// [`stop_on_failure`](Self::stop_on_failure) was asked for; [`EnsembleError::NothingRun`] where [`stop_when`](Self::stop_when) ended
+    /// the run before its first block of paths. A path that fails is no error of the run: see [`Summary::failures`].
     pub fn run(&self) -> Result<Summary, EnsembleError>
     where
         I: Sync,

@@ -1,8 +1,9 @@
 //! Count, mean, sum of squared deviations, least and greatest value at each recorded time, in one pass.
 //!
 //! Input: tiles of values with the set of lanes that count. Output: columns that can be merged.
-//! Invariant: what is stored is finite or, where it overflowed, infinite, never NaN; without values the mean and the
-//! squares are 0 and the extremes ±∞. Sums over the lanes of a tile go by halves, so they have the same bits for vectors of any width.
+//! Invariant: what is stored is finite or, where a deviation overflowed, infinite, never NaN; a mean is within its least and greatest
+//! value, and equal values have a sum of squares of exactly 0; without values the mean and the squares are 0 and the extremes
+//! ±∞. Sums over the lanes of a tile go by halves, so they have the same bits for vectors of any width.
 //!
 //! Source: T. F. Chan, G. H. Golub, R. J. `LeVeque`, *Updating formulae and a pairwise algorithm for computing sample variances*, COMPSTAT (1982).
 
@@ -14,20 +15,26 @@ use crate::lanes::{LANES, Lane, Mask};
 pub(super) struct Column {
     #[cfg_attr(feature = "serde", serde(with = "crate::floats::many"))]
     pub(super) mean: Vec<f64>,
-    /// Sums of squared deviations from the mean.
+    /// Sums of squared deviations from the mean, in the unit that `unit` says.
     #[cfg_attr(feature = "serde", serde(with = "crate::floats::many"))]
     pub(super) squares: Vec<f64>,
+    /// The unit of each deviation, see [`Squares`].
+    pub(super) unit: Vec<i8>,
     #[cfg_attr(feature = "serde", serde(with = "crate::floats::many"))]
     pub(super) min: Vec<f64>,
     #[cfg_attr(feature = "serde", serde(with = "crate::floats::many"))]
     pub(super) max: Vec<f64>,
 }
 
+/// Bytes of a column for each recorded time.
+pub(super) const COLUMN_BYTES: u64 = 4 * 8 + 1;
+
 impl Column {
     pub(super) fn new(records: usize) -> Self {
         Self {
             mean: vec![0.0; records],
             squares: vec![0.0; records],
+            unit: vec![0; records],
             min: vec![f64::INFINITY; records],
             max: vec![f64::NEG_INFINITY; records],
         }
@@ -51,12 +58,21 @@ impl Column {
         }
     }
 
+    /// The sum of squared deviations at a recorded time.
+    #[inline]
+    pub(super) fn squares_at(&self, record: usize) -> Squares {
+        Squares {
+            value: self.squares[record],
+            unit: self.unit[record],
+        }
+    }
+
     #[inline]
     fn at(&self, record: usize, count: u64) -> Moments {
         Moments {
             count: count as f64,
             mean: self.mean[record],
-            squares: self.squares[record],
+            squares: self.squares_at(record),
             min: self.min[record],
             max: self.max[record],
         }
@@ -65,9 +81,126 @@ impl Column {
     #[inline]
     fn set(&mut self, record: usize, moments: &Moments) {
         self.mean[record] = moments.mean;
-        self.squares[record] = moments.squares;
+        self.squares[record] = moments.squares.value;
+        self.unit[record] = moments.squares.unit;
         self.min[record] = moments.min;
         self.max[record] = moments.max;
+    }
+}
+
+/// A sum of squared deviations: `value` times the square of 2^(600 `unit`), with a unit of −1, 0 or 1.
+///
+/// Deviations of 1e-200 or 1e200 have squares that no `f64` holds. The unit is 0 for all others, so that theirs are plain sums.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Squares {
+    pub(super) value: f64,
+    pub(super) unit: i8,
+}
+
+impl Squares {
+    /// 2^600.
+    const LARGE: f64 = f64::from_bits((1023 + 600) << 52);
+    /// 2^−600.
+    const SMALL: f64 = f64::from_bits((1023 - 600) << 52);
+    /// Largest deviation of unit 0, 2^450: the sum of 2^64 such squares is below 2^1024.
+    const LARGEST: f64 = f64::from_bits((1023 + 450) << 52);
+    /// Least deviation of unit 0, 2^−450: its square keeps all its digits, also where another one of the sum is far smaller.
+    const LEAST: f64 = f64::from_bits((1023 - 450) << 52);
+
+    /// The unit in which squares of deviations up to this one neither overflow nor vanish.
+    #[inline]
+    fn unit(largest: f64) -> i8 {
+        // an infinite deviation keeps the unit 0, whose square is infinite too
+        if largest > Self::LARGEST && largest < f64::INFINITY {
+            1
+        } else if largest < Self::LEAST && largest > 0.0 {
+            -1
+        } else {
+            0
+        }
+    }
+
+    /// A deviation in a unit.
+    #[inline]
+    fn in_unit(deviation: f64, unit: i8) -> f64 {
+        match unit {
+            0 => deviation,
+            1 => deviation * Self::SMALL,
+            _ => deviation * Self::LARGE,
+        }
+    }
+
+    /// `weight` times the square of a deviation.
+    #[inline]
+    fn of(deviation: f64, weight: f64) -> Self {
+        let unit = Self::unit(deviation.abs());
+        let deviation = Self::in_unit(deviation, unit);
+        Self {
+            value: deviation * deviation * weight,
+            unit,
+        }
+    }
+
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        if self.unit == other.unit {
+            return Self {
+                value: self.value + other.value,
+                unit: self.unit,
+            };
+        }
+        self.add_of_other_unit(other)
+    }
+
+    #[cold]
+    fn add_of_other_unit(self, other: Self) -> Self {
+        if self.value == 0.0 {
+            return other;
+        }
+        if other.value == 0.0 {
+            return self;
+        }
+        let (coarse, mut fine) = if self.unit > other.unit {
+            (self, other)
+        } else {
+            (other, self)
+        };
+        while fine.unit < coarse.unit {
+            fine.value = fine.value * Self::SMALL * Self::SMALL;
+            fine.unit += 1;
+        }
+        Self {
+            value: coarse.value + fine.value,
+            unit: coarse.unit,
+        }
+    }
+
+    /// The sum over a count.
+    pub(super) fn over(self, count: f64) -> Self {
+        Self {
+            value: self.value / count,
+            ..self
+        }
+    }
+
+    /// The number itself; 0 or ∞ where no `f64` is so small or so large.
+    pub(super) fn get(self) -> f64 {
+        let Self { value, unit } = self;
+        match unit {
+            0 => value,
+            1 => value * Self::LARGE * Self::LARGE,
+            _ => value * Self::SMALL * Self::SMALL,
+        }
+    }
+
+    /// Its root, which an `f64` holds wherever the deviations were such numbers.
+    pub(super) fn sqrt(self) -> f64 {
+        let root = self.value.sqrt();
+        match self.unit {
+            0 => root,
+            1 => root * Self::LARGE,
+            _ => root * Self::SMALL,
+        }
     }
 }
 
@@ -76,7 +209,7 @@ impl Column {
 struct Moments {
     count: f64,
     mean: f64,
-    squares: f64,
+    squares: Squares,
     min: f64,
     max: f64,
 }
@@ -88,23 +221,33 @@ impl Moments {
         let counted: [bool; LANES] = core::array::from_fn(|lane| lanes >> lane & 1 == 1);
         let select = |lane: usize, x: f64, other: f64| if counted[lane] { x } else { other };
         let count = f64::from(lanes.count_ones());
+        let low = core::array::from_fn(|lane| select(lane, values[lane], f64::INFINITY));
+        let high = core::array::from_fn(|lane| select(lane, values[lane], f64::NEG_INFINITY));
+        let min = by_halves(low, |a, b| if b < a { b } else { a });
+        let max = by_halves(high, |a, b| if b > a { b } else { a });
         let masked: Lane = core::array::from_fn(|lane| select(lane, values[lane], 0.0));
         let mut mean = by_halves(masked, |a, b| a + b) / count.max(1.0);
         if !mean.is_finite() {
             mean = by_halves(masked.map(|x| x / count), |a, b| a + b);
         }
-        let squared = core::array::from_fn(|lane| {
-            let deviation = select(lane, values[lane] - mean, 0.0);
-            deviation * deviation
-        });
-        let low = core::array::from_fn(|lane| select(lane, values[lane], f64::INFINITY));
-        let high = core::array::from_fn(|lane| select(lane, values[lane], f64::NEG_INFINITY));
+        let mean = within(mean, min, max);
+        let deviations: Lane = core::array::from_fn(|lane| select(lane, values[lane] - mean, 0.0));
+        // one of these is the largest: the mean is between them
+        let unit = Squares::unit((max - mean).max(mean - min));
+        let squared = if unit == 0 {
+            deviations.map(|deviation| deviation * deviation)
+        } else {
+            deviations.map(|deviation| Squares::in_unit(deviation, unit).powi(2))
+        };
         Self {
             count,
             mean,
-            squares: by_halves(squared, |a, b| a + b),
-            min: by_halves(low, |a, b| if b < a { b } else { a }),
-            max: by_halves(high, |a, b| if b > a { b } else { a }),
+            squares: Squares {
+                value: by_halves(squared, |a, b| a + b),
+                unit,
+            },
+            min,
+            max,
         }
     }
 
@@ -124,21 +267,38 @@ impl Moments {
         if !apart.is_finite() {
             mean = self.mean * (self.count / count) + other.mean * share;
         }
+        let min = if other.min < self.min {
+            other.min
+        } else {
+            self.min
+        };
+        let max = if other.max > self.max {
+            other.max
+        } else {
+            self.max
+        };
         Self {
             count,
-            mean,
-            squares: self.squares + other.squares + apart * apart * (self.count * share),
-            min: if other.min < self.min {
-                other.min
-            } else {
-                self.min
-            },
-            max: if other.max > self.max {
-                other.max
-            } else {
-                self.max
-            },
+            mean: within(mean, min, max),
+            squares: (self.squares)
+                .add(other.squares)
+                .add(Squares::of(apart, self.count * share)),
+            min,
+            max,
         }
+    }
+}
+
+/// A mean, moved to the nearest of the values between which it lies where rounding took it beyond them.
+#[inline]
+fn within(mean: f64, min: f64, max: f64) -> f64 {
+    // without values the least one is above the greatest
+    if mean < min && min <= max {
+        min
+    } else if mean > max && min <= max {
+        max
+    } else {
+        mean
     }
 }
 

@@ -5,8 +5,7 @@
 //!
 //! Source: the format as `NumPy` documents it, `numpy.lib.format`, versions 1.0 and, for names beyond ASCII, 3.0.
 
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::Path;
 
 use super::Summary;
@@ -44,12 +43,13 @@ impl Summary {
         to.flush()
     }
 
-    /// Writes the statistics as an array of `NumPy` into a file; see [`write_npy`](Self::write_npy).
+    /// Writes the statistics as an array of `NumPy` into a file; see [`write_npy`](Self::write_npy). The file is written beside
+    /// the one of that name, if there is one, and takes its place when it is whole.
     ///
     /// # Errors
-    /// Where the file cannot be written.
+    /// Where the file cannot be written, with its path; nothing of it is left then.
     pub fn to_npy(&self, path: impl AsRef<Path>) -> io::Result<()> {
-        self.write_npy(BufWriter::new(File::create(path)?))
+        crate::file::write(path.as_ref(), |file| self.write_npy(file))
     }
 }
 

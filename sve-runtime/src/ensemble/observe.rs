@@ -108,3 +108,13 @@ pub(super) fn not_finite(values: &Lane) -> Mask {
     }
     lanes
 }
+
+/// The lanes whose values are outside of a range, both of whose bounds are inside.
+#[inline]
+pub(super) fn outside(values: &Lane, low: f64, high: f64) -> Mask {
+    let mut lanes = 0;
+    for lane in 0..LANES {
+        lanes |= Mask::from(values[lane] < low || values[lane] > high) << lane;
+    }
+    lanes
+}

@@ -2,7 +2,6 @@
 //!
 //! Input: a [`Summary`]. Output: a file of one row group, whose columns are those of the CSV table.
 
-use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
 use std::sync::Arc;
@@ -27,12 +26,13 @@ impl Summary {
         self.table(to).map_err(io::Error::other)
     }
 
-    /// Writes the statistics as Parquet into a file; see [`write_parquet`](Self::write_parquet).
+    /// Writes the statistics as Parquet into a file; see [`write_parquet`](Self::write_parquet). The file is written beside
+    /// the one of that name, if there is one, and takes its place when it is whole.
     ///
     /// # Errors
-    /// Where the file cannot be written.
+    /// Where the file cannot be written, with its path; nothing of it is left then.
     pub fn to_parquet(&self, path: impl AsRef<Path>) -> io::Result<()> {
-        self.write_parquet(File::create(path)?)
+        crate::file::write(path.as_ref(), |file| self.write_parquet(file))
     }
 
     fn table(&self, to: impl Write + Send) -> Result<(), ParquetError> {

@@ -1,51 +1,74 @@
 //! Summaries for serde.
 //!
-//! Input: what a summary is made of. Output: the summary, or why the parts do not fit together.
+//! Input: what a summary is made of. Output: the summary, or why the parts do not fit together. Invariant: parts that fit
+//! together make a summary whose functions do not panic, whoever wrote them.
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::histogram::Bins;
+use super::histogram::{Bins, Request};
 use super::summary::{Info, Summary};
 use super::tree::{Node, Tree};
-use super::{BLOCK_PATHS, FAILURES_KEPT};
+use super::{BLOCK_PATHS, FAILURES_KEPT, path_at};
 
 /// What is written of a summary.
 #[derive(Serialize)]
-struct Parts<'a> {
+pub(super) struct Parts<'a> {
     run: &'a Info,
     nodes: Vec<&'a Node>,
 }
 
+impl<'a> Parts<'a> {
+    pub(super) fn new(run: &'a Info, tree: &'a Tree) -> Self {
+        let nodes = tree.nodes.values().collect();
+        Self { run, nodes }
+    }
+}
+
 /// What is read.
 #[derive(Deserialize)]
-struct OwnedParts {
-    run: Info,
+pub(super) struct OwnedParts {
+    pub(super) run: Info,
     nodes: Vec<Node>,
+}
+
+impl OwnedParts {
+    /// The run and its results, if the nodes are some of this run.
+    pub(super) fn fit_together(self) -> Option<(Info, Tree)> {
+        let Self { run, nodes } = self;
+        if !is_sound(&run) || nodes.is_empty() {
+            return None;
+        }
+        let mut tree = Tree::new(run.paths.div_ceil(BLOCK_PATHS));
+        for node in nodes {
+            if !fits(&run, &tree, &node) {
+                return None;
+            }
+            tree.nodes.insert(node.first, node);
+        }
+        Some((run, tree))
+    }
 }
 
 impl Serialize for Summary {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let nodes = self.tree.nodes.values().collect();
-        let run = &self.info;
-        Parts { run, nodes }.serialize(serializer)
+        Parts::new(&self.info, &self.tree).serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for Summary {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let OwnedParts { run, nodes } = OwnedParts::deserialize(deserializer)?;
-        let mut tree = Tree::new(run.paths.div_ceil(BLOCK_PATHS));
-        for node in nodes {
-            if !fits(&run, &tree, &node) {
-                return Err(D::Error::custom(
-                    "the parts of this summary do not fit together",
-                ));
-            }
-            tree.nodes.insert(node.first, node);
-        }
+        let parts = OwnedParts::deserialize(deserializer)?;
+        let (run, tree) = parts
+            .fit_together()
+            .ok_or_else(|| D::Error::custom("the parts of this summary do not fit together"))?;
         Ok(Self::new(run, tree))
     }
+}
+
+fn is_sound(run: &Info) -> bool {
+    let known = |request: &Request| request.is_sound() && run.names.contains(&request.name);
+    run.paths > 0 && !run.times.is_empty() && run.histograms.iter().all(known)
 }
 
 /// Whether a node can be one of this run, behind those that are there.
@@ -53,27 +76,40 @@ fn fits(run: &Info, tree: &Tree, node: &Node) -> bool {
     let records = run.times.len();
     let after = tree.nodes.values().next_back();
     let from = after.map_or(0, |node| node.first + node.blocks);
-    let end = node.first.checked_add(node.blocks);
+    // the blocks that a node of its level has there
+    let left = tree.blocks.checked_sub(node.first);
+    let span = 1_u64.checked_shl(node.level);
+    let is_of_tree = node.first >= from
+        && left.zip(span).is_some_and(|(left, span)| {
+            left > 0 && node.first.is_multiple_of(span) && node.blocks == span.min(left)
+        });
+    if !is_of_tree {
+        return false;
+    }
+    let first = path_at(node.first, run.paths);
+    let end = path_at(node.first + node.blocks, run.paths);
     let columns = node.columns.iter().all(|column| {
         [&column.mean, &column.squares, &column.min, &column.max]
             .into_iter()
             .all(|values| values.len() == records)
+            && column.unit.len() == records
+            && column.unit.iter().all(|unit| (-1..=1).contains(unit))
     });
-    let bins = |(request, bins): (_, &Bins)| Bins::new(request, records).0.len() == bins.0.len();
-    let states = match node.final_paths.len() {
-        0 => node.final_states.is_empty(),
-        paths => node.final_states.len().is_multiple_of(paths),
-    };
-    records > 0
-        && node.blocks > 0
-        && node.first >= from
-        && end.is_some_and(|end| end <= tree.blocks)
-        && node.level < u64::BITS
-        && node.counts.len() == records
+    let bins = |(request, bins): (&Request, &Bins)| request.counts(records) == bins.0.len() as u128;
+    let width = 2 * run.coordinates as u128 + 1;
+    let states = node.final_paths.len() as u128 * width == node.final_states.len() as u128;
+    node.counts.len() == records
+        && node.counts.iter().all(|&count| count <= end - first)
         && node.columns.len() == run.names.len()
         && columns
         && node.histograms.len() == run.histograms.len()
         && run.histograms.iter().zip(&node.histograms).all(bins)
-        && node.failures.len() <= FAILURES_KEPT
+        && node.failures.len() as u64 == node.failed.min(FAILURES_KEPT as u64)
+        && node.failed <= end - first
         && states
+        && node.final_paths.is_sorted()
+        && node
+            .final_paths
+            .iter()
+            .all(|path| (first..end).contains(path))
 }

@@ -6,7 +6,7 @@
 use super::BLOCK_PATHS;
 use super::failure::{Cause, FAILURES_KEPT};
 use super::flight::{Flight, lanes};
-use super::observe::not_finite;
+use super::observe::{not_finite, outside};
 use super::tree::Node;
 use crate::lanes::{LANES, Lane, Mask};
 use crate::method::Method;
@@ -63,6 +63,21 @@ where
                 let cause = match observable.value(system, &self.tiles[tile].states().get(lane)) {
                     Ok(value) => Cause::NotFinite { name, value },
                     Err(error) => Cause::Observable { name, error },
+                };
+                self.fail(tile, lane, self.step, cause);
+            }
+        }
+        for (name, [low, high]) in &ensemble.bounds {
+            let Some(column) = ensemble.names.iter().position(|known| known == name) else {
+                continue;
+            };
+            let left = outside(&values[column], *low, *high);
+            for lane in lanes(left & self.tiles[tile].alive) {
+                let cause = Cause::OutOfBound {
+                    name: name.clone(),
+                    value: values[column][lane],
+                    low: *low,
+                    high: *high,
                 };
                 self.fail(tile, lane, self.step, cause);
             }

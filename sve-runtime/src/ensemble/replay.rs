@@ -39,7 +39,7 @@ where
     ///     .start(State::new([0.1], [0.0]))
     ///     .keep_final_states(true);
     /// let summary = ensemble.run()?;
-    /// let (path, end) = summary.final_states::<1>().last().expect("a hundred paths");
+    /// let (path, end) = summary.final_states().last().expect("a hundred paths");
     /// let again = ensemble.replay(path)?.last().expect("five hundred steps")?;
     /// assert_eq!(again, end);
     /// # Ok(())
@@ -58,16 +58,16 @@ where
             return Err(EnsembleError::Path { path, paths });
         }
         let mut flight = Flight::new(run, path / BLOCK_PATHS, Some(path))?;
-        let (mut step, mut record) = (0, 0);
+        let (mut step, mut record, mut over) = (0, 0, false);
         Ok(core::iter::from_fn(move || {
-            while step <= run.steps {
+            while step <= run.steps && !over {
                 flight.advance(step);
                 if step == run.step_of(record) {
                     record += 1;
                     flight.observe_all();
                 }
                 if let Some(failure) = flight.failures.pop() {
-                    step = u64::MAX;
+                    over = true;
                     return Some(Err(failure));
                 }
                 step += 1;

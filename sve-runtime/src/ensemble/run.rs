@@ -4,12 +4,15 @@
 
 use core::ops::Range;
 
+use super::fingerprint::Fingerprint;
 use super::increments::Increments;
+use super::law::Law;
 use super::start::{Start, StartRng};
 use super::summary::Info;
-use super::{BLOCK_PATHS, Ensemble, EnsembleError};
+use super::{BLOCK_PATHS, Ensemble, EnsembleError, path_at, sizes};
 use crate::method::Method;
 use crate::system::{Dimensions, System};
+use crate::trajectory::time_after;
 
 /// Settings that were checked, and what follows from them.
 pub(super) struct Run<'a, I: Method> {
@@ -19,7 +22,7 @@ pub(super) struct Run<'a, I: Method> {
     every: u64,
     pub(super) paths: u64,
     pub(super) start_time: f64,
-    largest: f64,
+    pub(super) law: Law,
     pub(super) records: usize,
     /// Blocks to run.
     pub(super) shard: [u64; 2],
@@ -61,24 +64,18 @@ impl<'a, I: Method> Run<'a, I> {
             return zero("threads", "leave it out to use every core");
         }
         ensemble.method.prepare(h).map_err(EnsembleError::Prepare)?;
-        let largest = ensemble.law.largest(h).map_err(EnsembleError::Truncation)?;
+        let law = ensemble.law.law(h)?;
         let time = <<I::System as System>::Dims as Dimensions>::time;
         let start_time = match start {
             Start::Same(state) => time(state),
             Start::Drawn(draw) => time(&draw(0, &mut StartRng::new(ensemble.seed, 0))),
         };
-        if !(start_time + steps as f64 * h).is_finite() {
-            let start = start_time;
-            return Err(EnsembleError::Time { start, h, steps });
-        }
+        check_times(start_time, h, steps)?;
         check_names(ensemble)?;
-        let (index, of) = ensemble.shard;
-        if index >= of {
-            return Err(EnsembleError::Shard { index, of });
-        }
-        let blocks = u128::from(paths.div_ceil(BLOCK_PATHS));
-        let border = |i: u64| (blocks * u128::from(i) / u128::from(of)) as u64;
+        let shard = blocks(ensemble.shard, paths)?;
         let every = ensemble.every.unwrap_or(steps);
+        let own = path_at(shard[1], paths) - path_at(shard[0], paths);
+        let records = sizes::records(ensemble, steps, every, own)?;
         Ok(Self {
             ensemble,
             h,
@@ -86,15 +83,15 @@ impl<'a, I: Method> Run<'a, I> {
             every,
             paths,
             start_time,
-            largest,
-            records: steps.div_ceil(every) as usize + 1,
-            shard: [border(index), border(index + 1)],
+            law,
+            records,
+            shard,
         })
     }
 
     /// The time after so many steps.
     pub(super) fn time(&self, step: u64) -> f64 {
-        self.start_time + step as f64 * self.h
+        time_after(self.start_time, step, self.h)
     }
 
     /// The step after which a record is taken.
@@ -102,27 +99,71 @@ impl<'a, I: Method> Run<'a, I> {
         (record as u64).saturating_mul(self.every).min(self.steps)
     }
 
+    /// Whether a record is taken after so many steps.
+    pub(super) fn records_after(&self, step: u64) -> bool {
+        step.is_multiple_of(self.every) || step == self.steps
+    }
+
     pub(super) fn increments<const M: usize>(&self, first_path: u64) -> Increments<M> {
-        let Ensemble { law, seed, .. } = *self.ensemble;
-        Increments::new(law, seed, first_path, self.h, self.largest)
+        Increments::new(self.law, self.ensemble.seed, first_path, self.h)
     }
 
     /// How many paths some blocks have.
     pub(super) fn paths_of(&self, blocks: Range<u64>) -> u64 {
-        let border = |block: u64| (block * BLOCK_PATHS).min(self.paths);
-        border(blocks.end) - border(blocks.start)
+        path_at(blocks.end, self.paths) - path_at(blocks.start, self.paths)
     }
 
     /// What summaries of the same run have in common.
-    pub(super) fn info(&self, fingerprint: u64) -> Info {
+    pub(super) fn info(&self, fingerprint: Fingerprint) -> Info {
         let times = (0..self.records).map(|record| self.time(self.step_of(record)));
+        let vector = size_of::<<<I::System as System>::Dims as Dimensions>::Vector>();
         Info {
             names: self.ensemble.names.clone(),
             histograms: self.ensemble.histograms.clone(),
             times: times.collect(),
             paths: self.paths,
+            coordinates: vector / size_of::<f64>(),
             fingerprint,
         }
+    }
+}
+
+/// The blocks of a shard.
+fn blocks((index, of): (u64, u64), paths: u64) -> Result<[u64; 2], EnsembleError> {
+    if index >= of {
+        return Err(EnsembleError::Shard { index, of });
+    }
+    let blocks = paths.div_ceil(BLOCK_PATHS);
+    let border = |i: u64| (u128::from(blocks) * u128::from(i) / u128::from(of)) as u64;
+    let shard = [border(index), border(index + 1)];
+    if shard[0] == shard[1] {
+        return Err(EnsembleError::EmptyShard {
+            index,
+            of,
+            paths,
+            blocks,
+        });
+    }
+    Ok(shard)
+}
+
+/// Checks that the times of all steps are finite and differ. Neighbouring numbers are farthest apart at one of the ends, where a
+/// step begins.
+fn check_times(start: f64, h: f64, steps: u64) -> Result<(), EnsembleError> {
+    let end = time_after(start, steps, h);
+    if !(start.is_finite() && end.is_finite()) {
+        return Err(EnsembleError::Time { start, h, steps });
+    }
+    let last = time_after(start, steps - 1, h);
+    match [start, last].into_iter().find(|t| t + h == *t) {
+        None => Ok(()),
+        Some(t) => Err(EnsembleError::TimeStands {
+            start,
+            h,
+            steps,
+            t,
+            next: t.abs().next_up() - t.abs(),
+        }),
     }
 }
 
@@ -133,19 +174,35 @@ fn check_names<I: Method>(ensemble: &Ensemble<'_, I>) -> Result<(), EnsembleErro
         let name = name.clone();
         return Err(EnsembleError::TwiceNamed { name });
     }
-    for request in &ensemble.histograms {
-        let name = request.name.clone();
-        if !names.contains(&name) {
-            let known = names.clone();
-            return Err(EnsembleError::UnknownObservable { name, known });
+    let known = |name: &String, purpose| {
+        if names.contains(name) {
+            return Ok(());
         }
-        let ([low, high], bins) = (request.range, request.bins);
-        if !((high - low).is_finite() && low < high && bins > 0) {
+        Err(EnsembleError::UnknownObservable {
+            name: name.clone(),
+            purpose,
+            known: names.clone(),
+        })
+    };
+    for request in &ensemble.histograms {
+        known(&request.name, "make a histogram of")?;
+        if !request.is_sound() {
+            let ([low, high], bins) = (request.range, request.bins);
             return Err(EnsembleError::Histogram {
-                name,
+                name: request.name.clone(),
                 low,
                 high,
                 bins,
+            });
+        }
+    }
+    for (name, [low, high]) in &ensemble.bounds {
+        known(name, "bound")?;
+        if low.is_nan() || high.is_nan() || low > high {
+            return Err(EnsembleError::Bound {
+                name: name.clone(),
+                low: *low,
+                high: *high,
             });
         }
     }

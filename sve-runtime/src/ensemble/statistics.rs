@@ -4,7 +4,8 @@
 //! and nothing else is.
 
 use super::histogram::{Bins, Request};
-use super::moments::Column;
+use super::moments::{Column, Squares};
+use super::warning::{self, Warning};
 
 /// An observable at each recorded time, over the paths that have not failed until then.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +29,11 @@ impl Statistics {
         }
     }
 
+    /// What is not to be trusted of them.
+    pub(super) fn warnings<'a>(&'a self, times: &'a [f64]) -> impl Iterator<Item = Warning> + 'a {
+        warning::warnings(&self.name, times, &self.counts, &self.column)
+    }
+
     /// Its name.
     pub fn name(&self) -> &str {
         &self.name
@@ -44,30 +50,30 @@ impl Statistics {
     }
 
     /// Variances, the sums of squared deviations over the number of paths less one; NaN for fewer than two paths.
+    ///
+    /// A variance that no `f64` is small or large enough for, as of deviations of 1e-200, is 0 or ∞;
+    /// [`standard_deviation`](Self::standard_deviation) and [`standard_error`](Self::standard_error) are right there too.
     pub fn variance(&self) -> Vec<f64> {
-        let of = |(squares, count): (&f64, &u64)| match count {
-            0 | 1 => f64::NAN,
-            _ => squares / (count - 1) as f64,
-        };
-        self.column
-            .squares
-            .iter()
-            .zip(&self.counts)
-            .map(of)
-            .collect()
+        self.of_squares(|squares, paths| squares.over(paths - 1.0).get())
     }
 
     /// Standard deviations, the square roots of the variances.
     pub fn standard_deviation(&self) -> Vec<f64> {
-        self.variance().into_iter().map(f64::sqrt).collect()
+        self.of_squares(|squares, paths| squares.over(paths - 1.0).sqrt())
     }
 
     /// Standard errors of the means: √(variance / paths).
     pub fn standard_error(&self) -> Vec<f64> {
-        let variances = self.variance().into_iter().zip(&self.counts);
-        variances
-            .map(|(variance, &count)| (variance / count as f64).sqrt())
-            .collect()
+        self.of_squares(|squares, paths| squares.over(paths - 1.0).over(paths).sqrt())
+    }
+
+    /// A function of the sum of squared deviations and the number of paths, at each recorded time with two paths or more.
+    fn of_squares(&self, of: impl Fn(Squares, f64) -> f64) -> Vec<f64> {
+        let at = |(record, &count): (usize, &u64)| match count {
+            0 | 1 => f64::NAN,
+            _ => of(self.column.squares_at(record), count as f64),
+        };
+        self.counts.iter().enumerate().map(at).collect()
     }
 
     /// Least values; +∞ where all paths have failed.

@@ -6,13 +6,15 @@
 use core::fmt;
 use core::ops::Index;
 
+use super::error::Difference;
 use super::failure::Failure;
-use super::histogram::{Bins, Request};
-use super::moments::Column;
+use super::final_state::FinalState;
+use super::fingerprint::Fingerprint;
+use super::histogram::Request;
 use super::statistics::{Histogram, Statistics};
 use super::tree::{Node, Tree};
-use super::{BLOCK_PATHS, EnsembleError};
-use crate::state::State;
+use super::warning::Warning;
+use super::{BLOCK_PATHS, EnsembleError, path_at};
 
 /// What summaries of the same run have in common.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,7 +24,8 @@ pub(super) struct Info {
     pub(super) histograms: Vec<Request>,
     pub(super) times: Vec<f64>,
     pub(super) paths: u64,
-    pub(super) fingerprint: u64,
+    pub(super) coordinates: usize,
+    pub(super) fingerprint: Fingerprint,
 }
 
 /// Statistics of the paths of an [`Ensemble`](super::Ensemble): of all, or of the shards merged so far.
@@ -38,47 +41,43 @@ pub struct Summary {
 }
 
 impl Info {
-    /// Whether another summary is of the same run.
-    pub(super) fn same_run(&self, other: &Self) -> Result<(), EnsembleError> {
+    /// The first thing in which another run differs; `None` for the same run.
+    pub(super) fn difference(&self, other: &Self) -> Option<Difference> {
         let same = [
-            (self.names == other.names, "observables"),
-            (self.histograms == other.histograms, "histograms"),
-            (self.times == other.times, "recorded times"),
-            (self.paths == other.paths, "number of paths"),
-            (
-                self.fingerprint == other.fingerprint,
-                "seed, noise, start, parameters, method or observables",
-            ),
+            (self.names == other.names, Difference::Observables),
+            (self.histograms == other.histograms, Difference::Histograms),
+            (self.times == other.times, Difference::Times),
+            (self.paths == other.paths, Difference::Paths),
+            (self.coordinates == other.coordinates, Difference::Formulas),
         ];
-        match same.into_iter().find(|(same, _)| !same) {
-            None => Ok(()),
-            Some((_, what)) => Err(EnsembleError::OtherRun { what }),
-        }
+        let differs = same
+            .into_iter()
+            .find_map(|(same, what)| (!same).then_some(what));
+        differs.or_else(|| self.fingerprint.difference(&other.fingerprint))
     }
 }
 
 impl Summary {
+    /// The summary of the nodes of a tree, of which there is one at least.
     pub(super) fn new(info: Info, tree: Tree) -> Self {
-        let mut nodes = tree.nodes.values();
+        let mut summary = Self {
+            statistics: Vec::new(),
+            histograms: Vec::new(),
+            counts: Vec::new(),
+            failed: 0,
+            failures: Vec::new(),
+            info,
+            tree,
+        };
+        let mut nodes = summary.tree.nodes.values();
         let whole = nodes.next().cloned().map(|first| {
             nodes.fold(first, |mut whole, node| {
                 whole.join(node);
                 whole
             })
         });
-        let mut summary = Self {
-            statistics: Vec::new(),
-            histograms: Vec::new(),
-            counts: vec![0; info.times.len()],
-            failed: 0,
-            failures: Vec::new(),
-            info,
-            tree,
-        };
         if let Some(whole) = whole {
             summary.show(whole);
-        } else {
-            summary.show_nothing();
         }
         summary
     }
@@ -97,19 +96,6 @@ impl Summary {
         self.failures = node.failures;
     }
 
-    /// No paths, where a shard has none.
-    fn show_nothing(&mut self) {
-        let records = self.info.times.len();
-        let names = self.info.names.iter();
-        self.statistics = names
-            .map(|name| Statistics::new(name.clone(), vec![0; records], Column::new(records)))
-            .collect();
-        let requests = self.info.histograms.iter();
-        self.histograms = requests
-            .map(|request| Histogram::new(request.clone(), Bins::new(request, records)))
-            .collect();
-    }
-
     /// The recorded times: the start, the time after each `record_every` steps, and the end.
     pub fn times(&self) -> &[f64] {
         &self.info.times
@@ -117,10 +103,8 @@ impl Summary {
 
     /// How many paths were run, those that failed among them.
     pub fn paths(&self) -> u64 {
-        let of = |node: &Node| {
-            let end = ((node.first + node.blocks) * BLOCK_PATHS).min(self.info.paths);
-            end - node.first * BLOCK_PATHS
-        };
+        let at = |block| path_at(block, self.info.paths);
+        let of = |node: &Node| at(node.first + node.blocks) - at(node.first);
         self.tree.nodes.values().map(of).sum()
     }
 
@@ -139,7 +123,8 @@ impl Summary {
         self.failed
     }
 
-    /// The failures of the lowest paths, at most [`FAILURES_KEPT`](super::FAILURES_KEPT), in their order.
+    /// The failures of the lowest paths, at most [`FAILURES_KEPT`](super::FAILURES_KEPT) = 256, in their order: number, time and error of
+    /// each. Of those beyond, [`failed`](Self::failed) has the number alone; [`replay`](super::Ensemble::replay) shows any path that failed.
     pub fn failures(&self) -> &[Failure] {
         &self.failures
     }
@@ -164,27 +149,53 @@ impl Summary {
         self.histograms.iter().find(|h| h.name() == name)
     }
 
+    /// What is not to be trusted: observables that diverge, and means that hang on one path. See [`Warning`] for the criteria.
+    ///
+    /// ```
+    /// use sve_runtime::ensemble::Warning;
+    /// use sve_runtime::prelude::*;
+    ///
+    /// struct Oscillator { omega: f64 }
+    ///
+    /// #[variational(endpoint)]
+    /// impl Oscillator {
+    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v - 0.5 * (self.omega * q).powi(2) }
+    ///     #[gamma]
+    ///     fn push(&self, q: f64) -> f64 { q }
+    /// }
+    ///
+    /// # fn main() -> Result<(), EnsembleError> {
+    /// // this rule is unstable from ωh = 2 on
+    /// let stiff = Integrator::new(Oscillator { omega: 21.0 }, Endpoint);
+    /// let ensemble = Ensemble::new(&stiff)
+    ///     .paths(100).steps(0.1, 100).record_every(10)
+    ///     .start(State::new([1.0], [0.0]))
+    ///     .observe("energy", |system, state| system.hamiltonian(state));
+    /// let summary = ensemble.run()?;
+    /// assert_eq!(summary.failed(), 0); // no state is infinite yet
+    /// assert!(matches!(&summary.warnings()[..], [Warning::Diverges { name, .. }] if name == "energy"));
+    /// // paths that leave a range can be made to fail
+    /// let summary = ensemble.bound("energy", ..=1e6).run()?;
+    /// assert_eq!(summary.failed(), 100);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn warnings(&self) -> Vec<Warning> {
+        let all = self.statistics.iter();
+        all.flat_map(|s| s.warnings(&self.info.times)).collect()
+    }
+
     /// The final states of the paths that did not fail, with their numbers, in their order; none unless
     /// [`keep_final_states`](super::Ensemble::keep_final_states) was asked for.
-    ///
-    /// # Panics
-    /// Where `N` is not the system's number of coordinates.
-    pub fn final_states<const N: usize>(&self) -> impl Iterator<Item = (u64, State<N>)> {
-        self.tree.nodes.values().flat_map(|node| {
-            let (paths, width) = (&node.final_paths, 2 * N + 1);
-            let numbers = node.final_states.len();
-            assert!(
-                numbers == paths.len() * width,
-                "final states of {} numbers each are not those of {N} coordinates",
-                numbers / paths.len().max(1)
-            );
-            let state = |row: &[f64]| {
-                let (q, p) = row[1..].split_at(N);
-                let of = |x: &[f64]| core::array::from_fn(|i| x[i]);
-                State::at(row[0], of(q), of(p))
-            };
-            let rows = node.final_states.chunks_exact(width).map(state);
-            paths.iter().copied().zip(rows)
+    pub fn final_states(&self) -> impl Iterator<Item = (u64, FinalState<'_>)> {
+        let coordinates = self.info.coordinates;
+        self.tree.nodes.values().flat_map(move |node| {
+            let rows = node.final_states.chunks_exact(2 * coordinates + 1);
+            let states = rows.map(move |row| {
+                let (q, p) = row[1..].split_at(coordinates);
+                FinalState { t: row[0], q, p }
+            });
+            node.final_paths.iter().copied().zip(states)
         })
     }
 
@@ -192,16 +203,25 @@ impl Summary {
     ///
     /// Shards may be merged in any order; all together give the bits of the whole run.
     ///
+    /// Shards belong to the same run where they have equal settings, formulas of the system, values of its parameters (of the fields that the
+    /// functions of its block use), method, rule and options, and starts. Closures cannot be compared. They are sampled, in all bits:
+    /// starts of the first 16 paths, of 16 that are spread over all, and of the last; observables and states along path 0, at its
+    /// recorded times, for 4096 steps or a thousandth of all steps of the ensemble, whichever is more, and along three other paths for
+    /// 64 steps. **What a closure does elsewhere is not seen**: give shards equal closures. A [`Method`](crate::Method) of your own says what else
+    /// belongs to it in [`identify`](crate::Method::identify). Shards of machines whose mathematical functions differ in the last digit do not merge.
+    ///
     /// # Errors
-    /// [`EnsembleError::OtherRun`] where the settings differ, [`EnsembleError::Overlap`] where paths are in both; nothing is
+    /// [`EnsembleError::OtherRun`], which says what differs; [`EnsembleError::Overlap`] where paths are in both. Nothing is
     /// merged then.
     pub fn merge(&mut self, other: Self) -> Result<(), EnsembleError> {
-        self.info.same_run(&other.info)?;
+        if let Some(what) = self.info.difference(&other.info) {
+            return Err(EnsembleError::OtherRun { what });
+        }
         let blocks = |node: &Node| node.first..node.first + node.blocks;
         let nodes = other.tree.nodes.values();
         if let Some(block) = nodes.flat_map(blocks).find(|&block| self.tree.has(block)) {
             let first = block * BLOCK_PATHS;
-            let last = (first + BLOCK_PATHS).min(self.info.paths) - 1;
+            let last = path_at(block + 1, self.info.paths) - 1;
             return Err(EnsembleError::Overlap { first, last });
         }
         for node in other.tree.nodes.into_values() {
@@ -267,16 +287,23 @@ impl fmt::Display for Summary {
         let width = self.info.names.iter().map(|n| n.chars().count()).max();
         let width = width.unwrap_or(0);
         for s in &self.statistics {
+            write!(f, "\n  {:width$}  ", s.name())?;
             let last = |values: &[f64]| values.last().copied().unwrap_or(f64::NAN);
-            write!(
-                f,
-                "\n  {:width$}  {:.6e} ± {:.1e}, from {:.6e} to {:.6e}",
-                s.name(),
-                last(s.mean()),
-                last(&s.standard_error()),
-                last(s.min()),
-                last(s.max())
-            )?;
+            match self.counts.last() {
+                None | Some(0) => write!(f, "no path is left")?,
+                Some(1) => write!(f, "{:.6e}, of one path", last(s.mean()))?,
+                Some(_) => write!(
+                    f,
+                    "{:.6e} ± {:.1e}, from {:.6e} to {:.6e}",
+                    last(s.mean()),
+                    last(&s.standard_error()),
+                    last(s.min()),
+                    last(s.max())
+                )?,
+            }
+        }
+        for warning in self.warnings() {
+            write!(f, "\n  {warning}")?;
         }
         if let Some(first) = self.failures.first() {
             write!(f, "\n  first failure: {first}")?;

@@ -45,7 +45,11 @@ where
                 .build()?
                 .install(work),
         }
-        Ok(Summary::new(info.clone(), shared.end()?))
+        let tree = shared.end()?;
+        if tree.nodes.is_empty() {
+            return Err(EnsembleError::NothingRun);
+        }
+        Ok(Summary::new(info.clone(), tree))
     }
 
     /// Runs blocks until there are none.

@@ -62,6 +62,14 @@ impl Part {
         Some([left, right])
     }
 
+    /// The same part of the step that comes `steps` later.
+    pub(super) const fn later(self, steps: u64) -> Self {
+        Self {
+            step: self.step.wrapping_add(steps),
+            ..self
+        }
+    }
+
     /// The step it belongs to.
     pub const fn step(self) -> u64 {
         self.step

@@ -45,23 +45,50 @@ pub enum NoiseError {
         /// Processes recorded.
         recorded: usize,
     },
-    /// Truncated increments need `h < 1`.
+    /// Truncation with a time τ needs `h < τ`.
     #[error(
-        "truncated increments are defined for h < 1, and h = {h}; measure time in a larger unit, or take a smaller step"
+        "increments truncated at √(2k ln(τ/h)) standard deviations need h < τ, and h = {h}, τ = {tau}; \
+         give their number with `deviations`, which has no such limit, or take a smaller step"
     )]
     TruncationStep {
         /// Step size asked for.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         h: f64,
+        /// The time τ.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        tau: f64,
     },
-    /// The exponent of a truncation is below 1 or not finite.
+    /// The exponent of a truncation is below 1 or not finite, or its time is not positive and finite.
     #[error(
-        "the truncation exponent k = {k} must be finite and at least 1; 2 keeps strong order 1"
+        "the truncation exponent k = {k} must be finite and at least 1, where 2 keeps strong order 1, \
+         and the time τ = {tau} positive and finite"
     )]
     TruncationExponent {
         /// Exponent given.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         k: f64,
+        /// The time τ.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        tau: f64,
+    },
+    /// The bound of a truncation is not a positive finite number of standard deviations.
+    #[error(
+        "increments cannot be truncated at {deviations} standard deviations: the bound must be positive and finite, for example 6"
+    )]
+    TruncationDeviations {
+        /// Standard deviations given.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        deviations: f64,
+    },
+    /// A path that was entered at a step has no step with such a number.
+    #[error(
+        "step {step} of a path that was entered at its step {first} has a number above 2^64 − 1: enter it earlier"
+    )]
+    StepNumber {
+        /// Step asked for, from 0 where the path was entered.
+        step: u64,
+        /// Step at which the path was entered.
+        first: u64,
     },
     /// The step size is not a positive finite number.
     #[error("the step size h = {h} must be positive and finite")]

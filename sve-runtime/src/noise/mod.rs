@@ -13,6 +13,8 @@
 //! | [`FromRng`] | from a random generator of the `rand` crates | no: draws follow one another |
 //! | [`NoNoise`] | zero | trivially |
 //!
+//! What is replayable is entered in the middle of its path by [`Replayable::from_step`].
+//!
 //! ```
 //! use sve_runtime::noise::{Noise, Wiener};
 //!
@@ -28,6 +30,7 @@ pub(crate) mod box_muller;
 mod bridge;
 mod error;
 mod from_rng;
+mod from_step;
 mod halves;
 #[cfg(feature = "ensemble")]
 pub(crate) mod lanes;
@@ -42,6 +45,7 @@ mod wiener;
 pub use bridge::{Part, Refined};
 pub use error::NoiseError;
 pub use from_rng::FromRng;
+pub use from_step::{FromStep, Replayable};
 pub use halves::Halves;
 pub use none::NoNoise;
 pub use recorded::Recorded;

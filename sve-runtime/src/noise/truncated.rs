@@ -1,68 +1,123 @@
 //! Increments with bounded size, for implicit steps.
 //!
-//! Input: the increments of another source and `h < 1`. Output: the same, clipped to ±√h A.
-//! Invariant: |ΔW| ≤ √(2 k h |ln h|).
+//! Input: the increments of another source. Output: the same, clipped to ±A√h. Invariant: |ΔW| ≤ A√h, for every h.
 //!
-//! Source: Milstein, Repin, Tretyakov, *Numerical methods for stochastic systems preserving symplectic structure*,
-//! SIAM J. Numer. Anal. 40 (2002) 1583–1604.
+//! Source of the bound that grows like √|ln h|: Milstein, Repin, Tretyakov, *Numerical methods for stochastic systems preserving
+//! symplectic structure*, SIAM J. Numer. Anal. 40 (2002) 1583–1604.
 
 use super::error::check_step;
 use super::{Noise, NoiseError};
 
-/// Another source with its increments clipped: ΔW = √h ξ with ξ held between ±A, A = √(2k|ln h|).
+/// Standard deviations of the bound, unless others are given.
+const DEVIATIONS: f64 = 6.0;
+
+/// Another source with its increments clipped: ΔW = √h ξ with ξ held between ±A, a number of standard deviations.
 ///
-/// An implicit step with noise in the momentum may have no solution for a large ΔW. The clipped increment goes to 0 with
-/// `h` as surely as `h` does, so a small step always has one, and the mean square of what is cut off is at most `h^(k+1)`:
-/// the default `k = 2` keeps the strong order 1 of the rules.
+/// An implicit step with noise in the momentum may have no solution for a large ΔW. The clipped increment is at most `A√h`, so
+/// a small enough step always has one; how small depends on the system, and clipping alone does not make a step of any `h` solvable.
 ///
-/// Needs `h < 1` in the unit of time ([`NoiseError::TruncationStep`]). The bound narrows as `h` grows: it clips one ξ in
-/// 400 at `h = 0.1` (A = 3.03), and one in 10 at `h = 0.5` (A = 1.67).
+/// A has no unit, so the clipped path is the same in any unit of time. What is cut off has a mean square of c²h, which over a time t
+/// changes a path by about c√t times the strength of the noise:
+///
+/// | A | one ξ in … is clipped | c |
+/// | --- | --- | --- |
+/// | 3 | 370 | 2.0e-2 |
+/// | 4 | 15,800 | 2.5e-3 |
+/// | 5 | 1.7 million | 2.0e-4 |
+/// | 6, unless another one is given | 5.1e8 | 9.8e-6 |
+/// | 7 | 3.9e11 | 3.1e-7 |
+///
+/// So errors of a strong order are seen down to c√t. A bound that keeps an order for all h grows slowly as h falls: see
+/// [`exponent`](Self::exponent).
 ///
 /// ```
 /// use sve_runtime::noise::{Noise, NoiseError, Truncated, Wiener};
 ///
-/// let mut noise = Truncated::new(Wiener::new(42));
+/// let mut noise = Truncated::new(Wiener::new(42)).deviations(4.0)?;
 /// let mut dw = [0.0];
-/// noise.increments(0, 0.1, &mut dw)?;
-/// assert!(dw[0].abs() <= noise.largest(0.1)?); // 0.96
-/// assert_eq!(noise.increments(0, 1.0, &mut dw), Err(NoiseError::TruncationStep { h: 1.0 }));
-/// # Ok::<(), NoiseError>(())
+/// noise.increments(0, 0.25, &mut dw)?;
+/// assert!(dw[0].abs() <= 2.0); // 4 √h
+/// assert_eq!(noise.largest(9.0)?, 12.0);
+/// # Ok::<(), sve_runtime::noise::NoiseError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Truncated<W> {
     noise: W,
-    k: f64,
+    bound: Bound,
+}
+
+/// How A is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Bound {
+    /// It is given.
+    Deviations(f64),
+    /// √(2k ln(τ/h)).
+    Exponent { k: f64, tau: f64 },
 }
 
 impl<W> Truncated<W> {
-    /// Clips the increments of `noise` with `k = 2`.
+    /// Clips the increments of `noise` at 6 standard deviations.
     pub fn new(noise: W) -> Self {
-        Self { noise, k: 2.0 }
-    }
-
-    /// Another exponent `k`, at least 1: a larger one clips less.
-    ///
-    /// # Errors
-    /// [`NoiseError::TruncationExponent`] unless `k` is finite and at least 1.
-    pub fn exponent(self, k: f64) -> Result<Self, NoiseError> {
-        if (1.0..f64::INFINITY).contains(&k) {
-            Ok(Self { k, ..self })
-        } else {
-            Err(NoiseError::TruncationExponent { k })
+        Self {
+            noise,
+            bound: Bound::Deviations(DEVIATIONS),
         }
     }
 
-    /// The largest |ΔW| over a step of length `h`, √h A.
+    /// Clips at another number of standard deviations A: |ΔW| ≤ A√h.
     ///
     /// # Errors
-    /// [`NoiseError::InvalidStep`] unless `h` is positive and finite; [`NoiseError::TruncationStep`] unless `h < 1`.
+    /// [`NoiseError::TruncationDeviations`] unless it is positive and finite.
+    pub fn deviations(self, deviations: f64) -> Result<Self, NoiseError> {
+        if deviations > 0.0 && deviations < f64::INFINITY {
+            let bound = Bound::Deviations(deviations);
+            Ok(Self { bound, ..self })
+        } else {
+            Err(NoiseError::TruncationDeviations { deviations })
+        }
+    }
+
+    /// Clips as Milstein, Repin and Tretyakov propose: A = √(2k ln(τ/h)), with a time τ of the system, such as its shortest period,
+    /// and an exponent `k` of at least 1.
+    ///
+    /// The mean square of what is cut off a ξ is at most `(h/τ)^k`, so `k = 2` keeps the strong order 1 of the rules for all `h`.
+    /// Their bound is the one for τ = 1, which depends on the unit of time. It needs `h < τ` ([`NoiseError::TruncationStep`]), and it
+    /// narrows as `h` grows: it clips one ξ in 400 at `h = τ/10` (A = 3.03), and one in 10 at `h = τ/2` (A = 1.67).
+    ///
+    /// ```
+    /// use sve_runtime::noise::{Noise, NoiseError, Truncated, Wiener};
+    ///
+    /// let period = 6.28;
+    /// let mut noise = Truncated::new(Wiener::new(42)).exponent(2.0, period)?;
+    /// assert!((noise.largest(0.0628)? / 0.0628_f64.sqrt() - 4.29).abs() < 0.01);
+    /// let error = noise.increments(0, 7.0, &mut [0.0]);
+    /// assert_eq!(error, Err(NoiseError::TruncationStep { h: 7.0, tau: 6.28 }));
+    /// # Ok::<(), NoiseError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`NoiseError::TruncationExponent`] unless `k` is finite and at least 1, and τ is positive and finite.
+    pub fn exponent(self, k: f64, tau: f64) -> Result<Self, NoiseError> {
+        if (1.0..f64::INFINITY).contains(&k) && tau > 0.0 && tau < f64::INFINITY {
+            let bound = Bound::Exponent { k, tau };
+            Ok(Self { bound, ..self })
+        } else {
+            Err(NoiseError::TruncationExponent { k, tau })
+        }
+    }
+
+    /// The largest |ΔW| over a step of length `h`, A√h.
+    ///
+    /// # Errors
+    /// [`NoiseError::InvalidStep`] unless `h` is positive and finite; [`NoiseError::TruncationStep`] for an `h` that is not below the τ of
+    /// [`exponent`](Self::exponent).
     #[inline]
     pub fn largest(&self, h: f64) -> Result<f64, NoiseError> {
         check_step(h)?;
-        if h < 1.0 {
-            Ok((-2.0 * self.k * h * h.ln()).sqrt())
-        } else {
-            Err(NoiseError::TruncationStep { h })
+        match self.bound {
+            Bound::Deviations(deviations) => Ok(deviations * h.sqrt()),
+            Bound::Exponent { k, tau } if h < tau => Ok((-2.0 * k * h * (h / tau).ln()).sqrt()),
+            Bound::Exponent { tau, .. } => Err(NoiseError::TruncationStep { h, tau }),
         }
     }
 }

@@ -34,6 +34,9 @@ use super::{Noise, NoiseError};
 /// # Ok::<(), sve_runtime::noise::NoiseError>(())
 /// ```
 ///
+/// A trajectory begins at step 0 of its source. One that goes on from a state reached after `k` steps takes
+/// [`from_step(k)`](super::Replayable::from_step), or the noise of these steps would come again.
+///
 /// The same path in smaller steps is [`refine`](Self::refine).
 ///
 /// Generator: Threefry4x64-13 of Salmon, Moraes, Dror and Shaw (2011); normals by Box and Muller (1958).

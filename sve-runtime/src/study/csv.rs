@@ -4,6 +4,7 @@
 //! Fields with a comma, a quotation mark or a line break are quoted, as in RFC 4180; a number that is not known is an empty field.
 
 use std::io::{BufRead, Write};
+use std::path::Path;
 
 use super::StudyError;
 
@@ -101,7 +102,20 @@ pub fn write_csv(mut to: impl Write, records: &[Record]) -> Result<(), StudyErro
         ];
         writeln!(to, "{}", fields.join(","))?;
     }
-    Ok(())
+    // a buffered writer that is dropped would say nothing
+    Ok(to.flush()?)
+}
+
+/// Writes records into a file, see [`write_csv`]. The file is written beside the one of that name, if there is one, and takes its place
+/// when it is whole.
+///
+/// # Errors
+/// [`StudyError::Io`] where the file cannot be written, with its path; nothing of it is left then.
+pub fn to_csv(path: impl AsRef<Path>, records: &[Record]) -> Result<(), StudyError> {
+    let path = path.as_ref();
+    let mut text = Vec::new();
+    write_csv(&mut text, records)?;
+    Ok(crate::file::write(path, |file| file.write_all(&text))?)
 }
 
 /// Reads what [`write_csv`] or another program wrote: columns in any order, of which `problem` and `method` have to be there and unknown

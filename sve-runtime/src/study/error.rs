@@ -38,6 +38,27 @@ pub enum StudyError {
         /// The largest number of steps.
         finest: usize,
     },
+    /// The steps of a fine reference are more than can be counted.
+    #[error(
+        "`fine(…, {factor})` asks for {factor} times {finest} steps of the reference, which are more than 2^64; take a smaller factor"
+    )]
+    TooFine {
+        /// The largest number of steps.
+        finest: usize,
+        /// Steps of the reference for each of these.
+        factor: usize,
+    },
+    /// The reference is one of the methods, with the same steps.
+    #[error(
+        "the reference is the method `{method}` with the same {steps} steps: its error would be 0, and orders wrong; \
+         take a factor of 16 or more in `fine`, or another reference"
+    )]
+    OwnReference {
+        /// The method.
+        method: String,
+        /// The largest number of steps.
+        steps: usize,
+    },
     /// Two methods or two observables have one name, or a number of steps stands twice.
     #[error("there are two of `{name}` among the {what}: each needs a name of its own")]
     Twice {

@@ -18,7 +18,7 @@ mod run;
 mod subject;
 mod table;
 
-pub use csv::{COLUMNS, Record, read_csv, write_csv};
+pub use csv::{COLUMNS, Record, read_csv, to_csv, write_csv};
 pub use error::StudyError;
 pub use estimate::Estimate;
 pub use order::{NotAsymptotic, Order};
@@ -205,7 +205,8 @@ where
 
     /// Compares with a method whose steps are `factor` times shorter than the finest ones, on the same paths.
     ///
-    /// With strong order 1 a factor of 16 leaves an error of the reference of 1/16 of the smallest measured one.
+    /// With strong order 1 a factor of 16 leaves an error of the reference of 1/16 of the smallest measured one. A factor of 1 is for
+    /// another, more accurate method: a reference that is one of the methods with the same steps is refused.
     #[must_use]
     pub fn fine<I>(mut self, method: &'a I, factor: usize) -> Self
     where

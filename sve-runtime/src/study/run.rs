@@ -117,8 +117,8 @@ impl<'a, S: System> Plan<'a, S> {
             "reference",
             ".fine(&integrator, 16)` or `.exact(|path| …)",
         ))?;
-        if matches!(reference, Reference::Fine(_, 0)) {
-            return Err(StudyError::Zero { setting: "fine" });
+        if let Reference::Fine(method, factor) = *reference {
+            check_fine(study, method, factor, finest)?;
         }
         Ok(Self {
             study,
@@ -132,6 +132,32 @@ impl<'a, S: System> Plan<'a, S> {
             paths: if M == 0 { 1 } else { study.paths },
             processes: M,
         })
+    }
+}
+
+/// Checks that a fine reference has steps that can be counted, and is none of the methods with the same steps: the error of that one would be 0,
+/// and those of the others too small.
+fn check_fine<S: System>(
+    study: &Study<'_, S>,
+    reference: &dyn Subject<S>,
+    factor: usize,
+    finest: usize,
+) -> Result<(), StudyError> {
+    if factor == 0 {
+        return Err(StudyError::Zero { setting: "fine" });
+    }
+    if finest.checked_mul(factor).is_none() {
+        return Err(StudyError::TooFine { finest, factor });
+    }
+    let is_reference = |&&(_, method): &&(_, &dyn Subject<S>)| {
+        factor == 1 && method.identity() == reference.identity()
+    };
+    match study.methods.iter().find(is_reference) {
+        None => Ok(()),
+        Some((name, _)) => Err(StudyError::OwnReference {
+            method: name.to_string(),
+            steps: finest,
+        }),
     }
 }
 

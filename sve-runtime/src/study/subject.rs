@@ -6,6 +6,7 @@
 use core::hint::black_box;
 use std::time::{Duration, Instant};
 
+use crate::ensemble::fingerprint;
 use crate::error::StepError;
 use crate::method::Method;
 use crate::noise::Recorded;
@@ -23,6 +24,8 @@ pub(super) trait Subject<S: System>: Sync {
 
     /// The order that the method has, where it tells.
     fn order(&self) -> Option<f64>;
+    /// What tells this method, its options and the parameters of its system from others.
+    fn identity(&self) -> [u64; 2];
 
     /// The state at the end of the path, after a visit of each.
     fn walk(
@@ -61,6 +64,12 @@ impl<S: System, I: Method<System = S> + Sync> Subject<S> for I {
 
     fn order(&self) -> Option<f64> {
         Method::order(self)
+    }
+    fn identity(&self) -> [u64; 2] {
+        [
+            fingerprint::method(self),
+            fingerprint::parameters(Method::system(self)),
+        ]
     }
 
     fn walk(

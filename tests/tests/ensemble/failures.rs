@@ -54,12 +54,14 @@ fn are_counted_described_and_left_out() {
     assert!((20..PATHS - 20).contains(&failed), "{failed}");
     assert_eq!(summary.paths(), PATHS);
     assert_eq!(summary.failures().len() as u64, failed);
-    assert_eq!(summary.final_states::<1>().count() as u64, PATHS - failed);
+    assert_eq!(summary.final_states().count() as u64, PATHS - failed);
 
     // each path by itself, by the scalar step
     let mut q = vec![Vec::new(); 7];
     let mut failures = summary.failures().iter();
-    let mut ends = summary.final_states::<1>();
+    let mut ends = summary
+        .final_states()
+        .map(|(path, end)| (path, end.state().unwrap()));
     for path in 0..PATHS {
         let mut generator = path_start(&method, path);
         let mut steps = 0;
@@ -132,10 +134,10 @@ fn are_replayed() {
             assert_eq!(state.as_ref().unwrap().t, f64::from(k) * H);
         }
     }
-    for (path, end) in summary.final_states::<1>().take(20) {
+    for (path, end) in summary.final_states().take(20) {
         let states: Vec<_> = ensemble.replay(path).unwrap().collect();
         assert_eq!(states.len() as u64, STEPS);
-        assert_eq!(states.last(), Some(&Ok(end)));
+        assert_eq!(states.last(), Some(&Ok(end.state().unwrap())));
     }
 }
 
@@ -153,8 +155,8 @@ fn change_nothing_for_the_others() {
     };
     let (all, fewer) = (failing(f64::INFINITY), failing(1.0));
     assert!(fewer.failed() > all.failed());
-    let mut all = all.final_states::<1>();
-    for (path, end) in fewer.final_states::<1>() {
+    let mut all = all.final_states();
+    for (path, end) in fewer.final_states() {
         assert_eq!(all.find(|(k, _)| *k == path), Some((path, end)));
     }
 }

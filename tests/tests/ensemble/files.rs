@@ -1,6 +1,7 @@
 //! What a summary writes is read back: CSV, npy, Parquet, serde; runs continue from a checkpoint.
 
-use std::path::PathBuf;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::Duration;
 
@@ -174,8 +175,21 @@ fn serde_of_summaries() {
         assert_eq!(back, summary);
         assert_eq!(back.failures(), summary.failures());
         // parts that do not fit together are an error, not a panic
-        let bent = text.replacen("\"counts\":[", "\"counts\":[1,", 1);
-        assert!(serde_json::from_str::<Summary>(&bent).is_err());
+        for (old, new) in [
+            ("\"counts\":[", "\"counts\":[1,"),
+            ("\"coordinates\":1", "\"coordinates\":2"),
+            ("\"bins\":5", "\"bins\":18446744073709551615"),
+            ("\"bins\":5", "\"bins\":0"),
+            ("\"nodes\":[{", "\"nodes\":[],\"others\":[{"),
+            ("\"first\":0", "\"first\":18446744073709551615"),
+            ("\"level\":", "\"level\":99"),
+            ("\"blocks\":", "\"blocks\":9"),
+            ("\"final_paths\":[", "\"final_paths\":[7777777,"),
+        ] {
+            let bent = text.replacen(old, new, 1);
+            assert_ne!(bent, text, "{old}");
+            assert!(serde_json::from_str::<Summary>(&bent).is_err(), "{new}");
+        }
     }
 }
 
@@ -261,31 +275,98 @@ fn a_run_that_was_killed_continues() {
     std::fs::remove_file(&path).unwrap();
 }
 
+type FileWriter = fn(&Summary, &Path) -> std::io::Result<()>;
+
+/// Each writer of a summary, by the name of what it writes.
+fn writers() -> [(&'static str, FileWriter); 3] {
+    [
+        ("x.csv", |summary, path| summary.to_csv(path)),
+        ("x.npy", |summary, path| summary.to_npy(path)),
+        ("x.parquet", |summary, path| summary.to_parquet(path)),
+    ]
+}
+
 #[test]
-fn checkpoints_of_other_runs_are_refused() {
-    let method = kubo();
-    let path = scratch("refused.sve");
-    let first = ensemble(&method).checkpoint(&path, Duration::from_secs(60));
-    first.run().unwrap();
-    let refused = |change: fn(Ensemble<'_, Method>) -> Ensemble<'_, Method>, what: &str| {
-        let other = change(ensemble(&method)).checkpoint(&path, Duration::ZERO);
-        let error = other.resume(true).run().unwrap_err().to_string();
-        assert!(error.contains(what), "{error}");
-    };
-    refused(|e| e.seed(4), "seed");
-    refused(|e| e.paths(701), "number of paths");
-    refused(|e| e.shard(0, 2), "shard");
-    refused(|e| e.observe("p", |_, s| s.p[0]), "observables");
-    std::fs::write(&path, b"sve run1 and nonsense").unwrap();
-    refused(|e| e, "not a checkpoint");
-    std::fs::write(&path, b"").unwrap();
-    refused(|e| e, "not a checkpoint");
-    std::fs::remove_file(&path).unwrap();
-    let nowhere = ensemble(&method).checkpoint(path.join("x"), Duration::ZERO);
-    match nowhere.run() {
-        Err(error @ EnsembleError::Checkpoint { .. }) => {
-            assert!(error.to_string().contains("refused.sve"));
+fn files_that_cannot_be_written_are_errors_with_their_path() {
+    let summary = ensemble_of_one_name(&kubo());
+    let folder = scratch("unwritable");
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("file"), b"").unwrap();
+    for (name, write) in writers() {
+        let mut paths = vec![folder.join("file").join(name), folder.join("no").join(name)];
+        if cfg!(target_os = "linux") {
+            // a full disk; a folder that not even an administrator may write to
+            paths.extend([PathBuf::from("/dev/full"), Path::new("/proc").join(name)]);
         }
-        other => panic!("{other:?}"),
+        for path in paths {
+            let error = write(&summary, &path).unwrap_err();
+            assert!(
+                error.to_string().contains(path.to_str().unwrap()),
+                "{error}"
+            );
+        }
+        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1, "{name}");
     }
+    let records = [sve_runtime::study::Record::default()];
+    let path = folder.join("file/x.csv");
+    let error = sve_runtime::study::to_csv(&path, &records).unwrap_err();
+    assert!(
+        error.to_string().contains(path.to_str().unwrap()),
+        "{error}"
+    );
+    sve_runtime::study::to_csv(folder.join("x.csv"), &records).unwrap();
+    let read = std::fs::File::open(folder.join("x.csv")).unwrap();
+    let read = sve_runtime::study::read_csv(std::io::BufReader::new(read));
+    assert_eq!(read.unwrap(), records);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// A writer that takes so many bytes and then has no room.
+struct Room(usize);
+
+impl std::io::Write for Room {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let taken = bytes.len().min(self.0);
+        self.0 -= taken;
+        if taken == 0 && !bytes.is_empty() {
+            return Err(std::io::ErrorKind::StorageFull.into());
+        }
+        Ok(taken)
+    }
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+type Writer<W> = fn(&Summary, W) -> std::io::Result<()>;
+
+/// Nothing is said to be written that is not.
+#[test]
+fn writers_that_end_early_are_errors() {
+    let summary = ensemble_of_one_name(&kubo());
+    let writers: [Writer<BufWriter<Room>>; 3] = [
+        |s, to| s.write_csv(to),
+        |s, to| s.write_npy(to),
+        |s, to| s.write_parquet(to),
+    ];
+    let mut whole = [Vec::new(), Vec::new(), Vec::new()];
+    summary.write_csv(&mut whole[0]).unwrap();
+    summary.write_npy(&mut whole[1]).unwrap();
+    summary.write_parquet(&mut whole[2]).unwrap();
+    for (write, whole) in writers.into_iter().zip(whole) {
+        for room in [0, 1, whole.len() / 2, whole.len() - 1] {
+            let result = write(&summary, BufWriter::new(Room(room)));
+            assert!(result.is_err(), "{room} of {}", whole.len());
+        }
+        write(&summary, BufWriter::new(Room(whole.len()))).unwrap();
+    }
+    let records = vec![sve_runtime::study::Record::default(); 3];
+    let file = BufWriter::new(Room(200));
+    assert!(sve_runtime::study::write_csv(file, &records).is_err());
+    // a pipe that nobody reads
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let error = summary.write_csv(BufWriter::new(writer)).unwrap_err();
+    assert_eq!(error.kind(), std::io::ErrorKind::BrokenPipe);
 }

@@ -3,6 +3,8 @@
 // closures are written as users write them
 #![allow(clippy::redundant_closure_for_method_calls)]
 
+mod checkpoints;
+mod divergence;
 mod exact;
 mod failures;
 mod files;
@@ -10,4 +12,5 @@ mod memory;
 mod naive;
 mod settings;
 mod shards;
+mod statistics;
 mod threads;

@@ -41,7 +41,7 @@ fn check<I, S, const N: usize, const M: usize>(
     assert_eq!((summary.paths(), summary.failed()), (PATHS, 0));
 
     let mut values = vec![Vec::new(); 4];
-    for (k, (path, end)) in summary.final_states::<N>().enumerate() {
+    for (k, (path, end)) in summary.final_states().enumerate() {
         assert_eq!(path, k as u64);
         let mut state = start;
         values[0].push(observable(&state));
@@ -58,7 +58,9 @@ fn check<I, S, const N: usize, const M: usize>(
             assert!(close(end.p[i], state.p[i]), "{end:?} {state:?}");
         }
     }
-    let times: Vec<f64> = [0, 20, 40, 50].map(|k| start.t + f64::from(k) * H).to_vec();
+    let times: Vec<f64> = [0, 20, 40, 50]
+        .map(|k| f64::from(k).mul_add(H, start.t))
+        .to_vec();
     assert_eq!(summary.times(), times);
     for (record, values) in values.iter().enumerate() {
         two_pass(&summary, record, values);
@@ -137,10 +139,11 @@ fn noise_switched_off() {
 fn truncated_increments() {
     let method = Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint);
     let start = State::new([0.5], [0.1]);
-    // exponent 1 clips at 3.03, where 149 paths of 50 steps have a few
-    let truncated =
-        |path| -> Box<dyn Noise> { Box::new(Truncated::new(wiener(path)).exponent(1.0).unwrap()) };
-    check(&method, start, truncated, |e| e.seed(7).truncated(1.0));
+    // 149 paths of 50 steps have some twenty of them beyond 3 standard deviations
+    let truncated = |path| -> Box<dyn Noise> {
+        Box::new(Truncated::new(wiener(path)).deviations(3.0).unwrap())
+    };
+    check(&method, start, truncated, |e| e.seed(7).truncated(3.0));
 }
 
 #[test]

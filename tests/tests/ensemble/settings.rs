@@ -21,7 +21,7 @@ fn sound(method: &Method) -> Ensemble<'_, Method> {
 #[test]
 fn errors() {
     let method = kubo();
-    let cases: [(Change, &str); 20] = [
+    let cases: [(Change, &str); 31] = [
         (|e| e.paths(0), "`paths` was given 0"),
         (|e| e.steps(0.1, 0), "`steps` was given 0"),
         (|e| e.steps(0.0, 10), "h = 0 must be positive"),
@@ -57,11 +57,37 @@ fn errors() {
         ),
         (|e| e.shard(2, 2), "of 2 shards the numbers are 0 to 2 − 1"),
         (|e| e.shard(0, 0), "of 0 shards"),
+        (|e| e.truncated(0.0), "truncated at 0 standard deviations"),
+        (|e| e.truncated(f64::NAN), "truncated at NaN standard"),
+        (|e| e.three_point().truncated(2.0), "exclude each other"),
+        (|e| e.truncated(2.0).three_point(), "exclude each other"),
+        (|e| e.bound("p", ..1.0), "add `.observe(\"p\", …)`"),
+        (|e| e.bound("q", 1.0..0.0), "leaves no value"),
+        (|e| e.bound("q", f64::NAN..), "leaves no value"),
         (
-            |e| e.truncated(0.5),
-            "k = 0.5 must be finite and at least 1",
+            |e| e.start(State::at(1e16, [1.0], [0.0])),
+            "at t = 10000000000000000 a step does not change the time, whose next number is 2 away",
         ),
-        (|e| e.truncated(2.0).steps(1.5, 3), "h < 1"),
+        (
+            |e| e.histogram("q", 0.0..1.0, usize::MAX),
+            "with 18446744073709551615 bins",
+        ),
+        (
+            |e| e.histogram("q", 0.0..1.0, 1 << 45),
+            "with 35184372088832 bins at 2 recorded times take 11",
+        ),
+        (
+            |e| e.steps(1e-9, 1 << 50).record_every(1),
+            "1125899906842625 recorded times",
+        ),
+        (
+            |e| e.steps(1e-9, u64::MAX).record_every(1),
+            "18446744073709551615 steps of 1e-9 from t = 0: at t = 18446744073",
+        ),
+        (
+            |e| e.paths(u64::MAX).keep_final_states(true),
+            "the final states of 18446744073709551615 paths",
+        ),
         (
             |e| e.stop_on_failure(true).observe("bad", |_, _| f64::NAN),
             "path 0 failed after 0 steps",
@@ -98,11 +124,50 @@ fn a_name_that_is_not_there_panics() {
     let _ = &sound(&kubo()).run().unwrap()["p"];
 }
 
+/// Without a number of coordinates anywhere.
 #[test]
-#[should_panic(expected = "final states of 3 numbers each are not those of 2 coordinates")]
-fn final_states_of_another_system_panic() {
-    let summary = sound(&kubo()).keep_final_states(true).run().unwrap();
-    let _ = summary.final_states::<2>().count();
+fn final_states_are_read_as_states() {
+    let method = kubo();
+    let ensemble = sound(&method).keep_final_states(true);
+    let summary = ensemble.run().unwrap();
+    for (path, state) in summary.final_states() {
+        let again = ensemble.replay(path).unwrap().last().unwrap().unwrap();
+        assert_eq!(
+            (state.t, state.q[0], state.p[0]),
+            (again.t, again.q[0], again.p[0])
+        );
+        assert_eq!(state, again);
+        assert_eq!(state.state(), Some(again));
+        assert_eq!(state.state::<2>(), None);
+    }
+    assert_eq!(summary.final_states().count(), 10);
+}
+
+/// The last of 2⁶⁴ − 1 paths, whose block is not full.
+#[test]
+fn the_largest_number_of_paths_is_counted_right() {
+    let method = kubo();
+    let of = 1 << 58;
+    let ensemble = |shard| sound(&method).paths(u64::MAX).shard(shard, of);
+    let last = ensemble(of - 1).run().unwrap();
+    assert_eq!((last.paths(), last.counts()), (63, &[63, 63][..]));
+    assert!(!last.is_complete());
+    let mut both = ensemble(of - 2).run().unwrap();
+    assert_eq!(both.paths(), 64);
+    both.merge(last.clone()).unwrap();
+    assert_eq!((both.paths(), both.counts()), (127, &[127, 127][..]));
+    match both.merge(last) {
+        Err(EnsembleError::Overlap { first, last }) => {
+            assert_eq!((first, last), (u64::MAX - 63, u64::MAX - 1));
+        }
+        other => panic!("{other:?}"),
+    }
+    assert!(
+        ensemble(0)
+            .replay(u64::MAX - 1)
+            .unwrap()
+            .all(|state| state.is_ok())
+    );
 }
 
 #[test]
@@ -111,7 +176,7 @@ fn a_name_may_be_asked_for() {
     assert_eq!(summary.get("q"), Some(&summary["q"]));
     assert_eq!(summary.get("p"), None);
     assert!(summary.histogram("q").is_none());
-    assert_eq!(summary.final_states::<1>().count(), 0);
+    assert_eq!(summary.final_states().count(), 0);
     let text = summary.to_string();
     assert!(text.starts_with("10 paths, at t = 1\n  q  "), "{text}");
 }

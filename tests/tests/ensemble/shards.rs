@@ -1,5 +1,8 @@
 //! Shards merge into the bits of the whole, in any order.
 
+use sve_runtime::Dims;
+use sve_runtime::baseline::{EulerMaruyama, Heun};
+use sve_runtime::ensemble::Difference;
 use sve_runtime::prelude::*;
 use sve_tests::models::Kubo;
 
@@ -79,17 +82,27 @@ fn merge_in_any_order() {
 }
 
 #[test]
-fn may_be_empty_and_many() {
+fn may_be_many_and_none_is_empty() {
     let method = kubo();
-    let mut shards = shards(&method, 16).into_iter();
+    let mut shards = shards(&method, 11).into_iter();
     let mut merged = shards.next().unwrap();
-    assert_eq!(merged.paths(), 0);
-    assert!(merged["q"].mean()[0].is_nan());
+    assert_eq!(merged.paths(), 64);
     for shard in shards {
-        assert!(shard.paths() <= 64);
+        assert!((1..=64).contains(&shard.paths()));
         merged.merge(shard).unwrap();
     }
     assert_eq!(merged, ensemble(&method).run().unwrap());
+    let error = ensemble(&method)
+        .shard(0, 16)
+        .run()
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("647 paths are 11 blocks") && error.contains("at most 11 shards"),
+        "{error}"
+    );
+    let error = ensemble(&method).stop_when(|| true).run().unwrap_err();
+    assert!(matches!(error, EnsembleError::NothingRun));
 }
 
 #[test]
@@ -100,7 +113,7 @@ fn are_of_use_alone() {
     let paths: Vec<_> = shards.iter().map(Summary::paths).collect();
     // blocks 0 – 2, 3 – 6, 7 – 10
     assert_eq!(paths, [3 * 64, 4 * 64, 3 * 64 + 7]);
-    let ends = shards.iter().flat_map(Summary::final_states::<1>);
+    let ends = shards.iter().flat_map(Summary::final_states);
     assert!(ends.eq(whole.final_states()));
     let mean = shards
         .iter()
@@ -125,14 +138,149 @@ fn of_other_runs_do_not_merge() {
     other(|e| e.record_every(20), "recorded times");
     other(|e| e.observe("p", |_, s| s.p[0]), "observables");
     other(|e| e.histogram("q", 0.0..1.0, 3), "histograms");
-    other(|e| e.seed(4), "seed");
-    other(|e| e.truncated(1.0), "seed");
-    other(|e| e.start(State::new([1.0], [0.0])), "seed");
-    other(|e| e.keep_final_states(false), "seed");
-    let stiff = Integrator::new(Kubo { a: 1.1, sigma: 0.5 }, Midpoint);
-    let mut merged = part.clone();
-    let error = merged.merge(ensemble(&stiff).shard(1, 2).run().unwrap());
-    assert!(matches!(error, Err(EnsembleError::OtherRun { .. })));
+    other(|e| e.seed(4), "a seed");
+    other(|e| e.truncated(1.0), "law of the noise");
+    other(|e| e.three_point(), "law of the noise");
+    other(|e| e.no_noise(), "law of the noise");
+    other(|e| e.start(State::new([1.0], [0.0])), "starts");
+    other(|e| e.keep_final_states(false), "settings");
+    other(|e| e.bound("q", ..1e9), "settings");
+    // all recorded times are equal, and the step is not
+    other(|e| e.steps(0.025, 80).record_every(20), "settings");
+}
+
+/// Shard 0 of one program and shard 1 of another; what the message names.
+fn refused<I, J>(first: &Ensemble<'_, I>, second: &Ensemble<'_, J>) -> Difference
+where
+    I: sve_runtime::Method<System: sve_runtime::System<Dims = Dims<1, 1>>> + Sync,
+    J: sve_runtime::Method<System: sve_runtime::System<Dims = Dims<1, 1>>> + Sync,
+{
+    let mut merged = first.run().unwrap();
+    match merged.merge(second.run().unwrap()) {
+        Err(EnsembleError::OtherRun { what }) => what,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// An oscillator with a spring of sixth degree, whose first steps from rest do not show the spring.
+struct Sixth {
+    f: f64,
+    sigma: f64,
+}
+
+#[variational(endpoint, midpoint)]
+impl Sixth {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v - 0.5 * q * q - self.f * q.powi(6) / 6.0
+    }
+
+    #[gamma]
+    fn push(&self, q: f64) -> f64 {
+        self.sigma * q
+    }
+}
+
+/// The same with a pulse at t = 5.
+struct Pulse {
+    f: f64,
+    sigma: f64,
+}
+
+#[variational(endpoint)]
+impl Pulse {
+    fn lagrangian(&self, t: f64, q: f64, v: f64) -> f64 {
+        let pulse = (-1e3 * (t - 5.0).powi(2)).exp();
+        0.5 * v * v - 0.5 * q * q - self.f * q.powi(6) / 6.0 + pulse * q
+    }
+
+    #[gamma]
+    fn push(&self, q: f64) -> f64 {
+        self.sigma * q
+    }
+}
+
+/// 2,000 steps from rest.
+fn from_rest<I>(method: &I, shard: u64) -> Ensemble<'_, I>
+where
+    I: sve_runtime::Method<System: sve_runtime::System<Dims = Dims<1, 1>>>,
+{
+    Ensemble::new(method)
+        .paths(256)
+        .steps(0.01, 2000)
+        .record_every(100)
+        .start(State::new([0.0], [0.0]))
+        .observe("q²", |_, state| state.q[0].powi(2))
+        .shard(shard, 2)
+}
+
+#[test]
+fn of_systems_and_methods_that_differ_little_do_not_merge() {
+    let sixth = |f, sigma| Integrator::new(Sixth { f, sigma }, Endpoint);
+    let [plain, stiff, noisier] = [sixth(0.0, 0.3), sixth(10.0, 0.3), sixth(0.0, 0.3 + 1e-9)];
+    let first = from_rest(&plain, 0);
+    assert_eq!(
+        refused(&first, &from_rest(&stiff, 1)),
+        Difference::Parameters
+    );
+    assert_eq!(
+        refused(&first, &from_rest(&noisier, 1)),
+        Difference::Parameters
+    );
+    let pulsed = Integrator::new(Pulse { f: 0.0, sigma: 0.3 }, Endpoint);
+    assert_eq!(
+        refused(&first, &from_rest(&pulsed, 1)),
+        Difference::Formulas
+    );
+    let midpoint = Integrator::new(Sixth { f: 0.0, sigma: 0.3 }, Midpoint);
+    assert_eq!(
+        refused(&first, &from_rest(&midpoint, 1)),
+        Difference::Method
+    );
+    let newton = Newton {
+        max_iterations: 49,
+        ..Newton::default()
+    };
+    let other_newton = Integrator::new(Sixth { f: 0.0, sigma: 0.3 }, Midpoint).with_newton(newton);
+    let what = refused(&from_rest(&midpoint, 0), &from_rest(&other_newton, 1));
+    assert_eq!(what, Difference::Method);
+    let heun = Heun::new(Sixth { f: 0.0, sigma: 0.3 });
+    let euler = EulerMaruyama::new(Sixth { f: 0.0, sigma: 0.3 });
+    let uncorrected = EulerMaruyama::new(Sixth { f: 0.0, sigma: 0.3 }).uncorrected();
+    assert_eq!(
+        refused(&from_rest(&heun, 0), &from_rest(&euler, 1)),
+        Difference::Method
+    );
+    let what = refused(&from_rest(&euler, 0), &from_rest(&uncorrected, 1));
+    assert_eq!(what, Difference::Method);
+    // an equal one, made anew, is the same run
+    let mut whole = first.run().unwrap();
+    whole
+        .merge(from_rest(&sixth(0.0, 0.3), 1).run().unwrap())
+        .unwrap();
+    assert!(whole.is_complete());
+}
+
+#[test]
+fn of_starts_and_observables_that_differ_little_do_not_merge() {
+    let method = Integrator::new(Sixth { f: 0.0, sigma: 0.3 }, Endpoint);
+    let first = from_rest(&method, 0);
+    let moved = from_rest(&method, 1).start(State::new([1e-9], [0.0]));
+    assert_eq!(refused(&first, &moved), Difference::Starts);
+    let others = from_rest(&method, 1)
+        .start_with(|k, _| State::new([if k == 0 { 0.0 } else { 1e-12 }], [0.0]));
+    assert_eq!(refused(&first, &others), Difference::Starts);
+    let late = |from: f64| {
+        Ensemble::new(&method)
+            .paths(256)
+            .steps(0.01, 2000)
+            .record_every(100)
+            .start(State::new([0.0], [0.0]))
+            .observe("q²", move |_, state| {
+                state.q[0].powi(2) + if state.t > from { 1e-12 } else { 0.0 }
+            })
+    };
+    let what = refused(&late(f64::INFINITY).shard(0, 2), &late(4.0).shard(1, 2));
+    assert_eq!(what, Difference::Values);
 }
 
 #[test]

@@ -46,8 +46,7 @@ fn kubo_by_the_other_rules_is_finite_or_an_error() {
     }
 }
 
-/// With increments that are bounded as Milstein, Repin and Tretyakov propose, equations with noise of degree four in p have
-/// solutions for small h; with unbounded ones a long run meets the end of its branch, and says so.
+/// With increments that are bounded, equations with noise of degree four in p have solutions for small h; with unbounded ones a long run meets the end of its branch, and says so.
 #[test]
 fn degree_four_needs_truncation() {
     let rotor = Integrator::new(Rotor { s: 0.3 }, Midpoint);

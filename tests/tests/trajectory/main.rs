@@ -1,5 +1,7 @@
 //! A trajectory is the repeated step, bit for bit, at times that are rounded once; and it ends where it should.
 
+mod continued;
+
 use sve_runtime::baseline::{EulerMaruyama, RungeKutta4};
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
@@ -29,7 +31,7 @@ impl Visitor for Repeated {
                 .step_prepared(&prepared, &mut prepared_state, h, &dw)
                 .unwrap();
             integrator.step(&mut plain_state, h, &dw).unwrap();
-            let time = start.t + f64::from(k + 1) * h;
+            let time = f64::from(k + 1).mul_add(h, start.t);
             prepared_state.t = time;
             plain_state.t = time;
             assert_eq!(state, prepared_state, "{} step {k}", name(integrator));
@@ -56,11 +58,78 @@ fn time_does_not_drift() {
     for k in 1..=100_000_u32 {
         let state = path.next().unwrap().unwrap();
         added += 0.1;
-        assert_eq!(state.t, 1.0 + f64::from(k) * 0.1);
+        assert_eq!(state.t, f64::from(k).mul_add(0.1, 1.0));
         assert_eq!(&state, path.state());
     }
     assert_ne!(added, 10_001.0, "adding h would have drifted");
     assert_eq!(path.state().t, 10_001.0);
+}
+
+/// t₀ + k h to the nearest number: bounds with 53 bits each, and their sum as an integer.
+#[test]
+fn times_are_rounded_once() {
+    let oscillator = Integrator::new(oscillator(), Endpoint);
+    let mut random = Random::new(5);
+    let unit = 2.0_f64.powi(-40);
+    for round in 0..200 {
+        let start = (random.uniform(-1.0, 1.0) * 2.0_f64.powi(46)).round();
+        let h = (random.uniform(0.1, 1.0) * 2.0_f64.powi(30 + round % 15)).round();
+        let state = State::at(start * unit, [0.0], [0.0]);
+        let path = oscillator.trajectory(state, h * unit, NoNoise);
+        for (k, state) in (1..300).zip(path) {
+            // below 2⁵³ times 300: the conversion rounds to nearest, ties to even
+            let exact = start as i128 + i128::from(k) * h as i128;
+            assert_eq!(state.unwrap().t, exact as f64 * unit, "{start} + {k} · {h}");
+        }
+    }
+}
+
+/// A time that is infinite, or that a step does not change, is an error with the numbers, and the state is kept.
+#[test]
+fn times_that_do_not_advance_are_errors() {
+    let oscillator = Integrator::new(oscillator(), Endpoint);
+    let pendulum = Integrator::new(pendulum(), Midpoint);
+    for (start, h) in [
+        (1e16, 0.5),
+        (-1e16, 1.0),
+        (1.0, 1e-17),
+        (0.1, 1e-320),
+        (1e300, 1e280),
+        (1.7e308, 1e308),
+    ] {
+        let before = State::at(start, [0.0], [0.0]);
+        let expected = StepError::Time {
+            t: start,
+            h,
+            end: start + h,
+        };
+        let mut state = before;
+        let error = oscillator.step(&mut state, h, &[0.0]);
+        assert_eq!((error, state), (Err(expected.clone()), before));
+        let error = RungeKutta4::new(sve_tests::oracle::pendulum()).step(&mut state, h, &[]);
+        assert_eq!((error, state), (Err(expected.clone()), before));
+        if h < 1e200 {
+            let error = pendulum.step(&mut state, h, &[]);
+            assert_eq!((error, state), (Err(expected.clone()), before));
+        }
+        let mut path = oscillator.trajectory(before, h, NoNoise).refine(5);
+        assert_eq!(path.next(), Some(Err(expected.clone())));
+        assert_eq!(path.state(), &before);
+        assert_eq!(path.next(), None);
+        let text = expected.to_string();
+        assert!(text.contains(&format!("{h:e}")), "{text}");
+    }
+    // finite for a while: the last time is the last number
+    let h = 0.6 * f64::MAX;
+    let mut path = oscillator.trajectory(State::at(-h, [0.0], [0.0]), h, NoNoise);
+    assert_eq!(path.next().unwrap().unwrap().t, 0.0);
+    assert_eq!(path.next().unwrap().unwrap().t, h);
+    let (t, end) = (h, f64::INFINITY);
+    assert_eq!(path.next(), Some(Err(StepError::Time { t, h, end })));
+    // a step that changes the time by a single unit is one
+    let mut state = State::at(1.0, [0.0], [0.0]);
+    oscillator.step(&mut state, f64::EPSILON, &[0.0]).unwrap();
+    assert_eq!(state.t, 1.0 + f64::EPSILON);
 }
 
 fn ends_with<S, R, W, const N: usize, const M: usize>(

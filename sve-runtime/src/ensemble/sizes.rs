@@ -1,0 +1,69 @@
+//! What a run keeps in memory, before anything of it is allocated.
+//!
+//! Input: checked settings. Output: nothing, or an error that names the number that does not fit. An allocation that fails would abort
+//! the process.
+
+use super::histogram::Request;
+use super::moments::COLUMN_BYTES;
+use super::{Ensemble, EnsembleError};
+use crate::method::Method;
+use crate::system::{Dimensions, System};
+
+/// Bytes of a number.
+const NUMBER: u128 = 8;
+
+/// Results of blocks that are in memory at the same time, at the least: one that is filled and one that it is merged into.
+const AT_ONCE: u128 = 2;
+
+/// Checks that so many recorded times of the observables and histograms of an ensemble fit into memory, and the final states of so many
+/// paths where they are kept; the number of recorded times.
+pub(super) fn records<I: Method>(
+    ensemble: &Ensemble<'_, I>,
+    steps: u64,
+    every: u64,
+    paths: u64,
+) -> Result<usize, EnsembleError> {
+    let records = u128::from(steps.div_ceil(every)) + 1;
+    let observables = ensemble.names.len();
+    let of_record = AT_ONCE * (NUMBER + u128::from(COLUMN_BYTES) * observables as u128) + NUMBER;
+    check(records * of_record, || {
+        let what = format!("{records} recorded times of {observables} observables");
+        (what, "record less often with `record_every`")
+    })?;
+    // what fits has a length
+    let length = usize::try_from(records).unwrap_or(usize::MAX);
+    for request in &ensemble.histograms {
+        let Request { name, bins, .. } = request;
+        let bytes = request.counts(length).saturating_mul(AT_ONCE * NUMBER);
+        check(bytes, || {
+            let what = format!(
+                "the histogram of `{name}` with {bins} bins at {} recorded times",
+                if request.always { records } else { 1 }
+            );
+            (what, "take fewer bins, or `final_histogram`")
+        })?;
+    }
+    if ensemble.keep_final_states {
+        let state = size_of::<<<I::System as System>::Dims as Dimensions>::State>() as u128;
+        check(u128::from(paths) * (NUMBER + state), || {
+            let what = format!("the final states of {paths} paths");
+            (what, "run fewer paths, or take them in shards")
+        })?;
+    }
+    Ok(length)
+}
+
+/// Asks for so many bytes and gives them back.
+fn check(bytes: u128, described: impl Fn() -> (String, &'static str)) -> Result<(), EnsembleError> {
+    let fits =
+        usize::try_from(bytes).is_ok_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok());
+    if fits {
+        return Ok(());
+    }
+    let (what, remedy) = described();
+    Err(EnsembleError::TooLarge {
+        what,
+        bytes,
+        remedy,
+    })
+}

@@ -1,0 +1,138 @@
+//! What in a summary is not to be trusted.
+//!
+//! Input: the statistics of observables. Output: those that diverge, and those whose mean hangs on one path. Both criteria are fixed and
+//! documented at [`Warning`]; they look at the recorded times alone.
+
+use core::fmt;
+
+use super::moments::Column;
+
+/// Growth within the second half of a run that is reported. A power tᵖ grows by 2ᵖ there, so this is more than the tenth power.
+const GROWTH: f64 = 1e3;
+
+/// Growth from the start that is reported where nothing was recorded between the start and the second half.
+const GROWTH_FROM_START: f64 = 1e12;
+
+/// Paths from which on one of them should not have most of the variance.
+const MANY: u64 = 100;
+
+/// Part of the sum of squared deviations that one path may have.
+const SHARE: f64 = 0.5;
+
+/// Why a statistic is not to be trusted, from [`Summary::warnings`](super::Summary::warnings).
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Warning {
+    /// An observable diverges: its largest magnitude over the paths at the end is more than 1000 times the largest one at all
+    /// recorded times in the first half of the run. Where only the start was recorded in the first half, the factor is 10¹². An
+    /// observable that is 0 throughout the first half is not judged.
+    ///
+    /// Exact solutions that grow exponentially are reported as well. Otherwise the step is too long for the method.
+    Diverges {
+        /// The observable.
+        name: String,
+        /// Recorded time at which the first half had its largest magnitude.
+        from: f64,
+        /// That magnitude.
+        before: f64,
+        /// The last time with paths.
+        to: f64,
+        /// Largest magnitude there.
+        after: f64,
+    },
+    /// One path of 100 or more has over half of the sum of squared deviations at the end: mean and standard error
+    /// tell of this path. So it is where a moment of the law is infinite, and for events of which one was seen.
+    OnePath {
+        /// The observable.
+        name: String,
+        /// The last time with paths.
+        t: f64,
+        /// How many paths there are.
+        paths: u64,
+        /// Value of the one.
+        value: f64,
+        /// Its part of the sum of squared deviations.
+        share: f64,
+    },
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Diverges {
+                name,
+                from,
+                before,
+                to,
+                after,
+            } => write!(
+                f,
+                "`{name}` diverges: up to {before:.1e} at t = {from} and {after:.1e} at t = {to}; take a smaller h, or \
+                 let paths fail that leave a range with `.bound(\"{name}\", …)`"
+            ),
+            Self::OnePath {
+                name,
+                t,
+                paths,
+                value,
+                share,
+            } => write!(
+                f,
+                "one path of {paths} has {:.0} % of the variance of `{name}` at t = {t}, with the value {value:.1e}: its mean is not resolved",
+                100.0 * share
+            ),
+        }
+    }
+}
+
+/// The warnings about an observable.
+pub(super) fn warnings<'a>(
+    name: &'a str,
+    times: &'a [f64],
+    counts: &'a [u64],
+    column: &'a Column,
+) -> impl Iterator<Item = Warning> + 'a {
+    let end = counts.iter().rposition(|&count| count > 0);
+    end.into_iter().flat_map(move |end| {
+        let growth = diverges(name, times, end, column);
+        let one = one_path(name, times[end], end, counts[end], column);
+        growth.into_iter().chain(one)
+    })
+}
+
+fn diverges(name: &str, times: &[f64], end: usize, column: &Column) -> Option<Warning> {
+    let size = |record: usize| column.min[record].abs().max(column.max[record].abs());
+    let middle = 0.5 * times[0] + 0.5 * times[end];
+    let first_half = (0..end).filter(|&record| times[record] <= middle);
+    let at = first_half
+        .clone()
+        .max_by(|&a, &b| size(a).total_cmp(&size(b)))?;
+    let (before, after) = (size(at), size(end));
+    let factor = if first_half.count() > 1 {
+        GROWTH
+    } else {
+        GROWTH_FROM_START
+    };
+    // the quotient may overflow, and is then large enough
+    (before > 0.0 && after / before > factor).then(|| Warning::Diverges {
+        name: name.to_owned(),
+        from: times[at],
+        before,
+        to: times[end],
+        after,
+    })
+}
+
+fn one_path(name: &str, t: f64, record: usize, paths: u64, column: &Column) -> Option<Warning> {
+    let (mean, min, max) = (column.mean[record], column.min[record], column.max[record]);
+    let value = if max - mean > mean - min { max } else { min };
+    let all = column.squares_at(record).sqrt();
+    let share = ((value - mean) / all).powi(2);
+    (paths >= MANY && share > SHARE).then(|| Warning::OnePath {
+        name: name.to_owned(),
+        t,
+        paths,
+        value,
+        share: share.min(1.0),
+    })
+}

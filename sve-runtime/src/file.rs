@@ -1,0 +1,242 @@
+//! Files that are written whole or not at all.
+//!
+//! Input: a path, and what writes the content. Output: the file, or an error with the path. Invariant: under that name there is
+//! the old file or the whole new one at any time; after an error nothing of the new one is left.
+//!
+//! The content goes into a new file of the same folder, which is flushed, synchronised with the disk and renamed. What is
+//! no regular file, such as a device or a pipe, is written directly: it has no content to be replaced.
+
+use core::fmt;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, Write as _};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Writes a file.
+///
+/// # Errors
+/// Those of the file system and of `write`, with their kind and the path.
+pub(crate) fn write(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> io::Result<()> {
+    replace(path, write).map_err(|error| with_path(path, error))
+}
+
+/// An error that names its file.
+pub(crate) fn with_path(path: &Path, source: io::Error) -> io::Error {
+    let path = path.to_owned();
+    io::Error::new(source.kind(), AtPath { path, source })
+}
+
+fn replace(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> io::Result<()> {
+    let old = match fs::metadata(path) {
+        Ok(old) if old.is_file() => {
+            // a file that may not be written may not be replaced either
+            OpenOptions::new().write(true).open(path)?;
+            Some(old)
+        }
+        Ok(_) => {
+            let mut special = BufWriter::new(OpenOptions::new().write(true).open(path)?);
+            write(&mut special)?;
+            return special.flush();
+        }
+        Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+        Err(error) => return Err(error),
+    };
+    // a link stays one: the file that it leads to is replaced
+    let target = if old.is_some() {
+        fs::canonicalize(path)?
+    } else {
+        path.to_owned()
+    };
+    let (new, file) = NewFile::beside(&target)?;
+    let mut to = BufWriter::new(file);
+    write(&mut to)?;
+    let file = to.into_inner().map_err(io::IntoInnerError::into_error)?;
+    if let Some(old) = old {
+        file.set_permissions(old.permissions())?;
+    }
+    file.sync_all()?;
+    drop(file);
+    new.rename(&target)
+}
+
+/// A file with a name of its own, removed unless it is renamed.
+struct NewFile {
+    path: PathBuf,
+    is_renamed: bool,
+}
+
+impl NewFile {
+    /// A new file in the folder of another one.
+    fn beside(target: &Path) -> io::Result<(Self, File)> {
+        static NUMBER: AtomicU64 = AtomicU64::new(0);
+        let Some(name) = target.file_name() else {
+            return Err(io::Error::new(
+                io::ErrorKind::InvalidInput,
+                "this path has no file name",
+            ));
+        };
+        loop {
+            let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+            let mut new = std::ffi::OsString::from(".");
+            new.push(name);
+            new.push(format!(".{}-{number}.new", std::process::id()));
+            let path = target.with_file_name(new);
+            match OpenOptions::new().write(true).create_new(true).open(&path) {
+                Ok(file) => {
+                    let is_renamed = false;
+                    return Ok((Self { path, is_renamed }, file));
+                }
+                // left by a process of this number that was killed
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(error),
+            }
+        }
+    }
+
+    fn rename(mut self, target: &Path) -> io::Result<()> {
+        fs::rename(&self.path, target)?;
+        self.is_renamed = true;
+        // the name is on the disk when the folder is; where folders cannot be synchronised, the file system does so in time
+        #[cfg(unix)]
+        if let Some(folder) = target
+            .parent()
+            .filter(|folder| !folder.as_os_str().is_empty())
+            && let Ok(folder) = File::open(folder)
+        {
+            let _ = folder.sync_all();
+        }
+        Ok(())
+    }
+}
+
+impl Drop for NewFile {
+    fn drop(&mut self) {
+        if !self.is_renamed {
+            // the error that led here is the one to report
+            let _ = fs::remove_file(&self.path);
+        }
+    }
+}
+
+/// An error of the file system with the path that it is of.
+#[derive(Debug)]
+struct AtPath {
+    path: PathBuf,
+    source: io::Error,
+}
+
+impl fmt::Display for AtPath {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.path.display(), self.source)
+    }
+}
+
+impl core::error::Error for AtPath {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        Some(&self.source)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::io::{self, Write as _};
+    use std::path::PathBuf;
+
+    use super::write;
+
+    /// An empty folder of its own.
+    fn folder(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("sve-{}-{name}", std::process::id()));
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&folder).unwrap();
+        folder
+    }
+
+    fn files(folder: &PathBuf) -> usize {
+        fs::read_dir(folder).unwrap().count()
+    }
+
+    #[test]
+    fn a_write_that_fails_half_way_leaves_the_old_file_and_nothing_else() {
+        let folder = folder("half");
+        let path = folder.join("x.csv");
+        let half = |to: &mut io::BufWriter<fs::File>| {
+            to.write_all(&vec![b'x'; 100_000])?;
+            Err(io::Error::from(io::ErrorKind::StorageFull))
+        };
+        let error = write(&path, half).unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::StorageFull);
+        assert!(error.to_string().contains("x.csv"), "{error}");
+        assert_eq!(files(&folder), 0);
+        write(&path, |to| to.write_all(b"old")).unwrap();
+        write(&path, half).unwrap_err();
+        assert_eq!(
+            (fs::read(&path).unwrap(), files(&folder)),
+            (b"old".to_vec(), 1)
+        );
+        write(&path, |to| to.write_all(b"new")).unwrap();
+        assert_eq!(
+            (fs::read(&path).unwrap(), files(&folder)),
+            (b"new".to_vec(), 1)
+        );
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn a_panic_leaves_nothing() {
+        let folder = folder("panic");
+        let path = folder.join("x");
+        let panics = std::panic::catch_unwind(|| write(&path, |_| panic!("as if killed")));
+        assert!(panics.is_err());
+        assert_eq!(files(&folder), 0);
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_and_permissions_stay() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let folder = folder("links");
+        let (file, link) = (folder.join("file"), folder.join("link"));
+        fs::write(&file, b"old").unwrap();
+        fs::set_permissions(&file, fs::Permissions::from_mode(0o640)).unwrap();
+        std::os::unix::fs::symlink("file", &link).unwrap();
+        write(&link, |to| to.write_all(b"new")).unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(&file).unwrap(), b"new");
+        let mode = fs::metadata(&file).unwrap().permissions().mode();
+        assert_eq!(mode & 0o777, 0o640);
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn folders_that_are_none_are_errors() {
+        let folder = folder("none");
+        let file = folder.join("file");
+        fs::write(&file, b"").unwrap();
+        for path in [file.join("x"), folder.join("no/x"), folder.clone()] {
+            let error = write(&path, |to| to.write_all(b"x")).unwrap_err();
+            assert!(error.to_string().contains("sve-"), "{error}");
+        }
+        assert_eq!(files(&folder), 1);
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn full_devices_are_errors() {
+        let path = std::path::Path::new("/dev/full");
+        // few bytes, which only the flush writes
+        let error = write(path, |to| to.write_all(b"x")).unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::StorageFull);
+        assert!(error.to_string().contains("/dev/full"), "{error}");
+        assert!(!path.metadata().unwrap().is_file());
+    }
+}

@@ -1,0 +1,90 @@
+//! Sources that are entered in the middle of their path.
+//!
+//! Input: a source and a step. Output: its increments from that step on. Invariant: step `k` is step `first + k` of the source, bit for bit.
+
+use super::{
+    Halves, NoNoise, Noise, NoiseError, Part, Recorded, Refined, ThreePoint, Truncated, Wiener,
+};
+
+/// A source whose increments are a function of the number of the step, so that its path can be entered anywhere.
+///
+/// A trajectory begins at step 0 of its source. To go on from a state that was reached after `k` steps of a path, enter the path there:
+///
+/// ```
+/// use sve_runtime::prelude::*;
+///
+/// struct Oscillator { sigma: f64 }
+///
+/// #[variational(endpoint)]
+/// impl Oscillator {
+///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v - 0.5 * q * q }
+///     #[gamma]
+///     fn push(&self, q: f64) -> f64 { self.sigma * q }
+/// }
+///
+/// # fn main() -> Result<(), StepError> {
+/// let oscillator = Integrator::new(Oscillator { sigma: 1.0 }, Endpoint);
+/// let (h, noise) = (0.125, Wiener::new(1).path(3));
+/// let mut whole = oscillator.trajectory(State::new([1.0], [0.0]), h, noise.clone());
+/// let middle = whole.nth(39).unwrap()?;
+/// // without `from_step` the noise of the first 40 steps would come again
+/// let mut rest = oscillator.trajectory(middle, h, noise.from_step(40));
+/// assert_eq!(rest.next().unwrap()?, whole.next().unwrap()?);
+/// # Ok(())
+/// # }
+/// ```
+///
+/// A trajectory that is stored and continued with [`Trajectory::snapshot`](crate::Trajectory::snapshot) counts its steps itself.
+#[diagnostic::on_unimplemented(
+    message = "the increments of `{Self}` follow one another",
+    label = "this source cannot be entered at a step",
+    note = "`Wiener`, `ThreePoint` and what is built on them, `Recorded` and `NoNoise` can; of another source, implement `Replayable` if its increments are a function of the step"
+)]
+pub trait Replayable: Noise {
+    /// The same path from step number `first` on, which becomes step 0.
+    #[allow(clippy::wrong_self_convention)] // a path from a step on, not a conversion
+    fn from_step(self, first: u64) -> FromStep<Self>
+    where
+        Self: Sized,
+    {
+        FromStep { noise: self, first }
+    }
+}
+
+impl Replayable for Wiener {}
+impl Replayable for Refined {}
+impl Replayable for ThreePoint {}
+impl Replayable for NoNoise {}
+impl Replayable for Recorded {}
+impl Replayable for &Recorded {}
+impl<W: Replayable> Replayable for Truncated<W> {}
+impl<W: Replayable> Replayable for FromStep<W> {}
+impl<W: Replayable + ?Sized> Replayable for &mut W {}
+impl<W: Replayable + ?Sized> Replayable for Box<W> {}
+
+/// A source that is entered at a step, from [`Replayable::from_step`].
+///
+/// Its errors are those of the source, and [`NoiseError::StepNumber`] for a step beyond 2⁶⁴ − 1 of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FromStep<W> {
+    noise: W,
+    first: u64,
+}
+
+impl<W: Noise> Noise for FromStep<W> {
+    #[inline]
+    fn increments(&mut self, step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
+        let first = self.first;
+        match first.checked_add(step) {
+            Some(of_source) => self.noise.increments(of_source, h, dw),
+            None => Err(NoiseError::StepNumber { step, first }),
+        }
+    }
+}
+
+impl<W: Halves> Halves for FromStep<W> {
+    fn halves_of(&self, part: Part, h: f64, whole: &[f64], left: &mut [f64], right: &mut [f64]) {
+        self.noise
+            .halves_of(part.later(self.first), h, whole, left, right);
+    }
+}

@@ -1,0 +1,220 @@
+//! Files of a run that was stopped: damage of any kind, other runs, other programs. Each is an error that names the file.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use sve_runtime::ensemble::{Damage, Difference};
+use sve_runtime::prelude::*;
+use sve_tests::models::Kubo;
+
+type Method = Integrator<Kubo, Midpoint>;
+
+fn kubo() -> Method {
+    Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint)
+}
+
+/// A run with one of everything, few enough paths that its file is small.
+fn ensemble(method: &Method) -> Ensemble<'_, Method> {
+    Ensemble::new(method)
+        .paths(20)
+        .seed(3)
+        .steps(0.05, 4)
+        .start_with(|_, rng| State::new([rng.normal()], [rng.uniform()]))
+        .observe("q", |_, s| if s.q[0] > 1.5 { f64::NAN } else { s.q[0] })
+        .final_histogram("q", -2.0..2.0, 3)
+        .keep_final_states(true)
+}
+
+fn scratch(name: &str) -> PathBuf {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_file(&path);
+    path
+}
+
+/// A file, and what it is of.
+fn written(name: &str) -> (PathBuf, Vec<u8>, Summary) {
+    let (method, path) = (kubo(), scratch(name));
+    let summary = ensemble(&method).checkpoint(&path, Duration::ZERO).run();
+    let bytes = std::fs::read(&path).unwrap();
+    (path, bytes, summary.unwrap())
+}
+
+/// Writes a file anew: overwriting the old one would bring it to the disk each time.
+fn replaced(path: &PathBuf, bytes: &[u8]) {
+    std::fs::remove_file(path).unwrap();
+    std::fs::write(path, bytes).unwrap();
+}
+
+fn resumed(method: &Method, path: &PathBuf) -> Result<Summary, EnsembleError> {
+    let ensemble = ensemble(method).checkpoint(path, Duration::from_secs(60));
+    ensemble.resume(true).threads(1).run()
+}
+
+#[test]
+fn every_flipped_bit_is_an_error() {
+    let method = kubo();
+    let (path, bytes, whole) = written("flipped.sve");
+    assert!(whole.failed() > 0 && bytes.len() < 1200, "{}", bytes.len());
+    assert_eq!(resumed(&method, &path).unwrap(), whole);
+    for at in 0..bytes.len() {
+        for bit in 0..8 {
+            let mut damaged = bytes.clone();
+            damaged[at] ^= 1 << bit;
+            replaced(&path, &damaged);
+            let error = resumed(&method, &path).unwrap_err();
+            match (at, &error) {
+                (..8, EnsembleError::NotACheckpoint { .. })
+                | (8.., EnsembleError::DamagedCheckpoint { .. }) => {}
+                (_, other) => panic!("byte {at}, bit {bit}: {other}"),
+            }
+            assert!(error.to_string().contains("flipped.sve"), "{error}");
+        }
+    }
+    std::fs::remove_file(path).unwrap();
+}
+
+#[test]
+fn every_length_is_checked() {
+    let method = kubo();
+    let (path, bytes, _) = written("cut.sve");
+    let longer = [&bytes[..], &[0]].concat();
+    let cut = (0..bytes.len()).map(|length| &bytes[..length]);
+    for damaged in cut.chain([&longer[..]]) {
+        replaced(&path, damaged);
+        match resumed(&method, &path) {
+            Err(EnsembleError::NotACheckpoint { .. }) if damaged.len() < 8 => {}
+            Err(EnsembleError::DamagedCheckpoint {
+                damage: Damage::Length { found, expected },
+                ..
+            }) => {
+                assert_eq!(found, damaged.len() as u64);
+                assert!(expected == bytes.len() as u64 || damaged.len() < 28);
+            }
+            other => panic!("{} bytes: {other:?}", damaged.len()),
+        }
+    }
+    std::fs::remove_file(path).unwrap();
+}
+
+/// A sound file of another format, and one whose content is nonsense with a right checksum.
+#[test]
+fn versions_and_contents_are_checked() {
+    let method = kubo();
+    let (path, bytes, _) = written("version.sve");
+    let with = |version: u32, content: &[u8]| {
+        let head = [
+            &version.to_le_bytes()[..],
+            &(content.len() as u64).to_le_bytes(),
+        ]
+        .concat();
+        let mut hash = twox_hash::XxHash64::default();
+        std::hash::Hasher::write(&mut hash, &head);
+        std::hash::Hasher::write(&mut hash, content);
+        let checksum = std::hash::Hasher::finish(&hash).to_le_bytes();
+        [&bytes[..8], &head, &checksum, content].concat()
+    };
+    assert_eq!(with(2, &bytes[28..]), bytes);
+    std::fs::write(&path, with(7, &bytes[28..])).unwrap();
+    let error = resumed(&method, &path).unwrap_err().to_string();
+    assert!(
+        error.contains("version.sve has format 7") && error.contains("reads format 2"),
+        "{error}"
+    );
+    // the content with any one of its bytes another: refused, or one that fits together by chance
+    let mut refused = 0;
+    for at in 28..bytes.len() {
+        let mut content = bytes[28..].to_vec();
+        content[at - 28] ^= 0x55;
+        replaced(&path, &with(2, &content));
+        if let Err(error) = resumed(&method, &path) {
+            assert!(error.to_string().contains("version.sve"), "{error}");
+            refused += 1;
+        }
+    }
+    assert!(refused > 100, "{refused}");
+    std::fs::remove_file(path).unwrap();
+}
+
+#[test]
+fn other_runs_are_refused_by_what_differs() {
+    let method = kubo();
+    let (path, ..) = written("other.sve");
+    let refused = |other: Ensemble<'_, Method>, expected: Difference| {
+        let error = other.checkpoint(&path, Duration::ZERO).resume(true).run();
+        match error {
+            Err(error @ EnsembleError::OtherCheckpoint { what, .. }) => {
+                assert_eq!(what, expected);
+                let text = error.to_string();
+                assert!(
+                    text.contains("other.sve") && !text.contains("merge"),
+                    "{text}"
+                );
+            }
+            other => panic!("{other:?}"),
+        }
+    };
+    refused(ensemble(&method).seed(4), Difference::Seed);
+    refused(ensemble(&method).paths(21), Difference::Paths);
+    let many = || ensemble(&method).paths(200);
+    many()
+        .shard(0, 2)
+        .checkpoint(&path, Duration::ZERO)
+        .run()
+        .unwrap();
+    refused(many().shard(1, 2), Difference::Shard);
+    refused(many(), Difference::Shard);
+    ensemble(&method)
+        .checkpoint(&path, Duration::ZERO)
+        .run()
+        .unwrap();
+    refused(
+        ensemble(&method).observe("p", |_, s| s.p[0]),
+        Difference::Observables,
+    );
+    refused(ensemble(&method).truncated(3.0), Difference::Noise);
+    refused(ensemble(&method).steps(0.05, 5), Difference::Times);
+    let starts = ensemble(&method).start(State::new([1.0], [0.0]));
+    refused(starts, Difference::Starts);
+    let next = Kubo {
+        a: 1.0,
+        sigma: 0.5_f64.next_up(),
+    };
+    let next = Integrator::new(next, Midpoint);
+    refused(ensemble(&next), Difference::Parameters);
+    std::fs::remove_file(&path).unwrap();
+}
+
+#[test]
+fn files_that_cannot_be_written_are_errors() {
+    let (method, file) = (kubo(), scratch("file"));
+    std::fs::write(&file, b"").unwrap();
+    let mut paths = vec![file.join("x")];
+    if cfg!(target_os = "linux") {
+        paths.extend([PathBuf::from("/dev/full"), PathBuf::from("/proc/x.sve")]);
+    }
+    for path in paths {
+        match ensemble(&method).checkpoint(&path, Duration::ZERO).run() {
+            Err(error @ EnsembleError::Checkpoint { .. }) => {
+                assert!(
+                    error.to_string().contains(path.to_str().unwrap()),
+                    "{error}"
+                );
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    std::fs::remove_file(file).unwrap();
+}
+
+/// A run that is stopped before its first block leaves the file of an earlier one.
+#[test]
+fn a_run_without_results_writes_nothing() {
+    let method = kubo();
+    let (path, bytes, _) = written("kept.sve");
+    let stopped = ensemble(&method)
+        .checkpoint(&path, Duration::ZERO)
+        .stop_when(|| true);
+    assert!(matches!(stopped.run(), Err(EnsembleError::NothingRun)));
+    assert_eq!(std::fs::read(&path).unwrap(), bytes);
+    std::fs::remove_file(path).unwrap();
+}
