@@ -34,6 +34,7 @@ mod schedule;
 mod schedule_tests;
 #[cfg(test)]
 mod scheme_tests;
+mod signature;
 mod structure;
 mod symbolic;
 mod symmetry;

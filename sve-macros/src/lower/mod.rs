@@ -451,7 +451,7 @@ fn integer(i: i64) -> String {
 }
 
 /// Source text of a type, for messages.
-fn readable(ty: &impl ToTokens) -> String {
+pub(crate) fn readable(ty: &impl ToTokens) -> String {
     ty.to_token_stream()
         .to_string()
         .replace(" ;", ";")
