@@ -39,6 +39,8 @@ mod structure;
 mod symbolic;
 mod symmetry;
 mod tangent;
+#[cfg(test)]
+mod zero_tests;
 
 use proc_macro::TokenStream;
 

@@ -214,7 +214,9 @@ mod tests {
 
     #[test]
     fn other_names_say_nothing() {
-        let names = ["theta", "pos", "q_dot", "_q", "_t", "time", "Q", "qv", "p0", "x"];
+        let names = [
+            "theta", "pos", "q_dot", "_q", "_t", "time", "Q", "qv", "p0", "x",
+        ];
         for (role, (attribute, _, order, _)) in ROLES.iter().enumerate() {
             for length in [order.len(), order.len() + 1] {
                 for names in lists(&names, length) {
