@@ -133,7 +133,7 @@ fn hypot(x: Double, y: Double) -> Double {
     }
     let k = largest.log2() as i32;
     let [x, y] = [x, y].map(|x| x.times_two_to(-k));
-    sqrt(x * x + y * y).times_two_to(k)
+    sqrt(square(x) + square(y)).times_two_to(k)
 }
 
 /// `exp x − 1` of a number below 1 in size: the series at `x/2ᵏ`, then `E(2x) = E(x)(2 + E(x))`.
@@ -225,7 +225,7 @@ fn tanh(x: Double) -> Double {
 
 fn asinh(x: Double) -> Double {
     odd(x, |x| {
-        let square = x * x;
+        let square = square(x);
         ln_1p(x + square / (ONE + sqrt(ONE + square)))
     })
 }
