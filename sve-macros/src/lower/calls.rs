@@ -10,7 +10,7 @@ use syn::{Expr as Syntax, FnArg};
 
 use super::Lowering;
 use super::floats::{are, plural};
-use super::integers::Integer;
+use super::integers::{Integer, integer_constant, is_integer};
 use super::references::mutable;
 use super::value::{FieldPath, Value};
 use crate::errors::nearest;
@@ -100,6 +100,11 @@ impl Lowering<'_> {
             ["f64", "MAX" | "MIN" | "INFINITY" | "NEG_INFINITY" | "NAN"] => {
                 self.refuse(expr, "this number has no place in a formula: it overflows, or is none")
             }
+            [ty, name @ ("MAX" | "MIN" | "BITS")]
+                if let Some(value) = integer_constant(ty, name) =>
+            {
+                Value::Int(value)
+            }
             ["f64", name] if super::floats::is_method(name) => {
                 let message = format!("a function is called, or named in `map` and its like: pass a closure, `|x| x.{name}()`");
                 self.refuse(expr, message)
@@ -142,9 +147,15 @@ impl Lowering<'_> {
         if self.broken.contains(&key) {
             return Value::Poison;
         }
-        self.enclosed(key, |this| {
-            let value = this.eval(&constant.expr);
-            this.number(value, &constant.ty, &constant.expr)
+        self.enclosed(key, |this| match this.eval(&constant.expr) {
+            Value::Field(path) if is_integer(&constant.ty) => {
+                let message = format!(
+                    "the value of {} is needed here: write the number itself",
+                    path.kind()
+                );
+                this.refuse(&constant.expr, message)
+            }
+            value => this.number(value, &constant.ty, &constant.expr),
         })
     }
 

@@ -110,6 +110,33 @@ impl Integer {
     }
 }
 
+/// Whether a type of integers is written.
+pub(super) fn is_integer(ty: &Type) -> bool {
+    Kind::of(ty).is_some()
+}
+
+/// `u8::MAX` and its like, where `i64` holds them.
+pub(super) fn integer_constant(ty: &str, name: &str) -> Option<Integer> {
+    let kind = Kind::named(ty)?;
+    let value = match (name, kind.signed) {
+        ("BITS", _) => {
+            return Some(Integer {
+                value: i64::from(kind.bits),
+                kind: Kind::named("u32"),
+            });
+        }
+        ("MIN", false) => 0,
+        ("MIN", true) if kind.bits <= 64 => i64::MIN >> (64 - kind.bits),
+        ("MAX", true) if kind.bits <= 64 => i64::MAX >> (64 - kind.bits),
+        ("MAX", false) if kind.bits < 64 => (1 << kind.bits) - 1,
+        _ => return None,
+    };
+    Some(Integer {
+        value,
+        kind: Some(kind),
+    })
+}
+
 /// The type that two integers have in common, or both types.
 pub(super) fn common(a: Integer, b: Integer) -> Result<Option<Kind>, (Kind, Kind)> {
     match (a.kind, b.kind) {

@@ -189,6 +189,10 @@ impl Lowering<'_> {
                 self.refuse(expr, format!("index {} is negative: begin the loop later, or write `(i + N - 1) % N` on a ring", i.value));
                 None
             }
+            Value::Field(path) if path.unseen().is_some() => {
+                self.refuse(expr, path.unseen().unwrap_or_default());
+                None
+            }
             other => {
                 let message = format!(
                     "an index must be known at compile time (a literal, a loop variable, a constant of this block), and this is {}",

@@ -216,6 +216,10 @@ impl Lowering<'_> {
         match self.eval(expr) {
             Value::Int(bound) => Some(bound),
             Value::Poison => None,
+            Value::Field(path) if path.unseen().is_some() => {
+                self.refuse(expr, path.unseen().unwrap_or_default());
+                None
+            }
             other => {
                 let message = format!(
                     "the bounds of a loop must be known at compile time (a literal, `q.len()`, a constant `Self::N` of this block), and this is {}",

@@ -126,6 +126,13 @@ impl FieldPath {
         }
     }
 
+    /// What to say of a constant from outside the block where the macro needs its value; nothing of other fields.
+    pub(super) fn unseen(&self) -> Option<String> {
+        let path = self.outside.as_ref().filter(|_| self.steps.is_empty())?;
+        let name = path.segments.last().map(|last| last.ident.to_string());
+        Some(unseen(&name.unwrap_or_default(), &super::readable(path)))
+    }
+
     pub(super) fn is_self(&self) -> bool {
         self.outside.is_none() && self.steps.is_empty()
     }
@@ -188,6 +195,13 @@ impl FieldPath {
         let parts: Vec<String> = path.map(|s| plain(&s.ident)).chain(steps).collect();
         parts.join("_")
     }
+}
+
+/// What to say of a constant from outside the block where the macro needs its value.
+fn unseen(name: &str, path: &str) -> String {
+    format!(
+        "`{path}` is outside of this `impl` block, the only text that the macro sees, and its value is needed here: put `const {name}: usize = …;` with the number into this block and write `Self::{name}`"
+    )
 }
 
 /// The type of an argument or result: `f64` or arrays of it.
@@ -270,9 +284,7 @@ impl Lowering<'_> {
             let message = if self.constant_named(&name.to_string()).is_some() {
                 format!("a constant of this block is written `Self::{name}`")
             } else {
-                format!(
-                    "`{name}` is not known here, for only this `impl` block is seen: write `const {name}: usize = …;` in this block and use `Self::{name}`"
-                )
+                unseen(&name.to_string(), &name.to_string())
             };
             self.refuse(name, message);
             return None;
@@ -284,6 +296,12 @@ impl Lowering<'_> {
             Value::Int(n) if n.value >= 0 => usize::try_from(n.value).ok(),
             Value::Poison => None,
             other => {
+                if let Value::Field(path) = &other
+                    && let Some(message) = path.unseen()
+                {
+                    self.refuse(expr, message);
+                    return None;
+                }
                 self.errors.push(
                     expr.span(),
                     format!("the length must be an integer known here, a literal or a constant of this block; found {}", other.kind()),
