@@ -149,10 +149,7 @@ impl Lowering<'_> {
         }
         self.enclosed(key, |this| match this.eval(&constant.expr) {
             Value::Field(path) if is_integer(&constant.ty) => {
-                let message = format!(
-                    "the value of {} is needed here: write the number itself",
-                    path.kind()
-                );
+                let message = format!("this is {}: write the number itself", path.kind());
                 this.refuse(&constant.expr, message)
             }
             value => this.number(value, &constant.ty, &constant.expr),

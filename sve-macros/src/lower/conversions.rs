@@ -124,12 +124,10 @@ impl Lowering<'_> {
         match (value, ty) {
             (value, Type::Paren(inner)) => self.awaited(value, &inner.elem, at),
             (value, Type::Group(inner)) => self.awaited(value, &inner.elem, at),
-            (Value::Generated(closure), Type::Array(array)) => {
-                match self.length_of_type(&array.len) {
-                    Some(n) => self.generated(&closure, n, Some(&array.elem), at),
-                    None => Value::Generated(closure),
-                }
-            }
+            (Value::Generated(closure), Type::Array(array)) => match self.index_value(&array.len) {
+                Some(n) => self.generated(&closure, n, Some(&array.elem), at),
+                None => Value::Poison,
+            },
             (Value::Converted(inner), ty) => match (inner.unconverted(), ty) {
                 (Value::Int(i), ty) if is_f64(ty) => {
                     Value::Scalar(self.arena.constant(i.value as f64))

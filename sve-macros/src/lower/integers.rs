@@ -156,6 +156,13 @@ impl Lowering<'_> {
         let range = kind.unwrap_or(I32);
         match (value, kind) {
             (Some(value), kind) if range.contains(value) => Value::Int(Integer { value, kind }),
+            (Some(value), Some(kind)) if value < 0 && !kind.signed => self.refuse(
+                at,
+                format!(
+                    "this is {value}, which overflows `{}`: begin the loop later, write `(i + N - 1) % N` on a ring, or `i as f64 - 1.0` for a number",
+                    kind.name
+                ),
+            ),
             (_, Some(kind)) => self.refuse(
                 at,
                 format!(
@@ -210,9 +217,10 @@ impl Lowering<'_> {
     ) -> Value {
         match kind {
             // `-128_i8` is the negative of one more than there are
-            Some(kind) if !kind.contains(value) && !kind.contains(-value) => {
-                self.refuse(at, format!("the integer {value} is no `{}`", kind.name))
-            }
+            Some(kind) if !kind.contains(value) && !kind.contains(-value) => self.refuse(
+                at,
+                format!("the integer {value} does not fit into `{}`", kind.name),
+            ),
             _ => Value::Int(Integer { value, kind }),
         }
     }
@@ -243,7 +251,7 @@ impl Lowering<'_> {
                 }),
                 None => {
                     let message = format!(
-                        "`{}` is no `{target}`: the cast would wrap around to a number beyond 2⁶³",
+                        "`{}` does not fit into `{target}`: the cast would wrap around to a number beyond 2⁶³",
                         i.value
                     );
                     self.refuse(&cast.as_token, message)
@@ -282,7 +290,7 @@ impl Lowering<'_> {
         match i.kind {
             Some(other) if other != kind => self.two_kinds((other, kind), at),
             None if !kind.contains(i.value) => {
-                let message = format!("the integer {} is no `{}`", i.value, kind.name);
+                let message = format!("the integer {} does not fit into `{}`", i.value, kind.name);
                 self.refuse(at, message)
             }
             _ => Value::Int(i.or_of(kind)),

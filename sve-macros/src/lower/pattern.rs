@@ -163,7 +163,7 @@ impl Lowering<'_> {
     }
 
     /// A length that is a literal or made of constants of the block; silent about others, which are Rust's to know.
-    pub(super) fn length_of_type(&mut self, length: &Syntax) -> Option<usize> {
+    fn length_of_type(&mut self, length: &Syntax) -> Option<usize> {
         let errors = std::mem::take(&mut self.errors);
         let broken = self.broken.clone();
         let value = self.eval(length);

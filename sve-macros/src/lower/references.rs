@@ -147,8 +147,11 @@ impl Lowering<'_> {
             );
             return;
         }
-        if let Some(slot) = self.at_mut(&target.place) {
-            *slot = value;
+        match self.at_mut(&target.place) {
+            Some(slot) => *slot = value,
+            None => {
+                self.refuse(place, "what this reference refers to has another variable of its name before it: rename one");
+            }
         }
     }
 
@@ -172,6 +175,9 @@ impl Lowering<'_> {
             name,
             path: Vec::new(),
         };
+        if let Some(Value::Poison) = self.at(&root) {
+            return None;
+        }
         let is_dereferenced = is_dereferenced(expr);
         let target = match self.walk(root, &picks, is_dereferenced || !is_assigned) {
             Ok(target) => target?,

@@ -6,7 +6,7 @@ struct Pendulum {
 
 #[variational(midpoint)]
 impl Pendulum {
-    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+    fn lagrangian(&self, _q: f64, v: f64) -> f64 {
         0.5 * v * v + self.g
     }
 
