@@ -71,7 +71,7 @@ fn one_error_a_mistake_in_a_body() {
         ("v[0] * v[0] + v[1] * v[1];", 1),
         ("v[0] * 2 + v[1] * 3", 2),
         (
-            "let mut x = q; for x in x.iter_mut() { *x *= 2.0; } v[0] * x[0]",
+            "let mut x = q; for x in x.iter_mut() { *x *= 2.0; } v[0] * v[0] + v[1] * v[1] * x[0]",
             0,
         ),
         (
@@ -110,7 +110,7 @@ fn one_error_a_mistake_in_a_body() {
             1,
         ),
         (
-            "let mut s = 0.0; for i in 0..2 { s += (i - 1) as f64 * v[i as usize]; } s * s",
+            "let mut s = 0.0; for i in 0..2 { s += (i - 1) as f64 * v[i as usize]; } v[0] * v[0] + v[1] * v[1] + s * s",
             0,
         ),
         (

@@ -210,7 +210,7 @@ impl Lowering<'_> {
                 }
                 _ => self.refuse(path, format!("`{name}` is a variable, not a function")),
             },
-            ["from_fn"] | [.., "array", "from_fn"] => self.from_fn(path, &arguments),
+            ["from_fn"] | [.., "array", "from_fn"] => self.array_from_fn(path, &arguments),
             [name] if self.block.functions.iter().any(|f| f.sig.ident == name) => self.refuse(
                 path,
                 format!("a function of this block is called `self.{name}(…)`, or `Self::{name}(…)` if it has no `self`"),
@@ -247,7 +247,7 @@ impl Lowering<'_> {
             return receiver.value;
         }
         if name == "into" && call.args.is_empty() {
-            return self.convert(receiver.value);
+            return Self::converted(receiver.value);
         }
         if let Some(value) = self.sequence_method(call, &receiver) {
             return value;

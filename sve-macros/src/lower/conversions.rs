@@ -36,7 +36,7 @@ impl Value {
 
 impl Lowering<'_> {
     /// `x.into()`: numbers and arrays are what they are; integers and tuples may become numbers and arrays.
-    pub(super) fn convert(&mut self, receiver: Value) -> Value {
+    pub(super) fn converted(receiver: Value) -> Value {
         match receiver {
             Value::Int(_) | Value::Tuple(_) => Value::Converted(Box::new(receiver)),
             other => other,
@@ -44,7 +44,7 @@ impl Lowering<'_> {
     }
 
     /// `array::from_fn(…)`, with its length if that is written as a generic argument.
-    pub(super) fn from_fn(&mut self, path: &syn::ExprPath, arguments: &[Argument]) -> Value {
+    pub(super) fn array_from_fn(&mut self, path: &syn::ExprPath, arguments: &[Argument]) -> Value {
         let closure = match arguments {
             [
                 Argument {

@@ -40,6 +40,9 @@ const TIMES: u64 = 16;
 /// Points at which each symbol has a scale of its own, for terms that are small beside the others unless one of them grows.
 const MIXED: u64 = 6;
 
+/// The scales among which a symbol of such a point has its own.
+const MIXED_SCALES: [f64; 5] = [1.0, 1e-3, 1e3, 1e-6, 1e6];
+
 /// Relative change of a function, for such a change of its argument, below which the value tells nothing of the argument:
 /// tanh of 20 is 1, and exp of −1000 is 0.
 const FLAT: f64 = 1e-9;
@@ -101,13 +104,16 @@ impl Arena {
                 break;
             }
         }
-        let sharp = self.vanishing_sharply(&nodes, expr);
-        // nowhere defined for the plain numbers: not zero, unless the sharp ones see more
-        sharp.unwrap_or((held > 0).then_some(Vanishing::Undecided))
+        match self.vanishing_sharply(&nodes, expr) {
+            Ok(vanishing) => Some(vanishing),
+            // no digits anywhere: what the plain numbers say
+            Err(Verdict::Nothing) => (held > 0).then_some(Vanishing::Undecided),
+            Err(_) => None,
+        }
     }
 
-    /// The same in 106 bits; nothing where no point tells anything.
-    fn vanishing_sharply(&self, nodes: &[Expr], expr: Expr) -> Option<Option<Vanishing>> {
+    /// The same in 106 bits; the verdict where that is another one.
+    fn vanishing_sharply(&self, nodes: &[Expr], expr: Expr) -> Result<Vanishing, Verdict> {
         let mut found = None;
         let mut held = 0;
         for attempt in sharp_attempts() {
@@ -117,14 +123,14 @@ impl Arena {
             let at = self.evaluate_sharp(nodes, |symbol| coordinate(attempt, symbol));
             let vanishing = match at.get(&expr).map_or(Verdict::Nothing, |x| x.verdict()) {
                 Verdict::Nothing => continue,
-                Verdict::NotZero => return Some(None),
+                Verdict::NotZero => return Err(Verdict::NotZero),
                 Verdict::Zero => Vanishing::Evaluated,
                 Verdict::Undecided => Vanishing::Undecided,
             };
             found = found.max(Some(vanishing));
             held += 1;
         }
-        found.map(Some)
+        found.ok_or(Verdict::Nothing)
     }
 
     /// Which of `exprs` are zero: as [`is_zero`](Self::is_zero), with what they share evaluated once at the point that tells most
@@ -275,7 +281,12 @@ fn coordinate(attempt: u64, symbol: Symbol) -> f64 {
         Some(later) if attempt < ATTEMPTS => SCALES[(later / TIMES) as usize],
         Some(later) => {
             let choice = uniform(later, u64::from(symbol.0) ^ 0x5eed);
-            [1.0, 1e-3, 1e3, 1e-6, 1e6][(5.0 * choice) as usize]
+            let chosen = MIXED_SCALES.iter().zip(1..);
+            chosen
+                .filter(|&(_, up_to)| 5.0 * choice < f64::from(up_to))
+                .map(|(scale, _)| *scale)
+                .next()
+                .unwrap_or(1.0)
         }
     };
     let near = if attempt.is_multiple_of(2) {
