@@ -1,6 +1,13 @@
 //! The language of a body, feature by feature: the derived value is the user's own function, the derived derivatives are
 //! its differences.
 
+#![allow(
+    clippy::cast_lossless,
+    clippy::cast_sign_loss,
+    clippy::unnecessary_cast,
+    clippy::useless_conversion
+)] // casts and conversions are what is tested
+
 use sve_runtime::System;
 use sve_runtime::prelude::*;
 use sve_tests::feature;
