@@ -68,3 +68,15 @@ fn residuals_and_jacobians_cost_a_few_times_the_function() {
         }
     }
 }
+
+/// The sizes that the documentation of the macro names, and the next.
+#[test]
+fn limits_are_those_of_the_documentation() {
+    for (scene, largest, next) in [(Scene::Pendulum, 33, 34), (Scene::Bodies, 48, 50)] {
+        let expanded = |n| expand(&parse("midpoint"), &parse(&scene.block(n))).to_string();
+        assert!(!expanded(largest).contains("compile_error"), "{largest}");
+        let refused = expanded(next);
+        assert_eq!(refused.matches("compile_error").count(), 1, "{next}");
+        assert!(refused.contains("which is the limit"), "{next}");
+    }
+}

@@ -35,10 +35,13 @@ mod schedule;
 mod schedule_tests;
 #[cfg(test)]
 mod scheme_tests;
+mod signature;
 mod structure;
 mod symbolic;
 mod symmetry;
 mod tangent;
+#[cfg(test)]
+mod zero_tests;
 
 use proc_macro::TokenStream;
 
@@ -58,6 +61,9 @@ use proc_macro::TokenStream;
 ///
 /// # Items of the block
 ///
+/// Arguments are told apart by their order. An argument that is called `t`, `q`, `v` or `p` in the place of another quantity is an
+/// error; other names say nothing.
+///
 /// | item | signature (`t: f64` may come first, after `&self`) | meaning |
 /// | --- | --- | --- |
 /// | `fn lagrangian` | `(&self, q: [f64; N], v: [f64; N]) -> f64` | L, required |
@@ -75,13 +81,20 @@ use proc_macro::TokenStream;
 /// dp = (∂L/∂q + F) dt + Σ ∂γ/∂q ∘ dW − Σ ∂H₁/∂q ∘ dW        p = ∂L/∂v
 /// ```
 ///
-/// A symmetry is proved, or refused with the name of the function that it changes:
+/// A symmetry is refused, with the name of the function that it changes, unless these expressions vanish:
 ///
 /// ```text
 /// ⟨∂L/∂q, ξ⟩ + ⟨∂L/∂v, Dξ v⟩ = 0     ⟨∂γ/∂q, ξ⟩ = 0     ⟨∂H₁/∂q, ξ⟩ − ⟨p, Dξ ∂H₁/∂p⟩ = 0     ⟨F, ξ⟩ = 0
 /// ```
 ///
 /// Then ⟨p, ξ⟩ is conserved, with noise too, and by the steps where ξ is affine in q.
+///
+/// Where the algebra leaves 0, that is a proof. What it leaves open is evaluated in 106 bits, at random points near 1 and of
+/// scales from 1e-15 to 1e15, and compared with the sum of the magnitudes of its terms: a breaking term is refused down to some
+/// 1e-26 of the other terms at any of these points, and a smaller one is not seen. Decimal constants are rounded, and like terms
+/// are collected in `f64`: what is smaller than that rounding, 1e-15 of the terms with such constants, cannot be decided and is
+/// accepted. The documentation of the momentum and the plan say which of the three it is: nothing for a proof, "checked, not
+/// proved" or "not decided". The same holds of noises that commute, each of which is scaled to the order of 1 first.
 ///
 /// `N = 1` may be written `q: f64`. What the functions read of `self` are the parameters: fields `f64` and `[f64; K]`, also of
 /// structs within, whose lengths need not be known to the macro. `N` and `M` are literals or constants of the block, `Self::N`.
@@ -96,10 +109,13 @@ use proc_macro::TokenStream;
 /// - `if`, `continue` and `break` by conditions on integers known at compile time, such as `i != j`;
 /// - arrays, tuples, slices, `[x; N]`, indexing by what is known at compile time, `len()` of an array;
 /// - of the methods of arrays and iterators: `iter`, `into_iter`, `copied`, `map`, `zip`, `enumerate`, `rev`, `step_by`, `skip`, `take`, `chain`, `filter`
-///   (on indices), `flatten`, `flat_map`, `fold`, `sum`, `product`, `windows`, `chunks`, `chunks_exact`, with closures that are written in place;
+///   (on indices), `flatten`, `flat_map`, `fold`, `for_each`, `sum`, `product`, `windows`, `chunks`, `chunks_exact`, with closures that are written in place;
 /// - calls of functions of the block, `self.f(…)` or `Self::f(…)`; constants `Self::NAME`, those of `std::f64::consts`, and those from
 ///   outside the block whose names are in capitals, which are read like parameters;
-/// - `as f64` and `f64::from` of integers known at compile time;
+/// - integers known at compile time, with the types of Rust: `as` wraps (`300i32 as u8` is 44), arithmetic that overflows is an
+///   error; `as f64`, `f64::from`, `into` where the type is written;
+/// - `std::array::from_fn` with its length in the type of the variable, of the result or in `from_fn::<_, N, _>`; `iter_mut` and
+///   `for x in &mut a` of local arrays;
 /// - of the methods of `f64`: `powi`, `powf`, `sqrt`, `cbrt`, `exp`, `exp2`, `exp_m1`, `ln`, `ln_1p`, `log`, `log2`, `log10`, `sin`, `cos`, `sin_cos`,
 ///   `tan`, `asin`, `acos`, `atan`, `atan2`, `sinh`, `cosh`, `tanh`, `asinh`, `acosh`, `atanh`, `hypot`, `recip`, `mul_add`, `to_radians`,
 ///   `to_degrees`.
@@ -114,16 +130,16 @@ use proc_macro::TokenStream;
 /// | `abs`, `signum`, `min`, `max`, `clamp`, `floor`, `round`, …, `%` of numbers | not smooth: there is no derivative to take |
 /// | `if` on numbers, `match` | a Lagrangian is one formula everywhere |
 /// | `while`, bounds of loops and indices that are not known at compile time, recursion | nothing could be unrolled |
-/// | functions outside the block, lengths and bounds by constants outside it, macro calls | the macro sees the tokens of this block alone |
+/// | functions outside the block, lengths, bounds and indices by constants outside it, macro calls | the macro sees the tokens of this block alone |
 /// | closures bound to a name | a function of the block is as short |
 /// | generic blocks, blocks of a trait, `cfg` on an item of the block | likewise: the types or items are not known |
 /// | `&mut self`, `self`, coordinates by reference | functions of a system have no effects |
 /// | a noise with derivative zero | it would move nothing |
-/// | a Lagrangian whose `∂²L/∂v²` is singular everywhere | the momenta do not determine the velocities |
+/// | a Lagrangian whose `∂²L/∂v²` is singular everywhere, to 106 bits or to the rounding of its constants | the momenta do not determine the velocities |
 /// | `taylor2` with noise | the rule is defined for deterministic systems |
 /// | a `#[symmetry]` that changes L, a noise, or on which a force does work | its momentum would not be conserved |
 /// | `#[constraint]` | reserved, not supported yet |
-/// | bodies that unroll to more than 30 000 expressions or 2 000 000 steps of evaluation; more than 200 000 second derivatives; derivatives that take the macro too much work | compile time: 48 densely coupled coordinates are accepted |
+/// | bodies that unroll to more than 30 000 expressions or 2 000 000 steps of evaluation; more than 200 000 second derivatives; derivatives that take the macro too much work | compile time: accepted are 48 coordinates of bodies that all attract one another, and 33 of an n-pendulum, whose mass matrix couples all coordinates |
 ///
 /// # What is generated
 ///

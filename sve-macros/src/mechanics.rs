@@ -1,7 +1,7 @@
 //! Model → what the runtime needs of it beside the steps: derivatives of L and of the noises, and whether the noises commute.
 
 use crate::model::{Model, NoiseTerm};
-use crate::symbolic::{Arena, Expr, Purpose, Symbol};
+use crate::symbolic::{Arena, Expr, Purpose, Symbol, Vanishing};
 
 /// Derivatives of the Lagrangian, in the order of the runtime's `LagrangianJet`.
 pub(crate) struct LagrangianJet {
@@ -82,8 +82,16 @@ pub(crate) struct Mechanics {
     pub(crate) force: Option<ForceJet>,
     /// Whether `∂L/∂v` is affine in v.
     pub(crate) affine_momentum: bool,
-    /// The first pair of noises that does not commute.
-    pub(crate) clash: Option<(String, String)>,
+    /// Whether the noises commute.
+    pub(crate) commutation: Commutation,
+}
+
+/// Whether the noises of a model commute.
+pub(crate) enum Commutation {
+    /// All of them do, as far as that can be known.
+    All(Vanishing),
+    /// The first pair that does not, by source names.
+    Clash(String, String),
 }
 
 /// Differentiates the model.
@@ -119,7 +127,7 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
         .iter()
         .map(|noise| noise_jet(noise, model, arena))
         .collect::<Vec<_>>();
-    let clash = clash(model, &noises, arena);
+    let commutation = commutation(model, &noises, arena);
     let force = model.force.as_ref().map(|force| ForceJet {
         dq: hessian(arena, force, &model.q),
         dv: hessian(arena, force, &model.v),
@@ -131,7 +139,7 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
         noises,
         force,
         affine_momentum,
-        clash,
+        commutation,
     }
 }
 
@@ -157,16 +165,18 @@ fn noise_jet(noise: &NoiseTerm, model: &Model, arena: &mut Arena) -> NoiseJet {
     }
 }
 
-/// The first pair with `{G_a, G_b} = ⟨∂G_a/∂q, ∂G_b/∂p⟩ − ⟨∂G_a/∂p, ∂G_b/∂q⟩` not identically zero.
-fn clash(model: &Model, jets: &[NoiseJet], arena: &mut Arena) -> Option<(String, String)> {
-    for (i, a) in jets.iter().enumerate() {
-        for (j, b) in jets.iter().enumerate().skip(i + 1) {
+/// Whether `{G_a, G_b} = ⟨∂G_a/∂q, ∂G_b/∂p⟩ − ⟨∂G_a/∂p, ∂G_b/∂q⟩` vanishes for all pairs.
+fn commutation(model: &Model, jets: &[NoiseJet], arena: &mut Arena) -> Commutation {
+    let jets: Vec<[Vec<Expr>; 2]> = jets.iter().map(|jet| scaled(jet, arena)).collect();
+    let mut surely = Vanishing::Proved;
+    for (i, [a_q, a_p]) in jets.iter().enumerate() {
+        for (j, [b_q, b_p]) in jets.iter().enumerate().skip(i + 1) {
             if arena.is_exhausted() {
-                return None;
+                return Commutation::All(surely);
             }
             let mut terms = Vec::new();
             for k in 0..model.dof() {
-                for (sign, x, y) in [(1.0, a.dq[k], b.dp[k]), (-1.0, a.dp[k], b.dq[k])] {
+                for (sign, x, y) in [(1.0, a_q[k], b_p[k]), (-1.0, a_p[k], b_q[k])] {
                     // most noises are in few coordinates
                     if [x, y].iter().all(|&e| arena.constant_value(e) != Some(0.0)) {
                         terms.push((sign, arena.mul(x, y)));
@@ -174,12 +184,29 @@ fn clash(model: &Model, jets: &[NoiseJet], arena: &mut Arena) -> Option<(String,
                 }
             }
             let bracket = arena.sum(0.0, &terms);
-            if !arena.is_zero(bracket) {
-                return Some((model.noises[i].name.clone(), model.noises[j].name.clone()));
+            match arena.vanishing(bracket) {
+                Some(vanishing) => surely = surely.max(vanishing),
+                None => {
+                    let [a, b] = [i, j].map(|at| model.noises[at].name.clone());
+                    return Commutation::Clash(a, b);
+                }
             }
         }
     }
-    None
+    Commutation::All(surely)
+}
+
+/// The gradients of a noise in q and p, times a power of two that brings them to the order of 1 where a product of two of them
+/// might underflow or overflow.
+fn scaled(jet: &NoiseJet, arena: &mut Arena) -> [Vec<Expr>; 2] {
+    let factor = arena.scale_of(&[jet.dq.as_slice(), &jet.dp].concat());
+    [&jet.dq, &jet.dp].map(|gradient| {
+        if factor == 1.0 {
+            gradient.clone()
+        } else {
+            gradient.iter().map(|&x| arena.scale(factor, x)).collect()
+        }
+    })
 }
 
 fn gradient(arena: &mut Arena, expr: Expr, symbols: &[Symbol]) -> Vec<Expr> {

@@ -70,6 +70,53 @@ fn one_error_a_mistake_in_a_body() {
         ("fn f(x: f64) -> f64 { x } f(v[0]) + f(v[1])", 1),
         ("v[0] * v[0] + v[1] * v[1];", 1),
         ("v[0] * 2 + v[1] * 3", 2),
+        (
+            "let mut x = q; for x in x.iter_mut() { *x *= 2.0; } v[0] * v[0] + v[1] * v[1] * x[0]",
+            0,
+        ),
+        (
+            "let mut x = q; for x in x.iter_mut() { *x = x.abs(); } v[0] * x[0]",
+            1,
+        ),
+        ("let mut x = q; for y in &mut x { y = 1.0; } v[0] * x[0]", 1),
+        ("for x in self.m.iter_mut() { *x *= 2.0; } v[0] * v[0]", 1),
+        (
+            "let mut x = q; x.iter_mut().map(|x| { *x = 1.0; *x }).sum::<f64>() * v[0]",
+            1,
+        ),
+        (
+            "let mut x = q; let f = |x: &mut f64| *x *= 2.0; for x in &mut x { f(x); } v[0]",
+            1,
+        ),
+        (
+            "let a = std::array::from_fn(|i| q[i]); v[0] * a.iter().sum::<f64>()",
+            1,
+        ),
+        (
+            "let a: [f64; 2] = std::array::from_fn(|i| q[i].abs()); v[0] * a[0]",
+            1,
+        ),
+        ("let a: [f64; 2] = std::array::from_fn(2.0); v[0] * a[0]", 1),
+        (
+            "let n = 300u8; let m = -1i32 as usize; v[0] * (2u8 + 3u16) as f64 * (200u8 + 100) as f64",
+            4,
+        ),
+        (
+            "let mut n = 1; for i in 0..40 { n *= 2; } v[0] * n as f64",
+            1,
+        ),
+        (
+            "let mut s = 0.0; for i in 0..2 { s += (i - 1) as f64 * q[i]; } v[0] * s",
+            1,
+        ),
+        (
+            "let mut s = 0.0; for i in 0..2 { s += (i - 1) as f64 * v[i as usize]; } v[0] * v[0] + v[1] * v[1] + s * s",
+            0,
+        ),
+        (
+            "let a = [0.0; OUTER]; let b: [f64; 2] = [v[0]; sizes::OUTER]; for i in 0..OUTER {} v[0]",
+            3,
+        ),
         ("v", 1),
         ("let x: f64 = 1; x + self.helper(x) + self.helper(2)", 2),
         ("q.sine() + q.collect::<Vec<f64>>()", 2),
@@ -109,6 +156,10 @@ fn one_error_a_mistake_elsewhere() {
         ("midpoint", "fn f(&self, x: f64) -> f64 { x.abs() } fn lagrangian(&self, q: f64, v: f64) -> f64 { self.f(v) + self.f(q) }".to_owned(), 1),
         ("midpoint", "fn lagrangian(&self, q: f64, v: f64) -> f64 { q }".to_owned(), 1),
         ("midpoint", "fn lagrangian(&self, q: f64, v: f64) -> [f64; 1] { [v * v] }".to_owned(), 1),
+        ("midpoint", "fn lagrangian(&self, q: [f64; DIM], v: [f64; DIM]) -> f64 { v[0] * v[0] }".to_owned(), 1),
+        ("midpoint", "fn lagrangian(&self, q: [f64; sizes::DIM], v: [f64; sizes::DIM]) -> f64 { v[0] * v[0] }".to_owned(), 1),
+        ("midpoint", "const N: usize = DIM; fn lagrangian(&self, q: [f64; Self::N], v: [f64; Self::N]) -> f64 { v[0] * v[0] }".to_owned(), 1),
+        ("midpoint", "fn lagrangian(&self, v: f64, q: f64) -> f64 { v * v } #[h1] fn a(&self, p: f64, q: f64) -> f64 { p }".to_owned(), 2),
     ] {
         assert_eq!(errors(attribute, &members), mistakes, "{attribute}: {members}");
     }

@@ -15,6 +15,7 @@ use syn::{
 use crate::errors::{Errors, nearest};
 use crate::roles::{Role, take_roles};
 use crate::rule::Rule;
+use crate::signature;
 
 /// The arguments of the attribute.
 pub(crate) struct Arguments {
@@ -300,7 +301,7 @@ fn part(function: &Rc<ImplItemFn>, role: Role) -> syn::Result<Part> {
             FnArg::Receiver(_) => None,
         })
         .collect();
-    let timed = is_timed(&sig.ident, role, &arguments, &expected)?;
+    let timed = signature::is_timed(&sig.ident, role, &arguments, &expected)?;
     let ReturnType::Type(_, output) = &sig.output else {
         let message = format!("`{}` returns nothing: {expected}", sig.ident);
         return Err(syn::Error::new(sig.ident.span(), message));
@@ -327,55 +328,6 @@ fn qualifier(sig: &syn::Signature) -> Option<(Span, &'static str)> {
         .as_ref()
         .map(|abi| (abi.extern_token.span, "extern"));
     is_async.or(is_unsafe).or(is_foreign)
-}
-
-/// Whether the first argument is the time, or what is wrong with the arguments.
-fn is_timed(
-    name: &Ident,
-    role: Role,
-    arguments: &[(Pat, Type)],
-    expected: &str,
-) -> syn::Result<bool> {
-    if arguments.len() == role.vectors() {
-        return Ok(false);
-    }
-    if arguments.len() != role.vectors() + 1 {
-        let hint = match role {
-            Role::H1 if arguments.len() == 1 => "; a noise that depends on q alone is `#[gamma]`",
-            _ => "",
-        };
-        let count = match arguments.len() {
-            1 => "one argument".to_owned(),
-            n => format!("{n} arguments"),
-        };
-        let message = format!("`{name}` has {count} after `&self`: {expected}{hint}");
-        return Err(syn::Error::new(name.span(), message));
-    }
-    let is_time = is_f64(&arguments[0].1);
-    if role.vectors() == 1 && (!is_time || is_momentum(&arguments[1].0)) {
-        let hint = match role {
-            Role::Gamma => "; a noise that depends on the momentum is `#[h1]`",
-            _ => "",
-        };
-        let message = format!(
-            "`#[{}]` depends on q alone: {expected}{hint}",
-            role.attribute()
-        );
-        return Err(syn::Error::new(arguments[1].0.span(), message));
-    }
-    if !is_time {
-        let message = format!("of three arguments the first is the time, `t: f64`: {expected}");
-        return Err(syn::Error::new(arguments[0].1.span(), message));
-    }
-    Ok(true)
-}
-
-/// Whether an argument is called like a velocity or a momentum, so that the one before it is no time.
-fn is_momentum(pattern: &Pat) -> bool {
-    let Pat::Ident(name) = pattern else {
-        return false;
-    };
-    matches!(name.ident.to_string().trim_start_matches('_'), "v" | "p")
 }
 
 fn is_shared(receiver: &syn::Receiver) -> bool {

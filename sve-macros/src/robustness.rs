@@ -146,7 +146,7 @@ fn mutated_systems() {
         leaves(tokens(attribute), &mut donors);
         leaves(tokens(item), &mut donors);
     }
-    for word in "if match while loop return as % abs 0 -1 1e308 9223372036854775807 _ .. ..= ! |x|x 'a \"s\" async unsafe &mut".split(' ') {
+    for word in "iter_mut into from_fn for_each &mut u8 3u8 *x if match while loop return as % abs 0 -1 1e308 9223372036854775807 _ .. ..= ! |x|x 'a \"s\" async unsafe &mut".split(' ') {
         leaves(tokens(word), &mut donors);
     }
     for (attribute, item) in SYSTEMS {
@@ -379,7 +379,7 @@ fn crossed_systems() {
 #[test]
 fn random_bodies() {
     let mut random = Random(3);
-    let words: Vec<TokenStream> = "q v self self.m q[0] v[1] 0 1 2.0 1e308 i j x + - * / % ^ = += == < . , ; .. ..= & |x| |(i,x)| let mut for in if else continue break         .iter() .into_iter() .map .sum::<f64>() .zip .enumerate() .rev() .fold .filter .windows .chunks .step_by .take .skip .flatten() .len() .powi .sin()         (q) (v) (0) (1,2) (|x|x) (|a,b|a+b) [0] [1..] [..2] [0;3] {x} {} Self::N Self::f PI const use fn return as f64"
+    let words: Vec<TokenStream> = "q v self self.m q[0] v[1] 0 1 2.0 1e308 i j x + - * / % ^ = += == < . , ; .. ..= & |x| |(i,x)| let mut for in if else continue break         .iter() .into_iter() .map .sum::<f64>() .zip .enumerate() .rev() .fold .filter .windows .chunks .step_by .take .skip .flatten() .len() .powi .sin()         (q) (v) (0) (1,2) (|x|x) (|a,b|a+b) [0] [1..] [..2] [0;3] {x} {} Self::N Self::f PI const use fn return as f64 &mut *x a 3u8 i64 as u8 .iter_mut() .for_each .into() std::array::from_fn i8::MIN -1 (|x|*x*=2.0) :[f64;2]"
         .split_whitespace()
         .filter_map(|word| word.parse().ok())
         .collect();

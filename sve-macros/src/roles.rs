@@ -175,12 +175,18 @@ impl Role {
         }
     }
 
-    /// Vector arguments after `&self` and the optional time.
-    pub(crate) fn vectors(self) -> usize {
+    /// Names of the vector arguments after `&self` and the optional time, in their order.
+    pub(crate) fn quantities(self) -> &'static [&'static str] {
         match self {
-            Self::Gamma | Self::Symmetry => 1,
-            Self::Lagrangian | Self::H1 | Self::Force | Self::Helper => 2,
+            Self::Gamma | Self::Symmetry => &["q"],
+            Self::Lagrangian | Self::Force | Self::Helper => &["q", "v"],
+            Self::H1 => &["q", "p"],
         }
+    }
+
+    /// Number of vector arguments after `&self` and the optional time.
+    pub(crate) fn vectors(self) -> usize {
+        self.quantities().len()
     }
 }
 

@@ -1,7 +1,7 @@
 //! Whether each `#[symmetry]` is one, and the momentum that it conserves.
 //!
 //! Input: the model with its generators ξ. Output: the momentum maps ⟨p, ξ⟩, or an error that names the function which is
-//! not invariant. To be zero identically (mathematics.md, section 9; with `ξ_t` for a generator that depends on time):
+//! not invariant. What the algebra does not decide is evaluated at random points (`symbolic/zero.rs`). To be zero identically (mathematics.md, section 9; with `ξ_t` for a generator that depends on time):
 //!
 //! ```text
 //! L:   ⟨L_q, ξ⟩ + ⟨L_v, Dξ v + ξ_t⟩        γ:   ⟨γ_q, ξ⟩
@@ -13,7 +13,7 @@ use crate::errors::Errors;
 use crate::explain;
 use crate::model::{Generator, Model};
 use crate::parse::{Annotated, Part};
-use crate::symbolic::{Arena, Expr, Symbol};
+use crate::symbolic::{Arena, Expr, Symbol, Vanishing};
 
 /// A conserved momentum.
 pub(crate) struct MomentumMap {
@@ -23,12 +23,14 @@ pub(crate) struct MomentumMap {
     pub(crate) value: Expr,
     /// Whether ξ is affine in q and free of time: then the steps conserve it too.
     pub(crate) affine: bool,
+    /// How it is known that nothing changes along ξ.
+    pub(crate) surely: Vanishing,
 }
 
 /// Longest formula of a remainder that is shown, in characters.
 const READABLE: usize = 160;
 
-/// Proves the symmetries of a block.
+/// Checks the symmetries of a block.
 pub(crate) fn check(
     block: &Annotated,
     model: &Model,
@@ -52,38 +54,62 @@ pub(crate) fn check(
                 format!("`{}` gives the function `{function}`, which the block has already: rename one of them", part.name),
             );
         }
-        for (what, change) in changes(block, generator, model, arena) {
-            if !arena.is_zero(change) {
-                let message = broken(part, &what, change, model, arena);
-                errors.push(part.name.span(), message);
+        let mut surely = Vanishing::Proved;
+        for Change { of, rate, scale } in changes(block, generator, model, arena) {
+            match arena.vanishing(rate) {
+                Some(vanishing) => surely = surely.max(vanishing),
+                None => {
+                    let rate = arena.scale(1.0 / scale, rate);
+                    let message = broken(part, &of, rate, model, arena);
+                    errors.push(part.name.span(), message);
+                }
             }
         }
-        maps.push(momentum(generator, model, arena));
+        maps.push(momentum(generator, surely, model, arena));
     }
     errors.finish(maps)
 }
 
-fn broken(part: &Part, what: &Changes, change: Expr, model: &Model, arena: &Arena) -> String {
+fn broken(part: &Part, what: &Changed, change: Expr, model: &Model, arena: &Arena) -> String {
     let name = &part.name;
     let rate = explain::formula(&model.symbols, change, READABLE, arena)
         .map(|formula| format!(" at the rate {formula}"))
         .unwrap_or_default();
     match what {
-        Changes::Function(whose) => format!(
+        Changed::Function(whose) => format!(
             "`{name}` is not a symmetry of {whose}, which changes along it{rate}; correct the generator, or remove `#[symmetry]`"
         ),
-        Changes::Work(force) => format!(
+        Changed::Work(force) => format!(
             "the force {force} does work along the symmetry `{name}`{rate}, so that its momentum is not conserved; remove `#[symmetry]`, or the force along it"
         ),
     }
 }
 
-/// What should not change along a generator, and does.
-enum Changes {
+/// What must not change along a generator.
+enum Changed {
     /// A function of the block, as a message calls it.
     Function(String),
     /// The work of the forces of these names.
     Work(String),
+}
+
+/// How much something changes along a generator.
+struct Change {
+    of: Changed,
+    /// The rate of change times `scale`.
+    rate: Expr,
+    /// A power of two.
+    scale: f64,
+}
+
+/// An expression times a power of two that brings it to the order of 1 where products with it might underflow or overflow.
+fn scaled(expr: Expr, arena: &mut Arena) -> (Expr, f64) {
+    let scale = arena.scale_of(&[expr]);
+    if scale == 1.0 {
+        (expr, scale)
+    } else {
+        (arena.scale(scale, expr), scale)
+    }
 }
 
 /// How much each function of the block changes along a generator.
@@ -92,8 +118,16 @@ fn changes(
     generator: &Generator,
     model: &Model,
     arena: &mut Arena,
-) -> Vec<(Changes, Expr)> {
-    let xi = &generator.field;
+) -> Vec<Change> {
+    let unit = arena.scale_of(&generator.field);
+    let xi: Vec<Expr> = match unit {
+        1.0 => generator.field.clone(),
+        _ => {
+            let scaled = generator.field.iter().map(|&x| arena.scale(unit, x));
+            scaled.collect()
+        }
+    };
+    let xi = &xi;
     let v: Vec<Expr> = model.v.iter().map(|&s| arena.symbol(s)).collect();
     let p: Vec<Expr> = model.p.iter().map(|&s| arena.symbol(s)).collect();
 
@@ -102,28 +136,34 @@ fn changes(
         let drift = arena.diff(x, model.time);
         flow[at] = arena.add(flow[at], drift);
     }
-    let along_q = pairing(model.lagrangian, &model.q, xi, arena);
-    let along_v = pairing(model.lagrangian, &model.v, &flow, arena);
-    let mut changes = vec![(
-        Changes::Function("the Lagrangian".to_owned()),
-        arena.add(along_q, along_v),
-    )];
+    let (lagrangian, scale) = scaled(model.lagrangian, arena);
+    let along_q = pairing(lagrangian, &model.q, xi, arena);
+    let along_v = pairing(lagrangian, &model.v, &flow, arena);
+    let mut changes = vec![Change {
+        of: Changed::Function("the Lagrangian".to_owned()),
+        rate: arena.add(along_q, along_v),
+        scale: scale * unit,
+    }];
     for noise in &model.noises {
-        let along_q = pairing(noise.hamiltonian, &model.q, xi, arena);
+        let (hamiltonian, scale) = scaled(noise.hamiltonian, arena);
+        let along_q = pairing(hamiltonian, &model.q, xi, arena);
         let kick: Vec<Expr> = model
             .p
             .iter()
-            .map(|&s| arena.diff(noise.hamiltonian, s))
+            .map(|&s| arena.diff(hamiltonian, s))
             .collect();
         let turned = transported(xi, &kick, model, arena);
         let turned = dot(&p, &turned, arena);
-        let mut change = arena.sub(along_q, turned);
+        let mut rate = arena.sub(along_q, turned);
         if noise.is_gamma {
             // the noise Hamiltonian is −γ
-            change = arena.neg(change);
+            rate = arena.neg(rate);
         }
-        let whose = format!("the noise `{}`", noise.name);
-        changes.push((Changes::Function(whose), change));
+        changes.push(Change {
+            of: Changed::Function(format!("the noise `{}`", noise.name)),
+            rate,
+            scale: scale * unit,
+        });
     }
     if let Some(force) = &model.force {
         let names: Vec<String> = block
@@ -131,7 +171,13 @@ fn changes(
             .iter()
             .map(|part| format!("`{}`", part.name))
             .collect();
-        changes.push((Changes::Work(names.join(" + ")), dot(force, xi, arena)));
+        let scale = arena.scale_of(force);
+        let force: Vec<Expr> = force.iter().map(|&f| arena.scale(scale, f)).collect();
+        changes.push(Change {
+            of: Changed::Work(names.join(" + ")),
+            rate: dot(&force, xi, arena),
+            scale: scale * unit,
+        });
     }
     changes
 }
@@ -158,7 +204,12 @@ fn transported(xi: &[Expr], by: &[Expr], model: &Model, arena: &mut Arena) -> Ve
         .collect()
 }
 
-fn momentum(generator: &Generator, model: &Model, arena: &mut Arena) -> MomentumMap {
+fn momentum(
+    generator: &Generator,
+    surely: Vanishing,
+    model: &Model,
+    arena: &mut Arena,
+) -> MomentumMap {
     let p: Vec<Expr> = model.p.iter().map(|&s| arena.symbol(s)).collect();
     let value = dot(&p, &generator.field, arena);
     let mut affine = true;
@@ -176,5 +227,6 @@ fn momentum(generator: &Generator, model: &Model, arena: &mut Arena) -> Momentum
         name: generator.name.clone(),
         value,
         affine,
+        surely,
     }
 }

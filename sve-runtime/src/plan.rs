@@ -44,7 +44,7 @@ pub struct Block {
 pub enum StrongOrder {
     /// No noise.
     Deterministic,
-    /// All noises commute: order 1.
+    /// All noises commute: order 1. Where that is checked rather than proved, [`Formulas::system`] says so.
     One,
     /// The named pair of noises does not commute: order ½.
     Half {

@@ -1,6 +1,12 @@
 //! What is written without thinking: iterators, slices, closures, conditions on indices, constants from elsewhere. Each system is compared
 //! with its own function, and its derivatives with differences.
 
+#![allow(
+    clippy::explicit_iter_loop,
+    clippy::assign_op_pattern,
+    clippy::needless_for_each
+)] // each way to write a loop is tested
+
 use std::f64::consts::PI;
 
 use sve_runtime::prelude::*;
@@ -230,6 +236,50 @@ impl Lengths {
 fn lengths_from_constants() {
     let system = Lengths { k: 0.7 };
     check::<_, 4, 0>(&system, |_, q, v| system.lagrangian([*q], [*v]));
+}
+
+feature! {
+    entries_changed_in_place, EntriesChangedInPlace { k: [f64; 3] = [0.5, 1.5, 0.7] },
+    fn lagrangian(&self, q: [f64; 3], v: [f64; 3]) -> f64 {
+        let mut x = q;
+        for x in x.iter_mut() {
+            *x *= 2.0;
+        }
+        for (i, x) in x.iter_mut().enumerate() {
+            *x += self.k[i] * v[i];
+        }
+        for (x, v) in x.iter_mut().rev().zip(&v) {
+            *x = *x * x.sin() + v * v;
+        }
+        for x in &mut x[1..] {
+            *x -= 1.0;
+        }
+        x.iter_mut().skip(1).for_each(|x| *x *= 0.5);
+        let mut rows = [[x[0], v[1]], [q[2], x[1]]];
+        for row in rows.iter_mut() {
+            let first = row[0];
+            row[1] += first * row[1];
+            for entry in row.iter_mut() {
+                *entry = entry.cos() + *entry;
+            }
+        }
+        for [a, b] in &mut rows {
+            let moved = a;
+            *moved += 0.5 * *b;
+            *b = moved.powi(2);
+        }
+        let mut pair = (1.0, [q[0], q[1]]);
+        for (entry, scale) in pair.1.iter_mut().zip([2.0, 3.0]) {
+            *entry *= scale * pair.0;
+        }
+        pair.0 += 1.0;
+        let mut firsts: [f64; 2] = std::array::from_fn(|i| rows[i][0]);
+        for (pair, target) in rows.iter().zip(firsts.iter_mut()) {
+            *target *= pair[1];
+        }
+        v.iter().map(|v| v * v).sum::<f64>() - x.iter().sum::<f64>() - rows.as_flattened().iter().sum::<f64>()
+            + pair.0 * pair.1[0] * pair.1[1] + firsts[0] * firsts[1]
+    }
 }
 
 /// What is not this macro's is passed through.

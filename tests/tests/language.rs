@@ -1,6 +1,13 @@
 //! The language of a body, feature by feature: the derived value is the user's own function, the derived derivatives are
 //! its differences.
 
+#![allow(
+    clippy::cast_lossless,
+    clippy::cast_sign_loss,
+    clippy::unnecessary_cast,
+    clippy::useless_conversion
+)] // casts and conversions are what is tested
+
 use sve_runtime::System;
 use sve_runtime::prelude::*;
 use sve_tests::feature;
@@ -284,6 +291,53 @@ fn points_in_the_plane() {
         let rows = |x: &[f64; 6]| [[x[0], x[1]], [x[2], x[3]], [x[4], x[5]]];
         system.lagrangian(rows(q), rows(v))
     });
+}
+
+feature! {
+    casts_wrap, CastsWrap { k: f64 = 0.5 },
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        let large = 300i32;
+        let mut sum = (large as u8) as f64 * q[0] + ((large - 400) as i8) as f64 * q[1];
+        sum += (large as u8 as i16 - 100) as f64 * v[0] * v[1] + (70_000u32 as i16) as f64 * self.k;
+        for i in 0..2 {
+            let signed = i as i64 - 1;
+            sum += signed as f64 * q[i] + (200 + 50 * i as i32) as u8 as f64 * v[i] * v[i];
+        }
+        sum + f64::from(2_u8.pow(7)) * (2_i8.pow(6) as i32 * 4) as f64 * q[0].sin()
+    }
+}
+
+feature! {
+    arrays_of_functions, ArraysOfFunctions { k: [f64; 3] = [0.5, 1.5, 0.7] },
+    fn lagrangian(&self, q: [f64; 3], v: [f64; 3]) -> f64 {
+        let doubled: [f64; 3] = std::array::from_fn(|i| 2.0 * q[i] + self.k[i]);
+        let products: [[f64; 2]; 3] = core::array::from_fn(|i| std::array::from_fn(|j| doubled[i] * q[j]));
+        let twice = std::array::from_fn::<f64, { Self::LONG }, _>(|i| i as f64 * q[i % 3]);
+        let kinetic = self.squares(v);
+        kinetic.iter().sum::<f64>() - products.as_flattened().iter().sum::<f64>() * twice[3] - twice[4].sin()
+    }
+    fn squares(&self, v: [f64; 3]) -> [f64; 3] {
+        let half = 0.5;
+        std::array::from_fn(|i| half * self.k[i] * v[i] * v[i])
+    }
+    const LONG: usize = 5;
+}
+
+feature! {
+    conversions, Conversions { k: f64 = 0.5 },
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        let three: f64 = 3.into();
+        let pair: [f64; 2] = (q[0] * v[1], three).into();
+        let same: f64 = self.k.into();
+        let small: i32 = 7_u8.into();
+        v[0] * v[0] + Self::half(2_i32.into()) * v[1] * v[1] + pair[0] * pair[1] - same * self.count() * q[1] + small as f64 * q[0]
+    }
+    fn half(x: f64) -> f64 {
+        0.5 * x
+    }
+    fn count(&self) -> f64 {
+        5_u16.into()
+    }
 }
 
 #[derive(Debug)]

@@ -40,6 +40,8 @@ mod schedule;
 #[cfg(test)] // which cargo sets here too
 #[path = "../../src/schedule_tests.rs"]
 mod schedule_tests;
+#[path = "../../src/signature.rs"]
+mod signature;
 #[path = "../../src/structure/mod.rs"]
 mod structure;
 #[path = "../../src/symbolic/mod.rs"]

@@ -8,7 +8,7 @@ use super::{attributes, momentum_name, private};
 use crate::explain;
 use crate::model::Model;
 use crate::parse::Annotated;
-use crate::symbolic::Arena;
+use crate::symbolic::{Arena, Vanishing};
 use crate::symmetry::MomentumMap;
 
 /// Longest formula that is worth reading, in characters.
@@ -31,13 +31,14 @@ pub(crate) fn momenta(
             name,
             value,
             affine,
+            surely,
         } = map;
         let function = momentum_name(&part.name);
         let visibility = &part.function.vis;
         let (statements, values) = Straight::new(arena, &model.symbols, &[*value])
             .finish(&private, &[(&[vec![*value]], vec!["momentum".to_owned()])]);
         let formula = explain::formula(&model.symbols, *value, READABLE, arena);
-        let doc = doc(name, formula.as_deref(), *affine);
+        let doc = doc(name, formula.as_deref(), *affine, *surely);
         quote! {
             #[doc = #doc]
             #[must_use]
@@ -59,7 +60,7 @@ pub(crate) fn momenta(
     }
 }
 
-fn doc(name: &str, formula: Option<&str>, affine: bool) -> String {
+fn doc(name: &str, formula: Option<&str>, affine: bool, surely: Vanishing) -> String {
     let steps = if affine {
         "by the motion and by every step"
     } else {
@@ -68,5 +69,8 @@ fn doc(name: &str, formula: Option<&str>, affine: bool) -> String {
     let formula = formula
         .map(|formula| format!("\n\n```text\n⟨p, ξ⟩ = {formula}\n```"))
         .unwrap_or_default();
-    format!("The momentum of the symmetry `{name}`, conserved {steps}.{formula}")
+    let caveat = explain::symmetry_caveat(surely)
+        .map(|caveat| format!(" The symmetry is {caveat}."))
+        .unwrap_or_default();
+    format!("The momentum of the symmetry `{name}`, conserved {steps}.{caveat}{formula}")
 }

@@ -6,6 +6,7 @@ use quote::quote;
 use super::count::Work;
 use super::{Context, Derived, verbatim};
 use crate::explain::{self, StepTexts};
+use crate::mechanics::Commutation;
 use crate::model::Symbols;
 use crate::structure::{Band, Block, Kind};
 
@@ -43,10 +44,10 @@ pub(super) fn plan(
     let system = quote!(#self_ty).to_string();
     let (name, order) = (rule.attribute_name(), rule.deterministic_order());
     let (n, m) = (model.dof(), model.noises.len());
-    let strong = match &mechanics.clash {
+    let strong = match &mechanics.commutation {
         _ if m == 0 => quote!(Deterministic),
-        None => quote!(One),
-        Some((a, b)) => quote!(Half { pair: (#a, #b) }),
+        Commutation::All(_) => quote!(One),
+        Commutation::Clash(a, b) => quote!(Half { pair: (#a, #b) }),
     };
     let blocks = scheme
         .blocks

@@ -28,7 +28,7 @@ pub(crate) fn system(
         noises,
         force,
         affine_momentum,
-        clash: _,
+        commutation: _,
     } = mechanics;
     let [doc, jet_doc, noise_doc] = documentation(about, !noises.is_empty());
     let lagrangian_body = lagrangian_jet(&private, lagrangian, &model.symbols, arena);

@@ -20,7 +20,7 @@ mod system;
 
 pub(crate) use names::unknown;
 pub(crate) use step::{StepTexts, step};
-pub(crate) use system::{SystemTexts, system};
+pub(crate) use system::{SystemTexts, symmetry_caveat, system};
 
 use crate::model::Symbols;
 use crate::symbolic::{Arena, Expr};

@@ -3,9 +3,9 @@
 use super::names::Names;
 use super::page::Page;
 use super::shown;
-use crate::mechanics::Mechanics;
+use crate::mechanics::{Commutation, Mechanics};
 use crate::model::{Model, NoiseTerm};
-use crate::symbolic::{Arena, Expr, Sum};
+use crate::symbolic::{Arena, Expr, Sum, Vanishing};
 use crate::symmetry::MomentumMap;
 
 /// Texts that no rule changes.
@@ -45,7 +45,7 @@ pub(crate) fn system(
     let mut page = Page::new(arena, Names::new(&model.symbols, None));
     SystemTexts {
         lagrangian: lagrangian(model, &mut page).join("\n"),
-        noises: noises(model, &mut page).join("\n"),
+        noises: noises(model, &mechanics.commutation, &mut page).join("\n"),
         force: force(model, &mut page).join("\n"),
         momenta: conserved(momenta, &mut page).join("\n"),
         motion: motion(model, mechanics, arena).join("\n"),
@@ -59,7 +59,7 @@ fn lagrangian(model: &Model, page: &mut Page<'_>) -> Vec<String> {
     lines
 }
 
-fn noises(model: &Model, page: &mut Page<'_>) -> Vec<String> {
+fn noises(model: &Model, commutation: &Commutation, page: &mut Page<'_>) -> Vec<String> {
     let count = shown(model.noises.len());
     let some = &model.noises[..count];
     let roots: Vec<Expr> = some.iter().map(|noise| noise.hamiltonian).collect();
@@ -82,7 +82,34 @@ fn noises(model: &Model, page: &mut Page<'_>) -> Vec<String> {
     }
     let mut lines = Page::list(lines, model.noises.len(), "noises");
     lines.extend(page.explanations(|_| false));
+    lines.extend(commutation_caveat(commutation).map(ToOwned::to_owned));
     lines
+}
+
+/// What to say of noises that commute, where that is not proved.
+fn commutation_caveat(commutation: &Commutation) -> Option<&'static str> {
+    match commutation {
+        Commutation::All(Vanishing::Proved) | Commutation::Clash(..) => None,
+        Commutation::All(Vanishing::Evaluated) => Some(
+            "that the noises commute is checked, not proved: their Poisson brackets are zero to 28 digits at random points",
+        ),
+        Commutation::All(Vanishing::Undecided) => Some(
+            "whether the noises commute cannot be decided: their Poisson brackets are within the rounding of the constants",
+        ),
+    }
+}
+
+/// What a symmetry is, where it is not proved.
+pub(crate) fn symmetry_caveat(surely: Vanishing) -> Option<&'static str> {
+    match surely {
+        Vanishing::Proved => None,
+        Vanishing::Evaluated => Some(
+            "checked, not proved: what should not change along it changes by less than 28 digits at random points",
+        ),
+        Vanishing::Undecided => Some(
+            "not decided: what should not change along it changes within the rounding of the constants, so that the momentum is conserved to that rounding at least",
+        ),
+    }
 }
 
 fn force(model: &Model, page: &mut Page<'_>) -> Vec<String> {
@@ -109,6 +136,7 @@ fn conserved(momenta: &[MomentumMap], page: &mut Page<'_>) -> Vec<String> {
             name,
             value,
             affine,
+            surely: _,
         } = map;
         let whose = if *affine {
             "conserved"
@@ -119,6 +147,10 @@ fn conserved(momenta: &[MomentumMap], page: &mut Page<'_>) -> Vec<String> {
     });
     let mut lines = Page::list(lines.collect(), momenta.len(), "symmetries");
     lines.extend(page.explanations(|_| false));
+    for map in some {
+        let caveat = symmetry_caveat(map.surely);
+        lines.extend(caveat.map(|caveat| format!("the symmetry {} is {caveat}", map.name)));
+    }
     lines
 }
 

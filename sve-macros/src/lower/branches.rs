@@ -75,7 +75,7 @@ impl Lowering<'_> {
     fn compare(&mut self, binary: &syn::ExprBinary) -> Result<bool, Undecided> {
         let (left, right) = (self.eval(&binary.left), self.eval(&binary.right));
         let (a, b) = match (left, right) {
-            (Value::Int(a), Value::Int(b)) => (a, b),
+            (Value::Int(a), Value::Int(b)) => (a.value, b.value),
             (Value::Poison, _) | (_, Value::Poison) => return Err(Undecided::Reported),
             _ => return Err(Undecided::Unknown),
         };

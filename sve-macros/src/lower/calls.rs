@@ -10,6 +10,8 @@ use syn::{Expr as Syntax, FnArg};
 
 use super::Lowering;
 use super::floats::{are, plural};
+use super::integers::{Integer, integer_constant, is_integer};
+use super::references::mutable;
 use super::value::{FieldPath, Value};
 use crate::errors::nearest;
 
@@ -98,6 +100,11 @@ impl Lowering<'_> {
             ["f64", "MAX" | "MIN" | "INFINITY" | "NEG_INFINITY" | "NAN"] => {
                 self.refuse(expr, "this number has no place in a formula: it overflows, or is none")
             }
+            [ty, name @ ("MAX" | "MIN" | "BITS")]
+                if let Some(value) = integer_constant(ty, name) =>
+            {
+                Value::Int(value)
+            }
             ["f64", name] if super::floats::is_method(name) => {
                 let message = format!("a function is called, or named in `map` and its like: pass a closure, `|x| x.{name}()`");
                 self.refuse(expr, message)
@@ -140,9 +147,12 @@ impl Lowering<'_> {
         if self.broken.contains(&key) {
             return Value::Poison;
         }
-        self.enclosed(key, |this| {
-            let value = this.eval(&constant.expr);
-            this.number(value, &constant.ty, &constant.expr)
+        self.enclosed(key, |this| match this.eval(&constant.expr) {
+            Value::Field(path) if is_integer(&constant.ty) => {
+                let message = format!("this is {}: write the number itself", path.kind());
+                this.refuse(&constant.expr, message)
+            }
+            value => this.number(value, &constant.ty, &constant.expr),
         })
     }
 
@@ -182,7 +192,7 @@ impl Lowering<'_> {
         let at = path.path.segments.last().span();
         match names.as_slice() {
             ["f64", "from"] => match arguments.first().map(|a| &a.value) {
-                Some(Value::Int(i)) => Value::Scalar(self.arena.constant(*i as f64)),
+                Some(Value::Int(i)) => Value::Scalar(self.arena.constant(i.value as f64)),
                 Some(other) => other.clone(),
                 None => self.refuse(&at, "`from` takes 1 argument, here are none"),
             },
@@ -200,10 +210,7 @@ impl Lowering<'_> {
                 }
                 _ => self.refuse(path, format!("`{name}` is a variable, not a function")),
             },
-            [.., "from_fn"] => self.refuse(
-                path,
-                "the length of this array is not written here: write `let mut a = [0.0; N]; for i in 0..N { a[i] = …; }`",
-            ),
+            ["from_fn"] | [.., "array", "from_fn"] => self.array_from_fn(path, &arguments),
             [name] if self.block.functions.iter().any(|f| f.sig.ident == name) => self.refuse(
                 path,
                 format!("a function of this block is called `self.{name}(…)`, or `Self::{name}(…)` if it has no `self`"),
@@ -226,6 +233,9 @@ impl Lowering<'_> {
             let arguments = call.args.iter().map(|a| self.argument(a)).collect();
             return self.helper(&name, at, true, arguments);
         }
+        if name == "iter_mut" && call.args.is_empty() {
+            return self.iterate_mutably(&call.receiver, at);
+        }
         let receiver = self.argument(&call.receiver);
         if let Value::Poison = receiver.value
             && !super::floats::is_method(&name)
@@ -235,6 +245,9 @@ impl Lowering<'_> {
         }
         if is_copy(&name) && call.args.is_empty() {
             return receiver.value;
+        }
+        if name == "into" && call.args.is_empty() {
+            return Self::converted(receiver.value);
         }
         if let Some(value) = self.sequence_method(call, &receiver) {
             return value;
@@ -302,6 +315,12 @@ impl Lowering<'_> {
             );
             return self.refuse(&at, message);
         }
+        if let Some(word) = inputs.iter().find_map(|input| mutable(&input.ty)) {
+            return self.refuse(
+                &word,
+                "`&mut` is not understood: a helper returns what it computes",
+            );
+        }
         // before the function is entered: this mistake is the caller's
         let values: Vec<Value> = inputs
             .iter()
@@ -316,7 +335,10 @@ impl Lowering<'_> {
             }
             let value = this.block_value(&helper.block);
             match (&helper.sig.output, helper.block.stmts.last()) {
-                (syn::ReturnType::Type(_, ty), Some(last)) => this.number(value, ty, last),
+                (syn::ReturnType::Type(_, ty), Some(last)) => {
+                    let value = this.awaited(value, ty, last);
+                    this.number(value, ty, last)
+                }
                 _ => value,
             }
         })
@@ -326,6 +348,8 @@ impl Lowering<'_> {
     fn enclosed(&mut self, name: String, run: impl FnOnce(&mut Self) -> Value) -> Value {
         let scopes = std::mem::replace(&mut self.scopes, vec![HashMap::new()]);
         let floor = std::mem::take(&mut self.floor);
+        let is_lazy = std::mem::take(&mut self.is_lazy);
+        let frame = self.enter_frame();
         let outer = self.errors.enter(&name);
         self.active.push(name.clone());
         let mistakes = self.errors.count();
@@ -335,9 +359,17 @@ impl Lowering<'_> {
         }
         self.active.pop();
         self.errors.leave(outer);
+        self.frame = frame;
+        self.is_lazy = is_lazy;
         self.floor = floor;
         self.scopes = scopes;
         value
+    }
+
+    /// Gives the function or closure that is entered a number; returns that of the one around.
+    pub(super) fn enter_frame(&mut self) -> usize {
+        self.frames += 1;
+        std::mem::replace(&mut self.frame, self.frames)
     }
 
     /// The name `K` of a helper `fn f<const K: usize>(x: [f64; K])` is the length of its argument.
@@ -353,7 +385,7 @@ impl Lowering<'_> {
             && let Some(name) = path.path.get_ident()
             && let Some(scope) = self.scopes.last_mut()
         {
-            scope.insert(name.to_string(), Value::Int(values.len() as i64));
+            scope.insert(name.to_string(), Value::Int(Integer::count(values.len())));
         }
         if let Some(first) = values.first() {
             self.bind_length(&array.elem, first);

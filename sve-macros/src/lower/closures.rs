@@ -12,6 +12,7 @@ use syn::{ExprClosure, Pat};
 use super::Lowering;
 use super::calls::Argument;
 use super::floats::{are, plural};
+use super::references::mutable;
 use super::value::Value;
 
 /// A closure that a variable holds.
@@ -62,7 +63,11 @@ impl Lowering<'_> {
         }
         let mistakes = self.errors.count();
         let scopes = std::mem::replace(&mut self.scopes, vec![closure.around.clone()]);
+        let is_lazy = std::mem::take(&mut self.is_lazy);
+        let frame = self.enter_frame();
         let value = self.closure(&closure.syntax, arguments);
+        self.frame = frame;
+        self.is_lazy = is_lazy;
         self.scopes = scopes;
         closure.broken.set(self.errors.count() > mistakes);
         value
@@ -76,9 +81,19 @@ impl Lowering<'_> {
         let floor = std::mem::replace(&mut self.floor, self.scopes.len());
         self.scopes.push(HashMap::new());
         for (pattern, argument) in closure.inputs.iter().zip(arguments) {
+            let is_reference = matches!(argument.value, Value::Place(_));
             let value = match pattern {
-                Pat::Type(typed) => self.number(argument.value, &typed.ty, &argument.at),
-                _ => argument.value,
+                Pat::Type(typed) => {
+                    if let Some(word) = mutable(&typed.ty).filter(|_| !is_reference) {
+                        self.refuse(
+                            &word,
+                            "`&mut` is not understood: a closure returns what it computes",
+                        )
+                    } else {
+                        self.number(argument.value, &typed.ty, &argument.at)
+                    }
+                }
+                _ => Self::as_index(argument.value, pattern, &closure.body),
             };
             self.bind(pattern, value);
         }

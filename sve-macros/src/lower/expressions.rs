@@ -6,6 +6,7 @@ use syn::{BinOp, Expr as Syntax, Lit, UnOp};
 use super::Lowering;
 use super::branches::Leaving;
 use super::calls::is_constant_name;
+use super::integers::Kind;
 use super::value::{FieldPath, Value};
 use crate::errors::nearest;
 
@@ -24,8 +25,10 @@ impl Lowering<'_> {
         if !self.tick(expr) {
             return Value::Poison;
         }
-        self.deeper(expr, |this| this.eval_inner(expr))
-            .unwrap_or(Value::Poison)
+        let value = self
+            .deeper(expr, |this| this.eval_inner(expr))
+            .unwrap_or(Value::Poison);
+        self.read_through(value)
     }
 
     /// Runs something one level deeper, or reports that this is too deep.
@@ -106,7 +109,10 @@ impl Lowering<'_> {
                 Err(_) => self.refuse(literal, "this number does not fit into an `f64`"),
             },
             Lit::Int(int) => match int.base10_parse::<i64>() {
-                Ok(value) => Value::Int(value),
+                Ok(value) => {
+                    let kind = Kind::named(int.suffix());
+                    self.typed_literal(value, kind, literal)
+                }
                 Err(_) => self.refuse(literal, "this integer is too large"),
             },
             Lit::Float(_) => self.refuse(
@@ -167,10 +173,7 @@ impl Lowering<'_> {
         let value = self.eval(&unary.expr);
         match (&unary.op, value) {
             (_, Value::Poison) => Value::Poison,
-            (UnOp::Neg(op), Value::Int(i)) => match i.checked_neg() {
-                Some(value) => Value::Int(value),
-                None => self.refuse(op, "this integer arithmetic overflows"),
-            },
+            (UnOp::Neg(op), Value::Int(i)) => self.negated(i, op),
             (UnOp::Neg(_), value) => match self.scalar(&value, &unary.expr) {
                 Some(x) => Value::Scalar(self.arena.neg(x)),
                 None => Value::Poison,
@@ -228,20 +231,11 @@ impl Lowering<'_> {
         right: (&Value, &Syntax),
     ) -> Value {
         if let (Value::Int(a), Value::Int(b)) = (left.0, right.0) {
-            let result = match op {
-                '+' => a.checked_add(*b),
-                '-' => a.checked_sub(*b),
-                '*' => a.checked_mul(*b),
-                '%' => a.checked_rem(*b),
-                _ => a.checked_div(*b),
-            };
-            return match result {
-                Some(value) => Value::Int(value),
-                None => self.refuse(
-                    token,
-                    "this integer arithmetic overflows or divides by zero",
-                ),
-            };
+            return self.integer_arithmetic(op, token, *a, *b);
+        }
+        if let (Value::Poison, Value::Int(_)) | (Value::Int(_), Value::Poison) = (left.0, right.0) {
+            // the mistake is in the other operand, which may have been an integer
+            return Value::Poison;
         }
         let a = self.operand(left.0, left.1);
         let b = self.operand(right.0, right.1);
@@ -277,36 +271,6 @@ impl Lowering<'_> {
             return None;
         }
         self.scalar(value, syntax)
-    }
-
-    /// `as`, of integers known at compile time only.
-    fn cast(&mut self, cast: &syn::ExprCast) -> Value {
-        let value = self.eval(&cast.expr);
-        let target = super::readable(&cast.ty);
-        match (value, target.as_str()) {
-            (Value::Poison, _) => Value::Poison,
-            (Value::Int(i), "f64") => Value::Scalar(self.arena.constant(i as f64)),
-            (Value::Int(i), "i64" | "i32" | "isize") => Value::Int(i),
-            (Value::Int(i), "i16") if i16::try_from(i).is_ok() => Value::Int(i),
-            (Value::Int(i), "i8") if i8::try_from(i).is_ok() => Value::Int(i),
-            (Value::Int(i), "u16") if u16::try_from(i).is_ok() => Value::Int(i),
-            (Value::Int(i), "u8") if u8::try_from(i).is_ok() => Value::Int(i),
-            (Value::Int(i), "u64" | "u32" | "usize") if i >= 0 => Value::Int(i),
-            (value @ Value::Field(_), _) => {
-                let message = format!(
-                    "`as` is for integers known at compile time, and this is {}: let its type be `f64`, and leave `as` out",
-                    value.kind()
-                );
-                self.refuse(&cast.as_token, message)
-            }
-            (value, _) => {
-                let message = format!(
-                    "`as` is for integers known at compile time, and this is {}: leave it out, every number of a formula is an `f64`",
-                    value.kind()
-                );
-                self.refuse(&cast.as_token, message)
-            }
-        }
     }
 
     fn repeat(&mut self, repeat: &syn::ExprRepeat) -> Value {

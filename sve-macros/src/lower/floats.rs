@@ -6,6 +6,7 @@ use proc_macro2::Span;
 
 use super::Lowering;
 use super::calls::Argument;
+use super::integers::Integer;
 use super::value::Value;
 use crate::errors::nearest;
 use crate::symbolic::{Binary, Expr, Function};
@@ -185,9 +186,9 @@ impl Lowering<'_> {
     fn powi(&mut self, x: Option<Expr>, exponent: &Argument) -> Value {
         let at = &exponent.at;
         let k = match &exponent.value {
-            Value::Int(k) if k.unsigned_abs() <= POWER => *k as i32,
+            Value::Int(k) if k.value.unsigned_abs() <= POWER => k.value as i32,
             Value::Poison => return Value::Poison,
-            Value::Int(k) => {
+            Value::Int(Integer { value: k, .. }) => {
                 return self.refuse(
                     at,
                     format!("the power {k} is out of proportion; the limit is {POWER}"),
@@ -224,33 +225,6 @@ impl Lowering<'_> {
     fn integral(&self, expr: Expr) -> Option<i64> {
         let value = self.arena.constant_value(expr)?;
         (value.fract() == 0.0 && value.abs() < 1e9).then_some(value as i64)
-    }
-
-    /// A method of an integer that is known at compile time; nothing if it is none of them.
-    pub(super) fn integer_method(
-        &mut self,
-        name: &str,
-        at: Span,
-        arguments: &[Argument],
-    ) -> Option<Value> {
-        let values: Vec<&Value> = arguments.iter().map(|a| &a.value).collect();
-        let result = match (name, values.as_slice()) {
-            ("pow", [Value::Int(i), Value::Int(k)]) => {
-                u32::try_from(*k).ok().and_then(|k| i.checked_pow(k))
-            }
-            ("abs", [Value::Int(i)]) => i.checked_abs(),
-            ("abs_diff", [Value::Int(i), Value::Int(k)]) => {
-                i.checked_sub(*k).and_then(i64::checked_abs)
-            }
-            ("min", [Value::Int(i), Value::Int(k)]) => Some(*i.min(k)),
-            ("max", [Value::Int(i), Value::Int(k)]) => Some(*i.max(k)),
-            ("rem_euclid", [Value::Int(i), Value::Int(k)]) => i.checked_rem_euclid(*k),
-            _ => return None,
-        };
-        Some(match result {
-            Some(value) => Value::Int(value),
-            None => self.refuse(&at, "this integer arithmetic overflows or divides by zero"),
-        })
     }
 }
 

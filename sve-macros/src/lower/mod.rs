@@ -7,10 +7,13 @@
 mod branches;
 mod calls;
 mod closures;
+mod conversions;
 mod expressions;
 mod floats;
+mod integers;
 mod pattern;
 mod places;
+mod references;
 mod sequences;
 mod statements;
 mod value;
@@ -48,6 +51,12 @@ pub(crate) struct Lowering<'a> {
     active: Vec<String>,
     /// Scopes below this one are around the closure that is being run.
     floor: usize,
+    /// The function or closure that is being run, by number: references of another one are out of sight.
+    frame: usize,
+    /// Numbers given to functions and closures.
+    frames: usize,
+    /// A closure of an iterator is being run, which Rust runs only where its results are taken.
+    is_lazy: bool,
     /// The round of a loop is being left.
     leaving: Option<Leaving>,
     /// Helpers in which a mistake has been reported.
@@ -68,6 +77,9 @@ pub(crate) fn lower(block: &Annotated, arena: &mut Arena, errors: &mut Errors) -
         errors: std::mem::take(errors),
         scopes: Vec::new(),
         floor: 0,
+        frame: 0,
+        frames: 0,
+        is_lazy: false,
         leaving: None,
         active: Vec::new(),
         broken: HashSet::new(),
@@ -188,6 +200,7 @@ impl Lowering<'_> {
         }
         let mistakes = self.errors.count();
         let value = self.block_value(&part.function.block);
+        let value = self.awaited(value, &part.output, &part.function.sig.output);
         if self.errors.count() > mistakes {
             self.broken.insert(part.name.to_string());
         }
@@ -366,9 +379,24 @@ impl Lowering<'_> {
                 None
             }
             Value::Field(path) => Some(self.parameter(path)),
+            Value::Converted(inner) => match &**inner {
+                Value::Int(i) => Some(self.arena.constant(i.value as f64)),
+                inner => self.scalar(inner, at),
+            },
+            Value::Place(_) => {
+                let inner = self.followed(value).clone();
+                match inner {
+                    Value::Place(_) => None,
+                    inner => self.scalar(&inner, at),
+                }
+            }
+            Value::Generated(_) => {
+                self.errors.push(at.span(), conversions::NO_LENGTH);
+                None
+            }
             Value::Poison => None,
             Value::Int(i) => {
-                self.errors.push(at.span(), integer(*i));
+                self.errors.push(at.span(), integer(i.value));
                 None
             }
             Value::Array(_)
@@ -451,7 +479,7 @@ fn integer(i: i64) -> String {
 }
 
 /// Source text of a type, for messages.
-fn readable(ty: &impl ToTokens) -> String {
+pub(crate) fn readable(ty: &impl ToTokens) -> String {
     ty.to_token_stream()
         .to_string()
         .replace(" ;", ";")

@@ -4,9 +4,7 @@ use syn::spanned::Spanned;
 use syn::{Expr as Syntax, Pat, Type};
 
 use super::Lowering;
-use super::integer;
 use super::value::Value;
-use crate::parse::is_f64;
 
 /// Nesting of arrays and tuples in a variable.
 const NESTING: usize = 32;
@@ -30,7 +28,10 @@ impl Lowering<'_> {
                 let value = self.ascribed(value, &typed.ty);
                 self.bind(&typed.pat, value);
             }
-            Pat::Reference(reference) => self.bind(&reference.pat, value),
+            Pat::Reference(reference) => {
+                let value = self.read_through(value);
+                self.bind(&reference.pat, value);
+            }
             Pat::Tuple(tuple) => self.bind_list(pattern, &tuple.elems, value, "tuple"),
             Pat::Slice(slice) => self.bind_list(pattern, &slice.elems, value, "array"),
             Pat::TupleStruct(fields) if matches!(value, Value::Field(_)) => {
@@ -61,6 +62,14 @@ impl Lowering<'_> {
         wanted: &str,
     ) {
         let rest = patterns.iter().position(is_rest);
+        let value = match value {
+            Value::Place(place) => match (self.parts(&place), wanted) {
+                (Some(parts), "tuple") => Value::Tuple(parts),
+                (Some(parts), _) => Value::Array(parts),
+                (None, _) => Value::Poison,
+            },
+            value => value.unconverted(),
+        };
         let values = match value {
             Value::Tuple(values) if wanted == "tuple" => values,
             Value::Array(values) if wanted == "array" => values,
@@ -136,16 +145,9 @@ impl Lowering<'_> {
         value
     }
 
-    /// A value where a type is written: no integer where that is `f64`.
-    pub(super) fn number(&mut self, value: Value, ty: &Type, at: &impl Spanned) -> Value {
-        match value {
-            Value::Int(i) if is_f64(ty) => self.refuse(at, integer(i)),
-            value => value,
-        }
-    }
-
     /// A value of a type that is written beside it: an array of the struct's fields gets its length from there.
     pub(super) fn ascribed(&mut self, value: Value, ty: &Type) -> Value {
+        let value = self.awaited(value, ty, ty);
         match (value, ty) {
             (value, Type::Reference(reference)) => self.ascribed(value, &reference.elem),
             (Value::Field(path), Type::Array(array)) => match self.length_of_type(&array.len) {
@@ -168,7 +170,9 @@ impl Lowering<'_> {
         self.errors = errors;
         self.broken = broken;
         match value {
-            Value::Int(n) if self.work(usize::try_from(n).ok()?, length) => usize::try_from(n).ok(),
+            Value::Int(n) if self.work(usize::try_from(n.value).ok()?, length) => {
+                usize::try_from(n.value).ok()
+            }
             _ => None,
         }
     }

@@ -10,13 +10,13 @@ use super::Lowering;
 use super::value::{FieldPath, Value};
 
 /// One step into a value.
-enum Pick<'e> {
+pub(super) enum Pick<'e> {
     Index(usize, Span),
     Member(&'e Member),
 }
 
 /// What is wrong, and where.
-type Mistake = (Span, String);
+pub(super) type Mistake = (Span, String);
 
 impl Lowering<'_> {
     /// The value of `base[index]` or `base.member`.
@@ -29,10 +29,10 @@ impl Lowering<'_> {
             _ => Some(self.eval(base)),
         };
         let found = match (&value, variable_name(base)) {
-            (Some(value), _) => read(value, &picks),
+            (Some(value), _) => self.read(value, &picks),
             (None, Some(name)) => self
                 .variable(&name)
-                .map_or(Ok(Value::Poison), |variable| read(variable, &picks)),
+                .map_or(Ok(Value::Poison), |variable| self.read(variable, &picks)),
             (None, None) => Ok(Value::Poison),
         };
         match found {
@@ -54,35 +54,7 @@ impl Lowering<'_> {
             Syntax::Array(array) => return self.store_list(place, &array.elems, value),
             _ => {}
         }
-        let Some((base, picks)) = self.picks(place) else {
-            return;
-        };
-        let Some(name) = variable_name(base).filter(|name| name != "self") else {
-            self.refuse(
-                base,
-                "only a local variable, or an entry of one, can be assigned to",
-            );
-            return;
-        };
-        let Some(at) = self.scopes.iter().rposition(|s| s.contains_key(&name)) else {
-            self.refuse(base, "this variable is not known here");
-            return;
-        };
-        if at < self.floor {
-            self.refuse(
-                base,
-                "a closure that changes a variable around it is not understood: write a `for` loop",
-            );
-            return;
-        }
-        let Some(slot) = self.scopes[at].get_mut(&name) else {
-            return;
-        };
-        match slot_of(slot, &picks) {
-            Ok(Some(slot)) => *slot = value,
-            Ok(None) => {}
-            Err((span, message)) => self.errors.push(span, message),
-        }
+        self.store_at(place, value);
     }
 
     /// `(a, b) = …` and `[a, b] = …`.
@@ -116,51 +88,75 @@ impl Lowering<'_> {
 
     /// `x[A..B]`.
     pub(super) fn slice(&mut self, base: &Syntax, range: &syn::ExprRange) -> Value {
-        let value = self.eval(base);
-        let mut bound = |expr: &Option<Box<Syntax>>| match expr {
-            Some(expr) => self.index_value(expr).map(Some),
-            None => Some(None),
-        };
-        let Some((from, to)) = bound(&range.start).zip(bound(&range.end)) else {
-            return Value::Poison;
-        };
-        let from = from.unwrap_or(0);
-        let to = match range.limits {
-            syn::RangeLimits::Closed(_) => to.map(|to| to.saturating_add(1)),
-            syn::RangeLimits::HalfOpen(_) => to,
-        };
-        match value {
+        match self.eval(base) {
             Value::Poison => Value::Poison,
-            Value::Array(values) => {
-                let n = values.len();
-                match values.get(from..to.unwrap_or(n)) {
-                    Some(part) => Value::Array(part.to_vec()),
+            Value::Array(values) => match self.range_within(range, values.len()) {
+                Some((from, to)) => Value::Array(values[from..to].to_vec()),
+                None => Value::Poison,
+            },
+            Value::Field(path) => {
+                let Some((from, to)) = self.range_bounds(range) else {
+                    return Value::Poison;
+                };
+                match to {
+                    Some(to) if self.work(to, range) => {
+                        Value::Array((from..to).map(|i| Value::Field(path.index(i))).collect())
+                    }
+                    Some(_) => Value::Poison,
                     None => self.refuse(
                         range,
-                        format!("this range is not within the array, which has {n} entries"),
+                        "the length of this field is not known to the macro: write both bounds",
                     ),
                 }
             }
-            Value::Field(path) => match to {
-                Some(to) if self.work(to, range) => {
-                    Value::Array((from..to).map(|i| Value::Field(path.index(i))).collect())
-                }
-                Some(_) => Value::Poison,
-                None => self.refuse(
-                    range,
-                    "the length of this field is not known to the macro: write both bounds",
-                ),
-            },
             other => self.refuse(base, format!("{} cannot be indexed", other.kind())),
         }
     }
 
+    /// The bounds of a range of entries, the second exclusive and nothing where it is not written.
+    fn range_bounds(&mut self, range: &syn::ExprRange) -> Option<(usize, Option<usize>)> {
+        let mut bound = |expr: &Option<Box<Syntax>>| match expr {
+            Some(expr) => self.index_value(expr).map(Some),
+            None => Some(None),
+        };
+        let (from, to) = bound(&range.start).zip(bound(&range.end))?;
+        let to = match range.limits {
+            syn::RangeLimits::Closed(_) => to.map(|to| to.saturating_add(1)),
+            syn::RangeLimits::HalfOpen(_) => to,
+        };
+        Some((from.unwrap_or(0), to))
+    }
+
+    /// The bounds of a range within `n` entries, or an error.
+    pub(super) fn range_within(
+        &mut self,
+        range: &syn::ExprRange,
+        n: usize,
+    ) -> Option<(usize, usize)> {
+        let (from, to) = self.range_bounds(range)?;
+        let to = to.unwrap_or(n);
+        if from <= to && to <= n {
+            return Some((from, to));
+        }
+        self.refuse(
+            range,
+            format!("this range is not within the array, which has {n} entries"),
+        );
+        None
+    }
+
+    /// The value of a variable, or of what it refers to.
     pub(super) fn variable(&self, name: &str) -> Option<&Value> {
+        self.held(name).map(|value| self.followed(value))
+    }
+
+    /// What a variable holds, which may be a reference.
+    pub(super) fn held(&self, name: &str) -> Option<&Value> {
         self.scopes.iter().rev().find_map(|scope| scope.get(name))
     }
 
     /// An expression as its base and the steps into it, innermost first.
-    fn picks<'e>(&mut self, expr: &'e Syntax) -> Option<(&'e Syntax, Vec<Pick<'e>>)> {
+    pub(super) fn picks<'e>(&mut self, expr: &'e Syntax) -> Option<(&'e Syntax, Vec<Pick<'e>>)> {
         let mut picks = Vec::new();
         let mut base = expr;
         loop {
@@ -187,10 +183,14 @@ impl Lowering<'_> {
 
     pub(super) fn index_value(&mut self, expr: &Syntax) -> Option<usize> {
         match self.eval(expr) {
-            Value::Int(i) if i >= 0 => usize::try_from(i).ok(),
+            Value::Int(i) if i.value >= 0 => usize::try_from(i.value).ok(),
             Value::Poison => None,
             Value::Int(i) => {
-                self.refuse(expr, format!("index {i} is negative: begin the loop later, or write `(i + N - 1) % N` on a ring"));
+                self.refuse(expr, format!("index {} is negative: begin the loop later, or write `(i + N - 1) % N` on a ring", i.value));
+                None
+            }
+            Value::Field(path) if path.unseen().is_some() => {
+                self.refuse(expr, path.unseen().unwrap_or_default());
                 None
             }
             other => {
@@ -205,52 +205,32 @@ impl Lowering<'_> {
     }
 }
 
-fn variable_name(expr: &Syntax) -> Option<String> {
+pub(super) fn variable_name(expr: &Syntax) -> Option<String> {
     match expr {
         Syntax::Path(path) => path.path.get_ident().map(ToString::to_string),
         _ => None,
     }
 }
 
-fn read(value: &Value, picks: &[Pick<'_>]) -> Result<Value, Mistake> {
-    let mut value = value;
-    for (at, pick) in picks.iter().enumerate() {
-        value = match (value, pick) {
-            (Value::Poison, _) => return Ok(Value::Poison),
-            (Value::Field(path), _) => return Ok(Value::Field(field(path, &picks[at..]))),
-            (Value::Array(values), Pick::Index(i, span)) => values
-                .get(*i)
-                .ok_or_else(|| out_of_range(*i, *span, values.len()))?,
-            (Value::Tuple(values), Pick::Member(Member::Unnamed(index))) => {
-                let entry = values.get(index.index as usize);
-                entry.ok_or_else(|| no_member(value, pick))?
-            }
-            (other, _) => return Err(no_member(other, pick)),
-        };
+impl Lowering<'_> {
+    fn read(&self, value: &Value, picks: &[Pick<'_>]) -> Result<Value, Mistake> {
+        let mut value = value;
+        for (at, pick) in picks.iter().enumerate() {
+            value = match (self.followed(value), pick) {
+                (Value::Poison, _) => return Ok(Value::Poison),
+                (Value::Field(path), _) => return Ok(Value::Field(field(path, &picks[at..]))),
+                (Value::Array(values), Pick::Index(i, span)) => values
+                    .get(*i)
+                    .ok_or_else(|| out_of_range(*i, *span, values.len()))?,
+                (Value::Tuple(values), Pick::Member(Member::Unnamed(index))) => {
+                    let entry = values.get(index.index as usize);
+                    entry.ok_or_else(|| no_member(value, pick))?
+                }
+                (other, _) => return Err(no_member(other, pick)),
+            };
+        }
+        Ok(value.clone())
     }
-    Ok(value.clone())
-}
-
-/// The place that is meant; nothing in what is poisoned.
-fn slot_of<'v>(slot: &'v mut Value, picks: &[Pick<'_>]) -> Result<Option<&'v mut Value>, Mistake> {
-    let mut slot = slot;
-    for pick in picks {
-        let mistake = no_member(slot, pick);
-        slot = match (slot, pick) {
-            (Value::Poison, _) => return Ok(None),
-            (Value::Array(values), Pick::Index(i, span)) => {
-                let n = values.len();
-                values
-                    .get_mut(*i)
-                    .ok_or_else(|| out_of_range(*i, *span, n))?
-            }
-            (Value::Tuple(values), Pick::Member(Member::Unnamed(index))) => {
-                values.get_mut(index.index as usize).ok_or(mistake)?
-            }
-            _ => return Err(mistake),
-        };
-    }
-    Ok(Some(slot))
 }
 
 fn field(path: &FieldPath, picks: &[Pick<'_>]) -> FieldPath {
@@ -260,7 +240,7 @@ fn field(path: &FieldPath, picks: &[Pick<'_>]) -> FieldPath {
     })
 }
 
-fn out_of_range(at: usize, span: Span, entries: usize) -> Mistake {
+pub(super) fn out_of_range(at: usize, span: Span, entries: usize) -> Mistake {
     let last = match entries.checked_sub(1) {
         Some(last) => format!("the last is [{last}]"),
         None => "it is empty".to_owned(),
@@ -272,7 +252,7 @@ fn out_of_range(at: usize, span: Span, entries: usize) -> Mistake {
     )
 }
 
-fn no_member(value: &Value, pick: &Pick<'_>) -> Mistake {
+pub(super) fn no_member(value: &Value, pick: &Pick<'_>) -> Mistake {
     let kind = value.kind();
     match pick {
         Pick::Index(_, span) => (*span, format!("{kind} cannot be indexed")),

@@ -12,11 +12,14 @@ use syn::{Expr as Syntax, ExprMethodCall};
 use super::Lowering;
 use super::branches::Undecided;
 use super::calls::Argument;
+use super::conversions::NO_LENGTH;
+use super::integers::Integer;
 use super::value::{FieldPath, Value};
 
 /// Methods of arrays and iterators that are understood.
 const METHODS: &[&str] = &[
     "iter",
+    "for_each",
     "into_iter",
     "copied",
     "cloned",
@@ -53,6 +56,7 @@ impl Lowering<'_> {
         let items = match &receiver.value {
             Value::Array(items) | Value::Sequence(items) => items.clone(),
             Value::Field(path) if known => return Some(self.of_field(call, path)),
+            Value::Generated(_) => return Some(self.refuse(&call.method, NO_LENGTH)),
             _ => return None,
         };
         if !known {
@@ -64,11 +68,18 @@ impl Lowering<'_> {
         let is_array = matches!(receiver.value, Value::Array(_));
         let arguments: Vec<&Syntax> = call.args.iter().collect();
         Some(match (name.as_str(), arguments.as_slice()) {
-            ("len", []) => Value::Int(items.len() as i64),
+            ("len", []) => Value::Int(Integer::count(items.len())),
             ("iter" | "into_iter" | "copied" | "cloned", []) => Value::Sequence(items),
-            ("map", [function]) => match self.mapped(items, function) {
-                Some(items) if is_array => Value::Array(items),
+            ("map", [function]) if is_array => match self.mapped(items, function) {
+                Some(items) => Value::Array(items),
+                None => Value::Poison,
+            },
+            ("map", [function]) => match self.mapped_lazily(items, function) {
                 Some(items) => Value::Sequence(items),
+                None => Value::Poison,
+            },
+            ("for_each", [function]) if !is_array => match self.mapped(items, function) {
+                Some(_) => Value::Unit,
                 None => Value::Poison,
             },
             ("windows" | "chunks" | "chunks_exact", [length]) => self.pieces(&name, &items, length),
@@ -98,11 +109,11 @@ impl Lowering<'_> {
             ("enumerate", []) => items
                 .into_iter()
                 .enumerate()
-                .map(|(i, item)| Value::Tuple(vec![Value::Int(i as i64), item]))
+                .map(|(i, item)| Value::Tuple(vec![Value::Int(Integer::count(i)), item]))
                 .collect(),
             ("flatten", []) => self.flattened(items, call.method.span())?,
             ("flat_map", [function]) => {
-                let items = self.mapped(items, function)?;
+                let items = self.mapped_lazily(items, function)?;
                 self.flattened(items, call.method.span())?
             }
             ("zip", [other]) => {
@@ -198,6 +209,14 @@ impl Lowering<'_> {
         self.work(flat.len(), &at).then_some(flat)
     }
 
+    /// The same, where Rust runs the closure only as its results are taken.
+    fn mapped_lazily(&mut self, items: Vec<Value>, function: &Syntax) -> Option<Vec<Value>> {
+        let is_lazy = std::mem::replace(&mut self.is_lazy, true);
+        let items = self.mapped(items, function);
+        self.is_lazy = is_lazy;
+        items
+    }
+
     fn mapped(&mut self, items: Vec<Value>, function: &Syntax) -> Option<Vec<Value>> {
         let mistakes = self.errors.count();
         let mut results = Vec::new();
@@ -262,16 +281,17 @@ impl Lowering<'_> {
             None => items.is_empty(),
         };
         if !floats && items.iter().all(|item| matches!(item, Value::Int(_))) {
-            let mut total = i64::from(!is_sum);
+            let mut total = Integer::from(i64::from(!is_sum));
             for item in items {
                 let Value::Int(i) = item else { continue };
                 let next = if is_sum {
-                    total.checked_add(i)
+                    total.value.checked_add(i.value)
                 } else {
-                    total.checked_mul(i)
+                    total.value.checked_mul(i.value)
                 };
-                let Some(next) = next else {
-                    return self.refuse(&call.method, "this integer arithmetic overflows");
+                let Value::Int(next) = self.computed(next, i.kind.or(total.kind), &call.method)
+                else {
+                    return Value::Poison;
                 };
                 total = next;
             }
@@ -339,11 +359,11 @@ fn not_understood(name: &str) -> String {
         }
         "first" | "last" => "write `x[0]` or `x[x.len() - 1]`",
         "split_at" | "split_first" | "split_last" => "write pieces, `&x[..2]` and `&x[2..]`",
-        "into" | "try_into" => "write the array, `[x[0], x[1]]`",
+        "try_into" => "write the array, `[x[0], x[1]]`",
         "cycle" | "scan" | "take_while" | "skip_while" | "last_mut" => {
             "write a loop over indices; the next on a ring is `x[(i + 1) % N]`"
         }
-        "iter_mut" | "for_each" => "write a loop over indices, `for i in 0..N { a[i] = …; }`",
+        "for_each" => "write a loop over indices, `for i in 0..N { a[i] = …; }`",
         "max" | "min" | "max_by" | "min_by" | "any" | "all" | "position" | "find" => {
             "it is not smooth in the entries"
         }

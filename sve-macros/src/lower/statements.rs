@@ -6,8 +6,10 @@ use syn::{Block, Expr as Syntax, ExprForLoop, Item, Pat, RangeLimits, Stmt, UseT
 
 use super::Lowering;
 use super::branches::Leaving;
-use super::calls::{CONSTANTS, float_constant};
+use super::calls::{Argument, CONSTANTS, float_constant};
 use super::expressions::no_macro;
+use super::integers::{Integer, common};
+use super::places::variable_name;
 use super::value::Value;
 
 impl Lowering<'_> {
@@ -40,7 +42,7 @@ impl Lowering<'_> {
             Stmt::Local(local) => {
                 let value = match &local.init {
                     Some(init) if init.diverge.is_none() => {
-                        let value = self.eval(&init.expr);
+                        let value = self.initial(&init.expr);
                         match &local.pat {
                             Pat::Type(typed) => self.number(value, &typed.ty, &init.expr),
                             _ => value,
@@ -72,11 +74,21 @@ impl Lowering<'_> {
         }
     }
 
+    /// The value that a variable begins with: a reference is moved, not followed.
+    fn initial(&mut self, expr: &Syntax) -> Value {
+        let held = variable_name(expr).and_then(|name| self.held(&name));
+        match held {
+            Some(reference @ Value::Place(_)) => reference.clone(),
+            _ => self.eval(expr),
+        }
+    }
+
     /// An item inside a body: `const` and `use` of `std::f64::consts`.
     fn item(&mut self, item: &Item) {
         match item {
             Item::Const(constant) => {
                 let value = self.eval(&constant.expr);
+                let value = self.number(value, &constant.ty, &constant.expr);
                 if let Some(scope) = self.scopes.last_mut() {
                     scope.insert(constant.ident.to_string(), value);
                 }
@@ -134,10 +146,17 @@ impl Lowering<'_> {
     }
 
     pub(super) fn for_loop(&mut self, for_loop: &ExprForLoop) -> Value {
-        let items = self.argument(&for_loop.expr);
+        let items = match &*for_loop.expr {
+            Syntax::Reference(reference) if reference.mutability.is_some() => Argument {
+                value: self.iterate_mutably(&reference.expr, reference.and_token.span),
+                at: reference.and_token.span,
+            },
+            _ => self.argument(&for_loop.expr),
+        };
         let Some(items) = self.items(&items, None) else {
             return Value::Poison;
         };
+        let items = Self::as_indices(items, &for_loop.pat, &for_loop.body);
         let mistakes = self.errors.count();
         for item in items {
             if !self.tick(&for_loop.for_token) {
@@ -169,6 +188,11 @@ impl Lowering<'_> {
         let Some((from, to)) = self.bound(start).zip(self.bound(end)) else {
             return Value::Poison;
         };
+        let kind = match common(from, to) {
+            Ok(kind) => kind,
+            Err(kinds) => return self.two_kinds(kinds, range),
+        };
+        let (from, to) = (from.value, to.value);
         let to = match range.limits {
             RangeLimits::HalfOpen(_) => to,
             RangeLimits::Closed(_) => to.saturating_add(1),
@@ -181,13 +205,21 @@ impl Lowering<'_> {
             );
             return self.refuse(range, message);
         }
-        Value::Sequence((from..to).map(Value::Int).collect())
+        Value::Sequence(
+            (from..to)
+                .map(|value| Value::Int(Integer { value, kind }))
+                .collect(),
+        )
     }
 
-    fn bound(&mut self, expr: &Syntax) -> Option<i64> {
+    fn bound(&mut self, expr: &Syntax) -> Option<Integer> {
         match self.eval(expr) {
             Value::Int(bound) => Some(bound),
             Value::Poison => None,
+            Value::Field(path) if path.unseen().is_some() => {
+                self.refuse(expr, path.unseen().unwrap_or_default());
+                None
+            }
             other => {
                 let message = format!(
                     "the bounds of a loop must be known at compile time (a literal, `q.len()`, a constant `Self::N` of this block), and this is {}",

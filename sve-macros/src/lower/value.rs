@@ -8,6 +8,8 @@ use syn::spanned::Spanned;
 use syn::{Expr as Syntax, Type};
 
 use super::closures::Closure;
+use super::integers::Integer;
+use super::references::Place;
 use super::{Lowering, readable};
 use crate::parse::is_f64;
 use crate::symbolic::Expr;
@@ -18,7 +20,7 @@ pub(super) enum Value {
     /// An `f64`.
     Scalar(Expr),
     /// An integer known at compile time.
-    Int(i64),
+    Int(Integer),
     Array(Vec<Value>),
     Tuple(Vec<Value>),
     /// An iterator: the list of its items.
@@ -27,6 +29,12 @@ pub(super) enum Value {
     Field(FieldPath),
     /// `|x| …`, which waits to be called.
     Closure(Rc<Closure>),
+    /// `x.into()`: what it becomes is for the type that is written beside it to say.
+    Converted(Box<Value>),
+    /// `array::from_fn(…)`, whose length is for the type that is written beside it to say.
+    Generated(Rc<Closure>),
+    /// A mutable reference.
+    Place(Place),
     Unit,
     /// A variable that has been declared and not yet assigned to.
     Unset,
@@ -58,12 +66,15 @@ impl Value {
     pub(super) fn kind(&self) -> String {
         match self {
             Self::Scalar(_) => "an `f64`".to_owned(),
-            Self::Int(i) => format!("the integer {i}"),
+            Self::Int(i) => format!("the integer {}", i.value),
             Self::Array(values) => format!("an array of {}", values.len()),
             Self::Tuple(values) => format!("a tuple of {}", values.len()),
             Self::Sequence(values) => format!("an iterator over {}", values.len()),
             Self::Field(path) => path.kind(),
             Self::Closure(_) => "a closure".to_owned(),
+            Self::Converted(inner) => inner.kind(),
+            Self::Generated(_) => "an array whose length is not written".to_owned(),
+            Self::Place(_) => "a mutable reference".to_owned(),
             Self::Unit => "nothing".to_owned(),
             Self::Unset => "a variable without a value".to_owned(),
             Self::Poison => "an error".to_owned(),
@@ -113,6 +124,13 @@ impl FieldPath {
             (None, true) => "`self`".to_owned(),
             (None, false) => format!("the field `{path}`"),
         }
+    }
+
+    /// What to say of a constant from outside the block where the macro needs its value; nothing of other fields.
+    pub(super) fn unseen(&self) -> Option<String> {
+        let path = self.outside.as_ref().filter(|_| self.steps.is_empty())?;
+        let name = path.segments.last().map(|last| last.ident.to_string());
+        Some(unseen(&name.unwrap_or_default(), &super::readable(path)))
     }
 
     pub(super) fn is_self(&self) -> bool {
@@ -177,6 +195,13 @@ impl FieldPath {
         let parts: Vec<String> = path.map(|s| plain(&s.ident)).chain(steps).collect();
         parts.join("_")
     }
+}
+
+/// What to say of a constant from outside the block where the macro needs its value.
+fn unseen(name: &str, path: &str) -> String {
+    format!(
+        "`{path}` is outside of this `impl` block, the only text that the macro sees, and its value is needed here: put `const {name}: usize = …;` with the number into this block and write `Self::{name}`"
+    )
 }
 
 /// The type of an argument or result: `f64` or arrays of it.
@@ -259,9 +284,7 @@ impl Lowering<'_> {
             let message = if self.constant_named(&name.to_string()).is_some() {
                 format!("a constant of this block is written `Self::{name}`")
             } else {
-                format!(
-                    "`{name}` is not known here, for only this `impl` block is seen: write `const {name}: usize = …;` in this block and use `Self::{name}`"
-                )
+                unseen(&name.to_string(), &name.to_string())
             };
             self.refuse(name, message);
             return None;
@@ -270,9 +293,15 @@ impl Lowering<'_> {
         let value = self.eval(expr);
         self.scopes.pop();
         match value {
-            Value::Int(n) if n >= 0 => usize::try_from(n).ok(),
+            Value::Int(n) if n.value >= 0 => usize::try_from(n.value).ok(),
             Value::Poison => None,
             other => {
+                if let Value::Field(path) = &other
+                    && let Some(message) = path.unseen()
+                {
+                    self.refuse(expr, message);
+                    return None;
+                }
                 self.errors.push(
                     expr.span(),
                     format!("the length must be an integer known here, a literal or a constant of this block; found {}", other.kind()),

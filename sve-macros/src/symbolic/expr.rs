@@ -114,6 +114,9 @@ pub(crate) struct Arena {
     pub(super) derivatives: Map<(Expr, Symbol), Expr>,
     /// What the walks have seen.
     marks: Cell<Marks>,
+    /// Whether folding has lost a constant: one too small beside another to change it, or a product that underflowed. Then an
+    /// expression that the algebra makes 0 may be another one.
+    pub(super) has_lost_constants: Cell<bool>,
     /// Work that may still be done: `budget`.
     pub(super) budget: Cell<usize>,
 }
@@ -135,6 +138,7 @@ impl Arena {
             set_names: Map::from_iter([(Vec::new(), 0)]),
             derivatives: Map::default(),
             marks: Cell::default(),
+            has_lost_constants: Cell::new(false),
             budget: Cell::new(usize::MAX),
         }
     }

@@ -9,11 +9,15 @@ mod diff;
 mod display;
 #[cfg(test)]
 mod display_tests;
+#[allow(dead_code, unreachable_pub)] // the integration tests compile it too
+mod double_double;
+mod elementary;
 mod expr;
 mod hash;
 mod number;
 #[cfg(test)]
 mod reader;
+mod sharp;
 mod simplify;
 mod stable;
 #[cfg(test)]
@@ -23,4 +27,6 @@ mod zero;
 pub(crate) use display::{Notation, Sum, Text};
 pub(crate) use expr::{Arena, Binary, Expr, Function, Node, Symbol};
 pub(crate) use hash::Map;
+pub(crate) use sharp::{Sharp, Verdict};
 pub(crate) use stable::Purpose;
+pub(crate) use zero::Vanishing;

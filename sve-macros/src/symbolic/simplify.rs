@@ -34,10 +34,13 @@ impl Arena {
         let mut flat: Vec<(Expr, f64)> = Vec::with_capacity(terms.len());
         for &(c, term) in terms {
             match self.node(term) {
-                Node::Constant(value) => constant += c * value.get(),
+                Node::Constant(value) => {
+                    constant = self.folded_sum(constant, self.folded_product(c, value.get()));
+                }
                 Node::Sum(inner, list) if list.len() <= MERGE_LIMIT || terms.len() == 1 => {
-                    constant += c * inner.get();
-                    flat.extend(list.iter().map(|&(x, k)| (x, c * k.get())));
+                    constant = self.folded_sum(constant, self.folded_product(c, inner.get()));
+                    let scaled = |&(x, k): &(Expr, Bits)| (x, self.folded_product(c, k.get()));
+                    flat.extend(list.iter().map(scaled));
                 }
                 _ => flat.push((term, c)),
             }
@@ -47,7 +50,7 @@ impl Arena {
         let mut merged: Vec<(Expr, f64)> = Vec::with_capacity(flat.len());
         for (term, c) in flat {
             match merged.last_mut() {
-                Some(last) if last.0 == term => last.1 += c,
+                Some(last) if last.0 == term => last.1 = self.folded_sum(last.1, c),
                 _ => merged.push((term, c)),
             }
         }
@@ -60,6 +63,24 @@ impl Arena {
                 self.intern(Node::Sum(Bits::new(constant), terms))
             }
         }
+    }
+
+    /// The sum of two constants, and whether one of them is lost in it.
+    fn folded_sum(&self, a: f64, b: f64) -> f64 {
+        let sum = a + b;
+        if (sum == a && b != 0.0) || (sum == b && a != 0.0) {
+            self.has_lost_constants.set(true);
+        }
+        sum
+    }
+
+    /// The product of two constants, and whether it is lost by underflow.
+    fn folded_product(&self, a: f64, b: f64) -> f64 {
+        let product = a * b;
+        if product == 0.0 && a != 0.0 && b != 0.0 {
+            self.has_lost_constants.set(true);
+        }
+        product
     }
 
     pub(crate) fn add(&mut self, a: Expr, b: Expr) -> Expr {
@@ -126,7 +147,9 @@ impl Arena {
             while let Some((base, k)) = open.pop() {
                 self.spend(1);
                 match self.node(base).clone() {
-                    Node::Constant(value) => coefficient *= value.get().powi(k),
+                    Node::Constant(value) => {
+                        coefficient = self.folded_product(coefficient, value.get().powi(k));
+                    }
                     Node::Product(list) if list.iter().all(|f| moderate(f.1, k)) => {
                         open.extend(list.iter().map(|&(x, j)| (x, j * k)));
                     }
@@ -137,12 +160,12 @@ impl Arena {
                     }
                     Node::Sum(constant, terms) => match terms.as_slice() {
                         [(term, c)] if constant.get() == 0.0 => {
-                            coefficient *= c.get().powi(k);
+                            coefficient = self.folded_product(coefficient, c.get().powi(k));
                             open.push((*term, k));
                         }
                         _ => {
                             let (unit, base) = self.leading_one(base);
-                            coefficient *= unit.powi(k);
+                            coefficient = self.folded_product(coefficient, unit.powi(k));
                             flat.push((base, k));
                         }
                     },

@@ -1,17 +1,35 @@
-//! Whether an expression vanishes identically, decided by evaluation at random points.
+//! Whether an expression vanishes identically.
 //!
-//! Input: an expression; output: true if at every point where it is defined its value is within a running bound of the
-//! rounding errors of its evaluation. Where a function underflows or has saturated, a point tells nothing and another one is
-//! taken. The points are fixed, so the answer is the same in every build.
+//! Input: an expression. Output: how it is known to vanish, or that it does not. The algebra answers where it leaves the
+//! constant 0. Otherwise the expression is evaluated at random points near 1 and of other scales, with a running bound of the
+//! rounding errors. Plain `f64` finds most expressions that do not vanish; only what it takes for zero is evaluated again in
+//! 106 bits (`sharp`). Where a function underflows or has saturated, a point tells nothing and another point is taken. The
+//! points are fixed, so the answer is the same in every build.
 
 use super::Map;
 use super::expr::{Arena, Expr, Function, Node, Symbol};
+use super::sharp::{Sharp, Verdict};
 
-/// Points at which an identity has to hold.
+/// How an expression is known to vanish, the surest first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Vanishing {
+    /// The algebra leaves the constant 0: a proof.
+    Proved,
+    /// Zero to some 28 digits of the sum of the magnitudes of its terms at all points. A term that is smaller than that at all
+    /// points is not seen.
+    Evaluated,
+    /// No larger than the rounding of the constants in it allows at all points: whether it vanishes cannot be decided.
+    Undecided,
+}
+
+/// Points near 1 at which an identity has to hold.
 const POINTS: usize = 6;
 
 /// Points tried before an expression is called nowhere defined, and so not zero: first those near 1 …
-const ATTEMPTS: u64 = 40 + SCALES.len() as u64 * TIMES;
+const ATTEMPTS: u64 = NEAR_ONE + SCALES.len() as u64 * TIMES;
+
+/// Points tried near 1.
+const NEAR_ONE: u64 = 40;
 
 /// … then, where those tell nothing, points of other scales: `exp(−(q/1e−6)²)` and `1 − cos(1e−9 q)` vanish to rounding near 1.
 const SCALES: [f64; 10] = [1e-3, 1e3, 1e-6, 1e6, 1e-9, 1e9, 1e-12, 1e12, 1e-15, 1e15];
@@ -19,9 +37,18 @@ const SCALES: [f64; 10] = [1e-3, 1e3, 1e-6, 1e6, 1e-9, 1e9, 1e-12, 1e12, 1e-15, 
 /// Points tried of each other scale.
 const TIMES: u64 = 16;
 
+/// Points at which each symbol has a scale of its own, for terms that are small beside the others unless one of them grows.
+const MIXED: u64 = 6;
+
+/// The scales among which a symbol of such a point has its own.
+const MIXED_SCALES: [f64; 5] = [1.0, 1e-3, 1e3, 1e-6, 1e6];
+
 /// Relative change of a function, for such a change of its argument, below which the value tells nothing of the argument:
 /// tanh of 20 is 1, and exp of −1000 is 0.
 const FLAT: f64 = 1e-9;
+
+/// Products of a few numbers of this size are far from underflow.
+const MODERATE: f64 = 1e-60;
 
 /// The running bound is of first order; this leaves room for the second.
 const SLACK: f64 = 64.0;
@@ -34,13 +61,32 @@ struct Rounded {
 }
 
 impl Arena {
-    /// Whether `expr` is zero wherever it is defined.
+    /// Whether `expr` is zero wherever it is defined, as far as that can be known.
     pub(crate) fn is_zero(&self, expr: Expr) -> bool {
+        self.vanishing(expr).is_some()
+    }
+
+    /// How `expr` is known to be zero wherever it is defined; nothing where it is not zero.
+    pub(crate) fn vanishing(&self, expr: Expr) -> Option<Vanishing> {
+        let found = self.vanishing_as_it_is(expr)?;
+        Some(if self.has_lost_constants() {
+            Vanishing::Undecided
+        } else {
+            found
+        })
+    }
+
+    /// Whether folding has lost a constant, so that what is left may be another expression than what was written.
+    pub(crate) fn has_lost_constants(&self) -> bool {
+        self.has_lost_constants.get()
+    }
+
+    fn vanishing_as_it_is(&self, expr: Expr) -> Option<Vanishing> {
         if let Some(value) = self.constant_value(expr) {
-            return value == 0.0;
+            return (value == 0.0).then_some(Vanishing::Proved);
         }
         if self.is_exhausted() {
-            return true;
+            return Some(Vanishing::Proved);
         }
         let nodes = self.reachable(&[expr], |_| true);
         let mut held = 0;
@@ -51,14 +97,40 @@ impl Arena {
                 continue;
             }
             if value.abs() > SLACK * error {
-                return false;
+                return None;
             }
             held += 1;
             if held == POINTS {
-                return true;
+                break;
             }
         }
-        false
+        match self.vanishing_sharply(&nodes, expr) {
+            Ok(vanishing) => Some(vanishing),
+            // no digits anywhere: what the plain numbers say
+            Err(Verdict::Nothing) => (held > 0).then_some(Vanishing::Undecided),
+            Err(_) => None,
+        }
+    }
+
+    /// The same in 106 bits; the verdict where that is another one.
+    fn vanishing_sharply(&self, nodes: &[Expr], expr: Expr) -> Result<Vanishing, Verdict> {
+        let mut found = None;
+        let mut held = 0;
+        for attempt in sharp_attempts() {
+            if held >= POINTS && attempt < NEAR_ONE {
+                continue;
+            }
+            let at = self.evaluate_sharp(nodes, |symbol| coordinate(attempt, symbol));
+            let vanishing = match at.get(&expr).map_or(Verdict::Nothing, |x| x.verdict()) {
+                Verdict::Nothing => continue,
+                Verdict::NotZero => return Err(Verdict::NotZero),
+                Verdict::Zero => Vanishing::Evaluated,
+                Verdict::Undecided => Vanishing::Undecided,
+            };
+            found = found.max(Some(vanishing));
+            held += 1;
+        }
+        found.ok_or(Verdict::Nothing)
     }
 
     /// Which of `exprs` are zero: as [`is_zero`](Self::is_zero), with what they share evaluated once at the point that tells most
@@ -96,6 +168,33 @@ impl Arena {
         (0..attempts).filter_map(defined).take(POINTS)
     }
 
+    /// The same in 106 bits, with their bounds.
+    pub(crate) fn sharp_samples<'a>(
+        &'a self,
+        exprs: &'a [Expr],
+    ) -> impl Iterator<Item = Vec<Sharp>> + 'a {
+        let nodes = self.reachable(exprs, |_| true);
+        let attempts = if self.is_exhausted() { 0 } else { ATTEMPTS };
+        let defined = move |attempt| {
+            let at = self.evaluate_sharp(&nodes, |symbol| coordinate(attempt, symbol));
+            let value = |e: &Expr| Some(at[e]).filter(|x| x.verdict() != Verdict::Nothing);
+            exprs.iter().map(value).collect::<Option<Vec<Sharp>>>()
+        };
+        (0..attempts).filter_map(defined).take(POINTS)
+    }
+
+    /// A power of two that brings the largest of `exprs` to the order of 1 at a random point; 1 where they are not so large or
+    /// small that a product of two of them is out of range.
+    pub(crate) fn scale_of(&self, exprs: &[Expr]) -> f64 {
+        let largest = |point: Vec<f64>| point.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+        let size = self.samples(exprs).map(largest).next().unwrap_or(1.0);
+        if size == 0.0 || (MODERATE..1.0 / MODERATE).contains(&size) {
+            1.0
+        } else {
+            2.0f64.powi(-size.log2().round() as i32)
+        }
+    }
+
     /// The value of `expr` at a point.
     #[cfg(test)]
     pub(crate) fn evaluate(&self, expr: Expr, at: impl Fn(Symbol) -> f64) -> f64 {
@@ -103,21 +202,7 @@ impl Arena {
     }
 
     fn evaluate_bounded(&self, nodes: &[Expr], attempt: u64) -> Map<Expr, Rounded> {
-        self.evaluate_nodes(nodes, |symbol| {
-            let unit = uniform(attempt, u64::from(symbol.0));
-            let near_one = ATTEMPTS - SCALES.len() as u64 * TIMES;
-            let scale = match attempt.checked_sub(near_one) {
-                None => 1.0,
-                Some(later) => SCALES[(later / TIMES) as usize],
-            };
-            // near and inside the unit interval first, where most functions are defined; then of either sign
-            scale
-                * if attempt.is_multiple_of(2) {
-                    0.1 + 0.8 * unit
-                } else {
-                    4.0 * unit - 2.0
-                }
-        })
+        self.evaluate_nodes(nodes, |symbol| coordinate(attempt, symbol))
     }
 
     fn evaluate_nodes(&self, nodes: &[Expr], at: impl Fn(Symbol) -> f64) -> Map<Expr, Rounded> {
@@ -177,6 +262,39 @@ impl Arena {
         }
         values
     }
+}
+
+/// The attempts of an evaluation in 106 bits: points near 1, two of each other scale, and those of mixed scales.
+fn sharp_attempts() -> impl Iterator<Item = u64> {
+    let scales = (NEAR_ONE..ATTEMPTS).filter(|attempt| (attempt - NEAR_ONE) % TIMES < 2);
+    (0..NEAR_ONE)
+        .chain(scales)
+        .chain(ATTEMPTS..ATTEMPTS + MIXED)
+}
+
+/// A coordinate of a random point: near and inside the unit interval first, where most functions are defined, then of either
+/// sign; after [`NEAR_ONE`] attempts of other scales.
+fn coordinate(attempt: u64, symbol: Symbol) -> f64 {
+    let unit = uniform(attempt, u64::from(symbol.0));
+    let scale = match attempt.checked_sub(NEAR_ONE) {
+        None => 1.0,
+        Some(later) if attempt < ATTEMPTS => SCALES[(later / TIMES) as usize],
+        Some(later) => {
+            let choice = uniform(later, u64::from(symbol.0) ^ 0x5eed);
+            let chosen = MIXED_SCALES.iter().zip(1..);
+            chosen
+                .filter(|&(_, up_to)| 5.0 * choice < f64::from(up_to))
+                .map(|(scale, _)| *scale)
+                .next()
+                .unwrap_or(1.0)
+        }
+    };
+    let near = if attempt.is_multiple_of(2) {
+        0.1 + 0.8 * unit
+    } else {
+        4.0 * unit - 2.0
+    };
+    scale * near
 }
 
 /// An error without a bound, where a value has lost what it should tell.

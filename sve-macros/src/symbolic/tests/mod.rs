@@ -1,7 +1,7 @@
 //! The rules of the algebra against plain evaluation, over signs, zeros and ranges.
 
 mod derivatives;
-mod exact;
+mod elementary;
 pub(crate) mod number;
 pub(crate) mod recipe;
 mod removable;

@@ -1,8 +1,8 @@
 //! Derivatives at places where a plain formula is 0/0, 0·∞ or overflows, as emitted code computes them; and places where
 //! there is no derivative, which must show.
 
-use super::exact::{self, Double, of};
 use super::stable::{computed, units};
+use crate::symbolic::elementary::{self as exact, Double, of};
 use crate::symbolic::{Arena, Binary, Expr, Function, Purpose, Symbol};
 
 /// An expression of two variables.

@@ -5,11 +5,11 @@
 
 use std::collections::HashMap;
 
-use super::exact::{self, Double, of, square};
 use super::number::{Bounded, Number};
 use super::recipe::{FUNCTIONS, Make, Random, build, evaluate, grow, values};
 use crate::schedule::Scheduler;
 use crate::schedule_tests::{run, symbols};
+use crate::symbolic::elementary::{self as exact, Double, of, square};
 use crate::symbolic::{Arena, Binary, Expr, Function, Node, Purpose, Symbol};
 
 /// An expression in x and y with its value.

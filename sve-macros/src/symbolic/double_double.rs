@@ -1,6 +1,7 @@
-//! Numbers of 106 bits as unevaluated sums of two `f64`, for oracles whose own rounding must not count.
+//! Numbers of 106 bits as unevaluated sums of two `f64`, for tests of zero and for oracles whose own rounding must not count.
 //!
-//! Error-free transformations of Dekker (1971) and Knuth; a relative error of a few 2⁻¹⁰⁴ an operation.
+//! Error-free transformations of Dekker (1971) and Knuth; a relative error of a few 2⁻¹⁰⁴ an operation. The crate of the
+//! integration tests compiles this file too, so it knows nothing of this crate.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -18,9 +19,47 @@ impl Double {
         low: 0.0,
     };
 
+    /// A number of which two parts are known.
+    pub const fn new(high: f64, low: f64) -> Self {
+        Self { high, low }
+    }
+
     /// The nearest `f64`.
     pub fn nearest(self) -> f64 {
         self.high + self.low
+    }
+
+    /// Returns the absolute value.
+    #[must_use]
+    pub fn abs(self) -> Self {
+        if self.nearest() < 0.0 { -self } else { self }
+    }
+
+    /// Returns `self · 2ᵏ`, in two factors so that neither overflows.
+    #[must_use]
+    pub fn times_two_to(self, k: i32) -> Self {
+        let [first, second] = [k / 2, k - k / 2].map(|k| 2.0f64.powi(k));
+        Self {
+            high: self.high * first * second,
+            low: self.low * first * second,
+        }
+    }
+
+    /// Returns `selfᵏ` by repeated squaring.
+    #[must_use]
+    pub fn power(self, k: i32) -> Self {
+        let (mut square, mut left) = (self, k.unsigned_abs());
+        let mut product = Self::ONE;
+        while left > 0 {
+            if left % 2 == 1 {
+                product = product * square;
+            }
+            left /= 2;
+            if left > 0 {
+                square = square * square;
+            }
+        }
+        if k < 0 { Self::ONE / product } else { product }
     }
 
     /// `a + b` of any sizes.

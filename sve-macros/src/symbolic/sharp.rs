@@ -1,0 +1,319 @@
+//! Evaluation in 106 bits, with a bound of what its rounding did and one of what the rounding of constants did.
+//!
+//! A constant such as 0.1 or √2 stands for a number that differs from it by half a unit in the last place, and folding constants
+//! rounds again. No precision of the evaluation removes that uncertainty, so it is carried beside the rounding errors: between
+//! the two bounds a value can be called neither zero nor different from zero.
+
+use super::Map;
+use super::elementary::{ARGUMENT, Double, ROUNDING, of};
+use super::expr::{Arena, Binary, Bits, Expr, Function, Node, Symbol};
+
+/// Relative error of an operation in 106 bits.
+const OPERATION: f64 = 1.0 / (1u128 << 102) as f64;
+
+/// Relative uncertainty of a constant that may be rounded: its literal, and a few roundings of folded constants.
+const CONSTANT: f64 = 2.0 * f64::EPSILON;
+
+/// Last bits of a mantissa that are zero in a constant which is taken as exact, such as 0.5 or 3. One of 2²⁶ rounded constants is
+/// taken as exact by chance.
+const SPARE_BITS: u64 = (1 << 26) - 1;
+
+/// Relative change of a function, for such a change of its argument, below which the value tells nothing of the argument.
+const FLAT: f64 = 1e-20;
+
+/// Magnitudes below which the second part of a number may underflow.
+const TINY: f64 = 1e-270;
+
+/// The bounds of rounding errors are of first order; this leaves room for the second order.
+const SLACK: f64 = 64.0;
+
+/// The same for the uncertainty of constants.
+const CONSTANT_SLACK: f64 = 4.0;
+
+/// A number of 106 bits with its bounds.
+#[derive(Clone, Copy)]
+pub(crate) struct Sharp {
+    value: Double,
+    /// Bound of the rounding errors of its evaluation; NaN where it has lost what it should tell.
+    error: f64,
+    /// Bound of what the uncertainty of constants makes of it.
+    blur: f64,
+}
+
+/// What a number says of being zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    /// Zero within its rounding errors.
+    Zero,
+    /// More than its rounding errors, and no more than the uncertainty of its constants.
+    Undecided,
+    NotZero,
+    /// Undefined at this point, or without digits.
+    Nothing,
+}
+
+impl Sharp {
+    /// A number without uncertainty.
+    pub(crate) fn exact(value: f64) -> Self {
+        Self {
+            value: of(value),
+            error: 0.0,
+            blur: 0.0,
+        }
+    }
+
+    fn constant(bits: Bits) -> Self {
+        Self {
+            blur: uncertainty(bits) * bits.get().abs(),
+            ..Self::exact(bits.get())
+        }
+    }
+
+    /// Returns the magnitude.
+    pub(crate) fn size(self) -> f64 {
+        self.value.nearest().abs()
+    }
+
+    /// Returns what the number says of being zero.
+    pub(crate) fn verdict(self) -> Verdict {
+        let (size, error, blur) = (self.size(), self.error, self.blur);
+        if !(size.is_finite() && error.is_finite() && blur.is_finite()) {
+            Verdict::Nothing
+        } else if size <= SLACK * error {
+            Verdict::Zero
+        } else if size <= SLACK * error + CONSTANT_SLACK * blur {
+            Verdict::Undecided
+        } else {
+            Verdict::NotZero
+        }
+    }
+
+    /// Returns `self · 2ᵏ`.
+    pub(crate) fn times_two_to(self, k: i32) -> Self {
+        let [first, second] = [k / 2, k - k / 2].map(|k| 2.0f64.powi(k));
+        Self {
+            value: self.value.times_two_to(k),
+            error: self.error * first * second,
+            blur: self.blur * first * second,
+        }
+    }
+
+    /// Returns the quotient.
+    pub(crate) fn over(self, other: Self) -> Self {
+        let value = self.value / other.value;
+        let size = value.nearest().abs();
+        let part = |a: f64, b: f64| (a + size * b) / other.size();
+        Self {
+            value,
+            error: part(self.error, other.error) + OPERATION * size,
+            blur: part(self.blur, other.blur),
+        }
+    }
+
+    /// Returns `self − a·b`.
+    pub(crate) fn minus_product(self, a: Self, b: Self) -> Self {
+        let product = a.value * b.value;
+        let part = |of_a: f64, of_b: f64| of_a * b.size() + a.size() * of_b;
+        let sizes = self.size() + product.nearest().abs();
+        Self {
+            value: self.value - product,
+            error: self.error + part(a.error, b.error) + OPERATION * sizes,
+            blur: self.blur + part(a.blur, b.blur),
+        }
+    }
+
+    /// Returns the value with an unbounded error if it has too few digits.
+    fn checked(self) -> Self {
+        let size = self.size();
+        if size == 0.0 || size >= TINY {
+            self
+        } else {
+            self.lost(true)
+        }
+    }
+
+    /// Returns the value with an unbounded error if it has lost what it should tell.
+    fn lost(self, is_lost: bool) -> Self {
+        Self {
+            error: if is_lost { f64::NAN } else { self.error },
+            ..self
+        }
+    }
+}
+
+/// Returns the relative uncertainty of a constant.
+fn uncertainty(bits: Bits) -> f64 {
+    if bits.get().to_bits() & SPARE_BITS == 0 {
+        0.0
+    } else {
+        CONSTANT
+    }
+}
+
+impl Arena {
+    /// Evaluates nodes, operands before users, at a point.
+    pub(super) fn evaluate_sharp(
+        &self,
+        nodes: &[Expr],
+        at: impl Fn(Symbol) -> f64,
+    ) -> Map<Expr, Sharp> {
+        self.spend(32 * nodes.len());
+        let mut values: Map<Expr, Sharp> = Map::default();
+        values.reserve(nodes.len());
+        for &e in nodes {
+            let value = match self.node(e) {
+                Node::Constant(bits) => Sharp::constant(*bits),
+                Node::Symbol(symbol) => Sharp::exact(at(*symbol)),
+                Node::Opaque(x) => values[x],
+                Node::Sum(constant, terms) => sum(*constant, terms, &values),
+                Node::Product(factors) => product(factors, &values),
+                Node::Call(function, x) => call(*function, values[x]),
+                Node::Call2(function, x, y) => call2(*function, values[x], values[y]),
+            };
+            values.insert(e, value.checked());
+        }
+        values
+    }
+}
+
+fn sum(constant: Bits, terms: &[(Expr, Bits)], values: &Map<Expr, Sharp>) -> Sharp {
+    let mut sum = Sharp::constant(constant);
+    let mut sizes = sum.size();
+    for (x, c) in terms {
+        let (x, factor) = (values[x], c.get().abs());
+        sum.value = sum.value + of(c.get()) * x.value;
+        let size = factor * x.size();
+        sizes += size;
+        sum.error += factor * x.error;
+        sum.blur += factor * x.blur + uncertainty(*c) * size;
+    }
+    // each partial sum is rounded, and is no larger than the sum of all magnitudes
+    sum.error += OPERATION * (1 + terms.len()) as f64 * sizes;
+    sum
+}
+
+fn product(factors: &[(Expr, i32)], values: &Map<Expr, Sharp>) -> Sharp {
+    let mut product = Double::ONE;
+    // relative bounds of the factors that are not zero; absolute bounds of the others
+    let (mut error, mut blur) = (0.0, 0.0);
+    let mut vanishing: Option<[f64; 2]> = None;
+    let mut others = 1.0;
+    for (x, k) in factors {
+        let (x, times) = (values[x], f64::from(k.abs()));
+        product = product * x.value.power(*k);
+        if x.size() == 0.0 {
+            let bounds = [x.error, x.blur].map(|bound| bound.powi(*k));
+            let outer = vanishing.unwrap_or([1.0, 1.0]);
+            vanishing = Some([outer[0] * bounds[0], outer[1] * bounds[1]]);
+        } else {
+            error += times * (2.0 * OPERATION + x.error / x.size());
+            blur += times * x.blur / x.size();
+            others *= x.size().powi(*k);
+        }
+    }
+    let size = product.nearest().abs();
+    let underflows = size == 0.0 && vanishing.is_none();
+    let [error, blur] = match vanishing {
+        Some([error, blur]) => [error * others, blur * others],
+        None => [error * size, blur * size],
+    };
+    Sharp {
+        value: product,
+        error,
+        blur,
+    }
+    .lost(underflows)
+}
+
+fn call(function: Function, x: Sharp) -> Sharp {
+    let value = function.evaluate_double(x.value);
+    let (size, at) = (value.nearest().abs(), x.size());
+    let slope = slope(function, x.value.nearest(), value.nearest()).abs();
+    let reach = slope * at;
+    let is_flat = reach <= FLAT * size && at != 0.0;
+    let (exponent, doubt) = exponent(function, x);
+    Sharp {
+        value,
+        error: slope * x.error + ARGUMENT * (reach + exponent * size) + ROUNDING * size,
+        blur: slope * x.blur + doubt * exponent * size,
+    }
+    .lost(is_flat)
+}
+
+/// Of a power with a constant exponent, the exponent as one of e, and the uncertainty of the constant.
+fn exponent(function: Function, x: Sharp) -> (f64, f64) {
+    match function {
+        Function::Powf(k) => ((k.get() * x.size().ln()).abs(), uncertainty(k)),
+        _ => (0.0, 0.0),
+    }
+}
+
+fn call2(function: Binary, x: Sharp, y: Sharp) -> Sharp {
+    let value = function.evaluate_double(x.value, y.value);
+    let near = value.nearest();
+    let (dx, dy) = slopes(function, x.value.nearest(), y.value.nearest(), near);
+    let through = |of_x: f64, of_y: f64| {
+        // a slope that is infinite where its argument is exact says nothing
+        let part = |slope: f64, bound: f64| {
+            if bound == 0.0 {
+                0.0
+            } else {
+                slope.abs() * bound
+            }
+        };
+        part(dx, of_x) + part(dy, of_y)
+    };
+    let underflows = near == 0.0 && x.size() != 0.0 && y.size() != 0.0;
+    Sharp {
+        value,
+        error: through(x.error + ARGUMENT * x.size(), y.error + ARGUMENT * y.size())
+            + ROUNDING * near.abs(),
+        blur: through(x.blur, y.blur),
+    }
+    .lost(underflows)
+}
+
+/// The derivative of a function, as in a table of derivatives.
+fn slope(function: Function, x: f64, value: f64) -> f64 {
+    use std::f64::consts::{LN_2, LN_10};
+    match function {
+        Function::Sqrt => 0.5 / value,
+        Function::Cbrt => value / (3.0 * x),
+        Function::Exp => value,
+        Function::Exp2 => LN_2 * value,
+        Function::ExpM1 => value + 1.0,
+        Function::Ln => 1.0 / x,
+        Function::Ln1p => 1.0 / (1.0 + x),
+        Function::Log2 => 1.0 / (LN_2 * x),
+        Function::Log10 => 1.0 / (LN_10 * x),
+        Function::Sin => x.cos(),
+        Function::Cos => x.sin(),
+        Function::Tan => 1.0 + value * value,
+        Function::Asin | Function::Acos => 1.0 / ((1.0 - x) * (1.0 + x)).sqrt(),
+        Function::Atan => 1.0 / (1.0 + x * x),
+        Function::Sinh => x.cosh(),
+        Function::Cosh => x.sinh(),
+        Function::Tanh => x.cosh().powi(-2),
+        Function::Asinh => 1.0 / x.hypot(1.0),
+        Function::Acosh => 1.0 / ((x - 1.0) * (x + 1.0)).sqrt(),
+        Function::Atanh => 1.0 / ((1.0 - x) * (1.0 + x)),
+        Function::Powf(k) => k.get() * value / x,
+        Function::Abs => 1.0,
+    }
+}
+
+/// The derivatives of a function of two arguments.
+fn slopes(function: Binary, x: f64, y: f64, value: f64) -> (f64, f64) {
+    match function {
+        Binary::Atan2 => {
+            let norm = x * x + y * y;
+            (y / norm, x / norm)
+        }
+        Binary::Hypot => (x / value, y / value),
+        Binary::Pow => (y * value / x, x.ln() * value),
+        Binary::PowLog(n) => {
+            let ln = x.ln();
+            ((y + f64::from(n) / ln) * value / x, ln * value)
+        }
+    }
+}

@@ -1,0 +1,18 @@
+use sve_runtime::prelude::*;
+
+struct Pendulum {
+    g: f64,
+}
+
+#[variational(midpoint)]
+impl Pendulum {
+    fn lagrangian(&self, q: [f64; 3], v: [f64; 3]) -> f64 {
+        let mut x = q;
+        let sum: f64 = x.iter_mut().map(|x| { *x += 1.0; *x }).sum();
+        v.iter().map(|v| v * v).sum::<f64>() - self.g * sum
+    }
+}
+
+fn main() {
+    let _ = Integrator::new(Pendulum { g: 1.0 }, Midpoint);
+}

@@ -1,0 +1,19 @@
+use sve_runtime::prelude::*;
+
+const DIM: usize = 3;
+
+struct Pendulum {
+    g: f64,
+}
+
+#[variational(midpoint)]
+impl Pendulum {
+    fn lagrangian(&self, q: [f64; 3], v: [f64; 3]) -> f64 {
+        let a = [0.5; DIM];
+        v.iter().zip(a).map(|(v, a)| a * v * v).sum::<f64>() - self.g * (q[0] * q[1] * q[2]).cos()
+    }
+}
+
+fn main() {
+    let _ = Integrator::new(Pendulum { g: 1.0 }, Midpoint);
+}
