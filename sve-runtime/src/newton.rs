@@ -4,6 +4,15 @@
 //! Output: the root, to rounding. Invariant: every test compares a residual with the terms it is the sum of, so the method
 //! does the same when the units of any unknown or equation change.
 //!
+//! **When it stops.** Each iteration evaluates residual and Jacobian, and updates the unknowns. It ends
+//! - after the update at a residual below the tolerance. The update is made all the same: what the iteration has left over has the same
+//!   sign step after step, and would add up over a long run to more than the rounding errors of the unknowns, which walk at random;
+//! - after an update that foresees a residual of [`UNSEEN`] times the tolerance, from the order of convergence measured on the last two;
+//! - where the residual no longer halves and is rounding: below [`QUADRATIC`], or within the bound of its own errors, or where the update
+//!   was one of the last digits of the unknowns.
+//!
+//! Hairer, McLachlan, Razakarivony, *Achieving Brouwer's law with implicit Runge–Kutta methods*, BIT 48 (2008).
+//!
 //! **Which root.** Equations of a step may have several solutions; the step is the one that is connected with rest, no noise and
 //! h → 0. An iteration is *calm* where each Jacobian has the orientation (the sign of the determinant) of the one in that limit,
 //! and each update passes the test of Kantorovich: a residual that is at most a quarter of the one before, beside the terms it had then;
@@ -19,8 +28,8 @@ mod solver;
 mod update;
 
 pub use solver::{BlockSolve, Solver};
-pub(crate) use update::is_opposite;
 use update::{Update, is_regular, relative, update};
+pub(crate) use update::{is_opposite, last_factor};
 
 use crate::linear::Matrix;
 
@@ -33,7 +42,10 @@ use crate::linear::Matrix;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Newton {
-    /// Residual, relative to the sum of its terms' magnitudes, that counts as zero.
+    /// Residual, relative to the sum of its terms' magnitudes, at which the iteration makes its last update. The residual after it is not
+    /// evaluated; near a regular root it is smaller by another order. With the default, what is left over is below
+    /// the rounding of the unknowns and rounding errors of a long run walk at random; a larger tolerance saves evaluations and lets
+    /// conserved quantities drift. A smaller one, or zero, costs evaluations: the iteration then ends where residuals no longer shrink.
     pub tolerance: f64,
     /// Iterations (Jacobian evaluations) after which an attempt fails; a step makes several before it does.
     pub max_iterations: u32,
@@ -99,6 +111,11 @@ pub(crate) const BENT: f64 = 0.25;
 
 /// Relative residual under which two successive ones measure the constant of quadratic convergence.
 pub(crate) const NEAR: f64 = 0.1;
+
+/// Part of the tolerance below which the residual after an update has to be foreseen, if it is not to be evaluated: 3·10⁻²⁰ of the terms by
+/// default. What an iteration leaves over has the same sign step after step, while the rounding of the unknowns, 10⁻¹⁶, walks at random:
+/// over 10⁷ steps the sum of the former stays below the latter.
+pub(crate) const UNSEEN: f64 = 1.0 / 16384.0;
 
 /// Relative change of an unknown that is its own rounding: two numbers next to each other differ by up to one unit, and
 /// an iteration that has arrived jumps between neighbours.
@@ -179,11 +196,11 @@ impl Newton {
     /// The root near `guess`; as far as these are trusted: if none is reached from there, from the point that `fallback` gives; if none from there either, by
     /// updates from `guess` that are halved until they reduce the residual.
     ///
-    /// It is accepted where the residual is `tolerance` times the terms it is the sum of, or where it no longer shrinks
+    /// It is accepted after the update at a residual of `tolerance` times the terms it is the sum of, or where it no longer shrinks
     /// for want of digits: those of its terms' inner sums, or those of the unknowns. `rounding` tells by how much the
     /// evaluation of the residual at a point can be wrong; it is asked only then.
     /// The last update is not confirmed by another evaluation where the order of convergence, measured on the previous two
-    /// residuals, puts the next one below rounding.
+    /// residuals, puts the next one far below rounding.
     ///
     /// An update that leads out of the domain of the equations is halved until it does not. A guess outside is
     /// drawn towards zero likewise: unknowns are increments or velocities, and at zero nothing moves.
@@ -239,6 +256,7 @@ impl Newton {
             let arrived = if relative <= run.tolerance
                 && (run.iteration > 0 || is_regular(&at, way.origin))
             {
+                run.finish(&at);
                 true
             } else if relative <= 0.5 * run.previous
                 && run.is_calm(&at)
@@ -308,7 +326,7 @@ impl Newton {
         if !sum.is_finite() || is_opposite(orientation, origin) {
             return None;
         }
-        // r_{k+1} ≈ (r_k / r_{k−1}²) r_k², or with cubes, with a factor of 16 to spare; an update that was damped or
+        // r_{k+1} ≈ (r_k / r_{k−1}²) r_k², or with cubes, of which the constant is measured; an update that was damped or
         // is not yet in the regime of that order has a ratio too large to pass.
         let (r2, p2) = (relative * relative, run.previous * run.previous);
         let (next, ratio) = if cubic {
@@ -316,7 +334,7 @@ impl Newton {
         } else {
             (r2 * relative, p2)
         };
-        let arrived = 16.0 * next <= self.tolerance * ratio && run.previous < NEAR;
+        let arrived = next <= UNSEEN * self.tolerance * ratio && run.previous < NEAR;
         let mut bound = [0.0; K];
         for i in 0..K {
             // of a single residual that is a part of itself, at hand before the division
@@ -450,6 +468,25 @@ impl<const K: usize> Run<K> {
         Self {
             damped: true,
             ..Self::from(guess, tolerance)
+        }
+    }
+
+    /// Makes the last update, at a residual below the tolerance; not where the Jacobian is singular, or where it would be larger than the
+    /// update before: there is nothing to be gained.
+    #[inline]
+    fn finish<J: Matrix<K>>(&mut self, at: &Evaluation<K, J>) {
+        let Some((update, _)) = at.jacobian.solve_oriented(&at.residual) else {
+            return;
+        };
+        let mut shrinks = true;
+        for i in 0..K {
+            shrinks &= update[i].abs() <= (self.x[i] - self.from[i]).abs();
+        }
+        if !shrinks {
+            return;
+        }
+        for i in 0..K {
+            self.x[i] -= update[i] * last_factor(self.x[i]);
         }
     }
 

@@ -316,8 +316,9 @@ where
     /// Keeps what rounding takes from coordinates and momenta at each step, and gives it back at the next: for runs of many
     /// steps, where it makes the random walk of rounding errors shorter.
     ///
-    /// The increments of a step are small beside the state, so they have digits that the state has not; with a small
-    /// `h` they carry most of the accuracy. A step in parts, see [`refine`](Self::refine), keeps what was carried up to it.
+    /// It helps where the increments of a step have digits that the state has not: explicit and linear steps, and coordinates. The
+    /// momentum of an implicit midpoint step is p₀ + 2(p̄ − p₀), where p̄ is rounded like the state: there nothing is to be kept, and
+    /// the walk stays. A systematic error of a step, and thus a drift, is not made smaller either. A step in parts, see [`refine`](Self::refine), keeps what was carried up to it.
     ///
     /// A compile-time error for linear steps with noise in the momentum, which give states and no increments.
     ///

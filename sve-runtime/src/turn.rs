@@ -1,31 +1,76 @@
 //! Sine and cosine of an angle that has been turned a little.
 //!
 //! Input: sine and cosine of the old angle, and the turn. Output: those of the new one, by the addition theorems.
-//! The polynomials are those of the usual libraries on [−π/4, π/4] (fdlibm, `k_sin.c` and `k_cos.c`): below one unit in
-//! the last place each. Tested against the standard library.
+//! The polynomials leave out less than 10⁻²⁰, far below a unit of rounding: what they leave out has the same sign step after step,
+//! so that the energy of a long run would drift by it. `sine` and `cosine` are those of the usual libraries on [−π/4, π/4] (fdlibm,
+//! `k_sin.c` and `k_cos.c`). Tested against the standard library.
 
 use core::f64::consts::FRAC_PI_4;
 
-/// Turns up to here, as an iteration makes them with a small step, need only the first terms of Taylor's series: the next
-/// ones are below a quarter unit of rounding of 1.
-const SMALL: f64 = 0.0625;
+/// Turns up to here, as an iteration makes them with a small step, need only the first terms of the series: the error is below
+/// 3·10⁻²¹.
+const SMALL: f64 = 1.0 / 32.0;
+
+/// The first coefficients of [`SINE`] for small turns. The fourth term is replaced by its best approximation of degree two, from the
+/// Chebyshev polynomial T₃ on [0, `SMALL`²], which is 32 times better than leaving it out.
+const SMALL_SINE: [f64; 3] = {
+    let t = SMALL * SMALL;
+    [
+        SINE[0] + SINE[3] * (t * t * t / 32.0),
+        SINE[1] - SINE[3] * (t * t * 9.0 / 16.0),
+        SINE[2] + SINE[3] * (1.5 * t),
+    ]
+};
+
+/// Taylor's coefficients of `(sin x − x)/x³` in x². The first term left out is below 10⁻¹⁹ at π/4, and below 10⁻²³ at ½.
+const SINE: [f64; 8] = [
+    -1.0 / 6.0,
+    1.0 / 120.0,
+    -1.0 / 5_040.0,
+    1.0 / 362_880.0,
+    -1.0 / 39_916_800.0,
+    1.0 / 6_227_020_800.0,
+    -1.0 / 1_307_674_368_000.0,
+    1.0 / 355_687_428_096_000.0,
+];
+
+/// Taylor's coefficients of `(cos x − 1 + x²/2)/x⁴` in x².
+const COSINE: [f64; 8] = [
+    1.0 / 24.0,
+    -1.0 / 720.0,
+    1.0 / 40_320.0,
+    -1.0 / 3_628_800.0,
+    1.0 / 479_001_600.0,
+    -1.0 / 87_178_291_200.0,
+    1.0 / 20_922_789_888_000.0,
+    -1.0 / 6_402_373_705_728_000.0,
+];
 
 /// `(sin(a + by), cos(a + by))` from `sin a` and `cos a`, to two units of rounding of 1.
 #[inline]
 pub fn turn(sin: f64, cos: f64, by: f64) -> (f64, f64) {
     let x2 = by * by;
     let (s, c) = if by.abs() <= SMALL {
-        let s = (-1.0 / 6.0 + x2 * (1.0 / 120.0)) + x2 * x2 * (-1.0 / 5040.0);
-        let c = (1.0 / 24.0 + x2 * (-1.0 / 720.0)) + x2 * x2 * (1.0 / 40320.0);
+        let s = (SMALL_SINE[0] + x2 * SMALL_SINE[1]) + x2 * x2 * SMALL_SINE[2];
+        let c = (COSINE[0] + x2 * COSINE[1]) + x2 * x2 * COSINE[2];
         (s, c)
     } else if by.abs() <= FRAC_PI_4 {
-        (sine(x2), cosine(x2))
+        (series(&SINE, x2), series(&COSINE, x2))
     } else {
         return turn_far(sin, cos, by);
     };
     // sin(by) = s, cos(by) = 1 − c: what a small turn changes is added last
     let (s, c) = (by + by * x2 * s, 0.5 * x2 - x2 * x2 * c);
     (sin + (cos * s - sin * c), cos - (sin * s + cos * c))
+}
+
+/// Sum of the eight terms of a series in `x2`.
+#[inline(always)]
+fn series(c: &[f64; 8], x2: f64) -> f64 {
+    let x4 = x2 * x2;
+    let low = (c[0] + x2 * c[1]) + x4 * (c[2] + x2 * c[3]);
+    let high = (c[4] + x2 * c[5]) + x4 * (c[6] + x2 * c[7]);
+    low + (x4 * x4) * high
 }
 
 #[cold]

@@ -9,7 +9,9 @@
 
 use super::solve::solve_oriented;
 use super::{LANES, Lane};
-use crate::newton::{BENT, CALM, Evaluation, NEAR, Newton, QUADRATIC, is_opposite};
+use crate::newton::{
+    BENT, CALM, Evaluation, NEAR, Newton, QUADRATIC, UNSEEN, is_opposite, last_factor,
+};
 
 /// Iterations after which lanes on their way are given up, so that they do not hold up the others.
 const LIMIT: u32 = 12;
@@ -126,14 +128,16 @@ impl<const K: usize, const JUDGED: bool> Course<K, JUDGED> {
         let (r2, p2) = (relative * relative, previous * previous);
         let next = r2 * if cubic { r2 } else { relative };
         let ratio = p2 * if cubic { previous } else { 1.0 };
-        let foreseen = (16.0 * next <= self.tolerance * ratio) & (previous < NEAR);
-        let arrives = improves & (foreseen | (relative <= self.tolerance));
+        let foreseen = (next <= UNSEEN * self.tolerance * ratio) & (previous < NEAR);
+        let last = relative <= self.tolerance;
+        let arrives = improves & (foreseen | last);
         let is_rounding = !improves & usual & (relative < QUADRATIC);
         let moves = improves;
         let active = self.end[lane] == ACTIVE;
         for i in 0..K {
             let x = self.x[i][lane];
-            self.x[i][lane] = if active & moves { x - update[i] } else { x };
+            let by = update[i] * if last { last_factor(x) } else { 1.0 };
+            self.x[i][lane] = if active & moves { x - by } else { x };
         }
         self.previous[lane] = relative;
         let on = if moves { ACTIVE } else { GIVEN_UP };

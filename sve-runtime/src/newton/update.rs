@@ -49,6 +49,20 @@ pub(super) fn update<const K: usize, J: Matrix<K>>(at: &Evaluation<K, J>) -> Opt
     })
 }
 
+/// What the last update of an unknown is multiplied by: 1 ± 1/32, more where the last bit of the unknown is odd.
+///
+/// The last update is about half a unit in the last place. Residuals near their root are multiples of a small unit, so an update of
+/// exactly half a unit in the last place is not rare. Such a tie goes to the number with an even last bit, as in an addition; decided by the
+/// rounding errors of the update, it would go to the side from which the iteration comes, which is the same one step after step.
+#[inline(always)]
+pub(crate) fn last_factor(x: f64) -> f64 {
+    if x.to_bits() & 1 == 1 {
+        1.0 + 1.0 / 32.0
+    } else {
+        1.0 - 1.0 / 32.0
+    }
+}
+
 /// Whether two determinants are of opposite signs; a NaN has none.
 #[inline(always)]
 pub(crate) fn is_opposite(a: f64, b: f64) -> bool {

@@ -1,7 +1,9 @@
 //! Ten million steps: rounding errors walk at random (Brouwer's law), and shorter with compensated sums.
 
 use sve_runtime::prelude::*;
-use sve_tests::models::{Oscillator, Pendulum};
+use sve_tests::models::{Oscillator, Pendulum, Quartic};
+
+use crate::systems::Kepler;
 
 const H: f64 = 0.01;
 const BLOCK: usize = 100_000;
@@ -49,6 +51,70 @@ fn brouwers_law() {
         "{:e} {walk:e}",
         largest(&drift)
     );
+}
+
+/// How much a conserved quantity has changed after so many steps: its mean over the last block against that over the first one. The
+/// weights of the mean are smooth, so that what oscillates along a regular orbit averages out to far below rounding.
+fn gain<const N: usize>(
+    mut path: impl Iterator<Item = Result<State<N>, StepError>>,
+    conserved: impl Fn(&State<N>) -> f64,
+) -> f64 {
+    let length = STEPS / BLOCKS;
+    let weight = |k: usize| {
+        let u = (k as f64 + 0.5) / length as f64;
+        (-1.0 / (u * (1.0 - u))).exp()
+    };
+    let mut means = Vec::new();
+    for _ in 0..BLOCKS {
+        let (mut sum, mut weights, mut first) = (0.0, 0.0, None);
+        for (k, state) in path.by_ref().take(length).enumerate() {
+            let value = conserved(&state.unwrap());
+            let first = *first.get_or_insert(value);
+            sum += weight(k) * (value - first);
+            weights += weight(k);
+        }
+        means.push(first.unwrap_or(f64::NAN) + sum / weights);
+    }
+    means[BLOCKS - 1] - means[0]
+}
+
+const STEPS: usize = 2_000_000;
+const BLOCKS: usize = 16;
+
+/// Each step rounds unknowns and state by up to a unit u = ε/2 of numbers up to 2, each independent of the last: the sum over n steps has a
+/// standard deviation of about u√n, 1.6·10⁻¹³, measured 0.6 to 0.9 of that. An iteration that ends at an error of one sign, however far
+/// below u, gives a drift: stopped at a residual below ε, h = 0.02 gives 20 u√n, and angular momentum −38 u√n; a sine wrong by
+/// 10⁻¹⁷ gives 13 u√n at h = 0.11.
+#[test]
+fn nothing_drifts_at_any_step_size() {
+    let walk = 0.5 * f64::EPSILON * (STEPS as f64).sqrt();
+    let check = |what: &str, h: f64, gain: f64| {
+        assert!(
+            gain.abs() < 5.0 * walk,
+            "{what}, h = {h}: {:.1}",
+            gain / walk
+        );
+    };
+    for h in [0.01, 0.02, 0.025, 0.11] {
+        let pendulum = Integrator::new(Pendulum { g: 1.0 }, Midpoint);
+        let path = pendulum.trajectory(State::new([1.2], [0.0]), h, NoNoise);
+        let energy = |s: &State<1>| 0.5 * s.p[0] * s.p[0] - s.q[0].cos();
+        check("pendulum", h, gain(path, energy));
+    }
+    for h in [0.01, 0.015] {
+        let quartic = Integrator::new(Quartic { m: 1.0, k: 1.0 }, Midpoint);
+        let path = quartic.trajectory(State::new([1.2], [0.0]), h, NoNoise);
+        let energy = |s: &State<1>| 0.5 * s.p[0] * s.p[0] + 0.25 * s.q[0].powi(4);
+        check("quartic oscillator", h, gain(path, energy));
+    }
+    for (h, q, p) in [(0.01, 1.0, 1.0), (0.01, 0.7, (1.3_f64 / 0.7).sqrt())] {
+        let (k, sigma) = (1.0, 0.0);
+        let kepler = Integrator::new(Kepler { k, sigma }, Midpoint);
+        let start = State::new([q, 0.0], [0.0, p]);
+        let angular_momentum = |s: &State<2>| s.q[0] * s.p[1] - s.q[1] * s.p[0];
+        let path = kepler.trajectory(start, h, NoNoise);
+        check("planet", h, gain(path, angular_momentum));
+    }
 }
 
 /// Where a step gives increments with digits below those of the state, compensated sums keep them: each step then rounds to hu
