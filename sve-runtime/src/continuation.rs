@@ -43,7 +43,10 @@ const RENEWED: f64 = 1.0 / 16.0;
 /// stride could confuse.
 const INEXACT: f64 = 1e-8;
 
-/// Error of an increment relative to the coordinate that it is added to.
+/// Increments that are smaller than those of other coordinates by this factor may be all rounding.
+const SMALL: f64 = 1e-5;
+
+/// Error of an increment relative to the largest coordinate: forces are differences of coordinates.
 const ROUNDING: f64 = 1e-12;
 
 /// Why there is no solution.
@@ -185,18 +188,29 @@ impl<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>> Point<N, X> {
     /// Whether the state here is near the extrapolated one, compared with its distance from the last point. The coordinates of
     /// the state are compared, not the unknowns, some of which are multipliers without a size of their own.
     fn is_near(&self, ahead: &Self, last: &Self, start: &Self, scale: Scale<'_, N>) -> bool {
+        let reach = |to: &[f64; N], from: &[f64; N], first: &[f64; N]| {
+            let each = (0..N).map(|i| (to[i] - first[i]).abs().max((from[i] - first[i]).abs()));
+            each.fold(0.0, f64::max)
+        };
+        let largest_q = reach(&self.q, &last.q, &start.q);
+        let largest_p = reach(&self.p, &last.p, &start.p);
         let (mut error, mut distance): (f64, f64) = (0.0, 0.0);
-        let mut compare = |to: f64, guess: f64, from: f64, first: f64, size: f64| {
+        let mut compare = |[to, guess, from, first]: [f64; 4], size: f64, largest: f64| {
             let unit = (to - first).abs().max((from - first).abs());
+            let unit = unit.max(SMALL * largest);
             if unit > 0.0 {
-                let rounding = ROUNDING * size.abs() + INEXACT * unit;
+                let rounding = ROUNDING * size + INEXACT * unit;
                 error = error.max(((to - guess).abs() - rounding) / unit);
                 distance = distance.max((to - from).abs() / unit);
             }
         };
+        let size = |x: &[f64; N]| x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let (size_q, size_p) = (size(scale.q), size(scale.p));
         for i in 0..N {
-            compare(self.q[i], ahead.q[i], last.q[i], start.q[i], scale.q[i]);
-            compare(self.p[i], ahead.p[i], last.p[i], start.p[i], scale.p[i]);
+            let q = [self.q[i], ahead.q[i], last.q[i], start.q[i]];
+            let p = [self.p[i], ahead.p[i], last.p[i], start.p[i]];
+            compare(q, size_q, largest_q);
+            compare(p, size_p, largest_p);
         }
         error <= CURVED * distance
     }

@@ -46,7 +46,7 @@ pub trait Method {
         dw: &IncrementsOf<Self::System>,
     ) -> Result<(), StepError>;
 
-    /// One step of each lane from `states` to `next` where the usual course serves; the lanes whose states are the same in
+    /// One step of each lane from `states` to `next` where the fast path solves it; the lanes whose states are the same in
     /// `next`, which [`step_prepared`](Self::step_prepared) has to step, or to say why not. Without an own form, all of them.
     ///
     /// Times in `next` are left alone: they are the same function of the number of steps for all, and the caller's.
@@ -291,7 +291,7 @@ where
     };
     // asked of the plan at compile time: a step that does not iterate keeps its state in registers
     if const { iterates(S::PLAN) } {
-        let (end, x) = solve_by_continuation(integrator, &{ *state }, h, &{ *dw })?;
+        let (end, x) = solve_by_continuation(integrator, error, &{ *state }, h, &{ *dw })?;
         *state = end;
         return Ok(x);
     }
@@ -351,7 +351,8 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
 }
 
 /// A step on which the fast path failed: its solution followed by continuation from no noise and h → 0. Where the mass matrix is
-/// singular at the start there is nothing to follow, and Newton's result is accepted without that check.
+/// singular at the start there is nothing to follow, and Newton's result is accepted without that check. `failure` is that of the fast
+/// path.
 ///
 /// # Errors
 /// Why neither gives a solution.
@@ -359,6 +360,7 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
 #[inline(never)]
 fn solve_by_continuation<S, R, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
+    failure: SolveError,
     state: &State<N>,
     h: f64,
     dw: &[f64; M],
@@ -369,6 +371,8 @@ where
     let system = integrator.system();
     let found = match continuation::follow(integrator, state, h, dw) {
         Ok(found) => Ok(found),
+        // not even the smallest step: what failed on the fast path says more
+        Err(Lost::Ends { step: 0.0, .. }) if failure != SolveError::OtherBranch => Err(failure),
         Err(Lost::Ends { step, noise }) => {
             return Err(StepError::BranchLost {
                 t: state.t,
@@ -521,6 +525,9 @@ pub(crate) fn explain<const N: usize, const M: usize>(
     dw: &[f64; M],
 ) -> StepError {
     let t = state.t;
+    if !h.is_finite() {
+        return StepError::StepSize { h };
+    }
     let named = |name: &'static str, values: &[f64]| {
         let at = values.iter().position(|x| !x.is_finite())?;
         Some(StepError::NonFiniteInput {
@@ -567,8 +574,10 @@ pub(crate) fn explain<const N: usize, const M: usize>(
             q: state.q.to_vec(),
             iteration,
         },
-        // the state after the step is finite with a time that is not, or that stands
-        SolveError::NonFinite if !is_time(t, t + h) => StepError::Time { t, h, end: t + h },
+        // the state after the step is finite with a time that is not, or that stands; outside of a step h is 0
+        SolveError::NonFinite if h != 0.0 && !is_time(t, t + h) => {
+            StepError::Time { t, h, end: t + h }
+        }
         SolveError::NonFinite | SolveError::OutsideDomain { .. } => StepError::NonFiniteResult {
             t,
             h,

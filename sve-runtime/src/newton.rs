@@ -13,15 +13,22 @@
 //!
 //! Hairer, McLachlan, Razakarivony, *Achieving Brouwer's law with implicit Runge–Kutta methods*, BIT 48 (2008).
 //!
-//! **Which root.** Equations of a step may have several solutions; the step is the one that is connected with rest, no noise and
-//! h → 0. An iteration is *calm* where each Jacobian has the orientation (the sign of the determinant) of the one in that limit,
-//! and each update passes the test of Kantorovich: a residual that is at most a quarter of the one before, beside the terms it had then;
-//! of a single unknown also |f f″| ≤ ½ f′² (the theorem gives these bounds). Where the second derivative
-//! does not change much between guess and root, no fold of the equations lies between them. Of a single unknown the root of an
-//! iteration that was not calm is accepted too, if the orientation holds all along the segment from the guess, at 17 points. Both
-//! tests sample: they are cheap rather than sufficient. What fails them is left to [`continuation`](crate::continuation).
+//! **Which root.** Equations of a step may have several solutions; the step is the one that is connected with no noise and h → 0, where
+//! the velocity is that of the momentum at the start. A block of up to four unknowns whose equations are affine in that limit is
+//! *judged* after its iteration, by bounds of its Jacobian between the limit and the root that the macro derives, see
+//! [`regular`](crate::regular). Nothing is asked of the iteration then. The other blocks are accepted by the course of their
+//! iteration. It has to be contracting: each Jacobian has the orientation (the sign of the determinant) of the one in the limit, and
+//! each residual is at most a quarter of the one before, beside the terms it had then; of a single unknown also |f f″| ≤ ½ f′²
+//! (Kantorovich's theorem gives these bounds). Of a single unknown the root of another
+//! iteration is accepted too, if the orientation holds all along the segment from the guess, at 17 points.
+//! What is not accepted is left to [`continuation`](crate::continuation).
 //!
-//! Sources: Ortega, Rheinboldt, *Iterative Solution of Nonlinear Equations in Several Variables* (1970), section 12.6;
+//! What is proved: within a judged box every Jacobian is regular, so it holds one solution at most at each smaller step and increment, but
+//! for rounding errors of the radii, which the bound of the spectral radius leaves room for. Not excluded is a path from
+//! the limit that leaves the box and comes back. The course of an iteration samples, and so does continuation.
+//!
+//! Sources: Neumaier, *Interval Methods for Systems of Equations* (1990), chapter 5;
+//! Ortega, Rheinboldt, *Iterative Solution of Nonlinear Equations in Several Variables* (1970), section 12.6;
 //! Deuflhard, *Newton Methods for Nonlinear Problems* (2011), section 2.1.
 
 mod solver;

@@ -241,7 +241,7 @@ pub trait Variational<R>: System {
         dw: &IncrementsOf<Self>,
         newton: &Solver<'_>,
     ) -> Result<StepOf<Self, R>, SolveError>;
-    /// One step of each lane from `states` to `next` where its equations are solved in the usual course; the lanes whose states
+    /// One step of each lane from `states` to `next` where the fast path solves its equations; the lanes whose states
     /// are the same in `next`, for [`increment`](Self::increment) to step or to say why not. Times in `next` are left alone.
     #[inline(always)]
     fn increment_lanes(

@@ -66,14 +66,23 @@ fn unit<const N: usize>(state: &State<N>) -> f64 {
 /// of the models pass this on, times ten at most.
 const UNITS: f64 = 40.0;
 
-/// Too large for lanes, or banded.
-const ONE_BY_ONE: [&str; 6] = [
+/// Too large for lanes, banded, or of more unknowns than are judged; and where L is not quadratic in the velocity.
+const ONE_BY_ONE: [&str; 15] = [
     "Chain by midpoint",
     "Charges by endpoint",
     "Charges by midpoint",
+    "Magnetic by taylor2",
+    "PlanarDoublePendulum by taylor2",
     "Rails by initial_point",
     "Rails by endpoint",
     "Rails by midpoint",
+    "Relativistic by initial_point",
+    "Relativistic by endpoint",
+    "Relativistic by midpoint",
+    "Relativistic by taylor2",
+    "SphericalPendulum by taylor2",
+    "Stirred by taylor2",
+    "Stretched by taylor2",
 ];
 
 struct Against(Random);
@@ -89,14 +98,16 @@ impl Visitor for Against {
         let in_lanes = !ONE_BY_ONE.contains(&what.as_str());
         let is_exact = plan.step.transcendental == 0
             && plan.blocks.iter().all(|b| b.kind != BlockKind::Newton);
+        let mut solved = 0;
         for _ in 0..20 {
             let block = Block::random::<S>(&mut self.0);
             let (states, left) = step(integrator, &block);
-            assert_eq!(left, if in_lanes { 0 } else { Mask::MAX }, "{what}");
+            assert!(in_lanes || left == Mask::MAX, "{what}");
+            solved += left.count_zeros();
             for lane in 0..LANES {
                 let before = block.states.get(lane);
                 let got = states.get(lane);
-                if !in_lanes {
+                if left >> lane & 1 == 1 {
                     assert_eq!(got, before, "{what}");
                     continue;
                 }
@@ -119,6 +130,11 @@ impl Visitor for Against {
                 }
             }
         }
+        // the judge leaves some fast motions to the single step
+        assert!(
+            !in_lanes || solved > 20 * LANES as u32 / 2,
+            "{what}: {solved}"
+        );
     }
 }
 

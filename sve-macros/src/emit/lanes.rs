@@ -1,7 +1,7 @@
 //! The step of many states at once, a lane each: loops over the lanes that the compiler turns into vector instructions.
 //!
 //! Input: a scheme. Output: `increment_lanes`, or nothing for a system that is too large for it. Invariant: no
-//! branches within a loop; what leaves the usual course is marked, and stepped by `increment`.
+//! branches within a loop; what leaves the fast path is marked, and stepped by `increment`.
 //!
 //! The code is cut into loops where an iteration begins and ends. A value that a later loop needs is stored in an array over
 //! the lanes, a row of `kept`.

@@ -1,9 +1,10 @@
-//! Newton's method in lanes: the usual course of [`Newton`], branch-free.
+//! Newton's method in lanes: the fast path of [`Newton`], branch-free.
 //!
 //! Input and output as there, a lane each. A lane whose iteration arrives is left alone from then on, whatever its
-//! neighbours do; one that leaves the usual course (a residual that does not halve, an iteration that is not calm, a Jacobian that
-//! is singular or turned, a NaN) is given up, for the scalar step to treat. Where a lane arrives, its residual passed the same tests as there; the last digit may differ:
-//! quotients share a division, and a satisfied equation gets one more update instead of a test of its Jacobian.
+//! neighbours do. A lane is given up, for the scalar step to treat, where a residual does not halve, a Jacobian is singular, a
+//! number is NaN, or the judge does not accept the root: bounds of the Jacobian as in the scalar step, or the course of the iteration where a block has
+//! none. Where a lane arrives, its residual passed the same tests as there; the last digit may differ:
+//! quotients share a division, and a satisfied equation gets its last update without a test of its Jacobian.
 
 #![allow(clippy::needless_bitwise_bool)] // both sides are computed: a branch would end the vectors
 

@@ -151,7 +151,8 @@ fn lanes_take_the_same_branch() {
             }
         }
     }
-    assert!(done > 500, "{done}");
+    // the judge leaves most of these, with increments far beyond those of noise, to the single step
+    assert!(done > 250, "{done}");
 }
 
 /// Two unknowns: H₁ = (σ₁I, σ₂I²) with I = (q² + p²)/2. The midpoint rule turns by an angle that depends on the middle's I, which

@@ -1,0 +1,425 @@
+//! Which solution a step takes: the one connected with no noise and h → 0, in single steps and in lanes, within the domain of L.
+
+use sve_runtime::prelude::*;
+use sve_runtime::{Dims, LANES, StateLanes, System, Variational};
+use sve_tests::random::Random;
+
+use super::wild::*;
+
+/// Lanes of each system and rule, spread over the step sizes.
+const SAMPLES: usize = if cfg!(feature = "thorough") {
+    1_000_000
+} else {
+    10_000
+};
+
+/// Whether two states agree but for what an ill-conditioned step makes of the rounding of elementary functions.
+fn agree<const N: usize>(a: &State<N>, b: &State<N>) -> bool {
+    let near = |x: f64, y: f64| (x - y).abs() <= 1e-6 * (1.0 + y.abs());
+    (0..N).all(|i| near(a.q[i], b.q[i]) && near(a.p[i], b.p[i]))
+}
+
+/// Steps random states, within `size` of zero in q and p, in lanes and one by one.
+fn compare<S, R, const N: usize, const M: usize>(name: &str, system: S, rule: R, size: [f64; 2])
+where
+    S: Variational<R> + System<Dims = Dims<N, M>>,
+{
+    const SIZES: [f64; 4] = [0.1, 0.3, 1.0, 3.0];
+    let integrator = Integrator::new(system, rule);
+    let mut random = Random::new(42);
+    for h in SIZES {
+        let prepared = integrator.prepare(h).unwrap();
+        for _ in 0..SAMPLES.div_ceil(SIZES.len() * LANES) {
+            let mut states = StateLanes::splat(&State::new([0.0; N], [0.0; N]));
+            let mut dw = [[0.0; LANES]; M];
+            for lane in 0..LANES {
+                let [t] = random.array(0.0, 1.0);
+                let (q, p) = (
+                    random.array(-size[0], size[0]),
+                    random.array(-size[1], size[1]),
+                );
+                states.set(lane, &State::at(t, q, p));
+                for row in &mut dw {
+                    // a sum of three uniform numbers: as wide as a normal one, to three standard deviations
+                    row[lane] = h.sqrt() * random.array::<3>(-1.0, 1.0).iter().sum::<f64>();
+                }
+            }
+            let mut next = states;
+            let left = integrator.step_lanes(&prepared, &states, &mut next, h, &dw);
+            for lane in (0..LANES).filter(|lane| left >> lane & 1 == 0) {
+                let start = states.get(lane);
+                let mut single = start;
+                let dw: [f64; M] = core::array::from_fn(|i| dw[i][lane]);
+                let result = integrator.step(&mut single, h, &dw);
+                assert!(
+                    result.is_ok() && agree(&next.get(lane), &single),
+                    "{name}, h = {h}: {start:?} {dw:?}\nlanes {:?}\nsingle {single:?} {result:?}",
+                    next.get(lane)
+                );
+            }
+        }
+    }
+}
+
+macro_rules! lanes_take_the_solution_of_single_steps {
+    ($($system:ident, $q:expr, $p:expr;)*) => {
+        /// What a lane solves is what the single step solves: no lane takes another solution, or one where the single step errs.
+        #[test]
+        fn lanes_take_the_solution_of_single_steps() {
+            $(
+                compare(stringify!($system), $system, Midpoint, [$q, $p]);
+                compare(stringify!($system), $system, Endpoint, [$q, $p]);
+                compare(stringify!($system), $system, InitialPoint, [$q, $p]);
+            )*
+        }
+    };
+}
+
+lanes_take_the_solution_of_single_steps! {
+    DoubleWell, 1.5, 3.0;
+    Kapitza, 3.0, 3.0;
+    PoschlTeller, 1.0, 3.0;
+    MathewsLakshmanan, 2.0, 3.0;
+    QuarticKinetic, 1.5, 3.0;
+    Pendulum, 3.0, 5.0;
+    DoublePendulum, 3.0, 5.0;
+    HenonHeiles, 0.6, 0.6;
+    TurnedHenonHeiles, 0.6, 0.6;
+    Rotor, 3.0, 3.0;
+    Synchrotron, 3.0, 3.0;
+    Kepler, 2.0, 1.5;
+    GaussianWell, 2.0, 2.0;
+    LorentzWell, 3.0, 2.0;
+    Morse, 1.0, 1.0;
+    CurvedMass, 2.0, 2.0;
+    PolarOrbit, 2.0, 2.0;
+    Actions, 1.5, 1.5;
+    Bounded, 1.5, 1.0;
+    RelativisticOscillator, 1.0, 2.0;
+    CoshKinetic, 1.0, 2.0;
+    TwoWaves, 3.0, 2.0;
+    Chain, 1.0, 1.0;
+}
+
+/// The end of a step of one coordinate.
+fn end<S, R, const M: usize>(
+    integrator: &Integrator<S, R>,
+    [q, p]: [f64; 2],
+    h: f64,
+    dw: [f64; M],
+) -> Result<[f64; 2], StepError>
+where
+    S: Variational<R> + System<Dims = Dims<1, M>>,
+{
+    let mut state = State::new([q], [p]);
+    integrator.step(&mut state, h, &dw)?;
+    Ok([state.q[0], state.p[0]])
+}
+
+fn assert_near(found: [f64; 2], expected: [f64; 2], tolerance: f64) {
+    for (x, y) in found.into_iter().zip(expected) {
+        assert!(
+            (x - y).abs() <= tolerance * (1.0 + y.abs()),
+            "{found:?} {expected:?}"
+        );
+    }
+}
+
+/// The solution that is followed, in small steps.
+mod followed {
+    /// Follows the root of `value(x, s)` from `x` at s = 0 to 1, by Newton's method in steps so small that it moves by little of
+    /// the length on which the equations change; nothing where its slope vanishes.
+    pub(super) fn root(
+        mut x: f64,
+        value: impl Fn(f64, f64) -> f64,
+        slope: impl Fn(f64, f64) -> f64,
+    ) -> Option<f64> {
+        const STEPS: u32 = 20_000;
+        for k in 1..=STEPS {
+            let s = f64::from(k) / f64::from(STEPS);
+            let from = x;
+            for _ in 0..6 {
+                x -= value(x, s) / slope(x, s);
+            }
+            if !(slope(x, s) > 0.0 && (x - from).abs() < 0.05) {
+                return None;
+            }
+        }
+        Some(x)
+    }
+}
+
+/// The pendulum by the midpoint rule at steps beyond the period of its linearisation, where most states have several solutions: the
+/// one that a reference follows from h = 0, then from no noise.
+#[test]
+fn large_steps_of_the_pendulum() {
+    let integrator = Integrator::new(Pendulum, Midpoint);
+    let mut random = Random::new(7);
+    let mut counts = [0; 2];
+    for _ in 0..150 {
+        let [q, p, size, noise] = random.array(-1.0, 1.0);
+        let (q, p, h, w) = (3.0 * q, 5.0 * p, 1.2 + size, 2.0 * noise);
+        let force = |x: f64, h: f64, w: f64| {
+            let node = q + 0.5 * h * x;
+            0.5 * h * 9.8 * node.sin() - 0.25 * w * node.cos()
+        };
+        let stiffness = |x: f64, h: f64, w: f64| {
+            let node = q + 0.5 * h * x;
+            0.5 * h * (0.5 * h * 9.8 * node.cos() + 0.25 * w * node.sin())
+        };
+        let still = followed::root(
+            p,
+            |x, s| x - p + force(x, s * h, 0.0),
+            |x, s| 1.0 + stiffness(x, s * h, 0.0),
+        );
+        let noisy = still.and_then(|v| {
+            followed::root(
+                v,
+                |x, s| x - p + force(x, h, s * w),
+                |x, s| 1.0 + stiffness(x, h, s * w),
+            )
+        });
+        let result = end(&integrator, [q, p], h, [w]);
+        match (noisy, result) {
+            (Some(v), Ok(found)) => {
+                assert_near(found, [q + h * v, 2.0 * v - p], 1e-9);
+                counts[0] += 1;
+            }
+            (None, Err(StepError::BranchLost { .. })) => counts[1] += 1,
+            (expected, found) => {
+                panic!("q = {q}, p = {p}, h = {h}, w = {w}: {expected:?} {found:?}")
+            }
+        }
+    }
+    // few solutions end: most paths go around the folds
+    assert!(counts[0] > 120, "{counts:?}");
+}
+
+struct Logarithmic;
+
+#[variational(midpoint, endpoint, initial_point)]
+impl Logarithmic {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        -(1.0 - v * v).ln() - 0.5 * q * q
+    }
+}
+
+/// The equations of the step have a solution with v ≈ 10⁹, where L is not defined.
+#[test]
+fn solutions_outside_of_the_domain_are_none() {
+    let midpoint = Integrator::new(Logarithmic, Midpoint);
+    let endpoint = Integrator::new(Logarithmic, Endpoint);
+    let initial_point = Integrator::new(Logarithmic, InitialPoint);
+    for v in [0.1, 0.7, 0.75, 0.9, 0.999, -0.7] {
+        let p = 2.0 * v / (1.0 - v * v);
+        for h in [1e-4, 1e-2] {
+            // the motion to second order: q̇ = v, ṗ = −q
+            let expected = [0.3 + h * v, p - h * 0.3 - 0.5 * h * h * v];
+            for found in [
+                end(&midpoint, [0.3, p], h, []).unwrap(),
+                end(&endpoint, [0.3, p], h, []).unwrap(),
+                end(&initial_point, [0.3, p], h, []).unwrap(),
+            ] {
+                assert_near(found, expected, 2.0 * h * h);
+            }
+        }
+        assert!((Logarithmic.velocity([0.3], [p]).unwrap()[0] - v).abs() < 1e-14);
+    }
+}
+
+struct Falling {
+    c: f64,
+}
+
+#[variational(midpoint, endpoint, initial_point, taylor2)]
+impl Falling {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        -self.c.powi(2) * (1.0 - v * v / self.c.powi(2)).sqrt() + q
+    }
+}
+
+/// A relativistic particle under unit force: v = p/√(1 + p²/c²) at each momentum, p₁ = p₀ + h by every rule.
+#[test]
+fn relativistic_momenta_of_any_size() {
+    for c in [1.0, 299_792_458.0] {
+        for ratio in [1e-3, 0.5, 0.9999, 1.0, 1.001, 3.0, 50.0, 1e3, 1e6] {
+            let (p, h) = (ratio * c, 1e-3);
+            let velocity = |p: f64| p / (1.0 + (p / c).powi(2)).sqrt();
+            let check = |found: Result<[f64; 2], StepError>, at: f64| {
+                let [q, p1] = found.unwrap();
+                assert!((q - h * velocity(at)).abs() <= 1e-13 * q, "{ratio} {q}");
+                assert!((p1 - p - h).abs() <= 1e-13 * p, "{p1}");
+            };
+            check(
+                end(&Integrator::new(Falling { c }, Midpoint), [0.0, p], h, []),
+                p + 0.5 * h,
+            );
+            check(
+                end(&Integrator::new(Falling { c }, Endpoint), [0.0, p], h, []),
+                p,
+            );
+            check(
+                end(
+                    &Integrator::new(Falling { c }, InitialPoint),
+                    [0.0, p],
+                    h,
+                    [],
+                ),
+                p + h,
+            );
+            end(&Integrator::new(Falling { c }, Taylor2), [0.0, p], h, []).unwrap();
+        }
+    }
+}
+
+struct Gyrating;
+
+#[variational(midpoint)]
+impl Gyrating {
+    fn lagrangian(&self, q: [f64; 3], v: [f64; 3]) -> f64 {
+        let speed = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        -(1.0 - speed).sqrt() + 0.5 * (q[0] * v[1] - q[1] * v[0])
+    }
+}
+
+/// In a magnetic field the kinetic momentum keeps its size, here of 5 mc, and turns.
+#[test]
+fn a_relativistic_particle_gyrates() {
+    let integrator = Integrator::new(Gyrating, Midpoint);
+    let kinetic = |s: &State<3>| [s.p[0] + 0.5 * s.q[1], s.p[1] - 0.5 * s.q[0], s.p[2]];
+    let size = |s: &State<3>| kinetic(s).iter().map(|x| x * x).sum::<f64>().sqrt();
+    let start = State::new([0.0; 3], [4.0, 0.0, 3.0]);
+    let end = integrator.trajectory(start, 0.05, NoNoise).take(400).last();
+    let end = end.unwrap().unwrap();
+    assert!((size(&end) - 5.0).abs() < 1e-12, "{end:?}");
+    assert!((end.p[0] - 4.0).abs() > 0.1);
+}
+
+struct Exponential;
+
+#[variational(midpoint)]
+impl Exponential {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        v.exp() - 0.5 * q * q
+    }
+}
+
+struct Entropic;
+
+#[variational(midpoint)]
+impl Entropic {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        v * v.ln() - 0.5 * q * q
+    }
+}
+
+/// Momenta that grow like an exponential of the velocity, and a velocity that cannot vanish.
+#[test]
+fn the_legendre_transform_is_followed() {
+    for v in [-3.0_f64, 0.1, 5.0, 50.0, 300.0] {
+        assert_near(
+            [CoshKinetic.velocity([0.0], [v.sinh()]).unwrap()[0]; 2],
+            [v; 2],
+            1e-14,
+        );
+        assert_near(
+            [Exponential.velocity([0.0], [v.exp()]).unwrap()[0]; 2],
+            [v; 2],
+            1e-14,
+        );
+        assert_near(
+            [Entropic.velocity([0.1], [v.abs().ln() + 1.0]).unwrap()[0]; 2],
+            [v.abs(); 2],
+            1e-13,
+        );
+    }
+    // no velocity has a negative momentum
+    assert!(Exponential.velocity([0.0], [-1.0]).is_err());
+    let h = 1e-2;
+    let [q, p] = end(
+        &Integrator::new(Exponential, Midpoint),
+        [0.0, 5.0_f64.exp()],
+        h,
+        [],
+    )
+    .unwrap();
+    assert_near([q, p], [5.0 * h, 5.0_f64.exp() - 2.5 * h * h], 1e-6);
+    end(&Integrator::new(Entropic, Midpoint), [0.1, 1.0], h, []).unwrap();
+}
+
+struct Stiffening;
+
+#[variational(midpoint)]
+impl Stiffening {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v + 0.25 * v.powi(4) - 0.325 * q.powi(4)
+    }
+    #[gamma]
+    fn wave(&self, q: f64) -> f64 {
+        0.2 * q.cos()
+    }
+    #[h1]
+    fn shift(&self, _q: f64, p: f64) -> f64 {
+        0.1 * p * p
+    }
+}
+
+/// Steps whose first guess, the velocity without the quartic term, is far from the solution.
+#[test]
+fn solvable_steps_are_solved() {
+    let integrator = Integrator::new(Stiffening, Midpoint);
+    for (start, h, dw, expected) in [
+        (
+            [-0.481_332_040_194_212_5, -20.493_974_040_470_974],
+            0.1,
+            [-0.254_772_974_347_881_5, -0.134_041_206_898_625_25],
+            [-0.193_279_197_819, -20.505_848_240_2],
+        ),
+        (
+            [0.714_377_362_312_135_7, 296.896_126_584_801_8],
+            1e-3,
+            [-0.009_166_298_756_512_831, -0.017_930_165_972_523_15],
+            [-0.343_681_395_626, 296.896_456_156],
+        ),
+        (
+            [0.918_906_553_392_246_9, -2.258_569_565_430_228],
+            1.0,
+            [-0.139_779_784_716_538_74, -1.502_384_025_610_929_3],
+            [0.556_242_858_4, -2.761_397_928],
+        ),
+    ] {
+        assert_near(end(&integrator, start, h, dw).unwrap(), expected, 1e-9);
+    }
+}
+
+struct Charged;
+
+#[variational(endpoint, midpoint)]
+impl Charged {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v + q.ln()
+    }
+}
+
+/// An explicit step across the border of the domain is an error that names it, and in lanes it is left to the single step.
+#[test]
+fn explicit_steps_stay_within_the_domain() {
+    let endpoint = Integrator::new(Charged, Endpoint);
+    let start = State::new([0.1], [-5.0]);
+    let mut state = start;
+    let error = endpoint.step(&mut state, 0.1, &[]).unwrap_err();
+    assert_eq!(state, start);
+    assert!(matches!(error, StepError::OutsideDomain { .. }), "{error}");
+    let message = error.to_string();
+    for part in ["q₁ > 0", "h = 1e-1", "smaller h"] {
+        assert!(message.contains(part), "{message}");
+    }
+    let states = StateLanes::splat(&start);
+    let mut next = states;
+    let prepared = endpoint.prepare(0.1).unwrap();
+    let left = endpoint.step_lanes(&prepared, &states, &mut next, 0.1, &[]);
+    assert_eq!((left, next), (u32::MAX, states));
+    // an implicit step is repelled by the border, and turns back
+    let [q, p] = end(&Integrator::new(Charged, Midpoint), [0.1, -5.0], 1.0, []).unwrap();
+    assert!(q > 0.0 && p > 0.0, "{q} {p}");
+}
