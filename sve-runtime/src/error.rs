@@ -71,7 +71,7 @@ pub enum StepError {
     },
     /// The step ends where a function in L or in a noise is not defined.
     #[error(
-        "the step from t = {t} with h = {h:e} leads out of the domain of L, from q = {q:?}, p = {p:?}: it needs {condition}; \
+        "the step from t = {t} with h = {h:e} leads out of the domain of L, from q = {q:?}: it needs {condition}; \
          take a smaller h, or choose L so that the motion stays within its domain"
     )]
     OutsideDomain {
@@ -83,10 +83,8 @@ pub enum StepError {
         h: f64,
         /// Configuration at the start of the step.
         q: Vec<f64>,
-        /// Momentum at the start of the step.
-        p: Vec<f64>,
         /// The condition that does not hold.
-        condition: String,
+        condition: Box<str>,
     },
     /// The equations of the step have a singular Jacobian.
     #[error(

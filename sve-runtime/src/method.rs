@@ -412,14 +412,13 @@ where
 {
     let explained = explain(error, state, h, dw);
     match (error, explained) {
-        (SolveError::OutsideDomain { condition }, StepError::NonFiniteResult { t, h, q, p }) => {
+        (SolveError::OutsideDomain { condition }, StepError::NonFiniteResult { t, h, q, .. }) => {
             let condition = S::DOMAIN.get(condition).copied().unwrap_or("L is defined");
             StepError::OutsideDomain {
                 t,
                 h,
                 q,
-                p,
-                condition: condition.to_owned(),
+                condition: condition.into(),
             }
         }
         (_, explained) => look_at_the_mass(integrator.system(), explained),

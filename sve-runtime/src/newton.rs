@@ -11,7 +11,7 @@
 //! - where the residual no longer halves and is rounding: below [`QUADRATIC`], or within the bound of its own errors, or where the update
 //!   was one of the last digits of the unknowns.
 //!
-//! Hairer, McLachlan, Razakarivony, *Achieving Brouwer's law with implicit Runge–Kutta methods*, BIT 48 (2008).
+//! E. Hairer, R. I. `McLachlan`, A. Razakarivony, *Achieving Brouwer's law with implicit Runge–Kutta methods*, BIT 48 (2008).
 //!
 //! **Which root.** Equations of a step may have several solutions; the step is the one that is connected with no noise and h → 0, where
 //! the velocity is that of the momentum at the start. A block of up to four unknowns whose equations are affine in that limit is

@@ -10,6 +10,8 @@
 //! Source: Neumaier, *Interval Methods for Systems of Equations* (1990), proposition 4.1.1; Berman, Plemmons, *Nonnegative
 //! Matrices in the Mathematical Sciences* (1994), chapter 6, for M-matrices.
 
+#![allow(clippy::needless_bitwise_bool)] // both sides are computed: a branch would end the vectors
+
 /// Bound of the spectral radius: 1 less what the rounding errors of the radii and of a nearly singular inverse may amount to.
 const BOUND: f64 = 0.95;
 

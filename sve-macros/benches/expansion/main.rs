@@ -11,6 +11,8 @@
 mod action;
 #[path = "../../src/compile.rs"]
 mod compile;
+#[path = "../../src/domain.rs"]
+mod domain;
 #[path = "../../src/emit/mod.rs"]
 mod emit;
 #[path = "../../src/equations.rs"]

@@ -205,7 +205,7 @@ impl Bounds<'_> {
     fn symbol(&mut self, e: Expr, symbol: Symbol) -> Interval {
         match self.ranges.get(&symbol) {
             None => self.exact(e),
-            Some(Range::Small) => self.from_zero(e),
+            Some(Range::Small) => self.up_to(e),
             Some(&Range::Unknown { limit, moved }) => {
                 let limit = self.arena.symbol(limit);
                 let distance = self.arena.sub(e, limit);
@@ -222,7 +222,7 @@ impl Bounds<'_> {
     }
 
     /// From 0 to `end`.
-    fn from_zero(&mut self, end: Expr) -> Interval {
+    fn up_to(&mut self, end: Expr) -> Interval {
         let (mid, half) = if self.flavour == Flavour::Limit {
             (self.arena.constant(0.0), end)
         } else {
@@ -243,7 +243,7 @@ impl Bounds<'_> {
         let (mut scale, mut product) = (one, around(one, zero));
         let mut from_zero = false;
         if self.flavour == Flavour::Limit && factors.iter().any(|f| self.is_from_zero(*f)) {
-            return self.size(factors);
+            return Some(self.size(factors));
         }
         for &(base, k) in factors {
             let factor = self.done[&base];
@@ -267,7 +267,7 @@ impl Bounds<'_> {
         }
         if from_zero && product.radius == zero {
             // the product is 1
-            return Some(self.from_zero(scale));
+            return Some(self.up_to(scale));
         }
         let size = self.arena.abs(scale);
         let mid = self.arena.mul(scale, product.mid);
@@ -288,7 +288,7 @@ impl Bounds<'_> {
     }
 
     /// A product with a factor that goes from 0 to its end: at most as large as the product of the largest sizes.
-    fn size(&mut self, factors: &[(Expr, i32)]) -> Option<Interval> {
+    fn size(&mut self, factors: &[(Expr, i32)]) -> Interval {
         let one = self.arena.constant(1.0);
         let (mut size, mut end) = (one, Some(one));
         for &(base, k) in factors {
@@ -324,11 +324,11 @@ impl Bounds<'_> {
                 _ => None,
             };
         }
-        Some(Interval {
+        Interval {
             mid: self.arena.constant(0.0),
             radius: size,
             end,
-        })
+        }
     }
 
     fn times(&mut self, a: Interval, b: Interval) -> Interval {
@@ -381,14 +381,13 @@ impl Bounds<'_> {
             | Function::Tanh
             | Function::Asinh
             | Function::Abs => r,
-            Function::Exp => self.grown(mid, 0.0, r),
+            Function::Exp | Function::Cosh => self.grown(mid, 0.0, r),
             Function::Exp2 => {
                 let r = self.arena.scale(std::f64::consts::LN_2, r);
                 self.grown(mid, 0.0, r)
             }
             // the slope of each is at most this multiple of 1 + |value|, e^r times as large within r
             Function::ExpM1 | Function::Sinh => self.grown(mid, 1.0, r),
-            Function::Cosh => self.grown(mid, 0.0, r),
             // |√(x+δ) − √x| ≤ |δ|/√x
             Function::Sqrt => {
                 self.positive(x_mid, r);
