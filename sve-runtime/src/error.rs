@@ -32,7 +32,8 @@ pub enum StepError {
     #[error(
         "Newton's method stopped after {iterations} iterations in the step from t = {t} with h = {h:e}: \
          relative residual {residual:e}, wanted {tolerance:e}; \
-         take a smaller h, or raise `max_iterations` with `with_newton` if that was the limit"
+         take a smaller h{}",
+        iteration_limit(*iterations)
     )]
     NotConverged {
         /// Time at the start of the step.
@@ -66,6 +67,24 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         step: f64,
         /// The part of the increments up to which it was followed at the whole step size; 0 where that was not reached.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        reached: f64,
+    },
+    /// The momentum has no velocity that is connected with the reference velocity of the Legendre transform, rest where L is defined there.
+    #[error(
+        "no velocity with the momentum p = {p:?} was found at t = {t}, q = {q:?}: velocities of momenta from that of rest towards it \
+         were followed and end at {reached:.3} of the way, where ∂²L/∂v² is singular or ∂L/∂v has no larger value; \
+         look at the range of ∂L/∂v"
+    )]
+    NoVelocity {
+        /// Time.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Configuration.
+        q: Vec<f64>,
+        /// Momentum.
+        p: Vec<f64>,
+        /// The part of the way to the momentum up to which velocities were found.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         reached: f64,
     },
@@ -166,6 +185,19 @@ fn no_time(t: f64, h: f64, end: f64) -> String {
     format!(
         "the step from t = {t} with h = {h:e} ends at t = {end}: take a smaller h, or fewer steps"
     )
+}
+
+/// Iterations from which on their limit may have been what ended them: a step within reach of the method takes fewer.
+const MANY: u32 = 8;
+
+/// What is said of the limit of iterations.
+fn iteration_limit(iterations: u32) -> &'static str {
+    // none at all is a limit of 0
+    if iterations == 0 || iterations >= MANY {
+        ", or raise `max_iterations` with `with_newton` if that was the limit"
+    } else {
+        ""
+    }
 }
 
 /// The message of [`StepError::BranchLost`].

@@ -42,7 +42,7 @@ const SCALES: i32 = 40;
 ///
 /// # Errors
 /// [`SolveError::Singular`] where the mass matrix has no inverse; [`SolveError::NonFinite`] where L is not defined;
-/// [`SolveError::NotConverged`] where no velocity of this momentum is connected with the reference.
+/// [`SolveError::NoVelocity`] where no velocity of this momentum is connected with the reference.
 #[inline]
 pub(crate) fn velocity<S, const N: usize, const M: usize>(
     system: &S,
@@ -117,11 +117,7 @@ where
             break;
         }
     }
-    Err(SolveError::NotConverged {
-        iterations: 0,
-        residual: 1.0 - here,
-        tolerance: newton.tolerance,
-    })
+    Err(SolveError::NoVelocity { reached: here })
 }
 
 /// A velocity at which L is defined and its mass matrix regular, with its momentum and a number of the sign of the determinant: rest, or

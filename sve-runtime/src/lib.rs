@@ -102,6 +102,7 @@ mod regular;
 mod rules;
 mod snapshot;
 mod state;
+mod step;
 #[cfg(feature = "study")]
 pub mod study;
 mod system;

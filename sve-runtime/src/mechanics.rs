@@ -7,9 +7,9 @@
 use crate::error::StepError;
 use crate::legendre;
 use crate::linear;
-use crate::method::explain;
 use crate::newton::SolveError;
 use crate::state::State;
+use crate::step::explain;
 use crate::system::{Dims, IncrementsOf, NoiseJet, StateOf, System, VectorOf};
 
 /// A tangent vector of phase space: `(q̇, ṗ)`, or the field of a noise.
@@ -59,7 +59,7 @@ pub trait Mechanics: System {
     ///
     /// # Errors
     /// [`StepError::Singular`] where the mass matrix `∂²L/∂v²` has no inverse; [`StepError::NonFiniteInput`];
-    /// [`StepError::NotConverged`] where L is not quadratic in v and no velocity with that momentum is found.
+    /// [`StepError::NoVelocity`] where L is not quadratic in v and no velocity with that momentum is found.
     fn velocity(&self, q: VectorOf<Self>, p: VectorOf<Self>) -> Result<VectorOf<Self>, StepError> {
         self.velocity_at(0.0, q, p)
     }

@@ -102,6 +102,11 @@ pub enum SolveError {
     NonFinite,
     /// Nothing shows that what was found is connected with the limit of no noise and h → 0.
     OtherBranch,
+    /// No velocity of the momentum is connected with the reference velocity of the Legendre transform.
+    NoVelocity {
+        /// The part of the way to the momentum up to which velocities were found.
+        reached: f64,
+    },
     /// What was found is outside of the domain of L or of a noise.
     OutsideDomain {
         /// Which condition does not hold.

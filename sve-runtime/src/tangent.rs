@@ -9,9 +9,10 @@ use crate::Integrator;
 use crate::error::StepError;
 use crate::linear;
 use crate::mechanics::Field;
-use crate::method::{Method, explain, solve_step};
+use crate::method::Method;
 use crate::newton::SolveError;
 use crate::state::State;
+use crate::step::{explain, solve_step};
 use crate::system::{Dims, System, Variational};
 
 /// The tangent map of a step, `∂(q₁,p₁)/∂(q₀,p₀)`: a matrix of `2N` rows and columns, first the coordinates, then the momenta.

@@ -2,10 +2,11 @@
 
 use crate::Integrator;
 use crate::error::StepError;
-use crate::method::{self, Method, is_time};
+use crate::method::Method;
 use crate::noise::{Halves, Noise, NoiseError, Part};
 use crate::snapshot::Snapshot;
 use crate::state::State;
+use crate::step::{self, is_time};
 use crate::system::{Dimensions, Dims, IncrementsOf, StateOf, System, Variational};
 
 /// The states after each step, from [`Method::trajectory`].
@@ -356,7 +357,7 @@ where
         // one that was resumed has its low parts
         self.compensation.get_or_insert_with(|| Compensation {
             rest: State::new([0.0; N], [0.0; N]),
-            step: method::compensated_step,
+            step: step::compensated_step,
         });
         self
     }

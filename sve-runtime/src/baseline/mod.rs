@@ -41,7 +41,7 @@ macro_rules! method_by_increment {
 
             #[inline]
             fn prepare(&self, h: f64) -> Result<(), crate::error::StepError> {
-                crate::method::check_step_size(h)
+                crate::step::check_step_size(h)
             }
 
             #[inline]
@@ -53,8 +53,8 @@ macro_rules! method_by_increment {
                 dw: &[f64; $m],
             ) -> Result<(), crate::error::StepError> {
                 match self.increment(state, h, dw) {
-                    Ok(d) => crate::method::advance(state, h, dw, &d.q, &d.p),
-                    Err(error) => Err(crate::method::explain(error, state, h, dw)),
+                    Ok(d) => crate::step::advance(state, h, dw, &d.q, &d.p),
+                    Err(error) => Err(crate::step::explain(error, state, h, dw)),
                 }
             }
         }
