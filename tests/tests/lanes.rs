@@ -67,11 +67,12 @@ fn unit<const N: usize>(state: &State<N>) -> f64 {
 const UNITS: f64 = 40.0;
 
 /// Too large for lanes, banded, or of more unknowns than are judged; and where L is not quadratic in the velocity.
-const ONE_BY_ONE: [&str; 15] = [
+const ONE_BY_ONE: [&str; 16] = [
     "Chain by midpoint",
     "Charges by endpoint",
     "Charges by midpoint",
     "Magnetic by taylor2",
+    "Mixed by endpoint",
     "PlanarDoublePendulum by taylor2",
     "Rails by initial_point",
     "Rails by endpoint",
