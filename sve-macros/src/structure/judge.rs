@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use super::Reduced;
 use super::block::Replacement;
 use super::enclosure::{Enclosure, Flavour, Range, enclose};
-use crate::model::Meaning;
+use crate::model::{Family, Meaning};
 use crate::symbolic::{Expr, Node, Symbol};
 
 /// Unknowns of a block up to which its solutions are judged by bounds of its Jacobian, which take about as long to compute as the
@@ -62,9 +62,16 @@ impl Reduced<'_> {
         let zero = self.arena.constant(0.0);
         let small = self.small(residual);
         let still: Replacement = small.iter().map(|&s| (s, zero)).collect();
-        let matrix = self.arena.substitute_all(&jacobian.concat(), &still);
-        let moves = |e: &Expr| unknowns.iter().any(|&u| self.arena.contains(*e, u));
-        if matrix.iter().any(moves) {
+        // a displacement vanishes in the limit, whatever it is multiplied by
+        let mut resting = still.clone();
+        let displacements = unknowns.iter().filter(|&&u| self.is_displacement(u));
+        resting.extend(displacements.map(|&u| (u, zero)));
+        let at_limit = self.arena.substitute_all(&jacobian.concat(), &resting);
+        let moves = |(at, e): (usize, &Expr)| {
+            !self.is_displacement(unknowns[at % unknowns.len()])
+                && unknowns.iter().any(|&u| self.arena.contains(*e, u))
+        };
+        if at_limit.iter().enumerate().any(moves) {
             return None;
         }
         let mut limit_of: Replacement = unknowns.iter().map(|&u| (u, zero)).collect();
@@ -132,6 +139,11 @@ impl Reduced<'_> {
             quick,
             full,
         })
+    }
+
+    fn is_displacement(&self, symbol: Symbol) -> bool {
+        let meaning = self.symbols.meaning(symbol);
+        matches!(meaning, Meaning::Unknown(u) if u.family == Family::Displacement)
     }
 
     /// What several small quantities do to a single unknown beyond their common effect, to first order: the sum of the sizes of
