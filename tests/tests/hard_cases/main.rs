@@ -13,4 +13,5 @@ mod sampling;
 mod scales;
 mod stiff;
 mod systems;
+mod walks;
 mod wild;
