@@ -72,7 +72,7 @@ pub enum StepError {
     },
     /// The momentum has no velocity that is connected with the reference velocity of the Legendre transform, rest where L is defined there.
     #[error(
-        "no velocity with the momentum p = {p:?} was found at t = {t}, q = {q:?}: velocities of momenta from that of rest towards it \
+        "no velocity with the momentum p = {p:?} was found at t = {t}: velocities of momenta from that of rest towards it \
          were followed and end at {reached:.3} of the way, where ∂²L/∂v² is singular or ∂L/∂v has no larger value; \
          look at the range of ∂L/∂v"
     )]
@@ -80,8 +80,6 @@ pub enum StepError {
         /// Time.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
-        /// Configuration.
-        q: Vec<f64>,
         /// Momentum.
         p: Vec<f64>,
         /// The part of the way to the momentum up to which velocities were found.

@@ -314,7 +314,6 @@ pub(crate) fn explain<const N: usize, const M: usize>(
         },
         SolveError::NoVelocity { reached } => StepError::NoVelocity {
             t,
-            q: state.q.to_vec(),
             p: state.p.to_vec(),
             reached,
         },
