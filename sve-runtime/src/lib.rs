@@ -263,7 +263,7 @@ pub mod __private {
     pub mod lane {
         pub use crate::lanes::elementary::*;
         pub use crate::lanes::newton::Course;
-        pub use crate::lanes::solve::{orientation, solve};
+        pub use crate::lanes::solve::solve;
         pub use crate::lanes::{LANES, Lane, Mask, StateLanes, is_left, rows};
     }
     pub use crate::linear::{solve, solve_oriented};

@@ -215,15 +215,13 @@ impl Writer<'_> {
                 }
                 (Solve::Iteration(newton), Solution::Iteration(iteration)) => {
                     let (course, guess) = (course(at), self.guess(at, newton, iteration));
-                    let origin = self.origin(newton);
                     let limit = self.limit(newton, iteration);
-                    section.extend(quote!(#course.begin(lane, #guess, #limit, #origin);));
+                    section.extend(quote!(#course.begin(lane, #guess, #limit);));
                     let size = Literal::usize_unsuffixed(iteration.iterates.len());
-                    let judged = newton.judge.is_some();
                     let one = self.one(self.loops.of_block[at], &section);
                     let iterate = self.iterate(at, newton, iteration);
                     tokens.extend(quote! {
-                        let mut #course = #private::lane::Course::<#size, #judged>::new(newton);
+                        let mut #course = #private::lane::Course::<#size>::new(newton);
                         #one
                         #iterate
                     });
@@ -348,19 +346,6 @@ impl Writer<'_> {
             quote!(let #limit = #course.limit(lane);),
             quote!(#course.judge(lane, #accepted);),
         ])
-    }
-
-    /// A number of the sign of the determinant in the limit of no noise and h → 0.
-    fn origin(&self, newton: &Newton) -> TokenStream {
-        let (private, printer) = (self.private, self.printer);
-        match &newton.origin {
-            Some(origin) => {
-                // the lanes have no bands
-                let matrix = printer.matrix(&origin.rows);
-                quote!(#private::lane::orientation(&#matrix))
-            }
-            None => quote!(f64::NAN),
-        }
     }
 
     fn iterate(&self, at: usize, newton: &Newton, iteration: &Iteration) -> TokenStream {

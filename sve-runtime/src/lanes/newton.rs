@@ -2,17 +2,15 @@
 //!
 //! Input and output as there, a lane each. A lane whose iteration arrives is left alone from then on, whatever its
 //! neighbours do. A lane is given up, for the scalar step to treat, where a residual does not halve, a Jacobian is singular, a
-//! number is NaN, or the judge does not accept the root: bounds of the Jacobian as in the scalar step, or the course of the iteration where a block has
-//! none. Where a lane arrives, its residual passed the same tests as there; the last digit may differ:
+//! number is NaN, or the judge does not accept the root, by bounds of the Jacobian as in the scalar step. Blocks without bounds have no lanes.
+//! Where a lane arrives, its residual passed the same tests as there; the last digit may differ:
 //! quotients share a division, and a satisfied equation gets its last update without a test of its Jacobian.
 
 #![allow(clippy::needless_bitwise_bool)] // both sides are computed: a branch would end the vectors
 
-use super::solve::solve_oriented;
+use super::solve::solve;
 use super::{LANES, Lane};
-use crate::newton::{
-    BENT, CALM, Evaluation, NEAR, Newton, QUADRATIC, UNSEEN, is_opposite, last_factor,
-};
+use crate::newton::{BENT, Evaluation, NEAR, Newton, QUADRATIC, UNSEEN, last_factor};
 
 /// Iterations after which lanes on their way are given up, so that they do not hold up the others.
 const LIMIT: u32 = 12;
@@ -23,22 +21,18 @@ const GIVEN_UP: u64 = 2;
 
 /// Iterations in `K` unknowns, a lane each.
 #[repr(C, align(64))]
-pub struct Course<const K: usize, const JUDGED: bool> {
+pub struct Course<const K: usize> {
     x: [Lane; K],
     /// The solution in the limit of no noise and h → 0, for the judge.
     limit: [Lane; K],
     /// Relative residuals of the last evaluation.
     previous: Lane,
-    /// What the residuals have to come below in a calm iteration.
-    bound: [Lane; K],
-    /// The sign of the determinant of the Jacobian without noise and step; NaN where it is not known.
-    origin: Lane,
     end: [u64; LANES],
     tolerance: f64,
     left: u32,
 }
 
-impl<const K: usize, const JUDGED: bool> Course<K, JUDGED> {
+impl<const K: usize> Course<K> {
     /// Before the first guess.
     #[inline(always)]
     pub fn new(newton: &Newton) -> Self {
@@ -47,26 +41,18 @@ impl<const K: usize, const JUDGED: bool> Course<K, JUDGED> {
             limit: [[0.0; LANES]; K],
             // so large that the first residual passes for smaller, if it is finite
             previous: [f64::MAX; LANES],
-            bound: [[f64::MAX; LANES]; K],
-            origin: [f64::NAN; LANES],
             end: [ACTIVE; LANES],
             tolerance: newton.tolerance,
             left: newton.max_iterations.min(LIMIT) + 1,
         }
     }
 
-    /// Sets the guess of a lane, and of its equations without noise and step the solution and the sign of the determinant of the
-    /// Jacobian.
+    /// Sets the guess of a lane, and the solution of its equations without noise and step.
     #[inline(always)]
-    pub fn begin(&mut self, lane: usize, guess: [f64; K], limit: [f64; K], origin: f64) {
+    pub fn begin(&mut self, lane: usize, guess: [f64; K], limit: [f64; K]) {
         for i in 0..K {
             self.x[i][lane] = guess[i];
-            if JUDGED {
-                self.limit[i][lane] = limit[i];
-            }
-        }
-        if !JUDGED {
-            self.origin[lane] = origin;
+            self.limit[i][lane] = limit[i];
         }
     }
 
@@ -108,23 +94,9 @@ impl<const K: usize, const JUDGED: bool> Course<K, JUDGED> {
     /// Moves a lane on by an evaluation at its point.
     #[inline(always)]
     pub fn update(&mut self, lane: usize, at: &Evaluation<K>) {
-        let (relative, update, cubic, orientation) = updates(at);
+        let (relative, update, cubic) = updates(at);
         let previous = self.previous[lane];
-        // as in `Newton`; near rounding there is no test, and none where the solution is judged afterwards
-        let mut calm = JUDGED | (K != 1) | cubic;
-        for i in 0..if JUDGED { 0 } else { K } {
-            let residual = at.residual[i].abs();
-            calm &= residual <= self.bound[i][lane];
-            let size = if K == 1 {
-                residual
-            } else {
-                relative * at.magnitude[i]
-            };
-            self.bound[i][lane] = CALM * size;
-        }
-        let usual = JUDGED
-            | ((calm | (previous < QUADRATIC)) & !is_opposite(orientation, self.origin[lane]));
-        let improves = (relative <= 0.5 * previous) & usual;
+        let improves = relative <= 0.5 * previous;
         // as in `Newton::update`
         let (r2, p2) = (relative * relative, previous * previous);
         let next = r2 * if cubic { r2 } else { relative };
@@ -132,7 +104,7 @@ impl<const K: usize, const JUDGED: bool> Course<K, JUDGED> {
         let foreseen = (next <= UNSEEN * self.tolerance * ratio) & (previous < NEAR);
         let last = relative <= self.tolerance;
         let arrives = improves & (foreseen | last);
-        let is_rounding = !improves & usual & (relative < QUADRATIC);
+        let is_rounding = !improves & (relative < QUADRATIC);
         let moves = improves;
         let active = self.end[lane] == ACTIVE;
         for i in 0..K {
@@ -147,9 +119,9 @@ impl<const K: usize, const JUDGED: bool> Course<K, JUDGED> {
     }
 }
 
-/// The residual relative to its terms, the update, whether it is of third order, and a number of the sign of the determinant.
+/// The residual relative to its terms, the update, and whether it is of third order.
 #[inline(always)]
-fn updates<const K: usize>(at: &Evaluation<K>) -> (f64, [f64; K], bool, f64) {
+fn updates<const K: usize>(at: &Evaluation<K>) -> (f64, [f64; K], bool) {
     if K == 1 {
         let (residual, slope) = (at.residual[0], at.jacobian[0][0]);
         let magnitude = at.magnitude[0] + f64::MIN_POSITIVE;
@@ -161,7 +133,7 @@ fn updates<const K: usize>(at: &Evaluation<K>) -> (f64, [f64; K], bool, f64) {
         let cubic = bend.abs() <= BENT;
         let update = newton + if cubic { bend * newton } else { 0.0 };
         let relative = (residual * (slope * inverse)).abs();
-        return (relative, [update; K], cubic, slope);
+        return (relative, [update; K], cubic);
     }
     let (mut largest, mut magnitude, mut sum) = (0.0, 1.0, 0.0);
     for i in 0..K {
@@ -172,8 +144,7 @@ fn updates<const K: usize>(at: &Evaluation<K>) -> (f64, [f64; K], bool, f64) {
     }
     // the comparison drops a NaN, the sum does not
     let relative = largest / magnitude + 0.0 * sum;
-    let (update, orientation) = solve_oriented(&at.jacobian, &at.residual);
-    (relative, update, false, orientation)
+    (relative, solve(&at.jacobian, &at.residual), false)
 }
 
 #[cfg(test)]
@@ -182,10 +153,10 @@ mod tests {
     use crate::newton::Newton;
 
     /// `x³ + x = a` from `x = a` with Chebyshev's update, all lanes.
-    fn cubic(a: &Lane, newton: &Newton) -> Course<1, false> {
-        let mut course = Course::<1, false>::new(newton);
+    fn cubic(a: &Lane, newton: &Newton) -> Course<1> {
+        let mut course = Course::<1>::new(newton);
         for lane in 0..LANES {
-            course.begin(lane, [a[lane]], [0.0], 1.0);
+            course.begin(lane, [a[lane]], [0.0]);
         }
         while course.goes_on() {
             for lane in 0..LANES {
@@ -258,38 +229,23 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_calm_is_given_up() {
-        // x³ bends too much between 4 and the root near 1.4
-        let course = cubic(&[4.0; LANES], &Newton::default());
-        assert!((0..LANES).all(|lane| !course.arrived(lane)));
-    }
-
-    #[test]
-    fn a_turned_jacobian_is_given_up() {
-        for (origin, arrives) in [(1.0, true), (f64::NAN, true), (-1.0, false)] {
-            let mut course = Course::<1, false>::new(&Newton::default());
-            for lane in 0..LANES {
-                course.begin(lane, [1.5], [0.0], origin);
-            }
-            while course.goes_on() {
-                for lane in 0..LANES {
-                    let [x] = course.at(lane);
-                    let at = Evaluation {
-                        residual: [x * x - 2.0],
-                        magnitude: [x * x + 2.0],
-                        jacobian: [[2.0 * x]],
-                        curvature: 2.0,
-                    };
-                    course.update(lane, &at);
-                }
-            }
-            assert!((0..LANES).all(|lane| course.arrived(lane) == arrives));
+    fn what_the_judge_refuses_is_given_up() {
+        let mut course = cubic(&values(), &Newton::default());
+        for lane in 0..LANES {
+            course.judge(lane, lane % 3 != 0);
         }
+        assert!((0..LANES).all(|lane| course.arrived(lane) == (lane % 3 != 0)));
+        // nor does the judge help a lane that did not arrive
+        let mut a = values();
+        a[3] = f64::NAN;
+        let mut course = cubic(&a, &Newton::default());
+        course.judge(3, true);
+        assert!(!course.arrived(3));
     }
 
     #[test]
     fn a_singular_jacobian_is_given_up() {
-        let mut course = Course::<1, false>::new(&Newton::default());
+        let mut course = Course::<1>::new(&Newton::default());
         while course.goes_on() {
             for lane in 0..LANES {
                 course.update(
@@ -309,9 +265,9 @@ mod tests {
     #[test]
     fn several_unknowns() {
         // the intersection of a circle and a diagonal
-        let mut course = Course::<2, false>::new(&Newton::default());
+        let mut course = Course::<2>::new(&Newton::default());
         for lane in 0..LANES {
-            course.begin(lane, [1.0 + 0.01 * lane as f64, 1.1], [0.0; 2], -1.0);
+            course.begin(lane, [1.0 + 0.01 * lane as f64, 1.1], [0.0; 2]);
         }
         while course.goes_on() {
             for lane in 0..LANES {

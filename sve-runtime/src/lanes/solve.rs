@@ -9,26 +9,10 @@ use crate::linear::SINGULAR;
 /// Solves `a x = b`.
 #[inline(always)]
 pub fn solve<const K: usize>(a: &[[f64; K]; K], b: &[f64; K]) -> [f64; K] {
-    solve_oriented(a, b).0
-}
-
-/// A number of the sign of the determinant.
-#[inline(always)]
-pub fn orientation<const K: usize>(a: &[[f64; K]; K]) -> f64 {
-    solve_oriented(a, &[0.0; K]).1
-}
-
-/// Solves `a x = b`; with the solution a number of the sign of the determinant.
-#[inline(always)]
-pub(crate) fn solve_oriented<const K: usize>(a: &[[f64; K]; K], b: &[f64; K]) -> ([f64; K], f64) {
     let mut x = [0.0; K];
-    let mut orientation = 1.0;
     match K {
         0 => {}
-        1 => {
-            x[0] = b[0] / a[0][0];
-            orientation = a[0][0];
-        }
+        1 => x[0] = b[0] / a[0][0],
         2 => {
             let (ad, bc) = (a[0][0] * a[1][1], a[0][1] * a[1][0]);
             let det = ad - bc;
@@ -39,20 +23,17 @@ pub(crate) fn solve_oriented<const K: usize>(a: &[[f64; K]; K], b: &[f64; K]) ->
             };
             x[0] = (b[0] * a[1][1] - b[1] * a[0][1]) * inverse;
             x[1] = (b[1] * a[0][0] - b[0] * a[1][0]) * inverse;
-            orientation = det;
         }
-        _ => (x, orientation) = eliminate(*a, *b),
+        _ => x = eliminate(*a, *b),
     }
-    (x, orientation)
+    x
 }
 
 #[inline(always)]
-fn eliminate<const K: usize>(mut a: [[f64; K]; K], mut b: [f64; K]) -> ([f64; K], f64) {
-    let mut orientation = 1.0;
+fn eliminate<const K: usize>(mut a: [[f64; K]; K], mut b: [f64; K]) -> [f64; K] {
     for k in 0..K {
         for i in k + 1..K {
             let larger = a[i][k].abs() > a[k][k].abs();
-            orientation = if larger { -orientation } else { orientation };
             for j in k..K {
                 let (upper, lower) = (a[k][j], a[i][j]);
                 a[k][j] = if larger { lower } else { upper };
@@ -63,11 +44,6 @@ fn eliminate<const K: usize>(mut a: [[f64; K]; K], mut b: [f64; K]) -> ([f64; K]
             b[i] = if larger { upper } else { lower };
         }
         let inverse = 1.0 / a[k][k];
-        orientation = if a[k][k] < 0.0 {
-            -orientation
-        } else {
-            orientation
-        };
         for i in k + 1..K {
             let factor = a[i][k] * inverse;
             for j in k + 1..K {
@@ -85,12 +61,12 @@ fn eliminate<const K: usize>(mut a: [[f64; K]; K], mut b: [f64; K]) -> ([f64; K]
         }
         x[k] = sum * a[k][k];
     }
-    (x, orientation)
+    x
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{orientation, solve};
+    use super::solve;
     use crate::linear::{self, tests::Random};
 
     fn against_the_scalar_solve<const K: usize>(random: &mut Random, tolerance: f64) {
@@ -99,8 +75,7 @@ mod tests {
                 core::array::from_fn(|_| core::array::from_fn(|_| random.next()));
             let b: [f64; K] = core::array::from_fn(|_| random.next());
             let x = solve(&a, &b);
-            let (expected, sign) = linear::solve_oriented(&a, &b).unwrap();
-            assert_eq!(orientation(&a) < 0.0, sign < 0.0, "{a:?}");
+            let expected = linear::solve(&a, &b).unwrap();
             // backward stable: the residual is small beside its terms, whatever the condition
             for i in 0..K {
                 let terms = (0..K).map(|j| a[i][j] * x[j]);
