@@ -371,7 +371,7 @@ COMMANDS = [
     ]),
     Command(
         "expansion",
-        " && ".join(f"cargo bench -p sve-macros --bench expansion -- {scene} {n}" for scene, n in SCENES.values()),
+        " && ".join(f"cargo bench -p sve-compiler --bench expansion -- {scene} {n}" for scene, n in SCENES.values()),
         60,
         expansion(),
     ),

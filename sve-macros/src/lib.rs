@@ -1,49 +1,10 @@
 //! The procedural macro of [sve](https://docs.rs/sve-runtime): from a Lagrangian to a specialised variational step.
 //!
 //! Use it through `sve-runtime`, which re-exports it and has runnable examples. Generated code refers to that crate.
-//! How the macro works is told in `ARCHITECTURE.md`; the code begins in `compile.rs`, a line a stage.
-
-#[cfg(test)]
-mod absent_tests;
-mod action;
-mod compile;
-mod domain;
-mod emit;
-mod equations;
-mod errors;
-mod explain;
-#[cfg(test)]
-mod growth;
-#[cfg(test)]
-mod limits;
-mod lower;
-mod mechanics;
-#[cfg(test)]
-mod mistakes;
-mod model;
-mod nesting;
-mod parse;
-#[cfg(test)]
-mod readable_tests;
-mod regular;
-#[cfg(test)]
-mod robustness;
-mod roles;
-mod rule;
-mod schedule;
-#[cfg(test)]
-mod schedule_tests;
-#[cfg(test)]
-mod scheme_tests;
-mod signature;
-mod structure;
-mod symbolic;
-mod symmetry;
-mod tangent;
-#[cfg(test)]
-mod zero_tests;
+//! The package `sve-compiler` does the work.
 
 use proc_macro::TokenStream;
+use sve_compiler::Settings;
 
 /// Derives variational integrators from the Lagrangian and the noise terms of an `impl` block.
 ///
@@ -160,5 +121,8 @@ use proc_macro::TokenStream;
 /// system give no errors of their own.
 #[proc_macro_attribute]
 pub fn variational(attribute: TokenStream, item: TokenStream) -> TokenStream {
-    compile::expand(&attribute.into(), &item.into()).into()
+    let settings = Settings {
+        lanes: cfg!(feature = "lanes"),
+    };
+    sve_compiler::expand(&attribute.into(), &item.into(), settings).into()
 }

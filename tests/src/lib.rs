@@ -2,7 +2,7 @@
 //! an exact solution.
 
 pub mod differences;
-#[path = "../../sve-macros/src/symbolic/double_double.rs"]
+#[path = "../../sve-macros/compiler/src/algebra/double_double.rs"]
 pub mod double_double;
 pub mod exact;
 pub mod language;

@@ -9,7 +9,7 @@ use sve_runtime::{Plan, Variational};
 use sve_tests::oracle::{Model, Rule, Visitor, every_step, name};
 use sve_tests::random::Random;
 
-#[path = "../../sve-macros/src/symbolic/reader.rs"]
+#[path = "../../sve-macros/compiler/src/algebra/reader.rs"]
 mod reader;
 use reader::read;
 

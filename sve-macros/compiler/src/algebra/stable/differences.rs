@@ -1,0 +1,322 @@
+//! Differences in sums: which terms make one that cancels by its form, and what is left of it.
+//!
+//! Input: the terms of a sum. Output: the sum in stable form, or nothing where no difference of the table in [`super`] stands in
+//! it. A term is read as `c a f` beside another, `−c u a`, where f comes close to u.
+
+use super::{Factors, Forms, divided};
+use crate::algebra::expr::{Binary, Expr, Function, Node};
+use crate::algebra::simplify::times_divisible;
+
+/// What the f in `a f − a` is.
+#[derive(Clone, Copy)]
+enum Reading {
+    /// `√radicand^k`, k = ±1.
+    Root(Expr, i32),
+    /// A function of an expression, or its square.
+    Value(Function, Expr),
+    Square(Function, Expr),
+    /// `exp(x)^k`.
+    Exp(Expr, i32),
+    /// `sinh²/cosh²`, with the cosh.
+    TanhSquare(Expr),
+    /// The square of one leg over that of the hypotenuse: one over the constant factor of this leg, and the other leg.
+    Leg(f64, Expr),
+}
+
+/// A part of a sum.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Beside {
+    Constant,
+    Term(usize),
+}
+
+/// A term of a sum, `scale · a · f`, beside `−scale · value · a`.
+struct Difference {
+    /// Which term it is.
+    at: usize,
+    /// Where the other is.
+    beside: Beside,
+    /// `a`; nothing where it is 1.
+    common: Factors,
+    /// `scale · value`.
+    balance: f64,
+    scale: f64,
+    /// `f − value`.
+    rest: Expr,
+}
+
+impl Forms<'_> {
+    /// A sum in which terms cancel.
+    pub(super) fn sum(&mut self, constant: f64, terms: &[(Expr, f64)]) -> Option<Expr> {
+        let mut used = vec![false; terms.len()];
+        let mut constant = constant;
+        let mut new: Vec<(f64, Expr)> = Vec::new();
+        let mut waiting: Vec<(Beside, Vec<Difference>)> = Vec::new();
+        for at in 0..terms.len() {
+            for difference in self.differences(at, constant, terms) {
+                match waiting.iter_mut().find(|w| w.0 == difference.beside) {
+                    Some(group) => group.1.push(difference),
+                    None => waiting.push((difference.beside, vec![difference])),
+                }
+            }
+        }
+        for (beside, group) in waiting {
+            let (value, taken) = match beside {
+                Beside::Constant => (constant, false),
+                Beside::Term(at) => (terms[at].1, used[at]),
+            };
+            if taken {
+                continue;
+            }
+            let group: Vec<&Difference> = group.iter().filter(|d| !used[d.at]).collect();
+            for difference in cancelling(value, &group) {
+                used[difference.at] = true;
+                match beside {
+                    Beside::Constant => constant = 0.0,
+                    Beside::Term(at) => used[at] = true,
+                }
+                let common = self.product(&difference.common);
+                let whole = self.arena.mul(common, difference.rest);
+                new.push((difference.scale, whole));
+            }
+        }
+        if new.is_empty() {
+            return self.square_from_one(constant, terms);
+        }
+        let left = terms.iter().zip(&used).filter(|t| !t.1);
+        new.extend(left.map(|(t, _)| (t.1, self.of(t.0))));
+        Some(self.arena.sum(constant, &new))
+    }
+
+    /// Where in a sum `common` stands: a term, or the constant. Looks only, for most terms are no differences.
+    fn beside(&self, common: &Factors, constant: f64, terms: &[(Expr, f64)]) -> Option<Beside> {
+        let common = match common.as_slice() {
+            [] => return (constant != 0.0).then_some(Beside::Constant),
+            &[(base, 1)] => base,
+            _ => self.arena.known_product(common)?,
+        };
+        terms.iter().position(|t| t.0 == common).map(Beside::Term)
+    }
+
+    /// `a − a x²`, where x is exact.
+    fn square_from_one(&mut self, constant: f64, terms: &[(Expr, f64)]) -> Option<Expr> {
+        let &[(term, c)] = terms else { return None };
+        let Node::Product(factors) = self.arena.node(term) else {
+            return None;
+        };
+        let &[(x, 2)] = factors.as_slice() else {
+            return None;
+        };
+        if c != -constant || !matches!(self.arena.node(x), Node::Symbol(_)) {
+            return None;
+        }
+        let minus = self.arena.sum(1.0, &[(-1.0, x)]);
+        let plus = self.arena.sum(1.0, &[(1.0, x)]);
+        let both = self.arena.mul(minus, plus);
+        Some(self.arena.scale(constant, both))
+    }
+
+    /// The ways to read a term as part of one of the table's differences in a sum.
+    fn differences(&mut self, at: usize, constant: f64, terms: &[(Expr, f64)]) -> Vec<Difference> {
+        let (term, c) = terms[at];
+        let factors = match self.arena.node(term) {
+            Node::Product(factors) => factors.clone(),
+            _ => vec![(term, 1)],
+        };
+        let mut found = Vec::new();
+        for &(base, k) in &factors {
+            for (reading, taken) in self.readings(&factors, base, k) {
+                let common = taken.iter().fold(factors.clone(), |left, &(base, power)| {
+                    divided(&left, &[(base, 1)], power)
+                });
+                let Some(beside) = self.beside(&common, constant, terms) else {
+                    continue;
+                };
+                if let Some((value, scale, rest)) = self.rest(reading, base) {
+                    found.push(Difference {
+                        at,
+                        beside,
+                        common,
+                        balance: c * scale * value,
+                        scale: c * scale,
+                        rest,
+                    });
+                }
+            }
+        }
+        found
+    }
+
+    /// What `base^k`, with other factors, may be read as, and the factors that this takes.
+    fn readings(&mut self, factors: &[(Expr, i32)], base: Expr, k: i32) -> Vec<(Reading, Factors)> {
+        let mut found = Vec::new();
+        let square = vec![(base, 2)];
+        match *self.arena.node(base) {
+            Node::Call(Function::Sqrt, radicand) if k.abs() == 1 => {
+                found.push((Reading::Root(radicand, k), vec![(base, k)]));
+            }
+            Node::Call(function, x) => {
+                if k >= 2 {
+                    found.push((Reading::Square(function, x), square));
+                }
+                if k >= 2 && function == Function::Sinh {
+                    let cosh = self.arena.call(Function::Cosh, x);
+                    if times_divisible(factors, &[(cosh, 1)], -1) >= 2 {
+                        let taken = vec![(base, 2), (cosh, -2)];
+                        found.push((Reading::TanhSquare(cosh), taken));
+                    }
+                }
+                if k >= 1 {
+                    found.push((Reading::Value(function, x), vec![(base, 1)]));
+                }
+                // powers of two scale the argument without rounding
+                if function == Function::Exp && [-4, -2, -1, 2, 4].contains(&k) {
+                    found.push((Reading::Exp(x, k), vec![(base, k)]));
+                }
+            }
+            Node::Call2(Binary::Hypot, x, y) if k <= -2 => {
+                for (x, y) in [(x, y), (y, x)] {
+                    let (c, bare) = self.arena.as_factors(x);
+                    if times_divisible(factors, &bare, 1) >= 2 {
+                        let mut taken: Factors = bare.iter().map(|&(x, k)| (x, 2 * k)).collect();
+                        taken.push((base, -2));
+                        found.push((Reading::Leg(c, y), taken));
+                    }
+                }
+            }
+            _ => {}
+        }
+        found
+    }
+
+    /// `f − value`, as `value`, the scale of f in the term, and the rest.
+    fn rest(&mut self, reading: Reading, base: Expr) -> Option<(f64, f64, Expr)> {
+        Some(match reading {
+            Reading::Root(radicand, k) => {
+                let (u, rest) = self.root(radicand, k)?;
+                (u, 1.0, rest)
+            }
+            Reading::Square(function, x) => (1.0, 1.0, self.square_less_one(function, base, x)?),
+            Reading::TanhSquare(cosh) => (1.0, 1.0, self.inverse_square(cosh)),
+            Reading::Value(function, x) => (1.0, 1.0, self.less_one(function, base, x)?),
+            Reading::Exp(x, k) => {
+                let x = self.of(x);
+                let x = self.arena.scale(f64::from(k), x);
+                (1.0, 1.0, self.instead(base, Function::ExpM1, x)?)
+            }
+            Reading::Leg(c, y) => {
+                let ratio = self.ratio(y, base);
+                let square = self.arena.pow(ratio, 2);
+                (1.0, 1.0 / (c * c), self.arena.neg(square))
+            }
+        })
+    }
+
+    /// `f(x)² − 1`.
+    fn square_less_one(&mut self, function: Function, call: Expr, x: Expr) -> Option<Expr> {
+        let x = self.of(x);
+        let (sign, other) = match function {
+            Function::Cos => (-1.0, Function::Sin),
+            Function::Sin => (-1.0, Function::Cos),
+            Function::Cosh => (1.0, Function::Sinh),
+            Function::Tanh => {
+                let cosh = self.instead(call, Function::Cosh, x)?;
+                return Some(self.inverse_square(cosh));
+            }
+            _ => return None,
+        };
+        let other = match function {
+            Function::Cosh => self.instead(call, other, x)?,
+            _ => self.arena.call(other, x),
+        };
+        let square = self.arena.pow(other, 2);
+        Some(self.arena.scale(sign, square))
+    }
+
+    /// `f(x) − 1`.
+    fn less_one(&mut self, function: Function, call: Expr, x: Expr) -> Option<Expr> {
+        let x = self.of(x);
+        match function {
+            Function::Cos => {
+                let half = self.arena.scale(0.5, x);
+                let sin = self.arena.call(Function::Sin, half);
+                let square = self.arena.pow(sin, 2);
+                Some(self.arena.scale(-2.0, square))
+            }
+            Function::Cosh => self.cosh_minus_one(call, x),
+            Function::Exp => self.instead(call, Function::ExpM1, x),
+            _ => None,
+        }
+    }
+
+    /// `2 sinh²(x/2)`.
+    pub(super) fn cosh_minus_one(&mut self, call: Expr, x: Expr) -> Option<Expr> {
+        let half = self.arena.scale(0.5, x);
+        let sinh = self.instead(call, Function::Sinh, half)?;
+        let square = self.arena.pow(sinh, 2);
+        Some(self.arena.scale(2.0, square))
+    }
+
+    /// `−1/call²`.
+    fn inverse_square(&mut self, call: Expr) -> Expr {
+        let square = self.arena.pow(self.of(call), -2);
+        self.arena.neg(square)
+    }
+
+    /// A call in the place of another, unless that one is kept.
+    fn instead(&mut self, old: Expr, function: Function, x: Expr) -> Option<Expr> {
+        if self.kept.contains(&old) {
+            return None;
+        }
+        let new = self.arena.call(function, x);
+        // an odd function may come with a sign
+        let bare = self.arena.as_factors(new).1;
+        self.replaced.extend(bare.first().map(|f| (old, f.0)));
+        Some(new)
+    }
+
+    /// `(u² + y)^(k/2) − u^k` with its u, for k = ±1.
+    fn root(&mut self, radicand: Expr, k: i32) -> Option<(f64, Expr)> {
+        let Node::Sum(constant, terms) = self.arena.node(radicand).clone() else {
+            return None;
+        };
+        let u = constant.get().sqrt();
+        if !(u > 0.0 && u * u == constant.get() && (k > 0 || u == 1.0)) {
+            return None;
+        }
+        let terms: Vec<_> = terms.iter().map(|t| (t.1.get(), self.of(t.0))).collect();
+        let y = self.arena.sum(0.0, &terms);
+        let root = self.arena.call(Function::Sqrt, self.of(radicand));
+        let sum = self.arena.sum(u, &[(1.0, root)]);
+        // divided before any other factor can make the product overflow
+        let ratio = self.arena.div(y, sum);
+        let ratio = self.arena.opaque(ratio);
+        if k > 0 {
+            return Some((u, ratio));
+        }
+        let inverse = self.arena.div(ratio, root);
+        Some((u, self.arena.neg(inverse)))
+    }
+}
+
+/// Those differences that cancel with `value`: all together, or else the first that does so alone.
+fn cancelling<'a>(value: f64, group: &[&'a Difference]) -> Vec<&'a Difference> {
+    let mut all: Vec<&Difference> = Vec::new();
+    for &difference in group {
+        if all.iter().all(|d| d.at != difference.at) {
+            all.push(difference);
+        }
+    }
+    let total: f64 = all.iter().map(|d| d.balance).sum();
+    // a sum of constants that was rounded when it was formed
+    let rounding = if all.len() > 1 {
+        f64::EPSILON * all.len() as f64 * value.abs()
+    } else {
+        0.0
+    };
+    if !all.is_empty() && (value + total).abs() <= rounding {
+        return all;
+    }
+    let alone = group.iter().find(|d| d.balance == -value);
+    alone.copied().into_iter().collect()
+}

@@ -1,0 +1,3 @@
+//! What prints a derived system. Rust is one back end.
+
+pub(crate) mod rust;

@@ -1,0 +1,338 @@
+//! Instructions → `let` statements, one each, named by what they are.
+
+use std::collections::{HashMap, HashSet};
+
+use proc_macro2::{Ident, Literal, TokenStream};
+use quote::quote;
+
+use super::names::{Labels, Names, input_name, local};
+use crate::algebra::{Binary, Function};
+use crate::program::{Operation, Program, Tier, Value, operands};
+use crate::system::model::{Meaning, Quantity, Symbols};
+
+/// Rows and columns from which on a matrix may be written by its entries.
+const LARGE: usize = 7;
+
+/// Tokens of an assignment to an entry, in those of a zero and its comma.
+const SPARSE: usize = 4;
+
+/// Prints a program.
+pub(super) struct Printer<'a> {
+    program: &'a Program,
+    symbols: &'a Symbols,
+    /// Path of what generated code calls.
+    private: TokenStream,
+    names: Names,
+    /// Values that the step reads from what `prepare` returned, with their place there.
+    prepared: HashMap<Value, usize>,
+    /// Whether it prints a loop over lanes.
+    lanes: bool,
+}
+
+impl<'a> Printer<'a> {
+    pub(super) fn new(
+        program: &'a Program,
+        symbols: &'a Symbols,
+        labels: &Labels,
+        private: &TokenStream,
+    ) -> Self {
+        Self {
+            program,
+            symbols,
+            private: private.clone(),
+            names: Names::new(program, symbols, labels),
+            prepared: HashMap::new(),
+            lanes: false,
+        }
+    }
+
+    /// A printer of loops over lanes.
+    pub(super) fn of_lanes(
+        program: &'a Program,
+        symbols: &'a Symbols,
+        labels: &Labels,
+        private: &TokenStream,
+    ) -> Self {
+        Self {
+            lanes: true,
+            ..Self::new(program, symbols, labels, private)
+        }
+    }
+
+    /// Chooses what `prepare` returns: values of its tier that anything later, or `roots`, uses.
+    pub(super) fn split_prepared(&mut self, roots: &[Value]) -> Vec<Value> {
+        let later = self
+            .program
+            .all()
+            .filter(|(_, i)| i.tier != Tier::Prepare)
+            .flat_map(|(_, i)| operands(i.operation));
+        let mut wanted: Vec<Value> = later
+            .chain(roots.iter().copied())
+            .filter(|&v| self.is_prepared(v))
+            .collect();
+        wanted.sort_unstable();
+        wanted.dedup();
+        self.prepared = wanted.iter().enumerate().map(|(at, &v)| (v, at)).collect();
+        wanted
+    }
+
+    /// Whether a value is worth keeping: computed in `prepare`, neither a constant nor an input.
+    fn is_prepared(&self, value: Value) -> bool {
+        let instruction = self.program.get(value);
+        instruction.tier == Tier::Prepare
+            && !matches!(
+                instruction.operation,
+                Operation::Constant(_) | Operation::Input(_)
+            )
+    }
+
+    /// Statements of `prepare`.
+    pub(super) fn prepare(&self) -> TokenStream {
+        self.statements(Tier::Prepare)
+    }
+
+    /// Statements that read inputs known before the step, and what `prepare` returned.
+    pub(super) fn load(&self, results: &[Value]) -> TokenStream {
+        let mut used: HashSet<Value> = results.iter().copied().collect();
+        let later = self.program.all().filter(|(_, i)| i.tier != Tier::Prepare);
+        used.extend(later.flat_map(|(_, i)| operands(i.operation)));
+        let mut tokens = TokenStream::new();
+        for (value, operation) in self.program.of_tier(Tier::Prepare) {
+            if let Some(&at) = self.prepared.get(&value) {
+                let name = self.name(value);
+                let at = Literal::usize_unsuffixed(at);
+                tokens.extend(quote!(let #name = prepared[#at];));
+            } else if matches!(operation, Operation::Input(_)) && used.contains(&value) {
+                tokens.extend(self.statement(value, operation));
+            }
+        }
+        tokens
+    }
+
+    /// Statements of a tier, in order.
+    pub(super) fn statements(&self, tier: Tier) -> TokenStream {
+        self.program
+            .of_tier(tier)
+            .map(|(value, operation)| self.statement(value, operation))
+            .collect()
+    }
+
+    /// The expression that names a value.
+    pub(super) fn operand(&self, value: Value) -> TokenStream {
+        match self.program.get(value).operation {
+            Operation::Constant(bits) => constant(f64::from_bits(bits)),
+            _ => {
+                let name = self.name(value);
+                quote!(#name)
+            }
+        }
+    }
+
+    pub(super) fn array(&self, values: &[Value]) -> TokenStream {
+        let operands = values.iter().map(|&v| self.operand(v));
+        quote!([#(#operands),*])
+    }
+
+    /// Rows as an array of arrays; of a large matrix with few entries only these are written.
+    pub(super) fn matrix(&self, rows: &[Vec<Value>]) -> TokenStream {
+        let entries = |row: usize| {
+            let entries = rows[row].iter().enumerate();
+            entries.filter(|x| !self.is_zero(*x.1))
+        };
+        let (height, width) = (rows.len(), rows.first().map_or(0, Vec::len));
+        let count: usize = (0..height).map(|row| entries(row).count()).sum();
+        if height >= LARGE && width >= LARGE && SPARSE * count <= height * width {
+            let assignments = (0..height).flat_map(|row| {
+                let i = Literal::usize_unsuffixed(row);
+                entries(row).map(move |(column, &value)| {
+                    let (j, value) = (Literal::usize_unsuffixed(column), self.operand(value));
+                    quote!(entries[#i][#j] = #value;)
+                })
+            });
+            let [height, width] = [height, width].map(Literal::usize_unsuffixed);
+            return quote!({
+                let mut entries = [[0f64; #width]; #height];
+                #(#assignments)*
+                entries
+            });
+        }
+        let rows = rows.iter().map(|row| self.array(row));
+        quote!([#(#rows),*])
+    }
+
+    fn is_zero(&self, value: Value) -> bool {
+        self.program.get(value).operation == Operation::Constant(0)
+    }
+
+    pub(super) fn statement(&self, value: Value, operation: Operation) -> TokenStream {
+        let of = |v: Value| self.operand(v);
+        let infix = |a, operator: &TokenStream, b| {
+            let (a, b) = (self.operand(a), self.operand(b));
+            quote!(#a #operator #b)
+        };
+        let expression = match operation {
+            Operation::Constant(_) | Operation::SinOf(_) | Operation::CosOf(_) => {
+                return TokenStream::new();
+            }
+            Operation::Input(symbol) => match input(self.symbols.meaning(symbol), self.lanes) {
+                // a field of another type is then one error, at the field
+                Some(access) => {
+                    let name = self.name(value);
+                    return quote!(let #name: f64 = #access;);
+                }
+                None => return TokenStream::new(),
+            },
+            Operation::Add(a, b) => infix(a, &quote!(+), b),
+            Operation::Sub(a, b) => infix(a, &quote!(-), b),
+            Operation::Mul(a, b) => infix(a, &quote!(*), b),
+            Operation::Div(a, b) => infix(a, &quote!(/), b),
+            Operation::Neg(a) => {
+                let a = of(a);
+                quote!(-#a)
+            }
+            Operation::Abs(a) => {
+                let a = of(a);
+                quote!(f64::abs(#a))
+            }
+            Operation::Recip(a) => {
+                let a = of(a);
+                quote!(1f64 / #a)
+            }
+            Operation::Call(function, a) if self.lanes => {
+                call_in_lane(function, &of(a), &self.private)
+            }
+            Operation::Call(function, a) => call(function, &of(a)),
+            Operation::Call2(function, a, b) if self.lanes => {
+                call2_in_lane(function, &of(a), &of(b), &self.private)
+            }
+            Operation::Call2(function, a, b) => call2(function, &of(a), &of(b), &self.private),
+            Operation::Turn(sin, cos, by) => {
+                let [sin_name, cos_name] = self.names.pair(value);
+                let (sin, cos, by, private) = (of(sin), of(cos), of(by), &self.private);
+                let module = self.lanes.then(|| quote!(lane::));
+                return quote!(let (#sin_name, #cos_name) = #private::#module turn(#sin, #cos, #by););
+            }
+            Operation::SinCos(a) => {
+                let [sin, cos] = self.names.pair(value);
+                let (a, private) = (of(a), &self.private);
+                if self.lanes {
+                    return quote!(let (#sin, #cos) = #private::lane::sin_cos(#a););
+                }
+                return quote!(let (#sin, #cos) = f64::sin_cos(#a););
+            }
+        };
+        let name = self.name(value);
+        quote!(let #name = #expression;)
+    }
+
+    fn name(&self, value: Value) -> Ident {
+        match self.program.get(value).operation {
+            Operation::Input(symbol) => input_name(self.symbols, symbol),
+            Operation::SinOf(both) => self.names.pair(both)[0].clone(),
+            Operation::CosOf(both) => self.names.pair(both)[1].clone(),
+            _ => self.names.of(value),
+        }
+    }
+}
+
+/// A literal; a negative one in parentheses.
+pub(super) fn constant(value: f64) -> TokenStream {
+    if !value.is_finite() {
+        // a constant of a derivative overflowed: the step will report a result that is not finite
+        let bits = Literal::u64_suffixed(value.to_bits());
+        return quote!(f64::from_bits(#bits));
+    }
+    let literal = Literal::f64_suffixed(value.abs());
+    if value.is_sign_negative() {
+        quote!((-#literal))
+    } else {
+        quote!(#literal)
+    }
+}
+
+/// How an input is read; nothing where it is bound otherwise.
+fn input(meaning: &Meaning, lanes: bool) -> Option<TokenStream> {
+    let entry = |vector: TokenStream, i: usize| {
+        let i = Literal::usize_unsuffixed(i);
+        Some(quote!(#vector[#i]))
+    };
+    let of_lane = |vector: TokenStream, i: usize| {
+        let i = Literal::usize_unsuffixed(i);
+        Some(quote!(#vector[#i][lane]))
+    };
+    match *meaning {
+        Meaning::Parameter { ref access, .. } => Some(access.clone()),
+        Meaning::Time if lanes => Some(quote!(states.t[lane])),
+        Meaning::Time => Some(quote!(time)),
+        Meaning::StepSize | Meaning::Unknown(_) | Meaning::Limit(_) => None,
+        Meaning::Position(i) => entry(quote!(q), i),
+        Meaning::Velocity(i) => entry(quote!(v), i),
+        Meaning::Momentum(i) => entry(quote!(p), i),
+        Meaning::Start(Quantity::Position, i) if lanes => of_lane(quote!(states.q), i),
+        Meaning::Start(Quantity::Momentum, i) if lanes => of_lane(quote!(states.p), i),
+        Meaning::Wiener(i) if lanes => of_lane(quote!(dw), i),
+        Meaning::Start(Quantity::Position, i) => entry(quote!(state.q), i),
+        Meaning::Start(Quantity::Momentum, i) => entry(quote!(state.p), i),
+        Meaning::Wiener(i) => entry(quote!(dw), i),
+    }
+}
+
+pub(super) fn call(function: Function, x: &TokenStream) -> TokenStream {
+    if let Function::Powf(exponent) = function {
+        let exponent = constant(exponent.get());
+        return quote!(f64::powf(#x, #exponent));
+    }
+    let method = local(function.name());
+    quote!(f64::#method(#x))
+}
+
+/// A call within a loop over lanes: of a function without branches.
+fn call_in_lane(function: Function, x: &TokenStream, private: &TokenStream) -> TokenStream {
+    match function {
+        Function::Sqrt => call(function, x),
+        Function::Powf(exponent) => {
+            let exponent = constant(exponent.get());
+            quote!(#private::lane::powf(#x, #exponent))
+        }
+        _ => {
+            let name = local(function.name());
+            quote!(#private::lane::#name(#x))
+        }
+    }
+}
+
+/// A call with two arguments within a loop over lanes.
+fn call2_in_lane(
+    function: Binary,
+    x: &TokenStream,
+    y: &TokenStream,
+    private: &TokenStream,
+) -> TokenStream {
+    match function {
+        Binary::PowLog(n) => {
+            let n = Literal::i32_suffixed(n);
+            quote!(#private::lane::power_log(#x, #y, #n))
+        }
+        _ => {
+            let name = local(function.name());
+            quote!(#private::lane::#name(#x, #y))
+        }
+    }
+}
+
+/// A call with two arguments.
+pub(super) fn call2(
+    function: Binary,
+    x: &TokenStream,
+    y: &TokenStream,
+    private: &TokenStream,
+) -> TokenStream {
+    let name = local(function.name());
+    match function {
+        Binary::PowLog(n) => {
+            let n = Literal::i32_suffixed(n);
+            quote!(#private::#name(#x, #y, #n))
+        }
+        Binary::Atan2 | Binary::Hypot | Binary::Pow => quote!(f64::#name(#x, #y)),
+    }
+}

@@ -1,0 +1,70 @@
+//! `fn linearise`: the entries of the linearised step.
+
+use proc_macro2::{Literal, TokenStream};
+use quote::quote;
+
+use super::solve::names as pattern;
+use super::straight::Straight;
+use crate::algebra::{Arena, Expr};
+use crate::discretise::tangent::{Entry, Linearisation};
+use crate::system::model::{Model, Symbols};
+
+pub(super) fn linearise(
+    private: &TokenStream,
+    model: &Model,
+    linearisation: &Linearisation,
+    symbols: &Symbols,
+    arena: &Arena,
+) -> TokenStream {
+    let Linearisation {
+        unknowns,
+        outputs,
+        inputs,
+        matrices,
+    } = linearisation;
+    let n = Literal::usize_unsuffixed(model.dof());
+    let m = Literal::usize_unsuffixed(model.noises.len());
+    let size = Literal::usize_unsuffixed(unknowns.len());
+    let roots: Vec<Expr> = matrices.iter().flatten().map(|entry| entry.value).collect();
+    let rows: Vec<Vec<Expr>> = matrices
+        .iter()
+        .map(|matrix| matrix.iter().map(|entry| entry.value).collect())
+        .collect();
+    let rows: Vec<[Vec<Expr>; 1]> = rows.into_iter().map(|row| [row]).collect();
+    let names = [
+        "residual_by_x",
+        "residual_by_z",
+        "output_by_x",
+        "output_by_z",
+    ];
+    let views: Vec<(&[Vec<Expr>], Vec<String>)> = rows
+        .iter()
+        .zip(names)
+        .map(|(row, name)| (row.as_slice(), vec![name.to_owned()]))
+        .collect();
+    let (statements, values) = Straight::new(arena, symbols, &roots).finish(private, &views);
+    let matrices = matrices.iter().zip(values).map(|(entries, values)| {
+        let places = entries.iter().map(|&Entry { row, column, .. }| {
+            let [row, column] = [row, column].map(Literal::usize_unsuffixed);
+            quote!((#row, #column))
+        });
+        quote!(#private::Entries { places: &[#(#places),*], values: &#values[0] })
+    });
+    let unknowns = pattern(unknowns, symbols);
+    quote! {
+        type Unknowns = [f64; #size];
+        #[inline]
+        fn linearise(
+            &self,
+            state: &#private::State<#n>,
+            h: f64,
+            dw: &[f64; #m],
+            unknowns: &[f64; #size],
+        ) -> #private::Linearisation {
+            let time = state.t;
+            let #unknowns = *unknowns;
+            #statements
+            #private::Linearisation::new([#size, #outputs, #inputs], [#(#matrices),*])
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! Plans and instructions → tokens. Infallible, and the only place that knows it prints Rust.
+
+mod code;
+mod count;
+mod identity;
+mod lanes;
+mod linearise;
+mod mend;
+mod momenta;
+mod names;
+mod plan;
+mod rounding;
+mod rule;
+mod solve;
+mod step;
+mod straight;
+mod stub;
+mod system;
+mod values;
+mod whole;
+
+pub(crate) use momenta::momenta;
+pub(crate) use rule::rule;
+pub(crate) use stub::stub;
+pub(crate) use system::system;
+
+use proc_macro2::{Ident, Literal, TokenStream};
+use quote::{format_ident, quote};
+
+use crate::algebra::Arena;
+use crate::discretise::tangent::Linearisation;
+use crate::driver::Settings;
+use crate::explain::SystemTexts;
+use crate::rules::Rule;
+use crate::rules::action::Action;
+use crate::structure::Scheme;
+use crate::syntax::parse::Annotated;
+use crate::system::mechanics::Mechanics;
+use crate::system::model::{Model, Symbols};
+use crate::system::symmetry::MomentumMap;
+
+/// What the rules of a block share.
+pub(crate) struct Context<'a> {
+    pub(crate) settings: Settings,
+    pub(crate) block: &'a Annotated,
+    pub(crate) model: &'a Model,
+    pub(crate) mechanics: &'a Mechanics,
+    pub(crate) momenta: &'a [MomentumMap],
+    pub(crate) about: &'a SystemTexts,
+    pub(crate) arena: &'a Arena,
+}
+
+/// A rule with what was derived for it.
+pub(crate) struct Derived {
+    pub(crate) rule: Rule,
+    /// Whether its structure was not looked for.
+    pub(crate) is_whole: bool,
+    pub(crate) symbols: Symbols,
+    pub(crate) action: Action,
+    pub(crate) scheme: Scheme,
+    pub(crate) linearisation: Linearisation,
+}
+
+/// Path of what generated code calls in the runtime.
+fn private(block: &Annotated) -> TokenStream {
+    let runtime = &block.arguments.runtime;
+    quote!(#runtime::__private)
+}
+
+/// The function that a symmetry gives.
+pub(crate) fn momentum_name(symmetry: &Ident) -> Ident {
+    format_ident!("{symmetry}_momentum", span = symmetry.span())
+}
+
+/// Doc comments, a line each: headings with formulas below. As text blocks these are neither markdown nor tests.
+fn documented(parts: &[(&str, &str)]) -> TokenStream {
+    let mut tokens = TokenStream::new();
+    let mut line = |text: &str| {
+        let text = verbatim(&format!(" {text}"));
+        tokens.extend(quote!(#[doc = #text]));
+    };
+    for (at, (heading, text)) in parts.iter().enumerate() {
+        if at > 0 {
+            line("");
+        }
+        line(heading);
+        if !text.is_empty() {
+            line("");
+            line("```text");
+            text.lines().for_each(&mut line);
+            line("```");
+        }
+    }
+    tokens
+}
+
+/// A string literal that is read as it is, also in the expansion: letters with bars stay letters.
+fn verbatim(text: &str) -> Literal {
+    let raw = format!("r\"{text}\"");
+    raw.parse().unwrap_or_else(|_| Literal::string(text))
+}
+
+/// Attributes of every generated implementation. Generated arithmetic is not written to please a reader's linter.
+fn attributes() -> TokenStream {
+    quote! {
+        #[automatically_derived]
+        #[allow(unused_variables, clippy::all, clippy::pedantic, clippy::nursery)]
+    }
+}

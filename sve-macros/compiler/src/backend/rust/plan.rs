@@ -1,0 +1,107 @@
+//! The plan of a step, as a constant.
+
+use proc_macro2::TokenStream;
+use quote::quote;
+
+use super::count::Work;
+use super::{Context, Derived, verbatim};
+use crate::explain::{self, StepTexts};
+use crate::structure::{Band, Block, Kind};
+use crate::system::mechanics::Commutation;
+use crate::system::model::Symbols;
+
+pub(super) fn plan(
+    private: &TokenStream,
+    context: &Context<'_>,
+    derived: &Derived,
+    texts: &StepTexts,
+    work: &Work,
+) -> TokenStream {
+    let Context {
+        settings: _,
+        block,
+        model,
+        mechanics,
+        momenta,
+        about,
+        arena: _,
+    } = context;
+    let Derived {
+        rule,
+        is_whole: _,
+        symbols,
+        action: _,
+        scheme,
+        linearisation: _,
+    } = derived;
+    let StepTexts {
+        action,
+        step: equations,
+        domain: _,
+    } = texts;
+    let texts = [&about.system(), &about.motion, action, equations];
+    let [terms, motion, action, equations] = texts.map(|text| verbatim(text));
+    let self_ty = &block.item.self_ty;
+    let system = quote!(#self_ty).to_string();
+    let (name, order) = (rule.attribute_name(), rule.deterministic_order());
+    let (n, m) = (model.dof(), model.noises.len());
+    let strong = match &mechanics.commutation {
+        _ if m == 0 => quote!(Deterministic),
+        Commutation::All(_) => quote!(One),
+        Commutation::Clash(a, b) => quote!(Half { pair: (#a, #b) }),
+    };
+    let blocks = scheme
+        .blocks
+        .iter()
+        .map(|b| self::block(private, b, symbols));
+    let conserved = momenta.iter().filter(|map| map.affine);
+    let conserved = conserved.map(|map| format!("{}_momentum", map.name));
+    let Work {
+        prepare,
+        step,
+        iteration,
+    } = work;
+    let [prepare, step, iteration] = [prepare, step, iteration].map(|w| w.tokens(private));
+    quote! {
+        #private::Plan {
+            system: #system,
+            rule: #name,
+            degrees_of_freedom: #n,
+            noises: #m,
+            blocks: &[#(#blocks),*],
+            deterministic_order: #order,
+            strong_order: #private::StrongOrder::#strong,
+            conserved: &[#(#conserved),*],
+            prepare: #prepare,
+            step: #step,
+            iteration: #iteration,
+            formulas: #private::Formulas {
+                system: #terms,
+                motion: #motion,
+                action: #action,
+                step: #equations,
+            },
+        }
+    }
+}
+
+fn block(private: &TokenStream, block: &Block, symbols: &Symbols) -> TokenStream {
+    let Block {
+        kind,
+        unknowns,
+        nonzeros,
+        band,
+        solution: _,
+    } = block;
+    let kind = match kind {
+        Kind::Explicit => quote!(Explicit),
+        Kind::Linear => quote!(Linear),
+        Kind::Newton => quote!(Newton),
+    };
+    let unknowns = unknowns.iter().map(|&u| explain::unknown(symbols, u));
+    let band = match band {
+        Some(Band { lower, upper }) => quote!(::core::option::Option::Some((#lower, #upper))),
+        None => quote!(::core::option::Option::None),
+    };
+    quote!(#private::Block { kind: #private::BlockKind::#kind, unknowns: &[#(#unknowns),*], nonzeros: #nonzeros, band: #band })
+}

@@ -1,0 +1,169 @@
+//! `impl Variational<Rule>`: what surrounds a step.
+
+use proc_macro2::{Literal, TokenStream};
+use quote::{format_ident, quote};
+
+use super::lanes::lanes;
+use super::linearise::linearise;
+use super::plan::plan;
+use super::step::{self, Code};
+use super::{Context, Derived, attributes, documented, private, verbatim, whole};
+use crate::algebra::Symbol;
+use crate::explain::StepTexts;
+use crate::structure::{Block, Form, Solution};
+use crate::system::model::{Family, Meaning, Symbols, Unknown};
+
+pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) -> TokenStream {
+    let (private, attributes) = (private(context.block), attributes());
+    let (model, arena) = (context.model, context.arena);
+    let Derived {
+        rule: _,
+        is_whole,
+        symbols,
+        action: _,
+        scheme,
+        linearisation,
+    } = derived;
+    let self_ty = &context.block.item.self_ty;
+    let rule_type = rule_type(context, derived);
+    let [n, m, unknowns] = [
+        model.dof(),
+        model.noises.len(),
+        linearisation.unknowns.len(),
+    ]
+    .map(Literal::usize_unsuffixed);
+    let Code {
+        prepared,
+        prepare,
+        body,
+        work,
+    } = code(derived, &private, context);
+    let prepared = Literal::usize_unsuffixed(prepared);
+    let plan = plan(&private, context, derived, texts, &work);
+    let returns_state = scheme.form == Form::State;
+    let linearise = linearise(&private, model, linearisation, symbols, arena);
+    let lanes = (context.settings.lanes && !is_whole)
+        .then(|| lanes(scheme, model.noises.len(), symbols, &private, arena))
+        .flatten();
+    let [doc, increment_doc] = documentation(texts);
+    let start = start(&linearisation.unknowns, symbols);
+    let domain = domain(texts);
+    quote! {
+        #doc
+        #attributes
+        impl #private::Variational<#rule_type> for #self_ty {
+            type Prepared = [f64; #prepared];
+            const PLAN: &'static #private::Plan = &#plan;
+            const RETURNS_STATE: bool = #returns_state;
+            /// What depends on parameters and step size alone.
+            #[inline]
+            fn prepare(&self, h: f64) -> [f64; #prepared] {
+                #prepare
+            }
+            #domain
+            #[inline]
+            fn start(
+                &self,
+                state: &#private::State<#n>,
+                velocity: &[f64; #n],
+                acceleration: &[f64; #n],
+            ) -> [f64; #unknowns] {
+                #start
+            }
+            #increment_doc
+            #[inline]
+            fn increment(
+                &self,
+                prepared: &[f64; #prepared],
+                state: &#private::State<#n>,
+                h: f64,
+                dw: &[f64; #m],
+                newton: &#private::Solver<'_>,
+            ) -> ::core::result::Result<([f64; #n], [f64; #n], [f64; #unknowns]), #private::SolveError> {
+                #body
+            }
+            #lanes
+            #linearise
+        }
+    }
+}
+
+/// The conditions on where functions are evaluated, if there are any.
+fn domain(texts: &StepTexts) -> Option<TokenStream> {
+    let conditions = texts.domain.iter().map(|text| verbatim(text));
+    (!texts.domain.is_empty()).then(|| {
+        quote! {
+            const DOMAIN: &'static [&'static str] = &[#(#conditions),*];
+        }
+    })
+}
+
+/// What unknowns are in the limit of no noise and h → 0, where nothing moves and the acceleration is that of the motion.
+fn start(unknowns: &[Symbol], symbols: &Symbols) -> TokenStream {
+    let entries = unknowns.iter().map(|&symbol| {
+        let Meaning::Unknown(Unknown { family, index }) = *symbols.meaning(symbol) else {
+            return quote!(0f64);
+        };
+        let i = Literal::usize_unsuffixed(index);
+        match family {
+            Family::Displacement | Family::Flow => quote!(0f64),
+            Family::Velocity => quote!(velocity[#i]),
+            Family::Acceleration => quote!(acceleration[#i]),
+            // the multiplier of the velocity is the momentum
+            Family::Momentum | Family::Impulse => quote!(state.p[#i]),
+        }
+    });
+    quote!([#(#entries),*])
+}
+
+/// The rule, or the one that stands for it where it is derived without its structure.
+fn rule_type(context: &Context<'_>, derived: &Derived) -> TokenStream {
+    let runtime = &context.block.arguments.runtime;
+    let rule = format_ident!("{}", derived.rule.type_name());
+    let rule = quote!(#runtime::#rule);
+    if derived.is_whole {
+        quote!(#runtime::__private::Whole<#rule>)
+    } else {
+        rule
+    }
+}
+
+fn code(derived: &Derived, private: &TokenStream, context: &Context<'_>) -> Code {
+    let Derived {
+        scheme,
+        symbols,
+        linearisation,
+        ..
+    } = derived;
+    match scheme.blocks.as_slice() {
+        [
+            Block {
+                solution: Solution::Iteration(iteration),
+                ..
+            },
+        ] if derived.is_whole => whole::code(scheme, iteration, symbols, private, context.arena),
+        _ => step::code(
+            scheme,
+            &linearisation.unknowns,
+            symbols,
+            private,
+            context.arena,
+        ),
+    }
+}
+
+/// Of the implementation and of `increment`.
+fn documentation(texts: &StepTexts) -> [TokenStream; 2] {
+    let StepTexts {
+        action,
+        step,
+        domain: _,
+    } = texts;
+    let of_action = "Discrete action, of which `p₀ = −∂S/∂q₀`, `p₁ = ∂S/∂q₁`, `0 = ∂S/∂(each internal variable)`:";
+    let of_increment =
+        "One step from `q₀`, `p₀`: `(q₁ − q₀, p₁ − p₀)`, or `(q₁, p₁)` where `RETURNS_STATE`.";
+    [
+        documented(&[(of_action, action), ("Equations of the step:", step)]),
+        documented(&[(of_increment, step)]),
+    ]
+}

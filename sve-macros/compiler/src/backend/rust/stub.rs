@@ -1,0 +1,263 @@
+//! What is emitted after an error: the block with its mistakes taken out, and implementations without bodies, so that no
+//! second-hand errors follow.
+//!
+//! Sizes come from the signatures, by the compiler where they are not literal.
+
+use std::collections::BTreeSet;
+
+use proc_macro2::{Ident, Literal, TokenStream};
+use quote::{format_ident, quote};
+use syn::{Attribute, Expr, FnArg, ImplItem, ImplItemFn, ItemImpl, Lit, ReturnType, Type};
+
+use super::mend::mend;
+use crate::errors::Errors;
+use crate::rules::Rule;
+use crate::syntax::parse::{Arguments, is_f64, is_this};
+use crate::syntax::roles::is_role_name;
+
+/// The user's block, mended where it has mistakes, and stubs for every rule that the attribute names.
+pub(crate) fn stub(
+    mut block: ItemImpl,
+    attribute: &TokenStream,
+    mistaken: &BTreeSet<String>,
+) -> (TokenStream, TokenStream) {
+    mend(&mut block, mistaken);
+    let rules = if block.attrs.iter().any(is_this) {
+        // those of the other attribute are meant too
+        Rule::ALL.to_vec()
+    } else {
+        rules(attribute)
+    };
+    block.attrs.retain(|attribute| !is_this(attribute));
+    let stub = implementations(&block, attribute, &rules);
+    for member in &mut block.items {
+        if let Some(attributes) = member_attributes(member) {
+            attributes.retain(|a| {
+                !a.path()
+                    .get_ident()
+                    .is_some_and(|i| is_role_name(&i.to_string()))
+            });
+        }
+    }
+    (quote!(#block), stub)
+}
+
+fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) -> TokenStream {
+    let self_ty = &block.self_ty;
+    let runtime = runtime(attribute);
+    let private = quote!(#runtime::__private);
+    let attributes = super::attributes();
+    let (generics, _, clause) = block.generics.split_for_impl();
+    // lengths that are generic have no place in constants
+    let is_generic = !block.generics.params.is_empty();
+    let one = || quote!(1);
+    let n = if is_generic {
+        one()
+    } else {
+        coordinates(block)
+    };
+    let m = if is_generic { one() } else { processes(block) };
+    let fail = quote!(::core::unreachable!("the macro reported an error"));
+    let plan = plan(&private);
+    let momenta = momenta(block, &private, &n);
+    let rules = rules.iter().map(|rule| {
+        let rule = format_ident!("{}", rule.type_name());
+        quote! {
+            #attributes
+            impl #generics #private::Variational<#runtime::#rule> for #self_ty #clause {
+                type Prepared = ();
+                type Unknowns = [f64; 0];
+                const PLAN: &'static #private::Plan = &#plan;
+                const RETURNS_STATE: bool = false;
+                fn prepare(&self, h: f64) {}
+                fn start(
+                    &self,
+                    state: &#private::State<#n>,
+                    velocity: &[f64; #n],
+                    acceleration: &[f64; #n],
+                ) -> [f64; 0] {
+                    []
+                }
+                fn increment(
+                    &self,
+                    prepared: &(),
+                    state: &#private::State<#n>,
+                    h: f64,
+                    dw: &[f64; #m],
+                    newton: &#private::Solver<'_>,
+                ) -> ::core::result::Result<([f64; #n], [f64; #n], [f64; 0]), #private::SolveError> {
+                    #fail
+                }
+                fn linearise(
+                    &self,
+                    state: &#private::State<#n>,
+                    h: f64,
+                    dw: &[f64; #m],
+                    unknowns: &[f64; 0],
+                ) -> #private::Linearisation {
+                    #fail
+                }
+            }
+        }
+    });
+    quote! {
+        #attributes
+        impl #generics #private::System for #self_ty #clause {
+            type Dims = #private::Dims<#n, #m>;
+            const AFFINE_MOMENTUM: bool = true;
+            const PARAMETERS: &'static [&'static str] = &[];
+            fn lagrangian_jet(&self, time: f64, q: &[f64; #n], v: &[f64; #n]) -> #private::LagrangianJet<#n> { #fail }
+            fn noise_jets(&self, time: f64, q: &[f64; #n], p: &[f64; #n]) -> [#private::NoiseJet<#n>; #m] { #fail }
+        }
+        #(#rules)*
+        #momenta
+    }
+}
+
+/// A plan of nothing.
+fn plan(private: &TokenStream) -> TokenStream {
+    let operations = quote!(#private::Operations { arithmetic: 0, transcendental: 0, turns: 0 });
+    quote! {
+        #private::Plan {
+            system: "",
+            rule: "",
+            degrees_of_freedom: 0,
+            noises: 0,
+            blocks: &[],
+            deterministic_order: 0,
+            strong_order: #private::StrongOrder::Deterministic,
+            conserved: &[],
+            prepare: #operations,
+            step: #operations,
+            iteration: #operations,
+            formulas: #private::Formulas { system: "", motion: "", action: "", step: "" },
+        }
+    }
+}
+
+/// The functions that symmetries would give.
+fn momenta(block: &ItemImpl, private: &TokenStream, n: &TokenStream) -> TokenStream {
+    let self_ty = &block.self_ty;
+    let attributes = super::attributes();
+    let (generics, _, clause) = block.generics.split_for_impl();
+    let is_symmetry = |f: &&ImplItemFn| f.attrs.iter().any(|a| a.path().is_ident("symmetry"));
+    let is_free = |name: &Ident| functions(block).all(|f| f.sig.ident != *name);
+    let functions = functions(block).filter(is_symmetry).filter_map(|f| {
+        let (visibility, name) = (&f.vis, super::momentum_name(&f.sig.ident));
+        is_free(&name).then(|| {
+            quote! {
+                #visibility fn #name(&self, state: &#private::State<#n>) -> f64 {
+                    ::core::unreachable!("the macro reported an error")
+                }
+            }
+        })
+    });
+    quote! {
+        #attributes
+        #[allow(dead_code)]
+        impl #generics #self_ty #clause { #(#functions)* }
+    }
+}
+
+/// The rules that the attribute names; all of them where it has a mistake, since any may have been meant.
+fn rules(attribute: &TokenStream) -> Vec<Rule> {
+    let mut errors = Errors::new();
+    let arguments = Arguments::read(attribute.clone(), &mut errors);
+    match errors.finish(arguments) {
+        Ok(arguments) => arguments.rules.iter().map(|(rule, _)| *rule).collect(),
+        Err(_) => Rule::ALL.to_vec(),
+    }
+}
+
+/// The path after `crate =`, or the usual one.
+fn runtime(attribute: &TokenStream) -> TokenStream {
+    let mut tokens = attribute
+        .clone()
+        .into_iter()
+        .skip_while(|t| t.to_string() != "crate")
+        .skip(2);
+    let path: TokenStream = tokens
+        .by_ref()
+        .take_while(|t| t.to_string() != ",")
+        .collect();
+    match syn::parse2::<syn::Path>(path) {
+        Ok(path) => quote!(#path),
+        Err(_) => quote!(::sve_runtime),
+    }
+}
+
+fn member_attributes(member: &mut ImplItem) -> Option<&mut Vec<Attribute>> {
+    match member {
+        ImplItem::Fn(function) => Some(&mut function.attrs),
+        ImplItem::Const(constant) => Some(&mut constant.attrs),
+        _ => None,
+    }
+}
+
+fn functions(block: &ItemImpl) -> impl Iterator<Item = &ImplItemFn> {
+    block.items.iter().filter_map(|item| match item {
+        ImplItem::Fn(function) => Some(function),
+        _ => None,
+    })
+}
+
+fn coordinates(block: &ItemImpl) -> TokenStream {
+    let last = functions(block)
+        .find(|f| f.sig.ident == "lagrangian")
+        .and_then(|f| f.sig.inputs.last());
+    match last {
+        Some(FnArg::Typed(argument)) => size(&[&argument.ty]),
+        _ => quote!(1),
+    }
+}
+
+fn processes(block: &ItemImpl) -> TokenStream {
+    let is_noise = |f: &&ImplItemFn| {
+        f.attrs
+            .iter()
+            .any(|a| a.path().is_ident("gamma") || a.path().is_ident("h1"))
+    };
+    let outputs: Vec<&Type> = functions(block)
+        .filter(is_noise)
+        .filter_map(|f| match &f.sig.output {
+            ReturnType::Type(_, ty) => Some(&**ty),
+            ReturnType::Default => None,
+        })
+        .collect();
+    size(&outputs)
+}
+
+/// Numbers in some types, as a constant argument.
+fn size(types: &[&Type]) -> TokenStream {
+    let literal: Option<usize> = types.iter().map(|ty| entries(ty)).sum();
+    if let Some(n) = literal {
+        let n = Literal::usize_unsuffixed(n);
+        return quote!(#n);
+    }
+    let types = types.iter().map(|ty| match ty {
+        Type::Reference(reference) => &*reference.elem,
+        other => *other,
+    });
+    if types.clone().any(|ty| matches!(ty, Type::Slice(_))) {
+        // it has no size
+        return quote!(1);
+    }
+    quote!({ #(::core::mem::size_of::<#types>() / ::core::mem::size_of::<f64>())+* })
+}
+
+/// Numbers in a type with literal lengths.
+fn entries(ty: &Type) -> Option<usize> {
+    match ty {
+        Type::Array(array) => match &array.len {
+            Expr::Lit(length) => match &length.lit {
+                Lit::Int(n) => n
+                    .base10_parse::<usize>()
+                    .ok()?
+                    .checked_mul(entries(&array.elem)?),
+                _ => None,
+            },
+            _ => None,
+        },
+        _ => is_f64(ty).then_some(1),
+    }
+}

@@ -1,0 +1,201 @@
+//! `impl System`: the derivatives of L and of the noises.
+
+use proc_macro2::{Literal, TokenStream};
+use quote::quote;
+
+use super::identity::identity;
+use super::straight::{Straight, rows};
+use super::{attributes, documented, private};
+use crate::algebra::{Arena, Expr};
+use crate::explain::SystemTexts;
+use crate::syntax::parse::Annotated;
+use crate::system::mechanics::{ForceJet, LagrangianJet, Mechanics, NoiseJet};
+use crate::system::model::{Model, Symbols};
+
+pub(crate) fn system(
+    block: &Annotated,
+    model: &Model,
+    mechanics: &Mechanics,
+    about: &SystemTexts,
+    arena: &Arena,
+) -> TokenStream {
+    let (private, attributes) = (private(block), attributes());
+    let self_ty = &block.item.self_ty;
+    let n = Literal::usize_unsuffixed(model.dof());
+    let m = Literal::usize_unsuffixed(model.noises.len());
+    let Mechanics {
+        lagrangian,
+        noises,
+        force,
+        affine_momentum,
+        commutation: _,
+    } = mechanics;
+    let [doc, jet_doc, noise_doc] = documentation(about, !noises.is_empty());
+    let lagrangian_body = lagrangian_jet(&private, lagrangian, &model.symbols, arena);
+    let noise_body = noise_jets(&private, noises, &model.symbols, arena);
+    let force = force
+        .as_ref()
+        .map(|jet| force_jet(&private, jet, &n, &model.symbols, arena));
+    let identity = identity(model, arena);
+    let parameters = model.symbols.parameters().map(|s| model.symbols.source(s));
+    // the user's functions are not called by what is derived from them, and yet are not dead
+    let parts = [&block.noises, &block.forces, &block.symmetries];
+    let functions = parts.into_iter().flatten().chain([&block.lagrangian]);
+    let functions = functions.map(|part| &part.name);
+    quote! {
+        #attributes
+        const _: () = { #(let _ = <#self_ty>::#functions;)* };
+        #doc
+        #attributes
+        impl #private::System for #self_ty {
+            type Dims = #private::Dims<#n, #m>;
+            const AFFINE_MOMENTUM: bool = #affine_momentum;
+            const PARAMETERS: &'static [&'static str] = &[#(#parameters),*];
+            #identity
+            #jet_doc
+            #[inline]
+            fn lagrangian_jet(&self, time: f64, q: &[f64; #n], v: &[f64; #n]) -> #private::LagrangianJet<#n> {
+                #lagrangian_body
+            }
+            #noise_doc
+            #[inline]
+            fn noise_jets(&self, time: f64, q: &[f64; #n], p: &[f64; #n]) -> [#private::NoiseJet<#n>; #m] {
+                #noise_body
+            }
+            #force
+        }
+    }
+}
+
+/// Of the implementation, and of its functions for L and the noises.
+fn documentation(about: &SystemTexts, is_noisy: bool) -> [TokenStream; 3] {
+    let of_motion = if is_noisy {
+        "Equations of motion (Stratonovich):"
+    } else {
+        "Equations of motion:"
+    };
+    let of_lagrangian = "L with its first and second derivatives.";
+    let of_noises = "The noise Hamiltonians, −γ and H₁, with their first and second derivatives.";
+    [
+        documented(&[("The system:", &about.system()), (of_motion, &about.motion)]),
+        documented(&[(of_lagrangian, &about.lagrangian)]),
+        documented(&[(of_noises, &about.noises)]),
+    ]
+}
+
+fn lagrangian_jet(
+    private: &TokenStream,
+    jet: &LagrangianJet,
+    symbols: &Symbols,
+    arena: &Arena,
+) -> TokenStream {
+    let LagrangianJet {
+        value,
+        dq,
+        dv,
+        dqq,
+        dqv,
+        dvv,
+        dqt,
+        dvt,
+    } = jet;
+    let value = [vec![*value]];
+    let vectors = [dq.clone(), dv.clone(), dqt.clone(), dvt.clone()];
+    let roots: Vec<Expr> = [&value[..], &vectors[..], &dqq[..], &dqv[..], &dvv[..]]
+        .concat()
+        .concat();
+    let n = dq.len();
+    let matrices: [(&[Vec<Expr>], Vec<String>); 5] = [
+        (&value, vec!["lagrangian".to_owned()]),
+        (
+            &vectors,
+            ["dq", "dv", "dqt", "dvt"].map(ToOwned::to_owned).to_vec(),
+        ),
+        (dqq, rows("dqq", n)),
+        (dqv, rows("dqv", n)),
+        (dvv, rows("dvv", n)),
+    ];
+    let (statements, arrays) = Straight::new(arena, symbols, &roots).finish(private, &matrices);
+    let [value, vectors, dqq, dqv, dvv] = arrays.as_slice() else {
+        return TokenStream::new();
+    };
+    quote! {
+        #statements
+        let [[value]] = #value;
+        let [dq, dv, dqt, dvt] = #vectors;
+        #private::LagrangianJet { value, dq, dv, dqq: #dqq, dqv: #dqv, dvv: #dvv, dqt, dvt }
+    }
+}
+
+/// `FORCED` and `force_jet`.
+fn force_jet(
+    private: &TokenStream,
+    jet: &ForceJet,
+    n: &Literal,
+    symbols: &Symbols,
+    arena: &Arena,
+) -> TokenStream {
+    let ForceJet { value, dq, dv, dt } = jet;
+    let vectors = [value.clone(), dt.clone()];
+    let roots: Vec<Expr> = [&vectors[..], &dq[..], &dv[..]].concat().concat();
+    let size = value.len();
+    let matrices: [(&[Vec<Expr>], Vec<String>); 3] = [
+        (&vectors, ["force", "dt"].map(ToOwned::to_owned).to_vec()),
+        (dq, rows("dq", size)),
+        (dv, rows("dv", size)),
+    ];
+    let (statements, arrays) = Straight::new(arena, symbols, &roots).finish(private, &matrices);
+    let [vectors, dq, dv] = arrays.as_slice() else {
+        return TokenStream::new();
+    };
+    quote! {
+        const FORCED: bool = true;
+        #[inline]
+        fn force_jet(&self, time: f64, q: &[f64; #n], v: &[f64; #n]) -> #private::ForceJet<#n> {
+            #statements
+            let [value, dt] = #vectors;
+            #private::ForceJet { value, dq: #dq, dv: #dv, dt }
+        }
+    }
+}
+
+fn noise_jets(
+    private: &TokenStream,
+    jets: &[NoiseJet],
+    symbols: &Symbols,
+    arena: &Arena,
+) -> TokenStream {
+    let mut roots: Vec<Expr> = Vec::new();
+    let mut blocks: Vec<(Vec<Vec<Expr>>, Vec<String>)> = Vec::new();
+    for (at, jet) in jets.iter().enumerate() {
+        let NoiseJet {
+            dq,
+            dp,
+            dqq,
+            dqp,
+            dpp,
+        } = jet;
+        let name = |part: &str| format!("noise_{at}_{part}");
+        let matrix = |part: &str| rows(&name(part), dq.len());
+        blocks.push((vec![dq.clone(), dp.clone()], vec![name("dq"), name("dp")]));
+        blocks.push((dqq.clone(), matrix("dqq")));
+        blocks.push((dqp.clone(), matrix("dqp")));
+        blocks.push((dpp.clone(), matrix("dpp")));
+    }
+    for (block, _) in &blocks {
+        roots.extend(block.iter().flatten());
+    }
+    let views = blocks
+        .iter()
+        .map(|(block, names)| (block.as_slice(), names.clone()));
+    let views: Vec<(&[Vec<Expr>], Vec<String>)> = views.collect();
+    let (statements, arrays) = Straight::new(arena, symbols, &roots).finish(private, &views);
+    let jets = arrays.chunks(4).map(|chunk| {
+        let (vectors, dqq, dqp, dpp) = (&chunk[0], &chunk[1], &chunk[2], &chunk[3]);
+        quote! {{
+            let [dq, dp] = #vectors;
+            #private::NoiseJet { dq, dp, dqq: #dqq, dqp: #dqp, dpp: #dpp }
+        }}
+    });
+    quote!(#statements [#(#jets),*])
+}

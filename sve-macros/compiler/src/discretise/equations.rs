@@ -1,0 +1,106 @@
+//! Discrete action → implicit discrete Euler–Lagrange equations; the same for every rule.
+//!
+//! Input: an [`Action`]. Output: the equations that determine the unknowns, and the ways to write the momentum increment.
+//!
+//! ```text
+//! 0 = ∂S/∂x   (each internal x)        0 = ∂S/∂d − ∂S/∂q₀ − p₀        p₁ − p₀ = ∂S/∂q₀
+//! ```
+//!
+//! With a force each ∂S/∂x has the work beside it that is done when x varies (Lagrange–d'Alembert).
+
+use crate::algebra::{Arena, Expr, Node, Symbol};
+use crate::rules::action::{Action, Work};
+
+/// The equations of a step.
+pub(crate) struct Equations {
+    /// What is to be solved for, those first that are best expressed by the others.
+    pub(crate) unknowns: Vec<Symbol>,
+    /// What has to vanish.
+    pub(crate) residuals: Vec<Expr>,
+    /// `q₁ − q₀`.
+    pub(crate) dq: Vec<Expr>,
+    /// `p₁ − p₀`: for each component, expressions that agree wherever the equations hold.
+    pub(crate) dp: Vec<Vec<Expr>>,
+}
+
+/// Differentiates the action.
+pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
+    let mut residuals = Vec::new();
+    for &x in &action.internal {
+        let stationary = variation(action, x, arena);
+        residuals.push(divide_out(arena, stationary, action.h));
+    }
+    let mut dp = Vec::new();
+    for i in 0..action.start_q.len() {
+        let end = variation(action, action.displacement[i], arena);
+        let kick = variation(action, action.start_q[i], arena);
+        let p0 = arena.symbol(action.start_p[i]);
+        let balance = arena.sum(0.0, &[(1.0, end), (-1.0, kick), (-1.0, p0)]);
+        residuals.push(balance);
+        // adding a multiple of an equation that holds: with 1 this is ∂S/∂d − p₀; with 2 the force drops out of the midpoint
+        // rule, p₁ = 2p − p₀
+        dp.push(
+            (0..3)
+                .map(|k| arena.sum(0.0, &[(1.0, kick), (f64::from(k), balance)]))
+                .collect(),
+        );
+    }
+    // in the order in which they are preferably eliminated: displacements, multipliers, velocities last
+    let unknowns = action
+        .displacement
+        .iter()
+        .chain(action.internal.iter().rev())
+        .copied()
+        .collect();
+    let dq = action
+        .displacement
+        .iter()
+        .map(|&d| arena.symbol(d))
+        .collect();
+    Equations {
+        unknowns,
+        residuals,
+        dq,
+        dp,
+    }
+}
+
+/// `∂S/∂x` with the work of the force.
+fn variation(action: &Action, x: Symbol, arena: &mut Arena) -> Expr {
+    let mut terms = vec![(1.0, arena.diff(action.value, x))];
+    for Work { impulse, place } in &action.work {
+        let moved = arena.diff(*place, x);
+        terms.push((1.0, arena.mul(*impulse, moved)));
+    }
+    arena.sum(0.0, &terms)
+}
+
+/// `expr` divided by the highest power of `h` that every term of it has as a factor: the same equation, of finite size
+/// when h is small.
+fn divide_out(arena: &mut Arena, expr: Expr, h: Symbol) -> Expr {
+    let h = arena.symbol(h);
+    let power = |arena: &Arena, term: Expr| match arena.node(term) {
+        _ if term == h => 1,
+        Node::Product(factors) => factors.iter().find(|f| f.0 == h).map_or(0, |f| f.1),
+        _ => 0,
+    };
+    let common = match arena.node(expr) {
+        Node::Sum(constant, terms) if constant.get() == 0.0 => {
+            terms.iter().map(|t| power(arena, t.0)).min().unwrap_or(0)
+        }
+        _ => power(arena, expr),
+    };
+    if common <= 0 {
+        return expr;
+    }
+    match arena.node(expr).clone() {
+        Node::Sum(_, terms) => {
+            let terms: Vec<_> = terms
+                .iter()
+                .map(|&(term, c)| (c.get(), arena.product(&[(term, 1), (h, -common)])))
+                .collect();
+            arena.sum(0.0, &terms)
+        }
+        _ => arena.product(&[(expr, 1), (h, -common)]),
+    }
+}

@@ -1,0 +1,4 @@
+//! Discrete action → equations of the step, and the step to first order around a solution.
+
+pub(crate) mod equations;
+pub(crate) mod tangent;

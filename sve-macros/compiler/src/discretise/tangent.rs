@@ -1,0 +1,121 @@
+//! Scheme → the linearised step, from which the runtime gets derivatives of the result in the start and in the parameters.
+//!
+//! The implicit-function theorem, on the equations that the step solves: with the unknowns x that blocks determine, their
+//! residuals R(x, z) and the results y(x, z), where z is the state at the start and the parameters,
+//!
+//! ```text
+//! dy/dz = ∂y/∂z − ∂y/∂x (∂R/∂x)⁻¹ ∂R/∂z
+//! ```
+//!
+//! Output: the four matrices, by their entries that are not zero. What a formula determines is no unknown here.
+
+use std::collections::HashMap;
+
+use crate::algebra::{Arena, Expr, Symbol};
+use crate::rules::action::Action;
+use crate::structure::{Iteration, Linear, Scheme, Solution};
+use crate::system::model::Symbols;
+
+/// An entry of a matrix.
+pub(crate) struct Entry {
+    pub(crate) row: usize,
+    pub(crate) column: usize,
+    pub(crate) value: Expr,
+}
+
+/// The linearised step.
+pub(crate) struct Linearisation {
+    /// x, as solved blocks name them.
+    pub(crate) unknowns: Vec<Symbol>,
+    /// Results, twice the degrees of freedom.
+    pub(crate) outputs: usize,
+    /// q₀, p₀ and the parameters in the order of their declaration.
+    pub(crate) inputs: usize,
+    /// ∂R/∂x, ∂R/∂z, ∂y/∂x, ∂y/∂z.
+    pub(crate) matrices: [Vec<Entry>; 4],
+}
+
+/// Differentiates what a scheme solves and returns.
+pub(crate) fn linearise(
+    scheme: &Scheme,
+    action: &Action,
+    symbols: &Symbols,
+    arena: &mut Arena,
+) -> Linearisation {
+    let mut unknowns = Vec::new();
+    let mut residuals = Vec::new();
+    for block in &scheme.blocks {
+        match &block.solution {
+            Solution::Formula(_) => {}
+            Solution::System { linear, solved } => {
+                residuals.extend(balance(linear, solved, arena));
+                unknowns.extend(solved);
+            }
+            Solution::Iteration(iteration) => {
+                residuals.extend(at_solution(iteration, arena));
+                unknowns.extend(&iteration.solved);
+            }
+        }
+    }
+    let inputs: Vec<Symbol> = action
+        .start_q
+        .iter()
+        .chain(&action.start_p)
+        .copied()
+        .chain(symbols.parameters())
+        .collect();
+    let results = [scheme.dq.as_slice(), &scheme.dp].concat();
+    Linearisation {
+        outputs: results.len(),
+        inputs: inputs.len(),
+        matrices: [
+            jacobian(&residuals, &unknowns, arena),
+            jacobian(&residuals, &inputs, arena),
+            jacobian(&results, &unknowns, arena),
+            jacobian(&results, &inputs, arena),
+        ],
+        unknowns,
+    }
+}
+
+/// The residuals of a linear system.
+fn balance(linear: &Linear, solved: &[Symbol], arena: &mut Arena) -> Vec<Expr> {
+    let rows = linear.matrix.iter().zip(&linear.rhs);
+    rows.map(|(row, &rhs)| {
+        let mut terms = vec![(-1.0, rhs)];
+        for (&entry, &x) in row.iter().zip(solved) {
+            let x = arena.symbol(x);
+            terms.push((1.0, arena.mul(entry, x)));
+        }
+        arena.sum(0.0, &terms)
+    })
+    .collect()
+}
+
+/// The residuals of an iteration where it ended.
+fn at_solution(iteration: &Iteration, arena: &mut Arena) -> Vec<Expr> {
+    let pairs = iteration.iterates.iter().zip(&iteration.solved);
+    let by: HashMap<Symbol, Expr> = pairs.map(|(&x, &s)| (x, arena.symbol(s))).collect();
+    iteration
+        .residual
+        .iter()
+        .map(|&r| arena.substitute(r, &by))
+        .collect()
+}
+
+fn jacobian(rows: &[Expr], columns: &[Symbol], arena: &mut Arena) -> Vec<Entry> {
+    let zero = arena.constant(0.0);
+    let mut entries = Vec::new();
+    for (row, &expr) in rows.iter().enumerate() {
+        for (column, &symbol) in columns.iter().enumerate() {
+            if !arena.contains(expr, symbol) {
+                continue;
+            }
+            let value = arena.diff(expr, symbol);
+            if value != zero {
+                entries.push(Entry { row, column, value });
+            }
+        }
+    }
+    entries
+}

@@ -1,0 +1,48 @@
+//! What was derived, as text: the system, its equations of motion, the discrete action of a rule, the equations of its step.
+//!
+//! Input: the outputs of the stages. Output: lines of readable mathematics for doc comments and for the plan, of bounded
+//! length. Nothing is computed here that the step does not use: each formula is printed from the expression that is
+//! differentiated or scheduled. The equations of motion are those of mathematics.md, section 1.
+//!
+//! # Notation
+//!
+//! - Time levels are subscripts, `q₀` and `q₁`, start and end of a step; components are in brackets, `q₀[2]`, as in the source.
+//!   A single coordinate has none: `q`, `v`, `p`.
+//! - `q̄`, `t̄` are the node of the midpoint rule; `q̂`, `v̂` the predicted end of `taylor2`, where `a` is the acceleration and
+//!   `μ`, `ν` are multipliers. `Δq = q₁ − q₀`; `ΔW[a]` is the increment of process `a`, in the order of `dw`.
+//! - Parameters are called like their fields; `self.` stands in front of those that are called like something else here.
+//! - `s1`, `c1`, `r1`, `f1`, `u1`, …: sines, cosines, roots, other functions and sums that occur more than once in long formulas.
+
+mod names;
+mod page;
+mod step;
+mod system;
+
+pub(crate) use names::unknown;
+pub(crate) use step::{StepTexts, step};
+pub(crate) use system::{SystemTexts, symmetry_caveat, system};
+
+use crate::algebra::{Arena, Expr};
+use crate::system::model::Symbols;
+
+/// A formula of the system, where it is no longer than `limit`.
+pub(crate) fn formula(
+    symbols: &Symbols,
+    expr: Expr,
+    limit: usize,
+    arena: &Arena,
+) -> Option<String> {
+    let text = arena.display(expr, limit, &names::Names::new(symbols, None))?;
+    Some(text.text)
+}
+
+/// Lines of a list that are shown where it is longer than [`ALL`].
+const SOME: usize = 3;
+
+/// Length up to which a list is shown whole.
+const ALL: usize = 4;
+
+/// Lines that are shown of a list.
+fn shown(length: usize) -> usize {
+    if length <= ALL { length } else { SOME }
+}

@@ -1,0 +1,177 @@
+//! How things are called in formulas; the notation is in `mod.rs`.
+
+use std::collections::HashMap;
+
+use crate::algebra::{self, Arena, Expr, Function, Notation, Symbol};
+use crate::rules::Rule;
+use crate::rules::action::{Node, node};
+use crate::system::model::{Family, Meaning, Quantity, Symbols, Unknown};
+
+/// Letters that have a meaning of their own.
+const LETTERS: [&str; 6] = ["q", "v", "p", "t", "h", "L"];
+
+/// Names of symbols and of subexpressions.
+pub(super) struct Names<'a> {
+    symbols: &'a Symbols,
+    /// The rule, in the equations of a step.
+    rule: Option<Rule>,
+    /// What parameters are called; two of them never share a name.
+    parameters: Vec<String>,
+    named: HashMap<Expr, String>,
+    counts: HashMap<char, usize>,
+    /// Names that were given, by what they stand for.
+    given: HashMap<String, String>,
+}
+
+impl<'a> Names<'a> {
+    pub(super) fn new(symbols: &'a Symbols, rule: Option<Rule>) -> Self {
+        let meanings = symbols.meanings().iter();
+        let parameters = meanings
+            .filter_map(|m| match m {
+                Meaning::Parameter { access, .. } => Some(parameter(&access.to_string(), rule)),
+                _ => None,
+            })
+            .collect();
+        Self {
+            symbols,
+            rule,
+            parameters,
+            named: HashMap::new(),
+            counts: HashMap::new(),
+            given: HashMap::new(),
+        }
+    }
+
+    /// Calls an expression by a name.
+    pub(super) fn call(&mut self, expr: Expr, name: String) {
+        self.named.entry(expr).or_insert(name);
+    }
+
+    /// Gives an expression, written `text`, a name of its own.
+    pub(super) fn number(&mut self, expr: Expr, text: String, arena: &Arena) {
+        if let Some(name) = self.given.get(&text) {
+            self.named.insert(expr, name.clone());
+            return;
+        }
+        let letter = match arena.node(expr) {
+            algebra::Node::Call(Function::Sin, _) => 's',
+            algebra::Node::Call(Function::Cos, _) => 'c',
+            algebra::Node::Call(Function::Sqrt, _) => 'r',
+            algebra::Node::Call(..) | algebra::Node::Call2(..) => 'f',
+            _ => 'u',
+        };
+        let count = self.counts.entry(letter).or_default();
+        loop {
+            *count += 1;
+            let name = format!("{letter}{count}");
+            if !self.parameters.contains(&name) {
+                self.named.insert(expr, name.clone());
+                self.given.insert(text, name);
+                return;
+            }
+        }
+    }
+
+    /// Calls an intermediate result of the step, `q₀ + c d` and the like, by its name; others have none and are written out.
+    pub(super) fn call_node(&mut self, expr: Expr, arena: &Arena) {
+        let Some(rule) = self.rule else { return };
+        let name = match (node(expr, self.symbols, arena), rule) {
+            (None, _) => return,
+            (Some(Node::Time), Rule::Midpoint) => "t̄".to_owned(),
+            (Some(Node::Time), _) => "t₁".to_owned(),
+            (Some(Node::Position(i)), Rule::Midpoint) => self.component("q̄", i),
+            (Some(Node::Position(i)), Rule::Taylor2) => self.component("q̂", i),
+            (Some(Node::Position(i)), Rule::Endpoint | Rule::InitialPoint) => {
+                self.component("q₁", i)
+            }
+            (Some(Node::Velocity(i)), _) => self.component("v̂", i),
+        };
+        self.call(expr, name);
+    }
+
+    /// `q₀[i]`, or `q₀` where there is one coordinate.
+    pub(super) fn component(&self, letter: &str, i: usize) -> String {
+        component(letter, i, coordinates(self.symbols))
+    }
+}
+
+/// What an unknown of a step is called.
+pub(crate) fn unknown(symbols: &Symbols, symbol: Symbol) -> String {
+    let Meaning::Unknown(Unknown { family, index }) = *symbols.meaning(symbol) else {
+        return symbols.name(symbol);
+    };
+    let letter = match family {
+        Family::Displacement => "Δq",
+        Family::Velocity => "v",
+        Family::Momentum => "p",
+        Family::Acceleration => "a",
+        Family::Impulse => "μ",
+        Family::Flow => "ν",
+    };
+    component(letter, index, coordinates(symbols))
+}
+
+fn component(letter: &str, i: usize, of: usize) -> String {
+    if of == 1 {
+        letter.to_owned()
+    } else {
+        format!("{letter}[{i}]")
+    }
+}
+
+fn coordinates(symbols: &Symbols) -> usize {
+    let is_position = |m: &&Meaning| matches!(m, Meaning::Position(_));
+    symbols.meanings().iter().filter(is_position).count()
+}
+
+fn processes(symbols: &Symbols) -> usize {
+    let is_increment = |m: &&Meaning| matches!(m, Meaning::Wiener(_));
+    symbols.meanings().iter().filter(is_increment).count()
+}
+
+/// A field as the user writes it, without `self.` where that is clear.
+fn parameter(access: &str, rule: Option<Rule>) -> String {
+    let path: String = access.split_whitespace().collect();
+    let path = path.replace("r#", "");
+    let Some(field) = path.strip_prefix("self.") else {
+        return path;
+    };
+    let name = field.split(['.', '[']).next().unwrap_or(field);
+    let taken = LETTERS.contains(&name) || (name == "a" && rule == Some(Rule::Taylor2));
+    if taken || name.starts_with(|c: char| c.is_ascii_digit()) {
+        path
+    } else {
+        field.to_owned()
+    }
+}
+
+impl Notation for Names<'_> {
+    fn symbol(&self, symbol: Symbol) -> String {
+        match self.symbols.meaning(symbol) {
+            Meaning::Parameter { access, .. } => parameter(&access.to_string(), self.rule),
+            Meaning::Time if self.rule.is_some() => "t₀".to_owned(),
+            Meaning::Time => "t".to_owned(),
+            Meaning::StepSize => "h".to_owned(),
+            Meaning::Position(i) => self.component("q", *i),
+            Meaning::Velocity(i) => self.component("v", *i),
+            Meaning::Momentum(i) => self.component("p", *i),
+            Meaning::Start(Quantity::Position, i) => self.component("q₀", *i),
+            Meaning::Start(Quantity::Momentum, i) => self.component("p₀", *i),
+            Meaning::Wiener(i) => component("ΔW", *i, processes(self.symbols)),
+            Meaning::Unknown(_) | Meaning::Limit(_) => unknown(self.symbols, symbol),
+        }
+    }
+
+    fn place(&self, symbol: Symbol) -> u8 {
+        match self.symbols.meaning(symbol) {
+            Meaning::StepSize => 0,
+            Meaning::Parameter { .. } => 1,
+            Meaning::Wiener(_) => 2,
+            _ => 3,
+        }
+    }
+
+    fn name(&self, expr: Expr) -> Option<&str> {
+        self.named.get(&expr).map(String::as_str)
+    }
+}

@@ -1,0 +1,363 @@
+//! The discrete action of a rule in its textbook form, and the equations of the step that it gives.
+
+use super::names::{Names, unknown};
+use super::page::Page;
+use super::shown;
+use crate::algebra::{Arena, Expr, Notation, Sum, Symbol};
+use crate::rules::Rule;
+use crate::rules::action::Action;
+use crate::structure::{Block, Kind, Scheme, Solution};
+use crate::system::mechanics::Mechanics;
+use crate::system::model::{Meaning, Model, Symbols};
+
+/// Texts of a rule.
+pub(crate) struct StepTexts {
+    /// The discrete action.
+    pub(crate) action: String,
+    /// The equations of the step after elimination, block by block, and its results.
+    pub(crate) step: String,
+    /// The conditions on where functions are evaluated.
+    pub(crate) domain: Vec<String>,
+}
+
+/// Writes down a step.
+pub(crate) fn step(
+    rule: Rule,
+    model: &Model,
+    mechanics: &Mechanics,
+    action: &Action,
+    scheme: &Scheme,
+    symbols: &Symbols,
+    arena: &Arena,
+) -> StepTexts {
+    let (textbook, node) = textbook(rule, model, mechanics, arena);
+    let mut lines = vec![textbook];
+    let mut nodes = vec![node];
+    if let Some((text, parts)) = written_out(rule, action, symbols, arena) {
+        lines.push(text);
+        lines.extend(parts);
+        nodes.push("Δq = q₁ − q₀".to_owned());
+    }
+    lines.extend(work(rule, model, arena));
+    nodes.retain(|node| !node.is_empty());
+    if !nodes.is_empty() {
+        lines.push(nodes.join(", "));
+    }
+    StepTexts {
+        action: lines.join("\n"),
+        step: equations(rule, action, scheme, symbols, arena).join("\n"),
+        domain: domain(rule, scheme, symbols, arena),
+    }
+}
+
+/// Characters from which on an expression is not written out in a condition.
+const CONDITION: usize = 120;
+
+/// The conditions on where functions are evaluated, `1 − v² > 0`.
+fn domain(rule: Rule, scheme: &Scheme, symbols: &Symbols, arena: &Arena) -> Vec<String> {
+    let conditions = scheme.domain.iter().map(|condition| {
+        let mut names = Names::new(symbols, Some(rule));
+        for e in arena.reachable(&[condition.text], |_| true) {
+            names.call_node(e, arena);
+        }
+        let value = arena.display(condition.text, CONDITION, &names);
+        let value = value.map_or_else(|| "an argument in L".to_owned(), |v| v.text);
+        let relation = if condition.is_closed { "≥" } else { ">" };
+        format!("{value} {relation} 0")
+    });
+    conditions.collect()
+}
+
+/// The action with L, γ and H₁ as functions, and its node.
+fn textbook(rule: Rule, model: &Model, mechanics: &Mechanics, arena: &Arena) -> (String, String) {
+    let timed = |e: Expr| arena.contains(e, model.time);
+    let timed = timed(model.lagrangian) || model.noises.iter().any(|g| timed(g.hamiltonian));
+    let (t, q, node) = match (rule, timed) {
+        (Rule::InitialPoint, _) => ("t₀, ", "q₀", ""),
+        (Rule::Endpoint, false) => ("", "q₁", ""),
+        (Rule::Endpoint, true) => ("t₁, ", "q₁", "t₁ = t₀ + h"),
+        (Rule::Midpoint, false) => ("", "q̄", "q̄ = (q₀ + q₁)/2"),
+        (Rule::Midpoint, true) => ("t̄, ", "q̄", "q̄ = (q₀ + q₁)/2, t̄ = t₀ + h/2"),
+        (Rule::Taylor2, _) => return taylor2(model.dof(), timed, model.force.is_some()),
+    };
+    let t = if timed { t } else { "" };
+    let slip = pairing(model.dof(), "p", "q₁ − q₀ − h·v");
+    let mut terms = vec![format!("S = h·L({t}{q}, v) + {slip}")];
+    let sum = |count: usize| if count > 1 { "Σ " } else { "" };
+    let gammas = model.noises.iter().filter(|g| g.is_gamma).count();
+    if gammas > 0 {
+        terms.push(format!(" + {}γ({t}{q})·ΔW", sum(gammas)));
+    }
+    let others = model.noises.len() - gammas;
+    if others > 0 {
+        terms.push(format!(" − {}H₁({t}{q}, p)·ΔW", sum(others)));
+    }
+    // the Stratonovich correction is there where some noise moves p and some q
+    let given = |list: &[Expr]| list.iter().any(|&e| arena.constant_value(e) != Some(0.0));
+    let moves_q = mechanics.noises.iter().any(|g| given(&g.dp));
+    let moves_p = mechanics.noises.iter().any(|g| given(&g.dq));
+    let mut node = node.to_owned();
+    if rule != Rule::Midpoint && moves_q && moves_p {
+        let sign = if rule == Rule::Endpoint { '+' } else { '−' };
+        if model.noises.len() == 1 {
+            terms.push(format!(" {sign} ½·⟨∂H₁/∂p, ∂H₁/∂q⟩·ΔW²"));
+        } else {
+            terms.push(format!(" {sign} ½·Σ ⟨∂G[i]/∂p, ∂G[j]/∂q⟩·ΔW[i]·ΔW[j]"));
+            node += if node.is_empty() { "" } else { ", " };
+            node += "G = −γ or H₁";
+        }
+    }
+    (terms.concat(), node)
+}
+
+/// The virtual work of the force, which joins δS.
+fn work(rule: Rule, model: &Model, arena: &Arena) -> Option<String> {
+    let force = model.force.as_ref()?;
+    let timed = force.iter().any(|&f| arena.contains(f, model.time));
+    let of = |t: &str, q: &str, v: &str| {
+        let t = if timed {
+            format!("{t}, ")
+        } else {
+            String::new()
+        };
+        if model.dof() == 1 {
+            format!("F({t}{q}, {v})·δ{q}")
+        } else {
+            format!("⟨F({t}{q}, {v}), δ{q}⟩")
+        }
+    };
+    let work = match rule {
+        Rule::InitialPoint => of("t₀", "q₀", "v"),
+        Rule::Midpoint => of("t̄", "q̄", "v"),
+        Rule::Endpoint => of("t₁", "q₁", "v"),
+        Rule::Taylor2 => format!("({} + {})/2", of("t₀", "q₀", "v"), of("t₁", "q̂", "v̂")),
+    };
+    Some(format!("with the virtual work h·{work} beside δS"))
+}
+
+fn taylor2(n: usize, timed: bool, forced: bool) -> (String, String) {
+    let (t0, t1, drift) = if timed {
+        ("t₀, ", "t₁, ", " + L_vt")
+    } else {
+        ("", "", "")
+    };
+    let slip = pairing(n, "μ", "q₁ − q₀ − h·v − h²·a/2");
+    let force = if forced { " − F" } else { "" };
+    let flow = pairing(n, "ν", &format!("L_vv·a + L_vq·v{drift} − L_q{force}"));
+    let mut node = "q̂ = q₀ + h·v, v̂ = v + h·a".to_owned();
+    if timed {
+        node.push_str(", t₁ = t₀ + h");
+    }
+    let text = format!("S = h·(L({t0}q₀, v) + L({t1}q̂, v̂))/2 + {slip} + h²·{flow}/2");
+    (text, node)
+}
+
+/// `p·(x)`, or `⟨p, x⟩` of vectors.
+fn pairing(n: usize, p: &str, x: &str) -> String {
+    if n == 1 {
+        format!("{p}·({x})")
+    } else {
+        format!("⟨{p}, {x}⟩")
+    }
+}
+
+/// The action as the expression that is differentiated, where it is short.
+fn written_out(
+    rule: Rule,
+    action: &Action,
+    symbols: &Symbols,
+    arena: &Arena,
+) -> Option<(String, Vec<String>)> {
+    let mut page = Page::new(arena, Names::new(symbols, Some(rule)));
+    page.name_parts(&[action.value]);
+    let mut sum = Sum::default();
+    sum.add(1.0, action.value, arena);
+    sum.terms
+        .sort_by_key(|&(term, _)| textbook_place(term, action, symbols, arena));
+    let text = page.whole(&sum)?;
+    // the nodes are explained beside the textbook form
+    let parts = page.explanations(|name| !name.is_ascii());
+    Some((format!("S = {text}"), parts))
+}
+
+/// First L, then the constraints, then the noise.
+fn textbook_place(term: Expr, action: &Action, symbols: &Symbols, arena: &Arena) -> u8 {
+    let is_noise = |s| matches!(symbols.meaning(s), Meaning::Wiener(_));
+    if arena.symbols_of(term).any(is_noise) {
+        return 2;
+    }
+    let h = arena.known_symbol(action.h);
+    let is_h = |factor| Some(factor) == h;
+    u8::from(!arena.operands_of(term).any(is_h))
+}
+
+/// What is solved, and what follows from it.
+fn equations(
+    rule: Rule,
+    action: &Action,
+    scheme: &Scheme,
+    symbols: &Symbols,
+    arena: &Arena,
+) -> Vec<String> {
+    let mut page = Page::new(arena, Names::new(symbols, Some(rule)));
+    let (dq, dp) = &scheme.increments;
+    let n = dq.len();
+    let unknowns: usize = scheme.blocks.iter().map(|b| b.unknowns.len()).sum();
+    let mut room = shown(unknowns);
+    let mut shown_blocks = Vec::new();
+    for block in &scheme.blocks {
+        if let Solution::Formula(formula) = block.solution {
+            page.names
+                .call(formula, unknown(symbols, block.unknowns[0]));
+        }
+        if room > 0 {
+            let rows = block.unknowns.len().min(room);
+            room -= rows;
+            shown_blocks.push((block, rows));
+        }
+    }
+    let mut roots: Vec<Expr> = [&dq[..shown(n)], &dp[..shown(n)]].concat();
+    for &(block, rows) in &shown_blocks {
+        roots.extend(parts(block, rows));
+    }
+    page.name_parts(&roots);
+
+    let mut lines = Vec::new();
+    let mut header = String::new();
+    for &(block, rows) in &shown_blocks {
+        let next = heading(block, symbols);
+        if next != header {
+            lines.push(next.clone());
+            header = next;
+        }
+        lines.extend(rows_of(block, rows, &mut page, symbols));
+    }
+    let left = unknowns - shown(unknowns);
+    if left > 0 {
+        lines.push(format!("  … ({left} more unknowns)"));
+    }
+    let mut ends = Vec::new();
+    for (letter, start, list) in [("q", &action.start_q, dq), ("p", &action.start_p, dp)] {
+        let end = (0..shown(n)).map(|i| end(letter, i, start[i], list[i], &mut page));
+        let end = end.collect();
+        ends.extend(Page::list(end, n, "of these"));
+    }
+    let indent = if lines.is_empty() { "" } else { "  " };
+    if !lines.is_empty() {
+        lines.push("then".to_owned());
+    }
+    let explained =
+        page.explanations(|name| name.starts_with("q₁") || is_unknown(name, scheme, symbols));
+    lines.extend(ends.into_iter().map(|line| format!("{indent}{line}")));
+    if !explained.is_empty() {
+        if !indent.is_empty() {
+            lines.push("with".to_owned());
+        }
+        lines.extend(explained.into_iter().map(|line| format!("{indent}{line}")));
+    }
+    if scheme.is_matrix() {
+        lines.push(
+            "computed as a matrix times the state, whose entries are known before it".to_owned(),
+        );
+    }
+    lines
+}
+
+/// Whether a name is that of an unknown, which has its own line.
+fn is_unknown(name: &str, scheme: &Scheme, symbols: &Symbols) -> bool {
+    let mut unknowns = scheme.blocks.iter().flat_map(|b| &b.unknowns);
+    unknowns.any(|&u| unknown(symbols, u) == name)
+}
+
+fn heading(block: &Block, symbols: &Symbols) -> String {
+    let names: Vec<String> = block
+        .unknowns
+        .iter()
+        .map(|&u| unknown(symbols, u))
+        .collect();
+    let names = match names.as_slice() {
+        [first, .., last] if names.len() > super::ALL => format!("{first}, …, {last}"),
+        _ => names.join(", "),
+    };
+    match (&block.solution, block.kind) {
+        (Solution::Formula(_), Kind::Explicit) => "explicitly".to_owned(),
+        (Solution::Formula(_), _) => "from a linear equation".to_owned(),
+        (Solution::System { .. }, _) => format!("linear equations for {names}"),
+        (Solution::Iteration(_), _) => format!("Newton's method for {names}"),
+    }
+}
+
+/// The expressions in the first rows of a block.
+fn parts(block: &Block, rows: usize) -> Vec<Expr> {
+    match &block.solution {
+        Solution::Formula(_) => Vec::new(),
+        Solution::System { linear, .. } => {
+            let matrix = linear.matrix.iter().take(rows).flatten();
+            matrix
+                .chain(linear.rhs.iter().take(rows))
+                .copied()
+                .collect()
+        }
+        Solution::Iteration(iteration) => iteration.residual.iter().take(rows).copied().collect(),
+    }
+}
+
+/// The equations of a block.
+fn rows_of(block: &Block, rows: usize, page: &mut Page<'_>, symbols: &Symbols) -> Vec<String> {
+    match &block.solution {
+        Solution::Formula(formula) => {
+            let name = unknown(symbols, block.unknowns[0]);
+            vec![format!("  {name} = {}", page.definition(*formula))]
+        }
+        Solution::System { linear, .. } => (0..rows)
+            .map(|i| {
+                let left = row(&linear.matrix[i], &block.unknowns, page, symbols);
+                format!("  {left} = {}", page.formula(linear.rhs[i]))
+            })
+            .collect(),
+        Solution::Iteration(iteration) => iteration.residual[..rows]
+            .iter()
+            .map(|&r| format!("  0 = {}", page.formula(r)))
+            .collect(),
+    }
+}
+
+/// A row of a matrix times the unknowns.
+fn row(entries: &[Expr], unknowns: &[Symbol], page: &mut Page<'_>, symbols: &Symbols) -> String {
+    let mut text = String::new();
+    for (&entry, &u) in entries.iter().zip(unknowns) {
+        let mut sum = Sum::default();
+        sum.add(1.0, entry, page.arena);
+        if sum.is_zero() {
+            continue;
+        }
+        let (negative, factor) = page.factor(&sum);
+        text.push_str(match (text.is_empty(), negative) {
+            (true, true) => "−",
+            (true, false) => "",
+            (false, true) => " − ",
+            (false, false) => " + ",
+        });
+        if factor != "1" {
+            text.push_str(&factor);
+            text.push('·');
+        }
+        text.push_str(&unknown(symbols, u));
+    }
+    text
+}
+
+/// `q₁ = q₀ + …`, with what cancels cancelled.
+fn end(letter: &str, i: usize, start: Symbol, increment: Expr, page: &mut Page<'_>) -> String {
+    let mut sum = Sum::default();
+    let start_name = page.names.symbol(start);
+    let name = page.names.component(&format!("{letter}₁"), i);
+    match page.arena.known_symbol(start) {
+        Some(start) => {
+            sum.add(1.0, start, page.arena);
+            sum.add(1.0, increment, page.arena);
+            format!("{name} = {}", page.sum(&sum))
+        }
+        None => format!("{name} = {start_name} + {}", page.formula(increment)),
+    }
+}

@@ -1,0 +1,259 @@
+//! The system and its equations of motion, in the first-order Stratonovich form.
+
+use super::names::Names;
+use super::page::Page;
+use super::shown;
+use crate::algebra::{Arena, Expr, Sum, Vanishing};
+use crate::system::mechanics::{Commutation, Mechanics};
+use crate::system::model::{Model, NoiseTerm};
+use crate::system::symmetry::MomentumMap;
+
+/// Texts that no rule changes.
+pub(crate) struct SystemTexts {
+    /// L.
+    pub(crate) lagrangian: String,
+    /// The noise terms as the user means them: γ, not −γ. Empty where there are none.
+    pub(crate) noises: String,
+    /// F. Empty where there is none.
+    pub(crate) force: String,
+    /// The conserved momenta. Empty where there are none.
+    pub(crate) momenta: String,
+    /// `dq = …`, `dp = …`, `p = ∂L/∂v`.
+    pub(crate) motion: String,
+}
+
+impl SystemTexts {
+    /// L, the noise terms, the force and what is conserved.
+    pub(crate) fn system(&self) -> String {
+        let parts = [&self.lagrangian, &self.noises, &self.force, &self.momenta];
+        let parts: Vec<&str> = parts
+            .into_iter()
+            .map(String::as_str)
+            .filter(|text| !text.is_empty())
+            .collect();
+        parts.join("\n")
+    }
+}
+
+/// Writes down the system.
+pub(crate) fn system(
+    model: &Model,
+    mechanics: &Mechanics,
+    momenta: &[MomentumMap],
+    arena: &Arena,
+) -> SystemTexts {
+    let mut page = Page::new(arena, Names::new(&model.symbols, None));
+    SystemTexts {
+        lagrangian: lagrangian(model, &mut page).join("\n"),
+        noises: noises(model, &mechanics.commutation, &mut page).join("\n"),
+        force: force(model, &mut page).join("\n"),
+        momenta: conserved(momenta, &mut page).join("\n"),
+        motion: motion(model, mechanics, arena).join("\n"),
+    }
+}
+
+fn lagrangian(model: &Model, page: &mut Page<'_>) -> Vec<String> {
+    page.name_parts(&[model.lagrangian]);
+    let mut lines = vec![format!("L = {}", page.formula(model.lagrangian))];
+    lines.extend(page.explanations(|_| false));
+    lines
+}
+
+fn noises(model: &Model, commutation: &Commutation, page: &mut Page<'_>) -> Vec<String> {
+    let count = shown(model.noises.len());
+    let some = &model.noises[..count];
+    let roots: Vec<Expr> = some.iter().map(|noise| noise.hamiltonian).collect();
+    page.name_parts(&roots);
+    let mut lines = Vec::new();
+    for noise in some {
+        let NoiseTerm {
+            name,
+            is_gamma,
+            hamiltonian,
+        } = noise;
+        let (letter, sign) = if *is_gamma {
+            ("γ", -1.0)
+        } else {
+            ("H₁", 1.0)
+        };
+        let mut sum = Sum::default();
+        sum.add(sign, *hamiltonian, page.arena);
+        lines.push(format!("{letter} {name} = {}", page.sum(&sum)));
+    }
+    let mut lines = Page::list(lines, model.noises.len(), "noises");
+    lines.extend(page.explanations(|_| false));
+    lines.extend(commutation_caveat(commutation).map(ToOwned::to_owned));
+    lines
+}
+
+/// What to say of noises that commute, where that is not proved.
+fn commutation_caveat(commutation: &Commutation) -> Option<&'static str> {
+    match commutation {
+        Commutation::All(Vanishing::Proved) | Commutation::Clash(..) => None,
+        Commutation::All(Vanishing::Evaluated) => Some(
+            "that the noises commute is checked, not proved: their Poisson brackets are zero to 28 digits at random points",
+        ),
+        Commutation::All(Vanishing::Undecided) => Some(
+            "whether the noises commute cannot be decided: their Poisson brackets are within the rounding of the constants",
+        ),
+    }
+}
+
+/// What a symmetry is, where it is not proved.
+pub(crate) fn symmetry_caveat(surely: Vanishing) -> Option<&'static str> {
+    match surely {
+        Vanishing::Proved => None,
+        Vanishing::Evaluated => Some(
+            "checked, not proved: what should not change along it changes by less than 28 digits at random points",
+        ),
+        Vanishing::Undecided => Some(
+            "not decided: what should not change along it changes within the rounding of the constants, so that the momentum is conserved to that rounding at least",
+        ),
+    }
+}
+
+fn force(model: &Model, page: &mut Page<'_>) -> Vec<String> {
+    let Some(force) = &model.force else {
+        return Vec::new();
+    };
+    let some = &force[..shown(force.len())];
+    page.name_parts(some);
+    let lines = some.iter().enumerate().map(|(i, &f)| {
+        let name = page.names.component("F", i);
+        format!("{name} = {}", page.formula(f))
+    });
+    let mut lines = Page::list(lines.collect(), force.len(), "components of F");
+    lines.extend(page.explanations(|_| false));
+    lines
+}
+
+fn conserved(momenta: &[MomentumMap], page: &mut Page<'_>) -> Vec<String> {
+    let some = &momenta[..shown(momenta.len())];
+    let values: Vec<Expr> = some.iter().map(|map| map.value).collect();
+    page.name_parts(&values);
+    let lines = some.iter().map(|map| {
+        let MomentumMap {
+            name,
+            value,
+            affine,
+            surely: _,
+        } = map;
+        let whose = if *affine {
+            "conserved"
+        } else {
+            "conserved by the motion"
+        };
+        format!("{whose} {name}_momentum = {}", page.formula(*value))
+    });
+    let mut lines = Page::list(lines.collect(), momenta.len(), "symmetries");
+    lines.extend(page.explanations(|_| false));
+    for map in some {
+        let caveat = symmetry_caveat(map.surely);
+        lines.extend(caveat.map(|caveat| format!("the symmetry {} is {caveat}", map.name)));
+    }
+    lines
+}
+
+/// The equations of motion.
+fn motion(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Vec<String> {
+    let n = model.dof();
+    let count = shown(n);
+    let mut page = Page::new(arena, Names::new(&model.symbols, None));
+    let (jet, noises) = (&mechanics.lagrangian, &mechanics.noises);
+    let mut roots: Vec<Expr> = [&jet.dq[..count], &jet.dv[..count]].concat();
+    for noise in noises {
+        roots.extend(noise.dq[..count].iter().chain(&noise.dp[..count]));
+    }
+    if let Some(force) = &mechanics.force {
+        roots.extend(&force.value[..count]);
+    }
+    page.name_parts(&roots);
+    let mut lines = Vec::new();
+
+    let kicks = |page: &mut Page<'_>, line: &mut Line, entry: &dyn Fn(usize) -> Expr, sign: f64| {
+        for a in 0..noises.len() {
+            let mut kick = Sum::default();
+            kick.add(sign, entry(a), arena);
+            line.add(page, &kick, &increment(a, noises.len()));
+        }
+    };
+    let moved: Vec<String> = (0..count)
+        .map(|i| {
+            let mut line = Line::new(&page.names.component("dq", i));
+            line.push(false, &format!("{} dt", page.names.component("v", i)));
+            kicks(&mut page, &mut line, &|a| noises[a].dp[i], 1.0);
+            line.text
+        })
+        .collect();
+    lines.extend(Page::list(moved, n, "coordinates"));
+    let pushed: Vec<String> = (0..count)
+        .map(|i| {
+            let mut line = Line::new(&page.names.component("dp", i));
+            let mut force = Sum::default();
+            force.add(1.0, jet.dq[i], arena);
+            if let Some(other) = &mechanics.force {
+                force.add(1.0, other.value[i], arena);
+            }
+            line.add(&mut page, &force, "dt");
+            kicks(&mut page, &mut line, &|a| noises[a].dq[i], -1.0);
+            line.text
+        })
+        .collect();
+    lines.extend(Page::list(pushed, n, "momenta"));
+    let momenta: Vec<String> = (0..count)
+        .map(|i| {
+            let name = page.names.component("p", i);
+            format!("{name} = {}", page.formula(jet.dv[i]))
+        })
+        .collect();
+    lines.extend(Page::list(momenta, n, "momenta"));
+    lines.extend(page.explanations(|_| false));
+    lines
+}
+
+/// The differential of a process.
+fn increment(process: usize, of: usize) -> String {
+    if of == 1 {
+        "∘ dW".to_owned()
+    } else {
+        format!("∘ dW[{process}]")
+    }
+}
+
+/// `dx = a dt + b ∘ dW`, in the making.
+struct Line {
+    text: String,
+    empty: bool,
+}
+
+impl Line {
+    fn new(left: &str) -> Self {
+        Self {
+            text: format!("{left} = 0"),
+            empty: true,
+        }
+    }
+
+    /// Adds a coefficient times a differential.
+    fn add(&mut self, page: &mut Page<'_>, coefficient: &Sum, differential: &str) {
+        if !coefficient.is_zero() {
+            let (negative, factor) = page.factor(coefficient);
+            self.push(negative, &format!("{factor} {differential}"));
+        }
+    }
+
+    fn push(&mut self, negative: bool, term: &str) {
+        let sign = match (self.empty, negative) {
+            (true, true) => "−",
+            (true, false) => "",
+            (false, true) => " − ",
+            (false, false) => " + ",
+        };
+        if self.empty {
+            self.text.truncate(self.text.len() - 1);
+            self.empty = false;
+        }
+        self.text.push_str(sign);
+        self.text.push_str(term);
+    }
+}

@@ -1,0 +1,420 @@
+//! Expressions of a body: numbers, arithmetic, arrays; and what to say of those that are not understood.
+
+use syn::spanned::Spanned;
+use syn::{BinOp, Expr as Syntax, Lit, UnOp};
+
+use super::Lowering;
+use super::branches::Leaving;
+use super::calls::is_constant_name;
+use super::integers::Kind;
+use super::value::{FieldPath, Value};
+use crate::errors::nearest;
+
+/// Nesting of expressions in a source text that is followed.
+const DEPTH: usize = 200;
+
+impl Lowering<'_> {
+    /// Reports a mistake and goes on with a poisoned value.
+    pub(super) fn refuse(&mut self, at: &impl Spanned, message: impl std::fmt::Display) -> Value {
+        self.errors.push(at.span(), message);
+        Value::Poison
+    }
+
+    /// The value of an expression.
+    pub(super) fn eval(&mut self, expr: &Syntax) -> Value {
+        if !self.tick(expr) {
+            return Value::Poison;
+        }
+        let value = self
+            .deeper(expr, |this| this.eval_inner(expr))
+            .unwrap_or(Value::Poison);
+        self.read_through(value)
+    }
+
+    /// Runs something one level deeper, or reports that this is too deep.
+    pub(super) fn deeper<T>(
+        &mut self,
+        at: &impl Spanned,
+        run: impl FnOnce(&mut Self) -> T,
+    ) -> Option<T> {
+        if self.depth >= DEPTH {
+            let message = format!(
+                "this expression is nested more than {DEPTH} deep: name parts of it with `let`"
+            );
+            self.refuse(at, message);
+            return None;
+        }
+        self.depth += 1;
+        let value = run(self);
+        self.depth -= 1;
+        Some(value)
+    }
+
+    fn eval_inner(&mut self, expr: &Syntax) -> Value {
+        match expr {
+            Syntax::Lit(literal) => self.literal(&literal.lit),
+            Syntax::Paren(inner) => self.eval(&inner.expr),
+            Syntax::Group(inner) => self.eval(&inner.expr),
+            Syntax::Reference(reference) if reference.mutability.is_none() => {
+                self.eval(&reference.expr)
+            }
+            Syntax::Path(path) => self.path(path),
+            Syntax::Unary(unary) => self.unary(unary),
+            Syntax::Binary(binary) => self.binary(binary),
+            Syntax::Index(index) => match &*index.index {
+                Syntax::Range(range) => self.slice(&index.expr, range),
+                _ => self.entry(expr),
+            },
+            Syntax::Field(_) => self.entry(expr),
+            Syntax::Range(range) => self.range(range),
+            Syntax::If(branch) => self.branch(branch),
+            Syntax::Continue(e) if e.label.is_none() => self.leave(Leaving::Continue),
+            Syntax::Break(e) if e.label.is_none() && e.expr.is_none() => self.leave(Leaving::Break),
+            Syntax::Cast(cast) => self.cast(cast),
+            Syntax::Array(array) => {
+                Value::Array(array.elems.iter().map(|e| self.eval(e)).collect())
+            }
+            Syntax::Tuple(tuple) if tuple.elems.is_empty() => Value::Unit,
+            Syntax::Tuple(tuple) => {
+                Value::Tuple(tuple.elems.iter().map(|e| self.eval(e)).collect())
+            }
+            Syntax::Repeat(repeat) => self.repeat(repeat),
+            Syntax::Block(block) if block.label.is_none() => self.block_value(&block.block),
+            Syntax::ForLoop(for_loop) => self.for_loop(for_loop),
+            Syntax::Assign(assign) => {
+                let value = self.eval(&assign.right);
+                self.store(&assign.left, value);
+                Value::Unit
+            }
+            Syntax::Closure(closure) => self.capture(closure),
+            Syntax::Call(call) => self.call(call),
+            Syntax::MethodCall(call) => self.method_call(call),
+            other => {
+                let (at, message) = refusal(other);
+                self.refuse(&at, message)
+            }
+        }
+    }
+
+    fn literal(&mut self, literal: &Lit) -> Value {
+        match literal {
+            Lit::Float(float) if matches!(float.suffix(), "" | "f64") => {
+                match float.base10_parse::<f64>() {
+                    Ok(value) if value.is_finite() => Value::Scalar(self.arena.constant(value)),
+                    _ => self.refuse(literal, "this number does not fit into an `f64`"),
+                }
+            }
+            Lit::Int(int) if int.suffix() == "f64" => match int.base10_parse::<f64>() {
+                Ok(value) => Value::Scalar(self.arena.constant(value)),
+                Err(_) => self.refuse(literal, "this number does not fit into an `f64`"),
+            },
+            Lit::Int(int) => match int.base10_parse::<i64>() {
+                Ok(value) => {
+                    let kind = Kind::named(int.suffix());
+                    self.typed_literal(value, kind, literal)
+                }
+                Err(_) => self.refuse(literal, "this integer is too large"),
+            },
+            Lit::Float(_) => self.refuse(
+                literal,
+                "every number of a body is an `f64`: leave out the suffix",
+            ),
+            _ => self.refuse(literal, "only numbers have a place here"),
+        }
+    }
+
+    fn path(&mut self, expr: &syn::ExprPath) -> Value {
+        let path = &expr.path;
+        if let Some(ident) = path.get_ident() {
+            let name = ident.to_string();
+            if name == "self" {
+                return Value::Field(FieldPath::new());
+            }
+            if let Some(value) = self.variable(&name) {
+                let (size, value) = (value.entries(), value.clone());
+                return if self.work(size, expr) {
+                    value
+                } else {
+                    Value::Poison
+                };
+            }
+            if self.constant_named(&name).is_some() {
+                return self.refuse(
+                    expr,
+                    format!("a constant of this block is written `Self::{name}`"),
+                );
+            }
+            if is_constant_name(&name) {
+                return Value::Field(FieldPath::outside(path.clone()));
+            }
+            let message = self.unknown(&name);
+            return self.refuse(expr, message);
+        }
+        self.long_path(expr)
+    }
+
+    /// What to say of a name that is not a variable.
+    fn unknown(&self, name: &str) -> String {
+        let mut known: Vec<&str> = self
+            .scopes
+            .iter()
+            .flat_map(|scope| scope.keys().map(String::as_str))
+            .collect();
+        known.sort_unstable();
+        match nearest(name, known) {
+            Some(near) => format!("`{name}` is not known here; did you mean `{near}`?"),
+            None => format!(
+                "`{name}` is not known here: a parameter is a field of the struct, written `self.{name}`; a constant is written in capitals"
+            ),
+        }
+    }
+
+    fn unary(&mut self, unary: &syn::ExprUnary) -> Value {
+        let value = self.eval(&unary.expr);
+        match (&unary.op, value) {
+            (_, Value::Poison) => Value::Poison,
+            (UnOp::Neg(op), Value::Int(i)) => self.negated(i, op),
+            (UnOp::Neg(_), value) => match self.scalar(&value, &unary.expr) {
+                Some(x) => Value::Scalar(self.arena.neg(x)),
+                None => Value::Poison,
+            },
+            (UnOp::Deref(_), value) => value,
+            (op, _) => self.refuse(
+                op,
+                "`!` is for conditions on indices, `if !(i == j)`: it has no derivative",
+            ),
+        }
+    }
+
+    fn binary(&mut self, binary: &syn::ExprBinary) -> Value {
+        if let Some(op) = compound(&binary.op) {
+            let left = self.eval(&binary.left);
+            let right = self.eval(&binary.right);
+            let value = self.arithmetic(
+                op,
+                &binary.op,
+                (&left, &binary.left),
+                (&right, &binary.right),
+            );
+            self.store(&binary.left, value);
+            return Value::Unit;
+        }
+        // a long sum is a deep tree to the left, which is walked without recursion
+        let mut spine = Vec::new();
+        let mut innermost = binary;
+        while let Some(op) = plain(&innermost.op) {
+            spine.push((op, innermost));
+            match &*innermost.left {
+                Syntax::Binary(left) if plain(&left.op).is_some() => innermost = left,
+                _ => break,
+            }
+        }
+        if spine.is_empty() {
+            // for the mistakes in its operands
+            self.eval(&binary.left);
+            self.eval(&binary.right);
+            return self.refuse(&binary.op, no_derivative(&binary.op));
+        }
+        let mut value = self.eval(&innermost.left);
+        for (op, outer) in spine.into_iter().rev() {
+            let right = self.eval(&outer.right);
+            value = self.arithmetic(op, &outer.op, (&value, &outer.left), (&right, &outer.right));
+        }
+        value
+    }
+
+    fn arithmetic(
+        &mut self,
+        op: char,
+        token: &BinOp,
+        left: (&Value, &Syntax),
+        right: (&Value, &Syntax),
+    ) -> Value {
+        if let (Value::Int(a), Value::Int(b)) = (left.0, right.0) {
+            return self.integer_arithmetic(op, token, *a, *b);
+        }
+        if let (Value::Poison, Value::Int(_)) | (Value::Int(_), Value::Poison) = (left.0, right.0) {
+            // the mistake is in the other operand, which may have been an integer
+            return Value::Poison;
+        }
+        let a = self.operand(left.0, left.1);
+        let b = self.operand(right.0, right.1);
+        let (Some(a), Some(b)) = (a, b) else {
+            return Value::Poison;
+        };
+        let value = match op {
+            '+' => self.arena.add(a, b),
+            '-' => self.arena.sub(a, b),
+            '*' => self.arena.mul(a, b),
+            '%' => return self.refuse(token, REMAINDER),
+            _ => {
+                if self.arena.constant_value(b) == Some(0.0) {
+                    return self.refuse(
+                        right.1,
+                        "this divides by zero: the denominator is the constant 0",
+                    );
+                }
+                self.arena.div(a, b)
+            }
+        };
+        if self.arena.is_finite(value) {
+            Value::Scalar(value)
+        } else {
+            self.refuse(token, "the constants here overflow an `f64`")
+        }
+    }
+
+    /// The number that an operand is, or an error that says how to write it as one.
+    fn operand(&mut self, value: &Value, syntax: &Syntax) -> Option<crate::algebra::Expr> {
+        if let (Value::Int(_), Some(message)) = (value, as_number(syntax)) {
+            self.refuse(syntax, message);
+            return None;
+        }
+        self.scalar(value, syntax)
+    }
+
+    fn repeat(&mut self, repeat: &syn::ExprRepeat) -> Value {
+        let value = self.eval(&repeat.expr);
+        let Some(n) = self.index_value(&repeat.len) else {
+            return Value::Poison;
+        };
+        let size = n.saturating_mul(value.entries());
+        if size > super::STEPS / 20 {
+            return self.refuse(
+                &repeat.len,
+                format!(
+                    "an array of {size} numbers is too large to unroll; the limit is {}",
+                    super::STEPS / 20
+                ),
+            );
+        }
+        if !self.work(size, &repeat.len) {
+            return Value::Poison;
+        }
+        Value::Array(vec![value; n])
+    }
+}
+
+/// How an integer is written as a number, where that is not by its value.
+fn as_number(syntax: &Syntax) -> Option<String> {
+    let text = super::readable(syntax);
+    match syntax {
+        Syntax::Paren(inner) => as_number(&inner.expr),
+        Syntax::Path(_) | Syntax::MethodCall(_) => Some(format!(
+            "an integer stands where an `f64` belongs: write `{text} as f64`"
+        )),
+        Syntax::Binary(binary) if matches!(binary.op, BinOp::Div(_)) => Some(format!(
+            "`{text}` divides integers, without the fraction: write its numbers as `1.0 / 2.0`"
+        )),
+        Syntax::Binary(_) => Some(format!(
+            "an integer stands where an `f64` belongs: write `({text}) as f64`"
+        )),
+        // `x ** 2`
+        Syntax::Unary(unary) if matches!(unary.op, UnOp::Deref(_)) => Some(
+            "`**` is not a power in Rust: write `x.powi(2)`, or `x.powf(y)` for other exponents"
+                .to_owned(),
+        ),
+        _ => None,
+    }
+}
+
+/// What to say of a macro call.
+pub(super) fn no_macro(path: &syn::Path) -> &'static str {
+    let name = path.segments.last().map(|s| s.ident.to_string());
+    match name.as_deref() {
+        Some(
+            "assert" | "assert_eq" | "assert_ne" | "debug_assert" | "debug_assert_eq"
+            | "debug_assert_ne",
+        ) => "a step is not derived from assertions: check parameters where the system is made",
+        Some("print" | "println" | "eprint" | "eprintln" | "dbg") => {
+            "a step does not print: leave this out, and print the states of a trajectory"
+        }
+        _ => "a macro call cannot be differentiated: write the formula",
+    }
+}
+
+/// Why `%` of numbers is refused.
+const REMAINDER: &str = "`%` is not smooth: an angle needs no reduction, use `sin` and `cos`";
+
+/// What to say of an operator that is not arithmetic.
+fn no_derivative(op: &BinOp) -> &'static str {
+    match op {
+        BinOp::RemAssign(_) => REMAINDER,
+        BinOp::Eq(_) | BinOp::Ne(_) | BinOp::Lt(_) | BinOp::Le(_) | BinOp::Gt(_) | BinOp::Ge(_) => {
+            "a comparison has no value in a formula: use a smooth transition such as `tanh` (conditions on indices belong in `if`)"
+        }
+        BinOp::BitXor(_) | BinOp::BitXorAssign(_) => {
+            "`^` is not a power in Rust: write `x.powi(2)`, or `x.powf(y)` for other exponents"
+        }
+        _ => "this operator is none of numbers: a formula has `+`, `-`, `*` and `/`",
+    }
+}
+
+fn plain(op: &BinOp) -> Option<char> {
+    match op {
+        BinOp::Add(_) => Some('+'),
+        BinOp::Sub(_) => Some('-'),
+        BinOp::Mul(_) => Some('*'),
+        BinOp::Div(_) => Some('/'),
+        BinOp::Rem(_) => Some('%'),
+        _ => None,
+    }
+}
+
+fn compound(op: &BinOp) -> Option<char> {
+    match op {
+        BinOp::AddAssign(_) => Some('+'),
+        BinOp::SubAssign(_) => Some('-'),
+        BinOp::MulAssign(_) => Some('*'),
+        BinOp::DivAssign(_) => Some('/'),
+        _ => None,
+    }
+}
+
+/// What to say of syntax outside the language, and at which token.
+fn refusal(expr: &Syntax) -> (proc_macro2::Span, &'static str) {
+    match expr {
+        Syntax::Match(e) => (
+            e.match_token.span,
+            "`match` is not smooth: a Lagrangian is one formula everywhere; on an index write `if i == 0 { … } else { … }`",
+        ),
+        Syntax::While(e) => (
+            e.while_token.span,
+            "the rounds of `while` are not known at compile time: write `for i in A..B`",
+        ),
+        Syntax::Loop(e) => (
+            e.loop_token.span,
+            "the rounds of `loop` are not known at compile time: write `for i in A..B`",
+        ),
+        Syntax::Macro(e) => (e.mac.path.span(), no_macro(&e.mac.path)),
+        Syntax::Return(e) => (
+            e.return_token.span,
+            "`return` is not needed: end the body with the value",
+        ),
+        Syntax::Break(e) => (
+            e.break_token.span,
+            "`break` with a label or a value is not understood: shorten the loop's range",
+        ),
+        Syntax::Continue(e) => (
+            e.continue_token.span,
+            "`continue` with a label is not understood: write a condition on the indices around the rest",
+        ),
+        Syntax::Unsafe(e) => (e.unsafe_token.span, "`unsafe` has no place in a formula"),
+        Syntax::Try(e) => (
+            e.question_token.span,
+            "`?` leaves the function early: a body is straight-line code, leave it out",
+        ),
+        Syntax::Struct(e) => (
+            e.path.span(),
+            "structures are not understood here: use arrays and tuples, `(a, b)`",
+        ),
+        Syntax::Reference(e) => (
+            e.and_token.span,
+            "`&mut` is not understood: a helper returns what it computes",
+        ),
+        other => (
+            other.span(),
+            "this expression is not understood: a body is made of `let`, arithmetic, arrays, `for` over constant bounds, helpers of this block and smooth `f64` functions",
+        ),
+    }
+}

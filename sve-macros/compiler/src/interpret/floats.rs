@@ -1,0 +1,306 @@
+//! Methods of `f64`: those that are smooth, and what to write instead of the others.
+
+use std::f64::consts;
+
+use proc_macro2::Span;
+
+use super::Lowering;
+use super::calls::Argument;
+use super::integers::Integer;
+use super::value::Value;
+use crate::algebra::{Binary, Expr, Function};
+use crate::errors::nearest;
+
+/// Methods of `f64` with one operand.
+const UNARY: &[(&str, Function)] = &[
+    ("sqrt", Function::Sqrt),
+    ("cbrt", Function::Cbrt),
+    ("exp", Function::Exp),
+    ("exp2", Function::Exp2),
+    ("exp_m1", Function::ExpM1),
+    ("ln", Function::Ln),
+    ("ln_1p", Function::Ln1p),
+    ("log2", Function::Log2),
+    ("log10", Function::Log10),
+    ("sin", Function::Sin),
+    ("cos", Function::Cos),
+    ("tan", Function::Tan),
+    ("asin", Function::Asin),
+    ("acos", Function::Acos),
+    ("atan", Function::Atan),
+    ("sinh", Function::Sinh),
+    ("cosh", Function::Cosh),
+    ("tanh", Function::Tanh),
+    ("asinh", Function::Asinh),
+    ("acosh", Function::Acosh),
+    ("atanh", Function::Atanh),
+];
+
+/// The largest power that `powi` takes.
+const POWER: u64 = 1024;
+
+/// The other methods of `f64` that are understood.
+const OTHER: &[&str] = &[
+    "powi",
+    "powf",
+    "atan2",
+    "hypot",
+    "recip",
+    "mul_add",
+    "sin_cos",
+    "to_radians",
+    "to_degrees",
+    "log",
+];
+
+/// Methods of `f64` that are not smooth, and what to write instead.
+const ROUGH: &[(&str, &str)] = &[
+    (
+        "abs",
+        "`abs` has no derivative at 0: write `x * x` for a square, or `(x * x + eps * eps).sqrt()` for a smooth modulus",
+    ),
+    (
+        "signum",
+        "`signum` is not continuous: use `(x / width).tanh()`",
+    ),
+    (
+        "min",
+        "`min` is not smooth: use a smooth penalty, such as `(-x / width).exp()`",
+    ),
+    (
+        "max",
+        "`max` is not smooth: use a smooth penalty, such as `(x / width).exp()`",
+    ),
+    (
+        "clamp",
+        "`clamp` is not smooth: use `width * (x / width).tanh()`",
+    ),
+    (
+        "floor",
+        "`floor` is not continuous, and its slope is 0: leave it out, or use a periodic function of `sin` and `cos`",
+    ),
+    (
+        "ceil",
+        "`ceil` is not continuous, and its slope is 0: leave it out, or use a periodic function of `sin` and `cos`",
+    ),
+    (
+        "round",
+        "`round` is not continuous, and its slope is 0: leave it out, or use a periodic function of `sin` and `cos`",
+    ),
+    (
+        "trunc",
+        "`trunc` is not continuous, and its slope is 0: leave it out, or use a periodic function of `sin` and `cos`",
+    ),
+    (
+        "fract",
+        "`fract` is not continuous: a periodic function is made of `sin` and `cos`",
+    ),
+    (
+        "rem_euclid",
+        "`rem_euclid` is not continuous: an angle needs no reduction, use `sin` and `cos`",
+    ),
+    (
+        "div_euclid",
+        "`div_euclid` is not continuous: divide with `/`",
+    ),
+    (
+        "copysign",
+        "`copysign` is not continuous: use `(x / width).tanh()`",
+    ),
+];
+
+impl Lowering<'_> {
+    /// A method of `f64`; the receiver is the first of the arguments.
+    pub(super) fn float_method(&mut self, name: &str, at: Span, arguments: &[Argument]) -> Value {
+        if let Some((_, message)) = ROUGH.iter().find(|r| r.0 == name) {
+            return self.refuse(&at, message);
+        }
+        let unary = UNARY.iter().find(|u| u.0 == name).map(|u| u.1);
+        let Some(expected) = operands(name) else {
+            return self.refuse(&at, no_method(name));
+        };
+        let [receiver, rest @ ..] = arguments else {
+            return Value::Poison;
+        };
+        if rest.len() != expected {
+            let message = format!(
+                "`{name}` takes {}, here {}",
+                plural(expected, "argument"),
+                are(rest.len())
+            );
+            return self.refuse(&at, message);
+        }
+        let x = self.scalar(&receiver.value, &receiver.at);
+        if let ("powi", [exponent]) = (name, rest) {
+            return self.powi(x, exponent);
+        }
+        let rest: Vec<Option<Expr>> = rest
+            .iter()
+            .map(|argument| self.scalar(&argument.value, &argument.at))
+            .collect();
+        let Some(rest) = rest.into_iter().collect::<Option<Vec<Expr>>>() else {
+            return Value::Poison;
+        };
+        let Some(x) = x else { return Value::Poison };
+        let value = self.smooth(name, unary, x, &rest);
+        let outside = |x: f64| unary.is_some_and(|f| !f.evaluate(x).is_finite());
+        let undefined = match value {
+            Value::Scalar(e) => !self.arena.is_finite(e),
+            _ => false,
+        };
+        if undefined || self.arena.constant_value(x).is_some_and(outside) {
+            let message = format!(
+                "`{name}` is not defined at this constant: its value is not a finite number"
+            );
+            return self.refuse(&at, message);
+        }
+        value
+    }
+
+    fn smooth(&mut self, name: &str, unary: Option<Function>, x: Expr, rest: &[Expr]) -> Value {
+        let arena = &mut *self.arena;
+        Value::Scalar(match (unary, name, rest) {
+            (Some(function), ..) => arena.call(function, x),
+            (_, "recip", _) => arena.pow(x, -1),
+            (_, "to_radians", _) => arena.scale(consts::PI / 180.0, x),
+            (_, "to_degrees", _) => arena.scale(180.0 / consts::PI, x),
+            (_, "sin_cos", _) => {
+                let pair = [Function::Sin, Function::Cos].map(|f| Value::Scalar(arena.call(f, x)));
+                return Value::Tuple(pair.into());
+            }
+            (_, "powf", [y]) => arena.call2(Binary::Pow, x, *y),
+            (_, "atan2", [y]) => arena.call2(Binary::Atan2, x, *y),
+            (_, "hypot", [y]) => arena.call2(Binary::Hypot, x, *y),
+            (_, "log", [base]) => {
+                let [x, base] = [x, *base].map(|e| arena.call(Function::Ln, e));
+                arena.div(x, base)
+            }
+            (_, "mul_add", [y, z]) => {
+                let product = arena.mul(x, *y);
+                arena.add(product, *z)
+            }
+            _ => return Value::Poison,
+        })
+    }
+
+    fn powi(&mut self, x: Option<Expr>, exponent: &Argument) -> Value {
+        let at = &exponent.at;
+        let k = match &exponent.value {
+            Value::Int(k) if k.value.unsigned_abs() <= POWER => k.value as i32,
+            Value::Poison => return Value::Poison,
+            Value::Int(Integer { value: k, .. }) => {
+                return self.refuse(
+                    at,
+                    format!("the power {k} is out of proportion; the limit is {POWER}"),
+                );
+            }
+            Value::Scalar(e) if self.integral(*e).is_some() => {
+                let k = self.integral(*e).unwrap_or_default();
+                let message = format!("the exponent of `powi` is an integer: write `{k}`");
+                return self.refuse(at, message);
+            }
+            other => {
+                let message = format!(
+                    "the exponent of `powi` must be an integer known at compile time, and this is {}; for others use `powf`",
+                    other.kind()
+                );
+                return self.refuse(at, message);
+            }
+        };
+        let Some(x) = x else { return Value::Poison };
+        if k < 0 && self.arena.constant_value(x) == Some(0.0) {
+            return self.refuse(
+                at,
+                "this divides by zero: a negative power of the constant 0",
+            );
+        }
+        let value = self.arena.pow(x, k);
+        if !self.arena.is_finite(value) {
+            return self.refuse(at, "the constants here overflow an `f64`");
+        }
+        Value::Scalar(value)
+    }
+
+    /// The integer that an expression is.
+    fn integral(&self, expr: Expr) -> Option<i64> {
+        let value = self.arena.constant_value(expr)?;
+        (value.fract() == 0.0 && value.abs() < 1e9).then_some(value as i64)
+    }
+}
+
+/// Whether `f64` has a method of this name, smooth or not.
+pub(super) fn is_method(name: &str) -> bool {
+    operands(name).is_some() || ROUGH.iter().any(|r| r.0 == name)
+}
+
+/// How a function that is written `sin(x)` is called as a method; of those that are smooth.
+pub(super) fn method_meant(name: &str) -> Option<String> {
+    match (operands(name), foreign(name)) {
+        (Some(0), _) => Some(format!("{name}()")),
+        (Some(1), _) => Some(format!("{name}(y)")),
+        (Some(_), _) => Some(format!("{name}(y, z)")),
+        (None, Some("powi` or `powf")) => Some("powi(n)` or `x.powf(y)".to_owned()),
+        // of how many numbers `norm` is meant is not seen
+        (None, Some("hypot") | None) => None,
+        (None, Some(method)) if method.ends_with(')') => Some(method.to_owned()),
+        (None, Some(method)) => method_meant(method),
+    }
+}
+
+/// Arguments of a method beside the receiver.
+fn operands(name: &str) -> Option<usize> {
+    match name {
+        "recip" | "sin_cos" | "to_radians" | "to_degrees" => Some(0),
+        "powi" | "powf" | "atan2" | "hypot" | "log" => Some(1),
+        "mul_add" => Some(2),
+        _ => UNARY.iter().any(|u| u.0 == name).then_some(0),
+    }
+}
+
+fn no_method(name: &str) -> String {
+    let known = UNARY.iter().map(|u| u.0).chain(OTHER.iter().copied());
+    match foreign(name).or_else(|| nearest(name, known)) {
+        Some(near) => format!("`{name}` is not a function of `f64`; did you mean `{near}`?"),
+        None => format!(
+            "`{name}` is not among the smooth functions of `f64` (`powi`, `sqrt`, `exp`, `ln`, `sin`, `atan2`, `hypot`, …): compose it of them in a function of this `impl` block"
+        ),
+    }
+}
+
+/// What a function is called here that has another name elsewhere.
+fn foreign(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "pow" => "powi` or `powf",
+        "square" | "squared" | "sqr" => "powi(2)",
+        "arcsin" => "asin",
+        "arccos" => "acos",
+        "arctan" => "atan",
+        "arctan2" => "atan2",
+        "arsinh" | "arcsinh" => "asinh",
+        "arcosh" | "arccosh" => "acosh",
+        "artanh" | "arctanh" => "atanh",
+        "loge" => "ln",
+        "log1p" => "ln_1p",
+        "expm1" => "exp_m1",
+        "norm" => "hypot",
+        _ => return None,
+    })
+}
+
+/// `1 argument`, `2 arguments`.
+pub(super) fn plural(n: usize, noun: &str) -> String {
+    let s = if n == 1 { "" } else { "s" };
+    match n {
+        0 => format!("no {noun}s"),
+        _ => format!("{n} {noun}{s}"),
+    }
+}
+
+/// `are 2`.
+pub(super) fn are(n: usize) -> String {
+    match n {
+        0 => "are none".to_owned(),
+        1 => "is 1".to_owned(),
+        _ => format!("are {n}"),
+    }
+}

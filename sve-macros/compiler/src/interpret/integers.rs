@@ -1,0 +1,410 @@
+//! Integers known at compile time, with the types and the overflow of Rust: casts wrap, arithmetic out of range is refused.
+//!
+//! The type of an integer without a suffix is what its use makes it; where nothing does, it is `i32`. Arithmetic of such integers
+//! is held to the range of `i32`, so that nothing is accepted that a build of the same function would let overflow.
+
+use proc_macro2::Span;
+use syn::spanned::Spanned;
+use syn::visit::Visit;
+use syn::{BinOp, Block, Expr as Syntax, Pat, Type};
+
+use super::Lowering;
+use super::calls::Argument;
+use super::value::Value;
+use crate::syntax::parse::is_f64;
+
+/// A type of integers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Kind {
+    name: &'static str,
+    bits: u32,
+    signed: bool,
+}
+
+const KINDS: [Kind; 12] = [
+    kind("u8", 8, false),
+    kind("u16", 16, false),
+    kind("u32", 32, false),
+    kind("u64", 64, false),
+    kind("u128", 128, false),
+    kind("usize", 64, false),
+    kind("i8", 8, true),
+    kind("i16", 16, true),
+    I32,
+    kind("i64", 64, true),
+    kind("i128", 128, true),
+    kind("isize", 64, true),
+];
+
+const I32: Kind = kind("i32", 32, true);
+
+/// The type of lengths and indices.
+pub(super) const USIZE: Kind = kind("usize", 64, false);
+
+const fn kind(name: &'static str, bits: u32, signed: bool) -> Kind {
+    Kind { name, bits, signed }
+}
+
+impl Kind {
+    /// The type of this name.
+    pub(super) fn named(name: &str) -> Option<Self> {
+        KINDS.into_iter().find(|kind| kind.name == name)
+    }
+
+    /// The type that is written.
+    fn of(ty: &Type) -> Option<Self> {
+        match ty {
+            Type::Path(path) if path.qself.is_none() => {
+                Self::named(&path.path.get_ident()?.to_string())
+            }
+            Type::Paren(inner) => Self::of(&inner.elem),
+            Type::Group(inner) => Self::of(&inner.elem),
+            _ => None,
+        }
+    }
+
+    fn contains(self, value: i64) -> bool {
+        self.wrapped(value) == Some(value)
+    }
+
+    /// The value of a cast to this type; nothing where it is beyond `i64`.
+    fn wrapped(self, value: i64) -> Option<i64> {
+        let unused = 64 - self.bits.min(64);
+        match (unused, self.signed) {
+            (0, false) => (value >= 0).then_some(value),
+            (_, false) => Some(((value.cast_unsigned() << unused) >> unused).cast_signed()),
+            (_, true) => Some((value << unused) >> unused),
+        }
+    }
+}
+
+/// An integer.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Integer {
+    pub(super) value: i64,
+    /// Its type, where that is written or known.
+    pub(super) kind: Option<Kind>,
+}
+
+impl From<i64> for Integer {
+    fn from(value: i64) -> Self {
+        Self { value, kind: None }
+    }
+}
+
+impl Integer {
+    /// A length or an index.
+    pub(super) fn count(count: usize) -> Self {
+        Self {
+            value: count as i64,
+            kind: Some(USIZE),
+        }
+    }
+
+    /// The integer, of this type where it had none.
+    pub(super) fn or_of(self, kind: Kind) -> Self {
+        Self {
+            kind: self.kind.or(Some(kind)),
+            ..self
+        }
+    }
+}
+
+/// Whether a type of integers is written.
+pub(super) fn is_integer(ty: &Type) -> bool {
+    Kind::of(ty).is_some()
+}
+
+/// `u8::MAX` and its like, where `i64` holds them.
+pub(super) fn integer_constant(ty: &str, name: &str) -> Option<Integer> {
+    let kind = Kind::named(ty)?;
+    let value = match (name, kind.signed) {
+        ("BITS", _) => {
+            return Some(Integer {
+                value: i64::from(kind.bits),
+                kind: Kind::named("u32"),
+            });
+        }
+        ("MIN", false) => 0,
+        ("MIN", true) if kind.bits <= 64 => i64::MIN >> (64 - kind.bits),
+        ("MAX", true) if kind.bits <= 64 => i64::MAX >> (64 - kind.bits),
+        ("MAX", false) if kind.bits < 64 => (1 << kind.bits) - 1,
+        _ => return None,
+    };
+    Some(Integer {
+        value,
+        kind: Some(kind),
+    })
+}
+
+/// The type that two integers have in common, or both types.
+pub(super) fn common(a: Integer, b: Integer) -> Result<Option<Kind>, (Kind, Kind)> {
+    match (a.kind, b.kind) {
+        (Some(a), Some(b)) if a != b => Err((a, b)),
+        (a, b) => Ok(a.or(b)),
+    }
+}
+
+impl Lowering<'_> {
+    /// An integer that came of arithmetic, or an error where its type does not hold it.
+    pub(super) fn computed(
+        &mut self,
+        value: Option<i64>,
+        kind: Option<Kind>,
+        at: &impl Spanned,
+    ) -> Value {
+        let range = kind.unwrap_or(I32);
+        match (value, kind) {
+            (Some(value), kind) if range.contains(value) => Value::Int(Integer { value, kind }),
+            (Some(value), Some(kind)) if value < 0 && !kind.signed => self.refuse(
+                at,
+                format!(
+                    "this is {value}, which overflows `{}`: begin the loop later, write `(i + N - 1) % N` on a ring, or `i as f64 - 1.0` for a number",
+                    kind.name
+                ),
+            ),
+            (_, Some(kind)) => self.refuse(
+                at,
+                format!(
+                    "this integer arithmetic overflows `{}` or divides by zero",
+                    kind.name
+                ),
+            ),
+            (_, None) => self.refuse(
+                at,
+                "this integer arithmetic overflows `i32`, the type of integers that have no other, or divides by zero: write the type, as in `1_u64`",
+            ),
+        }
+    }
+
+    /// Arithmetic of two integers.
+    pub(super) fn integer_arithmetic(
+        &mut self,
+        op: char,
+        token: &BinOp,
+        a: Integer,
+        b: Integer,
+    ) -> Value {
+        let kind = match common(a, b) {
+            Ok(kind) => kind,
+            Err(kinds) => return self.two_kinds(kinds, token),
+        };
+        let (a, b) = (a.value, b.value);
+        let result = match op {
+            '+' => a.checked_add(b),
+            '-' => a.checked_sub(b),
+            '*' => a.checked_mul(b),
+            '%' => a.checked_rem(b),
+            _ => a.checked_div(b),
+        };
+        self.computed(result, kind, token)
+    }
+
+    pub(super) fn two_kinds(&mut self, (a, b): (Kind, Kind), at: &impl Spanned) -> Value {
+        let message = format!(
+            "`{}` and `{}` are two types of integers: convert one with `as`",
+            a.name, b.name
+        );
+        self.refuse(at, message)
+    }
+
+    /// A literal, or an error where its suffix does not hold it.
+    pub(super) fn typed_literal(
+        &mut self,
+        value: i64,
+        kind: Option<Kind>,
+        at: &impl Spanned,
+    ) -> Value {
+        match kind {
+            // `-128_i8` is the negative of one more than there are
+            Some(kind) if !kind.contains(value) && !kind.contains(-value) => self.refuse(
+                at,
+                format!("the integer {value} does not fit into `{}`", kind.name),
+            ),
+            _ => Value::Int(Integer { value, kind }),
+        }
+    }
+
+    /// `-i`.
+    pub(super) fn negated(&mut self, i: Integer, at: &impl Spanned) -> Value {
+        let negative = i.value.checked_neg();
+        match (negative, i.kind) {
+            // `-2147483648` is a literal of `i32`
+            (Some(value), None) => Value::Int(value.into()),
+            (value, kind) => self.computed(value, kind, at),
+        }
+    }
+
+    /// `as`, of integers known at compile time only.
+    pub(super) fn cast(&mut self, cast: &syn::ExprCast) -> Value {
+        let value = self.eval(&cast.expr).unconverted();
+        let target = super::readable(&cast.ty);
+        match (value, Kind::of(&cast.ty)) {
+            (Value::Poison, _) => Value::Poison,
+            (Value::Int(i), _) if is_f64(&cast.ty) => {
+                Value::Scalar(self.arena.constant(i.value as f64))
+            }
+            (Value::Int(i), Some(kind)) => match kind.wrapped(i.value) {
+                Some(value) => Value::Int(Integer {
+                    value,
+                    kind: Some(kind),
+                }),
+                None => {
+                    let message = format!(
+                        "`{}` does not fit into `{target}`: the cast would wrap around to a number beyond 2⁶³",
+                        i.value
+                    );
+                    self.refuse(&cast.as_token, message)
+                }
+            },
+            (Value::Int(_), None) => self.refuse(
+                &cast.ty,
+                format!("an integer becomes an `f64` or another type of integers here, written by name, not `{target}`"),
+            ),
+            (value @ Value::Field(_), _) => {
+                let message = format!(
+                    "`as` is for integers known at compile time, and this is {}: let its type be `f64`, and leave `as` out",
+                    value.kind()
+                );
+                self.refuse(&cast.as_token, message)
+            }
+            (value, _) => {
+                let message = format!(
+                    "`as` is for integers known at compile time, and this is {}: leave it out, every number of a formula is an `f64`",
+                    value.kind()
+                );
+                self.refuse(&cast.as_token, message)
+            }
+        }
+    }
+
+    /// A value where a type is written: no integer where that is `f64`, and none that the type does not hold.
+    pub(super) fn number(&mut self, value: Value, ty: &Type, at: &impl Spanned) -> Value {
+        let Value::Int(i) = value else { return value };
+        if is_f64(ty) {
+            return self.refuse(at, super::integer(i.value));
+        }
+        let Some(kind) = Kind::of(ty) else {
+            return value;
+        };
+        match i.kind {
+            Some(other) if other != kind => self.two_kinds((other, kind), at),
+            None if !kind.contains(i.value) => {
+                let message = format!("the integer {} does not fit into `{}`", i.value, kind.name);
+                self.refuse(at, message)
+            }
+            _ => Value::Int(i.or_of(kind)),
+        }
+    }
+
+    /// A method of an integer that is known at compile time; nothing if it is none of them.
+    pub(super) fn integer_method(
+        &mut self,
+        name: &str,
+        at: Span,
+        arguments: &[Argument],
+    ) -> Option<Value> {
+        let integer = |argument: &Argument| match argument.value {
+            Value::Int(i) => Some(i),
+            _ => None,
+        };
+        let values: Vec<Integer> = arguments.iter().map(integer).collect::<Option<_>>()?;
+        let (i, k, kinds) = match (name, values.as_slice()) {
+            ("abs", &[i]) => (i, i, Ok(i.kind)),
+            ("pow", &[i, k]) => (i, k, Ok(i.kind)),
+            ("abs_diff" | "min" | "max" | "rem_euclid", &[i, k]) => (i, k, common(i, k)),
+            _ => return None,
+        };
+        let kind = match kinds {
+            Ok(kind) => kind,
+            Err(kinds) => return Some(self.two_kinds(kinds, &at)),
+        };
+        let (i, k) = (i.value, k.value);
+        let result = match name {
+            "pow" => u32::try_from(k).ok().and_then(|k| i.checked_pow(k)),
+            "abs" => i.checked_abs(),
+            "abs_diff" => i.checked_sub(k).and_then(i64::checked_abs),
+            "min" => Some(i.min(k)),
+            "max" => Some(i.max(k)),
+            _ => i.checked_rem_euclid(k),
+        };
+        // the difference of signed integers has the unsigned type
+        let kind = match (name, kind) {
+            ("abs_diff", Some(kind)) => KINDS
+                .into_iter()
+                .find(|other| other.name.strip_prefix('u') == kind.name.strip_prefix('i'))
+                .filter(|_| kind.signed)
+                .or(Some(kind)),
+            (_, kind) => kind,
+        };
+        Some(self.computed(result, kind, &at))
+    }
+
+    /// The integers of a loop, which have the type of indices where they have none and the variable is an index in the body.
+    pub(super) fn as_indices(items: Vec<Value>, name: &Pat, body: &Block) -> Vec<Value> {
+        if items.iter().any(is_untyped) && is_index(name, |indices| indices.visit_block(body)) {
+            items.into_iter().map(counted).collect()
+        } else {
+            items
+        }
+    }
+
+    /// The same, of the argument of a closure.
+    pub(super) fn as_index(value: Value, name: &Pat, body: &Syntax) -> Value {
+        if is_untyped(&value) && is_index(name, |indices| indices.visit_expr(body)) {
+            counted(value)
+        } else {
+            value
+        }
+    }
+}
+
+fn is_untyped(value: &Value) -> bool {
+    matches!(value, Value::Int(Integer { kind: None, .. }))
+}
+
+fn counted(value: Value) -> Value {
+    match value {
+        Value::Int(i) => Value::Int(i.or_of(USIZE)),
+        other => other,
+    }
+}
+
+/// A search for indices in which a variable stands.
+struct Indices<'a> {
+    name: &'a syn::Ident,
+    found: bool,
+}
+
+impl<'ast> Visit<'ast> for Indices<'_> {
+    fn visit_expr_index(&mut self, index: &'ast syn::ExprIndex) {
+        self.found |= occurs(self.name, &index.index);
+        syn::visit::visit_expr_index(self, index);
+    }
+}
+
+/// Whether a variable stands in an index outside of casts, calls and closures, so that it is a `usize`.
+fn is_index<'p>(name: &'p Pat, search: impl FnOnce(&mut Indices<'p>)) -> bool {
+    let Pat::Ident(name) = name else { return false };
+    let mut indices = Indices {
+        name: &name.ident,
+        found: false,
+    };
+    search(&mut indices);
+    indices.found
+}
+
+/// Whether a variable is an operand of arithmetic.
+fn occurs(name: &syn::Ident, syntax: &Syntax) -> bool {
+    match syntax {
+        Syntax::Path(path) => path.path.is_ident(name),
+        Syntax::Paren(inner) => occurs(name, &inner.expr),
+        Syntax::Group(inner) => occurs(name, &inner.expr),
+        Syntax::Binary(binary) => occurs(name, &binary.left) || occurs(name, &binary.right),
+        Syntax::Range(range) => [&range.start, &range.end]
+            .into_iter()
+            .flatten()
+            .any(|bound| occurs(name, bound)),
+        _ => false,
+    }
+}

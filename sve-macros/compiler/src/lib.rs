@@ -1,0 +1,30 @@
+//! The compiler of [sve](https://docs.rs/sve-runtime): from the tokens of an annotated `impl` block to those of its derived steps.
+//!
+//! Programs use it through the attribute `#[variational]` of `sve-runtime`. As a library it can be called by other programs, by tests and by
+//! benchmarks. The pipeline is in `driver.rs`, a line a stage; each stage is a folder.
+//!
+//! ```
+//! let attribute = "midpoint".parse().expect("tokens");
+//! let block = "impl P { fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + self.g * q.cos() } }";
+//! let expansion = sve_compiler::expand(&attribute, &block.parse().expect("tokens"), &sve_compiler::Settings::default());
+//! assert!(expansion.to_string().contains("Variational"));
+//! ```
+
+mod algebra;
+mod backend;
+mod discretise;
+mod driver;
+mod errors;
+mod explain;
+mod interpret;
+mod operations;
+mod program;
+mod rules;
+mod structure;
+mod syntax;
+mod system;
+#[cfg(test)]
+mod tests;
+
+pub use driver::{Settings, expand};
+pub use operations::{CALL, Operations};

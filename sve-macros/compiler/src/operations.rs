@@ -1,0 +1,102 @@
+//! Operations of L and of what is derived from it, each as straight-line code that begins with nothing known.
+//!
+//! Weights: an addition, subtraction, multiplication, division or change of sign is 1; a call of a function is [`CALL`], a sine
+//! with its cosine one call.
+
+use proc_macro2::{Span, TokenStream};
+use syn::ItemImpl;
+
+use crate::algebra::{Arena, Expr};
+use crate::discretise::equations;
+use crate::errors::Errors;
+use crate::interpret;
+use crate::program::{Operation, Scheduler, Tier};
+use crate::rules::action;
+use crate::structure::{self, Solution};
+use crate::syntax::parse;
+use crate::system::model::Symbols;
+
+/// Operations that a call of a function counts for.
+pub const CALL: usize = 20;
+
+/// Weighted operations, see [`CALL`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Operations {
+    /// Of L.
+    pub lagrangian: usize,
+    /// Of the residual of all implicit equations.
+    pub residual: usize,
+    /// Of the entries of their Jacobian.
+    pub jacobian: usize,
+}
+
+impl Operations {
+    /// Counts operations of the first rule of a block.
+    ///
+    /// # Errors
+    /// If the block cannot be read, or its Lagrangian is degenerate.
+    pub fn count(attribute: &TokenStream, block: &TokenStream) -> syn::Result<Self> {
+        count(attribute.clone(), syn::parse2(block.clone())?)
+    }
+}
+
+fn count(attribute: TokenStream, block: ItemImpl) -> syn::Result<Operations> {
+    let mut arena = Arena::new();
+    let mut errors = Errors::new();
+    let read = parse::annotated(attribute, block, &mut errors).and_then(|block| {
+        let model = interpret::interpret(&block, &mut arena, &mut errors)?;
+        Some((block, model))
+    });
+    let no_system = || syn::Error::new(Span::call_site(), "the scene cannot be read");
+    let (block, model) = errors.finish(read)?.ok_or_else(no_system)?;
+    let mut symbols = model.symbols.clone();
+    let rule = block.arguments.rules[0].0;
+    let action = action::discretise(rule, &model, &mut symbols, &mut arena);
+    let equations = equations::equations(&action, &mut arena);
+    let Ok(scheme) = structure::analyse(equations, &action, &mut symbols, &mut arena) else {
+        return Err(syn::Error::new(
+            block.lagrangian.name.span(),
+            "the scene is degenerate",
+        ));
+    };
+    let (mut residual, mut jacobian) = (Vec::new(), Vec::new());
+    for block in &scheme.blocks {
+        if let Solution::Iteration(iteration) = &block.solution {
+            residual.extend(&iteration.residual);
+            jacobian.extend(iteration.jacobian.iter().flatten());
+        }
+    }
+    Ok(Operations {
+        lagrangian: straight(&arena, &symbols, &[model.lagrangian]),
+        residual: straight(&arena, &symbols, &residual),
+        jacobian: straight(&arena, &symbols, &jacobian),
+    })
+}
+
+fn straight(arena: &Arena, symbols: &Symbols, roots: &[Expr]) -> usize {
+    let tiers = roots
+        .iter()
+        .flat_map(|&e| arena.symbols_of(e))
+        .map(|s| (s, Tier::State))
+        .collect();
+    let mut scheduler = Scheduler::new(arena, symbols, tiers, roots);
+    let values = scheduler.values(roots);
+    let program = scheduler.finish(&values);
+    let weight = |operation| match operation {
+        Operation::Constant(_)
+        | Operation::Input(_)
+        | Operation::SinOf(_)
+        | Operation::CosOf(_) => 0,
+        Operation::Add(..)
+        | Operation::Sub(..)
+        | Operation::Mul(..)
+        | Operation::Div(..)
+        | Operation::Neg(_)
+        | Operation::Abs(_)
+        | Operation::Recip(_) => 1,
+        Operation::Call(..) | Operation::Call2(..) | Operation::SinCos(_) | Operation::Turn(..) => {
+            CALL
+        }
+    };
+    program.all().map(|(_, i)| weight(i.operation)).sum()
+}

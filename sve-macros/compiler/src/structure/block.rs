@@ -1,0 +1,304 @@
+//! One block: what kind it is, and what solves it.
+
+use std::collections::HashMap;
+
+use super::band::{self, Band, Order};
+use super::{Block, Iteration, Kind, Linear, Reduced, Refinement, Solution};
+use crate::algebra::{Expr, Symbol};
+use crate::system::model::Meaning;
+
+/// Expressions that take the place of symbols.
+pub(super) type Replacement = HashMap<Symbol, Expr>;
+
+impl Reduced<'_> {
+    /// Classifies a block and writes down what solves it; `known` gets what its unknowns are called afterwards.
+    pub(super) fn solve(
+        &mut self,
+        rows: &[usize],
+        columns: &[usize],
+        known: &mut Replacement,
+    ) -> Block {
+        let unknowns = columns.iter().map(|&c| self.unknowns[c]).collect();
+        let residual = rows
+            .iter()
+            .map(|&r| self.arena.substitute(self.residuals[r], known))
+            .collect();
+        let (residual, unknowns) = self.ordered(residual, unknowns);
+        let jacobian = self.jacobian(&residual, &unknowns);
+        let zero = self.arena.constant(0.0);
+        let nonzeros = jacobian.iter().flatten().filter(|&&e| e != zero).count();
+        let origin: Replacement = unknowns.iter().map(|&u| (u, zero)).collect();
+        let at_zero = self.newton_step(&residual, &jacobian, &origin);
+
+        let linear = self.is_linear(&jacobian, &unknowns);
+        if linear && unknowns.len() == 1 {
+            let coefficient = at_zero.matrix[0][0];
+            let formula = self.arena.div(at_zero.rhs[0], coefficient);
+            let formula = self.arena.opaque(formula);
+            known.insert(unknowns[0], formula);
+            let kind = if self.is_parameter(coefficient) {
+                Kind::Explicit
+            } else {
+                Kind::Linear
+            };
+            return Block {
+                kind,
+                unknowns,
+                nonzeros,
+                band: None,
+                solution: Solution::Formula(formula),
+            };
+        }
+        let solved = self.solved(&unknowns, known);
+        let band = Band::of(&jacobian, self.arena);
+        if linear {
+            let solution = Solution::System {
+                linear: at_zero,
+                solved,
+            };
+            return Block {
+                kind: Kind::Linear,
+                unknowns,
+                nonzeros,
+                band,
+                solution,
+            };
+        }
+        let judge = self.judge(&residual, &jacobian, &unknowns, known);
+        let explicit = self.guess(&residual, &jacobian, &unknowns);
+        let singular_at_rest = explicit.is_none();
+        let (guess, refinement) = explicit.unwrap_or_else(|| (at_zero.clone(), None));
+        let curvature = match unknowns.as_slice() {
+            [unknown] => Some(self.arena.diff(jacobian[0][0], *unknown)),
+            _ => None,
+        };
+        let iterates = unknowns.clone();
+        let iteration = Iteration {
+            guess,
+            refinement,
+            fallback: at_zero,
+            singular_at_rest,
+            residual,
+            jacobian,
+            curvature,
+            judge: judge.filter(|_| !singular_at_rest),
+            iterates,
+            solved,
+        };
+        Block {
+            kind: Kind::Newton,
+            unknowns,
+            nonzeros,
+            band,
+            solution: Solution::Iteration(Box::new(iteration)),
+        }
+    }
+
+    /// All equations as one block that is iterated from the Newton step from zero; `known` gets what its unknowns are called
+    /// afterwards.
+    pub(super) fn whole(&mut self, known: &mut Replacement) -> Block {
+        let (residual, unknowns) = (self.residuals.clone(), self.unknowns.clone());
+        let jacobian = self.jacobian(&residual, &unknowns);
+        let zero = self.arena.constant(0.0);
+        let origin: Replacement = unknowns.iter().map(|&u| (u, zero)).collect();
+        let at_zero = self.newton_step(&residual, &jacobian, &origin);
+        let iteration = Iteration {
+            guess: at_zero.clone(),
+            refinement: None,
+            fallback: at_zero,
+            singular_at_rest: false,
+            residual,
+            jacobian,
+            curvature: None,
+            judge: None,
+            iterates: unknowns.clone(),
+            solved: self.solved(&unknowns, known),
+        };
+        Block {
+            kind: Kind::Newton,
+            nonzeros: unknowns.len() * unknowns.len(),
+            unknowns,
+            band: None,
+            solution: Solution::Iteration(Box::new(iteration)),
+        }
+    }
+
+    /// Equations and unknowns in an order that makes their Jacobian banded, if there is one.
+    fn ordered(&self, residual: Vec<Expr>, unknowns: Vec<Symbol>) -> (Vec<Expr>, Vec<Symbol>) {
+        let contained = |&r: &Expr| {
+            let present = (0..unknowns.len()).filter(|&c| self.arena.contains(r, unknowns[c]));
+            present.collect()
+        };
+        let depends: Vec<Vec<usize>> = residual.iter().map(contained).collect();
+        match band::order(&depends) {
+            Some(Order { rows, columns }) => (
+                rows.iter().map(|&r| residual[r]).collect(),
+                columns.iter().map(|&c| unknowns[c]).collect(),
+            ),
+            None => (residual, unknowns),
+        }
+    }
+
+    fn jacobian(&mut self, residual: &[Expr], unknowns: &[Symbol]) -> Vec<Vec<Expr>> {
+        let zero = self.arena.constant(0.0);
+        let mut slopes = Vec::with_capacity(residual.len() * unknowns.len());
+        for &r in residual {
+            slopes.extend(unknowns.iter().map(|&u| self.arena.diff(r, u)));
+        }
+        let zeros = self.arena.zeros(&slopes);
+        for (slope, is_zero) in slopes.iter_mut().zip(zeros) {
+            if is_zero {
+                *slope = zero;
+            }
+        }
+        slopes
+            .chunks(unknowns.len())
+            .map(<[Expr]>::to_vec)
+            .collect()
+    }
+
+    /// The linear system of the Newton step from a point.
+    pub(super) fn newton_step(
+        &mut self,
+        residual: &[Expr],
+        jacobian: &[Vec<Expr>],
+        point: &Replacement,
+    ) -> Linear {
+        let entries = self.arena.substitute_all(&jacobian.concat(), point);
+        let matrix = entries
+            .chunks(residual.len())
+            .map(<[Expr]>::to_vec)
+            .collect();
+        let rhs = self.arena.substitute_all(residual, point);
+        let rhs = rhs.into_iter().map(|r| self.arena.neg(r)).collect();
+        Linear { matrix, rhs }
+    }
+
+    /// A guess that costs little, from the limit of h = 0 and no noise, where the equations are linear in most systems:
+    /// the explicit velocity. One unknown that noise kicks takes the kick too; several unknowns are refined to first order in
+    /// h and the increments, with the same matrix. Nothing where that matrix does not exist.
+    fn guess(
+        &mut self,
+        residual: &[Expr],
+        jacobian: &[Vec<Expr>],
+        unknowns: &[Symbol],
+    ) -> Option<(Linear, Option<Refinement>)> {
+        let zero = self.arena.constant(0.0);
+        let small = self.small(residual);
+        let origin: Replacement = unknowns.iter().map(|&u| (u, zero)).collect();
+        let mut limit = origin.clone();
+        limit.extend(small.iter().map(|&s| (s, zero)));
+        let mut guess = self.newton_step(residual, jacobian, &limit);
+        let noisy = small
+            .iter()
+            .any(|&s| matches!(self.symbols.meaning(s), Meaning::Wiener(_)));
+        let refinement = if unknowns.len() > 1 {
+            Some(self.refinement(residual, unknowns, &small))
+        } else {
+            if noisy {
+                guess.rhs = self.newton_step(residual, jacobian, &origin).rhs;
+            }
+            None
+        };
+        let size = unknowns.len();
+        let regular = (0..size).all(|i| {
+            guess.matrix[i].iter().any(|&e| e != zero)
+                && guess.matrix.iter().any(|row| row[i] != zero)
+        });
+        let refined = refinement.iter().flat_map(|r| &r.rhs);
+        let all: Vec<Expr> = guess
+            .matrix
+            .iter()
+            .flatten()
+            .chain(&guess.rhs)
+            .chain(refined)
+            .copied()
+            .collect();
+        let mut nodes = self.arena.reachable(&all, |_| true).into_iter();
+        let defined = nodes.all(|e| self.arena.constant_value(e).is_none_or(f64::is_finite));
+        (regular && defined).then_some((guess, refinement))
+    }
+
+    /// The step size and the increments of the noise, as far as they occur.
+    pub(super) fn small(&self, residual: &[Expr]) -> Vec<Symbol> {
+        let is_small = |s: &Symbol| {
+            matches!(
+                self.symbols.meaning(*s),
+                Meaning::StepSize | Meaning::Wiener(_)
+            )
+        };
+        let mut small: Vec<Symbol> = residual
+            .iter()
+            .flat_map(|&r| self.arena.symbols_of(r))
+            .filter(is_small)
+            .collect();
+        small.sort_unstable();
+        small.dedup();
+        small
+    }
+
+    /// `−Σ s ∂R/∂s` at the first stage, over the small quantities s.
+    fn refinement(
+        &mut self,
+        residual: &[Expr],
+        unknowns: &[Symbol],
+        small: &[Symbol],
+    ) -> Refinement {
+        let zero = self.arena.constant(0.0);
+        let mut point: Replacement = small.iter().map(|&s| (s, zero)).collect();
+        let mut first = Vec::new();
+        for &unknown in unknowns {
+            let symbol = self.symbols.declare(self.symbols.meaning(unknown).clone());
+            point.insert(unknown, self.arena.symbol(symbol));
+            first.push(symbol);
+        }
+        let rhs = residual
+            .iter()
+            .map(|&r| {
+                let mut terms = Vec::new();
+                for &s in small {
+                    let slope = self.arena.diff(r, s);
+                    let slope = self.arena.substitute(slope, &point);
+                    let s = self.arena.symbol(s);
+                    terms.push((-1.0, self.arena.mul(slope, s)));
+                }
+                self.arena.sum(0.0, &terms)
+            })
+            .collect();
+        Refinement { first, rhs }
+    }
+
+    /// Names for the solution of a block, which `known` puts in the place of its unknowns.
+    fn solved(&mut self, unknowns: &[Symbol], known: &mut Replacement) -> Vec<Symbol> {
+        let mut solved = Vec::new();
+        for &unknown in unknowns {
+            let symbol = self.symbols.declare(self.symbols.meaning(unknown).clone());
+            known.insert(unknown, self.arena.symbol(symbol));
+            solved.push(symbol);
+        }
+        solved
+    }
+
+    /// Whether no entry of the Jacobian changes with the unknowns.
+    fn is_linear(&mut self, jacobian: &[Vec<Expr>], unknowns: &[Symbol]) -> bool {
+        for &entry in jacobian.iter().flatten() {
+            for &u in unknowns {
+                if !self.arena.contains(entry, u) {
+                    continue;
+                }
+                let change = self.arena.diff(entry, u);
+                if !self.arena.is_zero(change) {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    /// Whether only parameters occur: with the step size in it, a coefficient comes from an implicit equation.
+    fn is_parameter(&self, expr: Expr) -> bool {
+        self.arena
+            .symbols_of(expr)
+            .all(|s| matches!(self.symbols.meaning(s), Meaning::Parameter { .. }))
+    }
+}

@@ -1,0 +1,463 @@
+//! Bounds of the Jacobian of a block between the limit of a small step without noise and the step: the judge of a root.
+//!
+//! Input: the residuals and the Jacobian of a block at its solution. Output: expressions of the midpoints and radii of
+//! intervals that contain every entry of the Jacobian while the step size goes from 0 to h, the increments from 0 to ΔW, and
+//! the unknowns stay within a box around the solution that contains the limit. Where every matrix within these intervals is
+//! regular, the equations have one solution in the box for each of those steps, so the solution is the one that is connected
+//! with the limit.
+//!
+//! Interval arithmetic in the form of midpoint and radius. The step size and the increments go from 0 to their values together, and
+//! so do their products. Each function has its bound in one line below.
+//!
+//! Source: Neumaier, *Interval Methods for Systems of Equations* (1990), sections 1.6 and 4.1.
+
+use std::collections::HashMap;
+
+use crate::algebra::{Arena, Binary, Expr, Function, Map, Node, Symbol};
+
+/// Half the width of the box in each unknown, in distances of the solution from the limit. The box is centred between the two and
+/// contains as much as a quarter of their distance beyond each. A single unknown may go there by way of what one small quantity
+/// does and another one undoes; its box is wider by that.
+const BOX: f64 = 0.75;
+
+/// Exponents up to which powers are bounded.
+const EXPONENT: u32 = 16;
+
+/// Bounds of the entries of a matrix.
+pub(crate) struct Enclosure {
+    /// Midpoints of the entries.
+    pub(crate) middle: Vec<Vec<Expr>>,
+    pub(crate) radii: Vec<Vec<Expr>>,
+    /// What has to be positive for the radii to hold: distances to poles and to the borders of domains.
+    pub(crate) conditions: Vec<Expr>,
+}
+
+impl Enclosure {
+    /// All that is to be computed.
+    pub(crate) fn exprs(&self) -> impl Iterator<Item = &Expr> {
+        let Self {
+            middle,
+            radii,
+            conditions,
+        } = self;
+        middle.iter().chain(radii).flatten().chain(conditions)
+    }
+
+    /// All that is to be computed.
+    pub(crate) fn exprs_mut(&mut self) -> impl Iterator<Item = &mut Expr> {
+        let Self {
+            middle,
+            radii,
+            conditions,
+        } = self;
+        middle.iter_mut().chain(radii).flatten().chain(conditions)
+    }
+
+    /// Whether it holds wherever the unknowns are.
+    pub(super) fn is_free_of(&self, ranges: &HashMap<Symbol, Range>, arena: &Arena) -> bool {
+        let contains = |e: &Expr| {
+            let mut unknowns = ranges
+                .iter()
+                .filter(|r| matches!(r.1, Range::Unknown { .. }));
+            unknowns.any(|(&u, _)| arena.contains(*e, u))
+        };
+        !self.exprs().any(contains)
+    }
+}
+
+/// How wide the bounds are, and what they cost.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Flavour {
+    /// Sines and cosines of what varies are anything between −1 and 1.
+    Global,
+    /// Around the limit, where most of what is needed is at hand. What is proportional to a small quantity is bounded by its size, with
+    /// sines and cosines of at most 1.
+    Limit,
+    /// Around the middle between limit and solution: half as wide.
+    Box,
+}
+
+/// What varies between the limit and the step.
+#[derive(Clone, Copy)]
+pub(super) enum Range {
+    /// The step size or an increment, from 0 to its value.
+    Small,
+    /// An unknown, with its limit, and how far each small quantity by itself moves it from there, to first order.
+    Unknown { limit: Symbol, moved: Expr },
+}
+
+/// Bounds of the entries of a matrix, while the values in `domain` stay positive. Nothing where a function has no bound here.
+pub(super) fn enclose(
+    matrix: &[Vec<Expr>],
+    domain: &[Expr],
+    ranges: &HashMap<Symbol, Range>,
+    flavour: Flavour,
+    arena: &mut Arena,
+) -> Option<Enclosure> {
+    let roots: Vec<Expr> = matrix.iter().flatten().chain(domain).copied().collect();
+    let mut bounds = Bounds {
+        arena,
+        ranges,
+        flavour,
+        done: Map::default(),
+        conditions: Vec::new(),
+    };
+    let found = bounds.all(&roots)?;
+    let (entries, borders) = found.split_at(roots.len() - domain.len());
+    for border in borders {
+        let distance = bounds.arena.sub(border.mid, border.radius);
+        bounds.conditions.push(distance);
+    }
+    let rows = |part: fn(&Interval) -> Expr| -> Vec<Vec<Expr>> {
+        let flat: Vec<Expr> = entries.iter().map(part).collect();
+        flat.chunks(matrix.len()).map(<[Expr]>::to_vec).collect()
+    };
+    Some(Enclosure {
+        middle: rows(|i| i.mid),
+        radii: rows(|i| i.radius),
+        conditions: bounds.conditions,
+    })
+}
+
+/// Values within a distance of a midpoint.
+#[derive(Clone, Copy)]
+struct Interval {
+    mid: Expr,
+    radius: Expr,
+    /// The other end, where the values go from 0 to there.
+    end: Option<Expr>,
+}
+
+struct Bounds<'a> {
+    arena: &'a mut Arena,
+    ranges: &'a HashMap<Symbol, Range>,
+    flavour: Flavour,
+    done: Map<Expr, Interval>,
+    conditions: Vec<Expr>,
+}
+
+impl Bounds<'_> {
+    fn all(&mut self, roots: &[Expr]) -> Option<Vec<Interval>> {
+        for e in self.arena.reachable(roots, |_| true) {
+            let interval = self.of(e)?;
+            self.done.insert(e, interval);
+        }
+        roots.iter().map(|e| self.done.get(e).copied()).collect()
+    }
+
+    fn of(&mut self, e: Expr) -> Option<Interval> {
+        if !self.ranges.keys().any(|&s| self.arena.contains(e, s)) {
+            return Some(self.exact(e));
+        }
+        match self.arena.node(e).clone() {
+            Node::Constant(_) => Some(self.exact(e)),
+            Node::Symbol(symbol) => Some(self.symbol(e, symbol)),
+            Node::Opaque(x) => {
+                let inner = self.done[&x];
+                let mid = if inner.mid == x {
+                    e
+                } else {
+                    self.arena.opaque(inner.mid)
+                };
+                Some(Interval { mid, ..inner })
+            }
+            Node::Sum(constant, terms) => {
+                let parts: Vec<(f64, Interval)> =
+                    terms.iter().map(|(x, c)| (c.get(), self.done[x])).collect();
+                let mids: Vec<_> = parts.iter().map(|(c, i)| (*c, i.mid)).collect();
+                let radii: Vec<_> = parts.iter().map(|(c, i)| (c.abs(), i.radius)).collect();
+                let end = match parts.as_slice() {
+                    [(c, Interval { end: Some(end), .. })] if constant.get() == 0.0 => {
+                        Some(self.arena.scale(*c, *end))
+                    }
+                    _ => None,
+                };
+                Some(Interval {
+                    mid: self.arena.sum(constant.get(), &mids),
+                    radius: self.arena.sum(0.0, &radii),
+                    end,
+                })
+            }
+            Node::Product(factors) => self.product(&factors),
+            Node::Call(function, x) => self.call(function, x, e),
+            Node::Call2(Binary::Hypot, x, y) => {
+                let (x, y) = (self.done[&x], self.done[&y]);
+                let mid = self.arena.call2(Binary::Hypot, x.mid, y.mid);
+                let radius = self.arena.add(x.radius, y.radius);
+                Some(around(mid, radius))
+            }
+            Node::Call2(Binary::Atan2, y, x) => {
+                let (y, x) = (self.done[&y], self.done[&x]);
+                let distance = self.arena.call2(Binary::Hypot, y.mid, x.mid);
+                let reach = self.arena.add(y.radius, x.radius);
+                let left = self.positive(distance, reach);
+                let mid = self.arena.call2(Binary::Atan2, y.mid, x.mid);
+                Some(around(mid, self.arena.div(reach, left)))
+            }
+            Node::Call2(Binary::Pow | Binary::PowLog(_), ..) => None,
+        }
+    }
+
+    fn exact(&mut self, mid: Expr) -> Interval {
+        around(mid, self.arena.constant(0.0))
+    }
+
+    fn symbol(&mut self, e: Expr, symbol: Symbol) -> Interval {
+        match self.ranges.get(&symbol) {
+            None => self.exact(e),
+            Some(Range::Small) => self.up_to(e),
+            Some(&Range::Unknown { limit, moved }) => {
+                let limit = self.arena.symbol(limit);
+                let distance = self.arena.sub(e, limit);
+                let distance = self.arena.abs(distance);
+                let (mid, width) = if self.flavour == Flavour::Limit {
+                    (limit, 0.5 + BOX)
+                } else {
+                    (self.arena.sum(0.0, &[(0.5, e), (0.5, limit)]), BOX)
+                };
+                let radius = self.arena.sum(0.0, &[(width, distance), (1.0, moved)]);
+                around(mid, radius)
+            }
+        }
+    }
+
+    /// From 0 to `end`.
+    fn up_to(&mut self, end: Expr) -> Interval {
+        let (mid, half) = if self.flavour == Flavour::Limit {
+            (self.arena.constant(0.0), end)
+        } else {
+            let half = self.arena.scale(0.5, end);
+            (half, half)
+        };
+        Interval {
+            mid,
+            radius: self.arena.abs(half),
+            end: Some(end),
+        }
+    }
+
+    /// `Π base^exponent`. Those factors that go from 0 to an end do so together, and the others stand beside their product.
+    fn product(&mut self, factors: &[(Expr, i32)]) -> Option<Interval> {
+        let one = self.arena.constant(1.0);
+        let zero = self.arena.constant(0.0);
+        let (mut scale, mut product) = (one, around(one, zero));
+        let mut from_zero = false;
+        if self.flavour == Flavour::Limit && factors.iter().any(|f| self.is_from_zero(*f)) {
+            return Some(self.size(factors));
+        }
+        for &(base, k) in factors {
+            let factor = self.done[&base];
+            if let (Some(end), 1..) = (factor.end, k) {
+                let power = self.arena.pow(end, k);
+                scale = self.arena.mul(scale, power);
+                from_zero = true;
+            } else if factor.radius == zero {
+                let power = self.arena.pow(factor.mid, k);
+                scale = self.arena.mul(scale, power);
+            } else if k.unsigned_abs() > EXPONENT {
+                return None;
+            } else if k < 0 {
+                let factor = self.inverse_power(factor, k);
+                product = self.times(product, factor);
+            } else {
+                for _ in 0..k {
+                    product = self.times(product, factor);
+                }
+            }
+        }
+        if from_zero && product.radius == zero {
+            // the product is 1
+            return Some(self.up_to(scale));
+        }
+        let size = self.arena.abs(scale);
+        let mid = self.arena.mul(scale, product.mid);
+        if !from_zero {
+            return Some(around(mid, self.arena.mul(size, product.radius)));
+        }
+        // s m with s from 0 to 1: around half of the end
+        let half = self.arena.abs(product.mid);
+        let radius = self.arena.sum(0.0, &[(0.5, half), (1.0, product.radius)]);
+        Some(around(
+            self.arena.scale(0.5, mid),
+            self.arena.mul(size, radius),
+        ))
+    }
+
+    fn is_from_zero(&self, (base, k): (Expr, i32)) -> bool {
+        k > 0 && self.done[&base].end.is_some()
+    }
+
+    /// A product with a factor that goes from 0 to its end: at most as large as the product of the largest sizes.
+    fn size(&mut self, factors: &[(Expr, i32)]) -> Interval {
+        let one = self.arena.constant(1.0);
+        let (mut size, mut end) = (one, Some(one));
+        for &(base, k) in factors {
+            let factor = self.done[&base];
+            let is_wave = matches!(
+                self.arena.node(base),
+                Node::Call(Function::Sin | Function::Cos, _)
+            );
+            let largest = match factor.end {
+                Some(end) if k > 0 => self.arena.abs(end),
+                _ if is_wave && k > 0 => one,
+                _ if k > 0 => {
+                    let middle = self.arena.abs(factor.mid);
+                    self.arena.add(middle, factor.radius)
+                }
+                _ => {
+                    let middle = self.arena.abs(factor.mid);
+                    self.positive(middle, factor.radius)
+                }
+            };
+            let power = self.arena.pow(largest, k);
+            size = self.arena.mul(size, power);
+            let exact = self.arena.constant(0.0) == factor.radius;
+            end = match (end, factor.end) {
+                (Some(product), Some(end)) if k > 0 => {
+                    let power = self.arena.pow(end, k);
+                    Some(self.arena.mul(product, power))
+                }
+                (Some(product), None) if exact => {
+                    let power = self.arena.pow(factor.mid, k);
+                    Some(self.arena.mul(product, power))
+                }
+                _ => None,
+            };
+        }
+        Interval {
+            mid: self.arena.constant(0.0),
+            radius: size,
+            end,
+        }
+    }
+
+    fn times(&mut self, a: Interval, b: Interval) -> Interval {
+        let (size_a, size_b) = (self.arena.abs(a.mid), self.arena.abs(b.mid));
+        let terms = [(size_a, b.radius), (a.radius, size_b), (a.radius, b.radius)];
+        let terms = terms.map(|(x, y)| (1.0, self.arena.mul(x, y)));
+        around(self.arena.mul(a.mid, b.mid), self.arena.sum(0.0, &terms))
+    }
+
+    /// `x^k` with a negative k: relative to its value, with `ε = r/|x|`, `(1 − ε)^k − 1 ≤ |k|ε / (1 − |k|ε)` (Bernoulli).
+    fn inverse_power(&mut self, x: Interval, k: i32) -> Interval {
+        let mid = self.arena.pow(x.mid, k);
+        let times = self.arena.scale(f64::from(k.abs()), x.radius);
+        let distance = self.arena.abs(x.mid);
+        let left = self.positive(distance, times);
+        let size = self.arena.abs(mid);
+        around(
+            mid,
+            self.arena.product(&[(size, 1), (times, 1), (left, -1)]),
+        )
+    }
+
+    /// `size − radius`, which has to be positive.
+    fn positive(&mut self, size: Expr, radius: Expr) -> Expr {
+        let left = self.arena.sub(size, radius);
+        self.conditions.push(left);
+        left
+    }
+
+    /// A function of one argument: by its largest slope near the midpoint.
+    fn call(&mut self, function: Function, x: Expr, e: Expr) -> Option<Interval> {
+        let Interval {
+            mid: x_mid,
+            radius: r,
+            ..
+        } = self.done[&x];
+        let mid = if x_mid == x {
+            e
+        } else {
+            self.arena.call(function, x_mid)
+        };
+        let radius = match function {
+            Function::Sin | Function::Cos if self.flavour == Flavour::Global => {
+                return Some(around(self.arena.constant(0.0), self.arena.constant(1.0)));
+            }
+            // slopes of at most 1
+            Function::Sin
+            | Function::Cos
+            | Function::Atan
+            | Function::Tanh
+            | Function::Asinh
+            | Function::Abs => r,
+            Function::Exp | Function::Cosh => self.grown(mid, 0.0, r),
+            Function::Exp2 => {
+                let r = self.arena.scale(std::f64::consts::LN_2, r);
+                self.grown(mid, 0.0, r)
+            }
+            // the slope of each is at most this multiple of 1 + |value|, e^r times as large within r
+            Function::ExpM1 | Function::Sinh => self.grown(mid, 1.0, r),
+            // |√(x+δ) − √x| ≤ |δ|/√x
+            Function::Sqrt => {
+                self.positive(x_mid, r);
+                self.arena.div(r, mid)
+            }
+            Function::Cbrt => {
+                let size = self.arena.abs(x_mid);
+                self.positive(size, r);
+                self.arena.product(&[(r, 1), (mid, -2)])
+            }
+            Function::Ln => self.logarithm(0.0, 1.0, x_mid, r),
+            Function::Ln1p => self.logarithm(1.0, 1.0, x_mid, r),
+            Function::Log2 => self.logarithm(0.0, std::f64::consts::LOG2_E, x_mid, r),
+            Function::Log10 => self.logarithm(0.0, std::f64::consts::LOG10_E, x_mid, r),
+            Function::Atanh => {
+                let left = self.left_of_one(x_mid, r);
+                self.arena.div(r, left)
+            }
+            Function::Asin | Function::Acos => {
+                let left = self.left_of_one(x_mid, r);
+                let root = self.arena.call(Function::Sqrt, left);
+                self.arena.div(r, root)
+            }
+            // relative: |(1+ε)^k − 1| ≤ |k| 2^|k−1| ε for ε ≤ ½
+            Function::Powf(k) => {
+                let half = self.arena.scale(0.5, x_mid);
+                self.positive(half, r);
+                let slope = k.get().abs() * (k.get() - 1.0).abs().exp2();
+                let size = self.arena.abs(mid);
+                let relative = self.arena.div(r, x_mid);
+                let radius = self.arena.mul(size, relative);
+                self.arena.scale(slope, radius)
+            }
+            Function::Tan | Function::Acosh => return None,
+        };
+        Some(around(mid, radius))
+    }
+
+    /// `(constant + |value|)(e^r − 1)` at most, where r is below 1.7: `e^r − 1 ≤ r + r²` there.
+    fn grown(&mut self, value: Expr, constant: f64, r: Expr) -> Expr {
+        let bound = self.arena.constant(1.7);
+        self.positive(bound, r);
+        let size = self.arena.abs(value);
+        let size = self.arena.sum(constant, &[(1.0, size)]);
+        let more = self.arena.sum(1.0, &[(1.0, r)]);
+        self.arena.product(&[(size, 1), (r, 1), (more, 1)])
+    }
+
+    /// `scale ln(shift + x)`, within `scale r / (shift + x − r)`.
+    fn logarithm(&mut self, shift: f64, scale: f64, x: Expr, r: Expr) -> Expr {
+        let shifted = self.arena.sum(shift, &[(1.0, x)]);
+        let left = self.positive(shifted, r);
+        let radius = self.arena.div(r, left);
+        self.arena.scale(scale, radius)
+    }
+
+    /// `1 − (|x| + r)²`, which has to be positive.
+    fn left_of_one(&mut self, x: Expr, r: Expr) -> Expr {
+        let size = self.arena.abs(x);
+        let largest = self.arena.add(size, r);
+        let square = self.arena.pow(largest, 2);
+        let one = self.arena.constant(1.0);
+        self.positive(one, square)
+    }
+}
+
+fn around(mid: Expr, radius: Expr) -> Interval {
+    Interval {
+        mid,
+        radius,
+        end: None,
+    }
+}

@@ -1,0 +1,176 @@
+//! What decides whether a solution of a block is the one that is connected with no noise and h → 0.
+//!
+//! Input: a block. Output: its limit, and bounds of its Jacobian between the limit and the solution ([`enclosure`](super::enclosure)).
+//! Where every matrix within them is regular the solution is accepted. There are two sets of bounds: quick ones for the
+//! fast path of a single step, and full ones for what these do not accept, and for lanes.
+
+use std::collections::HashMap;
+
+use super::Reduced;
+use super::block::Replacement;
+use super::enclosure::{Enclosure, Flavour, Range, enclose};
+use crate::algebra::{Expr, Node, Symbol};
+use crate::system::model::{Family, Meaning};
+
+/// Unknowns of a block up to which its solutions are judged by bounds of its Jacobian, which take about as long to compute as the
+/// Jacobian itself, and a product of matrices.
+const JUDGED: usize = 4;
+
+/// What decides whether a solution of a block is connected with its limit.
+pub(crate) struct Judge {
+    /// Names of the limit in the bounds.
+    pub(crate) limit: Vec<Symbol>,
+    /// Right-hand side of the linear system of the limit, whose matrix is that of the guess.
+    pub(crate) limit_rhs: Vec<Expr>,
+    pub(crate) quick: Enclosure,
+    /// Nothing where the quick bounds hold wherever the unknowns are.
+    pub(crate) full: Option<Enclosure>,
+}
+
+impl Judge {
+    /// All that is to be computed.
+    pub(crate) fn exprs(&mut self) -> impl Iterator<Item = &mut Expr> {
+        let Self {
+            limit: _,
+            limit_rhs,
+            quick,
+            full,
+        } = self;
+        let bounds = full.iter_mut().flat_map(Enclosure::exprs_mut);
+        limit_rhs.iter_mut().chain(quick.exprs_mut()).chain(bounds)
+    }
+
+    /// The best bounds.
+    pub(crate) fn full(&self) -> &Enclosure {
+        self.full.as_ref().unwrap_or(&self.quick)
+    }
+}
+
+impl Reduced<'_> {
+    /// What judges a solution of a block, where its equations without noise and step are affine, so that their solution is at
+    /// hand, and where all that they contain has bounds. `known` has the names of its solution.
+    pub(super) fn judge(
+        &mut self,
+        residual: &[Expr],
+        jacobian: &[Vec<Expr>],
+        unknowns: &[Symbol],
+        known: &Replacement,
+    ) -> Option<Judge> {
+        if unknowns.len() > JUDGED {
+            return None;
+        }
+        let zero = self.arena.constant(0.0);
+        let small = self.small(residual);
+        let still: Replacement = small.iter().map(|&s| (s, zero)).collect();
+        // a displacement vanishes in the limit, whatever it is multiplied by
+        let mut resting = still.clone();
+        let displacements = unknowns.iter().filter(|&&u| self.is_displacement(u));
+        resting.extend(displacements.map(|&u| (u, zero)));
+        let at_limit = self.arena.substitute_all(&jacobian.concat(), &resting);
+        let moves = |(at, e): (usize, &Expr)| {
+            !self.is_displacement(unknowns[at % unknowns.len()])
+                && unknowns.iter().any(|&u| self.arena.contains(*e, u))
+        };
+        if at_limit.iter().enumerate().any(moves) {
+            return None;
+        }
+        let mut limit_of: Replacement = unknowns.iter().map(|&u| (u, zero)).collect();
+        limit_of.extend(still);
+        let limit_rhs = self.newton_step(residual, jacobian, &limit_of).rhs;
+        let mut ranges: HashMap<Symbol, Range> = HashMap::new();
+        ranges.extend(small.iter().map(|&s| (s, Range::Small)));
+        let mut limit = Vec::new();
+        for &unknown in unknowns {
+            let Meaning::Unknown(named) = *self.symbols.meaning(unknown) else {
+                return None;
+            };
+            let symbol = self.symbols.declare(Meaning::Limit(named));
+            let Node::Symbol(solution) = *self.arena.node(known[&unknown]) else {
+                return None;
+            };
+            let moved = self.moved(residual, jacobian, unknowns, symbol, &small);
+            ranges.insert(
+                solution,
+                Range::Unknown {
+                    limit: symbol,
+                    moved,
+                },
+            );
+            limit.push(symbol);
+        }
+        let entries = self.arena.substitute_all(&jacobian.concat(), known);
+        let has_others = |&e: &Expr| {
+            let mut symbols = self.arena.symbols_of(e);
+            symbols.any(|s| {
+                matches!(self.symbols.meaning(s), Meaning::Unknown(_)) && !ranges.contains_key(&s)
+            })
+        };
+        if entries.iter().any(has_others) {
+            return None;
+        }
+        let matrix: Vec<Vec<Expr>> = entries
+            .chunks(unknowns.len())
+            .map(<[Expr]>::to_vec)
+            .collect();
+        let borders: Vec<Expr> = self.domain.iter().map(|c| c.value).collect();
+        let borders = self.arena.substitute_all(&borders, known);
+        let borders: Vec<Expr> = borders
+            .into_iter()
+            .filter(|&e| {
+                let mut symbols = self.arena.symbols_of(e);
+                symbols.all(|s| {
+                    !matches!(self.symbols.meaning(s), Meaning::Unknown(_))
+                        || ranges.contains_key(&s)
+                })
+            })
+            .collect();
+        let arena = &mut *self.arena;
+        let enclosed = |flavour, arena: &mut _| enclose(&matrix, &borders, &ranges, flavour, arena);
+        let global = enclosed(Flavour::Global, arena)?;
+        let (quick, full) = if global.is_free_of(&ranges, arena) {
+            (global, None)
+        } else {
+            let quick = enclosed(Flavour::Limit, arena)?;
+            (quick, Some(enclosed(Flavour::Box, arena)?))
+        };
+        Some(Judge {
+            limit,
+            limit_rhs,
+            quick,
+            full,
+        })
+    }
+
+    fn is_displacement(&self, symbol: Symbol) -> bool {
+        let meaning = self.symbols.meaning(symbol);
+        matches!(meaning, Meaning::Unknown(u) if u.family == Family::Displacement)
+    }
+
+    /// What several small quantities do to a single unknown beyond their common effect, to first order: the sum of the sizes of
+    /// what each does. Zero where there is one small quantity, or where there are more unknowns.
+    fn moved(
+        &mut self,
+        residual: &[Expr],
+        jacobian: &[Vec<Expr>],
+        unknowns: &[Symbol],
+        limit: Symbol,
+        small: &[Symbol],
+    ) -> Expr {
+        let zero = self.arena.constant(0.0);
+        let (&[unknown], &[residual], 2..) = (unknowns, residual, small.len()) else {
+            return zero;
+        };
+        let mut point: Replacement = small.iter().map(|&s| (s, zero)).collect();
+        point.insert(unknown, self.arena.symbol(limit));
+        let slope = self.arena.substitute(jacobian[0][0], &point);
+        let mut terms = Vec::new();
+        for &s in small {
+            let along = self.arena.diff(residual, s);
+            let along = self.arena.substitute(along, &point);
+            let s = self.arena.symbol(s);
+            let moved = self.arena.product(&[(along, 1), (s, 1), (slope, -1)]);
+            terms.push((1.0, self.arena.abs(moved)));
+        }
+        self.arena.sum(0.0, &terms)
+    }
+}

@@ -1,0 +1,135 @@
+//! The increments of q and p: in the form that is computed with the least work and the shortest chain of operations.
+
+use std::collections::HashMap;
+
+use super::{Block, Form, Kind, Scheme, Solution};
+use crate::algebra::{Arena, Expr, Node, Symbol};
+use crate::rules::action::Action;
+use crate::system::model::{Meaning, Symbols};
+
+/// Degrees of freedom up to which a linear step is written as a matrix.
+const MATRIX: usize = 2;
+
+/// A step that is solved by linear formulas and affine in the state becomes a matrix, `z₁ − z₀ = A z₀ + b`, whose entries are
+/// known before the state: the shortest chain of operations from one state to the next.
+///
+/// Where A depends on the increments of the noise, `z₁ = (1 + A) z₀ + b` is shorter still; the rounding of `1 + A` is another
+/// one in each step, so it does not add up, as it would where A is the same in all steps.
+pub(super) fn linear_map(
+    scheme: Scheme,
+    action: &Action,
+    symbols: &Symbols,
+    arena: &mut Arena,
+) -> Scheme {
+    let formulas = scheme
+        .blocks
+        .iter()
+        .all(|b| matches!(b.solution, Solution::Formula(_)));
+    let implicit = scheme.blocks.iter().any(|b| b.kind == Kind::Linear);
+    if !formulas || !implicit || action.start_q.len() > MATRIX {
+        return scheme;
+    }
+    let state: Vec<Symbol> = action
+        .start_q
+        .iter()
+        .chain(&action.start_p)
+        .copied()
+        .collect();
+    let zero = arena.constant(0.0);
+    let origin: HashMap<Symbol, Expr> = state.iter().map(|&s| (s, zero)).collect();
+    let is_noisy = |arena: &Arena, e: Expr| {
+        arena
+            .symbols_of(e)
+            .any(|s| matches!(symbols.meaning(s), Meaning::Wiener(_)))
+    };
+    let mut rows = Vec::new();
+    let mut noisy = true;
+    for (at, &increment) in scheme.dq.iter().chain(&scheme.dp).enumerate() {
+        let mut row = Vec::new();
+        for &s in &state {
+            let entry = arena.diff(increment, s);
+            if state.iter().any(|&other| arena.contains(entry, other)) {
+                return scheme;
+            }
+            row.push(entry);
+        }
+        noisy &= is_noisy(arena, row[at]);
+        rows.push((row, arena.substitute(increment, &origin)));
+    }
+    let form = if noisy { Form::State } else { Form::Increment };
+    let mut outputs = rows.into_iter().enumerate().map(|(at, (mut row, offset))| {
+        if form == Form::State {
+            row[at] = arena.sum(1.0, &[(1.0, row[at])]);
+        }
+        let mut terms = vec![(1.0, offset)];
+        for (&entry, &s) in row.iter().zip(&state) {
+            let entry = arena.opaque(entry);
+            let s = arena.symbol(s);
+            terms.push((1.0, arena.mul(entry, s)));
+        }
+        arena.sum(0.0, &terms)
+    });
+    let n = action.start_q.len();
+    let dq = outputs.by_ref().take(n).collect();
+    let dp = outputs.collect();
+    Scheme {
+        dq,
+        dp,
+        form,
+        ..scheme
+    }
+}
+
+/// Operations that a call of a function is worth.
+const CALL: usize = 20;
+
+/// Operations that have to be saved before a momentum increment is written other than as the kick itself, which rounds least.
+const WORTH: usize = 10;
+
+/// For each momentum increment the form that adds least to what is computed anyway.
+pub(super) fn cheapest(
+    arena: &Arena,
+    candidates: &[Vec<Expr>],
+    dq: &[Expr],
+    blocks: &[Block],
+) -> Vec<Expr> {
+    let mut needed = vec![false; arena.len()];
+    let need = |roots: &[Expr], needed: &mut Vec<bool>| {
+        for e in arena.reachable(roots, |e| !needed[e.index()]) {
+            needed[e.index()] = true;
+        }
+    };
+    need(dq, &mut needed);
+    for block in blocks {
+        if let Solution::System { linear, .. } = &block.solution {
+            need(&linear.matrix.concat(), &mut needed);
+            need(&linear.rhs, &mut needed);
+        }
+    }
+    let mut chosen = Vec::new();
+    for list in candidates {
+        let price = |e: Expr| cost(arena, &arena.reachable(&[e], |e| !needed[e.index()]));
+        let mut best = (price(list[0]), list[0]);
+        for &other in &list[1..] {
+            let p = price(other);
+            if p + WORTH <= best.0 {
+                best = (p, other);
+            }
+        }
+        need(&[best.1], &mut needed);
+        chosen.push(best.1);
+    }
+    chosen
+}
+
+fn cost(arena: &Arena, nodes: &[Expr]) -> usize {
+    nodes
+        .iter()
+        .map(|&e| match arena.node(e) {
+            Node::Constant(_) | Node::Symbol(_) | Node::Opaque(_) => 0,
+            Node::Sum(_, terms) => terms.len(),
+            Node::Product(factors) => factors.len(),
+            Node::Call(..) | Node::Call2(..) => CALL,
+        })
+        .sum()
+}

@@ -1,0 +1,345 @@
+//! Tokens → annotated block: which function plays which role, and the errors of shape.
+//!
+//! Input: the attribute's arguments and the `impl` block. Output: [`Annotated`], the functions of the block sorted by role.
+//! Bodies are shared, never copied: they may be long, and copying recurses.
+
+use std::rc::Rc;
+
+use proc_macro2::{Span, TokenStream};
+use syn::parse::{ParseStream, Parser};
+use syn::spanned::Spanned;
+use syn::{
+    FnArg, Ident, ImplItem, ImplItemConst, ImplItemFn, ItemImpl, Pat, ReturnType, Token, Type,
+};
+
+use crate::errors::{Errors, nearest};
+use crate::rules::Rule;
+use crate::syntax::roles::{Role, take_roles};
+use crate::syntax::signature;
+
+/// The arguments of the attribute.
+pub(crate) struct Arguments {
+    pub(crate) rules: Vec<(Rule, Ident)>,
+    /// Path of the runtime crate, `::sve_runtime` unless `crate = path` says otherwise.
+    pub(crate) runtime: syn::Path,
+    /// Whether each rule is derived a second time without its structure, which `structure = both` asks for: a comparison for
+    /// tests and benchmarks of this project, which no message offers to users.
+    pub(crate) compared: bool,
+}
+
+/// A function that plays a role in mechanics, taken apart.
+pub(crate) struct Part {
+    pub(crate) name: Ident,
+    pub(crate) role: Role,
+    /// Pattern and type of the arguments after `&self`.
+    pub(crate) arguments: Vec<(Pat, Type)>,
+    /// Whether the first of them is the time.
+    pub(crate) timed: bool,
+    pub(crate) output: Type,
+    pub(crate) function: Rc<ImplItemFn>,
+}
+
+/// The user's block, sorted.
+pub(crate) struct Annotated {
+    pub(crate) arguments: Arguments,
+    /// The block, emptied of its members.
+    pub(crate) item: ItemImpl,
+    pub(crate) lagrangian: Part,
+    /// `#[gamma]` and `#[h1]` functions in source order.
+    pub(crate) noises: Vec<Part>,
+    /// `#[force]` functions, which add up.
+    pub(crate) forces: Vec<Part>,
+    pub(crate) symmetries: Vec<Part>,
+    /// All functions, for any can be called from another.
+    pub(crate) functions: Vec<Rc<ImplItemFn>>,
+    pub(crate) constants: Vec<ImplItemConst>,
+}
+
+impl Arguments {
+    /// Reads the attribute; what is wrong in it is left out.
+    pub(crate) fn read(attribute: TokenStream, errors: &mut Errors) -> Self {
+        let mut read = Self {
+            rules: Vec::new(),
+            runtime: syn::parse_quote!(::sve_runtime),
+            compared: false,
+        };
+        let before = errors.count();
+        let parsed = (|input: ParseStream<'_>| read.entries(input, errors)).parse2(attribute);
+        errors.keep(parsed);
+        if read.rules.is_empty() && errors.count() == before {
+            errors.push(
+                Span::call_site(),
+                format!(
+                    "name the rules to derive, for example `#[variational(midpoint)]`: {}",
+                    Rule::listed()
+                ),
+            );
+        }
+        read
+    }
+
+    fn entries(&mut self, input: ParseStream<'_>, errors: &mut Errors) -> syn::Result<()> {
+        while !input.is_empty() {
+            if input.peek(Token![crate]) {
+                input.parse::<Token![crate]>()?;
+                let path = input
+                    .parse::<Token![=]>()
+                    .and_then(|_| input.call(syn::Path::parse_mod_style));
+                self.runtime = path.map_err(|e| {
+                    let message = "expected the path of the runtime, without quotes, as in `crate = physics::sve_runtime`";
+                    syn::Error::new(e.span(), message)
+                })?;
+            } else {
+                let name: Ident = input.parse().map_err(|e| {
+                    syn::Error::new(
+                        e.span(),
+                        format!(
+                            "expected the name of a rule, without quotes: {}",
+                            Rule::listed()
+                        ),
+                    )
+                })?;
+                if name == "structure" && is_both(input) {
+                    self.compared = true;
+                    input.parse::<Token![=]>()?;
+                    input.parse::<Ident>()?;
+                } else if !input.is_empty() && !input.peek(Token![,]) {
+                    // what follows is a part of the same mistake
+                    return Err(no_argument(&name, input.span()));
+                } else {
+                    self.rule(name, errors);
+                }
+            }
+            if !input.is_empty() {
+                input.parse::<Token![,]>()?;
+            }
+        }
+        Ok(())
+    }
+
+    fn rule(&mut self, name: Ident, errors: &mut Errors) {
+        match Rule::named(&name.to_string()) {
+            Some(rule) if self.rules.iter().any(|(other, _)| *other == rule) => {
+                errors.push(
+                    name.span(),
+                    format!("the rule `{name}` is listed twice: remove one"),
+                );
+            }
+            Some(rule) => self.rules.push((rule, name)),
+            None => errors.push(name.span(), unknown_rule(&name.to_string())),
+        }
+    }
+}
+
+/// Whether `= both` follows.
+fn is_both(input: ParseStream<'_>) -> bool {
+    let ahead = input.fork();
+    ahead.parse::<Token![=]>().is_ok() && ahead.parse::<Ident>().is_ok_and(|word| word == "both")
+}
+
+/// What to say of a name in the attribute that something else than a comma follows.
+fn no_argument(name: &Ident, follows: Span) -> syn::Error {
+    match Rule::named(&name.to_string()) {
+        Some(_) => syn::Error::new(
+            follows,
+            "expected a comma: rules take no arguments, as in `#[variational(midpoint, endpoint)]`",
+        ),
+        None => syn::Error::new(
+            name.span(),
+            format!(
+                "there is no argument `{name}`: the arguments are rules ({}) and `crate = path`",
+                Rule::listed()
+            ),
+        ),
+    }
+}
+
+fn unknown_rule(name: &str) -> String {
+    match nearest(name, Rule::ALL.iter().map(|r| r.attribute_name())) {
+        Some(near) => format!(
+            "there is no rule `{name}`; did you mean `{near}`? The rules are {}",
+            Rule::listed()
+        ),
+        None => format!(
+            "there is no rule `{name}`; the rules are {}",
+            Rule::listed()
+        ),
+    }
+}
+
+/// Sorts the block; nothing where its functions cannot be read for a mistake.
+pub(crate) fn annotated(
+    attribute: TokenStream,
+    mut item: ItemImpl,
+    errors: &mut Errors,
+) -> Option<Annotated> {
+    let arguments = Arguments::read(attribute, errors);
+    let before = errors.count();
+    check_block(&item, errors);
+    let is_plain = errors.count() == before;
+    let roles = take_roles(&mut item, errors);
+
+    let mut lagrangians = Vec::new();
+    let mut noises = Vec::new();
+    let mut forces = Vec::new();
+    let mut symmetries = Vec::new();
+    let mut functions = Vec::new();
+    let mut constants = Vec::new();
+    for (member, role) in std::mem::take(&mut item.items).into_iter().zip(roles) {
+        match (member, role) {
+            (ImplItem::Fn(function), Some(role)) => {
+                let function = Rc::new(function);
+                let outer = errors.enter(&function.sig.ident.to_string());
+                match role {
+                    Role::Helper => {}
+                    // one that cannot be read is there nevertheless
+                    Role::Lagrangian => lagrangians.push(errors.keep(part(&function, role))),
+                    Role::Gamma | Role::H1 => noises.extend(errors.keep(part(&function, role))),
+                    Role::Force => forces.extend(errors.keep(part(&function, role))),
+                    Role::Symmetry => symmetries.extend(errors.keep(part(&function, role))),
+                }
+                errors.leave(outer);
+                functions.push(function);
+            }
+            (ImplItem::Const(constant), _) => constants.push(constant),
+            _ => {}
+        }
+    }
+    if lagrangians.is_empty() {
+        let (at, hint) = match misspelt_lagrangian(&functions) {
+            Some(name) => (name.span(), format!("rename `{name}` to `lagrangian`")),
+            None => (
+                item.self_ty.span(),
+                format!("add `{}`", Role::Lagrangian.signature()),
+            ),
+        };
+        errors.push(at, format!("this block has no Lagrangian: {hint}"));
+    }
+    if let Some(Some(second)) = lagrangians.get(1) {
+        errors.push(
+            second.name.span(),
+            "the block has two functions `lagrangian`: keep one",
+        );
+    }
+    let lagrangian = lagrangians.into_iter().next().flatten();
+    is_plain.then_some(Annotated {
+        arguments,
+        item,
+        lagrangian: lagrangian?,
+        noises,
+        forces,
+        symmetries,
+        functions,
+        constants,
+    })
+}
+
+/// Whether this is the attribute of this macro once more.
+pub(crate) fn is_this(attribute: &syn::Attribute) -> bool {
+    let last = attribute.path().segments.last();
+    last.is_some_and(|segment| segment.ident == "variational")
+}
+
+/// The function that was meant to be the Lagrangian.
+fn misspelt_lagrangian(functions: &[Rc<ImplItemFn>]) -> Option<&Ident> {
+    functions.iter().map(|f| &f.sig.ident).find(|name| {
+        let name = name.to_string().to_lowercase();
+        name == "l" || nearest(&name, ["lagrangian"]).is_some()
+    })
+}
+
+fn check_block(item: &ItemImpl, errors: &mut Errors) {
+    if let Some((path, _)) = &item.trait_ {
+        errors.push(
+            path.span(),
+            "`#[variational]` belongs on an inherent block, `impl MySystem { … }`, not on the implementation of a trait",
+        );
+    }
+    if let Some(second) = item.attrs.iter().find(|a| is_this(a)) {
+        errors.push(
+            second.path().span(),
+            "one attribute lists all rules, as in `#[variational(midpoint, endpoint)]`",
+        );
+    }
+    if !item.generics.params.is_empty() {
+        let only_lifetimes = item
+            .generics
+            .params
+            .iter()
+            .all(|p| matches!(p, syn::GenericParam::Lifetime(_)));
+        let message = if only_lifetimes {
+            "lifetimes are left out here: write `'_` where the type has one, as in `impl MySystem<'_>`"
+        } else {
+            "a generic system cannot be differentiated at compile time: write a concrete type, with parameters as fields"
+        };
+        errors.push(item.generics.span(), message);
+    }
+}
+
+/// Takes a function apart, or says what its signature should be.
+fn part(function: &Rc<ImplItemFn>, role: Role) -> syn::Result<Part> {
+    let sig = &function.sig;
+    let expected = format!("expected `{}` (`t: f64` may come first)", role.signature());
+    if !sig.generics.params.is_empty() {
+        let message = format!("this function cannot be generic: {expected}");
+        return Err(syn::Error::new(sig.generics.span(), message));
+    }
+    if let Some((at, word)) = qualifier(sig) {
+        let message = format!("`{word}` has no place here: {expected}");
+        return Err(syn::Error::new(at, message));
+    }
+    let mut inputs = sig.inputs.iter();
+    let message = format!("the first argument must be `&self`: {expected}");
+    match inputs.next() {
+        Some(FnArg::Receiver(receiver)) if is_shared(receiver) => {}
+        Some(other) => return Err(syn::Error::new(other.span(), message)),
+        None => return Err(syn::Error::new(sig.ident.span(), message)),
+    }
+    let arguments: Vec<(Pat, Type)> = inputs
+        .filter_map(|input| match input {
+            FnArg::Typed(typed) => Some(((*typed.pat).clone(), (*typed.ty).clone())),
+            FnArg::Receiver(_) => None,
+        })
+        .collect();
+    let timed = signature::is_timed(&sig.ident, role, &arguments, &expected)?;
+    let ReturnType::Type(_, output) = &sig.output else {
+        let message = format!("`{}` returns nothing: {expected}", sig.ident);
+        return Err(syn::Error::new(sig.ident.span(), message));
+    };
+    Ok(Part {
+        name: sig.ident.clone(),
+        role,
+        arguments,
+        timed,
+        output: (**output).clone(),
+        function: Rc::clone(function),
+    })
+}
+
+/// What makes a function another than a formula.
+fn qualifier(sig: &syn::Signature) -> Option<(Span, &'static str)> {
+    let is_async = sig.asyncness.map(|word| (word.span, "async"));
+    let is_unsafe = match &sig.safety {
+        syn::Safety::Unsafe(word) => Some((word.span, "unsafe")),
+        _ => None,
+    };
+    let is_foreign = sig
+        .abi
+        .as_ref()
+        .map(|abi| (abi.extern_token.span, "extern"));
+    is_async.or(is_unsafe).or(is_foreign)
+}
+
+fn is_shared(receiver: &syn::Receiver) -> bool {
+    let mut tokens = quote::ToTokens::to_token_stream(receiver)
+        .into_iter()
+        .map(|t| t.to_string());
+    tokens.next().as_deref() == Some("&")
+        && tokens.next().as_deref() == Some("self")
+        && tokens.next().is_none()
+}
+
+/// Whether a type is written `f64`.
+pub(crate) fn is_f64(ty: &Type) -> bool {
+    matches!(ty, Type::Path(path) if path.qself.is_none() && path.path.is_ident("f64"))
+}

@@ -1,0 +1,230 @@
+//! The arguments of a function with a role, which are told apart by their order.
+//!
+//! Input: the role of a function and its arguments after `&self`. Output: whether the first argument is the time, or an error.
+//! Types do not tell the arguments of a scalar system apart, so the four names of the documentation are checked: an argument
+//! called `t`, `q`, `v` or `p` must stand in the place of that quantity. Other names say nothing.
+
+use proc_macro2::Ident;
+use syn::spanned::Spanned;
+use syn::{Pat, Type};
+
+use crate::interpret::readable;
+use crate::syntax::parse::is_f64;
+use crate::syntax::roles::Role;
+
+/// Quantities of the arguments: the name in signatures, and what it stands for.
+const QUANTITIES: [(&str, &str); 4] = [
+    ("t", "time"),
+    ("q", "position"),
+    ("v", "velocity"),
+    ("p", "momentum"),
+];
+
+/// Returns whether the first argument is the time, or what is wrong with the arguments.
+pub(crate) fn is_timed(
+    name: &Ident,
+    role: Role,
+    arguments: &[(Pat, Type)],
+    expected: &str,
+) -> syn::Result<bool> {
+    let count = arguments.len();
+    let timed = count == role.vectors() + 1;
+    if !timed && count != role.vectors() {
+        let hint = match role {
+            Role::H1 if count == 1 => "; a noise that depends on q alone is `#[gamma]`",
+            _ => "",
+        };
+        let count = match count {
+            1 => "one argument".to_owned(),
+            n => format!("{n} arguments"),
+        };
+        let message = format!("`{name}` has {count} after `&self`: {expected}{hint}");
+        return Err(syn::Error::new(name.span(), message));
+    }
+    if timed && role.vectors() == 1 && is_momentum(&arguments[1].0) {
+        return Err(depends_on_more(role, arguments, expected));
+    }
+    check_order(name, role, timed, arguments)?;
+    if timed && !is_f64(&arguments[0].1) {
+        if role.vectors() == 1 {
+            return Err(depends_on_more(role, arguments, expected));
+        }
+        let message = format!("of three arguments the first is the time, `t: f64`: {expected}");
+        return Err(syn::Error::new(arguments[0].1.span(), message));
+    }
+    Ok(timed)
+}
+
+/// The error of a second argument where only the position has a place.
+fn depends_on_more(role: Role, arguments: &[(Pat, Type)], expected: &str) -> syn::Error {
+    let hint = match role {
+        Role::Gamma => "; a noise that depends on the momentum is `#[h1]`",
+        _ => "",
+    };
+    let message = format!(
+        "`#[{}]` depends on q alone: {expected}{hint}",
+        role.attribute()
+    );
+    syn::Error::new(arguments[1].0.span(), message)
+}
+
+/// Returns whether an argument is called like a velocity or a momentum, so that the argument before it is no time.
+fn is_momentum(pattern: &Pat) -> bool {
+    let Pat::Ident(name) = pattern else {
+        return false;
+    };
+    matches!(name.ident.to_string().trim_start_matches('_'), "v" | "p")
+}
+
+/// Checks that each argument called `t`, `q`, `v` or `p` stands in the place of that quantity; reports the first that does not.
+fn check_order(
+    name: &Ident,
+    role: Role,
+    timed: bool,
+    arguments: &[(Pat, Type)],
+) -> syn::Result<()> {
+    let order: Vec<&str> = timed
+        .then_some("t")
+        .into_iter()
+        .chain(role.quantities().iter().copied())
+        .collect();
+    for ((pattern, _), &place) in arguments.iter().zip(&order) {
+        let Pat::Ident(ident) = pattern else { continue };
+        let found = ident.ident.to_string();
+        if found == place || meaning(&found).is_none() {
+            continue;
+        }
+        let message = format!(
+            "`{found}` stands in the place of the {}: arguments are told apart by their order, not by their names; \
+             write `{}`, or call this argument otherwise if it is the {}",
+            meaning(place).unwrap_or_default(),
+            in_order(name, role, timed, arguments),
+            meaning(place).unwrap_or_default(),
+        );
+        return Err(syn::Error::new(ident.ident.span(), message));
+    }
+    Ok(())
+}
+
+/// What a name of the documentation stands for; nothing for other names.
+fn meaning(name: &str) -> Option<&'static str> {
+    QUANTITIES
+        .iter()
+        .find(|quantity| quantity.0 == name)
+        .map(|quantity| quantity.1)
+}
+
+/// The head of the function with its arguments in the right order, in the types that the user wrote.
+fn in_order(name: &Ident, role: Role, timed: bool, arguments: &[(Pat, Type)]) -> String {
+    let is_time = |pattern: &Pat| matches!(pattern, Pat::Ident(ident) if ident.ident == "t");
+    // of a vector system the time alone is a number
+    let vector = arguments
+        .iter()
+        .map(|argument| &argument.1)
+        .find(|ty| !is_f64(ty))
+        .map_or_else(|| "f64".to_owned(), readable);
+    let timed = timed || arguments.iter().any(|argument| is_time(&argument.0));
+    let time = if timed { "t: f64, " } else { "" };
+    let vectors: Vec<String> = role
+        .quantities()
+        .iter()
+        .map(|quantity| format!("{quantity}: {vector}"))
+        .collect();
+    format!("fn {name}(&self, {time}{})", vectors.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use proc_macro2::TokenStream;
+
+    use crate::tests::expand;
+
+    /// A role: its attribute, the name of a function, the arguments in order, and what such a function returns.
+    const ROLES: [(&str, &str, &[&str], &str); 5] = [
+        ("", "lagrangian", &["q", "v"], "{ x * x + y * y }"),
+        ("#[gamma]", "push", &["q"], "{ x }"),
+        ("#[h1]", "kick", &["q", "p"], "{ y }"),
+        ("#[force]", "drag", &["q", "v"], "{ -y }"),
+        ("#[symmetry]", "shift", &["q"], "{ 1.0 }"),
+    ];
+
+    /// The errors of a block in which one function has arguments of these names.
+    fn errors(role: usize, names: &[&str]) -> Vec<String> {
+        let (attribute, function, order, _) = ROLES[role];
+        let list: Vec<String> = names.iter().map(|name| format!("{name}: f64")).collect();
+        let last = names.last().copied().unwrap_or_default();
+        let value = match order.len() {
+            2 => format!("{last} * {last}"),
+            _ if attribute == "#[symmetry]" => "1.0".to_owned(),
+            _ => last.to_owned(),
+        };
+        let mut block = format!(
+            "{attribute} fn {function}(&self, {}) -> f64 {{ {value} }}",
+            list.join(", ")
+        );
+        if role != 0 {
+            block.push_str("fn lagrangian(&self, q: f64, v: f64) -> f64 { v * v }");
+        }
+        let parse = |text: &str| -> TokenStream { text.parse().expect("tokens") };
+        let output = expand(&parse("midpoint"), &parse(&format!("impl P {{ {block} }}")));
+        let text = output.to_string();
+        text.split("compile_error !")
+            .skip(1)
+            .map(|rest| rest.chars().take(400).collect())
+            .collect()
+    }
+
+    /// All lists of `length` different names.
+    fn lists<'a>(names: &[&'a str], length: usize) -> Vec<Vec<&'a str>> {
+        let mut lists = vec![Vec::new()];
+        for _ in 0..length {
+            let longer = |list: Vec<&'a str>| {
+                let more = names.iter().filter(|&name| !list.contains(name));
+                more.map(|&name| [list.as_slice(), &[name]].concat())
+                    .collect::<Vec<_>>()
+            };
+            lists = lists.into_iter().flat_map(longer).collect();
+        }
+        lists
+    }
+
+    /// Every choice of the four names for every role, with and without time: only the order of the documentation is read.
+    #[test]
+    fn a_quantity_in_the_place_of_another_is_refused() {
+        for (role, (attribute, function, order, _)) in ROLES.iter().enumerate() {
+            let timed: Vec<&str> = ["t"].iter().chain(*order).copied().collect();
+            for right in [order.to_vec(), timed] {
+                for names in lists(&["t", "q", "v", "p"], right.len()) {
+                    let found = errors(role, &names);
+                    if names == right {
+                        // a generator or a drift may yet be refused for what it does
+                        let read = found.iter().all(|error| !error.contains("in the place of"));
+                        assert!(read, "{attribute} {names:?}: {found:?}");
+                        continue;
+                    }
+                    assert_eq!(found.len(), 1, "{attribute} {names:?}: {found:?}");
+                    let says_order = found[0].contains(&format!("fn {function}(&self, "))
+                        && found[0].contains("in the place of")
+                        || found[0].contains("depends on q alone");
+                    assert!(says_order, "{attribute} {names:?}: {found:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn other_names_say_nothing() {
+        let names = [
+            "theta", "pos", "q_dot", "_q", "_t", "time", "Q", "qv", "p0", "x",
+        ];
+        for (role, (attribute, _, order, _)) in ROLES.iter().enumerate() {
+            for length in [order.len(), order.len() + 1] {
+                for names in lists(&names, length) {
+                    let found = errors(role, &names);
+                    let silent = found.iter().all(|e| !e.contains("in the place of"));
+                    assert!(silent, "{attribute} {names:?}: {found:?}");
+                }
+            }
+        }
+    }
+}

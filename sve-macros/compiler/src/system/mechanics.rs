@@ -1,0 +1,225 @@
+//! Model → what the runtime needs of it beside the steps: derivatives of L and of the noises, and whether the noises commute.
+
+use crate::algebra::{Arena, Expr, Purpose, Symbol, Vanishing};
+use crate::system::model::{Model, NoiseTerm};
+
+/// Derivatives of the Lagrangian, in the order of the runtime's `LagrangianJet`.
+pub(crate) struct LagrangianJet {
+    pub(crate) value: Expr,
+    pub(crate) dq: Vec<Expr>,
+    pub(crate) dv: Vec<Expr>,
+    pub(crate) dqq: Vec<Vec<Expr>>,
+    pub(crate) dqv: Vec<Vec<Expr>>,
+    pub(crate) dvv: Vec<Vec<Expr>>,
+    pub(crate) dqt: Vec<Expr>,
+    pub(crate) dvt: Vec<Expr>,
+}
+
+/// Derivatives of a noise Hamiltonian, in the order of the runtime's `NoiseJet`.
+pub(crate) struct NoiseJet {
+    pub(crate) dq: Vec<Expr>,
+    pub(crate) dp: Vec<Expr>,
+    pub(crate) dqq: Vec<Vec<Expr>>,
+    pub(crate) dqp: Vec<Vec<Expr>>,
+    pub(crate) dpp: Vec<Vec<Expr>>,
+}
+
+/// A force with its derivatives, in the order of the runtime's `ForceJet`.
+pub(crate) struct ForceJet {
+    pub(crate) value: Vec<Expr>,
+    pub(crate) dq: Vec<Vec<Expr>>,
+    pub(crate) dv: Vec<Vec<Expr>>,
+    pub(crate) dt: Vec<Expr>,
+}
+
+impl LagrangianJet {
+    fn exprs(&mut self) -> Vec<&mut Expr> {
+        let Self {
+            value,
+            dq,
+            dv,
+            dqq,
+            dqv,
+            dvv,
+            dqt,
+            dvt,
+        } = self;
+        let vectors = [dq, dv, dqt, dvt].into_iter().flatten();
+        let matrices = [dqq, dqv, dvv].into_iter().flatten().flatten();
+        std::iter::once(value)
+            .chain(vectors)
+            .chain(matrices)
+            .collect()
+    }
+}
+
+impl NoiseJet {
+    fn exprs(&mut self) -> Vec<&mut Expr> {
+        let Self {
+            dq,
+            dp,
+            dqq,
+            dqp,
+            dpp,
+        } = self;
+        let matrices = [dqq, dqp, dpp].into_iter().flatten().flatten();
+        [dq, dp].into_iter().flatten().chain(matrices).collect()
+    }
+}
+
+impl ForceJet {
+    fn exprs(&mut self) -> Vec<&mut Expr> {
+        let Self { value, dq, dv, dt } = self;
+        let matrices = [dq, dv].into_iter().flatten().flatten();
+        [value, dt].into_iter().flatten().chain(matrices).collect()
+    }
+}
+
+/// What the mechanics of a model consist of.
+pub(crate) struct Mechanics {
+    pub(crate) lagrangian: LagrangianJet,
+    pub(crate) noises: Vec<NoiseJet>,
+    pub(crate) force: Option<ForceJet>,
+    /// Whether `∂L/∂v` is affine in v.
+    pub(crate) affine_momentum: bool,
+    /// Whether the noises commute.
+    pub(crate) commutation: Commutation,
+}
+
+/// Whether the noises of a model commute.
+pub(crate) enum Commutation {
+    /// All of them do, as far as that can be known.
+    All(Vanishing),
+    /// The first pair that does not, by source names.
+    Clash(String, String),
+}
+
+/// Differentiates the model.
+pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
+    let l = model.lagrangian;
+    let dq = gradient(arena, l, &model.q);
+    let dv = gradient(arena, l, &model.v);
+    let dvv = hessian(arena, &dv, &model.v);
+    let lagrangian = LagrangianJet {
+        value: l,
+        dqq: hessian(arena, &dq, &model.q),
+        dqv: hessian(arena, &dq, &model.v),
+        dqt: gradient_in(arena, &dq, model.time),
+        dvt: gradient_in(arena, &dv, model.time),
+        dq,
+        dv,
+        dvv,
+    };
+    let affine_momentum = lagrangian.dvv.iter().flatten().all(|&entry| {
+        let constant = arena.constant_value(entry).is_some();
+        constant
+            || arena.is_exhausted()
+            || model.v.iter().all(|&v| {
+                if !arena.contains(entry, v) {
+                    return true;
+                }
+                let change = arena.diff(entry, v);
+                arena.is_zero(change)
+            })
+    });
+    let noises = model
+        .noises
+        .iter()
+        .map(|noise| noise_jet(noise, model, arena))
+        .collect::<Vec<_>>();
+    let commutation = commutation(model, &noises, arena);
+    let force = model.force.as_ref().map(|force| ForceJet {
+        dq: hessian(arena, force, &model.q),
+        dv: hessian(arena, force, &model.v),
+        dt: gradient_in(arena, force, model.time),
+        value: force.clone(),
+    });
+    Mechanics {
+        lagrangian,
+        noises,
+        force,
+        affine_momentum,
+        commutation,
+    }
+}
+
+impl Mechanics {
+    /// Puts everything into the forms in which it is computed.
+    pub(crate) fn stabilise(&mut self, arena: &mut Arena) {
+        let jets = self.noises.iter_mut().flat_map(NoiseJet::exprs);
+        let force = self.force.iter_mut().flat_map(ForceJet::exprs);
+        let exprs = self.lagrangian.exprs().into_iter().chain(jets).chain(force);
+        arena.stabilise(Purpose::Values, exprs.collect());
+    }
+}
+
+fn noise_jet(noise: &NoiseTerm, model: &Model, arena: &mut Arena) -> NoiseJet {
+    let dq = gradient(arena, noise.hamiltonian, &model.q);
+    let dp = gradient(arena, noise.hamiltonian, &model.p);
+    NoiseJet {
+        dqq: hessian(arena, &dq, &model.q),
+        dqp: hessian(arena, &dq, &model.p),
+        dpp: hessian(arena, &dp, &model.p),
+        dq,
+        dp,
+    }
+}
+
+/// Whether `{G_a, G_b} = ⟨∂G_a/∂q, ∂G_b/∂p⟩ − ⟨∂G_a/∂p, ∂G_b/∂q⟩` vanishes for all pairs.
+fn commutation(model: &Model, jets: &[NoiseJet], arena: &mut Arena) -> Commutation {
+    let jets: Vec<[Vec<Expr>; 2]> = jets.iter().map(|jet| scaled(jet, arena)).collect();
+    let mut surely = Vanishing::Proved;
+    for (i, [a_q, a_p]) in jets.iter().enumerate() {
+        for (j, [b_q, b_p]) in jets.iter().enumerate().skip(i + 1) {
+            if arena.is_exhausted() {
+                return Commutation::All(surely);
+            }
+            let mut terms = Vec::new();
+            for k in 0..model.dof() {
+                for (sign, x, y) in [(1.0, a_q[k], b_p[k]), (-1.0, a_p[k], b_q[k])] {
+                    // most noises are in few coordinates
+                    if [x, y].iter().all(|&e| arena.constant_value(e) != Some(0.0)) {
+                        terms.push((sign, arena.mul(x, y)));
+                    }
+                }
+            }
+            let bracket = arena.sum(0.0, &terms);
+            match arena.vanishing(bracket) {
+                Some(vanishing) => surely = surely.max(vanishing),
+                None => {
+                    let [a, b] = [i, j].map(|at| model.noises[at].name.clone());
+                    return Commutation::Clash(a, b);
+                }
+            }
+        }
+    }
+    Commutation::All(surely)
+}
+
+/// The gradients of a noise in q and p, times a power of two that brings them to the order of 1 where a product of two of them
+/// might underflow or overflow.
+fn scaled(jet: &NoiseJet, arena: &mut Arena) -> [Vec<Expr>; 2] {
+    let factor = arena.scale_of(&[jet.dq.as_slice(), &jet.dp].concat());
+    [&jet.dq, &jet.dp].map(|gradient| {
+        if factor == 1.0 {
+            gradient.clone()
+        } else {
+            gradient.iter().map(|&x| arena.scale(factor, x)).collect()
+        }
+    })
+}
+
+fn gradient(arena: &mut Arena, expr: Expr, symbols: &[Symbol]) -> Vec<Expr> {
+    symbols.iter().map(|&s| arena.diff(expr, s)).collect()
+}
+
+fn gradient_in(arena: &mut Arena, exprs: &[Expr], symbol: Symbol) -> Vec<Expr> {
+    exprs.iter().map(|&e| arena.diff(e, symbol)).collect()
+}
+
+fn hessian(arena: &mut Arena, gradient: &[Expr], symbols: &[Symbol]) -> Vec<Vec<Expr>> {
+    gradient
+        .iter()
+        .map(|&g| self::gradient(arena, g, symbols))
+        .collect()
+}

@@ -1,0 +1,182 @@
+//! The mechanical system as expressions: what every later stage reads.
+//!
+//! Invariant: `lagrangian` contains the symbols of time, `q`, `v` and parameters only; a noise Hamiltonian those of time,
+//! `q`, `p` and parameters; a force those of L; a generator those of time, `q` and parameters.
+
+use proc_macro2::TokenStream;
+
+use crate::algebra::{Expr, Symbol};
+
+/// What a symbol stands for.
+#[derive(Clone, Debug)]
+pub(crate) enum Meaning {
+    /// A field of the user's struct: its name, and how to read it.
+    Parameter {
+        name: String,
+        access: TokenStream,
+    },
+    Time,
+    StepSize,
+    /// Component of the configuration, velocity or momentum of the continuous system.
+    Position(usize),
+    Velocity(usize),
+    Momentum(usize),
+    /// Start of a step.
+    Start(Quantity, usize),
+    /// Increment of a Wiener process.
+    Wiener(usize),
+    /// An unknown of the step.
+    Unknown(Unknown),
+    /// What an unknown is in the limit of a small step without noise.
+    Limit(Unknown),
+}
+
+/// An unknown of the step: what it stands for, and of which coordinate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Unknown {
+    pub(crate) family: Family,
+    pub(crate) index: usize,
+}
+
+/// What an unknown stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Family {
+    /// `q₁ − q₀`.
+    Displacement,
+    Velocity,
+    Momentum,
+    Acceleration,
+    /// The multiplier of the equation that defines the velocity of `taylor2`, a momentum.
+    Impulse,
+    /// The multiplier of the equation that defines the acceleration of `taylor2`.
+    Flow,
+}
+
+impl Unknown {
+    /// A meaning, for declarations.
+    pub(crate) fn of(family: Family) -> impl Fn(usize) -> Meaning {
+        move |index| Meaning::Unknown(Self { family, index })
+    }
+}
+
+impl std::fmt::Display for Unknown {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let letter = match self.family {
+            Family::Displacement => "d",
+            Family::Velocity => "v",
+            Family::Momentum => "p",
+            Family::Acceleration => "a",
+            Family::Impulse => "mu",
+            Family::Flow => "nu",
+        };
+        write!(f, "{letter}_{}", self.index)
+    }
+}
+
+/// `q₀` or `p₀`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Quantity {
+    Position,
+    Momentum,
+}
+
+/// A noise Hamiltonian: `−γ` or `H₁`.
+pub(crate) struct NoiseTerm {
+    /// Source name, with an index where the function returns an array.
+    pub(crate) name: String,
+    /// Whether the user wrote γ, of which the Hamiltonian is the negative.
+    pub(crate) is_gamma: bool,
+    pub(crate) hamiltonian: Expr,
+}
+
+/// A generator ξ of a symmetry.
+pub(crate) struct Generator {
+    /// Source name.
+    pub(crate) name: String,
+    pub(crate) field: Vec<Expr>,
+}
+
+/// Symbols and what they mean, indexed by symbol.
+#[derive(Clone, Default)]
+pub(crate) struct Symbols {
+    meanings: Vec<Meaning>,
+}
+
+impl Symbols {
+    /// A new symbol.
+    pub(crate) fn declare(&mut self, meaning: Meaning) -> Symbol {
+        self.meanings.push(meaning);
+        Symbol(self.meanings.len() as u32 - 1)
+    }
+
+    pub(crate) fn declare_all(
+        &mut self,
+        n: usize,
+        meaning: impl Fn(usize) -> Meaning,
+    ) -> Vec<Symbol> {
+        (0..n).map(|i| self.declare(meaning(i))).collect()
+    }
+
+    pub(crate) fn meaning(&self, symbol: Symbol) -> &Meaning {
+        &self.meanings[symbol.0 as usize]
+    }
+
+    /// The symbols of the parameters, in the order of their first use.
+    pub(crate) fn parameters(&self) -> impl Iterator<Item = Symbol> + '_ {
+        (0..self.meanings.len() as u32)
+            .map(Symbol)
+            .filter(|&s| matches!(self.meaning(s), Meaning::Parameter { .. }))
+    }
+
+    /// A parameter as the source has it, without `self`.
+    pub(crate) fn source(&self, parameter: Symbol) -> String {
+        match self.meaning(parameter) {
+            Meaning::Parameter { access, .. } => {
+                let path = access.to_string().replace(' ', "");
+                path.strip_prefix("self.").unwrap_or(&path).to_owned()
+            }
+            _ => self.name(parameter),
+        }
+    }
+
+    pub(crate) fn meanings(&self) -> &[Meaning] {
+        &self.meanings
+    }
+
+    /// The name of a symbol in generated code and messages.
+    pub(crate) fn name(&self, symbol: Symbol) -> String {
+        match self.meaning(symbol) {
+            Meaning::Parameter { name, .. } => name.clone(),
+            Meaning::Unknown(unknown) => unknown.to_string(),
+            Meaning::Limit(unknown) => format!("{unknown}_limit"),
+            Meaning::Time => "t".to_owned(),
+            Meaning::StepSize => "h".to_owned(),
+            Meaning::Position(i) => format!("q_{i}"),
+            Meaning::Velocity(i) => format!("v_{i}"),
+            Meaning::Momentum(i) => format!("p_{i}"),
+            Meaning::Start(Quantity::Position, i) => format!("q0_{i}"),
+            Meaning::Start(Quantity::Momentum, i) => format!("p0_{i}"),
+            Meaning::Wiener(i) => format!("dw_{i}"),
+        }
+    }
+}
+
+/// The system.
+pub(crate) struct Model {
+    pub(crate) symbols: Symbols,
+    pub(crate) time: Symbol,
+    pub(crate) q: Vec<Symbol>,
+    pub(crate) v: Vec<Symbol>,
+    pub(crate) p: Vec<Symbol>,
+    pub(crate) lagrangian: Expr,
+    pub(crate) noises: Vec<NoiseTerm>,
+    /// F, where there is a force.
+    pub(crate) force: Option<Vec<Expr>>,
+    pub(crate) symmetries: Vec<Generator>,
+}
+
+impl Model {
+    pub(crate) fn dof(&self) -> usize {
+        self.q.len()
+    }
+}

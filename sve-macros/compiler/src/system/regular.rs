@@ -1,0 +1,285 @@
+//! Whether the Lagrangian determines every velocity: `det ∂²L/∂v²` must not vanish identically.
+//!
+//! Input: the model with its derivatives. Output: nothing, or an error that names the velocities in question. The rank is
+//! found by elimination at random points; one point of full rank is enough. Plain `f64` finds most regular matrices; only a
+//! matrix that it takes for singular is eliminated again in 106 bits, with bounds of the errors.
+
+use syn::Pat;
+
+use crate::algebra::{Arena, Sharp, Verdict};
+use crate::syntax::parse::Annotated;
+use crate::system::mechanics::Mechanics;
+use crate::system::model::Model;
+
+/// Pivots of a plain elimination above this part of the largest entry of their row are not rounding errors, which are some 1e-15.
+const PIVOT: f64 = 1e-11;
+
+/// Parts of a null vector below this size count as rounding errors of the elimination.
+const NULL_PART: f64 = 1e-6;
+
+pub(crate) fn check(
+    block: &Annotated,
+    model: &Model,
+    mechanics: &Mechanics,
+    arena: &Arena,
+) -> syn::Result<()> {
+    let n = model.dof();
+    let masses = mechanics.lagrangian.dvv.concat();
+    let plainly_regular =
+        |point: Vec<f64>| is_regular(point.chunks(n).map(<[f64]>::to_vec).collect());
+    if arena.samples(&masses).any(plainly_regular) {
+        return Ok(());
+    }
+    let mut undetermined: Vec<usize> = Vec::new();
+    let mut is_singular = false;
+    for point in arena.sharp_samples(&masses) {
+        let found = null_columns(point.chunks(n).map(<[Sharp]>::to_vec).collect());
+        if found.columns.is_empty() {
+            return Ok(());
+        }
+        is_singular |= found.is_singular;
+        undetermined.extend(found.columns);
+    }
+    undetermined.sort_unstable();
+    undetermined.dedup();
+    let Some(&last) = undetermined.last() else {
+        // nowhere defined: the step will say so
+        return Ok(());
+    };
+    let names: Vec<String> = undetermined
+        .iter()
+        .map(|&i| format!("`{}`", velocity(block, i, n)))
+        .collect();
+    let example = velocity(block, last, n);
+    let reason = if is_singular && !arena.has_lost_constants() {
+        "since ∂²L/∂v² is singular everywhere"
+    } else {
+        "since ∂²L/∂v² is as near to a singular matrix as the rounding of its constants, so that whether it is singular cannot be decided"
+    };
+    Err(syn::Error::new(
+        block.lagrangian.name.span(),
+        format!(
+            "this Lagrangian is degenerate: its momenta ∂L/∂v do not determine {}, {reason}; \
+             give each velocity a kinetic term of its own, such as `0.5 * m * {example} * {example}`",
+            names.join(", "),
+        ),
+    ))
+}
+
+/// The user's name of a velocity.
+fn velocity(block: &Annotated, i: usize, n: usize) -> String {
+    let argument = block.lagrangian.arguments.last();
+    let name = match argument.map(|a| &a.0) {
+        Some(Pat::Ident(ident)) => ident.ident.to_string(),
+        _ => "v".to_owned(),
+    };
+    match argument.map(|a| &a.1) {
+        Some(syn::Type::Array(array)) if !matches!(&*array.elem, syn::Type::Array(_)) => {
+            format!("{name}[{i}]")
+        }
+        _ if n == 1 => name,
+        _ => format!("{name}[{i}]"),
+    }
+}
+
+/// Divides each row by its largest entry.
+fn scale_rows(matrix: &mut [Vec<f64>]) {
+    for row in matrix {
+        let largest = row.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+        if largest > 0.0 {
+            for x in row {
+                *x /= largest;
+            }
+        }
+    }
+}
+
+/// The column of a row's largest entry, from column `first` on; `first` where there is none.
+fn largest_from(row: &[f64], first: usize) -> usize {
+    (first..row.len())
+        .max_by(|&a, &b| row[a].abs().total_cmp(&row[b].abs()))
+        .unwrap_or(first)
+}
+
+/// Returns whether an elimination in plain numbers finds every pivot.
+fn is_regular(mut matrix: Vec<Vec<f64>>) -> bool {
+    let n = matrix.len();
+    scale_rows(&mut matrix);
+    // the largest entry of each row behind the columns that are done: most rows of a large matrix stay as they are
+    let mut largest: Vec<usize> = matrix.iter().map(|row| largest_from(row, 0)).collect();
+    for rank in 0..n {
+        let size = |i: usize| matrix[i][largest[i]].abs();
+        let pivot = (rank..n).max_by(|&a, &b| size(a).total_cmp(&size(b)));
+        let Some(i) = pivot.filter(|&i| size(i) > PIVOT) else {
+            return false;
+        };
+        let j = largest[i];
+        matrix.swap(rank, i);
+        largest.swap(rank, i);
+        for (row, largest) in matrix.iter_mut().zip(&mut largest) {
+            row.swap(rank, j);
+            if *largest == rank {
+                *largest = j;
+            }
+        }
+        let pivot = matrix[rank].clone();
+        for (i, row) in matrix.iter_mut().enumerate().skip(rank + 1) {
+            if row[rank] == 0.0 {
+                continue;
+            }
+            let factor = row[rank] / pivot[rank];
+            for k in rank..n {
+                row[k] -= factor * pivot[k];
+            }
+            largest[i] = largest_from(row, rank + 1);
+        }
+    }
+    true
+}
+
+/// What an elimination in 106 bits finds.
+struct Nullity {
+    /// Columns that occur in a null vector; empty if the matrix is regular.
+    columns: Vec<usize>,
+    /// Whether all that is left is zero, rather than as small as the uncertainty of constants.
+    is_singular: bool,
+}
+
+/// The columns that occur in a null vector of a matrix with bounds.
+fn null_columns(mut matrix: Vec<Vec<Sharp>>) -> Nullity {
+    let n = matrix.len();
+    for row in &mut matrix {
+        let largest = row.iter().fold(0.0f64, |m, x| m.max(x.size()));
+        if largest > 0.0 {
+            let k = -largest.log2() as i32;
+            for x in row {
+                *x = x.times_two_to(k);
+            }
+        }
+    }
+    let mut order: Vec<usize> = (0..n).collect();
+    let mut rank = 0;
+    while rank < n {
+        let Some((i, j)) = pivot(&matrix, rank) else {
+            break;
+        };
+        matrix.swap(rank, i);
+        order.swap(rank, j);
+        for row in &mut matrix {
+            row.swap(rank, j);
+        }
+        let pivot = matrix[rank].clone();
+        for (i, row) in matrix.iter_mut().enumerate() {
+            if i == rank || row[rank].size() == 0.0 {
+                continue;
+            }
+            let factor = row[rank].over(pivot[rank]);
+            for k in rank..n {
+                row[k] = row[k].minus_product(factor, pivot[k]);
+            }
+        }
+        rank += 1;
+    }
+    let left = matrix[rank..].iter().flat_map(|row| &row[rank..]);
+    let is_singular = rank < n && left.clone().all(|x| x.verdict() == Verdict::Zero);
+    // reduced: row k says that pivot[k] x_k + Σ matrix[k][free] x_free = 0
+    let in_null_vector = |k: &usize| {
+        let part = |free: usize| matrix[*k][free].size() / matrix[*k][*k].size();
+        *k >= rank || (rank..n).any(|free| part(free) > NULL_PART)
+    };
+    Nullity {
+        columns: (0..n)
+            .filter(|k| rank < n && in_null_vector(k))
+            .map(|k| order[k])
+            .collect(),
+        is_singular,
+    }
+}
+
+/// The place of the largest entry that is surely not zero, among the rows and columns that are left.
+fn pivot(matrix: &[Vec<Sharp>], rank: usize) -> Option<(usize, usize)> {
+    let left = |i: usize| (rank..matrix.len()).map(move |j| (i, j));
+    (rank..matrix.len())
+        .flat_map(left)
+        .filter(|&(i, j)| matrix[i][j].verdict() == Verdict::NotZero)
+        .max_by(|a, b| {
+            let size = |&(i, j): &(usize, usize)| matrix[i][j].size();
+            size(a).total_cmp(&size(b))
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{is_regular, null_columns};
+    use crate::algebra::Sharp;
+
+    /// The columns of a null vector, of a matrix that is exact.
+    fn columns(matrix: &[Vec<f64>]) -> Vec<usize> {
+        let sharp = |row: &Vec<f64>| row.iter().map(|&x| Sharp::exact(x)).collect();
+        let found = null_columns(matrix.iter().map(sharp).collect());
+        assert_eq!(
+            found.is_singular,
+            !found.columns.is_empty() || matrix.is_empty()
+        );
+        found.columns
+    }
+
+    /// Uniform in [−1, 1): the finaliser of splitmix64.
+    fn uniform(state: &mut u64) -> f64 {
+        *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = *state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    /// A matrix with the part `filled` of its entries, and a cyclic permutation.
+    fn random(n: usize, filled: f64, state: &mut u64) -> Vec<Vec<f64>> {
+        let mut matrix = vec![vec![0.0; n]; n];
+        for i in 0..n {
+            for j in 0..n {
+                if uniform(state).abs() < filled {
+                    matrix[i][j] = uniform(state);
+                }
+            }
+            matrix[i][(i + 1) % n] += 1.0;
+        }
+        matrix
+    }
+
+    #[test]
+    fn regular_matrices_have_none() {
+        let mut state = 1;
+        for n in 1..12 {
+            for filled in [0.0, 0.2, 1.0] {
+                let matrix = random(n, filled, &mut state);
+                assert_eq!(columns(&matrix), []);
+                assert!(is_regular(matrix));
+            }
+        }
+    }
+
+    #[test]
+    fn columns_of_a_null_vector_are_found() {
+        let mut state = 2;
+        for n in 3..12 {
+            for filled in [0.0, 0.2, 1.0] {
+                let mut matrix = random(n, filled, &mut state);
+                // one column is a combination of two others, so these three are in a null vector
+                let [a, b] = [n / 3, n - 1];
+                for row in &mut matrix {
+                    for x in row.iter_mut() {
+                        // few bits, so that the combination is exact
+                        *x = (*x * 1024.0).round() / 1024.0;
+                    }
+                    row[0] = 2.0 * row[b] - 0.5 * row[a];
+                }
+                let mut found = columns(&matrix);
+                assert!(!is_regular(matrix));
+                found.sort_unstable();
+                assert_eq!(found, [0, a, b], "{n} {filled}");
+            }
+        }
+        assert_eq!(columns(&vec![vec![0.0; 2]; 2]), [0, 1]);
+    }
+}

@@ -1,0 +1,175 @@
+//! Only what the scene needs: a term that a system lacks leaves no trace in its code, and neither does the comparison with the
+//! step without structure.
+
+use proc_macro2::TokenStream;
+use quote::ToTokens;
+use syn::{ImplItem, Item};
+
+use crate::tests::expand;
+
+const RULES: [&str; 3] = ["initial_point", "endpoint", "midpoint"];
+
+fn expansion(attribute: &str, members: &str) -> TokenStream {
+    let item = format!("impl P {{ {members} }}");
+    let parse = |text: &str| text.parse::<TokenStream>().expect("tokens");
+    expand(&parse(attribute), &parse(&item))
+}
+
+/// The functions of a step, each as text: `prepare`, `increment`, `increment_lanes`, `linearise`.
+fn step(attribute: &str, members: &str) -> Vec<String> {
+    let expansion = expansion(attribute, members);
+    assert!(
+        !expansion.to_string().contains("compile_error"),
+        "{expansion}"
+    );
+    let file: syn::File = syn::parse2(expansion).expect("items");
+    let derived = file.items.into_iter().find_map(|item| match item {
+        Item::Impl(item) if is_step(&item) => Some(item),
+        _ => None,
+    });
+    let items = derived.expect("a step").items.into_iter();
+    let code = items.filter_map(|item| match item {
+        ImplItem::Fn(mut function) => {
+            function.attrs.clear();
+            Some(function.to_token_stream().to_string())
+        }
+        _ => None,
+    });
+    code.collect()
+}
+
+/// Whether something implements `Variational` for a rule itself.
+fn is_step(item: &syn::ItemImpl) -> bool {
+    let Some((path, _)) = &item.trait_ else {
+        return false;
+    };
+    let text = path.to_token_stream().to_string();
+    text.contains(":: Variational <") && !text.contains("Whole")
+}
+
+/// The body of `increment`.
+fn increment(attribute: &str, members: &str) -> String {
+    let step = step(attribute, members);
+    let found = step.into_iter().find(|f| f.contains("fn increment ("));
+    let found = found.expect("an increment");
+    let (_, body) = found.split_once('{').expect("a body");
+    body.to_owned()
+}
+
+const PENDULUM: &str =
+    "fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + self.g * q.cos() }";
+
+/// Members beside another Lagrangian or other terms have the same step.
+fn same(members: &str, others: &str) {
+    for rule in RULES {
+        assert_eq!(step(rule, members), step(rule, others), "{rule}: {others}");
+    }
+}
+
+#[test]
+fn terms_with_coefficient_zero_are_no_terms() {
+    let lagrangian = "fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v + self.g * q.cos() + 0.0 * (self.g * q.powi(4) + v * q.exp())
+    }";
+    same(PENDULUM, lagrangian);
+    let noise = |body: &str| {
+        format!("{PENDULUM} #[h1] fn shake(&self, q: f64, p: f64) -> f64 {{ {body} }}")
+    };
+    same(
+        &noise("self.s * q * p"),
+        &noise("self.s * q * p + 0.0 * (q.sin() + p.powi(3))"),
+    );
+}
+
+#[test]
+fn a_force_that_vanishes_is_none() {
+    let force = |body: &str| {
+        format!("{PENDULUM} #[force] fn drag(&self, q: f64, v: f64) -> f64 {{ {body} }}")
+    };
+    same(PENDULUM, &force("0.0 * self.g * v"));
+    let one = force("-self.nu * v");
+    let more = "#[force] fn none(&self, q: f64, v: f64) -> f64 { 0.0 }";
+    same(&one, &format!("{one} {more}"));
+}
+
+/// A noise that moves nothing would still cost its increments: it is refused.
+#[test]
+fn a_noise_that_vanishes_is_refused() {
+    for noise in [
+        "#[gamma] fn none(&self, q: f64) -> f64 { 0.0 }",
+        "#[gamma] fn none(&self, q: f64) -> f64 { 0.0 * q.sin() }",
+        "#[gamma] fn half(&self, q: f64) -> [f64; 2] { [self.s * q, 0.0 * q] }",
+        "#[h1] fn none(&self, q: f64, p: f64) -> f64 { 0.0 * q * p }",
+    ] {
+        let text = expansion("midpoint", &format!("{PENDULUM} {noise}")).to_string();
+        assert!(text.contains("compile_error"), "{noise}");
+    }
+}
+
+/// An H₁ that depends on q alone is −γ, and its step the same: nothing of the momentum's part or of the correction is left.
+#[test]
+fn an_h1_without_momentum_costs_what_a_gamma_does() {
+    let gamma = "#[gamma] fn shake(&self, q: f64) -> f64 { self.s * q.sin() }";
+    let h1 = "#[h1] fn shake(&self, q: f64, p: f64) -> f64 { -self.s * q.sin() }";
+    same(&format!("{PENDULUM} {gamma}"), &format!("{PENDULUM} {h1}"));
+}
+
+/// A symmetry gives a function beside the step, which does not change it.
+#[test]
+fn symmetries_leave_the_step_alone() {
+    let free = "fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        0.5 * self.m * (v[0] * v[0] + v[1] * v[1]) + (q[0] - q[1]).cos()
+    }";
+    let symmetry = "#[symmetry] fn shift(&self, _q: [f64; 2]) -> [f64; 2] { [1.0, 1.0] }";
+    same(free, &format!("{free} {symmetry}"));
+}
+
+#[test]
+fn without_noise_or_time_neither_is_read() {
+    let noise = "#[gamma] fn shake(&self, q: f64) -> f64 { self.s * q.sin() }";
+    let timed = "fn lagrangian(&self, t: f64, q: f64, v: f64) -> f64 { 0.5 * v * v + t * q.cos() }";
+    for rule in RULES {
+        let reads = |members: &str, word: &str| {
+            let body = increment(rule, members);
+            body.split(|c: char| !c.is_alphanumeric())
+                .any(|w| w == word)
+        };
+        assert!(!reads(PENDULUM, "dw"), "{rule}");
+        assert!(!reads(PENDULUM, "time"), "{rule}");
+        assert!(reads(&format!("{PENDULUM} {noise}"), "dw"), "{rule}");
+        assert!(reads(timed, "time"), "{rule}");
+    }
+}
+
+/// The comparison is derived beside the step, not in its place.
+#[test]
+fn the_comparison_leaves_the_step_alone() {
+    let noise = "#[h1] fn turn(&self, q: f64, p: f64) -> f64 { self.s * q.sin() * p }";
+    let noisy = format!("{PENDULUM} {noise}");
+    for members in [PENDULUM, &noisy] {
+        for rule in RULES {
+            let both = format!("{rule}, structure = both");
+            assert_eq!(step(rule, members), step(&both, members), "{rule}");
+            let text = expansion(&both, members).to_string();
+            assert!(text.contains(":: Whole <"), "{text}");
+        }
+    }
+}
+
+/// It is no choice for users: no message names it, and another value is the mistake that any unknown argument is.
+#[test]
+fn the_comparison_is_not_offered() {
+    for (attribute, hint) in [
+        ("structure", "there is no rule `structure`"),
+        (
+            "midpoint, structure = off",
+            "there is no argument `structure`",
+        ),
+        ("structure = both", "name the rules to derive"),
+        ("middle", "there is no rule `middle`"),
+    ] {
+        let text = expansion(attribute, PENDULUM).to_string();
+        assert!(text.contains(hint), "{attribute}: {text}");
+        assert!(!text.contains("both"), "{attribute}: {text}");
+    }
+}

@@ -1,0 +1,81 @@
+//! How the output grows with a system, counted: linear for a chain, at most quadratic where everything is coupled; and the
+//! residual costs a few times L, as a gradient does (Baur and Strassen 1983: at most about 4).
+//!
+//! The scenes are those of `benches/expansion`, which measures times.
+
+#[path = "../../benches/expansion/scenes.rs"]
+#[allow(dead_code)] // the program around a scene is for the benchmark
+mod scenes;
+
+use proc_macro2::{TokenStream, TokenTree};
+
+use crate::Operations;
+use crate::tests::expand;
+use scenes::Scene;
+
+fn parse(text: &str) -> TokenStream {
+    text.parse().expect("tokens")
+}
+
+/// Tokens of the expansion, those within groups too.
+fn tokens(rule: &str, scene: Scene, n: usize) -> f64 {
+    let mut open = vec![expand(&parse(rule), &parse(&scene.block(n)))];
+    let mut sum = 0;
+    while let Some(stream) = open.pop() {
+        for tree in stream {
+            sum += 1;
+            if let TokenTree::Group(group) = tree {
+                open.push(group.stream());
+            }
+        }
+    }
+    f64::from(sum)
+}
+
+/// The exponent of growth from one size to its double.
+fn exponent(rule: &str, scene: Scene, n: usize) -> f64 {
+    (tokens(rule, scene, 2 * n) / tokens(rule, scene, n)).log2()
+}
+
+#[test]
+fn code_of_a_chain_grows_linearly() {
+    for rule in ["midpoint", "endpoint", "initial_point", "taylor2"] {
+        let exponent = exponent(rule, Scene::Chain, 24);
+        assert!(exponent < 1.05, "{rule}: {exponent}");
+    }
+}
+
+#[test]
+fn code_of_coupled_systems_grows_quadratically() {
+    for scene in [Scene::Pendulum, Scene::Bodies] {
+        let exponent = exponent("midpoint", scene, 6);
+        assert!(exponent < 2.05, "{}: {exponent}", scene.name());
+    }
+}
+
+#[test]
+fn residuals_and_jacobians_cost_a_few_times_the_function() {
+    for scene in Scene::ALL {
+        for n in [1, 2, 3, 6, 12] {
+            let count = Operations::count(&parse(Scene::RULE), &parse(&scene.block(n)));
+            let count = count.expect("a system");
+            let ratio = count.residual as f64 / count.lagrangian as f64;
+            assert!(ratio > 0.0 && ratio < 4.0, "{} {n}: {ratio}", scene.name());
+            // no more entries than there are pairs in L, each from one term
+            let ratio = count.jacobian as f64 / count.residual as f64;
+            assert!(ratio > 0.0 && ratio < 4.0, "{} {n}: {ratio}", scene.name());
+        }
+    }
+}
+
+/// The sizes that the documentation of the macro names, and the next.
+#[test]
+fn limits_are_those_of_the_documentation() {
+    for (scene, largest, next) in [(Scene::Pendulum, 33, 34), (Scene::Bodies, 48, 50)] {
+        let expanded = |n| expand(&parse("midpoint"), &parse(&scene.block(n))).to_string();
+        assert!(!expanded(largest).contains("compile_error"), "{largest}");
+        let refused = expanded(next);
+        assert_eq!(refused.matches("compile_error").count(), 1, "{next}");
+        assert!(refused.contains("which is the limit"), "{next}");
+    }
+}

@@ -1,0 +1,163 @@
+//! Bounds on work and size: what is accepted, what is one error that names the limit, and that the work may end anywhere.
+
+use crate::Settings;
+use crate::driver::expand_within;
+use crate::tests::robustness::{SYSTEMS, expanded, tokens};
+
+/// Particles with a term in L.
+fn system(n: usize, body: &str) -> String {
+    format!(
+        "fn lagrangian(&self, q: [f64; {n}], v: [f64; {n}]) -> f64 {{ let mut s: f64 = v.iter().zip(&self.m).map(|(v, m)| 0.5 * m * v * v).sum(); {body} }}"
+    )
+}
+
+/// Helpers `f0` to `f39`, each of which calls the one before three times.
+fn doubling() -> String {
+    let mut helpers = vec!["fn f0(&self, x: f64) -> f64 { x.sin() * x }".to_owned()];
+    helpers.extend((1..40).map(|i| {
+        let f = i - 1;
+        format!("fn f{i}(&self, x: f64) -> f64 {{ self.f{f}(x + {i}.0) * self.f{f}(x) + self.f{f}(x * x) }}")
+    }));
+    helpers.join(" ")
+}
+
+/// Free particles with many noises.
+fn noises(n: usize, m: usize) -> String {
+    format!(
+        "{} #[h1] fn noise(&self, q: [f64; {n}], p: [f64; {n}]) -> [f64; {m}] {{ let mut a = [0.0; {m}]; for i in 0..{m} {{ a[i] = (q[i % {n}] * (i as f64 + 1.0)).sin() * p[(i + 1) % {n}]; }} a }}",
+        system(n, "s")
+    )
+}
+
+/// Systems whose derivatives are far larger than they are: helpers that double, dense couplings, products of long sums, high
+/// powers, many noises.
+fn large_systems() -> Vec<(&'static str, String)> {
+    let doubling = doubling();
+    vec![
+        (
+            "midpoint",
+            system(512, "for i in 1..512 { s -= (q[i] - q[i - 1]).cos(); } s"),
+        ),
+        ("midpoint", system(512, "s - q.iter().sum::<f64>().sin()")),
+        (
+            "midpoint",
+            system(
+                6,
+                "let mut p = 1.0; for k in 0..100 { let mut t = 1.0; for i in 0..6 { t += self.a[6 * k + i] * q[i]; } p *= t; } s - p",
+            ),
+        ),
+        (
+            "midpoint",
+            system(
+                40,
+                "let mut p = 1.0; for k in 0..40 { p *= (1.0 + q[k] * v[k]).sin(); } s - p",
+            ),
+        ),
+        (
+            "midpoint",
+            system(
+                2,
+                "let mut x = q[0]; for i in 0..3000 { x = x.sin() * x + v[0]; } s + x",
+            ),
+        ),
+        (
+            "midpoint",
+            system(
+                8,
+                "let mut x = q; for k in 0..200 { for i in 0..8 { x[i] = x[i].sin() + x[(i + 1) % 8] * x[(i + 3) % 8]; } } s - x[0]",
+            ),
+        ),
+        (
+            "midpoint",
+            format!("{} {doubling}", system(2, "s - self.f39(q[0])")),
+        ),
+        (
+            "midpoint",
+            format!("{} {doubling}", system(2, "s - self.f8(q[0] + q[1])")),
+        ),
+        ("endpoint", noises(4, 64)),
+        ("endpoint", noises(64, 64)),
+        (
+            "taylor2",
+            system(
+                24,
+                "let x: f64 = q.iter().zip(v).map(|(a, b)| a * b).sum(); s - x.sin()",
+            ),
+        ),
+        (
+            "midpoint",
+            system(
+                3,
+                "for i in 0..3 { for j in 0..1_000_000_000 { s += q[i]; } } s",
+            ),
+        ),
+    ]
+}
+
+#[test]
+fn large_systems_are_one_error_with_a_limit() {
+    for (attribute, members) in large_systems() {
+        let item = tokens(&format!("impl P {{ {members} }}"));
+        let output = expanded(&tokens(attribute), &item);
+        assert_eq!(output.matches("compile_error").count(), 1, "{members}");
+        assert!(output.contains("limit"), "{members}");
+    }
+}
+
+#[test]
+fn systems_of_48_coordinates_are_accepted() {
+    let chain = "fn lagrangian(&self, q: [f64; 48], v: [f64; 48]) -> f64 {
+        let mut s: f64 = v.iter().zip(&self.m).map(|(v, m)| 0.5 * m * v * v).sum();
+        for i in 1..48 { s -= self.k * (q[i] - q[i - 1]).powi(4) + (q[i] - q[i - 1]).cos(); }
+        s
+    }";
+    let bodies = "fn lagrangian(&self, q: [[f64; 2]; 24], v: [[f64; 2]; 24]) -> f64 {
+        let mut s = 0.0;
+        for i in 0..24 {
+            s += 0.5 * self.m[i] * (v[i][0].powi(2) + v[i][1].powi(2));
+            for j in 0..i {
+                let (x, y) = (q[i][0] - q[j][0], q[i][1] - q[j][1]);
+                s += self.m[i] * self.m[j] / (x * x + y * y).sqrt();
+            }
+        }
+        s
+    }";
+    for (attribute, members) in [
+        ("initial_point, endpoint, midpoint, taylor2", chain),
+        ("midpoint", bodies),
+    ] {
+        let item = tokens(&format!("impl P {{ {members} }}"));
+        let output = expanded(&tokens(attribute), &item);
+        assert!(!output.contains("compile_error"), "{members}");
+    }
+}
+
+/// Where the work ends is of no consequence but for the error, wherever it ends.
+#[test]
+fn work_may_end_anywhere() {
+    for (attribute, item) in SYSTEMS {
+        let (attribute, item) = (tokens(attribute), tokens(item));
+        let whole = expanded(&attribute, &item);
+        let mut work = 1;
+        let mut refused = 0;
+        loop {
+            let output = expand_within(&attribute, &item, Settings::default(), work).to_string();
+            if !output.contains("compile_error") {
+                assert_eq!(output, whole, "{work}");
+                break;
+            }
+            assert_eq!(
+                output.matches("compile_error").count(),
+                1,
+                "{work}: {output}"
+            );
+            assert!(
+                output.contains(&format!("{work} operations")),
+                "{work}: {output}"
+            );
+            refused += 1;
+            work += 1 + work / 100;
+        }
+        assert!(refused > 500, "{refused}");
+    }
+}

@@ -1,0 +1,411 @@
+//! The macro on inputs that nobody meant: never a panic, never a hang, and the same output for the same input.
+
+use proc_macro2::{Delimiter, Group, Ident, Punct, Spacing, Span, TokenStream, TokenTree};
+
+use crate::tests::expand;
+
+pub(super) const SYSTEMS: &[(&str, &str)] = &[
+    (
+        "midpoint",
+        "impl P { fn lagrangian(&self, q: [f64; 1], v: [f64; 1]) -> f64 { v[0].powi(2) / 2.0 + self.g * q[0].cos() } }",
+    ),
+    (
+        "initial_point, endpoint, midpoint",
+        "impl Kubo {
+            const N: usize = 2;
+            fn lagrangian(&self, t: f64, q: [f64; 2], v: [f64; Self::N]) -> f64 {
+                let mut sum = 0.0;
+                for i in 0..Self::N { sum += 0.5 * self.m[i] * v[i] * v[i] - self.bump(q[i], t.sin()); }
+                let (a, [b, _]) = (q[0] - q[1], q);
+                sum - a.powi(2) * b.exp() / (1.0 + a * a).sqrt()
+            }
+            fn bump(&self, x: f64, y: f64) -> f64 { (-x * x / self.width.powf(1.5)).exp() + y.mul_add(x, 2.0) }
+            #[gamma] fn shake(&self, q: [f64; 2]) -> [f64; 2] { [self.s * q[0].sin(), self.s * q[1]] }
+            #[h1] fn jitter(&self, q: [f64; 2], p: [f64; 2]) -> f64 { q[0] * p[0].hypot(1.0 + q[1]) }
+        }",
+    ),
+    (
+        "taylor2, crate = sve_runtime",
+        "impl Wheel { fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * self.0 * v * v * (1.0 + self.body.r#type * q * q) - q.cosh().ln() } }",
+    ),
+    (
+        "midpoint",
+        "impl Pair {
+            fn lagrangian(&self, q: [[f64; 2]; 2], v: [[f64; 2]; 2]) -> f64 {
+                let r = (q[0][0] - q[1][0]).hypot(q[0][1] - q[1][1]);
+                0.5 * self.m * v.as_flattened().iter().map(|v| v * v).sum::<f64>() - self.k * (r - 1.0).powi(2)
+            }
+            #[force] fn damping(&self, t: f64, q: [[f64; 2]; 2], v: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+                let pull = [self.nu * (v[1][0] - v[0][0]), self.nu * (v[1][1] - v[0][1])];
+                [pull, [-pull[0], -pull[1]]]
+            }
+            #[symmetry] fn shift(&self, _q: [[f64; 2]; 2]) -> [[f64; 2]; 2] { [[1.0, 0.0]; 2] }
+            #[symmetry] fn drift(&self, t: f64, _q: [[f64; 2]; 2]) -> [[f64; 2]; 2] { [[0.0, 1.0]; 2] }
+        }",
+    ),
+];
+
+pub(super) fn tokens(text: &str) -> TokenStream {
+    text.parse().expect("tokens")
+}
+
+pub(super) fn expanded(attribute: &TokenStream, item: &TokenStream) -> String {
+    expand(attribute, item).to_string()
+}
+
+fn expand_body(body: &str) -> String {
+    let item =
+        format!("impl P {{ fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {{ {body} }} }}");
+    expanded(&tokens("midpoint"), &tokens(&item))
+}
+
+#[test]
+fn same_input_gives_same_output() {
+    for (attribute, item) in SYSTEMS {
+        let first = expanded(&tokens(attribute), &tokens(item));
+        assert!(!first.contains("compile_error"), "{first}");
+        for _ in 0..3 {
+            assert_eq!(first, expanded(&tokens(attribute), &tokens(item)));
+        }
+    }
+}
+
+/// Splitmix64: a fixed sequence.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, n: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) % n as u64) as usize
+    }
+}
+
+/// Numbers of token trees, groups included.
+fn size(stream: &TokenStream) -> usize {
+    let inside = |t: TokenTree| match t {
+        TokenTree::Group(group) => 1 + size(&group.stream()),
+        _ => 1,
+    };
+    stream.clone().into_iter().map(inside).sum()
+}
+
+/// The stream with its token number `at` deleted, doubled, swapped with the next or replaced.
+fn mutate(
+    stream: TokenStream,
+    at: &mut usize,
+    random: &mut Random,
+    donors: &[TokenTree],
+) -> TokenStream {
+    let mut output: Vec<TokenTree> = Vec::new();
+    let mut swapped: Option<TokenTree> = None;
+    for token in stream {
+        let hit = *at == 0;
+        *at = at.wrapping_sub(1);
+        if hit {
+            match random.below(5) {
+                0 => {}
+                1 => output.extend([token.clone(), token]),
+                2 => swapped = Some(token),
+                3 => output.push(donors[random.below(donors.len())].clone()),
+                _ => output.extend([token, donors[random.below(donors.len())].clone()]),
+            }
+            continue;
+        }
+        output.push(match token {
+            TokenTree::Group(group) => {
+                let inner = mutate(group.stream(), at, random, donors);
+                let mut new = Group::new(group.delimiter(), inner);
+                new.set_span(group.span());
+                new.into()
+            }
+            other => other,
+        });
+        output.extend(swapped.take());
+    }
+    output.extend(swapped);
+    output.into_iter().collect()
+}
+
+fn leaves(stream: TokenStream, into: &mut Vec<TokenTree>) {
+    for token in stream {
+        if let TokenTree::Group(group) = &token {
+            leaves(group.stream(), into);
+        }
+        into.push(token);
+    }
+}
+
+#[test]
+fn mutated_systems() {
+    let mut random = Random(1);
+    let mut donors = Vec::new();
+    for (attribute, item) in SYSTEMS {
+        leaves(tokens(attribute), &mut donors);
+        leaves(tokens(item), &mut donors);
+    }
+    for word in "iter_mut into from_fn for_each &mut u8 3u8 *x if match while loop return as % abs 0 -1 1e308 9223372036854775807 _ .. ..= ! |x|x 'a \"s\" async unsafe &mut".split(' ') {
+        leaves(tokens(word), &mut donors);
+    }
+    for (attribute, item) in SYSTEMS {
+        let (attribute, item) = (tokens(attribute), tokens(item));
+        for round in 0..400 {
+            let mut mutated = item.clone();
+            for _ in 0..=round % 3 {
+                let mut at = random.below(size(&mutated));
+                mutated = mutate(mutated, &mut at, &mut random, &donors);
+            }
+            expanded(&attribute, &mutated);
+            let mut at = random.below(size(&attribute));
+            let arguments = mutate(attribute.clone(), &mut at, &mut random, &donors);
+            if round < 40 {
+                expanded(&arguments, &item);
+            }
+        }
+    }
+}
+
+/// `open (open (… inner …))`.
+fn nested(delimiter: Delimiter, depth: usize, inner: &str) -> TokenStream {
+    (0..depth).fold(tokens(inner), |stream, _| {
+        TokenTree::from(Group::new(delimiter, stream)).into()
+    })
+}
+
+fn with_body(body: TokenStream) -> TokenStream {
+    let block: TokenTree = Group::new(Delimiter::Brace, body).into();
+    let signature = tokens("fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64");
+    let function: TokenStream = signature.into_iter().chain([block]).collect();
+    let block: TokenTree = Group::new(Delimiter::Brace, function).into();
+    tokens("impl P").into_iter().chain([block]).collect()
+}
+
+#[test]
+fn deep_nesting() {
+    let midpoint = tokens("midpoint");
+    for depth in [20, 50, 100, 300, 1_000, 10_000] {
+        for delimiter in [
+            Delimiter::Parenthesis,
+            Delimiter::Bracket,
+            Delimiter::Brace,
+            Delimiter::None,
+        ] {
+            expanded(&midpoint, &with_body(nested(delimiter, depth, "v[0]")));
+        }
+        for prefix in [
+            "-",
+            "!",
+            "&",
+            "*",
+            "return",
+            "if",
+            "|",
+            "else",
+            "<",
+            "x =",
+            "&mut",
+            "if x {} else",
+            "let x =",
+            "x as",
+            "|x|",
+            "x ..",
+            "a ?",
+            "-> fn()",
+        ] {
+            let body: TokenStream = std::iter::repeat_n(tokens(prefix), depth)
+                .chain([tokens("v[0]")])
+                .collect();
+            expanded(&midpoint, &with_body(body));
+        }
+        for suffix in [
+            "+ v[0]", "* v[0]", ".sin()", "[0]", "?", "= v", "as f64", ".0", "(0)", "; v[0]",
+            "+ 1.0;",
+        ] {
+            let body: TokenStream = [tokens("v[0]")]
+                .into_iter()
+                .chain(std::iter::repeat_n(tokens(suffix), depth))
+                .collect();
+            expanded(&midpoint, &with_body(body));
+        }
+        let ty: TokenStream = std::iter::repeat_n(tokens("&"), depth)
+            .chain([tokens("f64")])
+            .collect();
+        let item = quote::quote!(impl P { fn lagrangian(&self, q: #ty, v: #ty) -> f64 { 0.0 } });
+        expanded(&midpoint, &item);
+        let attribute = nested(Delimiter::Parenthesis, depth, "midpoint");
+        expanded(&attribute, &item);
+    }
+}
+
+#[test]
+fn long_sums_are_understood() {
+    let sum = vec!["0.5 * v[0] * v[0] + v[1] * v[1]"; 400].join(" + ");
+    let output = expand_body(&sum);
+    assert!(!output.contains("compile_error"), "{output}");
+}
+
+#[test]
+fn too_much_work() {
+    for body in [
+        "let mut s = 0.0; for i in 0..1000000000 { s += v[0]; } s",
+        "let mut s = 0.0; for i in 0..9223372036854775807 { s += v[0]; } s",
+        "let mut s = 0.0; for i in 0..=9223372036854775807 { s += v[0]; } s",
+        "for i in -9223372036854775807..9223372036854775807 {} v[0]",
+        "let mut s = 0.0; for i in 0..1000 { for j in 0..1000 { for k in 0..1000 { s += q[0].sin(); } } } s",
+        "let mut s = v[0]; for i in 0..1900000 { s = s.sin(); } s",
+        "let mut s = v[0]; for i in 0..60000 { s = s.sin() * s + q[0]; } s",
+        "let mut s = v[0]; for i in 0..100 { s = s * s; } s",
+        "let mut s = v[0]; for i in 0..10 { s = s.powi(1000); } s",
+        "let mut s = v[0]; for i in 0..10 { s = s.sqrt().powi(1023); } s",
+        "let mut s = v[0].powi(1000).powi(1000); for i in 0..5000 { s = s * v[0].powi(1000).powi(1000); } s",
+        "let a = [[[[[0.0; 10000]; 10000]; 10000]; 10000]; 10000]; v[0]",
+        "let a = [0.0; 9223372036854775807]; v[0]",
+        "let mut a = [v[0]]; for i in 0..1000000 { a = [a]; } v[0]",
+        "let mut a = [v[0]]; for i in 0..1000000 { a = [a, a]; } v[0]",
+        "let a = [v[0]; 50000]; let mut s = 0.0; for i in 0..50000 { s += a[i]; } s",
+        "let mut a = [v[0]; 50000]; for i in 0..50000 { a[i] += q[0]; } v[0]",
+        "let i = -9223372036854775807 - 1; let j = -i; q[j]",
+        "let i = (-9223372036854775807 - 1) / -1; v[0]",
+        "let i = (-9223372036854775807 - 1) % -1; v[0]",
+        "v[0].powi(-9223372036854775807 - 1)",
+        "1e308 * v[0] * 1e308 * q[0] - 1e308 * v[0] * 1e308 * q[0]",
+        "v[0].powi(1000) * 1e308 + v[1].powi(2)",
+        "1e308 * v[0].powi(2) * 10.0",
+        "v[0].powi(2) / 1e-320 + v[1].powi(2)",
+        "v[0] / (q[0] - q[0])",
+        "(q[0] - q[0]).ln() + (q[1] - q[1]).powf(-0.5) + (q[1] - q[1]).recip()",
+        "(q[0] - q[0]).powi(-3) + (q[0] - q[0]).sqrt().powi(-3)",
+        "1e200.powi(2) * v[0]",
+        "let mut p = 1.0; for i in 0..40 { p *= (q[0] + i as f64).sin(); } 0.3 * p * v[0] * v[0] + 0.3 * p * v[1] * v[1]",
+        "let x = q[0].powi(1000); 0.3 * x * v[0] * v[0] + 0.3 * x * v[1] * v[1]",
+    ] {
+        expand_body(body);
+    }
+}
+
+#[test]
+fn large_types() {
+    for ty in [
+        "f64; 0",
+        "f64; 513",
+        "f64; 1000000000000",
+        "[f64; 0]; 1000000000000",
+        "[[f64; 512]; 512]; 512",
+        "f64; -1",
+        "f64; 99999999999999999999",
+        "f64; 1.5",
+        "f64; Self::N",
+        "f64; N",
+        "f64; 60",
+        "f32; 3",
+    ] {
+        let item = format!(
+            "impl P {{ fn lagrangian(&self, q: [{ty}], v: [{ty}]) -> f64 {{ let mut s = 0.0; for i in 0..60 {{ s += v[i] * v[i] - q[i] * q[(i + 1) % 60]; }} s }} }}"
+        );
+        expanded(&tokens("midpoint"), &tokens(&item));
+    }
+}
+
+#[test]
+fn odd_items() {
+    for item in [
+        "",
+        "struct S;",
+        "impl",
+        "impl P",
+        "impl P {}",
+        "impl P { fn lagrangian() {} }",
+        "fn f() {}",
+        "trait T {}",
+        "impl P { fn lagrangian(&self) {} fn lagrangian(&self, q: f64, v: f64) -> f64 { v * v } }",
+        "impl P { type X = f64; m!(); fn f(); const C: f64; }",
+        "impl !Send for P {}",
+        "impl P { fn lagrangian(self: &Self, q: f64, v: f64) -> f64 { v * v } }",
+        "impl dyn T { fn lagrangian(&self, q: f64, v: f64) -> f64 { v * v } }",
+        "impl P { fn lagrangian(&self, (a, b): f64, [c]: f64) -> f64 { a + b + c } }",
+        "impl P { const A: f64 = Self::B; const B: f64 = Self::A; fn lagrangian(&self, q: f64, v: f64) -> f64 { Self::A * v } }",
+        "impl P { fn lagrangian(&self, q: [f64; { loop {} }], v: f64) -> f64 { v * v } }",
+    ] {
+        for attribute in [
+            "midpoint",
+            "",
+            "crate",
+            "crate =",
+            "crate = ,",
+            ",,",
+            "midpoint midpoint",
+            "\"midpoint\"",
+            "midpoint(1)",
+            "crate = crate = crate",
+        ] {
+            expanded(&tokens(attribute), &tokens(item));
+        }
+    }
+    let stray: TokenTree = Punct::new('#', Spacing::Alone).into();
+    let odd: TokenStream = [stray, Ident::new("r", Span::call_site()).into()]
+        .into_iter()
+        .collect();
+    expanded(&odd, &odd);
+}
+
+/// Systems with parts of one in another.
+#[test]
+fn crossed_systems() {
+    let mut random = Random(2);
+    let streams: Vec<(TokenStream, TokenStream)> = SYSTEMS
+        .iter()
+        .map(|(attribute, item)| (tokens(attribute), tokens(item)))
+        .collect();
+    let mut groups = Vec::new();
+    for (_, item) in &streams {
+        leaves(item.clone(), &mut groups);
+    }
+    groups.retain(|token| matches!(token, TokenTree::Group(_)));
+    for (attribute, item) in &streams {
+        for _ in 0..300 {
+            let mut crossed = item.clone();
+            for _ in 0..=random.below(2) {
+                let mut at = random.below(size(&crossed));
+                crossed = mutate(crossed, &mut at, &mut random, &groups);
+            }
+            expanded(attribute, &crossed);
+        }
+    }
+}
+
+/// Words of the language in any order.
+#[test]
+fn random_bodies() {
+    let mut random = Random(3);
+    let words: Vec<TokenStream> = "q v self self.m q[0] v[1] 0 1 2.0 1e308 i j x + - * / % ^ = += == < . , ; .. ..= & |x| |(i,x)| let mut for in if else continue break         .iter() .into_iter() .map .sum::<f64>() .zip .enumerate() .rev() .fold .filter .windows .chunks .step_by .take .skip .flatten() .len() .powi .sin()         (q) (v) (0) (1,2) (|x|x) (|a,b|a+b) [0] [1..] [..2] [0;3] {x} {} Self::N Self::f PI const use fn return as f64 &mut *x a 3u8 i64 as u8 .iter_mut() .for_each .into() std::array::from_fn i8::MIN -1 (|x|*x*=2.0) :[f64;2]"
+        .split_whitespace()
+        .filter_map(|word| word.parse().ok())
+        .collect();
+    for _ in 0..4_000 {
+        let length = 1 + random.below(14);
+        let body: TokenStream = (0..length)
+            .map(|_| words[random.below(words.len())].clone())
+            .collect();
+        expanded(&tokens("midpoint"), &with_body(body));
+    }
+}
+
+#[test]
+fn huge_literals() {
+    for literal in [
+        "9".repeat(5_000),
+        format!("{}.0", "9".repeat(400)),
+        format!("0.{}1", "0".repeat(5_000)),
+        "1e999999999999".to_owned(),
+        "0xffff_ffff_ffff_ffff_ffff".to_owned(),
+        "1__________0.5__e__3".to_owned(),
+        "340282366920938463463374607431768211456u128".to_owned(),
+        "\"".to_owned() + &"x".repeat(10_000) + "\"",
+    ] {
+        expand_body(&format!("{literal} * v[0] * v[0]"));
+        expand_body(&format!("v[0].powi({literal}) + q[{literal}]"));
+        expand_body(&format!("for i in 0..{literal} {{}} [0.0; {literal}]"));
+    }
+}
