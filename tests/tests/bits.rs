@@ -1,0 +1,266 @@
+//! The bits of steps, lanes, tangent maps, noise and ensembles: every rule of every model against `tests/data/bits.txt`.
+//!
+//! A change that is not meant to change numbers leaves this file alone. One that is meant to writes it again, with the environment variable
+//! `WRITE_BITS` set, and says why in the changelog. Models that call functions of the platform's library are compared only
+//! where those functions have the bits of the platform on which the file was written; noise and lanes are the same everywhere.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
+
+use sve_runtime::prelude::*;
+use sve_runtime::{LANES, Lane, StateLanes, Variational};
+use sve_tests::oracle::{Model, Rule, Visitor, every_step, kubo, name, pendulum};
+use sve_tests::random::Random;
+
+/// FNV-1a of 64 bits.
+struct Hash(u64);
+
+impl Hash {
+    const fn new() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+
+    fn number(&mut self, x: f64) {
+        for byte in x.to_bits().to_le_bytes() {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+
+    fn numbers<'a>(&mut self, all: impl IntoIterator<Item = &'a f64>) {
+        all.into_iter().for_each(|&x| self.number(x));
+    }
+
+    fn state<const N: usize>(&mut self, state: &State<N>) {
+        self.number(state.t);
+        self.numbers(state.q.iter().chain(&state.p));
+    }
+}
+
+/// Hashes by what they are of.
+#[derive(Default)]
+struct Bits {
+    lines: BTreeMap<String, u64>,
+}
+
+impl Visitor for Bits {
+    fn visit<S, R, const N: usize, const M: usize>(&mut self, integrator: &Integrator<S, R>)
+    where
+        S: Model<N, M> + Variational<R> + Clone,
+        R: Rule + Copy,
+    {
+        let [single, lanes] = [single(integrator), lanes(integrator)];
+        let name = name(integrator);
+        self.lines.insert(format!("{name}, single steps"), single);
+        self.lines.insert(format!("{name}, lanes"), lanes);
+    }
+}
+
+/// Steps of several sizes along short paths, and their tangent maps.
+fn single<S, R, const N: usize, const M: usize>(integrator: &Integrator<S, R>) -> u64
+where
+    S: Model<N, M> + Variational<R>,
+{
+    let mut random = Random::new(5);
+    let mut hash = Hash::new();
+    for h in [1e-3, 0.05, 0.2] {
+        for _ in 0..8 {
+            let mut state = S::point(&mut random);
+            for _ in 0..4 {
+                let dw: [f64; M] = random.array(-0.3, 0.3);
+                match integrator.step_with_derivatives(&mut state, h, &dw) {
+                    Ok((tangent, sensitivity)) => {
+                        (0..2 * N).for_each(|row| hash.numbers(&tangent[row]));
+                        for (_, field) in sensitivity.iter() {
+                            hash.numbers(field.q.iter().chain(&field.p));
+                        }
+                    }
+                    Err(_) => hash.number(f64::NAN),
+                }
+                hash.state(&state);
+            }
+            let path = integrator.trajectory(state, h, Wiener::new(3)).take(10);
+            for state in path {
+                match state {
+                    Ok(state) => hash.state(&state),
+                    Err(_) => hash.number(f64::NAN),
+                }
+            }
+        }
+    }
+    hash.0
+}
+
+/// Steps of all lanes at once.
+fn lanes<S, R, const N: usize, const M: usize>(integrator: &Integrator<S, R>) -> u64
+where
+    S: Model<N, M> + Variational<R>,
+{
+    let mut random = Random::new(6);
+    let mut hash = Hash::new();
+    for h in [1e-3, 0.05, 0.2] {
+        let mut states = StateLanes::splat(&State::new([0.0; N], [0.0; N]));
+        let mut dw: [Lane; M] = [[0.0; LANES]; M];
+        for lane in 0..LANES {
+            states.set(lane, &S::point(&mut random));
+            let increments: [f64; M] = random.array(-0.3, 0.3);
+            for i in 0..M {
+                dw[i][lane] = increments[i];
+            }
+        }
+        let mut next = states;
+        let Ok(prepared) = Method::prepare(integrator, h) else {
+            continue;
+        };
+        let left = Method::step_lanes(integrator, &prepared, &states, &mut next, h, &dw);
+        hash.number(f64::from_bits(u64::from(left)));
+        for lane in 0..LANES {
+            let state = next.get(lane);
+            hash.numbers(state.q.iter().chain(&state.p));
+        }
+    }
+    hash.0
+}
+
+/// Increments of every source.
+fn noise() -> BTreeMap<String, u64> {
+    fn draws<W: Noise>(mut source: W) -> u64 {
+        let mut hash = Hash::new();
+        let mut dw = [0.0; 3];
+        for step in 0..200 {
+            source.increments(step, 0.01, &mut dw).expect("increments");
+            hash.numbers(&dw);
+        }
+        hash.0
+    }
+    BTreeMap::from([
+        ("noise, Wiener".to_owned(), draws(Wiener::new(9))),
+        (
+            "noise, path 7 of Wiener".to_owned(),
+            draws(Wiener::new(9).path(7)),
+        ),
+        (
+            "noise, refined Wiener".to_owned(),
+            draws(Wiener::new(9).refine(2).expect("a refinement")),
+        ),
+        ("noise, ThreePoint".to_owned(), draws(ThreePoint::new(9))),
+        (
+            "noise, Truncated".to_owned(),
+            draws(Truncated::new(Wiener::new(9))),
+        ),
+    ])
+}
+
+/// Statistics of ensembles, with their final states.
+fn ensembles() -> BTreeMap<String, u64> {
+    fn hashed<S, R, const N: usize, const M: usize>(integrator: &Integrator<S, R>) -> u64
+    where
+        S: Model<N, M> + Variational<R> + Sync,
+        R: Sync,
+    {
+        let summary = Ensemble::new(integrator)
+            .paths(150)
+            .seed(4)
+            .steps(0.02, 60)
+            .record_every(20)
+            .start(State::new([0.7; N], [0.2; N]))
+            .observe("q", |_: &S, state: &State<N>| state.q[0])
+            .keep_final_states(true)
+            .run()
+            .expect("an ensemble");
+        let mut hash = Hash::new();
+        for s in summary.statistics() {
+            hash.numbers(
+                s.mean()
+                    .iter()
+                    .chain(&s.variance())
+                    .chain(s.min())
+                    .chain(s.max()),
+            );
+        }
+        for (_, state) in summary.final_states() {
+            hash.numbers(state.q.iter().chain(state.p));
+        }
+        hash.0
+    }
+    BTreeMap::from([
+        (
+            "ensemble, Kubo by midpoint".to_owned(),
+            hashed(&Integrator::new(kubo(), Midpoint)),
+        ),
+        (
+            "ensemble, Pendulum by midpoint".to_owned(),
+            hashed(&Integrator::new(pendulum(), Midpoint)),
+        ),
+    ])
+}
+
+/// Functions of the platform's library.
+fn library() -> u64 {
+    let mut hash = Hash::new();
+    for i in 1..2000 {
+        let x = f64::from(i) * 0.001_37;
+        hash.numbers(&[
+            x.sin(),
+            x.cos(),
+            x.exp(),
+            x.ln(),
+            x.tan(),
+            x.atan(),
+            x.tanh(),
+            x.cbrt(),
+        ]);
+        hash.numbers(&[
+            x.sinh(),
+            x.cosh(),
+            x.ln_1p(),
+            x.exp_m1(),
+            x.powf(1.3),
+            (x * 30.0).sin(),
+            (x * 30.0).cos(),
+        ]);
+    }
+    hash.0
+}
+
+const LIBRARY: &str = "functions of the platform's library";
+
+fn measured() -> BTreeMap<String, u64> {
+    let mut bits = Bits::default();
+    every_step(&mut bits);
+    let mut lines = bits.lines;
+    lines.extend(noise());
+    lines.extend(ensembles());
+    lines.insert(LIBRARY.to_owned(), library());
+    lines
+}
+
+#[test]
+fn bits_are_those_of_the_file() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/bits.txt");
+    let measured = measured();
+    if std::env::var_os("WRITE_BITS").is_some() {
+        let mut text = String::new();
+        for (name, hash) in &measured {
+            writeln!(text, "{hash:016x} {name}").expect("a line");
+        }
+        std::fs::write(&path, text).expect("the file is written");
+    }
+    let text = std::fs::read_to_string(&path).expect("the file of bits");
+    let lines = text
+        .lines()
+        .map(|line| line.split_once(' ').expect("a hash and a name"));
+    let stored: BTreeMap<&str, u64> = lines
+        .map(|(hash, name)| (name, u64::from_str_radix(hash, 16).expect("a hash")))
+        .collect();
+    let same_library = stored[LIBRARY] == measured[LIBRARY];
+    for (name, hash) in &measured {
+        if name.starts_with("noise") || same_library {
+            assert_eq!(
+                stored.get(name.as_str()),
+                Some(hash),
+                "the bits of {name} changed"
+            );
+        }
+    }
+}
