@@ -15,7 +15,8 @@
 use crate::Integrator;
 use crate::legendre;
 use crate::mechanics;
-use crate::newton::{SolveError, Solver};
+use crate::solve::SolveError;
+use crate::solve::newton::BlockSolver;
 use crate::state::State;
 use crate::system::{Dims, StepOf, System, Variational};
 
@@ -94,7 +95,7 @@ where
     };
     let step = |part: f64, noise: f64, guesses: &S::Unknowns| {
         let h = part * h;
-        let solver = Solver::following(integrator.newton(), guesses.as_ref());
+        let solver = BlockSolver::warm_started(integrator.newton(), guesses.as_ref());
         let dw = dw.map(|w| noise * w);
         system.increment(&system.prepare(h), state, h, &dw, &solver)
     };

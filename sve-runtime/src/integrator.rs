@@ -2,10 +2,10 @@
 
 use crate::error::StepError;
 use crate::method::Method;
-use crate::newton::Newton;
 use crate::noise::Noise;
 use crate::plan::Plan;
 use crate::snapshot::Snapshot;
+use crate::solve::newton::Newton;
 use crate::state::State;
 use crate::system::{DerivedFor, Dims, System, Variational};
 use crate::tangent::{self, Sensitivity, Tangent};

@@ -2,47 +2,48 @@
 //!
 //! Input: time, configuration, momentum. Output: v with ∂L/∂v(q, v) = p. Invariant: L is defined at every point that is accepted.
 //!
-//! Where ∂L/∂v is affine in v this is a linear system. Elsewhere the solution is the one that is connected with a
-//! reference velocity, rest where L is defined there: along `p(s) = (1 − s) ∂L/∂v(q, v_ref) + s p` it is followed
-//! from s = 0, where it is known, to s = 1. Each point is reached from the last by Newton's method with
-//! contracting updates that stay where L is defined, or the stride is halved.
+//! If ∂L/∂v is affine in v, this is a linear system. Otherwise the solution is the one connected with a
+//! reference velocity, which is rest if L is defined there. Continuation follows it along `p(s) = (1 − s) ∂L/∂v(q, v_ref) + s p`
+//! from s = 0, where it is known, to s = 1. Each point is reached from the one before by Newton's method with
+//! contracting updates within the domain of L. If such updates do not exist, the stride is halved.
 //!
 //! Source: Allgower, Georg, *Introduction to Numerical Continuation Methods* (2003), chapter 2.
 
-use crate::linear;
-use crate::newton::{Evaluation, Newton, SolveError, is_opposite};
+use crate::solve::SolveError;
+use crate::solve::dense::{self, DeterminantSign};
+use crate::solve::newton::{Evaluation, Newton};
 use crate::state::State;
 use crate::system::{Dims, System};
 
-/// Strides tried. A relativistic momentum of 10⁶ mc takes some 50.
-const STRIDES: u32 = 2000;
+/// Largest number of strides. A relativistic momentum of 10⁶ mc takes some 50.
+const MAX_STRIDES: u32 = 2000;
 
-/// The smallest stride, relative to the part of the path that has been made.
+/// Smallest stride, relative to the part of the path behind it.
 const SMALLEST: f64 = 1e-10;
 
-/// The smallest first stride: momenta of e³⁰⁰ times that of the reference have velocities where L grows like an exponential.
-const FIRST: f64 = 1e-200;
+/// Smallest first stride. If L grows like an exponential, momenta of e³⁰⁰ times that of the reference have velocities.
+const SMALLEST_FIRST: f64 = 1e-200;
 
-/// Updates within a stride: a contracting iteration reaches rounding after fewer.
-const UPDATES: u32 = 12;
+/// Largest number of updates within a stride: a contracting iteration needs fewer to reach rounding.
+const MAX_UPDATES: u32 = 12;
 
 /// Largest ratio of successive residuals of a contracting iteration (Kantorovich).
 const CONTRACTION: f64 = 0.25;
 
-/// Relative residual of a point on the way.
-const ON_THE_WAY: f64 = 1e-9;
+/// Relative residual at which a point of the path before its end is accepted.
+const INTERMEDIATE_TOLERANCE: f64 = 1e-9;
 
-/// Relative change of a velocity that is its own rounding.
+/// Relative change of a velocity that is only rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// Powers of two that are tried, up and down, for a reference velocity where L is not defined at rest.
+/// Powers of two that are tried, up and down, for a reference velocity if L is not defined at rest.
 const SCALES: i32 = 40;
 
-/// The velocity with the momentum of `state`.
+/// Returns the velocity with the momentum of `state`.
 ///
 /// # Errors
-/// [`SolveError::Singular`] where the mass matrix has no inverse; [`SolveError::NonFinite`] where L is not defined;
-/// [`SolveError::NoVelocity`] where no velocity of this momentum is connected with the reference.
+/// [`SolveError::Singular`] if the mass matrix has no inverse; [`SolveError::NonFinite`] if L is not defined;
+/// [`SolveError::NoVelocity`] if no velocity with this momentum is connected with the reference.
 #[inline]
 pub(crate) fn velocity<S, const N: usize, const M: usize>(
     system: &S,
@@ -53,19 +54,19 @@ where
 {
     let State { t, q, p } = state;
     if !S::AFFINE_MOMENTUM {
-        return follow(system, state);
+        return velocity_by_continuation(system, state);
     }
     let at_rest = system.lagrangian_jet(*t, q, &[0.0; N]);
     let mut rhs = *p;
     for i in 0..N {
         rhs[i] -= at_rest.dv[i];
     }
-    let v = linear::solve(&at_rest.dvv, &rhs).ok_or(SolveError::Singular { iteration: 0 })?;
+    let v = dense::solve(&at_rest.dvv, &rhs).ok_or(SolveError::Singular { iteration: 0 })?;
     finite(v)
 }
 
-/// The velocity where the momentum is not affine in it.
-fn follow<S, const N: usize, const M: usize>(
+/// Returns the velocity if the momentum is not affine in it, by continuation from the reference velocity.
+fn velocity_by_continuation<S, const N: usize, const M: usize>(
     system: &S,
     state: &State<N>,
 ) -> Result<[f64; N], SolveError>
@@ -84,7 +85,7 @@ where
             jacobian: jet.dvv,
             curvature: f64::NAN,
         };
-        // outside of its domain L is NaN where its derivatives need not be
+        // Outside of its domain L is NaN, while its derivatives may be finite.
         let undefined = 0.0 * jet.value;
         for i in 0..N {
             at.residual[i] += undefined - target[i];
@@ -92,41 +93,53 @@ where
         }
         at
     };
-    let (mut v, from, mut orientation) = reference(state, &at)?;
+    let Reference {
+        mut v,
+        p: from,
+        mut sign,
+    } = reference(state, &at)?;
     let newton = Newton::default();
     let (mut here, mut stride) = (0.0, 1.0);
-    for _ in 0..STRIDES {
+    for _ in 0..MAX_STRIDES {
         let there = if stride >= 1.0 - here {
             1.0
         } else {
             here + stride
         };
         let target: [f64; N] = core::array::from_fn(|i| (1.0 - there) * from[i] + there * p[i]);
-        match contract(v, orientation, |v| at(v, &target)) {
-            Some((found, sign)) => {
-                (v, here, orientation) = (found, there, sign);
+        match contract(v, sign, |v| at(v, &target)) {
+            Some((found, sign_there)) => {
+                (v, here, sign) = (found, there, sign_there);
                 stride *= 2.0;
                 if here >= 1.0 {
-                    // to rounding
+                    // The last point is iterated to rounding.
                     return newton.solve(v, |v| at(v, p)).and_then(finite);
                 }
             }
             None => stride = 0.5 * stride.min(1.0 - here),
         }
-        if stride < SMALLEST * here || stride < FIRST {
+        if stride < SMALLEST * here || stride < SMALLEST_FIRST {
             break;
         }
     }
     Err(SolveError::NoVelocity { reached: here })
 }
 
-/// A velocity at which L is defined and its mass matrix regular, with its momentum and a number of the sign of the determinant: rest, or
-/// else the momentum or a diagonal direction by a power of two.
-#[allow(clippy::type_complexity)]
+/// The start of the continuation.
+struct Reference<const N: usize> {
+    v: [f64; N],
+    /// Its momentum.
+    p: [f64; N],
+    /// The sign of the mass matrix's determinant.
+    sign: DeterminantSign,
+}
+
+/// Finds a velocity at which L is defined and its mass matrix is regular: rest, otherwise the momentum or a diagonal direction
+/// times a power of two.
 fn reference<const N: usize>(
     state: &State<N>,
     at: &impl Fn(&[f64; N], &[f64; N]) -> Evaluation<N>,
-) -> Result<([f64; N], [f64; N], f64), SolveError> {
+) -> Result<Reference<N>, SolveError> {
     let mut undefined = SolveError::NonFinite;
     let scales = (0..=SCALES).flat_map(|k| [f64::from(k).exp2(), f64::from(-k).exp2()]);
     let candidates = scales.flat_map(|scale| {
@@ -140,31 +153,35 @@ fn reference<const N: usize>(
         if !is_defined {
             continue;
         }
-        match linear::solve_oriented(&point.jacobian, &[0.0; N]) {
-            Some((_, orientation)) => return Ok((v, point.residual, orientation)),
+        match dense::solve_with_sign(&point.jacobian, &[0.0; N]) {
+            Some((_, sign)) => {
+                let p = point.residual;
+                return Ok(Reference { v, p, sign });
+            }
             None => undefined = SolveError::Singular { iteration: 1 },
         }
     }
     Err(undefined)
 }
 
-/// The root that updates reach which each reduce the residual by the contraction factor, with the orientation of its Jacobian.
+/// Makes updates that each decrease the residual by the contraction factor and keep the sign of the Jacobian's determinant. Returns the root and the sign, or
+/// `None` if an update does not.
 fn contract<const N: usize>(
     mut v: [f64; N],
-    orientation: f64,
+    expected: DeterminantSign,
     at: impl Fn(&[f64; N]) -> Evaluation<N>,
-) -> Option<([f64; N], f64)> {
+) -> Option<([f64; N], DeterminantSign)> {
     let mut previous = f64::INFINITY;
-    for _ in 0..UPDATES {
+    for _ in 0..MAX_UPDATES {
         let point = at(&v);
-        let relative = relative(&point);
-        let (update, sign) = linear::solve_oriented(&point.jacobian, &point.residual)?;
-        if is_opposite(sign, orientation) || relative.is_nan() {
+        let relative = sum_of_relative_residuals(&point);
+        let (update, sign) = dense::solve_with_sign(&point.jacobian, &point.residual)?;
+        if sign.is_opposite_to(expected) || relative.is_nan() {
             return None;
         }
-        // a steep momentum changes by more than its tolerance from one velocity to the next number
+        // A steep momentum changes by more than its tolerance between neighbouring velocities.
         let at_rounding = |i: usize| update[i].abs() <= ROUNDING * v[i].abs();
-        if relative <= ON_THE_WAY || (0..N).all(at_rounding) {
+        if relative <= INTERMEDIATE_TOLERANCE || (0..N).all(at_rounding) {
             return Some((v, sign));
         }
         if relative > CONTRACTION * previous {
@@ -178,8 +195,8 @@ fn contract<const N: usize>(
     None
 }
 
-/// Largest residual relative to its terms; NaN where one is.
-fn relative<const N: usize>(at: &Evaluation<N>) -> f64 {
+/// Returns the sum of the residuals relative to their terms; NaN if one of them is.
+fn sum_of_relative_residuals<const N: usize>(at: &Evaluation<N>) -> f64 {
     let mut sum = 0.0;
     for i in 0..N {
         sum += at.residual[i].abs() / (at.magnitude[i] + f64::MIN_POSITIVE);

@@ -78,7 +78,7 @@
 //! | `serde` | states, snapshots of trajectories, errors and summaries can be serialised |
 //! | `study` | `study::Study`: errors, orders and times of several methods on one problem; with `ensemble` |
 
-mod banded;
+mod angle_addition;
 pub mod baseline;
 mod continuation;
 #[cfg(feature = "ensemble")]
@@ -91,16 +91,14 @@ mod floats;
 mod integrator;
 mod lanes;
 mod legendre;
-mod linear;
 mod mechanics;
 mod method;
-mod newton;
 pub mod noise;
 mod plan;
 mod power;
-mod regular;
 mod rules;
 mod snapshot;
+mod solve;
 mod state;
 mod step;
 #[cfg(feature = "study")]
@@ -108,17 +106,16 @@ pub mod study;
 mod system;
 mod tangent;
 mod trajectory;
-mod turn;
 
 pub use error::StepError;
 pub use integrator::Integrator;
 pub use lanes::{LANES, Lane, Mask, StateLanes};
 pub use mechanics::{Field, Mechanics};
 pub use method::Method;
-pub use newton::{Newton, Solver};
 pub use plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
 pub use rules::{Endpoint, InitialPoint, Midpoint, Taylor2};
 pub use snapshot::Snapshot;
+pub use solve::newton::{BlockSolver, Newton};
 pub use state::State;
 /// A system with time-dependent L, a helper, a constant, a parameter array and two noises:
 ///
@@ -258,24 +255,27 @@ pub mod prelude {
 /// What generated code calls. Not part of the public interface.
 #[doc(hidden)]
 pub mod __private {
-    pub use crate::banded::Banded;
+    pub use crate::angle_addition::sin_cos_of_sum;
     /// What steps in lanes call.
     pub mod lane {
         pub use crate::lanes::elementary::*;
-        pub use crate::lanes::newton::Course;
+        pub use crate::lanes::newton::NewtonLanes;
         pub use crate::lanes::solve::solve;
         pub use crate::lanes::{LANES, Lane, Mask, StateLanes, is_left, rows};
     }
-    pub use crate::linear::{solve, solve_oriented};
-    pub use crate::newton::{BlockSolve, Evaluation, Newton, SolveError, Solver, spread};
     pub use crate::plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
     pub use crate::power::power_log;
-    pub use crate::regular::{all_positive, cold, is_regular_within};
     pub use crate::rules::Whole;
+    pub use crate::solve::SolveError;
+    pub use crate::solve::banded::Banded;
+    pub use crate::solve::dense::{DeterminantSign, solve, solve_with_sign};
+    pub use crate::solve::newton::{
+        BlockProperties, BlockSolver, Evaluation, Newton, propagated_error,
+    };
+    pub use crate::solve::regularity::{all_positive, cold, is_regular_within};
     pub use crate::state::State;
     pub use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System, Variational};
     pub use crate::tangent::{Entries, Linearisation};
-    pub use crate::turn::turn;
 }
 
 /// The examples of the readme, as tests.

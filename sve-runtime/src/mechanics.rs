@@ -6,8 +6,8 @@
 
 use crate::error::StepError;
 use crate::legendre;
-use crate::linear;
-use crate::newton::SolveError;
+use crate::solve::SolveError;
+use crate::solve::dense;
 use crate::state::State;
 use crate::step::explain;
 use crate::system::{Dims, IncrementsOf, NoiseJet, StateOf, System, VectorOf};
@@ -208,7 +208,7 @@ where
             rhs[i] -= jet.dqv[j][i] * v[j];
         }
     }
-    let a = linear::solve(&jet.dvv, &rhs).ok_or(SolveError::Singular { iteration: 0 })?;
+    let a = dense::solve(&jet.dvv, &rhs).ok_or(SolveError::Singular { iteration: 0 })?;
     // d/dt (∂L/∂q + F) = (L_qq + F_q) v + (L_qv + F_v) a + L_qt + F_t
     let mut p = jet.dqt;
     for i in 0..N {

@@ -6,10 +6,10 @@ use core::hash::Hasher;
 use crate::Integrator;
 use crate::error::StepError;
 use crate::lanes::{ALL, Lane, Mask, StateLanes};
-use crate::newton::{Newton, Solver};
 use crate::noise::Noise;
 use crate::plan::StrongOrder;
 use crate::snapshot::Snapshot;
+use crate::solve::newton::{BlockSolver, Newton};
 use crate::state::State;
 use crate::step::{check_step_size, compensated_step, solve_step};
 use crate::system::{
@@ -256,7 +256,7 @@ where
                 ..*self.newton()
             };
             let (q, p, _) = Integrator::system(self)
-                .increment(prepared, state, h, dw, &Solver::new(&newton))
+                .increment(prepared, state, h, dw, &BlockSolver::new(&newton))
                 .ok()?;
             Some((q, p))
         };

@@ -6,9 +6,10 @@
 use crate::Integrator;
 use crate::continuation::{self, Lost};
 use crate::error::StepError;
-use crate::linear;
-use crate::newton::{SolveError, Solver};
 use crate::plan::{BlockKind, Plan};
+use crate::solve::SolveError;
+use crate::solve::dense;
+use crate::solve::newton::BlockSolver;
 use crate::state::State;
 use crate::system::{Dims, System, Variational};
 
@@ -24,7 +25,7 @@ pub(crate) fn solve_step<S, R, const N: usize, const M: usize>(
 where
     S: Variational<R> + System<Dims = Dims<N, M>>,
 {
-    let solver = Solver::new(integrator.newton());
+    let solver = BlockSolver::new(integrator.newton());
     let error = match integrator
         .system()
         .increment(prepared, state, h, dw, &solver)
@@ -68,7 +69,7 @@ pub(crate) fn compensated_step<S, R, const N: usize, const M: usize>(
 where
     S: Variational<R> + System<Dims = Dims<N, M>>,
 {
-    let solver = Solver::new(integrator.newton());
+    let solver = BlockSolver::new(integrator.newton());
     let system = integrator.system();
     let Ok((dq, dp, _)) = system.increment(prepared, state, h, dw, &solver) else {
         // rare: nothing is gained from the increments that are followed to
@@ -128,7 +129,7 @@ where
             });
         }
         Err(Lost::NoStart(SolveError::Singular { .. })) => {
-            let solver = Solver::trusting(integrator.newton());
+            let solver = BlockSolver::unchecked(integrator.newton());
             system.increment(&system.prepare(h), state, h, dw, &solver)
         }
         Err(Lost::NoStart(error)) => Err(error),
@@ -245,7 +246,7 @@ where
     };
     let at: [f64; N] = core::array::from_fn(|i| q[i]);
     let mass = system.lagrangian_jet(t, &at, &[0.0; N]).dvv;
-    if mass.iter().flatten().all(|x| x.is_finite()) && linear::solve(&mass, &[0.0; N]).is_none() {
+    if mass.iter().flatten().all(|x| x.is_finite()) && dense::solve(&mass, &[0.0; N]).is_none() {
         let iteration = 0;
         StepError::Singular { t, h, q, iteration }
     } else {

@@ -4,8 +4,9 @@
 //! [`System::Dims`], so that `Integrator<S, R>` needs no constants in its type.
 
 use crate::lanes::{ALL, Lane, Mask, StateLanes};
-use crate::newton::{Newton, SolveError, Solver};
 use crate::plan::Plan;
+use crate::solve::SolveError;
+use crate::solve::newton::{BlockSolver, Newton};
 use crate::state::State;
 use crate::tangent::Linearisation;
 
@@ -239,7 +240,7 @@ pub trait Variational<R>: System {
         state: &StateOf<Self>,
         h: f64,
         dw: &IncrementsOf<Self>,
-        newton: &Solver<'_>,
+        newton: &BlockSolver<'_>,
     ) -> Result<StepOf<Self, R>, SolveError>;
     /// One step of each lane from `states` to `next` where the fast path solves its equations; the lanes whose states
     /// are the same in `next`, for [`increment`](Self::increment) to step or to say why not. Times in `next` are left alone.
@@ -350,7 +351,7 @@ impl<S: Variational<R>, R> Variational<R> for &S {
         state: &StateOf<S>,
         h: f64,
         dw: &IncrementsOf<S>,
-        newton: &Solver<'_>,
+        newton: &BlockSolver<'_>,
     ) -> Result<StepOf<S, R>, SolveError> {
         (**self).increment(prepared, state, h, dw, newton)
     }

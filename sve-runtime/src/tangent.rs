@@ -7,10 +7,10 @@ use core::ops::{Index, Mul};
 
 use crate::Integrator;
 use crate::error::StepError;
-use crate::linear;
 use crate::mechanics::Field;
 use crate::method::Method;
-use crate::newton::SolveError;
+use crate::solve::SolveError;
+use crate::solve::gauss_jordan;
 use crate::state::State;
 use crate::step::{explain, solve_step};
 use crate::system::{Dims, System, Variational};
@@ -216,7 +216,7 @@ impl Linearisation {
     /// `dy/dz`, row by row; with `increments` the results are differences to the state at the start, which is added.
     fn solve(mut self, increments: bool) -> Result<Vec<f64>, SolveError> {
         let moves = &mut self.residual_by_inputs;
-        linear::eliminate_many(&mut self.residual_by_unknowns, moves, self.unknowns)?;
+        gauss_jordan::solve_columns(&mut self.residual_by_unknowns, moves, self.unknowns)?;
         let mut all = self.output_by_inputs;
         for row in 0..self.outputs {
             let result = &mut all[self.inputs * row..self.inputs * (row + 1)];

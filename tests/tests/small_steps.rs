@@ -1,7 +1,7 @@
 //! Small steps keep their digits: what a step adds is computed as an increment, however the Lagrangian is written.
 
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, Solver, System, Variational};
+use sve_runtime::{BlockSolver, Dims, System, Variational};
 
 /// The same weak magnetic field, its strength a literal of L in one system and a parameter in the other: a literal is a
 /// numeric coefficient, which elimination looks for.
@@ -48,7 +48,7 @@ where
     let prepared = system.prepare(h);
     let newton = Newton::default();
     let (dq, dp, _) = system
-        .increment(&prepared, &start, h, &[], &Solver::new(&newton))
+        .increment(&prepared, &start, h, &[], &BlockSolver::new(&newton))
         .unwrap();
     [dq[0], dq[1], dp[0], dp[1]]
 }

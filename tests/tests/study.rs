@@ -4,7 +4,7 @@
 use sve_runtime::baseline::{EulerMaruyama, Heun, RungeKutta4};
 use sve_runtime::prelude::*;
 use sve_runtime::study::{Estimate, Order, Report, Study, StudyError, read_csv, write_csv};
-use sve_runtime::{IncrementsOf, Solver, StateOf, Variational};
+use sve_runtime::{BlockSolver, IncrementsOf, StateOf, Variational};
 use sve_tests::exact::OscillatorStep;
 use sve_tests::models::{Kubo, Oscillator, Pendulum};
 
@@ -363,7 +363,7 @@ fn iterations_are_those_of_the_steps() {
             ..Newton::default()
         };
         // the step itself would be followed from a smaller one
-        let solver = Solver::new(&fewer);
+        let solver = BlockSolver::new(&fewer);
         let increment =
             Variational::<Midpoint>::increment(&system, &prepared, &state, 0.1, &[], &solver);
         refused += u32::from(increment.is_err());

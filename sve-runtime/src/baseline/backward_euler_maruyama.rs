@@ -11,7 +11,8 @@
 
 use crate::legendre;
 use crate::mechanics::{Field, correction_of, noise_of};
-use crate::newton::{Evaluation, Newton, SolveError};
+use crate::solve::SolveError;
+use crate::solve::newton::{Evaluation, Newton};
 use crate::state::State;
 use crate::system::{Dims, System};
 

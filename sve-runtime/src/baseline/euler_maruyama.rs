@@ -8,7 +8,7 @@
 //! For: the scheme that everyone knows, whose energy grows exponentially where the exact one grows linearly.
 
 use crate::mechanics::{Field, correction_of, noise_of, solve_drift};
-use crate::newton::SolveError;
+use crate::solve::SolveError;
 use crate::state::State;
 use crate::system::{Dims, System};
 

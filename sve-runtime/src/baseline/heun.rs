@@ -7,7 +7,7 @@
 //! For: the explicit Stratonovich scheme of the same cost class as a variational step.
 
 use crate::mechanics::{Field, noise_of, solve_drift};
-use crate::newton::SolveError;
+use crate::solve::SolveError;
 use crate::state::State;
 use crate::system::{Dims, System};
 

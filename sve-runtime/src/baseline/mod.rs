@@ -74,7 +74,7 @@ pub use runge_kutta4::RungeKutta4;
 pub use taylor_series2::TaylorSeries2;
 
 use crate::mechanics::Field;
-use crate::newton::SolveError;
+use crate::solve::SolveError;
 use crate::state::State;
 use crate::system::Dims;
 

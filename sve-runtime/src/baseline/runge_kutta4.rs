@@ -6,7 +6,7 @@
 //! For: the accurate scheme of everyday use, whose energy nevertheless drifts; and references over short times.
 
 use crate::mechanics::{Field, solve_drift};
-use crate::newton::SolveError;
+use crate::solve::SolveError;
 use crate::state::State;
 use crate::system::{Dims, System};
 

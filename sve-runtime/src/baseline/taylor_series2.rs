@@ -8,7 +8,7 @@
 
 use crate::legendre;
 use crate::mechanics::{Field, Motion, solve_motion};
-use crate::newton::SolveError;
+use crate::solve::SolveError;
 use crate::state::State;
 use crate::system::{Dims, System};
 

@@ -1,12 +1,12 @@
-//! Linear systems of a few unknowns, branch-free, for loops over lanes.
+//! Linear systems of a few unknowns, without branches, for loops over lanes.
 //!
-//! Input: matrix and right-hand side of a lane; output: the solution, NaN or infinite where the matrix is singular. One and
-//! two unknowns by the formulas of [`linear`](crate::linear), bit for bit; from three on Gaussian elimination with
-//! partial pivoting, where the scalar solve scales rows first: a pivot that is small beside its row's other entries may be another one.
+//! Input: matrix and right-hand side of a lane. Output: the solution; NaN or infinite if the matrix is singular.
+//! One and two unknowns are solved by the formulas of [`dense`](crate::solve::dense), bit for bit. Three and more are solved by Gaussian elimination
+//! with partial pivoting. Pivots may differ from those of the scalar solve, which scales rows before comparing them.
 
-use crate::linear::SINGULAR;
+use crate::solve::dense::SINGULAR;
 
-/// Solves `a x = b`.
+/// Solves `a x = b`; the solution is NaN or infinite if `a` is singular.
 #[inline(always)]
 pub fn solve<const K: usize>(a: &[[f64; K]; K], b: &[f64; K]) -> [f64; K] {
     let mut x = [0.0; K];
@@ -29,6 +29,7 @@ pub fn solve<const K: usize>(a: &[[f64; K]; K], b: &[f64; K]) -> [f64; K] {
     x
 }
 
+/// Gaussian elimination with partial pivoting. Rows are exchanged by selecting each entry, without a branch.
 #[inline(always)]
 fn eliminate<const K: usize>(mut a: [[f64; K]; K], mut b: [f64; K]) -> [f64; K] {
     for k in 0..K {
@@ -67,16 +68,16 @@ fn eliminate<const K: usize>(mut a: [[f64; K]; K], mut b: [f64; K]) -> [f64; K] 
 #[cfg(test)]
 mod tests {
     use super::solve;
-    use crate::linear::{self, tests::Random};
+    use crate::solve::dense::{self, tests::Random};
 
-    fn against_the_scalar_solve<const K: usize>(random: &mut Random, tolerance: f64) {
+    fn compare_with_the_scalar_solve<const K: usize>(random: &mut Random, tolerance: f64) {
         for _ in 0..200 {
             let a: [[f64; K]; K] =
                 core::array::from_fn(|_| core::array::from_fn(|_| random.next()));
             let b: [f64; K] = core::array::from_fn(|_| random.next());
             let x = solve(&a, &b);
-            let expected = linear::solve(&a, &b).unwrap();
-            // backward stable: the residual is small beside its terms, whatever the condition
+            let expected = dense::solve(&a, &b).unwrap();
+            // A backward stable solution has a residual that is small relative to its terms, whatever the condition of the matrix.
             for i in 0..K {
                 let terms = (0..K).map(|j| a[i][j] * x[j]);
                 let (mut residual, mut size) = (-b[i], b[i].abs());
@@ -97,16 +98,16 @@ mod tests {
     }
 
     #[test]
-    fn solutions() {
+    fn solutions_are_those_of_the_scalar_solve() {
         let mut random = Random(5);
-        against_the_scalar_solve::<1>(&mut random, 0.0);
-        against_the_scalar_solve::<2>(&mut random, 0.0);
-        against_the_scalar_solve::<3>(&mut random, 1.0);
-        against_the_scalar_solve::<6>(&mut random, 1.0);
+        compare_with_the_scalar_solve::<1>(&mut random, 0.0);
+        compare_with_the_scalar_solve::<2>(&mut random, 0.0);
+        compare_with_the_scalar_solve::<3>(&mut random, 1.0);
+        compare_with_the_scalar_solve::<6>(&mut random, 1.0);
     }
 
     #[test]
-    fn pivots_are_sought() {
+    fn rows_are_exchanged_for_a_pivot() {
         let a = [[0.0, 1.0, 0.0], [0.0, 0.0, 2.0], [4.0, 0.0, 0.0]];
         assert_eq!(solve(&a, &[1.0, 2.0, 4.0]), [1.0, 1.0, 1.0]);
     }

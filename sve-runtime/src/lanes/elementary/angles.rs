@@ -1,38 +1,38 @@
-//! Sine, cosine and tangent; an angle turned a little.
+//! Sine, cosine, tangent and angle addition.
 //!
 //! The argument is reduced by the nearest multiple of π/2 in three parts (W. Cody, W. Waite, Software Manual for the Elementary
-//! Functions, 1980), the first two of 36 bits, so that their products with a multiple below 2¹⁷ are exact. The remainder keeps a
-//! second part. The polynomials are those of `crate::turn`.
+//! Functions, 1980), the first two of 36 bits, so that their products with a multiple below 2¹⁷ are exact. The remainder has a
+//! second, low part. The polynomials are those of [`angle_addition`](crate::angle_addition).
 
 use core::f64::consts::{FRAC_2_PI, FRAC_PI_4};
 
 use super::{SIGN, nearest, select};
-use crate::turn::{cosine, sine};
+use crate::angle_addition::{cosine, sine};
 
 /// π/2 = `A + B + C`, up to 2⁻¹³⁰.
 const A: f64 = 1.570_796_326_792_333_3;
 const B: f64 = 2.563_344_151_583_955_8e-12;
 const C: f64 = 1.056_299_906_698_742_8e-23;
 
-/// Arguments up to here have less than 2¹⁷ quarter turns.
+/// Largest argument: its multiple of π/2 is below 2¹⁷.
 const LARGEST: f64 = 131_072.0;
 
-/// Sine and cosine, to 1.1 units in the last place, for `|x| ≤ 2¹⁷`; NaN beyond.
+/// Returns sine and cosine, to 1.1 units in the last place, for `|x| ≤ 2¹⁷`; NaN for larger arguments.
 ///
-/// No number of the range is nearer to a multiple of π/2 than 2⁻⁶¹, so the error of the reduction, below 2⁻¹¹¹, counts nowhere.
+/// No number of the range is nearer to a multiple of π/2 than 2⁻⁶¹, so the error of the reduction, below 2⁻¹¹¹, is negligible.
 #[inline(always)]
 pub fn sin_cos(x: f64) -> (f64, f64) {
-    let (turns, quadrant) = nearest(x * FRAC_2_PI);
-    let turns = select(x.abs() <= LARGEST, turns, f64::NAN);
-    // exact, for the difference is small and a multiple of 2⁻⁵³
-    let first = x - turns * A;
-    let second = turns * B;
+    let (multiple, quadrant) = nearest(x * FRAC_2_PI);
+    let multiple = select(x.abs() <= LARGEST, multiple, f64::NAN);
+    // exact: the difference is small and a multiple of 2⁻⁵³
+    let first = x - multiple * A;
+    let second = multiple * B;
     // the angle is r − rest
     let r = first - second;
-    let rest = (second - (first - r)) + turns * C;
+    let rest = (second - (first - r)) + multiple * C;
 
     let r2 = r * r;
-    // in this order −0 remains −0
+    // this order keeps the sign of −0
     let s = r - (rest - r * r2 * sine(r2));
     let c = 1.0 - (0.5 * r2 - (r2 * r2 * cosine(r2) + r * rest));
 
@@ -46,31 +46,31 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
     )
 }
 
-/// The sine, as [`sin_cos`] gives it.
+/// Returns the sine, see [`sin_cos`].
 #[inline(always)]
 pub fn sin(x: f64) -> f64 {
     sin_cos(x).0
 }
 
-/// The cosine, as [`sin_cos`] gives it.
+/// Returns the cosine, see [`sin_cos`].
 #[inline(always)]
 pub fn cos(x: f64) -> f64 {
     sin_cos(x).1
 }
 
-/// The tangent, to 2.5 units in the last place, where [`sin_cos`] is right.
+/// Returns the tangent, to 2.5 units in the last place, for the arguments of [`sin_cos`].
 #[inline(always)]
 pub fn tan(x: f64) -> f64 {
     let (s, c) = sin_cos(x);
     s / c
 }
 
-/// `(sin(a + by), cos(a + by))` from `sin a` and `cos a`, to two units of rounding of 1, for `|by| ≤ π/4`; NaN beyond.
+/// Returns `(sin(a + by), cos(a + by))` from `sin a` and `cos a`, to two units of rounding of 1, for `|by| ≤ π/4`; NaN for larger increments.
 #[inline(always)]
-pub fn turn(sin: f64, cos: f64, by: f64) -> (f64, f64) {
+pub fn sin_cos_of_sum(sin: f64, cos: f64, by: f64) -> (f64, f64) {
     let by = select(by.abs() <= FRAC_PI_4, by, f64::NAN);
     let x2 = by * by;
-    // sin(by) = s, cos(by) = 1 − c: what a small turn changes is added last
+    // sin(by) = s, cos(by) = 1 − c: the small changes are added last
     let (s, c) = (by + by * x2 * sine(x2), 0.5 * x2 - x2 * x2 * cosine(x2));
     (sin + (cos * s - sin * c), cos - (sin * s + cos * c))
 }

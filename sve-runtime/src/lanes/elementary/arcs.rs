@@ -56,13 +56,13 @@ fn angle(a: f64, b: f64, left: bool) -> (f64, f64) {
     let last = (T[8] + z2 * T[9]) + z4 * T[10];
     let tail = four([T[0], T[1], T[2], T[3]], z2, z4)
         + z4 * z4 * (four([T[4], T[5], T[6], T[7]], z2, z4) + z4 * z4 * last);
-    let turn = select(small, 0.0, select(large, FRAC_PI_2, FRAC_PI_4));
+    let offset = select(small, 0.0, select(large, FRAC_PI_2, FRAC_PI_4));
     let rest = select(small, 0.0, select(large, HALF_PI_REST, 0.5 * HALF_PI_REST));
     // π less the angle on the left, with what is missing to π
-    let turn = select(left, PI - turn, turn);
+    let offset = select(left, PI - offset, offset);
     let rest = select(left, rest - 2.0 * HALF_PI_REST, rest);
     let more = z + (z * z2 * tail + rest);
-    (select(left, turn - more, turn + more), z)
+    (select(left, offset - more, offset + more), z)
 }
 
 /// The arc tangent, to two units in the last place.

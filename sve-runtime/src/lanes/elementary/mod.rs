@@ -18,7 +18,7 @@ mod powers;
 #[cfg(test)]
 mod tests;
 
-pub use angles::{cos, sin, sin_cos, tan, turn};
+pub use angles::{cos, sin, sin_cos, sin_cos_of_sum, tan};
 pub use arcs::{acos, asin, atan, atan2};
 pub use exponentials::{exp, exp_m1, exp2};
 pub use hyperbolic::{acosh, asinh, atanh, cosh, sinh, tanh};

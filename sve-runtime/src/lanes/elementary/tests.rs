@@ -342,17 +342,17 @@ fn zeros_ones_and_tiny_numbers_are_exact() {
 }
 
 #[test]
-fn an_angle_is_turned() {
+fn angles_are_added() {
     let mut worst: f64 = 0.0;
     for i in 0..200 {
         let (sin, cos) = (0.037 * f64::from(i) - 3.0).sin_cos();
         for j in -785..=785 {
             let by = 0.001 * f64::from(j) * 0.5f64.powi(i % 40);
-            let (s, c) = turn(sin, cos, by);
+            let (s, c) = sin_cos_of_sum(sin, cos, by);
             worst = worst.max((s - (sin * by.cos() + cos * by.sin())).abs());
             worst = worst.max((c - (cos * by.cos() - sin * by.sin())).abs());
         }
-        assert_eq!(turn(sin, cos, 0.0), (sin, cos));
+        assert_eq!(sin_cos_of_sum(sin, cos, 0.0), (sin, cos));
     }
     // three roundings of numbers up to 1, and two of the comparison
     assert!(worst <= 3.0 * f64::EPSILON, "{worst:e}");
@@ -362,7 +362,7 @@ fn an_angle_is_turned() {
         f64::INFINITY,
         f64::NAN,
     ] {
-        let (s, c) = turn(0.6, 0.8, by);
+        let (s, c) = sin_cos_of_sum(0.6, 0.8, by);
         assert!(s.is_nan() && c.is_nan());
     }
 }
@@ -418,7 +418,7 @@ mod bits {
             sin(x, _y) sin_cos(x).0;
             cos(x, _y) sin_cos(x).1;
             tan(x, _y) tan(x);
-            turn(x, y) turn(x, 0.5, y).0 + turn(x, 0.5, y).1;
+            sin_cos_of_sum(x, y) sin_cos_of_sum(x, 0.5, y).0 + sin_cos_of_sum(x, 0.5, y).1;
             exp(x, _y) exp(x);
             exp2(x, _y) exp2(x);
             exp_m1(x, _y) exp_m1(x);

@@ -210,7 +210,7 @@ impl<'a> Printer<'a> {
                 let [sin_name, cos_name] = self.names.pair(value);
                 let (sin, cos, by, private) = (of(sin), of(cos), of(by), &self.private);
                 let module = self.lanes.then(|| quote!(lane::));
-                return quote!(let (#sin_name, #cos_name) = #private::#module turn(#sin, #cos, #by););
+                return quote!(let (#sin_name, #cos_name) = #private::#module sin_cos_of_sum(#sin, #cos, #by););
             }
             Operation::SinCos(a) => {
                 let [sin, cos] = self.names.pair(value);

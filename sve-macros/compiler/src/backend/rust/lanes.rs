@@ -216,12 +216,12 @@ impl Writer<'_> {
                 (Solve::Iteration(newton), Solution::Iteration(iteration)) => {
                     let (course, guess) = (course(at), self.guess(at, newton, iteration));
                     let limit = self.limit(newton, iteration);
-                    section.extend(quote!(#course.begin(lane, #guess, #limit);));
+                    section.extend(quote!(#course.start(lane, #guess, #limit);));
                     let size = Literal::usize_unsuffixed(iteration.iterates.len());
                     let one = self.one(self.loops.of_block[at], &section);
                     let iterate = self.iterate(at, newton, iteration);
                     tokens.extend(quote! {
-                        let mut #course = #private::lane::Course::<#size>::new(newton);
+                        let mut #course = #private::lane::NewtonLanes::<#size>::new(newton);
                         #one
                         #iterate
                     });
@@ -229,9 +229,9 @@ impl Writer<'_> {
                     let judge = self.judge(&course, newton, iteration);
                     section = match judge {
                         Some([limits, judge]) => {
-                            quote!(let #solved = #course.at(lane); #limits #after #judge)
+                            quote!(let #solved = #course.point(lane); #limits #after #judge)
                         }
-                        None => quote!(let #solved = #course.at(lane); #after),
+                        None => quote!(let #solved = #course.point(lane); #after),
                     };
                 }
                 _ => section.extend(after),
@@ -344,7 +344,7 @@ impl Writer<'_> {
         let accepted = accepted(verdict, self.printer, self.private);
         Some([
             quote!(let #limit = #course.limit(lane);),
-            quote!(#course.judge(lane, #accepted);),
+            quote!(#course.accept(lane, #accepted);),
         ])
     }
 
@@ -367,7 +367,7 @@ impl Writer<'_> {
         let jacobian = printer.matrix(&jacobian.rows);
         let curvature = curvature.map_or_else(|| quote!(f64::NAN), |c| printer.operand(c));
         let body = quote! {
-            let #iterates = #course.at(lane);
+            let #iterates = #course.point(lane);
             #statements
             #course.update(lane, &#private::Evaluation {
                 residual: #residual,
@@ -377,7 +377,7 @@ impl Writer<'_> {
             });
         };
         let body = self.one(self.loops.of_block[at] + 1, &body);
-        quote!(while #course.goes_on() { #body })
+        quote!(while #course.next_iteration() { #body })
     }
 
     /// The new state of a lane.
@@ -425,7 +425,7 @@ impl Writer<'_> {
         let arrived = iterations.filter_map(|(at, block)| {
             let course = course(at);
             matches!(block.solution, Solution::Iteration(_))
-                .then(|| quote!(& #course.arrived(lane)))
+                .then(|| quote!(& #course.has_converged(lane)))
         });
         let domain = self.step.domain.iter().map(|&(value, is_closed)| {
             let holds = inside(&self.printer.operand(value), is_closed);

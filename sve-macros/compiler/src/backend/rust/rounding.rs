@@ -104,15 +104,17 @@ impl Bounds<'_> {
             Operation::Neg(a) | Operation::Abs(a) | Operation::SinCos(a) => [of(a), None, None],
             Operation::Call(function, a) => {
                 let (call, at) = (call(function, &quote!(x)), x(a));
-                let spread = of(a).map(|d| quote!(#private::spread(|x| #call, #at, #d)));
+                let spread = of(a).map(|d| quote!(#private::propagated_error(|x| #call, #at, #d)));
                 [spread, None, None]
             }
             Operation::Call2(function, a, b) => {
                 let (a_at, b_at) = (x(a), x(b));
                 let along_a = call2(function, &quote!(x), &b_at, private);
                 let along_b = call2(function, &a_at, &quote!(x), private);
-                let first = of(a).map(|d| quote!(#private::spread(|x| #along_a, #a_at, #d)));
-                let second = of(b).map(|d| quote!(#private::spread(|x| #along_b, #b_at, #d)));
+                let first =
+                    of(a).map(|d| quote!(#private::propagated_error(|x| #along_a, #a_at, #d)));
+                let second =
+                    of(b).map(|d| quote!(#private::propagated_error(|x| #along_b, #b_at, #d)));
                 [first, second, None]
             }
             Operation::Turn(sin, cos, by) => [of(sin), of(cos), of(by)],

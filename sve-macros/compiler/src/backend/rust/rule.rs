@@ -78,7 +78,7 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
                 state: &#private::State<#n>,
                 h: f64,
                 dw: &[f64; #m],
-                newton: &#private::Solver<'_>,
+                newton: &#private::BlockSolver<'_>,
             ) -> ::core::result::Result<([f64; #n], [f64; #n], [f64; #unknowns]), #private::SolveError> {
                 #body
             }

@@ -100,7 +100,7 @@ impl Solver<'_> {
         // the matrix of the guess is the one of the limit
         let (oriented, origin) = match origin {
             Some(_) => (quote!(origin), quote!(origin)),
-            None => (quote!(_), quote!(f64::NAN)),
+            None => (quote!(_), quote!(#private::DeterminantSign::UNKNOWN)),
         };
         let limit = judge.as_ref().map(|verdict| match &verdict.limit_rhs {
             None => quote!(guess),
@@ -119,13 +119,13 @@ impl Solver<'_> {
             quote!(let #names = limit;)
         });
         quote! {
-            let (guess, origin, limit) = match #private::solve_oriented(&#matrix, &#rhs) {
+            let (guess, origin, limit) = match #private::solve_with_sign(&#matrix, &#rhs) {
                 ::core::option::Option::Some((guess, #oriented)) => ({ #guessed }, #origin, #limit),
-                ::core::option::Option::None => (#rest, f64::NAN, [f64::NAN; #size]),
+                ::core::option::Option::None => (#rest, #private::DeterminantSign::UNKNOWN, [f64::NAN; #size]),
             };
             let fallback = || { #fallback };
             let rounding = |&#iterates: &[f64; #size]| { #rounding };
-            let block = #private::BlockSolve { first: #first, judged: #judged, origin };
+            let block = #private::BlockProperties { first: #first, has_bounds: #judged, limit_sign: origin };
             #limits
             let #solved = newton.solve_block(block, guess, fallback, rounding, |&#iterates: &[f64; #size]| {
                 #statements
@@ -160,7 +160,7 @@ impl Solver<'_> {
         };
         quote! {
             #full
-            if newton.judges() && !(#accepted) #or_full {
+            if newton.tests_bounds() && !(#accepted) #or_full {
                 return ::core::result::Result::Err(#private::SolveError::OtherBranch);
             }
         }

@@ -84,7 +84,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
                     state: &#private::State<#n>,
                     h: f64,
                     dw: &[f64; #m],
-                    newton: &#private::Solver<'_>,
+                    newton: &#private::BlockSolver<'_>,
                 ) -> ::core::result::Result<([f64; #n], [f64; #n], [f64; 0]), #private::SolveError> {
                     #fail
                 }

@@ -1,34 +1,34 @@
-//! Banded linear systems of a size known at compile time.
+//! Linear systems with a banded matrix of a size known at compile time.
 //!
-//! Input: the entries near the diagonal and a right-hand side. Output: what [`linear::solve`](crate::linear::solve) gives for
-//! the same matrix written in full, bit for bit: the same pivots, the same operations on what is not zero, the same test for
-//! singular matrices. Rows that are left of their first column eliminated move to the left, so that the factors need no more
-//! room than the matrix (Martin and Wilkinson, Solution of symmetric and unsymmetric band equations, 1967).
+//! Input: the entries near the diagonal and a right-hand side. Output: bit for bit what [`dense`](super::dense) gives for the same
+//! matrix written in full: the same pivots, the same operations on entries that are not zero, the same test for singular matrices.
+//! Each elimination step shifts the rows below the pivot by one entry to the left, so that the factors need no more room than
+//! the matrix (Martin and Wilkinson, *Solution of symmetric and unsymmetric band equations*, 1967).
 
-use crate::linear::{Matrix, SINGULAR};
+use super::dense::{DeterminantSign, Matrix, SINGULAR, largest_magnitude};
 
-/// A matrix of `K` rows with at most `LOWER` entries before the diagonal, and `WIDTH` entries a row.
+/// A matrix of `K` rows with at most `LOWER` entries before the diagonal, and `WIDTH` entries in a row.
 ///
-/// Row `i` begins at column 0 up to `i = LOWER`, then at column `i − LOWER`; entries beyond the last column are zero.
+/// Row `i` begins at column 0 if `i ≤ LOWER`, otherwise at column `i − LOWER`. Entries beyond the last column are zero.
 #[derive(Clone, Copy, Debug)]
 pub struct Banded<const K: usize, const LOWER: usize, const WIDTH: usize>(pub [[f64; WIDTH]; K]);
 
 impl<const K: usize, const LOWER: usize, const WIDTH: usize> Matrix<K> for Banded<K, LOWER, WIDTH> {
-    fn solve_oriented(&self, rhs: &[f64; K]) -> Option<([f64; K], f64)> {
+    fn solve_with_sign(&self, rhs: &[f64; K]) -> Option<([f64; K], DeterminantSign)> {
         let (mut a, mut b) = (self.0, *rhs);
-        let mut negative = false;
-        let mut scale = a.map(|row| largest(&row));
+        let mut is_negative = false;
+        let mut scale = a.map(|row| largest_magnitude(&row));
         for k in 0..K {
-            let end = end::<K, LOWER>(k);
-            let pivot = pivot(&a, &scale, k, end);
+            let end = end_of_column::<K, LOWER>(k);
+            let pivot = pivot_row(&a, &scale, k, end);
             let size = a[pivot][0].abs();
-            if size <= K as f64 * SINGULAR * scale[pivot] && self.cancelled(k) {
+            if size <= K as f64 * SINGULAR * scale[pivot] && self.is_rounding_error(k) {
                 return None;
             }
             a.swap(k, pivot);
             b.swap(k, pivot);
             scale.swap(k, pivot);
-            negative ^= (a[k][0] < 0.0) ^ (pivot != k);
+            is_negative ^= (a[k][0] < 0.0) ^ (pivot != k);
             for i in k + 1..end {
                 let factor = a[i][0] / a[k][0];
                 for j in 1..WIDTH {
@@ -46,7 +46,7 @@ impl<const K: usize, const LOWER: usize, const WIDTH: usize> Matrix<K> for Bande
             }
             x[k] = sum / a[k][0];
         }
-        Some((x, if negative { -1.0 } else { 1.0 }))
+        Some((x, DeterminantSign::from_is_negative(is_negative)))
     }
 
     fn is_finite(&self) -> bool {
@@ -60,15 +60,15 @@ impl<const K: usize, const LOWER: usize, const WIDTH: usize> Matrix<K> for Bande
 }
 
 impl<const K: usize, const LOWER: usize, const WIDTH: usize> Banded<K, LOWER, WIDTH> {
-    /// Whether the pivot of column `column` is the rounding of the terms it is what is left of, as for a full matrix.
+    /// Returns whether the pivot of column `column` is only rounding error, by the method of [`dense`](super::dense).
     #[cold]
-    fn cancelled(&self, column: usize) -> bool {
+    fn is_rounding_error(&self, column: usize) -> bool {
         let mut a = self.0;
         let mut terms = a.map(|row| row.map(f64::abs));
-        let mut scale = a.map(|row| largest(&row));
+        let mut scale = a.map(|row| largest_magnitude(&row));
         for k in 0..=column {
-            let end = end::<K, LOWER>(k);
-            let pivot = pivot(&a, &scale, k, end);
+            let end = end_of_column::<K, LOWER>(k);
+            let pivot = pivot_row(&a, &scale, k, end);
             a.swap(k, pivot);
             terms.swap(k, pivot);
             scale.swap(k, pivot);
@@ -89,15 +89,16 @@ impl<const K: usize, const LOWER: usize, const WIDTH: usize> Banded<K, LOWER, WI
     }
 }
 
-/// The row after the last one that has column `k`; all from `k` to there begin at that column when its turn comes.
+/// Returns the number of the first row below row `k` that has no entry in column `k`. When column `k` is eliminated, the rows before
+/// it begin at that column.
 #[inline]
-fn end<const K: usize, const LOWER: usize>(k: usize) -> usize {
+fn end_of_column<const K: usize, const LOWER: usize>(k: usize) -> usize {
     (k + LOWER + 1).min(K)
 }
 
-/// The row with the largest first entry relative to its scale.
+/// Returns the row from `k` to `end` with the largest first entry relative to the row's scale.
 #[inline]
-fn pivot<const K: usize, const WIDTH: usize>(
+fn pivot_row<const K: usize, const WIDTH: usize>(
     a: &[[f64; WIDTH]; K],
     scale: &[f64; K],
     k: usize,
@@ -112,19 +113,13 @@ fn pivot<const K: usize, const WIDTH: usize>(
     pivot
 }
 
-/// Largest magnitude in a row.
-#[inline]
-fn largest<const WIDTH: usize>(row: &[f64; WIDTH]) -> f64 {
-    row.iter().fold(0.0, |m: f64, x| m.max(x.abs()))
-}
-
 #[cfg(test)]
 mod tests {
     use super::Banded;
-    use crate::linear::tests::Random;
-    use crate::linear::{Matrix, solve, solve_oriented};
+    use crate::solve::dense::tests::Random;
+    use crate::solve::dense::{DeterminantSign, Matrix, solve, solve_with_sign};
 
-    /// The first column of a row.
+    /// Returns the first column of a row.
     fn first<const LOWER: usize>(row: usize) -> usize {
         row.saturating_sub(LOWER)
     }
@@ -143,7 +138,7 @@ mod tests {
         full
     }
 
-    /// Entries in [−1, 1), a part of them zero, each row and each column in a unit of its own.
+    /// Returns a matrix with entries in [−1, 1). A part of the entries is zero; each row and each column has its own unit.
     fn random<const K: usize, const LOWER: usize, const WIDTH: usize>(
         random: &mut Random,
         zeros: f64,
@@ -155,7 +150,7 @@ mod tests {
         let mut a = [[0.0; WIDTH]; K];
         for i in 0..K {
             let begin = first::<LOWER>(i);
-            // to the right of the diagonal as many in each row, so fewer before it in the first rows
+            // The number of entries to the right of the diagonal is the same in each row.
             let end = (i + WIDTH - LOWER).min(K);
             for j in begin..end {
                 if random.next().abs() >= zeros {
@@ -173,7 +168,7 @@ mod tests {
             let zeros = [0.0, 0.1, 0.3][sample % 3];
             let mut a = random::<K, LOWER, WIDTH>(&mut generator, zeros, sample % 2 == 0);
             if sample % 5 == 0 {
-                // a column that is a multiple of another to rounding, where both are in the same rows
+                // One column is a multiple of another to rounding, in the rows that have both.
                 let factor = generator.next();
                 for i in 0..K {
                     let begin = first::<LOWER>(i);
@@ -185,8 +180,9 @@ mod tests {
             let b: [f64; K] = core::array::from_fn(|_| generator.next());
             let dense = full(&a);
             swapped += u32::from((1..K).any(|i| dense[i][i - 1].abs() > dense[i - 1][i - 1].abs()));
-            let (x, y) = (solve_oriented(&a, &b), solve_oriented(&dense, &b));
-            let signs = |x: Option<([f64; K], f64)>| x.map(|(x, o)| (x, o < 0.0));
+            let (x, y) = (solve_with_sign(&a, &b), solve_with_sign(&dense, &b));
+            let signs =
+                |x: Option<([f64; K], DeterminantSign)>| x.map(|(x, sign)| (x, sign.is_negative()));
             assert_eq!(signs(x), signs(y), "{dense:?} {b:?}");
             *(if x.is_some() {
                 &mut solved
@@ -212,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_finite_is_noticed() {
+    fn entries_that_are_not_finite_are_noticed() {
         let mut a = Banded::<3, 1, 3>([[2.0, 1.0, 0.0], [1.0, 2.0, 1.0], [1.0, 2.0, 0.0]]);
         assert!(a.is_finite());
         assert_eq!(a.first(), 2.0);

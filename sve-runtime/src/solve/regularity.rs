@@ -1,28 +1,29 @@
-//! Whether every matrix within given distances of another is regular: the test behind the judge of a root.
+//! Regularity of an interval matrix: decides whether every matrix within given distances of another one is regular. A step
+//! accepts its root by this test.
 //!
 //! Input: midpoints and radii of the entries. Output: whether all matrices in between have an inverse. Invariant: no
-//! branches, so that a loop over lanes can be compiled to vector instructions, and the same answer for one state and in lanes.
+//! branches, so that a loop over lanes compiles to vector instructions, and the answer is the same for a single state and in lanes.
 //!
-//! With C the inverse of the midpoint, `C A` differs from the identity by at most `E = |C| R`; A is regular where the spectral radius
-//! of E is below 1, that is, where `1 − E` is an M-matrix, whose pivots are positive. The test does not depend on the units of
-//! equations and unknowns.
+//! Let C be the inverse of the midpoint matrix, R the radii and `E = |C| R`. Then `C A` differs from the identity by at most E in each entry, and A is
+//! regular if the spectral radius of E is below 1. This holds if `1 − E` is an M-matrix, whose pivots are positive. The test
+//! does not depend on the units of equations and unknowns.
 //!
-//! Source: Neumaier, *Interval Methods for Systems of Equations* (1990), proposition 4.1.1; Berman, Plemmons, *Nonnegative
+//! Sources: Neumaier, *Interval Methods for Systems of Equations* (1990), proposition 4.1.1; Berman, Plemmons, *Nonnegative
 //! Matrices in the Mathematical Sciences* (1994), chapter 6, for M-matrices.
 
-#![allow(clippy::needless_bitwise_bool)] // both sides are computed: a branch would end the vectors
+#![allow(clippy::needless_bitwise_bool)] // both sides are computed: a branch would prevent vector instructions
 
-/// Bound of the spectral radius: 1 less what the rounding errors of the radii and of a nearly singular inverse may amount to.
+/// Bound of the spectral radius. Its distance from 1 covers the rounding errors of the radii and of a nearly singular inverse.
 const BOUND: f64 = 0.95;
 
-/// Whether every matrix whose entries are within `radius` of those of `middle` is regular; false where one is NaN.
+/// Returns whether every matrix whose entries are within `radius` of those of `middle` is regular; `false` if an entry is NaN.
 #[inline(always)]
 pub fn is_regular_within<const K: usize>(middle: &[[f64; K]; K], radius: &[[f64; K]; K]) -> bool {
     match K {
         1 => radius[0][0] < BOUND * middle[0][0].abs(),
         2 => {
             let [a, b, c, d] = [middle[0][0], middle[0][1], middle[1][0], middle[1][1]];
-            // 1 − E times the determinant of the midpoint, whose adjugate needs no division
+            // (1 − E) times the determinant of the midpoint: the adjugate needs no division
             let size = BOUND * (a * d - b * c).abs();
             let row = |x: f64, y: f64, j: usize| x.abs() * radius[0][j] + y.abs() * radius[1][j];
             let [e00, e01, e10, e11] = [row(d, b, 0), row(d, b, 1), row(c, a, 0), row(c, a, 1)];
@@ -33,20 +34,20 @@ pub fn is_regular_within<const K: usize>(middle: &[[f64; K]; K], radius: &[[f64;
     }
 }
 
-/// Whether all numbers are positive.
+/// Returns whether all numbers are positive.
 #[inline]
 pub fn all_positive(numbers: &[f64]) -> bool {
     numbers.iter().all(|&x| x > 0.0)
 }
 
-/// Calls a function that is rarely called, so that the rest of the step is not compiled for it.
+/// Calls a function on a path that is rarely taken, so that the compiler optimises the rest of the step for the other path.
 #[cold]
 #[inline(never)]
 pub fn cold<T>(f: impl FnOnce() -> T) -> T {
     f()
 }
 
-/// `|C| R`.
+/// Returns `E = |C| R`.
 #[inline(always)]
 fn deviation<const K: usize>(inverse: &[[f64; K]; K], radius: &[[f64; K]; K]) -> [[f64; K]; K] {
     let mut e = [[0.0; K]; K];
@@ -61,7 +62,7 @@ fn deviation<const K: usize>(inverse: &[[f64; K]; K], radius: &[[f64; K]; K]) ->
     e
 }
 
-/// Whether all pivots of `BOUND − E` are positive.
+/// Returns whether all pivots of `BOUND − E` are positive.
 #[inline(always)]
 fn has_positive_pivots<const K: usize>(e: [[f64; K]; K]) -> bool {
     let mut a = e;
@@ -85,7 +86,7 @@ fn has_positive_pivots<const K: usize>(e: [[f64; K]; K]) -> bool {
     all
 }
 
-/// The inverse by Gauss–Jordan elimination with partial pivoting; NaN or infinite where there is none.
+/// Returns the inverse, by Gauss–Jordan elimination with partial pivoting; NaN or infinite if the matrix is singular.
 #[inline(always)]
 fn inverse<const K: usize>(mut a: [[f64; K]; K]) -> [[f64; K]; K] {
     let mut b = [[0.0; K]; K];
@@ -123,9 +124,9 @@ fn inverse<const K: usize>(mut a: [[f64; K]; K]) -> [[f64; K]; K] {
 #[cfg(test)]
 mod tests {
     use super::is_regular_within;
-    use crate::linear::tests::Random;
+    use crate::solve::dense::tests::Random;
 
-    /// The determinant by elimination without pivoting of a small matrix.
+    /// Returns the determinant of a small matrix, by elimination with partial pivoting.
     fn determinant<const K: usize>(mut a: [[f64; K]; K]) -> f64 {
         let mut product = 1.0;
         for k in 0..K {
@@ -146,7 +147,7 @@ mod tests {
         product
     }
 
-    /// No matrix within the radii of an accepted one has a determinant of the other sign.
+    /// Checks that no matrix within the radii of an accepted one has a determinant of the other sign. Returns the numbers of refused and accepted matrices.
     fn samples<const K: usize>(random: &mut Random) -> [u32; 2] {
         let mut counts = [0; 2];
         for _ in 0..400 {
@@ -185,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn the_test_is_sharp_for_diagonal_matrices_and_knows_no_units() {
+    fn the_test_is_sharp_for_diagonal_matrices_in_any_units() {
         let middle: [[f64; 3]; 3] = [[2e150, 0.0, 0.0], [0.0, -3.0, 0.0], [0.0, 0.0, 1e-150]];
         let scaled = |by: f64| middle.map(|row| row.map(|x| by * x.abs()));
         assert!(is_regular_within(&middle, &scaled(0.94)));
@@ -193,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_a_number_is_refused() {
+    fn singular_matrices_and_nan_are_refused() {
         assert!(!is_regular_within(&[[f64::NAN]], &[[0.0]]));
         assert!(!is_regular_within(&[[1.0]], &[[f64::NAN]]));
         assert!(!is_regular_within(

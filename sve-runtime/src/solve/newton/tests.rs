@@ -2,7 +2,9 @@
 
 use std::cell::{Cell, RefCell};
 
-use super::{BlockSolve, Evaluation, Newton, SolveError, Solver};
+use super::{BlockProperties, BlockSolver, Evaluation, Newton};
+use crate::solve::SolveError;
+use crate::solve::dense::DeterminantSign;
 
 /// One equation, its terms and its derivative.
 fn scalar(terms: &[f64], derivative: f64) -> Evaluation<1> {
@@ -102,7 +104,7 @@ fn units_do_not_matter() {
     let newton = Newton::default();
     let (reference, evaluations) = counted(&newton, [1.3, 1.6], |z| pair([1.0; 2], [1.0; 2], z));
     let reference = reference.unwrap();
-    assert!(super::relative(&pair([1.0; 2], [1.0; 2], &reference)) <= newton.tolerance);
+    assert!(pair([1.0; 2], [1.0; 2], &reference).relative_residual() <= newton.tolerance);
     assert!(evaluations <= 6);
     let sizes = [-60, 0, 60].map(|k| 2.0_f64.powi(k));
     for ux in sizes {
@@ -315,23 +317,26 @@ fn a_looser_tolerance_saves_evaluations() {
     }
 }
 
-/// `solve_or` with a known orientation, and a second guess that leads nowhere either.
-fn oriented(
+/// Solves a block with a known sign of the determinant, and a second guess that leads nowhere either.
+fn solve_with_limit_sign(
     guess: f64,
-    origin: f64,
+    limit_sign: DeterminantSign,
     evaluate: impl Fn(&[f64; 1]) -> Evaluation<1>,
 ) -> Result<[f64; 1], SolveError> {
     let newton = Newton::default();
-    let solver = Solver::new(&newton);
-    solver.solve_block(block(origin), [guess], || [-guess], |_| [0.0], evaluate)
+    let solver = BlockSolver::new(&newton);
+    solver.solve_block(block(limit_sign), [guess], || [-guess], |_| [0.0], evaluate)
 }
 
-/// A block that is judged by the course of its iteration.
-fn block(origin: f64) -> BlockSolve {
-    BlockSolve {
+const POSITIVE: DeterminantSign = DeterminantSign::of(1.0);
+const NEGATIVE: DeterminantSign = DeterminantSign::of(-1.0);
+
+/// Returns a block without bounds: its root is accepted by the path of its iteration.
+fn block(limit_sign: DeterminantSign) -> BlockProperties {
+    BlockProperties {
         first: 0,
-        judged: false,
-        origin,
+        has_bounds: false,
+        limit_sign,
     }
 }
 
@@ -346,20 +351,20 @@ fn updates_are_damped_where_full_ones_diverge() {
     let (alone, _) = counted(&Newton::default(), [3.0], arctangent);
     assert!(alone.is_err(), "{alone:?}");
     for guess in [1.5, 3.0, 30.0] {
-        let [x] = oriented(guess, 1.0, arctangent).unwrap();
+        let [x] = solve_with_limit_sign(guess, POSITIVE, arctangent).unwrap();
         assert!(x.abs() < 1e-14, "{x:e}");
     }
-    // where there is no root the residual cannot be reduced for ever
+    // Without a root, the line search ends.
     let none = |x: &[f64; 1]| Evaluation {
         curvature: 2.0,
         ..scalar(&[x[0] * x[0], 1.0], 2.0 * x[0])
     };
-    assert!(oriented(0.7, f64::NAN, none).is_err());
+    assert!(solve_with_limit_sign(0.7, DeterminantSign::UNKNOWN, none).is_err());
 }
 
 #[test]
-fn a_root_of_another_orientation_is_none() {
-    // x³ − 4x² + 2.5x = 0.45: the root that comes from 0.18 without the first two terms has met another one; the third is near 3.2
+fn a_root_with_the_other_sign_of_the_determinant_is_rejected() {
+    // x³ − 4x² + 2.5x = 0.45 has one real root, near 3.2. Without the first two terms the root is 0.18.
     let third = |x: &[f64; 1]| Evaluation {
         curvature: 6.0 * x[0] - 8.0,
         ..scalar(
@@ -367,31 +372,34 @@ fn a_root_of_another_orientation_is_none() {
             3.0 * x[0] * x[0] - 8.0 * x[0] + 2.5,
         )
     };
-    let [near] = oriented(3.4, 1.0, third).unwrap();
+    let [near] = solve_with_limit_sign(3.4, POSITIVE, third).unwrap();
     assert!((third(&[near]).residual[0]).abs() < 1e-14);
-    // from beyond the local maximum: the same root, with a piece of the other orientation before it
-    assert!(oriented(0.6, 1.0, third).is_err());
-    // its own orientation, but the opposite of where the solution comes from
-    assert_eq!(oriented(3.4, -1.0, third), Err(SolveError::OtherBranch));
-    assert!(oriented(3.4, f64::NAN, third).is_ok());
+    // From the other side of the local extrema, the segment to the root contains points with the other sign.
+    assert!(solve_with_limit_sign(0.6, POSITIVE, third).is_err());
+    // The sign at the root is not that of the limit.
+    assert_eq!(
+        solve_with_limit_sign(3.4, NEGATIVE, third),
+        Err(SolveError::OtherBranch)
+    );
+    assert!(solve_with_limit_sign(3.4, DeterminantSign::UNKNOWN, third).is_ok());
 }
 
 #[test]
-fn a_solution_that_is_followed_has_to_be_near() {
+fn a_warm_start_has_to_contract() {
     let newton = Newton::default();
     let evaluate = |x: &[f64; 1]| Evaluation {
         curvature: 2.0,
         ..square_root(x)
     };
     let follow = |guesses: Vec<f64>| {
-        let solver = Solver::following(&newton, &guesses);
-        solver.solve_block(block(1.0), [2.0], || [8.0], |_| [0.0], evaluate)
+        let solver = BlockSolver::warm_started(&newton, &guesses);
+        solver.solve_block(block(POSITIVE), [2.0], || [8.0], |_| [0.0], evaluate)
     };
     let x = follow(vec![1.5]).unwrap();
     assert!((x[0] - 2.0_f64.sqrt()).abs() < 1e-15);
-    // far away, or on the side where the slope is negative
+    // A guess too far away, and a guess where the slope is negative, are rejected.
     assert!(follow(vec![0.3]).is_err());
     assert!(follow(vec![-1.5]).is_err());
-    // without a given guess it is the block's own, from where the curve bends little on the way
+    // Without a given guess the block's own is used, from which the iteration contracts.
     assert!(follow(Vec::new()).is_ok());
 }

@@ -1,18 +1,18 @@
-//! Sine and cosine of an angle that has been turned a little.
+//! Angle addition: sine and cosine of a sum of two angles, the second of which is small.
 //!
-//! Input: sine and cosine of the old angle, and the turn. Output: those of the new one, by the addition theorems.
-//! The polynomials leave out less than 10⁻²⁰, far below a unit of rounding: what they leave out has the same sign step after step,
-//! so that the energy of a long run would drift by it. `sine` and `cosine` are those of the usual libraries on [−π/4, π/4] (fdlibm,
-//! `k_sin.c` and `k_cos.c`). Tested against the standard library.
+//! Input: sine and cosine of an angle, and an increment of the angle. Output: sine and cosine of the sum, by the addition theorems.
+//! The truncation error of the polynomials is below 10⁻²⁰, far below a unit of rounding: it has the same sign step after step,
+//! and the energy of a long run would drift by it. [`sine`] and [`cosine`] are the polynomials of the usual libraries on [−π/4, π/4] (fdlibm,
+//! `k_sin.c` and `k_cos.c`).
 
 use core::f64::consts::FRAC_PI_4;
 
-/// Turns up to here, as an iteration makes them with a small step, need only the first terms of the series: the error is below
-/// 3·10⁻²¹.
+/// Largest increment that needs only the first terms of the series. Iterations of small steps have such increments. The error is
+/// below 3·10⁻²¹.
 const SMALL: f64 = 1.0 / 32.0;
 
-/// The first coefficients of [`SINE`] for small turns. The fourth term is replaced by its best approximation of degree two, from the
-/// Chebyshev polynomial T₃ on [0, `SMALL`²], which is 32 times better than leaving it out.
+/// The first coefficients of [`SINE`] for small increments. The fourth term is replaced by its best approximation of degree two, from the
+/// Chebyshev polynomial T₃ on [0, `SMALL`²], whose error is 32 times smaller than the term.
 const SMALL_SINE: [f64; 3] = {
     let t = SMALL * SMALL;
     [
@@ -22,7 +22,7 @@ const SMALL_SINE: [f64; 3] = {
     ]
 };
 
-/// Taylor's coefficients of `(sin x − x)/x³` in x². The first term left out is below 10⁻¹⁹ at π/4, and below 10⁻²³ at ½.
+/// Taylor's coefficients of `(sin x − x)/x³` in x². The truncation error is below 10⁻¹⁹ at π/4, and below 10⁻²³ at ½.
 const SINE: [f64; 8] = [
     -1.0 / 6.0,
     1.0 / 120.0,
@@ -46,9 +46,9 @@ const COSINE: [f64; 8] = [
     -1.0 / 6_402_373_705_728_000.0,
 ];
 
-/// `(sin(a + by), cos(a + by))` from `sin a` and `cos a`, to two units of rounding of 1.
+/// Returns `(sin(a + by), cos(a + by))` from `sin a` and `cos a`, to two units of rounding of 1.
 #[inline]
-pub fn turn(sin: f64, cos: f64, by: f64) -> (f64, f64) {
+pub fn sin_cos_of_sum(sin: f64, cos: f64, by: f64) -> (f64, f64) {
     let x2 = by * by;
     let (s, c) = if by.abs() <= SMALL {
         let s = (SMALL_SINE[0] + x2 * SMALL_SINE[1]) + x2 * x2 * SMALL_SINE[2];
@@ -57,14 +57,14 @@ pub fn turn(sin: f64, cos: f64, by: f64) -> (f64, f64) {
     } else if by.abs() <= FRAC_PI_4 {
         (series(&SINE, x2), series(&COSINE, x2))
     } else {
-        return turn_far(sin, cos, by);
+        return sin_cos_of_large_sum(sin, cos, by);
     };
-    // sin(by) = s, cos(by) = 1 − c: what a small turn changes is added last
+    // sin(by) = s, cos(by) = 1 − c: the small changes are added last
     let (s, c) = (by + by * x2 * s, 0.5 * x2 - x2 * x2 * c);
     (sin + (cos * s - sin * c), cos - (sin * s + cos * c))
 }
 
-/// Sum of the eight terms of a series in `x2`.
+/// Returns the sum of the eight terms of a series in `x2`.
 #[inline(always)]
 fn series(c: &[f64; 8], x2: f64) -> f64 {
     let x4 = x2 * x2;
@@ -74,12 +74,12 @@ fn series(c: &[f64; 8], x2: f64) -> f64 {
 }
 
 #[cold]
-fn turn_far(sin: f64, cos: f64, by: f64) -> (f64, f64) {
+fn sin_cos_of_large_sum(sin: f64, cos: f64, by: f64) -> (f64, f64) {
     let (s, c) = by.sin_cos();
     (sin * c + cos * s, cos * c - sin * s)
 }
 
-/// `(sin x − x)/x³` of `x²`.
+/// Returns `(sin x − x)/x³` of `x²`.
 #[inline(always)]
 #[allow(clippy::excessive_precision)] // as their authors print them
 pub(crate) fn sine(x2: f64) -> f64 {
@@ -95,7 +95,7 @@ pub(crate) fn sine(x2: f64) -> f64 {
     (S[0] + x2 * S[1]) + x4 * ((S[2] + x2 * S[3]) + x4 * (S[4] + x2 * S[5]))
 }
 
-/// `(cos x − 1 + x²/2)/x⁴` of `x²`.
+/// Returns `(cos x − 1 + x²/2)/x⁴` of `x²`.
 #[inline(always)]
 #[allow(clippy::excessive_precision)] // as above
 pub(crate) fn cosine(x2: f64) -> f64 {
@@ -113,7 +113,7 @@ pub(crate) fn cosine(x2: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::turn;
+    use super::sin_cos_of_sum;
 
     #[test]
     fn agrees_with_the_standard_library() {
@@ -122,9 +122,9 @@ mod tests {
             let a = 0.037 * f64::from(i) - 3.0;
             let (sin, cos) = a.sin_cos();
             for j in -300..=300 {
-                // to ±3: both sides of the switch at π/4; halves down to tiny turns
+                // increments up to ±3, on both sides of π/4, and down to tiny ones
                 let by = 0.01 * f64::from(j) * 0.5f64.powi(i % 40);
-                let (s, c) = turn(sin, cos, by);
+                let (s, c) = sin_cos_of_sum(sin, cos, by);
                 let (exact_s, exact_c) = (
                     sin * by.cos() + cos * by.sin(),
                     cos * by.cos() - sin * by.sin(),
@@ -138,9 +138,9 @@ mod tests {
     }
 
     #[test]
-    fn a_turn_by_nothing_changes_nothing() {
+    fn an_increment_of_zero_changes_nothing() {
         let (sin, cos) = 0.3f64.sin_cos();
-        assert_eq!(turn(sin, cos, 0.0), (sin, cos));
-        assert!(turn(sin, cos, f64::NAN).0.is_nan());
+        assert_eq!(sin_cos_of_sum(sin, cos, 0.0), (sin, cos));
+        assert!(sin_cos_of_sum(sin, cos, f64::NAN).0.is_nan());
     }
 }

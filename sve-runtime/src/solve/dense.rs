@@ -1,0 +1,213 @@
+//! Linear systems with a dense matrix of a size known at compile time.
+//!
+//! Input: matrix and right-hand side. Output: the solution and the sign of the determinant, or `None` if the matrix is singular to
+//! rounding. One and two unknowns are solved by Cramer's rule, which is forward stable for two (Higham, *Accuracy and
+//! Stability of Numerical Algorithms*, section 1.10.1). Three and more are solved by Gaussian elimination with scaled partial
+//! pivoting: equations in different units choose the same pivots.
+
+/// Relative size below which a difference of two terms is indistinguishable from rounding error. A pivot is a difference of
+/// K terms, so its threshold is K times this one.
+pub(crate) const SINGULAR: f64 = 4.0 * f64::EPSILON;
+
+/// The sign of a determinant, as a number of that sign.
+///
+/// Two regular matrices between which a path of regular matrices exists have determinants of the same sign.
+#[derive(Clone, Copy, Debug)]
+pub struct DeterminantSign(f64);
+
+impl DeterminantSign {
+    /// The sign of no determinant: opposite to none.
+    pub const UNKNOWN: Self = Self(f64::NAN);
+
+    /// The sign of a number.
+    #[inline(always)]
+    pub(crate) const fn of(number: f64) -> Self {
+        Self(number)
+    }
+
+    #[inline(always)]
+    pub(super) fn from_is_negative(is_negative: bool) -> Self {
+        Self(if is_negative { -1.0 } else { 1.0 })
+    }
+
+    /// Returns whether one sign is plus and the other minus.
+    #[inline(always)]
+    pub(crate) fn is_opposite_to(self, other: Self) -> bool {
+        (self.0 < 0.0 && other.0 > 0.0) || (self.0 > 0.0 && other.0 < 0.0)
+    }
+
+    #[inline(always)]
+    pub(crate) fn is_unknown(self) -> bool {
+        self.0.is_nan()
+    }
+
+    #[cfg(test)]
+    pub(crate) fn is_negative(self) -> bool {
+        self.0 < 0.0
+    }
+}
+
+/// A square matrix of `K` rows that a step solves with.
+pub trait Matrix<const K: usize> {
+    /// Solves `a x = b`. Returns the solution and the sign of the determinant, or `None` if the matrix is singular to rounding.
+    fn solve_with_sign(&self, b: &[f64; K]) -> Option<([f64; K], DeterminantSign)>;
+    /// Returns whether all entries are finite.
+    fn is_finite(&self) -> bool;
+    /// Returns the entry of the first row and column.
+    fn first(&self) -> f64;
+}
+
+/// Solves `a x = b`.
+#[inline(always)]
+pub fn solve<const K: usize>(a: &impl Matrix<K>, b: &[f64; K]) -> Option<[f64; K]> {
+    a.solve_with_sign(b).map(|(x, _)| x)
+}
+
+/// Solves `a x = b`. Returns the solution and the sign of the determinant.
+#[inline(always)]
+pub fn solve_with_sign<const K: usize>(
+    a: &impl Matrix<K>,
+    b: &[f64; K],
+) -> Option<([f64; K], DeterminantSign)> {
+    a.solve_with_sign(b)
+}
+
+impl<const K: usize> Matrix<K> for [[f64; K]; K] {
+    #[inline(always)]
+    fn solve_with_sign(&self, b: &[f64; K]) -> Option<([f64; K], DeterminantSign)> {
+        solve_dense(self, b)
+    }
+
+    fn is_finite(&self) -> bool {
+        self.as_flattened().iter().all(|x| x.is_finite())
+    }
+
+    #[inline(always)]
+    fn first(&self) -> f64 {
+        self[0][0]
+    }
+}
+
+#[inline(always)]
+fn solve_dense<const K: usize>(
+    a: &[[f64; K]; K],
+    b: &[f64; K],
+) -> Option<([f64; K], DeterminantSign)> {
+    let mut x = [0.0; K];
+    let mut sign = DeterminantSign::of(1.0);
+    match K {
+        0 => {}
+        1 => {
+            if a[0][0] == 0.0 {
+                return None;
+            }
+            x[0] = b[0] / a[0][0];
+            sign = DeterminantSign::of(a[0][0]);
+        }
+        2 => {
+            let (ad, bc) = (a[0][0] * a[1][1], a[0][1] * a[1][0]);
+            let det = ad - bc;
+            if det.abs() <= SINGULAR * (ad.abs() + bc.abs()) {
+                return None;
+            }
+            let inverse = 1.0 / det;
+            x[0] = (b[0] * a[1][1] - b[1] * a[0][1]) * inverse;
+            x[1] = (b[1] * a[0][0] - b[0] * a[1][0]) * inverse;
+            sign = DeterminantSign::of(det);
+        }
+        _ => return eliminate(a, b),
+    }
+    Some((x, sign))
+}
+
+/// Gaussian elimination with scaled partial pivoting.
+fn eliminate<const K: usize>(
+    matrix: &[[f64; K]; K],
+    rhs: &[f64; K],
+) -> Option<([f64; K], DeterminantSign)> {
+    let (mut a, mut b) = (*matrix, *rhs);
+    let mut is_negative = false;
+    let mut scale = [0.0; K];
+    for i in 0..K {
+        scale[i] = largest_magnitude(&a[i]);
+    }
+    for k in 0..K {
+        let pivot = pivot_row(&a, &scale, k);
+        // A pivot that is small beside its row may be a rounding error, or its unknown may have a large unit.
+        // The slower test distinguishes the two.
+        let size = a[pivot][k].abs();
+        if size <= K as f64 * SINGULAR * scale[pivot] && is_rounding_error(matrix, k) {
+            return None;
+        }
+        a.swap(k, pivot);
+        b.swap(k, pivot);
+        scale.swap(k, pivot);
+        is_negative ^= (a[k][k] < 0.0) ^ (pivot != k);
+        for i in k + 1..K {
+            let factor = a[i][k] / a[k][k];
+            for j in k + 1..K {
+                a[i][j] -= factor * a[k][j];
+            }
+            b[i] -= factor * b[k];
+        }
+    }
+    let mut x = [0.0; K];
+    for k in (0..K).rev() {
+        let mut sum = b[k];
+        for j in k + 1..K {
+            sum -= a[k][j] * x[j];
+        }
+        x[k] = sum / a[k][k];
+    }
+    Some((x, DeterminantSign::from_is_negative(is_negative)))
+}
+
+/// Returns the row from `k` on with the largest entry of column `k` relative to the row's scale.
+#[inline(always)]
+fn pivot_row<const K: usize>(a: &[[f64; K]; K], scale: &[f64; K], k: usize) -> usize {
+    let mut pivot = k;
+    for i in k + 1..K {
+        // |a[i][k]| / scale[i] > |a[pivot][k]| / scale[pivot], without dividing
+        if a[i][k].abs() * scale[pivot] > a[pivot][k].abs() * scale[i] {
+            pivot = i;
+        }
+    }
+    pivot
+}
+
+/// Returns whether the pivot of column `k` is only rounding error.
+///
+/// Repeats the elimination and accumulates, for each entry, the sum of the magnitudes of the terms subtracted to form it. A pivot
+/// far below that sum has no correct digits. Unlike the largest entry of a row or column, the sum has the unit of the pivot.
+#[cold]
+fn is_rounding_error<const K: usize>(matrix: &[[f64; K]; K], k: usize) -> bool {
+    let mut a = *matrix;
+    let mut terms = matrix.map(|row| row.map(f64::abs));
+    let mut scale = matrix.map(|row| largest_magnitude(&row));
+    for column in 0..=k {
+        let pivot = pivot_row(&a, &scale, column);
+        a.swap(column, pivot);
+        terms.swap(column, pivot);
+        scale.swap(column, pivot);
+        if column == k {
+            break;
+        }
+        for i in column + 1..K {
+            let factor = a[i][column] / a[column][column];
+            for j in column + 1..K {
+                a[i][j] -= factor * a[column][j];
+                terms[i][j] += factor.abs() * terms[column][j];
+            }
+        }
+    }
+    a[k][k].abs() <= K as f64 * SINGULAR * terms[k][k]
+}
+
+/// Returns the largest magnitude of a row's entries.
+#[inline]
+pub(super) fn largest_magnitude(row: &[f64]) -> f64 {
+    row.iter().fold(0.0, |m: f64, x| m.max(x.abs()))
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

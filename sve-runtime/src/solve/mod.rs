@@ -1,0 +1,20 @@
+//! Solvers for the equations of a step. Nothing here knows mechanics.
+//!
+//! | module | solves |
+//! | --- | --- |
+//! | [`dense`] | a linear system of a size known at compile time |
+//! | [`banded`] | the same with a banded matrix |
+//! | [`gauss_jordan`] | a linear system of any size, for many right-hand sides |
+//! | [`newton`] | a system of nonlinear equations |
+//! | [`regularity`] | no system: decides whether all matrices of an interval matrix are regular |
+//!
+//! The versions that treat many states at once are in [`lanes`](crate::lanes).
+
+pub(crate) mod banded;
+pub(crate) mod dense;
+mod error;
+pub(crate) mod gauss_jordan;
+pub(crate) mod newton;
+pub(crate) mod regularity;
+
+pub use error::SolveError;

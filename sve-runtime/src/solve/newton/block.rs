@@ -1,0 +1,113 @@
+//! The interface of a step to Newton's method: which guesses its blocks start from, and which roots they accept.
+//!
+//! Input: guess and equations of a block. Output: its solution. Invariant: on the fast path the interface costs one test of its mode.
+
+use super::driver::{Acceptance, RootTest};
+use super::{Evaluation, Newton};
+use crate::solve::SolveError;
+use crate::solve::dense::{DeterminantSign, Matrix};
+
+/// Solves the blocks of a step: what [`Variational::increment`](crate::Variational::increment) is called with.
+#[derive(Clone, Copy, Debug)]
+pub struct BlockSolver<'a> {
+    newton: &'a Newton,
+    mode: Mode<'a>,
+}
+
+/// Which guesses blocks start from, and which roots they accept.
+#[derive(Clone, Copy, Debug)]
+enum Mode<'a> {
+    /// Starts from the guesses of the blocks. A root is accepted by the bounds of the block's Jacobian if it has such bounds, otherwise by
+    /// the path of the iteration.
+    FastPath,
+    /// Starts from the given solutions, one number for each unknown of the step (warm start). Rejects a root that Newton does not reach by
+    /// contracting steps.
+    Continuation(&'a [f64]),
+    /// Starts from the guesses of the blocks and accepts any root: continuation has no point to start from.
+    Unchecked,
+}
+
+/// What Newton's method has to know of a block of a step.
+#[derive(Clone, Copy, Debug)]
+pub struct BlockProperties {
+    /// Number of the block's first unknown among all unknowns of the step.
+    pub first: usize,
+    /// Whether the step tests the root by bounds of the Jacobian afterwards.
+    pub has_bounds: bool,
+    /// The sign of the Jacobian's determinant in the limit of no noise and h → 0.
+    pub limit_sign: DeterminantSign,
+}
+
+impl<'a> BlockSolver<'a> {
+    /// A solver for the fast path: blocks start from their own guesses.
+    #[inline]
+    pub fn new(newton: &'a Newton) -> Self {
+        Self {
+            newton,
+            mode: Mode::FastPath,
+        }
+    }
+
+    /// A solver that starts from the given solutions, one number for each unknown of the step, and rejects a root that Newton
+    /// does not reach by contracting steps.
+    pub(crate) fn warm_started(newton: &'a Newton, solutions: &'a [f64]) -> Self {
+        Self {
+            newton,
+            mode: Mode::Continuation(solutions),
+        }
+    }
+
+    /// A solver that accepts any root.
+    pub(crate) fn unchecked(newton: &'a Newton) -> Self {
+        Self {
+            newton,
+            mode: Mode::Unchecked,
+        }
+    }
+
+    /// Returns whether the step has to test roots by the bounds of their blocks.
+    #[inline(always)]
+    pub fn tests_bounds(&self) -> bool {
+        matches!(self.mode, Mode::FastPath)
+    }
+
+    /// Solves a block. Starts from `guess`, then from what `fallback` returns; `rounding` bounds the rounding errors of the residual.
+    /// See [`newton`](super).
+    ///
+    /// # Errors
+    /// The [`SolveError`] of the last attempt.
+    #[inline]
+    pub fn solve_block<const K: usize, J: Matrix<K>>(
+        &self,
+        block: BlockProperties,
+        guess: [f64; K],
+        fallback: impl FnOnce() -> [f64; K],
+        rounding: impl Fn(&[f64; K]) -> [f64; K],
+        evaluate: impl Fn(&[f64; K]) -> Evaluation<K, J>,
+    ) -> Result<[f64; K], SolveError> {
+        let BlockProperties {
+            first,
+            has_bounds,
+            limit_sign,
+        } = block;
+        let (acceptance, sign) = match self.mode {
+            Mode::FastPath if has_bounds => (Acceptance::Any, DeterminantSign::UNKNOWN),
+            Mode::FastPath => (Acceptance::OneUnknownOnSegment, limit_sign),
+            Mode::Continuation(_) => (Acceptance::Contracting, limit_sign),
+            Mode::Unchecked => (Acceptance::Any, limit_sign),
+        };
+        let guess = match self.mode {
+            Mode::FastPath | Mode::Unchecked => guess,
+            Mode::Continuation(solutions) => block_of(solutions, first).unwrap_or(guess),
+        };
+        let test = RootTest { sign, acceptance };
+        self.newton
+            .solve_from(guess, test, Some(fallback), rounding, evaluate)
+    }
+}
+
+/// Returns the numbers of a block with its first unknown at `first`.
+#[cold]
+fn block_of<const K: usize>(solutions: &[f64], first: usize) -> Option<[f64; K]> {
+    solutions.get(first..first + K)?.try_into().ok()
+}

@@ -1,0 +1,295 @@
+//! The driver of Newton's method: attempts, phases, and the decision when an iteration leaves the fast path.
+//!
+//! The loop of [`Newton::solve_from`] is the fast path: evaluate, judge, update. What is rare is decided in `#[cold]` functions, which get the iteration
+//! by value so that its numbers stay in registers on the fast path.
+
+use super::convergence::{ROOT_OF_ROUNDING, judge, predicts_negligible};
+use super::iteration::{Decision, Iteration, Phase};
+use super::update::Update;
+use super::{Evaluation, Newton};
+use crate::solve::SolveError;
+use crate::solve::dense::{DeterminantSign, Matrix};
+
+/// Relative change of an unknown that is only rounding: an iteration at its root jumps between neighbouring numbers, which
+/// differ by up to one unit of rounding.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Halvings of an update in the line search.
+const MAX_DAMPINGS: u32 = 24;
+
+/// Largest residual at which a change of the unknowns by rounding alone ends the iteration.
+const STEEP: f64 = 0.1;
+
+/// Which roots a solve returns.
+#[derive(Clone, Copy)]
+pub(super) struct RootTest {
+    /// The sign of the Jacobian's determinant in the limit of no noise and h → 0.
+    pub(super) sign: DeterminantSign,
+    pub(super) acceptance: Acceptance,
+}
+
+/// Which roots are accepted besides that of a contracting iteration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Acceptance {
+    /// None.
+    Contracting,
+    /// A root of a single unknown with the right sign of the determinant along the segment from the guess: there is no fold between
+    /// the two. For more unknowns a segment proves little, since paths lead around folds.
+    OneUnknownOnSegment,
+    /// Any root with the right sign of the determinant along the segment. Any root at all if the sign is unknown.
+    Any,
+}
+
+impl RootTest {
+    /// Returns whether a root in so many unknowns can be accepted if the iteration does not contract.
+    #[inline(always)]
+    fn accepts_without_contraction(self, unknowns: usize) -> bool {
+        match self.acceptance {
+            Acceptance::Contracting => false,
+            Acceptance::OneUnknownOnSegment => unknowns == 1,
+            Acceptance::Any => true,
+        }
+    }
+}
+
+impl Newton {
+    /// Finds a root near `guess`, without a second guess or a test of the root.
+    ///
+    /// # Errors
+    /// As [`solve_from`](Self::solve_from).
+    #[inline]
+    pub(crate) fn solve<const K: usize, J: Matrix<K>>(
+        &self,
+        guess: [f64; K],
+        evaluate: impl Fn(&[f64; K]) -> Evaluation<K, J>,
+    ) -> Result<[f64; K], SolveError> {
+        let test = RootTest {
+            sign: DeterminantSign::UNKNOWN,
+            acceptance: Acceptance::Any,
+        };
+        let no_fallback = None::<fn() -> [f64; K]>;
+        self.solve_from(guess, test, no_fallback, |_| [0.0; K], evaluate)
+    }
+
+    /// Finds a root and tests it.
+    ///
+    /// Attempts full steps from `guess`, then full steps from the point that `fallback` returns, then damped steps from `guess`. The later attempts are made only if
+    /// the test can accept a root of theirs. `rounding` bounds the rounding errors of the residual at a point; it
+    /// is called only if the residual stops decreasing.
+    ///
+    /// An update that leads out of the domain of the equations is halved until it does not. A guess outside of the domain moves towards zero in the
+    /// same way: unknowns are increments or velocities, and at zero nothing moves.
+    ///
+    /// # Errors
+    /// The [`SolveError`] of the last attempt.
+    #[inline]
+    pub(super) fn solve_from<const K: usize, J: Matrix<K>>(
+        &self,
+        guess: [f64; K],
+        test: RootTest,
+        mut fallback: Option<impl FnOnce() -> [f64; K]>,
+        rounding: impl Fn(&[f64; K]) -> [f64; K],
+        evaluate: impl Fn(&[f64; K]) -> Evaluation<K, J>,
+    ) -> Result<[f64; K], SolveError> {
+        let mut is_last_attempt = fallback.is_none() || !test.accepts_without_contraction(K);
+        let mut iteration = Iteration::new(guess);
+        loop {
+            // The only call of `evaluate`, so that the equations are compiled once, into this loop.
+            let at = evaluate(&iteration.x);
+            let residual = at.relative_residual();
+            let verdict = judge(residual, iteration.previous_residual, self.tolerance);
+            let iterates = !matches!(iteration.phase, Phase::Verification { .. });
+            // A guess at which the Jacobian is singular is one of many roots, or next to none.
+            let is_root = if iterates
+                && verdict.is_converged
+                && (iteration.updates > 0 || at.is_regular_with(test.sign))
+            {
+                iteration.make_last_update(&at);
+                true
+            } else if iterates
+                && verdict.has_halved
+                && at.is_within(&iteration.contraction_bounds)
+                && iteration.updates < self.max_iterations
+                && let Some(is_root) = self.update(&mut iteration, &at, residual, test.sign)
+            {
+                is_root
+            } else {
+                match self.leave_fast_path(iteration, &at, residual, test, &guess, &rounding) {
+                    Ok(Decision::Verified(root)) => return Ok(root),
+                    Ok(Decision::Root(last)) => {
+                        iteration = last;
+                        true
+                    }
+                    Ok(Decision::Continue(next)) => {
+                        iteration = next;
+                        continue;
+                    }
+                    Err(error) if is_last_attempt => return Err(error),
+                    Err(_) => {
+                        iteration = if let Some(fallback) = fallback.take() {
+                            // Contraction from another point proves nothing about the guess.
+                            Iteration {
+                                is_contracting: false,
+                                ..Iteration::new(fallback())
+                            }
+                        } else {
+                            is_last_attempt = true;
+                            Iteration {
+                                phase: Phase::DampedSteps,
+                                ..Iteration::new(guess)
+                            }
+                        };
+                        continue;
+                    }
+                }
+            };
+            if is_root {
+                let accepts_any = test.accepts_without_contraction(K);
+                if iteration.is_contracting || (accepts_any && test.sign.is_unknown()) {
+                    return Ok(iteration.x);
+                }
+                if !accepts_any {
+                    return Err(SolveError::OtherBranch);
+                }
+                iteration = iteration.into_verification(&guess);
+            }
+        }
+    }
+
+    /// Makes an update. Returns whether it leads to the root, or `None` if the Jacobian is singular, its determinant has not the given sign, or the
+    /// update is not finite.
+    #[inline]
+    fn update<const K: usize, J: Matrix<K>>(
+        &self,
+        iteration: &mut Iteration<K>,
+        at: &Evaluation<K, J>,
+        residual: f64,
+        expected: DeterminantSign,
+    ) -> Option<bool> {
+        let Update {
+            by,
+            is_third_order,
+            sign,
+        } = at.update()?;
+        let mut x = iteration.x;
+        let mut sum = 0.0;
+        for i in 0..K {
+            x[i] -= by[i];
+            sum += by[i];
+        }
+        if !sum.is_finite() || sign.is_opposite_to(expected) {
+            return None;
+        }
+        let previous = iteration.previous_residual;
+        let is_root = predicts_negligible(residual, previous, is_third_order, self.tolerance);
+        *iteration = Iteration {
+            x,
+            previous_x: iteration.x,
+            previous_residual: residual,
+            contraction_bounds: at.contraction_bounds(residual),
+            updates: iteration.updates + 1,
+            halvings: 0,
+            // For a single unknown, the condition for third order is Kantorovich's.
+            is_contracting: iteration.is_contracting && (K != 1 || is_third_order),
+            ..*iteration
+        };
+        Some(is_root)
+    }
+
+    /// Decides how an iteration goes on if it is in verification, or its evaluation is not finite, its residual did not contract, its limit is reached, or its Jacobian is
+    /// singular or has a determinant of the wrong sign.
+    #[cold]
+    fn leave_fast_path<const K: usize, J: Matrix<K>>(
+        &self,
+        mut iteration: Iteration<K>,
+        at: &Evaluation<K, J>,
+        residual: f64,
+        test: RootTest,
+        guess: &[f64; K],
+        rounding: &impl Fn(&[f64; K]) -> [f64; K],
+    ) -> Result<Decision<K>, SolveError> {
+        if let Phase::Verification { root, point } = iteration.phase {
+            if !residual.is_finite() || !at.is_regular_with(test.sign) {
+                return Err(SolveError::OtherBranch);
+            }
+            return Ok(iteration.verify_next(guess, root, point));
+        }
+        if !residual.is_finite() {
+            return iteration.halve_update().map(Decision::Continue);
+        }
+        let not_converged = SolveError::NotConverged {
+            iterations: iteration.updates,
+            residual,
+            tolerance: self.tolerance,
+        };
+        if !judge(residual, iteration.previous_residual, self.tolerance).has_halved {
+            if self.is_limited_by_rounding(&iteration, at, residual, rounding) {
+                return Ok(Decision::Root(iteration));
+            }
+            if iteration.x == iteration.previous_x {
+                return Err(if at.jacobian.is_finite() {
+                    not_converged
+                } else {
+                    SolveError::NonFinite
+                });
+            }
+        }
+        // At smaller residuals, rounding errors can prevent contraction.
+        iteration.is_contracting &= iteration.previous_residual < ROOT_OF_ROUNDING;
+        let can_be_accepted = iteration.is_contracting || test.accepts_without_contraction(K);
+        if iteration.updates >= self.max_iterations || !can_be_accepted {
+            return Err(not_converged);
+        }
+        if matches!(iteration.phase, Phase::DampedSteps) && !iteration.has_decreased(residual) {
+            let halved = iteration.halve_update()?;
+            if halved.halvings > MAX_DAMPINGS {
+                return Err(not_converged);
+            }
+            return Ok(Decision::Continue(halved));
+        }
+        // Far from the root, a determinant of the wrong sign proves nothing about the root.
+        match self.update(&mut iteration, at, residual, DeterminantSign::UNKNOWN) {
+            Some(true) => Ok(Decision::Root(iteration)),
+            Some(false) => Ok(Decision::Continue(iteration)),
+            None if at.update().is_none() => Err(SolveError::Singular {
+                iteration: iteration.updates + 1,
+            }),
+            None => Err(SolveError::NonFinite),
+        }
+    }
+
+    /// Returns whether rounding errors keep the residual from decreasing.
+    fn is_limited_by_rounding<const K: usize, J: Matrix<K>>(
+        &self,
+        iteration: &Iteration<K>,
+        at: &Evaluation<K, J>,
+        residual: f64,
+        rounding: &impl Fn(&[f64; K]) -> [f64; K],
+    ) -> bool {
+        if judge(residual, iteration.previous_residual, self.tolerance).is_stalled_by_rounding {
+            return true;
+        }
+        if !at.jacobian.is_finite() {
+            return false;
+        }
+        // One unit in the last place of an unknown can change a steep residual by more than its tolerance.
+        let Iteration { x, previous_x, .. } = iteration;
+        let has_changed_by_rounding =
+            |i: usize| (x[i] - previous_x[i]).abs() <= ROUNDING * x[i].abs();
+        if residual < STEEP && (0..K).all(has_changed_by_rounding) {
+            return true;
+        }
+        if iteration.updates == 0 {
+            return false;
+        }
+        // A residual of products whose factors cancel, such as the force between neighbours far from the origin, can be
+        // rounding error of the factors. It cannot decrease relative to its terms, which are as small as the error.
+        let bounds = rounding(x);
+        let is_rounding_error = |i: usize| {
+            let size = at.residual[i].abs();
+            let is_converged = size <= self.tolerance * at.magnitude[i];
+            is_converged || (size <= bounds[i] && bounds[i].is_finite())
+        };
+        (0..K).all(is_rounding_error)
+    }
+}
