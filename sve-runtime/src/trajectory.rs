@@ -3,7 +3,7 @@
 use crate::Integrator;
 use crate::error::StepError;
 use crate::method::Method;
-use crate::noise::{Halves, Noise, NoiseError, Part};
+use crate::noise::{DyadicInterval as Part, Halves, Noise, NoiseError};
 use crate::snapshot::Snapshot;
 use crate::state::State;
 use crate::step::{self, is_time};

@@ -4,7 +4,7 @@
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
 use sve_runtime::noise::{
-    FromRng, NoNoise, Noise, NoiseError, Part, Recorded, ThreePoint, Truncated, Wiener,
+    DyadicInterval, FromRng, NoNoise, Noise, NoiseError, Recorded, ThreePoint, Truncated, Wiener,
 };
 
 fn draw<const M: usize>(
@@ -115,7 +115,7 @@ fn three_point_values_are_a_contract() {
 fn bridge_values_are_a_contract() {
     let path = Wiener::new(42).path(7);
     for (step, process, level, index, expected) in BRIDGE {
-        let mut part = Part::whole(step);
+        let mut part = DyadicInterval::whole(step);
         for bit in (0..level).rev() {
             part = part.halves().unwrap()[(index >> bit & 1) as usize];
         }

@@ -1,8 +1,8 @@
 //! Paths in smaller steps: sums, replay, agreement of depths, and the law of a bridge. Paths that are entered at a step.
 
 use sve_runtime::noise::{
-    Halves, NoNoise, Noise, NoiseError, Part, Recorded, Refined, Replayable, ThreePoint, Truncated,
-    Wiener,
+    DyadicInterval, Halves, NoNoise, Noise, NoiseError, Recorded, Refined, Replayable, ThreePoint,
+    Truncated, Wiener,
 };
 
 const H: f64 = 0.3;
@@ -64,7 +64,7 @@ fn a_deeper_refinement_agrees_with_a_shallow_one() -> Result<(), NoiseError> {
 fn steps_are_leaves_of_the_tree() -> Result<(), NoiseError> {
     fn leaves(
         path: &Wiener,
-        part: Part,
+        part: DyadicInterval,
         process: usize,
         whole: f64,
         depth: u32,
@@ -88,7 +88,14 @@ fn steps_are_leaves_of_the_tree() -> Result<(), NoiseError> {
             let mut out = Vec::new();
             for step in 0..7 {
                 let whole = path.increment(step, process, H);
-                leaves(&path, Part::whole(step), process, whole, depth, &mut out);
+                leaves(
+                    &path,
+                    DyadicInterval::whole(step),
+                    process,
+                    whole,
+                    depth,
+                    &mut out,
+                );
             }
             out
         })
@@ -132,7 +139,7 @@ fn the_ends_of_depth_and_of_time() -> Result<(), NoiseError> {
     }
     let too_long = deepest.increments(0, 1e300, &mut dw).unwrap_err();
     assert!(matches!(too_long, NoiseError::InvalidStep { h } if h.is_infinite()));
-    let mut part = Part::whole(u64::MAX);
+    let mut part = DyadicInterval::whole(u64::MAX);
     for level in 0..63 {
         assert_eq!(part.level(), level);
         part = part.halves().unwrap()[1];
@@ -216,7 +223,7 @@ fn halves_have_the_conditional_law() {
     let (mut mean, mut square, mut with_whole) = (0.0, 0.0, 0.0);
     for step in 0..n {
         let whole = path.increment(step, 0, H);
-        let [left, right] = path.halves(Part::whole(step), 0, H, whole);
+        let [left, right] = path.halves(DyadicInterval::whole(step), 0, H, whole);
         assert!((left + right - whole).abs() <= 2.0 * f64::EPSILON * (left.abs() + right.abs()));
         let z = (left - 0.5 * whole) / (0.5 * H.sqrt());
         mean += z;
@@ -231,7 +238,7 @@ fn halves_have_the_conditional_law() {
     );
     assert!((with_whole / root).abs() < 5.0, "{with_whole}");
     // the same node with another whole: the same deviation
-    let part = Part::whole(3);
+    let part = DyadicInterval::whole(3);
     let [a, _] = path.halves(part, 0, H, 0.0);
     let [b, _] = path.halves(part, 0, H, 1.0);
     assert!((b - a - 0.5).abs() < 1e-15);
@@ -279,12 +286,12 @@ fn a_path_is_entered_at_a_step() -> Result<(), NoiseError> {
         })
     );
     // the halves of a step are those of the step of the path
-    let part = Part::whole(2);
+    let part = DyadicInterval::whole(2);
     let ([mut left, mut right], [mut other_left, mut other_right]) = ([[0.0; 1]; 2], [[0.0; 1]; 2]);
     let entered = wiener.clone().from_step(7);
     entered.halves_of(part, 0.1, &[0.3], &mut left, &mut right);
     wiener.halves_of(
-        Part::whole(9),
+        DyadicInterval::whole(9),
         0.1,
         &[0.3],
         &mut other_left,

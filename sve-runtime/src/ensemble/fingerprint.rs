@@ -18,7 +18,7 @@ use super::law::Law;
 use super::run::Run;
 use super::start::{Start, StartRng};
 use crate::method::Method;
-use crate::noise::lanes::Increments as Source;
+use crate::noise::lanes::DistributionKind as Source;
 use crate::noise::{Noise, ThreePoint, Wiener};
 use crate::state::State;
 use crate::system::{Dims, System};

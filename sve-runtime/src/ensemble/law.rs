@@ -3,7 +3,7 @@
 //! Input: what was asked for. Output: a law, or why there is none.
 
 use super::EnsembleError;
-use crate::noise::lanes::Increments as Source;
+use crate::noise::lanes::DistributionKind as Source;
 use crate::noise::{Truncated, Wiener};
 
 /// What was asked for.

@@ -2,10 +2,10 @@
 //!
 //! Input: the increment over a part of a step. Output: those over its two halves, which sum to it.
 //! Invariant: a half is a pure function of (seed, path, step, process, level, index) and the increment of the whole; given the whole,
-//! the left half is normal with mean ΔW/2 and variance h/4, independent of everything outside the part.
+//! the left half is normal with mean ΔW/2 and variance h/4, independent of everything outside the interval.
 //!
 //! Layout: the key of Threefry is (seed, path, domain, 0), the counter (step, process / 4, 2^level + index, 0), and its four
-//! words are the four normals of four processes. It is part of the public contract.
+//! words give the four normals of four processes. The layout is part of the public contract.
 //!
 //! Source: Lévy's construction; Karatzas, Shreve, *Brownian Motion and Stochastic Calculus*, 2nd ed., Springer (1991), section 2.3.
 
@@ -15,27 +15,27 @@ use super::{Noise, NoiseError, Wiener, box_muller, threefry};
 /// Separates these draws from the increments of the path itself.
 const DOMAIN: u64 = u64::from_le_bytes(*b"bridge  ");
 
-/// How often a step can be halved: the counter has 64 bits for level and index.
+/// Largest number of halvings of a step: the counter has 64 bits for level and index.
 const DEEPEST: u32 = 63;
 
-/// A part of a step: one of the 2^`level` equal ones.
+/// A dyadic interval of a step: one of its 2^`level` equal parts.
 ///
 /// ```
-/// use sve_runtime::noise::Part;
+/// use sve_runtime::noise::DyadicInterval;
 ///
-/// let [left, right] = Part::whole(10).halves().unwrap();
+/// let [left, right] = DyadicInterval::whole(10).halves().unwrap();
 /// let [_, last] = right.halves().unwrap();
 /// assert_eq!((left.level(), left.index()), (1, 0));
 /// assert_eq!((last.step(), last.level(), last.index()), (10, 2, 3));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Part {
+pub struct DyadicInterval {
     step: u64,
     level: u32,
     index: u64,
 }
 
-impl Part {
+impl DyadicInterval {
     /// A whole step.
     pub const fn whole(step: u64) -> Self {
         Self {
@@ -45,7 +45,7 @@ impl Part {
         }
     }
 
-    /// The two halves in order of time; `None` for a part that was halved 63 times.
+    /// Returns the two halves in order of time; `None` at level 63.
     pub const fn halves(self) -> Option<[Self; 2]> {
         if self.level == DEEPEST {
             return None;
@@ -62,7 +62,7 @@ impl Part {
         Some([left, right])
     }
 
-    /// The same part of the step that comes `steps` later.
+    /// Returns the same interval of the step `steps` later.
     pub(super) const fn later(self, steps: u64) -> Self {
         Self {
             step: self.step.wrapping_add(steps),
@@ -70,45 +70,44 @@ impl Part {
         }
     }
 
-    /// The step it belongs to.
+    /// Number of the step.
     pub const fn step(self) -> u64 {
         self.step
     }
 
-    /// How often the step was halved.
+    /// Number of halvings of the step.
     pub const fn level(self) -> u32 {
         self.level
     }
 
-    /// Its place among the parts of its level, from 0.
+    /// Number of the interval among those of its level, from 0.
     pub const fn index(self) -> u64 {
         self.index
     }
 }
 
 impl Wiener {
-    /// The increments over the two halves of a part of length `h`, for a process whose increment over the part is `whole`.
+    /// Returns the increments over the two halves of an interval of length `h`, for a process whose increment over the interval is `whole`.
     ///
-    /// They sum to `whole` up to rounding, and have the law of a Brownian path that does so. NaN where `h` is negative or NaN.
+    /// They sum to `whole` up to rounding, and have the conditional distribution of a Brownian path. If `h` is negative or NaN, returns NaN.
     ///
     /// ```
-    /// use sve_runtime::noise::{Part, Wiener};
+    /// use sve_runtime::noise::{DyadicInterval, Wiener};
     ///
     /// let path = Wiener::new(42).path(3);
     /// let (step, process, h) = (10, 0, 0.1);
     /// let whole = path.increment(step, process, h);
-    /// let [left, right] = path.halves(Part::whole(step), process, h, whole);
+    /// let [left, right] = path.halves(DyadicInterval::whole(step), process, h, whole);
     /// assert!((left + right - whole).abs() < 1e-15);
     /// ```
-    pub fn halves(&self, part: Part, process: usize, h: f64, whole: f64) -> [f64; 2] {
-        let normals = self.normals(part, process, 0.5 * h.sqrt());
+    pub fn halves(&self, interval: DyadicInterval, process: usize, h: f64, whole: f64) -> [f64; 2] {
+        let normals = self.normals(interval, process, 0.5 * h.sqrt());
         split(whole, normals[process % 4])
     }
 
-    /// The same path in steps of `h / 2^depth`: step `k` of length `h` is steps `2^depth k …` of this source, whose increments
-    /// sum to its.
+    /// Returns the same path in steps of `h / 2^depth`: the increments of `2^depth` steps from step `2^depth k` on sum to that of step `k` of length `h`.
     ///
-    /// A deeper refinement of the same path agrees with this one as well.
+    /// Refinements of different depths of the same path agree.
     ///
     /// ```
     /// use sve_runtime::noise::{Recorded, Wiener};
@@ -138,17 +137,17 @@ impl Wiener {
         })
     }
 
-    /// Four normals for the group of processes that `process` is in.
+    /// Returns four normals for the group of four processes that contains `process`.
     #[inline]
-    fn normals(&self, part: Part, process: usize, scale: f64) -> [f64; 4] {
-        let node = (1 << part.level) + part.index;
-        let counter = [part.step, process as u64 / 4, node, 0];
+    fn normals(&self, interval: DyadicInterval, process: usize, scale: f64) -> [f64; 4] {
+        let number = (1 << interval.level) + interval.index;
+        let counter = [interval.step, process as u64 / 4, number, 0];
         let words = threefry::block(counter, [self.0.seed, self.0.path, DOMAIN, 0]);
         box_muller::four(words, scale)
     }
 }
 
-/// The halves of an increment, from √h/2 times a standard normal.
+/// Returns the halves of an increment; `deviation` is √h/2 times a standard normal.
 #[inline]
 fn split(whole: f64, deviation: f64) -> [f64; 2] {
     let left = 0.5 * whole + deviation;
@@ -157,29 +156,29 @@ fn split(whole: f64, deviation: f64) -> [f64; 2] {
 
 /// A [`Wiener`] path in smaller steps, from [`Wiener::refine`].
 ///
-/// Its step size is `h / 2^depth`, where the path itself is stepped by `h`. Any step can be asked for in any order; in
+/// Its step size is `h / 2^depth`, where `h` is the step size of the path. Steps can be evaluated in any order; in
 /// sequence a step costs about two blocks of random words for each four processes.
 ///
-/// Its only error is [`NoiseError::InvalidStep`], for a step size that is not positive and finite, or whose `2^depth`-fold is not.
+/// Its only error is [`NoiseError::InvalidStep`], for a step size that is not positive and finite, or whose `2^depth`-fold is not finite.
 #[derive(Clone, Debug)]
 pub struct Refined {
     path: Wiener,
     depth: u32,
-    /// Which step and step size `increments` belongs to.
+    /// The step and the step size that `increments` belongs to.
     at: Option<(u64, f64)>,
     processes: usize,
-    /// Level by level from the whole step down to the part asked for, one entry a process.
+    /// Increments, level by level from the whole step down to the last interval, one entry for each process.
     increments: Vec<f64>,
 }
 
 impl Refined {
-    /// The first level where the parts that hold two steps differ, and below which all do; `None` if the steps are the same.
+    /// Returns the first level at which two steps are in different intervals; `None` if the steps are the same.
     fn first_difference(&self, a: u64, b: u64) -> Option<u32> {
         let highest = (a ^ b).checked_ilog2()?;
         Some(self.depth.saturating_sub(highest))
     }
 
-    /// Computes the increments of one level from those of the level above, or from the path.
+    /// Computes the increments of one level from those of the level above; those of level 0 from the path.
     fn descend(&mut self, step: u64, level: u32, whole_h: f64) -> Result<(), NoiseError> {
         let processes = self.processes;
         let row = level as usize * processes;
@@ -190,16 +189,16 @@ impl Refined {
                 .increments(whole_step, whole_h, &mut self.increments[..processes]);
         };
         let places = step - (whole_step << self.depth);
-        // the place of the part at the level above, and which of its halves
+        // number of the interval at this level: its parity says which half of the interval above it is
         let index = places >> (self.depth - level);
-        let part = Part {
+        let interval = DyadicInterval {
             step: whole_step,
             level: above,
             index: index / 2,
         };
         let scale = 0.5 * (whole_h / two_to(above)).sqrt();
         for first in (0..processes).step_by(4) {
-            let normals = self.path.normals(part, first, scale);
+            let normals = self.path.normals(interval, first, scale);
             for process in first..processes.min(first + 4) {
                 let whole = self.increments[row - processes + process];
                 let halves = split(whole, normals[process - first]);

@@ -8,9 +8,9 @@ use super::{Noise, NoiseError, box_muller};
 
 /// Increments drawn one after another from a generator of the `rand` crates (`rand_core` 0.10).
 ///
-/// The step number is ignored: what comes next is what the generator gives next, so a path cannot be replayed or read in
-/// another order, and two trajectories that share a generator by reference share its stream. For anything of that kind use
-/// [`Wiener`](crate::noise::Wiener). Normals are made as there, two from two words.
+/// The step number is ignored: each call takes the next numbers of the generator. A path cannot be replayed or read in
+/// another order, and two trajectories that share a generator by reference share its stream; use
+/// [`Wiener`](crate::noise::Wiener) for these purposes. Two words give two normals, by the transform of `Wiener`.
 ///
 /// The only error is [`NoiseError::InvalidStep`], for an `h` that is not positive and finite.
 ///

@@ -1,14 +1,15 @@
-//! Sources that are entered in the middle of their path.
+//! Sources that can be entered at a step.
 //!
-//! Input: a source and a step. Output: its increments from that step on. Invariant: step `k` is step `first + k` of the source, bit for bit.
+//! Input: a source and a step. Output: the source's increments from that step on. Invariant: step `k` is step `first + k` of the source, bit for bit.
 
 use super::{
-    Halves, NoNoise, Noise, NoiseError, Part, Recorded, Refined, ThreePoint, Truncated, Wiener,
+    DyadicInterval, Halves, NoNoise, Noise, NoiseError, Recorded, Refined, ThreePoint, Truncated,
+    Wiener,
 };
 
-/// A source whose increments are a function of the number of the step, so that its path can be entered anywhere.
+/// A source whose increments are a function of the step number, so that its path can be entered anywhere.
 ///
-/// A trajectory begins at step 0 of its source. To go on from a state that was reached after `k` steps of a path, enter the path there:
+/// A trajectory begins at step 0 of its source. To continue from a state reached after `k` steps of a path, enter the path at step `k`:
 ///
 /// ```
 /// use sve_runtime::prelude::*;
@@ -27,7 +28,7 @@ use super::{
 /// let (h, noise) = (0.125, Wiener::new(1).path(3));
 /// let mut whole = oscillator.trajectory(State::new([1.0], [0.0]), h, noise.clone());
 /// let middle = whole.nth(39).unwrap()?;
-/// // without `from_step` the noise of the first 40 steps would come again
+/// // without `from_step` the increments of the first 40 steps would be repeated
 /// let mut rest = oscillator.trajectory(middle, h, noise.from_step(40));
 /// assert_eq!(rest.next().unwrap()?, whole.next().unwrap()?);
 /// # Ok(())
@@ -41,7 +42,7 @@ use super::{
     note = "`Wiener`, `ThreePoint` and what is built on them, `Recorded` and `NoNoise` can; of another source, implement `Replayable` if its increments are a function of the step"
 )]
 pub trait Replayable: Noise {
-    /// The same path from step number `first` on, which becomes step 0.
+    /// Returns the same path from step number `first` on; that step becomes step 0.
     #[allow(clippy::wrong_self_convention)] // a path from a step on, not a conversion
     fn from_step(self, first: u64) -> FromStep<Self>
     where
@@ -62,9 +63,9 @@ impl<W: Replayable> Replayable for FromStep<W> {}
 impl<W: Replayable + ?Sized> Replayable for &mut W {}
 impl<W: Replayable + ?Sized> Replayable for Box<W> {}
 
-/// A source that is entered at a step, from [`Replayable::from_step`].
+/// A source entered at a step, from [`Replayable::from_step`].
 ///
-/// Its errors are those of the source, and [`NoiseError::StepNumber`] for a step beyond 2⁶⁴ − 1 of it.
+/// Its errors are those of the source, and [`NoiseError::StepNumber`] for a step of the source above 2⁶⁴ − 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FromStep<W> {
     noise: W,
@@ -83,8 +84,15 @@ impl<W: Noise> Noise for FromStep<W> {
 }
 
 impl<W: Halves> Halves for FromStep<W> {
-    fn halves_of(&self, part: Part, h: f64, whole: &[f64], left: &mut [f64], right: &mut [f64]) {
+    fn halves_of(
+        &self,
+        interval: DyadicInterval,
+        h: f64,
+        whole: &[f64],
+        left: &mut [f64],
+        right: &mut [f64],
+    ) {
         self.noise
-            .halves_of(part.later(self.first), h, whole, left, right);
+            .halves_of(interval.later(self.first), h, whole, left, right);
     }
 }

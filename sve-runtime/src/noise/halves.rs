@@ -1,19 +1,19 @@
-//! Sources that can tell their path between the ends of a step.
+//! Sources that know their path within a step.
 //!
-//! Input: the increments over a part of a step. Output: those over its halves. Invariant: they sum to it up to rounding, and are
-//! a pure function of the source, the part and the whole.
+//! Input: the increments over a dyadic interval of a step. Output: the increments over its halves. Invariant: they sum to those of the interval up to rounding, and are
+//! a pure function of the source, the interval and its increments.
 
-use super::{NoNoise, Noise, Part, Wiener};
+use super::{DyadicInterval, NoNoise, Noise, Wiener};
 
-/// A source that knows its path within steps, so that a step can be made in smaller ones on the same path.
+/// A source that knows its path within steps, so that a step can be divided into smaller steps on the same path.
 ///
 /// ```
-/// use sve_runtime::noise::{Halves, Noise, Part, Wiener};
+/// use sve_runtime::noise::{Halves, Noise, DyadicInterval, Wiener};
 ///
 /// let mut path = Wiener::new(42);
 /// let (mut whole, mut left, mut right) = ([0.0; 2], [0.0; 2], [0.0; 2]);
 /// path.increments(7, 0.1, &mut whole)?;
-/// path.halves_of(Part::whole(7), 0.1, &whole, &mut left, &mut right);
+/// path.halves_of(DyadicInterval::whole(7), 0.1, &whole, &mut left, &mut right);
 /// assert!((left[1] + right[1] - whole[1]).abs() < 1e-15);
 /// # Ok::<(), sve_runtime::noise::NoiseError>(())
 /// ```
@@ -23,27 +23,48 @@ use super::{NoNoise, Noise, Part, Wiener};
     note = "`Wiener` and `NoNoise` know theirs; increments that are recorded, clipped or drawn one after another belong to whole steps"
 )]
 pub trait Halves: Noise {
-    /// The increments of every process over the two halves of a part of length `h` whose own are `whole`.
-    fn halves_of(&self, part: Part, h: f64, whole: &[f64], left: &mut [f64], right: &mut [f64]);
+    /// Computes the increments of every process over the two halves of an interval of length `h`; `whole` are those over the interval.
+    fn halves_of(
+        &self,
+        interval: DyadicInterval,
+        h: f64,
+        whole: &[f64],
+        left: &mut [f64],
+        right: &mut [f64],
+    );
 }
 
 impl Halves for Wiener {
-    fn halves_of(&self, part: Part, h: f64, whole: &[f64], left: &mut [f64], right: &mut [f64]) {
+    fn halves_of(
+        &self,
+        interval: DyadicInterval,
+        h: f64,
+        whole: &[f64],
+        left: &mut [f64],
+        right: &mut [f64],
+    ) {
         for (process, &whole) in whole.iter().enumerate() {
-            [left[process], right[process]] = self.halves(part, process, h, whole);
+            [left[process], right[process]] = self.halves(interval, process, h, whole);
         }
     }
 }
 
 impl Halves for NoNoise {
-    fn halves_of(&self, _: Part, _: f64, _: &[f64], left: &mut [f64], right: &mut [f64]) {
+    fn halves_of(&self, _: DyadicInterval, _: f64, _: &[f64], left: &mut [f64], right: &mut [f64]) {
         left.fill(0.0);
         right.fill(0.0);
     }
 }
 
 impl<W: Halves + ?Sized> Halves for &mut W {
-    fn halves_of(&self, part: Part, h: f64, whole: &[f64], left: &mut [f64], right: &mut [f64]) {
-        (**self).halves_of(part, h, whole, left, right);
+    fn halves_of(
+        &self,
+        interval: DyadicInterval,
+        h: f64,
+        whole: &[f64],
+        left: &mut [f64],
+        right: &mut [f64],
+    ) {
+        (**self).halves_of(interval, h, whole, left, right);
     }
 }

@@ -1,31 +1,31 @@
-//! Increments of many paths at once.
+//! Increments of many paths at once, a lane for each path.
 //!
-//! Input: a block of four steps, the paths and processes. Output: their increments, in lanes of consecutive paths.
-//! Invariant: each has the bits that [`law::increments`](super::law::increments) gives for that path.
+//! Input: a block of four steps, the paths and processes. Output: their increments; consecutive paths are in consecutive lanes.
+//! Invariant: each increment has the bits that [`distribution::increments`](super::distribution::increments) gives for its path.
 
 use core::marker::PhantomData;
 
-use super::law::{Law, Normal, ThreePoints, words};
+use super::distribution::{Distribution, Normal, ThreePoints, words};
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::lanes::{Aligned, LANES, Lane};
 
-/// Which distribution the increments have.
+/// The distribution of increments, as a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Increments {
-    /// Normal, those of [`Wiener`](super::Wiener).
+pub(crate) enum DistributionKind {
+    /// The normal distribution of [`Wiener`](super::Wiener).
     Normal,
-    /// Those of [`ThreePoint`](super::ThreePoint).
+    /// The distribution of [`ThreePoint`](super::ThreePoint).
     ThreePoint,
 }
 
-/// The increments of `processes` processes over the four steps 4 `block` … 4 `block` + 3, each of standard deviation `scale` = √h.
+/// Fills `out` with the increments of `processes` processes over the four steps 4 `block` … 4 `block` + 3, each of standard deviation `scale` = √h.
 ///
 /// Path `first_path` + [`LANES`] `tile` + `lane` (modulo 2⁶⁴) and process `p` (from 0) are in
-/// `out[tile * processes + p][step % 4][lane]`; there are as many tiles as `out` has room for. Many tiles a call save the cost of
-/// the call, which is that of some ten increments; what is filled should stay in the first cache.
+/// `out[tile * processes + p][step % 4][lane]`; the length of `out` gives the number of tiles. A call costs as much as some ten increments, so
+/// many tiles in a call save time; `out` should fit into the first cache.
 #[inline(never)]
 pub(crate) fn fill(
-    increments: Increments,
+    distribution: DistributionKind,
     seed: u64,
     first_path: u64,
     block: u64,
@@ -46,10 +46,12 @@ pub(crate) fn fill(
     let direct = std::arch::is_x86_feature_detected!("avx512dq");
     #[cfg(not(target_arch = "x86_64"))]
     let direct = true;
-    match (increments, direct) {
-        (Increments::Normal, true) => dispatch(OfLaw::<Normal, true>(fill, PhantomData)),
-        (Increments::Normal, false) => dispatch(OfLaw::<Normal, false>(fill, PhantomData)),
-        (Increments::ThreePoint, _) => dispatch(OfLaw::<ThreePoints, true>(fill, PhantomData)),
+    match (distribution, direct) {
+        (DistributionKind::Normal, true) => dispatch(FillFrom::<Normal, true>(fill, PhantomData)),
+        (DistributionKind::Normal, false) => dispatch(FillFrom::<Normal, false>(fill, PhantomData)),
+        (DistributionKind::ThreePoint, _) => {
+            dispatch(FillFrom::<ThreePoints, true>(fill, PhantomData))
+        }
     }
 }
 
@@ -62,9 +64,10 @@ struct Fill<'a> {
     out: &'a mut [Aligned<[Lane; 4]>],
 }
 
-struct OfLaw<'a, L, const DIRECT: bool>(Fill<'a>, PhantomData<L>);
+/// A fill with increments of a distribution.
+struct FillFrom<'a, D, const DIRECT: bool>(Fill<'a>, PhantomData<D>);
 
-impl<L: Law, const DIRECT: bool> Kernel for OfLaw<'_, L, DIRECT> {
+impl<D: Distribution, const DIRECT: bool> Kernel for FillFrom<'_, D, DIRECT> {
     type Output = ();
 
     #[inline(always)]
@@ -80,8 +83,8 @@ impl<L: Law, const DIRECT: bool> Kernel for OfLaw<'_, L, DIRECT> {
         let (mut first, mut process) = (first_path, 0);
         for row in out {
             let of_lane =
-                |lane| words::<L>(seed, first.wrapping_add(lane as u64), block, process as u64);
-            L::row::<DIRECT>(of_lane, scale, &mut row.0);
+                |lane| words::<D>(seed, first.wrapping_add(lane as u64), block, process as u64);
+            D::fill_lanes::<DIRECT>(of_lane, scale, &mut row.0);
             process += 1;
             if process == processes {
                 process = 0;
@@ -96,9 +99,9 @@ mod tests {
     use crate::lanes::Aligned;
     use core::marker::PhantomData;
 
-    use super::{Fill, Increments, LANES, Lane, OfLaw, fill};
+    use super::{DistributionKind, Fill, FillFrom, LANES, Lane, fill};
     use crate::lanes::dispatch::{Kernel, versions};
-    use crate::noise::law::{Law, Normal, ThreePoints};
+    use crate::noise::distribution::{Distribution, Normal, ThreePoints};
     use crate::noise::{ThreePoint, Wiener};
 
     /// First path, block, processes, tiles.
@@ -110,18 +113,28 @@ mod tests {
     ];
 
     #[test]
-    fn the_bits_of_single_paths() {
+    fn increments_have_the_bits_of_single_paths() {
         let (seed, h) = (7, 0.037_f64);
-        for law in [Increments::Normal, Increments::ThreePoint] {
-            let single = |path, step, process| match law {
-                Increments::Normal => Wiener::new(seed).path(path).increment(step, process, h),
-                Increments::ThreePoint => {
+        for distribution in [DistributionKind::Normal, DistributionKind::ThreePoint] {
+            let single = |path, step, process| match distribution {
+                DistributionKind::Normal => {
+                    Wiener::new(seed).path(path).increment(step, process, h)
+                }
+                DistributionKind::ThreePoint => {
                     ThreePoint::new(seed).path(path).increment(step, process, h)
                 }
             };
             for (first, block, processes, tiles) in CASES {
                 let mut out = vec![Aligned([[f64::NAN; LANES]; 4]); processes * tiles];
-                fill(law, seed, first, block, h.sqrt(), processes, &mut out);
+                fill(
+                    distribution,
+                    seed,
+                    first,
+                    block,
+                    h.sqrt(),
+                    processes,
+                    &mut out,
+                );
                 for (row, steps) in out.iter().enumerate() {
                     for (step, lanes) in steps.0.iter().enumerate() {
                         for (lane, dw) in lanes.iter().enumerate() {
@@ -130,7 +143,7 @@ mod tests {
                             assert_eq!(
                                 dw.to_bits(),
                                 expected.to_bits(),
-                                "{law:?} {row} {step} {lane}"
+                                "{distribution:?} {row} {step} {lane}"
                             );
                         }
                     }
@@ -139,14 +152,14 @@ mod tests {
         }
     }
 
-    /// A fill with memory of its own.
+    /// A fill of its own memory.
     #[derive(Clone)]
-    struct Filled<L, const DIRECT: bool> {
+    struct Filled<D, const DIRECT: bool> {
         case: (u64, u64, usize, usize),
-        law: PhantomData<L>,
+        distribution: PhantomData<D>,
     }
 
-    impl<L: Law, const DIRECT: bool> Kernel for Filled<L, DIRECT> {
+    impl<D: Distribution, const DIRECT: bool> Kernel for Filled<D, DIRECT> {
         type Output = Vec<Aligned<[Lane; 4]>>;
 
         #[inline(always)]
@@ -161,16 +174,16 @@ mod tests {
                 processes,
                 out: &mut out,
             };
-            OfLaw::<L, DIRECT>(fill, PhantomData).run();
+            FillFrom::<D, DIRECT>(fill, PhantomData).run();
             out
         }
     }
 
-    fn assert_versions_agree<L: Law>() {
+    fn assert_versions_agree<D: Distribution>() {
         for case in CASES {
-            let law = PhantomData::<L>;
-            let mut all = versions(&Filled::<L, true> { case, law });
-            all.extend(versions(&Filled::<L, false> { case, law }));
+            let distribution = PhantomData::<D>;
+            let mut all = versions(&Filled::<D, true> { case, distribution });
+            all.extend(versions(&Filled::<D, false> { case, distribution }));
             let bits = |out: &Vec<Aligned<[Lane; 4]>>| {
                 let numbers = out.iter().flat_map(|row| row.0.as_flattened());
                 numbers.map(|z| z.to_bits()).collect::<Vec<_>>()
@@ -188,8 +201,8 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fill_is_fine() {
-        fill(Increments::Normal, 1, 0, 0, 1.0, 0, &mut []);
-        fill(Increments::ThreePoint, 1, 0, 0, 1.0, 3, &mut []);
+    fn an_empty_fill_does_nothing() {
+        fill(DistributionKind::Normal, 1, 0, 0, 1.0, 0, &mut []);
+        fill(DistributionKind::ThreePoint, 1, 0, 0, 1.0, 3, &mut []);
     }
 }

@@ -1,19 +1,19 @@
 //! Wiener increments for a trajectory.
 //!
-//! Input: a step number, a step size `h`, and how many processes the system has. Output: one increment a process, normal
-//! with mean 0 and variance `h` (the unit is that of √t), independent between steps and processes.
+//! Input: a step number, a step size `h`, and the number of processes. Output: one increment for each process, normal
+//! with mean 0 and variance `h` (its unit is that of √t), independent between steps and processes.
 //!
 //! | source | increments | replayable |
 //! | --- | --- | --- |
 //! | [`Wiener`] | from a seed, counter-based | any step, in any order |
-//! | [`Refined`] | those of a `Wiener` path in smaller steps | any step, in any order |
-//! | [`ThreePoint`] | three values, for weak solutions; counter-based | any step, in any order |
+//! | [`Refined`] | a `Wiener` path in smaller steps | any step, in any order |
+//! | [`ThreePoint`] | of three values, for weak solutions; counter-based | any step, in any order |
 //! | [`Recorded`] | given, or taken from another source; can be coarsened | any step, in any order |
-//! | [`Truncated`] | those of another source, clipped for implicit steps | as the other source |
+//! | [`Truncated`] | of another source, clipped for implicit steps | as the other source |
 //! | [`FromRng`] | from a random generator of the `rand` crates | no: draws follow one another |
 //! | [`NoNoise`] | zero | trivially |
 //!
-//! What is replayable is entered in the middle of its path by [`Replayable::from_step`].
+//! [`Replayable::from_step`] enters a replayable path at a step.
 //!
 //! ```
 //! use sve_runtime::noise::{Noise, Wiener};
@@ -25,16 +25,16 @@
 //! # Ok::<(), sve_runtime::noise::NoiseError>(())
 //! ```
 
-mod blocks;
 pub(crate) mod box_muller;
 mod bridge;
+mod counter_path;
+mod distribution;
 mod error;
 mod from_rng;
 mod from_step;
 mod halves;
 #[cfg(feature = "ensemble")]
 pub(crate) mod lanes;
-mod law;
 mod none;
 mod recorded;
 mod three_point;
@@ -42,7 +42,7 @@ pub(crate) mod threefry;
 mod truncated;
 mod wiener;
 
-pub use bridge::{Part, Refined};
+pub use bridge::{DyadicInterval, Refined};
 pub use error::NoiseError;
 pub use from_rng::FromRng;
 pub use from_step::{FromStep, Replayable};

@@ -1,19 +1,19 @@
-//! A path given as numbers.
+//! Paths given as numbers.
 //!
-//! Input: a step size and the increments of every process over every step. Output: these increments.
+//! Input: a step size and the increments of every process over every step. Output: these increments, or their sums over larger steps.
 //! Invariant: the step size is positive and finite, every increment is finite.
 
 use super::error::check_step;
 use super::{Noise, NoiseError};
 
-/// How far a step size may be from the recorded one, relatively: `k * h` and `T / n` round once or twice each, and two step
-/// sizes that are meant to differ never come this close.
+/// Largest relative difference between a step size and the recorded one: `k * h` and `T / n` have one or two rounding errors each. Step
+/// sizes that are meant to differ differ by more.
 const STEP_TOLERANCE: f64 = 4.0 * f64::EPSILON;
 
 /// A recorded path: Wiener increments for steps of one size.
 ///
-/// Coarsening it gives the same Brownian path to larger steps, which is how strong errors are measured: the solution with
-/// `h` and the one with `k h` then belong to the same noise.
+/// Coarsening gives the same Brownian path in larger steps. Strong errors are measured with it: the solutions with
+/// `h` and with `k h` then have the same noise.
 ///
 /// ```
 /// use sve_runtime::noise::{Recorded, Wiener};

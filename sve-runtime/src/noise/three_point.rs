@@ -5,15 +5,15 @@
 //!
 //! Source: Kloeden, Platen, *Numerical Solution of Stochastic Differential Equations*, Springer (1992), section 14.2.
 
-use super::blocks::Blocks;
-use super::law::ThreePoints;
+use super::counter_path::CounterPath;
+use super::distribution::ThreePoints;
 use super::{Noise, NoiseError};
 
 /// Increments ±√(3h) with probability 1/6 each and 0 with 2/3, counter-based as [`Wiener`](super::Wiener).
 ///
-/// Their moments up to the fifth are those of a normal increment, so expectations converge with the same weak order, up
-/// to 2. They are bounded by 1.74 √h, which implicit steps like, and cheap. They are no Brownian path: nothing converges along
-/// them path by path, and steps of two sizes have nothing in common. Draws are independent of those of a `Wiener` of the same seed.
+/// The moments up to the fifth are those of a normal increment, so expectations converge with the same weak order, up
+/// to 2. The increments are cheap and bounded by 1.74 √h, which keeps implicit steps solvable. They are not increments of a Brownian path: solutions do not converge
+/// path by path, and paths with two step sizes are unrelated. Draws are independent of those of a `Wiener` of the same seed.
 ///
 /// Its only error is [`NoiseError::InvalidStep`], for an `h` that is not positive and finite.
 ///
@@ -30,12 +30,12 @@ use super::{Noise, NoiseError};
 /// # Ok::<(), sve_runtime::noise::NoiseError>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct ThreePoint(Blocks<ThreePoints>);
+pub struct ThreePoint(pub(super) CounterPath<ThreePoints>);
 
 impl ThreePoint {
     /// Path 0 of a seed.
     pub fn new(seed: u64) -> Self {
-        Self(Blocks::new(seed))
+        Self(CounterPath::new(seed))
     }
 
     /// Path number `path` of the same seed.
@@ -44,7 +44,7 @@ impl ThreePoint {
         Self(self.0.path(path))
     }
 
-    /// The increment of a process (from 0) over step number `step` (from 0) of length `h`; NaN or 0 where `h` is negative or NaN.
+    /// Returns the increment of a process (from 0) over step number `step` (from 0) of length `h`. If `h` is negative or NaN, returns NaN or 0.
     #[inline]
     pub fn increment(&self, step: u64, process: usize, h: f64) -> f64 {
         self.0.increment(step, process, h)

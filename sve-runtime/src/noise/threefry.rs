@@ -9,7 +9,7 @@
 //! without tweak and with fewer rounds. The authors' default is 20 rounds; 13 is the fast variant among those for which
 //! they publish known answers.
 
-/// Left rotations of four rounds, for the first and the second mixed pair; the two sets take turns.
+/// Left rotations of four rounds, for the first and the second mixed pair; the two sets alternate.
 const ROTATIONS: [[[u32; 2]; 4]; 2] = [
     [[14, 16], [52, 57], [23, 40], [5, 37]],
     [[25, 33], [46, 12], [58, 22], [32, 32]],
@@ -18,12 +18,12 @@ const ROTATIONS: [[[u32; 2]; 4]; 2] = [
 /// The last word of the key schedule makes the exclusive or of all five words this constant.
 const PARITY: u64 = 0x1bd1_1bda_a9fc_1a22;
 
-/// The random block of a counter under a key.
+/// Returns the random words of a counter under a key.
 #[inline(always)]
 pub(crate) fn block(counter: [u64; 4], key: [u64; 4]) -> [u64; 4] {
     let [k0, k1, k2, k3] = key;
     let schedule = [k0, k1, k2, k3, PARITY ^ k0 ^ k1 ^ k2 ^ k3];
-    // written out: as a loop over rounds it is not unrolled, and takes three times as long
+    // Written out: the compiler does not unroll a loop over rounds, which takes three times as long.
     let mut x = counter;
     add_key(&mut x, &schedule, 0);
     four_rounds(&mut x, ROTATIONS[0]);

@@ -1,6 +1,6 @@
 //! Increments with bounded size, for implicit steps.
 //!
-//! Input: the increments of another source. Output: the same, clipped to ±A√h. Invariant: |ΔW| ≤ A√h, for every h.
+//! Input: the increments of another source. Output: these increments, clipped to ±A√h. Invariant: |ΔW| ≤ A√h, for every h.
 //!
 //! Source of the bound that grows like √|ln h|: Milstein, Repin, Tretyakov, *Numerical methods for stochastic systems preserving
 //! symplectic structure*, SIAM J. Numer. Anal. 40 (2002) 1583–1604.
@@ -8,16 +8,16 @@
 use super::error::check_step;
 use super::{Noise, NoiseError};
 
-/// Standard deviations of the bound, unless others are given.
+/// Default bound, in standard deviations.
 const DEVIATIONS: f64 = 6.0;
 
-/// Another source with its increments clipped: ΔW = √h ξ with ξ held between ±A, a number of standard deviations.
+/// Another source with its increments clipped: ΔW = √h ξ with |ξ| ≤ A, a number of standard deviations.
 ///
 /// An implicit step with noise in the momentum may have no solution for a large ΔW. The clipped increment is at most `A√h`, so
-/// a small enough step always has one; how small depends on the system, and clipping alone does not make a step of any `h` solvable.
+/// a small enough step always has a solution. How small depends on the system: clipping does not make every step solvable.
 ///
-/// A has no unit, so the clipped path is the same in any unit of time. What is cut off has a mean square of c²h, which over a time t
-/// changes a path by about c√t times the strength of the noise:
+/// A has no unit, so the clipped path is the same in any unit of time. The clipped parts of the increments have a mean square of c²h. Over a time t they
+/// change a path by about c√t times the strength of the noise:
 ///
 /// | A | one ξ in … is clipped | c |
 /// | --- | --- | --- |
@@ -27,7 +27,7 @@ const DEVIATIONS: f64 = 6.0;
 /// | 6, unless another one is given | 5.1e8 | 9.8e-6 |
 /// | 7 | 3.9e11 | 3.1e-7 |
 ///
-/// So errors of a strong order are seen down to c√t. A bound that keeps an order for all h grows slowly as h falls: see
+/// So a strong order is observed for errors above c√t. A bound that keeps an order for all h grows slowly as h decreases: see
 /// [`exponent`](Self::exponent).
 ///
 /// ```
@@ -46,10 +46,10 @@ pub struct Truncated<W> {
     bound: Bound,
 }
 
-/// How A is found.
+/// The bound A.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Bound {
-    /// It is given.
+    /// A given number.
     Deviations(f64),
     /// √(2k ln(τ/h)).
     Exponent { k: f64, tau: f64 },
@@ -80,9 +80,9 @@ impl<W> Truncated<W> {
     /// Clips as Milstein, Repin and Tretyakov propose: A = √(2k ln(τ/h)), with a time τ of the system, such as its shortest period,
     /// and an exponent `k` of at least 1.
     ///
-    /// The mean square of what is cut off a ξ is at most `(h/τ)^k`, so `k = 2` keeps the strong order 1 of the rules for all `h`.
-    /// Their bound is the one for τ = 1, which depends on the unit of time. It needs `h < τ` ([`NoiseError::TruncationStep`]), and it
-    /// narrows as `h` grows: it clips one ξ in 400 at `h = τ/10` (A = 3.03), and one in 10 at `h = τ/2` (A = 1.67).
+    /// The mean square of the clipped part of ξ is at most `(h/τ)^k`, so `k = 2` keeps the strong order 1 of the rules for all `h`.
+    /// Their paper has τ = 1, which depends on the unit of time. The bound needs `h < τ` ([`NoiseError::TruncationStep`]), and it
+    /// decreases as `h` grows: it clips one ξ in 400 at `h = τ/10` (A = 3.03), and one in 10 at `h = τ/2` (A = 1.67).
     ///
     /// ```
     /// use sve_runtime::noise::{Noise, NoiseError, Truncated, Wiener};
@@ -106,7 +106,7 @@ impl<W> Truncated<W> {
         }
     }
 
-    /// The largest |ΔW| over a step of length `h`, A√h.
+    /// Returns the largest |ΔW| over a step of length `h`, A√h.
     ///
     /// # Errors
     /// [`NoiseError::InvalidStep`] unless `h` is positive and finite; [`NoiseError::TruncationStep`] for an `h` that is not below the τ of

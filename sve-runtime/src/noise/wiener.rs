@@ -3,22 +3,22 @@
 //! Input: seed, path, step, process and step size. Output: √h z with z a standard normal.
 //! Invariant: z is a pure function of (seed, path, step, process), the same bits on every machine.
 
-use super::blocks::Blocks;
-use super::law::Normal;
+use super::counter_path::CounterPath;
+use super::distribution::Normal;
 use super::{Noise, NoiseError};
 
 /// Wiener paths from a seed: any step of any path, in any order, always the same.
 ///
-/// An increment is a pure function of the seed, the path, the step and the process: nothing is consumed. So a path can be
-/// replayed, restarted in the middle and shared between threads or machines by its two numbers alone, and
-/// two systems given equal `Wiener`s feel the same noise. Different seeds, paths, steps and processes are independent,
-/// neighbouring ones too. The bits are the same on every platform: normals are made by arithmetic and square
-/// roots alone, without a library's `ln`, `sin` and `cos`.
+/// An increment is a pure function of the seed, the path, the step and the process: nothing is consumed. Seed and path are enough to
+/// replay a path, to enter it in the middle, and to share it between threads or machines. Two systems with equal `Wiener`s
+/// have the same noise. Increments of different seeds, paths, steps or processes are independent, also of neighbouring
+/// ones. The bits are the same on every platform: normals are computed by arithmetic and square
+/// roots, without a library's `ln`, `sin` and `cos`.
 ///
 /// An increment has variance `h` and never exceeds 9.4926 √h in size.
 ///
-/// As [`Noise`] it keeps a block of four steps for each process, so it costs least in sequence; there it refuses an `h` that is not positive and finite
-/// ([`NoiseError::InvalidStep`]), and has no other error.
+/// As a [`Noise`] it keeps the increments of four steps for each process, so steps in sequence cost least. Its only error there is
+/// [`NoiseError::InvalidStep`], for an `h` that is not positive and finite.
 ///
 /// ```
 /// use sve_runtime::noise::{Noise, Wiener};
@@ -34,19 +34,19 @@ use super::{Noise, NoiseError};
 /// # Ok::<(), sve_runtime::noise::NoiseError>(())
 /// ```
 ///
-/// A trajectory begins at step 0 of its source. One that goes on from a state reached after `k` steps takes
-/// [`from_step(k)`](super::Replayable::from_step), or the noise of these steps would come again.
+/// A trajectory begins at step 0 of its source. To continue from a state reached after `k` steps, give
+/// [`from_step(k)`](super::Replayable::from_step); otherwise the increments of these steps are repeated.
 ///
-/// The same path in smaller steps is [`refine`](Self::refine).
+/// [`refine`](Self::refine) gives the same path in smaller steps.
 ///
 /// Generator: Threefry4x64-13 of Salmon, Moraes, Dror and Shaw (2011); normals by Box and Muller (1958).
 #[derive(Clone, Debug)]
-pub struct Wiener(pub(super) Blocks<Normal>);
+pub struct Wiener(pub(super) CounterPath<Normal>);
 
 impl Wiener {
-    /// Path 0 of a seed. Every seed is as good as any other.
+    /// Path 0 of a seed. All seeds are equally good.
     pub fn new(seed: u64) -> Self {
-        Self(Blocks::new(seed))
+        Self(CounterPath::new(seed))
     }
 
     /// Path number `path` of the same seed.
@@ -55,10 +55,10 @@ impl Wiener {
         Self(self.0.path(path))
     }
 
-    /// The increment of a process (from 0) over step number `step` (from 0) of length `h`.
+    /// Returns the increment of a process (from 0) over step number `step` (from 0) of length `h`.
     ///
-    /// The same number as [`Noise::increments`] gives, at four times the cost in a sequence of steps.
-    /// NaN where `h` is negative or NaN, as `h.sqrt()` is.
+    /// It equals the one from [`Noise::increments`], and costs four times as much in a sequence of steps.
+    /// If `h` is negative or NaN, returns NaN.
     #[inline]
     pub fn increment(&self, step: u64, process: usize, h: f64) -> f64 {
         self.0.increment(step, process, h)

@@ -1,6 +1,6 @@
 //! Steps that fail, made in parts on the same path.
 
-use sve_runtime::noise::{Halves, Part};
+use sve_runtime::noise::{DyadicInterval, Halves};
 use sve_runtime::prelude::*;
 
 use super::systems::Rotor;
@@ -56,7 +56,7 @@ fn parts_are_those_of_the_bridge() {
             refined += 1;
             let mut halves = [[0.0], [0.0]];
             let [left, right] = &mut halves;
-            noise.halves_of(Part::whole(step), H, &[dw], left, right);
+            noise.halves_of(DyadicInterval::whole(step), H, &[dw], left, right);
             if halves
                 .iter()
                 .any(|dw| midpoint.step(&mut state, 0.5 * H, dw).is_err())

@@ -1,32 +1,32 @@
-//! Increments that are a pure function of seed, path, step and process.
+//! A counter-based path: increments that are a pure function of seed, path, step and process.
 //!
-//! Input: these, a step size and a law. Output: increments of variance h.
-//! Invariant: what is kept between calls only saves work.
+//! Input: seed, path, step, process, step size and a distribution. Output: increments of variance h.
+//! Invariant: the increments kept between calls save work and change no result.
 
 use core::marker::PhantomData;
 
 use super::NoiseError;
+use super::distribution::{self, Distribution, block_of};
 use super::error::check_step;
-use super::law::{self, Law, place};
 
-/// A path of a law.
+/// A path with increments of a distribution.
 #[derive(Clone, Debug)]
-pub(super) struct Blocks<L> {
+pub(super) struct CounterPath<D> {
     pub(super) seed: u64,
     pub(super) path: u64,
-    law: PhantomData<L>,
-    /// Which four steps `increments` belongs to, and their step size.
+    distribution: PhantomData<D>,
+    /// The block of four steps that `increments` belongs to, and their step size.
     block: Option<(u64, f64)>,
-    /// One entry a process.
+    /// The increments of four steps for each process.
     increments: Vec<[f64; 4]>,
 }
 
-impl<L: Law> Blocks<L> {
+impl<D: Distribution> CounterPath<D> {
     pub(super) fn new(seed: u64) -> Self {
         Self {
             seed,
             path: 0,
-            law: PhantomData,
+            distribution: PhantomData,
             block: None,
             increments: Vec::new(),
         }
@@ -42,7 +42,7 @@ impl<L: Law> Blocks<L> {
 
     #[inline]
     pub(super) fn increment(&self, step: u64, process: usize, h: f64) -> f64 {
-        let (block, at) = place(step);
+        let (block, at) = block_of(step);
         self.draw(block, process, h.sqrt())[at]
     }
 
@@ -53,7 +53,7 @@ impl<L: Law> Blocks<L> {
         h: f64,
         dw: &mut [f64],
     ) -> Result<(), NoiseError> {
-        let (block, at) = place(step);
+        let (block, at) = block_of(step);
         if self.block != Some((block, h)) || self.increments.len() < dw.len() {
             self.fill(block, dw.len(), h)?;
         }
@@ -63,10 +63,10 @@ impl<L: Law> Blocks<L> {
         Ok(())
     }
 
-    /// The increments of one process over the four steps of a block.
+    /// Returns the increments of one process over the four steps of a block.
     #[inline]
     fn draw(&self, block: u64, process: usize, scale: f64) -> [f64; 4] {
-        law::increments::<L>(self.seed, self.path, block, process as u64, scale)
+        distribution::increments::<D>(self.seed, self.path, block, process as u64, scale)
     }
 
     fn fill(&mut self, block: u64, processes: usize, h: f64) -> Result<(), NoiseError> {
@@ -85,29 +85,29 @@ impl<L: Law> Blocks<L> {
 
 #[cfg(test)]
 mod tests {
-    use super::Blocks;
-    use crate::noise::law::{Law, Normal, ThreePoints};
+    use super::CounterPath;
+    use crate::noise::distribution::{Distribution, Normal, ThreePoints};
     use crate::noise::threefry;
 
-    fn layout<L: Law>(domain: [u8; 8]) {
-        let path = Blocks::<L>::new(11).path(22);
+    fn check_layout<D: Distribution>(domain: [u8; 8]) {
+        let path = CounterPath::<D>::new(11).path(22);
         for (step, process) in [(0, 0), (3, 1), (4, 0), (4_000_001, 7), (u64::MAX, 2)] {
             let domain = u64::from_le_bytes(domain);
             let words = threefry::block([step / 4, process, 0, 0], [11, 22, domain, 0]);
-            let expected = L::four(words, 0.5)[(step % 4) as usize];
+            let expected = D::four(words, 0.5)[(step % 4) as usize];
             assert_eq!(path.increment(step, process as usize, 0.25), expected);
         }
     }
 
     #[test]
-    fn layouts() {
-        layout::<Normal>(*b"wiener  ");
-        layout::<ThreePoints>(*b"3-points");
+    fn words_are_laid_out_as_documented() {
+        check_layout::<Normal>(*b"wiener  ");
+        check_layout::<ThreePoints>(*b"3-points");
     }
 
     #[test]
-    fn keeps_its_block_and_its_memory() {
-        let mut path = Blocks::<Normal>::new(1);
+    fn a_path_keeps_its_block_and_its_memory() {
+        let mut path = CounterPath::<Normal>::new(1);
         let mut dw = [0.0; 3];
         path.increments(8, 0.1, &mut dw).unwrap();
         let memory = path.increments.as_ptr();
