@@ -1,4 +1,4 @@
-//! What the macro made of a step: read by users through `Integrator::plan`, written by the macro.
+//! The plan of a step: what was derived, how it is solved, what it costs. The macro writes it; users read it through `Integrator::plan`.
 
 use core::fmt;
 
@@ -6,9 +6,9 @@ use core::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum BlockKind {
-    /// Each unknown stands alone, with a coefficient of parameters: straight-line code.
+    /// Each equation has one unknown, whose coefficient depends on parameters only: straight-line code.
     Explicit,
-    /// The Jacobian does not contain the unknowns: one solve, no iteration.
+    /// The Jacobian does not depend on the unknowns: one linear solve, no iteration.
     Linear,
     /// Newton's method with the analytic Jacobian.
     Newton,
@@ -27,14 +27,13 @@ impl fmt::Display for BlockKind {
 /// A block of equations that is solved together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Block {
-    /// How it is solved.
+    /// How the block is solved.
     pub kind: BlockKind,
-    /// Names of its unknowns, after elimination of what is defined by the others.
+    /// Names of its unknowns. Unknowns that others define are eliminated.
     pub unknowns: &'static [&'static str],
-    /// Structural non-zeros of its Jacobian.
+    /// Number of structural non-zeros of its Jacobian.
     pub nonzeros: usize,
-    /// Entries before and behind the diagonal of its Jacobian, where it is solved as a banded matrix; `unknowns` are in that
-    /// order.
+    /// Lower and upper bandwidth of its Jacobian, if it is solved as a banded matrix. `unknowns` are in the order of the band.
     pub band: Option<(usize, usize)>,
 }
 
@@ -44,7 +43,7 @@ pub struct Block {
 pub enum StrongOrder {
     /// No noise.
     Deterministic,
-    /// All noises commute: order 1. Where that is checked rather than proved, [`Formulas::system`] says so.
+    /// All noises commute: order 1. [`Formulas::system`] says if this is checked numerically and not proved.
     One,
     /// The named pair of noises does not commute: order ½.
     Half {
@@ -53,34 +52,34 @@ pub enum StrongOrder {
     },
 }
 
-/// Floating-point operations. Comparisons, the choice of pivots and the bookkeeping of Newton's method are not counted.
+/// Numbers of floating-point operations. Comparisons, the choice of pivots and the tests of Newton's method are not counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Operations {
     /// Additions, subtractions, multiplications, divisions.
     pub arithmetic: usize,
     /// Calls of `sqrt`, `sin`, `exp` and the like.
     pub transcendental: usize,
-    /// Sines with their cosines that follow from those of an angle near by, by a short polynomial.
-    pub turns: usize,
+    /// Angle additions: sine and cosine of a sum, from those of an angle and a short polynomial in the small increment.
+    pub angle_additions: usize,
 }
 
 impl Operations {
-    /// These and others, so many times.
-    fn and(self, times: usize, others: Self) -> Self {
+    /// Returns these operations and `times` times the others.
+    fn plus(self, times: usize, others: Self) -> Self {
         Self {
             arithmetic: self.arithmetic + times * others.arithmetic,
             transcendental: self.transcendental + times * others.transcendental,
-            turns: self.turns + times * others.turns,
+            angle_additions: self.angle_additions + times * others.angle_additions,
         }
     }
 }
 
-/// What was derived, as mathematics. Lines end with `\n`; the last one does not.
+/// The mathematics of a step, as text. Lines end with `\n`; the last one does not.
 ///
 /// Time levels are subscripts, `q₀` and `q₁`, start and end of a step; components are in brackets, `q₀[2]`, and a single
-/// coordinate has none. `q̄`, `t̄` are the node of the midpoint rule, `q̂`, `v̂` the predicted end of `taylor2`; `Δq = q₁ − q₀`;
-/// `ΔW[a]` is the increment of process `a`. Parameters are called like their fields. `c1`, `s1`, `u1`, … stand for parts
-/// that are written below. What would be long is cut off, and says how much.
+/// coordinate has no brackets. `q̄`, `t̄` are the node of the midpoint rule, `q̂`, `v̂` the predicted end of `taylor2`; `Δq = q₁ − q₀`;
+/// `ΔW[a]` is the increment of process `a`. Parameters have the names of their fields. `c1`, `s1`, `u1`, … stand for expressions
+/// that are written below. Long texts are cut off, with a note of how much is missing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Formulas {
     /// L, the noise terms, the force, and the momenta of symmetries.
@@ -93,7 +92,7 @@ pub struct Formulas {
     pub step: &'static str,
 }
 
-/// What a step became.
+/// The plan of a step.
 ///
 /// ```
 /// use sve_runtime::prelude::*;
@@ -125,23 +124,23 @@ pub struct Plan {
     pub strong_order: StrongOrder,
     /// The momenta of symmetries, by their functions, that every step conserves to rounding.
     pub conserved: &'static [&'static str],
-    /// Done once for a step size.
+    /// Operations for each step size.
     pub prepare: Operations,
-    /// Done once a step, with the linear solves; iterations not counted.
+    /// Operations for each step, with the linear solves and without the iterations.
     pub step: Operations,
-    /// Done once an iteration, all Newton blocks together, with the linear solves.
+    /// Operations for each iteration of all Newton blocks, with the linear solves.
     pub iteration: Operations,
     /// What was derived.
     pub formulas: Formulas,
 }
 
 impl Plan {
-    /// Unknowns that a linear solve or an iteration determines.
+    /// Number of unknowns that a linear solve or an iteration determines.
     pub fn unknowns(&self) -> usize {
         self.implicit().map(|b| b.unknowns.len()).sum()
     }
 
-    /// Structural non-zeros of the Jacobians of all implicit blocks.
+    /// Number of structural non-zeros of the Jacobians of all implicit blocks.
     pub fn jacobian_nonzeros(&self) -> usize {
         self.implicit().map(|b| b.nonzeros).sum()
     }
@@ -158,7 +157,7 @@ impl Plan {
         }
     }
 
-    /// Operations of a step whose Newton blocks take so many iterations each.
+    /// Operations of a step in which each Newton block takes so many iterations.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -172,10 +171,10 @@ impl Plan {
     /// assert_eq!(three.arithmetic - two.arithmetic, plan.iteration.arithmetic);
     /// ```
     pub fn operations(&self, iterations: usize) -> Operations {
-        self.step.and(iterations, self.iteration)
+        self.step.plus(iterations, self.iteration)
     }
 
-    /// The head of what the plan prints: sizes, blocks and orders, without the formulas and the counts of operations.
+    /// The first part of the printed plan: sizes, blocks and orders, without the formulas and the counts of operations.
     pub fn structure(&self) -> impl fmt::Display + '_ {
         Structure(self)
     }
@@ -192,10 +191,10 @@ impl fmt::Display for Operations {
             "{} arithmetic, {} transcendental",
             self.arithmetic, self.transcendental
         )?;
-        match self.turns {
+        match self.angle_additions {
             0 => Ok(()),
-            1 => write!(f, ", 1 turn of an angle"),
-            n => write!(f, ", {n} turns of angles"),
+            1 => write!(f, ", 1 angle addition"),
+            n => write!(f, ", {n} angle additions"),
         }
     }
 }

@@ -294,7 +294,7 @@ impl Facts {
             blocks: blocks(plan),
             operations: count(|o| o.arithmetic),
             calls: count(|o| o.transcendental),
-            turns: count(|o| o.turns),
+            turns: count(|o| o.angle_additions),
             state: size_of::<StateOf<S>>(),
             beside: size_of::<S::Prepared>() + equations.max().unwrap_or(0),
         }

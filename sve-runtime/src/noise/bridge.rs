@@ -1,8 +1,8 @@
-//! The same Brownian path in smaller steps.
+//! Brownian bridges: the same path in smaller steps.
 //!
-//! Input: the increment over a part of a step. Output: those over its two halves, which sum to it.
-//! Invariant: a half is a pure function of (seed, path, step, process, level, index) and the increment of the whole; given the whole,
-//! the left half is normal with mean ΔW/2 and variance h/4, independent of everything outside the interval.
+//! Input: the increment over an interval. Output: the increments over its two halves, which sum to it.
+//! Invariant: a half is a pure function of (seed, path, step, process, level, index) and the increment of the whole. Given the increment of the
+//! whole, that of the left half is normal with mean ΔW/2 and variance h/4, independent of everything outside the interval.
 //!
 //! Layout: the key of Threefry is (seed, path, domain, 0), the counter (step, process / 4, 2^level + index, 0), and its four
 //! words give the four normals of four processes. The layout is part of the public contract.

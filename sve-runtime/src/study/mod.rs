@@ -5,9 +5,9 @@
 //! Invariant: all but the times are functions of the settings, with the same bits for any number of threads.
 //!
 //! Every method and step size has the same Brownian paths: those of the finest step, whose increments are summed. So errors
-//! are strong errors, path by path, and differences between methods are not blurred by the choice of paths.
+//! are strong errors, path by path, and the choice of paths does not blur differences between methods.
 
-mod clock;
+mod any_method;
 mod csv;
 mod error;
 mod estimate;
@@ -15,7 +15,7 @@ mod order;
 mod reference;
 mod report;
 mod run;
-mod subject;
+mod stopwatch;
 mod table;
 
 pub use csv::{COLUMNS, Record, read_csv, to_csv, write_csv};
@@ -27,8 +27,8 @@ pub use report::{Invariant, Report, Row, Timing};
 use core::fmt;
 use std::borrow::Cow;
 
+use self::any_method::AnyMethod;
 use self::reference::Reference;
-use self::subject::Subject;
 use crate::ensemble::Observed;
 use crate::error::StepError;
 use crate::method::Method;
@@ -36,19 +36,19 @@ use crate::noise::Recorded;
 use crate::state::State;
 use crate::system::{Dims, StateOf, System};
 
-/// Repeats of each timing, unless given.
+/// Default number of repeats of each timing.
 const REPEATS: u32 = 9;
 
 /// A function of the system and a state.
 type Closure<'a, S> = Box<dyn Fn(&S, &StateOf<S>) -> Result<f64, StepError> + Sync + 'a>;
-/// How far two states are from each other.
+/// The distance between two states.
 type Distance<'a, S> = Box<dyn Fn(&StateOf<S>, &StateOf<S>) -> f64 + Sync + 'a>;
 
-/// A function of the state whose weak error is to be known.
+/// A function of the state whose weak error is measured.
 struct Observable<'a, S: System> {
     name: Cow<'a, str>,
     value: Closure<'a, S>,
-    /// Its exact mean at the horizon, where it is known.
+    /// Its exact mean at the horizon, if it is known.
     mean: Option<f64>,
 }
 
@@ -103,7 +103,7 @@ struct Observable<'a, S: System> {
 /// ```
 pub struct Study<'a, S: System> {
     problem: Cow<'a, str>,
-    methods: Vec<(Cow<'a, str>, &'a dyn Subject<S>)>,
+    methods: Vec<(Cow<'a, str>, &'a dyn AnyMethod<S>)>,
     start: Option<StateOf<S>>,
     horizon: Option<f64>,
     steps: Vec<usize>,
@@ -138,35 +138,35 @@ where
         }
     }
 
-    /// Where all paths start.
+    /// Sets the start of all paths.
     #[must_use]
     pub fn start(mut self, state: State<N>) -> Self {
         self.start = Some(state);
         self
     }
 
-    /// How long the solution is, in the units of time.
+    /// Sets the length of the solution, in the unit of time.
     #[must_use]
     pub fn horizon(mut self, horizon: f64) -> Self {
         self.horizon = Some(horizon);
         self
     }
 
-    /// The numbers of steps that the horizon is cut into; each has to divide the largest, so that they share their paths.
+    /// Sets the numbers of steps to the horizon. Each has to divide the largest, so that all step sizes share their paths.
     #[must_use]
     pub fn steps(mut self, numbers: impl IntoIterator<Item = usize>) -> Self {
         self.steps = numbers.into_iter().collect();
         self
     }
 
-    /// How many Brownian paths.
+    /// Sets the number of Brownian paths.
     #[must_use]
     pub fn paths(mut self, paths: u64) -> Self {
         self.paths = paths;
         self
     }
 
-    /// The seed of the paths: path `k` has the increments of [`Wiener::new(seed).path(k)`](crate::noise::Wiener) over the finest steps.
+    /// Sets the seed of the paths: path `k` has the increments of [`Wiener::new(seed).path(k)`](crate::noise::Wiener) over the finest steps.
     #[must_use]
     pub fn seed(mut self, seed: u64) -> Self {
         self.seed = seed;
@@ -205,8 +205,8 @@ where
 
     /// Compares with a method whose steps are `factor` times shorter than the finest ones, on the same paths.
     ///
-    /// With strong order 1 a factor of 16 leaves an error of the reference of 1/16 of the smallest measured one. A factor of 1 is for
-    /// another, more accurate method: a reference that is one of the methods with the same steps is refused.
+    /// With strong order 1 and a factor of 16, the error of the reference is 1/16 of the smallest measured error. A factor of 1 is for
+    /// another, more accurate method: a reference that equals one of the methods with the same steps is refused.
     #[must_use]
     pub fn fine<I>(mut self, method: &'a I, factor: usize) -> Self
     where
@@ -216,7 +216,7 @@ where
         self
     }
 
-    /// What an error is; without it, the Euclidean distance of the `(q, p)`.
+    /// Sets the distance that measures errors. The default is the Euclidean distance of the `(q, p)`.
     #[must_use]
     pub fn distance(mut self, distance: impl Fn(&State<N>, &State<N>) -> f64 + Sync + 'a) -> Self {
         self.distance = Box::new(distance);
@@ -253,7 +253,7 @@ where
         study
     }
 
-    /// Watches what the exact solution keeps, such as the energy where there is neither noise nor force, or a momentum map.
+    /// Measures the change of an invariant of the exact solution, such as the energy where there is neither noise nor force, or a momentum map.
     #[must_use]
     pub fn invariant<F, O>(mut self, invariant: F) -> Self
     where
@@ -266,7 +266,7 @@ where
         self
     }
 
-    /// How often each time is measured; 0 for no times. All methods take turns, so that what disturbs the machine disturbs all.
+    /// Sets how often each time is measured; 0 for no times. The methods alternate, so that a disturbance of the machine affects all of them.
     #[must_use]
     pub fn repeats(mut self, repeats: u32) -> Self {
         self.repeats = repeats;

@@ -1,48 +1,48 @@
 //! The measured order of convergence: the slope of error over step size, both as logarithms.
 //!
-//! Input: squared errors of each path for each step size. Output: an [`Order`] where the slopes between consecutive step sizes have
-//! settled, and the slopes themselves, [`NotAsymptotic`], where they have not.
+//! Input: squared errors of each path for each step size. Output: an [`Order`] if the local slopes, those between consecutive step sizes, have
+//! converged; otherwise [`NotAsymptotic`] with the local slopes.
 //!
-//! The slope is that of least squares through the finest step sizes, at least three. Its error has two parts. That of the paths is
-//! from leaving out a batch of them at a time (the jackknife: the errors of all step sizes are on the same paths, so their scatter
-//! around the line says nothing; B. Efron, The Jackknife, the Bootstrap and Other Resampling Plans, SIAM (1982), chapter 2). That of
-//! the step sizes is a bias: where the error is `C hᵖ (1 + b hʳ)` and steps are halved, the local slopes tend to `p`, and each change
-//! of them is `ρ = 2⁻ʳ` of the one before, so what is left is `ρ/(1 − ρ)` of the last change. Changes that grow instead say that
-//! one power is taking the place of another.
+//! The order is the slope of the least-squares line through the finest step sizes, at least three. Its error has two parts. The error of
+//! the paths is found by leaving out one batch of paths at a time (jackknife; B. Efron, *The Jackknife, the Bootstrap and Other
+//! Resampling Plans*, SIAM (1982), chapter 2). The scatter around the line would not show it, since all step sizes have the same paths. The error of
+//! the step sizes is a bias. If the error is `C hᵖ (1 + b hʳ)` and steps are halved, the local slopes tend to `p`, and each change
+//! of the slope is `ρ = 2⁻ʳ` of the change before, so the remaining change is `ρ/(1 − ρ)` of the last one. Growing changes mean that
+//! one power is replacing another.
 
 use core::ops::Range;
 
 use super::estimate::Estimate;
 
-/// Batches of paths that are left out in turn.
+/// Number of batches of paths for the jackknife.
 const BATCHES: usize = 10;
 
-/// Errors below this part of the solution's size may be rounding errors of the method or of its reference …
+/// Errors below this fraction of the solution's size can be rounding errors of the method or of its reference.
 const ROUNDING: f64 = 4096.0 * f64::EPSILON;
 
-/// … and so may those below this part for each step: rounding errors of a phase grow with the number of steps.
+/// Errors below this fraction for each step can be rounding errors too: rounding errors of a phase grow with the number of steps.
 const ROUNDING_A_STEP: f64 = 16.0 * f64::EPSILON;
 
-/// Errors above this part of the solution's size are not yet in proportion to a power of the step size.
+/// Errors above this fraction of the solution's size are not yet proportional to a power of the step size.
 const SATURATED: f64 = 0.25;
 
-/// Changes of the local slope below this may have any ratio.
+/// Change of the local slope below which the ratio of changes is not tested.
 const SETTLED: f64 = 0.005;
 
-/// Largest change of the local slope where there is no other to compare it with.
+/// Largest change of the local slope if there is no other change to compare it with.
 const SETTLED_ALONE: f64 = 0.05;
 
-/// Ratios of a change of the local slope to the one before that are believed: of a next power that is one away or more, to one that is
-/// less than half away.
+/// Range of the ratio of two changes of the local slope: from a next power that differs by one or more, to one that differs by
+/// less than a half.
 const RATIOS: Range<f64> = 0.5..0.75;
 
-/// What the changes of the local slope leave to expect is taken so many times: their ratio is not quite the same.
+/// Safety factor of the remaining change: the ratio of changes is not constant.
 const CAUTION: f64 = 2.0;
 
-/// The largest error of an order: with a larger one it would not tell orders from each other that are ½ apart.
+/// Largest error of an order: a larger one could not distinguish orders that differ by ½.
 const LARGEST_ERROR: f64 = 0.25;
 
-/// Step sizes that an order takes at least: fewer have no two local slopes to compare.
+/// Smallest number of step sizes of an order: fewer do not have two local slopes to compare.
 const FEWEST: usize = 3;
 
 /// The measured order of a method.
@@ -98,7 +98,7 @@ impl NotAsymptotic {
     }
 }
 
-/// What the errors of a method tell of its order.
+/// The result of a fit.
 pub(super) enum Convergence {
     /// An order, and the number of step sizes that it was fitted to.
     Asymptotic(Estimate, usize),
@@ -113,18 +113,18 @@ pub(super) struct Level {
     pub(super) squares: Vec<f64>,
 }
 
-/// The order of errors. `size` is that of the solution.
+/// Fits the order of errors; `size` is the size of the solution.
 pub(super) fn fit(levels: Vec<Level>, size: f64, random: bool) -> Convergence {
     let fit = Fit::new(levels, size, random);
     let points = fit.x.len();
-    let Some(left) = fit.left() else {
+    let Some(remaining) = fit.remaining_change() else {
         return Convergence::Unsettled(fit.slopes());
     };
     let best = (0..(points + 1).saturating_sub(FEWEST))
-        .map(|first| (fit.order(first, left), points - first))
+        .map(|first| (fit.order(first, remaining), points - first))
         .min_by(|(a, _), (b, _)| a.standard_error.total_cmp(&b.standard_error));
     match best {
-        // what is not a number is not below
+        // a NaN is not below the limit
         Some((order, points)) if order.standard_error <= LARGEST_ERROR => {
             Convergence::Asymptotic(order, points)
         }
@@ -195,8 +195,8 @@ impl Fit {
             .collect()
     }
 
-    /// How far the last local slope may be from the order, if the slopes have settled.
-    fn left(&self) -> Option<f64> {
+    /// Returns a bound of the distance of the last local slope from the order; `None` if the slopes have not converged.
+    fn remaining_change(&self) -> Option<f64> {
         let last = self.x.len().checked_sub(FEWEST)?;
         let change = |level| self.estimate(|y| self.local(level + 1, y) - self.local(level, y));
         let Estimate {
@@ -205,12 +205,12 @@ impl Fit {
         } = change(last);
         let size = value.abs();
         if size <= 2.0 * standard_error {
-            // it is scatter
+            // the change is scatter of the paths
             return Some(size.max(standard_error));
         }
         let before = last.checked_sub(1).map(|level| change(level).value);
         let ratio = match before {
-            // with noise up and down is scatter too, of paths that the jackknife does not have
+            // With noise, changes of opposite sign are scatter too, which the jackknife underestimates.
             Some(before) if self.random && before * value < 0.0 => {
                 return Some(size.max(before.abs()));
             }
@@ -225,8 +225,8 @@ impl Fit {
         Some(CAUTION * size * ratio / (1.0 - ratio))
     }
 
-    /// The slope through the levels from the first given. `left` is how far the last local slope may be from the order.
-    fn order(&self, first: usize, left: f64) -> Estimate {
+    /// Returns the slope through the levels from `first` on. `remaining` bounds the distance of the last local slope from the order.
+    fn order(&self, first: usize, remaining: f64) -> Estimate {
         let through = |y: &[f64]| slope(&self.x[first..], &y[first..]);
         let Estimate {
             value,
@@ -235,7 +235,7 @@ impl Fit {
         let last = self.local(self.x.len() - 2, &self.y);
         Estimate {
             value,
-            standard_error: standard_error.hypot((last - value).abs() + left),
+            standard_error: standard_error.hypot((last - value).abs() + remaining),
         }
     }
 }

@@ -1,26 +1,26 @@
-//! What errors are measured against.
+//! Reference solutions, against which errors are measured.
 //!
-//! Input: the number of a path. Output: its increments over the finest steps, and the state at the horizon that counts as exact.
+//! Input: the number of a path. Output: its increments over the finest steps, and its reference state at the horizon.
 
 use super::StudyError;
-use super::subject::Subject;
+use super::any_method::AnyMethod;
 use crate::noise::{NoNoise, Recorded, Wiener};
 use crate::system::{StateOf, System};
 
-/// An exact solution of the increments of a path.
+/// Computes the exact solution from the increments of a path.
 type Solution<'a, S> = Box<dyn Fn(&Recorded) -> StateOf<S> + Sync + 'a>;
-/// A path of that number and so many steps, with its exact solution.
+/// Draws the path of a number with so many steps, and its exact solution.
 type Draw<'a, S> = Box<dyn Fn(u64, usize) -> (Recorded, StateOf<S>) + Sync + 'a>;
 
 pub(super) enum Reference<'a, S: System> {
     Exact(Solution<'a, S>),
     Drawn(Draw<'a, S>),
-    /// A method, and how many of its steps are one of the finest.
-    Fine(&'a dyn Subject<S>, usize),
+    /// A method, and the number of its steps in one of the finest steps.
+    Fine(&'a dyn AnyMethod<S>, usize),
 }
 
-/// Which path is wanted.
-pub(super) struct Wanted<'a, S: System> {
+/// The path for which a reference is requested.
+pub(super) struct PathRequest<'a, S: System> {
     pub(super) path: u64,
     pub(super) seed: u64,
     pub(super) start: &'a StateOf<S>,
@@ -29,8 +29,8 @@ pub(super) struct Wanted<'a, S: System> {
     pub(super) processes: usize,
 }
 
-impl<S: System> Wanted<'_, S> {
-    /// The path in `steps` steps.
+impl<S: System> PathRequest<'_, S> {
+    /// Records the path in `steps` steps.
     fn record(&self, steps: usize) -> Result<Recorded, StudyError> {
         let h = self.horizon / steps as f64;
         let recorded = if self.processes == 0 {
@@ -49,23 +49,26 @@ impl<S: System> Wanted<'_, S> {
 }
 
 impl<S: System> Reference<'_, S> {
-    /// The path, and the state at its end.
-    pub(super) fn get(&self, wanted: &Wanted<'_, S>) -> Result<(Recorded, StateOf<S>), StudyError> {
-        let &Wanted { path, finest, .. } = wanted;
+    /// Returns the path and the reference state at its end.
+    pub(super) fn get(
+        &self,
+        request: &PathRequest<'_, S>,
+    ) -> Result<(Recorded, StateOf<S>), StudyError> {
+        let &PathRequest { path, finest, .. } = request;
         match self {
             Self::Exact(solution) => {
-                let recorded = wanted.record(finest)?;
+                let recorded = request.record(finest)?;
                 let state = solution(&recorded);
                 Ok((recorded, state))
             }
             Self::Drawn(draw) => {
                 let (recorded, state) = draw(path, finest);
-                let length = wanted.horizon / finest as f64;
-                let fits = recorded.len() == finest
-                    && recorded.processes() == wanted.processes
+                let length = request.horizon / finest as f64;
+                let matches = recorded.len() == finest
+                    && recorded.processes() == request.processes
                     // h = T/n and T = h n may each have been rounded
                     && (recorded.h() - length).abs() <= 4.0 * f64::EPSILON * length;
-                if fits {
+                if matches {
                     return Ok((recorded, state));
                 }
                 Err(StudyError::Drawn {
@@ -78,13 +81,13 @@ impl<S: System> Reference<'_, S> {
                 })
             }
             Self::Fine(method, factor) => {
-                let fine = wanted.record(finest * factor)?;
+                let fine = request.record(finest * factor)?;
                 let state = method
-                    .walk(wanted.start, &fine, &mut |_| Ok(()))
+                    .solve(request.start, &fine, &mut |_| Ok(()))
                     .map_err(|source| StudyError::Reference { path, source })?;
                 let recorded = fine
                     .coarsen(*factor)
-                    .map_err(|source| wanted.noise(source))?;
+                    .map_err(|source| request.noise(source))?;
                 Ok((recorded, state))
             }
         }

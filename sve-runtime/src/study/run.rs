@@ -1,20 +1,20 @@
-//! The run of a study: paths in parallel, then statistics in the order of the paths, then the clock with nothing else running.
+//! The run of a study: solves the paths in parallel, then computes statistics in the order of the paths, then measures times with nothing else running.
 
 use rayon::prelude::*;
 
-use super::clock::Watch;
+use super::any_method::{AnyMethod, increments};
 use super::estimate::Estimate;
 use super::order::{self, Convergence, Level, NotAsymptotic, Order};
-use super::reference::{Reference, Wanted};
+use super::reference::{PathRequest, Reference};
 use super::report::{Invariant, Report, Row};
-use super::subject::{Subject, increments};
+use super::stopwatch::Stopwatch;
 use super::{Study, StudyError};
 use crate::error::StepError;
 use crate::noise::Recorded;
 use crate::state::State;
 use crate::system::{Dims, StateOf, System};
 
-/// One path by one method with one step size.
+/// The errors of one path, by one method with one step size.
 struct Sample {
     square: f64,
     observed: Vec<f64>,
@@ -22,7 +22,7 @@ struct Sample {
     slope: f64,
 }
 
-/// One path.
+/// The results of one path.
 struct Outcome {
     /// Size of the reference, squared.
     size: f64,
@@ -31,8 +31,8 @@ struct Outcome {
     samples: Vec<Option<Sample>>,
 }
 
-/// Settings that are complete.
-struct Plan<'a, S: System> {
+/// The settings of a study, complete and checked.
+struct Settings<'a, S: System> {
     study: &'a Study<'a, S>,
     start: &'a StateOf<S>,
     horizon: f64,
@@ -48,25 +48,25 @@ pub(super) fn run<S, const N: usize, const M: usize>(
 where
     S: System<Dims = Dims<N, M>>,
 {
-    let plan = Plan::new::<N, M>(study)?;
-    let outcomes: Vec<Outcome> = (0..plan.paths)
+    let settings = Settings::new::<N, M>(study)?;
+    let outcomes: Vec<Outcome> = (0..settings.paths)
         .into_par_iter()
-        .map(|path| plan.outcome(path))
-        // the first error in the order of the paths, whichever thread was first
+        .map(|path| settings.outcome(path))
+        // the first error in the order of the paths, not of the threads
         .collect::<Vec<_>>()
         .into_iter()
         .collect::<Result<_, _>>()?;
-    let mut rows: Vec<Row> = plan
+    let mut rows: Vec<Row> = settings
         .cases()
         .enumerate()
-        .map(|(case, (method, steps))| plan.row(&outcomes, case, method, steps))
+        .map(|(case, (method, steps))| settings.row(&outcomes, case, method, steps))
         .collect();
-    let (orders, not_asymptotic) = plan.orders(&outcomes);
-    plan.ask(&outcomes, &mut rows)?;
+    let (orders, not_asymptotic) = settings.orders(&outcomes);
+    settings.measure_costs(&outcomes, &mut rows)?;
     Ok(Report {
         problem: study.problem.to_string(),
-        horizon: plan.horizon,
-        paths: plan.paths,
+        horizon: settings.horizon,
+        paths: settings.paths,
         observables: study
             .observables
             .iter()
@@ -78,7 +78,7 @@ where
     })
 }
 
-impl<'a, S: System> Plan<'a, S> {
+impl<'a, S: System> Settings<'a, S> {
     /// Checks the settings.
     fn new<const N: usize, const M: usize>(study: &'a Study<'a, S>) -> Result<Self, StudyError>
     where
@@ -86,10 +86,10 @@ impl<'a, S: System> Plan<'a, S> {
     {
         let missing = |what, write| StudyError::Missing { what, write };
         let names = study.methods.iter().map(|(name, _)| name.to_string());
-        twice("methods", names)?;
+        refuse_duplicates("methods", names)?;
         let names = study.observables.iter().map(|o| o.name.to_string());
-        twice("observables", names)?;
-        twice("steps", study.steps.iter().map(usize::to_string))?;
+        refuse_duplicates("observables", names)?;
+        refuse_duplicates("steps", study.steps.iter().map(usize::to_string))?;
         let horizon = study.horizon.ok_or(missing("horizon", ".horizon(10.0)"))?;
         if !(horizon > 0.0 && horizon.is_finite()) {
             return Err(StudyError::Horizon { horizon });
@@ -135,11 +135,11 @@ impl<'a, S: System> Plan<'a, S> {
     }
 }
 
-/// Checks that a fine reference has steps that can be counted, and is none of the methods with the same steps: the error of that one would be 0,
+/// Checks that the steps of a fine reference can be counted, and that the reference is none of the methods with the same steps: the error of that method would be 0,
 /// and those of the others too small.
 fn check_fine<S: System>(
     study: &Study<'_, S>,
-    reference: &dyn Subject<S>,
+    reference: &dyn AnyMethod<S>,
     factor: usize,
     finest: usize,
 ) -> Result<(), StudyError> {
@@ -149,7 +149,7 @@ fn check_fine<S: System>(
     if finest.checked_mul(factor).is_none() {
         return Err(StudyError::TooFine { finest, factor });
     }
-    let is_reference = |&&(_, method): &&(_, &dyn Subject<S>)| {
+    let is_reference = |&&(_, method): &&(_, &dyn AnyMethod<S>)| {
         factor == 1 && method.identity() == reference.identity()
     };
     match study.methods.iter().find(is_reference) {
@@ -161,8 +161,11 @@ fn check_fine<S: System>(
     }
 }
 
-/// Refuses a name that stands twice.
-fn twice(what: &'static str, names: impl Iterator<Item = String>) -> Result<(), StudyError> {
+/// Returns an error if a name occurs twice.
+fn refuse_duplicates(
+    what: &'static str,
+    names: impl Iterator<Item = String>,
+) -> Result<(), StudyError> {
     let mut seen = Vec::new();
     for name in names {
         if seen.contains(&name) {
@@ -173,28 +176,28 @@ fn twice(what: &'static str, names: impl Iterator<Item = String>) -> Result<(), 
     Ok(())
 }
 
-impl<'a, S, const N: usize, const M: usize> Plan<'a, S>
+impl<'a, S, const N: usize, const M: usize> Settings<'a, S>
 where
     S: System<Dims = Dims<N, M>>,
 {
-    /// Every method with every number of steps.
+    /// Returns every method with every number of steps.
     fn cases(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let steps = &self.study.steps;
         (0..self.study.methods.len())
             .flat_map(move |method| steps.iter().map(move |&steps| (method, steps)))
     }
 
-    fn subject(&self, method: usize) -> &'a dyn Subject<S> {
+    fn subject(&self, method: usize) -> &'a dyn AnyMethod<S> {
         self.study.methods[method].1
     }
 
-    /// The system, of which the methods have equal ones.
+    /// The system of the first method; the other methods have equal ones.
     fn system(&self) -> &'a S {
         self.subject(0).system()
     }
 
     fn reference(&self, path: u64) -> Result<(Recorded, State<N>), StudyError> {
-        self.reference.get(&Wanted {
+        self.reference.get(&PathRequest {
             path,
             seed: self.study.seed,
             start: self.start,
@@ -231,15 +234,17 @@ where
         })
     }
 
-    /// A path by a method, unless it fails or overflows.
+    /// Solves a path by a method; `None` if it fails or overflows.
     fn sample(&self, method: usize, path: &Recorded, exact: &State<N>) -> Option<Sample> {
         let n = path.len() as f64;
         let (mut largest, mut moment, mut step) = (0.0_f64, 0.0, 0.0);
         let end = match &self.study.invariant {
-            None => self.subject(method).walk(self.start, path, &mut |_| Ok(())),
+            None => self
+                .subject(method)
+                .solve(self.start, path, &mut |_| Ok(())),
             Some(invariant) => {
                 let first = invariant(self.system(), self.start).ok()?;
-                self.subject(method).walk(self.start, path, &mut |state| {
+                self.subject(method).solve(self.start, path, &mut |state| {
                     step += 1.0;
                     let change = invariant(self.system(), state)? - first;
                     largest = largest.max(change.abs());
@@ -260,7 +265,7 @@ where
         sum.is_finite().then_some(sample)
     }
 
-    /// An estimate over paths; of the only one where nothing is random.
+    /// Estimates over paths. Without noise the estimate has no error.
     fn estimate(&self, values: &[f64], of: fn(&[f64]) -> Estimate) -> Estimate {
         let estimate = of(values);
         if self.processes == 0 {
@@ -311,7 +316,7 @@ where
         row
     }
 
-    /// What the errors tell of the order of each method.
+    /// Fits the order of each method.
     fn orders(&self, outcomes: &[Outcome]) -> (Vec<Order>, Vec<NotAsymptotic>) {
         let size = outcomes.iter().map(|o| o.size).sum::<f64>() / outcomes.len() as f64;
         let (mut orders, mut others) = (Vec::new(), Vec::new());
@@ -335,7 +340,7 @@ where
         (orders, others)
     }
 
-    /// The errors of a method with every number of steps with which no path failed.
+    /// Returns the errors of a method for the numbers of steps with which no path failed.
     fn levels(&self, outcomes: &[Outcome], method: usize) -> Vec<Level> {
         let level = |(case, (of, steps)): (usize, (usize, usize))| {
             if of != method {
@@ -351,9 +356,9 @@ where
         self.cases().enumerate().filter_map(level).collect()
     }
 
-    /// Iterations and times, each on the first path that did not fail.
-    fn ask(&self, outcomes: &[Outcome], rows: &mut [Row]) -> Result<(), StudyError> {
-        let mut watches = Vec::new();
+    /// Measures iterations and times of each case, on the first path that did not fail.
+    fn measure_costs(&self, outcomes: &[Outcome], rows: &mut [Row]) -> Result<(), StudyError> {
+        let mut stopwatches = Vec::new();
         for (case, (method, steps)) in self.cases().enumerate() {
             let alive = |outcome: &Outcome| outcome.samples[case].is_some();
             let Some(path) = outcomes.iter().position(alive) else {
@@ -365,7 +370,7 @@ where
             rows[case].newton_iterations = subject.iterations(self.start, &coarse);
             if self.study.repeats > 0 {
                 let increments = (0..steps).map(|step| increments::<S>(&coarse, step));
-                watches.push(Watch::<S>::new(
+                stopwatches.push(Stopwatch::<S>::new(
                     case,
                     subject,
                     self.start,
@@ -375,13 +380,13 @@ where
             }
         }
         for _ in 0..self.study.repeats {
-            for watch in &mut watches {
-                watch.measure(self.start);
+            for stopwatch in &mut stopwatches {
+                stopwatch.measure(self.start);
             }
         }
-        for watch in watches {
-            let case = watch.case;
-            rows[case].timing = watch.timing();
+        for stopwatch in stopwatches {
+            let case = stopwatch.case;
+            rows[case].timing = stopwatch.timing();
         }
         Ok(())
     }

@@ -88,7 +88,7 @@ impl Operations {
             turns,
         } = self;
         quote! {
-            #private::Operations { arithmetic: #arithmetic, transcendental: #transcendental, turns: #turns }
+            #private::Operations { arithmetic: #arithmetic, transcendental: #transcendental, angle_additions: #turns }
         }
     }
 }

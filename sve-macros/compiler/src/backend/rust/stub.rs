@@ -116,7 +116,8 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
 
 /// A plan of nothing.
 fn plan(private: &TokenStream) -> TokenStream {
-    let operations = quote!(#private::Operations { arithmetic: 0, transcendental: 0, turns: 0 });
+    let operations =
+        quote!(#private::Operations { arithmetic: 0, transcendental: 0, angle_additions: 0 });
     quote! {
         #private::Plan {
             system: "",

@@ -1,7 +1,7 @@
-//! A method, whatever its type: walked along a path, asked for its iterations, timed.
+//! A method of any type, behind one trait object: its solution along a path, its iterations, its times.
 //!
-//! Input: a start and the increments of a path. The loop over the steps is compiled with the method in it, so that a time is that of the
-//! step and not of a call through a table.
+//! Input: a start and the increments of a path. The loop over the steps is inside of the trait's functions, so that a time is that of the
+//! step and not of a virtual call.
 
 use core::hint::black_box;
 use std::time::{Duration, Instant};
@@ -12,39 +12,40 @@ use crate::method::Method;
 use crate::noise::Recorded;
 use crate::system::{Dimensions, IncrementsOf, StateOf, System};
 
-/// Steps of which the Newton iterations are counted: they vary little along a path.
+/// Number of steps whose Newton iterations are counted: they vary little along a path.
 const COUNTED: usize = 256;
 
-/// Called with each state.
+/// A function that is called with each state.
 pub(super) type Visit<'a, S> = dyn FnMut(&StateOf<S>) -> Result<(), StepError> + 'a;
 
 /// A [`Method`] of any type.
-pub(super) trait Subject<S: System>: Sync {
+pub(super) trait AnyMethod<S: System>: Sync {
     fn system(&self) -> &S;
 
-    /// The order that the method has, where it tells.
+    /// The order of the method, if it is known.
     fn order(&self) -> Option<f64>;
-    /// What tells this method, its options and the parameters of its system from others.
+    /// Hashes that identify the method with its options, and the parameters of its system.
     fn identity(&self) -> [u64; 2];
 
-    /// The state at the end of the path, after a visit of each.
-    fn walk(
+    /// Solves along the path, calls `visit` with each state and returns the last one.
+    fn solve(
         &self,
         start: &StateOf<S>,
         path: &Recorded,
         visit: &mut Visit<'_, S>,
     ) -> Result<StateOf<S>, StepError>;
 
-    /// Mean number of Newton iterations of a step along the path; `None` where the method does not tell.
+    /// Mean number of Newton iterations of a step along the path; `None` if the method does not count them.
     fn iterations(&self, start: &StateOf<S>, path: &Recorded) -> Option<f64>;
 
-    /// Times to walk the path so many times, its increments at hand: one for each of its parts.
-    fn clock(
+    /// Measures the time of `repeats` passes along a path whose increments are precomputed. Returns one duration for each section
+    /// of the path.
+    fn measure(
         &self,
         start: &StateOf<S>,
         h: f64,
-        parts: &[&[IncrementsOf<S>]],
-        times: u32,
+        sections: &[&[IncrementsOf<S>]],
+        repeats: u32,
     ) -> Result<Vec<Duration>, StepError>;
 }
 
@@ -57,7 +58,7 @@ pub(super) fn increments<S: System>(path: &Recorded, step: usize) -> IncrementsO
     dw
 }
 
-impl<S: System, I: Method<System = S> + Sync> Subject<S> for I {
+impl<S: System, I: Method<System = S> + Sync> AnyMethod<S> for I {
     fn system(&self) -> &S {
         Method::system(self)
     }
@@ -72,7 +73,7 @@ impl<S: System, I: Method<System = S> + Sync> Subject<S> for I {
         ]
     }
 
-    fn walk(
+    fn solve(
         &self,
         start: &StateOf<S>,
         path: &Recorded,
@@ -99,25 +100,25 @@ impl<S: System, I: Method<System = S> + Sync> Subject<S> for I {
         Some(sum / steps as f64)
     }
 
-    fn clock(
+    fn measure(
         &self,
         start: &StateOf<S>,
         h: f64,
-        parts: &[&[IncrementsOf<S>]],
-        times: u32,
+        sections: &[&[IncrementsOf<S>]],
+        repeats: u32,
     ) -> Result<Vec<Duration>, StepError> {
-        let mut sums = vec![Duration::ZERO; parts.len()];
+        let mut sums = vec![Duration::ZERO; sections.len()];
         let mut begin = Instant::now();
-        for _ in 0..times {
+        for _ in 0..repeats {
             let prepared = self.prepare(black_box(h))?;
             let mut state = black_box(start.clone());
-            for (sum, part) in sums.iter_mut().zip(parts) {
-                for dw in *part {
+            for (sum, section) in sums.iter_mut().zip(sections) {
+                for dw in *section {
                     self.step_prepared(&prepared, &mut state, h, dw)?;
                 }
                 black_box(&state);
                 // reading the clock takes as long as a few steps
-                if parts.len() > 1 {
+                if sections.len() > 1 {
                     let end = Instant::now();
                     *sum += end - begin;
                     begin = end;

@@ -1,74 +1,74 @@
 //! Times of steps.
 //!
-//! Input: a method, a start, increments. Output: a [`Timing`]. A long path is timed in parts, each as the median of its repeats: what disturbs a
-//! machine now and then hits few repeats of a short part, and every repeat of a long one.
+//! Input: a method, a start, increments. Output: a [`Timing`]. A long path is timed in sections, each by the median of its repeats. An occasional disturbance
+//! of the machine affects few repeats of a short section, but every repeat of a long one.
 
 use std::time::Duration;
 
+use super::any_method::AnyMethod;
 use super::report::Timing;
-use super::subject::Subject;
 use crate::error::StepError;
 use crate::system::{IncrementsOf, StateOf, System};
 
-/// The least time that is measured at once: some hundred times the resolution of a clock.
-const SLICE: Duration = Duration::from_micros(50);
+/// Shortest time that is measured: some hundred times the resolution of a clock.
+const SHORTEST: Duration = Duration::from_micros(50);
 
-/// Walks of a path measured at once, where one takes no time at all.
-const MOST: u32 = 1 << 20;
+/// Largest number of passes in a measurement.
+const MAX_PASSES: u32 = 1 << 20;
 
-/// Steps of a part.
-const PART: usize = 2048;
+/// Steps of a section.
+const SECTION: usize = 2048;
 
 /// The times of a method with a step size.
-pub(super) struct Watch<'a, S: System> {
+pub(super) struct Stopwatch<'a, S: System> {
     pub(super) case: usize,
-    subject: &'a dyn Subject<S>,
+    method: &'a dyn AnyMethod<S>,
     h: f64,
     increments: Vec<IncrementsOf<S>>,
-    /// How often the path is walked in a measurement.
-    times: u32,
-    /// Seconds of each part, one a measurement.
+    /// Passes along the path in a measurement.
+    passes: u32,
+    /// Seconds of each section, one for each measurement.
     seconds: Vec<Vec<f64>>,
 }
 
-impl<'a, S: System> Watch<'a, S> {
+impl<'a, S: System> Stopwatch<'a, S> {
     pub(super) fn new(
         case: usize,
-        subject: &'a dyn Subject<S>,
+        method: &'a dyn AnyMethod<S>,
         start: &StateOf<S>,
         h: f64,
         increments: Vec<IncrementsOf<S>>,
     ) -> Self {
-        let seconds = vec![Vec::new(); increments.len().div_ceil(PART)];
-        let mut watch = Self {
+        let seconds = vec![Vec::new(); increments.len().div_ceil(SECTION)];
+        let mut stopwatch = Self {
             case,
-            subject,
+            method,
             h,
             increments,
-            times: 1,
+            passes: 1,
             seconds,
         };
-        // these walks also warm the caches
-        while let Ok(elapsed) = watch.clock(start)
-            && elapsed.iter().sum::<Duration>() < SLICE
-            && watch.times < MOST
+        // these passes also warm the caches
+        while let Ok(elapsed) = stopwatch.durations(start)
+            && elapsed.iter().sum::<Duration>() < SHORTEST
+            && stopwatch.passes < MAX_PASSES
         {
-            watch.times *= 2;
+            stopwatch.passes *= 2;
         }
-        watch
+        stopwatch
     }
 
-    fn clock(&self, start: &StateOf<S>) -> Result<Vec<Duration>, StepError> {
-        let parts: Vec<&[IncrementsOf<S>]> = self.increments.chunks(PART).collect();
-        self.subject.clock(start, self.h, &parts, self.times)
+    fn durations(&self, start: &StateOf<S>) -> Result<Vec<Duration>, StepError> {
+        let sections: Vec<&[IncrementsOf<S>]> = self.increments.chunks(SECTION).collect();
+        self.method.measure(start, self.h, &sections, self.passes)
     }
 
     pub(super) fn measure(&mut self, start: &StateOf<S>) {
-        let Ok(elapsed) = self.clock(start) else {
+        let Ok(elapsed) = self.durations(start) else {
             return;
         };
         for (seconds, elapsed) in self.seconds.iter_mut().zip(elapsed) {
-            seconds.push(elapsed.as_secs_f64() / f64::from(self.times));
+            seconds.push(elapsed.as_secs_f64() / f64::from(self.passes));
         }
     }
 
@@ -88,7 +88,7 @@ impl<'a, S: System> Watch<'a, S> {
     }
 }
 
-/// The value below which so many quarters of the sorted values lie, between neighbours in proportion.
+/// Returns the value below which so many quarters of the sorted values lie, by linear interpolation.
 fn quartile(sorted: &[f64], quarters: usize) -> Option<f64> {
     let at = quarters * sorted.len().checked_sub(1)?;
     let (low, high) = (at / 4, at.div_ceil(4));
@@ -101,7 +101,7 @@ mod tests {
     use super::quartile;
 
     #[test]
-    fn quartiles() {
+    fn quartiles_are_interpolated() {
         let sorted = [1.0, 2.0, 4.0, 8.0];
         assert_eq!(quartile(&sorted, 2), Some(3.0));
         assert_eq!(quartile(&sorted, 1), Some(1.75));
