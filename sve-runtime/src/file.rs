@@ -1,10 +1,10 @@
-//! Files that are written whole or not at all.
+//! Atomic writing of files.
 //!
-//! Input: a path, and what writes the content. Output: the file, or an error with the path. Invariant: under that name there is
-//! the old file or the whole new one at any time; after an error nothing of the new one is left.
+//! Input: a path, and what writes the content. Output: the file, or an error with the path. Invariant: at any time the path leads to
+//! the old file or to the complete new one; after an error nothing of the new file remains.
 //!
-//! The content goes into a new file of the same folder, which is flushed, synchronised with the disk and renamed. What is
-//! no regular file, such as a device or a pipe, is written directly: it has no content to be replaced.
+//! The content goes into a new file of the same folder, which is flushed, synchronised with the disk and renamed. A path that is
+//! not a regular file, such as a device or a pipe, is written directly: it has no content to replace.
 
 use core::fmt;
 use std::fs::{self, File, OpenOptions};
@@ -23,7 +23,7 @@ pub(crate) fn write(
     replace(path, write).map_err(|error| with_path(path, error))
 }
 
-/// An error that names its file.
+/// Adds the path to an error.
 pub(crate) fn with_path(path: &Path, source: io::Error) -> io::Error {
     let path = path.to_owned();
     io::Error::new(source.kind(), AtPath { path, source })
@@ -35,7 +35,7 @@ fn replace(
 ) -> io::Result<()> {
     let old = match fs::metadata(path) {
         Ok(old) if old.is_file() => {
-            // a file that may not be written may not be replaced either
+            // a file without write permission is not replaced
             OpenOptions::new().write(true).open(path)?;
             Some(old)
         }
@@ -47,7 +47,7 @@ fn replace(
         Err(error) if error.kind() == io::ErrorKind::NotFound => None,
         Err(error) => return Err(error),
     };
-    // a link stays one: the file that it leads to is replaced
+    // the target of a link is replaced, and the link stays
     let target = if old.is_some() {
         fs::canonicalize(path)?
     } else {
@@ -65,14 +65,14 @@ fn replace(
     new.rename(&target)
 }
 
-/// A file with a name of its own, removed unless it is renamed.
+/// A temporary file that is removed unless it is renamed.
 struct NewFile {
     path: PathBuf,
     is_renamed: bool,
 }
 
 impl NewFile {
-    /// A new file in the folder of another one.
+    /// Creates a temporary file in the folder of another one.
     fn beside(target: &Path) -> io::Result<(Self, File)> {
         static NUMBER: AtomicU64 = AtomicU64::new(0);
         let Some(name) = target.file_name() else {
@@ -92,7 +92,7 @@ impl NewFile {
                     let is_renamed = false;
                     return Ok((Self { path, is_renamed }, file));
                 }
-                // left by a process of this number that was killed
+                // a killed process with this number left the file
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(error),
             }
@@ -102,7 +102,7 @@ impl NewFile {
     fn rename(mut self, target: &Path) -> io::Result<()> {
         fs::rename(&self.path, target)?;
         self.is_renamed = true;
-        // the name is on the disk when the folder is; where folders cannot be synchronised, the file system does so in time
+        // Synchronising the folder writes the new name. Some file systems do not support this, and write the name later.
         #[cfg(unix)]
         if let Some(folder) = target
             .parent()
@@ -118,13 +118,13 @@ impl NewFile {
 impl Drop for NewFile {
     fn drop(&mut self) {
         if !self.is_renamed {
-            // the error that led here is the one to report
+            // the earlier error is reported
             let _ = fs::remove_file(&self.path);
         }
     }
 }
 
-/// An error of the file system with the path that it is of.
+/// Adds the path to an error of the file system.
 #[derive(Debug)]
 struct AtPath {
     path: PathBuf,

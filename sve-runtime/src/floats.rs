@@ -1,6 +1,6 @@
 //! Floating-point numbers for serde.
 //!
-//! Input: numbers, lists and arrays of them. Output: themselves; in formats for people, such as JSON, what is not finite becomes the
+//! Input: numbers, lists and arrays of them. Output: themselves; in human-readable formats, such as JSON, a number that is not finite becomes the
 //! string `NaN`, `inf` or `-inf`, since JSON has no such numbers. Invariant: binary formats keep every bit.
 
 use core::fmt;

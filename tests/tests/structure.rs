@@ -212,8 +212,7 @@ mod table {
     fn the_plan_distinguishes_angle_additions_from_calls() {
         let plan = Integrator::new(sve_tests::oracle::pendulum(), Midpoint).plan();
         let text = plan.to_string();
-        let last =
-            "\n  operations an iteration: 13 arithmetic, 0 transcendental, 1 angle addition";
+        let last = "\n  operations an iteration: 13 arithmetic, 0 transcendental, 1 angle addition";
         assert!(text.ends_with(last), "{text}");
         let two = plan.operations(2);
         assert_eq!(two.arithmetic, plan.step.arithmetic + 2 * 13);

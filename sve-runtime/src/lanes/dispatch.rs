@@ -1,24 +1,24 @@
-//! Code compiled for the vectors of the machine it runs on.
+//! Run-time dispatch: code compiled for several widths of vectors, of which the machine's is chosen.
 //!
-//! Input: a kernel, whose whole body is inlined. Output: what it returns, the same bits whichever version ran: wider vectors
-//! change no rounding, since Rust never contracts a multiplication and an addition into one operation.
+//! Input: a kernel, whose whole body is inlined. Output: its result, with the same bits for all versions: wider vectors
+//! change no rounding, since Rust never contracts a multiplication and an addition into a fused operation.
 
-/// Work to be compiled for several widths of vectors. `run` and all it calls in its loops are to be `#[inline(always)]`.
+/// A computation that is compiled for several widths of vectors. `run` and everything it calls in its loops have to be `#[inline(always)]`.
 pub(crate) trait Kernel {
-    /// What the work gives.
+    /// The result.
     type Output;
-    /// Does it.
+    /// Computes the result.
     fn run(self) -> Self::Output;
 }
 
-/// Runs a kernel with the widest vectors that this machine has.
+/// Runs a kernel with the widest vectors of this machine.
 #[inline]
 pub(crate) fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::is_x86_feature_detected as has;
         if has!("avx512f") && has!("avx512dq") && has!("avx512vl") && has!("avx512bw") {
-            // Safety: the machine has what the function is compiled for.
+            // Safety: the machine has the instructions that the function is compiled for.
             #[allow(unsafe_code)]
             return unsafe { avx512(kernel) };
         }
@@ -28,7 +28,7 @@ pub(crate) fn dispatch<K: Kernel>(kernel: K) -> K::Output {
             return unsafe { avx2(kernel) };
         }
     }
-    // Elsewhere the vectors that every machine of the target has: those of two numbers on x86-64 and AArch64.
+    // Other machines use the vectors that every machine of the target has: two numbers on x86-64 and AArch64.
     kernel.run()
 }
 
@@ -44,14 +44,14 @@ fn avx2<K: Kernel>(kernel: K) -> K::Output {
     kernel.run()
 }
 
-/// What every version that this machine can run gives, for tests.
+/// Returns the results of all versions that this machine can run, for tests.
 #[cfg(test)]
 #[allow(unsafe_code)]
 pub(crate) fn versions<K: Kernel + Clone>(kernel: &K) -> Vec<K::Output> {
     let mut results = vec![kernel.clone().run(), dispatch(kernel.clone())];
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {
-        // Safety: just asked.
+        // Safety: the feature was detected.
         results.push(unsafe { avx2(kernel.clone()) });
     }
     results

@@ -2,7 +2,7 @@
 //!
 //! Input: the outputs of the stages. Output: lines of readable mathematics for doc comments and for the plan, of bounded
 //! length. Nothing is computed here that the step does not use: each formula is printed from the expression that is
-//! differentiated or scheduled. The equations of motion are those of mathematics.md, section 1.
+//! differentiated or scheduled. The equations of motion are those of `docs/mathematics.md`, section 1.
 //!
 //! # Notation
 //!

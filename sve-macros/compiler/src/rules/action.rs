@@ -1,7 +1,7 @@
 //! Rule → discrete action: one function a rule, and nothing else is particular to a rule.
 //!
 //! Input: the model. Output: `S_d` as an expression in the start `q₀`, the displacement `d = q₁ − q₀`, the internal variables
-//! of the rule, the step size and the Wiener increments (mathematics.md, section 2). The displacement is the variable, not q₁,
+//! of the rule, the step size and the Wiener increments (`docs/mathematics.md`, section 2). The displacement is the variable, not q₁,
 //! so that a small step does not cancel: `∂S_d/∂q₁ = ∂S/∂d` and `∂S_d/∂q₀ = ∂S/∂q₀ − ∂S/∂d`.
 
 use std::collections::HashMap;

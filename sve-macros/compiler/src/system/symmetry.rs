@@ -1,7 +1,7 @@
 //! Whether each `#[symmetry]` is one, and the momentum that it conserves.
 //!
 //! Input: the model with its generators ξ. Output: the momentum maps ⟨p, ξ⟩, or an error that names the function which is
-//! not invariant. What the algebra does not decide is evaluated at random points (`symbolic/zero.rs`). To be zero identically (mathematics.md, section 9; with `ξ_t` for a generator that depends on time):
+//! not invariant. What the algebra does not decide is evaluated at random points (`symbolic/zero.rs`). To be zero identically (`docs/mathematics.md`, section 7; with `ξ_t` for a generator that depends on time):
 //!
 //! ```text
 //! L:   ⟨L_q, ξ⟩ + ⟨L_v, Dξ v + ξ_t⟩        γ:   ⟨γ_q, ξ⟩

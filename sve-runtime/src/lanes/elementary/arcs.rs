@@ -1,16 +1,16 @@
 //! Inverses of the trigonometric functions.
 //!
-//! The arc tangent of a/b is that of a quotient below tan π/8, plus 0, π/4 or π/2: of a/b, (a − b)/(a + b) or −b/a. The arc
-//! sine beyond ½ is `π/2 − 2 asin √((1 − x)/2)`. On what remains, `x + x³` times a polynomial in x².
+//! The argument of the arc tangent of a/b is reduced to a quotient below tan π/8, which is a/b, (a − b)/(a + b) or −b/a; then 0, π/4 or π/2 is
+//! added. Above ½ the arc sine is `π/2 − 2 asin √((1 − x)/2)`. On the reduced range both are `x + x³` times a polynomial in x².
 
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use super::{four, select};
 
-/// What is missing to π/2 in `FRAC_PI_2`.
+/// π/2 minus `FRAC_PI_2`.
 const HALF_PI_REST: f64 = 6.123_233_995_736_766e-17;
 
-/// `(atan x − x)/x³` of x², to tan² π/8.
+/// `(atan x − x)/x³` in x², up to x² = tan² π/8.
 const T: [f64; 11] = [
     -0.333_333_333_333_333_3,
     0.199_999_999_999_954_8,
@@ -25,7 +25,7 @@ const T: [f64; 11] = [
     -0.019_162_068_915_902_573,
 ];
 
-/// `(asin x − x)/x³` of x², to ¼.
+/// `(asin x − x)/x³` in x², up to x² = ¼.
 const S: [f64; 13] = [
     0.166_666_666_666_666_69,
     0.074_999_999_999_984_33,
@@ -42,7 +42,7 @@ const S: [f64; 13] = [
     0.028_757_851_367_421_566,
 ];
 
-/// The angle of the point (±b, a) for a, b ≥ 0, the negative sign if it is to the left, and the quotient that gave it.
+/// Returns the angle of the point (±b, a) for a, b ≥ 0, with −b for a point to the left, and the reduced quotient.
 #[inline(always)]
 fn angle(a: f64, b: f64, left: bool) -> (f64, f64) {
     const SMALL: f64 = 0.414_213_562_373_095;
@@ -58,20 +58,20 @@ fn angle(a: f64, b: f64, left: bool) -> (f64, f64) {
         + z4 * z4 * (four([T[4], T[5], T[6], T[7]], z2, z4) + z4 * z4 * last);
     let offset = select(small, 0.0, select(large, FRAC_PI_2, FRAC_PI_4));
     let rest = select(small, 0.0, select(large, HALF_PI_REST, 0.5 * HALF_PI_REST));
-    // π less the angle on the left, with what is missing to π
+    // for a point to the left, π minus the angle, with the low part of π
     let offset = select(left, PI - offset, offset);
     let rest = select(left, rest - 2.0 * HALF_PI_REST, rest);
     let more = z + (z * z2 * tail + rest);
     (select(left, offset - more, offset + more), z)
 }
 
-/// The arc tangent, to two units in the last place.
+/// Returns the arc tangent, to two units in the last place.
 #[inline(always)]
 pub fn atan(x: f64) -> f64 {
     angle(x.abs(), 1.0, false).0.copysign(x)
 }
 
-/// The angle of the point (x, y), to two units in the last place; NaN for the origin, for sizes above 10³⁰⁰, and where the
+/// Returns the angle of the point (x, y), to two units in the last place; NaN for the origin, for coordinates above 10³⁰⁰, and if the
 /// quotient y/x or x/y underflows.
 #[inline(always)]
 pub fn atan2(y: f64, x: f64) -> f64 {
@@ -84,7 +84,7 @@ pub fn atan2(y: f64, x: f64) -> f64 {
     select(lost, f64::NAN, angle).copysign(y)
 }
 
-/// Whether `|x| > ½`, the arc whose sine is computed, `asin − s` there, and s.
+/// Returns whether `|x| > ½`, the reduced argument's arc sine in two parts: `asin s − s`, and s.
 #[inline(always)]
 fn sine_of(size: f64) -> (bool, f64, f64) {
     let large = size > 0.5;
@@ -99,7 +99,7 @@ fn sine_of(size: f64) -> (bool, f64, f64) {
     (large, s * z * tail, s)
 }
 
-/// The arc sine, to two units in the last place; NaN for `|x| > 1`.
+/// Returns the arc sine, to two units in the last place; NaN for `|x| > 1`.
 #[inline(always)]
 pub fn asin(x: f64) -> f64 {
     let (large, more, s) = sine_of(x.abs());
@@ -107,7 +107,7 @@ pub fn asin(x: f64) -> f64 {
     select(large, far, s + more).copysign(x)
 }
 
-/// The arc cosine, to two units in the last place; NaN for `|x| > 1`.
+/// Returns the arc cosine, to two units in the last place; NaN for `|x| > 1`.
 #[inline(always)]
 pub fn acos(x: f64) -> f64 {
     let (large, more, s) = sine_of(x.abs());

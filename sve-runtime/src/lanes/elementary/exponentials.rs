@@ -1,7 +1,7 @@
 //! `eˣ`, `2ˣ` and `eˣ − 1`.
 //!
-//! `x = k ln 2 + r` with an integer k and `|r| ≤ ln 2/2`; then `eˣ = 2ᵏ (1 + (eʳ − 1))`, and `eʳ − 1 = r + r² Q(r)`. Of
-//! ln 2 the first part has 32 bits, so that its products with k are exact.
+//! `x = k ln 2 + r` with an integer k and `|r| ≤ ln 2/2`; then `eˣ = 2ᵏ (1 + (eʳ − 1))`, and `eʳ − 1 = r + r² Q(r)`. The
+//! first part of ln 2 has 32 bits, so that its products with k are exact.
 
 use core::f64::consts::LOG2_E;
 
@@ -10,7 +10,7 @@ use super::{four, nearest, power_of_two, select};
 const LN_2_FIRST: f64 = 0.693_147_180_369_123_8;
 const LN_2_REST: f64 = 1.908_214_929_270_587_7e-10;
 
-/// `e` to the power of plus or minus this is neither infinite nor subnormal.
+/// Largest magnitude of x for which `eˣ` is neither infinite nor subnormal.
 pub(super) const LARGEST: f64 = 708.0;
 
 /// `eʳ − 1 = r + r² Q(r)`.
@@ -43,7 +43,7 @@ const P: [f64; 11] = [
     2.572_509_925_288_868_7e-11,
 ];
 
-/// A polynomial of eleven terms.
+/// Evaluates a polynomial of eleven terms.
 #[inline(always)]
 fn eleven(c: &[f64; 11], r: f64, r2: f64) -> f64 {
     let r4 = r2 * r2;
@@ -51,7 +51,7 @@ fn eleven(c: &[f64; 11], r: f64, r2: f64) -> f64 {
     four([c[0], c[1], c[2], c[3]], r, r2) + r4 * (four([c[4], c[5], c[6], c[7]], r, r2) + r4 * last)
 }
 
-/// k, its bits and `eʳ − 1`; NaN for `|x|` above 708.
+/// Returns k, its bits and `eʳ − 1`; NaN for `|x|` above 708.
 #[inline(always)]
 fn reduced(x: f64) -> (u64, f64) {
     let (k, bits) = nearest(x * LOG2_E);
@@ -63,29 +63,29 @@ fn reduced(x: f64) -> (u64, f64) {
     (bits, first - (rest - r2 * eleven(&Q, r, r2)))
 }
 
-/// `eˣ`, to 0.9 units in the last place, for `|x| ≤ 708`; NaN beyond.
+/// Returns `eˣ`, to 0.9 units in the last place, for `|x| ≤ 708`; NaN otherwise.
 #[inline(always)]
 pub fn exp(x: f64) -> f64 {
     let (k, e) = reduced(x);
     (1.0 + e) * power_of_two(k)
 }
 
-/// `eˣ − 1`, to 1.5 units in the last place, for `|x| ≤ 708`; NaN beyond.
+/// Returns `eˣ − 1`, to 1.5 units in the last place, for `|x| ≤ 708`; NaN otherwise.
 #[inline(always)]
 pub fn exp_m1(x: f64) -> f64 {
     let (k, e) = reduced(x);
     let scale = power_of_two(k);
-    // the sign is that of x, for −0 too
+    // keeps the sign of −0
     (scale * e + (scale - 1.0)).copysign(x)
 }
 
-/// `2ˣ`, to 1.2 units in the last place, for `|x| ≤ 1021`; NaN beyond.
+/// Returns `2ˣ`, to 1.2 units in the last place, for `|x| ≤ 1021`; NaN otherwise.
 #[inline(always)]
 pub fn exp2(x: f64) -> f64 {
     exp2_of_sum(x, 0.0)
 }
 
-/// `2` to the power `x + rest`, where `rest` is small beside 1.
+/// Returns `2` to the power `x + rest`; `rest` is small relative to 1.
 #[inline(always)]
 pub(super) fn exp2_of_sum(x: f64, rest: f64) -> f64 {
     let (k, bits) = nearest(x);

@@ -2,34 +2,34 @@
 
 use super::{exp, exp_m1, ln_1p, select};
 
-/// Squares of numbers up to here are finite.
+/// Largest argument: its square is finite.
 const SQUARE: f64 = 1e150;
 
-/// The hyperbolic sine, to two units in the last place, for `|x| ≤ 708`; NaN beyond.
+/// Returns the hyperbolic sine, to two units in the last place, for `|x| ≤ 708`; NaN otherwise.
 #[inline(always)]
 pub fn sinh(x: f64) -> f64 {
     let e = exp_m1(x.abs());
     (0.5 * (e + e / (e + 1.0))).copysign(x)
 }
 
-/// The hyperbolic cosine, to 1.5 units in the last place, for `|x| ≤ 708`; NaN beyond.
+/// Returns the hyperbolic cosine, to 1.5 units in the last place, for `|x| ≤ 708`; NaN otherwise.
 #[inline(always)]
 pub fn cosh(x: f64) -> f64 {
     let e = exp(x.abs());
     0.5 * e + 0.5 / e
 }
 
-/// The hyperbolic tangent, to 2.5 units in the last place.
+/// Returns the hyperbolic tangent, to 2.5 units in the last place.
 #[inline(always)]
 pub fn tanh(x: f64) -> f64 {
     let size = x.abs();
-    // 1 beyond
+    // the tangent of larger arguments is 1
     let size = select(size > 25.0, 25.0, size);
     let e = exp_m1(2.0 * size);
     (e / (e + 2.0)).copysign(x)
 }
 
-/// The inverse of the hyperbolic sine, to two units in the last place, for `|x| ≤ 10¹⁵⁰`; NaN beyond.
+/// Returns the inverse of the hyperbolic sine, to two units in the last place, for `|x| ≤ 10¹⁵⁰`; NaN otherwise.
 #[inline(always)]
 pub fn asinh(x: f64) -> f64 {
     let size = select(x.abs() <= SQUARE, x.abs(), f64::NAN);
@@ -37,14 +37,14 @@ pub fn asinh(x: f64) -> f64 {
     ln_1p(size + square / (1.0 + (1.0 + square).sqrt())).copysign(x)
 }
 
-/// The inverse of the hyperbolic cosine, to two units in the last place, for `1 ≤ x ≤ 10¹⁵⁰`; NaN beyond.
+/// Returns the inverse of the hyperbolic cosine, to two units in the last place, for `1 ≤ x ≤ 10¹⁵⁰`; NaN otherwise.
 #[inline(always)]
 pub fn acosh(x: f64) -> f64 {
     let more = select((1.0..=SQUARE).contains(&x), x - 1.0, f64::NAN);
     ln_1p(more + (2.0 * more + more * more).sqrt())
 }
 
-/// The inverse of the hyperbolic tangent, to two units in the last place, for `|x| < 1`; NaN beyond.
+/// Returns the inverse of the hyperbolic tangent, to two units in the last place, for `|x| < 1`; NaN otherwise.
 #[inline(always)]
 pub fn atanh(x: f64) -> f64 {
     let size = select(x.abs() < 1.0, x.abs(), f64::NAN);

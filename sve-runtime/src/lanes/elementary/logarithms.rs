@@ -9,9 +9,9 @@ use super::{four, select};
 const ROOT_HALF: u64 = 0x3fe6_a09e_667f_3bcd;
 /// Bits of 1.
 const ONE: u64 = 0x3ff0_0000_0000_0000;
-/// The bits behind the exponent.
+/// The bits of the mantissa.
 const MANTISSA: u64 = (1 << 52) - 1;
-/// Bits of 2⁵²: an integer or-ed to it is added.
+/// Bits of 2⁵²: a bitwise or with an integer adds the integer.
 const FROM_INTEGER: u64 = 0x4330_0000_0000_0000;
 
 /// ln 2; the first part has 32 bits.
@@ -37,7 +37,7 @@ const R: [f64; 7] = [
     0.146_165_854_248_886_23,
 ];
 
-/// The exponent k of a number and `f` with `x = 2ᵏ (1 + f)`, `√½ ≤ 1 + f < √2`; f is NaN unless x is positive, normal and finite.
+/// Returns the exponent k of a number and `f` with `x = 2ᵏ (1 + f)`, `√½ ≤ 1 + f < √2`; f is NaN unless x is positive, normal and finite.
 #[inline(always)]
 pub(super) fn split(x: f64) -> (f64, f64) {
     let shifted = x.to_bits().wrapping_add(ONE - ROOT_HALF);
@@ -48,7 +48,7 @@ pub(super) fn split(x: f64) -> (f64, f64) {
     (k, select(valid, m - 1.0, f64::NAN))
 }
 
-/// `f²/2` and `ln(1 + f) − f + f²/2`.
+/// Returns `f²/2` and `ln(1 + f) − f + f²/2`.
 #[inline(always)]
 fn tail(f: f64) -> (f64, f64) {
     let s = f / (2.0 + f);
@@ -60,7 +60,7 @@ fn tail(f: f64) -> (f64, f64) {
     (half, s * (half + r))
 }
 
-/// The natural logarithm, to 0.9 units in the last place; NaN unless `x` is positive, normal and finite.
+/// Returns the natural logarithm, to 0.9 units in the last place; NaN unless `x` is positive, normal and finite.
 #[inline(always)]
 pub fn ln(x: f64) -> f64 {
     let (k, f) = split(x);
@@ -68,26 +68,26 @@ pub fn ln(x: f64) -> f64 {
     k * LN_2_FIRST - ((half - (rest + k * LN_2_REST)) - f)
 }
 
-/// `ln(1 + x)`, to one unit in the last place, for `−1 < x < 2¹⁰²³`; NaN else.
+/// Returns `ln(1 + x)`, to one unit in the last place, for `−1 < x < 2¹⁰²³`; NaN otherwise.
 #[inline(always)]
 pub fn ln_1p(x: f64) -> f64 {
     let sum = 1.0 + x;
-    // what rounding took from the sum
+    // rounding error of the sum
     let part = sum - x;
     let lost = (1.0 - part) + (x - (sum - part));
     let (k, f0) = split(sum);
-    // 2⁻ᵏ, zero for the largest, whose lost part does not count
+    // 2⁻ᵏ; zero for the largest numbers, for which the rounding error is negligible
     let scale = f64::from_bits(((1023.0 - k + super::TO_INTEGER).to_bits()) << 52);
     let lost = lost * scale;
     let f = f0 + lost;
     let lost = (f0 - f) + lost;
     let (half, rest) = tail(f);
     let result = k * LN_2_FIRST - ((half - (rest + (k * LN_2_REST + lost))) - f);
-    // the sign is that of x, for −0 too
+    // keeps the sign of −0
     result.copysign(x)
 }
 
-/// `ln(1 + f)` in two parts, the first of 20 bits.
+/// Returns `ln(1 + f)` in two parts, the first of 20 bits.
 #[inline(always)]
 fn two_parts(f: f64) -> (f64, f64) {
     let (half, rest) = tail(f);
@@ -95,7 +95,7 @@ fn two_parts(f: f64) -> (f64, f64) {
     (first, ((f - first) - half) + rest)
 }
 
-/// The logarithm to base 2, to one unit in the last place; NaN unless `x` is positive, normal and finite.
+/// Returns the logarithm to base 2, to one unit in the last place; NaN unless `x` is positive, normal and finite.
 #[inline(always)]
 pub fn log2(x: f64) -> f64 {
     let (k, f) = split(x);
@@ -106,7 +106,7 @@ pub fn log2(x: f64) -> f64 {
     sum + (((k - sum) + large) + small)
 }
 
-/// The logarithm to base 10, to one unit in the last place; NaN unless `x` is positive, normal and finite.
+/// Returns the logarithm to base 10, to one unit in the last place; NaN unless `x` is positive, normal and finite.
 #[inline(always)]
 pub fn log10(x: f64) -> f64 {
     let (k, f) = split(x);

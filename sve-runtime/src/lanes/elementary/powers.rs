@@ -1,7 +1,7 @@
-//! Powers, cube roots, and the length of two legs.
+//! Powers, cube roots, and the hypotenuse.
 //!
-//! `xʸ = 2^(y log₂ x)` with the logarithm in two parts, to 2⁻⁶⁵ of itself, in the manner of fdlibm's `e_pow.c`: factors are cut
-//! to 26 bits, so that products of them are exact.
+//! `xʸ = 2^(y log₂ x)` with the logarithm in two parts, to a relative error of 2⁻⁶⁵, as in fdlibm's `e_pow.c`: factors are truncated
+//! to 26 bits, so that their products are exact.
 
 use super::exponentials::exp2_of_sum;
 use super::logarithms::split;
@@ -19,18 +19,18 @@ const L: [f64; 8] = [
     0.175_847_679_358_147_78,
 ];
 
-/// `2/(3 ln 2)`, the first 26 bits of it, and the rest.
+/// `2/(3 ln 2)`, its first 26 bits, and the remainder.
 const SCALE: f64 = 0.961_796_693_925_975_6;
 const SCALE_FIRST: f64 = 0.961_796_686_053_276_1;
 const SCALE_REST: f64 = 7.872_699_542_894_897e-9;
 
-/// The first 26 bits of a number.
+/// Returns the first 26 bits of a number.
 #[inline(always)]
 fn cut(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & !((1 << 27) - 1))
 }
 
-/// The logarithm to base 2 in two parts, the first of 26 bits.
+/// Returns the logarithm to base 2 in two parts, the first of 26 bits.
 #[inline(always)]
 fn log2_in_parts(x: f64) -> (f64, f64) {
     let (k, f) = split(x);
@@ -51,7 +51,7 @@ fn log2_in_parts(x: f64) -> (f64, f64) {
     let square = first * first;
     let three = cut(3.0 + square + small);
     let three_rest = small - ((three - 3.0) - square);
-    // their product, and that with 2/(3 ln 2)
+    // the product of the two, times 2/(3 ln 2)
     let product = first * three;
     let product_rest = rest * three + three_rest * s;
     let head = cut(product + product_rest);
@@ -62,7 +62,7 @@ fn log2_in_parts(x: f64) -> (f64, f64) {
     (result, small - ((result - k) - large))
 }
 
-/// `xʸ`, to 1.3 units in the last place, for x positive, normal and finite, and `|y log₂ x| ≤ 1021`; NaN else.
+/// Returns `xʸ`, to 1.3 units in the last place, for x positive, normal and finite, and `|y log₂ x| ≤ 1021`; NaN otherwise.
 #[inline(always)]
 pub fn powf(x: f64, y: f64) -> f64 {
     let (log, log_rest) = log2_in_parts(x);
@@ -70,7 +70,7 @@ pub fn powf(x: f64, y: f64) -> f64 {
     exp2_of_sum(first * log, (y - first) * log + y * log_rest)
 }
 
-/// `xʸ lnⁿ x`, where [`powf`] and [`ln`] have values.
+/// Returns `xʸ lnⁿ x` for the arguments of [`powf`] and [`ln`].
 #[inline(always)]
 pub fn power_log(x: f64, y: f64, n: i32) -> f64 {
     let log = ln(x);
@@ -81,9 +81,9 @@ pub fn power_log(x: f64, y: f64, n: i32) -> f64 {
     result
 }
 
-/// The cube root, to 0.7 units in the last place, of a normal and finite number; NaN else.
+/// Returns the cube root, to 0.7 units in the last place, of a normal and finite number; NaN otherwise.
 ///
-/// A guess from the exponent, to 5 bits; a polynomial, to 23; one step of Newton's method (FreeBSD, `s_cbrt.c`).
+/// The exponent gives a guess to 5 bits, a polynomial improves it to 23 bits, and one step of Newton's method to rounding (FreeBSD, `s_cbrt.c`).
 #[inline(always)]
 pub fn cbrt(x: f64) -> f64 {
     /// `(1 + u)^(−1/3)` for `|u| ≤ 0.12`.
@@ -100,7 +100,7 @@ pub fn cbrt(x: f64) -> f64 {
     let size = x.abs();
     let valid = (f64::MIN_POSITIVE..=f64::MAX).contains(&size);
     let size = select(valid, size, f64::NAN);
-    // a third of the upper half of the bits, by numbers, since vectors do not divide integers
+    // a third of the upper half of the bits, by floating-point numbers: vectors do not divide integers
     let upper = f64::from_bits(size.to_bits() >> 32 | FROM_INTEGER) - 4_503_599_627_370_496.0;
     let third = upper * (1.0 / 3.0) + 715_094_163.0;
     let guess = f64::from_bits((third + 4_503_599_627_370_496.0).to_bits() << 32);
@@ -114,7 +114,7 @@ pub fn cbrt(x: f64) -> f64 {
     f64::from_bits(root.to_bits() | x.to_bits() & SIGN)
 }
 
-/// `√(x² + y²)`, to 1.3 units in the last place; NaN where the sum of squares is not between 2⁻⁹⁰⁰ and the largest number.
+/// Returns `√(x² + y²)`, to 1.3 units in the last place; NaN where the sum of squares is not between 2⁻⁹⁰⁰ and the largest number.
 #[inline(always)]
 pub fn hypot(x: f64, y: f64) -> f64 {
     const SMALLEST: f64 = 1e-270;

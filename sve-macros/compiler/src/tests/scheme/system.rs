@@ -138,7 +138,7 @@ impl System {
         terms.fold(T::of(0.0), T::plus)
     }
 
-    /// The discrete action (mathematics.md, section 2).
+    /// The discrete action (`docs/mathematics.md`, section 2).
     pub(super) fn action<T: Number>(&self, rule: Rule, x: &Variables<T>) -> T {
         match rule {
             Rule::InitialPoint => self.one_node(0.0, x),
