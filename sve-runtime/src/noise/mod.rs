@@ -35,6 +35,8 @@ mod from_step;
 mod halves;
 #[cfg(feature = "ensemble")]
 pub(crate) mod lanes;
+#[cfg(feature = "ensemble")]
+mod many_paths;
 mod none;
 mod recorded;
 mod three_point;
@@ -47,6 +49,10 @@ pub use error::NoiseError;
 pub use from_rng::FromRng;
 pub use from_step::{FromStep, Replayable};
 pub use halves::Halves;
+#[cfg(feature = "ensemble")]
+pub use many_paths::ManyPaths;
+#[cfg(feature = "ensemble")]
+pub(crate) use many_paths::PathData;
 pub use none::NoNoise;
 pub use recorded::Recorded;
 pub use three_point::ThreePoint;

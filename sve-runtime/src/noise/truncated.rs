@@ -106,6 +106,21 @@ impl<W> Truncated<W> {
         }
     }
 
+    /// The source whose increments are clipped.
+    #[cfg(feature = "ensemble")]
+    pub(super) fn source(&self) -> &W {
+        &self.noise
+    }
+
+    /// The bound without its source.
+    #[cfg(feature = "ensemble")]
+    pub(super) fn bound_alone(&self) -> Truncated<()> {
+        Truncated {
+            noise: (),
+            bound: self.bound,
+        }
+    }
+
     /// Returns the largest |ΔW| over a step of length `h`, A√h.
     ///
     /// # Errors
