@@ -9,6 +9,7 @@
 //!
 //! Source: Allgower, Georg, *Introduction to Numerical Continuation Methods* (2003), chapter 2.
 
+use crate::configuration::Coordinates;
 use crate::solve::SolveError;
 use crate::solve::dense::{self, DeterminantSign};
 use crate::solve::newton::{Evaluation, Newton};
@@ -45,12 +46,13 @@ const SCALES: i32 = 40;
 /// [`SolveError::Singular`] if the mass matrix has no inverse; [`SolveError::NonFinite`] if L is not defined;
 /// [`SolveError::NoVelocity`] if no velocity with this momentum is connected with the reference.
 #[inline]
-pub(crate) fn velocity<S, const N: usize, const M: usize>(
+pub(crate) fn velocity<S, Q, const N: usize, const M: usize>(
     system: &S,
-    state: &State<N>,
+    state: &State<[f64; N]>,
 ) -> Result<[f64; N], SolveError>
 where
-    S: System<Dims = Dims<N, M>> + ?Sized,
+    S: System<Dims = Dims<N, M, Q>> + ?Sized,
+    Q: Coordinates<N>,
 {
     let State { t, q, p } = state;
     if !S::AFFINE_MOMENTUM {
@@ -66,12 +68,13 @@ where
 }
 
 /// Returns the velocity if the momentum is not affine in it, by continuation from the reference velocity.
-fn velocity_by_continuation<S, const N: usize, const M: usize>(
+fn velocity_by_continuation<S, Q, const N: usize, const M: usize>(
     system: &S,
-    state: &State<N>,
+    state: &State<[f64; N]>,
 ) -> Result<[f64; N], SolveError>
 where
-    S: System<Dims = Dims<N, M>> + ?Sized,
+    S: System<Dims = Dims<N, M, Q>> + ?Sized,
+    Q: Coordinates<N>,
 {
     let State { t, q, p } = state;
     if !p.iter().chain(q).chain([t]).all(|x| x.is_finite()) {
@@ -137,7 +140,7 @@ struct Reference<const N: usize> {
 /// Finds a velocity at which L is defined and its mass matrix is regular: rest, otherwise the momentum or a diagonal direction
 /// times a power of two.
 fn reference<const N: usize>(
-    state: &State<N>,
+    state: &State<[f64; N]>,
     at: &impl Fn(&[f64; N], &[f64; N]) -> Evaluation<N>,
 ) -> Result<Reference<N>, SolveError> {
     let mut undefined = SolveError::NonFinite;

@@ -80,6 +80,7 @@
 
 mod angle_addition;
 pub mod baseline;
+mod configuration;
 mod continuation;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
@@ -107,6 +108,7 @@ mod system;
 mod tangent;
 mod trajectory;
 
+pub use configuration::{Configuration, Coordinates, FixedSize};
 pub use error::StepError;
 pub use integrator::Integrator;
 pub use lanes::{LANES, Lane, Mask, StateLanes};
@@ -233,8 +235,9 @@ pub use state::State;
 /// ```
 pub use sve_macros::variational;
 pub use system::{
-    DerivedFor, Dimensions, Dims, ForceJet, IncrementLanesOf, IncrementsOf, LagrangianJet,
-    NoiseJet, StateLanesOf, StateOf, StepOf, System, Variational, VectorOf,
+    ConfigurationOf, DerivedFor, Dimensions, Dims, FlatStateOf, ForceJet, IncrementLanesOf,
+    IncrementsOf, LagrangianJet, MomentumOf, NoiseJet, StateLanesOf, StateOf, StepOf, System,
+    Variational, VectorOf,
 };
 pub use tangent::{Sensitivity, Tangent};
 pub use trajectory::{Refinements, Trajectory};
@@ -273,7 +276,7 @@ pub mod __private {
         BlockProperties, BlockSolver, Evaluation, Newton, propagated_error,
     };
     pub use crate::solve::regularity::{all_positive, cold, is_regular_within};
-    pub use crate::state::State;
+    pub use crate::state::{State, in_coordinates};
     pub use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System, Variational};
     pub use crate::tangent::{Entries, Linearisation};
 }

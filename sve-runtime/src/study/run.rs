@@ -9,6 +9,7 @@ use super::reference::{PathRequest, Reference};
 use super::report::{Invariant, Report, Row};
 use super::stopwatch::Stopwatch;
 use super::{Study, StudyError};
+use crate::configuration::Coordinates;
 use crate::error::StepError;
 use crate::noise::Recorded;
 use crate::state::State;
@@ -42,13 +43,14 @@ struct Settings<'a, S: System> {
     processes: usize,
 }
 
-pub(super) fn run<S, const N: usize, const M: usize>(
+pub(super) fn run<S, Q, const N: usize, const M: usize>(
     study: &Study<'_, S>,
 ) -> Result<Report, StudyError>
 where
-    S: System<Dims = Dims<N, M>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
-    let settings = Settings::new::<N, M>(study)?;
+    let settings = Settings::new::<Q, N, M>(study)?;
     let outcomes: Vec<Outcome> = (0..settings.paths)
         .into_par_iter()
         .map(|path| settings.outcome(path))
@@ -80,9 +82,10 @@ where
 
 impl<'a, S: System> Settings<'a, S> {
     /// Checks the settings.
-    fn new<const N: usize, const M: usize>(study: &'a Study<'a, S>) -> Result<Self, StudyError>
+    fn new<Q, const N: usize, const M: usize>(study: &'a Study<'a, S>) -> Result<Self, StudyError>
     where
-        S: System<Dims = Dims<N, M>>,
+        S: System<Dims = Dims<N, M, Q>>,
+        Q: Coordinates<N>,
     {
         let missing = |what, write| StudyError::Missing { what, write };
         let names = study.methods.iter().map(|(name, _)| name.to_string());
@@ -176,9 +179,10 @@ fn refuse_duplicates(
     Ok(())
 }
 
-impl<'a, S, const N: usize, const M: usize> Settings<'a, S>
+impl<'a, S, Q, const N: usize, const M: usize> Settings<'a, S>
 where
-    S: System<Dims = Dims<N, M>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     /// Returns every method with every number of steps.
     fn cases(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
@@ -196,7 +200,7 @@ where
         self.subject(0).system()
     }
 
-    fn reference(&self, path: u64) -> Result<(Recorded, State<N>), StudyError> {
+    fn reference(&self, path: u64) -> Result<(Recorded, State<Q>), StudyError> {
         self.reference.get(&PathRequest {
             path,
             seed: self.study.seed,
@@ -207,7 +211,7 @@ where
         })
     }
 
-    fn observed(&self, state: &State<N>) -> Result<Vec<f64>, StepError> {
+    fn observed(&self, state: &State<Q>) -> Result<Vec<f64>, StepError> {
         let values = self.study.observables.iter();
         values.map(|o| (o.value)(self.system(), state)).collect()
     }
@@ -217,7 +221,7 @@ where
         let observed = self
             .observed(&exact)
             .map_err(|source| StudyError::Reference { path, source })?;
-        let origin = State::at(exact.t, [0.0; N], [0.0; N]);
+        let origin = State::at(exact.t, Q::origin(), Q::no_momentum());
         let size = (self.study.distance)(&exact, &origin).powi(2);
         if !(size + observed.iter().sum::<f64>()).is_finite() {
             return Err(StudyError::NotFinite { path });
@@ -235,7 +239,7 @@ where
     }
 
     /// Solves a path by a method; `None` if it fails or overflows.
-    fn sample(&self, method: usize, path: &Recorded, exact: &State<N>) -> Option<Sample> {
+    fn sample(&self, method: usize, path: &Recorded, exact: &State<Q>) -> Option<Sample> {
         let n = path.len() as f64;
         let (mut largest, mut moment, mut step) = (0.0_f64, 0.0, 0.0);
         let end = match &self.study.invariant {
