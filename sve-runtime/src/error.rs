@@ -1,6 +1,9 @@
 //! What can go wrong in a step. Each message has the numbers and the knob to turn.
 
 use crate::noise::NoiseError;
+use crate::solve::SolveError;
+use crate::state::State;
+use crate::time::is_next_time;
 
 /// Why a step could not be made. The state it was given is unchanged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -211,4 +214,82 @@ fn branch_lost(t: f64, h: f64, dw: &[f64], step: f64, reached: f64) -> String {
         "the step from t = {t} with h = {h:e} and the increments {dw:?}: its solution was followed from no noise and lost at \
          {reached:.3} of the increments, where it ends, branches or leaves the domain of L: {knobs}"
     )
+}
+
+/// Converts the error of a solver to that of a step from `state`. An input that is not finite is reported first.
+///
+/// The caller passes copies of state and increments, so that its own can stay in registers.
+#[cold]
+pub(crate) fn step_error<const N: usize, const M: usize>(
+    error: SolveError,
+    state: &State<[f64; N]>,
+    h: f64,
+    dw: &[f64; M],
+) -> StepError {
+    let t = state.t;
+    if !h.is_finite() {
+        return StepError::StepSize { h };
+    }
+    let not_finite = |name: &'static str, values: &[f64]| {
+        let at = values.iter().position(|x| !x.is_finite())?;
+        Some(StepError::NonFiniteInput {
+            what: format!("{name}[{at}]"),
+            value: values[at],
+            t,
+        })
+    };
+    if !t.is_finite() {
+        return StepError::NonFiniteInput {
+            what: "t".to_owned(),
+            value: t,
+            t,
+        };
+    }
+    if let Some(bad) = not_finite("q", &state.q)
+        .or_else(|| not_finite("p", &state.p))
+        .or_else(|| not_finite("dw", dw))
+    {
+        return bad;
+    }
+    match error {
+        SolveError::NotConverged {
+            iterations,
+            residual,
+            tolerance,
+        } => StepError::NotConverged {
+            t,
+            h,
+            iterations,
+            residual,
+            tolerance,
+        },
+        SolveError::OtherBranch => StepError::BranchLost {
+            t,
+            h,
+            dw: dw.to_vec(),
+            step: 0.0,
+            reached: 0.0,
+        },
+        SolveError::NoVelocity { reached } => StepError::NoVelocity {
+            t,
+            p: state.p.to_vec(),
+            reached,
+        },
+        SolveError::Singular { iteration } => StepError::Singular {
+            t,
+            h,
+            q: state.q.to_vec(),
+            iteration,
+        },
+        // Configuration and momentum are finite, and the new time is not, or does not change. Outside of a step h is 0.
+        SolveError::NonFinite if h != 0.0 && !is_next_time(t, t + h) => {
+            StepError::Time { t, h, end: t + h }
+        }
+        SolveError::NonFinite | SolveError::OutsideDomain { .. } => StepError::NonFiniteResult {
+            t,
+            h,
+            q: state.q.to_vec(),
+            p: state.p.to_vec(),
+        },
+    }
 }

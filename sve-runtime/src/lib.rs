@@ -81,7 +81,6 @@
 mod angle_addition;
 pub mod baseline;
 mod configuration;
-mod continuation;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 mod error;
@@ -92,31 +91,29 @@ mod floats;
 mod integrator;
 mod lanes;
 mod legendre;
+mod linearisation;
 mod mechanics;
 mod method;
 pub mod noise;
 mod plan;
 mod power;
 mod rules;
-mod snapshot;
 mod solve;
 mod state;
-mod step;
 #[cfg(feature = "study")]
 pub mod study;
 mod system;
-mod tangent;
+mod time;
 mod trajectory;
 
 pub use configuration::{Configuration, Coordinates, FixedSize};
 pub use error::StepError;
-pub use integrator::Integrator;
+pub use integrator::{Integrator, Sensitivity, Tangent};
 pub use lanes::{LANES, Lane, Mask, StateLanes};
 pub use mechanics::{Field, Mechanics};
 pub use method::Method;
 pub use plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
 pub use rules::{Endpoint, InitialPoint, Midpoint, Taylor2};
-pub use snapshot::Snapshot;
 pub use solve::newton::{BlockSolver, Newton};
 pub use state::State;
 /// A system with time-dependent L, a helper, a constant, a parameter array and two noises:
@@ -239,8 +236,7 @@ pub use system::{
     IncrementsOf, LagrangianJet, MomentumOf, NoiseJet, StateLanesOf, StateOf, StepOf, System,
     Variational, VectorOf,
 };
-pub use tangent::{Sensitivity, Tangent};
-pub use trajectory::{Refinements, Trajectory};
+pub use trajectory::{RefinedTrajectory, Refinements, Snapshot, Trajectory};
 
 /// What a program that integrates a system imports: `use sve_runtime::prelude::*;`.
 pub mod prelude {
@@ -266,6 +262,7 @@ pub mod __private {
         pub use crate::lanes::solve::solve;
         pub use crate::lanes::{LANES, Lane, Mask, StateLanes, is_left, rows};
     }
+    pub use crate::linearisation::{Entries, Linearisation};
     pub use crate::plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
     pub use crate::power::power_log;
     pub use crate::rules::Whole;
@@ -278,7 +275,6 @@ pub mod __private {
     pub use crate::solve::regularity::{all_positive, cold, is_regular_within};
     pub use crate::state::{State, in_coordinates};
     pub use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System, Variational};
-    pub use crate::tangent::{Entries, Linearisation};
 }
 
 /// The examples of the readme, as tests.

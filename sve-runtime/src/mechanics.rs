@@ -5,12 +5,11 @@
 //! `dq = v dt + Σ ∂G_a/∂p ∘ dW_a`, `dp = (∂L/∂q + F) dt − Σ ∂G_a/∂q ∘ dW_a`, `p = ∂L/∂v`, with `G = −γ` or `G = H₁`.
 
 use crate::configuration::Coordinates;
-use crate::error::StepError;
+use crate::error::{StepError, step_error};
 use crate::legendre;
 use crate::solve::SolveError;
 use crate::solve::dense;
 use crate::state::State;
-use crate::step::explain;
 use crate::system::{ConfigurationOf, Dims, IncrementsOf, MomentumOf, NoiseJet, StateOf, System};
 
 /// A tangent vector of phase space: `(q̇, ṗ)`, or the field of a noise.
@@ -316,5 +315,5 @@ fn finite<const N: usize>(field: Field<[f64; N]>) -> Result<Field<[f64; N]>, Sol
 
 #[cold]
 fn outside_a_step<const N: usize>(error: SolveError, state: &State<[f64; N]>) -> StepError {
-    explain(error, state, 0.0, &[])
+    step_error(error, state, 0.0, &[])
 }

@@ -3,22 +3,13 @@
 use core::any::type_name;
 use core::hash::Hasher;
 
-use crate::Integrator;
-use crate::configuration::Coordinates;
 use crate::error::StepError;
-use crate::lanes::{ALL, Lane, Mask, StateLanes};
+use crate::lanes::{ALL, Mask};
 use crate::noise::Noise;
-use crate::plan::StrongOrder;
-use crate::snapshot::Snapshot;
-use crate::solve::newton::{BlockSolver, Newton};
-use crate::state::State;
-use crate::step::{check_step_size, compensated_step, solve_step};
-use crate::system::{
-    Dims, IncrementLanesOf, IncrementsOf, StateLanesOf, StateOf, System, Variational,
-};
-use crate::trajectory::{CompensatedStep, Trajectory};
+use crate::system::{IncrementLanesOf, IncrementsOf, StateLanesOf, StateOf, System};
+use crate::trajectory::{Snapshot, Trajectory};
 
-/// A one-step method for a system: an [`Integrator`] or a [`baseline`](crate::baseline).
+/// A one-step method for a system: an [`Integrator`](crate::Integrator) or a [`baseline`](crate::baseline).
 pub trait Method {
     /// The system it integrates.
     type System: System;
@@ -173,100 +164,26 @@ pub trait Method {
         Trajectory::resume(self, snapshot, noise)
     }
 
-    /// The step that carries the low parts of the state, where there is one.
+    /// Returns whether [`compensated_step`](Self::compensated_step) makes steps.
     #[doc(hidden)]
-    fn compensated_step(&self) -> Option<CompensatedStep<Self>>
-    where
-        Self: Sized,
-    {
-        None
-    }
-}
-
-impl<S, R, Q, const N: usize, const M: usize> Method for Integrator<S, R>
-where
-    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
-    type System = S;
-    type Prepared = S::Prepared;
-
-    fn system(&self) -> &S {
-        Integrator::system(self)
+    fn has_compensated_step(&self) -> bool {
+        false
     }
 
-    #[inline]
-    fn prepare(&self, h: f64) -> Result<S::Prepared, StepError> {
-        check_step_size(h)?;
-        Ok(Integrator::system(self).prepare(h))
-    }
-
-    #[inline]
-    fn step_prepared(
+    /// One step that adds the low parts `low` of the state, and writes its rounding errors to `low`.
+    ///
+    /// # Errors
+    /// As [`step_prepared`](Self::step_prepared); [`StepError::Uncompensated`] if the method makes no such steps.
+    #[doc(hidden)]
+    fn compensated_step(
         &self,
-        prepared: &S::Prepared,
-        state: &mut State<Q>,
+        prepared: &Self::Prepared,
+        state: &mut StateOf<Self::System>,
+        low: &mut StateOf<Self::System>,
         h: f64,
-        dw: &[f64; M],
+        dw: &IncrementsOf<Self::System>,
     ) -> Result<(), StepError> {
-        Q::in_coordinates(state, |state| {
-            solve_step(self, prepared, state, h, dw).map(|_| ())
-        })
-    }
-
-    #[inline(always)]
-    fn step_lanes(
-        &self,
-        prepared: &S::Prepared,
-        states: &StateLanes<N>,
-        next: &mut StateLanes<N>,
-        h: f64,
-        dw: &[Lane; M],
-    ) -> Mask {
-        Integrator::system(self).increment_lanes(prepared, states, next, h, dw, self.newton())
-    }
-
-    fn compensated_step(&self) -> Option<CompensatedStep<Self>> {
-        (!S::RETURNS_STATE).then_some(compensated_step as CompensatedStep<Self>)
-    }
-
-    fn identify(&self, to: &mut dyn Hasher) {
-        to.write(type_name::<R>().as_bytes());
-        // the printed form of a number is the shortest that gives it back
-        to.write(format!("{:?}", self.newton()).as_bytes());
-    }
-
-    /// The lowest limit with which the step gives the same bits: a guess that fails for want of iterations is replaced, and leads
-    /// to the root along another way.
-    fn order(&self) -> Option<f64> {
-        let plan = self.plan();
-        Some(match plan.strong_order {
-            StrongOrder::Deterministic => f64::from(plan.deterministic_order),
-            StrongOrder::One => 1.0,
-            StrongOrder::Half { .. } => 0.5,
-        })
-    }
-
-    fn newton_iterations(
-        &self,
-        prepared: &S::Prepared,
-        state: &State<Q>,
-        h: f64,
-        dw: &[f64; M],
-    ) -> Option<u32> {
-        let state = &state.to_coordinates();
-        let increment = |max_iterations| {
-            let newton = Newton {
-                max_iterations,
-                ..*self.newton()
-            };
-            let (q, p, _) = Integrator::system(self)
-                .increment(prepared, state, h, dw, &BlockSolver::new(&newton))
-                .ok()?;
-            Some((q, p))
-        };
-        let most = self.newton().max_iterations;
-        let step = increment(most)?;
-        (0..=most).find(|&limit| increment(limit) == Some(step))
+        let _ = (prepared, low, h, dw);
+        Err(StepError::Uncompensated { t: state.t })
     }
 }

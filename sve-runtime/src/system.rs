@@ -7,11 +7,11 @@ use core::marker::PhantomData;
 
 use crate::configuration::{Configuration, Coordinates, FixedSize};
 use crate::lanes::{ALL, Lane, Mask, StateLanes};
+use crate::linearisation::Linearisation;
 use crate::plan::Plan;
 use crate::solve::SolveError;
 use crate::solve::newton::{BlockSolver, Newton};
 use crate::state::State;
-use crate::tangent::Linearisation;
 
 /// The fixed sizes of a system, `N` degrees of freedom and `M` Wiener processes, and its type of configurations.
 #[derive(Clone, Copy, Debug)]

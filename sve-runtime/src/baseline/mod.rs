@@ -42,7 +42,7 @@ macro_rules! method_by_increment {
 
             #[inline]
             fn prepare(&self, h: f64) -> Result<(), crate::error::StepError> {
-                crate::step::check_step_size(h)
+                crate::integrator::accept::check_step_size(h)
             }
 
             #[inline]
@@ -54,8 +54,8 @@ macro_rules! method_by_increment {
                 dw: &[f64; $m],
             ) -> Result<(), crate::error::StepError> {
                 Q::in_coordinates(state, |state| match self.increment(state, h, dw) {
-                    Ok(d) => crate::step::advance(state, h, dw, &d.q, &d.p),
-                    Err(error) => Err(crate::step::explain(error, state, h, dw)),
+                    Ok(d) => crate::integrator::accept::advance(state, h, dw, &d.q, &d.p),
+                    Err(error) => Err(crate::error::step_error(error, state, h, dw)),
                 })
             }
         }

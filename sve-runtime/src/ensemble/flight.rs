@@ -16,7 +16,7 @@ use crate::lanes::{ALL, LANES, Lane, Mask, StateLanes};
 use crate::method::Method;
 use crate::state::State;
 use crate::system::{Dimensions, Dims, System};
-use crate::trajectory::time_after;
+use crate::time::time_after;
 
 /// The paths of a block.
 pub(super) struct Flight<'a, I: Method, const N: usize, const M: usize> {

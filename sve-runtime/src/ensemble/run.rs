@@ -13,7 +13,7 @@ use super::{BLOCK_PATHS, Ensemble, EnsembleError, path_at, sizes};
 use crate::configuration::FixedSize;
 use crate::method::Method;
 use crate::system::ConfigurationOf;
-use crate::trajectory::time_after;
+use crate::time::time_after;
 
 /// Settings that were checked, and what follows from them.
 pub(super) struct Run<'a, I: Method> {

@@ -1,19 +1,17 @@
-//! Derivatives of a step: the tangent map, and the sensitivity to each parameter.
+//! Derivatives of a step: the tangent map, and the sensitivity to each parameter (`docs/mathematics.md`, section 8).
 //!
 //! Input: the linearised step that the macro generated. Output: `dy/dz = ∂y/∂z − ∂y/∂x (∂R/∂x)⁻¹ ∂R/∂z` for the results y, the
 //! unknowns x with their residuals R, and z the state at the start with the parameters (implicit-function theorem).
 
 use core::ops::{Index, Mul};
 
-use crate::Integrator;
+use super::Integrator;
+use super::step::solve_step;
 use crate::configuration::Coordinates;
-use crate::error::StepError;
+use crate::error::{StepError, step_error};
 use crate::mechanics::Field;
 use crate::method::Method;
-use crate::solve::SolveError;
-use crate::solve::gauss_jordan;
 use crate::state::State;
-use crate::step::{explain, solve_step};
 use crate::system::{Dims, System, Variational};
 
 /// The tangent map of a step, `∂(q₁,p₁)/∂(q₀,p₀)`: a matrix of `2N` rows and columns, first the coordinates, then the momenta.
@@ -25,7 +23,7 @@ pub struct Tangent<const N: usize> {
     entries: Vec<f64>,
 }
 
-/// The derivatives of `(q₁, p₁)` in the parameters of the system.
+/// The derivatives of `(q₁, p₁)` with respect to the parameters of the system.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensitivity<const N: usize> {
     names: &'static [&'static str],
@@ -33,7 +31,7 @@ pub struct Sensitivity<const N: usize> {
 }
 
 impl<const N: usize> Tangent<N> {
-    /// The map that leaves everything where it is.
+    /// The identity map.
     #[must_use]
     pub fn identity() -> Self {
         let mut entries = vec![0.0; 4 * N * N];
@@ -43,7 +41,7 @@ impl<const N: usize> Tangent<N> {
         Self { entries }
     }
 
-    /// The change of the result for a small change of the start.
+    /// Returns the change of the result for a small change of the start.
     #[must_use]
     pub fn apply(&self, change: &Field<[f64; N]>) -> Field<[f64; N]> {
         let image = |row: usize| -> f64 {
@@ -60,7 +58,7 @@ impl<const N: usize> Tangent<N> {
         }
     }
 
-    /// The largest entry of `MᵀΩM − Ω`: how far the map is from a symplectic one.
+    /// Returns the largest entry of `MᵀΩM − Ω`, which is zero for a symplectic map.
     #[must_use]
     pub fn symplectic_defect(&self) -> f64 {
         let mut worst: f64 = 0.0;
@@ -81,7 +79,7 @@ impl<const N: usize> Tangent<N> {
 impl<const N: usize> Index<usize> for Tangent<N> {
     type Output = [f64];
 
-    /// A row.
+    /// Returns a row.
     fn index(&self, row: usize) -> &[f64] {
         &self.entries[2 * N * row..2 * N * (row + 1)]
     }
@@ -105,7 +103,7 @@ impl<const N: usize> Mul for &Tangent<N> {
 }
 
 impl<const N: usize> Sensitivity<N> {
-    /// The derivative in a parameter, by its name in the source without `self`: `k`, `l[0]`, `body.mass`. Nothing where L, the noises
+    /// Returns the derivative with respect to a parameter, by its name in the source without `self`: `k`, `l[0]`, `body.mass`. `None` if L, the noises
     /// and the force have no such parameter.
     #[must_use]
     pub fn get(&self, parameter: &str) -> Option<&Field<[f64; N]>> {
@@ -113,12 +111,12 @@ impl<const N: usize> Sensitivity<N> {
         self.fields.get(at)
     }
 
-    /// Parameters with the derivatives in them.
+    /// Returns the parameters with their derivatives.
     pub fn iter(&self) -> impl Iterator<Item = (&'static str, &Field<[f64; N]>)> {
         self.names.iter().copied().zip(&self.fields)
     }
 
-    /// Goes on to the derivatives after a further step, given that step's own: `S ← M S + s`.
+    /// Advances the derivatives by a further step, given the tangent map and the derivatives of that step: `S ← M S + s`.
     pub fn advance(&mut self, tangent: &Tangent<N>, step: &Self) {
         for (total, own) in self.fields.iter_mut().zip(&step.fields) {
             let mut moved = tangent.apply(total);
@@ -128,7 +126,7 @@ impl<const N: usize> Sensitivity<N> {
     }
 }
 
-/// One step with its derivatives.
+/// Makes one step and computes its derivatives.
 pub(crate) fn derivatives<S, R, Q, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     state: &mut State<Q>,
@@ -159,7 +157,7 @@ where
     let unknowns = solve_step(integrator, &prepared, &mut end, h, dw)?;
     let linear = integrator.system().linearise(state, h, dw, &unknowns);
     let solved = linear.solve(!S::RETURNS_STATE);
-    let all = solved.map_err(|error| explain(error, state, h, dw))?;
+    let all = solved.map_err(|error| step_error(error, state, h, dw))?;
     let columns = 2 * N + S::PARAMETERS.len();
     let entry = |row: usize, column: usize| all[columns * row + column];
     let tangent = Tangent {
@@ -179,79 +177,4 @@ where
     };
     *state = end;
     Ok((tangent, sensitivity))
-}
-
-/// The entries of a matrix that are not zero.
-#[derive(Clone, Copy, Debug)]
-pub struct Entries<'a> {
-    /// Row and column of each.
-    pub places: &'a [(usize, usize)],
-    /// Their values.
-    pub values: &'a [f64],
-}
-
-impl Entries<'_> {
-    fn dense(&self, rows: usize, columns: usize) -> Vec<f64> {
-        let mut dense = vec![0.0; rows * columns];
-        for (&(row, column), &value) in self.places.iter().zip(self.values) {
-            dense[columns * row + column] = value;
-        }
-        dense
-    }
-}
-
-/// The equations of a step and its results, to first order.
-#[derive(Clone, Debug)]
-pub struct Linearisation {
-    unknowns: usize,
-    outputs: usize,
-    inputs: usize,
-    residual_by_unknowns: Vec<f64>,
-    residual_by_inputs: Vec<f64>,
-    output_by_unknowns: Vec<f64>,
-    output_by_inputs: Vec<f64>,
-}
-
-impl Linearisation {
-    /// From the numbers of unknowns, outputs and inputs, and ∂R/∂x, ∂R/∂z, ∂y/∂x, ∂y/∂z.
-    #[must_use]
-    pub fn new(
-        [unknowns, outputs, inputs]: [usize; 3],
-        [rx, rz, yx, yz]: [Entries<'_>; 4],
-    ) -> Self {
-        Self {
-            unknowns,
-            outputs,
-            inputs,
-            residual_by_unknowns: rx.dense(unknowns, unknowns),
-            residual_by_inputs: rz.dense(unknowns, inputs),
-            output_by_unknowns: yx.dense(outputs, unknowns),
-            output_by_inputs: yz.dense(outputs, inputs),
-        }
-    }
-
-    /// `dy/dz`, row by row; with `increments` the results are differences to the state at the start, which is added.
-    fn solve(mut self, increments: bool) -> Result<Vec<f64>, SolveError> {
-        let moves = &mut self.residual_by_inputs;
-        gauss_jordan::solve_columns(&mut self.residual_by_unknowns, moves, self.unknowns)?;
-        let mut all = self.output_by_inputs;
-        for row in 0..self.outputs {
-            let result = &mut all[self.inputs * row..self.inputs * (row + 1)];
-            if increments {
-                result[row] += 1.0;
-            }
-            let slopes = &self.output_by_unknowns[self.unknowns * row..];
-            let moves = moves.chunks(self.inputs);
-            for (&slope, moves) in slopes[..self.unknowns].iter().zip(moves) {
-                for (x, by) in result.iter_mut().zip(moves) {
-                    *x -= slope * by;
-                }
-            }
-        }
-        if all.iter().all(|x| x.is_finite()) {
-            Ok(all)
-        } else {
-            Err(SolveError::NonFinite)
-        }
-    }
 }

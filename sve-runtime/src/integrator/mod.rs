@@ -1,16 +1,33 @@
-//! A system with a rule: the step, and what it is called with.
+//! Integrators: a system with a rule.
+//!
+//! | file | part of a step |
+//! | --- | --- |
+//! | `step.rs` | the fast path |
+//! | `accept.rs` | the tests of a result |
+//! | `rescue.rs` | what happens if the fast path fails |
+//! | `continuation.rs` | following the solution from the limit of no noise and h → 0 |
+//! | `compensated.rs` | compensated summation |
+//! | `tangent.rs` | the derivatives of a step |
+
+pub(crate) mod accept;
+mod compensated;
+mod continuation;
+mod method;
+mod rescue;
+mod step;
+mod tangent;
+
+pub use tangent::{Sensitivity, Tangent};
 
 use crate::configuration::Coordinates;
 use crate::error::StepError;
 use crate::method::Method;
 use crate::noise::Noise;
 use crate::plan::Plan;
-use crate::snapshot::Snapshot;
 use crate::solve::newton::Newton;
 use crate::state::State;
 use crate::system::{DerivedFor, Dims, System, Variational};
-use crate::tangent::{self, Sensitivity, Tangent};
-use crate::trajectory::Trajectory;
+use crate::trajectory::{Snapshot, Trajectory};
 
 /// A system and the rule that discretises its action.
 ///

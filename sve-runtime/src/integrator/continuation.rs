@@ -1,18 +1,18 @@
-//! The solution of a step that is connected with no noise and h → 0.
+//! Continuation: follows the solution of a step from the limit of no noise and h → 0.
 //!
 //! Input: a step that the fast path did not solve. Output: the step, or how far its solution can be followed.
-//! Invariant: each point is reached from the last by contracting updates (see [`newton`](crate::newton)) that end near the
+//! Invariant: each point is reached from the one before by contracting updates (see [`newton`](crate::solve::newton)) that end near the
 //! point extrapolated from the earlier ones, within the domain of L.
 //!
-//! The path is that of the definition. It starts where all is known: for h = 0 and no noise v is the velocity of p₀
-//! ([`legendre`](crate::legendre)) and nothing moves. It goes to `h` without noise, then to the increments `ΔW` at
-//! that `h`, along `s ΔW`. A stride that fails is halved; a fold, where the solution turns back, ends the path.
+//! The path is that of the definition (`docs/mathematics.md`, section 6). It starts at the known limit: for h = 0 and no noise v is the velocity of p₀
+//! ([`legendre`](crate::legendre)) and nothing moves. First the step size grows to `h` without noise, then the increments grow to `ΔW` at
+//! that `h`, along `s ΔW`. A stride that fails is halved. A fold, where the solution turns back, ends the path.
 //! Nothing is allocated.
 //!
 //! Source: Allgower, Georg, *Introduction to Numerical Continuation Methods* (2003), chapter 2 and, for the choice of strides,
-//! chapter 6; without its turns around folds.
+//! chapter 6. Paths are not followed around folds.
 
-use crate::Integrator;
+use super::Integrator;
 use crate::configuration::Coordinates;
 use crate::legendre;
 use crate::mechanics;
@@ -21,58 +21,61 @@ use crate::solve::newton::BlockSolver;
 use crate::state::State;
 use crate::system::{Dims, StepOf, System, Variational};
 
-/// The smallest stride, relative to the part of the path that has been made, or to all of it at its start.
+/// Smallest stride, relative to the part of the path behind it; at the start relative to the first stride.
 const SMALLEST: f64 = 1e-7;
 
-/// The largest stride. A contracting iteration can leap between solutions where the equations have many; the shorter the stride, the
-/// fewer lie between its ends.
+/// Largest stride. If the equations have many solutions, a contracting iteration can jump to another one; the shorter the stride, the
+/// fewer solutions are near.
 const LARGEST: f64 = 0.125;
 
-/// The first stride, which has no extrapolation to be compared with.
+/// First stride. There is no extrapolation to compare its end with.
 const FIRST: f64 = 1.0 / 64.0;
 
-/// Points tried on a path. Halving down to the smallest stride and doubling up to the largest again takes some 50; a rapidly
-/// oscillating force takes some ten a period.
-const POINTS: u32 = 4000;
+/// Largest number of points tried on a path. Halving down to the smallest stride and doubling up to the largest takes some 50; a rapidly
+/// oscillating force takes some ten points a period.
+const MAX_POINTS: u32 = 4000;
 
-/// Largest distance between the extrapolated and the solved point, in distances from the last point.
-const CURVED: f64 = 0.25;
+/// Largest distance between the extrapolated and the solved point, relative to the distance from the last point.
+const MAX_DEVIATION: f64 = 0.25;
 
-/// Ratio of a stride to the last one below which no extrapolation is made.
-const RENEWED: f64 = 1.0 / 16.0;
+/// Ratio of a stride to the last one below which there is no extrapolation.
+const SHORTEST_EXTRAPOLATION: f64 = 1.0 / 16.0;
 
-/// Relative error of an increment: far above that of an ill-conditioned step, far below the distance of two solutions that a
+/// Relative error allowed for an increment: far above the error of an ill-conditioned step, far below the distance of two solutions that a
 /// stride could confuse.
-const INEXACT: f64 = 1e-8;
+const INCREMENT_ERROR: f64 = 1e-8;
 
-/// Increments that are smaller than those of other coordinates by this factor may be all rounding.
+/// Increments that are smaller than those of other coordinates by this factor can be rounding error.
 const SMALL: f64 = 1e-5;
 
-/// Error of an increment relative to the largest coordinate: forces are differences of coordinates.
+/// Error allowed for an increment relative to the largest coordinate: forces depend on differences of coordinates.
 const ROUNDING: f64 = 1e-12;
 
-/// Why there is no solution.
+/// Why continuation found no solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Lost {
-    /// There is nothing to follow: the momentum at the start has no velocity.
+pub(super) enum ContinuationError {
+    /// The momentum at the start has no velocity.
     NoStart(SolveError),
     /// The path ends.
-    Ends {
-        /// The part of the step size up to which the solution was followed without noise.
+    PathEnds {
+        /// Fraction of the step size up to which the solution was followed without noise.
         step: f64,
-        /// The part of the increments up to which it was followed at the whole step size.
+        /// Fraction of the increments up to which the solution was followed at the whole step size.
         noise: f64,
     },
 }
 
 /// Follows the solution of a step.
+///
+/// # Errors
+/// A [`ContinuationError`] if the path cannot start, or ends before the whole step.
 #[cold]
-pub(crate) fn follow<S, R, Q, const N: usize, const M: usize>(
+pub(super) fn follow<S, R, Q, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     state: &State<[f64; N]>,
     h: f64,
     dw: &[f64; M],
-) -> Result<StepOf<S, R>, Lost>
+) -> Result<StepOf<S, R>, ContinuationError>
 where
     S: Variational<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
@@ -80,9 +83,9 @@ where
     let system = integrator.system();
     let numbers = state.q.iter().chain(&state.p).chain(dw);
     if !numbers.chain([&state.t]).all(|x| x.is_finite()) {
-        return Err(Lost::NoStart(SolveError::NonFinite));
+        return Err(ContinuationError::NoStart(SolveError::NonFinite));
     }
-    let velocity = legendre::velocity(system, state).map_err(Lost::NoStart)?;
+    let velocity = legendre::velocity(system, state).map_err(ContinuationError::NoStart)?;
     let motion = mechanics::solve_motion(system, state, velocity);
     let acceleration = motion.map_or([0.0; N], |motion| motion.second.q);
     let start = Point {
@@ -101,13 +104,13 @@ where
         let dw = dw.map(|w| noise * w);
         system.increment(&system.prepare(h), state, h, &dw, &solver)
     };
-    let mut end = path(start, scale, |part, x| step(part, 0.0, x))
-        .map_err(|step| Lost::Ends { step, noise: 0.0 })?;
+    let mut end = follow_path(start, scale, |part, x| step(part, 0.0, x))
+        .map_err(|step| ContinuationError::PathEnds { step, noise: 0.0 })?;
     if dw.iter().any(|&w| w != 0.0) {
-        end = path(Point { at: 0.0, ..end }, scale, |noise, x| {
+        end = follow_path(Point { at: 0.0, ..end }, scale, |noise, x| {
             step(1.0, noise, x)
         })
-        .map_err(|noise| Lost::Ends { step: 1.0, noise })?;
+        .map_err(|noise| ContinuationError::PathEnds { step: 1.0, noise })?;
     }
     Ok((end.q, end.p, end.x))
 }
@@ -115,24 +118,27 @@ where
 /// A point of a path.
 #[derive(Clone, Copy)]
 struct Point<const N: usize, X> {
-    /// The part of the path before it.
+    /// Fraction of the path before the point.
     at: f64,
     /// `q₁ − q₀` and `p₁ − p₀`.
     q: [f64; N],
     p: [f64; N],
-    /// What the blocks were solved for.
+    /// The unknowns of the blocks.
     x: X,
 }
 
-/// Configuration and momentum at the start of the step: their rounding is that of the increments.
+/// Configuration and momentum at the start of the step, which bound the rounding errors of the increments.
 #[derive(Clone, Copy)]
 struct Scale<'a, const N: usize> {
     q: &'a [f64; N],
     p: &'a [f64; N],
 }
 
-/// Goes from a point at 0 to 1; or where the path ends instead.
-fn path<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>>(
+/// Follows a path from a point at 0 to 1. Returns its end.
+///
+/// # Errors
+/// The fraction at which the path ends before 1.
+fn follow_path<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>>(
     start: Point<N, X>,
     scale: Scale<'_, N>,
     solve: impl Fn(f64, &X) -> Result<([f64; N], [f64; N], X), SolveError>,
@@ -140,8 +146,8 @@ fn path<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>>(
     let mut here = start;
     let mut before: Option<Point<N, X>> = None;
     let mut stride: f64 = FIRST;
-    for _ in 0..POINTS {
-        // the last stride ends at 1, whatever the rounding
+    for _ in 0..MAX_POINTS {
+        // The last stride ends at 1 exactly.
         let there = if stride >= 1.0 - here.at {
             1.0
         } else {
@@ -165,8 +171,9 @@ fn path<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>>(
                 if stride < SMALLEST * if here.at > 0.0 { here.at } else { FIRST } {
                     break;
                 }
-                // a line through points far apart says nothing of a stride that is short beside their distance
-                before = before.filter(|before| stride >= RENEWED * (here.at - before.at));
+                // A line through points that are far apart does not predict the end of a much shorter stride.
+                before = before
+                    .filter(|before| stride >= SHORTEST_EXTRAPOLATION * (here.at - before.at));
             }
         }
     }
@@ -174,7 +181,7 @@ fn path<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>>(
 }
 
 impl<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>> Point<N, X> {
-    /// The point at `there` on the line from `before` through this one.
+    /// Returns the point at `there` on the line from `before` through this point.
     fn extrapolated(&self, before: &Self, there: f64) -> Self {
         let ratio = (there - self.at) / (self.at - before.at);
         let mut ahead = *self;
@@ -188,8 +195,8 @@ impl<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>> Point<N, X> {
         ahead
     }
 
-    /// Whether the state here is near the extrapolated one, compared with its distance from the last point. The coordinates of
-    /// the state are compared, not the unknowns, some of which are multipliers without a size of their own.
+    /// Returns whether the state here is near the extrapolated one, relative to its distance from the last point. The coordinates of
+    /// the state are compared. The unknowns are not: some are multipliers, which have no natural scale.
     fn is_near(&self, ahead: &Self, last: &Self, start: &Self, scale: Scale<'_, N>) -> bool {
         let reach = |to: &[f64; N], from: &[f64; N], first: &[f64; N]| {
             let each = (0..N).map(|i| (to[i] - first[i]).abs().max((from[i] - first[i]).abs()));
@@ -202,7 +209,7 @@ impl<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>> Point<N, X> {
             let unit = (to - first).abs().max((from - first).abs());
             let unit = unit.max(SMALL * largest);
             if unit > 0.0 {
-                let rounding = ROUNDING * size + INEXACT * unit;
+                let rounding = ROUNDING * size + INCREMENT_ERROR * unit;
                 error = error.max(((to - guess).abs() - rounding) / unit);
                 distance = distance.max((to - from).abs() / unit);
             }
@@ -215,6 +222,6 @@ impl<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>> Point<N, X> {
             compare(q, size_q, largest_q);
             compare(p, size_p, largest_p);
         }
-        error <= CURVED * distance
+        error <= MAX_DEVIATION * distance
     }
 }

@@ -1,0 +1,118 @@
+//! A step on which the fast path failed: continuation, and the error if continuation fails too.
+//!
+//! Input: the step and the failure of the fast path. Output: the state after the step, or a [`StepError`].
+
+use super::Integrator;
+use super::accept::{add, replace};
+use super::continuation::{self, ContinuationError};
+use crate::configuration::Coordinates;
+use crate::error::{StepError, step_error};
+use crate::solve::SolveError;
+use crate::solve::dense;
+use crate::solve::newton::BlockSolver;
+use crate::state::State;
+use crate::system::{Dims, System, Variational};
+
+/// Solves a step on which the fast path failed with `failure`. First follows the solution by continuation from zero noise and h → 0. If the mass
+/// matrix is singular at the start, continuation cannot start, and Newton's result is accepted without that check.
+///
+/// # Errors
+/// The [`StepError`] if neither yields a solution.
+#[cold]
+#[inline(never)]
+pub(super) fn solve_by_continuation<S, R, Q, const N: usize, const M: usize>(
+    integrator: &Integrator<S, R>,
+    failure: SolveError,
+    state: &State<[f64; N]>,
+    h: f64,
+    dw: &[f64; M],
+) -> Result<(State<[f64; N]>, S::Unknowns), StepError>
+where
+    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    let system = integrator.system();
+    let found = match continuation::follow(integrator, state, h, dw) {
+        Ok(found) => Ok(found),
+        // The path ends at once: the failure of the fast path says more.
+        Err(ContinuationError::PathEnds { step: 0.0, .. })
+            if failure != SolveError::OtherBranch =>
+        {
+            Err(failure)
+        }
+        Err(ContinuationError::PathEnds { step, noise }) => {
+            return Err(StepError::BranchLost {
+                t: state.t,
+                h,
+                dw: dw.to_vec(),
+                step,
+                reached: noise,
+            });
+        }
+        Err(ContinuationError::NoStart(SolveError::Singular { .. })) => {
+            let solver = BlockSolver::unchecked(integrator.newton());
+            system.increment(&system.prepare(h), state, h, dw, &solver)
+        }
+        Err(ContinuationError::NoStart(error)) => Err(error),
+    };
+    let mut end = *state;
+    let error = match found {
+        Ok((q, p, x)) if S::RETURNS_STATE && replace(&mut end, h, &q, &p) => return Ok((end, x)),
+        Ok((q, p, x)) if !S::RETURNS_STATE && add(&mut end, h, &q, &p) => return Ok((end, x)),
+        Ok(_) => SolveError::NonFinite,
+        Err(error) => error,
+    };
+    Err(explain_step(integrator, error, state, h, dw))
+}
+
+/// Returns the error of a step, completed by the conditions of the domain and by a test of the mass matrix.
+#[cold]
+pub(super) fn explain_step<S, R, Q, const N: usize, const M: usize>(
+    integrator: &Integrator<S, R>,
+    error: SolveError,
+    state: &State<[f64; N]>,
+    h: f64,
+    dw: &[f64; M],
+) -> StepError
+where
+    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    let plain = step_error(error, state, h, dw);
+    match (error, plain) {
+        (SolveError::OutsideDomain { condition }, StepError::NonFiniteResult { t, h, q, .. }) => {
+            let condition = S::DOMAIN.get(condition).copied().unwrap_or("L is defined");
+            StepError::OutsideDomain {
+                t,
+                h,
+                q,
+                condition: condition.into(),
+            }
+        }
+        (_, plain) => check_mass_matrix(integrator.system(), plain),
+    }
+}
+
+/// Returns [`StepError::Singular`] in place of `error` if a result is not finite because the mass matrix has no inverse: explicit formulas divide by it
+/// without a test.
+#[cold]
+pub(super) fn check_mass_matrix<S, Q, const N: usize, const M: usize>(
+    system: &S,
+    error: StepError,
+) -> StepError
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    let StepError::NonFiniteResult { t, h, q, p } = error else {
+        return error;
+    };
+    let at: [f64; N] = core::array::from_fn(|i| q[i]);
+    let mass = system.lagrangian_jet(t, &at, &[0.0; N]).dvv;
+    if mass.iter().flatten().all(|x| x.is_finite()) && dense::solve(&mass, &[0.0; N]).is_none() {
+        let iteration = 0;
+        StepError::Singular { t, h, q, iteration }
+    } else {
+        StepError::NonFiniteResult { t, h, q, p }
+    }
+}

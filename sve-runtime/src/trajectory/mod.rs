@@ -1,0 +1,170 @@
+//! States along a path, one for each step.
+//!
+//! Input: a method, a start, a step size and a noise. Output: an iterator over the states. Two options change how a step is made: [`refine`](Trajectory::refine)
+//! wraps the trajectory into an adapter that divides failing steps; [`compensated`](Trajectory::compensated) carries the low parts of the state.
+
+mod compensated;
+mod refined;
+mod snapshot;
+
+pub use refined::{RefinedTrajectory, Refinements};
+pub use snapshot::Snapshot;
+
+use crate::error::StepError;
+use crate::method::Method;
+use crate::noise::{Noise, NoiseError};
+use crate::system::{Dimensions, IncrementsOf, StateOf, System};
+use crate::time::{is_next_time, time_after};
+
+/// The states after each step, from [`Method::trajectory`].
+///
+/// Ends after an error, and at the end of a recorded path; otherwise it has no end: `take` as many as needed.
+#[derive(Debug)]
+pub struct Trajectory<'a, I: Method, W> {
+    method: &'a I,
+    noise: W,
+    state: StateOf<I::System>,
+    /// Time before the first step.
+    start: f64,
+    h: f64,
+    prepared: Option<I::Prepared>,
+    /// Steps made.
+    step: u64,
+    has_ended: bool,
+    refinements: Refinements,
+    /// The low parts of the state, if rounding errors are compensated.
+    low: Option<StateOf<I::System>>,
+}
+
+impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
+    pub(crate) fn new(method: &'a I, state: StateOf<I::System>, h: f64, noise: W) -> Self {
+        Self {
+            start: state.t,
+            method,
+            noise,
+            state,
+            h,
+            prepared: None,
+            step: 0,
+            has_ended: false,
+            refinements: Refinements::default(),
+            low: None,
+        }
+    }
+
+    pub(crate) fn resume(
+        method: &'a I,
+        snapshot: Snapshot<StateOf<I::System>>,
+        noise: W,
+    ) -> Result<Self, StepError> {
+        let Snapshot {
+            start,
+            h,
+            step,
+            state,
+            low,
+            refinements,
+        } = snapshot;
+        if low.is_some() && !method.has_compensated_step() {
+            return Err(StepError::Uncompensated { t: state.t });
+        }
+        Ok(Self {
+            start,
+            step,
+            refinements,
+            low,
+            ..Self::new(method, state, h, noise)
+        })
+    }
+
+    /// Returns what is needed to continue from here with [`Method::resume`], with the bits of this trajectory.
+    pub fn snapshot(&self) -> Snapshot<StateOf<I::System>> {
+        Snapshot {
+            start: self.start,
+            h: self.h,
+            step: self.step,
+            state: self.state,
+            low: self.low,
+            refinements: self.refinements,
+        }
+    }
+
+    /// Number of steps made so far, including those before a snapshot. The next step has the increments of this step of the noise.
+    pub fn step(&self) -> u64 {
+        self.step
+    }
+
+    /// The numbers of refined steps so far, including those before a snapshot.
+    pub fn refinements(&self) -> Refinements {
+        self.refinements
+    }
+
+    /// The state reached so far.
+    pub fn state(&self) -> &StateOf<I::System> {
+        &self.state
+    }
+
+    /// Returns the state after the next step. Calls `retry` with the error and the increments of a step that fails; it makes the step in
+    /// another way, or returns an error.
+    #[inline(always)]
+    fn next_or(
+        &mut self,
+        retry: impl FnOnce(&mut Self, StepError, &IncrementsOf<I::System>) -> Result<(), StepError>,
+    ) -> Option<Result<StateOf<I::System>, StepError>> {
+        if self.has_ended {
+            return None;
+        }
+        let item = self.advance(retry).transpose();
+        self.has_ended = !matches!(item, Some(Ok(_)));
+        item
+    }
+
+    #[inline(always)]
+    fn advance(
+        &mut self,
+        retry: impl FnOnce(&mut Self, StepError, &IncrementsOf<I::System>) -> Result<(), StepError>,
+    ) -> Result<Option<StateOf<I::System>>, StepError> {
+        let prepared = match &self.prepared {
+            Some(prepared) => prepared,
+            None => self.prepared.insert(self.method.prepare(self.h)?),
+        };
+        let mut dw: IncrementsOf<I::System> = <<I::System as System>::Dims>::NO_INCREMENTS;
+        match self.noise.increments(self.step, self.h, dw.as_mut()) {
+            Ok(()) => {}
+            Err(NoiseError::Exhausted { .. }) => return Ok(None),
+            Err(source) => {
+                let t = self.state.t;
+                return Err(StepError::Noise { t, source });
+            }
+        }
+        let end = time_after(self.start, self.step + 1, self.h);
+        let t = self.state.t;
+        // The step reports a start time that is not finite.
+        if !is_next_time(t, end) && t.is_finite() {
+            return Err(StepError::Time { t, h: self.h, end });
+        }
+        // The rare cases are calls with copies of the increments, so that the compiler optimises the plain step as if it were alone.
+        let made = if self.low.is_some() {
+            self.compensated_step(&{ dw })
+        } else {
+            self.method
+                .step_prepared(prepared, &mut self.state, self.h, &dw)
+        };
+        if let Err(error) = made {
+            retry(self, error, &{ dw })?;
+        }
+        self.step += 1;
+        // Rounded once: repeated addition of `h` would drift.
+        self.state.t = end;
+        Ok(Some(self.state))
+    }
+}
+
+impl<I: Method, W: Noise> Iterator for Trajectory<'_, I, W> {
+    type Item = Result<StateOf<I::System>, StepError>;
+
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
+        self.next_or(|_, error, _| Err(error))
+    }
+}

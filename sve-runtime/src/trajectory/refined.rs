@@ -1,0 +1,166 @@
+//! Trajectories that divide a failing step into smaller steps on the same path.
+
+use core::fmt;
+use core::ops::Deref;
+
+use super::Trajectory;
+use crate::error::StepError;
+use crate::method::Method;
+use crate::noise::{DyadicInterval, Halves};
+use crate::system::{IncrementsOf, StateOf};
+
+/// The numbers of refined steps of a trajectory, see [`Trajectory::refine`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Refinements {
+    /// Number of refined steps.
+    pub steps: u64,
+    /// Number of halvings of the smallest part of any step.
+    pub deepest: u32,
+}
+
+/// A trajectory that refines steps that fail, from [`Trajectory::refine`].
+///
+/// It dereferences to the [`Trajectory`], for its state, snapshot and counts.
+pub struct RefinedTrajectory<'a, I: Method, W> {
+    trajectory: Trajectory<'a, I, W>,
+    depth: u32,
+}
+
+impl<'a, I: Method, W: Halves> Trajectory<'a, I, W> {
+    /// Refines steps that fail: divides such a step into two halves on the same path, and each half that fails likewise, up to `depth` times.
+    ///
+    /// The increments of the halves are those of a Brownian bridge, a pure function of seed, path, step and interval, so a
+    /// repeated trajectory has the same bits. Its states remain those after steps of length `h`, at the
+    /// same times. [`refinements`](Self::refinements) counts the refined steps. If the smallest parts fail too,
+    /// the error is that of the first of them.
+    ///
+    /// Whether a step is refined depends on the path, so the distribution of the states is no longer exactly that
+    /// of the rule. Refinement is for rare failures. If the count grows with the number of steps, take a smaller `h`.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// /// A pendulum with noise of fourth degree in the momentum: for a large ΔW the step has no solution.
+    /// struct Rotor;
+    ///
+    /// #[variational(midpoint)]
+    /// impl Rotor {
+    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + q.cos() }
+    ///     #[h1]
+    ///     fn jitter(&self, _q: f64, p: f64) -> f64 { 0.1 * p.powi(4) }
+    /// }
+    ///
+    /// # fn main() -> Result<(), StepError> {
+    /// let rotor = Integrator::new(Rotor, Midpoint);
+    /// let start = State::new([0.0], [2.0]);
+    /// let plain = rotor.trajectory(start, 0.5, Wiener::new(1)).take(1000).last().unwrap();
+    /// assert!(matches!(plain, Err(StepError::BranchLost { .. })));
+    ///
+    /// let mut path = rotor.trajectory(start, 0.5, Wiener::new(1)).refine(16);
+    /// for _ in 0..1000 {
+    ///     path.next().unwrap()?;
+    /// }
+    /// println!("{:?}", path.refinements());
+    /// assert!(path.refinements().steps > 0);
+    /// # Ok(())
+    /// # }
+    /// ```
+    #[must_use]
+    pub fn refine(self, depth: u32) -> RefinedTrajectory<'a, I, W> {
+        RefinedTrajectory {
+            trajectory: self,
+            depth,
+        }
+    }
+
+    /// Makes a step that failed with `error` in smaller steps.
+    #[cold]
+    #[inline(never)]
+    fn refined_step(
+        &mut self,
+        depth: u32,
+        error: StepError,
+        dw: &IncrementsOf<I::System>,
+    ) -> Result<(), StepError> {
+        let mut state = self.state;
+        let whole = DyadicInterval::whole(self.step);
+        let deepest = self.step_in_halves(depth, error, whole, self.h, dw, &mut state)?;
+        self.state = state;
+        self.refinements.steps += 1;
+        self.refinements.deepest = self.refinements.deepest.max(deepest);
+        Ok(())
+    }
+
+    /// Makes the step over an interval, which failed with `error`, in two halves. Returns the number of halvings of the smallest part.
+    fn step_in_halves(
+        &self,
+        depth: u32,
+        error: StepError,
+        interval: DyadicInterval,
+        h: f64,
+        dw: &IncrementsOf<I::System>,
+        state: &mut StateOf<I::System>,
+    ) -> Result<u32, StepError> {
+        let Some(halves) = interval.halves().filter(|_| interval.level() < depth) else {
+            return Err(error);
+        };
+        let (mut left, mut right) = (*dw, *dw);
+        let (whole, to_left, to_right) = (dw.as_ref(), left.as_mut(), right.as_mut());
+        self.noise.halves_of(interval, h, whole, to_left, to_right);
+        let h = 0.5 * h;
+        // If h underflows, the first error says more.
+        let prepared = self.method.prepare(h).map_err(|_| error)?;
+        let mut deepest = interval.level() + 1;
+        for (half, dw) in halves.into_iter().zip([left, right]) {
+            if let Err(error) = self.method.step_prepared(&prepared, state, h, &dw) {
+                let below = self.step_in_halves(depth, error, half, h, &dw, state)?;
+                deepest = deepest.max(below);
+            }
+        }
+        Ok(deepest)
+    }
+}
+
+impl<'a, I: Method, W> RefinedTrajectory<'a, I, W> {
+    pub(super) fn map(
+        self,
+        change: impl FnOnce(Trajectory<'a, I, W>) -> Trajectory<'a, I, W>,
+    ) -> Self {
+        Self {
+            trajectory: change(self.trajectory),
+            depth: self.depth,
+        }
+    }
+}
+
+impl<'a, I: Method, W> Deref for RefinedTrajectory<'a, I, W> {
+    type Target = Trajectory<'a, I, W>;
+
+    fn deref(&self) -> &Trajectory<'a, I, W> {
+        &self.trajectory
+    }
+}
+
+impl<'a, I: Method, W> fmt::Debug for RefinedTrajectory<'a, I, W>
+where
+    Trajectory<'a, I, W>: fmt::Debug,
+{
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("RefinedTrajectory")
+            .field("trajectory", &self.trajectory)
+            .field("depth", &self.depth)
+            .finish()
+    }
+}
+
+impl<I: Method, W: Halves> Iterator for RefinedTrajectory<'_, I, W> {
+    type Item = Result<StateOf<I::System>, StepError>;
+
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
+        let depth = self.depth;
+        self.trajectory
+            .next_or(|trajectory, error, dw| trajectory.refined_step(depth, error, dw))
+    }
+}

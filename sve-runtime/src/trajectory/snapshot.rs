@@ -1,0 +1,42 @@
+//! The stored form of a trajectory.
+
+use super::Refinements;
+
+/// The stored form of a trajectory after some steps, from [`Trajectory::snapshot`](crate::Trajectory::snapshot).
+///
+/// It contains everything that a trajectory carries from step to step: its first time, step size, number of steps, state, the low parts of
+/// [compensated](crate::Trajectory::compensated) sums, and the count of refined steps. It contains neither the system nor the method nor the noise:
+/// [`Method::resume`](crate::Method::resume) takes them again.
+///
+/// With the feature `serde` it can be serialised. The format has to keep all bits of numbers: `serde_json` does so with its feature `float_roundtrip`.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Snapshot<T> {
+    #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+    pub(super) start: f64,
+    #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+    pub(super) h: f64,
+    pub(super) step: u64,
+    pub(super) state: T,
+    /// Low parts of the state, if sums are compensated.
+    #[cfg_attr(feature = "serde", serde(rename = "rest"))]
+    pub(super) low: Option<T>,
+    pub(super) refinements: Refinements,
+}
+
+impl<T> Snapshot<T> {
+    /// The state reached.
+    pub fn state(&self) -> &T {
+        &self.state
+    }
+
+    /// Number of steps that were made.
+    pub fn step(&self) -> u64 {
+        self.step
+    }
+
+    /// The step size.
+    pub fn h(&self) -> f64 {
+        self.h
+    }
+}
