@@ -81,6 +81,7 @@
 mod banded;
 pub mod baseline;
 mod continuation;
+mod diagonal;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 mod error;
@@ -259,8 +260,10 @@ pub mod prelude {
 #[doc(hidden)]
 pub mod __private {
     pub use crate::banded::Banded;
+    pub use crate::diagonal::Diagonal;
     /// What steps in lanes call.
     pub mod lane {
+        pub use crate::diagonal::solve_in_lane as solve_diagonal;
         pub use crate::lanes::elementary::*;
         pub use crate::lanes::newton::Course;
         pub use crate::lanes::solve::solve;

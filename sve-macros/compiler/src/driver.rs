@@ -133,20 +133,20 @@ fn derive(
     } else {
         &[false]
     };
-    let rules = |is_whole| {
+    let rules = |is_unstructured| {
         block
             .arguments
             .rules
             .iter()
-            .map(move |(rule, _)| (*rule, is_whole))
+            .map(move |(rule, _)| (*rule, is_unstructured))
     };
-    for (rule, is_whole) in compared.iter().copied().flat_map(rules) {
+    for (rule, is_unstructured) in compared.iter().copied().flat_map(rules) {
         let mut symbols = model.symbols.clone();
         arena.grant(work);
         let action = action::discretise(rule, &model, &mut symbols, &mut arena);
         let equations = equations::equations(&action, &mut arena);
-        let scheme = if is_whole {
-            Ok(structure::unanalysed(equations, &mut symbols, &mut arena))
+        let scheme = if is_unstructured {
+            Ok(structure::unstructured(equations, &mut symbols, &mut arena))
         } else {
             structure::analyse(equations, &action, &mut symbols, &mut arena)
         };
@@ -156,7 +156,7 @@ fn derive(
         check_work(&block, &model, &arena, work)?;
         steps.push(Derived {
             rule,
-            is_whole,
+            is_unstructured,
             symbols,
             action,
             scheme,

@@ -6,7 +6,7 @@ use super::shown;
 use crate::algebra::{Arena, Expr, Notation, Sum, Symbol};
 use crate::rules::Rule;
 use crate::rules::action::Action;
-use crate::structure::{Block, Kind, Scheme, Solution};
+use crate::structure::{Block, Kind, Matrix, Scheme, Solution};
 use crate::system::mechanics::Mechanics;
 use crate::system::model::{Meaning, Model, Symbols};
 
@@ -26,7 +26,7 @@ pub(crate) fn step(
     model: &Model,
     mechanics: &Mechanics,
     action: &Action,
-    scheme: &Scheme,
+    scheme: &Scheme<Expr>,
     symbols: &Symbols,
     arena: &Arena,
 ) -> StepTexts {
@@ -54,7 +54,7 @@ pub(crate) fn step(
 const CONDITION: usize = 120;
 
 /// The conditions on where functions are evaluated, `1 − v² > 0`.
-fn domain(rule: Rule, scheme: &Scheme, symbols: &Symbols, arena: &Arena) -> Vec<String> {
+fn domain(rule: Rule, scheme: &Scheme<Expr>, symbols: &Symbols, arena: &Arena) -> Vec<String> {
     let conditions = scheme.domain.iter().map(|condition| {
         let mut names = Names::new(symbols, Some(rule));
         for e in arena.reachable(&[condition.text], |_| true) {
@@ -195,12 +195,12 @@ fn textbook_place(term: Expr, action: &Action, symbols: &Symbols, arena: &Arena)
 fn equations(
     rule: Rule,
     action: &Action,
-    scheme: &Scheme,
+    scheme: &Scheme<Expr>,
     symbols: &Symbols,
     arena: &Arena,
 ) -> Vec<String> {
     let mut page = Page::new(arena, Names::new(symbols, Some(rule)));
-    let (dq, dp) = &scheme.increments;
+    let [dq, dp] = &scheme.increments;
     let n = dq.len();
     let unknowns: usize = scheme.blocks.iter().map(|b| b.unknowns.len()).sum();
     let mut room = shown(unknowns);
@@ -255,7 +255,7 @@ fn equations(
         }
         lines.extend(explained.into_iter().map(|line| format!("{indent}{line}")));
     }
-    if scheme.is_matrix() {
+    if scheme.returns.is_matrix() {
         lines.push(
             "computed as a matrix times the state, whose entries are known before it".to_owned(),
         );
@@ -264,12 +264,12 @@ fn equations(
 }
 
 /// Whether a name is that of an unknown, which has its own line.
-fn is_unknown(name: &str, scheme: &Scheme, symbols: &Symbols) -> bool {
+fn is_unknown(name: &str, scheme: &Scheme<Expr>, symbols: &Symbols) -> bool {
     let mut unknowns = scheme.blocks.iter().flat_map(|b| &b.unknowns);
     unknowns.any(|&u| unknown(symbols, u) == name)
 }
 
-fn heading(block: &Block, symbols: &Symbols) -> String {
+fn heading(block: &Block<Expr>, symbols: &Symbols) -> String {
     let names: Vec<String> = block
         .unknowns
         .iter()
@@ -288,14 +288,13 @@ fn heading(block: &Block, symbols: &Symbols) -> String {
 }
 
 /// The expressions in the first rows of a block.
-fn parts(block: &Block, rows: usize) -> Vec<Expr> {
+fn parts(block: &Block<Expr>, rows: usize) -> Vec<Expr> {
     match &block.solution {
         Solution::Formula(_) => Vec::new(),
         Solution::System { linear, .. } => {
-            let matrix = linear.matrix.iter().take(rows).flatten();
+            let matrix = (0..rows).flat_map(|i| linear.matrix.row(i).map(|x| x.1));
             matrix
-                .chain(linear.rhs.iter().take(rows))
-                .copied()
+                .chain(linear.rhs.iter().take(rows).copied())
                 .collect()
         }
         Solution::Iteration(iteration) => iteration.residual.iter().take(rows).copied().collect(),
@@ -303,7 +302,12 @@ fn parts(block: &Block, rows: usize) -> Vec<Expr> {
 }
 
 /// The equations of a block.
-fn rows_of(block: &Block, rows: usize, page: &mut Page<'_>, symbols: &Symbols) -> Vec<String> {
+fn rows_of(
+    block: &Block<Expr>,
+    rows: usize,
+    page: &mut Page<'_>,
+    symbols: &Symbols,
+) -> Vec<String> {
     match &block.solution {
         Solution::Formula(formula) => {
             let name = unknown(symbols, block.unknowns[0]);
@@ -311,7 +315,7 @@ fn rows_of(block: &Block, rows: usize, page: &mut Page<'_>, symbols: &Symbols) -
         }
         Solution::System { linear, .. } => (0..rows)
             .map(|i| {
-                let left = row(&linear.matrix[i], &block.unknowns, page, symbols);
+                let left = row(&linear.matrix, i, &block.unknowns, page, symbols);
                 format!("  {left} = {}", page.formula(linear.rhs[i]))
             })
             .collect(),
@@ -323,9 +327,15 @@ fn rows_of(block: &Block, rows: usize, page: &mut Page<'_>, symbols: &Symbols) -
 }
 
 /// A row of a matrix times the unknowns.
-fn row(entries: &[Expr], unknowns: &[Symbol], page: &mut Page<'_>, symbols: &Symbols) -> String {
+fn row(
+    matrix: &Matrix<Expr>,
+    i: usize,
+    unknowns: &[Symbol],
+    page: &mut Page<'_>,
+    symbols: &Symbols,
+) -> String {
     let mut text = String::new();
-    for (&entry, &u) in entries.iter().zip(unknowns) {
+    for (column, entry) in matrix.row(i) {
         let mut sum = Sum::default();
         sum.add(1.0, entry, page.arena);
         if sum.is_zero() {
@@ -342,7 +352,7 @@ fn row(entries: &[Expr], unknowns: &[Symbol], page: &mut Page<'_>, symbols: &Sym
             text.push_str(&factor);
             text.push('·');
         }
-        text.push_str(&unknown(symbols, u));
+        text.push_str(&unknown(symbols, unknowns[column]));
     }
     text
 }

@@ -68,10 +68,6 @@ impl<'a> Scheduler<'a> {
         self.angles.keep_apart();
     }
 
-    pub(crate) fn arena(&self) -> &'a Arena {
-        self.arena
-    }
-
     /// The program that computes `results`.
     pub(crate) fn finish(mut self, results: &[Value]) -> Program {
         self.program.mark_live(results);

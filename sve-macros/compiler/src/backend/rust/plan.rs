@@ -3,10 +3,11 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use super::count::Work;
 use super::{Context, Derived, verbatim};
+use crate::algebra::Expr;
 use crate::explain::{self, StepTexts};
-use crate::structure::{Band, Block, Kind};
+use crate::program::{Operations, Work};
+use crate::structure::{Block, Kind};
 use crate::system::mechanics::Commutation;
 use crate::system::model::Symbols;
 
@@ -28,7 +29,7 @@ pub(super) fn plan(
     } = context;
     let Derived {
         rule,
-        is_whole: _,
+        is_unstructured: _,
         symbols,
         action: _,
         scheme,
@@ -61,7 +62,7 @@ pub(super) fn plan(
         step,
         iteration,
     } = work;
-    let [prepare, step, iteration] = [prepare, step, iteration].map(|w| w.tokens(private));
+    let [prepare, step, iteration] = [prepare, step, iteration].map(|w| operations(private, w));
     quote! {
         #private::Plan {
             system: #system,
@@ -85,12 +86,11 @@ pub(super) fn plan(
     }
 }
 
-fn block(private: &TokenStream, block: &Block, symbols: &Symbols) -> TokenStream {
+fn block(private: &TokenStream, block: &Block<Expr>, symbols: &Symbols) -> TokenStream {
     let Block {
         kind,
         unknowns,
         nonzeros,
-        band,
         solution: _,
     } = block;
     let kind = match kind {
@@ -99,9 +99,20 @@ fn block(private: &TokenStream, block: &Block, symbols: &Symbols) -> TokenStream
         Kind::Newton => quote!(Newton),
     };
     let unknowns = unknowns.iter().map(|&u| explain::unknown(symbols, u));
-    let band = match band {
-        Some(Band { lower, upper }) => quote!(::core::option::Option::Some((#lower, #upper))),
+    let band = match block.bandwidths() {
+        Some((lower, upper)) => quote!(::core::option::Option::Some((#lower, #upper))),
         None => quote!(::core::option::Option::None),
     };
     quote!(#private::Block { kind: #private::BlockKind::#kind, unknowns: &[#(#unknowns),*], nonzeros: #nonzeros, band: #band })
+}
+
+fn operations(private: &TokenStream, operations: &Operations) -> TokenStream {
+    let Operations {
+        arithmetic,
+        transcendental,
+        turns,
+    } = operations;
+    quote! {
+        #private::Operations { arithmetic: #arithmetic, transcendental: #transcendental, turns: #turns }
+    }
 }
