@@ -4,8 +4,8 @@ use super::names::{Names, unknown};
 use super::page::Page;
 use super::shown;
 use crate::algebra::{Arena, Expr, Notation, Sum, Symbol};
-use crate::rules::Rule;
 use crate::rules::action::Action;
+use crate::rules::{Features, Rule, Textbook};
 use crate::structure::{Block, Kind, Matrix, Scheme, Solution};
 use crate::system::mechanics::Mechanics;
 use crate::system::model::{Meaning, Model, Symbols};
@@ -30,18 +30,22 @@ pub(crate) fn step(
     symbols: &Symbols,
     arena: &Arena,
 ) -> StepTexts {
-    let (textbook, node) = textbook(rule, model, mechanics, arena);
+    let Textbook {
+        action: textbook,
+        mut notation,
+        work,
+    } = rule.textbook(&features(model, mechanics, arena));
     let mut lines = vec![textbook];
-    let mut nodes = vec![node];
     if let Some((text, parts)) = written_out(rule, action, symbols, arena) {
         lines.push(text);
         lines.extend(parts);
-        nodes.push("Δq = q₁ − q₀".to_owned());
+        notation.push("Δq = q₁ − q₀".to_owned());
     }
-    lines.extend(work(rule, model, arena));
-    nodes.retain(|node| !node.is_empty());
-    if !nodes.is_empty() {
-        lines.push(nodes.join(", "));
+    if model.force.is_some() {
+        lines.push(format!("with the virtual work h·{work} beside δS"));
+    }
+    if !notation.is_empty() {
+        lines.push(notation.join(", "));
     }
     StepTexts {
         action: lines.join("\n"),
@@ -68,96 +72,22 @@ fn domain(rule: Rule, scheme: &Scheme<Expr>, symbols: &Symbols, arena: &Arena) -
     conditions.collect()
 }
 
-/// The action with L, γ and H₁ as functions, and its node.
-fn textbook(rule: Rule, model: &Model, mechanics: &Mechanics, arena: &Arena) -> (String, String) {
+/// What of the system shows in the textbook form of an action.
+fn features(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Features {
     let timed = |e: Expr| arena.contains(e, model.time);
-    let timed = timed(model.lagrangian) || model.noises.iter().any(|g| timed(g.hamiltonian));
-    let (t, q, node) = match (rule, timed) {
-        (Rule::InitialPoint, _) => ("t₀, ", "q₀", ""),
-        (Rule::Endpoint, false) => ("", "q₁", ""),
-        (Rule::Endpoint, true) => ("t₁, ", "q₁", "t₁ = t₀ + h"),
-        (Rule::Midpoint, false) => ("", "q̄", "q̄ = (q₀ + q₁)/2"),
-        (Rule::Midpoint, true) => ("t̄, ", "q̄", "q̄ = (q₀ + q₁)/2, t̄ = t₀ + h/2"),
-        (Rule::Taylor2, _) => return taylor2(model.dof(), timed, model.force.is_some()),
-    };
-    let t = if timed { t } else { "" };
-    let slip = pairing(model.dof(), "p", "q₁ − q₀ − h·v");
-    let mut terms = vec![format!("S = h·L({t}{q}, v) + {slip}")];
-    let sum = |count: usize| if count > 1 { "Σ " } else { "" };
-    let gammas = model.noises.iter().filter(|g| g.is_gamma).count();
-    if gammas > 0 {
-        terms.push(format!(" + {}γ({t}{q})·ΔW", sum(gammas)));
-    }
-    let others = model.noises.len() - gammas;
-    if others > 0 {
-        terms.push(format!(" − {}H₁({t}{q}, p)·ΔW", sum(others)));
-    }
-    // the Stratonovich correction is there where some noise moves p and some q
+    let noises = &model.noises;
+    let gammas = noises.iter().filter(|g| g.is_gamma).count();
     let given = |list: &[Expr]| list.iter().any(|&e| arena.constant_value(e) != Some(0.0));
     let moves_q = mechanics.noises.iter().any(|g| given(&g.dp));
     let moves_p = mechanics.noises.iter().any(|g| given(&g.dq));
-    let mut node = node.to_owned();
-    if rule != Rule::Midpoint && moves_q && moves_p {
-        let sign = if rule == Rule::Endpoint { '+' } else { '−' };
-        if model.noises.len() == 1 {
-            terms.push(format!(" {sign} ½·⟨∂H₁/∂p, ∂H₁/∂q⟩·ΔW²"));
-        } else {
-            terms.push(format!(" {sign} ½·Σ ⟨∂G[i]/∂p, ∂G[j]/∂q⟩·ΔW[i]·ΔW[j]"));
-            node += if node.is_empty() { "" } else { ", " };
-            node += "G = −γ or H₁";
-        }
-    }
-    (terms.concat(), node)
-}
-
-/// The virtual work of the force, which joins δS.
-fn work(rule: Rule, model: &Model, arena: &Arena) -> Option<String> {
-    let force = model.force.as_ref()?;
-    let timed = force.iter().any(|&f| arena.contains(f, model.time));
-    let of = |t: &str, q: &str, v: &str| {
-        let t = if timed {
-            format!("{t}, ")
-        } else {
-            String::new()
-        };
-        if model.dof() == 1 {
-            format!("F({t}{q}, {v})·δ{q}")
-        } else {
-            format!("⟨F({t}{q}, {v}), δ{q}⟩")
-        }
-    };
-    let work = match rule {
-        Rule::InitialPoint => of("t₀", "q₀", "v"),
-        Rule::Midpoint => of("t̄", "q̄", "v"),
-        Rule::Endpoint => of("t₁", "q₁", "v"),
-        Rule::Taylor2 => format!("({} + {})/2", of("t₀", "q₀", "v"), of("t₁", "q̂", "v̂")),
-    };
-    Some(format!("with the virtual work h·{work} beside δS"))
-}
-
-fn taylor2(n: usize, timed: bool, forced: bool) -> (String, String) {
-    let (t0, t1, drift) = if timed {
-        ("t₀, ", "t₁, ", " + L_vt")
-    } else {
-        ("", "", "")
-    };
-    let slip = pairing(n, "μ", "q₁ − q₀ − h·v − h²·a/2");
-    let force = if forced { " − F" } else { "" };
-    let flow = pairing(n, "ν", &format!("L_vv·a + L_vq·v{drift} − L_q{force}"));
-    let mut node = "q̂ = q₀ + h·v, v̂ = v + h·a".to_owned();
-    if timed {
-        node.push_str(", t₁ = t₀ + h");
-    }
-    let text = format!("S = h·(L({t0}q₀, v) + L({t1}q̂, v̂))/2 + {slip} + h²·{flow}/2");
-    (text, node)
-}
-
-/// `p·(x)`, or `⟨p, x⟩` of vectors.
-fn pairing(n: usize, p: &str, x: &str) -> String {
-    if n == 1 {
-        format!("{p}·({x})")
-    } else {
-        format!("⟨{p}, {x}⟩")
+    Features {
+        degrees_of_freedom: model.dof(),
+        is_timed: timed(model.lagrangian) || noises.iter().any(|g| timed(g.hamiltonian)),
+        is_force_timed: model.force.iter().flatten().any(|&f| timed(f)),
+        has_force: model.force.is_some(),
+        gammas,
+        hamiltonians: noises.len() - gammas,
+        moves_both: moves_q && moves_p,
     }
 }
 

@@ -5,9 +5,8 @@ use std::collections::HashMap;
 use super::names::symbol_name;
 use super::{Operation, Scheduler, Value};
 use crate::algebra::{self, Arena, Expr};
-use crate::rules::action::{Node, node};
 use crate::structure::Matrix;
-use crate::system::model::{Meaning, Quantity, Symbols};
+use crate::system::model::{AtNode, Meaning, Quantity, Symbols};
 
 /// Longest name of an angle or argument.
 const WORD: usize = 40;
@@ -107,7 +106,7 @@ impl Labels {
                 continue;
             };
             match *arena.node(e) {
-                algebra::Node::Opaque(_) => {
+                algebra::Node::Opaque(..) => {
                     if let Some(word) = words.named(e) {
                         self.call(value, word);
                     }
@@ -141,11 +140,7 @@ impl Words<'_> {
         if let Some((_, name)) = self.given.iter().find(|g| g.0 == expr) {
             return Some(name.clone());
         }
-        match node(expr, self.symbols, self.arena)? {
-            Node::Time => Some("t_node".to_owned()),
-            Node::Position(i) => Some(format!("q_node_{i}")),
-            Node::Velocity(i) => Some(format!("v_node_{i}")),
-        }
+        AtNode::of(expr, self.arena).map(|quantity| quantity.to_string())
     }
 
     /// A symbol, a name, or `a_minus_b`.
@@ -168,7 +163,7 @@ impl Words<'_> {
     fn word(&self, expr: Expr) -> Option<String> {
         match self.arena.node(expr) {
             algebra::Node::Symbol(symbol) => Some(symbol_name(self.symbols, *symbol)),
-            algebra::Node::Opaque(_) => self.named(expr),
+            algebra::Node::Opaque(..) => self.named(expr),
             _ => None,
         }
     }

@@ -101,7 +101,7 @@ fn sign(expr: Expr, arena: &Arena) -> Sign {
         let sign = match arena.node(e) {
             Node::Constant(bits) => Sign::of_number(bits.get()),
             Node::Symbol(_) | Node::Call2(..) => Sign::Unknown,
-            Node::Opaque(x) => of(x),
+            Node::Opaque(x, _) => of(x),
             Node::Sum(constant, terms) => {
                 let mut parts: Vec<Sign> = terms
                     .iter()

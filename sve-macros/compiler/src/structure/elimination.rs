@@ -158,7 +158,7 @@ impl Reduced<'_> {
             .arena
             .reachable(&[residual], |e| self.arena.contains(e, unknown))
             .into_iter();
-        nodes.any(|e| matches!(self.arena.node(e), Node::Opaque(_)))
+        nodes.any(|e| matches!(self.arena.node(e), Node::Opaque(..)))
     }
 
     /// Rows and columns of each block, in the order of solution.

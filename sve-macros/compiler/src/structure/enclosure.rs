@@ -155,12 +155,12 @@ impl Bounds<'_> {
         match self.arena.node(e).clone() {
             Node::Constant(_) => Some(self.exact(e)),
             Node::Symbol(symbol) => Some(self.symbol(e, symbol)),
-            Node::Opaque(x) => {
+            Node::Opaque(x, identity) => {
                 let inner = self.done[&x];
                 let mid = if inner.mid == x {
                     e
                 } else {
-                    self.arena.opaque(inner.mid)
+                    self.arena.intermediate(inner.mid, identity)
                 };
                 Some(Interval { mid, ..inner })
             }

@@ -131,7 +131,7 @@ fn cost(arena: &Arena, nodes: &[Expr]) -> usize {
     nodes
         .iter()
         .map(|&e| match arena.node(e) {
-            Node::Constant(_) | Node::Symbol(_) | Node::Opaque(_) => 0,
+            Node::Constant(_) | Node::Symbol(_) | Node::Opaque(..) => 0,
             Node::Sum(_, terms) => terms.len(),
             Node::Product(factors) => factors.len(),
             Node::Call(..) | Node::Call2(..) => CALL,

@@ -7,6 +7,7 @@ use super::{Context, Derived, verbatim};
 use crate::algebra::Expr;
 use crate::explain::{self, StepTexts};
 use crate::program::{Operations, Work};
+use crate::rules::{Rule, StrongOrder};
 use crate::structure::{Block, Kind};
 use crate::system::mechanics::Commutation;
 use crate::system::model::Symbols;
@@ -48,8 +49,8 @@ pub(super) fn plan(
     let (n, m) = (model.dof(), model.noises.len());
     let strong = match &mechanics.commutation {
         _ if m == 0 => quote!(Deterministic),
-        Commutation::All(_) => quote!(One),
-        Commutation::Clash(a, b) => quote!(Half { pair: (#a, #b) }),
+        Commutation::All(_) => strong_order(*rule, None),
+        Commutation::Clash(a, b) => strong_order(*rule, Some((a, b))),
     };
     let blocks = scheme
         .blocks
@@ -114,5 +115,13 @@ fn operations(private: &TokenStream, operations: &Operations) -> TokenStream {
     } = operations;
     quote! {
         #private::Operations { arithmetic: #arithmetic, transcendental: #transcendental, turns: #turns }
+    }
+}
+
+/// The strong order of a rule, with the pair of noises that does not commute.
+fn strong_order(rule: Rule, pair: Option<(&String, &String)>) -> TokenStream {
+    match (rule.strong_order(pair.is_none()), pair) {
+        (StrongOrder::Half, Some((a, b))) => quote!(Half { pair: (#a, #b) }),
+        _ => quote!(One),
     }
 }
