@@ -8,7 +8,7 @@ use crate::rules::action::Action;
 use crate::rules::{Features, Rule, Textbook};
 use crate::structure::{Block, Kind, Matrix, Scheme, Solution};
 use crate::system::mechanics::Mechanics;
-use crate::system::model::{Meaning, Model, Symbols};
+use crate::system::model::{AtNode, Meaning, Model, NodeQuantity, Symbols};
 
 /// Texts of a rule.
 pub(crate) struct StepTexts {
@@ -106,7 +106,7 @@ fn written_out(
         .sort_by_key(|&(term, _)| textbook_place(term, action, symbols, arena));
     let text = page.whole(&sum)?;
     // the nodes are explained beside the textbook form
-    let parts = page.explanations(|name| !name.is_ascii());
+    let parts = page.explanations(|e| AtNode::of(e, arena).is_some());
     Some((format!("S = {text}"), parts))
 }
 
@@ -176,8 +176,13 @@ fn equations(
     if !lines.is_empty() {
         lines.push("then".to_owned());
     }
-    let explained =
-        page.explanations(|name| name.starts_with("q₁") || is_unknown(name, scheme, symbols));
+    let explained = page.explanations(|e| {
+        let node = AtNode::of(e, arena);
+        let is_end = node.is_some_and(|at| {
+            matches!(at.quantity, NodeQuantity::Position(_)) && rule.is_end(at.node)
+        });
+        is_end || is_formula(e, scheme)
+    });
     lines.extend(ends.into_iter().map(|line| format!("{indent}{line}")));
     if !explained.is_empty() {
         if !indent.is_empty() {
@@ -193,10 +198,10 @@ fn equations(
     lines
 }
 
-/// Whether a name is that of an unknown, which has its own line.
-fn is_unknown(name: &str, scheme: &Scheme<Expr>, symbols: &Symbols) -> bool {
-    let mut unknowns = scheme.blocks.iter().flat_map(|b| &b.unknowns);
-    unknowns.any(|&u| unknown(symbols, u) == name)
+/// Whether an expression is the formula of an unknown, which has its own line.
+fn is_formula(expr: Expr, scheme: &Scheme<Expr>) -> bool {
+    let mut solutions = scheme.blocks.iter().map(|b| &b.solution);
+    solutions.any(|s| matches!(s, Solution::Formula(formula) if *formula == expr))
 }
 
 fn heading(block: &Block<Expr>, symbols: &Symbols) -> String {

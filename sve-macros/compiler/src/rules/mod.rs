@@ -60,6 +60,8 @@ pub(crate) trait Discretisation {
     fn action(&self, variables: &mut Variables<'_>) -> Discrete;
     /// How a quantity at a node of the rule is written, without its component: `q̄`.
     fn notation(&self, node: usize, quantity: NodeQuantity) -> &'static str;
+    /// Whether the position of a node is q₁.
+    fn is_end(&self, node: usize) -> bool;
     /// Letters of the rule's own variables, which parameters of the same name do not get.
     fn letters(&self) -> &'static [&'static str];
     /// The action with L, γ, H₁ and F as functions.

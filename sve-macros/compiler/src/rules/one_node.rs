@@ -111,6 +111,10 @@ impl Discretisation for OneNode {
         }
     }
 
+    fn is_end(&self, _: usize) -> bool {
+        self.place == 1.0
+    }
+
     fn letters(&self) -> &'static [&'static str] {
         &[]
     }

@@ -109,6 +109,10 @@ impl Discretisation for Taylor2 {
         }
     }
 
+    fn is_end(&self, _: usize) -> bool {
+        false
+    }
+
     fn letters(&self) -> &'static [&'static str] {
         &["a"]
     }

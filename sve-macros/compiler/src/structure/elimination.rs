@@ -7,7 +7,6 @@ use super::domain::Condition;
 use super::graph::{match_columns, strong_components};
 use crate::algebra::{Arena, Expr, Node, Symbol};
 use crate::discretise::equations::Equations;
-use crate::rules::action::Action;
 use crate::system::model::{Family, Meaning, Symbols, Unknown};
 
 /// Equations and the unknowns that they determine.
@@ -195,33 +194,27 @@ impl Reduced<'_> {
 /// multiplier may come from the equation of its own coordinate, and a velocity not from the equation of motion: elimination
 /// along the diagonal of a mass matrix, which is positive definite, needs no pivoting (Higham, Accuracy and Stability of
 /// Numerical Algorithms, section 10.1).
-pub(super) fn kept_unknowns(
-    equations: &Equations,
-    action: &Action,
-    symbols: &Symbols,
-) -> Vec<HashSet<Symbol>> {
-    let n = action.start_q.len();
+pub(super) fn kept_unknowns(equations: &Equations, symbols: &Symbols) -> Vec<HashSet<Symbol>> {
     let as_unknown = |symbol: Symbol| match symbols.meaning(symbol) {
         Meaning::Unknown(unknown) => Some(*unknown),
         _ => None,
     };
-    let forbidden = |row: usize, unknown: Symbol| {
-        let Some(Unknown { family, index }) = as_unknown(unknown) else {
+    let is_kept = |variation: Symbol, unknown: Symbol| {
+        let (Some(of), Some(Unknown { family, index })) =
+            (as_unknown(variation), as_unknown(unknown))
+        else {
             return false;
         };
-        let variation = action.internal.get(row).copied().and_then(as_unknown);
-        let is_own = index == variation.map_or(row % n, |of| of.index);
-        let is_motion = variation.is_some_and(|of| of.family == Family::Flow);
+        let (is_own, is_motion) = (index == of.index, of.family == Family::Flow);
         match family {
             Family::Velocity => is_motion || !is_own,
             Family::Acceleration | Family::Flow => !is_own,
             Family::Displacement | Family::Momentum | Family::Impulse => false,
         }
     };
-    let rows = 0..equations.residuals.len();
-    rows.map(|row| {
+    let rows = equations.variations.iter().map(|&variation| {
         let unknowns = equations.unknowns.iter().copied();
-        unknowns.filter(|&u| forbidden(row, u)).collect()
-    })
-    .collect()
+        unknowns.filter(|&u| is_kept(variation, u)).collect()
+    });
+    rows.collect()
 }

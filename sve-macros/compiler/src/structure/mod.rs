@@ -44,7 +44,7 @@ pub(crate) fn analyse(
     symbols: &mut Symbols,
     arena: &mut Arena,
 ) -> Result<Scheme<Expr>, Degenerate> {
-    let kept = elimination::kept_unknowns(&equations, action, symbols);
+    let kept = elimination::kept_unknowns(&equations, symbols);
     let mut system = Reduced {
         kept,
         arena,
