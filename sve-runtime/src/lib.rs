@@ -261,6 +261,7 @@ pub mod __private {
         pub use crate::lanes::newton::NewtonLanes;
         pub use crate::lanes::solve::solve;
         pub use crate::lanes::{LANES, Lane, Mask, StateLanes, is_left, rows};
+        pub use crate::solve::diagonal::solve_in_lane as solve_diagonal;
     }
     pub use crate::linearisation::{Entries, Linearisation};
     pub use crate::plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
@@ -269,6 +270,7 @@ pub mod __private {
     pub use crate::solve::SolveError;
     pub use crate::solve::banded::Banded;
     pub use crate::solve::dense::{DeterminantSign, solve, solve_with_sign};
+    pub use crate::solve::diagonal::Diagonal;
     pub use crate::solve::newton::{
         BlockProperties, BlockSolver, Evaluation, Newton, propagated_error,
     };

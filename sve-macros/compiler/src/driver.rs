@@ -119,49 +119,27 @@ fn derive(
     };
     check_rules(&block, &model)?;
     check_size(&block, &model)?;
+    let budget = Budget {
+        block: &block,
+        model: &model,
+        work,
+    };
     arena.grant(work);
-    let mut mechanics = mechanics::mechanics(&model, &mut arena);
-    let regular = regular::check(&block, &model, &mechanics, &arena);
-    check_work(&block, &model, &arena, work)?;
-    regular?;
-    let momenta = symmetry::check(&block, &model, &mut arena);
-    check_work(&block, &model, &arena, work)?;
-    let momenta = momenta?;
+    let mut mechanics = budget.stage(&mut arena, |arena| mechanics::mechanics(&model, arena))?;
+    budget.stage(&mut arena, |arena| {
+        regular::check(&block, &model, &mechanics, arena)
+    })??;
+    let momenta = budget.stage(&mut arena, |arena| symmetry::check(&block, &model, arena))??;
     let mut steps = Vec::new();
-    let compared: &[bool] = if block.arguments.compared {
-        &[false, true]
+    for &is_unstructured in if block.arguments.compared {
+        &[false, true][..]
     } else {
         &[false]
-    };
-    let rules = |is_whole| {
-        block
-            .arguments
-            .rules
-            .iter()
-            .map(move |(rule, _)| (*rule, is_whole))
-    };
-    for (rule, is_whole) in compared.iter().copied().flat_map(rules) {
-        let mut symbols = model.symbols.clone();
-        arena.grant(work);
-        let action = action::discretise(rule, &model, &mut symbols, &mut arena);
-        let equations = equations::equations(&action, &mut arena);
-        let scheme = if is_whole {
-            Ok(structure::unanalysed(equations, &mut symbols, &mut arena))
-        } else {
-            structure::analyse(equations, &action, &mut symbols, &mut arena)
-        };
-        check_work(&block, &model, &arena, work)?;
-        let scheme = scheme.map_err(|degenerate| singular(&degenerate, &block, &symbols))?;
-        let linearisation = tangent::linearise(&scheme, &action, &symbols, &mut arena);
-        check_work(&block, &model, &arena, work)?;
-        steps.push(Derived {
-            rule,
-            is_whole,
-            symbols,
-            action,
-            scheme,
-            linearisation,
-        });
+    } {
+        for &(rule, _) in &block.arguments.rules {
+            arena.grant(work);
+            steps.push(step(rule, is_unstructured, &budget, &mut arena)?);
+        }
     }
     // what is left to do is in proportion to what has been built
     arena.grant(usize::MAX);
@@ -192,6 +170,38 @@ fn derive(
     Ok(output)
 }
 
+/// Derives the step of a rule.
+fn step(
+    rule: Rule,
+    is_unstructured: bool,
+    budget: &Budget<'_>,
+    arena: &mut Arena,
+) -> syn::Result<Derived> {
+    let mut symbols = budget.model.symbols.clone();
+    let (action, scheme) = budget.stage(arena, |arena| {
+        let action = action::discretise(rule, budget.model, &mut symbols, arena);
+        let equations = equations::equations(&action, arena);
+        let scheme = if is_unstructured {
+            Ok(structure::unstructured(equations, &mut symbols, arena))
+        } else {
+            structure::analyse(equations, &action, &mut symbols, arena)
+        };
+        (action, scheme)
+    })?;
+    let scheme = scheme.map_err(|degenerate| singular(&degenerate, budget.block, &symbols))?;
+    let linearisation = budget.stage(arena, |arena| {
+        tangent::linearise(&scheme, &action, &symbols, arena)
+    })?;
+    Ok(Derived {
+        rule,
+        is_unstructured,
+        symbols,
+        action,
+        scheme,
+        linearisation,
+    })
+}
+
 /// Work that the derivatives may take, and then each rule, in the units of the arena's budget; a unit is some 20 nanoseconds of
 /// an optimised build. A dense system of 48 coordinates takes five sixths of it.
 const WORK: usize = 200_000_000;
@@ -212,27 +222,63 @@ fn check_size(block: &Annotated, model: &Model) -> syn::Result<()> {
     Err(syn::Error::new(block.lagrangian.name.span(), message))
 }
 
-/// An error where the last stage used up its work.
-fn check_work(block: &Annotated, model: &Model, arena: &Arena, work: usize) -> syn::Result<()> {
-    if !arena.is_exhausted() {
-        return Ok(());
-    }
-    let message = format!(
-        "this system is too large to unroll: with {} coordinates and {} noise terms its derivatives take more than {work} operations of the macro, which is the limit; use fewer coordinates or noise terms, shorter loops, or helpers that are called less often",
-        model.dof(),
-        model.noises.len(),
-    );
-    Err(syn::Error::new(block.lagrangian.name.span(), message))
+/// The work that is granted to the derivatives, and then to each rule.
+struct Budget<'a> {
+    block: &'a Annotated,
+    model: &'a Model,
+    work: usize,
 }
 
-/// A rule that is not for this system.
+impl Budget<'_> {
+    /// Runs a stage. Returns an error if the work that was granted is used up.
+    fn stage<T>(&self, arena: &mut Arena, run: impl FnOnce(&mut Arena) -> T) -> syn::Result<T> {
+        let result = run(arena);
+        if !arena.is_exhausted() {
+            return Ok(result);
+        }
+        let message = format!(
+            "this system is too large to unroll: with {} coordinates and {} noise terms its derivatives take more than {} operations of the macro, which is the limit; use fewer coordinates or noise terms, shorter loops, or helpers that are called less often",
+            self.model.dof(),
+            self.model.noises.len(),
+            self.work,
+        );
+        let place = self.block.lagrangian.name.span();
+        Err(syn::Error::new(place, message))
+    }
+}
+
+/// Returns an error for each rule that is not for this system.
 fn check_rules(block: &Annotated, model: &Model) -> syn::Result<()> {
+    let takes: [(bool, fn(&Rule) -> bool, &str, &str); 2] = [
+        (
+            !model.noises.is_empty(),
+            |r| r.takes_noise(),
+            "noise",
+            "noise terms",
+        ),
+        (
+            model.force.is_some(),
+            |r| r.takes_force(),
+            "forces",
+            "a force",
+        ),
+    ];
     let mut errors = Errors::new();
     for (rule, name) in &block.arguments.rules {
-        if *rule == Rule::Taylor2 && !model.noises.is_empty() {
+        for (_, takes, without, found) in takes.iter().filter(|t| t.0 && !t.1(rule)) {
+            let others = Rule::ALL.iter().rev().filter(|rule| takes(rule));
+            let others: Vec<String> = others
+                .map(|r| format!("`{}`", r.attribute_name()))
+                .collect();
+            let (last, first) = others
+                .split_last()
+                .map_or(("", &[][..]), |(l, f)| (l.as_str(), f));
             errors.push(
                 name.span(),
-                "`taylor2` is a rule for systems without noise, and this block has noise terms: use `midpoint`, `endpoint` or `initial_point`",
+                format!(
+                    "`{name}` is a rule for systems without {without}, and this block has {found}: use {} or {last}",
+                    first.join(", "),
+                ),
             );
         }
     }

@@ -63,7 +63,7 @@ fn count(attribute: TokenStream, block: ItemImpl) -> syn::Result<Operations> {
     for block in &scheme.blocks {
         if let Solution::Iteration(iteration) = &block.solution {
             residual.extend(&iteration.residual);
-            jacobian.extend(iteration.jacobian.iter().flatten());
+            jacobian.extend(iteration.jacobian.stored());
         }
     }
     Ok(Operations {

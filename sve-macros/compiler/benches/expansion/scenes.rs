@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 
 /// A family of systems.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Scene {
+pub(crate) enum Scene {
     /// Masses on a line with anharmonic springs between neighbours, the first tied to a wall.
     Chain,
     /// Rods that hang from one another, in their angles: every coordinate is coupled to every other, by the mass matrix too.
@@ -18,9 +18,9 @@ pub(super) enum Scene {
 }
 
 impl Scene {
-    pub(super) const ALL: [Self; 3] = [Self::Chain, Self::Pendulum, Self::Bodies];
+    pub(crate) const ALL: [Self; 3] = [Self::Chain, Self::Pendulum, Self::Bodies];
 
-    pub(super) fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Chain => "chain",
             Self::Pendulum => "n-pendulum",
@@ -29,10 +29,10 @@ impl Scene {
     }
 
     /// The rule to derive.
-    pub(super) const RULE: &'static str = "midpoint";
+    pub(crate) const RULE: &'static str = "midpoint";
 
     /// The `impl` block without its attribute.
-    pub(super) fn block(self, n: usize) -> String {
+    pub(crate) fn block(self, n: usize) -> String {
         let body = match self {
             Self::Chain => {
                 "let mut l = -self.potential(q[0]);
@@ -84,7 +84,7 @@ impl Scene {
     }
 
     /// A program that makes steps of it and prints the nanoseconds that one takes.
-    pub(super) fn program(self, n: usize) -> String {
+    pub(crate) fn program(self, n: usize) -> String {
         let mut positions = String::new();
         let mut momenta = String::new();
         for i in 0..n {

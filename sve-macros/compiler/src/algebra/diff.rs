@@ -32,7 +32,7 @@ impl Arena {
         match self.node(expr).clone() {
             Node::Constant(_) => self.constant(0.0),
             Node::Symbol(s) => self.constant(f64::from(u8::from(s == symbol))),
-            Node::Opaque(x) => self.known(x, symbol),
+            Node::Opaque(x, _) => self.known(x, symbol),
             Node::Sum(_, terms) => {
                 let mut slopes = Vec::new();
                 for &(x, c) in &terms {

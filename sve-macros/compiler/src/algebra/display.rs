@@ -144,7 +144,7 @@ impl Arena {
     /// Operations that expressions are made of, each counted once.
     pub(crate) fn operations(&self, roots: &[Expr]) -> usize {
         let count = |e: &Expr| match self.node(*e) {
-            Node::Constant(_) | Node::Symbol(_) | Node::Opaque(_) => 0,
+            Node::Constant(_) | Node::Symbol(_) | Node::Opaque(..) => 0,
             Node::Sum(constant, terms) => {
                 let scaled = terms.iter().filter(|t| t.1.get().abs() != 1.0).count();
                 terms.len() - 1 + scaled + usize::from(constant.get() != 0.0)
@@ -265,7 +265,7 @@ impl Printer<'_> {
         match self.arena.node(expr) {
             Node::Constant(bits) => self.scaled(bits.get(), Vec::new(), inside),
             Node::Symbol(symbol) => self.put(&self.notation.symbol(*symbol)),
-            Node::Opaque(x) => self.print(*x, inside),
+            Node::Opaque(x, _) => self.print(*x, inside),
             Node::Sum(constant, terms) => match terms.as_slice() {
                 [(term, c)] if constant.get() == 0.0 => {
                     let factors = self.arena.factors_of(*term, self.notation);

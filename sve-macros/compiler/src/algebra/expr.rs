@@ -24,6 +24,10 @@ impl Expr {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) struct Symbol(pub(crate) u32);
 
+/// By what later stages recognise an intermediate result; the algebra does not look into it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Identity(pub(crate) u64);
+
 /// A constant, compared and hashed by its bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Bits(u64);
@@ -90,8 +94,9 @@ pub(crate) enum Node {
     Product(Vec<(Expr, i32)>),
     Call(Function, Expr),
     Call2(Binary, Expr, Expr),
-    /// The same value as its operand, but not opened by the rules of sums and products: a named intermediate result.
-    Opaque(Expr),
+    /// The same value as its operand, but not opened by the rules of sums and products: an intermediate result. Its identity,
+    /// which is not part of the value, stays when symbols in the operand are replaced.
+    Opaque(Expr, Option<Identity>),
 }
 
 /// What a new node costs of the budget, since it is likely to be differentiated, scheduled and printed.
@@ -348,7 +353,7 @@ impl Arena {
             }
             Node::Call(function, x) => self.call(function, of(x)),
             Node::Call2(function, x, y) => self.call2(function, of(x), of(y)),
-            Node::Opaque(x) => self.opaque(of(x)),
+            Node::Opaque(x, identity) => self.intermediate(of(x), identity),
         }
     }
 }
@@ -359,7 +364,7 @@ pub(super) fn each_operand(node: &Node, mut f: impl FnMut(Expr)) {
         Node::Constant(_) | Node::Symbol(_) => {}
         Node::Sum(_, terms) => terms.iter().for_each(|t| f(t.0)),
         Node::Product(factors) => factors.iter().for_each(|t| f(t.0)),
-        Node::Call(_, x) | Node::Opaque(x) => f(*x),
+        Node::Call(_, x) | Node::Opaque(x, _) => f(*x),
         Node::Call2(_, x, y) => {
             f(*x);
             f(*y);

@@ -25,7 +25,7 @@ pub(crate) mod tests;
 mod zero;
 
 pub(crate) use display::{Notation, Sum, Text};
-pub(crate) use expr::{Arena, Binary, Expr, Function, Node, Symbol};
+pub(crate) use expr::{Arena, Binary, Expr, Function, Identity, Node, Symbol};
 pub(crate) use hash::Map;
 pub(crate) use sharp::{Sharp, Verdict};
 pub(crate) use stable::Purpose;

@@ -164,7 +164,7 @@ impl Arena {
             let value = match self.node(e) {
                 Node::Constant(bits) => Sharp::constant(*bits),
                 Node::Symbol(symbol) => Sharp::exact(at(*symbol)),
-                Node::Opaque(x) => values[x],
+                Node::Opaque(x, _) => values[x],
                 Node::Sum(constant, terms) => sum(*constant, terms, &values),
                 Node::Product(factors) => product(factors, &values),
                 Node::Call(function, x) => call(*function, values[x]),

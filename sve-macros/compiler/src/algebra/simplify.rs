@@ -3,7 +3,7 @@
 //! Each rule holds wherever the left side is defined; some right sides are defined in more places (x·x⁻¹ → 1).
 //! There is no rule √(x²) → x, which is wrong at x < 0.
 
-use super::expr::{Arena, Binary, Bits, Expr, Function, Node, Symbol};
+use super::expr::{Arena, Binary, Bits, Expr, Function, Identity, Node, Symbol};
 
 /// Sums longer than this are kept as one term of another sum instead of being merged into it.
 const MERGE_LIMIT: usize = 64;
@@ -22,9 +22,14 @@ impl Arena {
 
     /// A named intermediate result: the rules of sums and products do not look inside.
     pub(crate) fn opaque(&mut self, expr: Expr) -> Expr {
+        self.intermediate(expr, None)
+    }
+
+    /// An intermediate result that later stages recognise, if it has an identity.
+    pub(crate) fn intermediate(&mut self, expr: Expr, identity: Option<Identity>) -> Expr {
         match self.node(expr) {
-            Node::Constant(_) | Node::Symbol(_) | Node::Opaque(_) => expr,
-            _ => self.intern(Node::Opaque(expr)),
+            Node::Constant(_) | Node::Symbol(_) | Node::Opaque(..) => expr,
+            _ => self.intern(Node::Opaque(expr, identity)),
         }
     }
 

@@ -213,7 +213,7 @@ impl Arena {
             let (value, inherited) = match self.node(e) {
                 Node::Constant(bits) => (bits.get(), 0.0),
                 Node::Symbol(symbol) => (at(*symbol), 0.0),
-                Node::Opaque(x) => (values[x].value, values[x].error),
+                Node::Opaque(x, _) => (values[x].value, values[x].error),
                 Node::Sum(constant, terms) => {
                     let (mut sum, mut error, mut size) =
                         (constant.get(), 0.0, constant.get().abs());

@@ -17,6 +17,8 @@ pub(crate) struct Equations {
     pub(crate) unknowns: Vec<Symbol>,
     /// What has to vanish.
     pub(crate) residuals: Vec<Expr>,
+    /// For each residual the variable in which the action varies.
+    pub(crate) variations: Vec<Symbol>,
     /// `q₁ − q₀`.
     pub(crate) dq: Vec<Expr>,
     /// `p₁ − p₀`: for each component, expressions that agree wherever the equations hold.
@@ -46,6 +48,8 @@ pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
         );
     }
     // in the order in which they are preferably eliminated: displacements, multipliers, velocities last
+    let variations = action.internal.iter().chain(&action.displacement);
+    let variations = variations.copied().collect();
     let unknowns = action
         .displacement
         .iter()
@@ -60,6 +64,7 @@ pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
     Equations {
         unknowns,
         residuals,
+        variations,
         dq,
         dp,
     }

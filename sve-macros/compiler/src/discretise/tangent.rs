@@ -37,7 +37,7 @@ pub(crate) struct Linearisation {
 
 /// Differentiates what a scheme solves and returns.
 pub(crate) fn linearise(
-    scheme: &Scheme,
+    scheme: &Scheme<Expr>,
     action: &Action,
     symbols: &Symbols,
     arena: &mut Arena,
@@ -79,12 +79,12 @@ pub(crate) fn linearise(
 }
 
 /// The residuals of a linear system.
-fn balance(linear: &Linear, solved: &[Symbol], arena: &mut Arena) -> Vec<Expr> {
-    let rows = linear.matrix.iter().zip(&linear.rhs);
-    rows.map(|(row, &rhs)| {
+fn balance(linear: &Linear<Expr>, solved: &[Symbol], arena: &mut Arena) -> Vec<Expr> {
+    let rows = linear.rhs.iter().enumerate();
+    rows.map(|(i, &rhs)| {
         let mut terms = vec![(-1.0, rhs)];
-        for (&entry, &x) in row.iter().zip(solved) {
-            let x = arena.symbol(x);
+        for (column, entry) in linear.matrix.row(i) {
+            let x = arena.symbol(solved[column]);
             terms.push((1.0, arena.mul(entry, x)));
         }
         arena.sum(0.0, &terms)
@@ -93,7 +93,7 @@ fn balance(linear: &Linear, solved: &[Symbol], arena: &mut Arena) -> Vec<Expr> {
 }
 
 /// The residuals of an iteration where it ended.
-fn at_solution(iteration: &Iteration, arena: &mut Arena) -> Vec<Expr> {
+fn at_solution(iteration: &Iteration<Expr>, arena: &mut Arena) -> Vec<Expr> {
     let pairs = iteration.iterates.iter().zip(&iteration.solved);
     let by: HashMap<Symbol, Expr> = pairs.map(|(&x, &s)| (x, arena.symbol(s))).collect();
     iteration

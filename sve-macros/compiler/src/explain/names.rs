@@ -4,8 +4,7 @@ use std::collections::HashMap;
 
 use crate::algebra::{self, Arena, Expr, Function, Notation, Symbol};
 use crate::rules::Rule;
-use crate::rules::action::{Node, node};
-use crate::system::model::{Family, Meaning, Quantity, Symbols, Unknown};
+use crate::system::model::{AtNode, Family, Meaning, NodeQuantity, Quantity, Symbols, Unknown};
 
 /// Letters that have a meaning of their own.
 const LETTERS: [&str; 6] = ["q", "v", "p", "t", "h", "L"];
@@ -75,16 +74,13 @@ impl<'a> Names<'a> {
     /// Calls an intermediate result of the step, `q₀ + c d` and the like, by its name; others have none and are written out.
     pub(super) fn call_node(&mut self, expr: Expr, arena: &Arena) {
         let Some(rule) = self.rule else { return };
-        let name = match (node(expr, self.symbols, arena), rule) {
-            (None, _) => return,
-            (Some(Node::Time), Rule::Midpoint) => "t̄".to_owned(),
-            (Some(Node::Time), _) => "t₁".to_owned(),
-            (Some(Node::Position(i)), Rule::Midpoint) => self.component("q̄", i),
-            (Some(Node::Position(i)), Rule::Taylor2) => self.component("q̂", i),
-            (Some(Node::Position(i)), Rule::Endpoint | Rule::InitialPoint) => {
-                self.component("q₁", i)
-            }
-            (Some(Node::Velocity(i)), _) => self.component("v̂", i),
+        let Some(AtNode { node, quantity }) = AtNode::of(expr, arena) else {
+            return;
+        };
+        let letter = rule.notation(node, quantity);
+        let name = match quantity {
+            NodeQuantity::Time => letter.to_owned(),
+            NodeQuantity::Position(i) | NodeQuantity::Velocity(i) => self.component(letter, i),
         };
         self.call(expr, name);
     }
@@ -137,7 +133,7 @@ fn parameter(access: &str, rule: Option<Rule>) -> String {
         return path;
     };
     let name = field.split(['.', '[']).next().unwrap_or(field);
-    let taken = LETTERS.contains(&name) || (name == "a" && rule == Some(Rule::Taylor2));
+    let taken = LETTERS.contains(&name) || rule.is_some_and(|r| r.letters().contains(&name));
     if taken || name.starts_with(|c: char| c.is_ascii_digit()) {
         path
     } else {

@@ -8,6 +8,7 @@ use std::collections::HashMap;
 use super::names::Names;
 use super::shown;
 use crate::algebra::{Arena, Expr, Node, Notation, Sum, Text};
+use crate::system::model::AtNode;
 
 /// Characters of a formula; beyond, it is cut off.
 const FORMULA: usize = 240;
@@ -153,22 +154,22 @@ impl<'a> Page<'a> {
 
     /// What the names in everything written so far stand for: nodes, then parts, those first that others are made of; what
     /// is `known` needs no line.
-    pub(super) fn explanations(&mut self, known: impl Fn(&str) -> bool) -> Vec<String> {
-        let mut explained: Vec<(String, String)> = Vec::new();
+    pub(super) fn explanations(&mut self, known: impl Fn(Expr) -> bool) -> Vec<String> {
+        let mut explained: Vec<(String, String, bool)> = Vec::new();
         // an expression is made of earlier ones
         while let Some(&last) = self.used.iter().max() {
             self.used.retain(|&e| e != last);
             let name = self.names.name(last).unwrap_or_default().to_owned();
-            if known(&name) || explained.iter().any(|e| e.0 == name) {
+            if known(last) || explained.iter().any(|e| e.0 == name) {
                 continue;
             }
             let definition = self.definition(last);
-            explained.push((name, definition));
+            let is_node = AtNode::of(last, self.arena).is_some();
+            explained.push((name, definition, is_node));
         }
         explained.reverse();
-        // only the names of parts are plain
-        explained.sort_by_key(|e| e.0.is_ascii());
-        let line = |(name, definition)| format!("{name} = {definition}");
+        explained.sort_by_key(|e| !e.2);
+        let line = |(name, definition, _)| format!("{name} = {definition}");
         explained.into_iter().map(line).collect()
     }
 

@@ -68,7 +68,7 @@ fn terms(arena: &Arena, angle: Expr) -> Vec<Term> {
     let mut found: Vec<Term> = Vec::new();
     while let Some((e, c)) = open.pop() {
         match arena.node(e) {
-            Node::Opaque(x) => open.push((*x, c)),
+            Node::Opaque(x, _) => open.push((*x, c)),
             Node::Sum(constant, list) if constant.get() == 0.0 => {
                 open.extend(list.iter().rev().map(|&(x, k)| (x, c * k.get())));
             }
@@ -122,7 +122,7 @@ impl Scheduler<'_> {
             return None;
         }
         let mut angle = angle;
-        while let Node::Opaque(x) = self.arena.node(angle) {
+        while let Node::Opaque(x, _) = self.arena.node(angle) {
             angle = *x;
         }
         let Node::Sum(constant, terms) = self.arena.node(angle) else {

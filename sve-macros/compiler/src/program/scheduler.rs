@@ -68,10 +68,6 @@ impl<'a> Scheduler<'a> {
         self.angles.keep_apart();
     }
 
-    pub(crate) fn arena(&self) -> &'a Arena {
-        self.arena
-    }
-
     /// The program that computes `results`.
     pub(crate) fn finish(mut self, results: &[Value]) -> Program {
         self.program.mark_live(results);
@@ -110,7 +106,7 @@ impl<'a> Scheduler<'a> {
         match self.arena.node(expr) {
             Node::Constant(bits) => self.constant(bits.get()),
             Node::Symbol(symbol) => self.push(Operation::Input(*symbol)),
-            Node::Opaque(x) => self.done[x],
+            Node::Opaque(x, _) => self.done[x],
             Node::Sum(constant, terms) => {
                 let terms: Vec<(Expr, f64)> = terms.iter().map(|t| (t.0, t.1.get())).collect();
                 self.lower_sum(constant.get(), &terms)

@@ -7,7 +7,7 @@
 
 use std::collections::VecDeque;
 
-use crate::algebra::{Arena, Expr};
+use crate::algebra::Expr;
 
 /// Blocks smaller than this are solved as dense ones, whose loops the compiler writes out.
 const SMALLEST: usize = 5;
@@ -27,8 +27,7 @@ pub(super) struct Order {
 
 impl Band {
     /// The band of a matrix, where solving with it is less work than a dense solve.
-    pub(crate) fn of(matrix: &[Vec<Expr>], arena: &Arena) -> Option<Self> {
-        let is_zero = |e: Expr| arena.constant_value(e) == Some(0.0);
+    pub(super) fn of(matrix: &[Vec<Expr>], is_zero: impl Fn(Expr) -> bool) -> Option<Self> {
         let columns = |row: &Vec<Expr>| {
             let present = row.iter().enumerate().filter(|x| !is_zero(*x.1));
             present.map(|x| x.0).collect()
@@ -66,12 +65,12 @@ impl Band {
     }
 
     /// The first column of a row.
-    pub(crate) fn begin(self, row: usize) -> usize {
+    pub(super) fn begin(self, row: usize) -> usize {
         row.saturating_sub(self.lower)
     }
 
     /// The rows of a matrix as the runtime's `Banded` has them: from the first column of the band on, `width` entries.
-    pub(crate) fn rows(self, matrix: &[Vec<Expr>], zero: Expr) -> Vec<Vec<Expr>> {
+    pub(super) fn rows(self, matrix: &[Vec<Expr>], zero: Expr) -> Vec<Vec<Expr>> {
         let row = |(i, row): (usize, &Vec<Expr>)| {
             let begin = self.begin(i);
             let entries =

@@ -2,13 +2,18 @@
 
 use std::collections::HashMap;
 
-use super::band::{self, Band, Order};
-use super::{Block, Iteration, Kind, Linear, Reduced, Refinement, Solution};
+use super::band::{self, Order};
+use super::elimination::Reduced;
+use super::matrix::Matrix;
+use super::scheme::{Block, Iteration, Kind, Linear, Refinement, Solution};
 use crate::algebra::{Expr, Symbol};
 use crate::system::model::Meaning;
 
 /// Expressions that take the place of symbols.
 pub(super) type Replacement = HashMap<Symbol, Expr>;
+
+/// Rows of a matrix, and a right-hand side.
+type Rows = (Vec<Vec<Expr>>, Vec<Expr>);
 
 impl Reduced<'_> {
     /// Classifies a block and writes down what solves it; `known` gets what its unknowns are called afterwards.
@@ -17,7 +22,7 @@ impl Reduced<'_> {
         rows: &[usize],
         columns: &[usize],
         known: &mut Replacement,
-    ) -> Block {
+    ) -> Block<Expr> {
         let unknowns = columns.iter().map(|&c| self.unknowns[c]).collect();
         let residual = rows
             .iter()
@@ -32,8 +37,8 @@ impl Reduced<'_> {
 
         let linear = self.is_linear(&jacobian, &unknowns);
         if linear && unknowns.len() == 1 {
-            let coefficient = at_zero.matrix[0][0];
-            let formula = self.arena.div(at_zero.rhs[0], coefficient);
+            let (coefficient, rhs) = (at_zero.0[0][0], at_zero.1[0]);
+            let formula = self.arena.div(rhs, coefficient);
             let formula = self.arena.opaque(formula);
             known.insert(unknowns[0], formula);
             let kind = if self.is_parameter(coefficient) {
@@ -45,72 +50,69 @@ impl Reduced<'_> {
                 kind,
                 unknowns,
                 nonzeros,
-                band: None,
                 solution: Solution::Formula(formula),
             };
         }
         let solved = self.solved(&unknowns, known);
-        let band = Band::of(&jacobian, self.arena);
         if linear {
-            let solution = Solution::System {
-                linear: at_zero,
-                solved,
-            };
+            let linear = self.linear(at_zero);
             return Block {
                 kind: Kind::Linear,
                 unknowns,
                 nonzeros,
-                band,
-                solution,
+                solution: Solution::System { linear, solved },
             };
         }
         let judge = self.judge(&residual, &jacobian, &unknowns, known);
+        let fallback = self.linear(at_zero);
         let explicit = self.guess(&residual, &jacobian, &unknowns);
-        let singular_at_rest = explicit.is_none();
-        let (guess, refinement) = explicit.unwrap_or_else(|| (at_zero.clone(), None));
+        let limit = explicit.as_ref().map(|(guess, _)| guess.matrix.clone());
+        let (guess, refinement) = explicit.unwrap_or_else(|| (fallback.clone(), None));
         let curvature = match unknowns.as_slice() {
             [unknown] => Some(self.arena.diff(jacobian[0][0], *unknown)),
             _ => None,
         };
-        let iterates = unknowns.clone();
         let iteration = Iteration {
             guess,
+            judge: judge.filter(|_| limit.is_some()),
+            limit,
             refinement,
-            fallback: at_zero,
-            singular_at_rest,
+            jacobian: Matrix::new(jacobian, self.arena),
             residual,
-            jacobian,
             curvature,
-            judge: judge.filter(|_| !singular_at_rest),
-            iterates,
+            fallback,
+            iterates: unknowns.clone(),
             solved,
         };
         Block {
             kind: Kind::Newton,
             unknowns,
             nonzeros,
-            band,
             solution: Solution::Iteration(Box::new(iteration)),
         }
     }
 
-    /// All equations as one block that is iterated from the Newton step from zero; `known` gets what its unknowns are called
-    /// afterwards.
-    pub(super) fn whole(&mut self, known: &mut Replacement) -> Block {
+    /// All equations as one block that is iterated from the Newton step from zero, with dense matrices; `known` gets what its
+    /// unknowns are called afterwards.
+    pub(super) fn unstructured(&mut self, known: &mut Replacement) -> Block<Expr> {
         let (residual, unknowns) = (self.residuals.clone(), self.unknowns.clone());
         let jacobian = self.jacobian(&residual, &unknowns);
         let zero = self.arena.constant(0.0);
         let origin: Replacement = unknowns.iter().map(|&u| (u, zero)).collect();
-        let at_zero = self.newton_step(&residual, &jacobian, &origin);
+        let (matrix, rhs) = self.newton_step(&residual, &jacobian, &origin);
+        let at_zero = Linear {
+            matrix: Matrix::dense(matrix),
+            rhs,
+        };
         let iteration = Iteration {
             guess: at_zero.clone(),
+            limit: None,
             refinement: None,
-            fallback: at_zero,
-            singular_at_rest: false,
+            jacobian: Matrix::dense(jacobian),
             residual,
-            jacobian,
             curvature: None,
             judge: None,
+            fallback: at_zero,
             iterates: unknowns.clone(),
             solved: self.solved(&unknowns, known),
         };
@@ -118,8 +120,14 @@ impl Reduced<'_> {
             kind: Kind::Newton,
             nonzeros: unknowns.len() * unknowns.len(),
             unknowns,
-            band: None,
             solution: Solution::Iteration(Box::new(iteration)),
+        }
+    }
+
+    fn linear(&mut self, (matrix, rhs): Rows) -> Linear<Expr> {
+        Linear {
+            matrix: Matrix::new(matrix, self.arena),
+            rhs,
         }
     }
 
@@ -163,7 +171,7 @@ impl Reduced<'_> {
         residual: &[Expr],
         jacobian: &[Vec<Expr>],
         point: &Replacement,
-    ) -> Linear {
+    ) -> Rows {
         let entries = self.arena.substitute_all(&jacobian.concat(), point);
         let matrix = entries
             .chunks(residual.len())
@@ -171,7 +179,7 @@ impl Reduced<'_> {
             .collect();
         let rhs = self.arena.substitute_all(residual, point);
         let rhs = rhs.into_iter().map(|r| self.arena.neg(r)).collect();
-        Linear { matrix, rhs }
+        (matrix, rhs)
     }
 
     /// A guess that costs little, from the limit of h = 0 and no noise, where the equations are linear in most systems:
@@ -182,13 +190,13 @@ impl Reduced<'_> {
         residual: &[Expr],
         jacobian: &[Vec<Expr>],
         unknowns: &[Symbol],
-    ) -> Option<(Linear, Option<Refinement>)> {
+    ) -> Option<(Linear<Expr>, Option<Refinement<Expr>>)> {
         let zero = self.arena.constant(0.0);
         let small = self.small(residual);
         let origin: Replacement = unknowns.iter().map(|&u| (u, zero)).collect();
         let mut limit = origin.clone();
         limit.extend(small.iter().map(|&s| (s, zero)));
-        let mut guess = self.newton_step(residual, jacobian, &limit);
+        let (matrix, mut rhs) = self.newton_step(residual, jacobian, &limit);
         let noisy = small
             .iter()
             .any(|&s| matches!(self.symbols.meaning(s), Meaning::Wiener(_)));
@@ -196,27 +204,25 @@ impl Reduced<'_> {
             Some(self.refinement(residual, unknowns, &small))
         } else {
             if noisy {
-                guess.rhs = self.newton_step(residual, jacobian, &origin).rhs;
+                rhs = self.newton_step(residual, jacobian, &origin).1;
             }
             None
         };
         let size = unknowns.len();
         let regular = (0..size).all(|i| {
-            guess.matrix[i].iter().any(|&e| e != zero)
-                && guess.matrix.iter().any(|row| row[i] != zero)
+            matrix[i].iter().any(|&e| e != zero) && matrix.iter().any(|row| row[i] != zero)
         });
         let refined = refinement.iter().flat_map(|r| &r.rhs);
-        let all: Vec<Expr> = guess
-            .matrix
+        let all: Vec<Expr> = matrix
             .iter()
             .flatten()
-            .chain(&guess.rhs)
+            .chain(&rhs)
             .chain(refined)
             .copied()
             .collect();
         let mut nodes = self.arena.reachable(&all, |_| true).into_iter();
         let defined = nodes.all(|e| self.arena.constant_value(e).is_none_or(f64::is_finite));
-        (regular && defined).then_some((guess, refinement))
+        (regular && defined).then(|| (self.linear((matrix, rhs)), refinement))
     }
 
     /// The step size and the increments of the noise, as far as they occur.
@@ -243,7 +249,7 @@ impl Reduced<'_> {
         residual: &[Expr],
         unknowns: &[Symbol],
         small: &[Symbol],
-    ) -> Refinement {
+    ) -> Refinement<Expr> {
         let zero = self.arena.constant(0.0);
         let mut point: Replacement = small.iter().map(|&s| (s, zero)).collect();
         let mut first = Vec::new();

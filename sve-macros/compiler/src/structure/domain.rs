@@ -8,9 +8,9 @@ use crate::algebra::{Arena, Binary, Expr, Function, Node};
 
 /// A condition on where a function is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Condition {
+pub(crate) struct Condition<T> {
     /// What has to be positive.
-    pub(crate) value: Expr,
+    pub(crate) value: T,
     /// Whether 0 is allowed too.
     pub(crate) is_closed: bool,
     /// The same as it stands in the action, for messages.
@@ -18,8 +18,8 @@ pub(crate) struct Condition {
 }
 
 /// The conditions of all functions in these expressions.
-pub(crate) fn conditions(roots: &[Expr], arena: &mut Arena) -> Vec<Condition> {
-    let mut found: Vec<Condition> = Vec::new();
+pub(crate) fn conditions(roots: &[Expr], arena: &mut Arena) -> Vec<Condition<Expr>> {
+    let mut found: Vec<Condition<Expr>> = Vec::new();
     for call in arena.reachable(roots, |_| true) {
         let Some((value, is_closed)) = condition(call, arena) else {
             continue;
@@ -101,7 +101,7 @@ fn sign(expr: Expr, arena: &Arena) -> Sign {
         let sign = match arena.node(e) {
             Node::Constant(bits) => Sign::of_number(bits.get()),
             Node::Symbol(_) | Node::Call2(..) => Sign::Unknown,
-            Node::Opaque(x) => of(x),
+            Node::Opaque(x, _) => of(x),
             Node::Sum(constant, terms) => {
                 let mut parts: Vec<Sign> = terms
                     .iter()

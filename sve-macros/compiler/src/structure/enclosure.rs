@@ -24,17 +24,18 @@ const BOX: f64 = 0.75;
 const EXPONENT: u32 = 16;
 
 /// Bounds of the entries of a matrix.
-pub(crate) struct Enclosure {
+#[derive(Clone)]
+pub(crate) struct Enclosure<T> {
     /// Midpoints of the entries.
-    pub(crate) middle: Vec<Vec<Expr>>,
-    pub(crate) radii: Vec<Vec<Expr>>,
+    pub(crate) middle: Vec<Vec<T>>,
+    pub(crate) radii: Vec<Vec<T>>,
     /// What has to be positive for the radii to hold: distances to poles and to the borders of domains.
-    pub(crate) conditions: Vec<Expr>,
+    pub(crate) conditions: Vec<T>,
 }
 
-impl Enclosure {
+impl<T> Enclosure<T> {
     /// All that is to be computed.
-    pub(crate) fn exprs(&self) -> impl Iterator<Item = &Expr> {
+    pub(crate) fn entries(&self) -> impl Iterator<Item = &T> {
         let Self {
             middle,
             radii,
@@ -42,9 +43,11 @@ impl Enclosure {
         } = self;
         middle.iter().chain(radii).flatten().chain(conditions)
     }
+}
 
+impl Enclosure<Expr> {
     /// All that is to be computed.
-    pub(crate) fn exprs_mut(&mut self) -> impl Iterator<Item = &mut Expr> {
+    pub(super) fn exprs_mut(&mut self) -> impl Iterator<Item = &mut Expr> {
         let Self {
             middle,
             radii,
@@ -61,7 +64,7 @@ impl Enclosure {
                 .filter(|r| matches!(r.1, Range::Unknown { .. }));
             unknowns.any(|(&u, _)| arena.contains(*e, u))
         };
-        !self.exprs().any(contains)
+        !self.entries().any(contains)
     }
 }
 
@@ -93,7 +96,7 @@ pub(super) fn enclose(
     ranges: &HashMap<Symbol, Range>,
     flavour: Flavour,
     arena: &mut Arena,
-) -> Option<Enclosure> {
+) -> Option<Enclosure<Expr>> {
     let roots: Vec<Expr> = matrix.iter().flatten().chain(domain).copied().collect();
     let mut bounds = Bounds {
         arena,
@@ -152,12 +155,12 @@ impl Bounds<'_> {
         match self.arena.node(e).clone() {
             Node::Constant(_) => Some(self.exact(e)),
             Node::Symbol(symbol) => Some(self.symbol(e, symbol)),
-            Node::Opaque(x) => {
+            Node::Opaque(x, identity) => {
                 let inner = self.done[&x];
                 let mid = if inner.mid == x {
                     e
                 } else {
-                    self.arena.opaque(inner.mid)
+                    self.arena.intermediate(inner.mid, identity)
                 };
                 Some(Interval { mid, ..inner })
             }

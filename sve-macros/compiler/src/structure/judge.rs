@@ -6,8 +6,8 @@
 
 use std::collections::HashMap;
 
-use super::Reduced;
 use super::block::Replacement;
+use super::elimination::Reduced;
 use super::enclosure::{Enclosure, Flavour, Range, enclose};
 use crate::algebra::{Expr, Node, Symbol};
 use crate::system::model::{Family, Meaning};
@@ -17,32 +17,30 @@ use crate::system::model::{Family, Meaning};
 const JUDGED: usize = 4;
 
 /// What decides whether a solution of a block is connected with its limit.
-pub(crate) struct Judge {
+#[derive(Clone)]
+pub(crate) struct Judge<T> {
     /// Names of the limit in the bounds.
     pub(crate) limit: Vec<Symbol>,
-    /// Right-hand side of the linear system of the limit, whose matrix is that of the guess.
-    pub(crate) limit_rhs: Vec<Expr>,
-    pub(crate) quick: Enclosure,
-    /// Nothing where the quick bounds hold wherever the unknowns are.
-    pub(crate) full: Option<Enclosure>,
+    /// Right-hand side of the linear system of the limit, whose matrix is the Jacobian there.
+    pub(crate) limit_rhs: Vec<T>,
+    /// The bounds that are looked at first.
+    pub(crate) bounds: Enclosure<T>,
+    /// The best bounds, for what the first ones do not accept. Nothing where the first ones are the best: they hold wherever the
+    /// unknowns are.
+    pub(crate) full: Option<Enclosure<Expr>>,
 }
 
-impl Judge {
+impl Judge<Expr> {
     /// All that is to be computed.
-    pub(crate) fn exprs(&mut self) -> impl Iterator<Item = &mut Expr> {
+    pub(super) fn exprs_mut(&mut self) -> impl Iterator<Item = &mut Expr> {
         let Self {
             limit: _,
             limit_rhs,
-            quick,
+            bounds,
             full,
         } = self;
-        let bounds = full.iter_mut().flat_map(Enclosure::exprs_mut);
-        limit_rhs.iter_mut().chain(quick.exprs_mut()).chain(bounds)
-    }
-
-    /// The best bounds.
-    pub(crate) fn full(&self) -> &Enclosure {
-        self.full.as_ref().unwrap_or(&self.quick)
+        let full = full.iter_mut().flat_map(Enclosure::exprs_mut);
+        limit_rhs.iter_mut().chain(bounds.exprs_mut()).chain(full)
     }
 }
 
@@ -55,7 +53,7 @@ impl Reduced<'_> {
         jacobian: &[Vec<Expr>],
         unknowns: &[Symbol],
         known: &Replacement,
-    ) -> Option<Judge> {
+    ) -> Option<Judge<Expr>> {
         if unknowns.len() > JUDGED {
             return None;
         }
@@ -76,7 +74,7 @@ impl Reduced<'_> {
         }
         let mut limit_of: Replacement = unknowns.iter().map(|&u| (u, zero)).collect();
         limit_of.extend(still);
-        let limit_rhs = self.newton_step(residual, jacobian, &limit_of).rhs;
+        let limit_rhs = self.newton_step(residual, jacobian, &limit_of).1;
         let mut ranges: HashMap<Symbol, Range> = HashMap::new();
         ranges.extend(small.iter().map(|&s| (s, Range::Small)));
         let mut limit = Vec::new();
@@ -127,7 +125,7 @@ impl Reduced<'_> {
         let arena = &mut *self.arena;
         let enclosed = |flavour, arena: &mut _| enclose(&matrix, &borders, &ranges, flavour, arena);
         let global = enclosed(Flavour::Global, arena)?;
-        let (quick, full) = if global.is_free_of(&ranges, arena) {
+        let (bounds, full) = if global.is_free_of(&ranges, arena) {
             (global, None)
         } else {
             let quick = enclosed(Flavour::Limit, arena)?;
@@ -136,7 +134,7 @@ impl Reduced<'_> {
         Some(Judge {
             limit,
             limit_rhs,
-            quick,
+            bounds,
             full,
         })
     }

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::{Block, Form, Kind, Scheme, Solution};
+use super::scheme::{Block, Kind, Returns, Scheme, Solution};
 use crate::algebra::{Arena, Expr, Node, Symbol};
 use crate::rules::action::Action;
 use crate::system::model::{Meaning, Symbols};
@@ -16,11 +16,11 @@ const MATRIX: usize = 2;
 /// Where A depends on the increments of the noise, `z₁ = (1 + A) z₀ + b` is shorter still; the rounding of `1 + A` is another
 /// one in each step, so it does not add up, as it would where A is the same in all steps.
 pub(super) fn linear_map(
-    scheme: Scheme,
+    scheme: Scheme<Expr>,
     action: &Action,
     symbols: &Symbols,
     arena: &mut Arena,
-) -> Scheme {
+) -> Scheme<Expr> {
     let formulas = scheme
         .blocks
         .iter()
@@ -56,9 +56,13 @@ pub(super) fn linear_map(
         noisy &= is_noisy(arena, row[at]);
         rows.push((row, arena.substitute(increment, &origin)));
     }
-    let form = if noisy { Form::State } else { Form::Increment };
+    let returns = if noisy {
+        Returns::State
+    } else {
+        Returns::MatrixTimesState
+    };
     let mut outputs = rows.into_iter().enumerate().map(|(at, (mut row, offset))| {
-        if form == Form::State {
+        if returns == Returns::State {
             row[at] = arena.sum(1.0, &[(1.0, row[at])]);
         }
         let mut terms = vec![(1.0, offset)];
@@ -75,7 +79,7 @@ pub(super) fn linear_map(
     Scheme {
         dq,
         dp,
-        form,
+        returns,
         ..scheme
     }
 }
@@ -91,7 +95,7 @@ pub(super) fn cheapest(
     arena: &Arena,
     candidates: &[Vec<Expr>],
     dq: &[Expr],
-    blocks: &[Block],
+    blocks: &[Block<Expr>],
 ) -> Vec<Expr> {
     let mut needed = vec![false; arena.len()];
     let need = |roots: &[Expr], needed: &mut Vec<bool>| {
@@ -102,7 +106,8 @@ pub(super) fn cheapest(
     need(dq, &mut needed);
     for block in blocks {
         if let Solution::System { linear, .. } = &block.solution {
-            need(&linear.matrix.concat(), &mut needed);
+            let matrix: Vec<Expr> = linear.matrix.stored().collect();
+            need(&matrix, &mut needed);
             need(&linear.rhs, &mut needed);
         }
     }
@@ -126,7 +131,7 @@ fn cost(arena: &Arena, nodes: &[Expr]) -> usize {
     nodes
         .iter()
         .map(|&e| match arena.node(e) {
-            Node::Constant(_) | Node::Symbol(_) | Node::Opaque(_) => 0,
+            Node::Constant(_) | Node::Symbol(_) | Node::Opaque(..) => 0,
             Node::Sum(_, terms) => terms.len(),
             Node::Product(factors) => factors.len(),
             Node::Call(..) | Node::Call2(..) => CALL,

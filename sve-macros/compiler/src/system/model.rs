@@ -5,7 +5,7 @@
 
 use proc_macro2::TokenStream;
 
-use crate::algebra::{Expr, Symbol};
+use crate::algebra::{Arena, Expr, Identity, Node, Symbol};
 
 /// What a symbol stands for.
 #[derive(Clone, Debug)]
@@ -29,6 +29,67 @@ pub(crate) enum Meaning {
     Unknown(Unknown),
     /// What an unknown is in the limit of a small step without noise.
     Limit(Unknown),
+}
+
+/// A quantity at a node of a rule.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct AtNode {
+    /// Number of the node.
+    pub(crate) node: usize,
+    pub(crate) quantity: NodeQuantity,
+}
+
+impl AtNode {
+    /// The identity of the intermediate result in the arena that stands for the quantity.
+    pub(crate) fn identity(self) -> Identity {
+        let (kind, index) = match self.quantity {
+            NodeQuantity::Time => (0, 0),
+            NodeQuantity::Position(i) => (1, i),
+            NodeQuantity::Velocity(i) => (2, i),
+        };
+        Identity((self.node as u64) << 34 | kind << 32 | index as u64)
+    }
+
+    /// What an expression stands for; nothing where it is not an intermediate result of an action.
+    pub(crate) fn of(expr: Expr, arena: &Arena) -> Option<Self> {
+        let Node::Opaque(_, Some(Identity(bits))) = *arena.node(expr) else {
+            return None;
+        };
+        let index = (bits & 0xffff_ffff) as usize;
+        let quantity = match bits >> 32 & 3 {
+            0 => NodeQuantity::Time,
+            1 => NodeQuantity::Position(index),
+            _ => NodeQuantity::Velocity(index),
+        };
+        Some(Self {
+            node: (bits >> 34) as usize,
+            quantity,
+        })
+    }
+}
+
+/// What a node has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum NodeQuantity {
+    Time,
+    /// A component of the position.
+    Position(usize),
+    /// A component of the velocity.
+    Velocity(usize),
+}
+
+impl std::fmt::Display for AtNode {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let node = match self.node {
+            0 => "node".to_owned(),
+            number => format!("node{number}"),
+        };
+        match self.quantity {
+            NodeQuantity::Time => write!(f, "t_{node}"),
+            NodeQuantity::Position(i) => write!(f, "q_{node}_{i}"),
+            NodeQuantity::Velocity(i) => write!(f, "v_{node}_{i}"),
+        }
+    }
 }
 
 /// An unknown of the step: what it stands for, and of which coordinate.

@@ -5,7 +5,7 @@
 
 #[path = "../../benches/expansion/scenes.rs"]
 #[allow(dead_code)] // the program around a scene is for the benchmark
-mod scenes;
+pub(super) mod scenes;
 
 use proc_macro2::{TokenStream, TokenTree};
 

@@ -1,6 +1,7 @@
 //! Tests of the pipeline as a whole.
 
 mod absent;
+mod costs;
 mod growth;
 mod limits;
 mod mistakes;

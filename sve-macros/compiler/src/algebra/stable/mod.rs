@@ -142,7 +142,7 @@ impl Forms<'_> {
             Node::Product(factors) => self.product(&factors),
             Node::Call(function, x) => self.arena.call(function, self.of(x)),
             Node::Call2(function, x, y) => self.arena.call2(function, self.of(x), self.of(y)),
-            Node::Opaque(x) => self.arena.opaque(self.of(x)),
+            Node::Opaque(x, identity) => self.arena.intermediate(self.of(x), identity),
         }
     }
 

@@ -110,7 +110,7 @@ pub(crate) fn values<T: Number>(arena: &Arena, exprs: &[Expr], at: impl Fn(Symbo
         let value = match arena.node(e) {
             Node::Constant(bits) => T::of(bits.get()),
             Node::Symbol(symbol) => at(*symbol),
-            Node::Opaque(x) => of(x),
+            Node::Opaque(x, _) => of(x),
             Node::Sum(constant, terms) => {
                 terms.iter().fold(T::of(constant.get()), |sum, (x, c)| {
                     sum.plus(of(x).scale(c.get()))

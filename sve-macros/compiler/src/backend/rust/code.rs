@@ -5,9 +5,9 @@ use std::collections::{HashMap, HashSet};
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::quote;
 
-use super::names::{Labels, Names, input_name, local};
+use super::ident;
 use crate::algebra::{Binary, Function};
-use crate::program::{Operation, Program, Tier, Value, operands};
+use crate::program::{Labels, Names, Operation, Program, Tier, Value, operands, symbol_name};
 use crate::system::model::{Meaning, Quantity, Symbols};
 
 /// Rows and columns from which on a matrix may be written by its entries.
@@ -15,6 +15,41 @@ const LARGE: usize = 7;
 
 /// Tokens of an assignment to an entry, in those of a zero and its comma.
 const SPARSE: usize = 4;
+
+/// Variables of emitted code that are no values of the program.
+const DECLARED: [&str; 31] = [
+    "q",
+    "v",
+    "p",
+    "h",
+    "t",
+    "dw",
+    "dq",
+    "dv",
+    "dp",
+    "dqt",
+    "dvt",
+    "time",
+    "state",
+    "value",
+    "newton",
+    "prepared",
+    "states",
+    "kept",
+    "lane",
+    "any",
+    "next",
+    "q_lane",
+    "p_lane",
+    "guess",
+    "origin",
+    "refinement",
+    "fallback",
+    "rounding",
+    "unknowns",
+    "rhs",
+    "solution",
+];
 
 /// Prints a program.
 pub(super) struct Printer<'a> {
@@ -40,7 +75,7 @@ impl<'a> Printer<'a> {
             program,
             symbols,
             private: private.clone(),
-            names: Names::new(program, symbols, labels),
+            names: Names::new(program, symbols, labels, &DECLARED),
             prepared: HashMap::new(),
             lanes: false,
         }
@@ -207,13 +242,13 @@ impl<'a> Printer<'a> {
             }
             Operation::Call2(function, a, b) => call2(function, &of(a), &of(b), &self.private),
             Operation::Turn(sin, cos, by) => {
-                let [sin_name, cos_name] = self.names.pair(value);
+                let [sin_name, cos_name] = self.names.pair(value).map(|name| ident(&name));
                 let (sin, cos, by, private) = (of(sin), of(cos), of(by), &self.private);
                 let module = self.lanes.then(|| quote!(lane::));
                 return quote!(let (#sin_name, #cos_name) = #private::#module sin_cos_of_sum(#sin, #cos, #by););
             }
             Operation::SinCos(a) => {
-                let [sin, cos] = self.names.pair(value);
+                let [sin, cos] = self.names.pair(value).map(|name| ident(&name));
                 let (a, private) = (of(a), &self.private);
                 if self.lanes {
                     return quote!(let (#sin, #cos) = #private::lane::sin_cos(#a););
@@ -227,10 +262,10 @@ impl<'a> Printer<'a> {
 
     fn name(&self, value: Value) -> Ident {
         match self.program.get(value).operation {
-            Operation::Input(symbol) => input_name(self.symbols, symbol),
-            Operation::SinOf(both) => self.names.pair(both)[0].clone(),
-            Operation::CosOf(both) => self.names.pair(both)[1].clone(),
-            _ => self.names.of(value),
+            Operation::Input(symbol) => ident(&symbol_name(self.symbols, symbol)),
+            Operation::SinOf(both) => ident(&self.names.pair(both)[0]),
+            Operation::CosOf(both) => ident(&self.names.pair(both)[1]),
+            _ => ident(&self.names.of(value)),
         }
     }
 }
@@ -282,7 +317,7 @@ pub(super) fn call(function: Function, x: &TokenStream) -> TokenStream {
         let exponent = constant(exponent.get());
         return quote!(f64::powf(#x, #exponent));
     }
-    let method = local(function.name());
+    let method = ident(function.name());
     quote!(f64::#method(#x))
 }
 
@@ -295,7 +330,7 @@ fn call_in_lane(function: Function, x: &TokenStream, private: &TokenStream) -> T
             quote!(#private::lane::powf(#x, #exponent))
         }
         _ => {
-            let name = local(function.name());
+            let name = ident(function.name());
             quote!(#private::lane::#name(#x))
         }
     }
@@ -314,7 +349,7 @@ fn call2_in_lane(
             quote!(#private::lane::power_log(#x, #y, #n))
         }
         _ => {
-            let name = local(function.name());
+            let name = ident(function.name());
             quote!(#private::lane::#name(#x, #y))
         }
     }
@@ -327,7 +362,7 @@ pub(super) fn call2(
     y: &TokenStream,
     private: &TokenStream,
 ) -> TokenStream {
-    let name = local(function.name());
+    let name = ident(function.name());
     match function {
         Binary::PowLog(n) => {
             let n = Literal::i32_suffixed(n);

@@ -86,6 +86,6 @@ fn line(model: &Model, arena: &Arena, expr: Expr, places: &HashMap<Expr, usize>)
         }
         Node::Call(function, e) => format!("{function:?} {}", place(e)),
         Node::Call2(function, a, b) => format!("{function:?} {} {}", place(a), place(b)),
-        Node::Opaque(e) => format!("opaque {}", place(e)),
+        Node::Opaque(e, _) => format!("opaque {}", place(e)),
     }
 }

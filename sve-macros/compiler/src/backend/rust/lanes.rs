@@ -1,62 +1,33 @@
 //! The step of many states at once, a lane each: loops over the lanes that the compiler turns into vector instructions.
 //!
 //! Input: a scheme. Output: `increment_lanes`, or nothing for a system that is too large for it. Invariant: no
-//! branches within a loop; what leaves the fast path is marked, and stepped by `increment`.
-//!
-//! The code is cut into loops where an iteration begins and ends. A value that a later loop needs is stored in an array over
-//! the lanes, a row of `kept`.
-
-use std::collections::BTreeMap;
+//! branches within a loop; what leaves the fast path is marked, and stepped by `increment`. A value that a later loop needs is
+//! stored in a row of `kept`.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::code::Printer;
-use super::solve::{accepted, names, sum_of_stages};
+use super::solve::{accepted, names, residuals, sum_of_stages};
 use super::step::inside;
-use super::values::{Chosen, Newton, Solve, Step, System};
-use crate::algebra::Arena;
-use crate::program::{Operation, Tier, Value, operands};
-use crate::structure::{Block, Form, Iteration, Judge, Linear, Scheme, Solution};
+use crate::algebra::{Arena, Expr};
+use crate::program::{Loops, Operation, Residual, Step, Tier, Value, in_lanes};
+use crate::structure::{Iteration, Matrix, Returns, Scheme, Solution, Storage};
 use crate::system::model::{Meaning, Symbols};
-
-/// Unknowns of a block up to which it is solved in lanes.
-const UNKNOWNS: usize = 6;
-
-/// Instructions up to which a step is written for lanes: beyond, its values fit neither registers nor the first cache.
-const INSTRUCTIONS: usize = 1500;
-
-/// Values kept between loops, likewise.
-const KEPT: usize = 96;
 
 /// `increment_lanes` of a scheme with so many noises.
 pub(super) fn lanes(
-    scheme: &Scheme,
+    scheme: &Scheme<Expr>,
     noises: usize,
     symbols: &Symbols,
     private: &TokenStream,
     arena: &Arena,
 ) -> Option<TokenStream> {
-    if !scheme.blocks.iter().all(fits) {
-        return None;
-    }
-    let chosen = Chosen {
-        start,
-        bounds: Judge::full,
-    };
-    let step = Step::new(scheme, chosen, symbols, arena);
-    if step.program.all().count() > INSTRUCTIONS {
-        return None;
-    }
-    let plan = Loops::new(scheme, &step);
-    if plan.rows.len() > KEPT {
-        return None;
-    }
+    let (step, loops) = in_lanes(scheme, symbols, arena)?;
     let printer = Printer::of_lanes(&step.program, symbols, &step.labels, private);
     let writer = Writer {
-        scheme,
         step: &step,
-        loops: &plan,
+        loops: &loops,
         printer: &printer,
         symbols,
         private,
@@ -79,114 +50,8 @@ pub(super) fn lanes(
     })
 }
 
-/// Whether a block is small and dense, and its solution judged where it is iterated: only the scalar step can follow a solution.
-fn fits(block: &Block) -> bool {
-    let is_judged = match &block.solution {
-        Solution::Formula(_) | Solution::System { .. } => true,
-        Solution::Iteration(iteration) => iteration.judge.is_some(),
-    };
-    is_judged && block.band.is_none() && block.unknowns.len() <= UNKNOWNS
-}
-
-/// What the iteration starts from. That of a single unknown is worth a division, since a lane waits for the slowest of all:
-/// the linearly implicit step is second order in h, and two evaluations are enough mostly.
-fn start(iteration: &Iteration) -> &Linear {
-    if iteration.iterates.len() == 1 {
-        &iteration.fallback
-    } else {
-        &iteration.guess
-    }
-}
-
-/// Which loop computes and which one uses a value. The loops are numbered in order: 0 up to the first iteration, 1 the
-/// iteration, 2 from there to the next, …
-struct Loops {
-    /// The loop before or at which each block stands.
-    of_block: Vec<usize>,
-    /// For each loop, the values of earlier ones that it uses, in order.
-    uses: Vec<Vec<Value>>,
-    /// Their rows in `kept`; inputs are read again.
-    rows: BTreeMap<Value, usize>,
-}
-
-impl Loops {
-    fn new(scheme: &Scheme, step: &Step) -> Self {
-        let mut of_block = Vec::new();
-        let mut current = 0;
-        for block in &scheme.blocks {
-            of_block.push(current);
-            if matches!(block.solution, Solution::Iteration(_)) {
-                current += 2;
-            }
-        }
-        let mut loops = Self {
-            of_block,
-            uses: vec![Vec::new(); current + 1],
-            rows: BTreeMap::new(),
-        };
-        for (_, instruction) in step.program.all() {
-            let user = loops.of_tier(instruction.tier, scheme);
-            for operand in operands(instruction.operation) {
-                loops.note(operand, user, scheme, step);
-            }
-        }
-        for (at, solve) in step.solves.iter().enumerate() {
-            let begin = loops.of_block[at];
-            for value in solve.begin() {
-                loops.note(value, Some(begin), scheme, step);
-            }
-            for value in solve.iterate() {
-                loops.note(value, Some(begin + 1), scheme, step);
-            }
-        }
-        for (at, solve) in step.solves.iter().enumerate() {
-            let end = loops.of_block[at] + 2;
-            for value in solve.judge() {
-                loops.note(value, Some(end), scheme, step);
-            }
-        }
-        let domain = step.domain.iter().map(|c| &c.0);
-        for &value in step.dq.iter().chain(&step.dp).chain(domain) {
-            loops.note(value, Some(current), scheme, step);
-        }
-        for uses in &mut loops.uses {
-            uses.sort_unstable();
-            uses.dedup();
-        }
-        loops
-    }
-
-    /// The loop in which values of a tier are computed; none where they are before all lanes.
-    fn of_tier(&self, tier: Tier, scheme: &Scheme) -> Option<usize> {
-        let iterates = |at: usize| matches!(scheme.blocks[at].solution, Solution::Iteration(_));
-        let after = |at: usize| if iterates(at) { 2 } else { 0 };
-        match tier {
-            Tier::Prepare => None,
-            Tier::Noise | Tier::State => Some(0),
-            Tier::Guess(at) => Some(self.of_block[at]),
-            Tier::Iterate(at) => Some(self.of_block[at] + 1),
-            Tier::Solved(at) => Some(self.of_block[at] + after(at)),
-        }
-    }
-
-    /// Notes that a loop uses a value.
-    fn note(&mut self, value: Value, user: Option<usize>, scheme: &Scheme, step: &Step) {
-        let instruction = step.program.get(value);
-        let (Some(user), Some(computed)) = (user, self.of_tier(instruction.tier, scheme)) else {
-            return;
-        };
-        if user == computed || matches!(instruction.operation, Operation::Constant(_)) {
-            return;
-        }
-        self.uses[user].push(value);
-        let next = self.rows.len();
-        self.rows.entry(value).or_insert(next);
-    }
-}
-
 /// Writes the loops.
 struct Writer<'a> {
-    scheme: &'a Scheme,
     step: &'a Step,
     loops: &'a Loops,
     printer: &'a Printer<'a>,
@@ -205,28 +70,29 @@ impl Writer<'_> {
         };
         let start = [Tier::Noise, Tier::State].map(|tier| printer.statements(tier));
         let mut section = quote!(#(#start)*);
-        for (at, (solve, block)) in self.step.solves.iter().zip(&self.scheme.blocks).enumerate() {
+        for (at, block) in self.step.scheme.blocks.iter().enumerate() {
             let after = printer.statements(Tier::Solved(at));
-            match (solve, &block.solution) {
-                (Solve::System(system), Solution::System { solved, .. }) => {
+            match &block.solution {
+                Solution::Formula(_) => section.extend(after),
+                Solution::System { linear, solved } => {
                     let solved = names(solved, self.symbols);
-                    let solution = self.solution(system, &system.rhs);
+                    let solution = self.solution(&linear.matrix, &linear.rhs);
                     section.extend(quote!(let #solved = #solution; #after));
                 }
-                (Solve::Iteration(newton), Solution::Iteration(iteration)) => {
-                    let (course, guess) = (course(at), self.guess(at, newton, iteration));
-                    let limit = self.limit(newton, iteration);
+                Solution::Iteration(iteration) => {
+                    let (course, guess) = (course(at), self.guess(at, iteration));
+                    let limit = self.limit(iteration);
                     section.extend(quote!(#course.start(lane, #guess, #limit);));
                     let size = Literal::usize_unsuffixed(iteration.iterates.len());
                     let one = self.one(self.loops.of_block[at], &section);
-                    let iterate = self.iterate(at, newton, iteration);
+                    let iterate = self.iterate(at, iteration);
                     tokens.extend(quote! {
                         let mut #course = #private::lane::NewtonLanes::<#size>::new(newton);
                         #one
                         #iterate
                     });
                     let solved = names(&iteration.solved, self.symbols);
-                    let judge = self.judge(&course, newton, iteration);
+                    let judge = self.judge(&course, iteration);
                     section = match judge {
                         Some([limits, judge]) => {
                             quote!(let #solved = #course.point(lane); #limits #after #judge)
@@ -234,7 +100,6 @@ impl Writer<'_> {
                         None => quote!(let #solved = #course.point(lane); #after),
                     };
                 }
-                _ => section.extend(after),
             }
         }
         section.extend(self.advance());
@@ -261,7 +126,7 @@ impl Writer<'_> {
         });
         let keep = self.loops.rows.keys().filter_map(|&value| {
             let tier = self.step.program.get(value).tier;
-            let computed = self.loops.of_tier(tier, self.scheme) == Some(number);
+            let computed = self.loops.of_tier(tier, self.step) == Some(number);
             let (name, row) = (self.printer.operand(value), self.row(value));
             (computed && !self.is_read_again(value)).then(|| quote!(kept.0[#row][lane] = #name;))
         });
@@ -289,24 +154,31 @@ impl Writer<'_> {
         }
     }
 
-    fn solution(&self, system: &System, rhs: &[Value]) -> TokenStream {
-        let private = self.private;
-        let (matrix, rhs) = (
-            self.printer.matrix(&system.matrix.rows),
-            self.printer.array(rhs),
-        );
-        quote!(#private::lane::solve(&#matrix, &#rhs))
+    /// A solve with a matrix. A block in lanes has no banded matrix.
+    fn solution(&self, matrix: &Matrix<Value>, rhs: &[Value]) -> TokenStream {
+        let (private, rhs) = (self.private, self.printer.array(rhs));
+        match matrix.storage {
+            Storage::Diagonal => {
+                let diagonal: Vec<Value> = matrix.stored().collect();
+                let diagonal = self.printer.array(&diagonal);
+                quote!(#private::lane::solve_diagonal(&#diagonal, &#rhs))
+            }
+            Storage::Dense | Storage::Banded(_) => {
+                let matrix = self.printer.matrix(&matrix.rows);
+                quote!(#private::lane::solve(&#matrix, &#rhs))
+            }
+        }
     }
 
-    fn guess(&self, at: usize, newton: &Newton, iteration: &Iteration) -> TokenStream {
-        let guess = &newton.guess;
-        let first = self.solution(guess, &guess.rhs);
-        let (Some(rhs), Some(refinement)) = (&newton.refinement, &iteration.refinement) else {
+    fn guess(&self, at: usize, iteration: &Iteration<Value, Residual>) -> TokenStream {
+        let guess = &iteration.guess;
+        let first = self.solution(&guess.matrix, &guess.rhs);
+        let Some(refinement) = &iteration.refinement else {
             return first;
         };
         let names = names(&refinement.first, self.symbols);
         let statements = self.printer.statements(Tier::Guess(at));
-        let more = self.solution(guess, rhs);
+        let more = self.solution(&guess.matrix, &refinement.rhs);
         let sum = sum_of_stages(refinement.first.len());
         quote!({
             let guess = #first;
@@ -318,16 +190,13 @@ impl Writer<'_> {
     }
 
     /// The limit of no noise and h → 0, where it is asked for.
-    fn limit(&self, newton: &Newton, iteration: &Iteration) -> TokenStream {
+    fn limit(&self, iteration: &Iteration<Value, Residual>) -> TokenStream {
         let size = Literal::usize_unsuffixed(iteration.iterates.len());
-        match &newton.judge {
+        match &iteration.judge {
             None => quote!([f64::NAN; #size]),
-            Some(verdict) => {
-                let rhs = verdict.limit_rhs.as_ref().unwrap_or(&newton.guess.rhs);
-                let matrix = newton.origin.as_ref().unwrap_or(&newton.guess.matrix);
-                let (matrix, rhs) = (self.printer.matrix(&matrix.rows), self.printer.array(rhs));
-                let private = self.private;
-                quote!(#private::lane::solve(&#matrix, &#rhs))
+            Some(judge) => {
+                let matrix = iteration.limit.as_ref().unwrap_or(&iteration.guess.matrix);
+                self.solution(matrix, &judge.limit_rhs)
             }
         }
     }
@@ -336,36 +205,27 @@ impl Writer<'_> {
     fn judge(
         &self,
         course: &Ident,
-        newton: &Newton,
-        iteration: &Iteration,
+        iteration: &Iteration<Value, Residual>,
     ) -> Option<[TokenStream; 2]> {
-        let verdict = newton.judge.as_ref()?;
-        let limit = names(&iteration.judge.as_ref()?.limit, self.symbols);
-        let accepted = accepted(verdict, self.printer, self.private);
+        let judge = iteration.judge.as_ref()?;
+        let limit = names(&judge.limit, self.symbols);
+        let accepted = accepted(&judge.bounds, self.printer, self.private);
         Some([
             quote!(let #limit = #course.limit(lane);),
             quote!(#course.accept(lane, #accepted);),
         ])
     }
 
-    fn iterate(&self, at: usize, newton: &Newton, iteration: &Iteration) -> TokenStream {
+    fn iterate(&self, at: usize, iteration: &Iteration<Value, Residual>) -> TokenStream {
         let (private, printer) = (self.private, self.printer);
-        let Newton {
-            guess: _,
-            origin: _,
-            refinement: _,
-            residual,
-            magnitude,
-            jacobian,
-            curvature,
-            judge: _,
-        } = newton;
         let course = course(at);
         let iterates = names(&iteration.iterates, self.symbols);
         let statements = printer.statements(Tier::Iterate(at));
-        let (residual, magnitude) = (printer.array(residual), printer.array(magnitude));
-        let jacobian = printer.matrix(&jacobian.rows);
-        let curvature = curvature.map_or_else(|| quote!(f64::NAN), |c| printer.operand(c));
+        let [residual, magnitude] = residuals(&iteration.residual, printer);
+        let jacobian = printer.matrix(&iteration.jacobian.rows);
+        let curvature = iteration
+            .curvature
+            .map_or_else(|| quote!(f64::NAN), |c| printer.operand(c));
         let body = quote! {
             let #iterates = #course.point(lane);
             #statements
@@ -382,13 +242,15 @@ impl Writer<'_> {
 
     /// The new state of a lane.
     fn advance(&self) -> TokenStream {
-        let (dq, dp) = (&self.step.dq, &self.step.dp);
+        let (dq, dp) = (&self.step.scheme.dq, &self.step.scheme.dp);
         let new = |row: &TokenStream, values: &[Value]| {
             let entries = values.iter().enumerate().map(|(i, &value)| {
                 let (i, value) = (Literal::usize_unsuffixed(i), self.printer.operand(value));
-                match self.scheme.form {
-                    Form::Increment => quote!(states.#row[#i][lane] + #value),
-                    Form::State => quote!(#value),
+                match self.step.scheme.returns {
+                    Returns::Increment | Returns::MatrixTimesState => {
+                        quote!(states.#row[#i][lane] + #value)
+                    }
+                    Returns::State => quote!(#value),
                 }
             });
             quote!([#(#entries),*])
@@ -396,7 +258,7 @@ impl Writer<'_> {
         let (q, p) = (new(&quote!(q), dq), new(&quote!(p), dp));
         let (solved, domain) = self.solved();
         // a state outside of the domain of L is none
-        let poison = (!self.step.domain.is_empty()).then(|| {
+        let poison = (!self.step.scheme.domain.is_empty()).then(|| {
             let n = Literal::usize_unsuffixed(dq.len());
             quote!(let p_lane = if true #domain { p_lane } else { [f64::NAN; #n] };)
         });
@@ -421,14 +283,15 @@ impl Writer<'_> {
 
     /// Whether all iterations of a lane arrived, and, where the values are at hand, whether L is defined there.
     fn solved(&self) -> (TokenStream, TokenStream) {
-        let iterations = self.scheme.blocks.iter().enumerate();
+        let iterations = self.step.scheme.blocks.iter().enumerate();
         let arrived = iterations.filter_map(|(at, block)| {
             let course = course(at);
             matches!(block.solution, Solution::Iteration(_))
                 .then(|| quote!(& #course.has_converged(lane)))
         });
-        let domain = self.step.domain.iter().map(|&(value, is_closed)| {
-            let holds = inside(&self.printer.operand(value), is_closed);
+        let domain = self.step.scheme.domain.iter().map(|condition| {
+            let value = self.printer.operand(condition.value);
+            let holds = inside(&value, condition.is_closed);
             quote!(& (#holds))
         });
         (quote!(true #(#arrived)*), quote!(#(#domain)*))

@@ -2,13 +2,11 @@
 
 mod code;
 mod configuration;
-mod count;
 mod identity;
 mod lanes;
 mod linearise;
 mod mend;
 mod momenta;
-mod names;
 mod plan;
 mod rounding;
 mod rule;
@@ -17,18 +15,17 @@ mod step;
 mod straight;
 mod stub;
 mod system;
-mod values;
-mod whole;
+mod unstructured;
 
 pub(crate) use momenta::momenta;
 pub(crate) use rule::rule;
 pub(crate) use stub::stub;
 pub(crate) use system::system;
 
-use proc_macro2::{Ident, Literal, TokenStream};
+use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 
-use crate::algebra::Arena;
+use crate::algebra::{Arena, Expr};
 use crate::discretise::tangent::Linearisation;
 use crate::driver::Settings;
 use crate::explain::SystemTexts;
@@ -54,11 +51,11 @@ pub(crate) struct Context<'a> {
 /// A rule with what was derived for it.
 pub(crate) struct Derived {
     pub(crate) rule: Rule,
-    /// Whether its structure was not looked for.
-    pub(crate) is_whole: bool,
+    /// Whether it is the step without structure.
+    pub(crate) is_unstructured: bool,
     pub(crate) symbols: Symbols,
     pub(crate) action: Action,
-    pub(crate) scheme: Scheme,
+    pub(crate) scheme: Scheme<Expr>,
     pub(crate) linearisation: Linearisation,
 }
 
@@ -66,6 +63,11 @@ pub(crate) struct Derived {
 fn private(block: &Annotated) -> TokenStream {
     let runtime = &block.arguments.runtime;
     quote!(#runtime::__private)
+}
+
+/// A name in generated code.
+fn ident(name: &str) -> Ident {
+    Ident::new(name, Span::call_site())
 }
 
 /// The function that a symmetry gives.

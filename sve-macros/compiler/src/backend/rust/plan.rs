@@ -3,10 +3,12 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use super::count::Work;
 use super::{Context, Derived, verbatim};
+use crate::algebra::Expr;
 use crate::explain::{self, StepTexts};
-use crate::structure::{Band, Block, Kind};
+use crate::program::{Operations, Work};
+use crate::rules::{Rule, StrongOrder};
+use crate::structure::{Block, Kind};
 use crate::system::mechanics::Commutation;
 use crate::system::model::Symbols;
 
@@ -28,7 +30,7 @@ pub(super) fn plan(
     } = context;
     let Derived {
         rule,
-        is_whole: _,
+        is_unstructured: _,
         symbols,
         action: _,
         scheme,
@@ -47,8 +49,8 @@ pub(super) fn plan(
     let (n, m) = (model.dof(), model.noises.len());
     let strong = match &mechanics.commutation {
         _ if m == 0 => quote!(Deterministic),
-        Commutation::All(_) => quote!(One),
-        Commutation::Clash(a, b) => quote!(Half { pair: (#a, #b) }),
+        Commutation::All(_) => strong_order(*rule, None),
+        Commutation::Clash(a, b) => strong_order(*rule, Some((a, b))),
     };
     let blocks = scheme
         .blocks
@@ -61,7 +63,7 @@ pub(super) fn plan(
         step,
         iteration,
     } = work;
-    let [prepare, step, iteration] = [prepare, step, iteration].map(|w| w.tokens(private));
+    let [prepare, step, iteration] = [prepare, step, iteration].map(|w| operations(private, w));
     quote! {
         #private::Plan {
             system: #system,
@@ -85,12 +87,11 @@ pub(super) fn plan(
     }
 }
 
-fn block(private: &TokenStream, block: &Block, symbols: &Symbols) -> TokenStream {
+fn block(private: &TokenStream, block: &Block<Expr>, symbols: &Symbols) -> TokenStream {
     let Block {
         kind,
         unknowns,
         nonzeros,
-        band,
         solution: _,
     } = block;
     let kind = match kind {
@@ -99,9 +100,28 @@ fn block(private: &TokenStream, block: &Block, symbols: &Symbols) -> TokenStream
         Kind::Newton => quote!(Newton),
     };
     let unknowns = unknowns.iter().map(|&u| explain::unknown(symbols, u));
-    let band = match band {
-        Some(Band { lower, upper }) => quote!(::core::option::Option::Some((#lower, #upper))),
+    let band = match block.bandwidths() {
+        Some((lower, upper)) => quote!(::core::option::Option::Some((#lower, #upper))),
         None => quote!(::core::option::Option::None),
     };
     quote!(#private::Block { kind: #private::BlockKind::#kind, unknowns: &[#(#unknowns),*], nonzeros: #nonzeros, band: #band })
+}
+
+fn operations(private: &TokenStream, operations: &Operations) -> TokenStream {
+    let Operations {
+        arithmetic,
+        transcendental,
+        turns,
+    } = operations;
+    quote! {
+        #private::Operations { arithmetic: #arithmetic, transcendental: #transcendental, angle_additions: #turns }
+    }
+}
+
+/// The strong order of a rule, with the pair of noises that does not commute.
+fn strong_order(rule: Rule, pair: Option<(&String, &String)>) -> TokenStream {
+    match (rule.strong_order(pair.is_none()), pair) {
+        (StrongOrder::Half, Some((a, b))) => quote!(Half { pair: (#a, #b) }),
+        _ => quote!(One),
+    }
 }

@@ -8,10 +8,9 @@ use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use super::code::{Printer, call, call2};
-use super::names::Labels;
 use super::straight::Straight;
 use crate::algebra::{Arena, Expr};
-use crate::program::{Operation, Program, Value};
+use crate::program::{Labels, Operation, Program, Value};
 use crate::system::model::Symbols;
 
 /// Statements, and the array of the bounds.

@@ -7,10 +7,10 @@ use super::lanes::lanes;
 use super::linearise::linearise;
 use super::plan::plan;
 use super::step::{self, Code};
-use super::{Context, Derived, attributes, documented, private, verbatim, whole};
+use super::{Context, Derived, attributes, documented, private, unstructured, verbatim};
 use crate::algebra::Symbol;
 use crate::explain::StepTexts;
-use crate::structure::{Block, Form, Solution};
+use crate::structure::{Block, Returns, Solution};
 use crate::system::model::{Family, Meaning, Symbols, Unknown};
 
 pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) -> TokenStream {
@@ -18,7 +18,7 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
     let (model, arena) = (context.model, context.arena);
     let Derived {
         rule: _,
-        is_whole,
+        is_unstructured,
         symbols,
         action: _,
         scheme,
@@ -40,9 +40,9 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
     } = code(derived, &private, context);
     let prepared = Literal::usize_unsuffixed(prepared);
     let plan = plan(&private, context, derived, texts, &work);
-    let returns_state = scheme.form == Form::State;
+    let returns_state = scheme.returns == Returns::State;
     let linearise = linearise(&private, model, linearisation, symbols, arena);
-    let lanes = (context.settings.lanes && !is_whole)
+    let lanes = (context.settings.lanes && !is_unstructured)
         .then(|| lanes(scheme, model.noises.len(), symbols, &private, arena))
         .flatten();
     let [doc, increment_doc] = documentation(texts);
@@ -116,12 +116,12 @@ fn start(unknowns: &[Symbol], symbols: &Symbols) -> TokenStream {
     quote!([#(#entries),*])
 }
 
-/// The rule, or the one that stands for it where it is derived without its structure.
+/// The rule, or the type that stands for its step without structure.
 fn rule_type(context: &Context<'_>, derived: &Derived) -> TokenStream {
     let runtime = &context.block.arguments.runtime;
     let rule = format_ident!("{}", derived.rule.type_name());
     let rule = quote!(#runtime::#rule);
-    if derived.is_whole {
+    if derived.is_unstructured {
         quote!(#runtime::__private::Whole<#rule>)
     } else {
         rule
@@ -141,7 +141,9 @@ fn code(derived: &Derived, private: &TokenStream, context: &Context<'_>) -> Code
                 solution: Solution::Iteration(iteration),
                 ..
             },
-        ] if derived.is_whole => whole::code(scheme, iteration, symbols, private, context.arena),
+        ] if derived.is_unstructured => {
+            unstructured::code(scheme, iteration, symbols, private, context.arena)
+        }
         _ => step::code(
             scheme,
             &linearisation.unknowns,

@@ -4,14 +4,12 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use super::code::Printer;
-use super::count::Operations;
-use super::names::input_name;
+use super::ident;
 use super::rounding::rounding;
 use super::straight::{Printed, Straight, rows};
-use super::values::{Matrix, Newton, Solve, System, Verdict, banded};
 use crate::algebra::{Arena, Expr, Symbol};
-use crate::program::Tier;
-use crate::structure::{Band, Block, Enclosure, Iteration, Linear, Refinement, Solution};
+use crate::program::{Operations, Residual, Tier, Value, symbol_name};
+use crate::structure::{Enclosure, Iteration, Linear, Matrix, Refinement, Solution, Storage};
 use crate::system::model::Symbols;
 
 /// Writes solves.
@@ -28,22 +26,21 @@ impl Solver<'_> {
     pub(super) fn tokens(
         &self,
         (at, first): (usize, usize),
-        solve: &Solve,
-        block: &Block,
+        solution: &Solution<Value, Residual>,
         degrees_of_freedom: usize,
     ) -> TokenStream {
-        match (solve, &block.solution) {
-            (Solve::System(system), Solution::System { solved, .. }) => {
-                self.system(system, &names(solved, self.symbols))
+        match solution {
+            Solution::Formula(_) => TokenStream::new(),
+            Solution::System { linear, solved } => {
+                self.system(linear, &names(solved, self.symbols))
             }
-            (Solve::Iteration(newton), Solution::Iteration(iteration)) => {
-                self.newton((at, first), newton, iteration, degrees_of_freedom)
+            Solution::Iteration(iteration) => {
+                self.newton((at, first), iteration, degrees_of_freedom)
             }
-            _ => TokenStream::new(),
         }
     }
 
-    fn system(&self, system: &System, solved: &TokenStream) -> TokenStream {
+    fn system(&self, system: &Linear<Value>, solved: &TokenStream) -> TokenStream {
         let private = self.private;
         let matrix = self.matrix(&system.matrix);
         let rhs = self.printer.array(&system.rhs);
@@ -57,16 +54,15 @@ impl Solver<'_> {
         }
     }
 
-    fn matrix(&self, matrix: &Matrix) -> TokenStream {
+    fn matrix(&self, matrix: &Matrix<Value>) -> TokenStream {
         let rows = self.printer.matrix(&matrix.rows);
-        typed(self.private, matrix.band, matrix.rows.len(), &rows)
+        typed(self.private, matrix, &rows)
     }
 
     fn newton(
         &self,
         (at, first): (usize, usize),
-        newton: &Newton,
-        iteration: &Iteration,
+        iteration: &Iteration<Value, Residual>,
         degrees_of_freedom: usize,
     ) -> TokenStream {
         let Self {
@@ -75,46 +71,46 @@ impl Solver<'_> {
             symbols,
             arena,
         } = self;
-        let Newton {
+        let Iteration {
             guess,
-            origin,
-            refinement: _,
+            limit,
             residual,
-            magnitude,
             jacobian,
             curvature,
             judge,
-        } = newton;
+            ..
+        } = iteration;
         let size = Literal::usize_unsuffixed(iteration.iterates.len());
         let rest = rest(iteration, degrees_of_freedom);
         let (fallback, _) = start(&iteration.fallback, &rest, symbols, private, arena);
-        let rounding = rounding(&iteration.residual, symbols, private, arena);
+        let equations: Vec<Expr> = residual.iter().map(|r| r.expr).collect();
+        let rounding = rounding(&equations, symbols, private, arena);
         let (matrix, rhs) = (self.matrix(&guess.matrix), printer.array(&guess.rhs));
-        let guessed = self.refined(at, newton, iteration, &matrix);
-        let (residual, magnitude) = (printer.array(residual), printer.array(magnitude));
+        let guessed = self.refined(at, iteration, &matrix);
+        let [residual, magnitude] = residuals(residual, printer);
         let jacobian = self.matrix(jacobian);
         let curvature = curvature.map_or_else(|| quote!(f64::NAN), |c| printer.operand(c));
         let iterates = names(&iteration.iterates, symbols);
         let solved = names(&iteration.solved, symbols);
         let statements = printer.statements(Tier::Iterate(at));
         // the matrix of the guess is the one of the limit
-        let (oriented, origin) = match origin {
+        let (oriented, origin) = match limit {
             Some(_) => (quote!(origin), quote!(origin)),
             None => (quote!(_), quote!(#private::DeterminantSign::UNKNOWN)),
         };
-        let limit = judge.as_ref().map(|verdict| match &verdict.limit_rhs {
-            None => quote!(guess),
-            Some(rhs) => {
-                let rhs = printer.array(rhs);
-                quote!(match #private::solve(&#matrix, &#rhs) {
-                    ::core::option::Option::Some(limit) => limit,
-                    ::core::option::Option::None => [f64::NAN; #size],
-                })
+        let limit = judge.as_ref().map(|judge| {
+            if iteration.limit_is_guess(judge) {
+                return quote!(guess);
             }
+            let rhs = printer.array(&judge.limit_rhs);
+            quote!(match #private::solve(&#matrix, &#rhs) {
+                ::core::option::Option::Some(limit) => limit,
+                ::core::option::Option::None => [f64::NAN; #size],
+            })
         });
         let limit = limit.unwrap_or_else(|| quote!([f64::NAN; #size]));
         let (first, judged) = (Literal::usize_unsuffixed(first), judge.is_some());
-        let limits = iteration.judge.as_ref().map(|j| {
+        let limits = judge.as_ref().map(|j| {
             let names = names(&j.limit, symbols);
             quote!(let #names = limit;)
         });
@@ -140,16 +136,15 @@ impl Solver<'_> {
     }
 
     /// The test of the solution of a block, after the values that it needs.
-    pub(super) fn judge(&self, solve: &Solve, block: &Block) -> TokenStream {
-        let (Solve::Iteration(newton), Solution::Iteration(iteration)) = (solve, &block.solution)
-        else {
+    pub(super) fn judge(&self, solution: &Solution<Value, Residual>) -> TokenStream {
+        let Solution::Iteration(iteration) = solution else {
             return TokenStream::new();
         };
-        let (Some(verdict), Some(judge)) = (&newton.judge, &iteration.judge) else {
+        let Some(judge) = &iteration.judge else {
             return TokenStream::new();
         };
         let private = self.private;
-        let accepted = accepted(verdict, self.printer, private);
+        let accepted = accepted(&judge.bounds, self.printer, private);
         let (full, or_full) = match &judge.full {
             None => (None, None),
             Some(bounds) => {
@@ -167,7 +162,7 @@ impl Solver<'_> {
     }
 
     /// Statements and the value of the test by the full bounds, computed where they stand.
-    fn full(&self, bounds: &Enclosure) -> TokenStream {
+    fn full(&self, bounds: &Enclosure<Expr>) -> TokenStream {
         let Self {
             private,
             printer: _,
@@ -179,7 +174,7 @@ impl Solver<'_> {
             radii,
             conditions,
         } = bounds;
-        let roots: Vec<Expr> = bounds.exprs().copied().collect();
+        let roots: Vec<Expr> = bounds.entries().copied().collect();
         let conditions = [conditions.clone()];
         let parts: [(&[Vec<Expr>], Vec<String>); 3] = [
             (middle, rows("middle", middle.len())),
@@ -201,13 +196,10 @@ impl Solver<'_> {
     fn refined(
         &self,
         at: usize,
-        newton: &Newton,
-        iteration: &Iteration,
+        iteration: &Iteration<Value, Residual>,
         matrix: &TokenStream,
     ) -> TokenStream {
-        let (Some(rhs), Some(Refinement { first, .. })) =
-            (&newton.refinement, &iteration.refinement)
-        else {
+        let Some(Refinement { first, rhs }) = &iteration.refinement else {
             return quote!(guess);
         };
         let private = self.private;
@@ -228,16 +220,15 @@ impl Solver<'_> {
 
 /// Whether a solution is accepted: the conditions hold and every matrix within the radii is regular.
 pub(super) fn accepted(
-    verdict: &Verdict,
+    bounds: &Enclosure<Value>,
     printer: &Printer<'_>,
     private: &TokenStream,
 ) -> TokenStream {
-    let Verdict {
-        limit_rhs: _,
+    let Enclosure {
         middle,
         radii,
         conditions,
-    } = verdict;
+    } = bounds;
     let (middle, radii) = (printer.matrix(middle), printer.matrix(radii));
     let conditions = conditions.iter().map(|&c| printer.operand(c));
     quote!(#private::is_regular_within(&#middle, &#radii) #(& (#conditions > 0f64))*)
@@ -252,35 +243,42 @@ pub(super) fn sum_of_stages(size: usize) -> TokenStream {
     quote!([#(#entries),*])
 }
 
-/// Rows of entries as a matrix of the runtime.
-fn typed(
-    private: &TokenStream,
-    band: Option<Band>,
-    size: usize,
-    rows: &TokenStream,
-) -> TokenStream {
-    let Some(band) = band else {
-        return rows.clone();
+/// Residuals, and their magnitudes.
+pub(super) fn residuals(residuals: &[Residual], printer: &Printer<'_>) -> [TokenStream; 2] {
+    let array = |of: fn(&Residual) -> Value| {
+        let values: Vec<Value> = residuals.iter().map(of).collect();
+        printer.array(&values)
     };
-    let [size, lower, width] = [size, band.lower, band.width()].map(Literal::usize_unsuffixed);
-    quote!(#private::Banded::<#size, #lower, #width>(#rows))
+    [array(|r| r.value), array(|r| r.magnitude)]
+}
+
+/// Printed rows of stored entries as a matrix of the runtime.
+fn typed<T: Copy>(private: &TokenStream, matrix: &Matrix<T>, rows: &TokenStream) -> TokenStream {
+    match matrix.storage {
+        Storage::Dense => rows.clone(),
+        Storage::Diagonal => quote!(#private::Diagonal(#rows)),
+        Storage::Banded(band) => {
+            let numbers = [matrix.size(), band.lower, band.width()];
+            let [size, lower, width] = numbers.map(Literal::usize_unsuffixed);
+            quote!(#private::Banded::<#size, #lower, #width>(#rows))
+        }
+    }
 }
 
 /// Code of a guess that is computed where it stands, all of it: the solution of a linear system, or else rest. With its
 /// operations, the solve not counted.
 pub(super) fn start(
-    linear: &Linear,
+    linear: &Linear<Expr>,
     rest: &TokenStream,
     symbols: &Symbols,
     private: &TokenStream,
     arena: &Arena,
 ) -> (TokenStream, Operations) {
-    let rhs = [linear.rhs.clone()];
-    let (band, matrix) = banded(&linear.matrix, arena);
-    let roots: Vec<Expr> = matrix.iter().flatten().chain(&rhs[0]).copied().collect();
+    let (stored, rhs) = (&linear.matrix.rows, [linear.rhs.clone()]);
+    let roots: Vec<Expr> = stored.iter().flatten().chain(&rhs[0]).copied().collect();
     let mut straight = Straight::new(arena, symbols, &roots);
     let values = [
-        (straight.values(&matrix), rows("matrix", matrix.len())),
+        (straight.values(stored), rows("matrix", stored.len())),
         (straight.values(&rhs), vec!["rhs".to_owned()]),
     ];
     let Printed {
@@ -291,7 +289,7 @@ pub(super) fn start(
     let [matrix, rhs] = arrays.as_slice() else {
         return (TokenStream::new(), operations);
     };
-    let matrix = typed(private, band, linear.rhs.len(), matrix);
+    let matrix = typed(private, &linear.matrix, matrix);
     let tokens = quote! {
         #statements
         let [rhs] = #rhs;
@@ -304,9 +302,9 @@ pub(super) fn start(
 }
 
 /// The guess where no linear system gives one: rest; but where the mass vanishes at rest, a velocity of the momentum's sign.
-fn rest(iteration: &Iteration, degrees_of_freedom: usize) -> TokenStream {
+fn rest(iteration: &Iteration<Value, Residual>, degrees_of_freedom: usize) -> TokenStream {
     let size = iteration.iterates.len();
-    if iteration.singular_at_rest && size == degrees_of_freedom {
+    if iteration.limit.is_none() && size == degrees_of_freedom {
         return quote!(state.p);
     }
     let size = Literal::usize_unsuffixed(size);
@@ -315,6 +313,6 @@ fn rest(iteration: &Iteration, degrees_of_freedom: usize) -> TokenStream {
 
 /// A pattern of names.
 pub(super) fn names(list: &[Symbol], symbols: &Symbols) -> TokenStream {
-    let names = list.iter().map(|&s| input_name(symbols, s));
+    let names = list.iter().map(|&s| ident(&symbol_name(symbols, s)));
     quote!([#(#names),*])
 }

@@ -4,13 +4,11 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use super::code::Printer;
-use super::count::Work;
-use super::names::input_name;
+use super::ident;
 use super::solve::Solver;
-use super::values::{Chosen, Step};
-use crate::algebra::{Arena, Symbol};
-use crate::program::{Operation, Program, Tier};
-use crate::structure::{Block, Scheme, Solution};
+use crate::algebra::{Arena, Expr, Symbol};
+use crate::program::{Operation, Program, Step, Tier, Work, symbol_name};
+use crate::structure::Scheme;
 use crate::system::model::{Meaning, Symbols};
 
 /// The code of a step.
@@ -26,17 +24,14 @@ pub(super) struct Code {
 
 /// The code of a scheme, in tiers.
 pub(super) fn code(
-    scheme: &Scheme,
+    scheme: &Scheme<Expr>,
     unknowns: &[Symbol],
     symbols: &Symbols,
     private: &TokenStream,
     arena: &Arena,
 ) -> Code {
-    let chosen = Chosen {
-        start: |iteration| &iteration.guess,
-        bounds: |judge| &judge.quick,
-    };
-    let step = Step::new(scheme, chosen, symbols, arena);
+    let step = Step::new(scheme, symbols, arena);
+    let scheme = &step.scheme;
     let results = step.results();
     let mut printer = Printer::new(&step.program, symbols, &step.labels, private);
     let kept = printer.split_prepared(&results);
@@ -49,27 +44,26 @@ pub(super) fn code(
     };
     let load = printer.load(&results);
     let start = [Tier::Noise, Tier::State].map(|tier| printer.statements(tier));
-    let blocks = step.solves.iter().zip(&scheme.blocks).enumerate();
     let mut first = 0;
-    let blocks = blocks.map(|(at, (solve, block))| {
-        let tokens = solver.tokens((at, first), solve, block, scheme.dq.len());
-        first += solved(block);
+    let blocks = scheme.blocks.iter().enumerate().map(|(at, block)| {
+        let tokens = solver.tokens((at, first), &block.solution, scheme.dq.len());
+        first += block.solution.solved().len();
         let after = printer.statements(Tier::Solved(at));
-        let judge = solver.judge(solve, block);
+        let judge = solver.judge(&block.solution);
         quote!(#tokens #after #judge)
     });
     let blocks: Vec<TokenStream> = blocks.collect();
-    let domain = step.domain.iter().enumerate().map(|(at, &(value, is_closed))| {
-        let (value, at) = (printer.operand(value), Literal::usize_unsuffixed(at));
-        let holds = inside(&value, is_closed);
+    let domain = scheme.domain.iter().enumerate().map(|(at, condition)| {
+        let (value, at) = (printer.operand(condition.value), Literal::usize_unsuffixed(at));
+        let holds = inside(&value, condition.is_closed);
         quote! {
             if !(#holds) {
                 return ::core::result::Result::Err(#private::SolveError::OutsideDomain { condition: #at });
             }
         }
     });
-    let (dq, dp) = (printer.array(&step.dq), printer.array(&step.dp));
-    let unknowns = unknowns.iter().map(|&s| input_name(symbols, s));
+    let (dq, dp) = (printer.array(&scheme.dq), printer.array(&scheme.dp));
+    let unknowns = unknowns.iter().map(|&s| ident(&symbol_name(symbols, s)));
     let time = uses_time(&step.program, symbols).then(|| quote!(let time = state.t;));
     Code {
         prepared: kept.len(),
@@ -82,7 +76,7 @@ pub(super) fn code(
             #(#domain)*
             ::core::result::Result::Ok((#dq, #dp, [#(#unknowns),*]))
         },
-        work: Work::of(&step.program).with_solves(scheme),
+        work: Work::of(&step),
     }
 }
 
@@ -92,15 +86,6 @@ pub(super) fn inside(value: &TokenStream, is_closed: bool) -> TokenStream {
         quote!(#value >= 0f64)
     } else {
         quote!(#value > 0f64)
-    }
-}
-
-/// How many unknowns of a block are solved for, those of formulas aside.
-fn solved(block: &Block) -> usize {
-    match &block.solution {
-        Solution::Formula(_) => 0,
-        Solution::System { solved, .. } => solved.len(),
-        Solution::Iteration(iteration) => iteration.solved.len(),
     }
 }
 

@@ -4,10 +4,8 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::code::Printer;
-use super::count::Operations;
-use super::names::Labels;
 use crate::algebra::{Arena, Expr};
-use crate::program::{Program, Scheduler, Tier, Tiers, Value};
+use crate::program::{Labels, Operations, Program, Scheduler, Tier, Tiers, Value};
 use crate::system::model::Symbols;
 
 /// Code of one tier: everything in it is computed where it is called.

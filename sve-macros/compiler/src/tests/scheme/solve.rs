@@ -7,7 +7,7 @@ use crate::algebra::{Expr, Symbol};
 use crate::program::tests::run;
 use crate::program::{Scheduler, Tiers};
 use crate::rules::Rule;
-use crate::structure::{Form, Linear, Scheme, Solution};
+use crate::structure::{Linear, Matrix, Returns, Scheme, Solution};
 
 /// The solution of a small linear system.
 fn linear(mut matrix: Vec<Vec<f64>>, mut rhs: Vec<f64>) -> Option<Vec<f64>> {
@@ -34,7 +34,7 @@ fn linear(mut matrix: Vec<Vec<f64>>, mut rhs: Vec<f64>) -> Option<Vec<f64>> {
 /// `q₁ − q₀` and `p₁ − p₀`, block by block as the emitted step finds them; nothing where an iteration does not converge.
 pub(super) fn solution(
     case: &Case,
-    scheme: &Scheme,
+    scheme: &Scheme<Expr>,
     exprs: &[Expr],
     tiers: Tiers,
     given: &dyn Fn(Symbol) -> f64,
@@ -49,9 +49,16 @@ pub(super) fn solution(
         let of = |e: &Expr| exprs.iter().position(|x| x == e).expect("scheduled");
         wanted.iter().map(|e| values[&results[of(e)]]).collect()
     };
-    let solve = |known: &Known, matrix: &[Vec<Expr>], rhs: &[Expr]| {
-        let matrix = matrix.iter().map(|row| evaluate(known, row)).collect();
-        linear(matrix, evaluate(known, rhs))
+    let solve = |known: &Known, matrix: &Matrix<Expr>, rhs: &[Expr]| {
+        let size = matrix.size();
+        let mut full = vec![vec![0.0; size]; size];
+        for (i, full_row) in full.iter_mut().enumerate() {
+            let (columns, entries): (Vec<usize>, Vec<Expr>) = matrix.row(i).unzip();
+            for (column, value) in columns.into_iter().zip(evaluate(known, &entries)) {
+                full_row[column] = value;
+            }
+        }
+        linear(full, evaluate(known, rhs))
     };
     for block in &scheme.blocks {
         match &block.solution {
@@ -88,7 +95,7 @@ pub(super) fn solution(
         }
     }
     let (mut dq, mut dp) = (evaluate(&known, &scheme.dq), evaluate(&known, &scheme.dp));
-    if scheme.form == Form::State {
+    if scheme.returns == Returns::State {
         for i in 0..dq.len() {
             dq[i] -= case.point.q0[i];
             dp[i] -= case.point.p0[i];

@@ -140,11 +140,11 @@ impl System {
 
     /// The discrete action (`docs/mathematics.md`, section 2).
     pub(super) fn action<T: Number>(&self, rule: Rule, x: &Variables<T>) -> T {
-        match rule {
-            Rule::InitialPoint => self.one_node(0.0, x),
-            Rule::Midpoint => self.one_node(0.5, x),
-            Rule::Endpoint => self.one_node(1.0, x),
-            Rule::Taylor2 => self.taylor(x),
+        match rule.attribute_name() {
+            "initial_point" => self.one_node(0.0, x),
+            "midpoint" => self.one_node(0.5, x),
+            "endpoint" => self.one_node(1.0, x),
+            _ => self.taylor(x),
         }
     }
 

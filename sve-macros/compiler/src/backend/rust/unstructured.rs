@@ -1,5 +1,5 @@
-//! The step whose structure was not looked for: what generic code would do, which has its equations and their Jacobian and
-//! otherwise knows nothing. It is there to be compared with, see `structure = both` in `parse`.
+//! The step without structure: what generic code would do, which has the equations and their Jacobian and knows nothing else. The
+//! other steps are compared with it, see `structure = both` in `parse`.
 //!
 //! Input: an iteration in all unknowns, and the results. Output: the body of `increment`. All that is needed is computed where
 //! it is needed, functions of angles too; nothing is prepared.
@@ -7,19 +7,19 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use super::count::{Operations, Work};
 use super::rounding::rounding;
 use super::solve::{names, start};
 use super::step::Code;
 use super::straight::{Printed, Straight, rows};
 use crate::algebra::{Arena, Expr};
+use crate::program::{Operations, Work};
 use crate::structure::{Iteration, Scheme};
 use crate::system::model::Symbols;
 
 /// The code of a scheme whose only block is this iteration.
 pub(super) fn code(
-    scheme: &Scheme,
-    iteration: &Iteration,
+    scheme: &Scheme<Expr>,
+    iteration: &Iteration<Expr>,
     symbols: &Symbols,
     private: &TokenStream,
     arena: &Arena,
@@ -56,7 +56,7 @@ pub(super) fn code(
 
 /// Statements and the value of an evaluation, with its operations.
 fn evaluation(
-    iteration: &Iteration,
+    iteration: &Iteration<Expr>,
     symbols: &Symbols,
     private: &TokenStream,
     arena: &Arena,
@@ -64,17 +64,16 @@ fn evaluation(
     let Iteration {
         residual, jacobian, ..
     } = iteration;
-    let roots: Vec<Expr> = residual
-        .iter()
-        .chain(jacobian.iter().flatten())
-        .copied()
-        .collect();
+    let roots: Vec<Expr> = residual.iter().copied().chain(jacobian.stored()).collect();
     let mut straight = Straight::new(arena, symbols, &roots).apart();
     let (residual, magnitude) = straight.residuals(residual);
     let values = [
         (vec![residual], vec!["residual".to_owned()]),
         (vec![magnitude], vec!["magnitude".to_owned()]),
-        (straight.values(jacobian), rows("jacobian", jacobian.len())),
+        (
+            straight.values(&jacobian.rows),
+            rows("jacobian", jacobian.size()),
+        ),
     ];
     let Printed {
         statements,
@@ -95,7 +94,7 @@ fn evaluation(
 
 /// What `increment` returns once the unknowns are known, with its operations.
 fn results(
-    scheme: &Scheme,
+    scheme: &Scheme<Expr>,
     solved: &TokenStream,
     symbols: &Symbols,
     private: &TokenStream,

@@ -1,0 +1,159 @@
+//! Operations of a step, counted for its plan: those of its programs, and those of its linear solves.
+//!
+//! A sine with its cosine is one call. Not counted: comparisons, the choice of pivots, tests for singular matrices, and what
+//! Newton's method does beside evaluating and solving.
+
+use std::iter::Sum;
+use std::ops::Add;
+
+use super::step::Step;
+use super::{Operation, Program, Tier};
+use crate::structure::{Band, Block, Matrix, Scheme, Solution, Storage};
+
+/// Floating-point operations.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Operations {
+    pub(crate) arithmetic: usize,
+    pub(crate) transcendental: usize,
+    pub(crate) turns: usize,
+}
+
+/// The operations of a step by how often they are done.
+pub(crate) struct Work {
+    pub(crate) prepare: Operations,
+    pub(crate) step: Operations,
+    pub(crate) iteration: Operations,
+}
+
+impl Work {
+    /// What a step does.
+    pub(crate) fn of(step: &Step) -> Self {
+        let is_iteration = |tier| matches!(tier, Tier::Iterate(_));
+        let of = |wanted: &dyn Fn(Tier) -> bool| Operations::of(&step.program, wanted);
+        let work = Self {
+            prepare: of(&|tier| tier == Tier::Prepare),
+            step: of(&|t| t != Tier::Prepare && !is_iteration(t)),
+            iteration: of(&is_iteration),
+        };
+        work.with_solves(&step.scheme)
+    }
+
+    /// With the linear solves of a scheme.
+    pub(crate) fn with_solves<T: Copy + PartialEq, R>(self, scheme: &Scheme<T, R>) -> Self {
+        let once = scheme.blocks.iter().map(solves_of_step).sum();
+        let again = scheme.blocks.iter().map(solves_of_iteration).sum();
+        Self {
+            prepare: self.prepare,
+            step: self.step + arithmetic(once),
+            iteration: self.iteration + arithmetic(again),
+        }
+    }
+}
+
+impl Operations {
+    /// Those of some tiers.
+    pub(crate) fn of(program: &Program, wanted: impl Fn(Tier) -> bool) -> Self {
+        let listed = program.all().filter(|(_, i)| wanted(i.tier));
+        listed.map(|(_, i)| Self::one(i.operation)).sum()
+    }
+
+    fn one(operation: Operation) -> Self {
+        let [arithmetic, transcendental, turns] = match operation {
+            Operation::Constant(_)
+            | Operation::Input(_)
+            | Operation::SinOf(_)
+            | Operation::CosOf(_) => [0, 0, 0],
+            Operation::Add(..)
+            | Operation::Sub(..)
+            | Operation::Mul(..)
+            | Operation::Div(..)
+            | Operation::Neg(_)
+            | Operation::Abs(_)
+            | Operation::Recip(_) => [1, 0, 0],
+            Operation::Call(..) | Operation::Call2(..) | Operation::SinCos(_) => [0, 1, 0],
+            Operation::Turn(..) => [0, 0, 1],
+        };
+        Self {
+            arithmetic,
+            transcendental,
+            turns,
+        }
+    }
+}
+
+impl Add for Operations {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            arithmetic: self.arithmetic + other.arithmetic,
+            transcendental: self.transcendental + other.transcendental,
+            turns: self.turns + other.turns,
+        }
+    }
+}
+
+impl Sum for Operations {
+    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
+        all.fold(Self::default(), Add::add)
+    }
+}
+
+fn arithmetic(count: usize) -> Operations {
+    Operations {
+        arithmetic: count,
+        ..Operations::default()
+    }
+}
+
+/// Operations of the solves of a block before any iteration.
+fn solves_of_step<T: Copy + PartialEq, R>(block: &Block<T, R>) -> usize {
+    match &block.solution {
+        Solution::Formula(_) => 0,
+        Solution::System { linear, .. } => solve(&linear.matrix),
+        Solution::Iteration(iteration) => {
+            let once = solve(&iteration.guess.matrix);
+            // the second stage of a guess is solved anew, and added to the first
+            let refined = iteration.refinement.as_ref();
+            let refined = refined.map_or(0, |r| once + r.rhs.len());
+            let judge = iteration.judge.as_ref();
+            let limit = judge.filter(|j| !iteration.limit_is_guess(j));
+            once + refined + limit.map_or(0, |_| once)
+        }
+    }
+}
+
+/// Operations of the solves of a block in each iteration.
+fn solves_of_iteration<T: Copy, R>(block: &Block<T, R>) -> usize {
+    match &block.solution {
+        Solution::Formula(_) | Solution::System { .. } => 0,
+        Solution::Iteration(iteration) => solve(&iteration.jacobian),
+    }
+}
+
+/// Operations of the runtime's solve with a matrix.
+fn solve<T: Copy>(matrix: &Matrix<T>) -> usize {
+    let k = matrix.size();
+    match (k, matrix.storage) {
+        (0, _) => 0,
+        (1, _) => 1,
+        (_, Storage::Diagonal) => k,
+        // Cramer's rule: the determinant, its inverse, two numerators
+        (2, Storage::Dense) => 3 + 1 + 2 * 4,
+        (_, Storage::Dense) => eliminate(k, |at| k - at - 1, |at| k - at - 1),
+        (_, Storage::Banded(band)) => {
+            let Band { lower, .. } = band;
+            eliminate(k, |at| lower.min(k - at - 1), |_| band.width() - 1)
+        }
+    }
+}
+
+/// Operations of an elimination with so many rows below each pivot, and so many entries behind it in its row.
+fn eliminate(k: usize, below: impl Fn(usize) -> usize, behind: impl Fn(usize) -> usize) -> usize {
+    let column = |at: usize| {
+        let forward = below(at) * (3 + 2 * behind(at));
+        let back = 2 * behind(at).min(k - at - 1) + 1;
+        forward + back
+    };
+    (0..k).map(column).sum()
+}

@@ -1,0 +1,214 @@
+//! Names of temporaries: by what a value is, where that is known, otherwise by its operation with a number.
+//!
+//! Input: a program and the labels of some of its values. Output: a name for each value. Invariant: no two names that are in
+//! scope together are equal, and none is that of an input or a reserved one.
+
+use std::collections::{HashMap, HashSet};
+
+use super::labels::Labels;
+use super::{Operation, Program, Tier, Value};
+use crate::algebra::{Function, Symbol};
+use crate::system::model::{Meaning, Symbols};
+
+/// The name of a symbol in generated code; fields of the user's struct cannot clash with anything else.
+pub(crate) fn symbol_name(symbols: &Symbols, symbol: Symbol) -> String {
+    match symbols.meaning(symbol) {
+        Meaning::Parameter { name, .. } => format!("self_{name}"),
+        _ => symbols.name(symbol),
+    }
+}
+
+/// A name for each value that has a statement; for a pair of sine and cosine, of its angle.
+pub(crate) struct Names(HashMap<Value, String>);
+
+impl Names {
+    /// Names that differ from those in `reserved`, the variables that a back end declares beside the values.
+    pub(crate) fn new(
+        program: &Program,
+        symbols: &Symbols,
+        labels: &Labels,
+        reserved: &[&str],
+    ) -> Self {
+        let mut scope = Scope::new(program, symbols, reserved);
+        let mut names: HashMap<Value, String> = HashMap::new();
+        for (value, instruction) in program.in_order() {
+            scope.enter(instruction.tier);
+            let known = |v: Value| match program.get(v).operation {
+                Operation::Input(symbol) => Some(symbol_name(symbols, symbol)),
+                _ => labels.values.get(&v).cloned(),
+            };
+            let number = value.index();
+            let wanted = match instruction.operation {
+                Operation::Input(_)
+                | Operation::Constant(_)
+                | Operation::SinOf(_)
+                | Operation::CosOf(_) => continue,
+                Operation::SinCos(_) | Operation::Turn(..) => {
+                    let angle = match (labels.pairs.get(&value), instruction.operation) {
+                        (Some(word), _) => Some(word.clone()),
+                        (None, Operation::SinCos(angle)) => known(angle),
+                        _ => None,
+                    };
+                    let angle = angle.unwrap_or_else(|| number.to_string());
+                    let parts = |angle: &str| [format!("sin_{angle}"), format!("cos_{angle}")];
+                    names.insert(value, scope.free(angle, number, parts));
+                    continue;
+                }
+                operation => match labels.values.get(&value) {
+                    Some(label) => label.clone(),
+                    None => match operation {
+                        Operation::Mul(a, b) if a == b && known(a).is_some() => {
+                            format!("{}_squared", known(a).unwrap_or_default())
+                        }
+                        Operation::Call(function, a) if !matches!(function, Function::Powf(_)) => {
+                            let argument = known(a).unwrap_or_else(|| number.to_string());
+                            format!("{}_{argument}", function.name())
+                        }
+                        _ => format!("{}_{number}", prefix(operation)),
+                    },
+                },
+            };
+            names.insert(value, scope.free(wanted, number, |name| [name.to_owned()]));
+        }
+        Self(names)
+    }
+
+    pub(crate) fn of(&self, value: Value) -> String {
+        match self.0.get(&value) {
+            Some(name) => name.clone(),
+            None => format!("value_{}", value.index()),
+        }
+    }
+
+    /// The names of sine and cosine of a pair.
+    pub(crate) fn pair(&self, both: Value) -> [String; 2] {
+        let angle = self.0.get(&both).cloned();
+        let angle = angle.unwrap_or_else(|| both.index().to_string());
+        ["sin", "cos"].map(|part| format!("{part}_{angle}"))
+    }
+}
+
+fn prefix(operation: Operation) -> &'static str {
+    match operation {
+        Operation::Add(..) | Operation::Sub(..) => "sum",
+        Operation::Mul(..) => "product",
+        Operation::Div(..) => "ratio",
+        Operation::Neg(_) => "minus",
+        Operation::Abs(_) => "size",
+        Operation::Recip(_) => "inverse",
+        Operation::Call(function, _) => function.name(),
+        Operation::Call2(function, ..) => function.name(),
+        _ => "value",
+    }
+}
+
+/// Names that are taken. Those of a guess and of an iteration are in a block of their own.
+struct Scope {
+    tier: Tier,
+    outer: HashSet<String>,
+    inner: HashSet<String>,
+}
+
+impl Scope {
+    fn new(program: &Program, symbols: &Symbols, reserved: &[&str]) -> Self {
+        let inputs = program.all().filter_map(|(_, i)| match i.operation {
+            Operation::Input(symbol) => Some(symbol_name(symbols, symbol)),
+            _ => None,
+        });
+        let reserved = reserved.iter().map(|&name| name.to_owned());
+        Self {
+            tier: Tier::Prepare,
+            outer: inputs.chain(reserved).collect(),
+            inner: HashSet::new(),
+        }
+    }
+
+    fn enter(&mut self, tier: Tier) {
+        if tier != self.tier {
+            self.tier = tier;
+            self.inner.clear();
+        }
+    }
+
+    /// A name whose parts are all free, which they are not afterwards.
+    fn free<const N: usize>(
+        &mut self,
+        wanted: String,
+        number: usize,
+        parts: impl Fn(&str) -> [String; N],
+    ) -> String {
+        let taken = |name: &String| self.outer.contains(name) || self.inner.contains(name);
+        let mut name = wanted;
+        if parts(&name).iter().any(taken) {
+            name = format!("{name}_{number}");
+        }
+        while parts(&name).iter().any(taken) {
+            name.push('_');
+        }
+        let scope = match self.tier {
+            Tier::Guess(_) | Tier::Iterate(_) => &mut self.inner,
+            _ => &mut self.outer,
+        };
+        scope.extend(parts(&name));
+        name
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::algebra::Arena;
+    use crate::program::{Scheduler, Tiers};
+    use crate::system::model::{Family, Unknown};
+
+    /// Names of `x + h` with x known before a step, in the iteration of a block and after it, each labelled alike.
+    #[test]
+    fn names_in_scope_together_differ() {
+        let (mut arena, mut symbols, mut tiers) = (Arena::new(), Symbols::default(), Tiers::new());
+        let step = symbols.declare(Meaning::StepSize);
+        let h = arena.symbol(step);
+        let places = [
+            Tier::State,
+            Tier::State,
+            Tier::Iterate(0),
+            Tier::Iterate(0),
+            Tier::Solved(0),
+            Tier::Iterate(1),
+        ];
+        let mut roots = Vec::new();
+        for (i, tier) in places.into_iter().enumerate() {
+            let symbol = symbols.declare(Unknown::of(Family::Displacement)(i));
+            tiers.insert(symbol, tier);
+            let x = arena.symbol(symbol);
+            roots.push(arena.add(x, h));
+        }
+        let last = arena.call(Function::Exp, roots[0]);
+        roots.push(last);
+        let mut scheduler = Scheduler::new(&arena, &symbols, tiers, &roots);
+        let values = scheduler.values(&roots);
+        let program = scheduler.finish(&values);
+        let all_named = |names: [&str; 7]| {
+            let mut labels = Labels::default();
+            for (&value, name) in values.iter().zip(names) {
+                labels.call(value, name.to_owned());
+            }
+            let names = Names::new(&program, &symbols, &labels, &["state", "guess"]);
+            values.iter().map(|&v| names.of(v)).collect::<Vec<_>>()
+        };
+
+        let found = all_named(["a", "a", "b", "b", "b", "b", "c"]);
+        assert_eq!(found[0], "a");
+        assert_ne!(found[1], "a");
+        assert_eq!(found[2], "b");
+        assert_ne!(found[3], "b");
+        // those of an iteration are out of scope after it
+        assert_eq!(found[4], "b");
+        assert_ne!(found[5], "b");
+        // what is known before an iteration is in scope in it
+        assert_ne!(all_named(["a", "b", "a", "c", "d", "e", "f"])[2], "a");
+        // inputs and variables of emitted code
+        for taken in ["d_3", "h", "state", "guess"] {
+            assert_ne!(all_named([taken, "b", "a", "c", "d", "e", "f"])[0], taken);
+        }
+    }
+}

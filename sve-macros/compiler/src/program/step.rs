@@ -1,0 +1,199 @@
+//! A step with values for its expressions: what the printers of single states and of lanes have in common.
+//!
+//! Input: a scheme. Output: one program in tiers, the scheme with the values that its solves and results are made of, and labels
+//! for them.
+
+use super::labels::Labels;
+use super::{Program, Scheduler, Tier, Tiers, Value};
+use crate::algebra::{Arena, Expr};
+use crate::structure::{Block, Iteration, Lower, Matrix, Returns, Scheme, Solution};
+use crate::system::model::Symbols;
+
+/// A scheduled step.
+pub(crate) struct Step {
+    pub(crate) scheme: Scheme<Value, Residual>,
+    pub(crate) program: Program,
+    /// What the values are.
+    pub(crate) labels: Labels,
+}
+
+/// A residual of an iteration.
+pub(crate) struct Residual {
+    pub(crate) expr: Expr,
+    pub(crate) value: Value,
+    /// The sum of the magnitudes of its terms.
+    pub(crate) magnitude: Value,
+}
+
+impl Lower for Scheduler<'_> {
+    type Value = Value;
+    type Residual = Residual;
+
+    fn value(&mut self, expr: Expr) -> Value {
+        Scheduler::value(self, expr)
+    }
+
+    fn residual(&mut self, expr: Expr) -> Residual {
+        let (value, magnitude) = Scheduler::residual(self, expr);
+        Residual {
+            expr,
+            value,
+            magnitude,
+        }
+    }
+}
+
+impl Step {
+    /// Turns all expressions of a scheme into one program.
+    pub(crate) fn new(scheme: &Scheme<Expr>, symbols: &Symbols, arena: &Arena) -> Self {
+        let roots = scheme.roots();
+        let mut scheduler = Scheduler::new(arena, symbols, tiers(&scheme.blocks), &roots);
+        let lowered = scheme.lower(&mut scheduler);
+        let mut labels = Labels::default();
+        if scheme.returns.is_matrix() {
+            let rows = [scheme.dq.as_slice(), &scheme.dp].concat();
+            labels.map(&scheduler, arena, symbols, &rows);
+        }
+        let formulas = formulas(&scheme.blocks, symbols);
+        labels.expressions(&scheduler, arena, symbols, &formulas, &roots);
+        let mut first = 0;
+        for block in &lowered.blocks {
+            block.solution.label(first, &mut labels);
+            first += block.unknowns.len();
+        }
+        let [q, p] = match scheme.returns {
+            Returns::Increment | Returns::MatrixTimesState => ["dq", "dp"],
+            Returns::State => ["q1", "p1"],
+        };
+        labels.vector(q, 0, &lowered.dq);
+        labels.vector(p, 0, &lowered.dp);
+        Self {
+            program: scheduler.finish(&results(&lowered)),
+            labels,
+            scheme: lowered,
+        }
+    }
+
+    /// Every value that is used other than by an instruction.
+    pub(crate) fn results(&self) -> Vec<Value> {
+        results(&self.scheme)
+    }
+}
+
+fn results(scheme: &Scheme<Value, Residual>) -> Vec<Value> {
+    let blocks = scheme.blocks.iter().map(|block| &block.solution);
+    let solves = blocks.flat_map(|s| [s.before(), s.each(), s.after()]);
+    let outputs = scheme.dq.iter().chain(&scheme.dp).copied();
+    outputs
+        .chain(scheme.domain.iter().map(|c| c.value))
+        .chain(solves.flatten())
+        .collect()
+}
+
+/// When the unknowns of the blocks are known.
+fn tiers(blocks: &[Block<Expr>]) -> Tiers {
+    let mut tiers = Tiers::new();
+    for (at, block) in blocks.iter().enumerate() {
+        let mut known = |symbols: &[_], tier| tiers.extend(symbols.iter().map(|&s| (s, tier)));
+        known(block.solution.solved(), Tier::Solved(at));
+        if let Solution::Iteration(iteration) = &block.solution {
+            known(&iteration.iterates, Tier::Iterate(at));
+            if let Some(refinement) = &iteration.refinement {
+                known(&refinement.first, Tier::Guess(at));
+            }
+            if let Some(judge) = &iteration.judge {
+                // together with the solution
+                known(&judge.limit, Tier::Solved(at));
+            }
+        }
+    }
+    tiers
+}
+
+/// The unknowns that have formulas, which bear their names.
+fn formulas(blocks: &[Block<Expr>], symbols: &Symbols) -> Vec<(Expr, String)> {
+    let formula = |block: &Block<Expr>| match block.solution {
+        Solution::Formula(formula) => Some((formula, symbols.name(block.unknowns[0]))),
+        _ => None,
+    };
+    blocks.iter().filter_map(formula).collect()
+}
+
+impl Solution<Value, Residual> {
+    /// Values that are used before an iteration, other than by instructions.
+    pub(crate) fn before(&self) -> Vec<Value> {
+        match self {
+            Self::Formula(_) => Vec::new(),
+            Self::System { linear, .. } => {
+                linear.matrix.stored().chain(linear.rhs.clone()).collect()
+            }
+            Self::Iteration(iteration) => {
+                let guess = &iteration.guess;
+                let limit = iteration.limit.iter().flat_map(Matrix::stored);
+                let guess = guess.matrix.stored().chain(guess.rhs.iter().copied());
+                let refined = iteration.refinement.iter().flat_map(|r| &r.rhs).copied();
+                let limit_rhs = iteration.judge.iter().flat_map(|j| &j.limit_rhs).copied();
+                guess.chain(limit).chain(refined).chain(limit_rhs).collect()
+            }
+        }
+    }
+
+    /// Values that are used in each iteration, other than by instructions.
+    pub(crate) fn each(&self) -> Vec<Value> {
+        match self {
+            Self::Formula(_) | Self::System { .. } => Vec::new(),
+            Self::Iteration(iteration) => {
+                let residuals = iteration.residual.iter();
+                let residuals = residuals.flat_map(|r| [r.value, r.magnitude]);
+                let all = residuals.chain(iteration.jacobian.stored());
+                all.chain(iteration.curvature).collect()
+            }
+        }
+    }
+
+    /// Values that are used after an iteration to judge its solution.
+    pub(crate) fn after(&self) -> Vec<Value> {
+        match self {
+            Self::Formula(_) | Self::System { .. } => Vec::new(),
+            Self::Iteration(iteration) => {
+                let judge = iteration.judge.iter();
+                judge.flat_map(|j| j.bounds.entries()).copied().collect()
+            }
+        }
+    }
+
+    /// Says what the values of a block are, its equations counted from `first`.
+    fn label(&self, first: usize, labels: &mut Labels) {
+        match self {
+            Self::Formula(_) => {}
+            Self::System { linear, solved: _ } => {
+                labels.matrix("matrix", first, &linear.matrix);
+                labels.vector("rhs", first, &linear.rhs);
+            }
+            Self::Iteration(iteration) => iteration.label(first, labels),
+        }
+    }
+}
+
+impl Iteration<Value, Residual> {
+    fn label(&self, first: usize, labels: &mut Labels) {
+        let parts = |of: fn(&Residual) -> Value| self.residual.iter().map(of).collect::<Vec<_>>();
+        labels.matrix("mass", first, &self.guess.matrix);
+        labels.vector("residual", first, &parts(|r| r.value));
+        labels.matrix("jacobian", first, &self.jacobian);
+        if let Some(curvature) = self.curvature {
+            labels.call(curvature, format!("curvature_{first}"));
+        }
+        labels.vector("guess_rhs", first, &self.guess.rhs);
+        if let Some(refinement) = &self.refinement {
+            labels.vector("refinement_rhs", first, &refinement.rhs);
+        }
+        labels.vector("magnitude", first, &parts(|r| r.magnitude));
+        if let Some(judge) = &self.judge {
+            labels.vector("limit_rhs", first, &judge.limit_rhs);
+            labels.rows("middle", first, &judge.bounds.middle);
+            labels.rows("radius", first, &judge.bounds.radii);
+            labels.vector("distance", first, &judge.bounds.conditions);
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! The rules with one node, at `q̄ = q₀ + c d`, `t̄ = t₀ + c h`:
+//!
+//! ```text
+//! S_d = h L(t̄,q̄,v) + ⟨p, d − h v⟩ − Σ G_a(t̄,q̄,p) ΔW_a + (c − ½) Σ_ab ⟨∂G_a/∂p, ∂G_b/∂q⟩ ΔW_a ΔW_b
+//! ```
+//!
+//! The last term is the Stratonovich correction. A force does the work `⟨h F(t̄,q̄,v), δq̄⟩`.
+
+use std::collections::HashMap;
+
+use super::action::{Discrete, Variables};
+use super::{Discretisation, Features, StrongOrder, Textbook};
+use crate::algebra::{Expr, Symbol};
+use crate::system::model::{Family, NodeQuantity, Unknown};
+
+/// A rule with one node.
+pub(super) struct OneNode {
+    pub(super) attribute_name: &'static str,
+    pub(super) type_name: &'static str,
+    pub(super) deterministic_order: u32,
+    /// c.
+    pub(super) place: f64,
+    /// How the node's time and position are written.
+    pub(super) time: &'static str,
+    pub(super) position: &'static str,
+    /// What these stand for, where that is not their notation.
+    pub(super) time_is: Option<&'static str>,
+    pub(super) position_is: Option<&'static str>,
+}
+
+impl Discretisation for OneNode {
+    fn attribute_name(&self) -> &'static str {
+        self.attribute_name
+    }
+
+    fn type_name(&self) -> &'static str {
+        self.type_name
+    }
+
+    fn deterministic_order(&self) -> u32 {
+        self.deterministic_order
+    }
+
+    fn strong_order(&self, noises_commute: bool) -> StrongOrder {
+        if noises_commute {
+            StrongOrder::One
+        } else {
+            StrongOrder::Half
+        }
+    }
+
+    fn takes_noise(&self) -> bool {
+        true
+    }
+
+    fn takes_force(&self) -> bool {
+        true
+    }
+
+    fn action(&self, x: &mut Variables<'_>) -> Discrete {
+        let c = self.place;
+        let n = x.model.dof();
+        let v = x.symbols.declare_all(n, Unknown::of(Family::Velocity));
+        let p = x.symbols.declare_all(n, Unknown::of(Family::Momentum));
+        let h = x.arena.symbol(x.h);
+        let mut node = HashMap::new();
+        let t = x.arena.symbol(x.model.time);
+        let t_node = x.arena.sum(0.0, &[(1.0, t), (c, h)]);
+        node.insert(x.model.time, x.at_node(0, NodeQuantity::Time, t_node));
+        for i in 0..n {
+            let (q, d) = (
+                x.arena.symbol(x.start_q[i]),
+                x.arena.symbol(x.displacement[i]),
+            );
+            let at = x.arena.sum(0.0, &[(1.0, q), (c, d)]);
+            node.insert(x.model.q[i], x.at_node(0, NodeQuantity::Position(i), at));
+            node.insert(x.model.v[i], x.arena.symbol(v[i]));
+            node.insert(x.model.p[i], x.arena.symbol(p[i]));
+        }
+
+        let lagrangian = x.arena.substitute(x.model.lagrangian, &node);
+        let mut terms = vec![(1.0, x.arena.mul(h, lagrangian))];
+        for i in 0..n {
+            let [d, v, p] = [x.displacement[i], v[i], p[i]].map(|s| x.arena.symbol(s));
+            let hv = x.arena.mul(h, v);
+            let constraint = x.arena.sub(d, hv);
+            terms.push((1.0, x.arena.mul(p, constraint)));
+        }
+        for (noise, &dw) in x.model.noises.iter().zip(&x.dw) {
+            let g = x.arena.substitute(noise.hamiltonian, &node);
+            let dw = x.arena.symbol(dw);
+            terms.push((-1.0, x.arena.mul(g, dw)));
+        }
+        if c != 0.5 {
+            let correction = stratonovich(x, &node);
+            terms.push((c - 0.5, correction));
+        }
+        let value = x.arena.sum(0.0, &terms);
+        Discrete {
+            value,
+            internal: v.into_iter().chain(p).collect(),
+            work: x.work(1.0, &node),
+        }
+    }
+
+    fn notation(&self, _: usize, quantity: NodeQuantity) -> &'static str {
+        match quantity {
+            NodeQuantity::Time => self.time,
+            NodeQuantity::Position(_) => self.position,
+            NodeQuantity::Velocity(_) => "v",
+        }
+    }
+
+    fn is_end(&self, _: usize) -> bool {
+        self.place == 1.0
+    }
+
+    fn letters(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    fn textbook(&self, system: &Features) -> Textbook {
+        let Self {
+            time, position: q, ..
+        } = self;
+        let t = if system.is_timed {
+            format!("{time}, ")
+        } else {
+            String::new()
+        };
+        let mut notation: Vec<&str> = self.position_is.into_iter().collect();
+        notation.extend(self.time_is.filter(|_| system.is_timed));
+        let constraint = system.pairing("p", "q₁ − q₀ − h·v");
+        let mut action = format!("S = h·L({t}{q}, v) + {constraint}");
+        let sum = |count: usize| if count > 1 { "Σ " } else { "" };
+        if system.gammas > 0 {
+            action += &format!(" + {}γ({t}{q})·ΔW", sum(system.gammas));
+        }
+        if system.hamiltonians > 0 {
+            action += &format!(" − {}H₁({t}{q}, p)·ΔW", sum(system.hamiltonians));
+        }
+        // the Stratonovich correction
+        if self.place != 0.5 && system.moves_both {
+            let sign = if self.place > 0.5 { '+' } else { '−' };
+            if system.gammas + system.hamiltonians == 1 {
+                action += &format!(" {sign} ½·⟨∂H₁/∂p, ∂H₁/∂q⟩·ΔW²");
+            } else {
+                action += &format!(" {sign} ½·Σ ⟨∂G[i]/∂p, ∂G[j]/∂q⟩·ΔW[i]·ΔW[j]");
+                notation.push("G = −γ or H₁");
+            }
+        }
+        Textbook {
+            action,
+            notation: notation.into_iter().map(ToOwned::to_owned).collect(),
+            work: system.work(time, q, "v"),
+        }
+    }
+}
+
+/// `Σ_a Σ_b ⟨∂G_a/∂p, ∂G_b/∂q⟩ ΔW_a ΔW_b` at a node.
+fn stratonovich(x: &mut Variables<'_>, node: &HashMap<Symbol, Expr>) -> Expr {
+    let mut terms = Vec::new();
+    for (a, &dw_a) in x.model.noises.iter().zip(&x.dw) {
+        for (b, &dw_b) in x.model.noises.iter().zip(&x.dw) {
+            if x.arena.is_exhausted() {
+                return x.arena.constant(0.0);
+            }
+            let (dw_a, dw_b) = (x.arena.symbol(dw_a), x.arena.symbol(dw_b));
+            for i in 0..x.model.dof() {
+                let dp = x.arena.diff(a.hamiltonian, x.model.p[i]);
+                let dq = x.arena.diff(b.hamiltonian, x.model.q[i]);
+                let product = x.arena.product(&[(dp, 1), (dq, 1)]);
+                let at_node = x.arena.substitute(product, node);
+                terms.push((1.0, x.arena.product(&[(at_node, 1), (dw_a, 1), (dw_b, 1)])));
+            }
+        }
+    }
+    x.arena.sum(0.0, &terms)
+}

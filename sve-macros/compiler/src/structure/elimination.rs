@@ -1,0 +1,220 @@
+//! Elimination of unknowns that some equation gives with a numeric coefficient, and the blocks of the equations that are left.
+
+use std::collections::{HashMap, HashSet};
+
+use super::Degenerate;
+use super::domain::Condition;
+use super::graph::{match_columns, strong_components};
+use crate::algebra::{Arena, Expr, Node, Symbol};
+use crate::discretise::equations::Equations;
+use crate::system::model::{Family, Meaning, Symbols, Unknown};
+
+/// Equations and the unknowns that they determine.
+type RowsAndColumns = (Vec<usize>, Vec<usize>);
+
+/// Equations that unknowns are eliminated from.
+pub(super) struct Reduced<'a> {
+    /// For each residual the unknowns that it may not eliminate.
+    pub(super) kept: Vec<HashSet<Symbol>>,
+    pub(super) arena: &'a mut Arena,
+    pub(super) symbols: &'a mut Symbols,
+    pub(super) unknowns: Vec<Symbol>,
+    pub(super) residuals: Vec<Expr>,
+    pub(super) dq: Vec<Expr>,
+    pub(super) dp: Vec<Vec<Expr>>,
+    pub(super) domain: Vec<Condition<Expr>>,
+}
+
+/// An unknown that an equation gives as `x = f(others)`.
+#[derive(Clone, Copy)]
+struct Pivot {
+    unknown: Symbol,
+    coefficient: f64,
+}
+
+/// An equation that may give an unknown: looked at again only when it has changed.
+struct Candidate {
+    /// Unknowns in it, in the order of `unknowns`.
+    present: Vec<Symbol>,
+    /// Whether `pivot` was sought.
+    asked: bool,
+    pivot: Option<Pivot>,
+}
+
+impl Reduced<'_> {
+    /// The conditions of the domain at the solution of all blocks.
+    pub(super) fn domain_at(&mut self, known: &HashMap<Symbol, Expr>) -> Vec<Condition<Expr>> {
+        let conditions = self.domain.clone().into_iter();
+        let at = conditions.map(|condition| Condition {
+            value: self.arena.substitute(condition.value, known),
+            ..condition
+        });
+        at.collect()
+    }
+
+    /// Removes every unknown that an equation gives as `x = f(others)` with a numeric coefficient, the shortest
+    /// equation first.
+    pub(super) fn eliminate(&mut self) {
+        let mut candidates: Vec<Candidate> = Vec::new();
+        for row in 0..self.residuals.len() {
+            candidates.push(self.candidate(row));
+        }
+        while let Some((
+            row,
+            Pivot {
+                unknown,
+                coefficient,
+            },
+        )) = self.best(&mut candidates)
+        {
+            candidates.remove(row);
+            self.kept.remove(row);
+            let equation = self.residuals.remove(row);
+            let zero = self.arena.constant(0.0);
+            let rest = self
+                .arena
+                .substitute(equation, &HashMap::from([(unknown, zero)]));
+            let value = self.arena.scale(-1.0 / coefficient, rest);
+            let by = HashMap::from([(unknown, value)]);
+            self.unknowns.retain(|&u| u != unknown);
+            for row in 0..self.residuals.len() {
+                if self.arena.contains(self.residuals[row], unknown) {
+                    self.residuals[row] = self.arena.substitute(self.residuals[row], &by);
+                    candidates[row] = self.candidate(row);
+                }
+            }
+            for list in std::iter::once(&mut self.dq).chain(&mut self.dp) {
+                for expr in list {
+                    if self.arena.contains(*expr, unknown) {
+                        *expr = self.arena.substitute(*expr, &by);
+                    }
+                }
+            }
+            for condition in &mut self.domain {
+                condition.value = self.arena.substitute(condition.value, &by);
+            }
+        }
+    }
+
+    /// The equation with the fewest unknowns that has one with a numeric coefficient; of equations with equally many the
+    /// first.
+    fn best(&mut self, candidates: &mut [Candidate]) -> Option<(usize, Pivot)> {
+        let mut best: Option<(usize, usize, Pivot)> = None;
+        for (row, candidate) in candidates.iter_mut().enumerate() {
+            self.arena.spend(1);
+            if self.arena.is_exhausted() {
+                return None;
+            }
+            let present = candidate.present.len();
+            if best.is_some_and(|b| b.0 <= present) {
+                continue;
+            }
+            if !std::mem::replace(&mut candidate.asked, true) {
+                candidate.pivot = self.pivot(row, &candidate.present);
+            }
+            if let Some(pivot) = candidate.pivot {
+                best = Some((present, row, pivot));
+            }
+        }
+        best.map(|(_, row, pivot)| (row, pivot))
+    }
+
+    fn candidate(&self, row: usize) -> Candidate {
+        let contained = |u: &Symbol| self.arena.contains(self.residuals[row], *u);
+        Candidate {
+            present: self.unknowns.iter().copied().filter(contained).collect(),
+            asked: false,
+            pivot: None,
+        }
+    }
+
+    /// Of an equation's unknowns the first, in the order of `unknowns`, with a numeric coefficient; so the momentum balance
+    /// stays, and the velocity in it.
+    fn pivot(&mut self, row: usize, present: &[Symbol]) -> Option<Pivot> {
+        let residual = self.residuals[row];
+        for &unknown in present {
+            if self.kept[row].contains(&unknown) || self.moves_node(residual, unknown) {
+                continue;
+            }
+            let slope = self.arena.diff(residual, unknown);
+            if let Some(coefficient) = self.arena.constant_value(slope)
+                && coefficient != 0.0
+            {
+                return Some(Pivot {
+                    unknown,
+                    coefficient,
+                });
+            }
+        }
+        None
+    }
+
+    /// Whether an unknown occurs within a named intermediate result, `q₀ + c d`. There it stands beside something much larger
+    /// when the step is small, so that the equation gives it with the rounding of that: `m v − B (q₀ + d) = p₀` is no
+    /// equation for d.
+    fn moves_node(&self, residual: Expr, unknown: Symbol) -> bool {
+        let mut nodes = self
+            .arena
+            .reachable(&[residual], |e| self.arena.contains(e, unknown))
+            .into_iter();
+        nodes.any(|e| matches!(self.arena.node(e), Node::Opaque(..)))
+    }
+
+    /// Rows and columns of each block, in the order of solution.
+    pub(super) fn blocks(&mut self) -> Result<Vec<RowsAndColumns>, Degenerate> {
+        let n = self.unknowns.len();
+        let depends: Vec<Vec<usize>> = self
+            .residuals
+            .iter()
+            .map(|&r| {
+                (0..n)
+                    .filter(|&c| self.arena.contains(r, self.unknowns[c]))
+                    .collect()
+            })
+            .collect();
+        let row_of = match_columns(&depends, n).map_err(|free| Degenerate {
+            unknowns: free.into_iter().map(|c| self.unknowns[c]).collect(),
+        })?;
+        // unknown c is given by equation row_of[c], which needs the unknowns in it
+        let needs: Vec<Vec<usize>> = (0..n).map(|c| depends[row_of[c]].clone()).collect();
+        Ok(strong_components(&needs)
+            .into_iter()
+            .map(|mut columns| {
+                columns.sort_unstable();
+                let mut rows: Vec<usize> = columns.iter().map(|&c| row_of[c]).collect();
+                rows.sort_unstable();
+                (rows, columns)
+            })
+            .collect())
+    }
+}
+
+/// For each equation the unknowns that it may not give, although it has them with a numeric coefficient: such a coefficient
+/// may be small beside the masses, as that of a weak coupling or of friction is. A velocity, an acceleration or its
+/// multiplier may come from the equation of its own coordinate, and a velocity not from the equation of motion: elimination
+/// along the diagonal of a mass matrix, which is positive definite, needs no pivoting (Higham, Accuracy and Stability of
+/// Numerical Algorithms, section 10.1).
+pub(super) fn kept_unknowns(equations: &Equations, symbols: &Symbols) -> Vec<HashSet<Symbol>> {
+    let as_unknown = |symbol: Symbol| match symbols.meaning(symbol) {
+        Meaning::Unknown(unknown) => Some(*unknown),
+        _ => None,
+    };
+    let is_kept = |variation: Symbol, unknown: Symbol| {
+        let (Some(of), Some(Unknown { family, index })) =
+            (as_unknown(variation), as_unknown(unknown))
+        else {
+            return false;
+        };
+        let (is_own, is_motion) = (index == of.index, of.family == Family::Flow);
+        match family {
+            Family::Velocity => is_motion || !is_own,
+            Family::Acceleration | Family::Flow => !is_own,
+            Family::Displacement | Family::Momentum | Family::Impulse => false,
+        }
+    };
+    let rows = equations.variations.iter().map(|&variation| {
+        let unknowns = equations.unknowns.iter().copied();
+        unknowns.filter(|&u| is_kept(variation, u)).collect()
+    });
+    rows.collect()
+}

@@ -1,0 +1,112 @@
+//! Matrices with their storage, which is chosen once: emission, counts of operations and the plan read it from the matrix.
+
+use super::band::Band;
+use crate::algebra::{Arena, Expr};
+
+/// Smallest diagonal matrix that is stored and solved as one. Smaller ones keep the formulas of one and two unknowns: Cramer's rule
+/// multiplies by the inverse of the determinant, which rounds otherwise than a division per unknown.
+const SMALLEST_DIAGONAL: usize = 3;
+
+/// Which entries of a matrix are stored, and so how the runtime solves with it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Storage {
+    /// All entries; solved by Gaussian elimination with pivoting.
+    Dense,
+    /// The diagonal; solved by a division per unknown.
+    Diagonal,
+    /// The entries near the diagonal; solved by banded elimination.
+    Banded(Band),
+}
+
+/// A square matrix.
+#[derive(Clone, Debug)]
+pub(crate) struct Matrix<T> {
+    pub(crate) storage: Storage,
+    /// The stored entries of each row, in consecutive columns from [`Matrix::first_column`] on. Rows of a band are padded with zeros
+    /// to equal widths.
+    pub(crate) rows: Vec<Vec<T>>,
+}
+
+impl Matrix<Expr> {
+    /// A matrix in the storage in which solving with it is the least work.
+    pub(crate) fn new(entries: Vec<Vec<Expr>>, arena: &mut Arena) -> Self {
+        let zero = arena.constant(0.0);
+        let is_zero = |e: Expr| arena.constant_value(e) == Some(0.0);
+        let size = entries.len();
+        let is_diagonal = entries.iter().enumerate().all(|(i, row)| {
+            let mut others = row.iter().enumerate().filter(|x| x.0 != i);
+            others.all(|x| is_zero(*x.1))
+        });
+        if is_diagonal && size >= SMALLEST_DIAGONAL {
+            let diagonal = entries.iter().enumerate().map(|(i, row)| vec![row[i]]);
+            return Self {
+                storage: Storage::Diagonal,
+                rows: diagonal.collect(),
+            };
+        }
+        match Band::of(&entries, is_zero) {
+            Some(band) => Self {
+                storage: Storage::Banded(band),
+                rows: band.rows(&entries, zero),
+            },
+            None => Self::dense(entries),
+        }
+    }
+
+    /// A matrix of which all entries are stored, zeros too.
+    pub(crate) fn dense(entries: Vec<Vec<Expr>>) -> Self {
+        Self {
+            storage: Storage::Dense,
+            rows: entries,
+        }
+    }
+}
+
+impl<T: Copy> Matrix<T> {
+    /// Number of rows.
+    pub(crate) fn size(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// The column of the first stored entry of a row.
+    pub(crate) fn first_column(&self, row: usize) -> usize {
+        match self.storage {
+            Storage::Dense => 0,
+            Storage::Diagonal => row,
+            Storage::Banded(band) => band.begin(row),
+        }
+    }
+
+    /// The stored entries of a row, each with its column.
+    pub(crate) fn row(&self, row: usize) -> impl Iterator<Item = (usize, T)> + '_ {
+        let (first, size) = (self.first_column(row), self.size());
+        let entries = self.rows[row].iter().enumerate();
+        let entries = entries.map(move |(at, &entry)| (first + at, entry));
+        entries.filter(move |x| x.0 < size)
+    }
+
+    /// All that is stored, row by row, with the padding.
+    pub(crate) fn stored(&self) -> impl Iterator<Item = T> + '_ {
+        self.rows.iter().flatten().copied()
+    }
+
+    /// The number of entries before and behind the diagonal, if not all are stored.
+    pub(crate) fn bandwidths(&self) -> Option<(usize, usize)> {
+        match self.storage {
+            Storage::Dense => None,
+            Storage::Diagonal => Some((0, 0)),
+            Storage::Banded(Band { lower, upper }) => Some((lower, upper)),
+        }
+    }
+
+    /// The same matrix of other entries.
+    pub(crate) fn map<U>(&self, mut entry: impl FnMut(T) -> U) -> Matrix<U> {
+        let rows = self.rows.iter();
+        Matrix {
+            storage: self.storage,
+            rows: rows
+                .map(|row| row.iter().map(|&e| entry(e)).collect())
+                .collect(),
+        }
+    }
+}

@@ -1,0 +1,335 @@
+//! A step as blocks that are solved in order.
+//!
+//! One tree for all later stages, generic in what stands for its quantities: expressions after this stage, values of a program
+//! after scheduling ([`Lower`]). `R` is what stands for a residual, which has a magnitude beside its value once it is
+//! scheduled. What a step computes only where its fast path fails stays an expression; it is computed where it stands.
+
+use super::domain::Condition;
+use super::enclosure::Enclosure;
+use super::judge::Judge;
+use super::matrix::Matrix;
+use crate::algebra::{Expr, Symbol};
+
+/// A step.
+#[derive(Clone)]
+pub(crate) struct Scheme<T, R = T> {
+    pub(crate) blocks: Vec<Block<T, R>>,
+    pub(crate) returns: Returns,
+    /// What the step returns of the configuration and of the momenta, see [`Returns`].
+    pub(crate) dq: Vec<T>,
+    pub(crate) dp: Vec<T>,
+    /// What has to hold at the solution, so that L is defined there.
+    pub(crate) domain: Vec<Condition<T>>,
+    /// `q₁ − q₀` and `p₁ − p₀` as the equations give them, for readers.
+    pub(crate) increments: [Vec<Expr>; 2],
+}
+
+/// What a step returns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Returns {
+    /// `q₁ − q₀` and `p₁ − p₀`.
+    Increment,
+    /// `q₁` and `p₁`: a matrix that differs from step to step times the state, and an offset.
+    State,
+    /// `q₁ − q₀` and `p₁ − p₀` as a matrix, the same in all steps, times the state, and an offset.
+    MatrixTimesState,
+}
+
+impl Returns {
+    /// Whether the entries of a matrix are known before the state that it is applied to.
+    pub(crate) fn is_matrix(self) -> bool {
+        self != Self::Increment
+    }
+}
+
+/// Equations that are solved together.
+#[derive(Clone)]
+pub(crate) struct Block<T, R = T> {
+    pub(crate) kind: Kind,
+    /// Unknowns, as the equations name them.
+    pub(crate) unknowns: Vec<Symbol>,
+    /// Entries of the Jacobian that are not zero.
+    pub(crate) nonzeros: usize,
+    pub(crate) solution: Solution<T, R>,
+}
+
+/// How a block is solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Explicit,
+    Linear,
+    Newton,
+}
+
+/// What there is to compute.
+#[derive(Clone)]
+pub(crate) enum Solution<T, R = T> {
+    /// A single unknown by a formula, which has taken its place in everything that follows and is computed there.
+    Formula(Expr),
+    /// A linear system; `solved` are the names of the solution in everything that follows.
+    System {
+        linear: Linear<T>,
+        solved: Vec<Symbol>,
+    },
+    /// An iteration from the solution of a linear system.
+    Iteration(Box<Iteration<T, R>>),
+}
+
+/// A linear system.
+#[derive(Clone)]
+pub(crate) struct Linear<T> {
+    pub(crate) matrix: Matrix<T>,
+    pub(crate) rhs: Vec<T>,
+}
+
+/// A second stage of a guess, with the same matrix as the first.
+#[derive(Clone)]
+pub(crate) struct Refinement<T> {
+    /// Names of the first stage's result in `rhs`.
+    pub(crate) first: Vec<Symbol>,
+    pub(crate) rhs: Vec<T>,
+}
+
+/// Newton's method on a block.
+#[derive(Clone)]
+pub(crate) struct Iteration<T, R = T> {
+    /// First guess.
+    pub(crate) guess: Linear<T>,
+    /// The Jacobian in the limit of no noise and h → 0, whose determinant has the sign of that of the solution. Nothing where it does
+    /// not exist, wherever the system is: the mass vanishes at rest, as for L = v⁴/4.
+    pub(crate) limit: Option<Matrix<T>>,
+    /// What is added to the guess.
+    pub(crate) refinement: Option<Refinement<T>>,
+    pub(crate) jacobian: Matrix<T>,
+    pub(crate) residual: Vec<R>,
+    /// Second derivative of a single equation in a single unknown.
+    pub(crate) curvature: Option<T>,
+    /// What decides whether a solution is connected with its limit, where that can be bounded.
+    pub(crate) judge: Option<Judge<T>>,
+    /// The guess after a failure: the Newton step from zero, which is the linearly implicit step.
+    pub(crate) fallback: Linear<Expr>,
+    /// Names of the iterates in `residual`, `jacobian` and `curvature`.
+    pub(crate) iterates: Vec<Symbol>,
+    pub(crate) solved: Vec<Symbol>,
+}
+
+/// Turns the expressions of a scheme into something else, in the order of the calls.
+pub(crate) trait Lower {
+    type Value;
+    type Residual;
+    fn value(&mut self, expr: Expr) -> Self::Value;
+    fn residual(&mut self, expr: Expr) -> Self::Residual;
+
+    fn values(&mut self, exprs: &[Expr]) -> Vec<Self::Value> {
+        exprs.iter().map(|&e| self.value(e)).collect()
+    }
+
+    fn rows(&mut self, rows: &[Vec<Expr>]) -> Vec<Vec<Self::Value>> {
+        rows.iter().map(|row| self.values(row)).collect()
+    }
+}
+
+impl Scheme<Expr> {
+    pub(crate) fn lower<L: Lower>(&self, by: &mut L) -> Scheme<L::Value, L::Residual> {
+        Scheme {
+            blocks: self.blocks.iter().map(|block| block.lower(by)).collect(),
+            returns: self.returns,
+            dq: by.values(&self.dq),
+            dp: by.values(&self.dp),
+            domain: self.domain.iter().map(|c| c.lower(by)).collect(),
+            increments: self.increments.clone(),
+        }
+    }
+
+    /// All that the fast path computes.
+    pub(crate) fn roots(&self) -> Vec<Expr> {
+        struct Roots(Vec<Expr>);
+        impl Lower for Roots {
+            type Value = ();
+            type Residual = ();
+            fn value(&mut self, expr: Expr) {
+                self.0.push(expr);
+            }
+            fn residual(&mut self, expr: Expr) {
+                self.0.push(expr);
+            }
+        }
+        let mut roots = Roots(Vec::new());
+        self.lower(&mut roots);
+        roots.0
+    }
+
+    /// All that is computed, where the fast path fails too.
+    pub(super) fn exprs_mut(&mut self) -> Vec<&mut Expr> {
+        let Self {
+            blocks,
+            returns: _,
+            dq,
+            dp,
+            domain,
+            increments: _,
+        } = self;
+        let mut exprs: Vec<&mut Expr> = dq.iter_mut().chain(dp).collect();
+        exprs.extend(domain.iter_mut().map(|condition| &mut condition.value));
+        for block in blocks {
+            match &mut block.solution {
+                Solution::Formula(formula) => exprs.push(formula),
+                Solution::System { linear, solved: _ } => exprs.extend(linear.exprs_mut()),
+                Solution::Iteration(iteration) => exprs.extend(iteration.exprs_mut()),
+            }
+        }
+        exprs
+    }
+}
+
+impl Block<Expr> {
+    fn lower<L: Lower>(&self, by: &mut L) -> Block<L::Value, L::Residual> {
+        Block {
+            kind: self.kind,
+            unknowns: self.unknowns.clone(),
+            nonzeros: self.nonzeros,
+            solution: self.solution.lower(by),
+        }
+    }
+}
+
+impl Solution<Expr> {
+    fn lower<L: Lower>(&self, by: &mut L) -> Solution<L::Value, L::Residual> {
+        match self {
+            Self::Formula(formula) => Solution::Formula(*formula),
+            Self::System { linear, solved } => Solution::System {
+                linear: linear.lower(by),
+                solved: solved.clone(),
+            },
+            Self::Iteration(iteration) => Solution::Iteration(Box::new(iteration.lower(by))),
+        }
+    }
+}
+
+impl<T, R> Block<T, R> {
+    /// The band of its Jacobian, where not all entries are stored.
+    pub(crate) fn bandwidths(&self) -> Option<(usize, usize)>
+    where
+        T: Copy,
+    {
+        match &self.solution {
+            Solution::Formula(_) => None,
+            Solution::System { linear, .. } => linear.matrix.bandwidths(),
+            Solution::Iteration(iteration) => iteration.jacobian.bandwidths(),
+        }
+    }
+}
+
+impl<T, R> Solution<T, R> {
+    /// Names of the solution in everything that follows; none where formulas have taken their place.
+    pub(crate) fn solved(&self) -> &[Symbol] {
+        match self {
+            Self::Formula(_) => &[],
+            Self::System { solved, .. } => solved,
+            Self::Iteration(iteration) => &iteration.solved,
+        }
+    }
+}
+
+impl<T: PartialEq, R> Iteration<T, R> {
+    /// Whether the limit is the solution that the first stage of the guess finds.
+    pub(crate) fn limit_is_guess(&self, judge: &Judge<T>) -> bool {
+        judge.limit_rhs == self.guess.rhs
+    }
+}
+
+impl Linear<Expr> {
+    fn exprs_mut(&mut self) -> impl Iterator<Item = &mut Expr> {
+        let Self { matrix, rhs } = self;
+        matrix.rows.iter_mut().flatten().chain(rhs)
+    }
+
+    fn lower<L: Lower>(&self, by: &mut L) -> Linear<L::Value> {
+        Linear {
+            matrix: self.matrix.map(|e| by.value(e)),
+            rhs: by.values(&self.rhs),
+        }
+    }
+}
+
+impl Refinement<Expr> {
+    fn lower<L: Lower>(&self, by: &mut L) -> Refinement<L::Value> {
+        Refinement {
+            first: self.first.clone(),
+            rhs: by.values(&self.rhs),
+        }
+    }
+}
+
+impl Iteration<Expr> {
+    fn exprs_mut(&mut self) -> impl Iterator<Item = &mut Expr> {
+        let Self {
+            guess,
+            limit,
+            refinement,
+            jacobian,
+            residual,
+            curvature,
+            judge,
+            fallback,
+            iterates: _,
+            solved: _,
+        } = self;
+        let limit = limit.iter_mut().flat_map(|m| &mut m.rows).flatten();
+        let refined = refinement.iter_mut().flat_map(|r| &mut r.rhs);
+        let entries = residual
+            .iter_mut()
+            .chain(jacobian.rows.iter_mut().flatten());
+        let linear = guess.exprs_mut().chain(limit).chain(fallback.exprs_mut());
+        let judged = judge.iter_mut().flat_map(Judge::exprs_mut);
+        let all = linear.chain(refined).chain(entries);
+        all.chain(curvature).chain(judged)
+    }
+
+    fn lower<L: Lower>(&self, by: &mut L) -> Iteration<L::Value, L::Residual> {
+        Iteration {
+            guess: self.guess.lower(by),
+            limit: self.limit.as_ref().map(|m| m.map(|e| by.value(e))),
+            refinement: self.refinement.as_ref().map(|r| r.lower(by)),
+            jacobian: self.jacobian.map(|e| by.value(e)),
+            residual: self.residual.iter().map(|&r| by.residual(r)).collect(),
+            curvature: self.curvature.map(|c| by.value(c)),
+            judge: self.judge.as_ref().map(|j| j.lower(by)),
+            fallback: self.fallback.clone(),
+            iterates: self.iterates.clone(),
+            solved: self.solved.clone(),
+        }
+    }
+}
+
+impl Condition<Expr> {
+    fn lower<L: Lower>(&self, by: &mut L) -> Condition<L::Value> {
+        Condition {
+            value: by.value(self.value),
+            is_closed: self.is_closed,
+            text: self.text,
+        }
+    }
+}
+
+impl Enclosure<Expr> {
+    fn lower<L: Lower>(&self, by: &mut L) -> Enclosure<L::Value> {
+        Enclosure {
+            middle: by.rows(&self.middle),
+            radii: by.rows(&self.radii),
+            conditions: by.values(&self.conditions),
+        }
+    }
+}
+
+impl Judge<Expr> {
+    fn lower<L: Lower>(&self, by: &mut L) -> Judge<L::Value> {
+        let bounds = self.bounds.lower(by);
+        Judge {
+            limit: self.limit.clone(),
+            limit_rhs: by.values(&self.limit_rhs),
+            bounds,
+            full: self.full.clone(),
+        }
+    }
+}
