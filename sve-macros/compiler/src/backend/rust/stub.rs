@@ -9,6 +9,7 @@ use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 use syn::{Attribute, Expr, FnArg, ImplItem, ImplItemFn, ItemImpl, Lit, ReturnType, Type};
 
+use super::configuration::is_nested;
 use super::mend::mend;
 use crate::errors::Errors;
 use crate::rules::Rule;
@@ -58,8 +59,14 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
     };
     let m = if is_generic { one() } else { processes(block) };
     let fail = quote!(::core::unreachable!("the macro reported an error"));
+    let written = coordinates_type(block).filter(|ty| !is_generic && is_nested(ty));
+    let configuration = written.map(|ty| quote!(, #ty));
     let plan = plan(&private);
-    let momenta = momenta(block, &private, &n);
+    let momenta = momenta(
+        block,
+        &private,
+        &written.map_or_else(|| quote!([f64; #n]), |ty| quote!(#ty)),
+    );
     let rules = rules.iter().map(|rule| {
         let rule = format_ident!("{}", rule.type_name());
         quote! {
@@ -72,7 +79,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
                 fn prepare(&self, h: f64) {}
                 fn start(
                     &self,
-                    state: &#private::State<#n>,
+                    state: &#private::State<[f64; #n]>,
                     velocity: &[f64; #n],
                     acceleration: &[f64; #n],
                 ) -> [f64; 0] {
@@ -81,7 +88,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
                 fn increment(
                     &self,
                     prepared: &(),
-                    state: &#private::State<#n>,
+                    state: &#private::State<[f64; #n]>,
                     h: f64,
                     dw: &[f64; #m],
                     newton: &#private::Solver<'_>,
@@ -90,7 +97,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
                 }
                 fn linearise(
                     &self,
-                    state: &#private::State<#n>,
+                    state: &#private::State<[f64; #n]>,
                     h: f64,
                     dw: &[f64; #m],
                     unknowns: &[f64; 0],
@@ -103,7 +110,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
     quote! {
         #attributes
         impl #generics #private::System for #self_ty #clause {
-            type Dims = #private::Dims<#n, #m>;
+            type Dims = #private::Dims<#n, #m #configuration>;
             const AFFINE_MOMENTUM: bool = true;
             const PARAMETERS: &'static [&'static str] = &[];
             fn lagrangian_jet(&self, time: f64, q: &[f64; #n], v: &[f64; #n]) -> #private::LagrangianJet<#n> { #fail }
@@ -136,7 +143,7 @@ fn plan(private: &TokenStream) -> TokenStream {
 }
 
 /// The functions that symmetries would give.
-fn momenta(block: &ItemImpl, private: &TokenStream, n: &TokenStream) -> TokenStream {
+fn momenta(block: &ItemImpl, private: &TokenStream, configuration: &TokenStream) -> TokenStream {
     let self_ty = &block.self_ty;
     let attributes = super::attributes();
     let (generics, _, clause) = block.generics.split_for_impl();
@@ -146,7 +153,7 @@ fn momenta(block: &ItemImpl, private: &TokenStream, n: &TokenStream) -> TokenStr
         let (visibility, name) = (&f.vis, super::momentum_name(&f.sig.ident));
         is_free(&name).then(|| {
             quote! {
-                #visibility fn #name(&self, state: &#private::State<#n>) -> f64 {
+                #visibility fn #name(&self, state: &#private::State<#configuration>) -> f64 {
                     ::core::unreachable!("the macro reported an error")
                 }
             }
@@ -202,12 +209,20 @@ fn functions(block: &ItemImpl) -> impl Iterator<Item = &ImplItemFn> {
 }
 
 fn coordinates(block: &ItemImpl) -> TokenStream {
+    match coordinates_type(block) {
+        Some(ty) => size(&[ty]),
+        None => quote!(1),
+    }
+}
+
+/// The type of the velocity, which is that of the configuration.
+fn coordinates_type(block: &ItemImpl) -> Option<&Type> {
     let last = functions(block)
         .find(|f| f.sig.ident == "lagrangian")
         .and_then(|f| f.sig.inputs.last());
     match last {
-        Some(FnArg::Typed(argument)) => size(&[&argument.ty]),
-        _ => quote!(1),
+        Some(FnArg::Typed(argument)) => Some(&argument.ty),
+        _ => None,
     }
 }
 
