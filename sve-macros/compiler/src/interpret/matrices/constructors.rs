@@ -287,6 +287,10 @@ impl Lowering<'_> {
             Value::Matrix(matrix) => {
                 return Some(Value::Matrix(matrix.clone().with_kind(Kind::Matrix)));
             }
+            Value::Field(path) if let Some(ty) = ty.filter(|ty| !ty.is_vector()) => {
+                let entry = |i, j| Value::Field(path.index(j).index(i));
+                return Some(Value::Matrix(Matrix::from_fn(ty.plain(), entry)));
+            }
             Value::Field(_) | Value::Array(_) if let Some(ty) = ty.filter(|ty| ty.is_vector()) => {
                 vec![self.array_of(value, ty.rows)?]
             }
