@@ -1,13 +1,14 @@
-//! Expressions of a body: numbers, arithmetic, arrays; and what to say of those that are not understood.
+//! Expressions of a body: numbers, names, arrays; and what to say of those that are not understood.
 
 use syn::spanned::Spanned;
-use syn::{BinOp, Expr as Syntax, Lit, UnOp};
+use syn::{Expr as Syntax, Lit};
 
 use super::Lowering;
 use super::branches::Leaving;
-use super::calls::is_constant_name;
+use super::constants::is_constant_name;
+use super::fields::FieldPath;
 use super::integers::Kind;
-use super::value::{FieldPath, Value};
+use super::value::Value;
 use crate::errors::nearest;
 
 /// Nesting of expressions in a source text that is followed.
@@ -169,110 +170,6 @@ impl Lowering<'_> {
         }
     }
 
-    fn unary(&mut self, unary: &syn::ExprUnary) -> Value {
-        let value = self.eval(&unary.expr);
-        match (&unary.op, value) {
-            (_, Value::Poison) => Value::Poison,
-            (UnOp::Neg(op), Value::Int(i)) => self.negated(i, op),
-            (UnOp::Neg(_), value) => match self.scalar(&value, &unary.expr) {
-                Some(x) => Value::Scalar(self.arena.neg(x)),
-                None => Value::Poison,
-            },
-            (UnOp::Deref(_), value) => value,
-            (op, _) => self.refuse(
-                op,
-                "`!` is for conditions on indices, `if !(i == j)`: it has no derivative",
-            ),
-        }
-    }
-
-    fn binary(&mut self, binary: &syn::ExprBinary) -> Value {
-        if let Some(op) = compound(&binary.op) {
-            let left = self.eval(&binary.left);
-            let right = self.eval(&binary.right);
-            let value = self.arithmetic(
-                op,
-                &binary.op,
-                (&left, &binary.left),
-                (&right, &binary.right),
-            );
-            self.store(&binary.left, value);
-            return Value::Unit;
-        }
-        // a long sum is a deep tree to the left, which is walked without recursion
-        let mut spine = Vec::new();
-        let mut innermost = binary;
-        while let Some(op) = plain(&innermost.op) {
-            spine.push((op, innermost));
-            match &*innermost.left {
-                Syntax::Binary(left) if plain(&left.op).is_some() => innermost = left,
-                _ => break,
-            }
-        }
-        if spine.is_empty() {
-            // for the mistakes in its operands
-            self.eval(&binary.left);
-            self.eval(&binary.right);
-            return self.refuse(&binary.op, no_derivative(&binary.op));
-        }
-        let mut value = self.eval(&innermost.left);
-        for (op, outer) in spine.into_iter().rev() {
-            let right = self.eval(&outer.right);
-            value = self.arithmetic(op, &outer.op, (&value, &outer.left), (&right, &outer.right));
-        }
-        value
-    }
-
-    fn arithmetic(
-        &mut self,
-        op: char,
-        token: &BinOp,
-        left: (&Value, &Syntax),
-        right: (&Value, &Syntax),
-    ) -> Value {
-        if let (Value::Int(a), Value::Int(b)) = (left.0, right.0) {
-            return self.integer_arithmetic(op, token, *a, *b);
-        }
-        if let (Value::Poison, Value::Int(_)) | (Value::Int(_), Value::Poison) = (left.0, right.0) {
-            // the mistake is in the other operand, which may have been an integer
-            return Value::Poison;
-        }
-        let a = self.operand(left.0, left.1);
-        let b = self.operand(right.0, right.1);
-        let (Some(a), Some(b)) = (a, b) else {
-            return Value::Poison;
-        };
-        let value = match op {
-            '+' => self.arena.add(a, b),
-            '-' => self.arena.sub(a, b),
-            '*' => self.arena.mul(a, b),
-            '%' => return self.refuse(token, REMAINDER),
-            _ => {
-                if self.arena.constant_value(b) == Some(0.0) {
-                    return self.refuse(
-                        right.1,
-                        "this divides by zero: the denominator is the constant 0",
-                    );
-                }
-                self.arena.div(a, b)
-            }
-        };
-        if self.arena.is_finite(value) {
-            Value::Scalar(value)
-        } else {
-            self.refuse(token, "the constants here overflow an `f64`")
-        }
-    }
-
-    /// The number that an operand is, or an error that says how to write it as one.
-    fn operand(&mut self, value: &Value, syntax: &Syntax) -> Option<crate::algebra::Expr> {
-        if let (Value::Int(_), Some(message)) = (value, as_number(syntax)) {
-            self.refuse(syntax, message);
-            return None;
-        }
-        self.scalar(value, syntax)
-    }
-
     fn repeat(&mut self, repeat: &syn::ExprRepeat) -> Value {
         let value = self.eval(&repeat.expr);
         let Some(n) = self.index_value(&repeat.len) else {
@@ -295,29 +192,6 @@ impl Lowering<'_> {
     }
 }
 
-/// How an integer is written as a number, where that is not by its value.
-fn as_number(syntax: &Syntax) -> Option<String> {
-    let text = super::readable(syntax);
-    match syntax {
-        Syntax::Paren(inner) => as_number(&inner.expr),
-        Syntax::Path(_) | Syntax::MethodCall(_) => Some(format!(
-            "an integer stands where an `f64` belongs: write `{text} as f64`"
-        )),
-        Syntax::Binary(binary) if matches!(binary.op, BinOp::Div(_)) => Some(format!(
-            "`{text}` divides integers, without the fraction: write its numbers as `1.0 / 2.0`"
-        )),
-        Syntax::Binary(_) => Some(format!(
-            "an integer stands where an `f64` belongs: write `({text}) as f64`"
-        )),
-        // `x ** 2`
-        Syntax::Unary(unary) if matches!(unary.op, UnOp::Deref(_)) => Some(
-            "`**` is not a power in Rust: write `x.powi(2)`, or `x.powf(y)` for other exponents"
-                .to_owned(),
-        ),
-        _ => None,
-    }
-}
-
 /// What to say of a macro call.
 pub(super) fn no_macro(path: &syn::Path) -> &'static str {
     let name = path.segments.last().map(|s| s.ident.to_string());
@@ -330,44 +204,6 @@ pub(super) fn no_macro(path: &syn::Path) -> &'static str {
             "a step does not print: leave this out, and print the states of a trajectory"
         }
         _ => "a macro call cannot be differentiated: write the formula",
-    }
-}
-
-/// Why `%` of numbers is refused.
-const REMAINDER: &str = "`%` is not smooth: an angle needs no reduction, use `sin` and `cos`";
-
-/// What to say of an operator that is not arithmetic.
-fn no_derivative(op: &BinOp) -> &'static str {
-    match op {
-        BinOp::RemAssign(_) => REMAINDER,
-        BinOp::Eq(_) | BinOp::Ne(_) | BinOp::Lt(_) | BinOp::Le(_) | BinOp::Gt(_) | BinOp::Ge(_) => {
-            "a comparison has no value in a formula: use a smooth transition such as `tanh` (conditions on indices belong in `if`)"
-        }
-        BinOp::BitXor(_) | BinOp::BitXorAssign(_) => {
-            "`^` is not a power in Rust: write `x.powi(2)`, or `x.powf(y)` for other exponents"
-        }
-        _ => "this operator is none of numbers: a formula has `+`, `-`, `*` and `/`",
-    }
-}
-
-fn plain(op: &BinOp) -> Option<char> {
-    match op {
-        BinOp::Add(_) => Some('+'),
-        BinOp::Sub(_) => Some('-'),
-        BinOp::Mul(_) => Some('*'),
-        BinOp::Div(_) => Some('/'),
-        BinOp::Rem(_) => Some('%'),
-        _ => None,
-    }
-}
-
-fn compound(op: &BinOp) -> Option<char> {
-    match op {
-        BinOp::AddAssign(_) => Some('+'),
-        BinOp::SubAssign(_) => Some('-'),
-        BinOp::MulAssign(_) => Some('*'),
-        BinOp::DivAssign(_) => Some('/'),
-        _ => None,
     }
 }
 

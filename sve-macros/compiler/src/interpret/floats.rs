@@ -235,7 +235,7 @@ pub(super) fn is_method(name: &str) -> bool {
 
 /// How a function that is written `sin(x)` is called as a method; of those that are smooth.
 pub(super) fn method_meant(name: &str) -> Option<String> {
-    match (operands(name), foreign(name)) {
+    match (operands(name), other_name(name)) {
         (Some(0), _) => Some(format!("{name}()")),
         (Some(1), _) => Some(format!("{name}(y)")),
         (Some(_), _) => Some(format!("{name}(y, z)")),
@@ -259,7 +259,7 @@ fn operands(name: &str) -> Option<usize> {
 
 fn no_method(name: &str) -> String {
     let known = UNARY.iter().map(|u| u.0).chain(OTHER.iter().copied());
-    match foreign(name).or_else(|| nearest(name, known)) {
+    match other_name(name).or_else(|| nearest(name, known)) {
         Some(near) => format!("`{name}` is not a function of `f64`; did you mean `{near}`?"),
         None => format!(
             "`{name}` is not among the smooth functions of `f64` (`powi`, `sqrt`, `exp`, `ln`, `sin`, `atan2`, `hypot`, …): compose it of them in a function of this `impl` block"
@@ -268,7 +268,7 @@ fn no_method(name: &str) -> String {
 }
 
 /// What a function is called here that has another name elsewhere.
-fn foreign(name: &str) -> Option<&'static str> {
+pub(super) fn other_name(name: &str) -> Option<&'static str> {
     Some(match name {
         "pow" => "powi` or `powf",
         "square" | "squared" | "sqr" => "powi(2)",

@@ -5,8 +5,7 @@
 
 use proc_macro2::Span;
 use syn::spanned::Spanned;
-use syn::visit::Visit;
-use syn::{BinOp, Block, Expr as Syntax, Pat, Type};
+use syn::{BinOp, Type};
 
 use super::Lowering;
 use super::calls::Argument;
@@ -338,73 +337,5 @@ impl Lowering<'_> {
             (_, kind) => kind,
         };
         Some(self.computed(result, kind, &at))
-    }
-
-    /// The integers of a loop, which have the type of indices where they have none and the variable is an index in the body.
-    pub(super) fn as_indices(items: Vec<Value>, name: &Pat, body: &Block) -> Vec<Value> {
-        if items.iter().any(is_untyped) && is_index(name, |indices| indices.visit_block(body)) {
-            items.into_iter().map(counted).collect()
-        } else {
-            items
-        }
-    }
-
-    /// The same, of the argument of a closure.
-    pub(super) fn as_index(value: Value, name: &Pat, body: &Syntax) -> Value {
-        if is_untyped(&value) && is_index(name, |indices| indices.visit_expr(body)) {
-            counted(value)
-        } else {
-            value
-        }
-    }
-}
-
-fn is_untyped(value: &Value) -> bool {
-    matches!(value, Value::Int(Integer { kind: None, .. }))
-}
-
-fn counted(value: Value) -> Value {
-    match value {
-        Value::Int(i) => Value::Int(i.or_of(USIZE)),
-        other => other,
-    }
-}
-
-/// A search for indices in which a variable stands.
-struct Indices<'a> {
-    name: &'a syn::Ident,
-    found: bool,
-}
-
-impl<'ast> Visit<'ast> for Indices<'_> {
-    fn visit_expr_index(&mut self, index: &'ast syn::ExprIndex) {
-        self.found |= occurs(self.name, &index.index);
-        syn::visit::visit_expr_index(self, index);
-    }
-}
-
-/// Whether a variable stands in an index outside of casts, calls and closures, so that it is a `usize`.
-fn is_index<'p>(name: &'p Pat, search: impl FnOnce(&mut Indices<'p>)) -> bool {
-    let Pat::Ident(name) = name else { return false };
-    let mut indices = Indices {
-        name: &name.ident,
-        found: false,
-    };
-    search(&mut indices);
-    indices.found
-}
-
-/// Whether a variable is an operand of arithmetic.
-fn occurs(name: &syn::Ident, syntax: &Syntax) -> bool {
-    match syntax {
-        Syntax::Path(path) => path.path.is_ident(name),
-        Syntax::Paren(inner) => occurs(name, &inner.expr),
-        Syntax::Group(inner) => occurs(name, &inner.expr),
-        Syntax::Binary(binary) => occurs(name, &binary.left) || occurs(name, &binary.right),
-        Syntax::Range(range) => [&range.start, &range.end]
-            .into_iter()
-            .flatten()
-            .any(|bound| occurs(name, bound)),
-        _ => false,
     }
 }

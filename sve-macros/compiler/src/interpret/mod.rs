@@ -1,21 +1,29 @@
 //! Bodies → expressions, by symbolic execution; the errors of meaning.
 //!
 //! Input: the annotated block. Output: the [`Model`]. A body is run with expressions for numbers: loops are unrolled, helpers
-//! inlined, arrays and tuples are values. After a mistake the run goes on with a poisoned value, so that each mistake is
+//! inlined, arrays, tuples, vectors and matrices are values. After a mistake the run goes on with a poisoned value, so that each mistake is
 //! reported once and independent ones together.
 
 mod branches;
 mod calls;
 mod closures;
+mod constants;
 mod conversions;
 mod expressions;
+mod fields;
 mod floats;
+mod helpers;
+mod indices;
 mod integers;
+mod matrices;
+mod operators;
+mod parts;
 mod pattern;
 mod places;
 mod references;
 mod sequences;
 mod statements;
+mod types;
 mod value;
 
 use std::collections::{HashMap, HashSet};
@@ -25,11 +33,11 @@ use syn::spanned::Spanned;
 
 use crate::algebra::{Arena, Expr, Symbol};
 use crate::errors::Errors;
-use crate::syntax::parse::{Annotated, Part};
-use crate::syntax::roles::Role;
-use crate::system::model::{Generator, Meaning, Model, NoiseTerm, Symbols};
+use crate::syntax::parse::Annotated;
+use crate::system::model::{Model, Symbols};
 use branches::Leaving;
-use value::{Shape, Value};
+use fields::FieldPath;
+use value::Value;
 
 /// Statements and expressions that one expansion may execute.
 const STEPS: usize = 2_000_000;
@@ -61,6 +69,8 @@ pub(crate) struct Lowering<'a> {
     leaving: Option<Leaving>,
     /// Helpers in which a mistake has been reported.
     broken: HashSet<String>,
+    /// The last parameter that was an operand as a number.
+    taken_for_number: Option<FieldPath>,
     steps: usize,
     /// Nesting of the expression being evaluated.
     depth: usize,
@@ -87,6 +97,7 @@ pub(crate) fn interpret(
         leaving: None,
         active: Vec::new(),
         broken: HashSet::new(),
+        taken_for_number: None,
         steps: 0,
         depth: 0,
     };
@@ -103,274 +114,6 @@ pub(crate) fn interpret(
 }
 
 impl Lowering<'_> {
-    /// The model without its symbol table, which the caller moves in.
-    fn model(&mut self) -> Option<Model> {
-        let block = self.block;
-        let part = &block.lagrangian;
-        let offset = usize::from(part.timed);
-        let shape = self.shape(&part.arguments[offset].1)?;
-        let n = shape.len();
-        if n == 0 {
-            self.errors.push(
-                part.arguments[offset].1.span(),
-                "a system needs at least one coordinate",
-            );
-            return None;
-        }
-        let time = self.symbols.declare(Meaning::Time);
-        let q = self.symbols.declare_all(n, Meaning::Position);
-        let v = self.symbols.declare_all(n, Meaning::Velocity);
-        let p = self.symbols.declare_all(n, Meaning::Momentum);
-
-        let result = self.run(part, &shape, time, &[&q, &v]);
-        let lagrangian = self.scalar_result(part, &result);
-        let mut noises = Vec::new();
-        for noise in &block.noises {
-            let arguments: &[&[Symbol]] = if noise.role == Role::Gamma {
-                &[&q]
-            } else {
-                &[&q, &p]
-            };
-            let result = self.run(noise, &shape, time, arguments);
-            self.noise_terms(noise, result, &mut noises);
-        }
-        let mut force: Option<Vec<Expr>> = None;
-        for part in &block.forces {
-            let result = self.run(part, &shape, time, &[&q, &v]);
-            let Some(more) = self.vector_result(part, &result, &shape) else {
-                continue;
-            };
-            force = Some(match force {
-                Some(sum) => {
-                    let pairs = sum.into_iter().zip(more);
-                    pairs.map(|(a, b)| self.arena.add(a, b)).collect()
-                }
-                None => more,
-            });
-        }
-        let mut symmetries = Vec::new();
-        for part in &block.symmetries {
-            let result = self.run(part, &shape, time, &[&q]);
-            if let Some(field) = self.vector_result(part, &result, &shape) {
-                let name = part.name.to_string();
-                symmetries.push(Generator { name, field });
-            }
-        }
-        Some(Model {
-            symbols: Symbols::default(),
-            time,
-            q,
-            v,
-            p,
-            lagrangian: lagrangian?,
-            noises,
-            force,
-            symmetries,
-        })
-    }
-
-    /// Runs a part with symbols for its arguments.
-    fn run(&mut self, part: &Part, shape: &Shape, time: Symbol, vectors: &[&[Symbol]]) -> Value {
-        self.scopes = vec![HashMap::new()];
-        self.active = vec![part.name.to_string()];
-        let outer = self.errors.enter(&part.name.to_string());
-        let mut arguments = part.arguments.iter();
-        if part.timed
-            && let Some((pattern, _)) = arguments.next()
-        {
-            let t = self.arena.symbol(time);
-            self.bind(pattern, Value::Scalar(t));
-        }
-        let mut differs = false;
-        for ((pattern, ty), symbols) in arguments.zip(vectors) {
-            match self.shape(ty) {
-                Some(found) if found == *shape => {}
-                found => {
-                    if found.is_some() && !differs {
-                        self.differs(part, ty);
-                        differs = true;
-                    }
-                    self.bind(pattern, Value::Poison);
-                    continue;
-                }
-            }
-            let mut expressions = symbols
-                .iter()
-                .map(|&s| self.arena.symbol(s))
-                .collect::<Vec<_>>()
-                .into_iter();
-            let value = shape.fill(&mut || expressions.next().map_or(Value::Poison, Value::Scalar));
-            self.bind(pattern, value);
-        }
-        let mistakes = self.errors.count();
-        let value = self.block_value(&part.function.block);
-        let value = self.awaited(value, &part.output, &part.function.sig.output);
-        if self.errors.count() > mistakes {
-            self.broken.insert(part.name.to_string());
-        }
-        self.errors.leave(outer);
-        value
-    }
-
-    fn differs(&mut self, part: &Part, ty: &syn::Type) {
-        let lagrangian = &self.block.lagrangian;
-        let whose = match part.role {
-            Role::Lagrangian => "positions and velocities",
-            _ => "this and the arguments of `lagrangian`",
-        };
-        let there = &lagrangian.arguments[usize::from(lagrangian.timed)].1;
-        self.errors.push(
-            ty.span(),
-            format!(
-                "{whose} must be of the same length: here `{}`, there `{}`",
-                readable(ty),
-                readable(there),
-            ),
-        );
-    }
-
-    fn scalar_result(&mut self, part: &Part, value: &Value) -> Option<Expr> {
-        if self.shape(&part.output)? != Shape::Scalar {
-            self.errors.push(
-                part.output.span(),
-                format!("`{}` must return `f64`, one number: the energy of motion less that of position", part.name),
-            );
-            return None;
-        }
-        self.result(part, value)
-    }
-
-    /// The expression of what a part returns, or an error at its last expression.
-    fn result(&mut self, part: &Part, value: &Value) -> Option<Expr> {
-        let outer = self.errors.enter(&part.name.to_string());
-        let result = match part.function.block.stmts.last() {
-            Some(syn::Stmt::Expr(_, Some(semicolon))) => self.scalar(value, semicolon),
-            Some(last) => self.scalar(value, last),
-            None => self.scalar(value, &part.name),
-        };
-        self.errors.leave(outer);
-        result
-    }
-
-    /// A vector of the shape of the coordinates.
-    fn vector_result(&mut self, part: &Part, value: &Value, shape: &Shape) -> Option<Vec<Expr>> {
-        let arguments = &part.arguments[usize::from(part.timed)..];
-        if arguments
-            .iter()
-            .any(|(_, ty)| self.shape(ty).as_ref() != Some(shape))
-        {
-            // reported there
-            return None;
-        }
-        if self.shape(&part.output)? != *shape {
-            let lagrangian = &self.block.lagrangian;
-            let coordinates = &lagrangian.arguments[usize::from(lagrangian.timed)].1;
-            self.errors.push(
-                part.output.span(),
-                format!(
-                    "`{}` must return a vector like the coordinates, `{}`",
-                    part.name,
-                    readable(coordinates)
-                ),
-            );
-            return None;
-        }
-        let mut entries = Vec::new();
-        self.entries(value, shape, &part.name, &mut entries)?;
-        Some(entries)
-    }
-
-    /// The numbers of a value of a known shape, in memory order.
-    fn entries(
-        &mut self,
-        value: &Value,
-        shape: &Shape,
-        at: &impl Spanned,
-        out: &mut Vec<Expr>,
-    ) -> Option<()> {
-        match (shape, value) {
-            (Shape::Scalar, value) => out.push(self.scalar(value, at)?),
-            (Shape::Array(n, inner), Value::Field(path)) => {
-                for i in 0..*n {
-                    self.entries(&Value::Field(path.index(i)), inner, at, out)?;
-                }
-            }
-            (Shape::Array(n, inner), Value::Array(values)) if values.len() == *n => {
-                for value in values {
-                    self.entries(value, inner, at, out)?;
-                }
-            }
-            (_, Value::Poison) => return None,
-            (Shape::Array(n, _), other) => {
-                let message = format!("expected an array of {n}, found {}", other.kind());
-                self.errors.push(at.span(), message);
-                return None;
-            }
-        }
-        Some(())
-    }
-
-    fn noise_terms(&mut self, part: &Part, value: Value, noises: &mut Vec<NoiseTerm>) {
-        let Some(shape) = self.shape(&part.output) else {
-            return;
-        };
-        let components: Vec<(String, Value)> = match (shape, value) {
-            (_, Value::Poison) => return,
-            (Shape::Array(..), Value::Field(_)) => {
-                self.idle(part, &part.name.to_string());
-                return;
-            }
-            (Shape::Scalar, value) => vec![(part.name.to_string(), value)],
-            (Shape::Array(_, inner), Value::Array(values)) if *inner == Shape::Scalar => values
-                .into_iter()
-                .enumerate()
-                .map(|(i, value)| (format!("{}[{i}]", part.name), value))
-                .collect(),
-            _ => {
-                self.errors.push(
-                    part.output.span(),
-                    format!(
-                        "`{}` must return `f64` or `[f64; M]`, one entry a Wiener process",
-                        part.name
-                    ),
-                );
-                return;
-            }
-        };
-        for (name, value) in components {
-            let Some(value) = self.result(part, &value) else {
-                continue;
-            };
-            let moves = self.arena.symbols_of(value).any(|s| {
-                matches!(
-                    self.symbols.meaning(s),
-                    Meaning::Position(_) | Meaning::Momentum(_)
-                )
-            });
-            if !moves {
-                self.idle(part, &name);
-            }
-            let is_gamma = part.role == Role::Gamma;
-            let hamiltonian = if is_gamma {
-                self.arena.neg(value)
-            } else {
-                value
-            };
-            noises.push(NoiseTerm {
-                name,
-                is_gamma,
-                hamiltonian,
-            });
-        }
-    }
-
-    fn idle(&mut self, part: &Part, name: &str) {
-        self.errors.push(
-            part.name.span(),
-            format!("the noise `{name}` depends on neither q nor p, so it moves nothing: its derivative is zero; did you mean to multiply by a coordinate?"),
-        );
-    }
-
     /// The expression of a number, or an error at `at`.
     fn scalar(&mut self, value: &Value, at: &impl Spanned) -> Option<Expr> {
         match value {
@@ -404,6 +147,7 @@ impl Lowering<'_> {
                 None
             }
             Value::Array(_)
+            | Value::Matrix(_)
             | Value::Tuple(_)
             | Value::Sequence(_)
             | Value::Closure(_)
@@ -411,6 +155,10 @@ impl Lowering<'_> {
             | Value::Unset => {
                 let hint = match value {
                     Value::Array(_) => ": take an entry, such as `x[0]`",
+                    Value::Matrix(m) if m.ty.is_vector() => {
+                        ": take an entry, such as `v[0]`, or a number such as `v.norm_squared()`"
+                    }
+                    Value::Matrix(_) => ": take an entry, such as `m[(0, 0)]`",
                     Value::Tuple(_) => ": take an entry, such as `x.0`",
                     Value::Sequence(_) => ": end with `.sum::<f64>()`",
                     Value::Closure(_) => ": call it, `f(x)`",
@@ -424,29 +172,6 @@ impl Lowering<'_> {
                 None
             }
         }
-    }
-
-    /// The symbol of a field of the user's struct.
-    fn parameter(&mut self, path: &value::FieldPath) -> Expr {
-        let key = path.access();
-        let symbol = match self.parameters.get(&key.to_string()) {
-            Some(&symbol) => symbol,
-            None => {
-                // `self.a_b` and `self.a.b` are two parameters
-                let mut name = path.name();
-                while !self.parameter_names.insert(name.clone()) {
-                    name.push('_');
-                }
-                let meaning = Meaning::Parameter {
-                    name,
-                    access: key.clone(),
-                };
-                let symbol = self.symbols.declare(meaning);
-                self.parameters.insert(key.to_string(), symbol);
-                symbol
-            }
-        };
-        self.arena.symbol(symbol)
     }
 
     /// Counts a statement or expression; false when there have been too many.

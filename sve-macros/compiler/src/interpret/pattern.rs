@@ -1,7 +1,7 @@
 //! Patterns: names, tuples, arrays, `_`.
 
+use syn::Pat;
 use syn::spanned::Spanned;
-use syn::{Expr as Syntax, Pat, Type};
 
 use super::Lowering;
 use super::value::Value;
@@ -73,6 +73,8 @@ impl Lowering<'_> {
         let values = match value {
             Value::Tuple(values) if wanted == "tuple" => values,
             Value::Array(values) if wanted == "array" => values,
+            // `v.into()`
+            Value::Matrix(matrix) if wanted == "array" => matrix.entries,
             // a constant index from the end of a field's array is not known
             Value::Field(path)
                 if wanted == "array" && rest.is_none_or(|at| at + 1 == patterns.len()) =>
@@ -143,38 +145,6 @@ impl Lowering<'_> {
             return self.refuse(at, format!("arrays nested more than {NESTING} deep"));
         }
         value
-    }
-
-    /// A value of a type that is written beside it: an array of the struct's fields gets its length from there.
-    pub(super) fn ascribed(&mut self, value: Value, ty: &Type) -> Value {
-        let value = self.awaited(value, ty, ty);
-        match (value, ty) {
-            (value, Type::Reference(reference)) => self.ascribed(value, &reference.elem),
-            (Value::Field(path), Type::Array(array)) => match self.length_of_type(&array.len) {
-                Some(n) => Value::Array(
-                    (0..n)
-                        .map(|i| self.ascribed(Value::Field(path.index(i)), &array.elem))
-                        .collect(),
-                ),
-                None => Value::Field(path),
-            },
-            (value, _) => value,
-        }
-    }
-
-    /// A length that is a literal or made of constants of the block; silent about others, which are Rust's to know.
-    fn length_of_type(&mut self, length: &Syntax) -> Option<usize> {
-        let errors = std::mem::take(&mut self.errors);
-        let broken = self.broken.clone();
-        let value = self.eval(length);
-        self.errors = errors;
-        self.broken = broken;
-        match value {
-            Value::Int(n) if self.work(usize::try_from(n.value).ok()?, length) => {
-                usize::try_from(n.value).ok()
-            }
-            _ => None,
-        }
     }
 
     /// After a pattern that is not understood: its names hold errors, so that their uses report nothing.

@@ -7,11 +7,15 @@ use syn::spanned::Spanned;
 use syn::{Expr as Syntax, Member};
 
 use super::Lowering;
-use super::value::{FieldPath, Value};
+use super::fields::FieldPath;
+use super::matrices::MatrixType;
+use super::value::Value;
 
 /// One step into a value.
 pub(super) enum Pick<'e> {
     Index(usize, Span),
+    /// Row and column.
+    Pair(usize, usize, Span),
     Member(&'e Member),
 }
 
@@ -162,8 +166,7 @@ impl Lowering<'_> {
         loop {
             base = match base {
                 Syntax::Index(index) if !matches!(*index.index, Syntax::Range(_)) => {
-                    let at = self.index_value(&index.index)?;
-                    picks.push(Pick::Index(at, index.index.span()));
+                    picks.push(self.index_pick(&index.index)?);
                     &index.expr
                 }
                 Syntax::Field(field) => {
@@ -181,8 +184,30 @@ impl Lowering<'_> {
         Some((base, picks))
     }
 
+    /// An index, or the row and column of a matrix.
+    fn index_pick<'e>(&mut self, index: &'e Syntax) -> Option<Pick<'e>> {
+        if let Syntax::Tuple(pair) = index
+            && pair.elems.len() == 2
+        {
+            let (row, column) = (
+                self.index_value(&pair.elems[0]),
+                self.index_value(&pair.elems[1]),
+            );
+            return Some(Pick::Pair(row?, column?, index.span()));
+        }
+        self.index_value(index)
+            .map(|at| Pick::Index(at, index.span()))
+    }
+
+    /// An index or a length, or an error.
     pub(super) fn index_value(&mut self, expr: &Syntax) -> Option<usize> {
-        match self.eval(expr) {
+        let value = self.eval(expr);
+        self.index_of(&value, expr)
+    }
+
+    /// The index that a value is, or an error at `at`.
+    pub(super) fn index_of(&mut self, value: &Value, expr: &impl Spanned) -> Option<usize> {
+        match value {
             Value::Int(i) if i.value >= 0 => usize::try_from(i.value).ok(),
             Value::Poison => None,
             Value::Int(i) => {
@@ -222,6 +247,7 @@ impl Lowering<'_> {
                 (Value::Array(values), Pick::Index(i, span)) => values
                     .get(*i)
                     .ok_or_else(|| out_of_range(*i, *span, values.len()))?,
+                (Value::Matrix(matrix), pick) => &matrix.entries[matrix_entry(matrix.ty, pick)?],
                 (Value::Tuple(values), Pick::Member(Member::Unnamed(index))) => {
                     let entry = values.get(index.index as usize);
                     entry.ok_or_else(|| no_member(value, pick))?
@@ -236,6 +262,7 @@ impl Lowering<'_> {
 fn field(path: &FieldPath, picks: &[Pick<'_>]) -> FieldPath {
     picks.iter().fold(path.clone(), |path, pick| match pick {
         Pick::Index(at, _) => path.index(*at),
+        Pick::Pair(row, column, _) => path.pair(*row, *column),
         Pick::Member(member) => path.member(member),
     })
 }
@@ -252,10 +279,34 @@ pub(super) fn out_of_range(at: usize, span: Span, entries: usize) -> Mistake {
     )
 }
 
+/// The place of an entry of a vector or matrix in its storage.
+pub(super) fn matrix_entry(ty: MatrixType, pick: &Pick<'_>) -> Result<usize, Mistake> {
+    let (found, span, index) = match pick {
+        Pick::Index(at, span) => ((*at < ty.len()).then_some(*at), *span, at.to_string()),
+        Pick::Pair(row, column, span) => {
+            (ty.place(*row, *column), *span, format!("({row}, {column})"))
+        }
+        Pick::Member(member) => {
+            let message = format!(
+                "a `{ty}` has no such entry: its entries are {}",
+                ty.entry_names()
+            );
+            return ty.place_of(member).ok_or((member.span(), message));
+        }
+    };
+    let message = format!(
+        "index {index} is out of range: a `{ty}` has the entries {}",
+        ty.entry_names()
+    );
+    found.ok_or((span, message))
+}
+
 pub(super) fn no_member(value: &Value, pick: &Pick<'_>) -> Mistake {
     let kind = value.kind();
     match pick {
-        Pick::Index(_, span) => (*span, format!("{kind} cannot be indexed")),
+        Pick::Index(_, span) | Pick::Pair(_, _, span) => {
+            (*span, format!("{kind} cannot be indexed"))
+        }
         Pick::Member(member) => {
             let entries = match value {
                 Value::Tuple(values) if !values.is_empty() => {

@@ -8,7 +8,7 @@ use syn::spanned::Spanned;
 use syn::{Expr as Syntax, Type, UnOp};
 
 use super::Lowering;
-use super::places::{Mistake, Pick, no_member, out_of_range, variable_name};
+use super::places::{Mistake, Pick, matrix_entry, no_member, out_of_range, variable_name};
 use super::value::Value;
 
 /// References to references that are followed.
@@ -51,6 +51,7 @@ impl Lowering<'_> {
             .iter()
             .try_fold(variable, |value, &entry| match value {
                 Value::Array(values) | Value::Tuple(values) => values.get(entry),
+                Value::Matrix(matrix) => matrix.entries.get(entry),
                 _ => None,
             })
     }
@@ -62,6 +63,7 @@ impl Lowering<'_> {
             .iter()
             .try_fold(variable, |value, &entry| match value {
                 Value::Array(values) | Value::Tuple(values) => values.get_mut(entry),
+                Value::Matrix(matrix) => matrix.entries.get_mut(entry),
                 _ => None,
             })
     }
@@ -115,6 +117,7 @@ impl Lowering<'_> {
         };
         let n = match self.followed(&Value::Place(target.place.clone())) {
             Value::Array(values) => values.len(),
+            Value::Matrix(matrix) => matrix.entries.len(),
             Value::Poison => return Value::Poison,
             other => {
                 let message = format!(
@@ -230,6 +233,7 @@ impl Lowering<'_> {
                 (Value::Array(values), Pick::Index(i, span)) => {
                     return Err(out_of_range(*i, *span, values.len()));
                 }
+                (Value::Matrix(matrix), pick) => matrix_entry(matrix.ty, pick)?,
                 (Value::Tuple(values), Pick::Member(syn::Member::Unnamed(index)))
                     if (index.index as usize) < values.len() =>
                 {

@@ -13,8 +13,9 @@ use super::Lowering;
 use super::branches::Undecided;
 use super::calls::Argument;
 use super::conversions::NO_LENGTH;
+use super::fields::FieldPath;
 use super::integers::Integer;
-use super::value::{FieldPath, Value};
+use super::value::Value;
 
 /// Methods of arrays and iterators that are understood.
 const METHODS: &[&str] = &[
@@ -43,6 +44,11 @@ const METHODS: &[&str] = &[
     "product",
     "fold",
 ];
+
+/// Whether arrays or iterators have a method of this name.
+pub(super) fn is_method(name: &str) -> bool {
+    METHODS.contains(&name)
+}
 
 impl Lowering<'_> {
     /// A method of an array or an iterator; nothing if the receiver is neither.
@@ -182,6 +188,7 @@ impl Lowering<'_> {
     ) -> Option<Vec<Value>> {
         match (&argument.value, length) {
             (Value::Array(items) | Value::Sequence(items), _) => Some(items.clone()),
+            (Value::Matrix(matrix), _) => Some(matrix.entries.clone()),
             (Value::Field(path), Some(length)) => {
                 Some((0..length).map(|i| Value::Field(path.index(i))).collect())
             }
@@ -217,7 +224,7 @@ impl Lowering<'_> {
         items
     }
 
-    fn mapped(&mut self, items: Vec<Value>, function: &Syntax) -> Option<Vec<Value>> {
+    pub(super) fn mapped(&mut self, items: Vec<Value>, function: &Syntax) -> Option<Vec<Value>> {
         let mistakes = self.errors.count();
         let mut results = Vec::new();
         for item in items {
@@ -259,7 +266,7 @@ impl Lowering<'_> {
         Some(kept)
     }
 
-    fn fold(&mut self, items: Vec<Value>, start: &Syntax, function: &Syntax) -> Value {
+    pub(super) fn fold(&mut self, items: Vec<Value>, start: &Syntax, function: &Syntax) -> Value {
         let mut value = self.eval(start);
         let mistakes = self.errors.count();
         for item in items {
@@ -275,6 +282,9 @@ impl Lowering<'_> {
     /// `sum` and `product`, of numbers or of integers.
     fn total(&mut self, call: &ExprMethodCall, items: Vec<Value>) -> Value {
         let is_sum = call.method == "sum";
+        if is_sum && let Some(sum) = self.sum_of_matrices(call, &items) {
+            return sum;
+        }
         let named = call.turbofish.as_ref().map(super::readable);
         let floats = match &named {
             Some(name) => name.contains("f64") || name.contains('_'),

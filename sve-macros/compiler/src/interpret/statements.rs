@@ -6,7 +6,8 @@ use syn::{Block, Expr as Syntax, ExprForLoop, Item, Pat, RangeLimits, Stmt, UseT
 
 use super::Lowering;
 use super::branches::Leaving;
-use super::calls::{Argument, CONSTANTS, float_constant};
+use super::calls::Argument;
+use super::constants::{CONSTANTS, float_constant};
 use super::expressions::no_macro;
 use super::integers::{Integer, common};
 use super::places::variable_name;
@@ -88,6 +89,7 @@ impl Lowering<'_> {
         match item {
             Item::Const(constant) => {
                 let value = self.eval(&constant.expr);
+                let value = self.ascribed(value, &constant.ty);
                 let value = self.number(value, &constant.ty, &constant.expr);
                 if let Some(scope) = self.scopes.last_mut() {
                     scope.insert(constant.ident.to_string(), value);

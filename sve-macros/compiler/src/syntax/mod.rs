@@ -1,5 +1,6 @@
 //! Tokens → annotated block: nesting, the attribute, the items with their roles and signatures; errors of shape.
 
+pub(crate) mod nalgebra;
 pub(crate) mod nesting;
 pub(crate) mod parse;
 pub(crate) mod roles;

@@ -55,6 +55,13 @@ pub(crate) struct Annotated {
     pub(crate) constants: Vec<ImplItemConst>,
 }
 
+impl Annotated {
+    /// The type of the coordinates, as the Lagrangian's first vector argument has it.
+    pub(crate) fn coordinates(&self) -> &Type {
+        &self.lagrangian.arguments[usize::from(self.lagrangian.timed)].1
+    }
+}
+
 impl Arguments {
     /// Reads the attribute; what is wrong in it is left out.
     pub(crate) fn read(attribute: TokenStream, errors: &mut Errors) -> Self {

@@ -8,6 +8,7 @@ mod mistakes;
 mod readable;
 mod robustness;
 mod scheme;
+mod vectors;
 mod zero;
 
 use proc_macro2::TokenStream;

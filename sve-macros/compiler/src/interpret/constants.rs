@@ -1,0 +1,134 @@
+//! Constants: those of the block, of `std::f64::consts`, and those from outside the block.
+
+use std::f64::consts;
+
+use super::Lowering;
+use super::fields::FieldPath;
+use super::integers::{integer_constant, is_integer};
+use super::value::Value;
+use crate::errors::nearest;
+
+/// What `std::f64::consts` has.
+pub(super) const CONSTANTS: &[(&str, f64)] = &[
+    ("PI", consts::PI),
+    ("TAU", consts::TAU),
+    ("E", consts::E),
+    ("SQRT_2", consts::SQRT_2),
+    ("LN_2", consts::LN_2),
+    ("LN_10", consts::LN_10),
+    ("LOG2_E", consts::LOG2_E),
+    ("LOG2_10", consts::LOG2_10),
+    ("LOG10_E", consts::LOG10_E),
+    ("LOG10_2", consts::LOG10_2),
+    ("FRAC_1_PI", consts::FRAC_1_PI),
+    ("FRAC_2_PI", consts::FRAC_2_PI),
+    ("FRAC_1_SQRT_2", consts::FRAC_1_SQRT_2),
+    ("FRAC_2_SQRT_PI", consts::FRAC_2_SQRT_PI),
+    ("FRAC_PI_2", consts::FRAC_PI_2),
+    ("FRAC_PI_3", consts::FRAC_PI_3),
+    ("FRAC_PI_4", consts::FRAC_PI_4),
+    ("FRAC_PI_6", consts::FRAC_PI_6),
+    ("FRAC_PI_8", consts::FRAC_PI_8),
+];
+
+/// What `std::f64::consts` has under this name.
+pub(super) fn float_constant(name: &str) -> Option<f64> {
+    CONSTANTS.iter().find(|c| c.0 == name).map(|c| c.1)
+}
+
+/// Whether a name is in capitals, as those of constants are.
+pub(super) fn is_constant_name(name: &str) -> bool {
+    name.chars().any(char::is_uppercase) && !name.chars().any(char::is_lowercase)
+}
+
+impl Lowering<'_> {
+    pub(super) fn constant_named(&self, name: &str) -> Option<&syn::ImplItemConst> {
+        self.block.constants.iter().find(|c| c.ident == name)
+    }
+
+    /// `Self::K`, `std::f64::consts::PI`.
+    pub(super) fn long_path(&mut self, expr: &syn::ExprPath) -> Value {
+        let names: Vec<String> = expr
+            .path
+            .segments
+            .iter()
+            .map(|s| s.ident.to_string())
+            .collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        match names.as_slice() {
+            [owner, name] if self.is_self(owner) => self.block_constant(expr, name),
+            ["std" | "core", "f64", "consts", name]
+            | ["f64", "consts", name]
+            | ["consts", name] => match float_constant(name) {
+                Some(value) => Value::Scalar(self.arena.constant(value)),
+                None => {
+                    let near = nearest(name, CONSTANTS.iter().map(|c| c.0))
+                        .map(|near| format!("; did you mean `{near}`?"))
+                        .unwrap_or_default();
+                    self.refuse(&expr.path.segments.last(), format!("there is no constant `{name}` in `std::f64::consts`{near}"))
+                }
+            },
+            ["f64", "EPSILON"] => Value::Scalar(self.arena.constant(f64::EPSILON)),
+            ["f64", "MIN_POSITIVE"] => Value::Scalar(self.arena.constant(f64::MIN_POSITIVE)),
+            ["f64", "MAX" | "MIN" | "INFINITY" | "NEG_INFINITY" | "NAN"] => {
+                self.refuse(expr, "this number has no place in a formula: it overflows, or is none")
+            }
+            [ty, name @ ("MAX" | "MIN" | "BITS")]
+                if let Some(value) = integer_constant(ty, name) =>
+            {
+                Value::Int(value)
+            }
+            ["f64", name] if super::floats::is_method(name) => {
+                let message = format!("a function is called, or named in `map` and its like: pass a closure, `|x| x.{name}()`");
+                self.refuse(expr, message)
+            }
+            // a constant from elsewhere
+            [.., name] if is_constant_name(name) && expr.qself.is_none() => Value::Field(FieldPath::outside(expr.path.clone())),
+            _ => self.refuse(expr, "this path is not known here: constants are `Self::NAME` of this block, `std::f64::consts::NAME`, or outside the block in capitals"),
+        }
+    }
+
+    fn block_constant(&mut self, expr: &syn::ExprPath, name: &str) -> Value {
+        let last = expr.path.segments.last();
+        let block = self.block;
+        let Some(constant) = block.constants.iter().find(|c| c.ident == name) else {
+            let known: Vec<String> = block
+                .constants
+                .iter()
+                .map(|c| c.ident.to_string())
+                .collect();
+            if block.functions.iter().any(|f| f.sig.ident == name) {
+                let message = format!(
+                    "a function is called, or named in `map` and its like: pass a closure, `|x| Self::{name}(x)`"
+                );
+                return self.refuse(&last, message);
+            }
+            let message = match nearest(name, known.iter().map(String::as_str)) {
+                Some(near) => {
+                    format!("this block has no constant `{name}`; did you mean `{near}`?")
+                }
+                None => format!(
+                    "this block has no constant `{name}`: the macro sees only this `impl` block, so put `const {name}` here"
+                ),
+            };
+            return self.refuse(&last, message);
+        };
+        let key = format!("const {name}");
+        if self.active.contains(&key) {
+            return self.refuse(&last, format!("the constant `{name}` is defined by itself"));
+        }
+        if self.broken.contains(&key) {
+            return Value::Poison;
+        }
+        self.enclosed(key, |this| match this.eval(&constant.expr) {
+            Value::Field(path) if is_integer(&constant.ty) => {
+                let message = format!("this is {}: write the number itself", path.kind());
+                this.refuse(&constant.expr, message)
+            }
+            value => {
+                let value = this.ascribed(value, &constant.ty);
+                this.number(value, &constant.ty, &constant.expr)
+            }
+        })
+    }
+}

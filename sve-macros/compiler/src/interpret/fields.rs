@@ -1,0 +1,191 @@
+//! Parameters: fields of the user's struct and constants from outside the block, which generated code reads.
+
+use proc_macro2::{Ident, Literal, Span, TokenStream};
+use quote::{quote, quote_spanned};
+
+use super::Lowering;
+use crate::algebra::Expr;
+use crate::system::model::Meaning;
+
+/// `self.a`, `self.m[2]`, `self.body.mass`; `GRAVITY`, `constants::MASSES[2]`.
+#[derive(Clone)]
+pub(super) struct FieldPath {
+    /// A constant from outside the block; `self` if there is none.
+    outside: Option<syn::Path>,
+    steps: Vec<FieldStep>,
+    /// Whether its type is written as `f64`.
+    is_number: bool,
+}
+
+#[derive(Clone)]
+enum FieldStep {
+    Named(Ident),
+    Numbered(u32),
+    Index(usize),
+    /// Row and column.
+    Pair(usize, usize),
+}
+
+impl FieldPath {
+    /// `self`.
+    pub(super) fn new() -> Self {
+        Self {
+            outside: None,
+            steps: Vec::new(),
+            is_number: false,
+        }
+    }
+
+    /// A constant from outside the block.
+    pub(super) fn outside(path: syn::Path) -> Self {
+        Self {
+            outside: Some(path),
+            steps: Vec::new(),
+            is_number: false,
+        }
+    }
+
+    /// What it is, for messages.
+    pub(super) fn kind(&self) -> String {
+        let path = super::readable(&self.access());
+        match (&self.outside, self.steps.is_empty()) {
+            (Some(_), _) => {
+                format!("`{path}`, a constant from outside this block, whose value is not seen")
+            }
+            (None, true) => "`self`".to_owned(),
+            (None, false) => format!("the field `{path}`"),
+        }
+    }
+
+    /// What to say of a constant from outside the block where the macro needs its value; nothing of other fields.
+    pub(super) fn unseen(&self) -> Option<String> {
+        let path = self.outside.as_ref().filter(|_| self.steps.is_empty())?;
+        let name = path.segments.last().map(|last| last.ident.to_string());
+        Some(unseen(&name.unwrap_or_default(), &super::readable(path)))
+    }
+
+    pub(super) fn is_self(&self) -> bool {
+        self.outside.is_none() && self.steps.is_empty()
+    }
+
+    pub(super) fn member(&self, member: &syn::Member) -> Self {
+        self.then(match member {
+            syn::Member::Named(name) => FieldStep::Named(name.clone()),
+            syn::Member::Unnamed(index) => FieldStep::Numbered(index.index),
+        })
+    }
+
+    pub(super) fn index(&self, index: usize) -> Self {
+        self.then(FieldStep::Index(index))
+    }
+
+    /// The entry of a matrix.
+    pub(super) fn pair(&self, row: usize, column: usize) -> Self {
+        self.then(FieldStep::Pair(row, column))
+    }
+
+    /// The component of a vector.
+    pub(super) fn component(&self, name: &str) -> Self {
+        let named = self.steps.iter().rev().find_map(|step| match step {
+            FieldStep::Named(name) => Some(name.span()),
+            _ => None,
+        });
+        let name = Ident::new(name, named.unwrap_or_else(Span::call_site));
+        self.then(FieldStep::Named(name))
+    }
+
+    /// The same, whose type is written as `f64`.
+    pub(super) fn as_number(mut self) -> Self {
+        self.is_number = true;
+        self
+    }
+
+    pub(super) fn is_number(&self) -> bool {
+        self.is_number
+    }
+
+    fn then(&self, step: FieldStep) -> Self {
+        let mut longer = self.clone();
+        longer.steps.push(step);
+        longer
+    }
+
+    /// The expression that reads it.
+    pub(super) fn access(&self) -> TokenStream {
+        let mut tokens = match &self.outside {
+            Some(path) => quote!(#path),
+            None => {
+                // for errors that the compiler has with the field
+                let at = match self.steps.first() {
+                    Some(FieldStep::Named(name)) => name.span().resolved_at(Span::call_site()),
+                    _ => Span::call_site(),
+                };
+                quote_spanned!(at=> self)
+            }
+        };
+        for step in &self.steps {
+            match step {
+                FieldStep::Named(name) => tokens.extend(quote!(. #name)),
+                FieldStep::Numbered(index) => {
+                    let index = Literal::u32_unsuffixed(*index);
+                    tokens.extend(quote!(. #index));
+                }
+                FieldStep::Index(index) => {
+                    let index = Literal::usize_unsuffixed(*index);
+                    tokens.extend(quote!([#index]));
+                }
+                FieldStep::Pair(row, column) => {
+                    let [row, column] = [row, column].map(|i| Literal::usize_unsuffixed(*i));
+                    tokens.extend(quote!([(#row, #column)]));
+                }
+            }
+        }
+        tokens
+    }
+
+    /// A name for generated code: `m_2`.
+    pub(super) fn name(&self) -> String {
+        let plain = |name: &Ident| name.to_string().trim_start_matches("r#").to_owned();
+        let path = self.outside.iter().flat_map(|path| &path.segments);
+        let steps = self.steps.iter().map(|step| match step {
+            FieldStep::Named(name) => plain(name),
+            FieldStep::Numbered(index) => index.to_string(),
+            FieldStep::Index(index) => index.to_string(),
+            FieldStep::Pair(row, column) => format!("{row}_{column}"),
+        });
+        let parts: Vec<String> = path.map(|s| plain(&s.ident)).chain(steps).collect();
+        parts.join("_")
+    }
+}
+
+/// What to say of a constant from outside the block where the macro needs its value.
+pub(super) fn unseen(name: &str, path: &str) -> String {
+    format!(
+        "`{path}` is outside of this `impl` block, the only text that the macro sees, and its value is needed here: put `const {name}: usize = …;` with the number into this block and write `Self::{name}`"
+    )
+}
+
+impl Lowering<'_> {
+    /// The symbol of a field of the user's struct.
+    pub(super) fn parameter(&mut self, path: &FieldPath) -> Expr {
+        let key = path.access();
+        let symbol = match self.parameters.get(&key.to_string()) {
+            Some(&symbol) => symbol,
+            None => {
+                // `self.a_b` and `self.a.b` are two parameters
+                let mut name = path.name();
+                while !self.parameter_names.insert(name.clone()) {
+                    name.push('_');
+                }
+                let meaning = Meaning::Parameter {
+                    name,
+                    access: key.clone(),
+                };
+                let symbol = self.symbols.declare(meaning);
+                self.parameters.insert(key.to_string(), symbol);
+                symbol
+            }
+        };
+        self.arena.symbol(symbol)
+    }
+}

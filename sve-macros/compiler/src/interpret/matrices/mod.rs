@@ -1,0 +1,371 @@
+//! Vectors, matrices and rotations of nalgebra: a size and its entries.
+//!
+//! Invariant: a [`Matrix`] has rows × columns entries, stored as in nalgebra, one column after the other. Sizes are known whenever a
+//! value is made; a parameter of unknown type gets its size from its use or from the type that is written beside it.
+
+mod closures;
+mod constructors;
+mod methods;
+mod operators;
+mod refused;
+mod views;
+
+use std::fmt;
+
+use proc_macro2::Span;
+use syn::spanned::Spanned;
+use syn::{ExprMethodCall, GenericArgument, Member};
+
+use super::calls::Argument;
+use super::fields::FieldPath;
+use super::value::Value;
+use super::{Lowering, floats, sequences};
+use crate::algebra::{Arena, Expr};
+pub(super) use crate::syntax::nalgebra::Kind;
+
+/// Names of the components of vectors.
+const COMPONENTS: [&str; 6] = ["x", "y", "z", "w", "a", "b"];
+
+/// Numbers that a matrix may have: products of matrices are unrolled.
+pub(super) const ENTRIES: usize = 4096;
+
+/// A type of nalgebra with its sizes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct MatrixType {
+    pub(super) kind: Kind,
+    pub(super) rows: usize,
+    pub(super) columns: usize,
+}
+
+impl MatrixType {
+    pub(super) const fn matrix(rows: usize, columns: usize) -> Self {
+        Self {
+            kind: Kind::Matrix,
+            rows,
+            columns,
+        }
+    }
+
+    pub(super) const fn vector(rows: usize) -> Self {
+        Self::matrix(rows, 1)
+    }
+
+    /// Number of entries.
+    pub(super) fn len(self) -> usize {
+        self.rows.saturating_mul(self.columns)
+    }
+
+    pub(super) fn is_vector(self) -> bool {
+        self.columns == 1
+    }
+
+    fn is_square(self) -> bool {
+        self.rows == self.columns
+    }
+
+    fn has_size_of(self, other: Self) -> bool {
+        (self.rows, self.columns) == (other.rows, other.columns)
+    }
+
+    /// The same size, as a matrix.
+    fn plain(self) -> Self {
+        Self::matrix(self.rows, self.columns)
+    }
+
+    /// The place of an entry in storage; nothing where there is no such entry.
+    pub(super) fn place(self, row: usize, column: usize) -> Option<usize> {
+        (row < self.rows && column < self.columns).then(|| column * self.rows + row)
+    }
+
+    /// The place of the entry that is called `.x` or `.m21`.
+    pub(super) fn place_of(self, member: &Member) -> Option<usize> {
+        let Member::Named(name) = member else {
+            return None;
+        };
+        let name = name.to_string();
+        if self.rows.min(self.columns) == 1 {
+            let at = COMPONENTS.iter().position(|component| *component == name)?;
+            return (at < self.len() && self.len() <= COMPONENTS.len()).then_some(at);
+        }
+        let digits: Vec<usize> = name
+            .strip_prefix('m')?
+            .chars()
+            .filter_map(|c| c.to_digit(10).map(|digit| digit as usize))
+            .collect();
+        match digits.as_slice() {
+            &[row, column] if name.len() == 3 && row > 0 && column > 0 => {
+                self.place(row - 1, column - 1)
+            }
+            _ => None,
+        }
+    }
+
+    /// What its entries are called, for messages.
+    pub(super) fn entry_names(self) -> String {
+        if self.rows.min(self.columns) != 1 {
+            let (row, column) = (self.rows.saturating_sub(1), self.columns.saturating_sub(1));
+            return format!("`[(0, 0)]` to `[({row}, {column})]`");
+        }
+        if self.len() > COMPONENTS.len() {
+            return "`[0]`, `[1]`, …".to_owned();
+        }
+        let names: Vec<String> = COMPONENTS[..self.len()]
+            .iter()
+            .map(|name| format!("`.{name}`"))
+            .collect();
+        names.join(", ")
+    }
+}
+
+impl fmt::Display for MatrixType {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (rows, columns) = (self.rows, self.columns);
+        let is_named = (1..=6).contains(&rows) && (1..=6).contains(&columns);
+        match (self.kind, is_named) {
+            (Kind::Rotation, _) => write!(f, "Rotation{rows}<f64>"),
+            (Kind::Unit, _) => write!(f, "Unit<{}>", self.plain()),
+            (_, true) if columns == 1 => write!(f, "Vector{rows}<f64>"),
+            (_, true) if rows == 1 => write!(f, "RowVector{columns}<f64>"),
+            (_, true) if rows == columns => write!(f, "Matrix{rows}<f64>"),
+            (_, true) => write!(f, "Matrix{rows}x{columns}<f64>"),
+            _ if columns == 1 => write!(f, "SVector<f64, {rows}>"),
+            _ => write!(f, "SMatrix<f64, {rows}, {columns}>"),
+        }
+    }
+}
+
+/// A vector, matrix or rotation.
+#[derive(Clone)]
+pub(super) struct Matrix<T> {
+    pub(super) ty: MatrixType,
+    /// Entries in columns, one column after the other.
+    pub(super) entries: Vec<T>,
+}
+
+impl<T: Clone> Matrix<T> {
+    /// A matrix from a function of row and column.
+    fn from_fn(ty: MatrixType, mut entry: impl FnMut(usize, usize) -> T) -> Self {
+        let places = (0..ty.columns).flat_map(|column| (0..ty.rows).map(move |row| (row, column)));
+        let entries = places.map(|(row, column)| entry(row, column)).collect();
+        Self { ty, entries }
+    }
+
+    /// An entry within the size.
+    fn at(&self, row: usize, column: usize) -> T {
+        self.entries[column * self.ty.rows + row].clone()
+    }
+
+    fn transposed(&self) -> Self {
+        let ty = MatrixType {
+            kind: self.ty.kind,
+            rows: self.ty.columns,
+            columns: self.ty.rows,
+        };
+        Self::from_fn(ty, |row, column| self.at(column, row))
+    }
+
+    /// The part of `size` that begins at a row and a column within the matrix.
+    fn part(&self, (row, column): (usize, usize), size: MatrixType) -> Self {
+        Self::from_fn(size, |i, j| self.at(row + i, column + j))
+    }
+
+    fn with_kind(mut self, kind: Kind) -> Self {
+        self.ty.kind = kind;
+        self
+    }
+}
+
+impl Matrix<Value> {
+    /// A parameter of this type: its entries are read one by one.
+    pub(super) fn of_field(path: &FieldPath, ty: MatrixType) -> Self {
+        let is_row_or_column = ty.rows.min(ty.columns) == 1 && ty.kind != Kind::Rotation;
+        Self::from_fn(ty, |row, column| {
+            Value::Field(match COMPONENTS.get(row + column) {
+                Some(name) if is_row_or_column && ty.len() <= COMPONENTS.len() => {
+                    path.component(name)
+                }
+                _ if is_row_or_column => path.index(row + column),
+                _ => path.pair(row, column),
+            })
+        })
+    }
+}
+
+impl From<Matrix<Expr>> for Value {
+    fn from(matrix: Matrix<Expr>) -> Self {
+        Self::Matrix(Matrix {
+            ty: matrix.ty,
+            entries: matrix.entries.into_iter().map(Value::Scalar).collect(),
+        })
+    }
+}
+
+impl Lowering<'_> {
+    /// A method of a vector or matrix; nothing if the receiver is none, or a parameter without such a method.
+    pub(super) fn matrix_method(
+        &mut self,
+        call: &ExprMethodCall,
+        receiver: &Argument,
+    ) -> Option<Value> {
+        let name = call.method.to_string();
+        let at = call.method.span();
+        let matrix = match &receiver.value {
+            Value::Matrix(matrix) => matrix,
+            Value::Field(path) if !path.is_self() && !sequences::is_method(&name) => {
+                return self.method_of_field(call, path, at);
+            }
+            Value::Scalar(_)
+                if methods::is_method(&name) && floats::other_name(&name).is_none() =>
+            {
+                return Some(self.refuse(&at, methods::no_method_of_number(&name)));
+            }
+            _ => return None,
+        };
+        if matches!(name.as_str(), "clone" | "to_owned" | "into") && call.args.is_empty() {
+            return Some(receiver.value.clone());
+        }
+        if !self.work(matrix.entries.len(), call) {
+            return Some(Value::Poison);
+        }
+        if let Some(value) = self.view_method(call, matrix) {
+            return Some(value);
+        }
+        if let Some(value) = self.closure_method(call, matrix) {
+            return Some(value);
+        }
+        let arguments: Vec<Argument> = call.args.iter().map(|a| self.argument(a)).collect();
+        if name == "tr_mul" {
+            return Some(self.transposed_product(matrix, &arguments, at));
+        }
+        let value = self.tabled_method(call, matrix, &arguments, receiver.at);
+        Some(value.unwrap_or_else(|| self.refuse(&at, refused::refusal(&name))))
+    }
+
+    /// `a.tr_mul(&b)`, the product of the transpose.
+    fn transposed_product(&mut self, a: &Matrix<Value>, arguments: &[Argument], at: Span) -> Value {
+        let [
+            Argument {
+                value: Value::Matrix(b),
+                ..
+            },
+        ] = arguments
+        else {
+            return self.refuse(&at, "`tr_mul` takes a vector or matrix");
+        };
+        let (Some(a), Some(b)) = (self.numbers(a, &at), self.numbers(b, &at)) else {
+            return Value::Poison;
+        };
+        match self.product(&a.transposed(), &b, &at) {
+            Ok(Some(product)) => self.computed_matrix(product, &at),
+            Ok(None) => Value::Poison,
+            Err(message) => self.refuse(&at, message),
+        }
+    }
+
+    /// The sum of vectors or matrices that an iterator gives; nothing if there are none among its items.
+    pub(super) fn sum_of_matrices(
+        &mut self,
+        call: &ExprMethodCall,
+        items: &[Value],
+    ) -> Option<Value> {
+        let written = call
+            .turbofish
+            .as_ref()
+            .and_then(|turbofish| match turbofish.args.first() {
+                Some(GenericArgument::Type(ty)) => self.matrix_type(ty),
+                _ => None,
+            });
+        let found = items.iter().find_map(|item| match item {
+            Value::Matrix(matrix) => Some(matrix.ty.plain()),
+            _ => None,
+        });
+        let ty = written.or(found)?;
+        if !self.work(ty.len().saturating_mul(items.len()), call) {
+            return Some(Value::Poison);
+        }
+        let zero = self.arena.constant(0.0);
+        let mut total: Option<Matrix<Expr>> = None;
+        for item in items {
+            let argument = Argument {
+                value: item.clone(),
+                at: call.receiver.span(),
+            };
+            let Some(term) = self.matrix_argument(&argument, ty, "sum") else {
+                return Some(Value::Poison);
+            };
+            total = Some(match total {
+                Some(total) => methods::entrywise(self.arena, &total, &term, Arena::add),
+                None => term,
+            });
+        }
+        let total = total.unwrap_or_else(|| Matrix::from_fn(ty, |_, _| zero));
+        Some(self.computed_matrix(total, &call.method))
+    }
+
+    /// The expressions of a matrix, or an error at `at`.
+    fn numbers(&mut self, matrix: &Matrix<Value>, at: &impl Spanned) -> Option<Matrix<Expr>> {
+        let mut entries = Vec::with_capacity(matrix.entries.len());
+        for entry in &matrix.entries {
+            entries.push(self.scalar(entry, at)?);
+        }
+        Some(Matrix {
+            ty: matrix.ty,
+            entries,
+        })
+    }
+
+    /// A computed matrix, or an error where its constants overflow.
+    fn computed_matrix(&mut self, matrix: Matrix<Expr>, at: &impl Spanned) -> Value {
+        if matrix
+            .entries
+            .iter()
+            .all(|&entry| self.arena.is_finite(entry))
+        {
+            matrix.into()
+        } else {
+            self.refuse(at, "the constants here overflow an `f64`")
+        }
+    }
+
+    /// A computed number, or an error where its constants overflow.
+    fn computed_number(&mut self, number: Expr, at: &impl Spanned) -> Value {
+        if self.arena.is_finite(number) {
+            Value::Scalar(number)
+        } else {
+            self.refuse(at, "the constants here overflow an `f64`")
+        }
+    }
+
+    /// `a₁ b₁ + a₂ b₂ + …`.
+    fn inner_product(&mut self, a: &[Expr], b: &[Expr]) -> Expr {
+        let products: Vec<Expr> = a
+            .iter()
+            .zip(b)
+            .map(|(&a, &b)| self.arena.mul(a, b))
+            .collect();
+        sum(self.arena, &products)
+    }
+}
+
+/// The sum of numbers, from the first to the last.
+fn sum(arena: &mut Arena, terms: &[Expr]) -> Expr {
+    let mut terms = terms.iter().copied();
+    let Some(first) = terms.next() else {
+        return arena.constant(0.0);
+    };
+    terms.fold(first, |sum, term| arena.add(sum, term))
+}
+
+/// What to say of a parameter whose type is needed and not known.
+pub(super) fn unknown_type(path: &FieldPath) -> String {
+    let name = super::readable(&path.access());
+    format!(
+        "the type of `{name}` is not known to the macro: name it, `let {}: Vector3<f64> = {name};`",
+        path.name()
+    )
+}
+
+/// What to say of a matrix with too many entries.
+pub(super) fn too_large(ty: MatrixType) -> String {
+    format!("a `{ty}` has too many entries to unroll: the limit is {ENTRIES}")
+}

@@ -1,0 +1,136 @@
+//! Parts of vectors and matrices, and iterators over them.
+
+use syn::{Expr as Syntax, ExprMethodCall, GenericArgument};
+
+use super::{Matrix, MatrixType, too_large};
+use crate::interpret::Lowering;
+use crate::interpret::integers::Integer;
+use crate::interpret::value::Value;
+use crate::syntax::nalgebra::length;
+
+impl Lowering<'_> {
+    /// A method that gives a part, an iterator or a size; nothing if it is none of them.
+    pub(super) fn view_method(
+        &mut self,
+        call: &ExprMethodCall,
+        receiver: &Matrix<Value>,
+    ) -> Option<Value> {
+        let arguments: Vec<&Syntax> = call.args.iter().collect();
+        let ty = receiver.ty;
+        let size = |n: usize| Some(Value::Int(Integer::count(n)));
+        match (call.method.to_string().as_str(), arguments.as_slice()) {
+            ("len", []) => size(ty.len()),
+            ("nrows", []) => size(ty.rows),
+            ("ncols", []) => size(ty.columns),
+            ("iter" | "into_iter", []) => Some(Value::Sequence(receiver.entries.clone())),
+            ("as_slice", []) => Some(Value::Array(receiver.entries.clone())),
+            ("column_iter", []) => Some(Value::Sequence(parts(
+                receiver,
+                MatrixType::vector(ty.rows),
+            ))),
+            ("row_iter", []) => Some(Value::Sequence(parts(
+                receiver,
+                MatrixType::matrix(1, ty.columns),
+            ))),
+            ("rows", [from, count]) => Some(self.part(call, receiver, (Some((from, count)), None))),
+            ("columns", [from, count]) => {
+                Some(self.part(call, receiver, (None, Some((from, count)))))
+            }
+            ("fixed_rows", [from]) => {
+                let [count] = self.generic_lengths(call)?;
+                Some(self.part(call, receiver, (Some((from, &count)), None)))
+            }
+            ("fixed_columns", [from]) => {
+                let [count] = self.generic_lengths(call)?;
+                Some(self.part(call, receiver, (None, Some((from, &count)))))
+            }
+            ("fixed_view", [row, column]) => {
+                let [rows, columns] = self.generic_lengths(call)?;
+                let within = (Some((*row, &rows)), Some((*column, &columns)));
+                Some(self.part(call, receiver, within))
+            }
+            (name, []) => components(receiver, name),
+            _ => None,
+        }
+    }
+
+    /// The generic arguments of a call, if there are as many.
+    fn generic_lengths<const N: usize>(&self, call: &ExprMethodCall) -> Option<[Syntax; N]> {
+        let arguments: Vec<&GenericArgument> =
+            call.turbofish.iter().flat_map(|t| &t.args).collect();
+        let lengths: Option<Vec<Syntax>> = arguments.into_iter().map(length).collect();
+        lengths?.try_into().ok()
+    }
+
+    /// The part of some rows and columns, each given by the first and their number; all of them where nothing is given.
+    fn part(
+        &mut self,
+        call: &ExprMethodCall,
+        receiver: &Matrix<Value>,
+        (rows, columns): (Option<(&Syntax, &Syntax)>, Option<(&Syntax, &Syntax)>),
+    ) -> Value {
+        let rows = self.span_within(rows, receiver.ty.rows, "rows");
+        let columns = self.span_within(columns, receiver.ty.columns, "columns");
+        let Some(((row, height), (column, width))) = rows.zip(columns) else {
+            return Value::Poison;
+        };
+        let size = MatrixType::matrix(height, width);
+        if size.len() > super::ENTRIES {
+            return self.refuse(&call.method, too_large(size));
+        }
+        if !self.work(size.len(), call) {
+            return Value::Poison;
+        }
+        Value::Matrix(receiver.part((row, column), size))
+    }
+
+    /// The first of some rows or columns and their number, or an error where they are not within `bound`.
+    fn span_within(
+        &mut self,
+        span: Option<(&Syntax, &Syntax)>,
+        bound: usize,
+        what: &str,
+    ) -> Option<(usize, usize)> {
+        let Some((first, count)) = span else {
+            return Some((0, bound));
+        };
+        let from = self.index_value(first)?;
+        let length = self.index_value(count)?;
+        if from.saturating_add(length) <= bound {
+            return Some((from, length));
+        }
+        let message =
+            format!("{length} {what} from {from} on are not within the {bound} that there are");
+        self.refuse(first, message);
+        None
+    }
+}
+
+/// All rows or all columns.
+fn parts(matrix: &Matrix<Value>, size: MatrixType) -> Vec<Value> {
+    let is_column = size.columns == 1 && size.rows == matrix.ty.rows;
+    let count = if is_column {
+        matrix.ty.columns
+    } else {
+        matrix.ty.rows
+    };
+    (0..count)
+        .map(|i| {
+            let from = if is_column { (0, i) } else { (i, 0) };
+            Value::Matrix(matrix.part(from, size))
+        })
+        .collect()
+}
+
+/// `v.xy()`, `v.zx()`, `v.xyz()`: a vector of components that are named.
+fn components(matrix: &Matrix<Value>, name: &str) -> Option<Value> {
+    if !(2..=3).contains(&name.len()) || !matrix.ty.is_vector() {
+        return None;
+    }
+    let entry = |letter: char| matrix.entries.get("xyz".find(letter)?).cloned();
+    let entries: Vec<Value> = name.chars().map(entry).collect::<Option<_>>()?;
+    Some(Value::Matrix(Matrix {
+        ty: MatrixType::vector(entries.len()),
+        entries,
+    }))
+}

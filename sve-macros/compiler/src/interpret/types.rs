@@ -1,0 +1,275 @@
+//! Types that are written: those of arguments, results, variables and constants.
+
+use syn::spanned::Spanned;
+use syn::{Expr as Syntax, Ident, Type};
+
+use super::fields::unseen;
+use super::matrices::{ENTRIES, Matrix, MatrixType};
+use super::value::Value;
+use super::{Lowering, readable};
+use crate::syntax::nalgebra::{Size, Written};
+use crate::syntax::parse::is_f64;
+
+/// The type of an argument or result: `f64`, a vector, or arrays of these.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Shape {
+    Scalar,
+    Vector(MatrixType),
+    Array(usize, Box<Shape>),
+}
+
+impl Shape {
+    /// Numbers in it.
+    pub(super) fn len(&self) -> usize {
+        match self {
+            Self::Scalar => 1,
+            Self::Vector(ty) => ty.len(),
+            Self::Array(n, inner) => n * inner.len(),
+        }
+    }
+
+    /// Length of the outermost array.
+    pub(super) fn outer_length(&self) -> usize {
+        match self {
+            Self::Array(n, _) => *n,
+            other => other.len(),
+        }
+    }
+
+    /// Whether it is or holds vectors of nalgebra.
+    pub(super) fn has_vectors(&self) -> bool {
+        match self {
+            Self::Scalar => false,
+            Self::Vector(_) => true,
+            Self::Array(_, inner) => inner.has_vectors(),
+        }
+    }
+
+    /// A value of this shape with entries from `next`, in memory order.
+    pub(super) fn fill(&self, next: &mut dyn FnMut() -> Value) -> Value {
+        match self {
+            Self::Scalar => next(),
+            Self::Vector(ty) => Value::Matrix(Matrix {
+                ty: *ty,
+                entries: (0..ty.len()).map(|_| next()).collect(),
+            }),
+            Self::Array(n, inner) => Value::Array((0..*n).map(|_| inner.fill(next)).collect()),
+        }
+    }
+}
+
+/// Coordinates that one system may have: the step is unrolled.
+const COORDINATES: usize = 512;
+
+impl Lowering<'_> {
+    /// The shape of a type, or an error at it.
+    pub(super) fn shape(&mut self, ty: &Type) -> Option<Shape> {
+        let shape = self.shape_within(ty, COORDINATES)?;
+        if shape.len() > COORDINATES {
+            self.errors.push(
+                ty.span(),
+                format!(
+                    "{} numbers are too many to unroll; the limit is {COORDINATES}",
+                    shape.len()
+                ),
+            );
+            return None;
+        }
+        Some(shape)
+    }
+
+    fn shape_within(&mut self, ty: &Type, limit: usize) -> Option<Shape> {
+        match ty {
+            Type::Paren(inner) => self.shape_within(&inner.elem, limit),
+            Type::Group(inner) => self.shape_within(&inner.elem, limit),
+            _ if is_f64(ty) => Some(Shape::Scalar),
+            Type::Array(array) => {
+                let inner = self.shape_within(&array.elem, limit)?;
+                let n = self.length(&array.len)?;
+                if n > limit {
+                    self.errors.push(
+                        array.len.span(),
+                        format!("{n} numbers are too many to unroll; the limit is {COORDINATES}"),
+                    );
+                    return None;
+                }
+                Some(Shape::Array(n, Box::new(inner)))
+            }
+            _ => {
+                if let Some(written) = Written::of_type(ty) {
+                    return self.vector_shape(ty, &written);
+                }
+                self.errors.push(
+                    ty.span(),
+                    format!(
+                        "`{}` is not a type of coordinates: write `f64` or `[f64; N]`, by value",
+                        readable(ty)
+                    ),
+                );
+                None
+            }
+        }
+    }
+
+    /// The shape of a vector of nalgebra, or an error.
+    fn vector_shape(&mut self, ty: &Type, written: &Written) -> Option<Shape> {
+        if !written.is_vector() || written.has_floats != Some(true) {
+            let message = format!(
+                "`{}` is not a type of coordinates: of nalgebra's types write `Vector3<f64>` or `SVector<f64, N>`, by value",
+                readable(ty)
+            );
+            self.refuse(ty, message);
+            return None;
+        }
+        let rows = self.size(&written.rows).ok()?;
+        let Some(rows) = rows else {
+            self.refuse(
+                ty,
+                "the number of entries is not written: write `SVector<f64, N>`",
+            );
+            return None;
+        };
+        if rows > COORDINATES {
+            let message =
+                format!("{rows} numbers are too many to unroll; the limit is {COORDINATES}");
+            self.refuse(ty, message);
+            return None;
+        }
+        Some(Shape::Vector(MatrixType::vector(rows)))
+    }
+
+    /// A size; `None` where it is left to be inferred, and an error that has been reported where it is not known.
+    pub(super) fn size(&mut self, size: &Size) -> Result<Option<usize>, ()> {
+        match size {
+            Size::Known(n) => Ok(Some(*n)),
+            Size::Omitted => Ok(None),
+            Size::Written(expr) => self.length(expr).map(Some).ok_or(()),
+        }
+    }
+
+    fn length(&mut self, expr: &Syntax) -> Option<usize> {
+        if let Some(name) = bare_name(expr) {
+            let message = if self.constant_named(&name.to_string()).is_some() {
+                format!("a constant of this block is written `Self::{name}`")
+            } else {
+                unseen(&name.to_string(), &name.to_string())
+            };
+            self.refuse(name, message);
+            return None;
+        }
+        self.scopes.push(std::collections::HashMap::new());
+        let value = self.eval(expr);
+        self.scopes.pop();
+        match value {
+            Value::Int(n) if n.value >= 0 => usize::try_from(n.value).ok(),
+            Value::Poison => None,
+            other => {
+                if let Value::Field(path) = &other
+                    && let Some(message) = path.unseen()
+                {
+                    self.refuse(expr, message);
+                    return None;
+                }
+                self.errors.push(
+                    expr.span(),
+                    format!("the length must be an integer known here, a literal or a constant of this block; found {}", other.kind()),
+                );
+                None
+            }
+        }
+    }
+}
+
+/// A name that stands alone in a length.
+fn bare_name(expr: &Syntax) -> Option<&Ident> {
+    match expr {
+        Syntax::Path(path) => path.path.get_ident(),
+        Syntax::Binary(binary) => bare_name(&binary.left).or_else(|| bare_name(&binary.right)),
+        Syntax::Paren(inner) => bare_name(&inner.expr),
+        Syntax::Cast(cast) => bare_name(&cast.expr),
+        _ => None,
+    }
+}
+
+impl Lowering<'_> {
+    /// A value of a type that is written beside it. A field of the user's struct gets its length or size from there, and where Rust
+    /// converts between arrays and vectors (`into`), the value becomes one of that type.
+    pub(super) fn ascribed(&mut self, value: Value, ty: &Type) -> Value {
+        let value = self.awaited(value, ty, ty);
+        match (value, ty) {
+            (value, Type::Reference(reference)) => self.ascribed(value, &reference.elem),
+            (value, Type::Paren(inner)) => self.ascribed(value, &inner.elem),
+            (value, Type::Group(inner)) => self.ascribed(value, &inner.elem),
+            (Value::Field(path), Type::Array(array)) => match self.length_of_type(&array.len) {
+                Some(n) => Value::Array(
+                    (0..n)
+                        .map(|i| self.ascribed(Value::Field(path.index(i)), &array.elem))
+                        .collect(),
+                ),
+                None => Value::Field(path),
+            },
+            (Value::Field(path), ty) if is_f64(ty) => Value::Field(path.as_number()),
+            (Value::Matrix(matrix), Type::Array(array)) => Value::Array(match &*array.elem {
+                Type::Array(_) => matrix
+                    .entries
+                    .chunks(matrix.ty.rows.max(1))
+                    .map(|column| Value::Array(column.to_vec()))
+                    .collect(),
+                _ => matrix.entries,
+            }),
+            (Value::Array(values), Type::Array(array)) => Value::Array(
+                values
+                    .into_iter()
+                    .map(|value| self.ascribed(value, &array.elem))
+                    .collect(),
+            ),
+            (Value::Tuple(values), Type::Tuple(types)) if values.len() == types.elems.len() => {
+                let pairs = values.into_iter().zip(&types.elems);
+                Value::Tuple(pairs.map(|(value, ty)| self.ascribed(value, ty)).collect())
+            }
+            (value @ (Value::Field(_) | Value::Array(_)), Type::Path(_)) => {
+                match (value, self.matrix_type(ty)) {
+                    (Value::Field(path), Some(ty)) => Value::Matrix(Matrix::of_field(&path, ty)),
+                    (value @ Value::Array(_), Some(matrix)) => {
+                        let converted = self.converted_matrix(&value, Some(matrix), ty);
+                        converted.unwrap_or(Value::Poison)
+                    }
+                    (value, _) => value,
+                }
+            }
+            (value, _) => value,
+        }
+    }
+
+    /// The type of nalgebra that is written, if it is one of known size; silent about others, which are Rust's to know.
+    pub(super) fn matrix_type(&mut self, ty: &Type) -> Option<MatrixType> {
+        let written = Written::of_type(ty).filter(|written| written.has_floats == Some(true))?;
+        let mut size = |size: &Size| match size {
+            Size::Known(n) => Some(*n),
+            Size::Written(expr) => self.length_of_type(expr),
+            Size::Omitted => None,
+        };
+        let (rows, columns) = size(&written.rows).zip(size(&written.columns))?;
+        let ty = MatrixType {
+            kind: written.kind,
+            rows,
+            columns,
+        };
+        (ty.len() <= ENTRIES).then_some(ty)
+    }
+
+    /// A length that is a literal or made of constants of the block; silent about others, which are Rust's to know.
+    fn length_of_type(&mut self, length: &Syntax) -> Option<usize> {
+        let errors = std::mem::take(&mut self.errors);
+        let broken = self.broken.clone();
+        let value = self.eval(length);
+        self.errors = errors;
+        self.broken = broken;
+        match value {
+            Value::Int(n) if self.work(usize::try_from(n.value).ok()?, length) => {
+                usize::try_from(n.value).ok()
+            }
+            _ => None,
+        }
+    }
+}
