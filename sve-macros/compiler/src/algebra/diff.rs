@@ -2,7 +2,7 @@
 //!
 //! Each node is differentiated once for each symbol, operands first, so shared subexpressions stay shared.
 
-use super::expr::{Arena, Binary, Expr, Function, Node, Symbol};
+use super::expr::{Arena, Binary, Expr, Node, Symbol};
 
 impl Arena {
     /// `∂expr/∂symbol`.
@@ -56,7 +56,7 @@ impl Arena {
                 self.sum(0.0, &terms)
             }
             Node::Call(function, x) => {
-                let outer = self.diff_function(function, x, expr);
+                let outer = function.derivative(self, x, expr);
                 let inner = self.known(x, symbol);
                 self.mul(outer, inner)
             }
@@ -67,100 +67,6 @@ impl Arena {
                 self.add(a, b)
             }
         }
-    }
-
-    /// `f′(x)`, with `value = f(x)` at hand.
-    fn diff_function(&mut self, function: Function, x: Expr, value: Expr) -> Expr {
-        match function {
-            Function::Sqrt => {
-                let inverse = self.pow(value, -1);
-                self.scale(0.5, inverse)
-            }
-            Function::Cbrt => {
-                let inverse = self.pow(value, -2);
-                self.scale(1.0 / 3.0, inverse)
-            }
-            Function::Exp => value,
-            Function::Exp2 => self.scale(std::f64::consts::LN_2, value),
-            Function::ExpM1 => self.sum(1.0, &[(1.0, value)]),
-            Function::Ln => self.pow(x, -1),
-            Function::Ln1p => {
-                let y = self.sum(1.0, &[(1.0, x)]);
-                self.pow(y, -1)
-            }
-            Function::Log2 => {
-                let inverse = self.pow(x, -1);
-                self.scale(std::f64::consts::LOG2_E, inverse)
-            }
-            Function::Log10 => {
-                let inverse = self.pow(x, -1);
-                self.scale(std::f64::consts::LOG10_E, inverse)
-            }
-            Function::Sin => self.call(Function::Cos, x),
-            Function::Cos => {
-                let sin = self.call(Function::Sin, x);
-                self.neg(sin)
-            }
-            Function::Tan => {
-                let square = self.pow(value, 2);
-                self.sum(1.0, &[(1.0, square)])
-            }
-            Function::Asin => {
-                let y = self.factored(1.0, -1.0, x);
-                self.inverse_root(y)
-            }
-            Function::Acos => {
-                let y = self.factored(1.0, -1.0, x);
-                let asin = self.inverse_root(y);
-                self.neg(asin)
-            }
-            Function::Atan => {
-                let y = self.one_and_square(x);
-                self.pow(y, -1)
-            }
-            Function::Sinh => self.call(Function::Cosh, x),
-            Function::Cosh => self.call(Function::Sinh, x),
-            Function::Tanh => {
-                let square = self.pow(value, 2);
-                self.sum(1.0, &[(-1.0, square)])
-            }
-            Function::Asinh => {
-                let y = self.one_and_square(x);
-                self.inverse_root(y)
-            }
-            Function::Acosh => {
-                let y = self.factored(-1.0, 1.0, x);
-                self.inverse_root(y)
-            }
-            Function::Atanh => {
-                let y = self.factored(1.0, -1.0, x);
-                self.pow(y, -1)
-            }
-            // the sign, which is NaN at 0
-            Function::Abs => self.div(x, value),
-            Function::Powf(k) => {
-                let lower = self.constant_power(x, k.get() - 1.0);
-                self.scale(k.get(), lower)
-            }
-        }
-    }
-
-    /// `1 + x²`.
-    fn one_and_square(&mut self, x: Expr) -> Expr {
-        let squared = self.pow(x, 2);
-        self.sum(1.0, &[(1.0, squared)])
-    }
-
-    /// `(a + b x)(1 + x)`, which is ±(1 − x²) and does not cancel next to x = ±1.
-    fn factored(&mut self, a: f64, b: f64, x: Expr) -> Expr {
-        let (minus, plus) = (self.sum(a, &[(b, x)]), self.sum(1.0, &[(1.0, x)]));
-        self.mul(minus, plus)
-    }
-
-    /// `1/√x`.
-    fn inverse_root(&mut self, x: Expr) -> Expr {
-        let root = self.call(Function::Sqrt, x);
-        self.pow(root, -1)
     }
 
     fn diff_binary(&mut self, function: Binary, x: Expr, y: Expr, value: Expr) -> (Expr, Expr) {

@@ -6,6 +6,7 @@
 //! nothing is walked as a tree beyond it.
 
 use super::expr::{Arena, Binary, Expr, Function, Node, Symbol};
+use super::functions::Notation as Written;
 use super::number::{decimal, fraction, superscript};
 
 /// How things are called.
@@ -423,13 +424,9 @@ impl Printer<'_> {
     }
 
     fn call(&mut self, function: Function, x: Expr, inside: Inside) {
-        let name = match function {
-            Function::Sqrt | Function::Cbrt => {
-                let root = if function == Function::Sqrt {
-                    "√"
-                } else {
-                    "∛"
-                };
+        let name = match function.entry().notation {
+            Written::Name(name) => name,
+            Written::Radical(root) => {
                 let short = matches!(self.arena.node(x), Node::Symbol(_))
                     || self.notation.name(x).is_some();
                 self.bracketed(inside == Inside::Base, |p| {
@@ -438,15 +435,16 @@ impl Printer<'_> {
                 });
                 return;
             }
-            Function::Exp2 => {
+            Written::PowerOf(base) => {
                 self.bracketed(inside == Inside::Base, |p| {
-                    p.put("2^");
+                    p.put(base);
+                    p.put("^");
                     p.print(x, Inside::Base);
                 });
                 return;
             }
-            Function::Powf(k) => {
-                let k = k.get();
+            Written::Power => {
+                let k = function.exponent();
                 self.bracketed(inside == Inside::Base, |p| {
                     p.print(x, Inside::Base);
                     p.put("^");
@@ -457,7 +455,7 @@ impl Printer<'_> {
                 });
                 return;
             }
-            Function::ExpM1 => {
+            Written::ExpMinusOne => {
                 self.bracketed(inside > Inside::Sum, |p| {
                     p.put("exp");
                     p.bracketed(true, |p| p.print(x, Inside::Sum));
@@ -465,15 +463,12 @@ impl Printer<'_> {
                 });
                 return;
             }
-            Function::Ln1p => {
+            Written::LogOfOnePlus => {
                 self.put("ln(1 + ");
                 self.print(x, Inside::Term);
                 self.put(")");
                 return;
             }
-            Function::Log2 => "log₂",
-            Function::Log10 => "log₁₀",
-            other => other.name(),
         };
         self.put(name);
         self.bracketed(true, |p| p.print(x, Inside::Sum));

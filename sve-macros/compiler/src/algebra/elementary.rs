@@ -5,7 +5,7 @@
 //! function is not defined, and beyond the range of `f64`, the value is NaN or infinite.
 
 pub(super) use super::double_double::Double;
-use super::expr::{Binary, Function};
+use super::expr::Binary;
 
 /// Bound of the relative error of a function.
 pub(super) const ROUNDING: f64 = 1.0 / (1u128 << 97) as f64;
@@ -44,37 +44,6 @@ const TANH_IS_ONE: f64 = 40.0;
 
 /// Integer exponents up to this size are multiplied out.
 const POWER: f64 = 1024.0;
-
-impl Function {
-    /// The value in 106 bits.
-    pub(super) fn evaluate_double(self, x: Double) -> Double {
-        match self {
-            Self::Sqrt => sqrt(x),
-            Self::Cbrt => cbrt(x),
-            Self::Exp => exp(x),
-            Self::Exp2 => exp(x * LN_2),
-            Self::ExpM1 => exp_m1(x),
-            Self::Ln => ln(x),
-            Self::Ln1p => ln_1p(x),
-            Self::Log2 => ln(x) / LN_2,
-            Self::Log10 => ln(x) / LN_10,
-            Self::Sin => sin(x),
-            Self::Cos => cos(x),
-            Self::Tan => sin(x) / cos(x),
-            Self::Asin => asin(x),
-            Self::Acos => acos(x),
-            Self::Atan => atan(x),
-            Self::Sinh => sinh(x),
-            Self::Cosh => cosh(x),
-            Self::Tanh => tanh(x),
-            Self::Asinh => asinh(x),
-            Self::Acosh => acosh(x),
-            Self::Atanh => atanh(x),
-            Self::Powf(k) => pow(x, of(k.get())),
-            Self::Abs => x.abs(),
-        }
-    }
-}
 
 impl Binary {
     /// The value in 106 bits.
@@ -118,7 +87,7 @@ pub(super) fn sqrt(x: Double) -> Double {
     near + (x - near * near) / (of(2.0) * near)
 }
 
-fn cbrt(x: Double) -> Double {
+pub(super) fn cbrt(x: Double) -> Double {
     let near = of(x.nearest().cbrt());
     if is_zero(near) {
         return near;
@@ -164,6 +133,10 @@ pub(super) fn exp(x: Double) -> Double {
     (ONE + small_exp_m1(rest)).times_two_to(k as i32)
 }
 
+pub(super) fn exp2(x: Double) -> Double {
+    exp(x * LN_2)
+}
+
 pub(super) fn exp_m1(x: Double) -> Double {
     if x.nearest().abs() < 0.5 {
         small_exp_m1(x)
@@ -179,7 +152,7 @@ pub(super) fn ln_1p(x: Double) -> Double {
     near + (x - e) / (ONE + e)
 }
 
-fn ln(x: Double) -> Double {
+pub(super) fn ln(x: Double) -> Double {
     let size = x.nearest();
     if (0.5..2.0).contains(&size) {
         return ln_1p(x - ONE);
@@ -188,7 +161,19 @@ fn ln(x: Double) -> Double {
     near + (x * exp(-near) - ONE)
 }
 
-fn pow(x: Double, y: Double) -> Double {
+pub(super) fn log2(x: Double) -> Double {
+    ln(x) / LN_2
+}
+
+pub(super) fn log10(x: Double) -> Double {
+    ln(x) / LN_10
+}
+
+pub(super) fn tan(x: Double) -> Double {
+    sin(x) / cos(x)
+}
+
+pub(super) fn pow(x: Double, y: Double) -> Double {
     let (base, exponent) = (x.nearest(), y.nearest());
     if base == 0.0 {
         return of(base.powf(exponent));
@@ -214,7 +199,7 @@ pub(super) fn cosh(x: Double) -> Double {
     of(0.5) * (exp(x) + exp(-x))
 }
 
-fn tanh(x: Double) -> Double {
+pub(super) fn tanh(x: Double) -> Double {
     odd(x, |x| {
         if x.nearest() > TANH_IS_ONE {
             return ONE;
@@ -224,19 +209,19 @@ fn tanh(x: Double) -> Double {
     })
 }
 
-fn asinh(x: Double) -> Double {
+pub(super) fn asinh(x: Double) -> Double {
     odd(x, |x| {
         let square = square(x);
         ln_1p(x + square / (ONE + sqrt(ONE + square)))
     })
 }
 
-fn acosh(x: Double) -> Double {
+pub(super) fn acosh(x: Double) -> Double {
     let beyond = x - ONE;
     ln_1p(beyond + sqrt(beyond * (beyond + of(2.0))))
 }
 
-fn atanh(x: Double) -> Double {
+pub(super) fn atanh(x: Double) -> Double {
     odd(x, |x| of(0.5) * ln_1p(of(2.0) * x / (ONE - x)))
 }
 
@@ -291,7 +276,7 @@ fn atan2(y: Double, x: Double) -> Double {
     of(near) + (y * c - x * s) / (x * c + y * s)
 }
 
-fn atan(x: Double) -> Double {
+pub(super) fn atan(x: Double) -> Double {
     odd(x, |x| {
         if x.nearest() > 1.0 {
             HALF_PI - atan2(ONE, x)
@@ -307,7 +292,7 @@ fn small_asin(x: Double) -> Double {
     near + (x - sin(near)) / cos(near)
 }
 
-fn asin(x: Double) -> Double {
+pub(super) fn asin(x: Double) -> Double {
     odd(x, |x| {
         if x.nearest() > 0.7 {
             HALF_PI - of(2.0) * small_asin(sqrt(of(0.5) * (ONE - x)))
@@ -317,7 +302,7 @@ fn asin(x: Double) -> Double {
     })
 }
 
-fn acos(x: Double) -> Double {
+pub(super) fn acos(x: Double) -> Double {
     let near = x.nearest();
     if near > 0.7 {
         of(2.0) * small_asin(sqrt(of(0.5) * (ONE - x)))

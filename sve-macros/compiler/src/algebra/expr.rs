@@ -7,6 +7,7 @@
 use std::cell::Cell;
 use std::collections::HashMap;
 
+pub(crate) use super::functions::Function;
 use super::hash::Map;
 
 /// An expression: a name of a node in its arena.
@@ -41,36 +42,6 @@ impl Bits {
     pub(crate) fn get(self) -> f64 {
         f64::from_bits(self.0)
     }
-}
-
-/// Functions of one argument.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Function {
-    Sqrt,
-    Cbrt,
-    Exp,
-    Exp2,
-    ExpM1,
-    Ln,
-    Ln1p,
-    Log2,
-    Log10,
-    Sin,
-    Cos,
-    Tan,
-    Asin,
-    Acos,
-    Atan,
-    Sinh,
-    Cosh,
-    Tanh,
-    Asinh,
-    Acosh,
-    Atanh,
-    /// A power with a constant exponent that is neither integer nor half-integer.
-    Powf(Bits),
-    /// The magnitude: not in the language, since it is not smooth; bounds are made of it.
-    Abs,
 }
 
 /// Functions of two arguments.

@@ -13,6 +13,7 @@ mod display_tests;
 mod double_double;
 mod elementary;
 mod expr;
+mod functions;
 mod hash;
 mod number;
 #[cfg(test)]
@@ -25,7 +26,8 @@ pub(crate) mod tests;
 mod zero;
 
 pub(crate) use display::{Notation, Sum, Text};
-pub(crate) use expr::{Arena, Binary, Expr, Function, Identity, Node, Symbol};
+pub(crate) use expr::{Arena, Binary, Expr, Identity, Node, Symbol};
+pub(crate) use functions::{Bound, Domain, Function, Sign};
 pub(crate) use hash::Map;
 pub(crate) use sharp::{Sharp, Verdict};
 pub(crate) use stable::Purpose;

@@ -228,7 +228,7 @@ fn product(factors: &[(Expr, i32)], values: &Map<Expr, Sharp>) -> Sharp {
 fn call(function: Function, x: Sharp) -> Sharp {
     let value = function.evaluate_double(x.value);
     let (size, at) = (value.nearest().abs(), x.size());
-    let slope = slope(function, x.value.nearest(), value.nearest()).abs();
+    let slope = function.slope(x.value.nearest(), value.nearest()).abs();
     let reach = slope * at;
     let is_flat = reach <= FLAT * size && at != 0.0;
     let (exponent, doubt) = exponent(function, x);
@@ -271,35 +271,6 @@ fn call2(function: Binary, x: Sharp, y: Sharp) -> Sharp {
         blur: through(x.blur, y.blur),
     }
     .lost(underflows)
-}
-
-/// The derivative of a function, as in a table of derivatives.
-fn slope(function: Function, x: f64, value: f64) -> f64 {
-    use std::f64::consts::{LN_2, LN_10};
-    match function {
-        Function::Sqrt => 0.5 / value,
-        Function::Cbrt => value / (3.0 * x),
-        Function::Exp => value,
-        Function::Exp2 => LN_2 * value,
-        Function::ExpM1 => value + 1.0,
-        Function::Ln => 1.0 / x,
-        Function::Ln1p => 1.0 / (1.0 + x),
-        Function::Log2 => 1.0 / (LN_2 * x),
-        Function::Log10 => 1.0 / (LN_10 * x),
-        Function::Sin => x.cos(),
-        Function::Cos => x.sin(),
-        Function::Tan => 1.0 + value * value,
-        Function::Asin | Function::Acos => 1.0 / ((1.0 - x) * (1.0 + x)).sqrt(),
-        Function::Atan => 1.0 / (1.0 + x * x),
-        Function::Sinh => x.cosh(),
-        Function::Cosh => x.sinh(),
-        Function::Tanh => x.cosh().powi(-2),
-        Function::Asinh => 1.0 / x.hypot(1.0),
-        Function::Acosh => 1.0 / ((x - 1.0) * (x + 1.0)).sqrt(),
-        Function::Atanh => 1.0 / ((1.0 - x) * (1.0 + x)),
-        Function::Powf(k) => k.get() * value / x,
-        Function::Abs => 1.0,
-    }
 }
 
 /// The derivatives of a function of two arguments.

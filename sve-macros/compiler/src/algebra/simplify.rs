@@ -4,6 +4,7 @@
 //! There is no rule √(x²) → x, which is wrong at x < 0.
 
 use super::expr::{Arena, Binary, Bits, Expr, Function, Identity, Node, Symbol};
+use super::functions::{Parity, Sign};
 
 /// Sums longer than this are kept as one term of another sum instead of being merged into it.
 const MERGE_LIMIT: usize = 64;
@@ -120,7 +121,7 @@ impl Arena {
     pub(crate) fn abs(&mut self, a: Expr) -> Expr {
         match self.node(a).clone() {
             Node::Constant(value) => self.constant(value.get().abs()),
-            Node::Call(Function::Exp | Function::Cosh | Function::Sqrt | Function::Abs, _) => a,
+            Node::Call(function, _) if function.entry().sign != Sign::Unknown => a,
             Node::Sum(constant, terms) => match terms.as_slice() {
                 [(term, c)] if constant.get() == 0.0 => {
                     let size = self.abs(*term);
@@ -275,10 +276,10 @@ impl Arena {
             Node::Sum(_, terms) => terms[0].1.get() < 0.0,
             _ => false,
         };
-        if negative && function.parity() != Parity::None {
+        if negative && function.entry().parity != Parity::None {
             let mirrored = self.neg(x);
             let value = self.intern(Node::Call(function, mirrored));
-            return match function.parity() {
+            return match function.entry().parity {
                 Parity::Odd => self.neg(value),
                 Parity::Even | Parity::None => value,
             };
@@ -359,88 +360,6 @@ fn power_of_two(c: f64) -> f64 {
         exponent.exp2().copysign(c)
     } else {
         1.0
-    }
-}
-
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Parity {
-    Even,
-    Odd,
-    None,
-}
-
-impl Function {
-    /// The name of the method of `f64`.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Sqrt => "sqrt",
-            Self::Cbrt => "cbrt",
-            Self::Exp => "exp",
-            Self::Exp2 => "exp2",
-            Self::ExpM1 => "exp_m1",
-            Self::Ln => "ln",
-            Self::Ln1p => "ln_1p",
-            Self::Log2 => "log2",
-            Self::Log10 => "log10",
-            Self::Sin => "sin",
-            Self::Cos => "cos",
-            Self::Tan => "tan",
-            Self::Asin => "asin",
-            Self::Acos => "acos",
-            Self::Atan => "atan",
-            Self::Sinh => "sinh",
-            Self::Cosh => "cosh",
-            Self::Tanh => "tanh",
-            Self::Asinh => "asinh",
-            Self::Acosh => "acosh",
-            Self::Atanh => "atanh",
-            Self::Powf(_) => "powf",
-            Self::Abs => "abs",
-        }
-    }
-
-    fn parity(self) -> Parity {
-        match self {
-            Self::Cos | Self::Cosh | Self::Abs => Parity::Even,
-            Self::Sin
-            | Self::Tan
-            | Self::Asin
-            | Self::Atan
-            | Self::Sinh
-            | Self::Tanh
-            | Self::Asinh
-            | Self::Atanh
-            | Self::Cbrt => Parity::Odd,
-            _ => Parity::None,
-        }
-    }
-
-    pub(crate) fn evaluate(self, x: f64) -> f64 {
-        match self {
-            Self::Sqrt => x.sqrt(),
-            Self::Cbrt => x.cbrt(),
-            Self::Exp => x.exp(),
-            Self::Exp2 => x.exp2(),
-            Self::ExpM1 => x.exp_m1(),
-            Self::Ln => x.ln(),
-            Self::Ln1p => x.ln_1p(),
-            Self::Log2 => x.log2(),
-            Self::Log10 => x.log10(),
-            Self::Sin => x.sin(),
-            Self::Cos => x.cos(),
-            Self::Tan => x.tan(),
-            Self::Asin => x.asin(),
-            Self::Acos => x.acos(),
-            Self::Atan => x.atan(),
-            Self::Sinh => x.sinh(),
-            Self::Cosh => x.cosh(),
-            Self::Tanh => x.tanh(),
-            Self::Asinh => x.asinh(),
-            Self::Acosh => x.acosh(),
-            Self::Atanh => x.atanh(),
-            Self::Powf(k) => x.powf(k.get()),
-            Self::Abs => x.abs(),
-        }
     }
 }
 

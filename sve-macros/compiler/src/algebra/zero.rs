@@ -243,7 +243,10 @@ impl Arena {
                 }
                 Node::Call(function, x) => {
                     let x = values[x];
-                    let (value, slope) = (function.evaluate(x.value), function.slope(x.value));
+                    let (value, slope) = (
+                        function.evaluate(x.value),
+                        function.difference_quotient(x.value),
+                    );
                     let flat = slope * x.value.abs() <= FLAT * value.abs() && x.value != 0.0;
                     (value, slope * x.error + unknown(flat))
                 }
@@ -304,7 +307,7 @@ fn unknown(is_lost: bool) -> f64 {
 
 impl Function {
     /// `|f′(x)|` by a difference: good to a few digits, which is all that an error bound needs.
-    fn slope(self, x: f64) -> f64 {
+    fn difference_quotient(self, x: f64) -> f64 {
         let dx = 1e-6 * x.abs().max(1e-3);
         ((self.evaluate(x + dx) - self.evaluate(x - dx)) / (2.0 * dx)).abs()
     }

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::algebra::{self, Arena, Expr, Function, Notation, Symbol};
+use crate::algebra::{self, Arena, Expr, Notation, Symbol};
 use crate::rules::Rule;
 use crate::system::model::{AtNode, Family, Meaning, NodeQuantity, Quantity, Symbols, Unknown};
 
@@ -53,10 +53,8 @@ impl<'a> Names<'a> {
             return;
         }
         let letter = match arena.node(expr) {
-            algebra::Node::Call(Function::Sin, _) => 's',
-            algebra::Node::Call(Function::Cos, _) => 'c',
-            algebra::Node::Call(Function::Sqrt, _) => 'r',
-            algebra::Node::Call(..) | algebra::Node::Call2(..) => 'f',
+            algebra::Node::Call(function, _) => function.entry().letter,
+            algebra::Node::Call2(..) => 'f',
             _ => 'u',
         };
         let count = self.counts.entry(letter).or_default();

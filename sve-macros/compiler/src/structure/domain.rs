@@ -4,7 +4,7 @@
 //! positive, or not negative, with its text. Invariant: what cannot be negative by its form (a sum of squares under a root) is not
 //! listed, so that a step does not compute it.
 
-use crate::algebra::{Arena, Binary, Expr, Function, Node};
+use crate::algebra::{Arena, Binary, Domain, Expr, Node, Sign};
 
 /// A condition on where a function is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,62 +44,39 @@ pub(crate) fn conditions(roots: &[Expr], arena: &mut Arena) -> Vec<Condition<Exp
 /// What has to be positive where a function is called, and whether 0 is allowed.
 fn condition(call: Expr, arena: &mut Arena) -> Option<(Expr, bool)> {
     match *arena.node(call) {
-        Node::Call(function, x) => match function {
-            Function::Sqrt => Some((x, true)),
-            Function::Powf(k) => Some((x, k.get() > 0.0)),
-            Function::Ln | Function::Log2 | Function::Log10 => Some((x, false)),
-            Function::Ln1p => Some((arena.sum(1.0, &[(1.0, x)]), false)),
-            Function::Acosh => Some((arena.sum(-1.0, &[(1.0, x)]), true)),
-            Function::Asin | Function::Acos | Function::Atanh => {
-                let square = arena.pow(x, 2);
-                let left = arena.sum(1.0, &[(-1.0, square)]);
-                Some((left, function != Function::Atanh))
+        Node::Call(function, x) => match function.domain() {
+            Domain::Everywhere => None,
+            Domain::From { least, is_closed } => {
+                let distance = arena.sum(0.0 - least, &[(1.0, x)]);
+                Some((distance, is_closed))
             }
-            Function::Cbrt
-            | Function::Exp
-            | Function::Exp2
-            | Function::ExpM1
-            | Function::Sin
-            | Function::Cos
-            | Function::Tan
-            | Function::Atan
-            | Function::Sinh
-            | Function::Cosh
-            | Function::Tanh
-            | Function::Asinh
-            | Function::Abs => None,
+            Domain::WithinOne { is_closed } => {
+                let square = arena.pow(x, 2);
+                Some((arena.sum(1.0, &[(-1.0, square)]), is_closed))
+            }
         },
         Node::Call2(Binary::Pow, x, _) => Some((x, true)),
         _ => None,
     }
 }
 
-/// What is known of the sign of an expression from its form.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Sign {
-    Positive,
-    NonNegative,
-    Unknown,
-}
-
-impl Sign {
-    fn of_number(x: f64) -> Self {
-        if x > 0.0 {
-            Self::Positive
-        } else if x == 0.0 {
-            Self::NonNegative
-        } else {
-            Self::Unknown
-        }
+fn sign_of_number(x: f64) -> Sign {
+    if x > 0.0 {
+        Sign::Positive
+    } else if x == 0.0 {
+        Sign::NonNegative
+    } else {
+        Sign::Unknown
     }
 }
 
+/// What is known of the sign of an expression from its form.
 fn sign(expr: Expr, arena: &Arena) -> Sign {
     let mut signs: std::collections::HashMap<Expr, Sign> = std::collections::HashMap::new();
     for e in arena.reachable(&[expr], |_| true) {
         let of = |x: &Expr| signs[x];
         let sign = match arena.node(e) {
-            Node::Constant(bits) => Sign::of_number(bits.get()),
+            Node::Constant(bits) => sign_of_number(bits.get()),
             Node::Symbol(_) | Node::Call2(..) => Sign::Unknown,
             Node::Opaque(x, _) => of(x),
             Node::Sum(constant, terms) => {
@@ -107,7 +84,7 @@ fn sign(expr: Expr, arena: &Arena) -> Sign {
                     .iter()
                     .map(|(x, c)| if c.get() > 0.0 { of(x) } else { Sign::Unknown })
                     .collect();
-                parts.push(Sign::of_number(constant.get()));
+                parts.push(sign_of_number(constant.get()));
                 if parts.contains(&Sign::Unknown) {
                     Sign::Unknown
                 } else if parts.contains(&Sign::Positive) {
@@ -127,13 +104,7 @@ fn sign(expr: Expr, arena: &Arena) -> Sign {
                     _ => Sign::NonNegative,
                 }
             }),
-            Node::Call(function, _) => match function {
-                Function::Exp | Function::Exp2 | Function::Cosh => Sign::Positive,
-                Function::Sqrt | Function::Acosh | Function::Abs | Function::Acos => {
-                    Sign::NonNegative
-                }
-                _ => Sign::Unknown,
-            },
+            Node::Call(function, _) => function.entry().sign,
         };
         signs.insert(e, sign);
     }

@@ -7,13 +7,13 @@
 //! with the limit.
 //!
 //! Interval arithmetic in the form of midpoint and radius. The step size and the increments go from 0 to their values together, and
-//! so do their products. Each function has its bound in one line below.
+//! so do their products. Each function has its bound in its entry of the table of functions.
 //!
 //! Source: Neumaier, *Interval Methods for Systems of Equations* (1990), sections 1.6 and 4.1.
 
 use std::collections::HashMap;
 
-use crate::algebra::{Arena, Binary, Expr, Function, Map, Node, Symbol};
+use crate::algebra::{Arena, Binary, Bound, Expr, Function, Map, Node, Symbol};
 
 /// Half the width of the box in each unknown, in distances of the solution from the limit. The box is centred between the two and
 /// contains as much as a quarter of their distance beyond each. A single unknown may go there by way of what one small quantity
@@ -298,7 +298,7 @@ impl Bounds<'_> {
             let factor = self.done[&base];
             let is_wave = matches!(
                 self.arena.node(base),
-                Node::Call(Function::Sin | Function::Cos, _)
+                Node::Call(function, _) if function.entry().bound == Bound::Wave
             );
             let largest = match factor.end {
                 Some(end) if k > 0 => self.arena.abs(end),
@@ -373,58 +373,46 @@ impl Bounds<'_> {
         } else {
             self.arena.call(function, x_mid)
         };
-        let radius = match function {
-            Function::Sin | Function::Cos if self.flavour == Flavour::Global => {
+        let radius = match function.entry().bound {
+            Bound::Wave if self.flavour == Flavour::Global => {
                 return Some(around(self.arena.constant(0.0), self.arena.constant(1.0)));
             }
-            // slopes of at most 1
-            Function::Sin
-            | Function::Cos
-            | Function::Atan
-            | Function::Tanh
-            | Function::Asinh
-            | Function::Abs => r,
-            Function::Exp | Function::Cosh => self.grown(mid, 0.0, r),
-            Function::Exp2 => {
-                let r = self.arena.scale(std::f64::consts::LN_2, r);
-                self.grown(mid, 0.0, r)
+            Bound::Wave | Bound::Slope => r,
+            Bound::Growth { constant, rate } => {
+                let r = self.arena.scale(rate, r);
+                self.grown(mid, constant, r)
             }
-            // the slope of each is at most this multiple of 1 + |value|, e^r times as large within r
-            Function::ExpM1 | Function::Sinh => self.grown(mid, 1.0, r),
-            // |√(x+δ) − √x| ≤ |δ|/√x
-            Function::Sqrt => {
+            Bound::Root => {
                 self.positive(x_mid, r);
                 self.arena.div(r, mid)
             }
-            Function::Cbrt => {
+            Bound::CubeRoot => {
                 let size = self.arena.abs(x_mid);
                 self.positive(size, r);
                 self.arena.product(&[(r, 1), (mid, -2)])
             }
-            Function::Ln => self.logarithm(0.0, 1.0, x_mid, r),
-            Function::Ln1p => self.logarithm(1.0, 1.0, x_mid, r),
-            Function::Log2 => self.logarithm(0.0, std::f64::consts::LOG2_E, x_mid, r),
-            Function::Log10 => self.logarithm(0.0, std::f64::consts::LOG10_E, x_mid, r),
-            Function::Atanh => {
+            Bound::Logarithm { shift, scale } => self.logarithm(shift, scale, x_mid, r),
+            Bound::Arc { is_root } => {
                 let left = self.left_of_one(x_mid, r);
-                self.arena.div(r, left)
-            }
-            Function::Asin | Function::Acos => {
-                let left = self.left_of_one(x_mid, r);
-                let root = self.arena.call(Function::Sqrt, left);
-                self.arena.div(r, root)
+                let divisor = if is_root {
+                    self.arena.call(Function::Sqrt, left)
+                } else {
+                    left
+                };
+                self.arena.div(r, divisor)
             }
             // relative: |(1+ε)^k − 1| ≤ |k| 2^|k−1| ε for ε ≤ ½
-            Function::Powf(k) => {
+            Bound::Power => {
+                let k = function.exponent();
                 let half = self.arena.scale(0.5, x_mid);
                 self.positive(half, r);
-                let slope = k.get().abs() * (k.get() - 1.0).abs().exp2();
+                let slope = k.abs() * (k - 1.0).abs().exp2();
                 let size = self.arena.abs(mid);
                 let relative = self.arena.div(r, x_mid);
                 let radius = self.arena.mul(size, relative);
                 self.arena.scale(slope, radius)
             }
-            Function::Tan | Function::Acosh => return None,
+            Bound::None => return None,
         };
         Some(around(mid, radius))
     }

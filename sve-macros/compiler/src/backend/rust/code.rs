@@ -324,7 +324,7 @@ pub(super) fn call(function: Function, x: &TokenStream) -> TokenStream {
 /// A call within a loop over lanes: of a function without branches.
 fn call_in_lane(function: Function, x: &TokenStream, private: &TokenStream) -> TokenStream {
     match function {
-        Function::Sqrt => call(function, x),
+        _ if function.entry().is_instruction => call(function, x),
         Function::Powf(exponent) => {
             let exponent = constant(exponent.get());
             quote!(#private::lane::powf(#x, #exponent))
