@@ -62,7 +62,7 @@
 //! # Errors
 //!
 //! What can fail returns [`StepError`], or [`NoiseError`](noise::NoiseError) for a noise source alone: a message with the numbers
-//! in question and what to change. A step that fails leaves the state as it was. A NaN or infinite input, a step size that is zero, a
+//! in question and what to change. A step that fails leaves the state as it was. A NaN or infinite input, a step size that is not positive, a
 //! singular mass matrix, an iteration that does not converge, an overflow and a time that does not advance are errors; no step returns NaN.
 //!
 //! # Features

@@ -22,7 +22,7 @@ pub trait Method {
     /// Checks the step size and computes what depends on it alone.
     ///
     /// # Errors
-    /// [`StepError::StepSize`] if `h` is zero or not finite.
+    /// [`StepError::StepSize`] unless `h` is positive and finite.
     fn prepare(&self, h: f64) -> Result<Self::Prepared, StepError>;
 
     /// One step from what [`prepare`](Self::prepare) returned for the same `h`.
@@ -88,7 +88,7 @@ pub trait Method {
     /// One step of length `h` with the given Wiener increments, one a process in source order.
     ///
     /// # Errors
-    /// A [`StepError`] when an input is not finite, `h` is zero, or the step fails; `state` is then unchanged.
+    /// A [`StepError`] when an input is not finite, `h ≤ 0`, or the step fails; `state` is then unchanged.
     #[inline]
     fn step(
         &self,

@@ -35,7 +35,7 @@ impl<const M: usize> Increments<M> {
             law,
             seed,
             first_path,
-            scale: h.abs().sqrt(),
+            scale: h.sqrt(),
             stretch: None,
             values: vec![Aligned([[0.0; LANES]; 4]); QUADS * BLOCK_TILES * M],
         }
