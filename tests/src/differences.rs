@@ -7,35 +7,38 @@ const DELTA: f64 = 1.0 / 64.0;
 
 /// `f'(0)`.
 pub fn derivative(f: impl Fn(f64) -> f64) -> f64 {
-    let [d] = derivatives(|x| [f(x)]);
-    d
+    derivatives(|x| vec![f(x)])[0]
 }
 
 /// `f'(0)`, entry by entry.
-pub fn derivatives<const K: usize>(f: impl Fn(f64) -> [f64; K]) -> [f64; K] {
+pub fn derivatives(f: impl Fn(f64) -> Vec<f64>) -> Vec<f64> {
     extrapolated(&f)
 }
 
-// through a pointer: one copy of the code a size, not one a function
-fn extrapolated<const K: usize>(f: &dyn Fn(f64) -> [f64; K]) -> [f64; K] {
-    let central = |delta: f64| {
+// through a pointer: one copy of the code for all functions
+fn extrapolated(f: &dyn Fn(f64) -> Vec<f64>) -> Vec<f64> {
+    let central = |delta: f64| -> Vec<f64> {
         let (plus, minus) = (f(delta), f(-delta));
-        core::array::from_fn(|i| (plus[i] - minus[i]) / (2.0 * delta))
+        let pairs = plus.iter().zip(&minus);
+        pairs.map(|(a, b)| (a - b) / (2.0 * delta)).collect()
     };
-    let [a, b, c]: [[f64; K]; 3] = [DELTA, DELTA / 2.0, DELTA / 4.0].map(central);
-    core::array::from_fn(|i| {
+    let [a, b, c] = [DELTA, DELTA / 2.0, DELTA / 4.0].map(central);
+    let entry = |i: usize| {
         let (ab, bc) = ((4.0 * b[i] - a[i]) / 3.0, (4.0 * c[i] - b[i]) / 3.0);
         (16.0 * bc - ab) / 15.0
-    })
+    };
+    (0..a.len()).map(entry).collect()
 }
 
 /// The gradient of `f` at `x`.
-pub fn gradient<const N: usize>(x: [f64; N], f: impl Fn([f64; N]) -> f64) -> [f64; N] {
-    core::array::from_fn(|i| derivative(|d| f(moved(x, i, d))))
+pub fn gradient(x: &[f64], f: impl Fn(&[f64]) -> f64) -> Vec<f64> {
+    let along = |i| derivative(|d| f(&moved(x, i, d)));
+    (0..x.len()).map(along).collect()
 }
 
 /// `x` with `d` added to entry `i`.
-pub fn moved<const N: usize>(mut x: [f64; N], i: usize, d: f64) -> [f64; N] {
+pub fn moved(x: &[f64], i: usize, d: f64) -> Vec<f64> {
+    let mut x = x.to_vec();
     x[i] += d;
     x
 }

@@ -1,10 +1,10 @@
-//! The users' own functions of every model, which are what the generated code is measured against, and a walk over all
+//! The users' own functions of every model, which are what the generated code is measured against, and the list of all
 //! models and rules.
 
-use sve_runtime::__private::Whole;
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
 
+use crate::case::{Case, case};
 use crate::models::{
     Actions, Central, Chain, Charges, Clashing, Damped, DoublePendulum, Driven, HenonHeiles, Kubo,
     Magnetic, Mixed, OneMomentum, Oscillator, Pendulum, PlanarDoublePendulum, Polar, Quartic,
@@ -53,38 +53,31 @@ rules! {
     Taylor2 "taylor2" None;
 }
 
-/// What is done with every model and rule.
-pub trait Visitor {
-    /// Visits one.
-    fn visit<S, R, const N: usize, const M: usize>(&mut self, integrator: &Integrator<S, R>)
-    where
-        S: Model<N, M> + Variational<R> + Variational<Whole<R>> + Clone,
-        R: Rule + Copy;
-}
-
 /// `Pendulum by midpoint`, for messages.
 pub fn name<S: Variational<R>, R>(integrator: &Integrator<S, R>) -> String {
     let plan = integrator.plan();
     format!("{} by {}", plan.system, plan.rule)
 }
 
-/// Visits every model with every rule it has.
-pub fn every_step(visitor: &mut impl Visitor) {
-    macro_rules! visit {
-        ($($model:expr),* ; $rules:tt) => {$(visit!(one $model; $rules);)*};
+/// Every model with every rule it has.
+pub fn cases() -> Vec<Box<dyn Case>> {
+    let mut cases = Vec::new();
+    macro_rules! add {
+        ($($model:expr),* ; $rules:tt) => {$(add!(one $model; $rules);)*};
         (one $model:expr; ($($rule:ident),*)) => {$(
-            visitor.visit(&Integrator::new($model, $rule));
+            cases.push(case($model, $rule));
         )*};
     }
-    visit!(
+    add!(
         pendulum(), planar_double_pendulum(), magnetic(), spherical_pendulum(), relativistic(), HenonHeiles, quartic(), stirred(), stretched();
         (InitialPoint, Endpoint, Midpoint, Taylor2)
     );
-    visit!(
+    add!(
         oscillator(), kubo(), double_pendulum(), mixed(), polar(), driven(), synchrotron(), actions(), clashing(),
         chain(), one_momentum(), central(), damped(), towed(), charges(), rails();
         (InitialPoint, Endpoint, Midpoint)
     );
+    cases
 }
 
 macro_rules! models {

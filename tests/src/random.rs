@@ -27,4 +27,9 @@ impl Random {
     pub fn array<const N: usize>(&mut self, low: f64, high: f64) -> [f64; N] {
         core::array::from_fn(|_| self.uniform(low, high))
     }
+
+    /// Uniform, each entry of a vector of this length.
+    pub fn vector(&mut self, length: usize, low: f64, high: f64) -> Vec<f64> {
+        (0..length).map(|_| self.uniform(low, high)).collect()
+    }
 }
