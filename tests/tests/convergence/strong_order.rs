@@ -7,9 +7,9 @@
 use sve_runtime::baseline::RungeKutta4;
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, StrongOrder, System, Variational};
-use sve_tests::exact::OscillatorStep;
-use sve_tests::models::{Actions, Clashing, Kubo, Oscillator};
-use sve_tests::oracle::{
+use sve_models::exact::OscillatorStep;
+use sve_models::models::{Actions, Clashing, Kubo, Oscillator};
+use sve_models::oracle::{
     Rule, double_pendulum, mixed, pendulum, planar_double_pendulum, relativistic,
     spherical_pendulum, synchrotron,
 };

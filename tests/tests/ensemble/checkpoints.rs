@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use sve_runtime::ensemble::{Damage, Difference};
 use sve_runtime::prelude::*;
-use sve_tests::models::Kubo;
+use sve_models::models::Kubo;
 
 type Method = Integrator<Kubo, Midpoint>;
 

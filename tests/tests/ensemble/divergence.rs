@@ -2,7 +2,7 @@
 
 use sve_runtime::ensemble::{Cause, Warning};
 use sve_runtime::prelude::*;
-use sve_tests::models::{Oscillator, Pendulum};
+use sve_models::models::{Oscillator, Pendulum};
 
 /// An oscillator under noise. Beyond ωh = 2 its explicit step is unstable: the energy grows by 25 orders and stays finite.
 struct Stiff {

@@ -5,7 +5,7 @@
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
-use sve_tests::models::Oscillator;
+use sve_models::models::Oscillator;
 
 const H: f64 = 0.1;
 const SIGMA: f64 = 1.0;

@@ -2,7 +2,7 @@
 
 use allocation_counter::measure;
 use sve_runtime::prelude::*;
-use sve_tests::models::Kubo;
+use sve_models::models::Kubo;
 
 /// The largest number of bytes that a run had at once, with what the summary keeps. On one thread, whose own pool cannot be
 /// counted, so on this one.

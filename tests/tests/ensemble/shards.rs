@@ -4,7 +4,7 @@ use sve_runtime::Dims;
 use sve_runtime::baseline::{EulerMaruyama, Heun};
 use sve_runtime::ensemble::Difference;
 use sve_runtime::prelude::*;
-use sve_tests::models::Kubo;
+use sve_models::models::Kubo;
 
 type Method = Integrator<Kubo, Midpoint>;
 

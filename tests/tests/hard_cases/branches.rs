@@ -2,8 +2,8 @@
 
 use sve_runtime::prelude::*;
 use sve_runtime::{LANES, StateLanes};
-use sve_tests::models::Actions;
-use sve_tests::random::Random;
+use sve_models::models::Actions;
+use sve_models::random::Random;
 
 use super::systems::Fourth;
 

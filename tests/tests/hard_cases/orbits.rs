@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use sve_runtime::prelude::*;
-use sve_tests::models::{HenonHeiles, PlanarDoublePendulum};
+use sve_models::models::{HenonHeiles, PlanarDoublePendulum};
 
 use super::systems::Kepler;
 

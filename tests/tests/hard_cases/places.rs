@@ -2,7 +2,7 @@
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
-use sve_tests::models::SphericalPendulum;
+use sve_models::models::SphericalPendulum;
 
 use super::systems::Kepler;
 

@@ -2,7 +2,7 @@
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, LANES, StateLanes, System, Variational};
-use sve_tests::random::Random;
+use sve_models::random::Random;
 
 use super::wild::*;
 

@@ -1,17 +1,10 @@
 //! The language of a body, feature by feature: the derived value is the user's own function, the derived derivatives are
 //! its differences.
 
-#![allow(
-    clippy::cast_lossless,
-    clippy::cast_sign_loss,
-    clippy::unnecessary_cast,
-    clippy::useless_conversion
-)] // casts and conversions are what is tested
-
 use sve_runtime::System;
 use sve_runtime::prelude::*;
-use sve_tests::feature;
-use sve_tests::language::{check, close, slope, with};
+use sve_models::feature;
+use sve_models::language::{check, close, slope, with};
 
 feature! {
     let_patterns, LetPatterns { m: [f64; 2] = [1.5, 0.5] },

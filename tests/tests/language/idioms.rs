@@ -1,17 +1,11 @@
 //! What is written without thinking: iterators, slices, closures, conditions on indices, constants from elsewhere. Each system is compared
 //! with its own function, and its derivatives with differences.
 
-#![allow(
-    clippy::explicit_iter_loop,
-    clippy::assign_op_pattern,
-    clippy::needless_for_each
-)] // each way to write a loop is tested
-
 use std::f64::consts::PI;
 
 use sve_runtime::prelude::*;
-use sve_tests::feature;
-use sve_tests::language::check;
+use sve_models::feature;
+use sve_models::language::check;
 
 /// Constants of the file.
 const GRAVITY: f64 = 9.81;

@@ -6,9 +6,9 @@
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
-use sve_tests::double_double::Double;
-use sve_tests::models::{Kubo, Oscillator};
-use sve_tests::random::Random;
+use sve_models::double_double::Double;
+use sve_models::models::{Kubo, Oscillator};
+use sve_models::random::Random;
 
 const SAMPLES: usize = 20_000;
 

@@ -3,12 +3,12 @@
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
-use sve_tests::models::{Quartic, SphericalPendulum};
-use sve_tests::oracle::{
-    Model, Rule, Visitor, actions, every_step, kubo, magnetic, mixed, name, oscillator, pendulum,
-    quartic, spherical_pendulum,
+use sve_models::models::{Quartic, SphericalPendulum};
+use sve_models::case::{Case, Point};
+use sve_models::oracle::{
+    actions, cases, kubo, magnetic, mixed, name, oscillator, pendulum, quartic, spherical_pendulum,
 };
-use sve_tests::random::Random;
+use sve_models::random::Random;
 
 /// All bits of a state.
 fn bits<const N: usize>(state: &State<N>) -> Vec<u64> {
@@ -56,67 +56,82 @@ fn says(error: &StepError, parts: &[String]) {
 
 const BAD: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 
-struct BadInput(Random);
+/// The error of a case's step that has to fail without touching the state.
+fn failure_of(case: &dyn Case, start: &Point, h: f64, dw: &[f64]) -> StepError {
+    let mut state = start.clone();
+    let result = case.step(&mut state, h, dw);
+    let name = case.name();
+    assert_eq!(
+        state.bits(),
+        start.bits(),
+        "{name}: the state was touched"
+    );
+    match result {
+        Ok(()) => panic!("{name}: no error from {start:?} with h = {h}, dw = {dw:?}"),
+        Err(error) => error,
+    }
+}
 
-impl Visitor for BadInput {
-    fn visit<S, R, const N: usize, const M: usize>(&mut self, integrator: &Integrator<S, R>)
-    where
-        S: Model<N, M> + Variational<R>,
-        R: Rule,
-    {
-        let good = S::point(&mut self.0);
-        let (h, dw) = (0.1, [0.2; M]);
-        let bad_input = |state: &State<N>, dw: &[f64; M], expected: &str, bad: f64| {
-            let error = failure(integrator, state, h, dw);
-            let StepError::NonFiniteInput { what, value, t } = &error else {
-                panic!("{}: {error:?}", name(integrator));
-            };
-            assert_eq!(what, expected, "{}", name(integrator));
-            assert_eq!(value.to_bits(), bad.to_bits());
-            assert_eq!(t.to_bits(), state.t.to_bits());
-            says(
-                &error,
-                &[format!("{expected} is {bad}"), format!("t = {}", state.t)],
-            );
+fn names_what_is_not_finite(case: &dyn Case, state: &Point, dw: &[f64], expected: &str, bad: f64) {
+    let error = failure_of(case, state, 0.1, dw);
+    let StepError::NonFiniteInput { what, value, t } = &error else {
+        panic!("{}: {error:?}", case.name());
+    };
+    assert_eq!(what, expected, "{}", case.name());
+    assert_eq!(value.to_bits(), bad.to_bits());
+    assert_eq!(t.to_bits(), state.t.to_bits());
+    says(
+        &error,
+        &[format!("{expected} is {bad}"), format!("t = {}", state.t)],
+    );
+}
+
+fn names_what_is_bad(case: &dyn Case, random: &mut Random) {
+    let good = case.model().point(random);
+    let (n, m) = case.dimensions();
+    let dw = vec![0.2; m];
+    for bad in BAD {
+        for i in 0..n {
+            let mut state = good.clone();
+            state.q[i] = bad;
+            names_what_is_not_finite(case, &state, &dw, &format!("q[{i}]"), bad);
+            let mut state = good.clone();
+            state.p[i] = bad;
+            names_what_is_not_finite(case, &state, &dw, &format!("p[{i}]"), bad);
+        }
+        for i in 0..m {
+            let mut dw = dw.clone();
+            dw[i] = bad;
+            names_what_is_not_finite(case, &good, &dw, &format!("dw[{i}]"), bad);
+        }
+        let mut state = good.clone();
+        state.t = bad;
+        names_what_is_not_finite(case, &state, &dw, "t", bad);
+    }
+    for bad in [
+        f64::NAN,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        0.0,
+        -0.0,
+        -0.1,
+        -f64::MIN_POSITIVE,
+    ] {
+        let error = failure_of(case, &good, bad, &dw);
+        let StepError::StepSize { h } = error else {
+            panic!("{}: {error:?}", case.name());
         };
-        for bad in BAD {
-            for i in 0..N {
-                let mut state = good;
-                state.q[i] = bad;
-                bad_input(&state, &dw, &format!("q[{i}]"), bad);
-                let mut state = good;
-                state.p[i] = bad;
-                bad_input(&state, &dw, &format!("p[{i}]"), bad);
-            }
-            for i in 0..M {
-                let mut dw = dw;
-                dw[i] = bad;
-                bad_input(&good, &dw, &format!("dw[{i}]"), bad);
-            }
-            bad_input(&State { t: bad, ..good }, &dw, "t", bad);
-        }
-        for bad in [
-            f64::NAN,
-            f64::INFINITY,
-            f64::NEG_INFINITY,
-            0.0,
-            -0.0,
-            -0.1,
-            -f64::MIN_POSITIVE,
-        ] {
-            let error = failure(integrator, &good, bad, &dw);
-            let StepError::StepSize { h } = error else {
-                panic!("{}: {error:?}", name(integrator));
-            };
-            assert_eq!(h.to_bits(), bad.to_bits());
-            says(&error, &[format!("h = {bad}")]);
-        }
+        assert_eq!(h.to_bits(), bad.to_bits());
+        says(&error, &[format!("h = {bad}")]);
     }
 }
 
 #[test]
-fn bad_input_of_every_model_and_rule() {
-    every_step(&mut BadInput(Random::new(10)));
+fn bad_input_of_every_model_and_rule_is_named() {
+    let mut random = Random::new(10);
+    for case in cases() {
+        names_what_is_bad(&*case, &mut random);
+    }
 }
 
 /// The same through `step_prepared` with a step size that `prepare` has not seen.

@@ -6,9 +6,9 @@ use sve_runtime::baseline::{
 };
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
-use sve_tests::models::Damped;
-use sve_tests::oracle::{damped, stirred};
-use sve_tests::random::Random;
+use sve_models::models::Damped;
+use sve_models::oracle::{damped, stirred};
+use sve_models::random::Random;
 
 /// A damped oscillator in a bath: `L = ½v² − ½q²`, `F = −νv`, `γ = σq`.
 struct Ornstein {

@@ -7,8 +7,8 @@
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
-use sve_tests::models::{Central, Chain, Charges, Mixed, Stretched};
-use sve_tests::oracle::{central, chain, charges, mixed, stretched};
+use sve_models::models::{Central, Chain, Charges, Mixed, Stretched};
+use sve_models::oracle::{central, chain, charges, mixed, stretched};
 
 const STEPS: u32 = 5000;
 
@@ -39,7 +39,7 @@ where
     }
     println!(
         "{}: {worst} of the bound",
-        sve_tests::oracle::name(integrator)
+        sve_models::oracle::name(integrator)
     );
     worst
 }

@@ -3,10 +3,11 @@
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Tangent, Variational};
-use sve_tests::differences::derivatives;
-use sve_tests::models::{Damped, DoublePendulum, Driven, Kubo, Mixed, Pendulum, Polar};
-use sve_tests::oracle::{self, Model, Rule, Visitor, every_step, name};
-use sve_tests::random::Random;
+use sve_models::case::Case;
+use sve_models::differences::derivatives;
+use sve_models::models::{Damped, DoublePendulum, Driven, Kubo, Mixed, Pendulum, Polar};
+use sve_models::oracle::{self, Model, Rule, cases, name};
+use sve_models::random::Random;
 
 /// Differences are good to 1e-12 (see `differences`) times derivatives of the seventh order, below 100 here.
 const DIFFERENCES: f64 = 1e-9;
@@ -20,64 +21,57 @@ fn image<S, R, const N: usize, const M: usize>(
     mut state: State<N>,
     h: f64,
     dw: &[f64; M],
-) -> [[f64; N]; 2]
+) -> Vec<f64>
 where
     S: Variational<R> + System<Dims = Dims<N, M>>,
 {
     integrator.step(&mut state, h, dw).unwrap();
-    [state.q, state.p]
+    [state.q, state.p].concat()
 }
 
-/// The derivative of both rows of a result, by differences.
-fn slope<const N: usize>(f: impl Fn(f64) -> [[f64; N]; 2]) -> [[f64; N]; 2] {
-    [0, 1].map(|part| derivatives(|d| f(d)[part]))
-}
-
-struct Tangents(Random);
-
-impl Visitor for Tangents {
-    fn visit<S, R, const N: usize, const M: usize>(&mut self, integrator: &Integrator<S, R>)
-    where
-        S: Model<N, M> + Variational<R>,
-        R: Rule,
-    {
-        for _ in 0..5 {
-            let start = S::point(&mut self.0);
-            let dw = self.0.array(-0.3, 0.3);
-            let h = 0.1;
-            let tangent = integrator.tangent(&start, h, &dw).unwrap();
-            let what = |entry: &str| format!("{}: {entry} at {start:?}, {dw:?}", name(integrator));
-            for column in 0..2 * N {
-                let moved = |d: f64| {
-                    let mut from = start;
-                    match column {
-                        i if i < N => from.q[i] += d,
-                        i => from.p[i - N] += d,
-                    }
-                    image(integrator, from, h, &dw)
-                };
-                let [dq, dp] = slope(moved);
-                for row in 0..2 * N {
-                    let expected = if row < N { dq[row] } else { dp[row - N] };
-                    let got = tangent[row][column];
-                    assert!(
-                        (got - expected).abs() <= DIFFERENCES * (1.0 + expected.abs()),
-                        "{}: {got:e}, by differences {expected:e}",
-                        what(&format!("[{row}][{column}]"))
-                    );
+fn tangents_are_derivatives(case: &dyn Case, random: &mut Random) {
+    let (h, model) = (0.1, case.model());
+    let (n, m) = case.dimensions();
+    for _ in 0..5 {
+        let start = model.point(random);
+        let dw = random.vector(m, -0.3, 0.3);
+        let derived = case.differentiated(&mut start.clone(), h, &dw).unwrap();
+        for column in 0..2 * n {
+            let differences = derivatives(|d| {
+                let mut from = start.clone();
+                match column {
+                    i if i < n => from.q[i] += d,
+                    i => from.p[i - n] += d,
                 }
+                let to = case.stepped(&from, h, &dw);
+                to.entries().copied().collect()
+            });
+            for row in 0..2 * n {
+                let (got, expected) = (derived.tangent[row][column], differences[row]);
+                assert!(
+                    (got - expected).abs() <= DIFFERENCES * (1.0 + expected.abs()),
+                    "{}: [{row}][{column}] at {start:?}, {dw:?}: {got:e}, by differences {expected:e}",
+                    case.name()
+                );
             }
-            if !S::FORCED {
-                let defect = tangent.symplectic_defect();
-                assert!(defect < SYMPLECTIC, "{}: {defect:e}", what("defect"));
-            }
+        }
+        if !model.is_forced() {
+            let defect = derived.defect;
+            assert!(
+                defect < SYMPLECTIC,
+                "{}: defect at {start:?}, {dw:?}: {defect:e}",
+                case.name()
+            );
         }
     }
 }
 
 #[test]
 fn tangents_are_derivatives_of_steps_and_symplectic() {
-    every_step(&mut Tangents(Random::new(17)));
+    let mut random = Random::new(17);
+    for case in cases() {
+        tangents_are_derivatives(&*case, &mut random);
+    }
 }
 
 /// The tangent of many steps is the product of theirs, and symplectic to the rounding of the products.
@@ -91,7 +85,7 @@ fn tangents_of_successive_steps() {
         for k in 0..50 {
             integrator.step(&mut state, 0.02, &increments(k)).unwrap();
         }
-        [state.q, state.p]
+        [state.q, state.p].concat()
     };
     let (mut state, mut total) = (start, Tangent::identity());
     for k in 0..50 {
@@ -101,17 +95,16 @@ fn tangents_of_successive_steps() {
             .unwrap();
         total = &tangent * &total;
     }
-    assert_eq!([state.q, state.p], run(start));
+    assert_eq!([state.q, state.p].concat(), run(start));
     assert!(total.symplectic_defect() < 1e-11);
-    let [dq, dp] = slope(|d| {
+    let differences = derivatives(|d| {
         run(State {
             q: [0.4 + d, -0.3],
             ..start
         })
     });
-    for i in 0..2 {
-        assert!((total[i][0] - dq[i]).abs() < 1e-8 * (1.0 + dq[i].abs()));
-        assert!((total[2 + i][0] - dp[i]).abs() < 1e-8 * (1.0 + dp[i].abs()));
+    for (row, expected) in differences.iter().enumerate() {
+        assert!((total[row][0] - expected).abs() < 1e-8 * (1.0 + expected.abs()));
     }
 }
 
@@ -138,20 +131,18 @@ fn parameter<S, R, const N: usize, const M: usize>(
         .unwrap();
     total.advance(&tangent, &own);
     let got = total.get(parameter).unwrap();
-    let [dq, dp] = slope(|d| {
+    let differences = derivatives(|d| {
         let integrator = Integrator::new(make(value + d), rule);
         let mut state = start;
         integrator.step(&mut state, 0.1, &dw[0]).unwrap();
         image(&integrator, state, 0.1, &dw[1])
     });
-    for i in 0..N {
-        for (got, expected) in [(got.q[i], dq[i]), (got.p[i], dp[i])] {
-            assert!(
-                (got - expected).abs() <= DIFFERENCES * (1.0 + expected.abs()),
-                "{}, {parameter}: {got:e}, by differences {expected:e}",
-                name(&integrator)
-            );
-        }
+    for (got, expected) in got.q.iter().chain(&got.p).zip(&differences) {
+        assert!(
+            (got - expected).abs() <= DIFFERENCES * (1.0 + expected.abs()),
+            "{}, {parameter}: {got:e}, by differences {expected:e}",
+            name(&integrator)
+        );
     }
 }
 

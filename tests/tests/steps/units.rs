@@ -9,10 +9,10 @@
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
-use sve_tests::models::{
+use sve_models::models::{
     Chain, DoublePendulum, Kubo, Magnetic, Polar, Quartic, Relativistic, SphericalPendulum,
 };
-use sve_tests::oracle::{
+use sve_models::oracle::{
     chain, double_pendulum, magnetic, polar, quartic, relativistic, spherical_pendulum,
 };
 

@@ -3,7 +3,7 @@
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
-use sve_tests::oracle::{chain, rails};
+use sve_models::oracle::{chain, rails};
 
 /// Beads at the distances where the bonds are at rest: L = Σ ½v² − Σ (1 − exp(−(Δq − 1)))².
 struct Morse;

@@ -1,16 +1,15 @@
 //! Steps that were made for their systems: the same as steps without structure, and what they take, counted. A term costs its own
 //! operations and nothing else.
 
-#[path = "../../examples/examples/structure/scenes.rs"]
+#[path = "../../../examples/examples/structure/scenes.rs"]
 mod scenes;
 
 /// The step without structure is the same step.
 mod whole {
-    use sve_runtime::__private::Whole;
-    use sve_runtime::prelude::*;
-    use sve_runtime::{BlockKind, Variational};
-    use sve_tests::oracle::{Model, Rule, Visitor, every_step, name};
-    use sve_tests::random::Random;
+    use sve_runtime::BlockKind;
+    use sve_models::case::Case;
+    use sve_models::oracle::cases;
+    use sve_models::random::Random;
 
     const H: f64 = 0.05;
 
@@ -18,58 +17,42 @@ mod whole {
     /// to 4.3 units of the state here.
     const UNITS: f64 = 20.0;
 
-    struct Same {
-        random: Random,
-        steps: usize,
-    }
-
-    impl Visitor for Same {
-        fn visit<S, R, const N: usize, const M: usize>(&mut self, integrator: &Integrator<S, R>)
-        where
-            S: Model<N, M> + Variational<R> + Variational<Whole<R>> + Clone,
-            R: Rule + Copy,
-        {
-            let what = name(integrator);
-            let whole = Whole(*integrator.rule());
-            let whole = Integrator::new(integrator.system().clone(), whole);
-            let [block] = whole.plan().blocks else {
-                panic!("{what}: {}", whole.plan());
-            };
-            let each = if R::NODE.is_some() { 3 } else { 5 };
-            assert_eq!(block.unknowns.len(), each * N, "{what}");
-            assert_eq!(
-                (block.kind, block.band),
-                (BlockKind::Newton, None),
-                "{what}"
-            );
-            for _ in 0..20 {
-                let start = S::point(&mut self.random);
-                let dw: [f64; M] = self.random.array(-0.1, 0.1);
-                let (mut expected, mut got) = (start, start);
-                integrator.step(&mut expected, H, &dw).unwrap();
-                whole
-                    .step(&mut got, H, &dw)
-                    .unwrap_or_else(|e| panic!("{what}: {e}"));
-                let numbers = expected.q.iter().chain(&expected.p);
-                let size = numbers.clone().fold(1.0, |m: f64, x| m.max(x.abs()));
-                for (a, b) in numbers.zip(got.q.iter().chain(&got.p)) {
-                    let error = (a - b).abs() / (f64::EPSILON * size);
-                    assert!(error <= UNITS, "{what}: {expected:?}, {got:?}");
-                }
-                assert_eq!(got.t, expected.t);
-                self.steps += 1;
+    fn same_without_structure(case: &dyn Case, random: &mut Random) {
+        let what = case.name();
+        let plan = case.plan_without_structure();
+        let [block] = plan.blocks else {
+            panic!("{what}: {plan}");
+        };
+        let (n, m) = case.dimensions();
+        let each = if case.node().is_some() { 3 } else { 5 };
+        assert_eq!(block.unknowns.len(), each * n, "{what}");
+        assert_eq!(
+            (block.kind, block.band),
+            (BlockKind::Newton, None),
+            "{what}"
+        );
+        for _ in 0..20 {
+            let start = case.model().point(random);
+            let dw = random.vector(m, -0.1, 0.1);
+            let expected = case.stepped(&start, H, &dw);
+            let mut got = start;
+            case.step_without_structure(&mut got, H, &dw)
+                .unwrap_or_else(|e| panic!("{what}: {e}"));
+            for (a, b) in expected.entries().zip(got.entries()) {
+                let error = (a - b).abs() / (f64::EPSILON * expected.size());
+                assert!(error <= UNITS, "{what}: {expected:?}, {got:?}");
             }
+            assert_eq!(got.t, expected.t);
         }
     }
 
     #[test]
     fn every_step_is_the_same_without_structure() {
-        let mut same = Same {
-            random: Random::new(31),
-            steps: 0,
-        };
-        every_step(&mut same);
-        assert_eq!(same.steps, 84 * 20);
+        let (mut random, cases) = (Random::new(31), cases());
+        for case in &cases {
+            same_without_structure(&**case, &mut random);
+        }
+        assert_eq!(cases.len(), 84);
     }
 }
 
@@ -210,7 +193,7 @@ mod table {
 
     #[test]
     fn the_plan_tells_turns_from_calls() {
-        let plan = Integrator::new(sve_tests::oracle::pendulum(), Midpoint).plan();
+        let plan = Integrator::new(sve_models::oracle::pendulum(), Midpoint).plan();
         let text = plan.to_string();
         let last =
             "\n  operations an iteration: 13 arithmetic, 0 transcendental, 1 turn of an angle";

@@ -4,12 +4,12 @@
 
 use std::collections::HashMap;
 
-use sve_runtime::prelude::*;
-use sve_runtime::{Plan, Variational};
-use sve_tests::oracle::{Model, Rule, Visitor, every_step, name};
-use sve_tests::random::Random;
+use sve_runtime::Plan;
+use sve_models::case::{Case, Functions, Point};
+use sve_models::oracle::cases;
+use sve_models::random::Random;
 
-#[path = "../../sve-macros/compiler/src/algebra/reader.rs"]
+#[path = "../../../sve-macros/compiler/src/algebra/reader.rs"]
 mod reader;
 use reader::read;
 
@@ -30,8 +30,8 @@ fn equations(text: &str) -> Vec<(&str, &str)> {
 }
 
 /// The fields of a system, from how it prints itself for debugging.
-fn parameters(system: &impl std::fmt::Debug) -> Values {
-    let text = format!("{system:?}");
+fn parameters(model: &dyn Functions) -> Values {
+    let text = format!("{model:?}");
     let mut values = Values::new();
     let fields = text.split_once('{').map_or("", |(_, fields)| fields);
     let mut field = String::new();
@@ -110,28 +110,26 @@ struct Systems {
 }
 
 impl Systems {
-    fn check<S, const N: usize, const M: usize>(&mut self, system: &S, plan: &Plan)
-    where
-        S: Model<N, M>,
-    {
-        let State { t, q, p, .. } = S::point(&mut self.random);
-        let v: [f64; N] = self.random.array(-0.5, 0.5);
-        let mut values = parameters(system);
+    fn check(&mut self, model: &dyn Functions, plan: &Plan) {
+        let Point { t, q, p } = model.point(&mut self.random);
+        let (q, p) = (q.as_slice(), p.as_slice());
+        let v = &self.random.vector(q.len(), -0.5, 0.5);
+        let mut values = parameters(model);
         values.insert("t".to_owned(), t);
-        insert(&mut values, "q", &q);
-        insert(&mut values, "v", &v);
-        insert(&mut values, "p", &p);
+        insert(&mut values, "q", q);
+        insert(&mut values, "v", v);
+        insert(&mut values, "p", p);
         let what = |line: (&str, &str)| format!("{}: {} = {}", plan.system, line.0, line.1);
 
-        let force = system.f(t, q, v);
-        let g = system.g(t, q, p);
+        let force = model.f(t, q, v);
+        let g = model.g(t, q, p);
         let lines = equations(plan.formulas.system);
         let mut known = values.clone();
         follow(&lines, &mut known);
         let mut noises = g.iter();
         for line in lines {
             let expected = match line.0.split_once(' ') {
-                None if line.0 == "L" => system.l(t, q, v),
+                None if line.0 == "L" => model.l(t, q, v),
                 Some(("γ", _)) => -noises.next().unwrap(),
                 Some(("H₁", _)) => *noises.next().unwrap(),
                 None if line.0.starts_with('F') => force[component_of(line.0)],
@@ -146,10 +144,8 @@ impl Systems {
             self.lines += 1;
         }
 
-        let (jet, jets) = (
-            system.lagrangian_jet(t, &q, &v),
-            system.noise_jets(t, &q, &p),
-        );
+        let (jet, jets) = (model.lagrangian(t, q, v), model.noises(t, q, p));
+        let m = jets.len();
         let lines = equations(plan.formulas.motion);
         let mut known = values;
         // the momenta of the noise terms are not those of the velocities here
@@ -164,15 +160,15 @@ impl Systems {
             let (letter, right) = (line.0.split('[').next().unwrap(), line.1);
             // dx = a dt + b ∘ dW: with one of the differentials 1 at a time
             let right = right.replace(" dt", "·dt").replace(" ∘ dW", "·dW");
-            for a in 0..=M {
+            for a in 0..=m {
                 let mut known = known.clone();
-                let mut differentials = [0.0; M];
-                if a < M {
+                let mut differentials = vec![0.0; m];
+                if a < m {
                     differentials[a] = 1.0;
                 }
                 insert(&mut known, "dW", &differentials);
-                known.insert("dt".to_owned(), if a == M { 1.0 } else { 0.0 });
-                let expected = match (letter, a < M) {
+                known.insert("dt".to_owned(), if a == m { 1.0 } else { 0.0 });
+                let expected = match (letter, a < m) {
                     ("p", _) => jet.dv[index],
                     ("dq", false) => v[index],
                     ("dq", true) => jets[a].dp[index],
@@ -192,31 +188,18 @@ impl Systems {
     }
 }
 
-impl Visitor for Systems {
-    fn visit<S, R, const N: usize, const M: usize>(&mut self, integrator: &Integrator<S, R>)
-    where
-        S: Model<N, M> + Variational<R>,
-        R: Rule,
-    {
-        for _ in 0..3 {
-            self.check(integrator.system(), integrator.plan());
-        }
-    }
-}
-
 #[test]
-fn systems_and_their_motion() {
+fn systems_and_their_motion_have_the_values_of_the_users_functions() {
     let mut systems = Systems {
         random: Random::new(31),
         lines: 0,
     };
-    every_step(&mut systems);
+    for case in cases() {
+        for _ in 0..3 {
+            systems.check(&*case.model(), case.plan());
+        }
+    }
     assert!(systems.lines > 1000, "{}", systems.lines);
-}
-
-struct Steps {
-    random: Random,
-    solved: usize,
 }
 
 /// What is left of the equations for the unknowns when these have the values `x`, and everything that follows from them.
@@ -279,138 +262,119 @@ fn gauss(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
     (0..n).map(|j| rows[j][n] / rows[j][j]).collect()
 }
 
-impl Visitor for Steps {
-    fn visit<S, R, const N: usize, const M: usize>(&mut self, integrator: &Integrator<S, R>)
-    where
-        S: Model<N, M> + Variational<R>,
-        R: Rule,
-    {
-        let plan = integrator.plan();
-        if plan.formulas.step.contains('…') {
-            return;
-        }
-        self.solved += 1;
-        let lines = equations(plan.formulas.step);
-        // where a name is only one for what the text writes out there is no block for it
-        let written = |unknown: &&str| plan.formulas.step.contains(*unknown);
-        let all = plan.blocks.iter().flat_map(|b| b.unknowns.iter().copied());
-        let unknowns: Vec<&str> = all.filter(written).collect();
-        for _ in 0..3 {
-            let start = S::point(&mut self.random);
-            let (h, dw) = (0.05, self.random.array::<M>(-0.1, 0.1));
-            let mut end = start;
-            integrator.step(&mut end, h, &dw).unwrap();
-            let mut known = parameters(integrator.system());
-            known.insert("h".to_owned(), h);
-            known.insert("t₀".to_owned(), start.t);
-            insert(&mut known, "q₀", &start.q);
-            insert(&mut known, "p₀", &start.p);
-            insert(&mut known, "ΔW", &dw);
-            // several solutions may exist: the search begins near the step's
-            let mut guess = Values::new();
-            let moved: [f64; N] = std::array::from_fn(|i| end.q[i] - start.q[i]);
-            insert(&mut guess, "Δq", &moved);
-            insert(&mut guess, "v", &moved.map(|d| d / h));
-            let x = unknowns
-                .iter()
-                .map(|u| guess.get(*u).copied().unwrap_or(0.0));
-            let found = solve(&lines, &unknowns, &known, x.collect());
-            for (letter, expected) in [("q₁", end.q), ("p₁", end.p)] {
-                for (i, &expected) in expected.iter().enumerate() {
-                    let name = component(letter, i, N);
-                    let what = format!("{} of {}", name, self::name(integrator));
-                    close(found[&name], expected, SOLVED, &what);
-                }
+/// Solves the printed equations of a case's step; false where they are cut off.
+fn printed_steps_are_the_steps(case: &dyn Case, random: &mut Random) -> bool {
+    let (plan, model) = (case.plan(), case.model());
+    if plan.formulas.step.contains('…') {
+        return false;
+    }
+    let lines = equations(plan.formulas.step);
+    // where a name is only one for what the text writes out there is no block for it
+    let written = |unknown: &&str| plan.formulas.step.contains(*unknown);
+    let all = plan.blocks.iter().flat_map(|b| b.unknowns.iter().copied());
+    let unknowns: Vec<&str> = all.filter(written).collect();
+    for _ in 0..3 {
+        let start = model.point(random);
+        let (h, dw) = (0.05, random.vector(case.dimensions().1, -0.1, 0.1));
+        let end = case.stepped(&start, h, &dw);
+        let mut known = parameters(&*model);
+        known.insert("h".to_owned(), h);
+        known.insert("t₀".to_owned(), start.t);
+        insert(&mut known, "q₀", &start.q);
+        insert(&mut known, "p₀", &start.p);
+        insert(&mut known, "ΔW", &dw);
+        // several solutions may exist: the search begins near the step's
+        let mut guess = Values::new();
+        let moved: Vec<f64> = end.q.iter().zip(&start.q).map(|(a, b)| a - b).collect();
+        let velocity: Vec<f64> = moved.iter().map(|d| d / h).collect();
+        insert(&mut guess, "Δq", &moved);
+        insert(&mut guess, "v", &velocity);
+        let x = unknowns
+            .iter()
+            .map(|u| guess.get(*u).copied().unwrap_or(0.0));
+        let found = solve(&lines, &unknowns, &known, x.collect());
+        for (letter, expected) in [("q₁", &end.q), ("p₁", &end.p)] {
+            for (i, &expected) in expected.iter().enumerate() {
+                let name = component(letter, i, end.q.len());
+                let what = format!("{name} of {}", case.name());
+                close(found[&name], expected, SOLVED, &what);
             }
         }
     }
+    true
 }
 
 #[test]
-fn steps() {
-    let mut steps = Steps {
-        random: Random::new(32),
-        solved: 0,
-    };
-    every_step(&mut steps);
+fn printed_equations_give_the_step() {
+    let mut random = Random::new(32);
+    let is_solved = |case: &Box<dyn Case>| printed_steps_are_the_steps(&**case, &mut random);
+    let solved = cases().iter().map(is_solved).filter(|solved| *solved);
     // all but chains, whose equations are cut off, and the largest steps of others
-    assert!(steps.solved >= 50, "{}", steps.solved);
+    assert!(solved.count() >= 50);
 }
 
-struct Actions {
-    random: Random,
-    read: usize,
-}
-
-impl Visitor for Actions {
-    fn visit<S, R, const N: usize, const M: usize>(&mut self, integrator: &Integrator<S, R>)
-    where
-        S: Model<N, M> + Variational<R>,
-        R: Rule,
-    {
-        let (system, plan) = (integrator.system(), integrator.plan());
-        let lines = equations(plan.formulas.action);
-        // below the textbook form, where it is short enough
-        let actions: Vec<_> = lines.iter().filter(|line| line.0 == "S").collect();
-        let (Some(c), [_, (_, text)]) = (R::NODE, actions.as_slice()) else {
-            return;
-        };
-        self.read += 1;
-        for _ in 0..3 {
-            let State { t, q, p, .. } = S::point(&mut self.random);
-            let (h, dw) = (0.3, self.random.array::<M>(-0.5, 0.5));
-            let d: [f64; N] = self.random.array(-0.1, 0.1);
-            let v: [f64; N] = self.random.array(-0.5, 0.5);
-            let node: [f64; N] = std::array::from_fn(|i| q[i] + c * d[i]);
-            let time = t + c * h;
-            let mut expected = h * system.l(time, node, v);
-            for i in 0..N {
-                expected += p[i] * (d[i] - h * v[i]);
-            }
-            let g = system.g(time, node, p);
-            let jets = system.noise_jets(time, &node, &p);
-            for a in 0..M {
-                expected -= g[a] * dw[a];
-                for b in 0..M {
-                    for i in 0..N {
-                        expected += (c - 0.5) * jets[a].dp[i] * jets[b].dq[i] * dw[a] * dw[b];
-                    }
+/// Compares the printed action with the action of the user's functions; false where there is none.
+fn printed_actions_are_the_actions(case: &dyn Case, random: &mut Random) -> bool {
+    let (plan, model) = (case.plan(), case.model());
+    let (n, m) = case.dimensions();
+    let lines = equations(plan.formulas.action);
+    // below the textbook form, where it is short enough
+    let actions: Vec<_> = lines.iter().filter(|line| line.0 == "S").collect();
+    let (Some(c), [_, (_, text)]) = (case.node(), actions.as_slice()) else {
+        return false;
+    };
+    for _ in 0..3 {
+        let Point { t, q, p } = model.point(random);
+        let (h, dw) = (0.3, random.vector(m, -0.5, 0.5));
+        let d = random.vector(n, -0.1, 0.1);
+        let v = random.vector(n, -0.5, 0.5);
+        let node: Vec<f64> = (0..n).map(|i| q[i] + c * d[i]).collect();
+        let time = t + c * h;
+        let mut expected = h * model.l(time, &node, &v);
+        for i in 0..n {
+            expected += p[i] * (d[i] - h * v[i]);
+        }
+        let g = model.g(time, &node, &p);
+        let jets = model.noises(time, &node, &p);
+        for a in 0..m {
+            expected -= g[a] * dw[a];
+            for b in 0..m {
+                for i in 0..n {
+                    expected += (c - 0.5) * jets[a].dp[i] * jets[b].dq[i] * dw[a] * dw[b];
                 }
             }
-            let mut known = parameters(system);
-            known.insert("h".to_owned(), h);
-            insert(&mut known, "ΔW", &dw);
-            let vectors = [
-                ("v", v),
-                ("p", p),
-                ("Δq", d),
-                ("q₀", q),
-                ("q̄", node),
-                ("q₁", node),
-            ];
-            for (letter, vector) in vectors {
-                insert(&mut known, letter, &vector);
-            }
-            for (letter, time) in [("t₀", t), ("t̄", time), ("t₁", time)] {
-                known.insert(letter.to_owned(), time);
-            }
-            // parts of it, whose names begin with a small letter
-            let is_part =
-                |line: &&(&str, &str)| line.0.starts_with(|c: char| c.is_ascii_lowercase());
-            let parts: Vec<_> = lines.iter().filter(is_part).copied().collect();
-            follow(&parts, &mut known);
-            let what = format!("S of {}", name(integrator));
-            close(read(text, &known).unwrap(), expected, ROUNDING, &what);
         }
+        let mut known = parameters(&*model);
+        known.insert("h".to_owned(), h);
+        insert(&mut known, "ΔW", &dw);
+        let vectors = [
+            ("v", &v),
+            ("p", &p),
+            ("Δq", &d),
+            ("q₀", &q),
+            ("q̄", &node),
+            ("q₁", &node),
+        ];
+        for (letter, vector) in vectors {
+            insert(&mut known, letter, vector);
+        }
+        for (letter, time) in [("t₀", t), ("t̄", time), ("t₁", time)] {
+            known.insert(letter.to_owned(), time);
+        }
+        // parts of it, whose names begin with a small letter
+        let is_part = |line: &&(&str, &str)| line.0.starts_with(|c: char| c.is_ascii_lowercase());
+        let parts: Vec<_> = lines.iter().filter(is_part).copied().collect();
+        follow(&parts, &mut known);
+        let what = format!("S of {}", case.name());
+        close(read(text, &known).unwrap(), expected, ROUNDING, &what);
     }
+    true
 }
 
 #[test]
-fn actions() {
-    let mut actions = Actions {
-        random: Random::new(33),
-        read: 0,
-    };
-    every_step(&mut actions);
-    assert!(actions.read >= 35, "{}", actions.read);
+fn printed_actions_have_the_values_of_the_users_functions() {
+    let mut random = Random::new(33);
+    let is_read = |case: &Box<dyn Case>| printed_actions_are_the_actions(&**case, &mut random);
+    let read = cases().iter().map(is_read).filter(|read| *read);
+    assert!(read.count() >= 35);
 }

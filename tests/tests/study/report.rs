@@ -5,8 +5,8 @@ use sve_runtime::baseline::{EulerMaruyama, Heun, RungeKutta4};
 use sve_runtime::prelude::*;
 use sve_runtime::study::{Estimate, Order, Report, Study, StudyError, read_csv, write_csv};
 use sve_runtime::{IncrementsOf, Solver, StateOf, Variational};
-use sve_tests::exact::OscillatorStep;
-use sve_tests::models::{Kubo, Oscillator, Pendulum};
+use sve_models::exact::OscillatorStep;
+use sve_models::models::{Kubo, Oscillator, Pendulum};
 
 /// Standard errors that are accepted; with fixed seeds the tests never change their minds.
 const SIGMAS: f64 = 4.0;

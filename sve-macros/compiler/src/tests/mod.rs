@@ -3,6 +3,7 @@
 mod absent;
 mod growth;
 mod limits;
+mod messages;
 mod mistakes;
 mod readable;
 mod robustness;

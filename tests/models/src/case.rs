@@ -7,8 +7,7 @@ use sve_runtime::__private::Whole;
 use sve_runtime::noise::Noise;
 use sve_runtime::prelude::*;
 use sve_runtime::{
-    Dims, ForceJet, LANES, Lane, LagrangianJet, Mask, NoiseJet, Plan, StateLanes, System,
-    Variational,
+    ForceJet, LANES, LagrangianJet, Lane, Mask, NoiseJet, Plan, StateLanes, Variational,
 };
 
 use crate::oracle::{Model, Rule};
@@ -32,6 +31,15 @@ pub struct Point {
 }
 
 impl Point {
+    /// The state (q, p) at t = 0.
+    pub fn new(q: &[f64], p: &[f64]) -> Self {
+        Self {
+            t: 0.0,
+            q: q.to_vec(),
+            p: p.to_vec(),
+        }
+    }
+
     fn of<const N: usize>(state: &State<N>) -> Self {
         Self {
             t: state.t,
