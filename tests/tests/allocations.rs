@@ -1,10 +1,10 @@
 //! A step and a trajectory do not allocate: counted, for explicit, linear and Newton steps.
 
 use allocation_counter::measure;
-use sve_runtime::prelude::*;
-use sve_runtime::{BlockKind, Dims, System, Variational};
 use sve_models::oracle::{cases, double_pendulum, kubo, mixed, oscillator, pendulum};
 use sve_models::random::Random;
+use sve_runtime::prelude::*;
+use sve_runtime::{BlockKind, Dims, System, Variational};
 
 fn allocations(run: impl FnOnce()) -> u64 {
     measure(run).count_total

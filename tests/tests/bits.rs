@@ -8,11 +8,11 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use sve_runtime::prelude::*;
-use sve_runtime::{LANES, Variational};
 use sve_models::case::{Case, Derivatives, Point};
 use sve_models::oracle::{cases, kubo, pendulum};
 use sve_models::random::Random;
+use sve_runtime::prelude::*;
+use sve_runtime::{LANES, Variational};
 
 /// FNV-1a of 64 bits.
 struct Hash(u64);

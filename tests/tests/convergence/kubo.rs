@@ -1,7 +1,7 @@
 //! The Kubo oscillator by the midpoint rule: the exact mean-square error, and the invariant.
 
-use sve_runtime::prelude::*;
 use sve_models::models::Kubo;
+use sve_runtime::prelude::*;
 
 /// The step as a multiplier of `q + ip`, which it is where the step is linear and commutes with rotations.
 fn multiplier(kubo: &Integrator<Kubo, Midpoint>, h: f64, dw: f64) -> [f64; 2] {

@@ -3,9 +3,9 @@
 //! The generated step is affine, `z₁ = A z₀ + b ΔW` (b holds σ). Its A and b are read off by steps from the unit vectors and
 //! with ΔW = 1, and the second moments then obey `M₁ = A M₀ Aᵀ + h b bᵀ` exactly.
 
+use sve_models::models::Oscillator;
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
-use sve_models::models::Oscillator;
 
 const H: f64 = 0.1;
 

@@ -4,15 +4,15 @@
 //! 2⁻⁶ … 2⁻¹⁰ on the same paths. The order is the slope of the logarithms; the standard error of the slope comes from the
 //! scatter between batches of paths.
 
-use sve_runtime::baseline::RungeKutta4;
-use sve_runtime::prelude::*;
-use sve_runtime::{Dims, StrongOrder, System, Variational};
 use sve_models::exact::OscillatorStep;
 use sve_models::models::{Actions, Clashing, Kubo, Oscillator};
 use sve_models::oracle::{
     Rule, double_pendulum, mixed, pendulum, planar_double_pendulum, relativistic,
     spherical_pendulum, synchrotron,
 };
+use sve_runtime::baseline::RungeKutta4;
+use sve_runtime::prelude::*;
+use sve_runtime::{Dims, StrongOrder, System, Variational};
 
 const BATCHES: usize = 12;
 const PATHS: usize = 20;

@@ -1,10 +1,10 @@
 //! The language of a body, feature by feature: the derived value is the user's own function, the derived derivatives are
 //! its differences.
 
-use sve_runtime::System;
-use sve_runtime::prelude::*;
 use sve_models::feature;
 use sve_models::language::{check, close, slope, with};
+use sve_runtime::System;
+use sve_runtime::prelude::*;
 
 feature! {
     let_patterns, LetPatterns { m: [f64; 2] = [1.5, 0.5] },

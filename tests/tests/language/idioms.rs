@@ -3,9 +3,9 @@
 
 use std::f64::consts::PI;
 
-use sve_runtime::prelude::*;
 use sve_models::feature;
 use sve_models::language::check;
+use sve_runtime::prelude::*;
 
 /// Constants of the file.
 const GRAVITY: f64 = 9.81;

@@ -4,11 +4,11 @@
 //! |q₀|, |p₀|, σ|ΔW|, |q₁| and |p₁|. A step rounds a few products and sums of at most that size, half an ulp each. For Kubo the angle
 //! `x = ah + σΔW` is rounded as well, up to 1½ of its ulp: 2 ulp of the largest of |q₀| … |p₁| and 1 more of x times that.
 
-use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
 use sve_models::double_double::Double;
 use sve_models::models::{Kubo, Oscillator};
 use sve_models::random::Random;
+use sve_runtime::prelude::*;
+use sve_runtime::{Dims, System, Variational};
 
 const SAMPLES: usize = 20_000;
 

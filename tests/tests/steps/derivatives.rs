@@ -194,26 +194,14 @@ fn taylor_nodes(
 }
 
 /// The action of the Taylor rule; `work` adds the virtual work of the force at the nodes of the step itself.
-fn taylor(
-    model: &dyn Functions,
-    step: &Step,
-    q0: &[f64],
-    q1: &[f64],
-    work: &[Vec<f64>; 2],
-) -> f64 {
+fn taylor(model: &dyn Functions, step: &Step, q0: &[f64], q1: &[f64], work: &[Vec<f64>; 2]) -> f64 {
     let [(q, v), (q_end, v_end)] = taylor_nodes(model, step, q0, q1);
     let action = model.l(step.t, &q, &v) + model.l(step.t + step.h, &q_end, &v_end);
     0.5 * step.h * (action + product(&work[0], &q) + product(&work[1], &q_end))
 }
 
 /// One correction of `a` towards the solution of `d/dt ∂L/∂v = ∂L/∂q + F`; `d/dt` is a difference along the parabola.
-fn acceleration(
-    model: &dyn Functions,
-    t: f64,
-    q: &[f64],
-    v: &[f64],
-    mut a: Vec<f64>,
-) -> Vec<f64> {
+fn acceleration(model: &dyn Functions, t: f64, q: &[f64], v: &[f64], mut a: Vec<f64>) -> Vec<f64> {
     let force = sum(&gradient(q, |q| model.l(t, q, v)), 1.0, &model.f(t, q, v));
     // the equation is linear in a, with the mass matrix
     let rate = derivatives(|d| {

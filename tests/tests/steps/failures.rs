@@ -1,14 +1,14 @@
 //! Bad input at run time: each is the right error with the right numbers, its message has them, and the state is left as it
 //! was, bit for bit.
 
-use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
-use sve_models::models::{Quartic, SphericalPendulum};
 use sve_models::case::{Case, Point};
+use sve_models::models::{Quartic, SphericalPendulum};
 use sve_models::oracle::{
     actions, cases, kubo, magnetic, mixed, name, oscillator, pendulum, quartic, spherical_pendulum,
 };
 use sve_models::random::Random;
+use sve_runtime::prelude::*;
+use sve_runtime::{Dims, System, Variational};
 
 /// All bits of a state.
 fn bits<const N: usize>(state: &State<N>) -> Vec<u64> {
@@ -61,11 +61,7 @@ fn failure_of(case: &dyn Case, start: &Point, h: f64, dw: &[f64]) -> StepError {
     let mut state = start.clone();
     let result = case.step(&mut state, h, dw);
     let name = case.name();
-    assert_eq!(
-        state.bits(),
-        start.bits(),
-        "{name}: the state was touched"
-    );
+    assert_eq!(state.bits(), start.bits(), "{name}: the state was touched");
     match result {
         Ok(()) => panic!("{name}: no error from {start:?} with h = {h}, dw = {dw:?}"),
         Err(error) => error,

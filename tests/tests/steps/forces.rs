@@ -1,14 +1,14 @@
 //! Forces in every rule: closed forms, the exact contraction by linear friction, and orders of convergence. That the steps obey
 //! the discrete equations with a force is in `derivatives`.
 
+use sve_models::models::Damped;
+use sve_models::oracle::{damped, stirred};
+use sve_models::random::Random;
 use sve_runtime::baseline::{
     BackwardEulerMaruyama, EulerMaruyama, Heun, RungeKutta4, TaylorSeries2,
 };
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
-use sve_models::models::Damped;
-use sve_models::oracle::{damped, stirred};
-use sve_models::random::Random;
 
 /// A damped oscillator in a bath: `L = ½v² − ½q²`, `F = −νv`, `γ = σq`.
 struct Ornstein {

@@ -5,10 +5,10 @@
 //! tolerance is two), so the momentum changes by about 4ε times the size of its terms. These are as good as independent from step
 //! to step: after n steps 4ε√n times that size, taken four times for safety. What a wrong term does is of the size of h².
 
-use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
 use sve_models::models::{Central, Chain, Charges, Mixed, Stretched};
 use sve_models::oracle::{central, chain, charges, mixed, stretched};
+use sve_runtime::prelude::*;
+use sve_runtime::{Dims, System, Variational};
 
 const STEPS: u32 = 5000;
 

@@ -2,9 +2,9 @@
 
 use serde::Deserialize;
 use std::collections::HashMap;
+use sve_models::models::{DoublePendulum, Kubo, Oscillator, Pendulum};
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
-use sve_models::models::{DoublePendulum, Kubo, Oscillator, Pendulum};
 
 #[derive(Deserialize)]
 struct Run {

@@ -1,13 +1,13 @@
 //! The tangent map and the sensitivities of every step against differences of the step itself, and the exact identities
 //! that a tangent map obeys.
 
-use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Tangent, Variational};
 use sve_models::case::Case;
 use sve_models::differences::derivatives;
 use sve_models::models::{Damped, DoublePendulum, Driven, Kubo, Mixed, Pendulum, Polar};
 use sve_models::oracle::{self, Model, Rule, cases, name};
 use sve_models::random::Random;
+use sve_runtime::prelude::*;
+use sve_runtime::{Dims, System, Tangent, Variational};
 
 /// Differences are good to 1e-12 (see `differences`) times derivatives of the seventh order, below 100 here.
 const DIFFERENCES: f64 = 1e-9;

@@ -7,14 +7,14 @@
 //! chosen by size, relative to the row: they stay the same where the unknowns have one unit, and where these differ the results
 //! agree to a few ulp instead. An absolute constant hidden anywhere (a tolerance, a first guess) breaks this.
 
-use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
 use sve_models::models::{
     Chain, DoublePendulum, Kubo, Magnetic, Polar, Quartic, Relativistic, SphericalPendulum,
 };
 use sve_models::oracle::{
     chain, double_pendulum, magnetic, polar, quartic, relativistic, spherical_pendulum,
 };
+use sve_runtime::prelude::*;
+use sve_runtime::{Dims, System, Variational};
 
 const STEPS: u64 = 200;
 

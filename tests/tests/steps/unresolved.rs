@@ -1,9 +1,9 @@
 //! Steps whose equations cannot be resolved to the size of their terms: what is left of a force between neighbours far from
 //! the origin is rounding, however small the momenta are. The step has to succeed, and be right to that rounding.
 
+use sve_models::oracle::{chain, rails};
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
-use sve_models::oracle::{chain, rails};
 
 /// Beads at the distances where the bonds are at rest: L = Σ ½v² − Σ (1 − exp(−(Δq − 1)))².
 struct Morse;

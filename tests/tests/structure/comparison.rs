@@ -6,10 +6,10 @@ mod scenes;
 
 /// The step without structure is the same step.
 mod whole {
-    use sve_runtime::BlockKind;
     use sve_models::case::Case;
     use sve_models::oracle::cases;
     use sve_models::random::Random;
+    use sve_runtime::BlockKind;
 
     const H: f64 = 0.05;
 

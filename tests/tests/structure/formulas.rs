@@ -4,10 +4,10 @@
 
 use std::collections::HashMap;
 
-use sve_runtime::Plan;
 use sve_models::case::{Case, Functions, Point};
 use sve_models::oracle::cases;
 use sve_models::random::Random;
+use sve_runtime::Plan;
 
 #[path = "../../../sve-macros/compiler/src/algebra/reader.rs"]
 mod reader;

@@ -1,11 +1,11 @@
 //! What the macro says of the steps it made: kinds of blocks, numbers of unknowns, orders.
 
-use sve_runtime::prelude::*;
-use sve_runtime::{BlockKind, Plan, StrongOrder};
 use sve_models::case::Case;
 use sve_models::oracle::{
     cases, charges, damped, kubo, oscillator, planar_double_pendulum, rails, stretched,
 };
+use sve_runtime::prelude::*;
+use sve_runtime::{BlockKind, Plan, StrongOrder};
 
 /// System, rule, kind and number of unknowns of its implicit blocks, strong order with the pair that does not commute.
 const PLANS: &[(&str, &str, &str)] = &[

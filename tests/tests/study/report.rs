@@ -1,18 +1,18 @@
-//! Work–precision studies: errors against exact expectations, orders, invariants, failures, iterations, and that all of it is a function of
-//! the settings.
+//! Studies with noise: errors against exact expectations, orders, and orders that are not claimed.
 
-use sve_runtime::baseline::{EulerMaruyama, Heun, RungeKutta4};
-use sve_runtime::prelude::*;
-use sve_runtime::study::{Estimate, Order, Report, Study, StudyError, read_csv, write_csv};
-use sve_runtime::{IncrementsOf, Solver, StateOf, Variational};
 use sve_models::exact::OscillatorStep;
-use sve_models::models::{Kubo, Oscillator, Pendulum};
+use sve_models::models::{Kubo, Oscillator};
+use sve_runtime::baseline::{EulerMaruyama, Heun};
+use sve_runtime::prelude::*;
+use sve_runtime::study::{Estimate, Order, Report, Study};
+
+use crate::without_noise::pendulum;
 
 /// Standard errors that are accepted; with fixed seeds the tests never change their minds.
 const SIGMAS: f64 = 4.0;
 
 const SIGMA: f64 = 0.7;
-const HORIZON: f64 = 2.0;
+pub(super) const HORIZON: f64 = 2.0;
 const STEPS: [usize; 4] = [32, 64, 128, 256];
 const PATHS: u64 = 400;
 
@@ -29,7 +29,7 @@ fn near(measured: Estimate, expected: f64, what: &str) {
 }
 
 /// The oscillator's four schemes against its exact paths.
-fn oscillator() -> Report {
+pub(super) fn oscillator() -> Report {
     let system = Oscillator { sigma: SIGMA };
     let start = State::new([1.0], [0.0]);
     // E H = H₀ + σ²t/2
@@ -231,7 +231,7 @@ fn an_order_is_not_claimed_where_there_is_none() {
 }
 
 /// Kubo's oscillator against the rotation by `t + σ W(t)`.
-fn kubo<'a>() -> Study<'a, Kubo> {
+pub(super) fn kubo<'a>() -> Study<'a, Kubo> {
     Study::new("Kubo")
         .start(State::new([1.0], [0.0]))
         .horizon(1.0)
@@ -261,279 +261,4 @@ fn a_fine_step_stands_for_the_exact_solution() {
         println!("{exact:e} {fine:e}");
         assert!(exact != fine && (exact / fine - 1.0).abs() < steps as f64 / 1024.0);
     }
-}
-
-fn pendulum(seconds: u32) -> Report {
-    let system = Pendulum { g: 9.8 };
-    let reference = RungeKutta4::new(system.clone());
-    Study::new("pendulum")
-        .start(State::new([1.0], [0.0]))
-        .horizon(seconds.into())
-        .steps([40, 80, 160, 320].map(|n| n * seconds as usize))
-        .method(
-            "initial point",
-            &Integrator::new(system.clone(), InitialPoint),
-        )
-        .method("endpoint", &Integrator::new(system.clone(), Endpoint))
-        .method("midpoint", &Integrator::new(system.clone(), Midpoint))
-        .method("Taylor", &Integrator::new(system.clone(), Taylor2))
-        .method("Euler", &EulerMaruyama::new(system.clone()))
-        .method("Runge–Kutta", &RungeKutta4::new(system))
-        .fine(&reference, 8)
-        .observe("q", |_, state| state.q[0])
-        .invariant(Mechanics::hamiltonian)
-        .repeats(0)
-        .run()
-        .unwrap()
-}
-
-#[test]
-fn energy_errors_are_bounded_for_symplectic_rules_and_grow_for_eulers() {
-    let (short, long) = (pendulum(4), pendulum(16));
-    for (short, long) in short.rows().iter().zip(long.rows()) {
-        let (first, second) = (short.invariant.unwrap(), long.invariant.unwrap());
-        println!("{} {} {first:?} {second:?}", short.method, short.h);
-        assert_eq!((&short.method, short.h), (&long.method, long.h));
-        let growth = second.largest / first.largest;
-        // slope times horizon, beside the largest difference
-        let secular = second.drift.value * 16.0 / second.largest;
-        match &*short.method {
-            "Euler" => assert!(growth > 2.0 && secular > 0.7),
-            // it loses energy steadily, beside an oscillation
-            "Runge–Kutta" => assert!(growth > 2.0 && secular < -0.7),
-            // a whole period is in the shorter time; what is left of a period at the ends tilts the line
-            _ => assert!((growth - 1.0).abs() < 0.01 && secular.abs() < 0.2),
-        }
-        assert_eq!(second.drift.standard_error, 0.0);
-    }
-}
-
-#[test]
-fn orders_without_noise() {
-    let report = pendulum(4);
-    assert_eq!(report.paths(), 1);
-    let orders = report.orders();
-    assert_eq!(orders.len(), 5);
-    for order in orders {
-        println!("{order}");
-        let (expected, own) = match &*order.method {
-            "initial point" | "endpoint" => (1.0, Some(1.0)),
-            "midpoint" | "Taylor" => (2.0, Some(2.0)),
-            _ => (4.0, None),
-        };
-        assert_eq!(order.of_method, own);
-        let Estimate {
-            value,
-            standard_error,
-        } = order.order;
-        assert!((value - expected).abs() <= standard_error && standard_error < 0.1);
-    }
-    // a difference of a deterministic number is certain, and of the first order here
-    let row = report.row("endpoint", 160).unwrap();
-    assert_eq!(row.weak_errors[0].standard_error, 0.0);
-    assert!(row.weak_errors[0].value.abs() <= row.error.unwrap().value);
-}
-
-/// The limit that was found is the lowest that serves.
-#[test]
-fn iterations_are_those_of_the_steps() {
-    let system = Pendulum { g: 9.8 };
-    let midpoint = Integrator::new(system.clone(), Midpoint);
-    let mut state = State::new([1.0], [0.0]);
-    let prepared = midpoint.prepare(0.1).unwrap();
-    let mut refused = 0;
-    for _ in 0..40 {
-        let found = midpoint.newton_iterations(&prepared, &state, 0.1, &[]);
-        let found = found.unwrap();
-        assert!((1..=4).contains(&found), "{found}");
-        let limited = |max_iterations| {
-            let newton = Newton {
-                max_iterations,
-                ..Newton::default()
-            };
-            let mut end = state;
-            let limited = midpoint.with_limit(newton);
-            limited.step(&mut end, 0.1, &[]).map(|()| end)
-        };
-        let mut end = state;
-        midpoint.step(&mut end, 0.1, &[]).unwrap();
-        assert_eq!(limited(found), Ok(end));
-        let fewer = Newton {
-            max_iterations: found - 1,
-            ..Newton::default()
-        };
-        // the step itself would be followed from a smaller one
-        let solver = Solver::new(&fewer);
-        let increment =
-            Variational::<Midpoint>::increment(&system, &prepared, &state, 0.1, &[], &solver);
-        refused += u32::from(increment.is_err());
-        state = end;
-    }
-    // from the second guess, a step may arrive with fewer
-    assert!(refused > 20);
-    let report = pendulum(4);
-    let row = report.row("midpoint", 160).unwrap();
-    let mean = row.newton_iterations.unwrap();
-    assert!((1.0..=3.0).contains(&mean));
-    assert_eq!(
-        report.row("endpoint", 160).unwrap().newton_iterations,
-        Some(0.0)
-    );
-    assert_eq!(report.row("Euler", 160).unwrap().newton_iterations, None);
-}
-
-trait WithLimit {
-    fn with_limit(&self, newton: Newton) -> Self;
-}
-
-impl WithLimit for Integrator<Pendulum, Midpoint> {
-    fn with_limit(&self, newton: Newton) -> Self {
-        self.clone().with_newton(newton)
-    }
-}
-
-/// The midpoint rule, where no increment is larger than a bound.
-struct Timid(Integrator<Kubo, Midpoint>, f64);
-
-impl Method for Timid {
-    type System = Kubo;
-    type Prepared = f64;
-
-    fn system(&self) -> &Kubo {
-        self.0.system()
-    }
-
-    fn prepare(&self, h: f64) -> Result<f64, StepError> {
-        Ok(h)
-    }
-
-    fn step_prepared(
-        &self,
-        h: &f64,
-        state: &mut StateOf<Kubo>,
-        _: f64,
-        dw: &IncrementsOf<Kubo>,
-    ) -> Result<(), StepError> {
-        if dw[0].abs() > self.1 {
-            return Err(StepError::StepSize { h: dw[0] });
-        }
-        self.0.step(state, *h, dw)
-    }
-}
-
-#[test]
-fn failures_are_counted_and_the_rest_is_measured() {
-    let midpoint = Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint);
-    let bound = 0.45;
-    let (timid, hopeless) = (Timid(midpoint.clone(), bound), Timid(midpoint.clone(), 0.0));
-    let report = kubo()
-        .paths(100)
-        .seed(3)
-        .method("midpoint", &midpoint)
-        .method("timid", &timid)
-        .method("hopeless", &hopeless)
-        .repeats(1)
-        .run()
-        .unwrap();
-    for steps in [16, 64] {
-        let fails = |path: &u64| {
-            let fine = Recorded::record(Wiener::new(3).path(*path), 1.0 / 64.0, 1, 64).unwrap();
-            let coarse = fine.coarsen(64 / steps).unwrap();
-            (0..steps).any(|step| coarse.get(step).unwrap()[0].abs() > bound)
-        };
-        let expected = (0..100).filter(fails).count() as u64;
-        println!("{expected} failures");
-        let row = report.row("timid", steps).unwrap();
-        assert_eq!(row.failures, expected);
-        assert!(steps == 64 || (expected > 10 && expected < 90));
-        let all = report.row("midpoint", steps).unwrap();
-        assert!(row.error.is_some() && (row.error == all.error) == (expected == 0));
-        assert!(all.timing.unwrap().ns_per_step > 0.0);
-        let row = report.row("hopeless", steps).unwrap();
-        assert_eq!((row.failures, row.error, row.timing), (100, None, None));
-    }
-    // two step sizes have one slope, which is no order; with failures at one of them there is not even that
-    assert!(report.orders().is_empty());
-    let slopes = report.not_asymptotic().iter();
-    let slopes: Vec<(&str, usize)> = slopes.map(|m| (&*m.method, m.slopes.len())).collect();
-    assert_eq!(slopes, [("midpoint", 1), ("timid", 0), ("hopeless", 0)]);
-}
-
-#[test]
-fn a_study_is_a_function_of_its_settings() {
-    let midpoint = Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint);
-    let study = |seed| {
-        let study = kubo().paths(50).seed(seed).method("midpoint", &midpoint);
-        study.run().unwrap()
-    };
-    assert_eq!(study(1), study(1));
-    assert_ne!(study(1), study(2));
-    assert_eq!(oscillator(), oscillator());
-}
-
-#[test]
-fn records_are_read_back() {
-    let records = oscillator().records();
-    let mut file = Vec::new();
-    write_csv(&mut file, &records).unwrap();
-    assert_eq!(read_csv(&file[..]).unwrap(), records);
-    assert_eq!(records[5].method, "endpoint");
-    assert_eq!(records[5].h, Some(HORIZON / 64.0));
-    assert!(records[5].energy_error.is_none() && records[5].source.starts_with("sve "));
-}
-
-#[test]
-fn settings_that_make_no_sense_are_named() {
-    let midpoint = Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint);
-    let good = || kubo().method("midpoint", &midpoint);
-    let message = |study: Study<'_, Kubo>| study.run().unwrap_err().to_string();
-    assert!(good().run().is_ok());
-    assert!(message(kubo()).contains(".method("));
-    assert!(message(Study::new("")).contains(".horizon("));
-    assert!(message(good().steps([])).contains(".steps("));
-    assert!(message(good().steps([12, 64])).starts_with("12 steps do not divide the 64"));
-    assert!(message(good().steps([0])).starts_with("`steps` was given 0"));
-    assert!(message(good().steps([8, 8])).contains("two of `8`"));
-    assert!(message(good().paths(0)).starts_with("`paths` was given 0"));
-    assert!(message(good().method("midpoint", &midpoint)).contains("two of `midpoint`"));
-    assert!(message(good().fine(&midpoint, 0)).starts_with("`fine` was given 0"));
-    let many = message(good().fine(&midpoint, 1 << 61));
-    assert!(
-        many.contains("2305843009213693952 times 64 steps"),
-        "{many}"
-    );
-    // the same method made anew is the same; another one, other options, or smaller steps are not
-    let again = Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint);
-    let own = message(good().fine(&again, 1));
-    assert!(
-        own.contains("is the method `midpoint` with the same 64 steps"),
-        "{own}"
-    );
-    assert!(good().fine(&again, 2).run().is_ok());
-    assert!(
-        good()
-            .fine(&Heun::new(Kubo { a: 1.0, sigma: 0.5 }), 1)
-            .run()
-            .is_ok()
-    );
-    let newton = Newton {
-        max_iterations: 9,
-        ..Newton::default()
-    };
-    assert!(good().fine(&again.with_newton(newton), 1).run().is_ok());
-    for horizon in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let error = good().horizon(horizon).run().unwrap_err();
-        assert!(matches!(error, StudyError::Horizon { .. }));
-    }
-    let short = |_: u64, _: usize| {
-        (
-            Recorded::new(0.1, [[0.0]]).unwrap(),
-            State::new([0.0], [0.0]),
-        )
-    };
-    assert!(message(good().exact_paths(short)).contains("wanted are 64 steps"));
-    let hopeless = Timid(midpoint.clone(), 0.0);
-    assert!(message(good().fine(&hopeless, 2)).starts_with("the reference of path 0 failed"));
-    let undefined = |_: &Recorded| State::new([f64::NAN], [0.0]);
-    assert!(message(good().exact(undefined)).starts_with("the reference of path 0 is not finite"));
 }

@@ -1,10 +1,10 @@
 //! A trajectory that is stored and continued has the bits of one that was not interrupted.
 
-use sve_runtime::baseline::EulerMaruyama;
-use sve_runtime::prelude::*;
 use sve_models::case::{Case, Point};
 use sve_models::oracle::{cases, oscillator};
 use sve_models::random::Random;
+use sve_runtime::baseline::EulerMaruyama;
+use sve_runtime::prelude::*;
 
 /// Stores the path as text after each of some steps, and continues it.
 fn continued_has_the_same_bits(case: &dyn Case, random: &mut Random) {

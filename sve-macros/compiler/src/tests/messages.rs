@@ -20,7 +20,9 @@ fn files() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/mistakes/ui");
     let entries = |folder: &Path| {
         let entries = fs::read_dir(folder).expect("a folder");
-        let mut paths: Vec<_> = entries.map(|entry| entry.expect("an entry").path()).collect();
+        let mut paths: Vec<_> = entries
+            .map(|entry| entry.expect("an entry").path())
+            .collect();
         paths.sort();
         paths
     };
@@ -45,7 +47,9 @@ fn annotated(mut item: Item) -> Option<(Attribute, TokenStream, TokenStream)> {
     let all = attributes(&mut item)?;
     let is_ours = |attribute: &Attribute| {
         let path = attribute.path();
-        path.segments.last().is_some_and(|last| last.ident == "variational")
+        path.segments
+            .last()
+            .is_some_and(|last| last.ident == "variational")
     };
     let attribute = all.remove(all.iter().position(is_ours)?);
     let arguments = match &attribute.meta {
@@ -65,7 +69,8 @@ struct Mistake {
 /// The `compile_error!("…")` of an expansion.
 fn mistakes(expansion: TokenStream) -> Vec<Mistake> {
     let tokens: Vec<TokenTree> = expansion.into_iter().collect();
-    let is_error = |token: &TokenTree| matches!(token, TokenTree::Ident(word) if word == "compile_error");
+    let is_error =
+        |token: &TokenTree| matches!(token, TokenTree::Ident(word) if word == "compile_error");
     let errors = (0..tokens.len()).filter(|&at| is_error(&tokens[at]));
     let mistake = |at: usize| {
         let TokenTree::Group(group) = &tokens[at + 2] else {
@@ -87,7 +92,10 @@ fn printed(mistake: &Mistake, attribute: &Attribute, name: &str, source: &str) -
     // a span of no token is that of the attribute as a whole
     let at_the_attribute = mistake.first.start() == of_nothing;
     let (first, last) = if at_the_attribute {
-        (attribute.pound_token.span, attribute.bracket_token.span.close())
+        (
+            attribute.pound_token.span,
+            attribute.bracket_token.span.close(),
+        )
     } else {
         (mistake.first, mistake.last)
     };

@@ -1,5 +1,5 @@
-//! The noise sources by what they promise: replay, bounds and errors. Recorded paths are in `noise_recorded`, refined
-//! ones in `noise_refined`, the distribution in `noise_statistics`.
+//! The noise sources by what they promise: replay, bounds and errors. Recorded paths are in `recorded`, refined
+//! ones in `refined`, the distribution in `distribution`.
 
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};

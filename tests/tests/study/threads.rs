@@ -1,36 +1,18 @@
 //! A study has the same bits for any number of threads.
-#![cfg(feature = "study")]
 
+use sve_models::oracle::synchrotron;
 use sve_runtime::baseline::Heun;
 use sve_runtime::prelude::*;
 use sve_runtime::study::{Report, Study};
 
-#[derive(Clone, Copy)]
-struct Pendulum {
-    g: f64,
-    sigma: f64,
-}
-
-#[variational(midpoint)]
-impl Pendulum {
-    fn lagrangian(&self, q: f64, v: f64) -> f64 {
-        0.5 * v * v + self.g * q.cos()
-    }
-
-    #[gamma]
-    fn shake(&self, q: f64) -> f64 {
-        self.sigma * q.sin()
-    }
-}
-
 #[test]
-fn threads_change_no_bit() {
-    let system = Pendulum { g: 9.8, sigma: 0.3 };
-    let (midpoint, heun) = (Integrator::new(system, Midpoint), Heun::new(system));
+fn the_number_of_threads_changes_no_bit() {
+    let system = synchrotron();
+    let (midpoint, heun) = (Integrator::new(system.clone(), Midpoint), Heun::new(system));
     let on = |threads: usize| -> Report {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let run = || {
-            Study::new("pendulum")
+            Study::new("synchrotron")
                 .start(State::new([1.0], [0.0]))
                 .horizon(1.0)
                 .steps([8, 32])

@@ -1,12 +1,10 @@
 //! The distribution of the increments. Seeds are fixed, and bounds are five standard errors, so a failure is a fault:
 //! chance alone would exceed one of the few hundred bounds here for one choice of seeds in several thousand.
 
-mod statistics;
-
 use rand::{SeedableRng, rngs::StdRng};
 use sve_runtime::noise::{FromRng, Noise, ThreePoint, Truncated, Wiener};
 
-use statistics::{Sample, normal_cdf, normal_moment};
+use crate::statistics::{Sample, normal_cdf, normal_moment};
 
 const BOUND: f64 = 5.0;
 
