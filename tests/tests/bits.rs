@@ -12,7 +12,7 @@ use sve_models::case::{Case, Derivatives, Point};
 use sve_models::oracle::{cases, kubo, pendulum};
 use sve_models::random::Random;
 use sve_runtime::prelude::*;
-use sve_runtime::{LANES, Variational};
+use sve_runtime::{Dims, LANES, System, Variational};
 
 /// FNV-1a of 64 bits.
 struct Hash(u64);
@@ -125,7 +125,7 @@ fn noise() -> BTreeMap<String, u64> {
 fn ensembles() -> BTreeMap<String, u64> {
     fn hashed<S, R, const N: usize, const M: usize>(integrator: &Integrator<S, R>) -> u64
     where
-        S: Model<N, M> + Variational<R> + Sync,
+        S: System<Dims = Dims<N, M>> + Variational<R> + Sync,
         R: Sync,
     {
         let summary = Ensemble::new(integrator)

@@ -7,7 +7,8 @@ use sve_runtime::__private::Whole;
 use sve_runtime::noise::Noise;
 use sve_runtime::prelude::*;
 use sve_runtime::{
-    ForceJet, LANES, LagrangianJet, Lane, Mask, NoiseJet, Plan, StateLanes, Variational,
+    Dims, ForceJet, LANES, LagrangianJet, Lane, Mask, NoiseJet, Plan, StateLanes, System,
+    Variational,
 };
 
 use crate::oracle::{Model, Rule};
@@ -70,7 +71,7 @@ impl Point {
 }
 
 /// A vector of a length that the type knows.
-fn array<const N: usize>(vector: &[f64]) -> [f64; N] {
+pub(crate) fn array<const N: usize>(vector: &[f64]) -> [f64; N] {
     vector.try_into().expect("the number of components")
 }
 
@@ -96,6 +97,38 @@ pub struct Lagrangian {
     pub dqt: Vector,
     /// ∂²L/∂v∂t.
     pub dvt: Vector,
+}
+
+/// The generated derivatives of L.
+pub(crate) fn lagrangian<S, const N: usize, const M: usize>(
+    system: &S,
+    t: f64,
+    q: &[f64],
+    v: &[f64],
+) -> Lagrangian
+where
+    S: System<Dims = Dims<N, M>>,
+{
+    let LagrangianJet {
+        value,
+        dq,
+        dv,
+        dqq,
+        dqv,
+        dvv,
+        dqt,
+        dvt,
+    } = system.lagrangian_jet(t, &array(q), &array(v));
+    Lagrangian {
+        value,
+        dq: dq.to_vec(),
+        dv: dv.to_vec(),
+        dqq: rows(&dqq),
+        dqv: rows(&dqv),
+        dvv: rows(&dvv),
+        dqt: dqt.to_vec(),
+        dvt: dvt.to_vec(),
+    }
 }
 
 /// The derivatives of a noise Hamiltonian: those of `NoiseJet`.
@@ -188,26 +221,7 @@ where
     }
 
     fn lagrangian(&self, t: f64, q: &[f64], v: &[f64]) -> Lagrangian {
-        let LagrangianJet {
-            value,
-            dq,
-            dv,
-            dqq,
-            dqv,
-            dvv,
-            dqt,
-            dvt,
-        } = self.0.lagrangian_jet(t, &array(q), &array(v));
-        Lagrangian {
-            value,
-            dq: dq.to_vec(),
-            dv: dv.to_vec(),
-            dqq: rows(&dqq),
-            dqv: rows(&dqv),
-            dvv: rows(&dvv),
-            dqt: dqt.to_vec(),
-            dvt: dvt.to_vec(),
-        }
+        lagrangian::<S, N, M>(self.0, t, q, v)
     }
 
     fn noises(&self, t: f64, q: &[f64], p: &[f64]) -> Vec<NoiseDerivatives> {

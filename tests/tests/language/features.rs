@@ -281,7 +281,7 @@ impl Points {
 fn points_in_the_plane() {
     let system = Points { m: [1.0, 2.0, 0.5] };
     check::<_, 6, 3>(&system, |_, q, v| {
-        let rows = |x: &[f64; 6]| [[x[0], x[1]], [x[2], x[3]], [x[4], x[5]]];
+        let rows = |x: &[f64]| [[x[0], x[1]], [x[2], x[3]], [x[4], x[5]]];
         system.lagrangian(rows(q), rows(v))
     });
 }
@@ -355,14 +355,14 @@ fn noises_are_the_functions() {
     let system = Points { m: [1.0, 2.0, 0.5] };
     let q = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6];
     let p = [0.9, 0.7, 0.5, 0.3, 0.1, -0.1];
-    let rows = |x: &[f64; 6]| [[x[0], x[1]], [x[2], x[3]], [x[4], x[5]]];
+    let rows = |x: &[f64]| [[x[0], x[1]], [x[2], x[3]], [x[4], x[5]]];
     let jets = system.noise_jets(0.0, &q, &p);
     for (a, jet) in jets.iter().enumerate() {
         for i in 0..6 {
-            let along_q = |x: f64| system.turn(rows(&with(q, i, x)), rows(&p))[a];
-            let along_p = |x: f64| system.turn(rows(&q), rows(&with(p, i, x)))[a];
-            close("dG/dq", jet.dq[i], slope(along_q, q[i]), 1e-9);
-            close("dG/dp", jet.dp[i], slope(along_p, p[i]), 1e-9);
+            let along_q = |x: f64| system.turn(rows(&with(&q, i, x)), rows(&p))[a];
+            let along_p = |x: f64| system.turn(rows(&q), rows(&with(&p, i, x)))[a];
+            close("dG/dq", jet.dq[i], slope(&along_q, q[i]), 1e-9);
+            close("dG/dp", jet.dp[i], slope(&along_p, p[i]), 1e-9);
         }
     }
 }
@@ -373,7 +373,7 @@ fn gamma_enters_with_a_minus() {
     let (q, p) = ([0.3, 0.8], [0.0, 0.0]);
     let [jet] = system.noise_jets(0.0, &q, &p);
     for i in 0..2 {
-        let along = |x: f64| -system.push(with(q, i, x));
-        close("dG/dq", jet.dq[i], slope(along, q[i]), 1e-9);
+        let along = |x: f64| -system.push(with(&q, i, x).try_into().unwrap());
+        close("dG/dq", jet.dq[i], slope(&along, q[i]), 1e-9);
     }
 }

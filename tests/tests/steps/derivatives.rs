@@ -234,7 +234,7 @@ fn vanishes(residual: &[f64], what: &dyn Fn(&str) -> String, equation: &str) {
     let worst = residual.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     assert!(
         worst < EQUATIONS && residual.iter().all(|x| x.is_finite()),
-        "{}: {residual:e?}",
+        "{}: {residual:?}",
         what(equation)
     );
 }
