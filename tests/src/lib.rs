@@ -1,1 +1,1 @@
-//! The tests of the workspace: see `tests/`.
+//! The tests of steps, trajectories, ensembles and studies: see `tests`.
