@@ -308,7 +308,11 @@ fn printed_steps_are_the_steps(case: &dyn Case, random: &mut Random) -> bool {
 fn printed_equations_give_the_step() {
     let mut random = Random::new(32);
     let is_solved = |case: &Box<dyn Case>| printed_steps_are_the_steps(&**case, &mut random);
-    let solved = cases().iter().map(is_solved).filter(|solved| *solved).count();
+    let solved = cases()
+        .iter()
+        .map(is_solved)
+        .filter(|solved| *solved)
+        .count();
     // all but chains, whose equations are cut off, and the largest steps of others
     assert!(solved >= 50, "{solved}");
 }

@@ -59,11 +59,10 @@ fn annotated(mut item: Item) -> Option<(Attribute, TokenStream, TokenStream)> {
     Some((attribute, arguments, item.into_token_stream()))
 }
 
-/// An error of an expansion: the message, and the first and the last token that it marks.
+/// An error of an expansion: the message, and the first token that it is about, which is what the compiler of Rust marks.
 struct Mistake {
     message: String,
-    first: Span,
-    last: Span,
+    token: Span,
 }
 
 /// The `compile_error!("…")` of an expansion.
@@ -78,33 +77,57 @@ fn mistakes(expansion: TokenStream) -> Vec<Mistake> {
         };
         let message: syn::LitStr = syn::parse2(group.stream()).expect("a message");
         Mistake {
-            message: message.value(),
-            first: tokens[at].span(),
-            last: group.span(),
+            // tokens outside of the compiler of Rust are printed with a space before a comma
+            message: message.value().replace(" ,", ","),
+            token: tokens[at].span(),
         }
     };
     errors.map(mistake).collect()
 }
 
+/// The end of the token or group that starts at a place. A span of several tokens is here that of all, and in the compiler of Rust
+/// that of the first.
+fn end_of_token(tokens: TokenStream, start: LineColumn) -> Option<LineColumn> {
+    tokens.into_iter().find_map(|token| {
+        if token.span().start() == start {
+            return Some(token.span().end());
+        }
+        match token {
+            TokenTree::Group(group) => end_of_token(group.stream(), start),
+            _ => None,
+        }
+    })
+}
+
+/// A file: its name in messages, its text and its tokens.
+struct Source {
+    name: String,
+    text: String,
+    tokens: TokenStream,
+}
+
 /// The error as the compiler of Rust prints it for this file.
-fn printed(mistake: &Mistake, attribute: &Attribute, name: &str, source: &str) -> String {
+fn printed(mistake: &Mistake, attribute: &Attribute, file: &Source) -> String {
+    let Source { name, text, .. } = file;
     let of_nothing = LineColumn { line: 1, column: 0 };
     // a span of no token is that of the attribute as a whole
-    let at_the_attribute = mistake.first.start() == of_nothing;
-    let (first, last) = if at_the_attribute {
-        (
+    let at_the_attribute = mistake.token.start() == of_nothing;
+    let (start, end) = if at_the_attribute {
+        let [first, last] = [
             attribute.pound_token.span,
             attribute.bracket_token.span.close(),
-        )
+        ];
+        (first.start(), last.end())
     } else {
-        (mistake.first, mistake.last)
+        let start = mistake.token.start();
+        let end = end_of_token(file.tokens.clone(), start);
+        (start, end.expect("a token").min(mistake.token.end()))
     };
-    let (start, end) = (first.start(), last.end());
-    let line = source.lines().nth(start.line - 1).expect("a line");
+    let line = text.lines().nth(start.line - 1).expect("a line");
     assert_eq!(start.line, end.line, "{name}: an error over several lines");
     let margin = " ".repeat(start.line.to_string().len());
     let mark = " ".repeat(start.column) + &"^".repeat(end.column - start.column);
-    let mut text = format!(
+    let mut out = format!(
         "error: {}\n{margin}--> {name}:{}:{}\n{margin} |\n{} | {line}\n{margin} | {mark}\n",
         mistake.message,
         start.line,
@@ -112,22 +135,29 @@ fn printed(mistake: &Mistake, attribute: &Attribute, name: &str, source: &str) -
         start.line,
     );
     if at_the_attribute {
-        write!(text, "{margin} |\n{}{AT_THE_ATTRIBUTE}", &margin[1..]).expect("text");
+        write!(out, "{margin} |\n{}{AT_THE_ATTRIBUTE}", &margin[1..]).expect("text");
     }
-    text
+    out
 }
 
 /// All errors of a file.
 fn errors(path: &Path) -> String {
-    let source = fs::read_to_string(path).expect("a file");
-    let file = syn::parse_file(&source).expect("Rust");
+    let text = fs::read_to_string(path).expect("a file");
+    let tokens: TokenStream = text.parse().expect("tokens");
+    let items = syn::parse2::<syn::File>(tokens.clone())
+        .expect("Rust")
+        .items;
     let folder = path.parent().and_then(Path::file_name).expect("a folder");
     let own = path.file_name().expect("a name");
-    let name = format!("ui/{}/{}", folder.display(), own.display());
-    let blocks = file.items.into_iter().filter_map(annotated);
+    let file = Source {
+        name: format!("ui/{}/{}", folder.display(), own.display()),
+        text,
+        tokens,
+    };
+    let blocks = items.into_iter().filter_map(annotated);
     let texts = blocks.flat_map(|(attribute, arguments, item)| {
         let all = mistakes(expand(&arguments, &item));
-        let print = |mistake: &Mistake| printed(mistake, &attribute, &name, &source);
+        let print = |mistake: &Mistake| printed(mistake, &attribute, &file);
         all.iter().map(print).collect::<Vec<_>>()
     });
     texts.collect::<Vec<_>>().join("\n")
