@@ -4,7 +4,7 @@
 //! half a minute on two. It prints each statistic with its deviation in standard errors, and exits with status 1 if one is out
 //! of its bound, which chance alone exceeds once in about 10⁴ runs.
 
-#[path = "../tests/statistics/mod.rs"]
+#[path = "../tests/noise/statistics.rs"]
 mod statistics;
 
 use std::process::ExitCode;

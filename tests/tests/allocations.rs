@@ -1,12 +1,10 @@
 //! A step and a trajectory do not allocate: counted, for explicit, linear and Newton steps.
 
 use allocation_counter::measure;
+use sve_models::oracle::{cases, double_pendulum, kubo, mixed, oscillator, pendulum};
+use sve_models::random::Random;
 use sve_runtime::prelude::*;
 use sve_runtime::{BlockKind, Dims, System, Variational};
-use sve_tests::oracle::{
-    Model, Rule, Visitor, double_pendulum, every_step, kubo, mixed, oscillator, pendulum,
-};
-use sve_tests::random::Random;
 
 fn allocations(run: impl FnOnce()) -> u64 {
     measure(run).count_total
@@ -19,28 +17,18 @@ fn are_counted() {
     assert_eq!(allocations(|| ()), 0);
 }
 
-struct Steps(Random);
-
-impl Visitor for Steps {
-    fn visit<S, R, const N: usize, const M: usize>(&mut self, integrator: &Integrator<S, R>)
-    where
-        S: Model<N, M> + Variational<R>,
-        R: Rule,
-    {
-        let mut state = S::point(&mut self.0);
-        let dw = [0.1; M];
-        let count = allocations(|| {
-            for _ in 0..10 {
-                integrator.step(&mut state, 0.01, &dw).unwrap();
-            }
-        });
-        assert_eq!(count, 0, "{}", integrator.plan());
-    }
-}
-
 #[test]
-fn in_a_step() {
-    every_step(&mut Steps(Random::new(20)));
+fn no_step_allocates() {
+    let mut random = Random::new(20);
+    for case in cases() {
+        let start = case.model().point(&mut random);
+        let dw = vec![0.1; case.dimensions().1];
+        let mut count = u64::MAX;
+        case.watched(&start, 0.01, &dw, 10, &mut |steps| {
+            count = allocations(steps);
+        });
+        assert_eq!(count, 0, "{}", case.plan());
+    }
 }
 
 fn trajectory<S, R, const N: usize, const M: usize>(

@@ -8,10 +8,11 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
+use sve_models::case::{Case, Derivatives, Point};
+use sve_models::oracle::{cases, kubo, pendulum};
+use sve_models::random::Random;
 use sve_runtime::prelude::*;
-use sve_runtime::{LANES, Lane, StateLanes, Variational};
-use sve_tests::oracle::{Model, Rule, Visitor, every_step, kubo, name, pendulum};
-use sve_tests::random::Random;
+use sve_runtime::{Dims, LANES, System, Variational};
 
 /// FNV-1a of 64 bits.
 struct Hash(u64);
@@ -31,57 +32,39 @@ impl Hash {
         all.into_iter().for_each(|&x| self.number(x));
     }
 
-    fn state<const N: usize>(&mut self, state: &State<[f64; N]>) {
+    fn state(&mut self, state: &Point) {
         self.number(state.t);
-        self.numbers(state.q.iter().chain(&state.p));
-    }
-}
-
-/// Hashes by what they are of.
-#[derive(Default)]
-struct Bits {
-    lines: BTreeMap<String, u64>,
-}
-
-impl Visitor for Bits {
-    fn visit<S, R, const N: usize, const M: usize>(&mut self, integrator: &Integrator<S, R>)
-    where
-        S: Model<N, M> + Variational<R> + Clone,
-        R: Rule + Copy,
-    {
-        let ([single, tangents], lanes) = (single(integrator), lanes(integrator));
-        let name = name(integrator);
-        self.lines.insert(format!("{name}, single steps"), single);
-        self.lines.insert(format!("{name}, tangent maps"), tangents);
-        self.lines.insert(format!("{name}, lanes"), lanes);
+        self.numbers(state.entries());
     }
 }
 
 /// Steps of several sizes along short paths; their tangent maps and sensitivities.
-fn single<S, R, const N: usize, const M: usize>(integrator: &Integrator<S, R>) -> [u64; 2]
-where
-    S: Model<N, M> + Variational<R>,
-{
+fn single(case: &dyn Case) -> [u64; 2] {
     let mut random = Random::new(5);
     let (mut hash, mut tangents) = (Hash::new(), Hash::new());
+    let (model, noises) = (case.model(), case.dimensions().1);
     for h in [1e-3, 0.05, 0.2] {
         for _ in 0..8 {
-            let mut state = S::point(&mut random);
+            let mut state = model.point(&mut random);
             for _ in 0..4 {
-                let dw: [f64; M] = random.array(-0.3, 0.3);
-                match integrator.step_with_derivatives(&mut state, h, &dw) {
-                    Ok((tangent, sensitivity)) => {
-                        (0..2 * N).for_each(|row| tangents.numbers(&tangent[row]));
-                        for (_, field) in sensitivity.iter() {
-                            tangents.numbers(field.q.iter().chain(&field.p));
+                let dw = random.vector(noises, -0.3, 0.3);
+                match case.differentiated(&mut state, h, &dw) {
+                    Ok(Derivatives {
+                        tangent,
+                        sensitivity,
+                        ..
+                    }) => {
+                        tangent.iter().for_each(|row| tangents.numbers(row));
+                        for (_, derivative) in &sensitivity {
+                            tangents.numbers(derivative);
                         }
                     }
                     Err(_) => tangents.number(f64::NAN),
                 }
                 hash.state(&state);
             }
-            let path = integrator.trajectory(state, h, Wiener::new(3)).take(10);
-            for state in path {
+            let path = case.trajectory(&state, h, Box::new(Wiener::new(3)));
+            for state in path.take(10) {
                 match state {
                     Ok(state) => hash.state(&state),
                     Err(_) => hash.number(f64::NAN),
@@ -93,31 +76,18 @@ where
 }
 
 /// Steps of all lanes at once.
-fn lanes<S, R, const N: usize, const M: usize>(integrator: &Integrator<S, R>) -> u64
-where
-    S: Model<N, M> + Variational<R>,
-{
-    let mut random = Random::new(6);
-    let mut hash = Hash::new();
+fn lanes(case: &dyn Case) -> u64 {
+    let (mut random, mut hash) = (Random::new(6), Hash::new());
+    let (model, noises) = (case.model(), case.dimensions().1);
     for h in [1e-3, 0.05, 0.2] {
-        let mut states = StateLanes::splat(&State::new([0.0; N], [0.0; N]));
-        let mut dw: [Lane; M] = [[0.0; LANES]; M];
-        for lane in 0..LANES {
-            states.set(lane, &S::point(&mut random));
-            let increments: [f64; M] = random.array(-0.3, 0.3);
-            for i in 0..M {
-                dw[i][lane] = increments[i];
-            }
-        }
-        let mut next = states;
-        let Ok(prepared) = Method::prepare(integrator, h) else {
+        let lane = |_| (model.point(&mut random), random.vector(noises, -0.3, 0.3));
+        let (states, dw): (Vec<_>, Vec<_>) = (0..LANES).map(lane).unzip();
+        let Ok((next, left)) = case.step_lanes(&states, h, &dw) else {
             continue;
         };
-        let left = Method::step_lanes(integrator, &prepared, &states, &mut next, h, &dw);
         hash.number(f64::from_bits(u64::from(left)));
-        for lane in 0..LANES {
-            let state = next.get(lane);
-            hash.numbers(state.q.iter().chain(&state.p));
+        for state in &next {
+            hash.numbers(state.entries());
         }
     }
     hash.0
@@ -156,7 +126,7 @@ fn noise() -> BTreeMap<String, u64> {
 fn ensembles() -> BTreeMap<String, u64> {
     fn hashed<S, R, const N: usize, const M: usize>(integrator: &Integrator<S, R>) -> u64
     where
-        S: Model<N, M> + Variational<R> + Sync,
+        S: System<Dims = Dims<N, M>> + Variational<R> + Sync,
         R: Sync,
     {
         let summary = Ensemble::new(integrator)
@@ -227,9 +197,14 @@ fn library() -> u64 {
 const LIBRARY: &str = "functions of the platform's library";
 
 fn measured() -> BTreeMap<String, u64> {
-    let mut bits = Bits::default();
-    every_step(&mut bits);
-    let mut lines = bits.lines;
+    let mut lines = BTreeMap::new();
+    for case in cases() {
+        let name = case.name();
+        let [steps, tangents] = single(&*case);
+        lines.insert(format!("{name}, single steps"), steps);
+        lines.insert(format!("{name}, tangent maps"), tangents);
+        lines.insert(format!("{name}, lanes"), lanes(&*case));
+    }
     lines.extend(noise());
     lines.extend(ensembles());
     lines.insert(LIBRARY.to_owned(), library());

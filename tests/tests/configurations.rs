@@ -2,15 +2,15 @@
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use sve_models::configured::Configured;
+use sve_models::models::{Charges, Stirred};
+use sve_models::oracle::{charges, stirred};
 use sve_runtime::baseline::{BackwardEulerMaruyama, EulerMaruyama, Heun};
 use sve_runtime::baseline::{RungeKutta4, TaylorSeries2};
 use sve_runtime::nalgebra::DMatrix;
 use sve_runtime::prelude::*;
 use sve_runtime::study::Study;
 use sve_runtime::{Configuration, Coordinates, Dims, Field, StateOf, System};
-use sve_tests::configured::Configured;
-use sve_tests::models::{Charges, Stirred};
-use sve_tests::oracle::{charges, stirred};
 
 const H: f64 = 0.05;
 const DW: [f64; 3] = [0.1, -0.2, 0.05];

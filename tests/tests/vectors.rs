@@ -6,9 +6,9 @@ use nalgebra::{
     Matrix2, Matrix2x3, Matrix3, Matrix3x2, Rotation2, Rotation3, SMatrix, SVector, Unit, Vector2,
     Vector3, Vector4,
 };
+use sve_models::language::{check, close};
 use sve_runtime::System;
 use sve_runtime::prelude::*;
-use sve_tests::language::{check, close};
 
 /// A constant from outside the block.
 const WIND: Vector3<f64> = Vector3::new(0.3, 0.2, 0.5);

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use sve_models::models::Kubo;
 use sve_runtime::ensemble::{Damage, Difference};
 use sve_runtime::prelude::*;
-use sve_tests::models::Kubo;
 
 type Method = Integrator<Kubo, Midpoint>;
 

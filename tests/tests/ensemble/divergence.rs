@@ -1,8 +1,8 @@
 //! Motions that lost their meaning are reported: observables that diverge, paths out of bounds, means of one path.
 
+use sve_models::models::{Oscillator, Pendulum};
 use sve_runtime::ensemble::{Cause, Warning};
 use sve_runtime::prelude::*;
-use sve_tests::models::{Oscillator, Pendulum};
 
 /// An oscillator under noise. Beyond ωh = 2 its explicit step is unstable: the energy grows by 25 orders and stays finite.
 struct Stiff {

@@ -3,9 +3,9 @@
 //! A step is affine, `z₁ = A z₀ + b ΔW`, so the state is Gaussian with mean `Aⁿ z₀` and covariance `C₁ = A C₀ Aᵀ + h b bᵀ`. For a
 //! Gaussian with mean m and covariance C, H = |z|²/2 has mean (|m|² + tr C)/2 and variance tr C²/2 + mᵀ C m.
 
+use sve_models::models::Oscillator;
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
-use sve_tests::models::Oscillator;
 
 const H: f64 = 0.1;
 const SIGMA: f64 = 1.0;

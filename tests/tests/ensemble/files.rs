@@ -7,8 +7,8 @@ use std::time::Duration;
 
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
+use sve_models::models::Kubo;
 use sve_runtime::prelude::*;
-use sve_tests::models::Kubo;
 
 type Method = Integrator<Kubo, Midpoint>;
 

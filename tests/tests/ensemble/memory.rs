@@ -1,8 +1,8 @@
 //! Memory grows with recorded times and observables, not with paths and steps.
 
 use allocation_counter::measure;
+use sve_models::models::Kubo;
 use sve_runtime::prelude::*;
-use sve_tests::models::Kubo;
 
 /// The largest number of bytes that a run had at once, with what the summary keeps. On one thread, whose own pool cannot be
 /// counted, so on this one.

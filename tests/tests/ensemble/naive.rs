@@ -1,10 +1,10 @@
 //! An ensemble against a loop over trajectories.
 
+use sve_models::models::{DoublePendulum, Kubo, Pendulum};
 use sve_runtime::baseline::Heun;
 use sve_runtime::noise::ThreePoint;
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System};
-use sve_tests::models::{DoublePendulum, Kubo, Pendulum};
 
 /// Two full blocks and a part of a third, whose last tile is partial as well.
 const PATHS: u64 = 2 * 64 + 16 + 5;

@@ -1,7 +1,7 @@
 //! Settings that make no sense: each is an error that says what to write. Histograms and names.
 
+use sve_models::models::Kubo;
 use sve_runtime::prelude::*;
-use sve_tests::models::Kubo;
 
 type Method = Integrator<Kubo, Midpoint>;
 type Change = fn(Ensemble<'_, Method>) -> Ensemble<'_, Method>;

@@ -1,10 +1,10 @@
 //! Shards merge into the bits of the whole, in any order.
 
+use sve_models::models::Kubo;
 use sve_runtime::Dims;
 use sve_runtime::baseline::{EulerMaruyama, Heun};
 use sve_runtime::ensemble::Difference;
 use sve_runtime::prelude::*;
-use sve_tests::models::Kubo;
 
 type Method = Integrator<Kubo, Midpoint>;
 

@@ -1,7 +1,7 @@
 //! Numbers that statistics print, where a plain formula would be wrong: constants, tiny and huge deviations, rounded edges.
 
+use sve_models::models::Kubo;
 use sve_runtime::prelude::*;
-use sve_tests::models::Kubo;
 
 fn summary(observable: impl Fn(f64) -> f64 + Sync) -> Summary {
     let method = Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint);

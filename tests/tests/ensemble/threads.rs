@@ -1,7 +1,7 @@
 //! Threads change no bit.
 
+use sve_models::models::Kubo;
 use sve_runtime::prelude::*;
-use sve_tests::models::Kubo;
 
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {

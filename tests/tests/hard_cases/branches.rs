@@ -1,9 +1,9 @@
 //! Equations of several solutions: the step takes the one that is connected with that without noise, or says that there is none.
 
+use sve_models::models::Actions;
+use sve_models::random::Random;
 use sve_runtime::prelude::*;
 use sve_runtime::{LANES, StateLanes};
-use sve_tests::models::Actions;
-use sve_tests::random::Random;
 
 use super::systems::Fourth;
 

@@ -1,7 +1,7 @@
 //! Ten million steps: rounding errors walk at random (Brouwer's law), and shorter with compensated sums.
 
+use sve_models::models::{Oscillator, Pendulum, Quartic};
 use sve_runtime::prelude::*;
-use sve_tests::models::{Oscillator, Pendulum, Quartic};
 
 use crate::systems::Kepler;
 

@@ -1,7 +1,7 @@
 //! Noise that dominates, and noise that vanishes.
 
+use sve_models::models::{DoublePendulum, Kubo, Oscillator, PlanarDoublePendulum};
 use sve_runtime::{Dims, System, Variational, prelude::*};
-use sve_tests::models::{DoublePendulum, Kubo, Oscillator, PlanarDoublePendulum};
 
 use super::systems::{Fourth, Kepler, Rotor};
 

@@ -2,8 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use sve_models::models::{HenonHeiles, PlanarDoublePendulum};
 use sve_runtime::prelude::*;
-use sve_tests::models::{HenonHeiles, PlanarDoublePendulum};
 
 use super::systems::Kepler;
 

@@ -1,8 +1,8 @@
 //! Places where coordinates or forces are singular: an error that names the place, or a step; never NaN.
 
+use sve_models::models::SphericalPendulum;
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
-use sve_tests::models::SphericalPendulum;
 
 use super::systems::Kepler;
 

@@ -1,8 +1,8 @@
 //! Which solution a step takes: the one connected with no noise and h → 0, in single steps and in lanes, within the domain of L.
 
+use sve_models::random::Random;
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, LANES, StateLanes, System, Variational};
-use sve_tests::random::Random;
 
 use super::wild::*;
 

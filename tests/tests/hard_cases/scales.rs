@@ -1,7 +1,7 @@
 //! Units, states and steps of extreme size.
 
+use sve_models::models::{Pendulum, Quartic};
 use sve_runtime::prelude::*;
-use sve_tests::models::{Pendulum, Quartic};
 
 use super::systems::Kepler;
 

@@ -1,7 +1,7 @@
 //! Oscillators whose period is far below the step.
 
+use sve_models::models::Quartic;
 use sve_runtime::{Dims, System, Variational, prelude::*};
-use sve_tests::models::Quartic;
 
 use super::systems::Stiff;
 

@@ -1,56 +1,43 @@
 //! A trajectory that is stored and continued has the bits of one that was not interrupted.
 
-use sve_runtime::Variational;
+use sve_models::case::{Case, Point};
+use sve_models::oracle::{cases, oscillator};
+use sve_models::random::Random;
 use sve_runtime::baseline::EulerMaruyama;
 use sve_runtime::prelude::*;
-use sve_tests::oracle::{Model, Rule, Visitor, every_step, name, oscillator};
-use sve_tests::random::Random;
 
-/// Stored as text after each of some steps, and continued.
-struct Continued(Random);
-
-impl Visitor for Continued {
-    fn visit<S, R, const N: usize, const M: usize>(&mut self, integrator: &Integrator<S, R>)
-    where
-        S: Model<N, M> + Variational<R>,
-        R: Rule,
-    {
-        let start = S::point(&mut self.0);
-        let noise = || Wiener::new(3).path(4);
-        let whole: Vec<_> = integrator
-            .trajectory(start, 0.01, noise())
-            .take(20)
-            .map(Result::unwrap)
-            .collect();
-        for stop in [0, 1, 7, 19] {
-            let mut path = integrator.trajectory(start, 0.01, noise());
-            (0..stop).for_each(|_| drop(path.next()));
-            let text = serde_json::to_string(&path.snapshot()).unwrap();
-            let snapshot: Snapshot<State<[f64; N]>> = serde_json::from_str(&text).unwrap();
-            assert_eq!(snapshot, path.snapshot());
-            let mut rest = integrator.resume(snapshot, noise()).unwrap();
-            assert_eq!(rest.step(), stop as u64);
-            for state in &whole[stop..] {
-                assert_eq!(
-                    &rest.next().unwrap().unwrap(),
-                    state,
-                    "{}",
-                    name(integrator)
-                );
-            }
-            // the same by hand: the noise from there on; only the time is counted from elsewhere
-            let middle = *path.state();
-            let mut rest = integrator.trajectory(middle, 0.01, noise().from_step(stop as u64));
-            if let Some(next) = whole.get(stop) {
-                assert_eq!(rest.next().unwrap().unwrap().p, next.p);
-            }
+/// Stores the path as text after each of some steps, and continues it.
+fn continued_has_the_same_bits(case: &dyn Case, random: &mut Random) {
+    let start = case.model().point(random);
+    let (h, noise) = (0.01, || Wiener::new(3).path(4));
+    let whole: Vec<Point> = case
+        .trajectory(&start, h, Box::new(noise()))
+        .take(20)
+        .map(Result::unwrap)
+        .collect();
+    for stop in [0, 1, 7, 19] {
+        let stored = case.stored(&start, h, noise(), stop);
+        let (step, mut rest) = case.continued(&stored, noise());
+        assert_eq!(step, stop as u64);
+        for state in &whole[stop..] {
+            assert_eq!(&rest.next().unwrap().unwrap(), state, "{}", case.name());
+        }
+        // the same by hand: the noise from there on; only the time is counted from elsewhere
+        let middle = stop.checked_sub(1).map_or(&start, |last| &whole[last]);
+        let later = noise().from_step(stop as u64);
+        let mut rest = case.trajectory(middle, h, Box::new(later));
+        if let Some(next) = whole.get(stop) {
+            assert_eq!(rest.next().unwrap().unwrap().p, next.p);
         }
     }
 }
 
 #[test]
-fn is_stored_and_continued_with_the_same_bits() {
-    every_step(&mut Continued(Random::new(21)));
+fn a_stored_trajectory_is_continued_with_the_same_bits() {
+    let mut random = Random::new(21);
+    for case in cases() {
+        continued_has_the_same_bits(&*case, &mut random);
+    }
 }
 
 /// With compensated sums and refined steps, which are more than a state.
@@ -86,7 +73,7 @@ fn what_is_carried_is_stored_too() {
     }
     assert!(differs, "the low parts matter");
     assert_eq!(rest.snapshot(), whole.snapshot());
-    let error = EulerMaruyama::new(sve_tests::oracle::oscillator())
+    let error = EulerMaruyama::new(sve_models::oracle::oscillator())
         .resume(snapshot, noise.clone())
         .err();
     assert_eq!(error, Some(StepError::Uncompensated { t: 1.3 }));

@@ -2,47 +2,40 @@
 
 mod continued;
 
+use sve_models::case::Case;
+use sve_models::oracle::{cases, kubo, mixed, oscillator, pendulum};
+use sve_models::random::Random;
 use sve_runtime::baseline::{EulerMaruyama, RungeKutta4};
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
-use sve_tests::oracle::{
-    Model, Rule, Visitor, every_step, kubo, mixed, name, oscillator, pendulum,
-};
-use sve_tests::random::Random;
 
-struct Repeated(Random);
-
-impl Visitor for Repeated {
-    fn visit<S, R, const N: usize, const M: usize>(&mut self, integrator: &Integrator<S, R>)
-    where
-        S: Model<N, M> + Variational<R>,
-        R: Rule,
-    {
-        let start = S::point(&mut self.0);
-        let h = 0.01;
-        let noise = Wiener::new(3).path(4);
-        let prepared = Method::prepare(integrator, h).unwrap();
-        let (mut prepared_state, mut plain_state) = (start, start);
-        let path = integrator.trajectory(start, h, noise.clone());
-        for (k, state) in (0..50_u32).zip(path) {
-            let state = state.unwrap();
-            let dw = core::array::from_fn(|i| noise.increment(u64::from(k), i, h));
-            integrator
-                .step_prepared(&prepared, &mut prepared_state, h, &dw)
-                .unwrap();
-            integrator.step(&mut plain_state, h, &dw).unwrap();
-            let time = f64::from(k + 1).mul_add(h, start.t);
-            prepared_state.t = time;
-            plain_state.t = time;
-            assert_eq!(state, prepared_state, "{} step {k}", name(integrator));
-            assert_eq!(state, plain_state, "{} step {k}", name(integrator));
-        }
+fn trajectory_is_the_repeated_step(case: &dyn Case, random: &mut Random) {
+    let start = case.model().point(random);
+    let (h, noises) = (0.01, case.dimensions().1);
+    let noise = Wiener::new(3).path(4);
+    let prepared = case.prepared(h).unwrap();
+    let (mut prepared_state, mut plain_state) = (start.clone(), start.clone());
+    let path = case.trajectory(&start, h, Box::new(noise.clone()));
+    for (k, state) in (0..50_u32).zip(path) {
+        let state = state.unwrap();
+        let increment = |i| noise.increment(u64::from(k), i, h);
+        let dw: Vec<f64> = (0..noises).map(increment).collect();
+        prepared(&mut prepared_state, &dw).unwrap();
+        case.step(&mut plain_state, h, &dw).unwrap();
+        let time = f64::from(k + 1).mul_add(h, start.t);
+        prepared_state.t = time;
+        plain_state.t = time;
+        assert_eq!(state, prepared_state, "{} step {k}", case.name());
+        assert_eq!(state, plain_state, "{} step {k}", case.name());
     }
 }
 
 #[test]
-fn is_the_repeated_step() {
-    every_step(&mut Repeated(Random::new(12)));
+fn every_trajectory_is_the_repeated_step() {
+    let mut random = Random::new(12);
+    for case in cases() {
+        trajectory_is_the_repeated_step(&*case, &mut random);
+    }
 }
 
 /// A step alone adds h to the time; a trajectory rounds t₀ + kh once, however long it is.
@@ -106,7 +99,7 @@ fn times_that_do_not_advance_are_errors() {
         let mut state = before;
         let error = oscillator.step(&mut state, h, &[0.0]);
         assert_eq!((error, state), (Err(expected.clone()), before));
-        let error = RungeKutta4::new(sve_tests::oracle::pendulum()).step(&mut state, h, &[]);
+        let error = RungeKutta4::new(sve_models::oracle::pendulum()).step(&mut state, h, &[]);
         assert_eq!((error, state), (Err(expected.clone()), before));
         if h < 1e200 {
             let error = pendulum.step(&mut state, h, &[]);
@@ -275,7 +268,7 @@ fn of_baselines() {
 /// A borrowed system is the same system.
 #[test]
 fn a_system_can_be_borrowed() {
-    let pendulum = sve_tests::models::Pendulum { g: 9.8 };
+    let pendulum = sve_models::models::Pendulum { g: 9.8 };
     let start = State::new([1.0], [0.3]);
     let (mut owned, mut borrowed, mut other) = (start, start, start);
     let by_reference = Integrator::new(&pendulum, Midpoint);

@@ -1,0 +1,494 @@
+//! Every model with every rule behind one object-safe trait. A test over all of them is compiled once instead of once a model, and each step is
+//! compiled once for all tests.
+
+use core::fmt::Debug;
+
+use sve_runtime::__private::Whole;
+use sve_runtime::noise::Noise;
+use sve_runtime::prelude::*;
+use sve_runtime::{
+    Coordinates, Dims, ForceJet, LANES, LagrangianJet, Lane, Mask, NoiseJet, Plan, StateLanes,
+    System, Variational,
+};
+
+use crate::oracle::{Model, Rule};
+use crate::random::Random;
+
+/// A vector whose length is known at run time.
+pub type Vector = Vec<f64>;
+
+/// A matrix by rows.
+pub type Matrix = Vec<Vec<f64>>;
+
+/// A state whose number of coordinates is known at run time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// Time.
+    pub t: f64,
+    /// Configuration.
+    pub q: Vector,
+    /// Momentum.
+    pub p: Vector,
+}
+
+impl Point {
+    /// The state (q, p) at t = 0.
+    pub fn new(q: &[f64], p: &[f64]) -> Self {
+        Self {
+            t: 0.0,
+            q: q.to_vec(),
+            p: p.to_vec(),
+        }
+    }
+
+    fn of<const N: usize>(state: &State<[f64; N]>) -> Self {
+        Self {
+            t: state.t,
+            q: state.q.to_vec(),
+            p: state.p.to_vec(),
+        }
+    }
+
+    fn state<const N: usize>(&self) -> State<[f64; N]> {
+        State::at(self.t, array(&self.q), array(&self.p))
+    }
+
+    /// The entries of q, then those of p.
+    pub fn entries(&self) -> impl Iterator<Item = &f64> {
+        self.q.iter().chain(&self.p)
+    }
+
+    /// The largest magnitude of an entry, at least 1.
+    pub fn size(&self) -> f64 {
+        self.entries().fold(1.0, |m: f64, x| m.max(x.abs()))
+    }
+
+    /// The bits of time, configuration and momentum.
+    pub fn bits(&self) -> Vec<u64> {
+        let all = core::iter::once(&self.t).chain(self.entries());
+        all.map(|x| x.to_bits()).collect()
+    }
+}
+
+/// A vector of a length that the type knows.
+pub(crate) fn array<const N: usize>(vector: &[f64]) -> [f64; N] {
+    vector.try_into().expect("the number of components")
+}
+
+fn rows<const N: usize>(matrix: &[[f64; N]; N]) -> Matrix {
+    matrix.iter().map(|row| row.to_vec()).collect()
+}
+
+/// The derivatives of L: those of `LagrangianJet`.
+pub struct Lagrangian {
+    /// L.
+    pub value: f64,
+    /// ∂L/∂q.
+    pub dq: Vector,
+    /// ∂L/∂v.
+    pub dv: Vector,
+    /// ∂²L/∂q².
+    pub dqq: Matrix,
+    /// ∂²L/∂q∂v.
+    pub dqv: Matrix,
+    /// ∂²L/∂v².
+    pub dvv: Matrix,
+    /// ∂²L/∂q∂t.
+    pub dqt: Vector,
+    /// ∂²L/∂v∂t.
+    pub dvt: Vector,
+}
+
+/// The generated derivatives of L.
+pub(crate) fn lagrangian<S, Q, const N: usize, const M: usize>(
+    system: &S,
+    t: f64,
+    q: &[f64],
+    v: &[f64],
+) -> Lagrangian
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    let LagrangianJet {
+        value,
+        dq,
+        dv,
+        dqq,
+        dqv,
+        dvv,
+        dqt,
+        dvt,
+    } = system.lagrangian_jet(t, &array(q), &array(v));
+    Lagrangian {
+        value,
+        dq: dq.to_vec(),
+        dv: dv.to_vec(),
+        dqq: rows(&dqq),
+        dqv: rows(&dqv),
+        dvv: rows(&dvv),
+        dqt: dqt.to_vec(),
+        dvt: dvt.to_vec(),
+    }
+}
+
+/// The derivatives of a noise Hamiltonian: those of `NoiseJet`.
+pub struct NoiseDerivatives {
+    /// ∂G/∂q.
+    pub dq: Vector,
+    /// ∂G/∂p.
+    pub dp: Vector,
+    /// ∂²G/∂q².
+    pub dqq: Matrix,
+    /// ∂²G/∂q∂p.
+    pub dqp: Matrix,
+    /// ∂²G/∂p².
+    pub dpp: Matrix,
+}
+
+/// The force with its derivatives: those of `ForceJet`.
+pub struct Force {
+    /// F.
+    pub value: Vector,
+    /// ∂F/∂q.
+    pub dq: Matrix,
+    /// ∂F/∂v.
+    pub dv: Matrix,
+    /// ∂F/∂t.
+    pub dt: Vector,
+}
+
+/// A model: its user's functions, and what was derived from them without a rule.
+pub trait Functions: Debug {
+    /// L as the user wrote it.
+    fn l(&self, t: f64, q: &[f64], v: &[f64]) -> f64;
+    /// The noise Hamiltonians, −γ and H₁, in source order.
+    fn g(&self, t: f64, q: &[f64], p: &[f64]) -> Vector;
+    /// The force; zero where there is none.
+    fn f(&self, t: f64, q: &[f64], v: &[f64]) -> Vector;
+    /// Whether the block has a force.
+    fn is_forced(&self) -> bool;
+    /// A random point where everything is regular.
+    fn point(&self, random: &mut Random) -> Point;
+    /// The velocity of a momentum.
+    fn velocity(&self, t: f64, q: &[f64], p: &[f64]) -> Vector;
+    /// The generated derivatives of L.
+    fn lagrangian(&self, t: f64, q: &[f64], v: &[f64]) -> Lagrangian;
+    /// The generated derivatives of the noise Hamiltonians.
+    fn noises(&self, t: f64, q: &[f64], p: &[f64]) -> Vec<NoiseDerivatives>;
+    /// The generated force and its derivatives.
+    fn force(&self, t: f64, q: &[f64], v: &[f64]) -> Force;
+}
+
+/// A model with the numbers of its coordinates and noises.
+struct TypedModel<'a, S, const N: usize, const M: usize>(&'a S);
+
+impl<S, const N: usize, const M: usize> Debug for TypedModel<'_, S, N, M>
+where
+    S: Model<N, M>,
+{
+    fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        self.0.fmt(formatter)
+    }
+}
+
+impl<S, const N: usize, const M: usize> Functions for TypedModel<'_, S, N, M>
+where
+    S: Model<N, M>,
+{
+    fn l(&self, t: f64, q: &[f64], v: &[f64]) -> f64 {
+        self.0.l(t, array(q), array(v))
+    }
+
+    fn g(&self, t: f64, q: &[f64], p: &[f64]) -> Vector {
+        self.0.g(t, array(q), array(p)).to_vec()
+    }
+
+    fn f(&self, t: f64, q: &[f64], v: &[f64]) -> Vector {
+        self.0.f(t, array(q), array(v)).to_vec()
+    }
+
+    fn is_forced(&self) -> bool {
+        S::FORCED
+    }
+
+    fn point(&self, random: &mut Random) -> Point {
+        Point::of(&S::point(random))
+    }
+
+    fn velocity(&self, t: f64, q: &[f64], p: &[f64]) -> Vector {
+        let velocity = self.0.velocity_at(t, array(q), array(p));
+        velocity.expect("a regular point").to_vec()
+    }
+
+    fn lagrangian(&self, t: f64, q: &[f64], v: &[f64]) -> Lagrangian {
+        lagrangian::<S, _, N, M>(self.0, t, q, v)
+    }
+
+    fn noises(&self, t: f64, q: &[f64], p: &[f64]) -> Vec<NoiseDerivatives> {
+        let jets = self.0.noise_jets(t, &array(q), &array(p));
+        let all = jets.iter().map(|jet| {
+            let NoiseJet {
+                dq,
+                dp,
+                dqq,
+                dqp,
+                dpp,
+            } = jet;
+            NoiseDerivatives {
+                dq: dq.to_vec(),
+                dp: dp.to_vec(),
+                dqq: rows(dqq),
+                dqp: rows(dqp),
+                dpp: rows(dpp),
+            }
+        });
+        all.collect()
+    }
+
+    fn force(&self, t: f64, q: &[f64], v: &[f64]) -> Force {
+        let ForceJet { value, dq, dv, dt } = self.0.force_jet(t, &array(q), &array(v));
+        Force {
+            value: value.to_vec(),
+            dq: rows(&dq),
+            dv: rows(&dv),
+            dt: dt.to_vec(),
+        }
+    }
+}
+
+/// The derivatives of a step.
+pub struct Derivatives {
+    /// The tangent map.
+    pub tangent: Matrix,
+    /// Largest entry of `MᵀΩM − Ω`, as the tangent map says.
+    pub defect: f64,
+    /// The derivatives of (q, p) in each parameter.
+    pub sensitivity: Vec<(&'static str, Vector)>,
+}
+
+/// Runs some steps without allocating; see [`Case::watched`].
+pub type Watch<'a> = dyn FnMut(&mut dyn FnMut()) + 'a;
+
+/// A path of states or its first error.
+pub type Path<'a> = Box<dyn Iterator<Item = Result<Point, StepError>> + 'a>;
+
+/// Advances a state by increments.
+pub type Step<'a> = Box<dyn Fn(&mut Point, &[f64]) -> Result<(), StepError> + 'a>;
+
+/// A model with a rule.
+pub trait Case {
+    /// What the step became.
+    fn plan(&self) -> &'static Plan;
+    /// What the step without structure became.
+    fn plan_without_structure(&self) -> &'static Plan;
+    /// The name of the rule in the attribute.
+    fn rule(&self) -> &'static str;
+    /// The node of a one-node rule.
+    fn node(&self) -> Option<f64>;
+    /// Numbers of coordinates and of noises.
+    fn dimensions(&self) -> (usize, usize);
+    /// The model.
+    fn model(&self) -> Box<dyn Functions + '_>;
+    /// One step.
+    fn step(&self, state: &mut Point, h: f64, dw: &[f64]) -> Result<(), StepError>;
+    /// One step of the rule derived without its structure.
+    fn step_without_structure(
+        &self,
+        state: &mut Point,
+        h: f64,
+        dw: &[f64],
+    ) -> Result<(), StepError>;
+    /// Steps of one size that was prepared once.
+    fn prepared(&self, h: f64) -> Result<Step<'_>, StepError>;
+    /// One step with its derivatives.
+    fn differentiated(
+        &self,
+        state: &mut Point,
+        h: f64,
+        dw: &[f64],
+    ) -> Result<Derivatives, StepError>;
+    /// One step of as many states as there are lanes; the mask of those that are left to the single step.
+    fn step_lanes(
+        &self,
+        states: &[Point],
+        h: f64,
+        dw: &[Vector],
+    ) -> Result<(Vec<Point>, Mask), StepError>;
+    /// The states of a trajectory.
+    fn trajectory<'a>(&'a self, start: &Point, h: f64, noise: Box<dyn Noise + 'a>) -> Path<'a>;
+    /// A trajectory after some steps as JSON, which is read back once.
+    fn stored(&self, start: &Point, h: f64, noise: Wiener, steps: usize) -> String;
+    /// A stored trajectory: the number of steps that it says, and its continuation.
+    fn continued<'a>(&'a self, stored: &str, noise: Wiener) -> (u64, Path<'a>);
+    /// Steps with the same increments, all of them while `watch` looks.
+    fn watched(&self, start: &Point, h: f64, dw: &[f64], steps: usize, watch: &mut Watch<'_>);
+
+    /// `Pendulum by midpoint`, for messages.
+    fn name(&self) -> String {
+        let plan = self.plan();
+        format!("{} by {}", plan.system, plan.rule)
+    }
+
+    /// One step from a state that stays as it is.
+    ///
+    /// # Panics
+    /// If the step fails.
+    fn stepped(&self, start: &Point, h: f64, dw: &[f64]) -> Point {
+        let mut state = start.clone();
+        if let Err(error) = self.step(&mut state, h, dw) {
+            panic!("{} from {start:?}: {error}", self.name());
+        }
+        state
+    }
+}
+
+/// An integrator with its numbers of coordinates and of noises.
+struct TypedCase<S, R, const N: usize, const M: usize>(Integrator<S, R>);
+
+/// The case of a model and a rule.
+pub(crate) fn case<S, R, const N: usize, const M: usize>(system: S, rule: R) -> Box<dyn Case>
+where
+    S: Model<N, M> + Variational<R> + Variational<Whole<R>> + Clone + 'static,
+    R: Rule + Copy + 'static,
+{
+    Box::new(TypedCase(Integrator::new(system, rule)))
+}
+
+fn path<'a, const N: usize>(
+    states: impl Iterator<Item = Result<State<[f64; N]>, StepError>> + 'a,
+) -> Path<'a> {
+    Box::new(states.map(|state| state.map(|state| Point::of(&state))))
+}
+
+impl<S, R, const N: usize, const M: usize> Case for TypedCase<S, R, N, M>
+where
+    S: Model<N, M> + Variational<R> + Variational<Whole<R>> + Clone + 'static,
+    R: Rule + Copy + 'static,
+{
+    fn plan(&self) -> &'static Plan {
+        self.0.plan()
+    }
+
+    fn plan_without_structure(&self) -> &'static Plan {
+        <S as Variational<Whole<R>>>::PLAN
+    }
+
+    fn rule(&self) -> &'static str {
+        R::NAME
+    }
+
+    fn node(&self) -> Option<f64> {
+        R::NODE
+    }
+
+    fn dimensions(&self) -> (usize, usize) {
+        (N, M)
+    }
+
+    fn model(&self) -> Box<dyn Functions + '_> {
+        Box::new(TypedModel::<S, N, M>(self.0.system()))
+    }
+
+    fn step(&self, state: &mut Point, h: f64, dw: &[f64]) -> Result<(), StepError> {
+        let mut typed = state.state();
+        let result = self.0.step(&mut typed, h, &array(dw));
+        *state = Point::of(&typed);
+        result
+    }
+
+    fn step_without_structure(
+        &self,
+        state: &mut Point,
+        h: f64,
+        dw: &[f64],
+    ) -> Result<(), StepError> {
+        let whole = Integrator::new(self.0.system().clone(), Whole(*self.0.rule()));
+        let mut typed = state.state();
+        let result = whole.step(&mut typed, h, &array(dw));
+        *state = Point::of(&typed);
+        result
+    }
+
+    fn prepared(&self, h: f64) -> Result<Step<'_>, StepError> {
+        let prepared = Method::prepare(&self.0, h)?;
+        Ok(Box::new(move |state, dw| {
+            let mut typed = state.state();
+            let result = self.0.step_prepared(&prepared, &mut typed, h, &array(dw));
+            *state = Point::of(&typed);
+            result
+        }))
+    }
+
+    fn differentiated(
+        &self,
+        state: &mut Point,
+        h: f64,
+        dw: &[f64],
+    ) -> Result<Derivatives, StepError> {
+        let mut typed = state.state();
+        let result = self.0.step_with_derivatives(&mut typed, h, &array(dw));
+        *state = Point::of(&typed);
+        let (tangent, sensitivity) = result?;
+        let fields = sensitivity.iter().map(|(name, field)| {
+            let entries = field.q.iter().chain(&field.p);
+            (name, entries.copied().collect())
+        });
+        Ok(Derivatives {
+            tangent: (0..2 * N).map(|row| tangent[row].to_vec()).collect(),
+            defect: tangent.symplectic_defect(),
+            sensitivity: fields.collect(),
+        })
+    }
+
+    fn step_lanes(
+        &self,
+        states: &[Point],
+        h: f64,
+        dw: &[Vector],
+    ) -> Result<(Vec<Point>, Mask), StepError> {
+        let mut typed = StateLanes::splat(&State::new([0.0; N], [0.0; N]));
+        let mut increments: [Lane; M] = [[0.0; LANES]; M];
+        for lane in 0..LANES {
+            typed.set(lane, &states[lane].state());
+            for i in 0..M {
+                increments[i][lane] = dw[lane][i];
+            }
+        }
+        let mut next = typed;
+        let prepared = Method::prepare(&self.0, h)?;
+        let left = Method::step_lanes(&self.0, &prepared, &typed, &mut next, h, &increments);
+        let points = (0..LANES).map(|lane| Point::of(&next.get(lane))).collect();
+        Ok((points, left))
+    }
+
+    fn trajectory<'a>(&'a self, start: &Point, h: f64, noise: Box<dyn Noise + 'a>) -> Path<'a> {
+        path(self.0.trajectory(start.state(), h, noise))
+    }
+
+    fn stored(&self, start: &Point, h: f64, noise: Wiener, steps: usize) -> String {
+        let noise: Box<dyn Noise> = Box::new(noise);
+        let mut path = self.0.trajectory(start.state(), h, noise);
+        (0..steps).for_each(|_| drop(path.next()));
+        let text = serde_json::to_string(&path.snapshot()).expect("JSON");
+        let snapshot: Snapshot<State<[f64; N]>> = serde_json::from_str(&text).expect("a snapshot");
+        assert_eq!(snapshot, path.snapshot(), "{}", self.name());
+        text
+    }
+
+    fn continued<'a>(&'a self, stored: &str, noise: Wiener) -> (u64, Path<'a>) {
+        let snapshot: Snapshot<State<[f64; N]>> = serde_json::from_str(stored).expect("a snapshot");
+        let noise: Box<dyn Noise> = Box::new(noise);
+        let rest = self.0.resume(snapshot, noise).expect("a trajectory");
+        (rest.step(), path(rest))
+    }
+
+    fn watched(&self, start: &Point, h: f64, dw: &[f64], steps: usize, watch: &mut Watch<'_>) {
+        let (mut state, dw) = (start.state(), array(dw));
+        watch(&mut || {
+            for _ in 0..steps {
+                self.0.step(&mut state, h, &dw).expect("a step");
+            }
+        });
+    }
+}

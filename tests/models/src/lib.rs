@@ -1,0 +1,13 @@
+//! What the tests share: models, the users' functions as oracles, all models with all rules as objects, checks of a feature of the
+//! language, differences, random points, an exact solution.
+
+pub mod case;
+pub mod configured;
+pub mod differences;
+#[path = "../../../sve-macros/compiler/src/algebra/double_double.rs"]
+pub mod double_double;
+pub mod exact;
+pub mod language;
+pub mod models;
+pub mod oracle;
+pub mod random;

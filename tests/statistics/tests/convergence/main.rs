@@ -1,0 +1,5 @@
+//! Orders of convergence, and moments of paths with noise.
+
+mod kubo;
+mod moments;
+mod strong_order;

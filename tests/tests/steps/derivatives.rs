@@ -1,0 +1,314 @@
+//! The generated derivatives against differences of the users' own functions, and the generated steps against the discrete
+//! Euler–Lagrange equations of a discrete action that is built from the users' own functions.
+//!
+//! Nothing here uses a symbolic derivative: it is the oracle of the differentiation, the residuals and the solves.
+
+use sve_models::case::{Case, Force, Functions, Lagrangian, NoiseDerivatives, Point};
+use sve_models::differences::{derivatives, gradient, moved};
+use sve_models::oracle::cases;
+use sve_models::random::Random;
+
+/// First differences are good to 1e-12 times the values (see `differences`); differences of differences divide that error by
+/// δ/4 once more, 1e-9. A wrong term shows with its full size.
+const FIRST: f64 = 1e-10;
+const SECOND: f64 = 1e-8;
+
+fn assert_close(got: f64, expected: f64, bound: f64, what: &dyn Fn() -> String) {
+    assert!(
+        (got - expected).abs() <= bound * (1.0 + expected.abs()),
+        "{}: {got:e}, by differences {expected:e}",
+        what()
+    );
+}
+
+#[test]
+fn generated_derivatives_are_differences_of_the_users_functions() {
+    let mut random = Random::new(5);
+    // once a model
+    for case in cases().iter().filter(|case| case.rule() == "midpoint") {
+        let (model, name) = (case.model(), case.plan().system);
+        for _ in 0..5 {
+            let Point { t, q, p } = model.point(&mut random);
+            // any velocity of a regular state will do
+            let v = model.velocity(t, &q, &p);
+            lagrangian(name, &*model, t, &q, &v);
+            noises(name, &*model, t, &q, &p);
+            force(name, &*model, t, &q, &v);
+        }
+    }
+}
+
+fn lagrangian(name: &str, model: &dyn Functions, t: f64, q: &[f64], v: &[f64]) {
+    let Lagrangian {
+        value,
+        dq,
+        dv,
+        dqq,
+        dqv,
+        dvv,
+        dqt,
+        dvt,
+    } = model.lagrangian(t, q, v);
+    let what = |entry: &str| format!("{name}: {entry} of L at t = {t}, q = {q:?}, v = {v:?}");
+    // the same terms in another order
+    assert_close(value, model.l(t, q, v), 1e-14, &|| what("value"));
+
+    let by_q = |t, q: &[f64], v: &[f64]| gradient(q, |q| model.l(t, q, v));
+    let by_v = |t, q: &[f64], v: &[f64]| gradient(v, |v| model.l(t, q, v));
+    let (first_q, first_v) = (by_q(t, q, v), by_v(t, q, v));
+    let dqt_differences = derivatives(|d| by_q(t + d, q, v));
+    let dvt_differences = derivatives(|d| by_v(t + d, q, v));
+    for i in 0..q.len() {
+        assert_close(dq[i], first_q[i], FIRST, &|| what(&format!("dq[{i}]")));
+        assert_close(dv[i], first_v[i], FIRST, &|| what(&format!("dv[{i}]")));
+        assert_close(dqt[i], dqt_differences[i], SECOND, &|| {
+            what(&format!("dqt[{i}]"))
+        });
+        assert_close(dvt[i], dvt_differences[i], SECOND, &|| {
+            what(&format!("dvt[{i}]"))
+        });
+    }
+    for j in 0..q.len() {
+        let column_qq = derivatives(|d| by_q(t, &moved(q, j, d), v));
+        let column_qv = derivatives(|d| by_q(t, q, &moved(v, j, d)));
+        let column_vv = derivatives(|d| by_v(t, q, &moved(v, j, d)));
+        for i in 0..q.len() {
+            let entry = |matrix: &str| what(&format!("{matrix}[{i}][{j}]"));
+            assert_close(dqq[i][j], column_qq[i], SECOND, &|| entry("dqq"));
+            assert_close(dqv[i][j], column_qv[i], SECOND, &|| entry("dqv"));
+            assert_close(dvv[i][j], column_vv[i], SECOND, &|| entry("dvv"));
+        }
+    }
+}
+
+fn noises(name: &str, model: &dyn Functions, t: f64, q: &[f64], p: &[f64]) {
+    for (a, jet) in model.noises(t, q, p).into_iter().enumerate() {
+        let NoiseDerivatives {
+            dq,
+            dp,
+            dqq,
+            dqp,
+            dpp,
+        } = jet;
+        let what =
+            |entry: &str| format!("{name}: {entry} of noise {a} at t = {t}, q = {q:?}, p = {p:?}");
+        let by_q = |q: &[f64], p: &[f64]| gradient(q, |q| model.g(t, q, p)[a]);
+        let by_p = |q: &[f64], p: &[f64]| gradient(p, |p| model.g(t, q, p)[a]);
+        let (first_q, first_p) = (by_q(q, p), by_p(q, p));
+        for i in 0..q.len() {
+            assert_close(dq[i], first_q[i], FIRST, &|| what(&format!("dq[{i}]")));
+            assert_close(dp[i], first_p[i], FIRST, &|| what(&format!("dp[{i}]")));
+        }
+        for j in 0..q.len() {
+            let column_qq = derivatives(|d| by_q(&moved(q, j, d), p));
+            let column_qp = derivatives(|d| by_q(q, &moved(p, j, d)));
+            let column_pp = derivatives(|d| by_p(q, &moved(p, j, d)));
+            for i in 0..q.len() {
+                let entry = |matrix: &str| what(&format!("{matrix}[{i}][{j}]"));
+                assert_close(dqq[i][j], column_qq[i], SECOND, &|| entry("dqq"));
+                assert_close(dqp[i][j], column_qp[i], SECOND, &|| entry("dqp"));
+                assert_close(dpp[i][j], column_pp[i], SECOND, &|| entry("dpp"));
+            }
+        }
+    }
+}
+
+fn force(name: &str, model: &dyn Functions, t: f64, q: &[f64], v: &[f64]) {
+    let Force { value, dq, dv, dt } = model.force(t, q, v);
+    let what = |entry: &str| format!("{name}: {entry} of F at t = {t}, q = {q:?}, v = {v:?}");
+    let exact = model.f(t, q, v);
+    let in_time = derivatives(|d| model.f(t + d, q, v));
+    for i in 0..q.len() {
+        // the same terms in another order
+        assert_close(value[i], exact[i], 1e-14, &|| what(&format!("value[{i}]")));
+        assert_close(dt[i], in_time[i], FIRST, &|| what(&format!("dt[{i}]")));
+    }
+    for j in 0..q.len() {
+        let column_q = derivatives(|d| model.f(t, &moved(q, j, d), v));
+        let column_v = derivatives(|d| model.f(t, q, &moved(v, j, d)));
+        for i in 0..q.len() {
+            let entry = |matrix: &str| what(&format!("{matrix}[{i}][{j}]"));
+            assert_close(dq[i][j], column_q[i], FIRST, &|| entry("dq"));
+            assert_close(dv[i][j], column_v[i], FIRST, &|| entry("dv"));
+        }
+    }
+}
+
+/// A step's data beside its end points.
+#[derive(Clone, Debug)]
+struct Step {
+    t: f64,
+    h: f64,
+    dw: Vec<f64>,
+}
+
+/// `a + factor b`.
+fn sum(a: &[f64], factor: f64, b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + factor * b).collect()
+}
+
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// `a + c (b − a)`.
+fn between(a: &[f64], b: &[f64], c: f64) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + c * (b - a)).collect()
+}
+
+/// The discrete action of the rule with node `c`:
+/// `h L + ⟨p, q₁ − q₀ − hv⟩ − F + (c − ½) ⟨∂F/∂p, ∂F/∂q⟩` at the node, with `F = Σ G_a ΔW_a`.
+fn one_node(
+    model: &dyn Functions,
+    c: f64,
+    step: &Step,
+    [q0, q1]: [&[f64]; 2],
+    [v, p]: [&[f64]; 2],
+) -> f64 {
+    let Step { t, h, dw } = step;
+    let t = t + c * h;
+    let q = between(q0, q1, c);
+    let noise = |q: &[f64], p: &[f64]| product(&model.g(t, q, p), dw);
+    let by_q = gradient(&q, |q| noise(q, p));
+    let by_p = gradient(p, |p| noise(&q, p));
+    let slip = sum(&sum(q1, -1.0, q0), -h, v);
+    h * model.l(t, &q, v) - noise(&q, p) + product(p, &slip) + (c - 0.5) * product(&by_p, &by_q)
+}
+
+/// Both nodes of the Taylor rule, place and velocity, found by fixed-point iterations, which converge as h² does.
+fn taylor_nodes(
+    model: &dyn Functions,
+    step: &Step,
+    q0: &[f64],
+    q1: &[f64],
+) -> [(Vec<f64>, Vec<f64>); 2] {
+    let Step { t, h, .. } = *step;
+    let mean: Vec<f64> = sum(q1, -1.0, q0).iter().map(|d| d / h).collect();
+    let (mut v, mut a) = (mean.clone(), vec![0.0; q0.len()]);
+    for _ in 0..40 {
+        a = acceleration(model, t, q0, &v, a);
+        v = sum(&mean, -0.5 * h, &a);
+    }
+    let end = (sum(q0, h, &v), sum(&v, h, &a));
+    [(q0.to_vec(), v), end]
+}
+
+/// The action of the Taylor rule; `work` adds the virtual work of the force at the nodes of the step itself.
+fn taylor(model: &dyn Functions, step: &Step, q0: &[f64], q1: &[f64], work: &[Vec<f64>; 2]) -> f64 {
+    let [(q, v), (q_end, v_end)] = taylor_nodes(model, step, q0, q1);
+    let action = model.l(step.t, &q, &v) + model.l(step.t + step.h, &q_end, &v_end);
+    0.5 * step.h * (action + product(&work[0], &q) + product(&work[1], &q_end))
+}
+
+/// One correction of `a` towards the solution of `d/dt ∂L/∂v = ∂L/∂q + F`; `d/dt` is a difference along the parabola.
+fn acceleration(model: &dyn Functions, t: f64, q: &[f64], v: &[f64], mut a: Vec<f64>) -> Vec<f64> {
+    let force = sum(&gradient(q, |q| model.l(t, q, v)), 1.0, &model.f(t, q, v));
+    // the equation is linear in a, with the mass matrix
+    let rate = derivatives(|d| {
+        let q = sum(&sum(q, d, v), 0.5 * d * d, &a);
+        let v = sum(v, d, &a);
+        gradient(&v, |v| model.l(t + d, &q, v))
+    });
+    let residual = sum(&force, -1.0, &rate);
+    let columns: Vec<Vec<f64>> = (0..q.len())
+        .map(|j| derivatives(|d| gradient(&moved(v, j, d), |v| model.l(t, q, v))))
+        .collect();
+    // Cramer's rule: the models with this rule have one or two coordinates
+    if q.len() == 1 {
+        a[0] += residual[0] / columns[0][0];
+    } else {
+        let (x, y) = (&columns[0], &columns[1]);
+        let det = x[0] * y[1] - x[1] * y[0];
+        a[0] += (residual[0] * y[1] - residual[1] * y[0]) / det;
+        a[1] += (x[0] * residual[1] - x[1] * residual[0]) / det;
+    }
+    a
+}
+
+/// Bound of the discrete equations: the correction in the action is a difference (1e-12), differentiated again (4/δ), and
+/// for the Taylor rule the acceleration comes from second differences (1e-10), differentiated again.
+/// A wrong force is of the size of h, 0.1, a wrong correction or acceleration of the size of h² or ΔW², 0.01.
+const EQUATIONS: f64 = 1e-7;
+
+fn vanishes(residual: &[f64], what: &dyn Fn(&str) -> String, equation: &str) {
+    let worst = residual.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    assert!(
+        worst < EQUATIONS && residual.iter().all(|x| x.is_finite()),
+        "{}: {residual:?}",
+        what(equation)
+    );
+}
+
+fn one_node_equations(
+    model: &dyn Functions,
+    c: f64,
+    step: &Step,
+    [start, end]: [&Point; 2],
+    what: &dyn Fn(&str) -> String,
+) {
+    let action =
+        |q0: &[f64], q1: &[f64], v: &[f64], p: &[f64]| one_node(model, c, step, [q0, q1], [v, p]);
+    let (q0, q1) = (&start.q, &end.q);
+    // p₀ = p − (1−c) g and p₁ = p + c g
+    let p = between(&end.p, &start.p, c);
+    // ∂S/∂p = 0 is affine in v, with the coefficient −h
+    let at_rest = gradient(&p, |p| action(q0, q1, &vec![0.0; q0.len()], p));
+    let v: Vec<f64> = at_rest.iter().map(|slip| slip / step.h).collect();
+    let node = between(q0, q1, c);
+    let impulse = model.f(step.t + c * step.h, &node, &v);
+    let stationary = gradient(&v, |v| action(q0, q1, v, &p));
+    let by_start = gradient(q0, |q| action(q, q1, &v, &p));
+    let by_end = gradient(q1, |q| action(q0, q, &v, &p));
+    vanishes(&stationary, what, "∂S/∂v");
+    // the force does the work h⟨F, (1−c)δq₀ + cδq₁⟩
+    let at_start = sum(&start.p, 1.0, &by_start);
+    vanishes(
+        &sum(&at_start, (1.0 - c) * step.h, &impulse),
+        what,
+        "p₀ + ∂S/∂q₀",
+    );
+    let at_end = sum(&end.p, -1.0, &by_end);
+    vanishes(&sum(&at_end, -c * step.h, &impulse), what, "p₁ − ∂S/∂q₁");
+}
+
+fn taylor_equations(
+    model: &dyn Functions,
+    step: &Step,
+    [start, end]: [&Point; 2],
+    what: &dyn Fn(&str) -> String,
+) {
+    let (q0, q1) = (&start.q, &end.q);
+    let [(q, v), (q_end, v_end)] = taylor_nodes(model, step, q0, q1);
+    let work = [
+        model.f(step.t, &q, &v),
+        model.f(step.t + step.h, &q_end, &v_end),
+    ];
+    let by_start = gradient(q0, |q| taylor(model, step, q, q1, &work));
+    let by_end = gradient(q1, |q| taylor(model, step, q0, q, &work));
+    vanishes(&sum(&start.p, 1.0, &by_start), what, "p₀ + ∂S/∂q₀");
+    vanishes(&sum(&end.p, -1.0, &by_end), what, "p₁ − ∂S/∂q₁");
+}
+
+fn satisfies_the_discrete_equations(case: &dyn Case, random: &mut Random) {
+    let (h, model) = (0.1, case.model());
+    for _ in 0..5 {
+        let start = model.point(random);
+        let dw = random.vector(case.dimensions().1, -0.3, 0.3);
+        let end = case.stepped(&start, h, &dw);
+        let step = Step { t: start.t, h, dw };
+        let what =
+            |equation: &str| format!("{}: {equation} in {step:?} from {start:?}", case.name());
+        match case.node() {
+            Some(c) => one_node_equations(&*model, c, &step, [&start, &end], &what),
+            None => taylor_equations(&*model, &step, [&start, &end], &what),
+        }
+    }
+}
+
+#[test]
+fn steps_satisfy_the_discrete_equations() {
+    let mut random = Random::new(6);
+    for case in cases() {
+        satisfies_the_discrete_equations(&*case, &mut random);
+    }
+}

@@ -1,0 +1,17 @@
+//! A step and its derivatives: right values, exact identities, rounding, units, and errors.
+
+mod cancellation;
+mod closed_forms;
+mod derivatives;
+mod failures;
+mod forces;
+mod momentum;
+mod reference;
+mod scales;
+mod small_steps;
+mod symplectic;
+mod tangent;
+mod units;
+mod unresolved;
+mod vanishing_mass;
+mod weak_coupling;

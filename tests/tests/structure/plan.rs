@@ -1,0 +1,416 @@
+//! What the macro says of the steps it made: kinds of blocks, numbers of unknowns, orders.
+
+use sve_models::case::Case;
+use sve_models::oracle::{
+    cases, charges, damped, kubo, oscillator, planar_double_pendulum, rails, stretched,
+};
+use sve_runtime::prelude::*;
+use sve_runtime::{BlockKind, Plan, StrongOrder};
+
+/// System, rule, kind and number of unknowns of its implicit blocks, strong order with the pair that does not commute.
+const PLANS: &[(&str, &str, &str)] = &[
+    ("Pendulum", "initial_point", "explicit 0"),
+    ("Pendulum", "endpoint", "explicit 0"),
+    ("Pendulum", "midpoint", "Newton 1"),
+    ("Pendulum", "taylor2", "Newton 1"),
+    ("PlanarDoublePendulum", "initial_point", "Newton 2"),
+    ("PlanarDoublePendulum", "endpoint", "Newton 2"),
+    ("PlanarDoublePendulum", "midpoint", "Newton 2"),
+    ("PlanarDoublePendulum", "taylor2", "Newton 6"),
+    ("Magnetic", "initial_point", "linear 2"),
+    ("Magnetic", "endpoint", "Newton 2"),
+    ("Magnetic", "midpoint", "Newton 2"),
+    ("Magnetic", "taylor2", "Newton 6"),
+    ("SphericalPendulum", "initial_point", "linear 1"),
+    ("SphericalPendulum", "endpoint", "linear 1"),
+    ("SphericalPendulum", "midpoint", "Newton 2"),
+    ("SphericalPendulum", "taylor2", "Newton 6"),
+    ("Relativistic", "initial_point", "Newton 2"),
+    ("Relativistic", "endpoint", "Newton 2"),
+    ("Relativistic", "midpoint", "Newton 2"),
+    ("Relativistic", "taylor2", "Newton 6"),
+    ("HenonHeiles", "initial_point", "explicit 0"),
+    ("HenonHeiles", "endpoint", "explicit 0"),
+    ("HenonHeiles", "midpoint", "Newton 2"),
+    ("HenonHeiles", "taylor2", "Newton 2"),
+    ("Quartic", "initial_point", "explicit 0"),
+    ("Quartic", "endpoint", "explicit 0"),
+    ("Quartic", "midpoint", "Newton 1"),
+    ("Quartic", "taylor2", "Newton 2"),
+    ("Oscillator", "initial_point", "explicit 0, strong 1"),
+    ("Oscillator", "endpoint", "explicit 0, strong 1"),
+    ("Oscillator", "midpoint", "linear 1, strong 1"),
+    ("Kubo", "initial_point", "linear 1, strong 1"),
+    ("Kubo", "endpoint", "linear 1, strong 1"),
+    ("Kubo", "midpoint", "linear 1, strong 1"),
+    ("DoublePendulum", "initial_point", "Newton 2, strong 1"),
+    ("DoublePendulum", "endpoint", "Newton 2, strong 1"),
+    ("DoublePendulum", "midpoint", "Newton 2, strong 1"),
+    (
+        "Mixed",
+        "initial_point",
+        "Newton 2, strong 1/2: drag[0], drag[1]",
+    ),
+    (
+        "Mixed",
+        "endpoint",
+        "Newton 4, strong 1/2: drag[0], drag[1]",
+    ),
+    (
+        "Mixed",
+        "midpoint",
+        "Newton 4, strong 1/2: drag[0], drag[1]",
+    ),
+    ("Polar", "initial_point", "Newton 2, strong 1/2: push, turn"),
+    ("Polar", "endpoint", "Newton 3, strong 1/2: push, turn"),
+    ("Polar", "midpoint", "Newton 3, strong 1/2: push, turn"),
+    (
+        "Driven",
+        "initial_point",
+        "linear 1, strong 1/2: push, jitter",
+    ),
+    ("Driven", "endpoint", "Newton 2, strong 1/2: push, jitter"),
+    ("Driven", "midpoint", "Newton 2, strong 1/2: push, jitter"),
+    ("Synchrotron", "initial_point", "explicit 0, strong 1"),
+    ("Synchrotron", "endpoint", "explicit 0, strong 1"),
+    ("Synchrotron", "midpoint", "Newton 1, strong 1"),
+    ("Actions", "initial_point", "Newton 1, strong 1"),
+    ("Actions", "endpoint", "Newton 1, strong 1"),
+    ("Actions", "midpoint", "Newton 2, strong 1"),
+    (
+        "Clashing",
+        "initial_point",
+        "linear 1, strong 1/2: push, stretch",
+    ),
+    (
+        "Clashing",
+        "endpoint",
+        "linear 1, strong 1/2: push, stretch",
+    ),
+    (
+        "Clashing",
+        "midpoint",
+        "Newton 2, strong 1/2: push, stretch",
+    ),
+    ("Chain", "initial_point", "explicit 0, strong 1"),
+    ("Chain", "endpoint", "explicit 0, strong 1"),
+    ("Chain", "midpoint", "Newton 6, strong 1"),
+    (
+        "OneMomentum",
+        "initial_point",
+        "linear 1, strong 1/2: drag, push",
+    ),
+    (
+        "OneMomentum",
+        "endpoint",
+        "Newton 1, strong 1/2: drag, push",
+    ),
+    (
+        "OneMomentum",
+        "midpoint",
+        "Newton 4, strong 1/2: drag, push",
+    ),
+    ("Rails", "initial_point", "linear 8, strong 1"),
+    ("Rails", "endpoint", "linear 8, strong 1"),
+    ("Rails", "midpoint", "Newton 8, strong 1"),
+    ("Stirred", "initial_point", "Newton 2"),
+    ("Stirred", "endpoint", "Newton 1"),
+    ("Stirred", "midpoint", "Newton 2"),
+    ("Stirred", "taylor2", "Newton 5"),
+    ("Stretched", "initial_point", "Newton 1"),
+    ("Stretched", "endpoint", "Newton 1"),
+    ("Stretched", "midpoint", "Newton 1"),
+    ("Stretched", "taylor2", "Newton 3"),
+    ("Damped", "initial_point", "linear 1, strong 1"),
+    ("Damped", "endpoint", "explicit 0, strong 1"),
+    ("Damped", "midpoint", "Newton 1, strong 1"),
+    (
+        "Towed",
+        "initial_point",
+        "Newton 2, strong 1/2: jitter, push",
+    ),
+    ("Towed", "endpoint", "Newton 3, strong 1/2: jitter, push"),
+    ("Towed", "midpoint", "Newton 3, strong 1/2: jitter, push"),
+    (
+        "Charges",
+        "initial_point",
+        "linear 6, strong 1/2: jitter[1], pull",
+    ),
+    (
+        "Charges",
+        "endpoint",
+        "Newton 10, strong 1/2: jitter[1], pull",
+    ),
+    (
+        "Charges",
+        "midpoint",
+        "Newton 8, strong 1/2: jitter[1], pull",
+    ),
+    ("Central", "initial_point", "explicit 0, strong 1"),
+    ("Central", "endpoint", "explicit 0, strong 1"),
+    ("Central", "midpoint", "Newton 2, strong 1"),
+];
+
+/// Systems with L = T(v) − V(q), T quadratic with a constant mass, and no H₁.
+const SEPARABLE: &[&str] = &[
+    "Pendulum",
+    "HenonHeiles",
+    "Quartic",
+    "Oscillator",
+    "Synchrotron",
+    "Chain",
+    "Central",
+];
+
+/// Systems with quadratic L and H₁, and γ at most quadratic.
+const QUADRATIC: &[&str] = &["Oscillator", "Kubo"];
+
+fn says_what_the_table_says(case: &dyn Case) {
+    let plan = case.plan();
+    assert_eq!(plan.rule, case.rule());
+    assert_eq!((plan.degrees_of_freedom, plan.noises), case.dimensions());
+    let order = match case.node() {
+        Some(0.5) | None => 2,
+        Some(_) => 1,
+    };
+    assert_eq!(plan.deterministic_order, order, "{plan}");
+    let strong = match plan.strong_order {
+        StrongOrder::Deterministic => {
+            assert_eq!(plan.noises, 0);
+            String::new()
+        }
+        StrongOrder::One => ", strong 1".to_owned(),
+        StrongOrder::Half { pair: (a, b) } => format!(", strong 1/2: {a}, {b}"),
+        other => panic!("{other:?}"),
+    };
+    let line = format!("{} {}{strong}", plan.kind(), plan.unknowns());
+    let found = (plan.system, plan.rule, line.as_str());
+    assert!(
+        PLANS.contains(&found),
+        "not in the table: {found:?}\n{plan}"
+    );
+    let is_chain = matches!(plan.system, "Rails" | "Chain");
+    for block in plan.blocks {
+        let expected = (is_chain && block.unknowns.len() > 1).then_some((1, 1));
+        assert_eq!(block.band, expected, "{plan}");
+    }
+
+    if SEPARABLE.contains(&plan.system) && matches!(case.node(), Some(0.0 | 1.0)) {
+        assert_eq!(plan.kind(), BlockKind::Explicit, "{plan}");
+    }
+    if QUADRATIC.contains(&plan.system) && case.node() == Some(0.5) {
+        assert_eq!(plan.kind(), BlockKind::Linear, "{plan}");
+    }
+    for block in plan.blocks {
+        let k = block.unknowns.len();
+        assert!((k..=k * k).contains(&block.nonzeros), "{plan}");
+        if block.kind == BlockKind::Explicit {
+            assert_eq!(k, 1, "{plan}");
+        }
+    }
+    // work in an iteration where there is one, and nowhere else
+    let iterates = plan.iteration.arithmetic + plan.iteration.transcendental > 0;
+    assert_eq!(iterates, plan.kind() == BlockKind::Newton, "{plan}");
+    // the text names everything
+    let text = plan.to_string();
+    for block in plan.blocks {
+        assert!(text.contains(&block.unknowns.join(", ")), "{text}");
+    }
+}
+
+#[test]
+fn every_plan_is_in_the_table() {
+    let cases = cases();
+    for case in &cases {
+        says_what_the_table_says(&**case);
+    }
+    assert_eq!(cases.len(), PLANS.len());
+}
+
+#[test]
+fn kubo_by_midpoint() {
+    let plan = Integrator::new(kubo(), Midpoint).plan();
+    // the counts of operations are what they are: see the plan's own numbers
+    let expected = format!(
+        "Kubo by the rule midpoint
+  1 degree of freedom, 1 Wiener process
+  linear, 1 unknown, 1 non-zero in the Jacobian
+    linear   v
+  deterministic order 2, strong order 1 (all noises commute)
+  system
+    L = v²/(2·a) − a·q²/2
+    H₁ jitter = sigma·(q² + p²)/2
+  equations of motion (Stratonovich)
+    dq = v dt + sigma·p ∘ dW
+    dp = −a·q dt − sigma·q ∘ dW
+    p = v/a
+  discrete action
+    S = h·L(q̄, v) + p·(q₁ − q₀ − h·v) − H₁(q̄, p)·ΔW
+    S = h·(v²/a − a·q̄²)/2 + p·(Δq − h·v) − sigma·ΔW·(p² + q̄²)/2
+    q̄ = (q₀ + q₁)/2, Δq = q₁ − q₀
+  equations of the step
+    from a linear equation
+      v = (2·p₀ − h·a·q₀ − sigma·ΔW·q₀)/(2·(1/a + h·a·(h + sigma·ΔW/a)/4 + sigma·ΔW·(h + sigma·ΔW/a)/4))
+    then
+      q₁ = q₀ + h·v + sigma·ΔW·v/a
+      p₁ = p₀ − h·a·q̄ − sigma·ΔW·q̄
+    with
+      q̄ = q₀ + h·v/2 + sigma·ΔW·v/(2·a)
+    computed as a matrix times the state, whose entries are known before it
+  operations a step size: {} arithmetic, 0 transcendental
+  operations a step: {} arithmetic, 0 transcendental",
+        plan.prepare.arithmetic, plan.step.arithmetic
+    );
+    assert_eq!(plan.to_string(), expected);
+    let head = expected.lines().take(5).collect::<Vec<_>>().join("\n");
+    assert_eq!(plan.structure().to_string(), head);
+    // a rotation of two numbers by a rational function of ah + σΔW
+    assert!(plan.step.arithmetic <= 40);
+}
+
+#[test]
+fn banded_blocks_are_in_the_order_of_the_band() {
+    // the k-th bead is number 3k mod 8; which end comes first is a matter of taste
+    let way = [5, 2, 7, 4, 1, 6, 3, 0].map(|i| format!("v[{i}]"));
+    let plan = Integrator::new(rails(), Midpoint).plan();
+    let mut found = plan.blocks[0].unknowns.to_vec();
+    if found[0] == "v[0]" {
+        found.reverse();
+    }
+    assert_eq!(found, way);
+    let text = plan.to_string();
+    assert!(text.contains(" (banded, 1 + 1 + 1)"), "{text}");
+}
+
+/// Everything but the counts of operations.
+fn formulas(plan: &Plan) -> String {
+    let text = plan.to_string();
+    let lines: Vec<&str> = text
+        .lines()
+        .skip_while(|line| !line.starts_with("  system"))
+        .filter(|line| !line.starts_with("  operations"))
+        .collect();
+    lines.join("\n")
+}
+
+#[test]
+fn linear_oscillator_by_endpoint() {
+    let plan = Integrator::new(oscillator(), Endpoint).plan();
+    let expected = "  system
+    L = v²/2 − q²/2
+    γ push = sigma·q
+  equations of motion (Stratonovich)
+    dq = v dt
+    dp = −q dt + sigma ∘ dW
+    p = v
+  discrete action
+    S = h·L(q₁, v) + p·(q₁ − q₀ − h·v) + γ(q₁)·ΔW
+    S = h·(v² − q₁²)/2 + p·(Δq − h·v) + sigma·ΔW·q₁
+    Δq = q₁ − q₀
+  equations of the step
+    q₁ = q₀ + h·p₀
+    p₁ = p₀ + sigma·ΔW − h·q₁";
+    assert_eq!(formulas(plan), expected);
+}
+
+#[test]
+fn double_pendulum_by_midpoint() {
+    let plan = Integrator::new(planar_double_pendulum(), Midpoint).plan();
+    let expected = "  system
+    L = l[0]²·v[0]²·(m[0] + m[1])/2 + m[1]·l[1]²·v[1]²/2 + m[1]·l[0]·l[1]·v[0]·v[1]·cos(q[0] − q[1]) + l[0]·g·cos(q[0])·(m[0] + m[1]) + m[1]·l[1]·g·cos(q[1])
+  equations of motion
+    dq[0] = v[0] dt
+    dq[1] = v[1] dt
+    dp[0] = −(m[1]·l[0]·l[1]·v[0]·v[1]·sin(q[0] − q[1]) + l[0]·g·sin(q[0])·(m[0] + m[1])) dt
+    dp[1] = (m[1]·l[0]·l[1]·v[0]·v[1]·sin(q[0] − q[1]) − m[1]·l[1]·g·sin(q[1])) dt
+    p[0] = l[0]²·v[0]·(m[0] + m[1]) + m[1]·l[0]·l[1]·v[1]·cos(q[0] − q[1])
+    p[1] = m[1]·l[1]²·v[1] + m[1]·l[0]·l[1]·v[0]·cos(q[0] − q[1])
+  discrete action
+    S = h·L(q̄, v) + ⟨p, q₁ − q₀ − h·v⟩
+    S = h·(l[0]²·v[0]²·(m[0] + m[1]) + m[1]·l[1]²·v[1]² + 2·m[1]·l[0]·l[1]·v[0]·v[1]·cos(q̄[0] − q̄[1]) + 2·l[0]·g·cos(q̄[0])·(m[0] + m[1]) + 2·m[1]·l[1]·g·cos(q̄[1]))/2 + p[0]·(Δq[0] − h·v[0]) + p[1]·(Δq[1] − h·v[1])
+    q̄ = (q₀ + q₁)/2, Δq = q₁ − q₀
+  equations of the step
+    Newton's method for v[1], v[0]
+      0 = l[0]²·v[0]·(m[0] + m[1]) − p₀[0] + m[1]·l[0]·l[1]·v[1]·c1 + h·(l[0]·g·sin(q̄[0])·(m[0] + m[1]) + m[1]·l[0]·l[1]·v[0]·v[1]·s1)/2
+      0 = m[1]·l[1]²·v[1] − p₀[1] + m[1]·l[0]·l[1]·v[0]·c1 + h·(m[1]·l[1]·g·sin(q̄[1]) − m[1]·l[0]·l[1]·v[0]·v[1]·s1)/2
+    then
+      q₁[0] = q₀[0] + h·v[0]
+      q₁[1] = q₀[1] + h·v[1]
+      p₁[0] = 2·l[0]²·v[0]·(m[0] + m[1]) − p₀[0] + 2·m[1]·l[0]·l[1]·v[1]·c1
+      p₁[1] = 2·m[1]·l[1]²·v[1] − p₀[1] + 2·m[1]·l[0]·l[1]·v[0]·c1
+    with
+      q̄[0] = q₀[0] + h·v[0]/2
+      q̄[1] = q₀[1] + h·v[1]/2
+      s1 = sin(q̄[0] − q̄[1])
+      c1 = cos(q̄[0] − q̄[1])";
+    assert_eq!(formulas(plan), expected);
+}
+
+#[test]
+fn forces_and_symmetries() {
+    let plan = Integrator::new(damped(), Midpoint).plan();
+    let expected = "  system
+    L = m·v²/2 − k·(q² − 1)²/4
+    γ bath = sigma·q
+    F = −m·nu·v
+  equations of motion (Stratonovich)
+    dq = v dt
+    dp = −(k·q·(q² − 1) + m·nu·v) dt + sigma ∘ dW
+    p = m·v
+  discrete action
+    S = h·L(q̄, v) + p·(q₁ − q₀ − h·v) + γ(q̄)·ΔW";
+    assert!(formulas(plan).starts_with(expected), "{plan}");
+    assert!(formulas(plan).contains("with the virtual work h·F(q̄, v)·δq̄ beside δS"));
+    assert!(plan.conserved.is_empty());
+
+    let plan = Integrator::new(charges(), Midpoint).plan();
+    assert_eq!(plan.conserved, ["rotation_momentum", "shift_momentum"]);
+    assert!(
+        plan.to_string()
+            .contains("\n  conserves rotation_momentum, shift_momentum\n")
+    );
+    assert!(
+        plan.formulas
+            .system
+            .contains("conserved shift_momentum = p[2] + p[5]")
+    );
+    // not affine in q: not by the steps
+    let plan = Integrator::new(stretched(), Midpoint).plan();
+    assert!(plan.conserved.is_empty());
+    assert!(
+        plan.formulas
+            .system
+            .contains("conserved by the motion shift_momentum = ")
+    );
+}
+
+/// The readme's system, by its rule alone: the order of terms may depend on other rules.
+mod readme {
+    use sve_runtime::prelude::*;
+
+    pub(super) struct Kubo {
+        pub(super) a: f64,
+        pub(super) sigma: f64,
+    }
+
+    #[variational(midpoint)]
+    impl Kubo {
+        fn lagrangian(&self, q: [f64; 1], v: [f64; 1]) -> f64 {
+            v[0].powi(2) / (2.0 * self.a) - self.a / 2.0 * q[0].powi(2)
+        }
+
+        #[h1]
+        fn jitter(&self, q: [f64; 1], p: [f64; 1]) -> f64 {
+            self.sigma / 2.0 * (q[0].powi(2) + p[0].powi(2))
+        }
+    }
+}
+
+/// What the readme shows is what the plan prints.
+#[test]
+fn the_plan_in_the_readme() {
+    let text = include_str!("../../../README.md");
+    let kubo = readme::Kubo { a: 1.0, sigma: 1.0 };
+    let plan = Integrator::new(kubo, Midpoint).plan().to_string();
+    assert!(text.contains(&plan), "{plan}");
+}

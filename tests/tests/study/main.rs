@@ -1,0 +1,6 @@
+//! Work–precision studies.
+
+mod report;
+mod settings;
+mod threads;
+mod without_noise;
