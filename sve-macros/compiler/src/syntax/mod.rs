@@ -2,5 +2,6 @@
 
 pub(crate) mod nesting;
 pub(crate) mod parse;
+pub(crate) mod recovery;
 pub(crate) mod roles;
 pub(crate) mod signature;
