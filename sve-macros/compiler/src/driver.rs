@@ -18,6 +18,7 @@ use crate::rules::action;
 use crate::structure::{self, Degenerate};
 use crate::syntax::nesting;
 use crate::syntax::parse::{self, Annotated};
+use crate::syntax::recovery;
 use crate::syntax::roles;
 use crate::system::mechanics;
 use crate::system::model::{Meaning, Model};
@@ -88,9 +89,11 @@ fn after_mistakes(
 ) -> TokenStream {
     let error = error.to_compile_error();
     match syn::parse2::<ItemImpl>(item.clone()) {
-        Ok(block) => {
-            let (block, stub) = rust::stub(block, attribute, mistaken);
-            quote!(#error #block #stub)
+        Ok(mut block) => {
+            recovery::remove_mistakes(&mut block, mistaken);
+            let placeholders = rust::placeholders(&block, attribute);
+            recovery::remove_attributes(&mut block);
+            quote!(#error #block #placeholders)
         }
         Err(_) => error,
     }

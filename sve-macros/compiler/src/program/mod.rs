@@ -14,6 +14,7 @@ mod instructions;
 mod labels;
 mod loops;
 mod names;
+mod numbering;
 mod scheduler;
 mod step;
 mod sums;

@@ -3,5 +3,6 @@
 pub(crate) mod nalgebra;
 pub(crate) mod nesting;
 pub(crate) mod parse;
+pub(crate) mod recovery;
 pub(crate) mod roles;
 pub(crate) mod signature;

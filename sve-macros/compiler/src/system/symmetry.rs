@@ -218,8 +218,8 @@ fn momentum(
         for &q in &model.q {
             let slope = arena.diff(x, q);
             for &other in &model.q {
-                let bend = arena.diff(slope, other);
-                affine &= arena.is_zero(bend);
+                let second = arena.diff(slope, other);
+                affine &= arena.is_zero(second);
             }
         }
     }

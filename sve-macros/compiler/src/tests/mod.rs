@@ -3,6 +3,7 @@
 mod absent;
 mod costs;
 mod growth;
+mod large_input;
 mod limits;
 mod messages;
 mod mistakes;

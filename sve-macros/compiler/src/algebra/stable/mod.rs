@@ -101,9 +101,9 @@ impl Arena {
         let before: HashSet<Expr> = self.reachable(roots, |_| true).into_iter().collect();
         let after: Vec<Expr> = roots.iter().map(|e| forms[e]).collect();
         let after: HashSet<Expr> = self.reachable(&after, |_| true).into_iter().collect();
-        let dear =
+        let costs_more =
             |&&(old, new): &&(Expr, Expr)| after.contains(&forms[&old]) && !before.contains(&new);
-        replaced.iter().filter(dear).map(|r| r.0).collect()
+        replaced.iter().filter(costs_more).map(|r| r.0).collect()
     }
 }
 

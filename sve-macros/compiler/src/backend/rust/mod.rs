@@ -5,21 +5,20 @@ mod configuration;
 mod identity;
 mod lanes;
 mod linearise;
-mod mend;
 mod momenta;
+mod placeholders;
 mod plan;
 mod rounding;
 mod rule;
 mod solve;
 mod step;
 mod straight;
-mod stub;
 mod system;
 mod unstructured;
 
 pub(crate) use momenta::momenta;
+pub(crate) use placeholders::placeholders;
 pub(crate) use rule::rule;
-pub(crate) use stub::stub;
 pub(crate) use system::system;
 
 use proc_macro2::{Ident, Literal, Span, TokenStream};

@@ -146,10 +146,10 @@ pub(super) fn residual(system: &System, rule: Rule, point: &mut Point, dp: &[f64
     for i in 0..n {
         let end = slope(&|x| x.d[i].slope = one);
         let kick = slope(&|x| x.q0[i].slope = one);
-        let slip = slope(&|x| x.internal[n + i].slope = one);
+        let constraint = slope(&|x| x.internal[n + i].slope = one);
         let balance = end - kick - point.p0[i];
         let momentum = dp[i] - kick;
-        worst = [slip, balance, momentum]
+        worst = [constraint, balance, momentum]
             .iter()
             .fold(worst, |m, r| m.max(r.abs()));
     }

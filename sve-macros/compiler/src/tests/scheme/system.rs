@@ -156,8 +156,8 @@ impl System {
         let mut action = x.h.times(self.l(t, x.m, &q, v));
         action = action.minus(self.noise(t, x.m, &q, p, &x.dw));
         for i in 0..n {
-            let slip = x.d[i].minus(x.h.times(v[i]));
-            action = action.plus(p[i].times(slip));
+            let constraint = x.d[i].minus(x.h.times(v[i]));
+            action = action.plus(p[i].times(constraint));
             // in the direction of one coordinate, of q or of p
             let slope = |of_q: f64, of_p: f64| {
                 let along = |list: &[T], by: f64| -> Vec<Dual<T>> {
@@ -188,8 +188,8 @@ impl System {
         let mut action = h.times(both).scale(0.5);
         for i in 0..n {
             let half = h.times(h).scale(0.5);
-            let slip = x.d[i].minus(h.times(v[i])).minus(half.times(a[i]));
-            action = action.plus(mu[i].times(slip));
+            let constraint = x.d[i].minus(h.times(v[i])).minus(half.times(a[i]));
+            action = action.plus(mu[i].times(constraint));
             // d/dt ∂L/∂v_i along the flow, less ∂L/∂q_i
             let flow = |value: T, rate: T, by: f64| Dual {
                 value: Dual { value, slope: rate },

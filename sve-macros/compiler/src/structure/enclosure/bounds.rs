@@ -1,146 +1,29 @@
-//! Bounds of the Jacobian of a block between the limit of a small step without noise and the step: the judge of a root.
-//!
-//! Input: the residuals and the Jacobian of a block at its solution. Output: expressions of the midpoints and radii of
-//! intervals that contain every entry of the Jacobian while the step size goes from 0 to h, the increments from 0 to ΔW, and
-//! the unknowns stay within a box around the solution that contains the limit. Where every matrix within these intervals is
-//! regular, the equations have one solution in the box for each of those steps, so the solution is the one that is connected
-//! with the limit.
-//!
-//! Interval arithmetic in the form of midpoint and radius. The step size and the increments go from 0 to their values together, and
-//! so do their products. Each function has its bound in its entry of the table of functions.
-//!
-//! Source: Neumaier, *Interval Methods for Systems of Equations* (1990), sections 1.6 and 4.1.
+//! Interval arithmetic on expressions, in the form of midpoint and radius.
 
 use std::collections::HashMap;
 
+use super::{BOX, EXPONENT, Flavour, Range};
 use crate::algebra::{Arena, Binary, Bound, Expr, Function, Map, Node, Symbol};
-
-/// Half the width of the box in each unknown, in distances of the solution from the limit. The box is centred between the two and
-/// contains as much as a quarter of their distance beyond each. A single unknown may go there by way of what one small quantity
-/// does and another one undoes; its box is wider by that.
-const BOX: f64 = 0.75;
-
-/// Exponents up to which powers are bounded.
-const EXPONENT: u32 = 16;
-
-/// Bounds of the entries of a matrix.
-#[derive(Clone)]
-pub(crate) struct Enclosure<T> {
-    /// Midpoints of the entries.
-    pub(crate) middle: Vec<Vec<T>>,
-    pub(crate) radii: Vec<Vec<T>>,
-    /// What has to be positive for the radii to hold: distances to poles and to the borders of domains.
-    pub(crate) conditions: Vec<T>,
-}
-
-impl<T> Enclosure<T> {
-    /// All that is to be computed.
-    pub(crate) fn entries(&self) -> impl Iterator<Item = &T> {
-        let Self {
-            middle,
-            radii,
-            conditions,
-        } = self;
-        middle.iter().chain(radii).flatten().chain(conditions)
-    }
-}
-
-impl Enclosure<Expr> {
-    /// All that is to be computed.
-    pub(super) fn exprs_mut(&mut self) -> impl Iterator<Item = &mut Expr> {
-        let Self {
-            middle,
-            radii,
-            conditions,
-        } = self;
-        middle.iter_mut().chain(radii).flatten().chain(conditions)
-    }
-
-    /// Whether it holds wherever the unknowns are.
-    pub(super) fn is_free_of(&self, ranges: &HashMap<Symbol, Range>, arena: &Arena) -> bool {
-        let contains = |e: &Expr| {
-            let mut unknowns = ranges
-                .iter()
-                .filter(|r| matches!(r.1, Range::Unknown { .. }));
-            unknowns.any(|(&u, _)| arena.contains(*e, u))
-        };
-        !self.entries().any(contains)
-    }
-}
-
-/// How wide the bounds are, and what they cost.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Flavour {
-    /// Sines and cosines of what varies are anything between −1 and 1.
-    Global,
-    /// Around the limit, where most of what is needed is at hand. What is proportional to a small quantity is bounded by its size, with
-    /// sines and cosines of at most 1.
-    Limit,
-    /// Around the middle between limit and solution: half as wide.
-    Box,
-}
-
-/// What varies between the limit and the step.
-#[derive(Clone, Copy)]
-pub(super) enum Range {
-    /// The step size or an increment, from 0 to its value.
-    Small,
-    /// An unknown, with its limit, and how far each small quantity by itself moves it from there, to first order.
-    Unknown { limit: Symbol, moved: Expr },
-}
-
-/// Bounds of the entries of a matrix, while the values in `domain` stay positive. Nothing where a function has no bound here.
-pub(super) fn enclose(
-    matrix: &[Vec<Expr>],
-    domain: &[Expr],
-    ranges: &HashMap<Symbol, Range>,
-    flavour: Flavour,
-    arena: &mut Arena,
-) -> Option<Enclosure<Expr>> {
-    let roots: Vec<Expr> = matrix.iter().flatten().chain(domain).copied().collect();
-    let mut bounds = Bounds {
-        arena,
-        ranges,
-        flavour,
-        done: Map::default(),
-        conditions: Vec::new(),
-    };
-    let found = bounds.all(&roots)?;
-    let (entries, borders) = found.split_at(roots.len() - domain.len());
-    for border in borders {
-        let distance = bounds.arena.sub(border.mid, border.radius);
-        bounds.conditions.push(distance);
-    }
-    let rows = |part: fn(&Interval) -> Expr| -> Vec<Vec<Expr>> {
-        let flat: Vec<Expr> = entries.iter().map(part).collect();
-        flat.chunks(matrix.len()).map(<[Expr]>::to_vec).collect()
-    };
-    Some(Enclosure {
-        middle: rows(|i| i.mid),
-        radii: rows(|i| i.radius),
-        conditions: bounds.conditions,
-    })
-}
 
 /// Values within a distance of a midpoint.
 #[derive(Clone, Copy)]
-struct Interval {
-    mid: Expr,
-    radius: Expr,
+pub(super) struct Interval {
+    pub(super) mid: Expr,
+    pub(super) radius: Expr,
     /// The other end, where the values go from 0 to there.
-    end: Option<Expr>,
+    pub(super) end: Option<Expr>,
 }
 
-struct Bounds<'a> {
-    arena: &'a mut Arena,
-    ranges: &'a HashMap<Symbol, Range>,
-    flavour: Flavour,
-    done: Map<Expr, Interval>,
-    conditions: Vec<Expr>,
+pub(super) struct Bounds<'a> {
+    pub(super) arena: &'a mut Arena,
+    pub(super) ranges: &'a HashMap<Symbol, Range>,
+    pub(super) flavour: Flavour,
+    pub(super) done: Map<Expr, Interval>,
+    pub(super) conditions: Vec<Expr>,
 }
 
 impl Bounds<'_> {
-    fn all(&mut self, roots: &[Expr]) -> Option<Vec<Interval>> {
+    pub(super) fn all(&mut self, roots: &[Expr]) -> Option<Vec<Interval>> {
         for e in self.arena.reachable(roots, |_| true) {
             let interval = self.of(e)?;
             self.done.insert(e, interval);
@@ -355,7 +238,7 @@ impl Bounds<'_> {
     }
 
     /// `size − radius`, which has to be positive.
-    fn positive(&mut self, size: Expr, radius: Expr) -> Expr {
+    pub(super) fn positive(&mut self, size: Expr, radius: Expr) -> Expr {
         let left = self.arena.sub(size, radius);
         self.conditions.push(left);
         left

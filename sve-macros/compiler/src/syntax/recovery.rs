@@ -6,11 +6,15 @@
 use std::collections::BTreeSet;
 
 use quote::quote;
-use syn::{Expr, ImplItem, ImplItemConst, ImplItemFn, ItemImpl, ReturnType, Type, parse_quote};
+use syn::{
+    Attribute, Expr, ImplItem, ImplItemConst, ImplItemFn, ItemImpl, ReturnType, Type, parse_quote,
+};
 
-use crate::syntax::parse::is_f64;
+use super::parse::{is_f64, is_this};
+use super::roles::is_role_name;
 
-pub(super) fn mend(block: &mut ItemImpl, mistaken: &BTreeSet<String>) {
+/// Takes out the bodies in which mistakes were found, and what else the compiler would report beside them.
+pub(crate) fn remove_mistakes(block: &mut ItemImpl, mistaken: &BTreeSet<String>) {
     let constants: BTreeSet<String> = block
         .items
         .iter()
@@ -39,6 +43,28 @@ pub(super) fn mend(block: &mut ItemImpl, mistaken: &BTreeSet<String>) {
         }
         _ => true,
     });
+}
+
+/// Removes the attributes of this macro from the block and its members.
+pub(crate) fn remove_attributes(block: &mut ItemImpl) {
+    block.attrs.retain(|attribute| !is_this(attribute));
+    for member in &mut block.items {
+        if let Some(attributes) = member_attributes(member) {
+            attributes.retain(|a| {
+                !a.path()
+                    .get_ident()
+                    .is_some_and(|i| is_role_name(&i.to_string()))
+            });
+        }
+    }
+}
+
+fn member_attributes(member: &mut ImplItem) -> Option<&mut Vec<Attribute>> {
+    match member {
+        ImplItem::Fn(function) => Some(&mut function.attrs),
+        ImplItem::Const(constant) => Some(&mut constant.attrs),
+        _ => None,
+    }
 }
 
 /// Takes the body out.

@@ -1,46 +1,25 @@
-//! What is emitted after an error: the block with its mistakes taken out, and implementations without bodies, so that no
-//! second-hand errors follow.
+//! Implementations without bodies, which are emitted after an error so that the compiler reports no consequences of it.
 //!
 //! Sizes come from the signatures, by the compiler where they are not literal.
 
-use std::collections::BTreeSet;
-
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
-use syn::{Attribute, Expr, FnArg, ImplItem, ImplItemFn, ItemImpl, Lit, ReturnType, Type};
+use syn::{Expr, FnArg, ImplItem, ImplItemFn, ItemImpl, Lit, ReturnType, Type};
 
 use super::configuration::is_nested;
-use super::mend::mend;
 use crate::errors::Errors;
 use crate::rules::Rule;
 use crate::syntax::parse::{Arguments, is_f64, is_this};
-use crate::syntax::roles::is_role_name;
 
-/// The user's block, mended where it has mistakes, and stubs for every rule that the attribute names.
-pub(crate) fn stub(
-    mut block: ItemImpl,
-    attribute: &TokenStream,
-    mistaken: &BTreeSet<String>,
-) -> (TokenStream, TokenStream) {
-    mend(&mut block, mistaken);
+/// Implementations without bodies for every rule that the attribute names.
+pub(crate) fn placeholders(block: &ItemImpl, attribute: &TokenStream) -> TokenStream {
     let rules = if block.attrs.iter().any(is_this) {
         // those of the other attribute are meant too
         Rule::ALL.to_vec()
     } else {
         rules(attribute)
     };
-    block.attrs.retain(|attribute| !is_this(attribute));
-    let stub = implementations(&block, attribute, &rules);
-    for member in &mut block.items {
-        if let Some(attributes) = member_attributes(member) {
-            attributes.retain(|a| {
-                !a.path()
-                    .get_ident()
-                    .is_some_and(|i| is_role_name(&i.to_string()))
-            });
-        }
-    }
-    (quote!(#block), stub)
+    implementations(block, attribute, &rules)
 }
 
 fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) -> TokenStream {
@@ -191,14 +170,6 @@ fn runtime(attribute: &TokenStream) -> TokenStream {
     match syn::parse2::<syn::Path>(path) {
         Ok(path) => quote!(#path),
         Err(_) => quote!(::sve_runtime),
-    }
-}
-
-fn member_attributes(member: &mut ImplItem) -> Option<&mut Vec<Attribute>> {
-    match member {
-        ImplItem::Fn(function) => Some(&mut function.attrs),
-        ImplItem::Const(constant) => Some(&mut constant.attrs),
-        _ => None,
     }
 }
 
