@@ -2,7 +2,7 @@
 
 use sve_runtime::__private::{Linearisation, SolveError};
 use sve_runtime::{
-    Coordinates, Dimensions, Dims, IncrementLanesOf, IncrementsOf, Mask, Newton, Plan, Solver,
+    BlockSolver, Coordinates, Dimensions, Dims, IncrementLanesOf, IncrementsOf, Mask, Newton, Plan,
     StateLanesOf, StepOf, System, Variational, VectorOf,
 };
 
@@ -83,7 +83,7 @@ where
         state: &sve_runtime::State<[f64; N]>,
         h: f64,
         dw: &IncrementsOf<Self>,
-        newton: &Solver<'_>,
+        newton: &BlockSolver<'_>,
     ) -> Result<StepOf<Self, R>, SolveError> {
         self.0.increment(prepared, state, h, dw, newton)
     }
