@@ -21,7 +21,7 @@ fn sound(method: &Method) -> Ensemble<'_, Method> {
 #[test]
 fn errors() {
     let method = kubo();
-    let cases: [(Change, &str); 31] = [
+    let cases: [(Change, &str); 28] = [
         (|e| e.paths(0), "`paths` was given 0"),
         (|e| e.steps(0.1, 0), "`steps` was given 0"),
         (|e| e.steps(0.0, 10), "h = 0 must be positive"),
