@@ -8,20 +8,24 @@
 
 use core::fmt::Debug;
 
+use nalgebra::SVector;
+
 use crate::state::State;
 
 /// A point of a configuration space, the `q` of a [`State`].
 ///
-/// Implemented for `[f64; N]` and for arrays of configurations, as `[[f64; 3]; 4]`. In a vector space a momentum has the type of the
-/// configuration, and an increment is added.
+/// Implemented for `[f64; N]`, for the vectors of nalgebra (`Vector2<f64>`, `Vector3<f64>`, `SVector<f64, N>`), and for arrays of
+/// configurations, as `[[f64; 3]; 4]` or `[Vector3<f64>; 4]`. In a vector space a momentum has the type of the configuration, and an
+/// increment is added.
 ///
 /// ```
 /// use sve_runtime::Configuration;
+/// use sve_runtime::prelude::*;
 ///
-/// let mut q = [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]];
+/// let mut q = [Vector3::new(1.0, 2.0, 3.0), Vector3::new(4.0, 5.0, 6.0)];
 /// assert_eq!((q.degrees_of_freedom(), q.stored_values()), (6, 6));
 /// q.retract(&[0.0, 0.0, 0.5, -1.0, 0.0, 0.0]);
-/// assert_eq!(q, [[1.0, 2.0, 3.5], [3.0, 5.0, 6.0]]);
+/// assert_eq!(q, [Vector3::new(1.0, 2.0, 3.5), Vector3::new(3.0, 5.0, 6.0)]);
 /// let mut values = [0.0; 6];
 /// q.store(&mut values);
 /// assert_eq!(values, [1.0, 2.0, 3.5, 3.0, 5.0, 6.0]);
@@ -29,7 +33,7 @@ use crate::state::State;
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a configuration",
     label = "a state does not consist of this type",
-    note = "a configuration is `[f64; N]` or an array of such arrays; a single coordinate is `[f64; 1]`"
+    note = "a configuration is `[f64; N]`, a vector such as `Vector3<f64>`, or an array of those; a single coordinate is `[f64; 1]`"
 )]
 pub trait Configuration: Clone + Debug + PartialEq + Send + Sync + 'static {
     /// The type of momenta, and of velocities: elements of a vector space.
@@ -198,6 +202,70 @@ impl<const N: usize> Coordinates<N> for [f64; N] {
         change: impl FnOnce(&mut State<[f64; N]>) -> T,
     ) -> T {
         change(state)
+    }
+}
+
+impl<const N: usize> Configuration for SVector<f64, N> {
+    type Momentum = Self;
+
+    fn degrees_of_freedom(&self) -> usize {
+        N
+    }
+
+    fn stored_values(&self) -> usize {
+        N
+    }
+
+    #[inline(always)]
+    fn store(&self, values: &mut [f64]) {
+        values.copy_from_slice(self.as_slice());
+    }
+
+    #[inline(always)]
+    fn restore(&mut self, values: &[f64]) {
+        self.copy_from_slice(values);
+    }
+
+    #[inline(always)]
+    fn retract(&mut self, increment: &[f64]) {
+        add(self.as_mut_slice(), increment);
+    }
+}
+
+impl<const N: usize> FixedSize for SVector<f64, N> {
+    const DEGREES_OF_FREEDOM: usize = N;
+    const STORED_VALUES: usize = N;
+
+    #[inline(always)]
+    fn origin() -> Self {
+        Self::zeros()
+    }
+
+    #[inline(always)]
+    fn no_momentum() -> Self {
+        Self::zeros()
+    }
+}
+
+impl<const N: usize> Coordinates<N> for SVector<f64, N> {
+    #[inline(always)]
+    fn coordinates(&self) -> [f64; N] {
+        self.data.0[0]
+    }
+
+    #[inline(always)]
+    fn from_coordinates(coordinates: &[f64; N]) -> Self {
+        Self::from(*coordinates)
+    }
+
+    #[inline(always)]
+    fn components(momentum: &Self) -> [f64; N] {
+        momentum.data.0[0]
+    }
+
+    #[inline(always)]
+    fn from_components(components: &[f64; N]) -> Self {
+        Self::from(*components)
     }
 }
 

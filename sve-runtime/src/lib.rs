@@ -112,6 +112,8 @@ pub use integrator::{Integrator, Sensitivity, Tangent};
 pub use lanes::{LANES, Lane, Mask, StateLanes};
 pub use mechanics::{Field, Mechanics};
 pub use method::Method;
+/// Vectors, matrices and rotations, in the version that this crate uses.
+pub use nalgebra;
 pub use plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
 pub use rules::{Endpoint, InitialPoint, Midpoint, Taylor2};
 pub use solve::newton::{BlockSolver, Newton};
@@ -248,6 +250,10 @@ pub mod prelude {
     pub use crate::{
         Endpoint, InitialPoint, Integrator, Mechanics, Method, Midpoint, Newton, Snapshot, State,
         StepError, Taylor2, variational,
+    };
+    pub use nalgebra::{
+        Matrix2, Matrix3, Matrix4, Rotation2, Rotation3, SMatrix, SVector, UnitQuaternion, Vector1,
+        Vector2, Vector3, Vector4, Vector5, Vector6,
     };
 }
 

@@ -1,11 +1,11 @@
 //! What the integration tests share: models, the users' functions as oracles, checks of a feature of the language, differences, random points,
 //! an exact solution.
 
+pub mod configured;
 pub mod differences;
 #[path = "../../sve-macros/compiler/src/algebra/double_double.rs"]
 pub mod double_double;
 pub mod exact;
-pub mod flat;
 pub mod language;
 pub mod models;
 pub mod oracle;

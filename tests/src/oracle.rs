@@ -5,7 +5,7 @@ use sve_runtime::__private::Whole;
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
 
-use crate::flat::Flat;
+use crate::configured::Configured;
 use crate::models::{
     Actions, Central, Chain, Charges, Clashing, Damped, DoublePendulum, Driven, HenonHeiles, Kubo,
     Magnetic, Mixed, OneMomentum, Oscillator, Pendulum, PlanarDoublePendulum, Polar, Quartic,
@@ -14,7 +14,7 @@ use crate::models::{
 use crate::random::Random;
 
 /// Two charges, in a row of six coordinates.
-type FlatCharges = Flat<Charges>;
+type FlatCharges = Configured<Charges, [f64; 6]>;
 
 /// A system whose functions can be called.
 pub trait Model<const N: usize, const M: usize>:
@@ -245,7 +245,7 @@ models! {
     f(_t, q, v, s) = s.tow(q, v);
     point(r) = (r.array(-1.0, 1.0), r.array(-1.0, 1.0));
 
-    charges: FlatCharges<6, 3> = Flat(Charges { m: [1.0, 0.6], b: 0.7, s: [0.3, 0.2, 0.4] });
+    charges: FlatCharges<6, 3> = Configured::new(Charges { m: [1.0, 0.6], b: 0.7, s: [0.3, 0.2, 0.4] });
     l(_t, q, v, s) = s.0.lagrangian(pair(q), pair(v));
     g(_t, q, p, s) = {
         let [a, b] = s.0.jitter(pair(q), pair(p));

@@ -49,20 +49,21 @@ impl Visitor for Bits {
         S: Model<N, M> + Variational<R> + Clone,
         R: Rule + Copy,
     {
-        let [single, lanes] = [single(integrator), lanes(integrator)];
+        let ([single, tangents], lanes) = (single(integrator), lanes(integrator));
         let name = name(integrator);
         self.lines.insert(format!("{name}, single steps"), single);
+        self.lines.insert(format!("{name}, tangent maps"), tangents);
         self.lines.insert(format!("{name}, lanes"), lanes);
     }
 }
 
-/// Steps of several sizes along short paths, and their tangent maps.
-fn single<S, R, const N: usize, const M: usize>(integrator: &Integrator<S, R>) -> u64
+/// Steps of several sizes along short paths; their tangent maps and sensitivities.
+fn single<S, R, const N: usize, const M: usize>(integrator: &Integrator<S, R>) -> [u64; 2]
 where
     S: Model<N, M> + Variational<R>,
 {
     let mut random = Random::new(5);
-    let mut hash = Hash::new();
+    let (mut hash, mut tangents) = (Hash::new(), Hash::new());
     for h in [1e-3, 0.05, 0.2] {
         for _ in 0..8 {
             let mut state = S::point(&mut random);
@@ -70,12 +71,12 @@ where
                 let dw: [f64; M] = random.array(-0.3, 0.3);
                 match integrator.step_with_derivatives(&mut state, h, &dw) {
                     Ok((tangent, sensitivity)) => {
-                        (0..2 * N).for_each(|row| hash.numbers(&tangent[row]));
+                        (0..2 * N).for_each(|row| tangents.numbers(&tangent[row]));
                         for (_, field) in sensitivity.iter() {
-                            hash.numbers(field.q.iter().chain(&field.p));
+                            tangents.numbers(field.q.iter().chain(&field.p));
                         }
                     }
-                    Err(_) => hash.number(f64::NAN),
+                    Err(_) => tangents.number(f64::NAN),
                 }
                 hash.state(&state);
             }
@@ -88,7 +89,7 @@ where
             }
         }
     }
-    hash.0
+    [hash.0, tangents.0]
 }
 
 /// Steps of all lanes at once.

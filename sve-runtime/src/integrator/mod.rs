@@ -182,7 +182,7 @@ where
         state: &State<Q>,
         h: f64,
         dw: &[f64; M],
-    ) -> Result<Sensitivity<N>, StepError> {
+    ) -> Result<Sensitivity<Q::Momentum>, StepError> {
         self.step_with_derivatives(&mut { *state }, h, dw)
             .map(|(_, sensitivity)| sensitivity)
     }
@@ -196,7 +196,7 @@ where
         state: &mut State<Q>,
         h: f64,
         dw: &[f64; M],
-    ) -> Result<(Tangent<N>, Sensitivity<N>), StepError> {
+    ) -> Result<(Tangent<N>, Sensitivity<Q::Momentum>), StepError> {
         tangent::derivatives(self, state, h, dw)
     }
 

@@ -5,6 +5,8 @@
 
 use core::ops::{Index, Mul};
 
+use nalgebra::{DMatrix, SMatrix};
+
 use super::Integrator;
 use super::step::solve_step;
 use crate::configuration::Coordinates;
@@ -23,11 +25,11 @@ pub struct Tangent<const N: usize> {
     entries: Vec<f64>,
 }
 
-/// The derivatives of `(q₁, p₁)` with respect to the parameters of the system.
+/// The derivatives of `(q₁, p₁)` with respect to the parameters of the system; `V` is the type of its momenta.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sensitivity<const N: usize> {
+pub struct Sensitivity<V> {
     names: &'static [&'static str],
-    fields: Vec<Field<[f64; N]>>,
+    fields: Vec<Field<V>>,
 }
 
 impl<const N: usize> Tangent<N> {
@@ -43,19 +45,78 @@ impl<const N: usize> Tangent<N> {
 
     /// Returns the change of the result for a small change of the start.
     #[must_use]
-    pub fn apply(&self, change: &Field<[f64; N]>) -> Field<[f64; N]> {
+    pub fn apply<V>(&self, change: &Field<V>) -> Field<V>
+    where
+        V: Coordinates<N, Momentum = V>,
+    {
+        let [along_q, along_p] = [change.q.coordinates(), change.p.coordinates()];
         let image = |row: usize| -> f64 {
-            let (along_q, along_p) = self[row].split_at(N);
-            let terms = along_q.iter().zip(&change.q);
-            terms
-                .chain(along_p.iter().zip(&change.p))
-                .map(|(a, b)| a * b)
-                .sum()
+            let terms = self[row].iter().zip(along_q.iter().chain(&along_p));
+            terms.map(|(a, b)| a * b).sum()
         };
         Field {
-            q: core::array::from_fn(image),
-            p: core::array::from_fn(|i| image(N + i)),
+            q: V::from_coordinates(&core::array::from_fn(image)),
+            p: V::from_coordinates(&core::array::from_fn(|i| image(N + i))),
         }
+    }
+
+    /// `∂q₁/∂q₀`.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// struct Oscillator;
+    ///
+    /// #[variational(endpoint)]
+    /// impl Oscillator {
+    ///     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+    ///         0.5 * (v[0] * v[0] + v[1] * v[1]) - 0.5 * (q[0] * q[0] + 4.0 * q[1] * q[1])
+    ///     }
+    /// }
+    ///
+    /// # fn main() -> Result<(), StepError> {
+    /// let oscillator = Integrator::new(Oscillator, Endpoint);
+    /// let tangent = oscillator.tangent(&State::new([1.0, 0.0], [0.0, 1.0]), 0.5, &[])?;
+    /// // q₁ = q₀ + h p₀, p₁ = p₀ − h k q₁
+    /// assert_eq!(tangent.qq(), Matrix2::identity());
+    /// assert_eq!(tangent.qp(), 0.5 * Matrix2::identity());
+    /// assert_eq!(tangent.pq(), Matrix2::new(-0.5, 0.0, 0.0, -2.0));
+    /// assert_eq!(tangent.to_dmatrix().determinant(), 1.0);
+    /// # Ok(())
+    /// # }
+    /// ```
+    #[must_use]
+    pub fn qq(&self) -> SMatrix<f64, N, N> {
+        self.block(0, 0)
+    }
+
+    /// `∂q₁/∂p₀`.
+    #[must_use]
+    pub fn qp(&self) -> SMatrix<f64, N, N> {
+        self.block(0, N)
+    }
+
+    /// `∂p₁/∂q₀`.
+    #[must_use]
+    pub fn pq(&self) -> SMatrix<f64, N, N> {
+        self.block(N, 0)
+    }
+
+    /// `∂p₁/∂p₀`.
+    #[must_use]
+    pub fn pp(&self) -> SMatrix<f64, N, N> {
+        self.block(N, N)
+    }
+
+    /// Returns the block with its first entry in this row and column.
+    fn block(&self, row: usize, column: usize) -> SMatrix<f64, N, N> {
+        SMatrix::from_fn(|i, j| self[row + i][column + j])
+    }
+
+    /// Returns the map as a matrix of `2N` rows and columns, for nalgebra's decompositions.
+    #[must_use]
+    pub fn to_dmatrix(&self) -> DMatrix<f64> {
+        DMatrix::from_row_slice(2 * N, 2 * N, &self.entries)
     }
 
     /// Returns the largest entry of `MᵀΩM − Ω`, which is zero for a symplectic map.
@@ -102,26 +163,29 @@ impl<const N: usize> Mul for &Tangent<N> {
     }
 }
 
-impl<const N: usize> Sensitivity<N> {
+impl<V> Sensitivity<V> {
     /// Returns the derivative with respect to a parameter, by its name in the source without `self`: `k`, `l[0]`, `body.mass`. `None` if L, the noises
     /// and the force have no such parameter.
     #[must_use]
-    pub fn get(&self, parameter: &str) -> Option<&Field<[f64; N]>> {
+    pub fn get(&self, parameter: &str) -> Option<&Field<V>> {
         let at = self.names.iter().position(|&name| name == parameter)?;
         self.fields.get(at)
     }
 
     /// Returns the parameters with their derivatives.
-    pub fn iter(&self) -> impl Iterator<Item = (&'static str, &Field<[f64; N]>)> {
+    pub fn iter(&self) -> impl Iterator<Item = (&'static str, &Field<V>)> {
         self.names.iter().copied().zip(&self.fields)
     }
 
     /// Advances the derivatives by a further step, given the tangent map and the derivatives of that step: `S ← M S + s`.
-    pub fn advance(&mut self, tangent: &Tangent<N>, step: &Self) {
+    pub fn advance<const N: usize>(&mut self, tangent: &Tangent<N>, step: &Self)
+    where
+        V: Coordinates<N, Momentum = V>,
+    {
         for (total, own) in self.fields.iter_mut().zip(&step.fields) {
-            let mut moved = tangent.apply(total);
-            moved.add_scaled(1.0, own);
-            *total = moved;
+            *total = tangent.apply(total);
+            total.q.retract(&own.q.coordinates());
+            total.p.retract(&own.p.coordinates());
         }
     }
 }
@@ -132,22 +196,29 @@ pub(crate) fn derivatives<S, R, Q, const N: usize, const M: usize>(
     state: &mut State<Q>,
     h: f64,
     dw: &[f64; M],
-) -> Result<(Tangent<N>, Sensitivity<N>), StepError>
+) -> Result<(Tangent<N>, Sensitivity<Q::Momentum>), StepError>
 where
     S: Variational<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    Q::in_coordinates(state, |state| {
-        derivatives_in_coordinates(integrator, state, h, dw)
-    })
+    let derivatives = |state: &mut _| derivatives_in_coordinates(integrator, state, h, dw);
+    let (tangent, fields) = Q::in_coordinates(state, derivatives)?;
+    let sensitivity = Sensitivity {
+        names: S::PARAMETERS,
+        fields: fields.into_iter().map(Field::of::<Q>).collect(),
+    };
+    Ok((tangent, sensitivity))
 }
+
+/// The tangent map, and the derivatives in each parameter.
+type Derivatives<const N: usize> = (Tangent<N>, Vec<Field<[f64; N]>>);
 
 fn derivatives_in_coordinates<S, R, Q, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     state: &mut State<[f64; N]>,
     h: f64,
     dw: &[f64; M],
-) -> Result<(Tangent<N>, Sensitivity<N>), StepError>
+) -> Result<Derivatives<N>, StepError>
 where
     S: Variational<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
@@ -171,10 +242,6 @@ where
         q: core::array::from_fn(|i| entry(i, 2 * N + parameter)),
         p: core::array::from_fn(|i| entry(N + i, 2 * N + parameter)),
     };
-    let sensitivity = Sensitivity {
-        names: S::PARAMETERS,
-        fields: (0..S::PARAMETERS.len()).map(field).collect(),
-    };
     *state = end;
-    Ok((tangent, sensitivity))
+    Ok((tangent, (0..S::PARAMETERS.len()).map(field).collect()))
 }

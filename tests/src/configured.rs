@@ -1,21 +1,31 @@
-//! A system whose configuration is a row of numbers, whatever the configuration of the system that it stands for.
+//! A system with another type of configurations: the same equations in the same coordinates.
+
+use std::marker::PhantomData;
 
 use sve_runtime::__private::{Linearisation, SolveError};
 use sve_runtime::{
     BlockSolver, Coordinates, Dimensions, Dims, IncrementLanesOf, IncrementsOf, Mask, Newton, Plan,
-    StateLanesOf, StepOf, System, Variational, VectorOf,
+    State, StateLanesOf, StepOf, System, Variational, VectorOf,
 };
 
-/// The same equations with `[f64; N]` for configurations.
+/// The system `S` with configurations of the type `Q`.
 #[derive(Clone, Copy, Debug)]
-pub struct Flat<S>(pub S);
+pub struct Configured<S, Q>(pub S, PhantomData<Q>);
 
-impl<S, Q, const N: usize, const M: usize> System for Flat<S>
+impl<S, Q> Configured<S, Q> {
+    /// A system with another type of configurations.
+    pub fn new(system: S) -> Self {
+        Self(system, PhantomData)
+    }
+}
+
+impl<S, P, Q, const N: usize, const M: usize> System for Configured<S, Q>
 where
-    S: System<Dims = Dims<N, M, Q>>,
+    S: System<Dims = Dims<N, M, P>>,
+    P: Coordinates<N>,
     Q: Coordinates<N>,
 {
-    type Dims = Dims<N, M>;
+    type Dims = Dims<N, M, Q>;
     const AFFINE_MOMENTUM: bool = S::AFFINE_MOMENTUM;
     const FORCED: bool = S::FORCED;
     const PARAMETERS: &'static [&'static str] = S::PARAMETERS;
@@ -53,9 +63,10 @@ where
     }
 }
 
-impl<S, R, Q, const N: usize, const M: usize> Variational<R> for Flat<S>
+impl<S, R, P, Q, const N: usize, const M: usize> Variational<R> for Configured<S, Q>
 where
-    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    S: Variational<R> + System<Dims = Dims<N, M, P>>,
+    P: Coordinates<N>,
     Q: Coordinates<N>,
 {
     type Prepared = S::Prepared;
@@ -70,7 +81,7 @@ where
 
     fn start(
         &self,
-        state: &sve_runtime::State<[f64; N]>,
+        state: &State<[f64; N]>,
         velocity: &VectorOf<Self>,
         acceleration: &VectorOf<Self>,
     ) -> S::Unknowns {
@@ -80,7 +91,7 @@ where
     fn increment(
         &self,
         prepared: &S::Prepared,
-        state: &sve_runtime::State<[f64; N]>,
+        state: &State<[f64; N]>,
         h: f64,
         dw: &IncrementsOf<Self>,
         newton: &BlockSolver<'_>,
@@ -103,7 +114,7 @@ where
 
     fn linearise(
         &self,
-        state: &sve_runtime::State<[f64; N]>,
+        state: &State<[f64; N]>,
         h: f64,
         dw: &IncrementsOf<Self>,
         unknowns: &S::Unknowns,
