@@ -1,7 +1,7 @@
-//! A file from which a run that was stopped continues.
+//! Checkpoints: files from which a stopped run continues.
 //!
-//! Input: the merged results of the blocks that have ended. Output: a file, written beside the old one and put in its place at once, so
-//! that there is always a whole one. Invariants: the result of a continued run has the bits of one that was not stopped, since blocks
+//! Input: the merged results of the finished blocks. Output: a file that replaces the old one atomically, so
+//! that there is always a complete one. Invariants: the result of a continued run has the bits of one that was not stopped, since blocks
 //! merge in the same tree; nothing of a file is read before its length and checksum are right.
 //!
 //! Layout: [`MAGIC`], version (4 bytes), length of the content (8), checksum (8), content; numbers with their low bytes first.
@@ -19,35 +19,35 @@ use twox_hash::XxHash64;
 
 use super::EnsembleError;
 use super::error::{Damage, Difference};
-use super::parts::{OwnedParts, Parts};
+use super::merge_tree::MergeTree;
+use super::stored::{LoadedSummary, StoredSummary};
 use super::summary::Info;
-use super::tree::Tree;
 
 /// The first bytes of a file, in every version.
 const MAGIC: &[u8; 8] = b"sve run\0";
 
-/// What the content is.
+/// Version of the content.
 const VERSION: u32 = 2;
 
 /// Bytes before the content.
 const HEAD: usize = MAGIC.len() + 4 + 8 + 8;
 
-/// What a file has.
+/// The content that is written.
 #[derive(Serialize)]
 struct Contents<'a> {
     shard: [u64; 2],
-    parts: Parts<'a>,
+    parts: StoredSummary<'a>,
 }
 
-/// What is read.
+/// The content that is read.
 #[derive(Deserialize)]
 struct OwnedContents {
     shard: [u64; 2],
-    parts: OwnedParts,
+    parts: LoadedSummary,
 }
 
-/// Keeps the file of a run.
-pub(super) struct Keeper {
+/// The checkpoint file of a run.
+pub(super) struct CheckpointFile {
     path: PathBuf,
     every: Duration,
     info: Info,
@@ -55,7 +55,7 @@ pub(super) struct Keeper {
     saved: Mutex<Instant>,
 }
 
-impl Keeper {
+impl CheckpointFile {
     pub(super) fn new(path: PathBuf, every: Duration, info: Info, shard: [u64; 2]) -> Self {
         Self {
             path,
@@ -66,8 +66,8 @@ impl Keeper {
         }
     }
 
-    /// The results in the file, where there is one.
-    pub(super) fn load(&self) -> Result<Option<Tree>, EnsembleError> {
+    /// Reads the results of the file, if it exists.
+    pub(super) fn load(&self) -> Result<Option<MergeTree>, EnsembleError> {
         let path = self.path.as_path();
         let bytes = match fs::read(path) {
             Ok(bytes) => bytes,
@@ -75,9 +75,11 @@ impl Keeper {
             Err(error) => return Err(failed(path, error)),
         };
         let path = || path.to_owned();
-        let content = match opened(&bytes) {
+        let content = match content_of(&bytes) {
             Ok(content) => content,
-            Err(Unreadable::Foreign) => return Err(EnsembleError::NotACheckpoint { path: path() }),
+            Err(Unreadable::NotACheckpoint) => {
+                return Err(EnsembleError::NotACheckpoint { path: path() });
+            }
             Err(Unreadable::Version(version)) => {
                 return Err(EnsembleError::CheckpointVersion {
                     path: path(),
@@ -90,12 +92,12 @@ impl Keeper {
                 return Err(EnsembleError::DamagedCheckpoint { path, damage });
             }
         };
-        let unfit = || EnsembleError::DamagedCheckpoint {
+        let inconsistent = || EnsembleError::DamagedCheckpoint {
             path: path(),
             damage: Damage::Content,
         };
         let Ok((OwnedContents { shard, parts }, [])) = postcard::take_from_bytes(content) else {
-            return Err(unfit());
+            return Err(inconsistent());
         };
         let other = |what| Err(EnsembleError::OtherCheckpoint { path: path(), what });
         if let Some(what) = self.info.difference(&parts.run) {
@@ -104,11 +106,11 @@ impl Keeper {
         if shard != self.shard {
             return other(Difference::Shard);
         }
-        let (_, tree) = parts.fit_together().ok_or_else(unfit)?;
+        let (_, tree) = parts.checked().ok_or_else(inconsistent)?;
         Ok(Some(tree))
     }
 
-    /// Whether it is time to write the file; the one that is told so writes it.
+    /// Returns whether the file is due to be written. The caller that gets `true` writes it.
     pub(super) fn is_due(&self) -> bool {
         let mut saved = self.saved.lock().unwrap_or_else(PoisonError::into_inner);
         let due = saved.elapsed() >= self.every;
@@ -118,15 +120,15 @@ impl Keeper {
         due
     }
 
-    /// Writes the file, where there is something to be written.
-    pub(super) fn save(&self, tree: &Tree) -> Result<(), EnsembleError> {
+    /// Writes the file, if there are results.
+    pub(super) fn save(&self, tree: &MergeTree) -> Result<(), EnsembleError> {
         if tree.nodes.is_empty() {
             return Ok(());
         }
         let path = self.path.as_path();
         let contents = Contents {
             shard: self.shard,
-            parts: Parts::new(&self.info, tree),
+            parts: StoredSummary::new(&self.info, tree),
         };
         let content =
             postcard::to_stdvec(&contents).map_err(|e| failed(path, io::Error::other(e)))?;
@@ -144,7 +146,7 @@ fn failed(path: &Path, source: io::Error) -> EnsembleError {
     EnsembleError::Checkpoint { path, source }
 }
 
-/// What stands before a content.
+/// Returns the header of a content.
 fn head(content: &[u8]) -> Vec<u8> {
     let (version, length) = (VERSION.to_le_bytes(), (content.len() as u64).to_le_bytes());
     let checksum = checksum(&version, &length, content).to_le_bytes();
@@ -159,20 +161,22 @@ fn checksum(version: &[u8], length: &[u8], content: &[u8]) -> u64 {
     hash.finish()
 }
 
-/// Why the content of a file is not to be read.
+/// Why the content of a file is not read.
 enum Unreadable {
-    /// It is no checkpoint.
-    Foreign,
-    /// It is one of this format.
+    /// The file is not a checkpoint.
+    NotACheckpoint,
+    /// The file has this other version.
     Version(u32),
-    /// It is not as it was written.
+    /// The file is damaged.
     Damaged(Damage),
 }
 
-/// The content of a file whose length, checksum and version are right.
-fn opened(bytes: &[u8]) -> Result<&[u8], Unreadable> {
+/// Returns the content of a file whose length, checksum and version are right.
+fn content_of(bytes: &[u8]) -> Result<&[u8], Unreadable> {
     let found = bytes.len() as u64;
-    let rest = bytes.strip_prefix(MAGIC).ok_or(Unreadable::Foreign)?;
+    let rest = bytes
+        .strip_prefix(MAGIC)
+        .ok_or(Unreadable::NotACheckpoint)?;
     let parts = rest.split_first_chunk::<4>().and_then(|(version, rest)| {
         let (length, rest) = rest.split_first_chunk::<8>()?;
         let (checksum, content) = rest.split_first_chunk::<8>()?;

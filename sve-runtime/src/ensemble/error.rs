@@ -1,4 +1,4 @@
-//! What is wrong with the settings of an ensemble, or with what is merged. Each message says what to write instead.
+//! Errors of ensembles: invalid settings, files, merges. Each message says what to write instead.
 
 use super::failure::Failure;
 use crate::error::StepError;
@@ -8,7 +8,7 @@ use crate::noise::NoiseError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum EnsembleError {
-    /// A setting that has no sensible default was not given.
+    /// A setting without a default is missing.
     #[error("the ensemble does not know its {what}: add `{write}`")]
     Missing {
         /// What is missing.
@@ -56,7 +56,7 @@ pub enum EnsembleError {
         /// Distance from this time to the next number.
         next: f64,
     },
-    /// What the run has to keep does not fit into memory.
+    /// The results do not fit into memory.
     #[error("{what} take {bytes} bytes, more than this machine gives; {remedy}")]
     TooLarge {
         /// What is to be kept, with its numbers.
@@ -66,17 +66,9 @@ pub enum EnsembleError {
         /// What to write instead.
         remedy: &'static str,
     },
-    /// Three-point increments are not truncated.
-    #[error(
-        "`three_point` and `truncated({deviations})` exclude each other: three-point increments are bounded by √(3h) already; leave one of them out"
-    )]
-    TruncatedThreePoint {
-        /// Standard deviations given.
-        deviations: f64,
-    },
-    /// The truncation of the increments is not possible.
-    #[error("`truncated`: {0}")]
-    Truncation(#[source] NoiseError),
+    /// The noise has no increments for this step size.
+    #[error("`noise`: {0}")]
+    Noise(#[source] NoiseError),
     /// Two observables have one name.
     #[error("two observables are called `{name}`: give each a name of its own")]
     TwiceNamed {
@@ -109,7 +101,7 @@ pub enum EnsembleError {
         /// Bins.
         bins: usize,
     },
-    /// A bound that no value keeps.
+    /// A bound that no value satisfies.
     #[error(
         "`bound(\"{name}\", {low:e}..={high:e})` leaves no value: the lower bound must not be above the upper one, and neither NaN"
     )]
@@ -187,7 +179,7 @@ pub enum EnsembleError {
         /// What the system said.
         source: std::io::Error,
     },
-    /// The file to continue from is none.
+    /// The file to continue from is not a checkpoint.
     #[cfg(feature = "checkpoint")]
     #[error(
         "{} is not a checkpoint: it does not begin as one; remove it, or give another path", path.display()
@@ -210,7 +202,7 @@ pub enum EnsembleError {
         /// The format that is read.
         expected: u32,
     },
-    /// The file to continue from is not as it was written.
+    /// The file to continue from is damaged.
     #[cfg(feature = "checkpoint")]
     #[error(
         "the checkpoint {} is damaged: {damage}; remove it, or put a sound copy in its place", path.display()
@@ -235,7 +227,7 @@ pub enum EnsembleError {
     },
 }
 
-/// What is wrong with the bytes of a file.
+/// How a checkpoint is damaged.
 #[cfg(feature = "checkpoint")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -261,7 +253,7 @@ pub enum Damage {
     Content,
 }
 
-/// In what two runs differ.
+/// A difference between two runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Difference {
@@ -283,7 +275,7 @@ pub enum Difference {
     /// The seed.
     #[error("a seed")]
     Seed,
-    /// The law of the increments.
+    /// The noise.
     #[error("a law of the noise (truncation, three points or none)")]
     Noise,
     /// Other settings of the ensemble: step size, number of steps, bounds, whether final states are kept.

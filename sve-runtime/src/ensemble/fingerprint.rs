@@ -1,4 +1,4 @@
-//! Numbers by which shards and checkpoints of the same run know one another.
+//! Fingerprints: hashes by which shards and checkpoints of the same run are recognised.
 //!
 //! Input: the settings, the system's formulas and parameters, the method, starts, and values along some paths. Output: a 64-bit hash of
 //! each, so that a message can say which one differs. Invariant: equal runs have equal numbers; every value enters with all its bits.
@@ -14,30 +14,30 @@ use std::collections::BTreeSet;
 use twox_hash::XxHash64;
 
 use super::error::Difference;
-use super::law::Law;
-use super::run::Run;
-use super::start::{Start, StartRng};
+use super::path_noise::PathNoise;
+use super::settings::Settings;
+use super::starts::{StartRng, Starts};
 use crate::configuration::Coordinates;
 use crate::method::Method;
-use crate::noise::lanes::DistributionKind as Source;
+use crate::noise::lanes::DistributionKind;
 use crate::noise::{Noise, ThreePoint, Wiener};
 use crate::state::State;
 use crate::system::{Dims, System};
 
-/// Steps of path 0 that are followed, at the least.
+/// Smallest number of steps of path 0 that are compared.
 const STEPS: u64 = 4096;
 
-/// One step in so many of the run is made for the fingerprint, where that is more than [`STEPS`]. A single step costs up to nine of those
-/// in lanes, so this is at most a hundredth of the time.
+/// One step in so many of the run is made for the fingerprint, if that is more than [`STEPS`]. A scalar step costs up to nine steps
+/// in lanes, so the fingerprint takes at most a hundredth of the time.
 const SHARE: u128 = 1024;
 
-/// Steps of three other paths that are followed.
+/// Number of steps of three other paths that are compared.
 const OTHER_STEPS: u64 = 64;
 
-/// First paths whose starts are looked at, and as many evenly over all, and the last.
+/// Number of first paths whose starts are compared. As many evenly distributed paths are compared, and the last one.
 const STARTS: u64 = 16;
 
-/// What runs that belong together have in common.
+/// The fingerprint of a run.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Fingerprint {
@@ -52,7 +52,7 @@ pub(super) struct Fingerprint {
 }
 
 impl Fingerprint {
-    /// The first thing in which another run differs.
+    /// Returns the first difference to another run.
     pub(super) fn difference(&self, other: &Self) -> Option<Difference> {
         [
             (self.formulas == other.formulas, Difference::Formulas),
@@ -69,7 +69,7 @@ impl Fingerprint {
     }
 }
 
-/// A hash in the making, with the same bits on machines of either byte order.
+/// A hasher with the same bits on machines of either byte order.
 #[derive(Default)]
 pub(crate) struct Hash(XxHash64);
 
@@ -95,7 +95,7 @@ impl Hash {
     }
 }
 
-/// The hash of what a function adds.
+/// Returns the hash of the data that a function adds.
 pub(crate) fn hash(of: impl FnOnce(&mut Hash)) -> u64 {
     let mut hash = Hash::default();
     of(&mut hash);
@@ -112,7 +112,7 @@ pub(crate) fn method<I: Method>(method: &I) -> u64 {
     hash(|hash| method.identify(&mut hash.0))
 }
 
-impl<I, S, Q, const N: usize, const M: usize> Run<'_, I>
+impl<I, S, Q, const N: usize, const M: usize> Settings<'_, I>
 where
     I: Method<System = S>,
     S: System<Dims = Dims<N, M, Q>>,
@@ -121,12 +121,20 @@ where
     pub(super) fn fingerprint(self) -> Fingerprint {
         let ensemble = self.ensemble;
         Fingerprint {
-            seed: hash(|hash| hash.add(ensemble.seed)),
-            noise: hash(|hash| match self.law {
-                Law::None => hash.add(2),
-                Law::Drawn { source, largest } => {
-                    hash.add(u64::from(source == Source::ThreePoint));
-                    hash.add_number(largest);
+            seed: hash(|hash| {
+                hash.add(self.noise.seed);
+                if self.start_seed != self.noise.seed {
+                    hash.add(self.start_seed);
+                }
+            }),
+            noise: hash(|hash| match self.noise.distribution {
+                None => hash.add(2),
+                Some(distribution) => {
+                    hash.add(u64::from(distribution == DistributionKind::ThreePoint));
+                    hash.add_number(self.noise.largest);
+                    if self.noise.first_path != 0 {
+                        hash.add(self.noise.first_path);
+                    }
                 }
             }),
             settings: hash(|hash| {
@@ -151,8 +159,8 @@ where
 
     fn start_of(self, path: u64) -> State<Q> {
         match &self.ensemble.start {
-            Some(Start::Same(state)) => *state,
-            Some(Start::Drawn(draw)) => draw(path, &mut StartRng::new(self.ensemble.seed, path)),
+            Some(Starts::Same(state)) => *state,
+            Some(Starts::Drawn(draw)) => draw(path, &mut StartRng::new(self.start_seed, path)),
             None => State::from_coordinates(&State::new([f64::NAN; N], [f64::NAN; N])),
         }
     }
@@ -167,7 +175,7 @@ where
         }
     }
 
-    /// States and observables along some paths.
+    /// Adds states and observables along some paths.
     fn add_values(self, hash: &mut Hash) {
         let all = u128::from(self.paths) * u128::from(self.steps) / SHARE;
         let followed = u64::try_from(all).unwrap_or(u64::MAX).max(STEPS);
@@ -178,18 +186,18 @@ where
         }
     }
 
-    /// Follows a path for so many steps, one state at a time.
+    /// Adds the states and observables along so many steps of a path.
     fn add_path(self, path: u64, steps: u64, hash: &mut Hash) {
         let (method, system) = (self.ensemble.method, self.ensemble.method.system());
         let Ok(prepared) = method.prepare(self.h) else {
             return;
         };
         let mut state = self.start_of(path);
-        let mut noise = self.noise(path);
+        let mut increments = self.increments_of(path);
         for step in 0..=steps.min(self.steps) {
             if step > 0 {
                 let mut dw = [0.0; M];
-                let made = noise(step - 1, &mut dw)
+                let made = increments(step - 1, &mut dw)
                     && method
                         .step_prepared(&prepared, &mut state, self.h, &dw)
                         .is_ok();
@@ -211,18 +219,25 @@ where
         }
     }
 
-    /// The increments of a path, of each step in order; false where there are none.
-    fn noise(self, path: u64) -> impl FnMut(u64, &mut [f64; M]) -> bool {
-        let (seed, h) = (self.ensemble.seed, self.h);
+    /// Returns the increments of a path, for each step in order; the function returns false if there are none.
+    fn increments_of(self, path: u64) -> impl FnMut(u64, &mut [f64; M]) -> bool {
+        let PathNoise {
+            seed,
+            first_path,
+            distribution,
+            largest,
+        } = self.noise;
+        let h = self.h;
+        let path = first_path.wrapping_add(path);
         let mut wiener = Wiener::new(seed).path(path);
         let mut three_point = ThreePoint::new(seed).path(path);
         move |step, dw| {
-            let Law::Drawn { source, largest } = self.law else {
+            let Some(distribution) = distribution else {
                 return true;
             };
-            let drawn = match source {
-                Source::Normal => wiener.increments(step, h, dw),
-                Source::ThreePoint => three_point.increments(step, h, dw),
+            let drawn = match distribution {
+                DistributionKind::Normal => wiener.increments(step, h, dw),
+                DistributionKind::ThreePoint => three_point.increments(step, h, dw),
             };
             for dw in dw {
                 *dw = dw.clamp(-largest, largest);

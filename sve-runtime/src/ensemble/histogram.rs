@@ -6,38 +6,38 @@
 use super::edges;
 use crate::lanes::{LANES, Lane, Mask};
 
-/// What a histogram counts.
+/// The request of a histogram: observable, range and bins.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Request {
-    /// Which observable.
+pub(super) struct HistogramRequest {
+    /// Name of the observable.
     pub(super) name: String,
-    /// The range, of which the upper bound is outside.
+    /// The range; its upper end does not belong to it.
     pub(super) range: [f64; 2],
     /// Number of bins.
     pub(super) bins: usize,
-    /// At each recorded time, or at the last alone.
+    /// Whether it counts at each recorded time, or at the last one only.
     pub(super) always: bool,
 }
 
-impl Request {
-    /// Whether the bounds are finite, the lower one below the upper one, and there is a bin.
-    pub(super) fn is_sound(&self) -> bool {
+impl HistogramRequest {
+    /// Returns whether the bounds are finite, the lower one is below the upper one, and there is a bin.
+    pub(super) fn is_valid(&self) -> bool {
         let [low, high] = self.range;
         (high - low).is_finite() && low < high && self.bins > 0
     }
 
-    /// The lower edge of a bin, and the upper one of the bin before.
+    /// Returns the lower edge of a bin.
     pub(super) fn edge(&self, bin: usize) -> f64 {
         edges::edge(self.range, bin, self.bins)
     }
 
-    /// Recorded times that it counts at.
+    /// Returns the number of recorded times at which it counts.
     fn rows(&self, records: usize) -> usize {
         if self.always { records } else { 1 }
     }
 
-    /// The row of a record.
+    /// Returns the row of counts of a record; `None` if it does not count then.
     pub(super) fn row(&self, record: usize, records: usize) -> Option<usize> {
         if self.always {
             Some(record)
@@ -46,23 +46,23 @@ impl Request {
         }
     }
 
-    /// How many counts it has, which may be more than any memory.
+    /// Returns the number of counts, which may exceed any memory.
     pub(super) fn counts(&self, records: usize) -> u128 {
         self.rows(records) as u128 * (self.bins as u128 + 2)
     }
 
-    /// Distance from a whole number, in bins, within which the edges have to decide where a value belongs.
+    /// Returns the distance from an edge, in bins, within which rounding errors can place a value into the wrong bin, so that the value has to be compared with the edges.
     ///
-    /// The place of a value is rounded four times, each edge once: 4ε bins and ε max(|low|, |high|)/(high − low) bins. Below the least normal
-    /// number rounding is as there.
-    fn doubt(&self) -> f64 {
+    /// The place of a value has four rounding errors, an edge one: 4ε bins and ε max(|low|, |high|)/(high − low) bins. Subnormal
+    /// numbers have the absolute rounding error of the smallest normal number.
+    fn rounding_margin(&self) -> f64 {
         let [low, high] = self.range;
         let size = low.abs().max(high.abs()).max(f64::MIN_POSITIVE) / (high - low);
         8.0 * f64::EPSILON * self.bins as f64 * (1.0 + size)
     }
 
-    /// Where a value belongs: 0 below, 1 … in the bins, `bins + 1` above.
-    fn place(&self, value: f64, doubt: f64) -> usize {
+    /// Returns the number of a value's count: 0 below the range, 1 … in the bins, `bins + 1` above.
+    fn place(&self, value: f64, margin: f64) -> usize {
         let [low, high] = self.range;
         if value < low {
             return 0;
@@ -74,7 +74,7 @@ impl Request {
         #[allow(clippy::cast_sign_loss)] // the value is not below the range
         let mut bin = (guess as usize).min(self.bins - 1);
         let within = guess - bin as f64;
-        if within <= doubt || within >= 1.0 - doubt {
+        if within <= margin || within >= 1.0 - margin {
             while bin > 0 && value < self.edge(bin) {
                 bin -= 1;
             }
@@ -86,21 +86,27 @@ impl Request {
     }
 }
 
-/// Counts, in rows of one a recorded time: below the range, in its bins, above.
+/// The counts of a histogram, a row for each recorded time: below the range, in its bins, above.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Bins(pub(super) Vec<u64>);
 
 impl Bins {
-    pub(super) fn new(request: &Request, records: usize) -> Self {
+    pub(super) fn new(request: &HistogramRequest, records: usize) -> Self {
         Self(vec![0; request.rows(records) * (request.bins + 2)])
     }
 
-    pub(super) fn add(&mut self, request: &Request, row: usize, values: &Lane, lanes: Mask) {
+    pub(super) fn add(
+        &mut self,
+        request: &HistogramRequest,
+        row: usize,
+        values: &Lane,
+        lanes: Mask,
+    ) {
         let row = &mut self.0[row * (request.bins + 2)..][..request.bins + 2];
-        let doubt = request.doubt();
+        let margin = request.rounding_margin();
         for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
-            row[request.place(values[lane], doubt)] += 1;
+            row[request.place(values[lane], margin)] += 1;
         }
     }
 
@@ -113,9 +119,9 @@ impl Bins {
 
 #[cfg(test)]
 mod tests {
-    use super::Request;
+    use super::HistogramRequest;
 
-    /// Values on the edges, next to them and between them.
+    /// Checks values on the edges, next to them and between them.
     #[test]
     fn a_value_is_between_the_edges_of_its_bin() {
         for (range, bins) in [
@@ -125,7 +131,7 @@ mod tests {
             ([1e-310, 3e-310], 9),
             ([-1e300, 1e307], 1000),
         ] {
-            let request = Request {
+            let request = HistogramRequest {
                 name: String::new(),
                 range,
                 bins,
@@ -136,7 +142,11 @@ mod tests {
                 let middle = 0.5 * pair[0] + 0.5 * pair[1];
                 for value in [pair[0], pair[0].next_up(), middle, pair[1].next_down()] {
                     let expected = edges.iter().filter(|&&edge| value >= edge).count();
-                    assert_eq!(request.place(value, request.doubt()), expected, "{value}");
+                    assert_eq!(
+                        request.place(value, request.rounding_margin()),
+                        expected,
+                        "{value}"
+                    );
                 }
             }
         }

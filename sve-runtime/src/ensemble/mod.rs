@@ -1,43 +1,43 @@
 //! Monte Carlo over many paths: statistics of observables, on all cores, in lanes of vector registers.
 //!
 //! Input: a method, a start, a step size, numbers of steps and paths, observables. Output: a [`Summary`].
-//! Invariant: all results are functions of the settings, with the same bits for any number of threads, and for the merge of
+//! Invariant: all results are functions of the settings, with the same bits for any number of threads, and for the merged
 //! shards as for the whole run.
 //!
-//! A run cuts its paths into blocks of [`BLOCK_PATHS`], each of a few tiles of `LANES` lanes. The blocks are the unit of
-//! work, and their results are merged pairwise in a fixed tree.
+//! A run divides its paths into blocks of [`BLOCK_PATHS`], each of a few tiles of `LANES` lanes. A block is the unit of
+//! work of a thread. The results of blocks are merged pairwise in a fixed tree.
 
 #[cfg(feature = "checkpoint")]
 mod checkpoint;
 mod csv;
 mod edges;
 mod error;
+mod execution;
 mod failure;
 mod final_state;
 pub(crate) mod fingerprint;
-mod flight;
 mod histogram;
-mod increments;
-mod law;
+mod increment_buffer;
+mod merge_tree;
 mod moments;
 #[cfg(feature = "npy")]
 mod npy;
 mod observe;
 #[cfg(feature = "parquet")]
 mod parquet;
-#[cfg(feature = "serde")]
-mod parts;
+mod path_block;
+mod path_noise;
 mod progress;
 mod record;
 mod replay;
-mod run;
+mod settings;
 mod sizes;
-mod start;
+mod starts;
 mod statistics;
+#[cfg(feature = "serde")]
+mod stored;
 mod summary;
-mod tree;
 mod warning;
-mod work;
 
 #[cfg(feature = "checkpoint")]
 pub use error::Damage;
@@ -45,7 +45,7 @@ pub use error::{Difference, EnsembleError};
 pub use failure::{Cause, FAILURES_KEPT, Failure};
 pub use final_state::FinalState;
 pub use observe::Observed;
-pub use start::StartRng;
+pub use starts::StartRng;
 pub use statistics::{Histogram, Statistics};
 pub use summary::Summary;
 pub use warning::Warning;
@@ -53,35 +53,35 @@ pub use warning::Warning;
 use core::fmt;
 use core::ops::{Bound, Range, RangeBounds};
 
-use self::histogram::Request;
-use self::law::Wanted;
+use self::histogram::HistogramRequest;
 use self::observe::{Closure, Observable};
-use self::run::Run;
-use self::start::Start;
+use self::settings::Settings;
+use self::starts::Starts;
 use crate::configuration::Coordinates;
 use crate::lanes::LANES;
 use crate::method::Method;
+use crate::noise::{ManyPaths, PathData};
 use crate::state::State;
 use crate::system::{Dims, StateOf, System};
 
-/// Paths of a block, which one thread runs and whose statistics are merged with those of other blocks in a fixed order.
-/// Part of the contract: another number would change the last bits of statistics. Few enough that a thousand paths keep several threads busy.
+/// Number of paths of a block. One thread runs a block, and its statistics are merged with those of other blocks in a fixed order.
+/// The number is part of the contract: another one would change the last bits of statistics. It is small, so that a thousand paths occupy several threads.
 pub const BLOCK_PATHS: u64 = 64;
 
-/// The first path of a block, or the number of paths where there is no such block.
+/// Returns the first path of a block, or the number of paths if there is no such block.
 fn path_at(block: u64, paths: u64) -> u64 {
     (block.checked_mul(BLOCK_PATHS)).map_or(paths, |first| first.min(paths))
 }
 
-/// Tiles of lanes in a block.
+/// Number of tiles of a block.
 const BLOCK_TILES: usize = BLOCK_PATHS as usize / LANES;
 
 const _: () = assert!(BLOCK_TILES * LANES == BLOCK_PATHS as usize);
 
-/// Many paths of one method, and what is to be known of them.
+/// Many paths of one method, and the statistics to be taken of them.
 ///
-/// Path `k`, from 0, has the increments of [`Wiener::new(seed).path(k)`](crate::noise::Wiener). Paths, steps and a start have to be given; the seed is 0
-/// unless it is given, and without [`record_every`](Self::record_every) the start and the end are recorded.
+/// Path `k`, from 0, has the increments of [`Wiener::new(seed).path(k)`](crate::noise::Wiener), or of another [`noise`](Self::noise). Paths, steps and a start have to be
+/// given. The default seed is 0. Without [`record_every`](Self::record_every) the start and the end are recorded.
 ///
 /// ```
 /// use sve_runtime::prelude::*;
@@ -115,14 +115,14 @@ const _: () = assert!(BLOCK_TILES * LANES == BLOCK_PATHS as usize);
 pub struct Ensemble<'a, I: Method> {
     method: &'a I,
     paths: Option<u64>,
-    seed: u64,
+    seed: Option<u64>,
+    noise: Option<PathData>,
     steps: Option<(f64, u64)>,
     every: Option<u64>,
-    start: Option<Start<'a, StateOf<I::System>>>,
-    law: Wanted,
+    start: Option<Starts<'a, StateOf<I::System>>>,
     names: Vec<String>,
     observables: Vec<Box<dyn Observable<I::System> + 'a>>,
-    histograms: Vec<Request>,
+    histograms: Vec<HistogramRequest>,
     /// Observables with their least and greatest values.
     bounds: Vec<(String, [f64; 2])>,
     keep_final_states: bool,
@@ -148,11 +148,11 @@ where
         Self {
             method,
             paths: None,
-            seed: 0,
+            seed: None,
+            noise: None,
             steps: None,
             every: None,
             start: None,
-            law: Wanted::default(),
             names: Vec::new(),
             observables: Vec::new(),
             histograms: Vec::new(),
@@ -170,21 +170,21 @@ where
         }
     }
 
-    /// How many paths.
+    /// Sets the number of paths.
     #[must_use]
     pub fn paths(mut self, paths: u64) -> Self {
         self.paths = Some(paths);
         self
     }
 
-    /// The seed of their increments, and of starts drawn at random.
+    /// Sets the seed of random starts, and of the increments unless [`noise`](Self::noise) is given. Without it, random starts have the seed of the noise, or 0.
     #[must_use]
     pub fn seed(mut self, seed: u64) -> Self {
-        self.seed = seed;
+        self.seed = Some(seed);
         self
     }
 
-    /// How long a step is, and how many a path makes.
+    /// Sets the length of a step, and the number of steps of a path.
     #[must_use]
     pub fn steps(mut self, h: f64, steps: u64) -> Self {
         self.steps = Some((h, steps));
@@ -198,47 +198,56 @@ where
         self
     }
 
-    /// Where all paths start.
+    /// Sets the start of all paths.
     #[must_use]
     pub fn start(mut self, state: State<Q>) -> Self {
-        self.start = Some(Start::Same(state));
+        self.start = Some(Starts::Same(state));
         self
     }
 
-    /// Where each path starts: a function of its number and of a generator of its own. All have to start at one time.
+    /// Sets the start of each path, a function of its number and of a generator of its own. All paths have to start at the same time.
     #[must_use]
     pub fn start_with(mut self, draw: impl Fn(u64, &mut StartRng) -> State<Q> + Sync + 'a) -> Self {
-        self.start = Some(Start::Drawn(Box::new(draw)));
+        self.start = Some(Starts::Drawn(Box::new(draw)));
         self
     }
 
-    /// Clips the increments as [`Truncated`](crate::noise::Truncated) does, at so many standard deviations √h, for example 6.
+    /// Sets the noise. Path `k` has the increments of path `k` of the source. The default is [`Wiener::new(seed)`](crate::noise::Wiener) with the [`seed`](Self::seed) of
+    /// the ensemble.
     ///
-    /// The bound of Milstein, Repin and Tretyakov with the exponent k and a time τ of the system is `(2.0 * k * (tau / h).ln()).sqrt()` of them.
-    /// Excludes [`three_point`](Self::three_point), whose increments are bounded.
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// struct Rotor;
+    ///
+    /// #[variational(midpoint)]
+    /// impl Rotor {
+    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + q.cos() }
+    ///     #[h1]
+    ///     fn jitter(&self, _q: f64, p: f64) -> f64 { 0.1 * p * p }
+    /// }
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let rotor = Integrator::new(Rotor, Midpoint);
+    /// let summary = Ensemble::new(&rotor)
+    ///     .paths(100)
+    ///     .noise(Truncated::new(Wiener::new(7)).deviations(4.0)?)
+    ///     .steps(0.1, 10)
+    ///     .start(State::new([1.0], [0.0]))
+    ///     .run()?;
+    /// assert_eq!(summary.paths(), 100);
+    /// # Ok(())
+    /// # }
+    /// ```
     #[must_use]
-    pub fn truncated(mut self, deviations: f64) -> Self {
-        self.law.truncated = Some(deviations);
-        self
-    }
-
-    /// Draws increments of three values, those of [`ThreePoint`](crate::noise::ThreePoint): for means, not for paths.
-    #[must_use]
-    pub fn three_point(mut self) -> Self {
-        self.law.three_point = true;
-        self
-    }
-
-    /// Makes all increments zero, whatever else was asked for.
-    #[must_use]
-    pub fn no_noise(mut self) -> Self {
-        self.law.no_noise = true;
+    pub fn noise(mut self, noise: impl ManyPaths) -> Self {
+        self.noise = Some(noise.many_paths());
         self
     }
 
     /// Takes statistics of a function of the system and a state, which returns `f64` or `Result<f64, StepError>`.
     ///
-    /// Its value has to depend on its arguments alone. A path where it fails or is not finite has failed.
+    /// Its value may depend on its arguments only. A path on which it fails or is not finite fails.
     #[must_use]
     pub fn observe<F, O>(mut self, name: impl Into<String>, observable: F) -> Self
     where
@@ -250,13 +259,13 @@ where
         self
     }
 
-    /// Counts how many paths have an observable in each of `bins` equal parts of a range, at each recorded time.
+    /// Takes a histogram of an observable with `bins` equal bins over a range, at each recorded time.
     #[must_use]
     pub fn histogram(self, name: impl Into<String>, range: Range<f64>, bins: usize) -> Self {
         self.request(name.into(), &range, bins, true)
     }
 
-    /// As [`histogram`](Self::histogram), at the end alone.
+    /// Takes a histogram as [`histogram`](Self::histogram) does, at the end only.
     #[must_use]
     pub fn final_histogram(self, name: impl Into<String>, range: Range<f64>, bins: usize) -> Self {
         self.request(name.into(), &range, bins, false)
@@ -264,7 +273,7 @@ where
 
     fn request(mut self, name: String, range: &Range<f64>, bins: usize, always: bool) -> Self {
         let range = [range.start, range.end];
-        self.histograms.push(Request {
+        self.histograms.push(HistogramRequest {
             name,
             range,
             bins,
@@ -273,11 +282,11 @@ where
         self
     }
 
-    /// Lets a path fail that has an observable outside of a range at a recorded time, as `.bound("energy", ..=1e3)`: a motion that has lost
-    /// all meaning is then a [`Failure`] that is counted, and no part of the statistics. Bounds of the range are inside, and
-    /// several ranges may be given.
+    /// Bounds an observable, as `.bound("energy", ..=1e3)`. A path whose observable is outside of the range at a recorded time fails: a motion without
+    /// physical meaning then counts as a [`Failure`] and does not enter the statistics. The ends belong to the range, and
+    /// several ranges can be given.
     ///
-    /// Without it, a path fails where its state or an observable is no longer finite. [`Summary::warnings`] reports observables that diverge.
+    /// Without a bound, a path fails if its state or an observable is not finite. [`Summary::warnings`] reports observables that diverge.
     #[must_use]
     pub fn bound(mut self, name: impl Into<String>, range: impl RangeBounds<f64>) -> Self {
         let number = |bound, none| match bound {
@@ -297,7 +306,7 @@ where
         self
     }
 
-    /// Ends the run with an error when a path fails: that of the failing path with the lowest number.
+    /// Ends the run with an error when a path fails. The error is that of the failing path with the lowest number.
     #[must_use]
     pub fn stop_on_failure(mut self, stop: bool) -> Self {
         self.stop_on_failure = stop;
@@ -311,24 +320,24 @@ where
         self
     }
 
-    /// Runs on so many threads of its own, instead of those of the surrounding `rayon` pool: one a core, usually.
+    /// Runs on so many threads of its own. The default is the surrounding `rayon` pool, usually with one thread for each core.
     #[must_use]
     pub fn threads(mut self, threads: usize) -> Self {
         self.threads = Some(threads);
         self
     }
 
-    /// Shows on standard error, where that is a terminal, how far the run is: with the feature `progress` as a bar.
+    /// Shows the progress of the run on standard error if it is a terminal, with the feature `progress` as a bar.
     #[must_use]
     pub fn progress(mut self, shown: bool) -> Self {
         self.progress = shown;
         self
     }
 
-    /// Writes the results of finished blocks into a file, now and then and at the end, for [`resume`](Self::resume).
+    /// Writes the results of finished blocks to a file, at this interval and at the end, for [`resume`](Self::resume).
     ///
-    /// The file is always a whole one: it is written beside the old one, brought to the disk and then renamed. A run without `resume`
-    /// writes over what is there, once a block of paths has ended.
+    /// The file is always complete: a new file is written, synchronised with the disk and renamed. A run without `resume`
+    /// replaces an existing file once a block of paths has ended.
     #[cfg(feature = "checkpoint")]
     #[must_use]
     pub fn checkpoint(
@@ -340,11 +349,11 @@ where
         self
     }
 
-    /// Continues from the file of [`checkpoint`](Self::checkpoint) where there is one, with the bits of a run that was not stopped.
+    /// Continues from the file of [`checkpoint`](Self::checkpoint) if it exists, with the bits of a run that was not stopped.
     ///
-    /// The file has to be as it was written, which its length and a checksum show, and of the same run: settings, formulas and parameters
-    /// of the system, method and starts. [`run`](Self::run) refuses the file otherwise, and says whether it is damaged or in what
-    /// the runs differ. Closures are sampled only: what is not seen of them is said at [`Summary::merge`].
+    /// The file has to be undamaged, which its length and a checksum show, and of the same run: settings, formulas and parameters
+    /// of the system, method and starts. [`run`](Self::run) returns an error otherwise, which says whether the file is damaged or in what
+    /// the runs differ. Closures are compared by samples only, see [`Summary::merge`].
     #[cfg(feature = "checkpoint")]
     #[must_use]
     pub fn resume(mut self, resume: bool) -> Self {
@@ -352,25 +361,25 @@ where
         self
     }
 
-    /// Ends the run early when this says so, as after a signal or with the time of a batch system: no further block is begun, and
-    /// the summary has the paths that were run.
+    /// Ends the run early when a function returns `true`, for example after a signal or before the time limit of a batch system. No further block
+    /// is begun, and the summary has the paths that were run.
     #[must_use]
     pub fn stop_when(mut self, stop: impl Fn() -> bool + Sync + 'a) -> Self {
         self.stop_when = Some(Box::new(stop));
         self
     }
 
-    /// Makes the steps of all paths.
+    /// Runs all paths.
     ///
     /// # Errors
-    /// An [`EnsembleError`] for settings that make no sense or do not fit into memory; [`EnsembleError::Failed`] where
-    /// [`stop_on_failure`](Self::stop_on_failure) was asked for; [`EnsembleError::NothingRun`] where [`stop_when`](Self::stop_when) ended
-    /// the run before its first block of paths. A path that fails is no error of the run: see [`Summary::failures`].
+    /// An [`EnsembleError`] for invalid settings, or if the results do not fit into memory; [`EnsembleError::Failed`] with
+    /// [`stop_on_failure`](Self::stop_on_failure); [`EnsembleError::NothingRun`] if [`stop_when`](Self::stop_when) ended
+    /// the run before its first block of paths. A path that fails is not an error of the run, see [`Summary::failures`].
     pub fn run(&self) -> Result<Summary, EnsembleError>
     where
         I: Sync,
     {
-        Run::new(self)?.go()
+        Settings::new(self)?.execute()
     }
 }
 

@@ -1,7 +1,7 @@
-//! What is observed of a path: closures over the system and a state, evaluated for a tile at once.
+//! Observables: closures over the system and a state, evaluated for all lanes of a tile.
 //!
-//! Input: a tile of states. Output: a number each, and which of them are not finite. The loop over the lanes is compiled
-//! with the closure in it, for the vectors of the machine, so a closure without branches is vectorised.
+//! Input: the states of a tile. Output: a number for each lane, and the lanes whose numbers are not finite. The loop over the lanes contains
+//! the closure and is compiled for the vectors of the machine, so a closure without branches is vectorised.
 
 use core::marker::PhantomData;
 
@@ -10,17 +10,17 @@ use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::lanes::{LANES, Lane, Mask};
 use crate::system::{Dimensions, StateLanesOf, StateOf, System};
 
-/// What an observable may return: a number, or a number unless it fails.
+/// The result of an observable: a number, or a number or an error.
 #[diagnostic::on_unimplemented(
     message = "an observable returns `f64` or `Result<f64, StepError>`, not `{Self}`",
     label = "the closure of this observable has another result",
     note = "end it with a number, or with what `system.hamiltonian(state)` returns"
 )]
 pub trait Observed {
-    /// The value, or why there is none.
+    /// Returns the value.
     ///
     /// # Errors
-    /// As the observable says.
+    /// The error of the observable.
     fn observed(self) -> Result<f64, StepError>;
 }
 
@@ -38,14 +38,14 @@ impl Observed for Result<f64, StepError> {
     }
 }
 
-/// An observable of a system, whatever its closure.
+/// An observable of a system with a closure of any type.
 pub(super) trait Observable<S: System>: Sync {
-    /// Its values in all lanes; NaN where it fails.
+    /// Evaluates all lanes; NaN where the observable fails.
     fn tile(&self, system: &S, states: &StateLanesOf<S>, values: &mut Lane);
-    /// Its value at a state.
+    /// Returns the value at a state.
     ///
     /// # Errors
-    /// As the closure says.
+    /// The error of the closure.
     fn value(&self, system: &S, state: &StateOf<S>) -> Result<f64, StepError>;
 }
 
@@ -65,7 +65,7 @@ where
     O: Observed,
 {
     fn tile(&self, system: &S, states: &StateLanesOf<S>, values: &mut Lane) {
-        dispatch(Tile {
+        dispatch(ObserveTile {
             observable: self,
             system,
             states,
@@ -79,14 +79,15 @@ where
     }
 }
 
-struct Tile<'a, S: System, T> {
+/// The evaluation of an observable in all lanes.
+struct ObserveTile<'a, S: System, T> {
     observable: &'a T,
     system: &'a S,
     states: &'a StateLanesOf<S>,
     values: &'a mut Lane,
 }
 
-impl<S: System, T: Observable<S>> Kernel for Tile<'_, S, T> {
+impl<S: System, T: Observable<S>> Kernel for ObserveTile<'_, S, T> {
     type Output = ();
 
     #[inline(always)]
@@ -99,7 +100,7 @@ impl<S: System, T: Observable<S>> Kernel for Tile<'_, S, T> {
     }
 }
 
-/// The lanes whose values are not finite.
+/// Returns the lanes whose values are not finite.
 #[inline]
 pub(super) fn not_finite(values: &Lane) -> Mask {
     let mut lanes = 0;
@@ -109,7 +110,7 @@ pub(super) fn not_finite(values: &Lane) -> Mask {
     lanes
 }
 
-/// The lanes whose values are outside of a range, both of whose bounds are inside.
+/// Returns the lanes whose values are outside of a range; both ends belong to the range.
 #[inline]
 pub(super) fn outside(values: &Lane, low: f64, high: f64) -> Mask {
     let mut lanes = 0;

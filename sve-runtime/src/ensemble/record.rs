@@ -1,48 +1,52 @@
-//! What is noted of the paths of a block: observables at a recorded time, failures and final states at the end.
+//! The records of a block of paths: observables at a recorded time, failures and final states at the end.
 //!
-//! Input: the states of a block. Output: entries of its node. Invariant: a path that fails an observable is in none of the
-//! statistics of that time, so one count a time serves them all.
+//! Input: the states of a block. Output: its partial result. Invariant: a path on which an observable fails is in none of the
+//! statistics of that time, so one count for each time serves all observables.
 
 use super::BLOCK_PATHS;
 use super::failure::{Cause, FAILURES_KEPT};
-use super::flight::{Flight, lanes};
+use super::merge_tree::PartialResult;
 use super::observe::{not_finite, outside};
-use super::tree::Node;
+use super::path_block::{PathBlock, lanes};
 use crate::configuration::Coordinates;
 use crate::lanes::{LANES, Lane, Mask};
 use crate::method::Method;
 use crate::system::{Dimensions, Dims, System};
 
-impl<I, S, Q, const N: usize, const M: usize> Flight<'_, I, N, M>
+impl<I, S, Q, const N: usize, const M: usize> PathBlock<'_, I, N, M>
 where
     I: Method<System = S>,
     S: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    /// Adds the observables of the living paths to the statistics of a recorded time.
-    pub(super) fn record(&mut self, record: usize, node: &mut Node) {
-        let run = self.run;
-        let requests = &run.ensemble.histograms;
+    /// Adds the observables of the active paths to the statistics of a recorded time.
+    pub(super) fn record(&mut self, record: usize, result: &mut PartialResult) {
+        let settings = self.settings;
+        let requests = &settings.ensemble.histograms;
         for tile in 0..self.tiles.len() {
             let mut values = core::mem::take(&mut self.values);
-            let alive = self.observe(tile, &mut values);
-            let count = node.counts[record];
-            for (column, values) in node.columns.iter_mut().zip(&values) {
-                column.add(record, count, values, alive);
+            let active = self.observe(tile, &mut values);
+            let count = result.counts[record];
+            for (column, values) in result.columns.iter_mut().zip(&values) {
+                column.add(record, count, values, active);
             }
-            for (bins, request) in node.histograms.iter_mut().zip(requests) {
-                let row = request.row(record, run.records);
-                let column = run.ensemble.names.iter().position(|n| *n == request.name);
+            for (bins, request) in result.histograms.iter_mut().zip(requests) {
+                let row = request.row(record, settings.records);
+                let column = settings
+                    .ensemble
+                    .names
+                    .iter()
+                    .position(|n| *n == request.name);
                 if let (Some(row), Some(column)) = (row, column) {
-                    bins.add(request, row, &values[column], alive);
+                    bins.add(request, row, &values[column], active);
                 }
             }
-            node.counts[record] += u64::from(alive.count_ones());
+            result.counts[record] += u64::from(active.count_ones());
             self.values = values;
         }
     }
 
-    /// Lets the paths that fail an observable fail.
+    /// Evaluates the observables of all tiles. A path on which an observable fails, fails.
     pub(super) fn observe_all(&mut self) {
         let mut values = core::mem::take(&mut self.values);
         for tile in 0..self.tiles.len() {
@@ -51,16 +55,16 @@ where
         self.values = values;
     }
 
-    /// Evaluates the observables of a tile; the lanes that live after that.
+    /// Evaluates the observables of a tile. Returns the lanes that remain active.
     pub(super) fn observe(&mut self, tile: usize, values: &mut [Lane]) -> Mask {
-        let ensemble = self.run.ensemble;
+        let ensemble = self.settings.ensemble;
         let system = ensemble.method.system();
-        if self.tiles[tile].alive == 0 {
+        if self.tiles[tile].active == 0 {
             return 0;
         }
         for (k, observable) in ensemble.observables.iter().enumerate() {
             observable.tile(system, self.tiles[tile].states(), &mut values[k]);
-            for lane in lanes(not_finite(&values[k]) & self.tiles[tile].alive) {
+            for lane in lanes(not_finite(&values[k]) & self.tiles[tile].active) {
                 let name = ensemble.names[k].clone();
                 let state = S::Dims::get(self.tiles[tile].states(), lane);
                 let cause = match observable.value(system, &state) {
@@ -74,8 +78,8 @@ where
             let Some(column) = ensemble.names.iter().position(|known| known == name) else {
                 continue;
             };
-            let left = outside(&values[column], *low, *high);
-            for lane in lanes(left & self.tiles[tile].alive) {
+            let outside = outside(&values[column], *low, *high);
+            for lane in lanes(outside & self.tiles[tile].active) {
                 let cause = Cause::OutOfBound {
                     name: name.clone(),
                     value: values[column][lane],
@@ -85,28 +89,28 @@ where
                 self.fail(tile, lane, self.step, cause);
             }
         }
-        self.tiles[tile].alive
+        self.tiles[tile].active
     }
 
-    /// Adds failures and, where they are asked for, final states.
-    pub(super) fn finish(mut self, node: &mut Node) {
+    /// Adds failures and, if they are kept, final states.
+    pub(super) fn finish(mut self, result: &mut PartialResult) {
         self.failures.sort_by_key(|failure| failure.path);
-        node.failed = self.failures.len() as u64;
-        node.failures = self.failures;
-        if !self.run.ensemble.keep_final_states {
+        result.failed = self.failures.len() as u64;
+        result.failures = self.failures;
+        if !self.settings.ensemble.keep_final_states {
             return;
         }
         for (number, tile) in self.tiles.iter().enumerate() {
-            for lane in lanes(tile.alive) {
+            for lane in lanes(tile.active) {
                 let state = tile.states().get(lane);
                 let path = self.first_path + (number * LANES + lane) as u64;
-                node.final_paths.push(path);
-                node.final_states.push(state.t);
-                node.final_states.extend(state.q.iter().chain(&state.p));
+                result.final_paths.push(path);
+                result.final_states.push(state.t);
+                result.final_states.extend(state.q.iter().chain(&state.p));
             }
         }
     }
 }
 
-// the failures of a block are all kept
+// all failures of a block are kept
 const _: () = assert!(BLOCK_PATHS as usize <= FAILURES_KEPT);

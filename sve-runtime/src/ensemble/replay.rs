@@ -1,11 +1,11 @@
-//! A single path of an ensemble, again.
+//! Replay of a single path of an ensemble.
 //!
-//! Input: a path's number. Output: its states after each step, up to the end or to its failure, with the bits that it had in the
-//! ensemble: it goes through the same code in the same lane, beside lanes that copy it.
+//! Input: the number of a path. Output: its states after each step, up to the end or to its failure, with the bits that it had in the
+//! ensemble: the same code steps it in the same lane, and the other lanes copy it.
 
 use super::failure::Failure;
-use super::flight::{Flight, lanes};
-use super::run::Run;
+use super::path_block::{PathBlock, lanes};
+use super::settings::Settings;
 use super::{BLOCK_PATHS, Ensemble, EnsembleError};
 use crate::configuration::Coordinates;
 use crate::method::Method;
@@ -18,9 +18,9 @@ where
     S: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    /// The states of a single path after each step, with the same bits as in the ensemble: to see why it failed, or where it went.
+    /// Returns the states of a single path after each step, with the same bits as in the ensemble: to see why it failed, or what it did.
     ///
-    /// The last item is the [`Failure`] where the path fails, in a step or, at a recorded time, in an observable.
+    /// If the path fails, in a step or in an observable at a recorded time, the last item is the [`Failure`].
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -54,46 +54,46 @@ where
         &self,
         path: u64,
     ) -> Result<impl Iterator<Item = Result<State<Q>, Failure>>, EnsembleError> {
-        let run = Run::new(self)?;
-        if path >= run.paths {
-            let paths = run.paths;
+        let settings = Settings::new(self)?;
+        if path >= settings.paths {
+            let paths = settings.paths;
             return Err(EnsembleError::Path { path, paths });
         }
-        let mut flight = Flight::new(run, path / BLOCK_PATHS, Some(path))?;
-        let (mut step, mut record, mut over) = (0, 0, false);
+        let mut block = PathBlock::new(settings, path / BLOCK_PATHS, Some(path))?;
+        let (mut step, mut record, mut has_ended) = (0, 0, false);
         Ok(core::iter::from_fn(move || {
-            while step <= run.steps && !over {
-                flight.advance(step);
-                if step == run.step_of(record) {
+            while step <= settings.steps && !has_ended {
+                block.advance(step);
+                if step == settings.step_of(record) {
                     record += 1;
-                    flight.observe_all();
+                    block.observe_all();
                 }
-                if let Some(failure) = flight.failures.pop() {
-                    over = true;
+                if let Some(failure) = block.failures.pop() {
+                    has_ended = true;
                     return Some(Err(failure));
                 }
                 step += 1;
                 if step > 1 {
-                    return flight.only().map(Ok);
+                    return block.first_active_state().map(Ok);
                 }
-                // the start can fail, but is no item
+                // the start can fail, but is not an item
             }
             None
         }))
     }
 }
 
-impl<I, S, Q, const N: usize, const M: usize> Flight<'_, I, N, M>
+impl<I, S, Q, const N: usize, const M: usize> PathBlock<'_, I, N, M>
 where
     I: Method<System = S>,
     S: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    /// The state of the first living path.
-    pub(super) fn only(&self) -> Option<State<Q>> {
+    /// Returns the state of the first active path.
+    pub(super) fn first_active_state(&self) -> Option<State<Q>> {
         let mut tiles = self.tiles.iter();
         tiles.find_map(|tile| {
-            let lane = lanes(tile.alive).next()?;
+            let lane = lanes(tile.active).next()?;
             Some(S::Dims::get(tile.states(), lane))
         })
     }

@@ -1,9 +1,8 @@
-//! What a run keeps in memory, before anything of it is allocated.
+//! Checks that the results of a run fit into memory, before they are allocated. A failed allocation would abort the process.
 //!
-//! Input: checked settings. Output: nothing, or an error that names the number that does not fit. An allocation that fails would abort
-//! the process.
+//! Input: checked settings. Output: the number of records, or an error that names the number that is too large.
 
-use super::histogram::Request;
+use super::histogram::HistogramRequest;
 use super::moments::COLUMN_BYTES;
 use super::{Ensemble, EnsembleError};
 use crate::method::Method;
@@ -12,11 +11,11 @@ use crate::system::StateOf;
 /// Bytes of a number.
 const NUMBER: u128 = 8;
 
-/// Results of blocks that are in memory at the same time, at the least: one that is filled and one that it is merged into.
+/// Smallest number of results of blocks in memory at the same time: one that is filled, and one into which it is merged.
 const AT_ONCE: u128 = 2;
 
-/// Checks that so many recorded times of the observables and histograms of an ensemble fit into memory, and the final states of so many
-/// paths where they are kept; the number of recorded times.
+/// Checks that the recorded observables and histograms of an ensemble fit into memory, and, if they are kept, the final states of so many
+/// paths. Returns the number of recorded times.
 pub(super) fn records<I: Method>(
     ensemble: &Ensemble<'_, I>,
     steps: u64,
@@ -30,10 +29,10 @@ pub(super) fn records<I: Method>(
         let what = format!("{records} recorded times of {observables} observables");
         (what, "record less often with `record_every`")
     })?;
-    // what fits has a length
+    // records that fit into memory can be counted by a `usize`
     let length = usize::try_from(records).unwrap_or(usize::MAX);
     for request in &ensemble.histograms {
-        let Request { name, bins, .. } = request;
+        let HistogramRequest { name, bins, .. } = request;
         let bytes = request.counts(length).saturating_mul(AT_ONCE * NUMBER);
         check(bytes, || {
             let what = format!(
@@ -53,7 +52,7 @@ pub(super) fn records<I: Method>(
     Ok(length)
 }
 
-/// Asks for so many bytes and gives them back.
+/// Checks that so many bytes can be allocated.
 fn check(bytes: u128, described: impl Fn() -> (String, &'static str)) -> Result<(), EnsembleError> {
     let fits =
         usize::try_from(bytes).is_ok_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok());

@@ -3,7 +3,7 @@
 //! Input: merged columns. Output: what users read. Invariant: a mean of no paths and a variance of fewer than two are NaN,
 //! and nothing else is.
 
-use super::histogram::{Bins, Request};
+use super::histogram::{Bins, HistogramRequest};
 use super::moments::{Column, Squares};
 use super::warning::{self, Warning};
 
@@ -90,12 +90,12 @@ impl Statistics {
 /// How many paths have an observable in each of equal parts of a range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Histogram {
-    request: Request,
+    request: HistogramRequest,
     bins: Bins,
 }
 
 impl Histogram {
-    pub(super) fn new(request: Request, bins: Bins) -> Self {
+    pub(super) fn new(request: HistogramRequest, bins: Bins) -> Self {
         Self { request, bins }
     }
 

@@ -1,7 +1,7 @@
-//! What is known of an ensemble after a run.
+//! The results of an ensemble.
 //!
-//! Input: the nodes of a tree. Output: statistics by name, at each recorded time. Invariant: a whole run has one node; the
-//! numbers shown of several are their merge from left to right.
+//! Input: the nodes of a merge tree. Output: statistics by name, at each recorded time. Invariant: a complete run has one node; the
+//! statistics of several nodes are their merge from left to right.
 
 use core::fmt;
 use core::ops::Index;
@@ -10,18 +10,18 @@ use super::error::Difference;
 use super::failure::Failure;
 use super::final_state::FinalState;
 use super::fingerprint::Fingerprint;
-use super::histogram::Request;
+use super::histogram::HistogramRequest;
+use super::merge_tree::{MergeTree, PartialResult};
 use super::statistics::{Histogram, Statistics};
-use super::tree::{Node, Tree};
 use super::warning::Warning;
 use super::{BLOCK_PATHS, EnsembleError, path_at};
 
-/// What summaries of the same run have in common.
+/// The data that summaries of the same run have in common.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Info {
     pub(super) names: Vec<String>,
-    pub(super) histograms: Vec<Request>,
+    pub(super) histograms: Vec<HistogramRequest>,
     pub(super) times: Vec<f64>,
     pub(super) paths: u64,
     pub(super) coordinates: usize,
@@ -32,7 +32,7 @@ pub(super) struct Info {
 #[derive(Clone)]
 pub struct Summary {
     pub(super) info: Info,
-    pub(super) tree: Tree,
+    pub(super) tree: MergeTree,
     statistics: Vec<Statistics>,
     histograms: Vec<Histogram>,
     counts: Vec<u64>,
@@ -41,7 +41,7 @@ pub struct Summary {
 }
 
 impl Info {
-    /// The first thing in which another run differs; `None` for the same run.
+    /// Returns the first difference to another run; `None` for the same run.
     pub(super) fn difference(&self, other: &Self) -> Option<Difference> {
         let same = [
             (self.names == other.names, Difference::Observables),
@@ -58,8 +58,8 @@ impl Info {
 }
 
 impl Summary {
-    /// The summary of the nodes of a tree, of which there is one at least.
-    pub(super) fn new(info: Info, tree: Tree) -> Self {
+    /// Summarises the nodes of a tree, which has at least one.
+    pub(super) fn new(info: Info, tree: MergeTree) -> Self {
         let mut summary = Self {
             statistics: Vec::new(),
             histograms: Vec::new(),
@@ -72,7 +72,7 @@ impl Summary {
         let mut nodes = summary.tree.nodes.values();
         let whole = nodes.next().cloned().map(|first| {
             nodes.fold(first, |mut whole, node| {
-                whole.join(node);
+                whole.merge(node);
                 whole
             })
         });
@@ -82,7 +82,7 @@ impl Summary {
         summary
     }
 
-    fn show(&mut self, node: Node) {
+    fn show(&mut self, node: PartialResult) {
         let columns = self.info.names.iter().zip(node.columns);
         self.statistics = columns
             .map(|(name, column)| Statistics::new(name.clone(), node.counts.clone(), column))
@@ -101,30 +101,30 @@ impl Summary {
         &self.info.times
     }
 
-    /// How many paths were run, those that failed among them.
+    /// Returns the number of paths that were run, including those that failed.
     pub fn paths(&self) -> u64 {
         let at = |block| path_at(block, self.info.paths);
-        let of = |node: &Node| at(node.first + node.blocks) - at(node.first);
+        let of = |node: &PartialResult| at(node.first + node.blocks) - at(node.first);
         self.tree.nodes.values().map(of).sum()
     }
 
-    /// Whether these are all paths of the ensemble, not only those of some shards.
+    /// Returns whether the summary has all paths of the ensemble, and not only those of some shards.
     pub fn is_complete(&self) -> bool {
         self.paths() == self.info.paths
     }
 
-    /// How many paths are in the statistics, at each recorded time: those that have not failed until then.
+    /// Returns the number of paths in the statistics, at each recorded time: those that have not failed before.
     pub fn counts(&self) -> &[u64] {
         &self.counts
     }
 
-    /// How many paths failed.
+    /// Returns the number of paths that failed.
     pub fn failed(&self) -> u64 {
         self.failed
     }
 
     /// The failures of the lowest paths, at most [`FAILURES_KEPT`](super::FAILURES_KEPT) = 256, in their order: number, time and error of
-    /// each. Of those beyond, [`failed`](Self::failed) has the number alone; [`replay`](super::Ensemble::replay) shows any path that failed.
+    /// each. [`failed`](Self::failed) counts all failures; [`replay`](super::Ensemble::replay) shows any path that failed.
     pub fn failures(&self) -> &[Failure] {
         &self.failures
     }
@@ -149,7 +149,7 @@ impl Summary {
         self.histograms.iter().find(|h| h.name() == name)
     }
 
-    /// What is not to be trusted: observables that diverge, and means that hang on one path. See [`Warning`] for the criteria.
+    /// Returns warnings about unreliable statistics: observables that diverge, and means that depend on one path. See [`Warning`] for the criteria.
     ///
     /// ```
     /// use sve_runtime::ensemble::Warning;
@@ -174,7 +174,7 @@ impl Summary {
     /// let summary = ensemble.run()?;
     /// assert_eq!(summary.failed(), 0); // no state is infinite yet
     /// assert!(matches!(&summary.warnings()[..], [Warning::Diverges { name, .. }] if name == "energy"));
-    /// // paths that leave a range can be made to fail
+    /// // a bound makes paths fail that leave a range
     /// let summary = ensemble.bound("energy", ..=1e6).run()?;
     /// assert_eq!(summary.failed(), 100);
     /// # Ok(())
@@ -201,14 +201,14 @@ impl Summary {
 
     /// Adds the paths of another shard of the same run.
     ///
-    /// Shards may be merged in any order; all together give the bits of the whole run.
+    /// Shards can be merged in any order. All shards together have the bits of the whole run.
     ///
-    /// Shards belong to the same run where they have equal settings, formulas of the system, values of its parameters (of the fields that the
-    /// functions of its block use), method, rule and options, and starts. Closures cannot be compared. They are sampled, in all bits:
+    /// Shards belong to the same run if they have equal settings, formulas of the system, values of its parameters (of the fields that the
+    /// functions of its block use), method, rule and options, and starts. Closures cannot be compared. They are sampled, with all bits:
     /// starts of the first 16 paths, of 16 that are spread over all, and of the last; observables and states along path 0, at its
     /// recorded times, for 4096 steps or a thousandth of all steps of the ensemble, whichever is more, and along three other paths for
-    /// 64 steps. **What a closure does elsewhere is not seen**: give shards equal closures. A [`Method`](crate::Method) of your own says what else
-    /// belongs to it in [`identify`](crate::Method::identify). Shards of machines whose mathematical functions differ in the last digit do not merge.
+    /// 64 steps. **Other values of a closure are not compared**: give shards equal closures. A [`Method`](crate::Method) of your own adds its options
+    /// in [`identify`](crate::Method::identify). Shards of machines whose mathematical functions differ in the last digit do not merge.
     ///
     /// # Errors
     /// [`EnsembleError::OtherRun`], which says what differs; [`EnsembleError::Overlap`] where paths are in both. Nothing is
@@ -217,7 +217,7 @@ impl Summary {
         if let Some(what) = self.info.difference(&other.info) {
             return Err(EnsembleError::OtherRun { what });
         }
-        let blocks = |node: &Node| node.first..node.first + node.blocks;
+        let blocks = |node: &PartialResult| node.first..node.first + node.blocks;
         let nodes = other.tree.nodes.values();
         if let Some(block) = nodes.flat_map(blocks).find(|&block| self.tree.has(block)) {
             let first = block * BLOCK_PATHS;
@@ -228,13 +228,13 @@ impl Summary {
             self.tree.insert(node);
         }
         let blocks = self.tree.blocks;
-        let tree = core::mem::replace(&mut self.tree, Tree::new(blocks));
+        let tree = core::mem::replace(&mut self.tree, MergeTree::new(blocks));
         *self = Self::new(self.info.clone(), tree);
         Ok(())
     }
 }
 
-/// Equal where all they know is equal: settings, statistics, failures, final states.
+/// Summaries are equal if settings, statistics, failures and final states are equal.
 impl PartialEq for Summary {
     fn eq(&self, other: &Self) -> bool {
         self.info == other.info && self.tree == other.tree
@@ -247,7 +247,7 @@ impl Index<&str> for Summary {
     /// The statistics of an observable.
     ///
     /// # Panics
-    /// Where there is none of that name; [`get`](Summary::get) returns `None` then.
+    /// If there is no observable of that name; [`get`](Summary::get) returns `None` then.
     fn index(&self, name: &str) -> &Statistics {
         match self.get(name) {
             Some(statistics) => statistics,

@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use sve_runtime::__private::{Linearisation, SolveError};
 use sve_runtime::{
-    Coordinates, Dimensions, Dims, IncrementLanesOf, IncrementsOf, Mask, Newton, Plan, Solver,
+    BlockSolver, Coordinates, Dimensions, Dims, IncrementLanesOf, IncrementsOf, Mask, Newton, Plan,
     State, StateLanesOf, StepOf, System, Variational, VectorOf,
 };
 
@@ -94,7 +94,7 @@ where
         state: &State<[f64; N]>,
         h: f64,
         dw: &IncrementsOf<Self>,
-        newton: &Solver<'_>,
+        newton: &BlockSolver<'_>,
     ) -> Result<StepOf<Self, R>, SolveError> {
         self.0.increment(prepared, state, h, dw, newton)
     }

@@ -171,7 +171,8 @@ fn other_runs_are_refused_by_what_differs() {
         ensemble(&method).observe("p", |_, s| s.p[0]),
         Difference::Observables,
     );
-    refused(ensemble(&method).truncated(3.0), Difference::Noise);
+    let truncated = Truncated::new(Wiener::new(3)).deviations(3.0).unwrap();
+    refused(ensemble(&method).noise(truncated), Difference::Noise);
     refused(ensemble(&method).steps(0.05, 5), Difference::Times);
     let starts = ensemble(&method).start(State::new([1.0], [0.0]));
     refused(starts, Difference::Starts);

@@ -132,7 +132,7 @@ fn no_processes() {
 fn noise_switched_off() {
     let method = Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint);
     let start = State::new([0.5], [0.1]);
-    check(&method, start, |_| Box::new(NoNoise), |e| e.no_noise());
+    check(&method, start, |_| Box::new(NoNoise), |e| e.noise(NoNoise));
 }
 
 #[test]
@@ -143,7 +143,9 @@ fn truncated_increments() {
     let truncated = |path| -> Box<dyn Noise> {
         Box::new(Truncated::new(wiener(path)).deviations(3.0).unwrap())
     };
-    check(&method, start, truncated, |e| e.seed(7).truncated(3.0));
+    check(&method, start, truncated, |e| {
+        e.noise(Truncated::new(Wiener::new(7)).deviations(3.0).unwrap())
+    });
 }
 
 #[test]
@@ -151,5 +153,43 @@ fn three_point_increments() {
     let method = Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint);
     let start = State::new([0.5], [0.1]);
     let three_point = |path| -> Box<dyn Noise> { Box::new(ThreePoint::new(7).path(path)) };
-    check(&method, start, three_point, |e| e.seed(7).three_point());
+    check(&method, start, three_point, |e| e.noise(ThreePoint::new(7)));
+}
+
+#[test]
+fn a_source_with_a_path_begins_there() {
+    let method = Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint);
+    let start = State::new([0.5], [0.1]);
+    let later = |path: u64| wiener(path + 1000);
+    check(&method, start, later, |e| {
+        e.noise(Wiener::new(7).path(1000))
+    });
+}
+
+/// The seed of random starts is that of the ensemble, without one that of the noise.
+#[test]
+fn seeds_of_noise_and_starts() {
+    let method = Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint);
+    let run = |settings: &dyn Fn(Ensemble<'_, _>) -> Summary| {
+        let ensemble = Ensemble::new(&method)
+            .paths(70)
+            .steps(0.1, 5)
+            .start_with(|_, rng| State::new([rng.normal()], [0.1]))
+            .keep_final_states(true);
+        settings(ensemble)
+    };
+    let both = run(&|e| e.seed(7).run().unwrap());
+    assert_eq!(run(&|e| e.noise(Wiener::new(7)).run().unwrap()), both);
+    assert_eq!(
+        run(&|e| e.seed(7).noise(Wiener::new(7)).run().unwrap()),
+        both
+    );
+    let ends = |summary: &Summary| -> Vec<f64> {
+        summary.final_states().map(|(_, end)| end.q[0]).collect()
+    };
+    let other_starts = run(&|e| e.seed(8).noise(Wiener::new(7)).run().unwrap());
+    let other_noise = run(&|e| e.seed(7).noise(Wiener::new(8)).run().unwrap());
+    assert_ne!(ends(&other_starts), ends(&both));
+    assert_ne!(ends(&other_noise), ends(&both));
+    assert!(both.clone().merge(other_noise).is_err());
 }

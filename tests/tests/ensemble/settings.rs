@@ -21,7 +21,7 @@ fn sound(method: &Method) -> Ensemble<'_, Method> {
 #[test]
 fn errors() {
     let method = kubo();
-    let cases: [(Change, &str); 31] = [
+    let cases: [(Change, &str); 28] = [
         (|e| e.paths(0), "`paths` was given 0"),
         (|e| e.steps(0.1, 0), "`steps` was given 0"),
         (|e| e.steps(0.0, 10), "h = 0 must be positive"),
@@ -57,10 +57,10 @@ fn errors() {
         ),
         (|e| e.shard(2, 2), "of 2 shards the numbers are 0 to 2 − 1"),
         (|e| e.shard(0, 0), "of 0 shards"),
-        (|e| e.truncated(0.0), "truncated at 0 standard deviations"),
-        (|e| e.truncated(f64::NAN), "truncated at NaN standard"),
-        (|e| e.three_point().truncated(2.0), "exclude each other"),
-        (|e| e.truncated(2.0).three_point(), "exclude each other"),
+        (
+            |e| e.noise(Truncated::new(Wiener::new(0)).exponent(2.0, 1e-3).unwrap()),
+            "`noise`: increments truncated at √(2k ln(τ/h)) standard deviations need h < τ",
+        ),
         (|e| e.bound("p", ..1.0), "add `.observe(\"p\", …)`"),
         (|e| e.bound("q", 1.0..0.0), "leaves no value"),
         (|e| e.bound("q", f64::NAN..), "leaves no value"),

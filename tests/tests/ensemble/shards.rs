@@ -139,9 +139,12 @@ fn of_other_runs_do_not_merge() {
     other(|e| e.observe("p", |_, s| s.p[0]), "observables");
     other(|e| e.histogram("q", 0.0..1.0, 3), "histograms");
     other(|e| e.seed(4), "a seed");
-    other(|e| e.truncated(1.0), "law of the noise");
-    other(|e| e.three_point(), "law of the noise");
-    other(|e| e.no_noise(), "law of the noise");
+    other(
+        |e| e.noise(Truncated::new(Wiener::new(3)).deviations(1.0).unwrap()),
+        "law of the noise",
+    );
+    other(|e| e.noise(ThreePoint::new(3)), "law of the noise");
+    other(|e| e.noise(NoNoise), "law of the noise");
     other(|e| e.start(State::new([1.0], [0.0])), "starts");
     other(|e| e.keep_final_states(false), "settings");
     other(|e| e.bound("q", ..1e9), "settings");

@@ -1,45 +1,45 @@
-//! Summaries for serde.
+//! The stored form of summaries, for serde.
 //!
-//! Input: what a summary is made of. Output: the summary, or why the parts do not fit together. Invariant: parts that fit
-//! together make a summary whose functions do not panic, whoever wrote them.
+//! Input: the stored data of a summary. Output: the summary, or an error if the data are inconsistent. Invariant: consistent data
+//! give a summary whose functions do not panic, whoever wrote them.
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::histogram::{Bins, Request};
+use super::histogram::{Bins, HistogramRequest};
+use super::merge_tree::{MergeTree, PartialResult};
 use super::summary::{Info, Summary};
-use super::tree::{Node, Tree};
 use super::{BLOCK_PATHS, FAILURES_KEPT, path_at};
 
-/// What is written of a summary.
+/// The data that are written.
 #[derive(Serialize)]
-pub(super) struct Parts<'a> {
+pub(super) struct StoredSummary<'a> {
     run: &'a Info,
-    nodes: Vec<&'a Node>,
+    nodes: Vec<&'a PartialResult>,
 }
 
-impl<'a> Parts<'a> {
-    pub(super) fn new(run: &'a Info, tree: &'a Tree) -> Self {
+impl<'a> StoredSummary<'a> {
+    pub(super) fn new(run: &'a Info, tree: &'a MergeTree) -> Self {
         let nodes = tree.nodes.values().collect();
         Self { run, nodes }
     }
 }
 
-/// What is read.
+/// The data that are read.
 #[derive(Deserialize)]
-pub(super) struct OwnedParts {
+pub(super) struct LoadedSummary {
     pub(super) run: Info,
-    nodes: Vec<Node>,
+    nodes: Vec<PartialResult>,
 }
 
-impl OwnedParts {
-    /// The run and its results, if the nodes are some of this run.
-    pub(super) fn fit_together(self) -> Option<(Info, Tree)> {
+impl LoadedSummary {
+    /// Returns the run and its results, if the data are consistent.
+    pub(super) fn checked(self) -> Option<(Info, MergeTree)> {
         let Self { run, nodes } = self;
-        if !is_sound(&run) || nodes.is_empty() {
+        if !is_valid(&run) || nodes.is_empty() {
             return None;
         }
-        let mut tree = Tree::new(run.paths.div_ceil(BLOCK_PATHS));
+        let mut tree = MergeTree::new(run.paths.div_ceil(BLOCK_PATHS));
         for node in nodes {
             if !fits(&run, &tree, &node) {
                 return None;
@@ -52,31 +52,32 @@ impl OwnedParts {
 
 impl Serialize for Summary {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Parts::new(&self.info, &self.tree).serialize(serializer)
+        StoredSummary::new(&self.info, &self.tree).serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for Summary {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let parts = OwnedParts::deserialize(deserializer)?;
+        let parts = LoadedSummary::deserialize(deserializer)?;
         let (run, tree) = parts
-            .fit_together()
+            .checked()
             .ok_or_else(|| D::Error::custom("the parts of this summary do not fit together"))?;
         Ok(Self::new(run, tree))
     }
 }
 
-fn is_sound(run: &Info) -> bool {
-    let known = |request: &Request| request.is_sound() && run.names.contains(&request.name);
+fn is_valid(run: &Info) -> bool {
+    let known =
+        |request: &HistogramRequest| request.is_valid() && run.names.contains(&request.name);
     run.paths > 0 && !run.times.is_empty() && run.histograms.iter().all(known)
 }
 
-/// Whether a node can be one of this run, behind those that are there.
-fn fits(run: &Info, tree: &Tree, node: &Node) -> bool {
+/// Returns whether a node can belong to this run, after the nodes of the tree.
+fn fits(run: &Info, tree: &MergeTree, node: &PartialResult) -> bool {
     let records = run.times.len();
     let after = tree.nodes.values().next_back();
     let from = after.map_or(0, |node| node.first + node.blocks);
-    // the blocks that a node of its level has there
+    // the number of blocks from the node to the end of the ensemble
     let left = tree.blocks.checked_sub(node.first);
     let span = 1_u64.checked_shl(node.level);
     let is_of_tree = node.first >= from
@@ -95,7 +96,9 @@ fn fits(run: &Info, tree: &Tree, node: &Node) -> bool {
             && column.unit.len() == records
             && column.unit.iter().all(|unit| (-1..=1).contains(unit))
     });
-    let bins = |(request, bins): (&Request, &Bins)| request.counts(records) == bins.0.len() as u128;
+    let bins = |(request, bins): (&HistogramRequest, &Bins)| {
+        request.counts(records) == bins.0.len() as u128
+    };
     let width = 2 * run.coordinates as u128 + 1;
     let states = node.final_paths.len() as u128 * width == node.final_states.len() as u128;
     node.counts.len() == records

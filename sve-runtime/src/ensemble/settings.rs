@@ -1,13 +1,13 @@
-//! The settings of an ensemble once they are checked, and what follows from them.
+//! The settings of an ensemble, complete and checked.
 //!
-//! Input: an [`Ensemble`]. Output: a [`Run`], or what has to be written instead.
+//! Input: an [`Ensemble`]. Output: [`Settings`], or an error that says what to write instead.
 
 use core::ops::Range;
 
 use super::fingerprint::Fingerprint;
-use super::increments::Increments;
-use super::law::Law;
-use super::start::{Start, StartRng};
+use super::increment_buffer::IncrementBuffer;
+use super::path_noise::PathNoise;
+use super::starts::{StartRng, Starts};
 use super::summary::Info;
 use super::{BLOCK_PATHS, Ensemble, EnsembleError, path_at, sizes};
 use crate::configuration::FixedSize;
@@ -15,29 +15,31 @@ use crate::method::Method;
 use crate::system::ConfigurationOf;
 use crate::time::time_after;
 
-/// Settings that were checked, and what follows from them.
-pub(super) struct Run<'a, I: Method> {
+/// The settings of an ensemble, complete and checked.
+pub(super) struct Settings<'a, I: Method> {
     pub(super) ensemble: &'a Ensemble<'a, I>,
     pub(super) h: f64,
     pub(super) steps: u64,
     every: u64,
     pub(super) paths: u64,
     pub(super) start_time: f64,
-    pub(super) law: Law,
+    pub(super) noise: PathNoise,
+    /// The seed of random starts.
+    pub(super) start_seed: u64,
     pub(super) records: usize,
     /// Blocks to run.
     pub(super) shard: [u64; 2],
 }
 
-impl<I: Method> Clone for Run<'_, I> {
+impl<I: Method> Clone for Settings<'_, I> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<I: Method> Copy for Run<'_, I> {}
+impl<I: Method> Copy for Settings<'_, I> {}
 
-impl<'a, I: Method> Run<'a, I> {
+impl<'a, I: Method> Settings<'a, I> {
     /// Checks the settings.
     pub(super) fn new(ensemble: &'a Ensemble<'a, I>) -> Result<Self, EnsembleError> {
         let missing = |what, write| EnsembleError::Missing { what, write };
@@ -65,14 +67,15 @@ impl<'a, I: Method> Run<'a, I> {
             return zero("threads", "leave it out to use every core");
         }
         ensemble.method.prepare(h).map_err(EnsembleError::Prepare)?;
-        let law = ensemble.law.law(h)?;
+        let noise = PathNoise::new(ensemble.noise, ensemble.seed.unwrap_or(0), h)?;
+        let start_seed = ensemble.seed.unwrap_or(noise.seed);
         let start_time = match start {
-            Start::Same(state) => state.t,
-            Start::Drawn(draw) => draw(0, &mut StartRng::new(ensemble.seed, 0)).t,
+            Starts::Same(state) => state.t,
+            Starts::Drawn(draw) => draw(0, &mut StartRng::new(start_seed, 0)).t,
         };
         check_times(start_time, h, steps)?;
         check_names(ensemble)?;
-        let shard = blocks(ensemble.shard, paths)?;
+        let shard = blocks_of_shard(ensemble.shard, paths)?;
         let every = ensemble.every.unwrap_or(steps);
         let own = path_at(shard[1], paths) - path_at(shard[0], paths);
         let records = sizes::records(ensemble, steps, every, own)?;
@@ -83,37 +86,39 @@ impl<'a, I: Method> Run<'a, I> {
             every,
             paths,
             start_time,
-            law,
+            noise,
+            start_seed,
             records,
             shard,
         })
     }
 
-    /// The time after so many steps.
+    /// Returns the time after so many steps.
     pub(super) fn time(&self, step: u64) -> f64 {
         time_after(self.start_time, step, self.h)
     }
 
-    /// The step after which a record is taken.
+    /// Returns the step after which a record is taken.
     pub(super) fn step_of(&self, record: usize) -> u64 {
         (record as u64).saturating_mul(self.every).min(self.steps)
     }
 
-    /// Whether a record is taken after so many steps.
+    /// Returns whether a record is taken after so many steps.
     pub(super) fn records_after(&self, step: u64) -> bool {
         step.is_multiple_of(self.every) || step == self.steps
     }
 
-    pub(super) fn increments<const M: usize>(&self, first_path: u64) -> Increments<M> {
-        Increments::new(self.law, self.ensemble.seed, first_path, self.h)
+    /// Returns the empty increments of a block of paths.
+    pub(super) fn increments<const M: usize>(&self, first_path: u64) -> IncrementBuffer<M> {
+        IncrementBuffer::new(self.noise, first_path, self.h)
     }
 
-    /// How many paths some blocks have.
+    /// Returns the number of paths of some blocks.
     pub(super) fn paths_of(&self, blocks: Range<u64>) -> u64 {
         path_at(blocks.end, self.paths) - path_at(blocks.start, self.paths)
     }
 
-    /// What summaries of the same run have in common.
+    /// Returns the data that summaries of the same run have in common.
     pub(super) fn info(&self, fingerprint: Fingerprint) -> Info {
         let times = (0..self.records).map(|record| self.time(self.step_of(record)));
         Info {
@@ -127,8 +132,8 @@ impl<'a, I: Method> Run<'a, I> {
     }
 }
 
-/// The blocks of a shard.
-fn blocks((index, of): (u64, u64), paths: u64) -> Result<[u64; 2], EnsembleError> {
+/// Returns the first block of a shard and the first block after it.
+fn blocks_of_shard((index, of): (u64, u64), paths: u64) -> Result<[u64; 2], EnsembleError> {
     if index >= of {
         return Err(EnsembleError::Shard { index, of });
     }
@@ -146,8 +151,7 @@ fn blocks((index, of): (u64, u64), paths: u64) -> Result<[u64; 2], EnsembleError
     Ok(shard)
 }
 
-/// Checks that the times of all steps are finite and differ. Neighbouring numbers are farthest apart at one of the ends, where a
-/// step begins.
+/// Checks that the times of all steps are finite and differ. The spacing of numbers is largest at the first or the last step.
 fn check_times(start: f64, h: f64, steps: u64) -> Result<(), EnsembleError> {
     let end = time_after(start, steps, h);
     if !(start.is_finite() && end.is_finite()) {
@@ -185,7 +189,7 @@ fn check_names<I: Method>(ensemble: &Ensemble<'_, I>) -> Result<(), EnsembleErro
     };
     for request in &ensemble.histograms {
         known(&request.name, "make a histogram of")?;
-        if !request.is_sound() {
+        if !request.is_valid() {
             let ([low, high], bins) = (request.range, request.bins);
             return Err(EnsembleError::Histogram {
                 name: request.name.clone(),

@@ -1,27 +1,27 @@
-//! Where paths start, and the generator for starts drawn at random.
+//! The starts of paths, and the generator for random starts.
 
 use core::convert::Infallible;
 
 use crate::noise::{box_muller, threefry};
 
-/// Separates these draws from the increments of the same seed and path.
+/// Part of the generator's key that separates these draws from the increments of the same seed and path.
 const DOMAIN: u64 = u64::from_le_bytes(*b"start   ");
 
-/// The start of a path, by its number.
+/// Returns the start of a path.
 type Draw<'a, T> = Box<dyn Fn(u64, &mut StartRng) -> T + Sync + 'a>;
 
-/// Where paths start.
-pub(super) enum Start<'a, T> {
-    /// All at one state.
+/// The starts of all paths.
+pub(super) enum Starts<'a, T> {
+    /// One state for all paths.
     Same(T),
-    /// Each at its own.
+    /// A state for each path.
     Drawn(Draw<'a, T>),
 }
 
-/// The generator of random numbers for the start of a path: a function of seed and path alone.
+/// The generator of random numbers for the start of a path. Its numbers depend on seed and path only.
 ///
-/// It is a generator of the `rand` crates (`rand_core` 0.10), so any distribution of theirs can be drawn from it;
-/// [`normal`](Self::normal) and [`uniform`](Self::uniform) need no further crate. Its numbers are independent of the path's Wiener increments.
+/// It is a generator of the `rand` crates (`rand_core` 0.10), so it serves any distribution of theirs.
+/// [`normal`](Self::normal) and [`uniform`](Self::uniform) need no further crate. The numbers are independent of the path's Wiener increments.
 ///
 /// Generator: Threefry4x64-13 under the key (seed, path, domain, 0), as for [`Wiener`](crate::noise::Wiener) with another domain.
 #[derive(Clone, Debug)]
@@ -29,7 +29,7 @@ pub struct StartRng {
     key: [u64; 4],
     counter: u64,
     words: [u64; 4],
-    /// Words of the block already given.
+    /// Number of words of the block already used.
     used: usize,
     /// The second normal of a pair.
     spare: Option<f64>,
@@ -46,7 +46,7 @@ impl StartRng {
         }
     }
 
-    /// The next word.
+    /// Returns the next word.
     fn word(&mut self) -> u64 {
         if self.used == 4 {
             self.words = threefry::block([self.counter, 0, 0, 0], self.key);
@@ -57,7 +57,7 @@ impl StartRng {
         self.words[self.used - 1]
     }
 
-    /// A standard normal.
+    /// Returns a standard normal number.
     pub fn normal(&mut self) -> f64 {
         if let Some(spare) = self.spare.take() {
             return spare;
@@ -67,7 +67,7 @@ impl StartRng {
         first
     }
 
-    /// A number uniform between 0 and 1, a multiple of 2⁻⁵³, never 1.
+    /// Returns a uniform number from 0 to 1, a multiple of 2⁻⁵³ below 1.
     pub fn uniform(&mut self) -> f64 {
         (self.word() >> 11) as f64 / (1_u64 << 53) as f64
     }

@@ -1,55 +1,58 @@
-//! Results of blocks of paths, merged pairwise in a fixed tree.
+//! The merge tree: partial results of consecutive blocks, merged pairwise in a fixed order.
 //!
-//! Input: results of blocks, in any order. Output: nodes, each the merged results of blocks in a row.
-//! Invariant: the node of level `l` over the blocks `i 2ˡ … (i + 1) 2ˡ − 1`, as far as they exist, is the join of the two of
-//! level `l − 1`, the lower one first. So what the root has does not depend on the order in which blocks came, on threads or on shards; and of
-//! blocks in a row, of which all are there, no more nodes are kept than twice the tree's depth.
+//! Input: results of blocks, in any order. Output: partial results, each of consecutive blocks.
+//! Invariant: the node of level `l` over the blocks `i 2ˡ … (i + 1) 2ˡ − 1`, as far as they exist, is the merge of the two of
+//! level `l − 1`, the lower one first. So the root does not depend on the order of the blocks, on threads or on shards. For
+//! consecutive blocks without gaps, at most twice as many nodes are kept as the tree has levels.
 
 use std::collections::BTreeMap;
 
 use super::failure::{FAILURES_KEPT, Failure};
-use super::histogram::Bins;
+use super::histogram::{Bins, HistogramRequest};
 use super::moments::Column;
-use super::run::Run;
-use crate::method::Method;
 
-/// What is known of the paths of some blocks in a row.
+/// The merged results of consecutive blocks: a node of the tree.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Node {
+pub(super) struct PartialResult {
     /// First block.
     pub(super) first: u64,
     /// Level in the tree.
     pub(super) level: u32,
-    /// Blocks of it.
+    /// Number of blocks.
     pub(super) blocks: u64,
-    /// Paths that have a part in the statistics, at each recorded time.
+    /// Number of paths in the statistics, at each recorded time.
     pub(super) counts: Vec<u64>,
-    /// One an observable.
+    /// Statistics of each observable.
     pub(super) columns: Vec<Column>,
-    /// One a histogram.
+    /// Counts of each histogram.
     pub(super) histograms: Vec<Bins>,
-    /// Paths that failed.
+    /// Number of paths that failed.
     pub(super) failed: u64,
-    /// The first of them.
+    /// The first failures.
     pub(super) failures: Vec<Failure>,
-    /// Final states, where they are kept: the path's number for each, and `t`, `q…`, `p…` in a row.
+    /// Final states, if they are kept: the number of each path, and `t`, `q…`, `p…` in a row.
     pub(super) final_paths: Vec<u64>,
     #[cfg_attr(feature = "serde", serde(with = "crate::floats::many"))]
     pub(super) final_states: Vec<f64>,
 }
 
-impl Node {
-    /// Nothing yet of the paths of a block.
-    pub(super) fn new<I: Method>(block: u64, run: &Run<'_, I>) -> Self {
-        let requests = run.ensemble.histograms.iter();
+impl PartialResult {
+    /// The empty result of a block.
+    pub(super) fn new(
+        block: u64,
+        records: usize,
+        observables: usize,
+        histograms: &[HistogramRequest],
+    ) -> Self {
+        let requests = histograms.iter();
         Self {
             first: block,
             level: 0,
             blocks: 1,
-            counts: vec![0; run.records],
-            columns: vec![Column::new(run.records); run.ensemble.names.len()],
-            histograms: requests.map(|r| Bins::new(r, run.records)).collect(),
+            counts: vec![0; records],
+            columns: vec![Column::new(records); observables],
+            histograms: requests.map(|r| Bins::new(r, records)).collect(),
             failed: 0,
             failures: Vec::new(),
             final_paths: Vec::new(),
@@ -57,8 +60,8 @@ impl Node {
         }
     }
 
-    /// Adds what the next blocks have.
-    pub(super) fn join(&mut self, next: &Self) {
+    /// Adds the results of the next blocks.
+    pub(super) fn merge(&mut self, next: &Self) {
         for (column, other) in self.columns.iter_mut().zip(&next.columns) {
             column.merge(&self.counts, other, &next.counts);
         }
@@ -79,15 +82,15 @@ impl Node {
     }
 }
 
-/// The nodes that could not be joined yet, by their first block.
+/// The partial results that cannot be merged yet, by their first block.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Tree {
-    /// Blocks of the whole ensemble.
+pub(super) struct MergeTree {
+    /// Number of blocks of the whole ensemble.
     pub(super) blocks: u64,
-    pub(super) nodes: BTreeMap<u64, Node>,
+    pub(super) nodes: BTreeMap<u64, PartialResult>,
 }
 
-impl Tree {
+impl MergeTree {
     pub(super) fn new(blocks: u64) -> Self {
         Self {
             blocks,
@@ -95,8 +98,8 @@ impl Tree {
         }
     }
 
-    /// Takes a node in, or gives back the one to join it with, before or after it.
-    pub(super) fn place(&mut self, node: &mut Option<Node>) -> Option<Node> {
+    /// Inserts a node, or removes and returns the neighbour to merge it with.
+    pub(super) fn place(&mut self, node: &mut Option<PartialResult>) -> Option<PartialResult> {
         let new = node.as_mut()?;
         loop {
             let span = 1 << new.level;
@@ -105,7 +108,7 @@ impl Tree {
             }
             let even = new.first / span % 2 == 0;
             if even && new.first + span >= self.blocks {
-                // nothing follows at the end of the ensemble
+                // The last node of a level has no neighbour: it becomes a node of the next level.
                 new.level += 1;
                 continue;
             }
@@ -124,15 +127,15 @@ impl Tree {
         None
     }
 
-    /// Takes a node in and joins what can be joined.
-    pub(super) fn insert(&mut self, node: Node) {
+    /// Inserts a node and merges all nodes that can be merged.
+    pub(super) fn insert(&mut self, node: PartialResult) {
         let mut node = Some(node);
         while let Some(other) = self.place(&mut node) {
-            node = node.map(|node| joined(node, other));
+            node = node.map(|node| merged(node, other));
         }
     }
 
-    /// Whether a block is in one of the nodes.
+    /// Returns whether a block is in one of the nodes.
     pub(super) fn has(&self, block: u64) -> bool {
         self.nodes
             .range(..=block)
@@ -141,9 +144,9 @@ impl Tree {
     }
 }
 
-/// Two nodes, the one that comes first and the other.
-pub(super) fn joined(a: Node, b: Node) -> Node {
+/// Merges two nodes in the order of their blocks.
+pub(super) fn merged(a: PartialResult, b: PartialResult) -> PartialResult {
     let (mut left, right) = if a.first < b.first { (a, b) } else { (b, a) };
-    left.join(&right);
+    left.merge(&right);
     left
 }

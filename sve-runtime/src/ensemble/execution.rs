@@ -1,0 +1,224 @@
+//! The execution of an ensemble: its blocks on all threads.
+//!
+//! Input: [`Settings`]. Output: a [`Summary`]. Invariant: the result of a block depends on its number only, and the tree
+//! fixes how blocks are merged, so threads affect nothing but the duration.
+
+use core::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+#[cfg(feature = "checkpoint")]
+use super::checkpoint::CheckpointFile;
+use super::merge_tree::{MergeTree, PartialResult, merged};
+use super::path_block::PathBlock;
+use super::progress::Progress;
+use super::settings::Settings;
+#[cfg(feature = "checkpoint")]
+use super::summary::Info;
+use super::summary::Summary;
+use super::{BLOCK_PATHS, EnsembleError};
+use crate::configuration::Coordinates;
+use crate::method::Method;
+use crate::system::{Dims, System};
+
+impl<I, S, Q, const N: usize, const M: usize> Settings<'_, I>
+where
+    I: Method<System = S> + Sync,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    /// Runs the blocks of the shard.
+    pub(super) fn execute(&self) -> Result<Summary, EnsembleError> {
+        let info = self.info(self.fingerprint());
+        let shared = Shared::new(self);
+        #[cfg(feature = "checkpoint")]
+        let shared = shared.load(self, &info)?;
+        let run_blocks = || {
+            rayon::scope(|scope| {
+                for _ in 0..rayon::current_num_threads() {
+                    scope.spawn(|_| self.run_blocks(&shared));
+                }
+            });
+        };
+        match self.ensemble.threads {
+            None => run_blocks(),
+            Some(threads) => rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()?
+                .install(run_blocks),
+        }
+        let tree = shared.end()?;
+        if tree.nodes.is_empty() {
+            return Err(EnsembleError::NothingRun);
+        }
+        Ok(Summary::new(info.clone(), tree))
+    }
+
+    /// Runs blocks until none is left.
+    fn run_blocks(&self, shared: &Shared) {
+        loop {
+            let block = shared.next.fetch_add(1, Ordering::Relaxed);
+            if block >= self.shard[1] || shared.stops_before(block) {
+                return;
+            }
+            if shared.loaded.iter().any(|range| range.contains(&block)) {
+                continue;
+            }
+            if self.ensemble.stop_when.as_ref().is_some_and(|stop| stop()) {
+                return;
+            }
+            let done = self.run_block(block).and_then(|result| {
+                shared.progress.add(self.paths_of(block..block + 1));
+                shared.insert(result)
+            });
+            if let Err(error) = done {
+                shared.stop(error);
+            }
+        }
+    }
+
+    /// Runs the paths of a block from start to end.
+    fn run_block(&self, block: u64) -> Result<PartialResult, EnsembleError> {
+        let mut paths = PathBlock::new(*self, block, None)?;
+        let ensemble = self.ensemble;
+        let mut result = PartialResult::new(
+            block,
+            self.records,
+            ensemble.names.len(),
+            &ensemble.histograms,
+        );
+        for record in 0..self.records {
+            paths.advance(self.step_of(record));
+            paths.record(record, &mut result);
+        }
+        paths.finish(&mut result);
+        match result.failures.first() {
+            Some(first) if self.ensemble.stop_on_failure => {
+                Err(EnsembleError::Failed(first.clone()))
+            }
+            _ => Ok(result),
+        }
+    }
+}
+
+/// The state that the threads share.
+struct Shared {
+    /// The next block.
+    next: AtomicU64,
+    tree: Mutex<MergeTree>,
+    /// Blocks whose results a checkpoint has.
+    loaded: Vec<Range<u64>>,
+    /// The error that ends the run: that of the first path that failed.
+    stop: Mutex<Option<EnsembleError>>,
+    progress: Progress,
+    #[cfg(feature = "checkpoint")]
+    checkpoint: Option<CheckpointFile>,
+}
+
+impl Shared {
+    fn new<I: Method>(settings: &Settings<'_, I>) -> Self {
+        let [start, end] = settings.shard;
+        let paths = settings.paths_of(start..end);
+        Self {
+            next: AtomicU64::new(start),
+            tree: Mutex::new(MergeTree::new(settings.paths.div_ceil(BLOCK_PATHS))),
+            loaded: Vec::new(),
+            stop: Mutex::new(None),
+            progress: Progress::new(settings.ensemble.progress, paths),
+            #[cfg(feature = "checkpoint")]
+            checkpoint: None,
+        }
+    }
+
+    /// Inserts the result of a block into the tree. Results are merged outside of the lock. With a checkpoint they are merged inside, since the written
+    /// tree has to contain all blocks.
+    fn insert(&self, result: PartialResult) -> Result<(), EnsembleError> {
+        #[cfg(feature = "checkpoint")]
+        if let Some(checkpoint) = &self.checkpoint {
+            let mut tree = locked(&self.tree);
+            tree.insert(result);
+            return if checkpoint.is_due() {
+                checkpoint.save(&tree)
+            } else {
+                Ok(())
+            };
+        }
+        let mut result = Some(result);
+        loop {
+            let other = locked(&self.tree).place(&mut result);
+            match (result.take(), other) {
+                (Some(new), Some(other)) => result = Some(merged(new, other)),
+                _ => return Ok(()),
+            }
+        }
+    }
+
+    /// Returns the results, after all threads have ended.
+    fn end(self) -> Result<MergeTree, EnsembleError> {
+        self.progress.end();
+        let tree = (self.tree.into_inner()).unwrap_or_else(PoisonError::into_inner);
+        #[cfg(feature = "checkpoint")]
+        if let Some(checkpoint) = &self.checkpoint {
+            checkpoint.save(&tree)?;
+        }
+        match (self.stop.into_inner()).unwrap_or_else(PoisonError::into_inner) {
+            Some(error) => Err(error),
+            None => Ok(tree),
+        }
+    }
+
+    /// Stores the error if it is that of the lowest path so far.
+    fn stop(&self, error: EnsembleError) {
+        let mut stop = locked(&self.stop);
+        if stop.as_ref().is_none_or(|old| path(&error) < path(old)) {
+            *stop = Some(error);
+        }
+    }
+
+    /// Returns whether the failure of an earlier path ends the run before this block.
+    fn stops_before(&self, block: u64) -> bool {
+        locked(&self.stop)
+            .as_ref()
+            .is_some_and(|error| path(error) < block * BLOCK_PATHS)
+    }
+}
+
+#[cfg(feature = "checkpoint")]
+impl Shared {
+    /// Loads the results of a checkpoint, if there is one.
+    fn load<I: Method>(
+        mut self,
+        settings: &Settings<'_, I>,
+        info: &Info,
+    ) -> Result<Self, EnsembleError> {
+        let Some((path, every)) = &settings.ensemble.checkpoint else {
+            return Ok(self);
+        };
+        let checkpoint = CheckpointFile::new(path.clone(), *every, info.clone(), settings.shard);
+        if settings.ensemble.resume
+            && let Some(tree) = checkpoint.load()?
+        {
+            for part in tree.nodes.values() {
+                let blocks = part.first..part.first + part.blocks;
+                self.progress.add(settings.paths_of(blocks.clone()));
+                self.loaded.push(blocks);
+            }
+            self.tree = Mutex::new(tree);
+        }
+        self.checkpoint = Some(checkpoint);
+        Ok(self)
+    }
+}
+
+/// Returns the path that an error belongs to. Errors of the whole run come first.
+fn path(error: &EnsembleError) -> u64 {
+    match error {
+        EnsembleError::Failed(failure) => failure.path,
+        _ => 0,
+    }
+}
+
+/// Locks a mutex. A panic of another thread ends the whole run, so the state that it left does not matter.
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
