@@ -6,8 +6,12 @@
 use std::collections::BTreeSet;
 
 use quote::quote;
-use syn::{Expr, ImplItem, ImplItemConst, ImplItemFn, ItemImpl, ReturnType, Type, parse_quote};
+use syn::{
+    Expr, GenericArgument, ImplItem, ImplItemConst, ImplItemFn, ItemImpl, PathArguments,
+    ReturnType, Type, parse_quote,
+};
 
+use crate::syntax::nalgebra::{Kind, Size, Written};
 use crate::syntax::parse::is_f64;
 
 pub(super) fn mend(block: &mut ItemImpl, mistaken: &BTreeSet<String>) {
@@ -63,11 +67,19 @@ fn zero_of(ty: &Type) -> Option<Expr> {
             let (entry, length) = (zero_of(&array.elem)?, &array.len);
             Some(parse_quote!([#entry; #length]))
         }
-        _ => is_f64(ty).then(|| parse_quote!(0.0)),
+        _ if is_f64(ty) => Some(parse_quote!(0.0)),
+        _ => {
+            let written = Written::of_type(ty).filter(|written| written.kind == Kind::Matrix)?;
+            let (Size::Known(rows), Size::Known(columns)) = (written.rows, written.columns) else {
+                return None;
+            };
+            let zeros = vec![quote!(0.0); rows * columns];
+            Some(parse_quote!(<#ty>::new(#(#zeros),*)))
+        }
     }
 }
 
-/// `[f64; N]` with a constant `N` of this block is meant as `[f64; Self::N]`.
+/// `[f64; N]` with a constant `N` of this block is meant as `[f64; Self::N]`, and `SVector<f64, N>` as `SVector<f64, { Self::N }>`.
 fn own_lengths(function: &mut ImplItemFn, constants: &BTreeSet<String>) {
     for argument in &mut function.sig.inputs {
         if let syn::FnArg::Typed(argument) = argument {
@@ -90,6 +102,21 @@ fn own_length(ty: &mut Type, constants: &BTreeSet<String>) {
         Type::Array(array) => {
             own_length(&mut array.elem, constants);
             own_name(&mut array.len, constants);
+        }
+        Type::Path(path) => {
+            let last = path.path.segments.last_mut();
+            let Some(PathArguments::AngleBracketed(generics)) = last.map(|s| &mut s.arguments)
+            else {
+                return;
+            };
+            for argument in &mut generics.args {
+                if let GenericArgument::Type(Type::Path(name)) = argument
+                    && let Some(name) = name.path.get_ident().cloned()
+                    && constants.contains(&name.to_string())
+                {
+                    *argument = GenericArgument::Const(parse_quote!({ Self::#name }));
+                }
+            }
         }
         _ => {}
     }
