@@ -33,7 +33,7 @@ use sve_compiler::Settings;
 /// | `#[force] fn …` | `(&self, q: [f64; N], v: [f64; N]) -> [f64; N]` | F, a force that no potential has (Lagrange–d'Alembert); several add up |
 /// | `#[symmetry] fn …` | `(&self, q: [f64; N]) -> [f64; N]` | ξ, the generator of a symmetry of everything else in the block |
 /// | other `fn` | anything in the language below | helpers, inlined |
-/// | `const` | a number or an array | written `Self::NAME` |
+/// | `const` | a number, an array, a vector or a matrix | written `Self::NAME` |
 ///
 /// The equations are, with Stratonovich integrals and an independent Wiener process for each γ and each H₁ in source order,
 ///
@@ -57,8 +57,25 @@ use sve_compiler::Settings;
 /// accepted. The documentation of the momentum and the plan say which of the three it is: nothing for a proof, "checked, not
 /// proved" or "not decided". The same holds of noises that commute, each of which is scaled to the order of 1 first.
 ///
-/// `N = 1` may be written `q: f64`. What the functions read of `self` are the parameters: fields `f64` and `[f64; K]`, also of
-/// structs within, whose lengths need not be known to the macro. `N` and `M` are literals or constants of the block, `Self::N`.
+/// `N = 1` may be written `q: f64`. Instead of `[f64; N]` the coordinates may be `[[f64; D]; B]`, a vector of nalgebra, `Vector1<f64>` to
+/// `Vector6<f64>` or `SVector<f64, N>`, or an array of these, `[Vector3<f64>; B]`; the paths of these types may be written out, as in
+/// `na::Vector3<f64>`. All coordinates, velocities and momenta of a block have the same type, and so have forces and generators. `M` noises may be returned as a
+/// vector too. `N` and `M` are literals or constants of the block, `Self::N`, and `{ Self::N }` among generic arguments.
+///
+/// # Parameters
+///
+/// What the functions read of `self` are the parameters: fields `f64`, arrays `[f64; K]`, vectors, matrices and rotations of nalgebra and
+/// arrays of these, also of structs within. The macro does not see the types of fields. The length of an array need not be known. The
+/// type of a vector, matrix or rotation follows from its use:
+///
+/// - in a sum, the other operand has the same type: `q - self.anchor`;
+/// - in a call, the receiver or an argument has it: `self.gravity.dot(&q)`, `a.cross(&self.b)`, `self.f(self.gravity)`;
+/// - entries are numbers: `self.gravity.z`, `self.inertia[(0, 1)]`;
+/// - in a product or a quotient the field is a number: `self.mass * v`. If it is none, its type has to be written,
+///   `let inertia: Matrix3<f64> = self.inertia;`, or be the result of a function of the block. Otherwise the compiler finds another type than `f64` and
+///   reports it at the field.
+///
+/// Where the type does not follow, the error at the token asks for `let g: Vector3<f64> = self.g;`.
 ///
 /// # Language of a body
 ///
@@ -77,6 +94,18 @@ use sve_compiler::Settings;
 ///   error; `as f64`, `f64::from`, `into` where the type is written;
 /// - `std::array::from_fn` with its length in the type of the variable, of the result or in `from_fn::<_, N, _>`; `iter_mut` and
 ///   `for x in &mut a` of local arrays;
+/// - of nalgebra, with `&` wherever it takes references:
+///   - `+ − * /` and `+= −= *= /=` of vectors, matrices, rotations and numbers; products of matrices, vectors and rotations;
+///   - `.x`, `.y`, `.z`, `.w`, `.m21`, `v[i]`, `m[(i, j)]`, read and assigned to; `len`, `nrows`, `ncols`;
+///   - `dot`, `cross`, `perp`, `norm`, `norm_squared`, `magnitude`, `magnitude_squared`, `metric_distance`, `normalize`, `component_mul`, `component_div`, `scale`,
+///     `unscale`, `add_scalar`, `lerp`, `sum`, `product`, `mean`, `transpose`, `tr_mul`, `trace`, `determinant` of up to 6 rows, `diagonal`, `cross_matrix`,
+///     `to_scalar`, `inverse`, `transform_vector`, `inverse_transform_vector` and `matrix` of rotations, `into_inner`;
+///   - parts: `row`, `column`, `rows`, `columns`, `fixed_rows::<K>`, `fixed_columns::<K>`, `fixed_view::<R, C>`, `xy`, `xyz` and their like;
+///     iterators: `iter`, `iter_mut`, `row_iter`, `column_iter`; closures: `map`, `zip_map`, `fold`; sums of vectors, `.sum::<Vector3<f64>>()`;
+///   - `new`, `zeros`, `identity`, `repeat`, `from_element`, `from_diagonal`, `from_diagonal_element`, `from_columns`, `from_rows`, `from_row_slice`,
+///     `from_column_slice`, `from` an array, `from_fn`, `x()` and `x_axis()` and their like; `into` between arrays and vectors where the type is written;
+///     `Rotation2::new`, `Rotation3::from_euler_angles`, `Rotation3::from_axis_angle`, `Unit::new_normalize`. Constants of the block need
+///     functions that are `const` in nalgebra, which are `new` of vectors and matrices;
 /// - of the methods of `f64`: `powi`, `powf`, `sqrt`, `cbrt`, `exp`, `exp2`, `exp_m1`, `ln`, `ln_1p`, `log`, `log2`, `log10`, `sin`, `cos`, `sin_cos`,
 ///   `tan`, `asin`, `acos`, `atan`, `atan2`, `sinh`, `cosh`, `tanh`, `asinh`, `acosh`, `atanh`, `hypot`, `recip`, `mul_add`, `to_radians`,
 ///   `to_degrees`.
@@ -89,6 +118,9 @@ use sve_compiler::Settings;
 /// | refused | why |
 /// | --- | --- |
 /// | `abs`, `signum`, `min`, `max`, `clamp`, `floor`, `round`, …, `%` of numbers | not smooth: there is no derivative to take |
+/// | `abs`, `max`, `amax`, `argmax`, `angle`, … of vectors | likewise |
+/// | `lu`, `try_inverse`, `svd` and other factorisations of matrices | they are algorithms, not formulas: their results can be parameters |
+/// | methods that change a vector in place, `normalize_mut`, `copy_from`, … | assignments say the same |
 /// | `if` on numbers, `match` | a Lagrangian is one formula everywhere |
 /// | `while`, bounds of loops and indices that are not known at compile time, recursion | nothing could be unrolled |
 /// | functions outside the block, lengths, bounds and indices by constants outside it, macro calls | the macro sees the tokens of this block alone |

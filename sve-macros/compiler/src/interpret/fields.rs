@@ -95,9 +95,11 @@ impl FieldPath {
     }
 
     /// The same, whose type is written as `f64`.
-    pub(super) fn as_number(mut self) -> Self {
-        self.is_number = true;
-        self
+    pub(super) fn as_number(&self) -> Self {
+        Self {
+            is_number: true,
+            ..self.clone()
+        }
     }
 
     pub(super) fn is_number(&self) -> bool {

@@ -13,7 +13,7 @@ impl Lowering<'_> {
             (_, Value::Poison) => Value::Poison,
             (UnOp::Neg(op), Value::Int(i)) => self.negated(i, op),
             (UnOp::Neg(op), Value::Matrix(matrix)) => self.negative(&matrix, op),
-            (UnOp::Neg(_), value) => match self.scalar(&value, &unary.expr) {
+            (UnOp::Neg(_), value) => match self.operand(&value, &unary.expr) {
                 Some(x) => Value::Scalar(self.arena.neg(x)),
                 None => Value::Poison,
             },

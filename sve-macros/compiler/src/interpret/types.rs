@@ -4,7 +4,7 @@ use syn::spanned::Spanned;
 use syn::{Expr as Syntax, Ident, Type};
 
 use super::fields::unseen;
-use super::matrices::{ENTRIES, Matrix, MatrixType};
+use super::matrices::{Matrix, MatrixType};
 use super::value::Value;
 use super::{Lowering, readable};
 use crate::syntax::nalgebra::{Size, Written};
@@ -255,7 +255,7 @@ impl Lowering<'_> {
             rows,
             columns,
         };
-        (ty.len() <= ENTRIES).then_some(ty)
+        ty.unusable().is_none().then_some(ty)
     }
 
     /// A length that is a literal or made of constants of the block; silent about others, which are Rust's to know.

@@ -7,9 +7,11 @@ use std::collections::BTreeSet;
 
 use quote::quote;
 use syn::{
-    Attribute, Expr, ImplItem, ImplItemConst, ImplItemFn, ItemImpl, ReturnType, Type, parse_quote,
+    Attribute, Expr, GenericArgument, ImplItem, ImplItemConst, ImplItemFn, ItemImpl, PathArguments,
+    ReturnType, Type, parse_quote,
 };
 
+use super::nalgebra::{Kind, Size, Written};
 use super::parse::{is_f64, is_this};
 use super::roles::is_role_name;
 
@@ -89,11 +91,19 @@ fn zero_of(ty: &Type) -> Option<Expr> {
             let (entry, length) = (zero_of(&array.elem)?, &array.len);
             Some(parse_quote!([#entry; #length]))
         }
-        _ => is_f64(ty).then(|| parse_quote!(0.0)),
+        _ if is_f64(ty) => Some(parse_quote!(0.0)),
+        _ => {
+            let written = Written::of_type(ty).filter(|written| written.kind == Kind::Matrix)?;
+            let (Size::Known(rows), Size::Known(columns)) = (written.rows, written.columns) else {
+                return None;
+            };
+            let zeros = vec![quote!(0.0); rows * columns];
+            Some(parse_quote!(<#ty>::new(#(#zeros),*)))
+        }
     }
 }
 
-/// `[f64; N]` with a constant `N` of this block is meant as `[f64; Self::N]`.
+/// `[f64; N]` with a constant `N` of this block is meant as `[f64; Self::N]`, and `SVector<f64, N>` as `SVector<f64, { Self::N }>`.
 fn own_lengths(function: &mut ImplItemFn, constants: &BTreeSet<String>) {
     for argument in &mut function.sig.inputs {
         if let syn::FnArg::Typed(argument) = argument {
@@ -116,6 +126,21 @@ fn own_length(ty: &mut Type, constants: &BTreeSet<String>) {
         Type::Array(array) => {
             own_length(&mut array.elem, constants);
             own_name(&mut array.len, constants);
+        }
+        Type::Path(path) => {
+            let last = path.path.segments.last_mut();
+            let Some(PathArguments::AngleBracketed(generics)) = last.map(|s| &mut s.arguments)
+            else {
+                return;
+            };
+            for argument in &mut generics.args {
+                if let GenericArgument::Type(Type::Path(name)) = argument
+                    && let Some(name) = name.path.get_ident().cloned()
+                    && constants.contains(&name.to_string())
+                {
+                    *argument = GenericArgument::Const(parse_quote!({ Self::#name }));
+                }
+            }
         }
         _ => {}
     }

@@ -12,8 +12,12 @@ fn nested(delimiter: Delimiter, depth: usize, inner: &str) -> TokenStream {
 }
 
 pub(super) fn with_body(body: TokenStream) -> TokenStream {
+    with_coordinates("[f64; 2]", body)
+}
+
+pub(super) fn with_coordinates(ty: &str, body: TokenStream) -> TokenStream {
     let block: TokenTree = Group::new(Delimiter::Brace, body).into();
-    let signature = tokens("fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64");
+    let signature = tokens(&format!("fn lagrangian(&self, q: {ty}, v: {ty}) -> f64"));
     let function: TokenStream = signature.into_iter().chain([block]).collect();
     let block: TokenTree = Group::new(Delimiter::Brace, function).into();
     tokens("impl P").into_iter().chain([block]).collect()

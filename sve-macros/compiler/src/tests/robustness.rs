@@ -2,7 +2,7 @@
 
 use proc_macro2::{Group, Ident, Punct, Spacing, Span, TokenStream, TokenTree};
 
-use super::large_input::with_body;
+use super::large_input::{with_body, with_coordinates};
 use crate::tests::expand;
 
 pub(super) const SYSTEMS: &[(&str, &str)] = &[
@@ -42,6 +42,21 @@ pub(super) const SYSTEMS: &[(&str, &str)] = &[
             }
             #[symmetry] fn shift(&self, _q: [[f64; 2]; 2]) -> [[f64; 2]; 2] { [[1.0, 0.0]; 2] }
             #[symmetry] fn drift(&self, t: f64, _q: [[f64; 2]; 2]) -> [[f64; 2]; 2] { [[0.0, 1.0]; 2] }
+        }",
+    ),
+    (
+        "midpoint",
+        "impl Spinner {
+            const G: Vector3<f64> = Vector3::new(0.0, 0.5, -9.8);
+            fn lagrangian(&self, q: Vector3<f64>, v: na::Vector3<f64>) -> f64 {
+                let inertia: Matrix3<f64> = self.inertia;
+                let mut m = inertia + q * q.transpose() * self.k;
+                m[(0, 1)] += Matrix2::new(1.0, q.x, q.y, 2.0).determinant() * m.fixed_view::<1, 2>(0, 1).norm_squared();
+                let turned = Rotation3::from_euler_angles(q.x, 0.0, 1.0) * self.arm(&q).zip_map(&v, |a, b| a * b.sin());
+                0.5 * v.dot(&v) + (q - self.anchor).norm() + Self::G.dot(&q) + 0.1 * turned.cross(&v).map(|x| x * x).sum()
+            }
+            fn arm(&self, q: &Vector3<f64>) -> SVector<f64, { 2 + 1 }> { SVector::<f64, 3>::from_fn(|i, _| q[i] + i as f64) }
+            #[gamma] fn shake(&self, q: Vector3<f64>) -> Vector2<f64> { Vector2::new(self.s.dot(&q), q.fixed_rows::<2>(1).norm()) }
         }",
     ),
 ];
@@ -239,7 +254,7 @@ fn crossed_systems() {
 #[test]
 fn random_bodies() {
     let mut random = Random(3);
-    let words: Vec<TokenStream> = "q v self self.m q[0] v[1] 0 1 2.0 1e308 i j x + - * / % ^ = += == < . , ; .. ..= & |x| |(i,x)| let mut for in if else continue break         .iter() .into_iter() .map .sum::<f64>() .zip .enumerate() .rev() .fold .filter .windows .chunks .step_by .take .skip .flatten() .len() .powi .sin()         (q) (v) (0) (1,2) (|x|x) (|a,b|a+b) [0] [1..] [..2] [0;3] {x} {} Self::N Self::f PI const use fn return as f64 &mut *x a 3u8 i64 as u8 .iter_mut() .for_each .into() std::array::from_fn i8::MIN -1 (|x|*x*=2.0) :[f64;2]"
+    let words: Vec<TokenStream> = "q v self self.m q[0] v[1] 0 1 2.0 1e308 i j x + - * / % ^ = += == < . , ; .. ..= & |x| |(i,x)| let mut for in if else continue break         .iter() .into_iter() .map .sum::<f64>() .zip .enumerate() .rev() .fold .filter .windows .chunks .step_by .take .skip .flatten() .len() .powi .sin()         (q) (v) (0) (1,2) (|x|x) (|a,b|a+b) [0] [1..] [..2] [0;3] {x} {} Self::N Self::f PI const use fn return as f64 &mut *x a 3u8 i64 as u8 .iter_mut() .for_each .into() std::array::from_fn i8::MIN -1 (|x|*x*=2.0) :[f64;2] Vector2::new Vector2::zeros() Matrix2::identity() Matrix2::new(1.0,2.0,3.0,x)          :Vector2<f64> :Matrix2<f64> SVector::<f64,0>::zeros() .dot .cross .norm() .x .y [(0,1)] .transpose() .row(0) .column(1) .fixed_rows::<1>(0) .component_mul          .zip_map Rotation2::new .determinant() .normalize() .as_slice() self.g &q .from_fn"
         .split_whitespace()
         .filter_map(|word| word.parse().ok())
         .collect();
@@ -248,7 +263,8 @@ fn random_bodies() {
         let body: TokenStream = (0..length)
             .map(|_| words[random.below(words.len())].clone())
             .collect();
-        expanded(&tokens("midpoint"), &with_body(body));
+        expanded(&tokens("midpoint"), &with_body(body.clone()));
+        expanded(&tokens("midpoint"), &with_coordinates("Vector2<f64>", body));
     }
 }
 

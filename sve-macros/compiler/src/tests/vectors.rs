@@ -7,7 +7,7 @@ use crate::algebra::{Arena, Expr};
 use crate::errors::Errors;
 use crate::interpret;
 use crate::syntax::parse;
-use crate::system::model::Model;
+use crate::system::model::{Meaning, Model};
 
 fn tokens(text: &str) -> TokenStream {
     text.parse().expect("tokens")
@@ -275,4 +275,429 @@ fn operations_are_those_of_their_entries() {
         let first = |text: &str| text.replacen("{\n", &format!("{{ let _ = 0.0 {touch};\n"), 1);
         assert_same(&first(&vectors), &first(&arrays));
     }
+}
+
+/// Blocks whose parameters have types of nalgebra, and the same with arrays of parameters of the same names.
+#[test]
+fn types_of_parameters_follow_from_their_uses() {
+    let mut wrong = Vec::new();
+    for (body, reads) in [
+        // beside a vector in a sum, as an argument or receiver, and by components
+        (
+            "(q - self.g).norm_squared()",
+            &["self.g.x", "self.g.y", "self.g.z"][..],
+        ),
+        ("q.dot(&self.g)", &["self.g.x", "self.g.y", "self.g.z"]),
+        ("self.g.dot(&q)", &["self.g.x", "self.g.y", "self.g.z"]),
+        (
+            "self.g.cross(&self.h).norm() + q.x",
+            &[
+                "self.g.x", "self.g.y", "self.g.z", "self.h.x", "self.h.y", "self.h.z",
+            ],
+        ),
+        ("self.g.z * q.z", &["self.g.z"]),
+        ("self.m[(0, 1)] * q.x", &["self.m[(0,1)]"]),
+        (
+            "self.a[1].dot(&q)",
+            &["self.a[1].x", "self.a[1].y", "self.a[1].z"],
+        ),
+        (
+            "self.a.iter().zip([q, v]).map(|(a, b)| (a - b).x).sum::<f64>()",
+            &["self.a[0].x", "self.a[1].x"],
+        ),
+        ("let mut a = q; a += self.g; a.y", &["self.g.y"]),
+        // in products a number
+        (
+            "(self.k * q).x + (q / self.l).y + (v * self.m).z",
+            &["self.k", "self.l", "self.m"],
+        ),
+        (
+            "let k: f64 = self.k; (k * Matrix3::identity() * q).x",
+            &["self.k"],
+        ),
+        // by the type that is written
+        (
+            "let m: Matrix2<f64> = self.m; m.trace() + q.x",
+            &["self.m[(0,0)]", "self.m[(1,1)]"],
+        ),
+        (
+            "let m: &na::Matrix3<f64> = &self.m; (m * q).y",
+            &["self.m[(1,0)]", "self.m[(1,1)]", "self.m[(1,2)]"],
+        ),
+        (
+            "let r: Rotation3<f64> = self.r; (r * q).x",
+            &["self.r[(0,0)]", "self.r[(0,1)]", "self.r[(0,2)]"],
+        ),
+        (
+            "let g: SVector<f64, 7> = self.g; g[6] * q.x",
+            &["self.g[6]"],
+        ),
+        (
+            "let (g, a): (Vector2<f64>, [Vector2<f64>; 2]) = (self.g, self.a); g.dot(&a[1]) + q.x",
+            &["self.g.x", "self.a[1].x", "self.g.y", "self.a[1].y"],
+        ),
+        ("Self::length(self.g) + q.x", &["self.g.x", "self.g.y"]),
+        ("self.arm().y + q.x", &["self.arm.y"]),
+        ("Vector2::from(self.w).y + q.x", &["self.w[1]"]),
+        ("Matrix2::from(self.w)[(0, 1)] + q.x", &["self.w[1][0]"]),
+        ("WIND.dot(&q)", &["WIND.x", "WIND.y", "WIND.z"]),
+    ] {
+        let members = format!(
+            "fn lagrangian(&self, q: Vector3<f64>, v: Vector3<f64>) -> f64 {{ {body} }}
+            fn length(x: Vector2<f64>) -> f64 {{ x.norm() }}
+            fn arm(&self) -> Vector3<f64> {{ self.arm }}"
+        );
+        let mut arena = Arena::new();
+        let model = match model(&members, &mut arena) {
+            Ok(model) => model,
+            Err(mistakes) => {
+                wrong.push(format!("{body}: {mistakes:?}"));
+                continue;
+            }
+        };
+        let access = |symbol| match model.symbols.meaning(symbol) {
+            Meaning::Parameter { access, .. } if arena.contains(model.lagrangian, symbol) => {
+                Some(access.to_string().replace(' ', ""))
+            }
+            _ => None,
+        };
+        let mut found: Vec<String> = model.symbols.parameters().filter_map(access).collect();
+        let mut reads = reads.to_vec();
+        found.sort_unstable();
+        reads.sort_unstable();
+        if found != reads {
+            wrong.push(format!("{body}: {found:?}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Bodies with one mistake: the token at which it is reported, and a part of the message.
+const MISTAKES: &[(&str, &str, &str)] = &[
+    // what is not smooth
+    ("q.abs().sum()", "abs", "no derivative at 0"),
+    ("q.max()", "max", "not smooth in the entries"),
+    ("q.amax()", "amax", "not smooth in the entries"),
+    ("q.argmax().1", "argmax", "not smooth in the entries"),
+    ("q.angle(&v)", "angle", "atan2(a.dot(&b))"),
+    ("q.slerp(&v, 0.5).x", "slerp", "v.normalize()"),
+    // what is not understood
+    (
+        "m.lu().determinant()",
+        "lu",
+        "a factorisation is no formula",
+    ),
+    (
+        "m.try_inverse().unwrap().trace()",
+        "try_inverse",
+        "a factorisation is no formula",
+    ),
+    (
+        "let mut a = q; a.normalize_mut(); a.x",
+        "normalize_mut",
+        "assign to it",
+    ),
+    (
+        "let mut a = q; a.copy_from(&v); a.x",
+        "copy_from",
+        "assign to it",
+    ),
+    ("q.sin().x", "sin", "v.map(|x| x.sin(…))"),
+    ("q.powi(2)", "powi", "v.norm_squared()"),
+    ("q.dott(&v)", "dott", "did you mean `dot`?"),
+    ("q.fixed_rows(1).x", "fixed_rows", "fixed_rows::<3>(0)"),
+    (
+        "Rotation3::new(q).matrix().trace()",
+        "new",
+        "divides by the angle",
+    ),
+    ("Vector3::from_vec(vec).x", "vec", "not known here"),
+    (
+        "Vector3::new_random().x",
+        "new_random",
+        "vectors and matrices are made by",
+    ),
+    (
+        "SVector::zeros().x",
+        "zeros",
+        "the size is not written here",
+    ),
+    (
+        "Vector3::<f32>::zeros().x",
+        "Vector3::<f32>",
+        "every number of a body is an `f64`",
+    ),
+    (
+        "SMatrix::<f64, 100, 100>::zeros().trace()",
+        "zeros",
+        "too many entries",
+    ),
+    // sizes and operators
+    (
+        "(q + q.xy()).x",
+        "+",
+        "a `Vector3<f64>` and a `Vector2<f64>` have no sum",
+    ),
+    ("(q + 1.0).x", "+", "v.add_scalar(x)"),
+    ("(q * v).x", "*", "a.dot(&b)"),
+    ("(m * q.xy()).x", "*", "the columns of the first"),
+    ("(1.0 / q).x", "/", "component_div"),
+    ("(q / m).x", "/", "nothing is divided by a matrix"),
+    ("(q % 2.0).x", "%", "not smooth"),
+    ("(q / 0.0).x", "0.0", "divides by zero"),
+    ("(2 * q).x", "2", "write `2.0`"),
+    ("(q.x + q)", "+", "have no sum"),
+    (
+        "q.dot(&m)",
+        "&m",
+        "`dot` takes a `Vector3<f64>` here, and this is a `Matrix3<f64>`",
+    ),
+    ("q.dot()", "dot", "`dot` takes 1 argument, here are none"),
+    (
+        "q.scale(v).x",
+        "v",
+        "expected an `f64`, found a `Vector3<f64>`: take an entry",
+    ),
+    ("q.xy().cross(&v.xy()).x", "cross", "vectors of length 3"),
+    (
+        "Matrix2x3::zeros().determinant()",
+        "determinant",
+        "square matrices",
+    ),
+    (
+        "q[3]",
+        "3",
+        "index 3 is out of range: a `Vector3<f64>` has the entries `.x`, `.y`, `.z`",
+    ),
+    ("m[(3, 0)]", "(3, 0)", "index (3, 0) is out of range"),
+    ("m.row(3)[0]", "3", "there are 3 rows"),
+    (
+        "q.w",
+        "w",
+        "has no such entry: its entries are `.x`, `.y`, `.z`",
+    ),
+    ("m.m14", "m14", "has no such entry"),
+    (
+        "q.fixed_rows::<3>(1).x",
+        "1",
+        "3 rows from 1 on are not within the 3",
+    ),
+    (
+        "Vector3::new(1.0, 2.0).x",
+        "new",
+        "`new` of a `Vector3<f64>` takes 3 numbers, here are 2",
+    ),
+    ("Vector3::new(1, 2.0, 3.0).x", "1", "write `1.0`"),
+    (
+        "Matrix2::from_columns(&[q.xy()]).trace()",
+        "from_columns",
+        "this matrix has 2 columns, here is 1",
+    ),
+    (
+        "Vector3::from([1.0, 2.0]).x",
+        "[1.0, 2.0]",
+        "expected a `Vector3<f64>`, found an array of 2",
+    ),
+    ("Vector2::z().x", "z", "has no axis `z`"),
+    (
+        "-Rotation2::new(q.x) * v.xy()",
+        "-",
+        "a rotation has no negative",
+    ),
+    (
+        "(2.0 * Rotation2::new(q.x)).matrix().trace()",
+        "*",
+        "into_inner",
+    ),
+    (
+        "q",
+        "q",
+        "expected an `f64`, found a `Vector3<f64>`: take an entry",
+    ),
+    // parameters whose type is not seen
+    (
+        "self.g.norm()",
+        "norm",
+        "the type of `self.g` is not known to the macro: name it, `let g: Vector3<f64> = self.g;`",
+    ),
+    (
+        "self.a.dot(&self.b)",
+        "dot",
+        "the type of `self.a` is not known",
+    ),
+    (
+        "(Rotation2::new(q.x) * self.g).x",
+        "self.g",
+        "the type of `self.g` is not known",
+    ),
+    ("(self.k * self.g).dot(&q)", "dot", "taken for one"),
+    (
+        "(self.k * self.g + q).x",
+        "+",
+        "`self.g` is taken for a number",
+    ),
+    ("(-self.g + q).x", "+", "`self.g` is taken for a number"),
+    ("let g: f64 = self.g; g.dot(&q)", "dot", "this is a number"),
+    ("q.x.dot(&v)", "dot", "this is a number"),
+];
+
+#[test]
+fn mistakes_are_reported_at_their_tokens() {
+    let mut wrong = Vec::new();
+    for (body, at, part) in MISTAKES {
+        let members = format!(
+            "fn lagrangian(&self, q: Vector3<f64>, v: Vector3<f64>) -> f64 {{
+                let m = Matrix3::from_columns(&[q, v, q.cross(&v)]);
+                {body}
+            }}"
+        );
+        let found = model(&members, &mut Arena::new()).err().unwrap_or_default();
+        let is_reported = |(text, message): &(String, String)| text == at && message.contains(part);
+        if found.len() != 1 || !found.iter().all(is_reported) {
+            wrong.push(format!("{body}: {found:?}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Signatures: what follows the attribute, where a mistake is reported, and a part of its message.
+#[test]
+fn signatures_have_vectors() {
+    let free = "fn lagrangian(&self, q: Vector3<f64>, v: Vector3<f64>) -> f64 { v.norm_squared() }";
+    for members in [
+        "fn lagrangian(&self, q: na::Vector1<f64>, v: nalgebra::Vector1<f64>) -> f64 { v.x * v.x }".to_owned(),
+        "const N: usize = 9; fn lagrangian(&self, q: SVector<f64, { Self::N }>, v: SVector<f64, 9>) -> f64 { v.norm_squared() }".to_owned(),
+        "fn lagrangian(&self, t: f64, q: [SVector<f64, 2>; 3], v: [Vector2<f64>; 3]) -> f64 { t * v.iter().map(|v| v.dot(v)).sum::<f64>() }".to_owned(),
+        format!("{free} #[gamma] fn a(&self, q: Vector3<f64>) -> Vector2<f64> {{ q.xy() }} #[gamma] fn b(&self, q: SVector<f64, 3>) -> [f64; 2] {{ [q.x, q.y] }}"),
+        format!("{free} #[force] fn a(&self, q: Vector3<f64>, v: Vector3<f64>) -> Vector3<f64> {{ self.pull }} #[symmetry] fn b(&self, q: Vector3<f64>) -> Vector3<f64> {{ Vector3::x() }}"),
+    ] {
+        let found = model(&members, &mut Arena::new()).err();
+        assert!(found.is_none(), "{members}: {found:?}");
+    }
+    let lagrangian =
+        |q: &str, v: &str| format!("fn lagrangian(&self, q: {q}, v: {v}) -> f64 {{ 1.0 }}");
+    for (members, at, part) in [
+        (
+            lagrangian("Vector3<f64>", "Vector2<f64>"),
+            "Vector2<f64>",
+            "must be of the same type: here `Vector2<f64>`, there `Vector3<f64>`",
+        ),
+        (
+            lagrangian("[f64; 3]", "Vector3<f64>"),
+            "Vector3<f64>",
+            "must be of the same type: here `Vector3<f64>`, there `[f64; 3]`",
+        ),
+        (
+            lagrangian("Vector3<f64>", "[f64; 3]"),
+            "[f64; 3]",
+            "must be of the same type",
+        ),
+        (
+            lagrangian("Vector3<f32>", "Vector3<f32>"),
+            "Vector3<f32>",
+            "not a type of coordinates",
+        ),
+        (
+            lagrangian("Matrix2<f64>", "Matrix2<f64>"),
+            "Matrix2<f64>",
+            "`Vector3<f64>` or `SVector<f64, N>`",
+        ),
+        (
+            lagrangian("&Vector3<f64>", "&Vector3<f64>"),
+            "&Vector3<f64>",
+            "by value",
+        ),
+        (
+            lagrangian("Vector3", "Vector3"),
+            "Vector3",
+            "write `Vector3<f64>`",
+        ),
+        (
+            lagrangian("SVector<f64>", "SVector<f64>"),
+            "SVector<f64>",
+            "write `SVector<f64, N>`",
+        ),
+        (
+            lagrangian("SVector<f64, N>", "SVector<f64, N>"),
+            "N",
+            "outside of this `impl` block",
+        ),
+        (
+            lagrangian("SVector<f64, 600>", "SVector<f64, 600>"),
+            "SVector<f64, 600>",
+            "too many to unroll",
+        ),
+        (
+            lagrangian("SVector<f64, 0>", "SVector<f64, 0>"),
+            "SVector<f64, 0>",
+            "at least one coordinate",
+        ),
+        (
+            format!("{free} #[gamma] fn a(&self, q: Vector2<f64>) -> f64 {{ q.x }}"),
+            "Vector2<f64>",
+            "of the same type",
+        ),
+        (
+            format!(
+                "{free} #[gamma] fn a(&self, q: Vector3<f64>) -> RowVector2<f64> {{ q.xy().transpose() }}"
+            ),
+            "RowVector2<f64>",
+            "not a type of coordinates",
+        ),
+        (
+            format!(
+                "{free} #[force] fn a(&self, q: Vector3<f64>, v: Vector3<f64>) -> [f64; 3] {{ v.into() }}"
+            ),
+            "[f64; 3]",
+            "a vector like the coordinates, `Vector3<f64>`",
+        ),
+        (
+            format!(
+                "{free} #[force] fn a(&self, q: Vector3<f64>, v: Vector3<f64>) -> Vector3<f64> {{ v.xy() }}"
+            ),
+            "a",
+            "expected a `Vector3<f64>`, found a `Vector2<f64>`",
+        ),
+    ] {
+        let found = model(&members, &mut Arena::new()).err().unwrap_or_default();
+        assert!(
+            !found.is_empty() && found[0].0 == at && found[0].1.contains(part),
+            "{members}: {found:?}"
+        );
+    }
+}
+
+/// The block as it is emitted after its errors.
+fn mended(members: &str) -> String {
+    let item = tokens(&format!("impl P {{ {members} }}"));
+    let output = crate::tests::expand(&tokens("midpoint"), &item).to_string();
+    let from = output.find("impl P").expect("the block");
+    let to = output
+        .find("# [automatically_derived]")
+        .expect("implementations");
+    output[from..to].to_owned()
+}
+
+/// What is left for the compiler after a mistake has no mistake in its types.
+#[test]
+fn constants_and_lengths_are_mended() {
+    let block = mended(
+        "const G: Vector2<f64> = Vector2::new(0.0, 3);
+        fn lagrangian(&self, q: Vector2<f64>, v: Vector2<f64>) -> f64 { v.dot(&v) + Self::G.x }
+        fn other(&self, x: Vector2<f64>) -> f64 { x.dot(&Self::G) }",
+    );
+    assert!(
+        block.contains("< Vector2 < f64 > > :: new (0.0 , 0.0)"),
+        "{block}"
+    );
+    assert!(block.contains("x . dot"), "{block}");
+    let block = mended(
+        "const N: usize = 2;
+        fn lagrangian(&self, q: SVector<f64, N>, v: na::SVector<f64, N>) -> f64 { v.dot(&v) }",
+    );
+    assert_eq!(
+        block.matches("SVector < f64 , { Self :: N } >").count(),
+        2,
+        "{block}"
+    );
 }

@@ -3,9 +3,8 @@
 use proc_macro2::Span;
 use syn::spanned::Spanned;
 
-use super::methods::normalized;
 use super::{COMPONENTS, Kind, Matrix, MatrixType};
-use crate::algebra::{Expr, Function};
+use crate::algebra::Expr;
 use crate::interpret::Lowering;
 use crate::interpret::calls::Argument;
 use crate::interpret::floats::{are, plural};
@@ -15,10 +14,10 @@ use crate::syntax::nalgebra::Written;
 
 /// A type whose sizes may be left to the arguments.
 #[derive(Clone, Copy)]
-struct Made {
-    kind: Kind,
-    rows: Option<usize>,
-    columns: Option<usize>,
+pub(super) struct Made {
+    pub(super) kind: Kind,
+    pub(super) rows: Option<usize>,
+    pub(super) columns: Option<usize>,
 }
 
 impl Made {
@@ -67,8 +66,7 @@ impl Lowering<'_> {
         };
         let name = function.ident.to_string();
         let at = function.ident.span();
-        if made.ty().is_some_and(|ty| ty.len() > super::ENTRIES) {
-            let message = made.ty().map(super::too_large).unwrap_or_default();
+        if let Some(message) = made.ty().and_then(MatrixType::unusable) {
             return Some(self.refuse(&at, message));
         }
         let value = match made.kind {
@@ -96,7 +94,7 @@ impl Lowering<'_> {
             ("identity", []) => self.diagonal_matrix(made, 1.0)?,
             ("new", arguments) => {
                 let ty = made.ty().ok_or(NO_SIZE)?;
-                return self.from_rows_of(ty, name, arguments, at);
+                return self.matrix_of_rows(ty, name, arguments, at);
             }
             ("repeat" | "from_element", [x]) => {
                 let ty = made.ty().ok_or(NO_SIZE)?;
@@ -113,7 +111,7 @@ impl Lowering<'_> {
                 let zero = self.arena.constant(0.0);
                 Matrix::from_fn(ty, |i, j| if i == j { x } else { zero })
             }
-            ("from_diagonal", [diagonal]) => return self.from_diagonal(made, diagonal),
+            ("from_diagonal", [diagonal]) => return self.matrix_of_diagonal(made, diagonal),
             ("from_columns", [list]) => return self.joined(made, list, true),
             ("from_rows", [list]) => return self.joined(made, list, false),
             ("from_row_slice" | "from_column_slice", [list]) => {
@@ -122,10 +120,10 @@ impl Lowering<'_> {
                     return Ok(None);
                 };
                 if name == "from_row_slice" {
-                    return self.from_rows_of(ty, name, &items, at);
+                    return self.matrix_of_rows(ty, name, &items, at);
                 }
                 let transposed = MatrixType::matrix(ty.columns, ty.rows);
-                let value = self.from_rows_of(transposed, name, &items, at)?;
+                let value = self.matrix_of_rows(transposed, name, &items, at)?;
                 return Ok(value.map(|value| match value {
                     Value::Matrix(matrix) => Value::Matrix(matrix.transposed()),
                     other => other,
@@ -135,7 +133,7 @@ impl Lowering<'_> {
                 let ty = made.ty();
                 return Ok(self.converted_matrix(&argument.value, ty, &argument.at));
             }
-            ("from_fn", [function]) => return self.from_closure(made, function),
+            ("from_fn", [function]) => return self.matrix_of_closure(made, function),
             (axis, []) => return self.axis(made, axis),
             _ => return Err(not_understood(name)),
         };
@@ -143,7 +141,11 @@ impl Lowering<'_> {
     }
 
     /// A matrix with this number on the diagonal, 0 elsewhere.
-    fn diagonal_matrix(&mut self, made: Made, diagonal: f64) -> Result<Matrix<Expr>, String> {
+    pub(super) fn diagonal_matrix(
+        &mut self,
+        made: Made,
+        diagonal: f64,
+    ) -> Result<Matrix<Expr>, String> {
         let ty = made.ty().ok_or(NO_SIZE)?;
         let [zero, diagonal] = [0.0, diagonal].map(|x| self.arena.constant(x));
         Ok(Matrix::from_fn(
@@ -153,7 +155,7 @@ impl Lowering<'_> {
     }
 
     /// A matrix from its numbers, one row after the other.
-    fn from_rows_of(
+    fn matrix_of_rows(
         &mut self,
         ty: MatrixType,
         name: &str,
@@ -183,7 +185,11 @@ impl Lowering<'_> {
         ))
     }
 
-    fn from_diagonal(&mut self, made: Made, diagonal: &Argument) -> Result<Option<Value>, String> {
+    fn matrix_of_diagonal(
+        &mut self,
+        made: Made,
+        diagonal: &Argument,
+    ) -> Result<Option<Value>, String> {
         let rows = match (&diagonal.value, made.rows.or(made.columns)) {
             (_, Some(rows)) => rows,
             (Value::Matrix(matrix), None) => matrix.ty.rows,
@@ -196,8 +202,8 @@ impl Lowering<'_> {
         };
         let zero = self.arena.constant(0.0);
         let square = MatrixType::matrix(rows, rows);
-        if square.len() > super::ENTRIES {
-            return Err(super::too_large(square));
+        if let Some(message) = square.unusable() {
+            return Err(message);
         }
         let matrix = Matrix::from_fn(square, |i, j| if i == j { vector.at(i, 0) } else { zero });
         Ok(Some(matrix.into()))
@@ -242,8 +248,8 @@ impl Lowering<'_> {
                 "from_rows",
             )
         };
-        if whole.len() > super::ENTRIES {
-            return Err(super::too_large(whole));
+        if let Some(message) = whole.unusable() {
+            return Err(message);
         }
         let mut parts = Vec::new();
         for item in &items {
@@ -309,11 +315,7 @@ impl Lowering<'_> {
         let rows = columns.first().map_or(0, Vec::len);
         let found = MatrixType::matrix(rows, columns.len());
         let fits = columns.iter().all(|column| column.len() == rows);
-        if fits
-            && found.len() > 0
-            && found.len() <= super::ENTRIES
-            && ty.is_none_or(|ty| ty.has_size_of(found))
-        {
+        if fits && found.unusable().is_none() && ty.is_none_or(|ty| ty.has_size_of(found)) {
             return Some(Value::Matrix(Matrix {
                 ty: found,
                 entries: columns.into_iter().flatten().collect(),
@@ -335,7 +337,11 @@ impl Lowering<'_> {
     }
 
     /// `from_fn(|i, j| …)`.
-    fn from_closure(&mut self, made: Made, function: &Argument) -> Result<Option<Value>, String> {
+    fn matrix_of_closure(
+        &mut self,
+        made: Made,
+        function: &Argument,
+    ) -> Result<Option<Value>, String> {
         let ty = made.ty().ok_or(NO_SIZE)?;
         let Value::Closure(closure) = &function.value else {
             return Err("`from_fn` takes a closure of row and column, `|i, j| …`".to_owned());
@@ -378,152 +384,8 @@ impl Lowering<'_> {
         let axis = Matrix::from_fn(ty, |i, _| if i == at { one } else { zero });
         Ok(Some(axis.with_kind(kind).into()))
     }
-
-    fn new_rotation(
-        &mut self,
-        made: Made,
-        name: &str,
-        at: Span,
-        arguments: &[Argument],
-    ) -> Result<Option<Value>, String> {
-        let size = made.rows.unwrap_or(2);
-        let matrix = match (name, size, arguments) {
-            ("identity", _, []) => self.diagonal_matrix(made, 1.0)?,
-            ("new", 2, [angle]) => {
-                let Some(angle) = self.scalar(&angle.value, &angle.at) else {
-                    return Ok(None);
-                };
-                let [sin, cos] = self.sin_cos(angle);
-                let minus_sin = self.arena.neg(sin);
-                let rows = [[cos, minus_sin], [sin, cos]];
-                Matrix::from_fn(MatrixType::matrix(2, 2), |i, j| rows[i][j])
-            }
-            ("from_euler_angles", 3, [roll, pitch, yaw]) => {
-                let angles = [roll, pitch, yaw].map(|angle| self.scalar(&angle.value, &angle.at));
-                let [Some(roll), Some(pitch), Some(yaw)] = angles else {
-                    return Ok(None);
-                };
-                self.euler_rotation([roll, pitch, yaw])
-            }
-            ("from_axis_angle", 3, [axis, angle]) => {
-                let axis = self.matrix_argument(axis, MatrixType::vector(3), name);
-                let angle = self.scalar(&angle.value, &angle.at);
-                let Some((axis, angle)) = axis.zip(angle) else {
-                    return Ok(None);
-                };
-                self.axis_rotation(&axis, angle)
-            }
-            ("from_matrix_unchecked", _, [matrix]) => {
-                let Some(matrix) =
-                    self.matrix_argument(matrix, MatrixType::matrix(size, size), name)
-                else {
-                    return Ok(None);
-                };
-                matrix
-            }
-            ("new" | "from_scaled_axis", 3, [_]) => {
-                return Err(format!(
-                    "`{name}` divides by the angle, which may be 0: write `Rotation3::from_axis_angle(&Vector3::z_axis(), angle)`"
-                ));
-            }
-            _ => return Err(not_understood(name)),
-        };
-        Ok(Some(
-            self.computed_matrix(matrix.with_kind(Kind::Rotation), &at),
-        ))
-    }
-
-    fn sin_cos(&mut self, angle: Expr) -> [Expr; 2] {
-        [Function::Sin, Function::Cos].map(|function| self.arena.call(function, angle))
-    }
-
-    /// Rotations about x, then y, then z, as nalgebra composes them.
-    fn euler_rotation(&mut self, angles: [Expr; 3]) -> Matrix<Expr> {
-        let [[sr, cr], [sp, cp], [sy, cy]] = angles.map(|angle| self.sin_cos(angle));
-        let arena = &mut *self.arena;
-        let mut product = |factors: &[Expr]| {
-            let factors: Vec<(Expr, i32)> = factors.iter().map(|&factor| (factor, 1)).collect();
-            arena.product(&factors)
-        };
-        let both = [
-            [product(&[cy, sp, sr]), product(&[sy, cr])],
-            [product(&[cy, sp, cr]), product(&[sy, sr])],
-            [product(&[sy, sp, sr]), product(&[cy, cr])],
-            [product(&[sy, sp, cr]), product(&[cy, sr])],
-        ];
-        let single = [[cy, cp], [sy, cp], [cp, sr], [cp, cr]].map(|factors| product(&factors));
-        let rows = [
-            [
-                single[0],
-                arena.sub(both[0][0], both[0][1]),
-                arena.add(both[1][0], both[1][1]),
-            ],
-            [
-                single[1],
-                arena.add(both[2][0], both[2][1]),
-                arena.sub(both[3][0], both[3][1]),
-            ],
-            [arena.neg(sp), single[2], single[3]],
-        ];
-        Matrix::from_fn(MatrixType::matrix(3, 3), |i, j| rows[i][j])
-    }
-
-    /// cos θ 1 + sin θ [u] + (1 − cos θ) u uᵀ (Rodrigues) for a unit vector u.
-    fn axis_rotation(&mut self, axis: &Matrix<Expr>, angle: Expr) -> Matrix<Expr> {
-        let [sin, cos] = self.sin_cos(angle);
-        let arena = &mut *self.arena;
-        let one = arena.constant(1.0);
-        let rest = arena.sub(one, cos);
-        Matrix::from_fn(MatrixType::matrix(3, 3), |i, j| {
-            if i == j {
-                let square = arena.pow(axis.entries[i], 2);
-                let complement = arena.sub(one, square);
-                let turned = arena.mul(complement, cos);
-                return arena.add(square, turned);
-            }
-            // the third axis, positive where i, j, k are in cyclic order
-            let along = arena.mul(axis.entries[3 - i - j], sin);
-            let product = arena.product(&[(axis.entries[i], 1), (axis.entries[j], 1), (rest, 1)]);
-            if (i + 1) % 3 == j {
-                arena.sub(product, along)
-            } else {
-                arena.add(product, along)
-            }
-        })
-    }
-
-    fn new_unit(
-        &mut self,
-        name: &str,
-        at: Span,
-        arguments: &[Argument],
-    ) -> Result<Option<Value>, String> {
-        let ("new_normalize" | "new_unchecked", [vector]) = (name, arguments) else {
-            return Err(not_understood(name));
-        };
-        let ty = match &vector.value {
-            Value::Matrix(matrix) => matrix.ty,
-            Value::Field(path) => return Err(super::unknown_type(path)),
-            other => {
-                return Err(format!(
-                    "`{name}` takes a vector, and this is {}",
-                    other.kind()
-                ));
-            }
-        };
-        let Some(vector) = self.matrix_argument(vector, ty, name) else {
-            return Ok(None);
-        };
-        let vector = match name {
-            "new_normalize" => normalized(self.arena, &vector),
-            _ => vector,
-        };
-        Ok(Some(
-            self.computed_matrix(vector.with_kind(Kind::Unit), &at),
-        ))
-    }
 }
 
-fn not_understood(name: &str) -> String {
+pub(super) fn not_understood(name: &str) -> String {
     format!("`{name}` of a type of nalgebra is not understood: {UNDERSTOOD}")
 }

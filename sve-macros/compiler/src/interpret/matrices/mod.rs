@@ -5,9 +5,12 @@
 
 mod closures;
 mod constructors;
+mod formulas;
 mod methods;
 mod operators;
 mod refused;
+mod rotations;
+mod table;
 mod views;
 
 use std::fmt;
@@ -27,7 +30,7 @@ pub(super) use crate::syntax::nalgebra::Kind;
 const COMPONENTS: [&str; 6] = ["x", "y", "z", "w", "a", "b"];
 
 /// Numbers that a matrix may have: products of matrices are unrolled.
-pub(super) const ENTRIES: usize = 4096;
+const ENTRIES: usize = 4096;
 
 /// A type of nalgebra with its sizes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,6 +60,17 @@ impl MatrixType {
 
     pub(super) fn is_vector(self) -> bool {
         self.columns == 1
+    }
+
+    /// Why a matrix of this size is not understood.
+    pub(super) fn unusable(self) -> Option<String> {
+        match self.len() {
+            0 => Some("a matrix without entries is not understood".to_owned()),
+            1..=ENTRIES => None,
+            _ => Some(format!(
+                "a `{self}` has too many entries to unroll: the limit is {ENTRIES}"
+            )),
+        }
     }
 
     fn is_square(self) -> bool {
@@ -294,7 +308,7 @@ impl Lowering<'_> {
                 return Some(Value::Poison);
             };
             total = Some(match total {
-                Some(total) => methods::entrywise(self.arena, &total, &term, Arena::add),
+                Some(total) => formulas::entrywise(self.arena, &total, &term, Arena::add),
                 None => term,
             });
         }
@@ -363,9 +377,4 @@ pub(super) fn unknown_type(path: &FieldPath) -> String {
         "the type of `{name}` is not known to the macro: name it, `let {}: Vector3<f64> = {name};`",
         path.name()
     )
-}
-
-/// What to say of a matrix with too many entries.
-pub(super) fn too_large(ty: MatrixType) -> String {
-    format!("a `{ty}` has too many entries to unroll: the limit is {ENTRIES}")
 }

@@ -6,7 +6,7 @@
 use syn::spanned::Spanned;
 use syn::{BinOp, Expr as Syntax};
 
-use super::{ENTRIES, Kind, Matrix, MatrixType, too_large, unknown_type};
+use super::{Kind, Matrix, MatrixType, unknown_type};
 use crate::algebra::Expr;
 use crate::interpret::operators::{DIVISION_BY_ZERO, REMAINDER};
 use crate::interpret::value::Value;
@@ -177,8 +177,8 @@ impl Lowering<'_> {
             rows: a.ty.rows,
             columns: b.ty.columns,
         };
-        if ty.len() > ENTRIES {
-            return Err(too_large(ty));
+        if let Some(message) = ty.unusable() {
+            return Err(message);
         }
         if !self.work(ty.len().saturating_mul(a.ty.columns), at) {
             return Ok(None);

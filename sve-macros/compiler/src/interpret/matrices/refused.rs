@@ -5,15 +5,15 @@ use crate::errors::nearest;
 use crate::interpret::floats;
 
 const NOT_SMOOTH: &str =
-    "it is not smooth in the entries: use `norm`, or a smooth function of each entry in `map`";
-const FACTORISATION: &str = "a factorisation is no formula: make the result a parameter, or write the formula of a small matrix with `determinant`";
-const IN_PLACE: &str = "methods that change a vector in place are not followed: assign to it, `v = …`, `v += …` or `v[i] = …`";
+    "it is not smooth in the entries; use `norm`, or a smooth function of each entry in `map`";
+const FACTORISATION: &str = "a factorisation is no formula; make the result a parameter, or write the formula of a small matrix with `determinant`";
+const IN_PLACE: &str = "methods that change a vector in place are not followed; assign to it, `v = …`, `v += …` or `v[i] = …`";
 
 /// Methods and what to write instead.
 const REFUSED: &[(&[&str], &str)] = &[
     (
         &["abs"],
-        "it has no derivative at 0: write `v.component_mul(&v)` for squares, or `v.map(|x| (x * x + eps * eps).sqrt())`",
+        "it has no derivative at 0; write `v.component_mul(&v)` for squares, or `v.map(|x| (x * x + eps * eps).sqrt())`",
     ),
     (
         &[
@@ -73,11 +73,11 @@ const REFUSED: &[(&[&str], &str)] = &[
     ),
     (
         &["angle"],
-        "its derivative does not exist for parallel vectors: write `a.cross(&b).norm().atan2(a.dot(&b))`",
+        "its derivative does not exist for parallel vectors; write `a.cross(&b).norm().atan2(a.dot(&b))`",
     ),
     (
         &["try_normalize", "slerp", "try_slerp"],
-        "it branches on the length: write `v.normalize()`",
+        "it branches on the length; write `v.normalize()`",
     ),
     (
         &[
@@ -89,7 +89,7 @@ const REFUSED: &[(&[&str], &str)] = &[
             "rotation_to",
             "powf",
         ],
-        "an angle of a rotation is not smooth everywhere: write the formula from the angles that the rotation was made of",
+        "an angle of a rotation is not smooth everywhere; write the formula from the angles that the rotation was made of",
     ),
     (
         &[
@@ -116,7 +116,7 @@ const REFUSED: &[(&[&str], &str)] = &[
     ),
     (
         &["powi"],
-        "a power is of a number: write `v.norm_squared()`, or `v.map(|x| x.powi(n))` for each entry",
+        "a power is of a number; write `v.norm_squared()`, or `v.map(|x| x.powi(n))` for each entry",
     ),
     (
         &["fixed_rows", "fixed_columns", "fixed_view"],
@@ -131,7 +131,7 @@ pub(super) fn refusal(name: &str) -> String {
         Some((_, instead)) => (*instead).to_owned(),
         None if name.ends_with("_mut") || name.ends_with("_assign") => IN_PLACE.to_owned(),
         None if floats::is_method(name) => {
-            format!("it is a function of one number: take an entry, `v[i].{name}(…)`, or write `v.map(|x| x.{name}(…))`")
+            format!("it is a function of one number; take an entry, `v[i].{name}(…)`, or write `v.map(|x| x.{name}(…))`")
         }
         None => match nearest(name, methods::names().chain(["map", "zip_map", "iter", "fixed_rows", "fixed_view"])) {
             Some(near) => format!("did you mean `{near}`?"),

@@ -2,11 +2,14 @@
 
 use syn::{Expr as Syntax, ExprMethodCall, GenericArgument};
 
-use super::{Matrix, MatrixType, too_large};
+use super::{Matrix, MatrixType};
 use crate::interpret::Lowering;
 use crate::interpret::integers::Integer;
 use crate::interpret::value::Value;
 use crate::syntax::nalgebra::length;
+
+/// The first row or column of a part, and their number.
+type Range<'e> = (&'e Syntax, &'e Syntax);
 
 impl Lowering<'_> {
     /// A method that gives a part, an iterator or a size; nothing if it is none of them.
@@ -37,15 +40,15 @@ impl Lowering<'_> {
                 Some(self.part(call, receiver, (None, Some((from, count)))))
             }
             ("fixed_rows", [from]) => {
-                let [count] = self.generic_lengths(call)?;
+                let [count] = generic_lengths(call)?;
                 Some(self.part(call, receiver, (Some((from, &count)), None)))
             }
             ("fixed_columns", [from]) => {
-                let [count] = self.generic_lengths(call)?;
+                let [count] = generic_lengths(call)?;
                 Some(self.part(call, receiver, (None, Some((from, &count)))))
             }
             ("fixed_view", [row, column]) => {
-                let [rows, columns] = self.generic_lengths(call)?;
+                let [rows, columns] = generic_lengths(call)?;
                 let within = (Some((*row, &rows)), Some((*column, &columns)));
                 Some(self.part(call, receiver, within))
             }
@@ -54,29 +57,21 @@ impl Lowering<'_> {
         }
     }
 
-    /// The generic arguments of a call, if there are as many.
-    fn generic_lengths<const N: usize>(&self, call: &ExprMethodCall) -> Option<[Syntax; N]> {
-        let arguments: Vec<&GenericArgument> =
-            call.turbofish.iter().flat_map(|t| &t.args).collect();
-        let lengths: Option<Vec<Syntax>> = arguments.into_iter().map(length).collect();
-        lengths?.try_into().ok()
-    }
-
     /// The part of some rows and columns, each given by the first and their number; all of them where nothing is given.
     fn part(
         &mut self,
         call: &ExprMethodCall,
         receiver: &Matrix<Value>,
-        (rows, columns): (Option<(&Syntax, &Syntax)>, Option<(&Syntax, &Syntax)>),
+        (rows, columns): (Option<Range<'_>>, Option<Range<'_>>),
     ) -> Value {
-        let rows = self.span_within(rows, receiver.ty.rows, "rows");
-        let columns = self.span_within(columns, receiver.ty.columns, "columns");
+        let rows = self.rows_within(rows, receiver.ty.rows, "rows");
+        let columns = self.rows_within(columns, receiver.ty.columns, "columns");
         let Some(((row, height), (column, width))) = rows.zip(columns) else {
             return Value::Poison;
         };
         let size = MatrixType::matrix(height, width);
-        if size.len() > super::ENTRIES {
-            return self.refuse(&call.method, too_large(size));
+        if let Some(message) = size.unusable() {
+            return self.refuse(&call.method, message);
         }
         if !self.work(size.len(), call) {
             return Value::Poison;
@@ -85,13 +80,13 @@ impl Lowering<'_> {
     }
 
     /// The first of some rows or columns and their number, or an error where they are not within `bound`.
-    fn span_within(
+    fn rows_within(
         &mut self,
-        span: Option<(&Syntax, &Syntax)>,
+        range: Option<Range<'_>>,
         bound: usize,
         what: &str,
     ) -> Option<(usize, usize)> {
-        let Some((first, count)) = span else {
+        let Some((first, count)) = range else {
             return Some((0, bound));
         };
         let from = self.index_value(first)?;
@@ -104,6 +99,13 @@ impl Lowering<'_> {
         self.refuse(first, message);
         None
     }
+}
+
+/// The generic arguments of a call, if there are as many.
+fn generic_lengths<const N: usize>(call: &ExprMethodCall) -> Option<[Syntax; N]> {
+    let arguments: Vec<&GenericArgument> = call.turbofish.iter().flat_map(|t| &t.args).collect();
+    let lengths: Option<Vec<Syntax>> = arguments.into_iter().map(length).collect();
+    lengths?.try_into().ok()
 }
 
 /// All rows or all columns.
