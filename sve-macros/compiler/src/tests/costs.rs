@@ -13,11 +13,11 @@ use super::growth::scenes::Scene;
 use crate::tests::expand;
 
 const MODELS: [&str; 5] = [
-    include_str!("../../../../tests/src/models/banded.rs"),
-    include_str!("../../../../tests/src/models/deterministic.rs"),
-    include_str!("../../../../tests/src/models/forced.rs"),
-    include_str!("../../../../tests/src/models/noisy.rs"),
-    include_str!("../../../../tests/src/models/symmetric.rs"),
+    include_str!("../../../../tests/models/src/models/banded.rs"),
+    include_str!("../../../../tests/models/src/models/deterministic.rs"),
+    include_str!("../../../../tests/models/src/models/forced.rs"),
+    include_str!("../../../../tests/models/src/models/noisy.rs"),
+    include_str!("../../../../tests/models/src/models/symmetric.rs"),
 ];
 
 /// Arithmetic operations, calls of functions, and turns of angles.
