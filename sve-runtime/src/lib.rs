@@ -109,6 +109,7 @@ mod trajectory;
 pub use configuration::{Configuration, Coordinates, FixedSize};
 pub use error::StepError;
 pub use integrator::{Integrator, Sensitivity, Tangent};
+#[cfg(feature = "ensemble")]
 pub use lanes::{LANES, Lane, Mask, StateLanes};
 pub use mechanics::{Field, Mechanics};
 pub use method::Method;
@@ -234,10 +235,11 @@ pub use state::State;
 /// ```
 pub use sve_macros::variational;
 pub use system::{
-    ConfigurationOf, DerivedFor, Dimensions, Dims, FlatStateOf, ForceJet, IncrementLanesOf,
-    IncrementsOf, LagrangianJet, MomentumOf, NoiseJet, StateLanesOf, StateOf, StepOf, System,
-    Variational, VectorOf,
+    ConfigurationOf, DerivedFor, Dimensions, Dims, FlatStateOf, ForceJet, IncrementsOf,
+    LagrangianJet, MomentumOf, NoiseJet, StateOf, StepOf, System, Variational, VectorOf,
 };
+#[cfg(feature = "ensemble")]
+pub use system::{IncrementLanesOf, StateLanesOf};
 pub use trajectory::{RefinedTrajectory, Refinements, Snapshot, Trajectory};
 
 /// What a program that integrates a system imports: `use sve_runtime::prelude::*;`.
@@ -266,7 +268,7 @@ pub mod __private {
         pub use crate::lanes::elementary::*;
         pub use crate::lanes::newton::NewtonLanes;
         pub use crate::lanes::solve::solve;
-        pub use crate::lanes::{LANES, Lane, Mask, StateLanes, is_left, rows};
+        pub use crate::lanes::{LANES, Lane, Mask, StateLanes, needs_scalar_step, rows};
         pub use crate::solve::diagonal::solve_in_lane as solve_diagonal;
     }
     pub use crate::linearisation::{Entries, Linearisation};

@@ -1,4 +1,4 @@
-//! One-step methods: what a trajectory can be made of.
+//! One-step methods, which trajectories and ensembles run.
 
 use core::any::type_name;
 use core::hash::Hasher;
@@ -13,19 +13,19 @@ use crate::trajectory::{Snapshot, Trajectory};
 pub trait Method {
     /// The system it integrates.
     type System: System;
-    /// What depends on parameters and step size alone.
+    /// Values that depend on parameters and step size only.
     type Prepared: Clone;
 
     /// The system it integrates.
     fn system(&self) -> &Self::System;
 
-    /// Checks the step size and computes what depends on it alone.
+    /// Checks the step size and computes the values that depend on it only.
     ///
     /// # Errors
     /// [`StepError::StepSize`] unless `h` is positive and finite.
     fn prepare(&self, h: f64) -> Result<Self::Prepared, StepError>;
 
-    /// One step from what [`prepare`](Self::prepare) returned for the same `h`.
+    /// Makes one step, with the values that [`prepare`](Self::prepare) returned for the same `h`.
     ///
     /// # Errors
     /// A [`StepError`] when the step fails; `state` is then unchanged.
@@ -37,10 +37,11 @@ pub trait Method {
         dw: &IncrementsOf<Self::System>,
     ) -> Result<(), StepError>;
 
-    /// One step of each lane from `states` to `next` where the fast path solves it; the lanes whose states are the same in
-    /// `next`, which [`step_prepared`](Self::step_prepared) has to step, or to say why not. Without an own form, all of them.
+    /// Advances every lane on the fast path and writes the result to `next`. Returns the mask of lanes that the fast path could not solve; their
+    /// states are copied unchanged, and the caller steps them with [`step_prepared`](Self::step_prepared). The default solves no lane.
     ///
-    /// Times in `next` are left alone: they are the same function of the number of steps for all, and the caller's.
+    /// Times in `next` are not written: the caller sets them.
+    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     #[inline(always)]
     fn step_lanes(
         &self,
@@ -55,20 +56,20 @@ pub trait Method {
         ALL
     }
 
-    /// Feeds to a hasher what besides system, step size and increments determines the steps: the method's name and options. Shards and
-    /// checkpoints of ensembles know by it whether they are of one method.
+    /// Writes the method's name and options to a hasher: everything that determines the steps besides system, step size and increments. Shards and
+    /// checkpoints of ensembles are recognised by it.
     ///
-    /// Without an own form, the name of the type: a method with options has to add them.
+    /// The default writes the name of the type. A method with options has to add them.
     fn identify(&self, to: &mut dyn Hasher) {
-        // arguments of the type are the system, which has an identity of its own
+        // The arguments of the type are the system, which has its own hash.
         let name = type_name::<Self>();
         to.write(name.split('<').next().unwrap_or(name).as_bytes());
     }
 
-    /// Newton iterations that a step from here takes, the most of its blocks: 0 where its equations are explicit or linear.
-    /// `None` where the method does not tell, or the step fails.
+    /// Returns the largest number of Newton iterations of a block in a step from `state`; 0 if the equations are explicit or linear.
+    /// `None` if the method does not count iterations, or the step fails.
     ///
-    /// For measurements: it costs several steps, and a step itself counts nothing.
+    /// For measurements only: it costs several steps, since a step does not count its iterations.
     fn newton_iterations(
         &self,
         prepared: &Self::Prepared,
@@ -80,12 +81,12 @@ pub trait Method {
         None
     }
 
-    /// The order of convergence at a fixed time, where the method tells: with noise the strong one, without the deterministic one.
+    /// Returns the order of convergence at a fixed time, if it is known: the strong order with noise, otherwise the deterministic order.
     fn order(&self) -> Option<f64> {
         None
     }
 
-    /// One step of length `h` with the given Wiener increments, one a process in source order.
+    /// Makes one step of length `h` with the given Wiener increments, one for each process in source order.
     ///
     /// # Errors
     /// A [`StepError`] when an input is not finite, `h ≤ 0`, or the step fails; `state` is then unchanged.
@@ -100,10 +101,10 @@ pub trait Method {
         self.step_prepared(&prepared, state, h, dw)
     }
 
-    /// The states after each step of length `h` from `state`, without end (or to the end of a recorded path).
+    /// Returns the states after each step of length `h` from `state`, without end, or to the end of a recorded path.
     ///
     /// The state number `k` (from 1) has time `t₀ + k h`, rounded once. The first step has the increments of step 0 of the noise,
-    /// whatever the time of `state`: to go on after `k` steps of a path, give [`noise.from_step(k)`](crate::noise::Replayable::from_step), or
+    /// whatever the time of `state`. To continue after `k` steps of a path, give [`noise.from_step(k)`](crate::noise::Replayable::from_step), or
     /// [`resume`](Self::resume) a snapshot.
     fn trajectory<W: Noise>(
         &self,
@@ -117,12 +118,12 @@ pub trait Method {
         Trajectory::new(self, state, h, noise)
     }
 
-    /// Continues the trajectory that a [`Snapshot`] was taken of, with the bits of one that was not interrupted.
+    /// Continues the trajectory of a [`Snapshot`], with the bits of one that was not interrupted.
     ///
-    /// System, method and noise have to be those of the first trajectory; the noise from its beginning, since the snapshot knows the number of
-    /// the step. A source whose increments [follow one another](crate::noise::FromRng) has to be in the state that it had then.
-    /// A trajectory that was [refined](Trajectory::refine) has to be told so again; one that was
-    /// [compensated](Trajectory::compensated) continues so.
+    /// System, method and noise have to be those of the first trajectory. The noise starts from its beginning, since the snapshot contains the number of
+    /// the step; a source whose increments [follow one another](crate::noise::FromRng) has to be in the state that it had at the snapshot.
+    /// A refined trajectory needs [`refine`](Trajectory::refine) again; a
+    /// [compensated](Trajectory::compensated) one continues to be compensated.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -152,7 +153,7 @@ pub trait Method {
     /// ```
     ///
     /// # Errors
-    /// [`StepError::Uncompensated`] for a snapshot of a compensated trajectory, where this method makes no such steps.
+    /// [`StepError::Uncompensated`] for a snapshot of a compensated trajectory, if this method makes no such steps.
     fn resume<W: Noise>(
         &self,
         snapshot: Snapshot<StateOf<Self::System>>,

@@ -1,4 +1,4 @@
-//! The traits that `#[variational]` implements: what the runtime knows of a system.
+//! The traits that `#[variational]` implements: the interface between generated code and the runtime.
 //!
 //! Everything that depends on the number of coordinates goes through one associated type,
 //! [`System::Dims`], so that `Integrator<S, R>` needs no constants in its type.
@@ -29,8 +29,10 @@ pub trait Dimensions {
     type Increments: Copy + core::fmt::Debug + AsRef<[f64]> + AsMut<[f64]>;
     /// The state in coordinates, [`State<[f64; N]>`](State).
     type FlatState: Clone + core::fmt::Debug;
+    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     /// A state in each lane, [`StateLanes<N>`](StateLanes).
     type StateLanes: Clone + core::fmt::Debug;
+    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     /// The increments of each lane, `[Lane; M]`.
     type IncrementLanes: Copy + core::fmt::Debug + AsRef<[Lane]> + AsMut<[Lane]>;
     /// [`LagrangianJet<N>`](LagrangianJet).
@@ -41,16 +43,21 @@ pub trait Dimensions {
     type ForceJet;
     /// All increments zero.
     const NO_INCREMENTS: Self::Increments;
+    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     /// All increments of all lanes zero.
     const NO_INCREMENT_LANES: Self::IncrementLanes;
     /// No force.
     const NO_FORCE: Self::ForceJet;
+    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     /// The same state in each lane.
     fn splat(state: &State<Self::Configuration>) -> Self::StateLanes;
+    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     /// The state of a lane.
     fn get(lanes: &Self::StateLanes, lane: usize) -> State<Self::Configuration>;
+    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     /// Replaces the state of a lane.
     fn set(lanes: &mut Self::StateLanes, lane: usize, state: &State<Self::Configuration>);
+    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     /// The times of the lanes.
     fn times(lanes: &mut Self::StateLanes) -> &mut Lane;
 }
@@ -123,7 +130,7 @@ pub trait System {
     const FORCED: bool = false;
     /// The parameters, as the source has them: `m`, `l[0]`, `body.mass`.
     const PARAMETERS: &'static [&'static str] = &[];
-    /// A hash of the formulas of L, the noises and the force: shards and checkpoints of ensembles know by it whether they are of one program.
+    /// A hash of the formulas of L, the noises and the force, by which shards and checkpoints of ensembles are recognised.
     const FORMULAS: u64 = 0;
     /// Visits the values of the parameters, in the order of [`PARAMETERS`](Self::PARAMETERS).
     fn parameters(&self, visit: &mut dyn FnMut(f64)) {
@@ -213,20 +220,20 @@ pub struct ForceJet<const N: usize> {
             the attribute names are `initial_point`, `endpoint`, `midpoint`, `taylor2`"
 )]
 pub trait Variational<R>: System {
-    /// What depends on parameters and step size alone.
+    /// Values that depend on parameters and step size only.
     type Prepared: Clone;
-    /// What the blocks of the step are solved for, `[f64; K]`.
+    /// The unknowns of all blocks, `[f64; K]`.
     type Unknowns: Copy + AsRef<[f64]> + AsMut<[f64]>;
-    /// The conditions that functions in L and in the noises put on where they are evaluated, as text.
+    /// The conditions of the domain: where the functions in L and in the noises are defined, as text.
     const DOMAIN: &'static [&'static str] = &[];
-    /// What the step became.
+    /// The plan of the step.
     const PLAN: &'static Plan;
-    /// Whether [`increment`](Self::increment) returns `(q₁, p₁)` instead. So do linear steps whose matrix is another one in
-    /// each step, where adding the increment would only lengthen the chain of operations.
+    /// Whether [`increment`](Self::increment) returns `(q₁, p₁)` in place of increments. Linear steps whose matrix changes
+    /// from step to step do: adding increments would lengthen the chain of operations.
     const RETURNS_STATE: bool;
-    /// Computes what depends on parameters and step size alone.
+    /// Computes the values that depend on parameters and step size only.
     fn prepare(&self, h: f64) -> Self::Prepared;
-    /// What the blocks are solved for in the limit of no noise and h → 0, from velocity and acceleration at the start of the
+    /// Returns the unknowns of all blocks in the limit of no noise and h → 0, from velocity and acceleration at the start of the
     /// step.
     fn start(
         &self,
@@ -234,10 +241,10 @@ pub trait Variational<R>: System {
         velocity: &VectorOf<Self>,
         acceleration: &VectorOf<Self>,
     ) -> Self::Unknowns;
-    /// `(q₁ − q₀, p₁ − p₀)` of one step, see [`RETURNS_STATE`](Self::RETURNS_STATE), and what its blocks were solved for.
+    /// Solves one step. Returns `(q₁ − q₀, p₁ − p₀)`, see [`RETURNS_STATE`](Self::RETURNS_STATE), and the unknowns of all blocks.
     ///
     /// # Errors
-    /// When an implicit equation of the step cannot be solved.
+    /// A [`SolveError`] if an implicit equation of the step cannot be solved.
     fn increment(
         &self,
         prepared: &Self::Prepared,
@@ -246,8 +253,9 @@ pub trait Variational<R>: System {
         dw: &IncrementsOf<Self>,
         newton: &BlockSolver<'_>,
     ) -> Result<StepOf<Self, R>, SolveError>;
-    /// One step of each lane from `states` to `next` where the fast path solves its equations; the lanes whose states
-    /// are the same in `next`, for [`increment`](Self::increment) to step or to say why not. Times in `next` are left alone.
+    /// Advances every lane on the fast path and writes the result to `next`. Returns the mask of lanes that the fast path could not solve; their
+    /// states are copied unchanged, and the caller steps them with [`increment`](Self::increment). Times in `next` are not written.
+    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     #[inline(always)]
     fn increment_lanes(
         &self,
@@ -262,7 +270,7 @@ pub trait Variational<R>: System {
         next.clone_from(states);
         ALL
     }
-    /// The step's equations and results to first order around a step that was solved.
+    /// Linearises the step's equations and results around a solved step.
     fn linearise(
         &self,
         state: &FlatStateOf<Self>,
@@ -275,10 +283,10 @@ pub trait Variational<R>: System {
 /// What [`Variational::increment`] returns.
 pub type StepOf<S, R> = (VectorOf<S>, VectorOf<S>, <S as Variational<R>>::Unknowns);
 
-/// A rule that has been derived for the system `S`: [`Variational`] seen from the rule.
+/// A rule that has been derived for the system `S`.
 ///
-/// [`Integrator::new`](crate::Integrator::new) asks for this one. With a single rule derived, `S: Variational<R>` would make
-/// the compiler expect that rule, and any other would be a type mismatch instead of an explanation.
+/// [`Integrator::new`](crate::Integrator::new) requires this trait and not `S: Variational<R>`: with a single derived rule the compiler would
+/// expect that rule, and report a type mismatch for any other one.
 pub trait DerivedFor<S> {}
 
 impl<S: Variational<R>, R> DerivedFor<S> for R {}

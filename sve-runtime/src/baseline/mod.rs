@@ -1,4 +1,4 @@
-//! Methods that a variational step is compared with, one a file, on the generated first-order form.
+//! Baselines: methods for comparison, one in each file, on the first-order form (`docs/mathematics.md`, sections 1 and 4).
 //!
 //! Input: the derivatives that the macro generated for the same Lagrangian and noises; output: a [`Method`](crate::Method),
 //! so that everything that runs an [`Integrator`](crate::Integrator) runs these too.
@@ -7,11 +7,11 @@
 //! | --- | --- | --- | --- |
 //! | [`EulerMaruyama`] | Itô, corrected drift | 1 | ½, 1 with additive noise |
 //! | [`BackwardEulerMaruyama`] | Itô, corrected drift | 1 | ½, 1 with additive noise |
-//! | [`Heun`] | Stratonovich | 2 | 1 where the noises commute, else ½ |
+//! | [`Heun`] | Stratonovich | 2 | 1 if the noises commute, otherwise ½ |
 //! | [`RungeKutta4`] | no | 4 | |
 //! | [`TaylorSeries2`] | no | 2 | |
 //!
-//! None of them is symplectic: that is what they are here to show.
+//! None of them is symplectic.
 
 /// `impl Method` for a baseline with `system` and `increment`; for systems without noise unless a name for the number of
 /// their processes is given. Fields that are options of the method follow in brackets.

@@ -1,6 +1,6 @@
-//! Several states at once, a lane each: what an ensemble steps.
+//! Lanes: many states that are stepped at once, by vector instructions. Ensembles use them.
 //!
-//! Invariant: what happens in a lane depends on that lane alone, and no operation is contracted into another, so a path has
+//! Invariant: the result of a lane depends on that lane only, and operations are not fused. A path has
 //! the same bits in any lane, beside any neighbours, with vectors of any width.
 
 #[cfg(feature = "ensemble")]
@@ -11,11 +11,11 @@ pub(crate) mod solve;
 
 use crate::state::State;
 
-/// How many states are stepped at once: four registers of AVX-512, eight of AVX2. The loops of a step over them are fused, so
-/// that as many chains of operations are in flight.
+/// Number of states that are stepped at once: four registers of AVX-512, eight of AVX2. The loops of a step over the lanes are fused, so
+/// that as many independent chains of operations are executed at the same time.
 pub const LANES: usize = 32;
 
-/// A number of each lane.
+/// A number for each lane.
 pub type Lane = [f64; LANES];
 
 /// A set of lanes, bit `l` for lane `l`.
@@ -53,7 +53,7 @@ impl<const N: usize> StateLanes<N> {
         lanes
     }
 
-    /// The state of a lane.
+    /// Returns the state of a lane.
     #[inline(always)]
     pub fn get(&self, lane: usize) -> State<[f64; N]> {
         State {
@@ -73,22 +73,27 @@ impl<const N: usize> StateLanes<N> {
         }
     }
 
-    /// Completes the states after a step: the lanes that are left ([`is_left`]) get back those `before` it; the set of these.
-    /// Whether there are any is known, which of them is seldom asked. Times stay.
+    /// Restores the states `before` a step in the lanes that need the scalar step ([`needs_scalar_step`]). Returns the mask of these lanes. `any` is
+    /// 0 if there are none, so that the lanes are seldom searched. Times do not change.
     #[inline(always)]
-    pub fn complete(&mut self, before: &Self, any: u64, solved: impl Fn(usize) -> bool) -> Mask {
+    pub fn restore_unsolved(
+        &mut self,
+        before: &Self,
+        any: u64,
+        solved: impl Fn(usize) -> bool,
+    ) -> Mask {
         if any == 0 {
             return 0;
         }
-        self.complete_some(before, solved)
+        self.restore_some(before, solved)
     }
 
     #[cold]
-    fn complete_some(&mut self, before: &Self, solved: impl Fn(usize) -> bool) -> Mask {
+    fn restore_some(&mut self, before: &Self, solved: impl Fn(usize) -> bool) -> Mask {
         let mut mask = 0;
         for lane in 0..LANES {
             let State { q, p, t } = self.get(lane);
-            if is_left(q, p, solved(lane)) != 0 {
+            if needs_scalar_step(q, p, solved(lane)) != 0 {
                 mask |= 1 << lane;
                 self.set(
                     lane,
@@ -103,9 +108,9 @@ impl<const N: usize> StateLanes<N> {
     }
 }
 
-/// 0 where the equations of a lane are `solved` and its new state is finite, otherwise 1.
+/// Returns 0 if the equations of a lane are solved and its new state is finite, otherwise 1.
 #[inline(always)]
-pub fn is_left<const N: usize>(q: [f64; N], p: [f64; N], solved: bool) -> u64 {
+pub fn needs_scalar_step<const N: usize>(q: [f64; N], p: [f64; N], solved: bool) -> u64 {
     let mut sum = 0.0;
     for i in 0..N {
         sum += q[i] + p[i];
@@ -113,12 +118,12 @@ pub fn is_left<const N: usize>(q: [f64; N], p: [f64; N], solved: bool) -> u64 {
     u64::from(!((sum.abs() < f64::INFINITY) & solved))
 }
 
-/// Numbers of each lane, on the boundaries of vectors: across two lines of the cache, loads and stores take twice as long.
+/// Numbers for the lanes, aligned to cache lines: loads and stores across two cache lines take twice as long.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct Aligned<T>(pub T);
 
-/// Numbers of each lane that one loop over the lanes hands to a later one.
+/// Returns work space for numbers that one loop over the lanes computes and a later one uses.
 #[inline(always)]
 pub const fn rows<const K: usize>() -> Aligned<[Lane; K]> {
     Aligned([[0.0; LANES]; K])

@@ -15,6 +15,7 @@ mod order;
 mod reference;
 mod report;
 mod run;
+mod settings;
 mod stopwatch;
 mod table;
 

@@ -109,7 +109,7 @@ impl Writer<'_> {
             #tokens
             let mut any = 0u64;
             #last
-            next.complete(states, any, |lane| #solved)
+            next.restore_unsolved(states, any, |lane| #solved)
         }
     }
 
@@ -277,7 +277,7 @@ impl Writer<'_> {
             #poison
             #(#store_q)*
             #(#store_p)*
-            any |= #private::lane::is_left(q_lane, p_lane, #solved);
+            any |= #private::lane::needs_scalar_step(q_lane, p_lane, #solved);
         }
     }
 

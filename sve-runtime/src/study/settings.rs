@@ -1,0 +1,121 @@
+//! The settings of a study, complete and checked.
+//!
+//! Input: a [`Study`]. Output: [`Settings`], or an error that says what to write instead.
+
+use super::any_method::AnyMethod;
+use super::reference::Reference;
+use super::{Study, StudyError};
+use crate::configuration::Coordinates;
+use crate::system::{Dims, StateOf, System};
+
+/// The settings of a study, complete and checked.
+pub(super) struct Settings<'a, S: System> {
+    pub(super) study: &'a Study<'a, S>,
+    pub(super) start: &'a StateOf<S>,
+    pub(super) horizon: f64,
+    pub(super) reference: &'a Reference<'a, S>,
+    pub(super) finest: usize,
+    pub(super) paths: u64,
+    pub(super) processes: usize,
+}
+
+impl<'a, S: System> Settings<'a, S> {
+    /// Checks the settings.
+    pub(super) fn new<Q, const N: usize, const M: usize>(
+        study: &'a Study<'a, S>,
+    ) -> Result<Self, StudyError>
+    where
+        S: System<Dims = Dims<N, M, Q>>,
+        Q: Coordinates<N>,
+    {
+        let missing = |what, write| StudyError::Missing { what, write };
+        let names = study.methods.iter().map(|(name, _)| name.to_string());
+        refuse_duplicates("methods", names)?;
+        let names = study.observables.iter().map(|o| o.name.to_string());
+        refuse_duplicates("observables", names)?;
+        refuse_duplicates("steps", study.steps.iter().map(usize::to_string))?;
+        let horizon = study.horizon.ok_or(missing("horizon", ".horizon(10.0)"))?;
+        if !(horizon > 0.0 && horizon.is_finite()) {
+            return Err(StudyError::Horizon { horizon });
+        }
+        if study.methods.is_empty() {
+            return Err(missing("methods", ".method(\"midpoint\", &integrator)"));
+        }
+        let finest = *study
+            .steps
+            .iter()
+            .max()
+            .ok_or(missing("numbers of steps", ".steps([64, 128, 256])"))?;
+        for &steps in &study.steps {
+            if steps == 0 {
+                return Err(StudyError::Zero { setting: "steps" });
+            }
+            if !finest.is_multiple_of(steps) {
+                return Err(StudyError::Steps { steps, finest });
+            }
+        }
+        if study.paths == 0 {
+            return Err(StudyError::Zero { setting: "paths" });
+        }
+        let reference = study.reference.as_ref().ok_or(missing(
+            "reference",
+            ".fine(&integrator, 16)` or `.exact(|path| …)",
+        ))?;
+        if let Reference::Fine(method, factor) = *reference {
+            check_fine(study, method, factor, finest)?;
+        }
+        Ok(Self {
+            study,
+            start: study
+                .start
+                .as_ref()
+                .ok_or(missing("start", ".start(State::new([1.0], [0.0]))"))?,
+            horizon,
+            reference,
+            finest,
+            paths: if M == 0 { 1 } else { study.paths },
+            processes: M,
+        })
+    }
+}
+
+/// Checks that the steps of a fine reference can be counted, and that the reference is none of the methods with the same steps: the error of that method would be 0,
+/// and those of the others too small.
+fn check_fine<S: System>(
+    study: &Study<'_, S>,
+    reference: &dyn AnyMethod<S>,
+    factor: usize,
+    finest: usize,
+) -> Result<(), StudyError> {
+    if factor == 0 {
+        return Err(StudyError::Zero { setting: "fine" });
+    }
+    if finest.checked_mul(factor).is_none() {
+        return Err(StudyError::TooFine { finest, factor });
+    }
+    let is_reference = |&&(_, method): &&(_, &dyn AnyMethod<S>)| {
+        factor == 1 && method.identity() == reference.identity()
+    };
+    match study.methods.iter().find(is_reference) {
+        None => Ok(()),
+        Some((name, _)) => Err(StudyError::OwnReference {
+            method: name.to_string(),
+            steps: finest,
+        }),
+    }
+}
+
+/// Returns an error if a name occurs twice.
+fn refuse_duplicates(
+    what: &'static str,
+    names: impl Iterator<Item = String>,
+) -> Result<(), StudyError> {
+    let mut seen = Vec::new();
+    for name in names {
+        if seen.contains(&name) {
+            return Err(StudyError::Twice { what, name });
+        }
+        seen.push(name);
+    }
+    Ok(())
+}
