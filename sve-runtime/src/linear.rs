@@ -5,8 +5,6 @@
 //! Numerical Algorithms, section 1.10.1); from three on Gaussian elimination with scaled partial pivoting,
 //! so that equations in different units choose the same pivots.
 
-use crate::newton::SolveError;
-
 /// Relative size under which what is left of two terms counts as zero: the rounding error of forming it.
 /// A pivot is what is left of K.
 pub(crate) const SINGULAR: f64 = 4.0 * f64::EPSILON;
@@ -120,51 +118,6 @@ fn eliminate<const K: usize>(matrix: &[[f64; K]; K], rhs: &[f64; K]) -> Option<(
         x[k] = sum / a[k][k];
     }
     Some((x, if negative { -1.0 } else { 1.0 }))
-}
-
-/// Solves `a x = b` for many right-hand sides, the columns of `b`, which become the solutions. Both are stored row by row,
-/// of a size known at run time; `a` is used up.
-///
-/// # Errors
-/// [`SolveError::Singular`] where a pivot vanishes.
-pub(crate) fn eliminate_many(a: &mut [f64], b: &mut [f64], size: usize) -> Result<(), SolveError> {
-    let columns = b.len().checked_div(size).unwrap_or(0);
-    let mut scale: Vec<f64> = (0..size)
-        .map(|i| largest(&a[size * i..size * (i + 1)]))
-        .collect();
-    for k in 0..size {
-        let weight = |i: usize| a[size * i + k].abs() / scale[i];
-        let pivot = (k..size).max_by(|&i, &j| weight(i).total_cmp(&weight(j)));
-        let pivot = pivot.filter(|&i| a[size * i + k] != 0.0);
-        let pivot = pivot.ok_or(SolveError::Singular { iteration: 0 })?;
-        scale.swap(k, pivot);
-        for j in 0..size {
-            a.swap(size * k + j, size * pivot + j);
-        }
-        for j in 0..columns {
-            b.swap(columns * k + j, columns * pivot + j);
-        }
-        // Gauss–Jordan: with the rows above, so that no back substitution is left
-        for i in (0..size).filter(|&i| i != k) {
-            let factor = a[size * i + k] / a[size * k + k];
-            if factor == 0.0 {
-                continue;
-            }
-            for j in k..size {
-                a[size * i + j] -= factor * a[size * k + j];
-            }
-            for j in 0..columns {
-                b[columns * i + j] -= factor * b[columns * k + j];
-            }
-        }
-    }
-    for k in 0..size {
-        let pivot = a[size * k + k];
-        for x in &mut b[columns * k..columns * (k + 1)] {
-            *x /= pivot;
-        }
-    }
-    Ok(())
 }
 
 /// Largest magnitude in a row.

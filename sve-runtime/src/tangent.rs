@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, SMatrix};
 use crate::Integrator;
 use crate::configuration::Coordinates;
 use crate::error::StepError;
-use crate::linear;
+use crate::lu;
 use crate::mechanics::Field;
 use crate::method::Method;
 use crate::newton::SolveError;
@@ -20,7 +20,7 @@ use crate::system::{Dims, System, Variational};
 
 /// The tangent map of a step, `∂(q₁,p₁)/∂(q₀,p₀)`: a matrix of `2N` rows and columns, first the coordinates, then the momenta.
 ///
-/// `tangent[row][column]` is an entry. The product of the maps of successive steps, the later one on the left, is that of all.
+/// `tangent[row][column]` is an entry, and [`qq`](Self::qq), [`qp`](Self::qp), [`pq`](Self::pq) and [`pp`](Self::pp) are the four blocks. The product of the maps of successive steps, the later one on the left, is that of all.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tangent<const N: usize> {
     /// Row by row.
@@ -231,18 +231,13 @@ where
     let linear = integrator.system().linearise(state, h, dw, &unknowns);
     let solved = linear.solve(!S::RETURNS_STATE);
     let all = solved.map_err(|error| explain(error, state, h, dw))?;
-    let columns = 2 * N + S::PARAMETERS.len();
-    let entry = |row: usize, column: usize| all[columns * row + column];
+    // stored column by column, so that the transpose is the map row by row
     let tangent = Tangent {
-        entries: all
-            .chunks(columns)
-            .flat_map(|row| &row[..2 * N])
-            .copied()
-            .collect(),
+        entries: all.columns(0, 2 * N).transpose().as_slice().to_vec(),
     };
     let field = |parameter: usize| Field {
-        q: core::array::from_fn(|i| entry(i, 2 * N + parameter)),
-        p: core::array::from_fn(|i| entry(N + i, 2 * N + parameter)),
+        q: core::array::from_fn(|i| all[(i, 2 * N + parameter)]),
+        p: core::array::from_fn(|i| all[(N + i, 2 * N + parameter)]),
     };
     *state = end;
     Ok((tangent, (0..S::PARAMETERS.len()).map(field).collect()))
@@ -258,10 +253,10 @@ pub struct Entries<'a> {
 }
 
 impl Entries<'_> {
-    fn dense(&self, rows: usize, columns: usize) -> Vec<f64> {
-        let mut dense = vec![0.0; rows * columns];
-        for (&(row, column), &value) in self.places.iter().zip(self.values) {
-            dense[columns * row + column] = value;
+    fn dense(&self, rows: usize, columns: usize) -> DMatrix<f64> {
+        let mut dense = DMatrix::zeros(rows, columns);
+        for (&place, &value) in self.places.iter().zip(self.values) {
+            dense[place] = value;
         }
         dense
     }
@@ -270,13 +265,10 @@ impl Entries<'_> {
 /// The equations of a step and its results, to first order.
 #[derive(Clone, Debug)]
 pub struct Linearisation {
-    unknowns: usize,
-    outputs: usize,
-    inputs: usize,
-    residual_by_unknowns: Vec<f64>,
-    residual_by_inputs: Vec<f64>,
-    output_by_unknowns: Vec<f64>,
-    output_by_inputs: Vec<f64>,
+    residual_by_unknowns: DMatrix<f64>,
+    residual_by_inputs: DMatrix<f64>,
+    output_by_unknowns: DMatrix<f64>,
+    output_by_inputs: DMatrix<f64>,
 }
 
 impl Linearisation {
@@ -287,9 +279,6 @@ impl Linearisation {
         [rx, rz, yx, yz]: [Entries<'_>; 4],
     ) -> Self {
         Self {
-            unknowns,
-            outputs,
-            inputs,
             residual_by_unknowns: rx.dense(unknowns, unknowns),
             residual_by_inputs: rz.dense(unknowns, inputs),
             output_by_unknowns: yx.dense(outputs, unknowns),
@@ -297,21 +286,19 @@ impl Linearisation {
         }
     }
 
-    /// `dy/dz`, row by row; with `increments` the results are differences to the state at the start, which is added.
-    fn solve(mut self, increments: bool) -> Result<Vec<f64>, SolveError> {
-        let moves = &mut self.residual_by_inputs;
-        linear::eliminate_many(&mut self.residual_by_unknowns, moves, self.unknowns)?;
+    /// `dy/dz`; with `increments` the results are differences to the state at the start, which is added.
+    fn solve(self, increments: bool) -> Result<DMatrix<f64>, SolveError> {
+        let moves = lu::solve(self.residual_by_unknowns, self.residual_by_inputs)?;
+        let slopes = self.output_by_unknowns;
         let mut all = self.output_by_inputs;
-        for row in 0..self.outputs {
-            let result = &mut all[self.inputs * row..self.inputs * (row + 1)];
-            if increments {
-                result[row] += 1.0;
-            }
-            let slopes = &self.output_by_unknowns[self.unknowns * row..];
-            let moves = moves.chunks(self.inputs);
-            for (&slope, moves) in slopes[..self.unknowns].iter().zip(moves) {
-                for (x, by) in result.iter_mut().zip(moves) {
-                    *x -= slope * by;
+        if increments {
+            (0..all.nrows()).for_each(|i| all[(i, i)] += 1.0);
+        }
+        // term by term: a product of matrices may be contracted, with other bits on other machines
+        for column in 0..all.ncols() {
+            for row in 0..all.nrows() {
+                for k in 0..moves.nrows() {
+                    all[(row, column)] -= slopes[(row, k)] * moves[(k, column)];
                 }
             }
         }
