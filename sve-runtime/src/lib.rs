@@ -47,6 +47,7 @@
 //! | describe a system | [`#[variational(…)]`](macro@variational) |
 //! | choose a rule | [`InitialPoint`], [`Endpoint`], [`Midpoint`], [`Taylor2`] |
 //! | make steps | [`Integrator`] with `step` and `trajectory`, [`State`]; [`Method`] is common to integrators and baselines |
+//! | know what the `q` of a state may be | [`Configuration`]; vectors, matrices and rotations are those of [`nalgebra`] |
 //! | store a trajectory and continue it | [`Trajectory::snapshot`], [`Method::resume`]; a noise is entered at a step by [`from_step`](noise::Replayable::from_step) |
 //! | see what a step became | [`Integrator::plan`], [`Plan`] |
 //! | differentiate a step in its start and in the parameters | [`Integrator::tangent`], [`Integrator::sensitivity`] |

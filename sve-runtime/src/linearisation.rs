@@ -1,7 +1,8 @@
 //! The linearised step that the macro generates, and its solution by the implicit-function theorem (`docs/mathematics.md`, section 8).
 
-use crate::solve::SolveError;
-use crate::solve::gauss_jordan;
+use nalgebra::DMatrix;
+
+use crate::solve::{SolveError, lu};
 
 /// The non-zero entries of a matrix.
 #[derive(Clone, Copy, Debug)]
@@ -13,10 +14,10 @@ pub struct Entries<'a> {
 }
 
 impl Entries<'_> {
-    fn dense(&self, rows: usize, columns: usize) -> Vec<f64> {
-        let mut dense = vec![0.0; rows * columns];
-        for (&(row, column), &value) in self.places.iter().zip(self.values) {
-            dense[columns * row + column] = value;
+    fn dense(&self, rows: usize, columns: usize) -> DMatrix<f64> {
+        let mut dense = DMatrix::zeros(rows, columns);
+        for (&place, &value) in self.places.iter().zip(self.values) {
+            dense[place] = value;
         }
         dense
     }
@@ -25,13 +26,10 @@ impl Entries<'_> {
 /// The equations of a step and its results, linearised around a solved step.
 #[derive(Clone, Debug)]
 pub struct Linearisation {
-    unknowns: usize,
-    outputs: usize,
-    inputs: usize,
-    residual_by_unknowns: Vec<f64>,
-    residual_by_inputs: Vec<f64>,
-    output_by_unknowns: Vec<f64>,
-    output_by_inputs: Vec<f64>,
+    residual_by_unknowns: DMatrix<f64>,
+    residual_by_inputs: DMatrix<f64>,
+    output_by_unknowns: DMatrix<f64>,
+    output_by_inputs: DMatrix<f64>,
 }
 
 impl Linearisation {
@@ -42,9 +40,6 @@ impl Linearisation {
         [rx, rz, yx, yz]: [Entries<'_>; 4],
     ) -> Self {
         Self {
-            unknowns,
-            outputs,
-            inputs,
             residual_by_unknowns: rx.dense(unknowns, unknowns),
             residual_by_inputs: rz.dense(unknowns, inputs),
             output_by_unknowns: yx.dense(outputs, unknowns),
@@ -52,24 +47,22 @@ impl Linearisation {
         }
     }
 
-    /// Returns `dy/dz`, row by row. With `increments` the results are differences to the state at the start, whose derivative is added.
+    /// Returns `dy/dz`. With `increments` the results are differences to the state at the start, whose derivative is added.
     ///
     /// # Errors
     /// [`SolveError`] if ∂R/∂x is singular, or the result is not finite.
-    pub(crate) fn solve(mut self, increments: bool) -> Result<Vec<f64>, SolveError> {
-        let moves = &mut self.residual_by_inputs;
-        gauss_jordan::solve_columns(&mut self.residual_by_unknowns, moves, self.unknowns)?;
+    pub(crate) fn solve(self, increments: bool) -> Result<DMatrix<f64>, SolveError> {
+        let moves = lu::solve(self.residual_by_unknowns, self.residual_by_inputs)?;
+        let slopes = self.output_by_unknowns;
         let mut all = self.output_by_inputs;
-        for row in 0..self.outputs {
-            let result = &mut all[self.inputs * row..self.inputs * (row + 1)];
-            if increments {
-                result[row] += 1.0;
-            }
-            let slopes = &self.output_by_unknowns[self.unknowns * row..];
-            let moves = moves.chunks(self.inputs);
-            for (&slope, moves) in slopes[..self.unknowns].iter().zip(moves) {
-                for (x, by) in result.iter_mut().zip(moves) {
-                    *x -= slope * by;
+        if increments {
+            (0..all.nrows()).for_each(|i| all[(i, i)] += 1.0);
+        }
+        // Term by term: a product of matrices may contract operations, with other bits on other machines.
+        for column in 0..all.ncols() {
+            for row in 0..all.nrows() {
+                for k in 0..moves.nrows() {
+                    all[(row, column)] -= slopes[(row, k)] * moves[(k, column)];
                 }
             }
         }

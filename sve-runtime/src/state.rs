@@ -14,8 +14,38 @@ use crate::configuration::{Configuration, Coordinates};
 /// use sve_runtime::prelude::*;
 /// let state = State::new([1.0], [0.0]);
 /// assert_eq!((state.t, state.q[0], state.p[0]), (0.0, 1.0, 0.0));
-/// let pair: State<[[f64; 2]; 2]> = State::at(1.0, [[1.0, 0.0], [0.0, 1.0]], [[0.0; 2]; 2]);
-/// assert_eq!(pair.q[1], [0.0, 1.0]);
+/// ```
+///
+/// The type in the signature is the type in the state, and what follows from the Lagrangian has it too:
+///
+/// ```
+/// use sve_runtime::prelude::*;
+///
+/// /// Two bodies in a plane, joined by a spring.
+/// struct Pair { k: f64 }
+///
+/// #[variational(midpoint)]
+/// impl Pair {
+///     fn lagrangian(&self, q: [[f64; 2]; 2], v: [[f64; 2]; 2]) -> f64 {
+///         let mut l = 0.0;
+///         for i in 0..2 {
+///             l += 0.5 * (v[0][i] * v[0][i] + v[1][i] * v[1][i]);
+///             l -= 0.5 * self.k * (q[1][i] - q[0][i]).powi(2);
+///         }
+///         l
+///     }
+/// }
+///
+/// # fn main() -> Result<(), StepError> {
+/// let pair = Integrator::new(Pair { k: 4.0 }, Midpoint);
+/// let mut state = State::new([[0.0, 0.0], [1.0, 0.0]], [[0.0, -0.5], [0.0, 0.5]]);
+/// pair.step(&mut state, 0.01, &[])?;
+/// let [first, second] = state.q;
+/// assert!((first[0] + second[0] - 1.0).abs() < 1e-15);
+/// let start: State<[[f64; 2]; 2]> = State::at(1.0, [[0.0, 0.0], [1.0, 0.0]], [[0.0; 2]; 2]);
+/// assert_eq!(pair.system().drift(&start)?.p, [[4.0, 0.0], [-4.0, 0.0]]);
+/// # Ok(())
+/// # }
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(

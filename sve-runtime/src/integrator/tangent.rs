@@ -18,7 +18,7 @@ use crate::system::{Dims, System, Variational};
 
 /// The tangent map of a step, `∂(q₁,p₁)/∂(q₀,p₀)`: a matrix of `2N` rows and columns, first the coordinates, then the momenta.
 ///
-/// `tangent[row][column]` is an entry. The product of the maps of successive steps, the later one on the left, is that of all.
+/// `tangent[row][column]` is an entry, and [`qq`](Self::qq), [`qp`](Self::qp), [`pq`](Self::pq) and [`pp`](Self::pp) are the four blocks. The product of the maps of successive steps, the later one on the left, is that of all.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tangent<const N: usize> {
     /// Row by row.
@@ -229,18 +229,13 @@ where
     let linear = integrator.system().linearise(state, h, dw, &unknowns);
     let solved = linear.solve(!S::RETURNS_STATE);
     let all = solved.map_err(|error| step_error(error, state, h, dw))?;
-    let columns = 2 * N + S::PARAMETERS.len();
-    let entry = |row: usize, column: usize| all[columns * row + column];
+    // The matrix is stored column by column, so its transpose is the map row by row.
     let tangent = Tangent {
-        entries: all
-            .chunks(columns)
-            .flat_map(|row| &row[..2 * N])
-            .copied()
-            .collect(),
+        entries: all.columns(0, 2 * N).transpose().as_slice().to_vec(),
     };
     let field = |parameter: usize| Field {
-        q: core::array::from_fn(|i| entry(i, 2 * N + parameter)),
-        p: core::array::from_fn(|i| entry(N + i, 2 * N + parameter)),
+        q: core::array::from_fn(|i| all[(i, 2 * N + parameter)]),
+        p: core::array::from_fn(|i| all[(N + i, 2 * N + parameter)]),
     };
     *state = end;
     Ok((tangent, (0..S::PARAMETERS.len()).map(field).collect()))

@@ -5,7 +5,7 @@
 //! | [`dense`] | a linear system of a size known at compile time |
 //! | [`banded`] | the same with a banded matrix |
 //! | [`diagonal`] | the same with a diagonal matrix |
-//! | [`gauss_jordan`] | a linear system of any size, for many right-hand sides |
+//! | [`lu`] | a dense linear system of a size known at run time, for many right-hand sides |
 //! | [`newton`] | a system of nonlinear equations |
 //! | [`regularity`] | no system: decides whether all matrices of an interval matrix are regular |
 //!
@@ -15,7 +15,7 @@ pub(crate) mod banded;
 pub(crate) mod dense;
 pub(crate) mod diagonal;
 mod error;
-pub(crate) mod gauss_jordan;
+pub(crate) mod lu;
 pub(crate) mod newton;
 pub(crate) mod regularity;
 
