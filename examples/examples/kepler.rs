@@ -60,7 +60,7 @@ const H: f64 = 0.01;
 
 impl Kepler {
     /// At the far end of an orbit of eccentricity `e` and semi-major axis 1, the centre of mass moving slowly.
-    fn start(&self, e: f64) -> State<4> {
+    fn start(&self, e: f64) -> State<Plane> {
         let [m1, m2] = self.m;
         let (total, reduced) = (m1 + m2, m1 * m2 / (m1 + m2));
         let (distance, speed) = (1.0 + e, (self.k / reduced * (1.0 - e) / (1.0 + e)).sqrt());
@@ -69,18 +69,14 @@ impl Kepler {
         let momentum = reduced * speed;
         let q: Plane = [place(-distance * m2 / total), place(distance * m1 / total)];
         let p: Plane = [[m1 * drift, -momentum], [m2 * drift, momentum]];
-        State::new(flat(q), flat(p))
+        State::new(q, p)
     }
-}
-
-fn flat([[a, b], [c, d]]: Plane) -> [f64; 4] {
-    [a, b, c, d]
 }
 
 /// Energy and largest changes of the momenta after each tenth of the time.
 fn report<I: Method<System = Kepler>>(name: &str, method: &I) -> Result<(), StepError> {
     let system = method.system();
-    let momenta = |state: &State<4>| {
+    let momenta = |state: &State<Plane>| {
         [
             system.rotation_momentum(state),
             system.shift_x_momentum(state),

@@ -13,6 +13,7 @@
 //! chapter 6; without its turns around folds.
 
 use crate::Integrator;
+use crate::configuration::Coordinates;
 use crate::legendre;
 use crate::mechanics;
 use crate::newton::{SolveError, Solver};
@@ -65,14 +66,15 @@ pub(crate) enum Lost {
 
 /// Follows the solution of a step.
 #[cold]
-pub(crate) fn follow<S, R, const N: usize, const M: usize>(
+pub(crate) fn follow<S, R, Q, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
-    state: &State<N>,
+    state: &State<[f64; N]>,
     h: f64,
     dw: &[f64; M],
 ) -> Result<StepOf<S, R>, Lost>
 where
-    S: Variational<R> + System<Dims = Dims<N, M>>,
+    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     let system = integrator.system();
     let numbers = state.q.iter().chain(&state.p).chain(dw);

@@ -78,8 +78,50 @@ pub(crate) mod many {
     }
 }
 
-/// Arrays, whose length is known and not written.
-pub(crate) mod array {
+/// Configurations: their stored values, whose number the type knows and the stored form leaves out.
+pub(crate) mod configuration {
+    use serde::{Deserializer, Serializer};
+
+    use super::row;
+    use crate::configuration::FixedSize;
+
+    pub(crate) fn serialize<Q: FixedSize, S: Serializer>(
+        q: &Q,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        row::serialize(q, Q::STORED_VALUES, serializer)
+    }
+
+    pub(crate) fn deserialize<'de, Q: FixedSize, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Q, D::Error> {
+        row::deserialize(Q::origin(), Q::STORED_VALUES, deserializer)
+    }
+}
+
+/// Momenta of a configuration, likewise.
+pub(crate) mod momentum {
+    use serde::{Deserializer, Serializer};
+
+    use super::row;
+    use crate::configuration::FixedSize;
+
+    pub(crate) fn serialize<Q: FixedSize, S: Serializer>(
+        p: &Q::Momentum,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        row::serialize(p, Q::DEGREES_OF_FREEDOM, serializer)
+    }
+
+    pub(crate) fn deserialize<'de, Q: FixedSize, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Q::Momentum, D::Error> {
+        row::deserialize(Q::no_momentum(), Q::DEGREES_OF_FREEDOM, deserializer)
+    }
+}
+
+/// Values of a known number.
+mod row {
     use core::fmt;
 
     use serde::de::{Error, SeqAccess, Visitor};
@@ -87,45 +129,53 @@ pub(crate) mod array {
     use serde::{Deserializer, Serializer};
 
     use super::Float;
+    use crate::configuration::Configuration;
 
-    pub(crate) fn serialize<S: Serializer, const N: usize>(
-        x: &[f64; N],
+    pub(super) fn serialize<Q: Configuration, S: Serializer>(
+        q: &Q,
+        length: usize,
         serializer: S,
     ) -> Result<S::Ok, S::Error> {
-        let mut tuple = serializer.serialize_tuple(N)?;
-        for &x in x {
+        let mut values = vec![0.0; length];
+        q.store(&mut values);
+        let mut tuple = serializer.serialize_tuple(length)?;
+        for x in values {
             tuple.serialize_element(&Float(x))?;
         }
         tuple.end()
     }
 
-    pub(crate) fn deserialize<'de, D: Deserializer<'de>, const N: usize>(
+    pub(super) fn deserialize<'de, Q: Configuration, D: Deserializer<'de>>(
+        mut q: Q,
+        length: usize,
         deserializer: D,
-    ) -> Result<[f64; N], D::Error> {
-        deserializer.deserialize_tuple(N, Numbers::<N>)
+    ) -> Result<Q, D::Error> {
+        let values = deserializer.deserialize_tuple(length, Values(length))?;
+        q.restore(&values);
+        Ok(q)
     }
 
-    struct Numbers<const N: usize>;
+    struct Values(usize);
 
-    impl<'de, const N: usize> Visitor<'de> for Numbers<N> {
-        type Value = [f64; N];
+    impl<'de> Visitor<'de> for Values {
+        type Value = Vec<f64>;
 
         fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            write!(f, "{N} numbers")
+            write!(f, "{} numbers", self.0)
         }
 
-        fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<[f64; N], A::Error> {
-            let mut x = [0.0; N];
-            for (i, x) in x.iter_mut().enumerate() {
+        fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Vec<f64>, A::Error> {
+            let mut values = vec![0.0; self.0];
+            for (i, x) in values.iter_mut().enumerate() {
                 let Float(next) = seq
                     .next_element()?
                     .ok_or_else(|| A::Error::invalid_length(i, &self))?;
                 *x = next;
             }
             if seq.next_element::<Float>()?.is_some() {
-                return Err(A::Error::invalid_length(N + 1, &self));
+                return Err(A::Error::invalid_length(self.0 + 1, &self));
             }
-            Ok(x)
+            Ok(values)
         }
     }
 }

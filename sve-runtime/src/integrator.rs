@@ -1,5 +1,6 @@
 //! A system with a rule: the step, and what it is called with.
 
+use crate::configuration::Coordinates;
 use crate::error::StepError;
 use crate::method::Method;
 use crate::newton::Newton;
@@ -87,16 +88,17 @@ impl<S: Variational<R>, R> Integrator<S, R> {
 }
 
 /// What [`Method`] offers, without having to import it.
-impl<S, R, const N: usize, const M: usize> Integrator<S, R>
+impl<S, R, Q, const N: usize, const M: usize> Integrator<S, R>
 where
-    S: Variational<R> + System<Dims = Dims<N, M>>,
+    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     /// One step of length `h` with the given Wiener increments, one a process in source order.
     ///
     /// # Errors
     /// A [`StepError`] when an input is not finite, `h ≤ 0`, or the step fails; `state` is then unchanged.
     #[inline]
-    pub fn step(&self, state: &mut State<N>, h: f64, dw: &[f64; M]) -> Result<(), StepError> {
+    pub fn step(&self, state: &mut State<Q>, h: f64, dw: &[f64; M]) -> Result<(), StepError> {
         Method::step(self, state, h, dw)
     }
 
@@ -127,7 +129,7 @@ where
     /// As [`step`](Self::step); [`StepError::Singular`] where the equations have no regular Jacobian at their solution.
     pub fn tangent(
         &self,
-        state: &State<N>,
+        state: &State<Q>,
         h: f64,
         dw: &[f64; M],
     ) -> Result<Tangent<N>, StepError> {
@@ -160,7 +162,7 @@ where
     /// As [`tangent`](Self::tangent).
     pub fn sensitivity(
         &self,
-        state: &State<N>,
+        state: &State<Q>,
         h: f64,
         dw: &[f64; M],
     ) -> Result<Sensitivity<N>, StepError> {
@@ -174,7 +176,7 @@ where
     /// As [`tangent`](Self::tangent); `state` is then unchanged.
     pub fn step_with_derivatives(
         &self,
-        state: &mut State<N>,
+        state: &mut State<Q>,
         h: f64,
         dw: &[f64; M],
     ) -> Result<(Tangent<N>, Sensitivity<N>), StepError> {
@@ -184,7 +186,7 @@ where
     /// The states after each step of length `h` from `state`; see [`Method::trajectory`].
     pub fn trajectory<W: Noise>(
         &self,
-        state: State<N>,
+        state: State<Q>,
         h: f64,
         noise: W,
     ) -> Trajectory<'_, Self, W> {
@@ -197,7 +199,7 @@ where
     /// As there.
     pub fn resume<W: Noise>(
         &self,
-        snapshot: Snapshot<State<N>>,
+        snapshot: Snapshot<State<Q>>,
         noise: W,
     ) -> Result<Trajectory<'_, Self, W>, StepError> {
         Method::resume(self, snapshot, noise)

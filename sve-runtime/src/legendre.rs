@@ -9,6 +9,7 @@
 //!
 //! Source: Allgower, Georg, *Introduction to Numerical Continuation Methods* (2003), chapter 2.
 
+use crate::configuration::Coordinates;
 use crate::linear;
 use crate::newton::{Evaluation, Newton, SolveError, is_opposite};
 use crate::state::State;
@@ -44,12 +45,13 @@ const SCALES: i32 = 40;
 /// [`SolveError::Singular`] where the mass matrix has no inverse; [`SolveError::NonFinite`] where L is not defined;
 /// [`SolveError::NoVelocity`] where no velocity of this momentum is connected with the reference.
 #[inline]
-pub(crate) fn velocity<S, const N: usize, const M: usize>(
+pub(crate) fn velocity<S, Q, const N: usize, const M: usize>(
     system: &S,
-    state: &State<N>,
+    state: &State<[f64; N]>,
 ) -> Result<[f64; N], SolveError>
 where
-    S: System<Dims = Dims<N, M>> + ?Sized,
+    S: System<Dims = Dims<N, M, Q>> + ?Sized,
+    Q: Coordinates<N>,
 {
     let State { t, q, p } = state;
     if !S::AFFINE_MOMENTUM {
@@ -65,12 +67,13 @@ where
 }
 
 /// The velocity where the momentum is not affine in it.
-fn follow<S, const N: usize, const M: usize>(
+fn follow<S, Q, const N: usize, const M: usize>(
     system: &S,
-    state: &State<N>,
+    state: &State<[f64; N]>,
 ) -> Result<[f64; N], SolveError>
 where
-    S: System<Dims = Dims<N, M>> + ?Sized,
+    S: System<Dims = Dims<N, M, Q>> + ?Sized,
+    Q: Coordinates<N>,
 {
     let State { t, q, p } = state;
     if !p.iter().chain(q).chain([t]).all(|x| x.is_finite()) {
@@ -124,7 +127,7 @@ where
 /// else the momentum or a diagonal direction by a power of two.
 #[allow(clippy::type_complexity)]
 fn reference<const N: usize>(
-    state: &State<N>,
+    state: &State<[f64; N]>,
     at: &impl Fn(&[f64; N], &[f64; N]) -> Evaluation<N>,
 ) -> Result<([f64; N], [f64; N], f64), SolveError> {
     let mut undefined = SolveError::NonFinite;

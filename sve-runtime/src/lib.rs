@@ -80,6 +80,7 @@
 
 mod banded;
 pub mod baseline;
+mod configuration;
 mod continuation;
 mod diagonal;
 #[cfg(feature = "ensemble")]
@@ -111,6 +112,7 @@ mod tangent;
 mod trajectory;
 mod turn;
 
+pub use configuration::{Configuration, Coordinates, FixedSize};
 pub use error::StepError;
 pub use integrator::Integrator;
 pub use lanes::{LANES, Lane, Mask, StateLanes};
@@ -237,8 +239,9 @@ pub use state::State;
 /// ```
 pub use sve_macros::variational;
 pub use system::{
-    DerivedFor, Dimensions, Dims, ForceJet, IncrementLanesOf, IncrementsOf, LagrangianJet,
-    NoiseJet, StateLanesOf, StateOf, StepOf, System, Variational, VectorOf,
+    ConfigurationOf, DerivedFor, Dimensions, Dims, FlatStateOf, ForceJet, IncrementLanesOf,
+    IncrementsOf, LagrangianJet, MomentumOf, NoiseJet, StateLanesOf, StateOf, StepOf, System,
+    Variational, VectorOf,
 };
 pub use tangent::{Sensitivity, Tangent};
 pub use trajectory::{Refinements, Trajectory};
@@ -275,7 +278,7 @@ pub mod __private {
     pub use crate::power::power_log;
     pub use crate::regular::{all_positive, cold, is_regular_within};
     pub use crate::rules::Whole;
-    pub use crate::state::State;
+    pub use crate::state::{State, in_coordinates};
     pub use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System, Variational};
     pub use crate::tangent::{Entries, Linearisation};
     pub use crate::turn::turn;

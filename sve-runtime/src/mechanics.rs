@@ -4,13 +4,14 @@
 //! Formulas: the equations of motion of a stochastic Hamilton–Pontryagin system,
 //! `dq = v dt + Σ ∂G_a/∂p ∘ dW_a`, `dp = (∂L/∂q + F) dt − Σ ∂G_a/∂q ∘ dW_a`, `p = ∂L/∂v`, with `G = −γ` or `G = H₁`.
 
+use crate::configuration::Coordinates;
 use crate::error::StepError;
 use crate::legendre;
 use crate::linear;
 use crate::newton::SolveError;
 use crate::state::State;
 use crate::step::explain;
-use crate::system::{Dims, IncrementsOf, NoiseJet, StateOf, System, VectorOf};
+use crate::system::{ConfigurationOf, Dims, IncrementsOf, MomentumOf, NoiseJet, StateOf, System};
 
 /// A tangent vector of phase space: `(q̇, ṗ)`, or the field of a noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +23,15 @@ pub struct Field<V> {
 }
 
 impl<const N: usize> Field<[f64; N]> {
+    /// The field of a configuration with these components.
+    #[inline(always)]
+    pub(crate) fn of<Q: Coordinates<N>>(self) -> Field<Q::Momentum> {
+        Field {
+            q: Q::from_components(&self.q),
+            p: Q::from_components(&self.p),
+        }
+    }
+
     /// Adds a multiple of another field.
     #[inline]
     pub(crate) fn add_scaled(&mut self, scale: f64, other: &Self) {
@@ -51,7 +61,7 @@ impl<const N: usize> Field<[f64; N]> {
 /// ```
 pub trait Mechanics: System {
     /// The Legendre transform `p = ∂L/∂v(0, q, v)`. See [`momentum_at`](Self::momentum_at) where L depends on time.
-    fn momentum(&self, q: VectorOf<Self>, v: VectorOf<Self>) -> VectorOf<Self> {
+    fn momentum(&self, q: ConfigurationOf<Self>, v: MomentumOf<Self>) -> MomentumOf<Self> {
         self.momentum_at(0.0, q, v)
     }
 
@@ -60,12 +70,21 @@ pub trait Mechanics: System {
     /// # Errors
     /// [`StepError::Singular`] where the mass matrix `∂²L/∂v²` has no inverse; [`StepError::NonFiniteInput`];
     /// [`StepError::NoVelocity`] where L is not quadratic in v and no velocity with that momentum is found.
-    fn velocity(&self, q: VectorOf<Self>, p: VectorOf<Self>) -> Result<VectorOf<Self>, StepError> {
+    fn velocity(
+        &self,
+        q: ConfigurationOf<Self>,
+        p: MomentumOf<Self>,
+    ) -> Result<MomentumOf<Self>, StepError> {
         self.velocity_at(0.0, q, p)
     }
 
     /// The Legendre transform at time `t`.
-    fn momentum_at(&self, t: f64, q: VectorOf<Self>, v: VectorOf<Self>) -> VectorOf<Self>;
+    fn momentum_at(
+        &self,
+        t: f64,
+        q: ConfigurationOf<Self>,
+        v: MomentumOf<Self>,
+    ) -> MomentumOf<Self>;
 
     /// The inverse Legendre transform at time `t`.
     ///
@@ -74,9 +93,9 @@ pub trait Mechanics: System {
     fn velocity_at(
         &self,
         t: f64,
-        q: VectorOf<Self>,
-        p: VectorOf<Self>,
-    ) -> Result<VectorOf<Self>, StepError>;
+        q: ConfigurationOf<Self>,
+        p: MomentumOf<Self>,
+    ) -> Result<MomentumOf<Self>, StepError>;
 
     /// The energy `H = ⟨p, v⟩ − L`, in the units of L.
     ///
@@ -88,39 +107,42 @@ pub trait Mechanics: System {
     ///
     /// # Errors
     /// As [`velocity`](Self::velocity).
-    fn drift(&self, state: &StateOf<Self>) -> Result<Field<VectorOf<Self>>, StepError>;
+    fn drift(&self, state: &StateOf<Self>) -> Result<Field<MomentumOf<Self>>, StepError>;
 
     /// The second time derivatives `(q̈, p̈)` of the motion without noise.
     ///
     /// # Errors
     /// As [`velocity`](Self::velocity).
-    fn acceleration(&self, state: &StateOf<Self>) -> Result<Field<VectorOf<Self>>, StepError>;
+    fn acceleration(&self, state: &StateOf<Self>) -> Result<Field<MomentumOf<Self>>, StepError>;
 
     /// `Σ_a g_a dW_a`, the noise fields `g_a = (∂G_a/∂p, −∂G_a/∂q)` combined with the given increments.
-    fn noise(&self, state: &StateOf<Self>, dw: &IncrementsOf<Self>) -> Field<VectorOf<Self>>;
+    fn noise(&self, state: &StateOf<Self>, dw: &IncrementsOf<Self>) -> Field<MomentumOf<Self>>;
 
     /// `½ Σ_a (Dg_a) g_a`, what the Itô drift has more than the Stratonovich drift.
-    fn ito_correction(&self, state: &StateOf<Self>) -> Field<VectorOf<Self>>;
+    fn ito_correction(&self, state: &StateOf<Self>) -> Field<MomentumOf<Self>>;
 }
 
-impl<S, const N: usize, const M: usize> Mechanics for S
+impl<S, Q, const N: usize, const M: usize> Mechanics for S
 where
-    S: System<Dims = Dims<N, M>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     #[inline]
-    fn momentum_at(&self, t: f64, q: [f64; N], v: [f64; N]) -> [f64; N] {
-        self.lagrangian_jet(t, &q, &v).dv
+    fn momentum_at(&self, t: f64, q: Q, v: Q::Momentum) -> Q::Momentum {
+        let jet = self.lagrangian_jet(t, &q.coordinates(), &Q::components(&v));
+        Q::from_components(&jet.dv)
     }
 
     #[inline]
-    fn velocity_at(&self, t: f64, q: [f64; N], p: [f64; N]) -> Result<[f64; N], StepError> {
-        let state = State { t, q, p };
-        legendre::velocity(self, &state).map_err(|error| outside_a_step(error, &state))
+    fn velocity_at(&self, t: f64, q: Q, p: Q::Momentum) -> Result<Q::Momentum, StepError> {
+        let v = velocity(self, &State { t, q, p }.to_coordinates())?;
+        Ok(Q::from_components(&v))
     }
 
     #[inline]
-    fn hamiltonian(&self, state: &State<N>) -> Result<f64, StepError> {
-        let v = self.velocity_at(state.t, state.q, state.p)?;
+    fn hamiltonian(&self, state: &State<Q>) -> Result<f64, StepError> {
+        let state = &state.to_coordinates();
+        let v = velocity(self, state)?;
         let mut energy = -self.lagrangian_jet(state.t, &state.q, &v).value;
         for i in 0..N {
             energy += state.p[i] * v[i];
@@ -133,41 +155,61 @@ where
     }
 
     #[inline]
-    fn drift(&self, state: &State<N>) -> Result<Field<[f64; N]>, StepError> {
+    fn drift(&self, state: &State<Q>) -> Result<Field<Q::Momentum>, StepError> {
+        let state = &state.to_coordinates();
         solve_drift(self, state)
             .and_then(finite)
+            .map(Field::of::<Q>)
             .map_err(|error| outside_a_step(error, state))
     }
 
     #[inline]
-    fn acceleration(&self, state: &State<N>) -> Result<Field<[f64; N]>, StepError> {
+    fn acceleration(&self, state: &State<Q>) -> Result<Field<Q::Momentum>, StepError> {
+        let state = &state.to_coordinates();
         legendre::velocity(self, state)
             .and_then(|v| solve_motion(self, state, v))
             .and_then(|motion| finite(motion.second))
+            .map(Field::of::<Q>)
             .map_err(|error| outside_a_step(error, state))
     }
 
     #[inline]
-    fn noise(&self, state: &State<N>, dw: &[f64; M]) -> Field<[f64; N]> {
-        noise_of(&self.noise_jets(state.t, &state.q, &state.p), dw)
+    fn noise(&self, state: &State<Q>, dw: &[f64; M]) -> Field<Q::Momentum> {
+        let State { t, q, p } = state.to_coordinates();
+        noise_of(&self.noise_jets(t, &q, &p), dw).of::<Q>()
     }
 
     #[inline]
-    fn ito_correction(&self, state: &State<N>) -> Field<[f64; N]> {
-        correction_of(&self.noise_jets(state.t, &state.q, &state.p))
+    fn ito_correction(&self, state: &State<Q>) -> Field<Q::Momentum> {
+        let State { t, q, p } = state.to_coordinates();
+        correction_of(&self.noise_jets(t, &q, &p)).of::<Q>()
     }
+}
+
+/// The velocity with the momentum of `state`.
+#[inline]
+fn velocity<S, Q, const N: usize, const M: usize>(
+    system: &S,
+    state: &State<[f64; N]>,
+) -> Result<[f64; N], StepError>
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    legendre::velocity(system, state).map_err(|error| outside_a_step(error, state))
 }
 
 // The same without the wording of errors: a method tells them of its whole step, not of one stage.
 
 /// The drift `(v, ∂L/∂q + F)`; only the velocity is known to be finite.
 #[inline]
-pub(crate) fn solve_drift<S, const N: usize, const M: usize>(
+pub(crate) fn solve_drift<S, Q, const N: usize, const M: usize>(
     system: &S,
-    state: &State<N>,
+    state: &State<[f64; N]>,
 ) -> Result<Field<[f64; N]>, SolveError>
 where
-    S: System<Dims = Dims<N, M>> + ?Sized,
+    S: System<Dims = Dims<N, M, Q>> + ?Sized,
+    Q: Coordinates<N>,
 {
     let q = legendre::velocity(system, state)?;
     let mut p = system.lagrangian_jet(state.t, &state.q, &q).dq;
@@ -188,13 +230,14 @@ pub(crate) struct Motion<const N: usize> {
 
 /// The derivatives of the motion from the velocity `v`.
 #[inline]
-pub(crate) fn solve_motion<S, const N: usize, const M: usize>(
+pub(crate) fn solve_motion<S, Q, const N: usize, const M: usize>(
     system: &S,
-    state: &State<N>,
+    state: &State<[f64; N]>,
     v: [f64; N],
 ) -> Result<Motion<N>, SolveError>
 where
-    S: System<Dims = Dims<N, M>> + ?Sized,
+    S: System<Dims = Dims<N, M, Q>> + ?Sized,
+    Q: Coordinates<N>,
 {
     let jet = system.lagrangian_jet(state.t, &state.q, &v);
     let force = system.force_jet(state.t, &state.q, &v);
@@ -272,6 +315,6 @@ fn finite<const N: usize>(field: Field<[f64; N]>) -> Result<Field<[f64; N]>, Sol
 }
 
 #[cold]
-fn outside_a_step<const N: usize>(error: SolveError, state: &State<N>) -> StepError {
+fn outside_a_step<const N: usize>(error: SolveError, state: &State<[f64; N]>) -> StepError {
     explain(error, state, 0.0, &[])
 }

@@ -4,6 +4,7 @@ use core::any::type_name;
 use core::hash::Hasher;
 
 use crate::Integrator;
+use crate::configuration::Coordinates;
 use crate::error::StepError;
 use crate::lanes::{ALL, Lane, Mask, StateLanes};
 use crate::newton::{Newton, Solver};
@@ -22,7 +23,7 @@ pub trait Method {
     /// The system it integrates.
     type System: System;
     /// What depends on parameters and step size alone.
-    type Prepared: Copy;
+    type Prepared: Clone;
 
     /// The system it integrates.
     fn system(&self) -> &Self::System;
@@ -182,9 +183,10 @@ pub trait Method {
     }
 }
 
-impl<S, R, const N: usize, const M: usize> Method for Integrator<S, R>
+impl<S, R, Q, const N: usize, const M: usize> Method for Integrator<S, R>
 where
-    S: Variational<R> + System<Dims = Dims<N, M>>,
+    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     type System = S;
     type Prepared = S::Prepared;
@@ -203,11 +205,13 @@ where
     fn step_prepared(
         &self,
         prepared: &S::Prepared,
-        state: &mut State<N>,
+        state: &mut State<Q>,
         h: f64,
         dw: &[f64; M],
     ) -> Result<(), StepError> {
-        solve_step(self, prepared, state, h, dw).map(|_| ())
+        Q::in_coordinates(state, |state| {
+            solve_step(self, prepared, state, h, dw).map(|_| ())
+        })
     }
 
     #[inline(always)]
@@ -246,10 +250,11 @@ where
     fn newton_iterations(
         &self,
         prepared: &S::Prepared,
-        state: &State<N>,
+        state: &State<Q>,
         h: f64,
         dw: &[f64; M],
     ) -> Option<u32> {
+        let state = &state.to_coordinates();
         let increment = |max_iterations| {
             let newton = Newton {
                 max_iterations,

@@ -2,37 +2,86 @@
 //!
 //! Invariant: none is enforced here; every step checks that what it is given is finite.
 
-/// Time, configuration and momentum of a system with `N` degrees of freedom.
+use crate::configuration::{Configuration, Coordinates};
+
+/// Time, configuration and momentum of a system.
 ///
-/// `q` and `p` are in the units of the user's Lagrangian; `p = ∂L/∂v`.
+/// `Q` is the type of `q` in the user's Lagrangian: `[f64; 2]` for two coordinates, `[[f64; 3]; B]` for `B` bodies in space. A Lagrangian
+/// of a single number `q: f64` has the state `State<[f64; 1]>`. `P` follows from `Q`: in a vector space both are the same type. `q` and `p`
+/// are in the units of the Lagrangian; `p = ∂L/∂v`.
 ///
 /// ```
 /// use sve_runtime::prelude::*;
 /// let state = State::new([1.0], [0.0]);
 /// assert_eq!((state.t, state.q[0], state.p[0]), (0.0, 1.0, 0.0));
+/// let pair: State<[[f64; 2]; 2]> = State::at(1.0, [[1.0, 0.0], [0.0, 1.0]], [[0.0; 2]; 2]);
+/// assert_eq!(pair.q[1], [0.0, 1.0]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct State<const N: usize> {
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "Q: crate::configuration::FixedSize + Configuration<Momentum = P>")
+)]
+// The type of `p` is a parameter, since rustc 1.95 fails on `State { q, ..start }` in a closure where a field has an associated type.
+pub struct State<Q: Configuration, P = <Q as Configuration>::Momentum> {
     /// Time.
     #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
     pub t: f64,
-    /// Configuration, one entry a coordinate.
-    #[cfg_attr(feature = "serde", serde(with = "crate::floats::array"))]
-    pub q: [f64; N],
-    /// Momentum `∂L/∂v`, one entry a coordinate.
-    #[cfg_attr(feature = "serde", serde(with = "crate::floats::array"))]
-    pub p: [f64; N],
+    /// Configuration.
+    #[cfg_attr(feature = "serde", serde(with = "crate::floats::configuration"))]
+    pub q: Q,
+    /// Momentum `∂L/∂v`.
+    #[cfg_attr(
+        feature = "serde",
+        serde(
+            serialize_with = "crate::floats::momentum::serialize::<Q, _>",
+            deserialize_with = "crate::floats::momentum::deserialize::<Q, _>"
+        )
+    )]
+    pub p: P,
 }
 
-impl<const N: usize> State<N> {
+impl<Q: Configuration> State<Q> {
     /// The state `(q, p)` at `t = 0`.
-    pub const fn new(q: [f64; N], p: [f64; N]) -> Self {
+    pub const fn new(q: Q, p: Q::Momentum) -> Self {
         Self { t: 0.0, q, p }
     }
 
     /// The state `(q, p)` at time `t`.
-    pub const fn at(t: f64, q: [f64; N], p: [f64; N]) -> Self {
+    pub const fn at(t: f64, q: Q, p: Q::Momentum) -> Self {
         Self { t, q, p }
     }
+
+    /// The same state in coordinates.
+    #[inline(always)]
+    pub(crate) fn to_coordinates<const N: usize>(&self) -> State<[f64; N]>
+    where
+        Q: Coordinates<N>,
+    {
+        State {
+            t: self.t,
+            q: self.q.coordinates(),
+            p: Q::components(&self.p),
+        }
+    }
+
+    /// The state with these coordinates.
+    #[inline(always)]
+    pub(crate) fn from_coordinates<const N: usize>(flat: &State<[f64; N]>) -> Self
+    where
+        Q: Coordinates<N>,
+    {
+        Self {
+            t: flat.t,
+            q: Q::from_coordinates(&flat.q),
+            p: Q::from_components(&flat.p),
+        }
+    }
+}
+
+/// A state in coordinates, for generated functions.
+#[inline(always)]
+pub fn in_coordinates<Q: Coordinates<N>, const N: usize>(state: &State<Q>) -> State<[f64; N]> {
+    state.to_coordinates()
 }

@@ -4,6 +4,7 @@
 //! unchanged. Invariant: nothing is allocated but in errors, and no state is written that is not finite.
 
 use crate::Integrator;
+use crate::configuration::Coordinates;
 use crate::continuation::{self, Lost};
 use crate::error::StepError;
 use crate::linear;
@@ -14,15 +15,16 @@ use crate::system::{Dims, System, Variational};
 
 /// One step of an integrator; what its blocks were solved for.
 #[inline]
-pub(crate) fn solve_step<S, R, const N: usize, const M: usize>(
+pub(crate) fn solve_step<S, R, Q, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     prepared: &S::Prepared,
-    state: &mut State<N>,
+    state: &mut State<[f64; N]>,
     h: f64,
     dw: &[f64; M],
 ) -> Result<S::Unknowns, StepError>
 where
-    S: Variational<R> + System<Dims = Dims<N, M>>,
+    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     let solver = Solver::new(integrator.newton());
     let error = match integrator
@@ -57,16 +59,38 @@ const fn iterates(plan: &Plan) -> bool {
 
 /// One step that keeps in `rest` what rounding takes from the state.
 #[inline]
-pub(crate) fn compensated_step<S, R, const N: usize, const M: usize>(
+pub(crate) fn compensated_step<S, R, Q, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     prepared: &S::Prepared,
-    state: &mut State<N>,
-    rest: &mut State<N>,
+    state: &mut State<Q>,
+    rest: &mut State<Q>,
     h: f64,
     dw: &[f64; M],
 ) -> Result<(), StepError>
 where
-    S: Variational<R> + System<Dims = Dims<N, M>>,
+    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    Q::in_coordinates(state, |state| {
+        Q::in_coordinates(rest, |rest| {
+            compensated(integrator, prepared, state, rest, h, dw)
+        })
+    })
+}
+
+/// One step in coordinates that keeps in `rest` what rounding takes from the state.
+#[inline]
+fn compensated<S, R, Q, const N: usize, const M: usize>(
+    integrator: &Integrator<S, R>,
+    prepared: &S::Prepared,
+    state: &mut State<[f64; N]>,
+    rest: &mut State<[f64; N]>,
+    h: f64,
+    dw: &[f64; M],
+) -> Result<(), StepError>
+where
+    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     let solver = Solver::new(integrator.newton());
     let system = integrator.system();
@@ -103,15 +127,16 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
 /// Why neither gives a solution.
 #[cold]
 #[inline(never)]
-fn solve_by_continuation<S, R, const N: usize, const M: usize>(
+fn solve_by_continuation<S, R, Q, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     failure: SolveError,
-    state: &State<N>,
+    state: &State<[f64; N]>,
     h: f64,
     dw: &[f64; M],
-) -> Result<(State<N>, S::Unknowns), StepError>
+) -> Result<(State<[f64; N]>, S::Unknowns), StepError>
 where
-    S: Variational<R> + System<Dims = Dims<N, M>>,
+    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     let system = integrator.system();
     let found = match continuation::follow(integrator, state, h, dw) {
@@ -145,15 +170,16 @@ where
 
 /// The error of a step, with what the system knows of it: its conditions, and its mass matrix.
 #[cold]
-fn explain_step<S, R, const N: usize, const M: usize>(
+fn explain_step<S, R, Q, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     error: SolveError,
-    state: &State<N>,
+    state: &State<[f64; N]>,
     h: f64,
     dw: &[f64; M],
 ) -> StepError
 where
-    S: Variational<R> + System<Dims = Dims<N, M>>,
+    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     let explained = explain(error, state, h, dw);
     match (error, explained) {
@@ -183,7 +209,7 @@ pub(crate) fn check_step_size(h: f64) -> Result<(), StepError> {
 /// Adds the increments to the state where the result is finite.
 #[inline]
 pub(crate) fn advance<const N: usize, const M: usize>(
-    state: &mut State<N>,
+    state: &mut State<[f64; N]>,
     h: f64,
     dw: &[f64; M],
     dq: &[f64; N],
@@ -198,7 +224,7 @@ pub(crate) fn advance<const N: usize, const M: usize>(
 
 /// Adds the increments to the state where the result is finite; whether it was.
 #[inline]
-fn add<const N: usize>(state: &mut State<N>, h: f64, dq: &[f64; N], dp: &[f64; N]) -> bool {
+fn add<const N: usize>(state: &mut State<[f64; N]>, h: f64, dq: &[f64; N], dp: &[f64; N]) -> bool {
     let (mut q, mut p) = (state.q, state.p);
     for i in 0..N {
         q[i] += dq[i];
@@ -209,7 +235,12 @@ fn add<const N: usize>(state: &mut State<N>, h: f64, dq: &[f64; N], dp: &[f64; N
 
 /// Replaces the state where the result is finite; whether it was.
 #[inline]
-fn replace<const N: usize>(state: &mut State<N>, h: f64, q: &[f64; N], p: &[f64; N]) -> bool {
+fn replace<const N: usize>(
+    state: &mut State<[f64; N]>,
+    h: f64,
+    q: &[f64; N],
+    p: &[f64; N],
+) -> bool {
     // One test of the sum finds every NaN and infinity; that it may overflow by itself is sorted out off the path.
     let mut sum = 0.0;
     for i in 0..N {
@@ -236,9 +267,10 @@ pub(crate) fn is_time(t: f64, end: f64) -> bool {
 
 /// Says `Singular` where a result is not finite because the mass matrix has no inverse: a formula divides by it unasked.
 #[cold]
-fn look_at_the_mass<S, const N: usize, const M: usize>(system: &S, error: StepError) -> StepError
+fn look_at_the_mass<S, Q, const N: usize, const M: usize>(system: &S, error: StepError) -> StepError
 where
-    S: System<Dims = Dims<N, M>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     let StepError::NonFiniteResult { t, h, q, p } = error else {
         return error;
@@ -264,7 +296,7 @@ fn all_finite(q: &[f64], p: &[f64]) -> bool {
 #[cold]
 pub(crate) fn explain<const N: usize, const M: usize>(
     error: SolveError,
-    state: &State<N>,
+    state: &State<[f64; N]>,
     h: f64,
     dw: &[f64; M],
 ) -> StepError {

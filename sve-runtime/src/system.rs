@@ -3,24 +3,31 @@
 //! Everything that depends on the number of coordinates goes through one associated type,
 //! [`System::Dims`], so that `Integrator<S, R>` needs no constants in its type.
 
+use core::marker::PhantomData;
+
+use crate::configuration::{Configuration, Coordinates, FixedSize};
 use crate::lanes::{ALL, Lane, Mask, StateLanes};
 use crate::newton::{Newton, SolveError, Solver};
 use crate::plan::Plan;
 use crate::state::State;
 use crate::tangent::Linearisation;
 
-/// The fixed sizes of a system: `N` degrees of freedom, `M` Wiener processes.
+/// The fixed sizes of a system, `N` degrees of freedom and `M` Wiener processes, and its type of configurations.
 #[derive(Clone, Copy, Debug)]
-pub struct Dims<const N: usize, const M: usize>;
+pub struct Dims<const N: usize, const M: usize, Q = [f64; N]>(PhantomData<Q>);
 
-/// The array types that belong to a pair of sizes. Implemented by [`Dims`] alone.
+/// The types that belong to the sizes and the configuration of a system. Implemented by [`Dims`] alone.
+///
+/// Generated code computes with rows of `N` coordinates; the runtime converts them from and to the configuration.
 pub trait Dimensions {
-    /// A vector of coordinates, `[f64; N]`.
+    /// The configuration, `Q`.
+    type Configuration: FixedSize;
+    /// A row of coordinates, `[f64; N]`.
     type Vector: Copy + core::fmt::Debug + AsRef<[f64]> + AsMut<[f64]>;
     /// The increments of the Wiener processes over a step, `[f64; M]`.
     type Increments: Copy + core::fmt::Debug + AsRef<[f64]> + AsMut<[f64]>;
-    /// The state, [`State<N>`](State).
-    type State: Clone + core::fmt::Debug;
+    /// The state in coordinates, [`State<[f64; N]>`](State).
+    type FlatState: Clone + core::fmt::Debug;
     /// A state in each lane, [`StateLanes<N>`](StateLanes).
     type StateLanes: Clone + core::fmt::Debug;
     /// The increments of each lane, `[Lane; M]`.
@@ -37,24 +44,21 @@ pub trait Dimensions {
     const NO_INCREMENT_LANES: Self::IncrementLanes;
     /// No force.
     const NO_FORCE: Self::ForceJet;
-    /// The time of a state.
-    fn time(state: &Self::State) -> f64;
-    /// Sets the time of a state.
-    fn set_time(state: &mut Self::State, t: f64);
     /// The same state in each lane.
-    fn splat(state: &Self::State) -> Self::StateLanes;
+    fn splat(state: &State<Self::Configuration>) -> Self::StateLanes;
     /// The state of a lane.
-    fn get(lanes: &Self::StateLanes, lane: usize) -> Self::State;
+    fn get(lanes: &Self::StateLanes, lane: usize) -> State<Self::Configuration>;
     /// Replaces the state of a lane.
-    fn set(lanes: &mut Self::StateLanes, lane: usize, state: &Self::State);
+    fn set(lanes: &mut Self::StateLanes, lane: usize, state: &State<Self::Configuration>);
     /// The times of the lanes.
     fn times(lanes: &mut Self::StateLanes) -> &mut Lane;
 }
 
-impl<const N: usize, const M: usize> Dimensions for Dims<N, M> {
+impl<const N: usize, const M: usize, Q: Coordinates<N>> Dimensions for Dims<N, M, Q> {
+    type Configuration = Q;
     type Vector = [f64; N];
     type Increments = [f64; M];
-    type State = State<N>;
+    type FlatState = State<[f64; N]>;
     type StateLanes = StateLanes<N>;
     type IncrementLanes = [Lane; M];
     type LagrangianJet = LagrangianJet<N>;
@@ -68,22 +72,16 @@ impl<const N: usize, const M: usize> Dimensions for Dims<N, M> {
     };
     const NO_INCREMENTS: [f64; M] = [0.0; M];
     const NO_INCREMENT_LANES: [Lane; M] = [[0.0; crate::lanes::LANES]; M];
-    fn time(state: &State<N>) -> f64 {
-        state.t
-    }
-    fn set_time(state: &mut State<N>, t: f64) {
-        state.t = t;
-    }
-    fn splat(state: &State<N>) -> StateLanes<N> {
-        StateLanes::splat(state)
+    fn splat(state: &State<Q>) -> StateLanes<N> {
+        StateLanes::splat(&state.to_coordinates())
     }
     #[inline(always)]
-    fn get(lanes: &StateLanes<N>, lane: usize) -> State<N> {
-        lanes.get(lane)
+    fn get(lanes: &StateLanes<N>, lane: usize) -> State<Q> {
+        State::from_coordinates(&lanes.get(lane))
     }
     #[inline(always)]
-    fn set(lanes: &mut StateLanes<N>, lane: usize, state: &State<N>) {
-        lanes.set(lane, state);
+    fn set(lanes: &mut StateLanes<N>, lane: usize, state: &State<Q>) {
+        lanes.set(lane, &state.to_coordinates());
     }
     #[inline(always)]
     fn times(lanes: &mut StateLanes<N>) -> &mut Lane {
@@ -95,8 +93,14 @@ impl<const N: usize, const M: usize> Dimensions for Dims<N, M> {
 pub type VectorOf<S> = <<S as System>::Dims as Dimensions>::Vector;
 /// `[f64; M]` of a system.
 pub type IncrementsOf<S> = <<S as System>::Dims as Dimensions>::Increments;
-/// `State<N>` of a system.
-pub type StateOf<S> = <<S as System>::Dims as Dimensions>::State;
+/// The configuration of a system, the type of `q` in its state.
+pub type ConfigurationOf<S> = <<S as System>::Dims as Dimensions>::Configuration;
+/// The momentum of a system, the type of `p` in its state; velocities have it too.
+pub type MomentumOf<S> = <ConfigurationOf<S> as Configuration>::Momentum;
+/// The state of a system.
+pub type StateOf<S> = State<ConfigurationOf<S>>;
+/// The state of a system in coordinates, `State<[f64; N]>`.
+pub type FlatStateOf<S> = <<S as System>::Dims as Dimensions>::FlatState;
 /// `StateLanes<N>` of a system.
 pub type StateLanesOf<S> = <<S as System>::Dims as Dimensions>::StateLanes;
 /// `[Lane; M]` of a system.
@@ -110,7 +114,7 @@ pub type IncrementLanesOf<S> = <<S as System>::Dims as Dimensions>::IncrementLan
     note = "put `#[variational(midpoint)]` on the `impl` block that holds its `lagrangian`"
 )]
 pub trait System {
-    /// Its sizes, `Dims<N, M>`.
+    /// Its sizes and its configuration, `Dims<N, M, Q>`.
     type Dims: Dimensions;
     /// Whether `∂L/∂v` is affine in `v`, so that the Legendre transform is inverted by one linear solve.
     const AFFINE_MOMENTUM: bool;
@@ -209,7 +213,7 @@ pub struct ForceJet<const N: usize> {
 )]
 pub trait Variational<R>: System {
     /// What depends on parameters and step size alone.
-    type Prepared: Copy;
+    type Prepared: Clone;
     /// What the blocks of the step are solved for, `[f64; K]`.
     type Unknowns: Copy + AsRef<[f64]> + AsMut<[f64]>;
     /// The conditions that functions in L and in the noises put on where they are evaluated, as text.
@@ -225,7 +229,7 @@ pub trait Variational<R>: System {
     /// step.
     fn start(
         &self,
-        state: &StateOf<Self>,
+        state: &FlatStateOf<Self>,
         velocity: &VectorOf<Self>,
         acceleration: &VectorOf<Self>,
     ) -> Self::Unknowns;
@@ -236,7 +240,7 @@ pub trait Variational<R>: System {
     fn increment(
         &self,
         prepared: &Self::Prepared,
-        state: &StateOf<Self>,
+        state: &FlatStateOf<Self>,
         h: f64,
         dw: &IncrementsOf<Self>,
         newton: &Solver<'_>,
@@ -260,7 +264,7 @@ pub trait Variational<R>: System {
     /// The step's equations and results to first order around a step that was solved.
     fn linearise(
         &self,
-        state: &StateOf<Self>,
+        state: &FlatStateOf<Self>,
         h: f64,
         dw: &IncrementsOf<Self>,
         unknowns: &Self::Unknowns,
@@ -336,7 +340,7 @@ impl<S: Variational<R>, R> Variational<R> for &S {
 
     fn start(
         &self,
-        state: &StateOf<S>,
+        state: &FlatStateOf<S>,
         velocity: &VectorOf<S>,
         acceleration: &VectorOf<S>,
     ) -> S::Unknowns {
@@ -347,7 +351,7 @@ impl<S: Variational<R>, R> Variational<R> for &S {
     fn increment(
         &self,
         prepared: &S::Prepared,
-        state: &StateOf<S>,
+        state: &FlatStateOf<S>,
         h: f64,
         dw: &IncrementsOf<S>,
         newton: &Solver<'_>,
@@ -371,7 +375,7 @@ impl<S: Variational<R>, R> Variational<R> for &S {
     #[inline]
     fn linearise(
         &self,
-        state: &StateOf<S>,
+        state: &FlatStateOf<S>,
         h: f64,
         dw: &IncrementsOf<S>,
         unknowns: &S::Unknowns,

@@ -6,6 +6,7 @@
 use core::ops::{Index, Mul};
 
 use crate::Integrator;
+use crate::configuration::Coordinates;
 use crate::error::StepError;
 use crate::linear;
 use crate::mechanics::Field;
@@ -128,14 +129,30 @@ impl<const N: usize> Sensitivity<N> {
 }
 
 /// One step with its derivatives.
-pub(crate) fn derivatives<S, R, const N: usize, const M: usize>(
+pub(crate) fn derivatives<S, R, Q, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
-    state: &mut State<N>,
+    state: &mut State<Q>,
     h: f64,
     dw: &[f64; M],
 ) -> Result<(Tangent<N>, Sensitivity<N>), StepError>
 where
-    S: Variational<R> + System<Dims = Dims<N, M>>,
+    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    Q::in_coordinates(state, |state| {
+        derivatives_in_coordinates(integrator, state, h, dw)
+    })
+}
+
+fn derivatives_in_coordinates<S, R, Q, const N: usize, const M: usize>(
+    integrator: &Integrator<S, R>,
+    state: &mut State<[f64; N]>,
+    h: f64,
+    dw: &[f64; M],
+) -> Result<(Tangent<N>, Sensitivity<N>), StepError>
+where
+    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     let prepared = Method::prepare(integrator, h)?;
     let mut end = *state;

@@ -1,6 +1,7 @@
 //! States along a path, one a step.
 
 use crate::Integrator;
+use crate::configuration::Coordinates;
 use crate::error::StepError;
 use crate::method::Method;
 use crate::noise::{Halves, Noise, NoiseError, Part};
@@ -80,7 +81,7 @@ pub(crate) fn time_after(start: f64, steps: u64, h: f64) -> f64 {
 impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
     pub(crate) fn new(method: &'a I, state: StateOf<I::System>, h: f64, noise: W) -> Self {
         Self {
-            start: <<I::System as System>::Dims>::time(&state),
+            start: state.t,
             method,
             noise,
             state,
@@ -107,7 +108,7 @@ impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
             rest,
             refinements,
         } = snapshot;
-        let t = <<I::System as System>::Dims>::time(&state);
+        let t = state.t;
         let compensated = |rest| match method.compensated_step() {
             Some(step) => Ok(Compensation { rest, step }),
             None => Err(StepError::Uncompensated { t }),
@@ -127,8 +128,8 @@ impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
             start: self.start,
             h: self.h,
             step: self.step,
-            state: self.state.clone(),
-            rest: self.compensation.as_ref().map(|low| low.rest.clone()),
+            state: self.state,
+            rest: self.compensation.as_ref().map(|low| low.rest),
             refinements: self.refinements,
         }
     }
@@ -197,32 +198,32 @@ impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
     }
 
     fn advance(&mut self) -> Result<Option<StateOf<I::System>>, StepError> {
-        let prepared = match self.prepared {
+        let prepared = match &self.prepared {
             Some(prepared) => prepared,
-            None => *self.prepared.insert(self.method.prepare(self.h)?),
+            None => self.prepared.insert(self.method.prepare(self.h)?),
         };
         let mut dw: IncrementsOf<I::System> = <<I::System as System>::Dims>::NO_INCREMENTS;
         match self.noise.increments(self.step, self.h, dw.as_mut()) {
             Ok(()) => {}
             Err(NoiseError::Exhausted { .. }) => return Ok(None),
             Err(source) => {
-                let t = <<I::System as System>::Dims>::time(&self.state);
+                let t = self.state.t;
                 return Err(StepError::Noise { t, source });
             }
         }
         let end = time_after(self.start, self.step + 1, self.h);
-        let t = <<I::System as System>::Dims>::time(&self.state);
+        let t = self.state.t;
         // a time that was not finite before is for the step to report
         if !is_time(t, end) && t.is_finite() {
             return Err(StepError::Time { t, h: self.h, end });
         }
         // what is rare has its own way out, so that the usual step is compiled as if there were nothing else
         if self.compensation.is_some() {
-            return self.compensated_step(&prepared, end, &{ dw });
+            return self.compensated_step(end, &{ dw });
         }
         let made = self
             .method
-            .step_prepared(&prepared, &mut self.state, self.h, &dw);
+            .step_prepared(prepared, &mut self.state, self.h, &dw);
         match made {
             Ok(()) => Ok(Some(self.arrive(end))),
             Err(error) => self.refined(error, end, &{ dw }),
@@ -233,18 +234,18 @@ impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
     #[inline(always)]
     fn arrive(&mut self, t: f64) -> StateOf<I::System> {
         self.step += 1;
-        <<I::System as System>::Dims>::set_time(&mut self.state, t);
-        self.state.clone()
+        self.state.t = t;
+        self.state
     }
 
     #[inline(never)]
     fn compensated_step(
         &mut self,
-        prepared: &I::Prepared,
         end: f64,
         dw: &IncrementsOf<I::System>,
     ) -> Result<Option<StateOf<I::System>>, StepError> {
-        if let Some(Compensation { rest, step }) = &mut self.compensation
+        if let (Some(prepared), Some(Compensation { rest, step })) =
+            (&self.prepared, &mut self.compensation)
             && let Err(error) = step(self.method, prepared, &mut self.state, rest, self.h, dw)
         {
             return self.refined(error, end, dw);
@@ -264,7 +265,7 @@ impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
         let Some(refinement) = &self.refinement else {
             return Err(error);
         };
-        let mut state = self.state.clone();
+        let mut state = self.state;
         let whole = Part::whole(self.step);
         let deepest = self.halved(refinement, error, whole, self.h, dw, &mut state)?;
         self.state = state;
@@ -310,9 +311,10 @@ impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
     }
 }
 
-impl<S, R, W: Noise, const N: usize, const M: usize> Trajectory<'_, Integrator<S, R>, W>
+impl<S, R, W: Noise, Q, const N: usize, const M: usize> Trajectory<'_, Integrator<S, R>, W>
 where
-    S: Variational<R> + System<Dims = Dims<N, M>>,
+    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     /// Keeps what rounding takes from coordinates and momenta at each step, and gives it back at the next: for runs of many
     /// steps, where it makes the random walk of rounding errors shorter.
@@ -337,7 +339,7 @@ where
     /// let oscillator = Integrator::new(Oscillator, Endpoint);
     /// let h = 1e-3;
     /// // what this rule conserves exactly
-    /// let conserved = |s: &State<1>| s.q[0] * s.q[0] + s.p[0] * s.p[0] + h * s.q[0] * s.p[0];
+    /// let conserved = |s: &State<[f64; 1]>| s.q[0] * s.q[0] + s.p[0] * s.p[0] + h * s.q[0] * s.p[0];
     /// let path = oscillator.trajectory(State::new([1.0], [0.0]), h, NoNoise).compensated();
     /// let end = path.take(100_000).last().unwrap()?;
     /// assert!((conserved(&end) - 1.0).abs() < 1e-15);
@@ -356,7 +358,7 @@ where
         }
         // one that was resumed has its low parts
         self.compensation.get_or_insert_with(|| Compensation {
-            rest: State::new([0.0; N], [0.0; N]),
+            rest: State::new(Q::origin(), Q::no_momentum()),
             step: step::compensated_step,
         });
         self

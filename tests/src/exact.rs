@@ -45,10 +45,10 @@ impl OscillatorStep {
     pub fn path(
         &self,
         sigma: f64,
-        start: State<1>,
+        start: State<[f64; 1]>,
         noise: &Wiener,
         steps: usize,
-    ) -> (Recorded, State<1>) {
+    ) -> (Recorded, State<[f64; 1]>) {
         let w = self.h.sqrt();
         let [[xx, xy], [_, yy]] = self.integrals;
         let [xw, yw] = self.with_dw.map(|c| c / w);

@@ -1,6 +1,6 @@
 //! Comparison of a derived Lagrangian with the user's own function: values, and derivatives by differences.
 
-use sve_runtime::{Dims, System};
+use sve_runtime::{Coordinates, Dims, System};
 
 use crate::random::Random;
 
@@ -11,11 +11,12 @@ const POINTS: usize = 24;
 ///
 /// # Panics
 /// Where they differ.
-pub fn check<S, const N: usize, const M: usize>(
+pub fn check<S, Q, const N: usize, const M: usize>(
     system: &S,
     plain: impl Fn(f64, &[f64; N], &[f64; N]) -> f64,
 ) where
-    S: System<Dims = Dims<N, M>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     let mut random = Random::new(1);
     for _ in 0..POINTS {
@@ -24,14 +25,15 @@ pub fn check<S, const N: usize, const M: usize>(
     }
 }
 
-fn check_at<S, const N: usize, const M: usize>(
+fn check_at<S, Q, const N: usize, const M: usize>(
     system: &S,
     plain: &impl Fn(f64, &[f64; N], &[f64; N]) -> f64,
     t: f64,
     q: [f64; N],
     v: [f64; N],
 ) where
-    S: System<Dims = Dims<N, M>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     let jet = system.lagrangian_jet(t, &q, &v);
     close("L", jet.value, plain(t, &q, &v), 1e-13);

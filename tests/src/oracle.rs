@@ -5,12 +5,16 @@ use sve_runtime::__private::Whole;
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
 
+use crate::flat::Flat;
 use crate::models::{
     Actions, Central, Chain, Charges, Clashing, Damped, DoublePendulum, Driven, HenonHeiles, Kubo,
     Magnetic, Mixed, OneMomentum, Oscillator, Pendulum, PlanarDoublePendulum, Polar, Quartic,
     Rails, Relativistic, SphericalPendulum, Stirred, Stretched, Synchrotron, Towed,
 };
 use crate::random::Random;
+
+/// Two charges, in a row of six coordinates.
+type FlatCharges = Flat<Charges>;
 
 /// A system whose functions can be called.
 pub trait Model<const N: usize, const M: usize>:
@@ -26,7 +30,7 @@ pub trait Model<const N: usize, const M: usize>:
         [0.0; N]
     }
     /// A point where everything is regular, and a steps's way around it.
-    fn point(random: &mut Random) -> State<N>;
+    fn point(random: &mut Random) -> State<[f64; N]>;
 }
 
 /// A rule of a test.
@@ -113,7 +117,7 @@ macro_rules! models {
                 let $fs = self;
                 $f
             })?
-            fn point($random: &mut Random) -> State<$n> {
+            fn point($random: &mut Random) -> State<[f64; $n]> {
                 let (q, p) = $point;
                 State::at($random.uniform(0.2, 1.0), q, p)
             }
@@ -241,11 +245,11 @@ models! {
     f(_t, q, v, s) = s.tow(q, v);
     point(r) = (r.array(-1.0, 1.0), r.array(-1.0, 1.0));
 
-    charges: Charges<6, 3> = Charges { m: [1.0, 0.6], b: 0.7, s: [0.3, 0.2, 0.4] };
-    l(_t, q, v, s) = s.lagrangian(pair(q), pair(v));
+    charges: FlatCharges<6, 3> = Flat(Charges { m: [1.0, 0.6], b: 0.7, s: [0.3, 0.2, 0.4] });
+    l(_t, q, v, s) = s.0.lagrangian(pair(q), pair(v));
     g(_t, q, p, s) = {
-        let [a, b] = s.jitter(pair(q), pair(p));
-        [a, b, -s.pull(pair(q))]
+        let [a, b] = s.0.jitter(pair(q), pair(p));
+        [a, b, -s.0.pull(pair(q))]
     };
     point(r) = (r.array(-1.0, 1.0), r.array(-0.5, 0.5));
 

@@ -46,7 +46,7 @@ fn in_a_step() {
 fn trajectory<S, R, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     kind: BlockKind,
-    start: State<N>,
+    start: State<[f64; N]>,
 ) where
     S: Variational<R> + System<Dims = Dims<N, M>>,
 {

@@ -31,7 +31,7 @@ impl Hash {
         all.into_iter().for_each(|&x| self.number(x));
     }
 
-    fn state<const N: usize>(&mut self, state: &State<N>) {
+    fn state<const N: usize>(&mut self, state: &State<[f64; N]>) {
         self.number(state.t);
         self.numbers(state.q.iter().chain(&state.p));
     }
@@ -164,7 +164,7 @@ fn ensembles() -> BTreeMap<String, u64> {
             .steps(0.02, 60)
             .record_every(20)
             .start(State::new([0.7; N], [0.2; N]))
-            .observe("q", |_: &S, state: &State<N>| state.q[0])
+            .observe("q", |_: &S, state: &State<[f64; N]>| state.q[0])
             .keep_final_states(true)
             .run()
             .expect("an ensemble");

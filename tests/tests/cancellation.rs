@@ -90,7 +90,7 @@ fn energies_of_small_motions() {
 #[test]
 fn steps_where_the_mass_cancels() {
     // θ²/2 θ'² has its digits in the velocity: 1 − cos 1e-6 has four, and the step would have as many
-    fn end<S, R>(system: S, rule: R) -> State<1>
+    fn end<S, R>(system: S, rule: R) -> State<[f64; 1]>
     where
         S: sve_runtime::Variational<R> + sve_runtime::System<Dims = sve_runtime::Dims<1, 0>>,
     {

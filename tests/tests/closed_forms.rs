@@ -31,7 +31,7 @@ fn d(x: f64) -> Double {
 }
 
 struct Sample {
-    start: State<1>,
+    start: State<[f64; 1]>,
     h: f64,
     dw: f64,
 }

@@ -311,7 +311,7 @@ impl Equations {
         system: &S,
         c: f64,
         step: &Step<M>,
-        [start, end]: [&State<N>; 2],
+        [start, end]: [&State<[f64; N]>; 2],
         what: &dyn Fn(&str) -> String,
     ) where
         S: Model<N, M>,
@@ -344,7 +344,7 @@ impl Equations {
         &mut self,
         system: &S,
         step: &Step<M>,
-        [start, end]: [&State<N>; 2],
+        [start, end]: [&State<[f64; N]>; 2],
         what: &dyn Fn(&str) -> String,
     ) where
         S: Model<N, M>,

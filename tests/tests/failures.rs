@@ -11,7 +11,7 @@ use sve_tests::oracle::{
 use sve_tests::random::Random;
 
 /// All bits of a state.
-fn bits<const N: usize>(state: &State<N>) -> Vec<u64> {
+fn bits<const N: usize>(state: &State<[f64; N]>) -> Vec<u64> {
     [&[state.t][..], &state.q, &state.p]
         .concat()
         .iter()
@@ -22,7 +22,7 @@ fn bits<const N: usize>(state: &State<N>) -> Vec<u64> {
 /// The error of a step that has to fail without touching the state.
 fn failure<S, R, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
-    start: &State<N>,
+    start: &State<[f64; N]>,
     h: f64,
     dw: &[f64; M],
 ) -> StepError
@@ -66,7 +66,7 @@ impl Visitor for BadInput {
     {
         let good = S::point(&mut self.0);
         let (h, dw) = (0.1, [0.2; M]);
-        let bad_input = |state: &State<N>, dw: &[f64; M], expected: &str, bad: f64| {
+        let bad_input = |state: &State<[f64; N]>, dw: &[f64; M], expected: &str, bad: f64| {
             let error = failure(integrator, state, h, dw);
             let StepError::NonFiniteInput { what, value, t } = &error else {
                 panic!("{}: {error:?}", name(integrator));
@@ -275,7 +275,7 @@ fn no_mass() {
 
 fn overflows<S, R, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
-    start: State<N>,
+    start: State<[f64; N]>,
     dw: [f64; M],
 ) where
     S: Variational<R> + System<Dims = Dims<N, M>>,

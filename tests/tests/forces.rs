@@ -183,7 +183,7 @@ fn linear_friction_contracts_the_symplectic_form_exactly() {
 }
 
 /// The end of a run of `steps` steps over unit time.
-fn end<M>(method: &M, steps: u32) -> State<2>
+fn end<M>(method: &M, steps: u32) -> State<[f64; 2]>
 where
     M: Method,
     M::System: System<Dims = Dims<2, 0>>,
@@ -201,7 +201,7 @@ where
 #[test]
 fn orders_of_convergence_with_a_force() {
     let exact = end(&RungeKutta4::new(stirred()), 4000);
-    let distance = |state: State<2>| -> f64 {
+    let distance = |state: State<[f64; 2]>| -> f64 {
         let parts = [(state.q, exact.q), (state.p, exact.p)];
         let squares = parts.map(|(a, b)| (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2));
         (squares[0] + squares[1]).sqrt()

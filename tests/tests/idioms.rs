@@ -235,7 +235,7 @@ impl Lengths {
 #[test]
 fn lengths_from_constants() {
     let system = Lengths { k: 0.7 };
-    check::<_, 4, 0>(&system, |_, q, v| system.lagrangian([*q], [*v]));
+    check::<_, _, 4, 0>(&system, |_, q, v| system.lagrangian([*q], [*v]));
 }
 
 feature! {

@@ -57,7 +57,7 @@ where
 }
 
 /// A unit in the last place of the numbers in a state, at least of 1.
-fn unit<const N: usize>(state: &State<N>) -> f64 {
+fn unit<const N: usize>(state: &State<[f64; N]>) -> f64 {
     let numbers = state.q.iter().chain(&state.p);
     f64::EPSILON * numbers.fold(1.0, |m: f64, x| m.max(x.abs()))
 }

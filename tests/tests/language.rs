@@ -287,7 +287,7 @@ impl Points {
 #[test]
 fn points_in_the_plane() {
     let system = Points { m: [1.0, 2.0, 0.5] };
-    check::<_, 6, 3>(&system, |_, q, v| {
+    check::<_, _, 6, 3>(&system, |_, q, v| {
         let rows = |x: &[f64; 6]| [[x[0], x[1]], [x[2], x[3]], [x[4], x[5]]];
         system.lagrangian(rows(q), rows(v))
     });

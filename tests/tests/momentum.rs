@@ -6,26 +6,27 @@
 //! to step: after n steps 4ε√n times that size, taken four times for safety. What a wrong term does is of the size of h².
 
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::{Coordinates, Dims, System, Variational};
 use sve_tests::models::{Central, Chain, Charges, Mixed, Stretched};
 use sve_tests::oracle::{central, chain, charges, mixed, stretched};
 
 const STEPS: u32 = 5000;
 
 /// Largest product of a coordinate, or 1, with a momentum.
-fn size_of<const N: usize>(state: &State<N>) -> f64 {
-    let largest = |x: &[f64; N]| x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-    largest(&state.q).max(1.0) * largest(&state.p)
+fn size_of<Q: Coordinates<N>, const N: usize>(state: &State<Q>) -> f64 {
+    let largest = |x: [f64; N]| x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    largest(state.q.coordinates()).max(1.0) * largest(Q::components(&state.p))
 }
 
 /// Follows `momentum`. The largest drift in units of the bound.
-fn drift<S, R, const N: usize, const M: usize>(
+fn drift<S, R, Q, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
-    start: State<N>,
-    momentum: impl Fn(&S, &State<N>) -> f64,
+    start: State<Q>,
+    momentum: impl Fn(&S, &State<Q>) -> f64,
 ) -> f64
 where
-    S: Variational<R> + System<Dims = Dims<N, M>>,
+    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     let expected = momentum(integrator.system(), &start);
     let (mut worst, mut size): (f64, f64) = (0.0, 0.0);
@@ -71,17 +72,17 @@ fn total_momentum_of_a_free_chain() {
 #[test]
 fn momenta_of_two_charges() {
     let start = State::new(
-        [0.7, 0.1, -0.2, -0.6, 0.2, 0.3],
-        [0.1, 0.5, 0.2, -0.2, -0.4, -0.1],
+        [[0.7, 0.1, -0.2], [-0.6, 0.2, 0.3]],
+        [[0.1, 0.5, 0.2], [-0.2, -0.4, -0.1]],
     );
-    let rotation = |state: &State<6>| {
-        let [q, p] = [state.q, state.p];
-        q[0] * p[1] - q[1] * p[0] + q[3] * p[4] - q[4] * p[3]
+    let rotation = |state: &State<[[f64; 3]; 2]>| {
+        let pairs = state.q.iter().zip(&state.p);
+        pairs.map(|(q, p)| q[0] * p[1] - q[1] * p[0]).sum::<f64>()
     };
-    assert!((charges().rotation_momentum(&start) - rotation(&start)).abs() < 1e-15);
+    assert!((charges().0.rotation_momentum(&start) - rotation(&start)).abs() < 1e-15);
     macro_rules! both {
         ($($rule:ident),*) => {$(
-            let integrator = Integrator::new(charges(), $rule);
+            let integrator = Integrator::new(charges().0, $rule);
             assert!(drift(&integrator, start, Charges::rotation_momentum) < 1.0);
             assert!(drift(&integrator, start, Charges::shift_momentum) < 1.0);
         )*};
@@ -102,7 +103,7 @@ fn a_symmetry_that_is_not_affine() {
         }
         (stretched().shift_momentum(&state) - stretched().shift_momentum(&start)).abs()
     };
-    let _: fn(&Stretched, &State<1>) -> f64 = Stretched::shift_momentum;
+    let _: fn(&Stretched, &State<[f64; 1]>) -> f64 = Stretched::shift_momentum;
     let order = (loss(32) / loss(64)).log2();
     // the next term of the error is of relative size h
     assert!((order - 2.0).abs() < 0.05, "{order}");
@@ -155,6 +156,7 @@ fn without_the_symmetry() {
         s: [0.0; 3],
         ..mixed()
     };
-    let angular = |_: &Mixed, state: &State<2>| state.q[0] * state.p[1] - state.q[1] * state.p[0];
+    let angular =
+        |_: &Mixed, state: &State<[f64; 2]>| state.q[0] * state.p[1] - state.q[1] * state.p[0];
     assert!(drift(&Integrator::new(quiet, Midpoint), start, angular) > 1e6);
 }

@@ -30,7 +30,7 @@ const SIGMAS: f64 = 4.0;
 /// A path: increments for the finest steps, and the exact end point.
 struct Path<const N: usize> {
     fine: Recorded,
-    end: State<N>,
+    end: State<[f64; N]>,
 }
 
 /// Slope of the least-squares line.
@@ -41,7 +41,7 @@ fn slope(x: &[f64], y: &[f64]) -> f64 {
     covariance / x.iter().map(|x| (x - mx).powi(2)).sum::<f64>()
 }
 
-fn distance2<const N: usize>(a: &State<N>, b: &State<N>) -> f64 {
+fn distance2<const N: usize>(a: &State<[f64; N]>, b: &State<[f64; N]>) -> f64 {
     (0..N)
         .map(|i| (a.q[i] - b.q[i]).powi(2) + (a.p[i] - b.p[i]).powi(2))
         .sum()
@@ -50,7 +50,7 @@ fn distance2<const N: usize>(a: &State<N>, b: &State<N>) -> f64 {
 /// Measures the order of `end(path, k)`, the end points with 2ᵏ steps, and returns it with its standard error.
 fn measure<const N: usize>(
     path: impl Fn(u64) -> Path<N>,
-    end: impl Fn(&Recorded) -> State<N>,
+    end: impl Fn(&Recorded) -> State<[f64; N]>,
 ) -> (f64, f64) {
     let x: Vec<f64> = LEVELS.iter().map(|&k| -f64::from(k)).collect();
     let mut total = vec![0.0; LEVELS.len()];
@@ -89,9 +89,9 @@ fn line(system: &str, rule: &str, noise: &str, expected: f64, (order, error): (f
 /// The end point on a recorded path.
 fn run<S, R, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
-    start: State<N>,
+    start: State<[f64; N]>,
     path: &Recorded,
-) -> State<N>
+) -> State<[f64; N]>
 where
     S: Variational<R> + System<Dims = Dims<N, M>>,
 {
@@ -103,7 +103,7 @@ where
 fn stochastic<S, R, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     noise: &str,
-    start: State<N>,
+    start: State<[f64; N]>,
     path: impl Fn(u64) -> Path<N>,
 ) where
     S: Variational<R> + System<Dims = Dims<N, M>>,
@@ -123,7 +123,7 @@ fn three_rules<S, const N: usize, const M: usize>(
     system: &S,
     noise: &str,
     order: StrongOrder,
-    start: State<N>,
+    start: State<[f64; N]>,
     path: impl Fn(u64) -> Path<N>,
 ) where
     S: Clone
@@ -160,7 +160,7 @@ fn total<const M: usize>(path: &Recorded) -> [f64; M] {
     whole.get(0).unwrap().try_into().unwrap()
 }
 
-fn rotated(start: State<1>, angle: f64) -> State<1> {
+fn rotated(start: State<[f64; 1]>, angle: f64) -> State<[f64; 1]> {
     let ([q], [p]) = (start.q, start.p);
     let (s, c) = angle.sin_cos();
     State::at(1.0, [q * c + p * s], [p * c - q * s])
@@ -170,7 +170,7 @@ fn rotated(start: State<1>, angle: f64) -> State<1> {
 /// smaller by 2⁻⁴ (order 1) or 2⁻² (order ½, 3 % of the mean square) than that of the finest step measured.
 fn with_fine_reference<S, const N: usize, const M: usize>(
     system: &S,
-    start: State<N>,
+    start: State<[f64; N]>,
 ) -> impl Fn(u64) -> Path<N>
 where
     S: Clone + System<Dims = Dims<N, M>> + Variational<Midpoint>,
@@ -300,7 +300,7 @@ fn noises_that_do_not_commute() {
 }
 
 /// Without noise: slopes between 2⁻⁷ and 2⁻¹¹ at T = 1, against Runge–Kutta with 2¹³ steps, whose error is 1e-14.
-fn deterministic<S, R, const N: usize>(system: &S, rule: R, start: State<N>)
+fn deterministic<S, R, const N: usize>(system: &S, rule: R, start: State<[f64; N]>)
 where
     S: Clone + Variational<R> + System<Dims = Dims<N, 0>>,
     R: Rule,
@@ -339,7 +339,7 @@ where
     );
 }
 
-fn four_rules<S, const N: usize>(system: &S, start: State<N>)
+fn four_rules<S, const N: usize>(system: &S, start: State<[f64; N]>)
 where
     S: Clone
         + System<Dims = Dims<N, 0>>

@@ -78,7 +78,7 @@ mod table {
     use super::scenes::{Facts, Scene, Visitor, every_scene};
     use sve_runtime::__private::Whole;
     use sve_runtime::prelude::*;
-    use sve_runtime::{Dims, System, Variational};
+    use sve_runtime::{Coordinates, Dims, System, Variational};
 
     /// Scene and rule; then without structure and with it: blocks, operations, calls, turns, bytes beside the state.
     const TABLE: &[[&str; 3]] = &[
@@ -153,9 +153,10 @@ mod table {
     struct Rows(Vec<[String; 3]>);
 
     impl Visitor for Rows {
-        fn visit<S, R, const N: usize, const M: usize>(&mut self, scene: &Scene<S, R, N>)
+        fn visit<S, R, Q, const N: usize, const M: usize>(&mut self, scene: &Scene<S, R>)
         where
-            S: System<Dims = Dims<N, M>> + Variational<R> + Variational<Whole<R>> + Copy,
+            S: System<Dims = Dims<N, M, Q>> + Variational<R> + Variational<Whole<R>> + Copy,
+            Q: Coordinates<N>,
             R: Copy,
         {
             let words = |facts: Facts| {
@@ -180,9 +181,10 @@ mod table {
     }
 
     /// Both sides of the table go the same way: errors of rounding, which the motion makes grow.
-    fn same_path<S, R, const N: usize, const M: usize>(scene: &Scene<S, R, N>)
+    fn same_path<S, R, Q, const N: usize, const M: usize>(scene: &Scene<S, R>)
     where
-        S: System<Dims = Dims<N, M>> + Variational<R> + Variational<Whole<R>>,
+        S: System<Dims = Dims<N, M, Q>> + Variational<R> + Variational<Whole<R>>,
+        Q: Coordinates<N>,
     {
         let (mut a, mut b) = (scene.start, scene.start);
         for k in 0..50 {
@@ -191,8 +193,10 @@ mod table {
             scene.derived.step(&mut a, scene.h, &dw).unwrap();
             scene.whole.step(&mut b, scene.h, &dw).unwrap();
         }
+        let numbers = |state: &State<Q>| [state.q.coordinates(), Q::components(&state.p)];
+        let ([aq, ap], [bq, bp]) = (numbers(&a), numbers(&b));
         for i in 0..N {
-            let error = (a.q[i] - b.q[i]).abs().max((a.p[i] - b.p[i]).abs());
+            let error = (aq[i] - bq[i]).abs().max((ap[i] - bp[i]).abs());
             assert!(error < 1e-12, "{}: {a:?}, {b:?}", scene.name);
         }
     }

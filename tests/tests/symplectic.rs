@@ -12,7 +12,10 @@ use sve_tests::random::Random;
 const BOUND: f64 = 1e-9;
 
 /// Largest entry of `MᵀΩM − Ω`.
-fn defect<const N: usize>(start: &State<N>, step: impl Fn(&State<N>) -> State<N>) -> f64 {
+fn defect<const N: usize>(
+    start: &State<[f64; N]>,
+    step: impl Fn(&State<[f64; N]>) -> State<[f64; N]>,
+) -> f64 {
     let image = |column: usize, d: f64, row: usize| {
         let mut from = *start;
         if column < N {
@@ -53,10 +56,10 @@ fn defect<const N: usize>(start: &State<N>, step: impl Fn(&State<N>) -> State<N>
 
 fn step_of<S, R, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
-    start: &State<N>,
+    start: &State<[f64; N]>,
     h: f64,
     dw: &[f64; M],
-) -> State<N>
+) -> State<[f64; N]>
 where
     S: Variational<R> + System<Dims = Dims<N, M>>,
 {
@@ -108,7 +111,7 @@ fn every_step_is_symplectic() {
 #[test]
 fn the_printed_scheme_is_not() {
     let h = 0.1;
-    let printed = |from: &State<1>| {
+    let printed = |from: &State<[f64; 1]>| {
         let ([q], [p]) = (from.q, from.p);
         let kick = 0.3 * oscillator().sigma;
         // q₁ = q₀ + h p₁, p₁ = p₀ − h q₁ + σΔW, solved for p₁

@@ -17,7 +17,7 @@ const SYMPLECTIC: f64 = 1e-12;
 /// `(q₁, p₁)`.
 fn image<S, R, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
-    mut state: State<N>,
+    mut state: State<[f64; N]>,
     h: f64,
     dw: &[f64; M],
 ) -> [[f64; N]; 2]
@@ -86,7 +86,7 @@ fn tangents_of_successive_steps() {
     let integrator = Integrator::new(oracle::double_pendulum(), Midpoint);
     let start = State::new([0.4, -0.3], [0.1, 0.2]);
     let increments = |k: u32| [0.1 * f64::from(k).sin(), 0.1 * f64::from(k).cos()];
-    let run = |from: State<2>| {
+    let run = |from: State<[f64; 2]>| {
         let mut state = from;
         for k in 0..50 {
             integrator.step(&mut state, 0.02, &increments(k)).unwrap();

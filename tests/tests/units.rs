@@ -91,7 +91,7 @@ fn difference<S, R, const N: usize, const M: usize>(
     [here, there]: [&Integrator<S, R>; 2],
     units: Units,
     coordinates: CoordinateUnits<N>,
-    start: State<N>,
+    start: State<[f64; N]>,
 ) -> f64
 where
     S: Variational<R> + System<Dims = Dims<N, M>>,
@@ -99,7 +99,7 @@ where
     let unit_q = coordinates(units);
     // the momentum of a coordinate: an action over its unit
     let unit_p = unit_q.map(|unit| units.action() / unit);
-    let scaled = |state: &State<N>| State {
+    let scaled = |state: &State<[f64; N]>| State {
         t: state.t * units.of(0, 1, 0),
         q: core::array::from_fn(|i| state.q[i] * unit_q[i]),
         p: core::array::from_fn(|i| state.p[i] * unit_p[i]),
@@ -130,7 +130,7 @@ where
 fn check<S, const N: usize, const M: usize>(
     make: impl Fn(Units) -> S,
     coordinates: CoordinateUnits<N>,
-    start: State<N>,
+    start: State<[f64; N]>,
     bound: f64,
 ) where
     S: System<Dims = Dims<N, M>>
@@ -175,7 +175,7 @@ fn check_rule<S, R, const N: usize, const M: usize>(
     systems: [S; 2],
     other: Units,
     coordinates: CoordinateUnits<N>,
-    start: State<N>,
+    start: State<[f64; N]>,
     bound: f64,
     rule: R,
 ) where

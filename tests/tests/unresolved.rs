@@ -32,7 +32,7 @@ fn kicked<S, R, const N: usize>(
     integrator: &Integrator<S, R>,
     h: f64,
     place: (f64, f64),
-) -> State<N>
+) -> State<[f64; N]>
 where
     S: Variational<R> + System<Dims = Dims<N, 1>>,
 {

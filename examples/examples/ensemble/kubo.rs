@@ -107,7 +107,7 @@ impl Law {
 pub(crate) fn report(options: &Options) -> Result<Report, Box<dyn Error>> {
     let integrator = Integrator::new(KUBO, Midpoint);
     // from (1, 0): q = cos θ, p = −sin θ
-    let phase = |state: &State<1>| (-state.p[0]).atan2(state.q[0]);
+    let phase = |state: &State<[f64; 1]>| (-state.p[0]).atan2(state.q[0]);
     let summary = Ensemble::new(&integrator)
         .paths(options.paths)
         .seed(options.seed)

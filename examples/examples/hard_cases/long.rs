@@ -74,10 +74,10 @@ fn weights() -> Vec<f64> {
 
 /// The changes of a quantity along states.
 fn watch<const N: usize>(
-    states: impl Iterator<Item = Result<State<N>, StepError>>,
+    states: impl Iterator<Item = Result<State<[f64; N]>, StepError>>,
     steps: usize,
-    start: &State<N>,
-    quantity: impl Fn(&State<N>) -> f64,
+    start: &State<[f64; N]>,
+    quantity: impl Fn(&State<[f64; N]>) -> f64,
 ) -> Result<Found, StepError> {
     let (weights, first) = (weights(), quantity(start));
     let mut found = Found {
@@ -109,7 +109,7 @@ fn watch<const N: usize>(
 fn pendulum(h: f64) -> Result<Found, StepError> {
     let midpoint = Integrator::new(Pendulum, Midpoint);
     let start = State::new([1.2], [0.0]);
-    let energy = |s: &State<1>| 0.5 * s.p[0] * s.p[0] - s.q[0].cos();
+    let energy = |s: &State<[f64; 1]>| 0.5 * s.p[0] * s.p[0] - s.q[0].cos();
     watch(
         midpoint.trajectory(start, h, NoNoise),
         STEPS,
@@ -122,7 +122,7 @@ fn pendulum(h: f64) -> Result<Found, StepError> {
 fn orbit(h: f64) -> Result<Found, StepError> {
     let midpoint = Integrator::new(Kepler, Midpoint);
     let start = State::new([1.0, 0.0], [0.0, 1.0]);
-    let angular = |s: &State<2>| s.q[0] * s.p[1] - s.q[1] * s.p[0];
+    let angular = |s: &State<[f64; 2]>| s.q[0] * s.p[1] - s.q[1] * s.p[0];
     watch(
         midpoint.trajectory(start, h, NoNoise),
         ORBIT,
@@ -135,7 +135,7 @@ fn orbit(h: f64) -> Result<Found, StepError> {
 fn oscillator(h: f64, compensated: bool) -> Result<Found, StepError> {
     let endpoint = Integrator::new(Oscillator, Endpoint);
     let start = State::new([1.2], [0.3]);
-    let conserved = |s: &State<1>| s.q[0] * s.q[0] + s.p[0] * s.p[0] + h * s.q[0] * s.p[0];
+    let conserved = |s: &State<[f64; 1]>| s.q[0] * s.q[0] + s.p[0] * s.p[0] + h * s.q[0] * s.p[0];
     let path = endpoint.trajectory(start, h, NoNoise);
     let path = if compensated {
         path.compensated()

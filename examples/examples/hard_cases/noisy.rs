@@ -77,7 +77,7 @@ fn circle() -> Result<f64, StepError> {
 
 const H: f64 = 0.3;
 
-fn rotor_start() -> State<1> {
+fn rotor_start() -> State<[f64; 1]> {
     State::new([0.0], [2.0])
 }
 
@@ -187,7 +187,7 @@ fn temperature(omega: f64) -> Result<(Verdict, String), StepError> {
 /// Steps with σ → 0 against steps without noise, bit for bit.
 fn vanishing() -> Result<bool, StepError> {
     let start = State::new([1.0], [0.3]);
-    let end = |s: f64, noise: &mut dyn Noise| -> Result<State<1>, StepError> {
+    let end = |s: f64, noise: &mut dyn Noise| -> Result<State<[f64; 1]>, StepError> {
         let rotor = Integrator::new(Rotor { s }, Midpoint);
         let mut end = start;
         for state in rotor.trajectory(start, 0.05, noise).take(10_000) {
@@ -196,7 +196,7 @@ fn vanishing() -> Result<bool, StepError> {
         Ok(end)
     };
     let still = end(1.0, &mut NoNoise)?;
-    let bits = |s: &State<1>| (s.q[0].to_bits(), s.p[0].to_bits());
+    let bits = |s: &State<[f64; 1]>| (s.q[0].to_bits(), s.p[0].to_bits());
     let mut same = true;
     for s in [0.0, 1e-30, 1e-300] {
         same &= bits(&end(s, &mut Wiener::new(2))?) == bits(&still);

@@ -67,10 +67,10 @@ type Halves = [f64; 2];
 /// The changes of some quantities along a run.
 fn changes<S, const N: usize, const K: usize>(
     system: S,
-    start: State<N>,
+    start: State<[f64; N]>,
     h: f64,
     steps: usize,
-    quantities: [fn(&State<N>) -> f64; K],
+    quantities: [fn(&State<[f64; N]>) -> f64; K],
 ) -> Result<[Halves; K], StepError>
 where
     S: Variational<Midpoint> + System<Dims = Dims<N, 0>>,
@@ -122,16 +122,16 @@ fn of<const K: usize>(
     changes.clone().map(|changes| changes[k])
 }
 
-fn aphelion(e: f64) -> State<2> {
+fn aphelion(e: f64) -> State<[f64; 2]> {
     State::new([1.0 + e, 0.0], [0.0, ((1.0 - e) / (1.0 + e)).sqrt()])
 }
 
-fn energy(state: &State<2>) -> f64 {
+fn energy(state: &State<[f64; 2]>) -> f64 {
     let kinetic = 0.5 * (state.p[0].powi(2) + state.p[1].powi(2));
     kinetic - state.q[0].hypot(state.q[1]).recip()
 }
 
-fn angular(state: &State<2>) -> f64 {
+fn angular(state: &State<[f64; 2]>) -> f64 {
     state.q[0] * state.p[1] - state.q[1] * state.p[0]
 }
 
@@ -152,7 +152,7 @@ fn kepler(table: &mut Table) {
     use Verdict::{Holds, Unresolved};
     let run = |e: f64, n: u32| {
         let h = TAU / f64::from(n);
-        let quantities = [energy as fn(&State<2>) -> f64, angular];
+        let quantities = [energy as fn(&State<[f64; 2]>) -> f64, angular];
         changes(Kepler, aphelion(e), h, 1000 * n as usize, quantities)
     };
     for (n, hard, bound) in LENGTHS {
@@ -169,7 +169,7 @@ fn kepler(table: &mut Table) {
     ];
     let found = run(0.99, 20_000);
     table.add(row, Unresolved, judge(&of(&found, 0), 0.01, "energy"));
-    let quantities = [energy as fn(&State<2>) -> f64, angular];
+    let quantities = [energy as fn(&State<[f64; 2]>) -> f64, angular];
     let found = changes(Regular, aphelion(0.99), TAU / 2000.0, 2_000_000, quantities);
     let row = [
         "Kepler, e = 0.99",
@@ -183,7 +183,7 @@ fn kepler(table: &mut Table) {
 
 fn chaos(table: &mut Table) {
     let start = State::new([PI - 1e-3, PI + 1e-3], [0.0; 2]);
-    let energy = |state: &State<2>| DoublePendulum.hamiltonian(state).unwrap_or(f64::NAN);
+    let energy = |state: &State<[f64; 2]>| DoublePendulum.hamiltonian(state).unwrap_or(f64::NAN);
     let found = changes(DoublePendulum, start, 1e-3, 200_000, [energy]);
     let row = [
         "double pendulum",
@@ -195,7 +195,7 @@ fn chaos(table: &mut Table) {
     let (level, y) = (1.0 / 6.0 - 1e-3, 0.1_f64);
     let momentum = (2.0 * level - y * y + 2.0 / 3.0 * y.powi(3)).sqrt();
     let start = State::new([0.0, y], [momentum, 0.0]);
-    let energy = |state: &State<2>| HenonHeiles.hamiltonian(state).unwrap_or(f64::NAN);
+    let energy = |state: &State<[f64; 2]>| HenonHeiles.hamiltonian(state).unwrap_or(f64::NAN);
     let found = changes(HenonHeiles, start, 0.02, 500_000, [energy]);
     let row = [
         "Hénon–Heiles",
@@ -206,7 +206,7 @@ fn chaos(table: &mut Table) {
 }
 
 /// A step that has to end with an error, and where.
-fn stopped<S>(system: S, start: State<2>, h: f64, steps: usize) -> (Verdict, String)
+fn stopped<S>(system: S, start: State<[f64; 2]>, h: f64, steps: usize) -> (Verdict, String)
 where
     S: Variational<Midpoint> + System<Dims = Dims<2, 0>>,
 {

@@ -246,7 +246,7 @@ fn draw(
     solution: &Run,
     picture: &Picture,
 ) -> Result<Figure, StepError> {
-    let phase = |title: &str, states: &[State<1>], color| {
+    let phase = |title: &str, states: &[State<[f64; 1]>], color| {
         let axis = |name| Axis::new(name, -picture.size..picture.size);
         let orbit = states.iter().map(|z| (z.q[0], z.p[0])).collect();
         Panel::new(title, axis("q"), axis("p"))

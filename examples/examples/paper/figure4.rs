@@ -60,7 +60,7 @@ pub(crate) fn report(options: &Options, tick: &dyn Fn()) -> Result<Report, Box<d
 }
 
 /// The exact solution on the path: the rotation by θ = at + σW(t).
-fn rotation(start: State<1>, path: &Wiener, steps: usize) -> Run {
+fn rotation(start: State<[f64; 1]>, path: &Wiener, steps: usize) -> Run {
     let mut states = vec![start];
     let mut w = 0.0;
     for step in 0..steps {
@@ -126,7 +126,7 @@ fn checks(options: &Options, runs: &Runs) -> Vec<Check> {
 /// What the midpoint rule turned less than the exact solution: 2 atan(x/2) a step instead of x.
 fn lag(midpoint: &Run, exact: &Run, steps: f64) -> Check {
     let turned = |run: &Run| -> f64 {
-        let angle = |z: &[State<1>]| {
+        let angle = |z: &[State<[f64; 1]>]| {
             let (q0, p0, q1, p1) = (z[0].q[0], z[0].p[0], z[1].q[0], z[1].p[0]);
             (p0 * q1 - q0 * p1).atan2(q0 * q1 + p0 * p1)
         };

@@ -56,14 +56,14 @@ impl<I: Method<System = Oscillator>> Stepper for I {
 }
 
 /// The energy; infinite where it is above the range of f64, as that of forward Euler–Maruyama is in a very long run.
-pub(crate) fn energy(state: &State<1>) -> Result<f64, StepError> {
+pub(crate) fn energy(state: &State<[f64; 1]>) -> Result<f64, StepError> {
     match OSCILLATOR.hamiltonian(state) {
         Err(StepError::NonFiniteResult { .. }) => Ok(f64::INFINITY),
         result => result,
     }
 }
 
-pub(crate) fn start() -> State<1> {
+pub(crate) fn start() -> State<[f64; 1]> {
     State::new([START[0]], [START[1]])
 }
 

@@ -7,7 +7,7 @@ use sve_runtime::{Dims, Method, State, StepError, System};
 #[derive(Clone, Debug)]
 pub(crate) struct Run {
     /// The states, the start first.
-    pub(crate) states: Vec<State<1>>,
+    pub(crate) states: Vec<State<[f64; 1]>>,
     /// The time that the method could not reach, because its result was not a finite number.
     pub(crate) overflow: Option<f64>,
 }
@@ -15,7 +15,7 @@ pub(crate) struct Run {
 /// `steps` steps of length `h` from `start`. An overflow ends a run and is not an error: it is what figure 4 shows.
 pub(crate) fn run<I, const M: usize>(
     method: &I,
-    start: State<1>,
+    start: State<[f64; 1]>,
     h: f64,
     noise: impl Noise,
     steps: usize,
@@ -45,7 +45,7 @@ where
 }
 
 /// ln √(q² + p²), also where the root itself is above the range of f64.
-pub(crate) fn ln_radius(z: &State<1>) -> f64 {
+pub(crate) fn ln_radius(z: &State<[f64; 1]>) -> f64 {
     let (q, p) = (z.q[0].abs(), z.p[0].abs());
     q.max(p).ln() + 0.5 * (q.min(p) / q.max(p)).powi(2).ln_1p()
 }
@@ -57,13 +57,13 @@ impl Run {
     }
 
     /// `(t, f)` of every state.
-    pub(crate) fn over_time(&self, f: impl Fn(&State<1>) -> f64) -> Vec<(f64, f64)> {
+    pub(crate) fn over_time(&self, f: impl Fn(&State<[f64; 1]>) -> f64) -> Vec<(f64, f64)> {
         self.states.iter().map(|z| (z.t, f(z))).collect()
     }
 
     /// The part up to the first state outside `|q|, |p| ≤ size`, that state included.
-    pub(crate) fn inside(&self, size: f64) -> &[State<1>] {
-        let outside = |z: &State<1>| z.q[0].abs().max(z.p[0].abs()) > size;
+    pub(crate) fn inside(&self, size: f64) -> &[State<[f64; 1]>] {
+        let outside = |z: &State<[f64; 1]>| z.q[0].abs().max(z.p[0].abs()) > size;
         match self.states.iter().position(outside) {
             Some(k) => &self.states[..=k],
             None => &self.states,

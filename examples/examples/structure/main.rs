@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 use scenes::{Facts, Scene, Visitor, every_scene};
 use sve_runtime::__private::Whole;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::{Coordinates, Dims, StateOf, System, Variational};
 
 /// Steps of a run, all from the scene's start.
 const STEPS: usize = 512;
@@ -44,18 +44,20 @@ struct Row {
 struct Rows(Vec<Result<Row, StepError>>);
 
 impl Visitor for Rows {
-    fn visit<S, R, const N: usize, const M: usize>(&mut self, scene: &Scene<S, R, N>)
+    fn visit<S, R, Q, const N: usize, const M: usize>(&mut self, scene: &Scene<S, R>)
     where
-        S: System<Dims = Dims<N, M>> + Variational<R> + Variational<Whole<R>> + Copy,
+        S: System<Dims = Dims<N, M, Q>> + Variational<R> + Variational<Whole<R>> + Copy,
+        Q: Coordinates<N>,
         R: Copy,
     {
         self.0.push(row(scene));
     }
 }
 
-fn row<S, R, const N: usize, const M: usize>(scene: &Scene<S, R, N>) -> Result<Row, StepError>
+fn row<S, R, Q, const N: usize, const M: usize>(scene: &Scene<S, R>) -> Result<Row, StepError>
 where
-    S: System<Dims = Dims<N, M>> + Variational<R> + Variational<Whole<R>> + Copy,
+    S: System<Dims = Dims<N, M, Q>> + Variational<R> + Variational<Whole<R>> + Copy,
+    Q: Coordinates<N>,
     R: Copy,
 {
     let wiener = Wiener::new(1);
@@ -86,22 +88,23 @@ where
 }
 
 /// Steps to be timed.
-struct Runner<'a, S, R, const N: usize, const M: usize> {
+struct Runner<'a, S: System, R, const M: usize> {
     integrator: &'a Integrator<S, R>,
-    start: State<N>,
+    start: StateOf<S>,
     h: f64,
     increments: &'a [[f64; M]],
     /// How often all steps are made in a run.
     passes: u32,
 }
 
-impl<'a, S, R, const N: usize, const M: usize> Runner<'a, S, R, N, M>
+impl<'a, S, R, Q, const N: usize, const M: usize> Runner<'a, S, R, M>
 where
-    S: System<Dims = Dims<N, M>> + Variational<R>,
+    S: System<Dims = Dims<N, M, Q>> + Variational<R>,
+    Q: Coordinates<N>,
 {
     fn new(
         integrator: &'a Integrator<S, R>,
-        start: State<N>,
+        start: State<Q>,
         h: f64,
         increments: &'a [[f64; M]],
     ) -> Result<Self, StepError> {
@@ -144,14 +147,15 @@ fn median(mut times: Vec<f64>) -> f64 {
 }
 
 /// Iterations that the steps take on average: the limit with which each just arrives.
-fn iterations<S, R, const N: usize, const M: usize>(
+fn iterations<S, R, Q, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
-    mut state: State<N>,
+    mut state: State<Q>,
     h: f64,
     increments: &[[f64; M]],
 ) -> Result<f64, StepError>
 where
-    S: System<Dims = Dims<N, M>> + Variational<R> + Clone,
+    S: System<Dims = Dims<N, M, Q>> + Variational<R> + Clone,
+    Q: Coordinates<N>,
     R: Clone,
 {
     let mut sum = 0;

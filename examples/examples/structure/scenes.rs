@@ -3,7 +3,7 @@
 
 use sve_runtime::__private::Whole;
 use sve_runtime::prelude::*;
-use sve_runtime::{BlockKind, Dims, Operations, Plan, StateOf, System, Variational};
+use sve_runtime::{BlockKind, Coordinates, Dims, Operations, Plan, StateOf, System, Variational};
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pendulum {
@@ -172,30 +172,25 @@ impl Chain {
 }
 
 /// A system with a rule, and steps to make.
-pub(crate) struct Scene<S, R, const N: usize> {
+pub(crate) struct Scene<S: System, R> {
     pub(crate) name: &'static str,
     pub(crate) derived: Integrator<S, R>,
     pub(crate) whole: Integrator<S, Whole<R>>,
-    pub(crate) start: State<N>,
+    pub(crate) start: StateOf<S>,
     pub(crate) h: f64,
 }
 
 /// What is done with every scene.
 pub(crate) trait Visitor {
     /// Visits one.
-    fn visit<S, R, const N: usize, const M: usize>(&mut self, scene: &Scene<S, R, N>)
+    fn visit<S, R, Q, const N: usize, const M: usize>(&mut self, scene: &Scene<S, R>)
     where
-        S: System<Dims = Dims<N, M>> + Variational<R> + Variational<Whole<R>> + Copy,
+        S: System<Dims = Dims<N, M, Q>> + Variational<R> + Variational<Whole<R>> + Copy,
+        Q: Coordinates<N>,
         R: Copy;
 }
 
-fn scene<S, R, const N: usize>(
-    name: &'static str,
-    system: S,
-    rule: R,
-    start: State<N>,
-    h: f64,
-) -> Scene<S, R, N>
+fn scene<S, R>(name: &'static str, system: S, rule: R, start: StateOf<S>, h: f64) -> Scene<S, R>
 where
     S: Variational<R> + Variational<Whole<R>> + Copy,
     R: Copy,
@@ -248,7 +243,10 @@ pub(crate) fn every_scene(visitor: &mut impl Visitor) {
         k: 1.0,
         sigma: 0.01,
     };
-    let start = State::new([-1.6 / 3.0, 0.0, 3.2 / 3.0, 0.0], [0.0, -0.23, 0.0, 0.23]);
+    let start = State::new(
+        [[-1.6 / 3.0, 0.0], [3.2 / 3.0, 0.0]],
+        [[0.0, -0.23], [0.0, 0.23]],
+    );
     visitor.visit(&scene("Kepler", kepler, Midpoint, start, 0.01));
     let chain = Chain { m: 1.0, k: 1.0 };
     let q = core::array::from_fn(|i| 0.1 * (i as f64).sin());

@@ -80,11 +80,11 @@ pub(crate) fn oscillator() -> Result<Problem, StudyError> {
 /// jointly with ΔW by the Cholesky factor of their covariance.
 fn exact_oscillator(
     sigma: f64,
-    start: State<1>,
+    start: State<[f64; 1]>,
     horizon: f64,
     path: u64,
     steps: usize,
-) -> (Recorded, State<1>) {
+) -> (Recorded, State<[f64; 1]>) {
     let normals = Wiener::new(SEED).path(path);
     let h = horizon / steps as f64;
     let (sin, cos) = h.sin_cos();

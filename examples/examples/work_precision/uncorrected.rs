@@ -40,7 +40,7 @@ impl Method for Uncorrected {
     fn step_prepared(
         &self,
         (): &(),
-        state: &mut State<1>,
+        state: &mut State<[f64; 1]>,
         h: f64,
         dw: &[f64; 1],
     ) -> Result<(), StepError> {

@@ -64,7 +64,7 @@ fn double_pendulum() -> Integrator<DoublePendulum, Midpoint> {
 }
 
 /// Starts that differ from path to path.
-fn double_start(path: u64) -> State<2> {
+fn double_start(path: u64) -> State<[f64; 2]> {
     let at = path as f64 / DOUBLE as f64;
     State::new([1.0 + at, 0.5 - at], [0.3, -0.2])
 }
@@ -110,7 +110,7 @@ impl Method for Walk {
     fn step_prepared(
         &self,
         (): &(),
-        state: &mut State<1>,
+        state: &mut State<[f64; 1]>,
         _h: f64,
         dw: &[f64; 1],
     ) -> Result<(), StepError> {

@@ -102,7 +102,7 @@ fn side<'a>(name: &'static str, run: impl Fn() -> f64 + 'a) -> Side<'a> {
 /// All steps of a derived integrator, one for each entry of `dw`.
 fn derived<S, R, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
-    start: State<N>,
+    start: State<[f64; N]>,
     h: f64,
     dw: impl Iterator<Item = [f64; M]>,
 ) -> f64
@@ -118,7 +118,7 @@ where
 }
 
 /// The same steps by a trajectory, which keeps what depends on the step size alone.
-fn along<S, R, const N: usize>(integrator: &Integrator<S, R>, start: State<N>, h: f64) -> f64
+fn along<S, R, const N: usize>(integrator: &Integrator<S, R>, start: State<[f64; N]>, h: f64) -> f64
 where
     S: Variational<R> + System<Dims = Dims<N, 0>>,
 {

@@ -9,6 +9,7 @@
 //! Strong order ½ (1 where the noise is additive), deterministic order 1.
 //! For: the stable scheme, which damps what should oscillate: its energy settles where the exact one grows.
 
+use crate::configuration::Coordinates;
 use crate::legendre;
 use crate::mechanics::{Field, correction_of, noise_of};
 use crate::newton::{Evaluation, Newton, SolveError};
@@ -76,14 +77,15 @@ impl<S: System> BackwardEulerMaruyama<S> {
 impl<S> BackwardEulerMaruyama<S> {
     /// `(q₁ − q₀, p₁ − p₀)`.
     #[inline]
-    fn increment<const N: usize, const M: usize>(
+    fn increment<Q, const N: usize, const M: usize>(
         &self,
-        state: &State<N>,
+        state: &State<[f64; N]>,
         h: f64,
         dw: &[f64; M],
     ) -> Result<Field<[f64; N]>, SolveError>
     where
-        S: System<Dims = Dims<N, M>>,
+        S: System<Dims = Dims<N, M, Q>>,
+        Q: Coordinates<N>,
     {
         let jets = self.system.noise_jets(state.t, &state.q, &state.p);
         let mut n = noise_of(&jets, dw);
@@ -99,15 +101,16 @@ method_by_increment!(BackwardEulerMaruyama, M, [corrected, newton]);
 
 /// `(q₁ − q₀, p₁ − p₀)` where `n` is what the noise contributes.
 #[inline]
-fn drift_implicit<S, const N: usize, const M: usize>(
+fn drift_implicit<S, Q, const N: usize, const M: usize>(
     system: &S,
     newton: &Newton,
-    state: &State<N>,
+    state: &State<[f64; N]>,
     h: f64,
     n: &Field<[f64; N]>,
 ) -> Result<Field<[f64; N]>, SolveError>
 where
-    S: System<Dims = Dims<N, M>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     let t = state.t + h;
     let moved = |v: &[f64; N]| {

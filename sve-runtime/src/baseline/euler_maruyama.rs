@@ -7,6 +7,7 @@
 //! Strong order ½ (1 where the noise is additive), deterministic order 1.
 //! For: the scheme that everyone knows, whose energy grows exponentially where the exact one grows linearly.
 
+use crate::configuration::Coordinates;
 use crate::mechanics::{Field, correction_of, noise_of, solve_drift};
 use crate::newton::SolveError;
 use crate::state::State;
@@ -65,14 +66,15 @@ impl<S: System> EulerMaruyama<S> {
 impl<S> EulerMaruyama<S> {
     /// `(q₁ − q₀, p₁ − p₀)`.
     #[inline]
-    fn increment<const N: usize, const M: usize>(
+    fn increment<Q, const N: usize, const M: usize>(
         &self,
-        state: &State<N>,
+        state: &State<[f64; N]>,
         h: f64,
         dw: &[f64; M],
     ) -> Result<Field<[f64; N]>, SolveError>
     where
-        S: System<Dims = Dims<N, M>>,
+        S: System<Dims = Dims<N, M, Q>>,
+        Q: Coordinates<N>,
     {
         let drift = solve_drift(&self.system, state)?;
         let jets = self.system.noise_jets(state.t, &state.q, &state.p);

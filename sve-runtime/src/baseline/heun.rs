@@ -6,6 +6,7 @@
 //! Strong order 1 where the noises commute, else ½; deterministic order 2.
 //! For: the explicit Stratonovich scheme of the same cost class as a variational step.
 
+use crate::configuration::Coordinates;
 use crate::mechanics::{Field, noise_of, solve_drift};
 use crate::newton::SolveError;
 use crate::state::State;
@@ -52,14 +53,15 @@ impl<S: System> Heun<S> {
 impl<S> Heun<S> {
     /// `(q₁ − q₀, p₁ − p₀)`.
     #[inline]
-    fn increment<const N: usize, const M: usize>(
+    fn increment<Q, const N: usize, const M: usize>(
         &self,
-        state: &State<N>,
+        state: &State<[f64; N]>,
         h: f64,
         dw: &[f64; M],
     ) -> Result<Field<[f64; N]>, SolveError>
     where
-        S: System<Dims = Dims<N, M>>,
+        S: System<Dims = Dims<N, M, Q>>,
+        Q: Coordinates<N>,
     {
         let first = euler(&self.system, state, h, dw)?;
         let second = euler(&self.system, &stage(state, h, 1.0, &first)?, h, dw)?;
@@ -76,14 +78,15 @@ method_by_increment!(Heun, M, []);
 
 /// `h f(z) + Σ g_a(z) ΔW_a`.
 #[inline]
-fn euler<S, const N: usize, const M: usize>(
+fn euler<S, Q, const N: usize, const M: usize>(
     system: &S,
-    at: &State<N>,
+    at: &State<[f64; N]>,
     h: f64,
     dw: &[f64; M],
 ) -> Result<Field<[f64; N]>, SolveError>
 where
-    S: System<Dims = Dims<N, M>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     let drift = solve_drift(system, at)?;
     let mut d = noise_of(&system.noise_jets(at.t, &at.q, &at.p), dw);

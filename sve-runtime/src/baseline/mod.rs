@@ -23,9 +23,10 @@ macro_rules! method_by_increment {
         method_by_increment!(@ $name, [$($option),*], $m, const $m: usize);
     };
     (@ $name:ident, [$($option:ident),*], $m:tt, $($generic:tt)*) => {
-        impl<S, const N: usize, $($generic)*> crate::method::Method for $name<S>
+        impl<S, Q, const N: usize, $($generic)*> crate::method::Method for $name<S>
         where
-            S: System<Dims = Dims<N, $m>>,
+            S: System<Dims = Dims<N, $m, Q>>,
+            Q: Coordinates<N>,
         {
             type System = S;
             type Prepared = ();
@@ -48,14 +49,14 @@ macro_rules! method_by_increment {
             fn step_prepared(
                 &self,
                 (): &(),
-                state: &mut State<N>,
+                state: &mut State<Q>,
                 h: f64,
                 dw: &[f64; $m],
             ) -> Result<(), crate::error::StepError> {
-                match self.increment(state, h, dw) {
+                Q::in_coordinates(state, |state| match self.increment(state, h, dw) {
                     Ok(d) => crate::step::advance(state, h, dw, &d.q, &d.p),
                     Err(error) => Err(crate::step::explain(error, state, h, dw)),
-                }
+                })
             }
         }
     };
@@ -86,7 +87,7 @@ use crate::system::Dims;
 )]
 pub trait NoiseFree {}
 
-impl<const N: usize> NoiseFree for Dims<N, 0> {}
+impl<const N: usize, Q> NoiseFree for Dims<N, 0, Q> {}
 
 /// `state` after `h` along `field`: a stage of a Runge–Kutta method.
 ///
@@ -94,11 +95,11 @@ impl<const N: usize> NoiseFree for Dims<N, 0> {}
 /// [`SolveError::NonFinite`] where it overflows: a force that is bounded at infinity would hide that.
 #[inline]
 fn stage<const N: usize>(
-    state: &State<N>,
+    state: &State<[f64; N]>,
     h: f64,
     scale: f64,
     field: &Field<[f64; N]>,
-) -> Result<State<N>, SolveError> {
+) -> Result<State<[f64; N]>, SolveError> {
     let mut at = State {
         t: state.t + h,
         ..*state

@@ -5,6 +5,7 @@
 //! W. Kutta, Z. Math. Phys. 46 (1901). Order 4; for systems without noise, which its type demands.
 //! For: the accurate scheme of everyday use, whose energy nevertheless drifts; and references over short times.
 
+use crate::configuration::Coordinates;
 use crate::mechanics::{Field, solve_drift};
 use crate::newton::SolveError;
 use crate::state::State;
@@ -72,14 +73,15 @@ impl<S> RungeKutta4<S> {
     /// `(q₁ − q₀, p₁ − p₀)`.
     #[inline]
     #[allow(clippy::trivially_copy_pass_by_ref)] // the increments as every baseline takes them
-    fn increment<const N: usize>(
+    fn increment<Q, const N: usize>(
         &self,
-        state: &State<N>,
+        state: &State<[f64; N]>,
         h: f64,
         _dw: &[f64; 0],
     ) -> Result<Field<[f64; N]>, SolveError>
     where
-        S: System<Dims = Dims<N, 0>>,
+        S: System<Dims = Dims<N, 0, Q>>,
+        Q: Coordinates<N>,
     {
         let half = 0.5 * h;
         let k1 = solve_drift(&self.system, state)?;

@@ -6,6 +6,7 @@
 //! For: the method from which the second-order Taylor variational integrator is made, which spends the same derivatives on
 //! the action instead; this one gains energy without bound.
 
+use crate::configuration::Coordinates;
 use crate::legendre;
 use crate::mechanics::{Field, Motion, solve_motion};
 use crate::newton::SolveError;
@@ -57,14 +58,15 @@ impl<S> TaylorSeries2<S> {
     /// `(q₁ − q₀, p₁ − p₀)`.
     #[inline]
     #[allow(clippy::trivially_copy_pass_by_ref)] // the increments as every baseline takes them
-    fn increment<const N: usize>(
+    fn increment<Q, const N: usize>(
         &self,
-        state: &State<N>,
+        state: &State<[f64; N]>,
         h: f64,
         _dw: &[f64; 0],
     ) -> Result<Field<[f64; N]>, SolveError>
     where
-        S: System<Dims = Dims<N, 0>>,
+        S: System<Dims = Dims<N, 0, Q>>,
+        Q: Coordinates<N>,
     {
         let v = legendre::velocity(&self.system, state)?;
         let Motion { first, second } = solve_motion(&self.system, state, v)?;

@@ -1,5 +1,6 @@
 //! The state of a path at the end of a run.
 
+use crate::configuration::{Configuration, FixedSize};
 use crate::state::State;
 
 /// The state of a path at the end, from [`Summary::final_states`](super::Summary::final_states): its components are read like those of a
@@ -15,21 +16,26 @@ pub struct FinalState<'a> {
 }
 
 impl FinalState<'_> {
-    /// The same as a [`State`]; `None` where `N` is not the system's number of coordinates.
-    pub fn state<const N: usize>(&self) -> Option<State<N>> {
-        let q = self.q.try_into().ok()?;
-        let p = self.p.try_into().ok()?;
-        Some(State::at(self.t, q, p))
+    /// The same as a [`State`]; `None` where configurations of the type `Q` have another number of stored values.
+    pub fn state<Q: FixedSize>(&self) -> Option<State<Q>> {
+        let lengths = [Q::STORED_VALUES, Q::DEGREES_OF_FREEDOM];
+        if [self.q.len(), self.p.len()] != lengths {
+            return None;
+        }
+        let mut state = State::at(self.t, Q::origin(), Q::no_momentum());
+        state.q.restore(self.q);
+        state.p.restore(self.p);
+        Some(state)
     }
 }
 
-impl<const N: usize> PartialEq<State<N>> for FinalState<'_> {
-    fn eq(&self, other: &State<N>) -> bool {
-        self.t == other.t && self.q == other.q && self.p == other.p
+impl<Q: FixedSize> PartialEq<State<Q>> for FinalState<'_> {
+    fn eq(&self, other: &State<Q>) -> bool {
+        self.state().as_ref() == Some(other)
     }
 }
 
-impl<const N: usize> PartialEq<FinalState<'_>> for State<N> {
+impl<Q: FixedSize> PartialEq<FinalState<'_>> for State<Q> {
     fn eq(&self, other: &FinalState<'_>) -> bool {
         other == self
     }

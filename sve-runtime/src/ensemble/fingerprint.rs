@@ -17,6 +17,7 @@ use super::error::Difference;
 use super::law::Law;
 use super::run::Run;
 use super::start::{Start, StartRng};
+use crate::configuration::Coordinates;
 use crate::method::Method;
 use crate::noise::lanes::Increments as Source;
 use crate::noise::{Noise, ThreePoint, Wiener};
@@ -82,7 +83,7 @@ impl Hash {
         self.add(if x.is_nan() { f64::NAN } else { x }.to_bits());
     }
 
-    fn add_state<const N: usize>(&mut self, state: &State<N>) {
+    fn add_state<const N: usize>(&mut self, state: &State<[f64; N]>) {
         self.add_number(state.t);
         for &x in state.q.iter().chain(&state.p) {
             self.add_number(x);
@@ -111,10 +112,11 @@ pub(crate) fn method<I: Method>(method: &I) -> u64 {
     hash(|hash| method.identify(&mut hash.0))
 }
 
-impl<I, S, const N: usize, const M: usize> Run<'_, I>
+impl<I, S, Q, const N: usize, const M: usize> Run<'_, I>
 where
     I: Method<System = S>,
-    S: System<Dims = Dims<N, M>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     pub(super) fn fingerprint(self) -> Fingerprint {
         let ensemble = self.ensemble;
@@ -147,11 +149,11 @@ where
         }
     }
 
-    fn start_of(self, path: u64) -> State<N> {
+    fn start_of(self, path: u64) -> State<Q> {
         match &self.ensemble.start {
             Some(Start::Same(state)) => *state,
             Some(Start::Drawn(draw)) => draw(path, &mut StartRng::new(self.ensemble.seed, path)),
-            None => State::new([f64::NAN; N], [f64::NAN; N]),
+            None => State::from_coordinates(&State::new([f64::NAN; N], [f64::NAN; N])),
         }
     }
 
@@ -161,7 +163,7 @@ where
         paths.extend((0..STARTS).map(even));
         paths.insert(self.paths - 1);
         for path in paths {
-            hash.add_state(&self.start_of(path));
+            hash.add_state(&self.start_of(path).to_coordinates());
         }
     }
 
@@ -199,7 +201,7 @@ where
             }
             let recorded = self.records_after(step);
             if recorded || step.is_power_of_two() {
-                hash.add_state(&state);
+                hash.add_state(&state.to_coordinates());
             }
             if recorded {
                 for observable in &self.ensemble.observables {

@@ -9,12 +9,13 @@ use super::increments::{Increments, STRETCH};
 use super::run::Run;
 use super::start::{Start, StartRng};
 use super::{BLOCK_PATHS, BLOCK_TILES, EnsembleError, path_at};
+use crate::configuration::Coordinates;
 use crate::error::StepError;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::lanes::{ALL, LANES, Lane, Mask, StateLanes};
 use crate::method::Method;
 use crate::state::State;
-use crate::system::{Dims, System};
+use crate::system::{Dimensions, Dims, System};
 use crate::trajectory::time_after;
 
 /// The paths of a block.
@@ -65,10 +66,11 @@ impl<const N: usize> Tile<N> {
     }
 }
 
-impl<'a, I, S, const N: usize, const M: usize> Flight<'a, I, N, M>
+impl<'a, I, S, Q, const N: usize, const M: usize> Flight<'a, I, N, M>
 where
     I: Method<System = S>,
-    S: System<Dims = Dims<N, M>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     /// The paths of a block at their start; of one path alone, where one is given.
     pub(super) fn new(
@@ -102,13 +104,13 @@ where
     }
 
     fn start_tile(&mut self, first: u64, wanted: impl Fn(u64) -> bool) {
-        let starts: [State<N>; LANES] = core::array::from_fn(|lane| {
+        let starts: [State<[f64; N]>; LANES] = core::array::from_fn(|lane| {
             let path = first.wrapping_add(lane as u64);
             match &self.run.ensemble.start {
                 Some(Start::Drawn(draw)) if wanted(path) => {
-                    draw(path, &mut StartRng::new(self.run.ensemble.seed, path))
+                    draw(path, &mut StartRng::new(self.run.ensemble.seed, path)).to_coordinates()
                 }
-                Some(Start::Same(state)) => *state,
+                Some(Start::Same(state)) => state.to_coordinates(),
                 _ => State::new([0.0; N], [0.0; N]),
             }
         });
@@ -136,7 +138,7 @@ where
     }
 
     /// Why a path cannot start there.
-    fn unfit(&self, state: &State<N>) -> Option<Cause> {
+    fn unfit(&self, state: &State<[f64; N]>) -> Option<Cause> {
         let named = |what: String, value: f64| {
             let t = state.t;
             (!value.is_finite()).then_some(Cause::Step(StepError::NonFiniteInput {
@@ -185,14 +187,14 @@ where
         let step = self.step - 1;
         for lane in lanes(left & self.tiles[tile].alive) {
             let increments = self.increments.of(tile, step);
-            let mut state = self.tiles[tile].states().get(lane);
+            let mut state = S::Dims::get(self.tiles[tile].states(), lane);
             state.t = self.run.time(step);
             let dw = increments.0.map(|process| process[lane]);
             let method = self.run.ensemble.method;
             match method.step_prepared(&self.prepared, &mut state, self.run.h, &dw) {
                 Ok(()) => {
                     state.t = self.run.time(step + 1);
-                    self.tiles[tile].states_mut().set(lane, &state);
+                    S::Dims::set(self.tiles[tile].states_mut(), lane, &state);
                 }
                 Err(error) => self.fail(tile, lane, step, Cause::Step(error)),
             }
@@ -248,10 +250,11 @@ struct Stretch<'f, I: Method, const N: usize, const M: usize> {
     end: u64,
 }
 
-impl<I, S, const N: usize, const M: usize> Kernel for Stretch<'_, I, N, M>
+impl<I, S, Q, const N: usize, const M: usize> Kernel for Stretch<'_, I, N, M>
 where
     I: Method<System = S>,
-    S: System<Dims = Dims<N, M>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     type Output = u64;
 

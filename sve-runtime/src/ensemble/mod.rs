@@ -58,6 +58,7 @@ use self::law::Wanted;
 use self::observe::{Closure, Observable};
 use self::run::Run;
 use self::start::Start;
+use crate::configuration::Coordinates;
 use crate::lanes::LANES;
 use crate::method::Method;
 use crate::state::State;
@@ -136,10 +137,11 @@ pub struct Ensemble<'a, I: Method> {
     resume: bool,
 }
 
-impl<'a, I, S, const N: usize, const M: usize> Ensemble<'a, I>
+impl<'a, I, S, Q, const N: usize, const M: usize> Ensemble<'a, I>
 where
     I: Method<System = S>,
-    S: System<Dims = Dims<N, M>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     /// Paths of a method: an [`Integrator`](crate::Integrator) or a [`baseline`](crate::baseline).
     pub fn new(method: &'a I) -> Self {
@@ -198,14 +200,14 @@ where
 
     /// Where all paths start.
     #[must_use]
-    pub fn start(mut self, state: State<N>) -> Self {
+    pub fn start(mut self, state: State<Q>) -> Self {
         self.start = Some(Start::Same(state));
         self
     }
 
     /// Where each path starts: a function of its number and of a generator of its own. All have to start at one time.
     #[must_use]
-    pub fn start_with(mut self, draw: impl Fn(u64, &mut StartRng) -> State<N> + Sync + 'a) -> Self {
+    pub fn start_with(mut self, draw: impl Fn(u64, &mut StartRng) -> State<Q> + Sync + 'a) -> Self {
         self.start = Some(Start::Drawn(Box::new(draw)));
         self
     }
@@ -240,7 +242,7 @@ where
     #[must_use]
     pub fn observe<F, O>(mut self, name: impl Into<String>, observable: F) -> Self
     where
-        F: Fn(&S, &State<N>) -> O + Sync + 'a,
+        F: Fn(&S, &State<Q>) -> O + Sync + 'a,
         O: Observed + 'a,
     {
         self.names.push(name.into());

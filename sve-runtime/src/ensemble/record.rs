@@ -8,14 +8,16 @@ use super::failure::{Cause, FAILURES_KEPT};
 use super::flight::{Flight, lanes};
 use super::observe::{not_finite, outside};
 use super::tree::Node;
+use crate::configuration::Coordinates;
 use crate::lanes::{LANES, Lane, Mask};
 use crate::method::Method;
-use crate::system::{Dims, System};
+use crate::system::{Dimensions, Dims, System};
 
-impl<I, S, const N: usize, const M: usize> Flight<'_, I, N, M>
+impl<I, S, Q, const N: usize, const M: usize> Flight<'_, I, N, M>
 where
     I: Method<System = S>,
-    S: System<Dims = Dims<N, M>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     /// Adds the observables of the living paths to the statistics of a recorded time.
     pub(super) fn record(&mut self, record: usize, node: &mut Node) {
@@ -60,7 +62,8 @@ where
             observable.tile(system, self.tiles[tile].states(), &mut values[k]);
             for lane in lanes(not_finite(&values[k]) & self.tiles[tile].alive) {
                 let name = ensemble.names[k].clone();
-                let cause = match observable.value(system, &self.tiles[tile].states().get(lane)) {
+                let state = S::Dims::get(self.tiles[tile].states(), lane);
+                let cause = match observable.value(system, &state) {
                     Ok(value) => Cause::NotFinite { name, value },
                     Err(error) => Cause::Observable { name, error },
                 };

@@ -7,14 +7,16 @@ use super::failure::Failure;
 use super::flight::{Flight, lanes};
 use super::run::Run;
 use super::{BLOCK_PATHS, Ensemble, EnsembleError};
+use crate::configuration::Coordinates;
 use crate::method::Method;
 use crate::state::State;
-use crate::system::{Dims, System};
+use crate::system::{Dimensions, Dims, System};
 
-impl<I, S, const N: usize, const M: usize> Ensemble<'_, I>
+impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
 where
     I: Method<System = S>,
-    S: System<Dims = Dims<N, M>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     /// The states of a single path after each step, with the same bits as in the ensemble: to see why it failed, or where it went.
     ///
@@ -51,7 +53,7 @@ where
     pub fn replay(
         &self,
         path: u64,
-    ) -> Result<impl Iterator<Item = Result<State<N>, Failure>>, EnsembleError> {
+    ) -> Result<impl Iterator<Item = Result<State<Q>, Failure>>, EnsembleError> {
         let run = Run::new(self)?;
         if path >= run.paths {
             let paths = run.paths;
@@ -81,17 +83,18 @@ where
     }
 }
 
-impl<I, S, const N: usize, const M: usize> Flight<'_, I, N, M>
+impl<I, S, Q, const N: usize, const M: usize> Flight<'_, I, N, M>
 where
     I: Method<System = S>,
-    S: System<Dims = Dims<N, M>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     /// The state of the first living path.
-    pub(super) fn only(&self) -> Option<State<N>> {
+    pub(super) fn only(&self) -> Option<State<Q>> {
         let mut tiles = self.tiles.iter();
         tiles.find_map(|tile| {
             let lane = lanes(tile.alive).next()?;
-            Some(tile.states().get(lane))
+            Some(S::Dims::get(tile.states(), lane))
         })
     }
 }

@@ -10,8 +10,9 @@ use super::law::Law;
 use super::start::{Start, StartRng};
 use super::summary::Info;
 use super::{BLOCK_PATHS, Ensemble, EnsembleError, path_at, sizes};
+use crate::configuration::FixedSize;
 use crate::method::Method;
-use crate::system::{Dimensions, System};
+use crate::system::ConfigurationOf;
 use crate::trajectory::time_after;
 
 /// Settings that were checked, and what follows from them.
@@ -65,10 +66,9 @@ impl<'a, I: Method> Run<'a, I> {
         }
         ensemble.method.prepare(h).map_err(EnsembleError::Prepare)?;
         let law = ensemble.law.law(h)?;
-        let time = <<I::System as System>::Dims as Dimensions>::time;
         let start_time = match start {
-            Start::Same(state) => time(state),
-            Start::Drawn(draw) => time(&draw(0, &mut StartRng::new(ensemble.seed, 0))),
+            Start::Same(state) => state.t,
+            Start::Drawn(draw) => draw(0, &mut StartRng::new(ensemble.seed, 0)).t,
         };
         check_times(start_time, h, steps)?;
         check_names(ensemble)?;
@@ -116,13 +116,12 @@ impl<'a, I: Method> Run<'a, I> {
     /// What summaries of the same run have in common.
     pub(super) fn info(&self, fingerprint: Fingerprint) -> Info {
         let times = (0..self.records).map(|record| self.time(self.step_of(record)));
-        let vector = size_of::<<<I::System as System>::Dims as Dimensions>::Vector>();
         Info {
             names: self.ensemble.names.clone(),
             histograms: self.ensemble.histograms.clone(),
             times: times.collect(),
             paths: self.paths,
-            coordinates: vector / size_of::<f64>(),
+            coordinates: ConfigurationOf::<I::System>::STORED_VALUES,
             fingerprint,
         }
     }

@@ -7,7 +7,7 @@ use super::histogram::Request;
 use super::moments::COLUMN_BYTES;
 use super::{Ensemble, EnsembleError};
 use crate::method::Method;
-use crate::system::{Dimensions, System};
+use crate::system::StateOf;
 
 /// Bytes of a number.
 const NUMBER: u128 = 8;
@@ -44,7 +44,7 @@ pub(super) fn records<I: Method>(
         })?;
     }
     if ensemble.keep_final_states {
-        let state = size_of::<<<I::System as System>::Dims as Dimensions>::State>() as u128;
+        let state = size_of::<StateOf<I::System>>() as u128;
         check(u128::from(paths) * (NUMBER + state), || {
             let what = format!("the final states of {paths} paths");
             (what, "run fewer paths, or take them in shards")

@@ -17,13 +17,15 @@ use super::summary::Info;
 use super::summary::Summary;
 use super::tree::{Node, Tree, joined};
 use super::{BLOCK_PATHS, EnsembleError};
+use crate::configuration::Coordinates;
 use crate::method::Method;
 use crate::system::{Dims, System};
 
-impl<I, S, const N: usize, const M: usize> Run<'_, I>
+impl<I, S, Q, const N: usize, const M: usize> Run<'_, I>
 where
     I: Method<System = S> + Sync,
-    S: System<Dims = Dims<N, M>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     /// Runs the blocks of the shard.
     pub(super) fn go(&self) -> Result<Summary, EnsembleError> {

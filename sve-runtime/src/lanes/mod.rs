@@ -38,7 +38,7 @@ pub struct StateLanes<const N: usize> {
 
 impl<const N: usize> StateLanes<N> {
     /// The same state in each lane.
-    pub const fn splat(state: &State<N>) -> Self {
+    pub const fn splat(state: &State<[f64; N]>) -> Self {
         let mut lanes = Self {
             t: [state.t; LANES],
             q: [[0.0; LANES]; N],
@@ -55,7 +55,7 @@ impl<const N: usize> StateLanes<N> {
 
     /// The state of a lane.
     #[inline(always)]
-    pub fn get(&self, lane: usize) -> State<N> {
+    pub fn get(&self, lane: usize) -> State<[f64; N]> {
         State {
             t: self.t[lane],
             q: core::array::from_fn(|i| self.q[i][lane]),
@@ -65,7 +65,7 @@ impl<const N: usize> StateLanes<N> {
 
     /// Replaces the state of a lane.
     #[inline(always)]
-    pub fn set(&mut self, lane: usize, state: &State<N>) {
+    pub fn set(&mut self, lane: usize, state: &State<[f64; N]>) {
         self.t[lane] = state.t;
         for i in 0..N {
             self.q[i][lane] = state.q[i];

@@ -29,6 +29,7 @@ use std::borrow::Cow;
 
 use self::reference::Reference;
 use self::subject::Subject;
+use crate::configuration::Coordinates;
 use crate::ensemble::Observed;
 use crate::error::StepError;
 use crate::method::Method;
@@ -116,9 +117,10 @@ pub struct Study<'a, S: System> {
     repeats: u32,
 }
 
-impl<'a, S, const N: usize, const M: usize> Study<'a, S>
+impl<'a, S, Q, const N: usize, const M: usize> Study<'a, S>
 where
-    S: System<Dims = Dims<N, M>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     /// A study of the problem of this name.
     pub fn new(problem: impl Into<Cow<'a, str>>) -> Self {
@@ -140,7 +142,7 @@ where
 
     /// Where all paths start.
     #[must_use]
-    pub fn start(mut self, state: State<N>) -> Self {
+    pub fn start(mut self, state: State<Q>) -> Self {
         self.start = Some(state);
         self
     }
@@ -185,7 +187,7 @@ where
 
     /// Compares with the exact state at the horizon, a function of the increments over the finest steps.
     #[must_use]
-    pub fn exact(mut self, solution: impl Fn(&Recorded) -> State<N> + Sync + 'a) -> Self {
+    pub fn exact(mut self, solution: impl Fn(&Recorded) -> State<Q> + Sync + 'a) -> Self {
         self.reference = Some(Reference::Exact(Box::new(solution)));
         self
     }
@@ -197,7 +199,7 @@ where
     #[must_use]
     pub fn exact_paths(
         mut self,
-        draw: impl Fn(u64, usize) -> (Recorded, State<N>) + Sync + 'a,
+        draw: impl Fn(u64, usize) -> (Recorded, State<Q>) + Sync + 'a,
     ) -> Self {
         self.reference = Some(Reference::Drawn(Box::new(draw)));
         self
@@ -218,7 +220,7 @@ where
 
     /// What an error is; without it, the Euclidean distance of the `(q, p)`.
     #[must_use]
-    pub fn distance(mut self, distance: impl Fn(&State<N>, &State<N>) -> f64 + Sync + 'a) -> Self {
+    pub fn distance(mut self, distance: impl Fn(&State<Q>, &State<Q>) -> f64 + Sync + 'a) -> Self {
         self.distance = Box::new(distance);
         self
     }
@@ -228,7 +230,7 @@ where
     #[must_use]
     pub fn observe<F, O>(mut self, name: impl Into<Cow<'a, str>>, observable: F) -> Self
     where
-        F: Fn(&S, &State<N>) -> O + Sync + 'a,
+        F: Fn(&S, &State<Q>) -> O + Sync + 'a,
         O: Observed,
     {
         self.observables.push(Observable {
@@ -243,7 +245,7 @@ where
     #[must_use]
     pub fn observe_mean<F, O>(self, name: impl Into<Cow<'a, str>>, observable: F, mean: f64) -> Self
     where
-        F: Fn(&S, &State<N>) -> O + Sync + 'a,
+        F: Fn(&S, &State<Q>) -> O + Sync + 'a,
         O: Observed,
     {
         let mut study = self.observe(name, observable);
@@ -257,7 +259,7 @@ where
     #[must_use]
     pub fn invariant<F, O>(mut self, invariant: F) -> Self
     where
-        F: Fn(&S, &State<N>) -> O + Sync + 'a,
+        F: Fn(&S, &State<Q>) -> O + Sync + 'a,
         O: Observed,
     {
         self.invariant = Some(Box::new(move |system, state| {
@@ -282,7 +284,8 @@ where
     }
 }
 
-fn euclidean<const N: usize>(a: &State<N>, b: &State<N>) -> f64 {
+fn euclidean<Q: Coordinates<N>, const N: usize>(a: &State<Q>, b: &State<Q>) -> f64 {
+    let [a, b] = [a, b].map(State::to_coordinates);
     let mut sum = 0.0;
     for i in 0..N {
         sum += (a.q[i] - b.q[i]).powi(2) + (a.p[i] - b.p[i]).powi(2);

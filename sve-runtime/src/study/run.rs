@@ -9,6 +9,7 @@ use super::reference::{Reference, Wanted};
 use super::report::{Invariant, Report, Row};
 use super::subject::{Subject, increments};
 use super::{Study, StudyError};
+use crate::configuration::Coordinates;
 use crate::error::StepError;
 use crate::noise::Recorded;
 use crate::state::State;
@@ -42,13 +43,14 @@ struct Plan<'a, S: System> {
     processes: usize,
 }
 
-pub(super) fn run<S, const N: usize, const M: usize>(
+pub(super) fn run<S, Q, const N: usize, const M: usize>(
     study: &Study<'_, S>,
 ) -> Result<Report, StudyError>
 where
-    S: System<Dims = Dims<N, M>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
-    let plan = Plan::new::<N, M>(study)?;
+    let plan = Plan::new::<Q, N, M>(study)?;
     let outcomes: Vec<Outcome> = (0..plan.paths)
         .into_par_iter()
         .map(|path| plan.outcome(path))
@@ -80,9 +82,10 @@ where
 
 impl<'a, S: System> Plan<'a, S> {
     /// Checks the settings.
-    fn new<const N: usize, const M: usize>(study: &'a Study<'a, S>) -> Result<Self, StudyError>
+    fn new<Q, const N: usize, const M: usize>(study: &'a Study<'a, S>) -> Result<Self, StudyError>
     where
-        S: System<Dims = Dims<N, M>>,
+        S: System<Dims = Dims<N, M, Q>>,
+        Q: Coordinates<N>,
     {
         let missing = |what, write| StudyError::Missing { what, write };
         let names = study.methods.iter().map(|(name, _)| name.to_string());
@@ -173,9 +176,10 @@ fn twice(what: &'static str, names: impl Iterator<Item = String>) -> Result<(), 
     Ok(())
 }
 
-impl<'a, S, const N: usize, const M: usize> Plan<'a, S>
+impl<'a, S, Q, const N: usize, const M: usize> Plan<'a, S>
 where
-    S: System<Dims = Dims<N, M>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
 {
     /// Every method with every number of steps.
     fn cases(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
@@ -193,7 +197,7 @@ where
         self.subject(0).system()
     }
 
-    fn reference(&self, path: u64) -> Result<(Recorded, State<N>), StudyError> {
+    fn reference(&self, path: u64) -> Result<(Recorded, State<Q>), StudyError> {
         self.reference.get(&Wanted {
             path,
             seed: self.study.seed,
@@ -204,7 +208,7 @@ where
         })
     }
 
-    fn observed(&self, state: &State<N>) -> Result<Vec<f64>, StepError> {
+    fn observed(&self, state: &State<Q>) -> Result<Vec<f64>, StepError> {
         let values = self.study.observables.iter();
         values.map(|o| (o.value)(self.system(), state)).collect()
     }
@@ -214,7 +218,7 @@ where
         let observed = self
             .observed(&exact)
             .map_err(|source| StudyError::Reference { path, source })?;
-        let origin = State::at(exact.t, [0.0; N], [0.0; N]);
+        let origin = State::at(exact.t, Q::origin(), Q::no_momentum());
         let size = (self.study.distance)(&exact, &origin).powi(2);
         if !(size + observed.iter().sum::<f64>()).is_finite() {
             return Err(StudyError::NotFinite { path });
@@ -232,7 +236,7 @@ where
     }
 
     /// A path by a method, unless it fails or overflows.
-    fn sample(&self, method: usize, path: &Recorded, exact: &State<N>) -> Option<Sample> {
+    fn sample(&self, method: usize, path: &Recorded, exact: &State<Q>) -> Option<Sample> {
         let n = path.len() as f64;
         let (mut largest, mut moment, mut step) = (0.0_f64, 0.0, 0.0);
         let end = match &self.study.invariant {

@@ -16,7 +16,7 @@ fn slope(x: &[f64], y: &[f64]) -> f64 {
     covariance / x.iter().map(|x| (x - mx).powi(2)).sum::<f64>()
 }
 
-fn deterministic_end<I>(method: &I, start: State<1>, steps: u32) -> [f64; 2]
+fn deterministic_end<I>(method: &I, start: State<[f64; 1]>, steps: u32) -> [f64; 2]
 where
     I: Method,
     I::System: System<Dims = Dims<1, 0>>,
@@ -30,7 +30,7 @@ where
     [state.q[0], state.p[0]]
 }
 
-fn deterministic_order<I>(method: &I, start: State<1>, exact: [f64; 2]) -> f64
+fn deterministic_order<I>(method: &I, start: State<[f64; 1]>, exact: [f64; 2]) -> f64
 where
     I: Method,
     I::System: System<Dims = Dims<1, 0>>,
@@ -47,7 +47,7 @@ where
 }
 
 /// The reference: Runge–Kutta with a step 16 times smaller than the smallest, its error below `1e-12`.
-fn deterministic_table<S>(name: &str, system: S, start: State<1>)
+fn deterministic_table<S>(name: &str, system: S, start: State<[f64; 1]>)
 where
     S: System<Dims = Dims<1, 0>> + Copy,
 {

@@ -10,7 +10,7 @@ use crate::models::{Kubo, Pendulum, Polar, Relativistic};
 #[track_caller]
 fn failure<I, const N: usize, const M: usize>(
     method: &I,
-    state: State<N>,
+    state: State<[f64; N]>,
     h: f64,
     dw: [f64; M],
 ) -> StepError
@@ -21,7 +21,7 @@ where
     let mut moved = state;
     let error = method.step(&mut moved, h, &dw).unwrap_err();
     // bits, because NaN ≠ NaN
-    let bits = |s: &State<N>| (s.t.to_bits(), s.q.map(f64::to_bits), s.p.map(f64::to_bits));
+    let bits = |s: &State<[f64; N]>| (s.t.to_bits(), s.q.map(f64::to_bits), s.p.map(f64::to_bits));
     assert_eq!(bits(&moved), bits(&state), "a failed step moved the state");
     error
 }
@@ -35,7 +35,7 @@ fn named(error: StepError, name: &str) {
 }
 
 /// What every method has to refuse.
-fn refusals<I, const N: usize, const M: usize>(method: &I, good: State<N>)
+fn refusals<I, const N: usize, const M: usize>(method: &I, good: State<[f64; N]>)
 where
     I: Method,
     I::System: System<Dims = Dims<N, M>>,

@@ -163,7 +163,7 @@ fn check_noise_jets<S, const N: usize, const M: usize>(
 }
 
 /// `½ Σ (Dg_a) g_a` is half the change of each field along itself.
-fn check_noise_fields<S, const N: usize, const M: usize>(system: &S, state: &State<N>)
+fn check_noise_fields<S, const N: usize, const M: usize>(system: &S, state: &State<[f64; N]>)
 where
     S: System<Dims = Dims<N, M>>,
 {

@@ -11,10 +11,10 @@ const KUBO: Kubo = Kubo { a: 1.5, sigma: 0.8 };
 
 fn after<I, const N: usize, const M: usize>(
     method: &I,
-    mut state: State<N>,
+    mut state: State<[f64; N]>,
     h: f64,
     dw: [f64; M],
-) -> State<N>
+) -> State<[f64; N]>
 where
     I: Method,
     I::System: sve_runtime::System<Dims = sve_runtime::Dims<N, M>>,
@@ -24,7 +24,7 @@ where
 }
 
 #[track_caller]
-fn assert_near<const N: usize>(state: &State<N>, q: [f64; N], p: [f64; N], tolerance: f64) {
+fn assert_near<const N: usize>(state: &State<[f64; N]>, q: [f64; N], p: [f64; N], tolerance: f64) {
     for i in 0..N {
         assert!(
             (state.q[i] - q[i]).abs() <= tolerance,

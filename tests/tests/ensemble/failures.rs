@@ -25,7 +25,7 @@ const PATHS: u64 = 500;
 const H: f64 = 0.3;
 const STEPS: u64 = 60;
 
-fn start(rng: &mut StartRng) -> State<1> {
+fn start(rng: &mut StartRng) -> State<[f64; 1]> {
     State::new([rng.normal()], [rng.normal()])
 }
 
@@ -102,7 +102,7 @@ fn are_counted_described_and_left_out() {
 }
 
 /// Where a path starts, seen through a run of no other use.
-fn path_start(method: &Integrator<Spring, Endpoint>, path: u64) -> State<1> {
+fn path_start(method: &Integrator<Spring, Endpoint>, path: u64) -> State<[f64; 1]> {
     let seen = std::sync::Mutex::new(None);
     let probe = Ensemble::new(method)
         .paths(path + 1)

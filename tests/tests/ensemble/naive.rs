@@ -21,14 +21,14 @@ fn close(a: f64, b: f64) -> bool {
 
 fn check<I, S, const N: usize, const M: usize>(
     method: &I,
-    start: State<N>,
+    start: State<[f64; N]>,
     noise: impl Fn(u64) -> Box<dyn Noise>,
     settings: impl for<'a> Fn(Ensemble<'a, I>) -> Ensemble<'a, I>,
 ) where
     I: Method<System = S> + Sync,
     S: System<Dims = Dims<N, M>>,
 {
-    let observable = |state: &State<N>| state.q[0].mul_add(2.0, state.p[N - 1]) + state.t;
+    let observable = |state: &State<[f64; N]>| state.q[0].mul_add(2.0, state.p[N - 1]) + state.t;
     let ensemble = settings(Ensemble::new(method))
         .paths(PATHS)
         .steps(H, STEPS)

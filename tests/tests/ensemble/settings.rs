@@ -138,7 +138,7 @@ fn final_states_are_read_as_states() {
         );
         assert_eq!(state, again);
         assert_eq!(state.state(), Some(again));
-        assert_eq!(state.state::<2>(), None);
+        assert_eq!(state.state::<[f64; 2]>(), None);
     }
     assert_eq!(summary.final_states().count(), 10);
 }

@@ -47,7 +47,7 @@ fn follow(start: f64, value: impl Fn(f64, f64) -> f64, slope: impl Fn(f64, f64) 
 }
 
 /// The momentum of the middle: `a x + b (x³ − βx²) = c`.
-fn fourth(system: &Fourth, state: &State<1>, h: f64, dw: f64) -> Branch {
+fn fourth(system: &Fourth, state: &State<[f64; 1]>, h: f64, dw: f64) -> Branch {
     let (a, b) = (1.0 + 0.25 * h * h, 0.25 * h * system.s * dw);
     let c = state.p[0] - 0.5 * h * state.q[0];
     let beta = system.beta;
@@ -84,7 +84,7 @@ fn compare(
     }
 }
 
-fn cases(beta: f64, seed: u64) -> impl Iterator<Item = (Fourth, State<1>, f64, f64)> {
+fn cases(beta: f64, seed: u64) -> impl Iterator<Item = (Fourth, State<[f64; 1]>, f64, f64)> {
     let mut random = Random::new(seed);
     (0..1500).map(move |_| {
         let [q, p, h, dw] = random.array(-1.0, 1.0);

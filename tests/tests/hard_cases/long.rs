@@ -9,14 +9,17 @@ const H: f64 = 0.01;
 const BLOCK: usize = 100_000;
 
 /// The energy that the midpoint rule conserves up to h⁴: H̃ = H − (h²/24)(V″p² + V′²) (Hairer, Lubich, Wanner, section IX.3).
-fn modified_energy(state: &State<1>) -> f64 {
+fn modified_energy(state: &State<[f64; 1]>) -> f64 {
     let (sin, cos) = state.q[0].sin_cos();
     let p2 = state.p[0] * state.p[0];
     0.5 * p2 - cos - H * H / 24.0 * (cos * p2 + sin * sin)
 }
 
 /// How far the mean over a block is from that over the first one, for all blocks. The error of order h⁴ oscillates, and averages out.
-fn drift(path: impl Iterator<Item = Result<State<1>, StepError>>, blocks: usize) -> Vec<f64> {
+fn drift(
+    path: impl Iterator<Item = Result<State<[f64; 1]>, StepError>>,
+    blocks: usize,
+) -> Vec<f64> {
     let mut means = Vec::new();
     let (mut sum, mut low, mut count) = (0.0, 0.0, 0);
     for state in path.take(blocks * BLOCK) {
@@ -56,8 +59,8 @@ fn brouwers_law() {
 /// How much a conserved quantity has changed after so many steps: its mean over the last block against that over the first one. The
 /// weights of the mean are smooth, so that what oscillates along a regular orbit averages out to far below rounding.
 fn gain<const N: usize>(
-    mut path: impl Iterator<Item = Result<State<N>, StepError>>,
-    conserved: impl Fn(&State<N>) -> f64,
+    mut path: impl Iterator<Item = Result<State<[f64; N]>, StepError>>,
+    conserved: impl Fn(&State<[f64; N]>) -> f64,
 ) -> f64 {
     let length = STEPS / BLOCKS;
     let weight = |k: usize| {
@@ -98,20 +101,20 @@ fn nothing_drifts_at_any_step_size() {
     for h in [0.01, 0.02, 0.025, 0.11] {
         let pendulum = Integrator::new(Pendulum { g: 1.0 }, Midpoint);
         let path = pendulum.trajectory(State::new([1.2], [0.0]), h, NoNoise);
-        let energy = |s: &State<1>| 0.5 * s.p[0] * s.p[0] - s.q[0].cos();
+        let energy = |s: &State<[f64; 1]>| 0.5 * s.p[0] * s.p[0] - s.q[0].cos();
         check("pendulum", h, gain(path, energy));
     }
     for h in [0.01, 0.015] {
         let quartic = Integrator::new(Quartic { m: 1.0, k: 1.0 }, Midpoint);
         let path = quartic.trajectory(State::new([1.2], [0.0]), h, NoNoise);
-        let energy = |s: &State<1>| 0.5 * s.p[0] * s.p[0] + 0.25 * s.q[0].powi(4);
+        let energy = |s: &State<[f64; 1]>| 0.5 * s.p[0] * s.p[0] + 0.25 * s.q[0].powi(4);
         check("quartic oscillator", h, gain(path, energy));
     }
     for (h, q, p) in [(0.01, 1.0, 1.0), (0.01, 0.7, (1.3_f64 / 0.7).sqrt())] {
         let (k, sigma) = (1.0, 0.0);
         let kepler = Integrator::new(Kepler { k, sigma }, Midpoint);
         let start = State::new([q, 0.0], [0.0, p]);
-        let angular_momentum = |s: &State<2>| s.q[0] * s.p[1] - s.q[1] * s.p[0];
+        let angular_momentum = |s: &State<[f64; 2]>| s.q[0] * s.p[1] - s.q[1] * s.p[0];
         let path = kepler.trajectory(start, h, NoNoise);
         check("planet", h, gain(path, angular_momentum));
     }
@@ -125,8 +128,8 @@ fn compensated_sums_shorten_the_walk() {
     let oscillator = Integrator::new(Oscillator { sigma: 0.0 }, Endpoint);
     let start = State::new([1.2], [0.3]);
     let steps = 2_000_000;
-    let conserved = |s: &State<1>| s.q[0] * s.q[0] + s.p[0] * s.p[0] + H * s.q[0] * s.p[0];
-    let worst = |path: &mut dyn Iterator<Item = Result<State<1>, StepError>>| {
+    let conserved = |s: &State<[f64; 1]>| s.q[0] * s.q[0] + s.p[0] * s.p[0] + H * s.q[0] * s.p[0];
+    let worst = |path: &mut dyn Iterator<Item = Result<State<[f64; 1]>, StepError>>| {
         let changes = path
             .take(steps)
             .map(|s| (conserved(&s.unwrap()) - conserved(&start)).abs());

@@ -54,7 +54,7 @@ fn degree_four_needs_truncation() {
     let h = 0.3;
     let bounded = Truncated::new(Wiener::new(1));
     let failed =
-        |states: Vec<Result<State<1>, StepError>>| states.into_iter().find_map(Result::err);
+        |states: Vec<Result<State<[f64; 1]>, StepError>>| states.into_iter().find_map(Result::err);
     let error = failed(
         rotor
             .trajectory(start, h, Wiener::new(1))
@@ -90,7 +90,7 @@ fn degree_four_needs_truncation() {
 fn bits<S, R, W: Noise, const N: usize, const M: usize>(
     system: S,
     rule: R,
-    start: State<N>,
+    start: State<[f64; N]>,
     noise: W,
 ) -> Vec<u64>
 where

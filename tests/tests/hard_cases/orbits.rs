@@ -8,7 +8,7 @@ use sve_tests::models::{HenonHeiles, PlanarDoublePendulum};
 use super::systems::Kepler;
 
 /// An orbit of semi-major axis 1 around a unit mass, from its far end.
-fn aphelion(e: f64) -> State<2> {
+fn aphelion(e: f64) -> State<[f64; 2]> {
     State::new([1.0 + e, 0.0], [0.0, ((1.0 - e) / (1.0 + e)).sqrt()])
 }
 

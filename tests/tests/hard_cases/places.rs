@@ -9,10 +9,10 @@ use super::systems::Kepler;
 /// Runs to an error or the end; every state is finite. The error with the state before it.
 fn run<S, R, const N: usize>(
     integrator: &Integrator<S, R>,
-    start: State<N>,
+    start: State<[f64; N]>,
     h: f64,
     steps: usize,
-) -> Option<(StepError, State<N>)>
+) -> Option<(StepError, State<[f64; N]>)>
 where
     S: Variational<R> + System<Dims = Dims<N, 0>>,
 {
@@ -22,7 +22,7 @@ where
 fn finite<I, W, const N: usize, const M: usize>(
     mut path: sve_runtime::Trajectory<'_, I, W>,
     steps: usize,
-) -> Option<(StepError, State<N>)>
+) -> Option<(StepError, State<[f64; N]>)>
 where
     I: Method,
     I::System: System<Dims = Dims<N, M>>,
@@ -92,7 +92,7 @@ fn spherical_pendulum_through_the_pole() {
 /// case; it is finite, or an error that says where.
 #[test]
 fn kepler_collision() {
-    fn check<R>(rule: R, h: f64) -> Option<(StepError, State<2>)>
+    fn check<R>(rule: R, h: f64) -> Option<(StepError, State<[f64; 2]>)>
     where
         Kepler: Variational<R>,
     {

@@ -12,7 +12,7 @@ fn system() -> Integrator<Rotor, Midpoint> {
     Integrator::new(Rotor { s: 0.3 }, Midpoint)
 }
 
-fn start() -> State<1> {
+fn start() -> State<[f64; 1]> {
     State::new([0.0], [2.0])
 }
 
@@ -26,7 +26,7 @@ fn a_path_goes_on_and_is_repeatable() {
 
     let run = || {
         let mut path = midpoint.trajectory(start(), H, Wiener::new(1)).refine(20);
-        let states: Vec<State<1>> = path.by_ref().take(STEPS).map(Result::unwrap).collect();
+        let states: Vec<State<[f64; 1]>> = path.by_ref().take(STEPS).map(Result::unwrap).collect();
         (states, path.refinements())
     };
     let ((states, refinements), again) = (run(), run());

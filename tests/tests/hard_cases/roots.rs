@@ -14,7 +14,7 @@ const SAMPLES: usize = if cfg!(feature = "thorough") {
 };
 
 /// Whether two states agree but for what an ill-conditioned step makes of the rounding of elementary functions.
-fn agree<const N: usize>(a: &State<N>, b: &State<N>) -> bool {
+fn agree<const N: usize>(a: &State<[f64; N]>, b: &State<[f64; N]>) -> bool {
     let near = |x: f64, y: f64| (x - y).abs() <= 1e-6 * (1.0 + y.abs());
     (0..N).all(|i| near(a.q[i], b.q[i]) && near(a.p[i], b.p[i]))
 }
@@ -286,8 +286,8 @@ impl Gyrating {
 #[test]
 fn a_relativistic_particle_gyrates() {
     let integrator = Integrator::new(Gyrating, Midpoint);
-    let kinetic = |s: &State<3>| [s.p[0] + 0.5 * s.q[1], s.p[1] - 0.5 * s.q[0], s.p[2]];
-    let size = |s: &State<3>| kinetic(s).iter().map(|x| x * x).sum::<f64>().sqrt();
+    let kinetic = |s: &State<[f64; 3]>| [s.p[0] + 0.5 * s.q[1], s.p[1] - 0.5 * s.q[0], s.p[2]];
+    let size = |s: &State<[f64; 3]>| kinetic(s).iter().map(|x| x * x).sum::<f64>().sqrt();
     let start = State::new([0.0; 3], [4.0, 0.0, 3.0]);
     let end = integrator.trajectory(start, 0.05, NoNoise).take(400).last();
     let end = end.unwrap().unwrap();

@@ -11,7 +11,7 @@ where
     S: Variational<R> + System<Dims = Dims<1, 0>>,
 {
     let start = State::new([1.0], [0.0]);
-    let energy = |state: &State<1>| integrator.system().hamiltonian(state).unwrap();
+    let energy = |state: &State<[f64; 1]>| integrator.system().hamiltonian(state).unwrap();
     let first = energy(&start);
     let mut largest = 1.0_f64;
     for state in integrator.trajectory(start, 1.0, NoNoise).take(steps) {

@@ -1,7 +1,7 @@
 //! Energies of long runs by every rule where its steps are iterated: they walk at random, by the rounding of the state, and do not drift.
 
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::{Dims, LANES, StateLanes, System, Variational};
 
 struct CurvedMass;
 
@@ -70,4 +70,64 @@ fn energies_walk_at_random_by_every_rule() {
     check(Quartic, Endpoint);
     check(Quartic, InitialPoint);
     check(Quartic, Taylor2);
+}
+
+/// The same in lanes, whose starts differ: the mean over the lanes of the change, which walks less by the root of their number.
+fn check_lanes<S, R>(system: S, rule: R)
+where
+    S: Variational<R> + System<Dims = Dims<1, 0>>,
+{
+    let integrator = Integrator::new(system, rule);
+    let energy =
+        |states: &StateLanes<1>, lane| integrator.system().hamiltonian(&states.get(lane)).unwrap();
+    for h in [0.01, 0.02, 0.03, 0.1] {
+        let prepared = Method::prepare(&integrator, h).unwrap();
+        let mut states = StateLanes::splat(&State::new([1.0], [0.3]));
+        for lane in 0..LANES {
+            states.set(lane, &State::new([0.6 + 0.02 * lane as f64], [0.3]));
+        }
+        let start: [f64; LANES] = core::array::from_fn(|lane| energy(&states, lane));
+        let means = [(); 3].map(|()| {
+            let (mut sums, mut weights) = ([0.0; LANES], 0.0);
+            let third = STEPS / 9;
+            for k in 0..third {
+                let mut next = states;
+                let left = Method::step_lanes(&integrator, &prepared, &states, &mut next, h, &[]);
+                assert_eq!(left, 0, "h = {h}: the lane step leaves lanes");
+                states = next;
+                // energies cost more than steps; fewer of them would take harmonics of the motion for a mean
+                if k % 2 != 0 {
+                    continue;
+                }
+                let place = std::f64::consts::PI * f64::from(k) / f64::from(third);
+                let weight = place.sin().powi(6);
+                for lane in 0..LANES {
+                    sums[lane] += weight * (energy(&states, lane) - start[lane]);
+                }
+                weights += weight;
+            }
+            sums.map(|sum| sum / weights)
+        });
+        let mut moved = 0.0;
+        for lane in 0..LANES {
+            let walk = 0.5 * f64::EPSILON * start[lane].abs() * f64::from(STEPS / 3).sqrt();
+            moved += (means[2][lane] - means[0][lane]) / walk / LANES as f64;
+        }
+        let bound = BOUND / (LANES as f64).sqrt();
+        assert!(
+            moved.abs() < bound,
+            "{}, h = {h}: {moved}",
+            integrator.plan()
+        );
+    }
+}
+
+#[test]
+fn energies_walk_at_random_in_lanes() {
+    check_lanes(CurvedMass, Midpoint);
+    check_lanes(CurvedMass, Endpoint);
+    check_lanes(CurvedMass, InitialPoint);
+    check_lanes(Quartic, Midpoint);
+    check_lanes(Quartic, Endpoint);
+    check_lanes(Quartic, InitialPoint);
 }

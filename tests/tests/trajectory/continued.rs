@@ -26,7 +26,7 @@ impl Visitor for Continued {
             let mut path = integrator.trajectory(start, 0.01, noise());
             (0..stop).for_each(|_| drop(path.next()));
             let text = serde_json::to_string(&path.snapshot()).unwrap();
-            let snapshot: Snapshot<State<N>> = serde_json::from_str(&text).unwrap();
+            let snapshot: Snapshot<State<[f64; N]>> = serde_json::from_str(&text).unwrap();
             assert_eq!(snapshot, path.snapshot());
             let mut rest = integrator.resume(snapshot, noise()).unwrap();
             assert_eq!(rest.step(), stop as u64);
@@ -65,7 +65,7 @@ fn what_is_carried_is_stored_too() {
     let mut plain = oscillator.trajectory(start, 1e-3, noise.clone());
     (0..1000).for_each(|_| drop((whole.next(), plain.next())));
     let text = serde_json::to_string(&whole.snapshot()).unwrap();
-    let snapshot: Snapshot<State<1>> = serde_json::from_str(&text).unwrap();
+    let snapshot: Snapshot<State<[f64; 1]>> = serde_json::from_str(&text).unwrap();
     assert_eq!(
         (snapshot.step(), snapshot.h(), snapshot.state()),
         (1000, 1e-3, whole.state())

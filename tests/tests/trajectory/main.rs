@@ -134,7 +134,7 @@ fn times_that_do_not_advance_are_errors() {
 
 fn ends_with<S, R, W, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
-    start: State<N>,
+    start: State<[f64; N]>,
     h: f64,
     noise: W,
 ) -> (usize, Option<StepError>)

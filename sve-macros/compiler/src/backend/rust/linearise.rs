@@ -56,7 +56,7 @@ pub(super) fn linearise(
         #[inline]
         fn linearise(
             &self,
-            state: &#private::State<#n>,
+            state: &#private::State<[f64; #n]>,
             h: f64,
             dw: &[f64; #m],
             unknowns: &[f64; #size],

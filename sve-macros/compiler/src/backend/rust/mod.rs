@@ -1,6 +1,7 @@
 //! Plans and instructions → tokens. Infallible, and the only place that knows it prints Rust.
 
 mod code;
+mod configuration;
 mod identity;
 mod lanes;
 mod linearise;

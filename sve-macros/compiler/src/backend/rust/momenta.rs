@@ -3,6 +3,7 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
+use super::configuration::configuration;
 use super::straight::Straight;
 use super::{attributes, momentum_name, private};
 use crate::algebra::{Arena, Vanishing};
@@ -26,6 +27,7 @@ pub(crate) fn momenta(
     let (private, attributes) = (private(block), attributes());
     let self_ty = &block.item.self_ty;
     let n = Literal::usize_unsuffixed(model.dof());
+    let configuration = configuration(block, &n);
     let functions = block.symmetries.iter().zip(momenta).map(|(part, map)| {
         let MomentumMap {
             name,
@@ -43,8 +45,8 @@ pub(crate) fn momenta(
             #[doc = #doc]
             #[must_use]
             #[inline]
-            #visibility fn #function(&self, state: &#private::State<#n>) -> f64 {
-                let (time, q, p) = (state.t, &state.q, &state.p);
+            #visibility fn #function(&self, state: &#private::State<#configuration>) -> f64 {
+                let #private::State { t: time, q, p } = #private::in_coordinates::<_, #n>(state);
                 #statements
                 let [[momentum]] = #(#values)*;
                 momentum

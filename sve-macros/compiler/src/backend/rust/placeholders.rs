@@ -6,6 +6,7 @@ use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 use syn::{Expr, FnArg, ImplItem, ImplItemFn, ItemImpl, Lit, ReturnType, Type};
 
+use super::configuration::is_nested;
 use crate::errors::Errors;
 use crate::rules::Rule;
 use crate::syntax::parse::{Arguments, is_f64, is_this};
@@ -37,8 +38,14 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
     };
     let m = if is_generic { one() } else { processes(block) };
     let fail = quote!(::core::unreachable!("the macro reported an error"));
+    let written = coordinates_type(block).filter(|ty| !is_generic && is_nested(ty));
+    let configuration = written.map(|ty| quote!(, #ty));
     let plan = plan(&private);
-    let momenta = momenta(block, &private, &n);
+    let momenta = momenta(
+        block,
+        &private,
+        &written.map_or_else(|| quote!([f64; #n]), |ty| quote!(#ty)),
+    );
     let rules = rules.iter().map(|rule| {
         let rule = format_ident!("{}", rule.type_name());
         quote! {
@@ -51,7 +58,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
                 fn prepare(&self, h: f64) {}
                 fn start(
                     &self,
-                    state: &#private::State<#n>,
+                    state: &#private::State<[f64; #n]>,
                     velocity: &[f64; #n],
                     acceleration: &[f64; #n],
                 ) -> [f64; 0] {
@@ -60,7 +67,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
                 fn increment(
                     &self,
                     prepared: &(),
-                    state: &#private::State<#n>,
+                    state: &#private::State<[f64; #n]>,
                     h: f64,
                     dw: &[f64; #m],
                     newton: &#private::Solver<'_>,
@@ -69,7 +76,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
                 }
                 fn linearise(
                     &self,
-                    state: &#private::State<#n>,
+                    state: &#private::State<[f64; #n]>,
                     h: f64,
                     dw: &[f64; #m],
                     unknowns: &[f64; 0],
@@ -82,7 +89,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
     quote! {
         #attributes
         impl #generics #private::System for #self_ty #clause {
-            type Dims = #private::Dims<#n, #m>;
+            type Dims = #private::Dims<#n, #m #configuration>;
             const AFFINE_MOMENTUM: bool = true;
             const PARAMETERS: &'static [&'static str] = &[];
             fn lagrangian_jet(&self, time: f64, q: &[f64; #n], v: &[f64; #n]) -> #private::LagrangianJet<#n> { #fail }
@@ -115,7 +122,7 @@ fn plan(private: &TokenStream) -> TokenStream {
 }
 
 /// The functions that symmetries would give.
-fn momenta(block: &ItemImpl, private: &TokenStream, n: &TokenStream) -> TokenStream {
+fn momenta(block: &ItemImpl, private: &TokenStream, configuration: &TokenStream) -> TokenStream {
     let self_ty = &block.self_ty;
     let attributes = super::attributes();
     let (generics, _, clause) = block.generics.split_for_impl();
@@ -125,7 +132,7 @@ fn momenta(block: &ItemImpl, private: &TokenStream, n: &TokenStream) -> TokenStr
         let (visibility, name) = (&f.vis, super::momentum_name(&f.sig.ident));
         is_free(&name).then(|| {
             quote! {
-                #visibility fn #name(&self, state: &#private::State<#n>) -> f64 {
+                #visibility fn #name(&self, state: &#private::State<#configuration>) -> f64 {
                     ::core::unreachable!("the macro reported an error")
                 }
             }
@@ -173,12 +180,20 @@ fn functions(block: &ItemImpl) -> impl Iterator<Item = &ImplItemFn> {
 }
 
 fn coordinates(block: &ItemImpl) -> TokenStream {
+    match coordinates_type(block) {
+        Some(ty) => size(&[ty]),
+        None => quote!(1),
+    }
+}
+
+/// The type of the velocity, which is that of the configuration.
+fn coordinates_type(block: &ItemImpl) -> Option<&Type> {
     let last = functions(block)
         .find(|f| f.sig.ident == "lagrangian")
         .and_then(|f| f.sig.inputs.last());
     match last {
-        Some(FnArg::Typed(argument)) => size(&[&argument.ty]),
-        _ => quote!(1),
+        Some(FnArg::Typed(argument)) => Some(&argument.ty),
+        _ => None,
     }
 }
 

@@ -64,7 +64,7 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
             #[inline]
             fn start(
                 &self,
-                state: &#private::State<#n>,
+                state: &#private::State<[f64; #n]>,
                 velocity: &[f64; #n],
                 acceleration: &[f64; #n],
             ) -> [f64; #unknowns] {
@@ -75,7 +75,7 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
             fn increment(
                 &self,
                 prepared: &[f64; #prepared],
-                state: &#private::State<#n>,
+                state: &#private::State<[f64; #n]>,
                 h: f64,
                 dw: &[f64; #m],
                 newton: &#private::Solver<'_>,

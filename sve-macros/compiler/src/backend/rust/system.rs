@@ -3,6 +3,7 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
+use super::configuration::written;
 use super::identity::identity;
 use super::straight::{Straight, rows};
 use super::{attributes, documented, private};
@@ -31,6 +32,7 @@ pub(crate) fn system(
         commutation: _,
     } = mechanics;
     let [doc, jet_doc, noise_doc] = documentation(about, !noises.is_empty());
+    let configuration = written(block).map(|ty| quote!(, #ty));
     let lagrangian_body = lagrangian_jet(&private, lagrangian, &model.symbols, arena);
     let noise_body = noise_jets(&private, noises, &model.symbols, arena);
     let force = force
@@ -48,7 +50,7 @@ pub(crate) fn system(
         #doc
         #attributes
         impl #private::System for #self_ty {
-            type Dims = #private::Dims<#n, #m>;
+            type Dims = #private::Dims<#n, #m #configuration>;
             const AFFINE_MOMENTUM: bool = #affine_momentum;
             const PARAMETERS: &'static [&'static str] = &[#(#parameters),*];
             #identity

@@ -1,0 +1,277 @@
+//! Configurations: what a type must say of itself to be the `q` of a state.
+//!
+//! Input: a point of a configuration space. Output: its number of degrees of freedom, the numbers by which it is stored, and the
+//! point to which an increment moves it. Invariant: `restore` after `store` gives the same bits.
+//!
+//! [`Configuration`] asks the value, so that a type may hold any number of coordinates. [`FixedSize`] is for types that know these numbers
+//! at compile time, and [`Coordinates`] converts such a type to and from the row of coordinates that generated code computes with.
+
+use core::fmt::Debug;
+
+use crate::state::State;
+
+/// A point of a configuration space, the `q` of a [`State`].
+///
+/// Implemented for `[f64; N]` and for arrays of configurations, as `[[f64; 3]; 4]`. In a vector space a momentum has the type of the
+/// configuration, and an increment is added.
+///
+/// ```
+/// use sve_runtime::Configuration;
+///
+/// let mut q = [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]];
+/// assert_eq!((q.degrees_of_freedom(), q.stored_values()), (6, 6));
+/// q.retract(&[0.0, 0.0, 0.5, -1.0, 0.0, 0.0]);
+/// assert_eq!(q, [[1.0, 2.0, 3.5], [3.0, 5.0, 6.0]]);
+/// let mut values = [0.0; 6];
+/// q.store(&mut values);
+/// assert_eq!(values, [1.0, 2.0, 3.5, 3.0, 5.0, 6.0]);
+/// ```
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a configuration",
+    label = "a state does not consist of this type",
+    note = "a configuration is `[f64; N]` or an array of such arrays; a single coordinate is `[f64; 1]`"
+)]
+pub trait Configuration: Clone + Debug + PartialEq + Send + Sync + 'static {
+    /// The type of momenta, and of velocities: elements of a vector space.
+    type Momentum: Configuration<Momentum = Self::Momentum>;
+    /// Number of independent directions in which the configuration can move: the length of an increment.
+    fn degrees_of_freedom(&self) -> usize;
+    /// Number of values by which the configuration is stored.
+    fn stored_values(&self) -> usize;
+    /// Writes the configuration to `values`, which has the length [`stored_values`](Self::stored_values).
+    ///
+    /// # Panics
+    /// If `values` has another length.
+    fn store(&self, values: &mut [f64]);
+    /// Replaces the configuration by the one that [`store`](Self::store) wrote.
+    ///
+    /// # Panics
+    /// If `values` has another length than [`stored_values`](Self::stored_values).
+    fn restore(&mut self, values: &[f64]);
+    /// Moves the configuration by a tangent increment of length [`degrees_of_freedom`](Self::degrees_of_freedom).
+    ///
+    /// # Panics
+    /// If `increment` has another length.
+    fn retract(&mut self, increment: &[f64]);
+}
+
+/// A configuration whose type says its size.
+pub trait FixedSize: Configuration<Momentum: Copy> + Copy {
+    /// Number of degrees of freedom of every value: the length of an increment, and the number of values of a momentum.
+    const DEGREES_OF_FREEDOM: usize;
+    /// Number of stored values of every value.
+    const STORED_VALUES: usize;
+    /// The configuration from which others are measured: zero in a vector space.
+    fn origin() -> Self;
+    /// The momentum zero.
+    fn no_momentum() -> Self::Momentum;
+}
+
+/// A configuration that a row of `N` coordinates describes, as generated code takes it.
+pub trait Coordinates<const N: usize>: FixedSize {
+    /// The coordinates of this configuration.
+    #[inline(always)]
+    fn coordinates(&self) -> [f64; N] {
+        const { assert!(Self::STORED_VALUES == N, "another number of coordinates") }
+        let mut coordinates = [0.0; N];
+        self.store(&mut coordinates);
+        coordinates
+    }
+
+    /// The configuration with these coordinates.
+    #[inline(always)]
+    fn from_coordinates(coordinates: &[f64; N]) -> Self {
+        const { assert!(Self::STORED_VALUES == N, "another number of coordinates") }
+        let mut configuration = Self::origin();
+        configuration.restore(coordinates);
+        configuration
+    }
+
+    /// The components of a momentum or a velocity.
+    #[inline(always)]
+    fn components(momentum: &Self::Momentum) -> [f64; N] {
+        const {
+            assert!(
+                Self::DEGREES_OF_FREEDOM == N,
+                "another number of components"
+            )
+        }
+        let mut components = [0.0; N];
+        momentum.store(&mut components);
+        components
+    }
+
+    /// The momentum or the velocity with these components.
+    #[inline(always)]
+    fn from_components(components: &[f64; N]) -> Self::Momentum {
+        const {
+            assert!(
+                Self::DEGREES_OF_FREEDOM == N,
+                "another number of components"
+            )
+        }
+        let mut momentum = Self::no_momentum();
+        momentum.restore(components);
+        momentum
+    }
+
+    /// Lets a function change a state in coordinates. Where the configuration is the row of its coordinates, nothing is copied.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn in_coordinates<T>(
+        state: &mut State<Self>,
+        change: impl FnOnce(&mut State<[f64; N]>) -> T,
+    ) -> T {
+        let mut flat = state.to_coordinates();
+        let result = change(&mut flat);
+        *state = State::from_coordinates(&flat);
+        result
+    }
+}
+
+impl<const N: usize> Configuration for [f64; N] {
+    type Momentum = Self;
+
+    fn degrees_of_freedom(&self) -> usize {
+        N
+    }
+
+    fn stored_values(&self) -> usize {
+        N
+    }
+
+    #[inline(always)]
+    fn store(&self, values: &mut [f64]) {
+        values.copy_from_slice(self);
+    }
+
+    #[inline(always)]
+    fn restore(&mut self, values: &[f64]) {
+        self.copy_from_slice(values);
+    }
+
+    #[inline(always)]
+    fn retract(&mut self, increment: &[f64]) {
+        add(self, increment);
+    }
+}
+
+impl<const N: usize> FixedSize for [f64; N] {
+    const DEGREES_OF_FREEDOM: usize = N;
+    const STORED_VALUES: usize = N;
+
+    #[inline(always)]
+    fn origin() -> Self {
+        [0.0; N]
+    }
+
+    #[inline(always)]
+    fn no_momentum() -> Self {
+        [0.0; N]
+    }
+}
+
+impl<const N: usize> Coordinates<N> for [f64; N] {
+    #[inline(always)]
+    fn coordinates(&self) -> [f64; N] {
+        *self
+    }
+
+    #[inline(always)]
+    fn from_coordinates(coordinates: &[f64; N]) -> Self {
+        *coordinates
+    }
+
+    #[inline(always)]
+    fn components(momentum: &Self) -> [f64; N] {
+        *momentum
+    }
+
+    #[inline(always)]
+    fn from_components(components: &[f64; N]) -> Self {
+        *components
+    }
+
+    #[inline(always)]
+    fn in_coordinates<T>(
+        state: &mut State<Self>,
+        change: impl FnOnce(&mut State<[f64; N]>) -> T,
+    ) -> T {
+        change(state)
+    }
+}
+
+/// Several bodies, one after the other.
+impl<Q: Configuration, const B: usize> Configuration for [Q; B] {
+    type Momentum = [Q::Momentum; B];
+
+    fn degrees_of_freedom(&self) -> usize {
+        self.iter().map(Q::degrees_of_freedom).sum()
+    }
+
+    fn stored_values(&self) -> usize {
+        self.iter().map(Q::stored_values).sum()
+    }
+
+    #[inline(always)]
+    fn store(&self, values: &mut [f64]) {
+        let mut rest = values;
+        for body in self {
+            let (own, others) = rest.split_at_mut(body.stored_values());
+            body.store(own);
+            rest = others;
+        }
+        assert!(rest.is_empty(), "more values than the configuration has");
+    }
+
+    #[inline(always)]
+    fn restore(&mut self, values: &[f64]) {
+        let mut rest = values;
+        for body in self {
+            let (own, others) = rest.split_at(body.stored_values());
+            body.restore(own);
+            rest = others;
+        }
+        assert!(rest.is_empty(), "more values than the configuration has");
+    }
+
+    #[inline(always)]
+    fn retract(&mut self, increment: &[f64]) {
+        let mut rest = increment;
+        for body in self {
+            let (own, others) = rest.split_at(body.degrees_of_freedom());
+            body.retract(own);
+            rest = others;
+        }
+        assert!(
+            rest.is_empty(),
+            "an increment longer than the degrees of freedom"
+        );
+    }
+}
+
+impl<Q: FixedSize, const B: usize> FixedSize for [Q; B] {
+    const DEGREES_OF_FREEDOM: usize = B * Q::DEGREES_OF_FREEDOM;
+    const STORED_VALUES: usize = B * Q::STORED_VALUES;
+
+    #[inline(always)]
+    fn origin() -> Self {
+        [Q::origin(); B]
+    }
+
+    #[inline(always)]
+    fn no_momentum() -> [Q::Momentum; B] {
+        [Q::no_momentum(); B]
+    }
+}
+
+impl<Q: FixedSize, const B: usize, const N: usize> Coordinates<N> for [Q; B] {}
+
+/// Adds an increment in a vector space.
+#[inline(always)]
+fn add(to: &mut [f64], increment: &[f64]) {
+    assert_eq!(to.len(), increment.len(), "an increment of another length");
+    for (x, dx) in to.iter_mut().zip(increment) {
+        *x += dx;
+    }
+}
