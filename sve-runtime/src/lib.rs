@@ -279,7 +279,9 @@ pub mod __private {
     pub use crate::regular::{all_positive, cold, is_regular_within};
     pub use crate::rules::Whole;
     pub use crate::state::{State, in_coordinates};
-    pub use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System, Variational};
+    pub use crate::system::{
+        Dims, ForceJet, LagrangianJet, NoiseJet, Returns, System, Variational,
+    };
     pub use crate::tangent::{Entries, Linearisation};
     pub use crate::turn::turn;
 }

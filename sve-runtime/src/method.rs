@@ -227,7 +227,7 @@ where
     }
 
     fn compensated_step(&self) -> Option<CompensatedStep<Self>> {
-        (!S::RETURNS_STATE).then_some(compensated_step as CompensatedStep<Self>)
+        (!S::RETURNS.is_state()).then_some(compensated_step as CompensatedStep<Self>)
     }
 
     fn identify(&self, to: &mut dyn Hasher) {

@@ -158,7 +158,7 @@ where
     let mut end = *state;
     let unknowns = solve_step(integrator, &prepared, &mut end, h, dw)?;
     let linear = integrator.system().linearise(state, h, dw, &unknowns);
-    let solved = linear.solve(!S::RETURNS_STATE);
+    let solved = linear.solve(!S::RETURNS.is_state());
     let all = solved.map_err(|error| explain(error, state, h, dw))?;
     let columns = 2 * N + S::PARAMETERS.len();
     let entry = |row: usize, column: usize| all[columns * row + column];

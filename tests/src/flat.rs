@@ -1,6 +1,6 @@
 //! A system whose configuration is a row of numbers, whatever the configuration of the system that it stands for.
 
-use sve_runtime::__private::{Linearisation, SolveError};
+use sve_runtime::__private::{Linearisation, Returns, SolveError};
 use sve_runtime::{
     Coordinates, Dimensions, Dims, IncrementLanesOf, IncrementsOf, Mask, Newton, Plan, Solver,
     StateLanesOf, StepOf, System, Variational, VectorOf,
@@ -61,7 +61,7 @@ where
     type Prepared = S::Prepared;
     type Unknowns = S::Unknowns;
     const PLAN: &'static Plan = S::PLAN;
-    const RETURNS_STATE: bool = S::RETURNS_STATE;
+    const RETURNS: Returns = S::RETURNS;
     const DOMAIN: &'static [&'static str] = S::DOMAIN;
 
     fn prepare(&self, h: f64) -> S::Prepared {
