@@ -285,7 +285,9 @@ pub mod __private {
     };
     pub use crate::solve::regularity::{all_positive, cold, is_regular_within};
     pub use crate::state::{State, in_coordinates};
-    pub use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System, Variational};
+    pub use crate::system::{
+        Dims, ForceJet, LagrangianJet, NoiseJet, Returns, System, Variational,
+    };
 }
 
 /// The examples of the readme, as tests.

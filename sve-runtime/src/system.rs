@@ -212,6 +212,25 @@ pub struct ForceJet<const N: usize> {
     pub dt: [f64; N],
 }
 
+/// What the increment of a step is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Returns {
+    /// `q₁ − q₀` and `p₁ − p₀`.
+    Increment,
+    /// `q₁` and `p₁`: a matrix that differs from step to step times the state, and an offset. Adding an increment would only lengthen
+    /// the chain of operations.
+    State,
+    /// `q₁ − q₀` and `p₁ − p₀` as a matrix, the same in all steps, times the state, and an offset.
+    MatrixTimesState,
+}
+
+impl Returns {
+    /// Whether the state at the end is returned, and not what is added to the one at the start.
+    pub(crate) const fn is_state(self) -> bool {
+        matches!(self, Self::State)
+    }
+}
+
 /// A system for which the rule `R` has been derived.
 #[diagnostic::on_unimplemented(
     message = "no step of the rule `{R}` has been derived for `{Self}`",
@@ -228,9 +247,8 @@ pub trait Variational<R>: System {
     const DOMAIN: &'static [&'static str] = &[];
     /// The plan of the step.
     const PLAN: &'static Plan;
-    /// Whether [`increment`](Self::increment) returns `(q₁, p₁)` in place of increments. Linear steps whose matrix changes
-    /// from step to step do: adding increments would lengthen the chain of operations.
-    const RETURNS_STATE: bool;
+    /// What [`increment`](Self::increment) returns.
+    const RETURNS: Returns;
     /// Computes the values that depend on parameters and step size only.
     fn prepare(&self, h: f64) -> Self::Prepared;
     /// Returns the unknowns of all blocks in the limit of no noise and h → 0, from velocity and acceleration at the start of the
@@ -241,7 +259,7 @@ pub trait Variational<R>: System {
         velocity: &VectorOf<Self>,
         acceleration: &VectorOf<Self>,
     ) -> Self::Unknowns;
-    /// Solves one step. Returns `(q₁ − q₀, p₁ − p₀)`, see [`RETURNS_STATE`](Self::RETURNS_STATE), and the unknowns of all blocks.
+    /// Solves one step. Returns `(q₁ − q₀, p₁ − p₀)` or `(q₁, p₁)`, see [`RETURNS`](Self::RETURNS), and the unknowns of all blocks.
     ///
     /// # Errors
     /// A [`SolveError`] if an implicit equation of the step cannot be solved.
@@ -339,7 +357,7 @@ impl<S: Variational<R>, R> Variational<R> for &S {
     type Prepared = S::Prepared;
     type Unknowns = S::Unknowns;
     const PLAN: &'static Plan = S::PLAN;
-    const RETURNS_STATE: bool = S::RETURNS_STATE;
+    const RETURNS: Returns = S::RETURNS;
     const DOMAIN: &'static [&'static str] = S::DOMAIN;
 
     #[inline]

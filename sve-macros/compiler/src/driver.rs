@@ -252,40 +252,34 @@ impl Budget<'_> {
 
 /// Returns an error for each rule that is not for this system.
 fn check_rules(block: &Annotated, model: &Model) -> syn::Result<()> {
-    let takes: [(bool, fn(&Rule) -> bool, &str, &str); 2] = [
-        (
-            !model.noises.is_empty(),
-            |r| r.takes_noise(),
-            "noise",
-            "noise terms",
-        ),
-        (
-            model.force.is_some(),
-            |r| r.takes_force(),
-            "forces",
-            "a force",
-        ),
-    ];
     let mut errors = Errors::new();
     for (rule, name) in &block.arguments.rules {
-        for (_, takes, without, found) in takes.iter().filter(|t| t.0 && !t.1(rule)) {
-            let others = Rule::ALL.iter().rev().filter(|rule| takes(rule));
-            let others: Vec<String> = others
-                .map(|r| format!("`{}`", r.attribute_name()))
-                .collect();
-            let (last, first) = others
-                .split_last()
-                .map_or(("", &[][..]), |(l, f)| (l.as_str(), f));
+        if !model.noises.is_empty() && !rule.takes_noise() {
+            let others = listed_where(|rule| rule.takes_noise());
             errors.push(
                 name.span(),
-                format!(
-                    "`{name}` is a rule for systems without {without}, and this block has {found}: use {} or {last}",
-                    first.join(", "),
-                ),
+                format!("`{name}` is a rule for systems without noise, and this block has noise terms: use {others}"),
+            );
+        }
+        if model.force.is_some() && !rule.takes_force() {
+            let others = listed_where(|rule| rule.takes_force());
+            errors.push(
+                name.span(),
+                format!("`{name}` is a rule for systems without forces, and this block has a force: use {others}"),
             );
         }
     }
     errors.finish(())
+}
+
+/// The names of some rules: `a`, `b` or `c`.
+fn listed_where(wanted: impl Fn(&Rule) -> bool) -> String {
+    let rules = Rule::ALL.iter().rev().filter(|rule| wanted(rule));
+    let names: Vec<String> = rules.map(|r| format!("`{}`", r.attribute_name())).collect();
+    match names.split_last() {
+        Some((last, first)) if !first.is_empty() => format!("{} or {last}", first.join(", ")),
+        _ => names.concat(),
+    }
 }
 
 /// A structurally singular step: L does not determine some velocities.

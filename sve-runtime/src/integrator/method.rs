@@ -60,7 +60,7 @@ where
     }
 
     fn has_compensated_step(&self) -> bool {
-        !S::RETURNS_STATE
+        !S::RETURNS.is_state()
     }
 
     #[inline]

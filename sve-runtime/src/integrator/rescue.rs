@@ -57,8 +57,10 @@ where
     };
     let mut end = *state;
     let error = match found {
-        Ok((q, p, x)) if S::RETURNS_STATE && replace(&mut end, h, &q, &p) => return Ok((end, x)),
-        Ok((q, p, x)) if !S::RETURNS_STATE && add(&mut end, h, &q, &p) => return Ok((end, x)),
+        Ok((q, p, x)) if S::RETURNS.is_state() && replace(&mut end, h, &q, &p) => {
+            return Ok((end, x));
+        }
+        Ok((q, p, x)) if !S::RETURNS.is_state() && add(&mut end, h, &q, &p) => return Ok((end, x)),
         Ok(_) => SolveError::NonFinite,
         Err(error) => error,
     };

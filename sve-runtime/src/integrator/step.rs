@@ -32,8 +32,8 @@ where
         .system()
         .increment(prepared, state, h, dw, &solver)
     {
-        Ok((q, p, x)) if S::RETURNS_STATE && replace(state, h, &q, &p) => return Ok(x),
-        Ok((dq, dp, x)) if !S::RETURNS_STATE && add(state, h, &dq, &dp) => return Ok(x),
+        Ok((q, p, x)) if S::RETURNS.is_state() && replace(state, h, &q, &p) => return Ok(x),
+        Ok((dq, dp, x)) if !S::RETURNS.is_state() && add(state, h, &dq, &dp) => return Ok(x),
         Ok(_) => SolveError::NonFinite,
         Err(error) => error,
     };

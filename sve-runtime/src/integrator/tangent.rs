@@ -227,7 +227,7 @@ where
     let mut end = *state;
     let unknowns = solve_step(integrator, &prepared, &mut end, h, dw)?;
     let linear = integrator.system().linearise(state, h, dw, &unknowns);
-    let solved = linear.solve(!S::RETURNS_STATE);
+    let solved = linear.solve(!S::RETURNS.is_state());
     let all = solved.map_err(|error| step_error(error, state, h, dw))?;
     // The matrix is stored column by column, so its transpose is the map row by row.
     let tangent = Tangent {

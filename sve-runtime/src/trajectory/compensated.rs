@@ -67,7 +67,7 @@ where
     pub fn compensated(mut self) -> Self {
         const {
             assert!(
-                !S::RETURNS_STATE,
+                !S::RETURNS.is_state(),
                 "this step is a linear map from state to state: it has no increments to be summed with compensation"
             );
         }

@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use sve_runtime::__private::{Linearisation, SolveError};
+use sve_runtime::__private::{Linearisation, Returns, SolveError};
 use sve_runtime::{
     BlockSolver, Coordinates, Dimensions, Dims, IncrementLanesOf, IncrementsOf, Mask, Newton, Plan,
     State, StateLanesOf, StepOf, System, Variational, VectorOf,
@@ -72,7 +72,7 @@ where
     type Prepared = S::Prepared;
     type Unknowns = S::Unknowns;
     const PLAN: &'static Plan = S::PLAN;
-    const RETURNS_STATE: bool = S::RETURNS_STATE;
+    const RETURNS: Returns = S::RETURNS;
     const DOMAIN: &'static [&'static str] = S::DOMAIN;
 
     fn prepare(&self, h: f64) -> S::Prepared {

@@ -83,8 +83,7 @@ fn features(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Features {
     Features {
         degrees_of_freedom: model.dof(),
         is_timed: timed(model.lagrangian) || noises.iter().any(|g| timed(g.hamiltonian)),
-        is_force_timed: model.force.iter().flatten().any(|&f| timed(f)),
-        has_force: model.force.is_some(),
+        force_is_timed: model.force.as_ref().map(|f| f.iter().any(|&e| timed(e))),
         gammas,
         hamiltonians: noises.len() - gammas,
         moves_both: moves_q && moves_p,

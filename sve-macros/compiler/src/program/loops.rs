@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use super::step::Step;
 use super::{Operation, Tier, Value, operands};
 use crate::algebra::{Arena, Expr};
-use crate::structure::{Block, Scheme, Solution, Storage};
+use crate::structure::{Block, Matrix, Scheme, Solution, Storage};
 use crate::system::model::Symbols;
 
 /// Unknowns of a block up to which it is solved in lanes.
@@ -37,15 +37,20 @@ pub(crate) fn in_lanes(
     (loops.rows.len() <= KEPT).then_some((step, loops))
 }
 
-/// Whether a block is small and its Jacobian dense, and its solution judged where it is iterated: only the scalar step can
-/// follow a solution.
+/// Whether a block is small, its Jacobian dense and no matrix banded, and its solution judged where it is iterated: only the scalar
+/// step can follow a solution.
 fn fits(block: &Block<Expr>) -> bool {
-    let (is_judged, storage) = match &block.solution {
-        Solution::Formula(_) => (true, Storage::Dense),
-        Solution::System { linear, .. } => (true, linear.matrix.storage),
-        Solution::Iteration(iteration) => (iteration.judge.is_some(), iteration.jacobian.storage),
+    let is_banded = |matrix: &Matrix<Expr>| matches!(matrix.storage, Storage::Banded(_));
+    let fits = match &block.solution {
+        Solution::Formula(_) => true,
+        Solution::System { linear, .. } => !is_banded(&linear.matrix),
+        Solution::Iteration(iteration) => {
+            iteration.judge.is_some()
+                && iteration.jacobian.storage == Storage::Dense
+                && !is_banded(&iteration.guess.matrix)
+        }
     };
-    is_judged && !matches!(storage, Storage::Banded(_)) && block.unknowns.len() <= UNKNOWNS
+    fits && block.unknowns.len() <= UNKNOWNS
 }
 
 /// The scheme in lanes, which handle no failure: the best bounds judge its solutions, and a single unknown starts from the linearly

@@ -78,10 +78,10 @@ pub(crate) enum StrongOrder {
 /// What of a system shows in the textbook form of an action.
 pub(crate) struct Features {
     pub(crate) degrees_of_freedom: usize,
-    /// Whether L or a noise depends on time, and whether the force does.
+    /// Whether L or a noise depends on time.
     pub(crate) is_timed: bool,
-    pub(crate) is_force_timed: bool,
-    pub(crate) has_force: bool,
+    /// Whether the force depends on time, where there is one.
+    pub(crate) force_is_timed: Option<bool>,
     /// Numbers of γ and of H₁.
     pub(crate) gammas: usize,
     pub(crate) hamiltonians: usize,
@@ -111,7 +111,7 @@ impl Features {
 
     /// The virtual work of the force at a point.
     fn work(&self, t: &str, q: &str, v: &str) -> String {
-        let t = if self.is_force_timed {
+        let t = if self.force_is_timed == Some(true) {
             format!("{t}, ")
         } else {
             String::new()

@@ -131,26 +131,26 @@ impl Discretisation for OneNode {
         let mut notation: Vec<&str> = self.position_is.into_iter().collect();
         notation.extend(self.time_is.filter(|_| system.is_timed));
         let constraint = system.pairing("p", "q₁ − q₀ − h·v");
-        let mut action = format!("S = h·L({t}{q}, v) + {constraint}");
+        let mut terms = vec![format!("S = h·L({t}{q}, v) + {constraint}")];
         let sum = |count: usize| if count > 1 { "Σ " } else { "" };
         if system.gammas > 0 {
-            action += &format!(" + {}γ({t}{q})·ΔW", sum(system.gammas));
+            terms.push(format!(" + {}γ({t}{q})·ΔW", sum(system.gammas)));
         }
         if system.hamiltonians > 0 {
-            action += &format!(" − {}H₁({t}{q}, p)·ΔW", sum(system.hamiltonians));
+            terms.push(format!(" − {}H₁({t}{q}, p)·ΔW", sum(system.hamiltonians)));
         }
         // the Stratonovich correction
         if self.place != 0.5 && system.moves_both {
             let sign = if self.place > 0.5 { '+' } else { '−' };
             if system.gammas + system.hamiltonians == 1 {
-                action += &format!(" {sign} ½·⟨∂H₁/∂p, ∂H₁/∂q⟩·ΔW²");
+                terms.push(format!(" {sign} ½·⟨∂H₁/∂p, ∂H₁/∂q⟩·ΔW²"));
             } else {
-                action += &format!(" {sign} ½·Σ ⟨∂G[i]/∂p, ∂G[j]/∂q⟩·ΔW[i]·ΔW[j]");
+                terms.push(format!(" {sign} ½·Σ ⟨∂G[i]/∂p, ∂G[j]/∂q⟩·ΔW[i]·ΔW[j]"));
                 notation.push("G = −γ or H₁");
             }
         }
         Textbook {
-            action,
+            action: terms.concat(),
             notation: notation.into_iter().map(ToOwned::to_owned).collect(),
             work: system.work(time, q, "v"),
         }

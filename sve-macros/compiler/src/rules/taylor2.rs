@@ -124,7 +124,11 @@ impl Discretisation for Taylor2 {
             ("", "", "")
         };
         let constraint = system.pairing("μ", "q₁ − q₀ − h·v − h²·a/2");
-        let force = if system.has_force { " − F" } else { "" };
+        let force = if system.force_is_timed.is_some() {
+            " − F"
+        } else {
+            ""
+        };
         let flow = system.pairing("ν", &format!("L_vv·a + L_vq·v{drift} − L_q{force}"));
         let mut notation = vec!["q̂ = q₀ + h·v".to_owned(), "v̂ = v + h·a".to_owned()];
         if system.is_timed {

@@ -110,3 +110,60 @@ impl<T: Copy> Matrix<T> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Band, Matrix, Storage};
+    use crate::algebra::{Arena, Expr, Symbol};
+
+    /// A matrix with the given pattern.
+    fn matrix(
+        n: usize,
+        is_entry: impl Fn(usize, usize) -> bool,
+        arena: &mut Arena,
+    ) -> Matrix<Expr> {
+        let (zero, entry) = (arena.constant(0.0), arena.symbol(Symbol(0)));
+        let of = |i, j| if is_entry(i, j) { entry } else { zero };
+        let rows = (0..n).map(|i| (0..n).map(|j| of(i, j)).collect());
+        let rows = rows.collect();
+        Matrix::new(rows, arena)
+    }
+
+    #[test]
+    fn storage_is_that_of_the_least_work() {
+        let arena = &mut Arena::new();
+        let storage = |n, is_entry: fn(usize, usize) -> bool, arena: &mut Arena| {
+            matrix(n, is_entry, arena).storage
+        };
+        let diagonal = |i, j| i == j;
+        assert_eq!(storage(2, diagonal, arena), Storage::Dense);
+        assert_eq!(storage(3, diagonal, arena), Storage::Diagonal);
+        assert_eq!(storage(12, diagonal, arena), Storage::Diagonal);
+        let chain = |i: usize, j: usize| i.abs_diff(j) <= 1;
+        let band = Band { lower: 1, upper: 1 };
+        assert_eq!(storage(4, chain, arena), Storage::Dense);
+        assert_eq!(storage(6, chain, arena), Storage::Banded(band));
+        assert_eq!(storage(6, |i, j| i + j != 5, arena), Storage::Dense);
+    }
+
+    #[test]
+    fn stored_entries_know_their_columns() {
+        let arena = &mut Arena::new();
+        let zero = arena.constant(0.0);
+        let patterns: [fn(usize, usize) -> bool; 3] =
+            [|i, j| i == j, |i, j| i.abs_diff(j) <= 1, |i, j| i * j != 6];
+        for is_entry in patterns {
+            let matrix = matrix(7, is_entry, arena);
+            for i in 0..7 {
+                let present = matrix.row(i).filter(|x| x.1 != zero).map(|x| x.0);
+                let expected: Vec<usize> = (0..7).filter(|&j| is_entry(i, j)).collect();
+                assert_eq!(
+                    present.collect::<Vec<_>>(),
+                    expected,
+                    "{:?}",
+                    matrix.storage
+                );
+            }
+        }
+    }
+}

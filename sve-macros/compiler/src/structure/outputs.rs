@@ -77,9 +77,9 @@ pub(super) fn linear_map(
     let dq = outputs.by_ref().take(n).collect();
     let dp = outputs.collect();
     Scheme {
+        returns,
         dq,
         dp,
-        returns,
         ..scheme
     }
 }

@@ -249,7 +249,7 @@ fn compare(what: &str, expansion: &TokenStream) -> (usize, [Counts; 3]) {
         for item in items {
             match item {
                 ImplItem::Const(constant) if constant.ident == "PLAN" => {
-                    plan = Some(&constant.expr)
+                    plan = Some(&constant.expr);
                 }
                 ImplItem::Fn(f) if f.sig.ident == "prepare" => prepare.visit_block(&f.block),
                 ImplItem::Fn(f) if f.sig.ident == "increment" => step.visit_block(&f.block),

@@ -301,3 +301,21 @@ fn entries_of_a_band_are_called_by_their_place() {
     }
     assert!(found > 12, "{found}");
 }
+
+/// A step is said to be a matrix times the state where it is computed as one, and only there.
+#[test]
+fn only_affine_steps_are_said_to_be_a_matrix_times_the_state() {
+    let says = |rule: &str, item: &str| {
+        let text = expand(&tokens(rule), &tokens(item)).to_string();
+        assert!(!text.contains("compile_error"), "{text}");
+        text.contains("computed as a matrix times the state")
+    };
+    let damped = "impl Well {
+        fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v - self.a * (1.0 - q * q).powi(2) }
+        #[force] fn friction(&self, q: f64, v: f64) -> f64 { -2.0 * self.nu * v }
+    }";
+    assert!(!says("initial_point", damped));
+    assert!(says("midpoint", ROTATION));
+    let still = ROTATION.split("#[h1]").next().expect("a part");
+    assert!(says("midpoint", &format!("{still}}}")));
+}

@@ -54,7 +54,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
                 type Prepared = ();
                 type Unknowns = [f64; 0];
                 const PLAN: &'static #private::Plan = &#plan;
-                const RETURNS_STATE: bool = false;
+                const RETURNS: #private::Returns = #private::Returns::Increment;
                 fn prepare(&self, h: f64) {}
                 fn start(
                     &self,

@@ -40,7 +40,11 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
     } = code(derived, &private, context);
     let prepared = Literal::usize_unsuffixed(prepared);
     let plan = plan(&private, context, derived, texts, &work);
-    let returns_state = scheme.returns == Returns::State;
+    let returns = match scheme.returns {
+        Returns::Increment => quote!(Increment),
+        Returns::State => quote!(State),
+        Returns::MatrixTimesState => quote!(MatrixTimesState),
+    };
     let linearise = linearise(&private, model, linearisation, symbols, arena);
     let lanes = (context.settings.lanes && !is_unstructured)
         .then(|| lanes(scheme, model.noises.len(), symbols, &private, arena))
@@ -54,7 +58,7 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
         impl #private::Variational<#rule_type> for #self_ty {
             type Prepared = [f64; #prepared];
             const PLAN: &'static #private::Plan = &#plan;
-            const RETURNS_STATE: bool = #returns_state;
+            const RETURNS: #private::Returns = #private::Returns::#returns;
             /// What depends on parameters and step size alone.
             #[inline]
             fn prepare(&self, h: f64) -> [f64; #prepared] {
@@ -163,7 +167,7 @@ fn documentation(texts: &StepTexts) -> [TokenStream; 2] {
     } = texts;
     let of_action = "Discrete action, of which `p₀ = −∂S/∂q₀`, `p₁ = ∂S/∂q₁`, `0 = ∂S/∂(each internal variable)`:";
     let of_increment =
-        "One step from `q₀`, `p₀`: `(q₁ − q₀, p₁ − p₀)`, or `(q₁, p₁)` where `RETURNS_STATE`.";
+        "One step from `q₀`, `p₀`: `(q₁ − q₀, p₁ − p₀)`, or `(q₁, p₁)` where `RETURNS` is `State`.";
     [
         documented(&[(of_action, action), ("Equations of the step:", step)]),
         documented(&[(of_increment, step)]),
