@@ -25,8 +25,8 @@ pub(crate) use rule::rule;
 pub(crate) use stub::stub;
 pub(crate) use system::system;
 
-use proc_macro2::{Ident, Literal, TokenStream};
-use quote::{format_ident, quote};
+use proc_macro2::{Literal, TokenStream};
+use quote::quote;
 
 use crate::algebra::Arena;
 use crate::discretise::tangent::Linearisation;
@@ -38,7 +38,7 @@ use crate::structure::Scheme;
 use crate::syntax::parse::Annotated;
 use crate::system::mechanics::Mechanics;
 use crate::system::model::{Model, Symbols};
-use crate::system::symmetry::MomentumMap;
+use crate::system::symmetry::{MomentumMap, momentum_name};
 
 /// What the rules of a block share.
 pub(crate) struct Context<'a> {
@@ -66,11 +66,6 @@ pub(crate) struct Derived {
 fn private(block: &Annotated) -> TokenStream {
     let runtime = &block.arguments.runtime;
     quote!(#runtime::__private)
-}
-
-/// The function that a symmetry gives.
-pub(crate) fn momentum_name(symmetry: &Ident) -> Ident {
-    format_ident!("{symmetry}_momentum", span = symmetry.span())
 }
 
 /// Doc comments, a line each: headings with formulas below. As text blocks these are neither markdown nor tests.
