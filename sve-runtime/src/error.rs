@@ -50,7 +50,7 @@ pub enum StepError {
         /// Largest residual, relative to the sum of the magnitudes of its equation's terms.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         residual: f64,
-        /// What it had to reach.
+        /// The tolerance.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         tolerance: f64,
     },
@@ -169,7 +169,7 @@ pub enum StepError {
         /// Time at the start of the step.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
-        /// What the noise said.
+        /// The error of the noise.
         source: NoiseError,
     },
 }

@@ -220,7 +220,7 @@ pub use state::State;
 /// # let _ = Integrator::new(Oscillator, Taylor2).plan();
 /// ```
 ///
-/// What is not smooth is refused:
+/// A function that is not smooth is a compile-time error:
 ///
 /// ```compile_fail
 /// # use sve_runtime::prelude::*;
@@ -242,7 +242,7 @@ pub use system::{
 pub use system::{IncrementLanesOf, StateLanesOf};
 pub use trajectory::{RefinedTrajectory, Refinements, Snapshot, Trajectory};
 
-/// What a program that integrates a system imports: `use sve_runtime::prelude::*;`.
+/// The items that a program imports to integrate a system: `use sve_runtime::prelude::*;`.
 pub mod prelude {
     #[cfg(feature = "ensemble")]
     pub use crate::ensemble::{Ensemble, EnsembleError, Failure, StartRng, Statistics, Summary};
@@ -259,11 +259,11 @@ pub mod prelude {
     };
 }
 
-/// What generated code calls. Not part of the public interface.
+/// The interface of generated code. Not part of the public interface.
 #[doc(hidden)]
 pub mod __private {
     pub use crate::angle_addition::sin_cos_of_sum;
-    /// What steps in lanes call.
+    /// The interface of generated steps in lanes.
     pub mod lane {
         pub use crate::lanes::elementary::*;
         pub use crate::lanes::newton::NewtonLanes;

@@ -137,7 +137,7 @@ mod tests {
             let parts = 2 + next(12);
             let k = 1 + next(40) % (parts - 1);
             let numerator = low * (parts - k) + high * k;
-            // the quotient to 60 bits behind the point, with a last bit for what is left
+            // the quotient with 60 binary places, and a last bit that is set if there is a remainder
             let scaled = numerator << 60;
             let exact = scaled.div_euclid(parts) | i128::from(scaled.rem_euclid(parts) != 0);
             let expected = exact as f64 / (1_u64 << 60) as f64;

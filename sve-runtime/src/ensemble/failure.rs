@@ -45,9 +45,9 @@ pub enum Cause {
     /// An observable returned an error.
     #[error("the observable `{name}` failed: {error}")]
     Observable {
-        /// Which.
+        /// Its name.
         name: String,
-        /// What it returned.
+        /// The error that it returned.
         #[source]
         error: StepError,
     },
@@ -56,9 +56,9 @@ pub enum Cause {
         "the observable `{name}` is {value}: statistics need finite numbers; look at what it computes there"
     )]
     NotFinite {
-        /// Which.
+        /// Its name.
         name: String,
-        /// What it returned.
+        /// The value that it returned.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         value: f64,
     },
@@ -67,9 +67,9 @@ pub enum Cause {
         "the observable `{name}` is {value:e}, outside of the bound {low:e}..={high:e} that was given for it"
     )]
     OutOfBound {
-        /// Which.
+        /// Its name.
         name: String,
-        /// What it returned.
+        /// The value that it returned.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         value: f64,
         /// Lower bound.

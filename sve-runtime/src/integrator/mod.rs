@@ -104,7 +104,7 @@ impl<S: Variational<R>, R> Integrator<S, R> {
     }
 }
 
-/// What [`Method`] offers, without having to import it.
+/// The functions of [`Method`], for programs that do not import the trait.
 impl<S, R, Q, const N: usize, const M: usize> Integrator<S, R>
 where
     S: Variational<R> + System<Dims = Dims<N, M, Q>>,
@@ -213,7 +213,7 @@ where
     /// Continues a trajectory from a snapshot; see [`Method::resume`].
     ///
     /// # Errors
-    /// As there.
+    /// As [`Method::resume`].
     pub fn resume<W: Noise>(
         &self,
         snapshot: Snapshot<State<Q>>,
