@@ -98,7 +98,7 @@ pub trait Coordinates<const N: usize>: FixedSize {
             assert!(
                 Self::DEGREES_OF_FREEDOM == N,
                 "another number of components"
-            )
+            );
         }
         let mut components = [0.0; N];
         momentum.store(&mut components);
@@ -112,7 +112,7 @@ pub trait Coordinates<const N: usize>: FixedSize {
             assert!(
                 Self::DEGREES_OF_FREEDOM == N,
                 "another number of components"
-            )
+            );
         }
         let mut momentum = Self::no_momentum();
         momentum.restore(components);

@@ -1,4 +1,4 @@
-//! What can go wrong in a step. Each message has the numbers and the knob to turn.
+//! Errors of steps, and the conversion of solver errors. Each message has the numbers in question and what to change.
 
 use crate::noise::NoiseError;
 use crate::solve::SolveError;
@@ -10,7 +10,7 @@ use crate::time::is_next_time;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum StepError {
-    /// Something handed to the step is NaN or infinite.
+    /// An input of the step is NaN or infinite.
     #[error(
         "{what} is {value} at t = {t}: a step needs finite numbers; look at what produced this value"
     )]
@@ -50,12 +50,12 @@ pub enum StepError {
         /// Largest residual, relative to the sum of the magnitudes of its equation's terms.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         residual: f64,
-        /// What it had to reach.
+        /// The tolerance.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         tolerance: f64,
     },
-    /// The solution that is connected with a small step without noise was followed and lost before the whole step; any other
-    /// solution that the equations may have belongs to another branch, and is not taken.
+    /// The solution that is connected with the limit of no noise and h → 0 ends before the whole step. Other
+    /// solutions of the equations belong to another branch and are not accepted.
     #[error("{}", branch_lost(*t, *h, dw, *step, *reached))]
     BranchLost {
         /// Time at the start of the step.
@@ -66,10 +66,10 @@ pub enum StepError {
         h: f64,
         /// Increments of the noise.
         dw: Vec<f64>,
-        /// The part of the step size up to which the solution was followed without noise.
+        /// Fraction of the step size up to which the solution was followed without noise.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         step: f64,
-        /// The part of the increments up to which it was followed at the whole step size; 0 where that was not reached.
+        /// Fraction of the increments up to which the solution was followed at the whole step size; 0 if the whole step size was not reached.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         reached: f64,
     },
@@ -85,7 +85,7 @@ pub enum StepError {
         t: f64,
         /// Momentum.
         p: Vec<f64>,
-        /// The part of the way to the momentum up to which velocities were found.
+        /// Fraction of the path to the momentum along which velocities were found.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         reached: f64,
     },
@@ -169,7 +169,7 @@ pub enum StepError {
         /// Time at the start of the step.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
-        /// What the noise said.
+        /// The error of the noise.
         source: NoiseError,
     },
 }
@@ -188,12 +188,12 @@ fn no_time(t: f64, h: f64, end: f64) -> String {
     )
 }
 
-/// Iterations from which on their limit may have been what ended them: a step within reach of the method takes fewer.
+/// Number of iterations from which on the limit may be too small: a step within reach of the method takes fewer.
 const MANY: u32 = 8;
 
-/// What is said of the limit of iterations.
+/// The part of a message about the limit of iterations.
 fn iteration_limit(iterations: u32) -> &'static str {
-    // none at all is a limit of 0
+    // no iteration means a limit of 0
     if iterations == 0 || iterations >= MANY {
         ", or raise `max_iterations` with `with_newton` if that was the limit"
     } else {

@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Writes a file.
 ///
 /// # Errors
-/// Those of the file system and of `write`, with their kind and the path.
+/// The errors of the file system and of `write`, with their kind and the path.
 pub(crate) fn write(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,

@@ -99,7 +99,7 @@ pub(crate) mod configuration {
     }
 }
 
-/// Momenta of a configuration, likewise.
+/// Momenta of a configuration.
 pub(crate) mod momentum {
     use serde::{Deserializer, Serializer};
 

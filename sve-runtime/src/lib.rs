@@ -29,7 +29,7 @@
 //!
 //! # fn main() -> Result<(), StepError> {
 //! let pendulum = Integrator::new(Pendulum { g: 9.8, sigma: 0.1 }, Midpoint);
-//! println!("{}", pendulum.plan());                       // what the step became
+//! println!("{}", pendulum.plan());                       // the equations of the step, and their cost
 //! let mut state = State::new([1.0], [0.0]);              // q, p at t = 0
 //! pendulum.step(&mut state, 0.01, &[0.02])?;             // one step with a given Wiener increment
 //! for state in pendulum.trajectory(state, 0.01, Wiener::new(42)).take(100) {
@@ -48,9 +48,9 @@
 //! | choose a rule | [`InitialPoint`], [`Endpoint`], [`Midpoint`], [`Taylor2`] |
 //! | make steps | [`Integrator`] with `step` and `trajectory`, [`State`]; [`Method`] is common to integrators and baselines |
 //! | know what the `q` of a state may be | [`Configuration`]; vectors, matrices and rotations are those of [`nalgebra`] |
-//! | store a trajectory and continue it | [`Trajectory::snapshot`], [`Method::resume`]; a noise is entered at a step by [`from_step`](noise::Replayable::from_step) |
-//! | see what a step became | [`Integrator::plan`], [`Plan`] |
-//! | differentiate a step in its start and in the parameters | [`Integrator::tangent`], [`Integrator::sensitivity`] |
+//! | store a trajectory and continue it | [`Trajectory::snapshot`], [`Method::resume`]; [`from_step`](noise::Replayable::from_step) enters a noise at a step |
+//! | see the equations and the cost of a step | [`Integrator::plan`], [`Plan`] |
+//! | differentiate a step with respect to its start and the parameters | [`Integrator::tangent`], [`Integrator::sensitivity`] |
 //! | drive it with noise | [`noise`]: [`Wiener`](noise::Wiener), [`ThreePoint`](noise::ThreePoint), [`Recorded`](noise::Recorded), [`Truncated`](noise::Truncated), [`FromRng`](noise::FromRng), [`NoNoise`](noise::NoNoise) |
 //! | evaluate energy, momentum, velocity, drift | [`Mechanics`] |
 //! | compare with other methods | [`baseline`] |
@@ -62,8 +62,8 @@
 //!
 //! # Errors
 //!
-//! What can fail returns [`StepError`], or [`NoiseError`](noise::NoiseError) for a noise source alone: a message with the numbers
-//! in question and what to change. A step that fails leaves the state as it was. A NaN or infinite input, a step size that is not positive, a
+//! Functions that can fail return [`StepError`], or [`NoiseError`](noise::NoiseError) for a noise source: a message with the numbers
+//! in question and what to change. A step that fails leaves the state unchanged. A NaN or infinite input, a step size that is not positive, a
 //! singular mass matrix, an iteration that does not converge, an overflow and a time that does not advance are errors; no step returns NaN.
 //!
 //! # Features
@@ -110,7 +110,7 @@ mod trajectory;
 pub use configuration::{Configuration, Coordinates, FixedSize};
 pub use error::StepError;
 pub use integrator::{Integrator, Sensitivity, Tangent};
-#[cfg(feature = "ensemble")]
+#[cfg_attr(not(feature = "ensemble"), doc(hidden))]
 pub use lanes::{LANES, Lane, Mask, StateLanes};
 pub use mechanics::{Field, Mechanics};
 pub use method::Method;
@@ -221,7 +221,7 @@ pub use state::State;
 /// # let _ = Integrator::new(Oscillator, Taylor2).plan();
 /// ```
 ///
-/// What is not smooth is refused:
+/// A function that is not smooth is a compile-time error:
 ///
 /// ```compile_fail
 /// # use sve_runtime::prelude::*;
@@ -239,11 +239,11 @@ pub use system::{
     ConfigurationOf, DerivedFor, Dimensions, Dims, FlatStateOf, ForceJet, IncrementsOf,
     LagrangianJet, MomentumOf, NoiseJet, StateOf, StepOf, System, Variational, VectorOf,
 };
-#[cfg(feature = "ensemble")]
+#[cfg_attr(not(feature = "ensemble"), doc(hidden))]
 pub use system::{IncrementLanesOf, StateLanesOf};
 pub use trajectory::{RefinedTrajectory, Refinements, Snapshot, Trajectory};
 
-/// What a program that integrates a system imports: `use sve_runtime::prelude::*;`.
+/// The items that a program imports to integrate a system: `use sve_runtime::prelude::*;`.
 pub mod prelude {
     #[cfg(feature = "ensemble")]
     pub use crate::ensemble::{Ensemble, EnsembleError, Failure, StartRng, Statistics, Summary};
@@ -260,11 +260,11 @@ pub mod prelude {
     };
 }
 
-/// What generated code calls. Not part of the public interface.
+/// The interface of generated code. Not part of the public interface.
 #[doc(hidden)]
 pub mod __private {
     pub use crate::angle_addition::sin_cos_of_sum;
-    /// What steps in lanes call.
+    /// The interface of generated steps in lanes.
     pub mod lane {
         pub use crate::lanes::elementary::*;
         pub use crate::lanes::newton::NewtonLanes;

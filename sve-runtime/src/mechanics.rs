@@ -1,7 +1,7 @@
 //! Mechanics that follow from the Lagrangian: Legendre transform, energy, first-order form.
 //!
-//! Input: the derivatives that the macro generated ([`System`]). Output: what users and baselines evaluate.
-//! Formulas: the equations of motion of a stochastic Hamilton–Pontryagin system,
+//! Input: the derivatives that the macro generated ([`System`]). Output: functions of a state, for users and baselines.
+//! The equations of motion are those of a stochastic Hamilton–Pontryagin system (`docs/mathematics.md`, sections 1 and 4),
 //! `dq = v dt + Σ ∂G_a/∂p ∘ dW_a`, `dp = (∂L/∂q + F) dt − Σ ∂G_a/∂q ∘ dW_a`, `p = ∂L/∂v`, with `G = −γ` or `G = H₁`.
 
 use crate::configuration::Coordinates;
@@ -41,7 +41,7 @@ impl<const N: usize> Field<[f64; N]> {
     }
 }
 
-/// What follows from a Lagrangian and its noises; implemented for every [`System`].
+/// Mechanical quantities of a Lagrangian and its noises; implemented for every [`System`].
 ///
 /// ```
 /// use sve_runtime::prelude::*;
@@ -59,7 +59,7 @@ impl<const N: usize> Field<[f64; N]> {
 /// # }
 /// ```
 pub trait Mechanics: System {
-    /// The Legendre transform `p = ∂L/∂v(0, q, v)`. See [`momentum_at`](Self::momentum_at) where L depends on time.
+    /// The Legendre transform `p = ∂L/∂v(0, q, v)`. If L depends on time, see [`momentum_at`](Self::momentum_at).
     fn momentum(&self, q: ConfigurationOf<Self>, v: MomentumOf<Self>) -> MomentumOf<Self> {
         self.momentum_at(0.0, q, v)
     }
@@ -67,8 +67,8 @@ pub trait Mechanics: System {
     /// The inverse of [`momentum`](Self::momentum).
     ///
     /// # Errors
-    /// [`StepError::Singular`] where the mass matrix `∂²L/∂v²` has no inverse; [`StepError::NonFiniteInput`];
-    /// [`StepError::NoVelocity`] where L is not quadratic in v and no velocity with that momentum is found.
+    /// [`StepError::Singular`] if the mass matrix `∂²L/∂v²` has no inverse; [`StepError::NonFiniteInput`];
+    /// [`StepError::NoVelocity`] if L is not quadratic in v and no velocity with that momentum is found.
     fn velocity(
         &self,
         q: ConfigurationOf<Self>,
@@ -117,7 +117,7 @@ pub trait Mechanics: System {
     /// `Σ_a g_a dW_a`, the noise fields `g_a = (∂G_a/∂p, −∂G_a/∂q)` combined with the given increments.
     fn noise(&self, state: &StateOf<Self>, dw: &IncrementsOf<Self>) -> Field<MomentumOf<Self>>;
 
-    /// `½ Σ_a (Dg_a) g_a`, what the Itô drift has more than the Stratonovich drift.
+    /// The Itô correction `½ Σ_a (Dg_a) g_a`: the Itô drift minus the Stratonovich drift.
     fn ito_correction(&self, state: &StateOf<Self>) -> Field<MomentumOf<Self>>;
 }
 
@@ -185,7 +185,7 @@ where
     }
 }
 
-/// The velocity with the momentum of `state`.
+/// Returns the velocity with the momentum of `state`.
 #[inline]
 fn velocity<S, Q, const N: usize, const M: usize>(
     system: &S,
@@ -198,9 +198,9 @@ where
     legendre::velocity(system, state).map_err(|error| outside_a_step(error, state))
 }
 
-// The same without the wording of errors: a method tells them of its whole step, not of one stage.
+// The functions below return the errors of solvers: a method reports the error of a whole step, not of one stage.
 
-/// The drift `(v, ∂L/∂q + F)`; only the velocity is known to be finite.
+/// Returns the drift `(v, ∂L/∂q + F)`. Only the velocity is checked to be finite.
 #[inline]
 pub(crate) fn solve_drift<S, Q, const N: usize, const M: usize>(
     system: &S,
@@ -227,7 +227,7 @@ pub(crate) struct Motion<const N: usize> {
     pub(crate) second: Field<[f64; N]>,
 }
 
-/// The derivatives of the motion from the velocity `v`.
+/// Returns the time derivatives of the motion with velocity `v`.
 #[inline]
 pub(crate) fn solve_motion<S, Q, const N: usize, const M: usize>(
     system: &S,
@@ -266,7 +266,7 @@ where
     })
 }
 
-/// `Σ_a g_a dW_a`.
+/// Returns `Σ_a g_a dW_a`.
 #[inline]
 pub(crate) fn noise_of<const N: usize, const M: usize>(
     jets: &[NoiseJet<N>; M],
@@ -285,7 +285,7 @@ pub(crate) fn noise_of<const N: usize, const M: usize>(
     sum
 }
 
-/// `½ Σ_a (Dg_a) g_a`.
+/// Returns `½ Σ_a (Dg_a) g_a`.
 #[inline]
 pub(crate) fn correction_of<const N: usize, const M: usize>(
     jets: &[NoiseJet<N>; M],

@@ -130,7 +130,7 @@ pub struct Plan {
     pub step: Operations,
     /// Operations for each iteration of all Newton blocks, with the linear solves.
     pub iteration: Operations,
-    /// What was derived.
+    /// The mathematics of the step.
     pub formulas: Formulas,
 }
 

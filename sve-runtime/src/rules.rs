@@ -1,6 +1,6 @@
-//! The discretisation rules: one unit type each, the name by which an [`Integrator`](crate::Integrator) is asked for it.
+//! The discretisation rules: a unit type for each, which names the rule of an [`Integrator`](crate::Integrator).
 //!
-//! What a rule does is defined in the macro, as a discrete action.
+//! The macro defines a rule by its discrete action (`docs/mathematics.md`, section 2).
 
 macro_rules! rules {
     ($($(#[$doc:meta])* $name:ident)*) => {$(
@@ -21,8 +21,8 @@ rules! {
     Taylor2
 }
 
-/// A rule whose step was derived without looking for its structure: Newton's method in all unknowns. It is what derived steps
-/// are compared with, in tests and benchmarks of this project; the attribute gives it where it says `structure = both`.
+/// A rule whose step is derived without analysing its structure: Newton's method in all unknowns. Tests and benchmarks
+/// compare derived steps with it; the attribute derives it with `structure = both`.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Whole<R>(pub R);

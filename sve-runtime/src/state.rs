@@ -1,6 +1,6 @@
 //! A point of phase space at a time.
 //!
-//! Invariant: none is enforced here; every step checks that what it is given is finite.
+//! A state can have any numbers: every step checks that they are finite.
 
 use crate::configuration::{Configuration, Coordinates};
 
@@ -84,6 +84,7 @@ impl<Q: Configuration> State<Q> {
     }
 
     /// The same state in coordinates.
+    #[allow(clippy::wrong_self_convention)] // a state can be large
     #[inline(always)]
     pub(crate) fn to_coordinates<const N: usize>(&self) -> State<[f64; N]>
     where

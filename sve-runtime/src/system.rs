@@ -298,7 +298,7 @@ pub trait Variational<R>: System {
     ) -> Linearisation;
 }
 
-/// What [`Variational::increment`] returns.
+/// The result of [`Variational::increment`].
 pub type StepOf<S, R> = (VectorOf<S>, VectorOf<S>, <S as Variational<R>>::Unknowns);
 
 /// A rule that has been derived for the system `S`.

@@ -1,7 +1,7 @@
 //! The statistics of a summary as a table: the columns of every format, and CSV.
 //!
 //! Input: a [`Summary`]. Output: a row for each recorded time with `t`, `paths` and, of each observable, `mean`, `variance`, `standard_error`, `min` and
-//! `max`. Invariant: numbers are written with the digits that give back their bits; what does not exist is an empty field.
+//! `max`. Invariant: numbers are written with the digits that give back their bits; a number that does not exist is an empty field.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -42,7 +42,7 @@ impl Summary {
     /// `x_standard_error`, `x_min`, `x_max`. A mean of no paths and a variance of one are empty fields.
     ///
     /// # Errors
-    /// Those of the writer.
+    /// The errors of the writer.
     pub fn write_csv(&self, mut to: impl Write) -> io::Result<()> {
         let columns = self.columns();
         let names = columns.iter().map(|(name, _)| quoted(name));
@@ -59,17 +59,17 @@ impl Summary {
         to.flush()
     }
 
-    /// Writes the statistics as CSV into a file; see [`write_csv`](Self::write_csv). The file is written beside
-    /// the one of that name, if there is one, and takes its place when it is whole.
+    /// Writes the statistics as CSV into a file; see [`write_csv`](Self::write_csv). The file is complete or not
+    /// written at all: it replaces an existing one atomically.
     ///
     /// # Errors
-    /// Where the file cannot be written, with its path; nothing of it is left then.
+    /// If the file cannot be written; the error names its path, and nothing of the file remains.
     pub fn to_csv(&self, path: impl AsRef<Path>) -> io::Result<()> {
         crate::file::write(path.as_ref(), |file| self.write_csv(file))
     }
 }
 
-/// A name as a field.
+/// Quotes a name as a field.
 fn quoted(name: &str) -> String {
     if name.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", name.replace('"', "\"\""))

@@ -9,7 +9,7 @@
 //! ACM Trans. Math. Softw. 44 (2017), algorithms 2 (sum), 6 (accurate sum of pairs) and 15 (quotient); T. J. Dekker, *A
 //! floating-point technique for extending the available precision*, Numer. Math. 18 (1971), for the product without a fused operation.
 
-/// An edge of the parts of a range.
+/// Returns an edge of the equal parts of a range.
 pub(super) fn edge([low, high]: [f64; 2], edge: usize, parts: usize) -> f64 {
     if edge == 0 {
         return low;
@@ -24,7 +24,7 @@ pub(super) fn edge([low, high]: [f64; 2], edge: usize, parts: usize) -> f64 {
     quotient(sum, parts as f64) * unit
 }
 
-/// A power of two that moves the size of a range into the middle of the exponents, where nothing overflows or loses digits.
+/// Returns a power of two that scales a range to the middle of the exponents, where no operation overflows or underflows.
 fn unit(size: f64) -> f64 {
     const LARGE: f64 = f64::from_bits((1023 + 500) << 52);
     const SMALL: f64 = f64::from_bits((1023 - 500) << 52);
@@ -37,23 +37,23 @@ fn unit(size: f64) -> f64 {
     }
 }
 
-/// A number of twice the precision: a number and what rounding took from it.
+/// A number of twice the precision: a high and a low part.
 type Pair = (f64, f64);
 
-/// a + b exactly.
+/// Returns a + b exactly.
 fn sum(a: f64, b: f64) -> Pair {
     let sum = a + b;
     let second = sum - a;
     (sum, (a - (sum - second)) + (b - second))
 }
 
-/// a + b exactly, for |a| ≥ |b|.
+/// Returns a + b exactly, for |a| ≥ |b|.
 fn sum_of_ordered(a: f64, b: f64) -> Pair {
     let sum = a + b;
     (sum, b - (sum - a))
 }
 
-/// The upper 26 bits of a number, and the others.
+/// Returns the upper 26 bits of a number, and the lower ones.
 fn halves(a: f64) -> Pair {
     const SPLITTER: f64 = ((1_u64 << 27) + 1) as f64;
     let scaled = SPLITTER * a;
@@ -61,7 +61,7 @@ fn halves(a: f64) -> Pair {
     (high, a - high)
 }
 
-/// a b exactly.
+/// Returns a b exactly.
 fn product(a: f64, b: f64) -> Pair {
     let product = a * b;
     let ((a_high, a_low), (b_high, b_low)) = (halves(a), halves(b));
@@ -76,7 +76,7 @@ fn add_pairs(a: Pair, b: Pair) -> Pair {
     sum_of_ordered(high, rest_of_low + rest)
 }
 
-/// A pair over a number, rounded.
+/// Returns the quotient of a pair and a number, rounded.
 fn quotient(a: Pair, b: f64) -> f64 {
     let high = a.0 / b;
     let (product, rest) = product(high, b);
@@ -137,7 +137,7 @@ mod tests {
             let parts = 2 + next(12);
             let k = 1 + next(40) % (parts - 1);
             let numerator = low * (parts - k) + high * k;
-            // the quotient to 60 bits behind the point, with a last bit for what is left
+            // the quotient with 60 binary places, and a last bit that is set if there is a remainder
             let scaled = numerator << 60;
             let exact = scaled.div_euclid(parts) | i128::from(scaled.rem_euclid(parts) != 0);
             let expected = exact as f64 / (1_u64 << 60) as f64;

@@ -11,7 +11,7 @@ pub enum EnsembleError {
     /// A setting without a default is missing.
     #[error("the ensemble does not know its {what}: add `{write}`")]
     Missing {
-        /// What is missing.
+        /// The missing setting.
         what: &'static str,
         /// A call that gives it.
         write: &'static str,
@@ -21,7 +21,7 @@ pub enum EnsembleError {
     Zero {
         /// The setting.
         setting: &'static str,
-        /// What to write instead.
+        /// The remedy.
         remedy: &'static str,
     },
     /// The method refused the step size.
@@ -59,11 +59,11 @@ pub enum EnsembleError {
     /// The results do not fit into memory.
     #[error("{what} take {bytes} bytes, more than this machine gives; {remedy}")]
     TooLarge {
-        /// What is to be kept, with its numbers.
+        /// The results that need the memory, with their numbers.
         what: String,
         /// Bytes that it takes, at the least.
         bytes: u128,
-        /// What to write instead.
+        /// The remedy.
         remedy: &'static str,
     },
     /// The noise has no increments for this step size.
@@ -82,7 +82,7 @@ pub enum EnsembleError {
     UnknownObservable {
         /// The name asked for.
         name: String,
-        /// What it was asked for.
+        /// The purpose for which it was named.
         purpose: &'static str,
         /// The names there are.
         known: Vec<String>,
@@ -159,7 +159,7 @@ pub enum EnsembleError {
         "the summaries differ in {what}, so they are of different runs; merge shards of one ensemble alone"
     )]
     OtherRun {
-        /// In what they differ.
+        /// The difference.
         what: Difference,
     },
     /// Summaries with common paths were to be merged.
@@ -176,7 +176,7 @@ pub enum EnsembleError {
     Checkpoint {
         /// The file.
         path: std::path::PathBuf,
-        /// What the system said.
+        /// The error of the system.
         source: std::io::Error,
     },
     /// The file to continue from is not a checkpoint.
@@ -210,7 +210,7 @@ pub enum EnsembleError {
     DamagedCheckpoint {
         /// The file.
         path: std::path::PathBuf,
-        /// What is wrong with it.
+        /// The damage.
         damage: Damage,
     },
     /// The file to continue from belongs to another run.
@@ -222,7 +222,7 @@ pub enum EnsembleError {
     OtherCheckpoint {
         /// The file.
         path: std::path::PathBuf,
-        /// In what the runs differ.
+        /// The difference.
         what: Difference,
     },
 }
@@ -290,10 +290,10 @@ pub enum Difference {
     /// The method or its options.
     #[error("a method (rule or options of Newton's method)")]
     Method,
-    /// Where the paths start.
+    /// The starts of the paths.
     #[error("starts of the paths")]
     Starts,
-    /// What is computed along the paths.
+    /// The values along the paths.
     #[error("values along its paths (observables, or functions of another machine)")]
     Values,
 }

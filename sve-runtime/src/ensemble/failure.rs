@@ -1,20 +1,20 @@
-//! A path that failed: which, when and why.
+//! Failures of paths.
 
 use crate::error::StepError;
 
-/// How many failures a summary describes, with number, time and error: those of the lowest paths. All are counted.
+/// Largest number of failures that a summary keeps, with number, time and error: those of the lowest paths. All failures are counted.
 pub const FAILURES_KEPT: usize = 256;
 
-/// A path that failed. It has no part in the statistics from the next record on.
+/// The failure of a path. The path is not in the statistics of later records.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("path {path} failed after {step} steps, at t = {t}: {cause}")]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Failure {
-    /// Which path, from 0; [`replay`](super::Ensemble::replay) repeats it.
+    /// Number of the path, from 0; [`replay`](super::Ensemble::replay) repeats it.
     pub path: u64,
-    /// Steps that it had made.
+    /// Number of steps before the failure.
     pub step: u64,
-    /// The time that it had reached.
+    /// Time of the failure.
     #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
     pub t: f64,
     /// Why it failed.
@@ -27,10 +27,10 @@ pub struct Failure {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Cause {
-    /// Its state could not be stepped.
+    /// A step failed.
     #[error("{0}")]
     Step(#[source] StepError),
-    /// It starts at another time than path 0.
+    /// The path starts at another time than path 0.
     #[error(
         "it starts at t = {t}, and path 0 at t = {expected}: the paths of an ensemble start together"
     )]
@@ -45,9 +45,9 @@ pub enum Cause {
     /// An observable returned an error.
     #[error("the observable `{name}` failed: {error}")]
     Observable {
-        /// Which.
+        /// Its name.
         name: String,
-        /// What it returned.
+        /// The error that it returned.
         #[source]
         error: StepError,
     },
@@ -56,9 +56,9 @@ pub enum Cause {
         "the observable `{name}` is {value}: statistics need finite numbers; look at what it computes there"
     )]
     NotFinite {
-        /// Which.
+        /// Its name.
         name: String,
-        /// What it returned.
+        /// The value that it returned.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         value: f64,
     },
@@ -67,9 +67,9 @@ pub enum Cause {
         "the observable `{name}` is {value:e}, outside of the bound {low:e}..={high:e} that was given for it"
     )]
     OutOfBound {
-        /// Which.
+        /// Its name.
         name: String,
-        /// What it returned.
+        /// The value that it returned.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         value: f64,
         /// Lower bound.
@@ -81,10 +81,10 @@ pub enum Cause {
     },
 }
 
-/// Equal in all numbers; NaN, which many causes have, equals NaN.
+/// Causes are equal if all numbers are equal; NaN equals NaN.
 impl PartialEq for Cause {
     fn eq(&self, other: &Self) -> bool {
-        // the printed form of a number is the shortest that gives it back
+        // the printed form of a number is the shortest one that reads back as the same number
         format!("{self:?}") == format!("{other:?}")
     }
 }

@@ -1,9 +1,9 @@
-//! Count, mean, sum of squared deviations, least and greatest value at each recorded time, in one pass.
+//! Moments of observables: count, mean, sum of squared deviations, least and greatest value at each recorded time, in one pass.
 //!
-//! Input: tiles of values with the set of lanes that count. Output: columns that can be merged.
+//! Input: the values of tiles with the mask of lanes that count. Output: columns that can be merged.
 //! Invariant: what is stored is finite or, where a deviation overflowed, infinite, never NaN; a mean is within its least and greatest
 //! value, and equal values have a sum of squares of exactly 0; without values the mean and the squares are 0 and the extremes
-//! ±∞. Sums over the lanes of a tile go by halves, so they have the same bits for vectors of any width.
+//! ±∞. Sums over the lanes of a tile are formed by halves, so they have the same bits for vectors of any width.
 //!
 //! Source: T. F. Chan, G. H. Golub, R. J. `LeVeque`, *Updating formulae and a pairwise algorithm for computing sample variances*, COMPSTAT (1982).
 
@@ -15,7 +15,7 @@ use crate::lanes::{LANES, Lane, Mask};
 pub(super) struct Column {
     #[cfg_attr(feature = "serde", serde(with = "crate::floats::many"))]
     pub(super) mean: Vec<f64>,
-    /// Sums of squared deviations from the mean, in the unit that `unit` says.
+    /// Sums of squared deviations from the mean, in the unit of `unit`.
     #[cfg_attr(feature = "serde", serde(with = "crate::floats::many"))]
     pub(super) squares: Vec<f64>,
     /// The unit of each deviation, see [`Squares`].
@@ -48,7 +48,7 @@ impl Column {
         self.set(record, &merged);
     }
 
-    /// Adds what another column has.
+    /// Adds the values of another column.
     pub(super) fn merge(&mut self, counts: &[u64], other: &Self, others: &[u64]) {
         for record in 0..self.mean.len() {
             let merged = self
@@ -90,7 +90,7 @@ impl Column {
 
 /// A sum of squared deviations: `value` times the square of 2^(600 `unit`), with a unit of −1, 0 or 1.
 ///
-/// Deviations of 1e-200 or 1e200 have squares that no `f64` holds. The unit is 0 for all others, so that theirs are plain sums.
+/// Squares of deviations of 1e-200 or 1e200 are outside of the range of `f64`. The unit of all other deviations is 0, so that their sums are plain sums.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Squares {
     pub(super) value: f64,
@@ -107,10 +107,10 @@ impl Squares {
     /// Least deviation of unit 0, 2^−450: its square keeps all its digits, also where another one of the sum is far smaller.
     const LEAST: f64 = f64::from_bits((1023 - 450) << 52);
 
-    /// The unit in which squares of deviations up to this one neither overflow nor vanish.
+    /// Returns the unit in which squares of deviations up to this one neither overflow nor underflow.
     #[inline]
     fn unit(largest: f64) -> i8 {
-        // an infinite deviation keeps the unit 0, whose square is infinite too
+        // an infinite deviation has the unit 0: its square is infinite in any unit
         if largest > Self::LARGEST && largest < f64::INFINITY {
             1
         } else if largest < Self::LEAST && largest > 0.0 {
@@ -120,7 +120,7 @@ impl Squares {
         }
     }
 
-    /// A deviation in a unit.
+    /// Converts a deviation to a unit.
     #[inline]
     fn in_unit(deviation: f64, unit: i8) -> f64 {
         match unit {
@@ -130,7 +130,7 @@ impl Squares {
         }
     }
 
-    /// `weight` times the square of a deviation.
+    /// Returns `weight` times the square of a deviation.
     #[inline]
     fn of(deviation: f64, weight: f64) -> Self {
         let unit = Self::unit(deviation.abs());
@@ -175,7 +175,7 @@ impl Squares {
         }
     }
 
-    /// The sum over a count.
+    /// Divides the sum by a count.
     pub(super) fn over(self, count: f64) -> Self {
         Self {
             value: self.value / count,
@@ -183,7 +183,7 @@ impl Squares {
         }
     }
 
-    /// The number itself; 0 or ∞ where no `f64` is so small or so large.
+    /// Returns the number itself; 0 or ∞ outside of the range of `f64`.
     pub(super) fn get(self) -> f64 {
         let Self { value, unit } = self;
         match unit {
@@ -193,7 +193,7 @@ impl Squares {
         }
     }
 
-    /// Its root, which an `f64` holds wherever the deviations were such numbers.
+    /// Returns the square root, which is within the range of `f64` as the deviations are.
     pub(super) fn sqrt(self) -> f64 {
         let root = self.value.sqrt();
         match self.unit {
@@ -215,7 +215,7 @@ struct Moments {
 }
 
 impl Moments {
-    /// Of the values of some lanes, by two passes over them.
+    /// Returns the moments of the values of some lanes, by two passes.
     #[inline]
     fn of(values: &Lane, lanes: Mask) -> Self {
         let counted: [bool; LANES] = core::array::from_fn(|lane| lanes >> lane & 1 == 1);
@@ -232,7 +232,7 @@ impl Moments {
         }
         let mean = within(mean, min, max);
         let deviations: Lane = core::array::from_fn(|lane| select(lane, values[lane] - mean, 0.0));
-        // one of these is the largest: the mean is between them
+        // The mean is between the least and the greatest value, so one of these deviations is the largest.
         let unit = Squares::unit((max - mean).max(mean - min));
         let squared = if unit == 0 {
             deviations.map(|deviation| deviation * deviation)
@@ -251,7 +251,7 @@ impl Moments {
         }
     }
 
-    /// Of both sets.
+    /// Returns the moments of the union of two sets.
     #[inline]
     fn merge(&self, other: &Self) -> Self {
         if other.count == 0.0 {
@@ -289,10 +289,10 @@ impl Moments {
     }
 }
 
-/// A mean, moved to the nearest of the values between which it lies where rounding took it beyond them.
+/// Clamps a mean to the range of the values, which rounding errors can make it leave.
 #[inline]
 fn within(mean: f64, min: f64, max: f64) -> f64 {
-    // without values the least one is above the greatest
+    // without values `min` is above `max`
     if mean < min && min <= max {
         min
     } else if mean > max && min <= max {
@@ -302,7 +302,7 @@ fn within(mean: f64, min: f64, max: f64) -> f64 {
     }
 }
 
-/// A sum, or whatever else, over the lanes: the upper half onto the lower one, and again.
+/// Reduces the lanes to one value, by combining the upper half with the lower one repeatedly.
 #[inline]
 fn by_halves(mut values: Lane, join: impl Fn(f64, f64) -> f64) -> f64 {
     let mut half = LANES / 2;
@@ -319,12 +319,12 @@ fn by_halves(mut values: Lane, join: impl Fn(f64, f64) -> f64) -> f64 {
 mod tests {
     use super::{Column, LANES, Lane, Mask};
 
-    /// Values and how they are cut into tiles: every lane, some lanes, none.
+    /// Adds values in tiles with the given masks. Returns the column and the count.
     fn column(values: &[f64], masks: &[Mask]) -> (Column, u64) {
         let mut column = Column::new(1);
         let (mut count, mut values) = (0, values.iter());
         for &mask in masks.iter().cycle() {
-            // what is in the other lanes is of no matter
+            // the values of the other lanes must not matter
             let mut tile: Lane = [f64::NAN; LANES];
             let mut counted = 0;
             for lane in (0..LANES).filter(|lane| mask >> lane & 1 == 1) {

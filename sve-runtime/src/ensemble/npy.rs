@@ -14,10 +14,10 @@ use super::csv::Values;
 impl Summary {
     /// Writes the statistics as a structured array of `NumPy`: `numpy.load("x.npy")["energy_mean"]`.
     ///
-    /// Its fields are the columns of [`write_csv`](Self::write_csv); what does not exist is NaN.
+    /// Its fields are the columns of [`write_csv`](Self::write_csv); a number that does not exist is NaN.
     ///
     /// # Errors
-    /// Those of the writer.
+    /// The errors of the writer.
     pub fn write_npy(&self, mut to: impl Write) -> io::Result<()> {
         let columns = self.columns();
         let field = |(name, values): &(String, Values)| {
@@ -43,17 +43,17 @@ impl Summary {
         to.flush()
     }
 
-    /// Writes the statistics as an array of `NumPy` into a file; see [`write_npy`](Self::write_npy). The file is written beside
-    /// the one of that name, if there is one, and takes its place when it is whole.
+    /// Writes the statistics as an array of `NumPy` into a file; see [`write_npy`](Self::write_npy). The file is complete or not
+    /// written at all: it replaces an existing one atomically.
     ///
     /// # Errors
-    /// Where the file cannot be written, with its path; nothing of it is left then.
+    /// If the file cannot be written; the error names its path, and nothing of the file remains.
     pub fn to_npy(&self, path: impl AsRef<Path>) -> io::Result<()> {
         crate::file::write(path.as_ref(), |file| self.write_npy(file))
     }
 }
 
-/// What stands before the data: magic, version, length of the header, the header padded with spaces to a multiple of 64.
+/// Returns the bytes before the data: magic, version, length of the header, the header padded with spaces to a multiple of 64.
 fn preamble(header: &str) -> Vec<u8> {
     let short = header.is_ascii() && header.len() < 65_000;
     let fixed = if short { 10 } else { 12 };
@@ -72,7 +72,7 @@ fn preamble(header: &str) -> Vec<u8> {
     bytes
 }
 
-/// A string of Python.
+/// Returns a string as a literal of Python.
 fn literal(name: &str) -> String {
     let mut literal = String::from("'");
     for c in name.chars() {

@@ -18,19 +18,19 @@ use super::csv::Values;
 
 impl Summary {
     /// Writes the statistics as Parquet: a row for each recorded time, with the columns of [`write_csv`](Self::write_csv), all of them
-    /// required; what does not exist is NaN.
+    /// required; a number that does not exist is NaN.
     ///
     /// # Errors
-    /// Those of the writer.
+    /// The errors of the writer.
     pub fn write_parquet(&self, to: impl Write + Send) -> io::Result<()> {
         self.table(to).map_err(io::Error::other)
     }
 
-    /// Writes the statistics as Parquet into a file; see [`write_parquet`](Self::write_parquet). The file is written beside
-    /// the one of that name, if there is one, and takes its place when it is whole.
+    /// Writes the statistics as Parquet into a file; see [`write_parquet`](Self::write_parquet). The file is complete or not
+    /// written at all: it replaces an existing one atomically.
     ///
     /// # Errors
-    /// Where the file cannot be written, with its path; nothing of it is left then.
+    /// If the file cannot be written; the error names its path, and nothing of the file remains.
     pub fn to_parquet(&self, path: impl AsRef<Path>) -> io::Result<()> {
         crate::file::write(path.as_ref(), |file| self.write_parquet(file))
     }

@@ -1,6 +1,6 @@
-//! How far a run is, on the terminal.
+//! The progress of a run, on the terminal.
 //!
-//! Input: paths that have ended. Output: a bar with the feature `progress`, else a percentage, on standard error and only where that is a
+//! Input: the numbers of finished paths. Output: a bar with the feature `progress`, otherwise a percentage, on standard error if it is a
 //! terminal. Results do not depend on it.
 
 #[cfg(not(feature = "progress"))]

@@ -1,6 +1,6 @@
-//! What a summary shows of one observable: statistics and histograms, at each recorded time.
+//! The statistics and histograms of one observable, at each recorded time.
 //!
-//! Input: merged columns. Output: what users read. Invariant: a mean of no paths and a variance of fewer than two are NaN,
+//! Input: merged columns. Output: the numbers that users read. Invariant: a mean of no paths and a variance of fewer than two are NaN,
 //! and nothing else is.
 
 use super::histogram::{Bins, HistogramRequest};
@@ -29,7 +29,7 @@ impl Statistics {
         }
     }
 
-    /// What is not to be trusted of them.
+    /// Returns the warnings about the statistics.
     pub(super) fn warnings<'a>(&'a self, times: &'a [f64]) -> impl Iterator<Item = Warning> + 'a {
         warning::warnings(&self.name, times, &self.counts, &self.column)
     }
@@ -39,19 +39,19 @@ impl Statistics {
         &self.name
     }
 
-    /// How many paths there are.
+    /// Returns the number of paths at each recorded time.
     pub fn counts(&self) -> &[u64] {
         &self.counts
     }
 
-    /// Means; NaN where all paths have failed.
+    /// Means; NaN if all paths have failed.
     pub fn mean(&self) -> &[f64] {
         &self.column.mean
     }
 
     /// Variances, the sums of squared deviations over the number of paths less one; NaN for fewer than two paths.
     ///
-    /// A variance that no `f64` is small or large enough for, as of deviations of 1e-200, is 0 or ∞;
+    /// A variance outside of the range of `f64`, as of deviations of 1e-200, is 0 or ∞;
     /// [`standard_deviation`](Self::standard_deviation) and [`standard_error`](Self::standard_error) are right there too.
     pub fn variance(&self) -> Vec<f64> {
         self.of_squares(|squares, paths| squares.over(paths - 1.0).get())
@@ -67,7 +67,7 @@ impl Statistics {
         self.of_squares(|squares, paths| squares.over(paths - 1.0).over(paths).sqrt())
     }
 
-    /// A function of the sum of squared deviations and the number of paths, at each recorded time with two paths or more.
+    /// Returns a function of the sum of squared deviations and the number of paths, at each recorded time; NaN for fewer than two paths.
     fn of_squares(&self, of: impl Fn(Squares, f64) -> f64) -> Vec<f64> {
         let at = |(record, &count): (usize, &u64)| match count {
             0 | 1 => f64::NAN,
@@ -76,18 +76,18 @@ impl Statistics {
         self.counts.iter().enumerate().map(at).collect()
     }
 
-    /// Least values; +∞ where all paths have failed.
+    /// Least values; +∞ if all paths have failed.
     pub fn min(&self) -> &[f64] {
         &self.column.min
     }
 
-    /// Greatest values; −∞ where all paths have failed.
+    /// Greatest values; −∞ if all paths have failed.
     pub fn max(&self) -> &[f64] {
         &self.column.max
     }
 }
 
-/// How many paths have an observable in each of equal parts of a range.
+/// The number of paths with an observable in each of equal bins of a range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Histogram {
     request: HistogramRequest,
@@ -104,14 +104,14 @@ impl Histogram {
         &self.request.name
     }
 
-    /// The borders of the bins, one more than there are bins. A value on a border is in the bin above it.
+    /// Returns the edges of the bins, one more than there are bins. A value on an edge is in the bin above it.
     pub fn edges(&self) -> Vec<f64> {
         (0..=self.request.bins)
             .map(|bin| self.request.edge(bin))
             .collect()
     }
 
-    /// How many recorded times it has: all of them, or 1 where only the end was asked for.
+    /// Returns the number of recorded times: all of them, or 1 for a final histogram.
     pub fn rows(&self) -> usize {
         self.bins.0.len() / (self.request.bins + 2)
     }

@@ -1,31 +1,31 @@
-//! What in a summary is not to be trusted.
+//! Warnings about unreliable statistics.
 //!
-//! Input: the statistics of observables. Output: those that diverge, and those whose mean hangs on one path. Both criteria are fixed and
-//! documented at [`Warning`]; they look at the recorded times alone.
+//! Input: the statistics of observables. Output: warnings about observables that diverge, and about means that depend on one path. Both criteria are fixed and
+//! documented at [`Warning`]; they use the recorded times only.
 
 use core::fmt;
 
 use super::moments::Column;
 
-/// Growth within the second half of a run that is reported. A power tᵖ grows by 2ᵖ there, so this is more than the tenth power.
+/// Growth within the second half of a run that is reported. A power tᵖ grows by 2ᵖ in it, so this is about the tenth power.
 const GROWTH: f64 = 1e3;
 
-/// Growth from the start that is reported where nothing was recorded between the start and the second half.
+/// Growth from the start that is reported if nothing was recorded between the start and the second half.
 const GROWTH_FROM_START: f64 = 1e12;
 
-/// Paths from which on one of them should not have most of the variance.
+/// Smallest number of paths of which a single one should not have most of the variance.
 const MANY: u64 = 100;
 
-/// Part of the sum of squared deviations that one path may have.
+/// Largest fraction of the sum of squared deviations of one path.
 const SHARE: f64 = 0.5;
 
-/// Why a statistic is not to be trusted, from [`Summary::warnings`](super::Summary::warnings).
+/// Why a statistic is unreliable, from [`Summary::warnings`](super::Summary::warnings).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Warning {
     /// An observable diverges: its largest magnitude over the paths at the end is more than 1000 times the largest one at all
-    /// recorded times in the first half of the run. Where only the start was recorded in the first half, the factor is 10¹². An
-    /// observable that is 0 throughout the first half is not judged.
+    /// recorded times in the first half of the run. If only the start was recorded in the first half, the factor is 10¹². An
+    /// observable that is 0 throughout the first half is not tested.
     ///
     /// Exact solutions that grow exponentially are reported as well. Otherwise the step is too long for the method.
     Diverges {
@@ -41,7 +41,7 @@ pub enum Warning {
         after: f64,
     },
     /// One path of 100 or more has over half of the sum of squared deviations at the end: mean and standard error
-    /// tell of this path. So it is where a moment of the law is infinite, and for events of which one was seen.
+    /// depend on this path. Distributions with an infinite moment behave so, and rare events that occurred once.
     OnePath {
         /// The observable.
         name: String,
@@ -49,9 +49,9 @@ pub enum Warning {
         t: f64,
         /// How many paths there are.
         paths: u64,
-        /// Value of the one.
+        /// Value of that path.
         value: f64,
-        /// Its part of the sum of squared deviations.
+        /// Its fraction of the sum of squared deviations.
         share: f64,
     },
 }

@@ -62,7 +62,7 @@ pub struct Integrator<S, R> {
 }
 
 impl<S, R> Integrator<S, R> {
-    /// The integrator of `system` by `rule`, which has to be one that the attribute lists.
+    /// The integrator of `system` with a rule that the attribute lists.
     pub fn new(system: S, rule: R) -> Self
     where
         R: DerivedFor<S>,
@@ -98,19 +98,19 @@ impl<S: Variational<R>, R> Integrator<S, R> {
         &self.newton
     }
 
-    /// What the step became.
+    /// The plan of the step: its equations, how they are solved, and their cost.
     pub fn plan(&self) -> &'static Plan {
         S::PLAN
     }
 }
 
-/// What [`Method`] offers, without having to import it.
+/// The functions of [`Method`], for programs that do not import the trait.
 impl<S, R, Q, const N: usize, const M: usize> Integrator<S, R>
 where
     S: Variational<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    /// One step of length `h` with the given Wiener increments, one a process in source order.
+    /// Makes one step of length `h` with the given Wiener increments, one for each process in source order.
     ///
     /// # Errors
     /// A [`StepError`] when an input is not finite, `h ≤ 0`, or the step fails; `state` is then unchanged.
@@ -119,9 +119,9 @@ where
         Method::step(self, state, h, dw)
     }
 
-    /// The tangent map of one step, `∂(q₁,p₁)/∂(q₀,p₀)` at fixed increments: a symplectic matrix, where no force acts.
+    /// Returns the tangent map of one step, `∂(q₁,p₁)/∂(q₀,p₀)` at fixed increments: a symplectic matrix, if no force acts.
     ///
-    /// From the derivatives of the step's own equations by the implicit-function theorem, so it is exact to rounding.
+    /// The implicit-function theorem gives it from the derivatives of the step's own equations, exact to rounding.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -143,7 +143,7 @@ where
     /// ```
     ///
     /// # Errors
-    /// As [`step`](Self::step); [`StepError::Singular`] where the equations have no regular Jacobian at their solution.
+    /// As [`step`](Self::step); [`StepError::Singular`] if the Jacobian of the equations is singular at their solution.
     pub fn tangent(
         &self,
         state: &State<Q>,
@@ -154,7 +154,7 @@ where
             .map(|(tangent, _)| tangent)
     }
 
-    /// The derivatives of the result of one step in each parameter, at fixed start and increments.
+    /// Returns the derivatives of the result of one step with respect to each parameter, at fixed start and increments.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -187,7 +187,7 @@ where
             .map(|(_, sensitivity)| sensitivity)
     }
 
-    /// One step with its [`tangent`](Self::tangent) and [`sensitivity`](Self::sensitivity), from one solution of its equations.
+    /// Makes one step and returns its [`tangent`](Self::tangent) and [`sensitivity`](Self::sensitivity), from one solution of its equations.
     ///
     /// # Errors
     /// As [`tangent`](Self::tangent); `state` is then unchanged.
@@ -200,7 +200,7 @@ where
         tangent::derivatives(self, state, h, dw)
     }
 
-    /// The states after each step of length `h` from `state`; see [`Method::trajectory`].
+    /// Returns the states after each step of length `h` from `state`; see [`Method::trajectory`].
     pub fn trajectory<W: Noise>(
         &self,
         state: State<Q>,
@@ -213,7 +213,7 @@ where
     /// Continues a trajectory from a snapshot; see [`Method::resume`].
     ///
     /// # Errors
-    /// As there.
+    /// As [`Method::resume`].
     pub fn resume<W: Noise>(
         &self,
         snapshot: Snapshot<State<Q>>,

@@ -1,4 +1,4 @@
-//! What can go wrong with a noise source. Each message has the numbers and what to do.
+//! Errors of noise sources. Each message has the numbers in question and what to change.
 
 /// Why a noise source could not be made, or could not give the increments of a step.
 ///

@@ -50,7 +50,7 @@ pub(crate) fn fill(
         (DistributionKind::Normal, true) => dispatch(FillFrom::<Normal, true>(fill, PhantomData)),
         (DistributionKind::Normal, false) => dispatch(FillFrom::<Normal, false>(fill, PhantomData)),
         (DistributionKind::ThreePoint, _) => {
-            dispatch(FillFrom::<ThreePoints, true>(fill, PhantomData))
+            dispatch(FillFrom::<ThreePoints, true>(fill, PhantomData));
         }
     }
 }

@@ -18,7 +18,7 @@ use super::{NoNoise, ThreePoint, Truncated, Wiener};
 pub trait ManyPaths {
     /// The data of the source.
     #[doc(hidden)]
-    fn many_paths(&self) -> PathData;
+    fn many_paths(self) -> PathData;
 }
 
 /// The data of a source with many paths.
@@ -33,7 +33,7 @@ pub struct PathData {
 }
 
 impl ManyPaths for Wiener {
-    fn many_paths(&self) -> PathData {
+    fn many_paths(self) -> PathData {
         PathData {
             seed: Some(self.0.seed),
             first_path: self.0.path,
@@ -44,7 +44,7 @@ impl ManyPaths for Wiener {
 }
 
 impl ManyPaths for ThreePoint {
-    fn many_paths(&self) -> PathData {
+    fn many_paths(self) -> PathData {
         PathData {
             seed: Some(self.0.seed),
             first_path: self.0.path,
@@ -55,7 +55,7 @@ impl ManyPaths for ThreePoint {
 }
 
 impl ManyPaths for NoNoise {
-    fn many_paths(&self) -> PathData {
+    fn many_paths(self) -> PathData {
         PathData {
             seed: None,
             first_path: 0,
@@ -66,10 +66,10 @@ impl ManyPaths for NoNoise {
 }
 
 impl ManyPaths for Truncated<Wiener> {
-    fn many_paths(&self) -> PathData {
+    fn many_paths(self) -> PathData {
         PathData {
             truncation: Some(self.bound_alone()),
-            ..self.source().many_paths()
+            ..self.into_source().many_paths()
         }
     }
 }

@@ -42,7 +42,7 @@ pub struct Recorded {
 }
 
 impl Recorded {
-    /// A path from its increments, one array a step, one entry a process.
+    /// A path with given increments: an array for each step, an entry for each process.
     ///
     /// # Errors
     /// [`NoiseError::InvalidStep`] unless `h` is positive and finite; [`NoiseError::NonFinite`] for an increment that is NaN
@@ -60,10 +60,10 @@ impl Recorded {
         Self::checked(h, M, steps, flat)
     }
 
-    /// The first `steps` steps of length `h` of another source.
+    /// Records the first `steps` steps of length `h` of another source.
     ///
     /// # Errors
-    /// Those of the source, those of [`new`](Self::new), and [`NoiseError::TooLong`] where memory ends.
+    /// The errors of the source and of [`new`](Self::new), and [`NoiseError::TooLong`] if the path does not fit into memory.
     pub fn record(
         mut noise: impl Noise,
         h: f64,
@@ -90,7 +90,7 @@ impl Recorded {
         Self::checked(h, processes, steps, increments)
     }
 
-    /// The same path with `k` steps made one: increments summed, step size `k h`.
+    /// Returns the same path with larger steps: the increments of each `k` steps are summed, the step size is `k h`.
     ///
     /// # Errors
     /// [`NoiseError::Coarsen`] unless `k` divides the number of steps.

@@ -108,8 +108,8 @@ impl<W> Truncated<W> {
 
     /// The source whose increments are clipped.
     #[cfg(feature = "ensemble")]
-    pub(super) fn source(&self) -> &W {
-        &self.noise
+    pub(super) fn into_source(self) -> W {
+        self.noise
     }
 
     /// The bound without its source.

@@ -79,17 +79,17 @@ impl<S: System, I: Method<System = S> + Sync> AnyMethod<S> for I {
         path: &Recorded,
         visit: &mut Visit<'_, S>,
     ) -> Result<StateOf<S>, StepError> {
-        let mut trajectory = self.trajectory(start.clone(), path.h(), path);
+        let mut trajectory = self.trajectory(*start, path.h(), path);
         for state in trajectory.by_ref() {
             visit(&state?)?;
         }
-        Ok(trajectory.state().clone())
+        Ok(*trajectory.state())
     }
 
     fn iterations(&self, start: &StateOf<S>, path: &Recorded) -> Option<f64> {
         let h = path.h();
         let prepared = self.prepare(h).ok()?;
-        let mut state = start.clone();
+        let mut state = *start;
         let steps = path.len().min(COUNTED);
         let mut sum = 0.0;
         for step in 0..steps {
@@ -111,7 +111,7 @@ impl<S: System, I: Method<System = S> + Sync> AnyMethod<S> for I {
         let mut begin = Instant::now();
         for _ in 0..repeats {
             let prepared = self.prepare(black_box(h))?;
-            let mut state = black_box(start.clone());
+            let mut state = black_box(*start);
             for (sum, section) in sums.iter_mut().zip(sections) {
                 for dw in *section {
                     self.step_prepared(&prepared, &mut state, h, dw)?;

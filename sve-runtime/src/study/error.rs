@@ -10,7 +10,7 @@ pub enum StudyError {
     /// A setting that has no sensible default was not given.
     #[error("the study does not know its {what}: add `{write}`")]
     Missing {
-        /// What is missing.
+        /// The missing setting.
         what: &'static str,
         /// A call that gives it.
         write: &'static str,
@@ -72,7 +72,7 @@ pub enum StudyError {
     Noise {
         /// Which path.
         path: u64,
-        /// What the noise said.
+        /// The error of the noise.
         source: NoiseError,
     },
     /// `exact_paths` returned a path that does not fit.

@@ -1,8 +1,8 @@
 //! Means with standard errors.
 //!
-//! Input: independent values, one a path. Output: an [`Estimate`]. Sums run in the order of the paths.
+//! Input: independent values, one for each path. Output: an [`Estimate`]. Sums run in the order of the paths.
 
-/// A number with its standard error: 0 where nothing is random, NaN where a single random value tells nothing of it.
+/// A number with its standard error: 0 without randomness, NaN for a single random value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// The number.
@@ -12,7 +12,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// A number that nothing random went into.
+    /// A number without randomness.
     pub(super) fn certain(value: f64) -> Self {
         Self {
             value,
@@ -20,12 +20,12 @@ impl Estimate {
         }
     }
 
-    /// The mean of independent values.
+    /// Returns the mean of independent values.
     pub(super) fn mean(values: &[f64]) -> Self {
         let n = values.len() as f64;
         let value = values.iter().sum::<f64>() / n;
         let squares: f64 = values.iter().map(|x| (x - value).powi(2)).sum();
-        // a single value gives 0/0, which is what is known of its error
+        // a single value gives 0/0, NaN: its error is unknown
         let standard_error = (squares / (n - 1.0) / n).sqrt();
         Self {
             value,
@@ -33,7 +33,7 @@ impl Estimate {
         }
     }
 
-    /// The root of the mean of independent squares; `δ√m = δm / 2√m` to first order.
+    /// Returns the root of the mean of independent squares; `δ√m = δm / 2√m` to first order.
     pub(super) fn root_mean(squares: &[f64]) -> Self {
         let mean = Self::mean(squares);
         let value = mean.value.sqrt();

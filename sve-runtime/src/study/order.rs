@@ -56,15 +56,15 @@ pub struct Order {
     /// Step sizes that it was fitted to: the finest ones, where no path failed, the error is at most a quarter of the solution's size
     /// and more than rounding, and the local slopes are stable.
     pub points: usize,
-    /// The order that the method has, where it tells ([`Method::order`](crate::Method::order)).
+    /// The order of the method, if it is known ([`Method::order`](crate::Method::order)).
     pub of_method: Option<f64>,
 }
 
 impl Order {
-    /// Whether the errors at the horizon fall faster than the method's order says, by more than the error of the measurement.
+    /// Returns whether the errors at the horizon decrease faster than with the method's order, by more than the error of the measurement.
     ///
-    /// So they do where the errors of the method's own order cancel at that time. They do at the end of whole periods where a rule is
-    /// conjugate to one of higher order, as `initial_point` and `endpoint` are to the Störmer–Verlet rule for `L = T(v) − V(q)`: a change of
+    /// The errors of the method's own order can cancel at that time. They cancel at the end of whole periods if a rule is
+    /// conjugate to a rule of higher order, as `initial_point` and `endpoint` are to the Störmer–Verlet rule for `L = T(v) − V(q)`: a change of
     /// coordinates of the size of `h` takes one into the other, and does not grow.
     pub fn exceeds_method(&self) -> bool {
         let Estimate {
@@ -84,12 +84,12 @@ pub struct NotAsymptotic {
     /// Slopes between consecutive step sizes, from the largest to the smallest, of those whose errors are neither of the size of the
     /// solution nor rounding. Their standard errors are those of the scatter between paths, NaN for a single one.
     pub slopes: Vec<Estimate>,
-    /// The order that the method has, where it tells.
+    /// The order of the method, if it is known.
     pub of_method: Option<f64>,
 }
 
 impl NotAsymptotic {
-    /// Whether the errors still fall faster than the method's order says, as in [`Order::exceeds_method`].
+    /// Returns whether the errors decrease faster than with the method's order, as in [`Order::exceeds_method`].
     pub fn exceeds_method(&self) -> bool {
         let last = self.slopes.last();
         self.of_method
@@ -182,12 +182,12 @@ impl Fit {
         }
     }
 
-    /// The slope between a level and the next finer one.
+    /// Returns the slope between a level and the next finer one.
     fn local(&self, level: usize, y: &[f64]) -> f64 {
         (y[level + 1] - y[level]) / (self.x[level + 1] - self.x[level])
     }
 
-    /// All local slopes.
+    /// Returns all local slopes.
     fn slopes(&self) -> Vec<Estimate> {
         let levels = 0..self.x.len().saturating_sub(1);
         levels
@@ -240,7 +240,7 @@ impl Fit {
     }
 }
 
-/// The root of the mean square without some paths.
+/// Returns the root of the mean square without some paths.
 fn root_mean(squares: &[f64], left_out: &Range<usize>) -> f64 {
     let kept = |path: &usize| !left_out.contains(path);
     let (mut sum, mut count) = (0.0, 0.0);

@@ -1,4 +1,4 @@
-//! What a study found.
+//! The results of a study.
 
 use super::csv::Record;
 use super::estimate::Estimate;
@@ -27,32 +27,32 @@ pub struct Row {
     pub h: f64,
     /// Steps to the horizon.
     pub steps: usize,
-    /// Strong error at the horizon, the root of the mean square over the paths that did not fail; `None` where all failed.
+    /// Strong error at the horizon, the root of the mean square over the paths that did not fail; `None` if all failed.
     pub error: Option<Estimate>,
-    /// Weak error of each observable, in the order in which they were given: the mean of the method less that of the reference. Empty where all paths failed.
+    /// Weak error of each observable, in the order in which they were given: the mean of the method less that of the reference. Empty if all paths failed.
     pub weak_errors: Vec<Estimate>,
-    /// What became of the invariant, where one is watched.
+    /// The change of the invariant, if one is measured.
     pub invariant: Option<Invariant>,
-    /// Times; `None` where none were asked for, or every path failed.
+    /// Times; `None` if they were not measured, or every path failed.
     pub timing: Option<Timing>,
-    /// Newton iterations of a step, on average along the first path that did not fail; `None` where the method does not tell.
+    /// Newton iterations of a step, on average along the first path that did not fail; `None` if the method does not count them.
     pub newton_iterations: Option<f64>,
     /// Paths on which a step failed, or the error overflowed.
     pub failures: u64,
 }
 
-/// What became of an invariant.
+/// The change of an invariant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Invariant {
     /// Largest difference from its first value, over steps and paths.
     pub largest: f64,
-    /// The slope of the least-squares line through its values, averaged over paths: a secular change in a unit of time, where there is one.
-    /// Of an error that only oscillates it is what is left of the oscillation at the ends, of either sign: it passes through zero as the step
-    /// size changes, so that a single small value says nothing, and those of several step sizes have to be looked at together.
+    /// The slope of the least-squares line through its values, averaged over paths: the secular change in a unit of time, if there is one.
+    /// For an error that only oscillates, the slope depends on the phases at the ends and has either sign: it passes through zero as the step
+    /// size changes. A single small value proves nothing; compare several step sizes.
     pub drift: Estimate,
 }
 
-/// What a step and a solution take, with the increments at hand, on one thread.
+/// The times of a step and of a solution with precomputed increments, on one thread.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timing {
     /// Nanoseconds a step, median of the repeats (where a path has more than 2048 steps, of each part of it).
@@ -69,12 +69,12 @@ impl Report {
         &self.problem
     }
 
-    /// How long the solutions are.
+    /// Returns the length of the solutions.
     pub fn horizon(&self) -> f64 {
         self.horizon
     }
 
-    /// How many paths there are.
+    /// Returns the number of paths.
     pub fn paths(&self) -> u64 {
         self.paths
     }

@@ -52,6 +52,7 @@ impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
         }
     }
 
+    #[allow(clippy::needless_pass_by_value)] // the trajectory takes the place of its snapshot
     pub(crate) fn resume(
         method: &'a I,
         snapshot: Snapshot<StateOf<I::System>>,

@@ -8,12 +8,19 @@
 //! H₁:  ⟨∂H₁/∂q, ξ⟩ − ⟨p, Dξ ∂H₁/∂p⟩        F:   ⟨F, ξ⟩, the work of the force
 //! ```
 
+use proc_macro2::Ident;
+use quote::format_ident;
+
 use crate::algebra::{Arena, Expr, Symbol, Vanishing};
-use crate::backend::rust::momentum_name;
 use crate::errors::Errors;
 use crate::explain;
 use crate::syntax::parse::{Annotated, Part};
 use crate::system::model::{Generator, Model};
+
+/// The name of the function that returns the momentum of a symmetry.
+pub(crate) fn momentum_name(symmetry: &Ident) -> Ident {
+    format_ident!("{symmetry}_momentum", span = symmetry.span())
+}
 
 /// A conserved momentum.
 pub(crate) struct MomentumMap {

@@ -1,4 +1,4 @@
-//! The interface of a step to Newton's method: which guesses its blocks start from, and which roots they accept.
+//! The interface of a step to Newton's method: the guesses of its blocks, and the roots that they accept.
 //!
 //! Input: guess and equations of a block. Output: its solution. Invariant: on the fast path the interface costs one test of its mode.
 
@@ -27,7 +27,7 @@ enum Mode<'a> {
     Unchecked,
 }
 
-/// What Newton's method has to know of a block of a step.
+/// The properties of a block of a step that Newton's method needs.
 #[derive(Clone, Copy, Debug)]
 pub struct BlockProperties {
     /// Number of the block's first unknown among all unknowns of the step.

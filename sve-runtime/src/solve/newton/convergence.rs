@@ -38,7 +38,7 @@ const STALL: f64 = 0.5;
 /// start inside its ball.
 pub(super) const CONTRACTION: f64 = 0.25;
 
-/// What two successive residuals say about an iteration.
+/// The verdict on two successive residuals.
 #[derive(Clone, Copy)]
 pub(crate) struct Verdict {
     /// The residual is below the tolerance.

@@ -16,7 +16,7 @@ const DECREASE: f64 = 0.25;
 /// checked at their end points.
 const SUBINTERVALS: u32 = 16;
 
-/// What an iteration does.
+/// The phase of an iteration.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Phase<const K: usize> {
     /// Makes full Newton steps.

@@ -15,7 +15,7 @@ fn scalar(terms: &[f64], derivative: f64) -> Evaluation<1> {
     }
 }
 
-/// What was found, and how many evaluations it took.
+/// Returns the result, and the number of evaluations.
 fn counted<const K: usize>(
     newton: &Newton,
     guess: [f64; K],
@@ -247,7 +247,7 @@ fn what_is_not_finite_is_an_error() {
         let found = newton.solve([bad], |x| scalar(&[2.0 * x[0], -3.0], 2.0));
         assert_eq!(found, Ok([1.5]));
     }
-    // one NaN among good equations is not lost, whatever its place
+    // A single NaN is found at any place among finite residuals.
     for place in 0..3 {
         let found = newton.solve([1.0; 3], |_| {
             let mut residual = [0.0; 3];

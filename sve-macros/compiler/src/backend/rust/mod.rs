@@ -22,7 +22,7 @@ pub(crate) use rule::rule;
 pub(crate) use system::system;
 
 use proc_macro2::{Ident, Literal, Span, TokenStream};
-use quote::{format_ident, quote};
+use quote::quote;
 
 use crate::algebra::{Arena, Expr};
 use crate::discretise::tangent::Linearisation;
@@ -34,7 +34,7 @@ use crate::structure::Scheme;
 use crate::syntax::parse::Annotated;
 use crate::system::mechanics::Mechanics;
 use crate::system::model::{Model, Symbols};
-use crate::system::symmetry::MomentumMap;
+use crate::system::symmetry::{MomentumMap, momentum_name};
 
 /// What the rules of a block share.
 pub(crate) struct Context<'a> {
@@ -67,11 +67,6 @@ fn private(block: &Annotated) -> TokenStream {
 /// A name in generated code.
 fn ident(name: &str) -> Ident {
     Ident::new(name, Span::call_site())
-}
-
-/// The function that a symmetry gives.
-pub(crate) fn momentum_name(symmetry: &Ident) -> Ident {
-    format_ident!("{symmetry}_momentum", span = symmetry.span())
 }
 
 /// Doc comments, a line each: headings with formulas below. As text blocks these are neither markdown nor tests.
