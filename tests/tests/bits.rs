@@ -8,7 +8,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use sve_models::case::{Case, Derivatives, Point};
+use sve_models::case::{Case, Derivatives};
+use sve_models::functions::Point;
 use sve_models::oracle::{cases, kubo, pendulum};
 use sve_models::random::Random;
 use sve_runtime::prelude::*;

@@ -1,7 +1,8 @@
 //! Steps in lanes against steps of single states: every rule of every model. Bit for bit where no function of the library and no
 //! iteration is involved.
 
-use sve_models::case::{Case, Point};
+use sve_models::case::Case;
+use sve_models::functions::Point;
 use sve_models::oracle::cases;
 use sve_models::random::Random;
 use sve_runtime::{BlockKind, LANES, Mask};

@@ -2,7 +2,7 @@
 
 use sve_runtime::{Coordinates, Dims, System};
 
-use crate::case::{Lagrangian, array, lagrangian};
+use crate::functions::{Lagrangian, array, lagrangian};
 use crate::random::Random;
 
 /// Random points at which a feature is tried.

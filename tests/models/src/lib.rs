@@ -7,6 +7,7 @@ pub mod differences;
 #[path = "../../../sve-macros/compiler/src/algebra/double_double.rs"]
 pub mod double_double;
 pub mod exact;
+pub mod functions;
 pub mod language;
 pub mod models;
 pub mod oracle;

@@ -3,8 +3,9 @@
 //!
 //! Nothing here uses a symbolic derivative: it is the oracle of the differentiation, the residuals and the solves.
 
-use sve_models::case::{Case, Force, Functions, Lagrangian, NoiseDerivatives, Point};
+use sve_models::case::Case;
 use sve_models::differences::{derivatives, gradient, moved};
+use sve_models::functions::{Force, Functions, Lagrangian, NoiseDerivatives, Point};
 use sve_models::oracle::cases;
 use sve_models::random::Random;
 

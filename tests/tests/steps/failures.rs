@@ -1,7 +1,8 @@
 //! Bad input at run time: each is the right error with the right numbers, its message has them, and the state is left as it
 //! was, bit for bit.
 
-use sve_models::case::{Case, Point};
+use sve_models::case::Case;
+use sve_models::functions::Point;
 use sve_models::models::{Quartic, SphericalPendulum};
 use sve_models::oracle::{
     actions, cases, kubo, magnetic, mixed, name, oscillator, pendulum, quartic, spherical_pendulum,
@@ -266,22 +267,16 @@ fn no_mass() {
         m: 0.0,
         ..quartic()
     };
-    let error = failure(
-        &Integrator::new(massless.clone(), Endpoint),
-        &start,
-        0.1,
-        &[],
-    );
-    assert!(matches!(error, StepError::Singular { .. }), "{error:?}");
-    let error = failure(
-        &Integrator::new(massless.clone(), InitialPoint),
-        &start,
-        0.1,
-        &[],
-    );
-    assert!(matches!(error, StepError::Singular { .. }), "{error:?}");
-    let error = failure(&Integrator::new(massless, Taylor2), &start, 0.1, &[]);
-    assert!(matches!(error, StepError::Singular { .. }), "{error:?}");
+    let endpoint = Integrator::new(massless.clone(), Endpoint);
+    let initial_point = Integrator::new(massless.clone(), InitialPoint);
+    let taylor2 = Integrator::new(massless, Taylor2);
+    for error in [
+        failure(&endpoint, &start, 0.1, &[]),
+        failure(&initial_point, &start, 0.1, &[]),
+        failure(&taylor2, &start, 0.1, &[]),
+    ] {
+        assert!(matches!(error, StepError::Singular { .. }), "{error:?}");
+    }
 }
 
 fn overflows<S, R, const N: usize, const M: usize>(

@@ -1,8 +1,8 @@
 //! A step of a variational integrator is a symplectic map, with noise too: `MᵀΩM = Ω` for its Jacobian `M`, measured by
 //! differences at random points of every model with every rule.
 
-use sve_models::case::Point;
 use sve_models::differences::derivative;
+use sve_models::functions::Point;
 use sve_models::oracle::{cases, oscillator};
 use sve_models::random::Random;
 

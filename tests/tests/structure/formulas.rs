@@ -4,7 +4,8 @@
 
 use std::collections::HashMap;
 
-use sve_models::case::{Case, Functions, Point};
+use sve_models::case::Case;
+use sve_models::functions::{Functions, Point};
 use sve_models::oracle::cases;
 use sve_models::random::Random;
 use sve_runtime::Plan;

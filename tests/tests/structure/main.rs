@@ -3,3 +3,4 @@
 mod comparison;
 mod formulas;
 mod plan;
+mod plan_table;

@@ -1,6 +1,7 @@
 //! A trajectory that is stored and continued has the bits of one that was not interrupted.
 
-use sve_models::case::{Case, Point};
+use sve_models::case::Case;
+use sve_models::functions::Point;
 use sve_models::oracle::{cases, oscillator};
 use sve_models::random::Random;
 use sve_runtime::baseline::EulerMaruyama;
