@@ -1,13 +1,13 @@
 //! The language of a body with vectors, matrices and rotations of nalgebra: the derived value is the user's own function, the
 //! derived derivatives are its differences.
 
-use nalgebra as na;
-use nalgebra::{
+use sve_models::language::{check, close};
+use sve_runtime::System;
+use sve_runtime::nalgebra as na;
+use sve_runtime::nalgebra::{
     Matrix2, Matrix2x3, Matrix3, Matrix3x2, Rotation2, Rotation3, SMatrix, SVector, Unit, Vector2,
     Vector3, Vector4,
 };
-use sve_models::language::{check, close};
-use sve_runtime::System;
 use sve_runtime::prelude::*;
 
 /// A constant from outside the block.

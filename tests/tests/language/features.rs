@@ -281,7 +281,7 @@ impl Points {
 fn points_in_the_plane() {
     let system = Points { m: [1.0, 2.0, 0.5] };
     check::<_, _, 6, 3>(&system, |_, q, v| {
-        let rows = |x: &[f64; 6]| [[x[0], x[1]], [x[2], x[3]], [x[4], x[5]]];
+        let rows = |x: &[f64]| [[x[0], x[1]], [x[2], x[3]], [x[4], x[5]]];
         system.lagrangian(rows(q), rows(v))
     });
 }
@@ -355,7 +355,7 @@ fn noises_are_the_functions() {
     let system = Points { m: [1.0, 2.0, 0.5] };
     let q = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6];
     let p = [0.9, 0.7, 0.5, 0.3, 0.1, -0.1];
-    let rows = |x: &[f64; 6]| [[x[0], x[1]], [x[2], x[3]], [x[4], x[5]]];
+    let rows = |x: &[f64]| [[x[0], x[1]], [x[2], x[3]], [x[4], x[5]]];
     let jets = system.noise_jets(0.0, &q, &p);
     for (a, jet) in jets.iter().enumerate() {
         for i in 0..6 {

@@ -4,7 +4,7 @@ use sve_models::models::Pendulum;
 use sve_runtime::baseline::{EulerMaruyama, RungeKutta4};
 use sve_runtime::prelude::*;
 use sve_runtime::study::{Estimate, Report, Study};
-use sve_runtime::{Solver, Variational};
+use sve_runtime::{BlockSolver, Variational};
 
 pub(super) fn pendulum(seconds: u32) -> Report {
     let system = Pendulum { g: 9.8 };
@@ -106,7 +106,7 @@ fn iterations_are_those_of_the_steps() {
             ..Newton::default()
         };
         // the step itself would be followed from a smaller one
-        let solver = Solver::new(&fewer);
+        let solver = BlockSolver::new(&fewer);
         let increment =
             Variational::<Midpoint>::increment(&system, &prepared, &state, 0.1, &[], &solver);
         refused += u32::from(increment.is_err());
