@@ -55,7 +55,9 @@ fn single(case: &dyn Case) -> [u64; 2] {
                         sensitivity,
                         ..
                     }) => {
-                        tangent.iter().for_each(|row| tangents.numbers(row));
+                        for row in &tangent {
+                            tangents.numbers(row);
+                        }
                         for (_, derivative) in &sensitivity {
                             tangents.numbers(derivative);
                         }

@@ -64,13 +64,16 @@ impl SphericalPendulum {
 /// The largest changes of a quantity over the two halves of a run, relative to its first value.
 type Halves = [f64; 2];
 
+/// A function of the state.
+type Quantity<const N: usize> = fn(&State<[f64; N]>) -> f64;
+
 /// The changes of some quantities along a run.
 fn changes<S, const N: usize, const K: usize>(
     system: S,
     start: State<[f64; N]>,
     h: f64,
     steps: usize,
-    quantities: [fn(&State<[f64; N]>) -> f64; K],
+    quantities: [Quantity<N>; K],
 ) -> Result<[Halves; K], StepError>
 where
     S: Variational<Midpoint> + System<Dims = Dims<N, 0>>,

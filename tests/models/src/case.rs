@@ -43,8 +43,14 @@ pub trait Case {
     /// The model.
     fn model(&self) -> Box<dyn Functions + '_>;
     /// One step.
+    ///
+    /// # Errors
+    /// That of the step.
     fn step(&self, state: &mut Point, h: f64, dw: &[f64]) -> Result<(), StepError>;
     /// One step of the rule derived without its structure.
+    ///
+    /// # Errors
+    /// That of the step.
     fn step_without_structure(
         &self,
         state: &mut Point,
@@ -52,8 +58,14 @@ pub trait Case {
         dw: &[f64],
     ) -> Result<(), StepError>;
     /// Steps of one size that was prepared once.
+    ///
+    /// # Errors
+    /// That of the step size.
     fn prepared(&self, h: f64) -> Result<Step<'_>, StepError>;
     /// One step with its derivatives.
+    ///
+    /// # Errors
+    /// That of the step.
     fn differentiated(
         &self,
         state: &mut Point,
@@ -61,6 +73,9 @@ pub trait Case {
         dw: &[f64],
     ) -> Result<Derivatives, StepError>;
     /// One step of as many states as there are lanes; the mask of those that are left to the single step.
+    ///
+    /// # Errors
+    /// That of the step size.
     fn step_lanes(
         &self,
         states: &[Point],

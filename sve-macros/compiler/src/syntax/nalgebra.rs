@@ -26,7 +26,7 @@ pub(crate) enum Kind {
 pub(crate) enum Size {
     Known(usize),
     /// A generic argument.
-    Written(Expr),
+    Written(Box<Expr>),
     /// The path of a constructor without generic arguments.
     Omitted,
 }
@@ -87,7 +87,7 @@ impl Written {
             None => arguments
                 .next()
                 .and_then(length)
-                .map_or(Size::Omitted, Size::Written),
+                .map_or(Size::Omitted, |argument| Size::Written(Box::new(argument))),
         });
         Some(Self {
             kind,
@@ -149,7 +149,10 @@ pub(crate) fn length(argument: &GenericArgument) -> Option<Expr> {
 mod tests {
     use super::{Kind, Size, Written};
 
-    fn read(text: &str) -> Option<(Kind, Option<usize>, Option<usize>, Option<bool>)> {
+    /// Kind, numbers of rows and columns, whether the entries are `f64`.
+    type Read = (Kind, Option<usize>, Option<usize>, Option<bool>);
+
+    fn read(text: &str) -> Option<Read> {
         let known = |size: &Size| match size {
             Size::Known(n) => Some(*n),
             Size::Written(_) | Size::Omitted => None,

@@ -574,6 +574,11 @@ fn signatures_have_vectors() {
         let found = model(&members, &mut Arena::new()).err();
         assert!(found.is_none(), "{members}: {found:?}");
     }
+}
+
+#[test]
+fn wrong_signatures_are_errors_at_their_types() {
+    let free = "fn lagrangian(&self, q: Vector3<f64>, v: Vector3<f64>) -> f64 { v.norm_squared() }";
     let lagrangian =
         |q: &str, v: &str| format!("fn lagrangian(&self, q: {q}, v: {v}) -> f64 {{ 1.0 }}");
     for (members, at, part) in [
