@@ -1,6 +1,9 @@
 //! The language of a body with vectors, matrices and rotations of nalgebra: the derived value is the user's own function, the
 //! derived derivatives are its differences.
 
+// bodies may have references and copies wherever nalgebra takes them
+#![allow(clippy::op_ref, clippy::clone_on_copy, clippy::needless_borrow)]
+
 use sve_models::language::{check, close};
 use sve_runtime::System;
 use sve_runtime::nalgebra as na;
