@@ -187,7 +187,7 @@ def pendulum_rows() -> list[Number]:
 
 
 def cells(row: str, column: int) -> Extract:
-    """A cell of the table of `structure`: blocks 1, operations 2, calls 3, turns 4, times 8."""
+    """A cell of the table of `structure`: blocks 1, operations 2, calls 3, angle additions 4, times 8."""
 
     def extract(output: Output) -> str:
         line = find(output, rf"^\| {re.escape(row)} \| (.*) \|$").group(1)
@@ -218,8 +218,9 @@ def structure() -> list[Number]:
     """The rows that the readme has."""
     numbers = []
     for key, row in STRUCTURE.items():
-        for column, what in ((1, "blocks"), (2, "operations"), (3, "calls"), (4, "turns")):
-            numbers.append(Number(f"structure.{key}.{what}", f"{row}: {what}, without structure → with it", cells(row, column)))
+        columns = ((1, "blocks", "blocks"), (2, "operations", "operations"), (3, "calls", "calls"), (4, "additions", "angle additions"))
+        for column, name, what in columns:
+            numbers.append(Number(f"structure.{key}.{name}", f"{row}: {what}, without structure → with it", cells(row, column)))
         numbers.append(Number(f"structure.{key}.times", f"{row}: ns a step, likewise", rounded_cells(row, 8)))
         numbers.append(Number(f"structure.{key}.ratio", f"{row}: ratio of the times", rounded_cells(row, 9)))
     return numbers

@@ -183,7 +183,7 @@ fn markdown(rows: &[Row]) -> Result<String, std::fmt::Error> {
         "blocks",
         "operations",
         "calls",
-        "turns",
+        "additions",
         "n",
         "state",
         "beside it",
@@ -215,7 +215,7 @@ fn cells(row: &Row) -> [String; 10] {
         change(&a.blocks, &b.blocks),
         change(&a.operations, &b.operations),
         change(&a.calls, &b.calls),
-        change(&a.turns, &b.turns),
+        change(&a.additions, &b.additions),
         change(&tenths(whole.iterations), &tenths(derived.iterations)),
         b.state.to_string(),
         change(&a.beside, &b.beside),
@@ -226,7 +226,7 @@ fn cells(row: &Row) -> [String; 10] {
 
 /// What the columns are.
 const LEGEND: &str = "Without structure → with it; one value where both are the same.
-operations, calls of functions, turns (sines and cosines from those of an angle near by): of a step and of n iterations
+operations, calls of functions, angle additions (sines and cosines from those of an angle near by): of a step and of n iterations
 n: iterations that moved the unknowns, on average; one more evaluation may tell that the last one arrived
 state, beside it: bytes of the state, and of what is kept for a step size with the largest system of equations
 ratio: of the times";

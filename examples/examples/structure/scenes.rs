@@ -265,7 +265,7 @@ pub(crate) struct Facts {
     /// Calls of functions likewise.
     pub(crate) calls: String,
     /// Sines and cosines that follow from those of an angle near by, likewise.
-    pub(crate) turns: String,
+    pub(crate) additions: String,
     /// Bytes of the state.
     pub(crate) state: usize,
     /// Bytes beside it: what is kept for a step size, and the largest system of equations.
@@ -292,7 +292,7 @@ impl Facts {
             blocks: blocks(plan),
             operations: count(|o| o.arithmetic),
             calls: count(|o| o.transcendental),
-            turns: count(|o| o.angle_additions),
+            additions: count(|o| o.angle_additions),
             state: size_of::<StateOf<S>>(),
             beside: size_of::<S::Prepared>() + equations.max().unwrap_or(0),
         }
