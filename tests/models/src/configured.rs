@@ -9,8 +9,15 @@ use sve_runtime::{
 };
 
 /// The system `S` with configurations of the type `Q`.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Configured<S, Q>(pub S, PhantomData<Q>);
+
+/// As the system itself.
+impl<S: std::fmt::Debug, Q> std::fmt::Debug for Configured<S, Q> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.0.fmt(f)
+    }
+}
 
 impl<S, Q> Configured<S, Q> {
     /// A system with another type of configurations.

@@ -63,7 +63,7 @@ mod table {
     use sve_runtime::prelude::*;
     use sve_runtime::{Coordinates, Dims, System, Variational};
 
-    /// Scene and rule; then without structure and with it: blocks, operations, calls, turns, bytes beside the state.
+    /// Scene and rule; then without structure and with it: blocks, operations, calls, additions, bytes beside the state.
     const TABLE: &[[&str; 3]] = &[
         [
             "pendulum, endpoint",
@@ -147,12 +147,12 @@ mod table {
                     blocks,
                     operations,
                     calls,
-                    turns,
+                    additions,
                     state,
                     beside,
                 } = facts;
                 assert_eq!(state, 8 * (2 * N + 1));
-                format!("{blocks}; {operations}; {calls}; {turns}; {beside}")
+                format!("{blocks}; {operations}; {calls}; {additions}; {beside}")
             };
             self.0.push([
                 format!("{}, {}", scene.name, scene.derived.plan().rule),

@@ -20,7 +20,7 @@ const MODELS: [&str; 5] = [
     include_str!("../../../../tests/models/src/models/symmetric.rs"),
 ];
 
-/// Arithmetic operations, calls of functions, and turns of angles.
+/// Arithmetic operations, calls of functions, and angle additions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Counts([usize; 3]);
 
@@ -32,7 +32,7 @@ impl AddAssign<(usize, usize)> for Counts {
 
 const ARITHMETIC: usize = 0;
 const CALL: usize = 1;
-const TURN: usize = 2;
+const ADDITION: usize = 2;
 
 /// Counts operations outside and inside of iterations.
 #[derive(Default)]
@@ -56,7 +56,7 @@ impl Counter {
         let names: Vec<String> = path.segments.iter().map(|s| s.ident.to_string()).collect();
         let last = names[names.len() - 1].as_str();
         let kind = match last {
-            "turn" => TURN,
+            "sin_cos_of_sum" => ADDITION,
             "abs" => ARITHMETIC,
             "power_log" => CALL,
             "from_bits" => return,
@@ -85,7 +85,7 @@ impl<'a> Visit<'a> for Counter {
             Expr::Call(call) => {
                 if let Expr::Path(function) = &*call.func {
                     let name = &function.path.segments.last().expect("a name").ident;
-                    if name == "solve" || name == "solve_oriented" {
+                    if name == "solve" || name == "solve_with_sign" {
                         self.add(ARITHMETIC, solve(&call.args[0]));
                     }
                     self.call(&function.path);
@@ -173,7 +173,7 @@ fn number(literal: &Expr) -> usize {
     }
 }
 
-/// `linear::dense` of the runtime.
+/// `solve::dense` of the runtime.
 fn dense(k: usize) -> usize {
     match k {
         0 | 1 => k,
@@ -194,7 +194,7 @@ fn dense(k: usize) -> usize {
     }
 }
 
-/// `Banded::solve_oriented` of the runtime.
+/// `Banded::solve_with_sign` of the runtime.
 fn banded(k: usize, lower: usize, width: usize) -> usize {
     let mut operations = 0;
     for column in 0..k {
@@ -226,7 +226,10 @@ fn told(plan: &Expr) -> [Counts; 3] {
     };
     ["prepare", "step", "iteration"].map(|part| {
         let part = field(plan, part);
-        Counts(["arithmetic", "transcendental", "turns"].map(|kind| number(&field(&part, kind))))
+        Counts(
+            ["arithmetic", "transcendental", "angle_additions"]
+                .map(|kind| number(&field(&part, kind))),
+        )
     })
 }
 
