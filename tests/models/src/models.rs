@@ -14,7 +14,7 @@ pub use deterministic::{
 };
 pub use forced::{Damped, Stirred, Towed};
 pub use noisy::{Actions, Chain, Clashing, Driven, Mixed, OneMomentum, Polar, Synchrotron};
-pub use symmetric::{Central, Charges, Stretched};
+pub use symmetric::{Central, Charges, Kepler, Stretched};
 
 /// L = v²/2 + g cos q.
 #[derive(Clone, Debug)]

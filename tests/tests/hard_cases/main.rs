@@ -1,9 +1,8 @@
-//! Cases where integrators break: stiff, chaotic, singular, of odd sizes, dominated by noise, long.
+//! Cases where integrators break: stiff, chaotic, singular, of odd sizes, dominated by noise.
 //!
 //! Each test says what has to hold and why; bounds that are not derived are a few times what is measured.
 
 mod branches;
-mod long;
 mod noise;
 mod orbits;
 mod places;
@@ -13,5 +12,4 @@ mod sampling;
 mod scales;
 mod stiff;
 mod systems;
-mod walks;
 mod wild;

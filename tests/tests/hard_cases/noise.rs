@@ -3,7 +3,8 @@
 use sve_models::models::{DoublePendulum, Kubo, Oscillator, PlanarDoublePendulum};
 use sve_runtime::{Dims, System, Variational, prelude::*};
 
-use super::systems::{Fourth, Kepler, Rotor};
+use super::systems::{Fourth, Rotor};
+use sve_models::models::Kepler;
 
 /// Kubo's circle, with a kick of the angle of σ√h in each step: the midpoint rule stays on it to rounding, for kicks of many
 /// turns too. The rounding of each of n steps is a few ε times the size of its matrix, which a large turn x cancels

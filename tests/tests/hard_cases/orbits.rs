@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use sve_models::models::{HenonHeiles, PlanarDoublePendulum};
 use sve_runtime::prelude::*;
 
-use super::systems::Kepler;
+use sve_models::models::Kepler;
 
 /// An orbit of semi-major axis 1 around a unit mass, from its far end.
 fn aphelion(e: f64) -> State<[f64; 2]> {

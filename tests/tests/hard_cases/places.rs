@@ -4,7 +4,7 @@ use sve_models::models::SphericalPendulum;
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
 
-use super::systems::Kepler;
+use sve_models::models::Kepler;
 
 /// Runs to an error or the end; every state is finite. The error with the state before it.
 fn run<S, R, const N: usize>(

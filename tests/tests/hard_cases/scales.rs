@@ -3,7 +3,7 @@
 use sve_models::models::{Pendulum, Quartic};
 use sve_runtime::prelude::*;
 
-use super::systems::Kepler;
+use sve_models::models::Kepler;
 
 /// A planet in units of length and time that are powers of two: the same bits, scaled.
 #[test]

@@ -14,29 +14,6 @@ impl Stiff {
     }
 }
 
-/// A planet in a plane, L = ½|v|² + k/r, γ = σ/r.
-pub(super) struct Kepler {
-    pub(super) k: f64,
-    pub(super) sigma: f64,
-}
-
-#[variational(initial_point, endpoint, midpoint)]
-impl Kepler {
-    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
-        0.5 * (v[0] * v[0] + v[1] * v[1]) + self.k / q[0].hypot(q[1])
-    }
-
-    #[gamma]
-    fn flicker(&self, q: [f64; 2]) -> f64 {
-        self.sigma / q[0].hypot(q[1])
-    }
-
-    #[symmetry]
-    pub(super) fn rotation(&self, q: [f64; 2]) -> [f64; 2] {
-        [-q[1], q[0]]
-    }
-}
-
 /// L = ½v² − ½q², H₁ = s(p⁴/4 − βp³/3): the midpoint rule is a cubic equation in the momentum of the middle.
 #[derive(Clone)]
 pub(super) struct Fourth {

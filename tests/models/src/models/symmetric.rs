@@ -120,3 +120,32 @@ impl Stretched {
         (-q).exp()
     }
 }
+
+/// A planet in a plane, L = ½|v|² + k/r, γ = σ/r.
+#[derive(Clone, Debug)]
+pub struct Kepler {
+    /// Strength of the attraction.
+    pub k: f64,
+    /// Strength of the noise.
+    pub sigma: f64,
+}
+
+#[variational(initial_point, endpoint, midpoint)]
+impl Kepler {
+    /// L.
+    pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        0.5 * (v[0] * v[0] + v[1] * v[1]) + self.k / q[0].hypot(q[1])
+    }
+
+    /// γ.
+    #[gamma]
+    pub fn flicker(&self, q: [f64; 2]) -> f64 {
+        self.sigma / q[0].hypot(q[1])
+    }
+
+    /// The rotations of the plane.
+    #[symmetry]
+    pub fn rotation(&self, q: [f64; 2]) -> [f64; 2] {
+        [-q[1], q[0]]
+    }
+}

@@ -1,9 +1,7 @@
 //! Ten million steps: rounding errors walk at random (Brouwer's law), and shorter with compensated sums.
 
-use sve_models::models::{Oscillator, Pendulum, Quartic};
+use sve_models::models::{Kepler, Oscillator, Pendulum, Quartic};
 use sve_runtime::prelude::*;
-
-use crate::systems::Kepler;
 
 const H: f64 = 0.01;
 const BLOCK: usize = 100_000;
