@@ -201,7 +201,7 @@ fn ensembles_have_the_bits_of_the_coordinates() {
                 start.q[0] += 0.1 * rng.normal();
                 state::<Q, 6>(&start)
             })
-            .observe("energy", |system, state| system.hamiltonian(state))
+            .observe("energy", Mechanics::hamiltonian)
             .observe("last", |_, state: &State<Q>| flat(state).p[5])
             .keep_final_states(true);
         let summary = ensemble.run().unwrap();
@@ -329,7 +329,7 @@ fn studies_have_the_bits_of_the_coordinates() {
             .method("midpoint", &integrator)
             .method("Heun", &heun)
             .fine(&integrator, 4)
-            .observe("energy", |system, state| system.hamiltonian(state))
+            .observe("energy", Mechanics::hamiltonian)
             .repeats(0)
             .run()
             .unwrap();

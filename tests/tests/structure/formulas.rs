@@ -308,12 +308,11 @@ fn printed_steps_are_the_steps(case: &dyn Case, random: &mut Random) -> bool {
 #[test]
 fn printed_equations_give_the_step() {
     let mut random = Random::new(32);
-    let is_solved = |case: &Box<dyn Case>| printed_steps_are_the_steps(&**case, &mut random);
-    let solved = cases()
+    let cases = cases();
+    let solved = cases
         .iter()
-        .map(is_solved)
-        .filter(|solved| *solved)
-        .count();
+        .map(|case| printed_steps_are_the_steps(&**case, &mut random));
+    let solved = solved.filter(|solved| *solved).count();
     // all but chains, whose equations are cut off, and the largest steps of others
     assert!(solved >= 50, "{solved}");
 }
@@ -379,7 +378,10 @@ fn printed_actions_are_the_actions(case: &dyn Case, random: &mut Random) -> bool
 #[test]
 fn printed_actions_have_the_values_of_the_users_functions() {
     let mut random = Random::new(33);
-    let is_read = |case: &Box<dyn Case>| printed_actions_are_the_actions(&**case, &mut random);
-    let read = cases().iter().map(is_read).filter(|read| *read).count();
+    let cases = cases();
+    let read = cases
+        .iter()
+        .map(|case| printed_actions_are_the_actions(&**case, &mut random));
+    let read = read.filter(|read| *read).count();
     assert!(read >= 35, "{read}");
 }

@@ -72,7 +72,7 @@ impl<'a> BlockSolver<'a> {
     }
 
     /// Solves a block. Starts from `guess`, then from what `fallback` returns; `rounding` bounds the rounding errors of the residual.
-    /// See [`newton`](super).
+    /// The header of `solve/newton/mod.rs` says which attempts follow a failure.
     ///
     /// # Errors
     /// The [`SolveError`] of the last attempt.
