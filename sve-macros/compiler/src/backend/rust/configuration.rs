@@ -6,6 +6,7 @@ use proc_macro2::TokenStream;
 use quote::quote;
 use syn::Type;
 
+use crate::syntax::nalgebra::Written;
 use crate::syntax::parse::{Annotated, is_f64};
 
 /// The type of `q` in the Lagrangian, unless it is `f64` or a row `[f64; N]`.
@@ -32,15 +33,20 @@ fn is_row(ty: &Type) -> bool {
     is_f64(entry)
 }
 
-/// Whether a type is an array of arrays of `f64`, as deep as may be.
-pub(super) fn is_nested(ty: &Type) -> bool {
+/// Whether a type is a vector of nalgebra, or an array of vectors or of arrays of `f64`, as deep as may be.
+pub(super) fn is_vector_or_nested(ty: &Type) -> bool {
     fn consists_of_numbers(ty: &Type) -> bool {
         match bare(ty) {
             Type::Array(array) => consists_of_numbers(&array.elem),
-            other => is_f64(other),
+            other => is_f64(other) || is_vector_of_numbers(other),
         }
     }
     !is_row(ty) && consists_of_numbers(ty)
+}
+
+fn is_vector_of_numbers(ty: &Type) -> bool {
+    Written::of_type(ty)
+        .is_some_and(|written| written.is_vector() && written.has_floats == Some(true))
 }
 
 /// A type without parentheses around it.

@@ -6,7 +6,7 @@ use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 use syn::{Expr, FnArg, ImplItem, ImplItemFn, ItemImpl, Lit, ReturnType, Type};
 
-use super::configuration::is_nested;
+use super::configuration::is_vector_or_nested;
 use crate::errors::Errors;
 use crate::rules::Rule;
 use crate::syntax::parse::{Arguments, is_f64, is_this};
@@ -38,7 +38,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
     };
     let m = if is_generic { one() } else { processes(block) };
     let fail = quote!(::core::unreachable!("the macro reported an error"));
-    let written = coordinates_type(block).filter(|ty| !is_generic && is_nested(ty));
+    let written = coordinates_type(block).filter(|ty| !is_generic && is_vector_or_nested(ty));
     let configuration = written.map(|ty| quote!(, #ty));
     let plan = plan(&private);
     let momenta = momenta(
