@@ -24,8 +24,8 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
     },
-    /// The step size is not a positive finite number.
-    #[error("the step size h = {h} must be positive and finite")]
+    /// The step size is zero or not finite.
+    #[error("the step size h = {h} must be finite and not zero")]
     StepSize {
         /// The step size given.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]

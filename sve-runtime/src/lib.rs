@@ -63,7 +63,7 @@
 //! # Errors
 //!
 //! Functions that can fail return [`StepError`], or [`NoiseError`](noise::NoiseError) for a noise source: a message with the numbers
-//! in question and what to change. A step that fails leaves the state unchanged. A NaN or infinite input, a step size that is not positive, a
+//! in question and what to change. A step that fails leaves the state unchanged. A NaN or infinite input, a step size that is zero, a
 //! singular mass matrix, an iteration that does not converge, an overflow and a time that does not advance are errors; no step returns NaN.
 //!
 //! # Features

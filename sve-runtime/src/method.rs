@@ -22,7 +22,7 @@ pub trait Method {
     /// Checks the step size and computes the values that depend on it only.
     ///
     /// # Errors
-    /// [`StepError::StepSize`] unless `h` is positive and finite.
+    /// [`StepError::StepSize`] if `h` is zero or not finite.
     fn prepare(&self, h: f64) -> Result<Self::Prepared, StepError>;
 
     /// Makes one step, with the values that [`prepare`](Self::prepare) returned for the same `h`.
@@ -89,7 +89,7 @@ pub trait Method {
     /// Makes one step of length `h` with the given Wiener increments, one for each process in source order.
     ///
     /// # Errors
-    /// A [`StepError`] when an input is not finite, `h ≤ 0`, or the step fails; `state` is then unchanged.
+    /// A [`StepError`] when an input is not finite, `h` is zero, or the step fails; `state` is then unchanged.
     #[inline]
     fn step(
         &self,

@@ -30,7 +30,7 @@ impl Method for Uncorrected {
     }
 
     fn prepare(&self, h: f64) -> Result<(), StepError> {
-        if h > 0.0 && h.is_finite() {
+        if h != 0.0 && h.is_finite() {
             Ok(())
         } else {
             Err(StepError::StepSize { h })

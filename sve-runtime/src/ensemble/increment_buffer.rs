@@ -33,7 +33,7 @@ impl<const M: usize> IncrementBuffer<M> {
         Self {
             noise,
             first_path: noise.first_path.wrapping_add(first_path),
-            scale: h.sqrt(),
+            scale: h.abs().sqrt(),
             batch: None,
             values: vec![Aligned([[0.0; LANES]; 4]); QUADS * BLOCK_TILES * M],
         }

@@ -1,16 +1,16 @@
 //! The accepted step: tests of step size, time and result, common to derived rules and baselines.
 //!
-//! Invariant: a state is only replaced by a finite one at a later time.
+//! Invariant: a state is only replaced by a finite one at another time.
 
 use crate::error::{StepError, step_error};
 use crate::solve::SolveError;
 use crate::state::State;
 use crate::time::is_next_time;
 
-/// Checks that the step size is positive and finite.
+/// Checks that the step size is finite and not zero. A negative one leads back in time.
 #[inline]
 pub(crate) fn check_step_size(h: f64) -> Result<(), StepError> {
-    if h > 0.0 && h < f64::INFINITY {
+    if h != 0.0 && h.is_finite() {
         Ok(())
     } else {
         Err(StepError::StepSize { h })

@@ -113,7 +113,7 @@ where
     /// Makes one step of length `h` with the given Wiener increments, one for each process in source order.
     ///
     /// # Errors
-    /// A [`StepError`] when an input is not finite, `h ≤ 0`, or the step fails; `state` is then unchanged.
+    /// A [`StepError`] when an input is not finite, `h` is zero, or the step fails; `state` is then unchanged.
     #[inline]
     pub fn step(&self, state: &mut State<Q>, h: f64, dw: &[f64; M]) -> Result<(), StepError> {
         Method::step(self, state, h, dw)

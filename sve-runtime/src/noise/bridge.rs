@@ -101,7 +101,7 @@ impl Wiener {
     /// assert!((left + right - whole).abs() < 1e-15);
     /// ```
     pub fn halves(&self, interval: DyadicInterval, process: usize, h: f64, whole: f64) -> [f64; 2] {
-        let normals = self.normals(interval, process, 0.5 * h.sqrt());
+        let normals = self.normals(interval, process, 0.5 * h.abs().sqrt());
         split(whole, normals[process % 4])
     }
 
@@ -159,7 +159,7 @@ fn split(whole: f64, deviation: f64) -> [f64; 2] {
 /// Its step size is `h / 2^depth`, where `h` is the step size of the path. Steps can be evaluated in any order; in
 /// sequence a step costs about two blocks of random words for each four processes.
 ///
-/// Its only error is [`NoiseError::InvalidStep`], for a step size that is not positive and finite, or whose `2^depth`-fold is not finite.
+/// Its only error is [`NoiseError::InvalidStep`], for a step size that is zero or not finite, or whose `2^depth`-fold is not finite.
 #[derive(Clone, Debug)]
 pub struct Refined {
     path: Wiener,
@@ -196,7 +196,7 @@ impl Refined {
             level: above,
             index: index / 2,
         };
-        let scale = 0.5 * (whole_h / two_to(above)).sqrt();
+        let scale = 0.5 * (whole_h / two_to(above)).abs().sqrt();
         for first in (0..processes).step_by(4) {
             let normals = self.path.normals(interval, first, scale);
             for process in first..processes.min(first + 4) {

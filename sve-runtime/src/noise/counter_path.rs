@@ -43,7 +43,7 @@ impl<D: Distribution> CounterPath<D> {
     #[inline]
     pub(super) fn increment(&self, step: u64, process: usize, h: f64) -> f64 {
         let (block, at) = block_of(step);
-        self.draw(block, process, h.sqrt())[at]
+        self.draw(block, process, h.abs().sqrt())[at]
     }
 
     #[inline]
@@ -71,7 +71,7 @@ impl<D: Distribution> CounterPath<D> {
 
     fn fill(&mut self, block: u64, processes: usize, h: f64) -> Result<(), NoiseError> {
         check_step(h)?;
-        let scale = h.sqrt();
+        let scale = h.abs().sqrt();
         if self.increments.len() < processes {
             self.increments.resize(processes, [0.0; 4]);
         }

@@ -5,9 +5,9 @@
 /// ```
 /// use sve_runtime::noise::{NoiseError, Recorded};
 ///
-/// let error = Recorded::new(-0.1, [[0.2]]).unwrap_err();
-/// assert_eq!(error, NoiseError::InvalidStep { h: -0.1 });
-/// assert_eq!(error.to_string(), "the step size h = -0.1 must be positive and finite");
+/// let error = Recorded::new(0.0, [[0.2]]).unwrap_err();
+/// assert_eq!(error, NoiseError::InvalidStep { h: 0.0 });
+/// assert_eq!(error.to_string(), "the step size h = 0 must be finite and not zero");
 /// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -90,8 +90,8 @@ pub enum NoiseError {
         /// Step at which the path was entered.
         first: u64,
     },
-    /// The step size is not a positive finite number.
-    #[error("the step size h = {h} must be positive and finite")]
+    /// The step size is zero or not finite.
+    #[error("the step size h = {h} must be finite and not zero")]
     InvalidStep {
         /// The step size given.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
@@ -143,10 +143,10 @@ pub enum NoiseError {
     },
 }
 
-/// Accepts positive finite step sizes.
+/// Accepts finite step sizes other than zero. Increments over a step back in time have the variance |h|.
 #[inline]
 pub(super) fn check_step(h: f64) -> Result<(), NoiseError> {
-    if h > 0.0 && h < f64::INFINITY {
+    if h != 0.0 && h.is_finite() {
         Ok(())
     } else {
         Err(NoiseError::InvalidStep { h })

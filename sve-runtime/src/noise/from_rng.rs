@@ -12,7 +12,7 @@ use super::{Noise, NoiseError, box_muller};
 /// another order, and two trajectories that share a generator by reference share its stream; use
 /// [`Wiener`](crate::noise::Wiener) for these purposes. Two words give two normals, by the transform of `Wiener`.
 ///
-/// The only error is [`NoiseError::InvalidStep`], for an `h` that is not positive and finite.
+/// The only error is [`NoiseError::InvalidStep`], for an `h` that is zero or not finite.
 ///
 /// ```
 /// use rand::{SeedableRng, rngs::StdRng};
@@ -53,7 +53,7 @@ impl<R: rand_core::Rng> Noise for FromRng<R> {
     #[inline]
     fn increments(&mut self, _step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
         check_step(h)?;
-        let scale = h.sqrt();
+        let scale = h.abs().sqrt();
         for dw in dw {
             *dw = scale * self.normal();
         }

@@ -1,7 +1,7 @@
 //! Paths given as numbers.
 //!
 //! Input: a step size and the increments of every process over every step. Output: these increments, or their sums over larger steps.
-//! Invariant: the step size is positive and finite, every increment is finite.
+//! Invariant: the step size is finite and not zero, every increment is finite.
 
 use super::error::check_step;
 use super::{Noise, NoiseError};
@@ -45,7 +45,7 @@ impl Recorded {
     /// A path with given increments: an array for each step, an entry for each process.
     ///
     /// # Errors
-    /// [`NoiseError::InvalidStep`] unless `h` is positive and finite; [`NoiseError::NonFinite`] for an increment that is NaN
+    /// [`NoiseError::InvalidStep`] if `h` is zero or not finite; [`NoiseError::NonFinite`] for an increment that is NaN
     /// or infinite.
     pub fn new<const M: usize>(
         h: f64,
@@ -172,7 +172,7 @@ impl Noise for &Recorded {
             });
         }
         // a NaN fails as well
-        if (h - self.h).abs() <= STEP_TOLERANCE * self.h {
+        if (h.abs() - self.h.abs()).abs() <= STEP_TOLERANCE * self.h.abs() {
             let recorded = usize::try_from(step).ok().and_then(|step| self.get(step));
             let Some(recorded) = recorded else {
                 return Err(NoiseError::Exhausted {

@@ -15,7 +15,7 @@ use super::{Noise, NoiseError};
 /// to 2. The increments are cheap and bounded by 1.74 √h, which keeps implicit steps solvable. They are not increments of a Brownian path: solutions do not converge
 /// path by path, and paths with two step sizes are unrelated. Draws are independent of those of a `Wiener` of the same seed.
 ///
-/// Its only error is [`NoiseError::InvalidStep`], for an `h` that is not positive and finite.
+/// Its only error is [`NoiseError::InvalidStep`], for an `h` that is zero or not finite.
 ///
 /// ```
 /// use sve_runtime::noise::{Noise, ThreePoint};

@@ -124,13 +124,14 @@ impl<W> Truncated<W> {
     /// Returns the largest |ΔW| over a step of length `h`, A√h.
     ///
     /// # Errors
-    /// [`NoiseError::InvalidStep`] unless `h` is positive and finite; [`NoiseError::TruncationStep`] for an `h` that is not below the τ of
+    /// [`NoiseError::InvalidStep`] if `h` is zero or not finite; [`NoiseError::TruncationStep`] for an |h| that is not below the τ of
     /// [`exponent`](Self::exponent).
     #[inline]
     pub fn largest(&self, h: f64) -> Result<f64, NoiseError> {
         check_step(h)?;
+        let h = h.abs();
         match self.bound {
-            Bound::Deviations(deviations) => Ok(deviations * h.sqrt()),
+            Bound::Deviations(deviations) => Ok(deviations * h.abs().sqrt()),
             Bound::Exponent { k, tau } if h < tau => Ok((-2.0 * k * h * (h / tau).ln()).sqrt()),
             Bound::Exponent { tau, .. } => Err(NoiseError::TruncationStep { h, tau }),
         }

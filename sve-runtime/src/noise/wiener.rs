@@ -18,7 +18,7 @@ use super::{Noise, NoiseError};
 /// An increment has variance `h` and never exceeds 9.4926 √h in size.
 ///
 /// As a [`Noise`] it keeps the increments of four steps for each process, so steps in sequence cost least. Its only error there is
-/// [`NoiseError::InvalidStep`], for an `h` that is not positive and finite.
+/// [`NoiseError::InvalidStep`], for an `h` that is zero or not finite.
 ///
 /// ```
 /// use sve_runtime::noise::{Noise, Wiener};

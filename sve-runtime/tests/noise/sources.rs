@@ -163,7 +163,7 @@ const BRIDGE: [(u64, usize, u32, u64, f64); 4] = [
 
 #[test]
 fn every_source_refuses_impossible_steps() -> Result<(), NoiseError> {
-    for h in [0.0, -0.1, f64::NAN, f64::INFINITY] {
+    for h in [0.0, -0.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let mut sources: [Box<dyn Noise>; 5] = [
             Box::new(Wiener::new(1)),
             Box::new(ThreePoint::new(1)),

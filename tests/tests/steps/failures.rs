@@ -105,15 +105,7 @@ fn names_what_is_bad(case: &dyn Case, random: &mut Random) {
         state.t = bad;
         names_what_is_not_finite(case, &state, &dw, "t", bad);
     }
-    for bad in [
-        f64::NAN,
-        f64::INFINITY,
-        f64::NEG_INFINITY,
-        0.0,
-        -0.0,
-        -0.1,
-        -f64::MIN_POSITIVE,
-    ] {
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -0.0] {
         let error = failure_of(case, &good, bad, &dw);
         let StepError::StepSize { h } = error else {
             panic!("{}: {error:?}", case.name());

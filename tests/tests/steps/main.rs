@@ -1,5 +1,6 @@
 //! A step and its derivatives: right values, exact identities, rounding, units, and errors.
 
+mod backwards;
 mod cancellation;
 mod closed_forms;
 mod derivatives;

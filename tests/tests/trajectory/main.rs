@@ -191,7 +191,7 @@ fn ends_after_an_error() {
     };
     assert_eq!((t, h), (0.2, 0.1));
 
-    for h in [0.0, -0.1, f64::NAN] {
+    for h in [0.0, -0.0, f64::NAN] {
         let (states, error) = ends_with(&oscillator, start, h, NoNoise);
         assert_eq!(states, 0);
         assert!(
