@@ -17,6 +17,7 @@ use sve_compiler::Settings;
 /// | `initial_point` | `InitialPoint` | start of the step | 1 |
 /// | `endpoint` | `Endpoint` | end of the step | 1 |
 /// | `midpoint` | `Midpoint` | middle of the step | 2 |
+/// | `stormer_verlet` | `StormerVerlet` | start and end, with one velocity | 2 |
 /// | `taylor2` | `Taylor2` | start and end, with the Taylor expansion of the flow; for blocks without noise | 2 |
 /// | `crate = path` | | path of the runtime crate; `::sve_runtime` if not given | |
 ///

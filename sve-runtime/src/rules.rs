@@ -17,6 +17,9 @@ rules! {
     Endpoint
     /// `S_d = h L(t₀ + h/2, (q₀+q₁)/2, v) + …`: node in the middle. Deterministic order 2, self-adjoint.
     Midpoint
+    /// `S_d = h (L(t₀, q₀, v) + L(t₁, q₁, v))/2 + …`: the rule of Störmer and Verlet, nodes at both ends, self-adjoint. Deterministic order 2. Explicit where L has
+    /// constant masses and is separable, and noise is in q alone.
+    StormerVerlet
     /// The second-order Taylor variational integrator of Schmitt, Shingel and Leok: deterministic systems only, order 2.
     Taylor2
 }

@@ -236,7 +236,7 @@ impl Returns {
     message = "no step of the rule `{R}` has been derived for `{Self}`",
     label = "this rule is not in the attribute of the `impl` block",
     note = "list the rule in the attribute, for example `#[variational(midpoint, endpoint)]`; \
-            the attribute names are `initial_point`, `endpoint`, `midpoint`, `taylor2`"
+            the attribute names are `initial_point`, `endpoint`, `midpoint`, `stormer_verlet`, `taylor2`"
 )]
 pub trait Variational<R>: System {
     /// Values that depend on parameters and step size only.

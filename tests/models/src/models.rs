@@ -23,7 +23,7 @@ pub struct Pendulum {
     pub g: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, taylor2, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, taylor2, structure = both)]
 impl Pendulum {
     /// L.
     pub fn lagrangian(&self, q: [f64; 1], v: [f64; 1]) -> f64 {
@@ -38,7 +38,7 @@ pub struct Oscillator {
     pub sigma: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
 impl Oscillator {
     /// L.
     pub fn lagrangian(&self, q: f64, v: f64) -> f64 {
@@ -61,7 +61,7 @@ pub struct Kubo {
     pub sigma: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
 impl Kubo {
     /// L.
     pub fn lagrangian(&self, q: [f64; 1], v: [f64; 1]) -> f64 {
@@ -88,7 +88,7 @@ pub struct DoublePendulum {
     pub s: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
 impl DoublePendulum {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {

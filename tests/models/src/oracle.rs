@@ -54,6 +54,7 @@ rules! {
     InitialPoint "initial_point" Some(0.0);
     Endpoint "endpoint" Some(1.0);
     Midpoint "midpoint" Some(0.5);
+    StormerVerlet "stormer_verlet" None;
     Taylor2 "taylor2" None;
 }
 

@@ -15,4 +15,5 @@ mod tangent;
 mod units;
 mod unresolved;
 mod vanishing_mass;
+mod verlet;
 mod weak_coupling;

@@ -7,6 +7,7 @@ mod endpoint;
 mod initial_point;
 mod midpoint;
 mod one_node;
+mod stormer_verlet;
 mod taylor2;
 
 use std::fmt;
@@ -21,10 +22,11 @@ pub(crate) struct Rule(&'static (dyn Discretisation + Sync));
 
 impl Rule {
     /// All rules, in the order in which messages list them. A rule with a parameter stands here once for each of its values.
-    pub(crate) const ALL: [Self; 4] = [
+    pub(crate) const ALL: [Self; 5] = [
         Self(&initial_point::INITIAL_POINT),
         Self(&endpoint::ENDPOINT),
         Self(&midpoint::MIDPOINT),
+        Self(&stormer_verlet::StormerVerlet),
         Self(&taylor2::Taylor2),
     ];
 

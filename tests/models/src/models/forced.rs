@@ -15,7 +15,7 @@ pub struct Damped {
     pub sigma: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
 impl Damped {
     /// L.
     pub fn lagrangian(&self, q: f64, v: f64) -> f64 {

@@ -11,7 +11,7 @@ pub struct Mixed {
     pub s: [f64; 3],
 }
 
-#[variational(initial_point, endpoint, midpoint, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
 impl Mixed {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
@@ -50,7 +50,7 @@ pub struct Polar {
     pub sigma: [f64; 2],
 }
 
-#[variational(initial_point, endpoint, midpoint, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
 impl Polar {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
@@ -83,7 +83,7 @@ pub struct Driven {
     pub sigma: [f64; 2],
 }
 
-#[variational(initial_point, endpoint, midpoint, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
 impl Driven {
     /// L.
     pub fn lagrangian(&self, t: f64, q: f64, v: f64) -> f64 {
@@ -112,7 +112,7 @@ pub struct Synchrotron {
     pub sigma: [f64; 2],
 }
 
-#[variational(initial_point, endpoint, midpoint, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
 impl Synchrotron {
     /// L.
     pub fn lagrangian(&self, q: f64, v: f64) -> f64 {
@@ -141,7 +141,7 @@ pub struct Actions {
     pub sigma: [f64; 2],
 }
 
-#[variational(initial_point, endpoint, midpoint, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
 impl Actions {
     /// L.
     pub fn lagrangian(&self, q: f64, v: f64) -> f64 {
@@ -167,7 +167,7 @@ pub struct Clashing {
     pub sigma: [f64; 2],
 }
 
-#[variational(initial_point, endpoint, midpoint, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
 impl Clashing {
     /// L.
     pub fn lagrangian(&self, q: f64, v: f64) -> f64 {

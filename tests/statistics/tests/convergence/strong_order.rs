@@ -119,7 +119,7 @@ fn stochastic<S, R, const N: usize, const M: usize>(
     line(plan.system, R::NAME, noise, expected, measured);
 }
 
-fn three_rules<S, const N: usize, const M: usize>(
+fn all_rules<S, const N: usize, const M: usize>(
     system: &S,
     noise: &str,
     order: StrongOrder,
@@ -130,7 +130,8 @@ fn three_rules<S, const N: usize, const M: usize>(
         + System<Dims = Dims<N, M>>
         + Variational<InitialPoint>
         + Variational<Endpoint>
-        + Variational<Midpoint>,
+        + Variational<Midpoint>
+        + Variational<StormerVerlet>,
 {
     let midpoint = Integrator::new(system.clone(), Midpoint);
     assert_eq!(midpoint.plan().strong_order, order);
@@ -141,6 +142,12 @@ fn three_rules<S, const N: usize, const M: usize>(
         &path,
     );
     stochastic(&midpoint, noise, start, &path);
+    stochastic(
+        &Integrator::new(system.clone(), StormerVerlet),
+        noise,
+        start,
+        &path,
+    );
     stochastic(
         &Integrator::new(system.clone(), Endpoint),
         noise,
@@ -191,7 +198,7 @@ fn commuting_momentum_noises() {
     };
     let start = State::new([0.8], [0.3]);
     let action = 0.5 * (0.8_f64.powi(2) + 0.3_f64.powi(2));
-    three_rules(
+    all_rules(
         &system,
         "H₁ = (σ₁I, σ₂I²)",
         StrongOrder::One,
@@ -216,7 +223,7 @@ fn kubo_path(path: u64) -> Path<1> {
 fn kubo() {
     let system = Kubo { a: 1.0, sigma: 0.5 };
     let start = State::new([1.0], [0.0]);
-    three_rules(&system, "H₁ = σI", StrongOrder::One, start, kubo_path);
+    all_rules(&system, "H₁ = σI", StrongOrder::One, start, kubo_path);
 }
 
 /// The endpoint rule on Kubo as it is without the Stratonovich correction: `q₁ = q₀ + x p₀`, `p₁ = p₀ − x q₁`.
@@ -246,7 +253,7 @@ fn linear_oscillator_against_the_exact_path() {
         let (fine, end) = step.path(sigma, start, &Wiener::new(SEED).path(path), steps);
         Path { fine, end }
     };
-    three_rules(
+    all_rules(
         &Oscillator { sigma },
         "γ = σq, exact path",
         StrongOrder::One,
@@ -260,7 +267,7 @@ fn commuting_position_noises() {
     let system = synchrotron();
     let start = State::new([0.5], [0.8]);
     let path = with_fine_reference(&system, start);
-    three_rules(
+    all_rules(
         &system,
         "γ = (σ₁ sin q, σ₂ cos q)",
         StrongOrder::One,
@@ -271,7 +278,7 @@ fn commuting_position_noises() {
     let system = double_pendulum();
     let start = State::new([0.8, -0.3], [0.2, 0.4]);
     let path = with_fine_reference(&system, start);
-    three_rules(
+    all_rules(
         &system,
         "γ = (s sin q₀, s cos q₁)",
         StrongOrder::One,
@@ -288,7 +295,7 @@ fn noises_that_do_not_commute() {
     let order = StrongOrder::Half {
         pair: ("push", "stretch"),
     };
-    three_rules(&system, "γ = σ₁ sin q, H₁ = σ₂qp", order, start, path);
+    all_rules(&system, "γ = σ₁ sin q, H₁ = σ₂qp", order, start, path);
 
     let system = mixed();
     let start = State::new([0.4, -0.3], [0.2, 0.5]);
@@ -296,7 +303,7 @@ fn noises_that_do_not_commute() {
     let order = StrongOrder::Half {
         pair: ("drag[0]", "drag[1]"),
     };
-    three_rules(&system, "two H₁(q, p) and a γ", order, start, path);
+    all_rules(&system, "two H₁(q, p) and a γ", order, start, path);
 }
 
 /// Without noise: slopes between 2⁻⁷ and 2⁻¹¹ at T = 1, against Runge–Kutta with 2¹³ steps, whose error is 1e-14.

@@ -144,7 +144,9 @@ impl System {
             "initial_point" => self.one_node(0.0, x),
             "midpoint" => self.one_node(0.5, x),
             "endpoint" => self.one_node(1.0, x),
-            _ => self.taylor(x),
+            "stormer_verlet" => self.verlet(x),
+            "taylor2" => self.taylor(x),
+            other => panic!("no action of {other}"),
         }
     }
 
@@ -172,6 +174,23 @@ impl System {
             };
             let correction = slope(0.0, 1.0).times(slope(1.0, 0.0));
             action = action.plus(correction.scale(c - 0.5));
+        }
+        action
+    }
+
+    fn verlet<T: Number>(&self, x: &Variables<T>) -> T {
+        let n = self.n;
+        let (v, p) = (&x.internal[..n], &x.internal[n..2 * n]);
+        let end: Vec<T> = (0..n).map(|i| x.q0[i].plus(x.d[i])).collect();
+        let mut action = T::of(0.0);
+        for (t, q) in [(x.t, &x.q0), (x.t.plus(x.h), &end)] {
+            let lagrangian = x.h.times(self.l(t, x.m, q, v));
+            let noise = self.noise(t, x.m, q, p, &x.dw);
+            action = action.plus(lagrangian.minus(noise).scale(0.5));
+        }
+        for i in 0..n {
+            let constraint = x.d[i].minus(x.h.times(v[i]));
+            action = action.plus(p[i].times(constraint));
         }
         action
     }

@@ -1,0 +1,149 @@
+//! The rule of Störmer and Verlet: the trapezoidal mean of L at both ends, with one velocity,
+//!
+//! ```text
+//! S_d = ½h [L(t₀,q₀,v) + L(t₁,q₁,v)] + ⟨p, d − h v⟩ − ½ Σ [G_a(t₀,q₀,p) + G_a(t₁,q₁,p)] ΔW_a
+//! ```
+//!
+//! It is symmetric, so it needs no Stratonovich correction. For L = T(v) − V(q) with constant masses and noise in q alone the step is explicit: kick,
+//! drift, kick. A force does half of its work at each end.
+//! Source: Hairer, Lubich, Wanner, *Geometric numerical integration illustrated by the Störmer–Verlet method*, Acta Numerica 12 (2003).
+
+use std::collections::HashMap;
+
+use super::action::{Discrete, Variables};
+use super::{Discretisation, Features, StrongOrder, Textbook};
+use crate::algebra::{Expr, Symbol};
+use crate::system::model::{Family, NodeQuantity, Unknown};
+
+pub(super) struct StormerVerlet;
+
+/// The node at the end of the step. The other one is the start, whose quantities are those of the state.
+const END: usize = 0;
+
+impl Discretisation for StormerVerlet {
+    fn attribute_name(&self) -> &'static str {
+        "stormer_verlet"
+    }
+
+    fn type_name(&self) -> &'static str {
+        "StormerVerlet"
+    }
+
+    fn deterministic_order(&self) -> u32 {
+        2
+    }
+
+    fn strong_order(&self, noises_commute: bool) -> StrongOrder {
+        if noises_commute {
+            StrongOrder::One
+        } else {
+            StrongOrder::Half
+        }
+    }
+
+    fn takes_noise(&self) -> bool {
+        true
+    }
+
+    fn takes_force(&self) -> bool {
+        true
+    }
+
+    fn action(&self, x: &mut Variables<'_>) -> Discrete {
+        let n = x.model.dof();
+        let v = x.symbols.declare_all(n, Unknown::of(Family::Velocity));
+        let p = x.symbols.declare_all(n, Unknown::of(Family::Momentum));
+        let nodes = ends(x, &v, &p);
+        let h = x.arena.symbol(x.h);
+        let mut terms = Vec::new();
+        for node in &nodes {
+            let lagrangian = x.arena.substitute(x.model.lagrangian, node);
+            terms.push((0.5, x.arena.mul(h, lagrangian)));
+            for (noise, &dw) in x.model.noises.iter().zip(&x.dw) {
+                let g = x.arena.substitute(noise.hamiltonian, node);
+                let dw = x.arena.symbol(dw);
+                terms.push((-0.5, x.arena.mul(g, dw)));
+            }
+        }
+        for i in 0..n {
+            let [d, v, p] = [x.displacement[i], v[i], p[i]].map(|s| x.arena.symbol(s));
+            let hv = x.arena.mul(h, v);
+            let constraint = x.arena.sub(d, hv);
+            terms.push((1.0, x.arena.mul(p, constraint)));
+        }
+        let value = x.arena.sum(0.0, &terms);
+        let work = nodes.iter().flat_map(|node| x.work(0.5, node)).collect();
+        Discrete {
+            value,
+            internal: v.into_iter().chain(p).collect(),
+            work,
+        }
+    }
+
+    fn notation(&self, _: usize, quantity: NodeQuantity) -> &'static str {
+        match quantity {
+            NodeQuantity::Time => "t₁",
+            NodeQuantity::Position(_) => "q₁",
+            NodeQuantity::Velocity(_) => "v",
+        }
+    }
+
+    fn is_end(&self, _: usize) -> bool {
+        true
+    }
+
+    fn letters(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    fn textbook(&self, system: &Features) -> Textbook {
+        let (t0, t1) = if system.is_timed {
+            ("t₀, ", "t₁, ")
+        } else {
+            ("", "")
+        };
+        let constraint = system.pairing("p", "q₁ − q₀ − h·v");
+        let mut terms = vec![format!(
+            "S = h·(L({t0}q₀, v) + L({t1}q₁, v))/2 + {constraint}"
+        )];
+        let sum = |count: usize| if count > 1 { "Σ " } else { "" };
+        if system.gammas > 0 {
+            let sum = sum(system.gammas);
+            terms.push(format!(" + {sum}(γ({t0}q₀) + γ({t1}q₁))·ΔW/2"));
+        }
+        if system.hamiltonians > 0 {
+            let sum = sum(system.hamiltonians);
+            terms.push(format!(" − {sum}(H₁({t0}q₀, p) + H₁({t1}q₁, p))·ΔW/2"));
+        }
+        let mut notation = Vec::new();
+        if system.is_timed {
+            notation.push("t₁ = t₀ + h".to_owned());
+        }
+        let ends = [system.work("t₀", "q₀", "v"), system.work("t₁", "q₁", "v")];
+        Textbook {
+            action: terms.concat(),
+            notation,
+            work: format!("({})/2", ends.join(" + ")),
+        }
+    }
+}
+
+/// What the model's variables are at the start and at the end.
+fn ends(x: &mut Variables<'_>, v: &[Symbol], p: &[Symbol]) -> [HashMap<Symbol, Expr>; 2] {
+    let (mut start, mut end) = (HashMap::new(), HashMap::new());
+    let (t, h) = (x.arena.symbol(x.model.time), x.arena.symbol(x.h));
+    let t_end = x.arena.add(t, h);
+    end.insert(x.model.time, x.at_node(END, NodeQuantity::Time, t_end));
+    for i in 0..x.model.dof() {
+        let [q, d] = [x.start_q[i], x.displacement[i]].map(|s| x.arena.symbol(s));
+        let q_end = x.arena.add(q, d);
+        let q_end = x.at_node(END, NodeQuantity::Position(i), q_end);
+        start.insert(x.model.q[i], q);
+        end.insert(x.model.q[i], q_end);
+        for node in [&mut start, &mut end] {
+            node.insert(x.model.v[i], x.arena.symbol(v[i]));
+            node.insert(x.model.p[i], x.arena.symbol(p[i]));
+        }
+    }
+    [start, end]
+}

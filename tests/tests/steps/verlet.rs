@@ -1,0 +1,162 @@
+//! The rule of Störmer and Verlet: steps to 40 digits, closed forms, symmetry, symplecticity.
+
+use serde::Deserialize;
+use std::collections::HashMap;
+
+use sve_models::models::{Damped, DoublePendulum, Driven, Kubo, Mixed, Pendulum, Polar};
+use sve_models::oracle::{damped, double_pendulum, driven, kubo, mixed, pendulum, polar};
+use sve_models::random::Random;
+use sve_runtime::prelude::*;
+use sve_runtime::{BlockKind, Dims, System, Variational};
+
+/// A particle in a double well whose kicks depend on its place.
+struct DoubleWell {
+    s: f64,
+}
+
+#[variational(stormer_verlet)]
+impl DoubleWell {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v - 0.25 * (q * q - 1.0).powi(2)
+    }
+
+    #[gamma]
+    fn kicks(&self, q: f64) -> f64 {
+        self.s * (2.0 * q).sin()
+    }
+}
+
+#[derive(Deserialize)]
+struct Run {
+    params: HashMap<String, f64>,
+    h: f64,
+    dw: Vec<Vec<f64>>,
+    states: Vec<Vec<f64>>,
+}
+
+/// Follows the runs of a file of steps that were computed with 40 digits, independently of this project.
+fn follow<S, const N: usize, const M: usize>(
+    file: &str,
+    bound: f64,
+    system: impl Fn(&HashMap<String, f64>) -> S,
+) where
+    S: Variational<StormerVerlet> + System<Dims = Dims<N, M>>,
+{
+    let path = format!("{}/data/{file}.json", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
+    let runs: Vec<Run> = serde_json::from_str(&text).expect("reference data");
+    for run in &runs {
+        let integrator = Integrator::new(system(&run.params), StormerVerlet);
+        let array = |x: &[f64]| -> [f64; N] { x.try_into().unwrap() };
+        let (q, p) = run.states[0].split_at(N);
+        let mut state = State::new(array(q), array(p));
+        for (dw, expected) in run.dw.iter().zip(&run.states[1..]) {
+            let dw: &[f64; M] = dw.as_slice().try_into().unwrap();
+            integrator.step(&mut state, run.h, dw).unwrap();
+            let size = expected.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+            for (x, y) in state.q.iter().chain(&state.p).zip(expected) {
+                assert!((x - y).abs() < bound * size, "{file}: {x} for {y}");
+            }
+        }
+        assert!(run.dw.len() >= 10);
+    }
+}
+
+#[test]
+fn steps_agree_with_40_digits() {
+    follow("verlet_double_well", 1e-12, |p| DoubleWell { s: p["s"] });
+    follow("verlet_kubo", 1e-12, |p| Kubo {
+        a: p["a"],
+        sigma: p["sigma"],
+    });
+    // chaotic: rounding errors grow along the run
+    follow("verlet_double_pendulum", 1e-10, |p| DoublePendulum {
+        m: [p["m1"], p["m2"]],
+        l: [p["l1"], p["l2"]],
+        g: p["g"],
+        s: p["s"],
+    });
+}
+
+#[test]
+fn a_separable_step_is_kick_drift_kick() {
+    let well = Integrator::new(DoubleWell { s: 0.5 }, StormerVerlet);
+    assert_eq!(well.plan().kind(), BlockKind::Explicit);
+    assert_eq!(well.plan().deterministic_order, 2);
+    let mut random = Random::new(8);
+    for _ in 0..1000 {
+        let [q, p, dw] = random.array(-1.5, 1.5);
+        let mut state = State::new([q], [p]);
+        well.step(&mut state, 0.1, &[dw]).unwrap();
+        let kick = |q: f64| 0.05 * (q - q * q * q) + 0.5 * (2.0 * q).cos() * dw;
+        let middle = p + kick(q);
+        let end = q + 0.1 * middle;
+        let expected = [end, middle + kick(end)];
+        for (x, y) in [state.q[0], state.p[0]].iter().zip(expected) {
+            assert!((x - y).abs() < 4e-15, "{x} for {y}");
+        }
+    }
+}
+
+/// Steps there and back, and tangent maps, at random points of a model.
+fn is_symmetric_and_symplectic<S, const N: usize, const M: usize>(
+    system: S,
+    forced: bool,
+    point: fn(&mut Random) -> State<[f64; N]>,
+) where
+    S: Variational<StormerVerlet> + System<Dims = Dims<N, M>>,
+{
+    const H: f64 = 0.05;
+    let integrator = Integrator::new(system, StormerVerlet);
+    let mut random = Random::new(9);
+    for _ in 0..50 {
+        let start = point(&mut random);
+        let dw: [f64; M] = random.array(-0.1, 0.1);
+        let mut state = start;
+        let (tangent, _) = integrator
+            .step_with_derivatives(&mut state, H, &dw)
+            .unwrap();
+        let name = integrator.plan().system;
+        if !forced {
+            assert!(tangent.symplectic_defect() < 1e-12, "{name}: {tangent:?}");
+        }
+        integrator.step(&mut state, -H, &dw.map(|w| -w)).unwrap();
+        let numbers = |state: &State<[f64; N]>| [state.q, state.p].concat();
+        for (x, y) in numbers(&state).iter().zip(numbers(&start)) {
+            assert!((x - y).abs() < 1e-13, "{name}: {state:?} for {start:?}");
+        }
+    }
+}
+
+fn near_zero<const N: usize>(random: &mut Random) -> State<[f64; N]> {
+    State::new(random.array(-1.0, 1.0), random.array(-1.0, 1.0))
+}
+
+#[test]
+fn steps_are_symmetric_and_symplectic() {
+    is_symmetric_and_symplectic::<Pendulum, 1, 0>(pendulum(), false, near_zero);
+    is_symmetric_and_symplectic::<Kubo, 1, 1>(kubo(), false, near_zero);
+    is_symmetric_and_symplectic::<DoublePendulum, 2, 2>(double_pendulum(), false, near_zero);
+    is_symmetric_and_symplectic::<Mixed, 2, 3>(mixed(), false, near_zero);
+    is_symmetric_and_symplectic::<Driven, 1, 2>(driven(), false, near_zero);
+    is_symmetric_and_symplectic::<Damped, 1, 1>(damped(), true, near_zero);
+    is_symmetric_and_symplectic::<Polar, 2, 2>(polar(), false, |random| {
+        let [r] = random.array(1.0, 2.0);
+        let [phi] = random.array(-3.0, 3.0);
+        State::new([r, phi], random.array(-1.0, 1.0))
+    });
+}
+
+#[test]
+fn energy_errors_decrease_with_the_square_of_the_step() {
+    let integrator = Integrator::new(pendulum(), StormerVerlet);
+    let start = State::new([1.2], [0.4]);
+    let error = |steps: u32| {
+        let h = 1.0 / f64::from(steps);
+        let path = integrator.trajectory(start, h, NoNoise);
+        path.take(steps as usize).last().unwrap().unwrap()
+    };
+    let [a, b, c] = [64, 128, 256].map(error);
+    let order = ((a.q[0] - b.q[0]) / (b.q[0] - c.q[0])).log2();
+    assert!((order - 2.0).abs() < 0.02, "{order}");
+}
