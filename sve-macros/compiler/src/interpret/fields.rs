@@ -16,6 +16,8 @@ pub(super) struct FieldPath {
     steps: Vec<FieldStep>,
     /// Whether its type is written as `f64`.
     is_number: bool,
+    /// Whether `into` has been called on it.
+    is_converted: bool,
     /// The type of the vector or matrix that the last step is an entry of, where it is known.
     vector: Option<MatrixType>,
 }
@@ -37,6 +39,7 @@ impl FieldPath {
             outside: None,
             steps: Vec::new(),
             is_number: false,
+            is_converted: false,
             vector: None,
         }
     }
@@ -47,6 +50,7 @@ impl FieldPath {
             outside: Some(path),
             steps: Vec::new(),
             is_number: false,
+            is_converted: false,
             vector: None,
         }
     }
@@ -118,6 +122,18 @@ impl FieldPath {
         }
     }
 
+    /// The same after `into`: an array or a vector, which the type beside it does not tell.
+    pub(super) fn converted(self) -> Self {
+        Self {
+            is_converted: true,
+            ..self
+        }
+    }
+
+    pub(super) fn is_converted(&self) -> bool {
+        self.is_converted
+    }
+
     /// The type of the vector or matrix that the last step is an entry of, where it is known.
     pub(super) fn vector(&self) -> Option<MatrixType> {
         self.vector
@@ -130,6 +146,7 @@ impl FieldPath {
             outside: self.outside.clone(),
             steps: before.to_vec(),
             is_number: false,
+            is_converted: false,
             vector: None,
         };
         Some((base, last))
@@ -151,6 +168,7 @@ impl FieldPath {
         let mut longer = self.clone();
         longer.steps.push(step);
         longer.vector = None;
+        longer.is_converted = false;
         longer
     }
 

@@ -63,6 +63,19 @@ const BODIES: &[(&str, &[&str])] = &[
         &["self.a[1].x", "self.a[1].y"],
     ),
     ("WIND.dot(&q) + WIND[0] * q.x.sin()", &["WIND.x", "WIND.y"]),
+    // an array becomes a vector
+    (
+        "let a: Vector2<f64> = self.a.into(); a.dot(&q)",
+        &["self.a[0]", "self.a[1]"],
+    ),
+    (
+        "q.dot(&self.a.into()) + self.a[1] * q.x",
+        &["self.a[0]", "self.a[1]"],
+    ),
+    (
+        "let g: Vector2<f64> = self.g.into(); g.dot(&q) + self.g.dot(&q).sin()",
+        &["self.g.x", "self.g.y"],
+    ),
     // of unknown type
     ("self.g.x * q.x + self.g[0] * q.y", &["self.g.x"]),
     (

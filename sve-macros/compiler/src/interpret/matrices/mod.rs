@@ -210,6 +210,10 @@ pub(super) fn entry_of_field(
     column: usize,
 ) -> FieldPath {
     let is_row_or_column = ty.rows.min(ty.columns) == 1 && ty.kind != Kind::Rotation;
+    if is_row_or_column && path.is_converted() {
+        // arrays have no `.x`
+        return path.index(row + column);
+    }
     let entry = match COMPONENTS.get(row + column) {
         Some(name) if is_row_or_column && ty.len() <= COMPONENTS.len() => path.component(name),
         _ if is_row_or_column => path.index(row + column),
