@@ -39,6 +39,7 @@ impl Lowering<'_> {
     pub(super) fn converted(receiver: Value) -> Value {
         match receiver {
             Value::Int(_) | Value::Tuple(_) => Value::Converted(Box::new(receiver)),
+            Value::Field(path) => Value::Field(path.converted()),
             other => other,
         }
     }

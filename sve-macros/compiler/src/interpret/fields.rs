@@ -4,6 +4,7 @@ use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{quote, quote_spanned};
 
 use super::Lowering;
+use super::matrices::MatrixType;
 use crate::algebra::Expr;
 use crate::system::model::Meaning;
 
@@ -15,15 +16,20 @@ pub(super) struct FieldPath {
     steps: Vec<FieldStep>,
     /// Whether its type is written as `f64`.
     is_number: bool,
+    /// Whether `into` has been called on it.
+    is_converted: bool,
+    /// The type of the vector or matrix that the last step is an entry of, where it is known.
+    vector: Option<MatrixType>,
 }
 
 #[derive(Clone)]
-enum FieldStep {
+pub(super) enum FieldStep {
     Named(Ident),
     Numbered(u32),
-    Index(usize),
-    /// Row and column.
-    Pair(usize, usize),
+    /// An index, and where it is written.
+    Index(usize, Option<Span>),
+    /// Row and column, and where they are written.
+    Pair(usize, usize, Option<Span>),
 }
 
 impl FieldPath {
@@ -33,6 +39,8 @@ impl FieldPath {
             outside: None,
             steps: Vec::new(),
             is_number: false,
+            is_converted: false,
+            vector: None,
         }
     }
 
@@ -42,6 +50,8 @@ impl FieldPath {
             outside: Some(path),
             steps: Vec::new(),
             is_number: false,
+            is_converted: false,
+            vector: None,
         }
     }
 
@@ -76,12 +86,22 @@ impl FieldPath {
     }
 
     pub(super) fn index(&self, index: usize) -> Self {
-        self.then(FieldStep::Index(index))
+        self.then(FieldStep::Index(index, None))
+    }
+
+    /// The entry whose index is written at `span`.
+    pub(super) fn index_at(&self, index: usize, span: Span) -> Self {
+        self.then(FieldStep::Index(index, Some(span)))
     }
 
     /// The entry of a matrix.
     pub(super) fn pair(&self, row: usize, column: usize) -> Self {
-        self.then(FieldStep::Pair(row, column))
+        self.then(FieldStep::Pair(row, column, None))
+    }
+
+    /// The entry of a matrix whose row and column are written at `span`.
+    pub(super) fn pair_at(&self, row: usize, column: usize, span: Span) -> Self {
+        self.then(FieldStep::Pair(row, column, Some(span)))
     }
 
     /// The component of a vector.
@@ -92,6 +112,44 @@ impl FieldPath {
         });
         let name = Ident::new(name, named.unwrap_or_else(Span::call_site));
         self.then(FieldStep::Named(name))
+    }
+
+    /// The same, as an entry of a vector or matrix of this type.
+    pub(super) fn entry_of(self, ty: MatrixType) -> Self {
+        Self {
+            vector: Some(ty),
+            ..self
+        }
+    }
+
+    /// The same after `into`: an array or a vector, which the type beside it does not tell.
+    pub(super) fn converted(self) -> Self {
+        Self {
+            is_converted: true,
+            ..self
+        }
+    }
+
+    pub(super) fn is_converted(&self) -> bool {
+        self.is_converted
+    }
+
+    /// The type of the vector or matrix that the last step is an entry of, where it is known.
+    pub(super) fn vector(&self) -> Option<MatrixType> {
+        self.vector
+    }
+
+    /// What the last step leads from, and that step.
+    pub(super) fn last_step(&self) -> Option<(Self, &FieldStep)> {
+        let (last, before) = self.steps.split_last()?;
+        let base = Self {
+            outside: self.outside.clone(),
+            steps: before.to_vec(),
+            is_number: false,
+            is_converted: false,
+            vector: None,
+        };
+        Some((base, last))
     }
 
     /// The same, whose type is written as `f64`.
@@ -109,6 +167,8 @@ impl FieldPath {
     fn then(&self, step: FieldStep) -> Self {
         let mut longer = self.clone();
         longer.steps.push(step);
+        longer.vector = None;
+        longer.is_converted = false;
         longer
     }
 
@@ -132,11 +192,11 @@ impl FieldPath {
                     let index = Literal::u32_unsuffixed(*index);
                     tokens.extend(quote!(. #index));
                 }
-                FieldStep::Index(index) => {
+                FieldStep::Index(index, _) => {
                     let index = Literal::usize_unsuffixed(*index);
                     tokens.extend(quote!([#index]));
                 }
-                FieldStep::Pair(row, column) => {
+                FieldStep::Pair(row, column, _) => {
                     let [row, column] = [row, column].map(|i| Literal::usize_unsuffixed(*i));
                     tokens.extend(quote!([(#row, #column)]));
                 }
@@ -152,8 +212,8 @@ impl FieldPath {
         let steps = self.steps.iter().map(|step| match step {
             FieldStep::Named(name) => plain(name),
             FieldStep::Numbered(index) => index.to_string(),
-            FieldStep::Index(index) => index.to_string(),
-            FieldStep::Pair(row, column) => format!("{row}_{column}"),
+            FieldStep::Index(index, _) => index.to_string(),
+            FieldStep::Pair(row, column, _) => format!("{row}_{column}"),
         });
         let parts: Vec<String> = path.map(|s| plain(&s.ident)).chain(steps).collect();
         parts.join("_")
@@ -170,6 +230,14 @@ pub(super) fn unseen(name: &str, path: &str) -> String {
 impl Lowering<'_> {
     /// The symbol of a field of the user's struct.
     pub(super) fn parameter(&mut self, path: &FieldPath) -> Expr {
+        if let (Some(ty), Some((vector, _))) = (path.vector(), path.last_step()) {
+            let vector = vector.access().to_string();
+            self.vectors.entry(vector).or_insert(ty);
+        }
+        let path = self
+            .spellings
+            .get(&path.access().to_string())
+            .unwrap_or(path);
         let key = path.access();
         let symbol = match self.parameters.get(&key.to_string()) {
             Some(&symbol) => symbol,
@@ -185,6 +253,7 @@ impl Lowering<'_> {
                 };
                 let symbol = self.symbols.declare(meaning);
                 self.parameters.insert(key.to_string(), symbol);
+                self.paths.push(path.clone());
                 symbol
             }
         };

@@ -9,6 +9,7 @@ mod calls;
 mod closures;
 mod constants;
 mod conversions;
+mod entries;
 mod expressions;
 mod fields;
 mod floats;
@@ -37,6 +38,7 @@ use crate::syntax::parse::Annotated;
 use crate::system::model::{Model, Symbols};
 use branches::Leaving;
 use fields::FieldPath;
+use matrices::MatrixType;
 use value::Value;
 
 /// Statements and expressions that one expansion may execute.
@@ -51,6 +53,12 @@ pub(crate) struct Lowering<'a> {
     symbols: Symbols,
     parameters: HashMap<String, Symbol>,
     parameter_names: HashSet<String>,
+    /// Parameters in the order of their first use.
+    paths: Vec<FieldPath>,
+    /// Fields that are used as vectors or matrices of a known type.
+    vectors: HashMap<String, MatrixType>,
+    /// Entries of vectors and matrices that are written in several ways, each with the one way in which generated code reads it.
+    spellings: HashMap<String, FieldPath>,
     block: &'a Annotated,
     errors: Errors,
     /// Variables, innermost scope last.
@@ -72,36 +80,28 @@ pub(crate) struct Lowering<'a> {
     /// The last parameter that was an operand as a number.
     taken_for_number: Option<FieldPath>,
     steps: usize,
+    /// Expressions that there were before this run.
+    nodes: usize,
     /// Nesting of the expression being evaluated.
     depth: usize,
 }
 
 /// Runs all parts of the block; mistakes join those that `errors` has already.
+///
+/// The type of a field may show only after its entries have been read. If an entry was read in several ways, the block is run
+/// once more with one symbol for the entry.
 pub(crate) fn interpret(
     block: &Annotated,
     arena: &mut Arena,
     errors: &mut Errors,
 ) -> Option<Model> {
-    let mut lowering = Lowering {
-        arena,
-        symbols: Symbols::default(),
-        parameters: HashMap::new(),
-        parameter_names: HashSet::new(),
-        block,
-        errors: std::mem::take(errors),
-        scopes: Vec::new(),
-        floor: 0,
-        frame: 0,
-        frames: 0,
-        is_lazy: false,
-        leaving: None,
-        active: Vec::new(),
-        broken: HashSet::new(),
-        taken_for_number: None,
-        steps: 0,
-        depth: 0,
-    };
-    let model = lowering.model();
+    let mut lowering = Lowering::new(block, arena, std::mem::take(errors));
+    let mut model = lowering.model();
+    lowering.spellings = lowering.one_spelling_an_entry();
+    if lowering.errors.count() == 0 && !lowering.spellings.is_empty() {
+        lowering = lowering.anew();
+        model = lowering.model();
+    }
     *errors = lowering.errors;
     let symbols = lowering.symbols;
     if model.is_none() && errors.count() == 0 {
@@ -111,6 +111,42 @@ pub(crate) fn interpret(
         );
     }
     model.map(|parts| Model { symbols, ..parts })
+}
+
+impl<'a> Lowering<'a> {
+    fn new(block: &'a Annotated, arena: &'a mut Arena, errors: Errors) -> Self {
+        Self {
+            nodes: arena.len(),
+            arena,
+            symbols: Symbols::default(),
+            parameters: HashMap::new(),
+            parameter_names: HashSet::new(),
+            paths: Vec::new(),
+            vectors: HashMap::new(),
+            spellings: HashMap::new(),
+            block,
+            errors,
+            scopes: Vec::new(),
+            floor: 0,
+            frame: 0,
+            frames: 0,
+            is_lazy: false,
+            leaving: None,
+            active: Vec::new(),
+            broken: HashSet::new(),
+            taken_for_number: None,
+            steps: 0,
+            depth: 0,
+        }
+    }
+
+    /// The state before a run that knows the spellings of this one.
+    fn anew(self) -> Self {
+        Self {
+            spellings: self.spellings,
+            ..Self::new(self.block, self.arena, self.errors)
+        }
+    }
 }
 
 impl Lowering<'_> {
@@ -185,7 +221,7 @@ impl Lowering<'_> {
             return false;
         }
         self.steps += amount;
-        if self.steps < STEPS && self.arena.len() <= NODES {
+        if self.steps < STEPS && self.arena.len() - self.nodes <= NODES {
             return true;
         }
         let what = if self.steps < STEPS {

@@ -261,8 +261,8 @@ impl Lowering<'_> {
 
 fn field(path: &FieldPath, picks: &[Pick<'_>]) -> FieldPath {
     picks.iter().fold(path.clone(), |path, pick| match pick {
-        Pick::Index(at, _) => path.index(*at),
-        Pick::Pair(row, column, _) => path.pair(*row, *column),
+        Pick::Index(at, span) => path.index_at(*at, *span),
+        Pick::Pair(row, column, span) => path.pair_at(*row, *column, *span),
         Pick::Member(member) => path.member(member),
     })
 }

@@ -2,6 +2,7 @@
 
 mod absent;
 mod costs;
+mod entries;
 mod growth;
 mod large_input;
 mod limits;

@@ -14,7 +14,7 @@ fn tokens(text: &str) -> TokenStream {
 }
 
 /// The model of a block; or its mistakes: the source text at which each is reported, and the message.
-fn model(members: &str, arena: &mut Arena) -> Result<Model, Vec<(String, String)>> {
+pub(super) fn model(members: &str, arena: &mut Arena) -> Result<Model, Vec<(String, String)>> {
     let text = format!("impl P {{ {members} }}");
     let block = syn::parse2(tokens(&text)).expect("a block");
     let mut errors = Errors::new();

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::quote;
 
-use super::ident;
+use super::{ident, number};
 use crate::algebra::{Binary, Function};
 use crate::program::{Labels, Names, Operation, Program, Tier, Value, operands, symbol_name};
 use crate::system::model::{Meaning, Quantity, Symbols};
@@ -210,9 +210,12 @@ impl<'a> Printer<'a> {
                 return TokenStream::new();
             }
             Operation::Input(symbol) => match input(self.symbols.meaning(symbol), self.lanes) {
-                // a field of another type is then one error, at the field
                 Some(access) => {
                     let name = self.name(value);
+                    let access = match self.symbols.meaning(symbol) {
+                        Meaning::Parameter { .. } => number(&access, &self.private),
+                        _ => access,
+                    };
                     return quote!(let #name: f64 = #access;);
                 }
                 None => return TokenStream::new(),

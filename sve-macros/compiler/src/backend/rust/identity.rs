@@ -11,16 +11,17 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 use twox_hash::XxHash64;
 
+use super::number;
 use crate::algebra::{Arena, Expr, Node};
 use crate::system::model::{Meaning, Model};
 
 /// `FORMULAS`, and `parameters` where there are some.
-pub(super) fn identity(model: &Model, arena: &Arena) -> TokenStream {
+pub(super) fn identity(model: &Model, arena: &Arena, private: &TokenStream) -> TokenStream {
     let formulas = Literal::u64_unsuffixed(hash(model, arena));
     let parameters = model.symbols.parameters();
-    let values: Vec<&TokenStream> = parameters
+    let values: Vec<TokenStream> = parameters
         .filter_map(|symbol| match model.symbols.meaning(symbol) {
-            Meaning::Parameter { access, .. } => Some(access),
+            Meaning::Parameter { access, .. } => Some(number(access, private)),
             _ => None,
         })
         .collect();

@@ -21,8 +21,8 @@ pub(crate) use placeholders::placeholders;
 pub(crate) use rule::rule;
 pub(crate) use system::system;
 
-use proc_macro2::{Ident, Literal, Span, TokenStream};
-use quote::quote;
+use proc_macro2::{Ident, Literal, Span, TokenStream, TokenTree};
+use quote::{quote, quote_spanned};
 
 use crate::algebra::{Arena, Expr};
 use crate::discretise::tangent::Linearisation;
@@ -62,6 +62,23 @@ pub(crate) struct Derived {
 fn private(block: &Annotated) -> TokenStream {
     let runtime = &block.arguments.runtime;
     quote!(#runtime::__private)
+}
+
+/// The value of a parameter. All tokens of the check that it is an `f64` have the place of the parameter: the errors of all
+/// functions that read it are then equal, and the compiler of Rust prints equal errors once.
+fn number(access: &TokenStream, private: &TokenStream) -> TokenStream {
+    let first = access.clone().into_iter().next();
+    let at = first
+        .map_or_else(Span::call_site, |token| token.span())
+        .resolved_at(Span::call_site());
+    let check = quote_spanned!(at=> #private::number).into_iter();
+    let check: TokenStream = check.map(|token| placed(token, at)).collect();
+    quote_spanned!(at=> #check(#access))
+}
+
+fn placed(mut token: TokenTree, at: Span) -> TokenTree {
+    token.set_span(at);
+    token
 }
 
 /// A name in generated code.

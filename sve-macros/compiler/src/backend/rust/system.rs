@@ -38,7 +38,7 @@ pub(crate) fn system(
     let force = force
         .as_ref()
         .map(|jet| force_jet(&private, jet, &n, &model.symbols, arena));
-    let identity = identity(model, arena);
+    let identity = identity(model, arena, &private);
     let parameters = model.symbols.parameters().map(|s| model.symbols.source(s));
     // the user's functions are not called by what is derived from them, and yet are not dead
     let parts = [&block.noises, &block.forces, &block.symmetries];

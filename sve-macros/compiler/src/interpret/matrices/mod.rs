@@ -27,7 +27,7 @@ use crate::algebra::{Arena, Expr};
 pub(super) use crate::syntax::nalgebra::Kind;
 
 /// Names of the components of vectors.
-const COMPONENTS: [&str; 6] = ["x", "y", "z", "w", "a", "b"];
+pub(super) const COMPONENTS: [&str; 6] = ["x", "y", "z", "w", "a", "b"];
 
 /// Numbers that a matrix may have: products of matrices are unrolled.
 const ENTRIES: usize = 4096;
@@ -101,17 +101,8 @@ impl MatrixType {
             let at = COMPONENTS.iter().position(|component| *component == name)?;
             return (at < self.len() && self.len() <= COMPONENTS.len()).then_some(at);
         }
-        let digits: Vec<usize> = name
-            .strip_prefix('m')?
-            .chars()
-            .filter_map(|c| c.to_digit(10).map(|digit| digit as usize))
-            .collect();
-        match digits.as_slice() {
-            &[row, column] if name.len() == 3 && row > 0 && column > 0 => {
-                self.place(row - 1, column - 1)
-            }
-            _ => None,
-        }
+        let (row, column) = row_and_column(&name)?;
+        self.place(row, column)
     }
 
     /// What its entries are called, for messages.
@@ -128,6 +119,19 @@ impl MatrixType {
             .map(|name| format!("`.{name}`"))
             .collect();
         names.join(", ")
+    }
+}
+
+/// Row and column of the entry that is called `m21`.
+pub(super) fn row_and_column(name: &str) -> Option<(usize, usize)> {
+    let digits: Vec<usize> = name
+        .strip_prefix('m')?
+        .chars()
+        .filter_map(|c| c.to_digit(10).map(|digit| digit as usize))
+        .collect();
+    match digits.as_slice() {
+        &[row, column] if name.len() == 3 && row > 0 && column > 0 => Some((row - 1, column - 1)),
+        _ => None,
     }
 }
 
@@ -192,17 +196,30 @@ impl<T: Clone> Matrix<T> {
 impl Matrix<Value> {
     /// A parameter of this type: its entries are read one by one.
     pub(super) fn of_field(path: &FieldPath, ty: MatrixType) -> Self {
-        let is_row_or_column = ty.rows.min(ty.columns) == 1 && ty.kind != Kind::Rotation;
         Self::from_fn(ty, |row, column| {
-            Value::Field(match COMPONENTS.get(row + column) {
-                Some(name) if is_row_or_column && ty.len() <= COMPONENTS.len() => {
-                    path.component(name)
-                }
-                _ if is_row_or_column => path.index(row + column),
-                _ => path.pair(row, column),
-            })
+            Value::Field(entry_of_field(path, ty, row, column))
         })
     }
+}
+
+/// The entry of a parameter of this type, as generated code reads it.
+pub(super) fn entry_of_field(
+    path: &FieldPath,
+    ty: MatrixType,
+    row: usize,
+    column: usize,
+) -> FieldPath {
+    let is_row_or_column = ty.rows.min(ty.columns) == 1 && ty.kind != Kind::Rotation;
+    if is_row_or_column && path.is_converted() {
+        // arrays have no `.x`
+        return path.index(row + column);
+    }
+    let entry = match COMPONENTS.get(row + column) {
+        Some(name) if is_row_or_column && ty.len() <= COMPONENTS.len() => path.component(name),
+        _ if is_row_or_column => path.index(row + column),
+        _ => path.pair(row, column),
+    };
+    entry.entry_of(ty)
 }
 
 impl From<Matrix<Expr>> for Value {

@@ -1,0 +1,192 @@
+//! One symbol for each entry of a vector or matrix parameter, in whatever ways the entry is written: `g.z`, `g[2]`, `g[(2, 0)]`.
+//!
+//! Input: the parameters of a run, and the types that their uses have shown. Output: the entries to be read in another way, and
+//! errors of indices out of range.
+
+use std::collections::HashMap;
+
+use proc_macro2::Span;
+use syn::Member;
+
+use super::Lowering;
+use super::fields::{FieldPath, FieldStep};
+use super::matrices::{COMPONENTS, Kind, MatrixType, entry_of_field, row_and_column};
+use super::places::{Mistake, Pick, matrix_entry};
+
+/// Parameters that are steps from the same field, in the order of their first use.
+struct Entries<'p> {
+    base: FieldPath,
+    paths: Vec<(&'p FieldPath, &'p FieldStep)>,
+}
+
+/// An entry of a vector or matrix of unknown type.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum Place {
+    /// Its number in storage, which is in columns.
+    Stored(usize),
+    /// Row and column, the latter not the first one: the number of rows is not known.
+    Pair(usize, usize),
+}
+
+impl Lowering<'_> {
+    /// The entries that are to be read in another way than the key says; an index out of range is an error.
+    pub(super) fn one_spelling_an_entry(&mut self) -> HashMap<String, FieldPath> {
+        let paths = std::mem::take(&mut self.paths);
+        let mut spellings = HashMap::new();
+        for entries in grouped(&paths) {
+            let ty = self.vectors.get(&entries.base.access().to_string());
+            let found = match ty {
+                Some(&ty) => entries.spellings_of_type(ty),
+                None => entries.spellings(),
+            };
+            match found {
+                Ok(found) => spellings.extend(found.into_iter().filter(|(old, new)| {
+                    let new = new.access().to_string();
+                    *old != new
+                })),
+                Err((span, message)) => self.errors.push(span, message),
+            }
+        }
+        self.paths = paths;
+        spellings
+    }
+}
+
+fn grouped(paths: &[FieldPath]) -> Vec<Entries<'_>> {
+    let mut groups: Vec<Entries<'_>> = Vec::new();
+    let mut places = HashMap::new();
+    for path in paths {
+        let Some((base, step)) = path.last_step() else {
+            continue;
+        };
+        let place = *places
+            .entry(base.access().to_string())
+            .or_insert(groups.len());
+        if place == groups.len() {
+            let paths = Vec::new();
+            groups.push(Entries { base, paths });
+        }
+        groups[place].paths.push((path, step));
+    }
+    groups
+}
+
+type Spellings = Vec<(String, FieldPath)>;
+
+impl Entries<'_> {
+    /// The entries of a vector or matrix of known type.
+    fn spellings_of_type(&self, ty: MatrixType) -> Result<Spellings, Mistake> {
+        let mut found = Vec::new();
+        for (path, step) in &self.paths {
+            let place = match step {
+                FieldStep::Named(name) => ty.place_of(&Member::Named(name.clone())),
+                FieldStep::Numbered(_) => None,
+                // a rotation has no such entry, which is Rust's to say
+                FieldStep::Index(..) if ty.kind == Kind::Rotation => None,
+                FieldStep::Index(index, span) => {
+                    let pick = Pick::Index(*index, span.unwrap_or_else(Span::call_site));
+                    Some(matrix_entry(ty, &pick)?)
+                }
+                FieldStep::Pair(row, column, span) => {
+                    let pick = Pick::Pair(*row, *column, span.unwrap_or_else(Span::call_site));
+                    Some(matrix_entry(ty, &pick)?)
+                }
+            };
+            if let Some(place) = place {
+                let (row, column) = (place % ty.rows, place / ty.rows);
+                let entry = entry_of_field(&self.base, ty, row, column);
+                found.push((path.access().to_string(), entry));
+            }
+        }
+        Ok(found)
+    }
+
+    /// The entries of a field of unknown type. If it is read with brackets, `.x` and `.m11` are names of entries too.
+    fn spellings(&self) -> Result<Spellings, Mistake> {
+        let has_brackets = self
+            .paths
+            .iter()
+            .any(|(_, step)| matches!(step, FieldStep::Index(..) | FieldStep::Pair(..)));
+        if !has_brackets {
+            return Ok(Vec::new());
+        }
+        self.unmistakable()?;
+        let has_components = self.paths.iter().any(|(_, step)| component(step).is_some());
+        // a name before a row and column, and these before a number in storage
+        let rank = |step: &FieldStep| match step {
+            FieldStep::Named(_) if component(step).is_some() => 0,
+            FieldStep::Pair(..) => 1,
+            _ => 2,
+        };
+        let mut best: HashMap<Place, (usize, &FieldPath)> = HashMap::new();
+        for (path, step) in &self.paths {
+            if let Some(place) = place(step, has_components) {
+                let found = best.entry(place).or_insert((rank(step), path));
+                if rank(step) < found.0 {
+                    *found = (rank(step), path);
+                }
+            }
+        }
+        let spelling = |(path, step): &(&FieldPath, &FieldStep)| {
+            let (_, best) = best.get(&place(step, has_components)?)?;
+            Some((path.access().to_string(), (*best).clone()))
+        };
+        Ok(self.paths.iter().filter_map(spelling).collect())
+    }
+
+    /// An error where `m[2]` and `m[(0, 1)]` may be the same entry: the number of rows decides.
+    fn unmistakable(&self) -> Result<(), Mistake> {
+        let pairs: Vec<(usize, usize)> = self.paths.iter().filter_map(|(_, s)| pair(s)).collect();
+        let last_row = pairs.iter().map(|&(row, _)| row).max().unwrap_or(0);
+        for (_, step) in &self.paths {
+            let FieldStep::Index(index, span) = step else {
+                continue;
+            };
+            let same = pairs.iter().find(|&&(row, column)| {
+                column > 0
+                    && index
+                        .checked_sub(row)
+                        .is_some_and(|i| i % column == 0 && i / column > last_row)
+            });
+            if let Some((row, column)) = same {
+                let name = super::readable(&self.base.access());
+                let message = format!(
+                    "`{name}[{index}]` and `{name}[({row}, {column})]` may be the same entry, and the type of `{name}` is not known to the macro: name it, `let {}: Matrix2<f64> = {name};`, or write rows and columns",
+                    self.base.name()
+                );
+                return Err((span.unwrap_or_else(Span::call_site), message));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn component(step: &FieldStep) -> Option<usize> {
+    match step {
+        FieldStep::Named(name) => COMPONENTS.iter().position(|component| name == component),
+        _ => None,
+    }
+}
+
+fn pair(step: &FieldStep) -> Option<(usize, usize)> {
+    match step {
+        FieldStep::Pair(row, column, _) => Some((*row, *column)),
+        FieldStep::Named(name) => row_and_column(&name.to_string()),
+        _ => None,
+    }
+}
+
+/// The entry that a step leads to; `has_components` says that the field is a vector, a row or a column.
+fn place(step: &FieldStep, has_components: bool) -> Option<Place> {
+    if let FieldStep::Index(index, _) = step {
+        return Some(Place::Stored(*index));
+    }
+    if let Some(at) = component(step) {
+        return Some(Place::Stored(at));
+    }
+    pair(step).map(|(row, column)| match (row, column) {
+        (row, 0) => Place::Stored(row),
+        (0, column) if has_components => Place::Stored(column),
+        _ => Place::Pair(row, column),
+    })
+}
