@@ -113,6 +113,14 @@ pub(super) fn residual(system: &System, rule: Rule, point: &mut Point, dp: &[f64
     for i in 0..n {
         point.internal[i] = point.d[i] / point.h;
     }
+    // the velocity of the step: several may belong to a momentum
+    let constraint = |point: &Point, i: usize| {
+        gradient(system, rule, point, |x| x.internal[n + i].slope = one).value
+    };
+    let missing: Vec<f64> = (0..n).map(|i| constraint(point, i)).collect();
+    for i in 0..n {
+        point.internal[i] += missing[i] / point.h;
+    }
     let by_velocity = |point: &Point| -> Vec<f64> {
         (0..n)
             .map(|i| gradient(system, rule, point, |x| x.internal[i].slope = one).value / point.h)
