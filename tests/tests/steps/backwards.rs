@@ -47,10 +47,11 @@ fn a_step_back_by_the_adjoint_rule_returns_to_the_start() {
     let mut count = 0;
     // taylor2 has another adjoint
     for there in cases.iter().filter(|case| case.node().is_some()) {
-        let same = |case: &&Box<dyn Case>| {
-            case.plan().system == there.plan().system && case.rule() == adjoint(there.rule())
-        };
-        let back = cases.iter().find(same).expect("the adjoint rule");
+        let (system, rule) = (there.plan().system, adjoint(there.rule()));
+        let back = cases
+            .iter()
+            .find(|case| case.plan().system == system && case.rule() == rule)
+            .expect("the adjoint rule");
         returns(&**there, &**back, &mut random);
         count += 1;
     }

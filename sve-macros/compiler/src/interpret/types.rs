@@ -102,7 +102,7 @@ impl Lowering<'_> {
                 self.errors.push(
                     ty.span(),
                     format!(
-                        "`{}` is not a type of coordinates: write `f64` or `[f64; N]`, by value",
+                        "`{}` is not a type of coordinates: write `f64`, `[f64; N]` or a vector such as `Vector3<f64>`, by value",
                         readable(ty)
                     ),
                 );

@@ -405,6 +405,27 @@ const MISTAKES: &[(&str, &str, &str)] = &[
     ("q.sin().x", "sin", "v.map(|x| x.sin(…))"),
     ("q.powi(2)", "powi", "v.norm_squared()"),
     ("q.dott(&v)", "dott", "did you mean `dot`?"),
+    ("q.shape().0", "shape", "sizes are in the types"),
+    (
+        "self.m.lu().determinant()",
+        "lu",
+        "a factorisation is no formula",
+    ),
+    (
+        "self.m.determinant()",
+        "determinant",
+        "`let m: Matrix3<f64> = self.m;`",
+    ),
+    (
+        "self.m.row(0).sum()",
+        "row",
+        "`let m: Matrix3<f64> = self.m;`",
+    ),
+    (
+        "(self.m * 2.0).trace()",
+        "trace",
+        "`let m: Matrix3<f64> = self.m;`",
+    ),
     ("q.fixed_rows(1).x", "fixed_rows", "fixed_rows::<3>(0)"),
     (
         "Rotation3::new(q).matrix().trace()",

@@ -5,12 +5,12 @@ use syn::ExprMethodCall;
 
 use super::formulas::MINORS;
 use super::table::{Given, Gives, METHODS, Method, Receiver, Takes};
-use super::{Matrix, MatrixType, unknown_type};
+use super::{Kind, Matrix, MatrixType, refused, unknown_type};
 use crate::algebra::Expr;
 use crate::interpret::Lowering;
 use crate::interpret::calls::Argument;
 use crate::interpret::fields::FieldPath;
-use crate::interpret::floats::{are, plural};
+use crate::interpret::floats::{self, are, plural};
 use crate::interpret::value::Value;
 
 /// Whether vectors or matrices have a method of this name.
@@ -157,6 +157,10 @@ impl Lowering<'_> {
         at: Span,
     ) -> Option<Value> {
         let name = call.method.to_string();
+        let is_of_numbers = floats::is_method(&name) || floats::other_name(&name).is_some();
+        if refused::is_listed(&name) && !is_of_numbers {
+            return Some(self.refuse(&at, refused::refusal(&name)));
+        }
         let method = METHODS.iter().find(|method| method.name == name)?;
         let arguments: Vec<Argument> = call.args.iter().map(|a| self.argument(a)).collect();
         if arguments
@@ -168,20 +172,46 @@ impl Lowering<'_> {
         let first = arguments.first().map(|argument| &argument.value);
         let Some(ty) = type_of_parameter(method, first).filter(|_| !path.is_number()) else {
             let message = if path.is_number() {
-                no_method_of_number(&name)
+                self.no_method_of_number(&name)
             } else {
-                unknown_type(path)
+                unknown_type(path, &self.example_of_type(Some(method)))
             };
             return Some(self.refuse(&at, message));
         };
         let receiver = Matrix::of_field(path, ty);
         self.tabled_method(call, &receiver, &arguments, at)
     }
-}
 
-/// What to say of a method of vectors that is called on a number.
-pub(super) fn no_method_of_number(name: &str) -> String {
-    format!(
-        "`{name}` is a method of vectors and matrices, and this is a number: in a product a field is taken for one, unless its type is written, as in `let g: Vector3<f64> = self.g;`"
-    )
+    /// What to say of a method of vectors that is called on a number.
+    pub(super) fn no_method_of_number(&mut self, name: &str) -> String {
+        let method = METHODS.iter().find(|method| method.name == name);
+        let example = self.example_of_type(method);
+        let field = if example.starts_with('V') { 'g' } else { 'm' };
+        format!(
+            "`{name}` is a method of vectors and matrices, and this is a number: in a product a field is taken for one, unless its type is written, as in `let {field}: {example} = self.{field};`"
+        )
+    }
+
+    /// A type that a parameter may have, for messages: one that has the method, and the size of the coordinates where they are a
+    /// vector.
+    pub(super) fn example_of_type(&mut self, method: Option<&Method>) -> String {
+        let block = self.block;
+        let coordinates = self.matrix_type(block.coordinates());
+        let n = coordinates.map_or(3, |ty| ty.rows);
+        let of_matrices = ["transpose", "adjoint", "row", "column"];
+        let ty = match method {
+            Some(method) => match method.receiver {
+                Receiver::Of(length) => MatrixType::vector(length),
+                Receiver::Square => MatrixType::matrix(n, n),
+                Receiver::Rotation => MatrixType {
+                    kind: Kind::Rotation,
+                    ..MatrixType::matrix(n.clamp(2, 3), n.clamp(2, 3))
+                },
+                _ if of_matrices.contains(&method.name) => MatrixType::matrix(n, n),
+                _ => MatrixType::vector(n),
+            },
+            None => MatrixType::vector(n),
+        };
+        ty.to_string()
+    }
 }

@@ -248,7 +248,8 @@ impl Lowering<'_> {
             Value::Scalar(_)
                 if methods::is_method(&name) && floats::other_name(&name).is_none() =>
             {
-                return Some(self.refuse(&at, methods::no_method_of_number(&name)));
+                let message = self.no_method_of_number(&name);
+                return Some(self.refuse(&at, message));
             }
             _ => return None,
         };
@@ -388,10 +389,10 @@ fn sum(arena: &mut Arena, terms: &[Expr]) -> Expr {
 }
 
 /// What to say of a parameter whose type is needed and not known.
-pub(super) fn unknown_type(path: &FieldPath) -> String {
+pub(super) fn unknown_type(path: &FieldPath, example: &str) -> String {
     let name = super::readable(&path.access());
     format!(
-        "the type of `{name}` is not known to the macro: name it, `let {}: Vector3<f64> = {name};`",
+        "the type of `{name}` is not known to the macro: name it, `let {}: {example} = {name};`",
         path.name()
     )
 }

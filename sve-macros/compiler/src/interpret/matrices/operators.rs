@@ -63,7 +63,7 @@ impl Lowering<'_> {
                     self.numbers(&matrix, syntax).map(Operand::Matrix)
                 }
                 (_, Kind::Rotation) => {
-                    self.refuse(syntax, unknown_type(path));
+                    self.refuse(syntax, unknown_type(path, &ty.plain().to_string()));
                     None
                 }
                 _ => self.operand(value, syntax).map(Operand::Number),
@@ -227,7 +227,8 @@ impl Lowering<'_> {
     }
 
     /// What to add to an error of sizes where an operand has a parameter that was taken for a number.
-    fn hint(&self, left: &Syntax, right: &Syntax) -> String {
+    fn hint(&mut self, left: &Syntax, right: &Syntax) -> String {
+        let example = self.example_of_type(None);
         let Some(path) = &self.taken_for_number else {
             return String::new();
         };
@@ -239,7 +240,7 @@ impl Lowering<'_> {
             return String::new();
         }
         format!(
-            "; `{name}` is taken for a number, and if it is none, name its type: `let {}: Vector3<f64> = {name};`",
+            "; `{name}` is taken for a number, and if it is none, name its type: `let {}: {example} = {name};`",
             path.name()
         )
     }

@@ -114,6 +114,7 @@ const REFUSED: &[(&[&str], &str)] = &[
         ],
         IN_PLACE,
     ),
+    (&["shape"], "sizes are in the types; write the numbers"),
     (
         &["powi"],
         "a power is of a number; write `v.norm_squared()`, or `v.map(|x| x.powi(n))` for each entry",
@@ -123,6 +124,11 @@ const REFUSED: &[(&[&str], &str)] = &[
         "its size is written as generic arguments, `v.fixed_rows::<3>(0)` and `m.fixed_view::<2, 2>(0, 0)`",
     ),
 ];
+
+/// Whether it is told what to write instead of a method.
+pub(super) fn is_listed(name: &str) -> bool {
+    REFUSED.iter().any(|(names, _)| names.contains(&name))
+}
 
 /// What to say of a method that vectors and matrices do not have here.
 pub(super) fn refusal(name: &str) -> String {

@@ -137,7 +137,9 @@ impl Lowering<'_> {
         };
         let ty = match &vector.value {
             Value::Matrix(matrix) => matrix.ty,
-            Value::Field(path) => return Err(super::unknown_type(path)),
+            Value::Field(path) => {
+                return Err(super::unknown_type(path, &self.example_of_type(None)));
+            }
             other => {
                 return Err(format!(
                     "`{name}` takes a vector, and this is {}",
