@@ -90,6 +90,7 @@ mod file;
 #[cfg(feature = "serde")]
 mod floats;
 mod integrator;
+mod jets;
 mod lanes;
 mod legendre;
 mod linearisation;

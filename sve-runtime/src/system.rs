@@ -5,6 +5,8 @@
 
 use core::marker::PhantomData;
 
+pub use crate::jets::{ForceJet, LagrangianJet, NoiseJet};
+
 use crate::configuration::{Configuration, Coordinates, FixedSize};
 use crate::lanes::{ALL, Lane, Mask, StateLanes};
 use crate::linearisation::Linearisation;
@@ -161,55 +163,6 @@ pub trait System {
         let _ = (t, q, v);
         <Self::Dims as Dimensions>::NO_FORCE
     }
-}
-
-/// `L(t, q, v)` with its first and second derivatives; `dqv[i][j] = ∂²L/∂qᵢ∂vⱼ`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LagrangianJet<const N: usize> {
-    /// `L`.
-    pub value: f64,
-    /// `∂L/∂q`.
-    pub dq: [f64; N],
-    /// `∂L/∂v`, the momentum.
-    pub dv: [f64; N],
-    /// `∂²L/∂q∂q`.
-    pub dqq: [[f64; N]; N],
-    /// `∂²L/∂q∂v`, rows by `q`.
-    pub dqv: [[f64; N]; N],
-    /// `∂²L/∂v∂v`, the mass matrix.
-    pub dvv: [[f64; N]; N],
-    /// `∂²L/∂q∂t`.
-    pub dqt: [f64; N],
-    /// `∂²L/∂v∂t`.
-    pub dvt: [f64; N],
-}
-
-/// A noise Hamiltonian `G(t, q, p)` with its first and second derivatives; `dqp[i][j] = ∂²G/∂qᵢ∂pⱼ`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NoiseJet<const N: usize> {
-    /// `∂G/∂q`.
-    pub dq: [f64; N],
-    /// `∂G/∂p`.
-    pub dp: [f64; N],
-    /// `∂²G/∂q∂q`.
-    pub dqq: [[f64; N]; N],
-    /// `∂²G/∂q∂p`, rows by `q`.
-    pub dqp: [[f64; N]; N],
-    /// `∂²G/∂p∂p`.
-    pub dpp: [[f64; N]; N],
-}
-
-/// A force `F(t, q, v)` with its first derivatives; `dv[i][j] = ∂Fᵢ/∂vⱼ`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ForceJet<const N: usize> {
-    /// `F`.
-    pub value: [f64; N],
-    /// `∂F/∂q`, rows by component of F.
-    pub dq: [[f64; N]; N],
-    /// `∂F/∂v`, rows by component of F.
-    pub dv: [[f64; N]; N],
-    /// `∂F/∂t`.
-    pub dt: [f64; N],
 }
 
 /// What the increment of a step is.
