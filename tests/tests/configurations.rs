@@ -10,7 +10,7 @@ use sve_runtime::baseline::{RungeKutta4, TaylorSeries2};
 use sve_runtime::nalgebra::DMatrix;
 use sve_runtime::prelude::*;
 use sve_runtime::study::Study;
-use sve_runtime::{Configuration, Coordinates, Dims, Field, StateOf, System};
+use sve_runtime::{Configuration, Coordinates, Dims, Field, PlainMethod, StateOf, System};
 
 const H: f64 = 0.05;
 const DW: [f64; 3] = [0.1, -0.2, 0.05];
@@ -274,8 +274,8 @@ fn same_step<A, B, Q, const N: usize, const M: usize>(
     start: &State<[f64; N]>,
     dw: &[f64; M],
 ) where
-    A: Method<System: System<Dims = Dims<N, M, Q>>>,
-    B: Method<System: System<Dims = Dims<N, M>>>,
+    A: PlainMethod<System: System<Dims = Dims<N, M, Q>>>,
+    B: PlainMethod<System: System<Dims = Dims<N, M>>>,
     Q: Coordinates<N>,
 {
     let (mut own, mut other) = (state::<Q, N>(start), *start);

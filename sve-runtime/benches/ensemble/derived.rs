@@ -97,6 +97,7 @@ struct Walk(Oscillator);
 
 impl Method for Walk {
     type System = Oscillator;
+    type Increments = [f64; 1];
     type Prepared = ();
 
     fn system(&self) -> &Oscillator {

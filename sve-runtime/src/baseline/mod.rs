@@ -29,6 +29,7 @@ macro_rules! method_by_increment {
             Q: Coordinates<N>,
         {
             type System = S;
+            type Increments = [f64; $m];
             type Prepared = ();
 
             fn system(&self) -> &S {

@@ -8,9 +8,9 @@ use std::time::{Duration, Instant};
 
 use crate::ensemble::fingerprint;
 use crate::error::StepError;
-use crate::method::Method;
+use crate::method::{Method, PlainMethod};
 use crate::noise::Recorded;
-use crate::system::{Dimensions, IncrementsOf, StateOf, System};
+use crate::system::{Increments, IncrementsOf, StateOf, System};
 
 /// Number of steps whose Newton iterations are counted: they vary little along a path.
 const COUNTED: usize = 256;
@@ -51,14 +51,14 @@ pub(super) trait AnyMethod<S: System>: Sync {
 
 /// The increments over a step.
 pub(super) fn increments<S: System>(path: &Recorded, step: usize) -> IncrementsOf<S> {
-    let mut dw = <S::Dims as Dimensions>::NO_INCREMENTS;
+    let mut dw = <IncrementsOf<S> as Increments>::NONE;
     if let Some(recorded) = path.get(step) {
         dw.as_mut().copy_from_slice(recorded);
     }
     dw
 }
 
-impl<S: System, I: Method<System = S> + Sync> AnyMethod<S> for I {
+impl<S: System, I: PlainMethod + Method<System = S> + Sync> AnyMethod<S> for I {
     fn system(&self) -> &S {
         Method::system(self)
     }

@@ -4,7 +4,7 @@ use super::{RefinedTrajectory, Trajectory};
 use crate::error::StepError;
 use crate::method::Method;
 use crate::noise::Noise;
-use crate::system::{IncrementsOf, StateOf};
+use crate::system::StateOf;
 
 impl<I: Method, W: Noise> Trajectory<'_, I, W> {
     /// Carries the low parts of the state from now on, starting with `low`. A resumed trajectory keeps its own.
@@ -15,11 +15,8 @@ impl<I: Method, W: Noise> Trajectory<'_, I, W> {
 
     /// Makes a step that carries the low parts of the state.
     #[inline(never)]
-    pub(super) fn compensated_step(
-        &mut self,
-        dw: &IncrementsOf<I::System>,
-    ) -> Result<(), StepError> {
-        match (&self.prepared, &mut self.low) {
+    pub(super) fn compensated_step(&mut self, dw: &I::Increments) -> Result<(), StepError> {
+        match (&mut self.prepared, &mut self.low) {
             (Some(prepared), Some(low)) => {
                 self.method
                     .compensated_step(prepared, &mut self.state, low, self.h, dw)

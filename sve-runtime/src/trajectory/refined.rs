@@ -7,7 +7,7 @@ use super::Trajectory;
 use crate::error::StepError;
 use crate::method::Method;
 use crate::noise::{DyadicInterval, Halves};
-use crate::system::{IncrementsOf, StateOf};
+use crate::system::StateOf;
 
 /// The numbers of refined steps of a trajectory, see [`Trajectory::refine`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -81,7 +81,7 @@ impl<'a, I: Method, W: Halves> Trajectory<'a, I, W> {
         &mut self,
         depth: u32,
         error: StepError,
-        dw: &IncrementsOf<I::System>,
+        dw: &I::Increments,
     ) -> Result<(), StepError> {
         let mut state = self.state;
         let whole = DyadicInterval::whole(self.step);
@@ -99,7 +99,7 @@ impl<'a, I: Method, W: Halves> Trajectory<'a, I, W> {
         error: StepError,
         interval: DyadicInterval,
         h: f64,
-        dw: &IncrementsOf<I::System>,
+        dw: &I::Increments,
         state: &mut StateOf<I::System>,
     ) -> Result<u32, StepError> {
         let Some(halves) = interval.halves().filter(|_| interval.level() < depth) else {

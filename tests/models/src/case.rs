@@ -4,7 +4,7 @@
 use sve_runtime::__private::Whole;
 use sve_runtime::noise::Noise;
 use sve_runtime::prelude::*;
-use sve_runtime::{LANES, Lane, Mask, Plan, StateLanes, Variational};
+use sve_runtime::{Discretised, LANES, Lane, Mask, Plan, StateLanes, Variational};
 
 use crate::functions::{Functions, Matrix, Point, TypedModel, Vector, array};
 use crate::oracle::{Model, Rule};
@@ -138,7 +138,7 @@ where
     }
 
     fn plan_without_structure(&self) -> &'static Plan {
-        <S as Variational<Whole<R>>>::PLAN
+        <S as Discretised<Whole<R>>>::PLAN
     }
 
     fn rule(&self) -> &'static str {

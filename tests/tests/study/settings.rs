@@ -13,6 +13,7 @@ struct Timid(Integrator<Kubo, Midpoint>, f64);
 
 impl Method for Timid {
     type System = Kubo;
+    type Increments = [f64; 1];
     type Prepared = f64;
 
     fn system(&self) -> &Kubo {

@@ -1,4 +1,4 @@
-//! `impl Variational<Rule>`: what surrounds a step.
+//! `impl StepEquations<Rule>`: what surrounds a step.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -55,7 +55,9 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
     quote! {
         #doc
         #attributes
-        impl #private::Variational<#rule_type> for #self_ty {
+        impl #private::StepEquations<#rule_type> for #self_ty {
+            type Increments = [f64; #m];
+            type Memory = ();
             type Prepared = [f64; #prepared];
             const PLAN: &'static #private::Plan = &#plan;
             const RETURNS: #private::Returns = #private::Returns::#returns;
@@ -79,6 +81,7 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
             fn increment(
                 &self,
                 prepared: &[f64; #prepared],
+                (): &mut (),
                 state: &#private::State<[f64; #n]>,
                 h: f64,
                 dw: &[f64; #m],
@@ -89,6 +92,7 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
             #lanes
             #linearise
         }
+        #private::derived_rule! { #self_ty, #rule_type }
     }
 }
 
