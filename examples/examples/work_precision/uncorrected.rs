@@ -23,6 +23,7 @@ pub(crate) struct Uncorrected {
 
 impl Method for Uncorrected {
     type System = Kubo;
+    type Increments = [f64; 1];
     type Prepared = ();
 
     fn system(&self) -> &Kubo {
