@@ -278,7 +278,7 @@ pub mod __private {
     pub use crate::parameter::number;
     pub use crate::plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
     pub use crate::power::power_log;
-    pub use crate::rules::Whole;
+    pub use crate::rules::Unstructured;
     pub use crate::solve::SolveError;
     pub use crate::solve::banded::Banded;
     pub use crate::solve::dense::{DeterminantSign, solve, solve_with_sign};

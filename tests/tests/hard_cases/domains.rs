@@ -1,7 +1,7 @@
 //! Lagrangians that are defined for some velocities or positions only: steps and the Legendre transform stay within the domain of L.
 
-use sve_runtime::prelude::*;
 use sve_runtime::StateLanes;
+use sve_runtime::prelude::*;
 
 use super::roots::{assert_near, end};
 use super::wild::CoshKinetic;

@@ -18,10 +18,10 @@ mod indices;
 mod integers;
 mod matrices;
 mod operators;
-mod parts;
 mod pattern;
 mod places;
 mod references;
+mod roles;
 mod sequences;
 mod statements;
 mod types;
@@ -110,7 +110,7 @@ pub(crate) fn interpret(
             "this Lagrangian cannot be read",
         );
     }
-    model.map(|parts| Model { symbols, ..parts })
+    model.map(|model| Model { symbols, ..model })
 }
 
 impl<'a> Lowering<'a> {
