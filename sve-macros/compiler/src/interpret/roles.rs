@@ -1,4 +1,4 @@
-//! Functions with roles → the [`Model`]: each is run with symbols for its arguments, and its result is read.
+//! Functions with roles → the [`Model`]. Each function is executed with symbols for its arguments; its result becomes an expression.
 
 use std::collections::HashMap;
 
@@ -14,7 +14,7 @@ use crate::syntax::roles::Role;
 use crate::system::model::{Generator, Meaning, Model, NoiseTerm, Symbols};
 
 impl Lowering<'_> {
-    /// The model without its symbol table, which the caller moves in.
+    /// Returns the model without its symbol table, which the caller adds.
     pub(super) fn model(&mut self) -> Option<Model> {
         let block = self.block;
         let function = &block.lagrangian;
@@ -79,7 +79,7 @@ impl Lowering<'_> {
         })
     }
 
-    /// Runs a function with symbols for its arguments.
+    /// Executes a function with symbols for its arguments.
     fn run(
         &mut self,
         function: &RoleFunction,
@@ -98,14 +98,14 @@ impl Lowering<'_> {
             let t = self.arena.symbol(time);
             self.bind(pattern, Value::Scalar(t));
         }
-        let mut differs = false;
+        let mut is_reported = false;
         for ((pattern, ty), symbols) in arguments.zip(vectors) {
             match self.shape(ty) {
                 Some(found) if found == *shape => {}
                 found => {
-                    if found.is_some() && !differs {
-                        self.differs(function, ty, found.as_ref(), shape);
-                        differs = true;
+                    if found.is_some() && !is_reported {
+                        self.report_other_type(function, ty, found.as_ref(), shape);
+                        is_reported = true;
                     }
                     self.bind(pattern, Value::Poison);
                     continue;
@@ -131,7 +131,7 @@ impl Lowering<'_> {
     }
 
     /// Reports an argument of another type than the coordinates have.
-    fn differs(
+    fn report_other_type(
         &mut self,
         function: &RoleFunction,
         ty: &syn::Type,
@@ -166,7 +166,7 @@ impl Lowering<'_> {
         self.result(function, value)
     }
 
-    /// The expression of what a function returns, or an error at its last expression.
+    /// Returns the expression of the value that a function returns, or reports an error at its last expression.
     fn result(&mut self, function: &RoleFunction, value: &Value) -> Option<Expr> {
         let outer = self.errors.enter(&function.name.to_string());
         let result = match function.item.block.stmts.last() {
@@ -178,7 +178,7 @@ impl Lowering<'_> {
         result
     }
 
-    /// A vector of the shape of the coordinates.
+    /// Returns the components of a vector of the shape of the coordinates, or reports an error.
     fn vector_result(
         &mut self,
         function: &RoleFunction,
@@ -190,7 +190,7 @@ impl Lowering<'_> {
             .iter()
             .any(|(_, ty)| self.shape(ty).as_ref() != Some(shape))
         {
-            // reported there
+            // the argument has been reported
             return None;
         }
         if self.shape(&function.output)? != *shape {
@@ -210,7 +210,7 @@ impl Lowering<'_> {
         Some(entries)
     }
 
-    /// The numbers of a value of a known shape, in memory order.
+    /// Appends the numbers of a value of a known shape to `out`, in memory order.
     fn entries(
         &mut self,
         value: &Value,
@@ -265,7 +265,7 @@ impl Lowering<'_> {
         let components: Vec<(String, Value)> = match (shape, value) {
             (_, Value::Poison) => return,
             (Shape::Array(..) | Shape::Vector(_), Value::Field(_)) => {
-                self.idle(function, &function.name.to_string());
+                self.report_constant_noise(function, &function.name.to_string());
                 return;
             }
             (Shape::Scalar, value) => vec![(function.name.to_string(), value)],
@@ -297,7 +297,7 @@ impl Lowering<'_> {
                 )
             });
             if !moves {
-                self.idle(function, &name);
+                self.report_constant_noise(function, &name);
             }
             let is_gamma = function.role == Role::Gamma;
             let hamiltonian = if is_gamma {
@@ -313,7 +313,7 @@ impl Lowering<'_> {
         }
     }
 
-    fn idle(&mut self, function: &RoleFunction, name: &str) {
+    fn report_constant_noise(&mut self, function: &RoleFunction, name: &str) {
         self.errors.push(
             function.name.span(),
             format!("the noise `{name}` depends on neither q nor p, so it moves nothing: its derivative is zero; did you mean to multiply by a coordinate?"),
