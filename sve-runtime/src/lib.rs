@@ -118,7 +118,7 @@ pub use integrator::{Integrator, Sensitivity, Tangent};
 #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
 pub use lanes::{LANES, Lane, Mask, StateLanes};
 pub use mechanics::{Field, Mechanics};
-pub use method::{Method, PlainMethod};
+pub use method::{Method, OneStepMethod};
 /// Vectors, matrices and rotations, in the version that this crate uses.
 pub use nalgebra;
 pub use plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
@@ -257,8 +257,8 @@ pub mod prelude {
         FromRng, NoNoise, Noise, NoiseError, Recorded, Replayable, ThreePoint, Truncated, Wiener,
     };
     pub use crate::{
-        Endpoint, InitialPoint, Integrator, Mechanics, Method, Midpoint, Newton, Snapshot, State,
-        StepError, StormerVerlet, Taylor2, variational,
+        Endpoint, InitialPoint, Integrator, Mechanics, Method, Midpoint, Newton, OneStepMethod,
+        Snapshot, State, StepError, StormerVerlet, Taylor2, variational,
     };
     pub use nalgebra::{
         Matrix2, Matrix3, Matrix4, Rotation2, Rotation3, SMatrix, SVector, UnitQuaternion, Vector1,
@@ -289,7 +289,7 @@ pub mod __private {
     pub use crate::parameter::number;
     pub use crate::plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
     pub use crate::power::power_log;
-    pub use crate::rules::Whole;
+    pub use crate::rules::Unstructured;
     pub use crate::solve::SolveError;
     pub use crate::solve::banded::Banded;
     pub use crate::solve::dense::{DeterminantSign, solve, solve_with_sign};

@@ -9,8 +9,8 @@ use crate::noise::Noise;
 use crate::system::{IncrementLanesOf, Increments, IncrementsOf, StateLanesOf, StateOf, System};
 use crate::trajectory::{Snapshot, Trajectory};
 
-/// A one-step method for a system: an [`Integrator`](crate::Integrator) or a [`baseline`](crate::baseline).
-pub trait Method {
+/// A one-step method for a system, with increments of any kind: an [`Integrator`](crate::Integrator) or a [`baseline`](crate::baseline).
+pub trait OneStepMethod {
     /// The system it integrates.
     type System: System;
     /// The increments of a step: [`IncrementsOf`] the system for methods that take one for each Wiener process.
@@ -119,6 +119,40 @@ pub trait Method {
         None
     }
 
+    /// Returns whether [`compensated_step`](Self::compensated_step) makes steps.
+    #[doc(hidden)]
+    fn has_compensated_step(&self) -> bool {
+        false
+    }
+
+    /// One step that adds the low parts `low` of the state, and writes its rounding errors to `low`.
+    ///
+    /// # Errors
+    /// As [`step_prepared`](Self::step_prepared); [`StepError::Uncompensated`] if the method makes no such steps.
+    #[doc(hidden)]
+    fn compensated_step(
+        &self,
+        prepared: &mut Self::Prepared,
+        state: &mut StateOf<Self::System>,
+        low: &mut StateOf<Self::System>,
+        h: f64,
+        dw: &Self::Increments,
+    ) -> Result<(), StepError> {
+        let _ = (prepared, low, h, dw);
+        Err(StepError::Uncompensated { t: state.t })
+    }
+}
+
+/// A [`OneStepMethod`] that takes one increment for each Wiener process: what ensembles and studies run, and what code for any method asks for.
+///
+/// All methods do, except rules with stage noise.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no method with one increment for each Wiener process",
+    note = "ensembles and studies draw one increment for each process: use the rule without stage noise"
+)]
+pub trait Method:
+    OneStepMethod<Increments = IncrementsOf<<Self as OneStepMethod>::System>>
+{
     /// Makes one step of length `h` with the given Wiener increments, one for each process in source order.
     ///
     /// # Errors
@@ -128,7 +162,7 @@ pub trait Method {
         &self,
         state: &mut StateOf<Self::System>,
         h: f64,
-        dw: &Self::Increments,
+        dw: &IncrementsOf<Self::System>,
     ) -> Result<(), StepError> {
         let prepared = self.prepare(h)?;
         self.step_prepared(&prepared, state, h, dw)
@@ -197,38 +231,6 @@ pub trait Method {
     {
         Trajectory::resume(self, snapshot, noise)
     }
-
-    /// Returns whether [`compensated_step`](Self::compensated_step) makes steps.
-    #[doc(hidden)]
-    fn has_compensated_step(&self) -> bool {
-        false
-    }
-
-    /// One step that adds the low parts `low` of the state, and writes its rounding errors to `low`.
-    ///
-    /// # Errors
-    /// As [`step_prepared`](Self::step_prepared); [`StepError::Uncompensated`] if the method makes no such steps.
-    #[doc(hidden)]
-    fn compensated_step(
-        &self,
-        prepared: &mut Self::Prepared,
-        state: &mut StateOf<Self::System>,
-        low: &mut StateOf<Self::System>,
-        h: f64,
-        dw: &Self::Increments,
-    ) -> Result<(), StepError> {
-        let _ = (prepared, low, h, dw);
-        Err(StepError::Uncompensated { t: state.t })
-    }
 }
 
-/// A [`Method`] that takes one increment for each Wiener process: what an ensemble or a study runs.
-///
-/// All methods do, except rules with stage noise.
-#[diagnostic::on_unimplemented(
-    message = "`{Self}` takes other increments than one for each Wiener process",
-    note = "ensembles and studies draw one increment for each process: use the rule without stage noise"
-)]
-pub trait PlainMethod: Method<Increments = IncrementsOf<<Self as Method>::System>> {}
-
-impl<I: Method<Increments = IncrementsOf<<I as Method>::System>>> PlainMethod for I {}
+impl<I: OneStepMethod<Increments = IncrementsOf<<I as OneStepMethod>::System>>> Method for I {}

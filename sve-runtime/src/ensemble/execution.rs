@@ -18,12 +18,12 @@ use super::summary::Info;
 use super::summary::Summary;
 use super::{BLOCK_PATHS, EnsembleError};
 use crate::configuration::Coordinates;
-use crate::method::{Method, PlainMethod};
+use crate::method::Method;
 use crate::system::{Dims, System};
 
 impl<I, S, Q, const N: usize, const M: usize> Settings<'_, I>
 where
-    I: PlainMethod + Method<System = S> + Sync,
+    I: Method<System = S> + Sync,
     S: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
@@ -116,7 +116,7 @@ struct Shared {
 }
 
 impl Shared {
-    fn new<I: PlainMethod>(settings: &Settings<'_, I>) -> Self {
+    fn new<I: Method>(settings: &Settings<'_, I>) -> Self {
         let [start, end] = settings.shard;
         let paths = settings.paths_of(start..end);
         Self {
@@ -186,7 +186,7 @@ impl Shared {
 #[cfg(feature = "checkpoint")]
 impl Shared {
     /// Loads the results of a checkpoint, if there is one.
-    fn load<I: PlainMethod>(
+    fn load<I: Method>(
         mut self,
         settings: &Settings<'_, I>,
         info: &Info,

@@ -18,7 +18,7 @@ use super::path_noise::PathNoise;
 use super::settings::Settings;
 use super::starts::{StartRng, Starts};
 use crate::configuration::Coordinates;
-use crate::method::{Method, PlainMethod};
+use crate::method::Method;
 use crate::noise::lanes::DistributionKind;
 use crate::noise::{Noise, ThreePoint, Wiener};
 use crate::state::State;
@@ -108,13 +108,13 @@ pub(crate) fn parameters<S: System>(system: &S) -> u64 {
 }
 
 /// The hash of a method and its options, without the system.
-pub(crate) fn method<I: PlainMethod>(method: &I) -> u64 {
+pub(crate) fn method<I: Method>(method: &I) -> u64 {
     hash(|hash| method.identify(&mut hash.0))
 }
 
 impl<I, S, Q, const N: usize, const M: usize> Settings<'_, I>
 where
-    I: PlainMethod + Method<System = S>,
+    I: Method<System = S>,
     S: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {

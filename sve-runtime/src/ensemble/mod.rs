@@ -59,7 +59,7 @@ use self::settings::Settings;
 use self::starts::Starts;
 use crate::configuration::Coordinates;
 use crate::lanes::LANES;
-use crate::method::{Method, PlainMethod};
+use crate::method::Method;
 use crate::noise::{ManyPaths, PathData};
 use crate::state::State;
 use crate::system::{Dims, StateOf, System};
@@ -112,7 +112,7 @@ const _: () = assert!(BLOCK_TILES * LANES == BLOCK_PATHS as usize);
 /// # }
 /// ```
 #[allow(clippy::struct_excessive_bools)] // switches, each with a function of its name
-pub struct Ensemble<'a, I: PlainMethod> {
+pub struct Ensemble<'a, I: Method> {
     method: &'a I,
     paths: Option<u64>,
     seed: Option<u64>,
@@ -139,7 +139,7 @@ pub struct Ensemble<'a, I: PlainMethod> {
 
 impl<'a, I, S, Q, const N: usize, const M: usize> Ensemble<'a, I>
 where
-    I: PlainMethod + Method<System = S>,
+    I: Method<System = S>,
     S: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
@@ -383,7 +383,7 @@ where
     }
 }
 
-impl<I: PlainMethod> fmt::Debug for Ensemble<'_, I> {
+impl<I: Method> fmt::Debug for Ensemble<'_, I> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Ensemble")
             .field("paths", &self.paths)

@@ -13,13 +13,13 @@ use crate::configuration::Coordinates;
 use crate::error::StepError;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::lanes::{ALL, LANES, Lane, Mask, StateLanes};
-use crate::method::{Method, PlainMethod};
+use crate::method::Method;
 use crate::state::State;
 use crate::system::{Dimensions, Dims, System};
 use crate::time::time_after;
 
 /// A block of paths.
-pub(super) struct PathBlock<'a, I: PlainMethod, const N: usize, const M: usize> {
+pub(super) struct PathBlock<'a, I: Method, const N: usize, const M: usize> {
     pub(super) settings: Settings<'a, I>,
     prepared: I::Prepared,
     increments: IncrementBuffer<M>,
@@ -69,7 +69,7 @@ impl<const N: usize> Tile<N> {
 
 impl<'a, I, S, Q, const N: usize, const M: usize> PathBlock<'a, I, N, M>
 where
-    I: PlainMethod + Method<System = S>,
+    I: Method<System = S>,
     S: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
@@ -240,7 +240,7 @@ pub(super) fn lanes(set: Mask) -> impl Iterator<Item = usize> {
 /// Steps all tiles until a step does not solve an active lane. Returns the number of steps then made.
 ///
 /// The tiles alternate: the operations of one step depend on one another, and those of two tiles do not.
-struct AdvanceTiles<'f, I: PlainMethod, const N: usize, const M: usize> {
+struct AdvanceTiles<'f, I: Method, const N: usize, const M: usize> {
     method: &'f I,
     prepared: &'f I::Prepared,
     h: f64,
@@ -253,7 +253,7 @@ struct AdvanceTiles<'f, I: PlainMethod, const N: usize, const M: usize> {
 
 impl<I, S, Q, const N: usize, const M: usize> Kernel for AdvanceTiles<'_, I, N, M>
 where
-    I: PlainMethod + Method<System = S>,
+    I: Method<System = S>,
     S: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {

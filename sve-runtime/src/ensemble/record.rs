@@ -10,12 +10,12 @@ use super::observe::{not_finite, outside};
 use super::path_block::{PathBlock, lanes};
 use crate::configuration::Coordinates;
 use crate::lanes::{LANES, Lane, Mask};
-use crate::method::{Method, PlainMethod};
+use crate::method::Method;
 use crate::system::{Dimensions, Dims, System};
 
 impl<I, S, Q, const N: usize, const M: usize> PathBlock<'_, I, N, M>
 where
-    I: PlainMethod + Method<System = S>,
+    I: Method<System = S>,
     S: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {

@@ -8,13 +8,13 @@ use super::path_block::{PathBlock, lanes};
 use super::settings::Settings;
 use super::{BLOCK_PATHS, Ensemble, EnsembleError};
 use crate::configuration::Coordinates;
-use crate::method::{Method, PlainMethod};
+use crate::method::Method;
 use crate::state::State;
 use crate::system::{Dimensions, Dims, System};
 
 impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
 where
-    I: PlainMethod + Method<System = S>,
+    I: Method<System = S>,
     S: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
@@ -85,7 +85,7 @@ where
 
 impl<I, S, Q, const N: usize, const M: usize> PathBlock<'_, I, N, M>
 where
-    I: PlainMethod + Method<System = S>,
+    I: Method<System = S>,
     S: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {

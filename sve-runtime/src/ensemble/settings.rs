@@ -11,12 +11,12 @@ use super::starts::{StartRng, Starts};
 use super::summary::Info;
 use super::{BLOCK_PATHS, Ensemble, EnsembleError, path_at, sizes};
 use crate::configuration::FixedSize;
-use crate::method::PlainMethod;
+use crate::method::Method;
 use crate::system::ConfigurationOf;
 use crate::time::time_after;
 
 /// The settings of an ensemble, complete and checked.
-pub(super) struct Settings<'a, I: PlainMethod> {
+pub(super) struct Settings<'a, I: Method> {
     pub(super) ensemble: &'a Ensemble<'a, I>,
     pub(super) h: f64,
     pub(super) steps: u64,
@@ -31,15 +31,15 @@ pub(super) struct Settings<'a, I: PlainMethod> {
     pub(super) shard: [u64; 2],
 }
 
-impl<I: PlainMethod> Clone for Settings<'_, I> {
+impl<I: Method> Clone for Settings<'_, I> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<I: PlainMethod> Copy for Settings<'_, I> {}
+impl<I: Method> Copy for Settings<'_, I> {}
 
-impl<'a, I: PlainMethod> Settings<'a, I> {
+impl<'a, I: Method> Settings<'a, I> {
     /// Checks the settings.
     pub(super) fn new(ensemble: &'a Ensemble<'a, I>) -> Result<Self, EnsembleError> {
         let missing = |what, write| EnsembleError::Missing { what, write };
@@ -170,7 +170,7 @@ fn check_times(start: f64, h: f64, steps: u64) -> Result<(), EnsembleError> {
     }
 }
 
-fn check_names<I: PlainMethod>(ensemble: &Ensemble<'_, I>) -> Result<(), EnsembleError> {
+fn check_names<I: Method>(ensemble: &Ensemble<'_, I>) -> Result<(), EnsembleError> {
     let names = &ensemble.names;
     if let Some((_, name)) = (names.iter().enumerate()).find(|(i, name)| names[..*i].contains(name))
     {

@@ -5,7 +5,7 @@
 use super::histogram::HistogramRequest;
 use super::moments::COLUMN_BYTES;
 use super::{Ensemble, EnsembleError};
-use crate::method::PlainMethod;
+use crate::method::Method;
 use crate::system::StateOf;
 
 /// Bytes of a number.
@@ -16,7 +16,7 @@ const AT_ONCE: u128 = 2;
 
 /// Checks that the recorded observables and histograms of an ensemble fit into memory, and, if they are kept, the final states of so many
 /// paths. Returns the number of recorded times.
-pub(super) fn records<I: PlainMethod>(
+pub(super) fn records<I: Method>(
     ensemble: &Ensemble<'_, I>,
     steps: u64,
     every: u64,

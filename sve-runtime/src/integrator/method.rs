@@ -1,4 +1,4 @@
-//! An integrator is a [`Method`].
+//! An integrator is a [`OneStepMethod`].
 
 use core::any::type_name;
 use core::hash::Hasher;
@@ -8,7 +8,7 @@ use super::accept::check_step_size;
 use crate::configuration::Coordinates;
 use crate::error::StepError;
 use crate::lanes::{Lane, Mask, StateLanes};
-use crate::method::Method;
+use crate::method::OneStepMethod;
 use crate::plan::StrongOrder;
 use crate::state::State;
 use crate::system::{Dims, System};
@@ -22,7 +22,7 @@ pub struct Prepared<C, K> {
     memory: K,
 }
 
-impl<S, R, Q, const N: usize, const M: usize> Method for Integrator<S, R>
+impl<S, R, Q, const N: usize, const M: usize> OneStepMethod for Integrator<S, R>
 where
     S: Discretised<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,

@@ -24,7 +24,7 @@ pub use tangent::{Sensitivity, Tangent};
 
 use crate::configuration::Coordinates;
 use crate::error::StepError;
-use crate::method::Method;
+use crate::method::OneStepMethod;
 use crate::noise::Noise;
 use crate::plan::Plan;
 use crate::solve::newton::Newton;
@@ -108,7 +108,7 @@ impl<S: Discretised<R>, R> Integrator<S, R> {
     }
 }
 
-/// The functions of [`Method`], for programs that do not import the trait.
+/// The functions of [`Method`](crate::Method), for programs that do not import the trait.
 impl<S, R, Q, const N: usize, const M: usize> Integrator<S, R>
 where
     S: Discretised<R> + System<Dims = Dims<N, M, Q>>,
@@ -120,7 +120,8 @@ where
     /// A [`StepError`] when an input is not finite, `h` is zero, or the step fails; `state` is then unchanged.
     #[inline]
     pub fn step(&self, state: &mut State<Q>, h: f64, dw: &S::Increments) -> Result<(), StepError> {
-        Method::step(self, state, h, dw)
+        let prepared = OneStepMethod::prepare(self, h)?;
+        self.step_prepared(&prepared, state, h, dw)
     }
 
     /// Returns the tangent map of one step, `∂(q₁,p₁)/∂(q₀,p₀)` at fixed increments: a symplectic matrix, if no force acts.
@@ -204,25 +205,25 @@ where
         tangent::derivatives(self, state, h, dw)
     }
 
-    /// Returns the states after each step of length `h` from `state`; see [`Method::trajectory`].
+    /// Returns the states after each step of length `h` from `state`; see [`Method::trajectory`](crate::Method::trajectory).
     pub fn trajectory<W: Noise>(
         &self,
         state: State<Q>,
         h: f64,
         noise: W,
     ) -> Trajectory<'_, Self, W> {
-        Method::trajectory(self, state, h, noise)
+        Trajectory::new(self, state, h, noise)
     }
 
-    /// Continues a trajectory from a snapshot; see [`Method::resume`].
+    /// Continues a trajectory from a snapshot; see [`Method::resume`](crate::Method::resume).
     ///
     /// # Errors
-    /// As [`Method::resume`].
+    /// As [`Method::resume`](crate::Method::resume).
     pub fn resume<W: Noise>(
         &self,
         snapshot: Snapshot<State<Q>>,
         noise: W,
     ) -> Result<Trajectory<'_, Self, W>, StepError> {
-        Method::resume(self, snapshot, noise)
+        Trajectory::resume(self, snapshot, noise)
     }
 }

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use crate::ensemble::fingerprint;
 use crate::error::StepError;
-use crate::method::{Method, PlainMethod};
+use crate::method::{Method, OneStepMethod};
 use crate::noise::Recorded;
 use crate::system::{Increments, IncrementsOf, StateOf, System};
 
@@ -18,7 +18,7 @@ const COUNTED: usize = 256;
 /// A function that is called with each state.
 pub(super) type Visit<'a, S> = dyn FnMut(&StateOf<S>) -> Result<(), StepError> + 'a;
 
-/// A [`Method`] of any type.
+/// A [`OneStepMethod`] of any type.
 pub(super) trait AnyMethod<S: System>: Sync {
     fn system(&self) -> &S;
 
@@ -58,18 +58,18 @@ pub(super) fn increments<S: System>(path: &Recorded, step: usize) -> IncrementsO
     dw
 }
 
-impl<S: System, I: PlainMethod + Method<System = S> + Sync> AnyMethod<S> for I {
+impl<S: System, I: Method<System = S> + Sync> AnyMethod<S> for I {
     fn system(&self) -> &S {
-        Method::system(self)
+        OneStepMethod::system(self)
     }
 
     fn order(&self) -> Option<f64> {
-        Method::order(self)
+        OneStepMethod::order(self)
     }
     fn identity(&self) -> [u64; 2] {
         [
             fingerprint::method(self),
-            fingerprint::parameters(Method::system(self)),
+            fingerprint::parameters(OneStepMethod::system(self)),
         ]
     }
 

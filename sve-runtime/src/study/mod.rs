@@ -33,7 +33,7 @@ use self::reference::Reference;
 use crate::configuration::Coordinates;
 use crate::ensemble::Observed;
 use crate::error::StepError;
-use crate::method::{Method, PlainMethod};
+use crate::method::Method;
 use crate::noise::Recorded;
 use crate::state::State;
 use crate::system::{Dims, StateOf, System};
@@ -176,11 +176,11 @@ where
         self
     }
 
-    /// Adds a method: an [`Integrator`](crate::Integrator), a [`baseline`](crate::baseline), or any other [`Method`].
+    /// Adds a method: an [`Integrator`](crate::Integrator), a [`baseline`](crate::baseline), or any other [`OneStepMethod`].
     #[must_use]
     pub fn method<I>(mut self, name: impl Into<Cow<'a, str>>, method: &'a I) -> Self
     where
-        I: PlainMethod + Method<System = S> + Sync,
+        I: Method<System = S> + Sync,
     {
         self.methods.push((name.into(), method));
         self
@@ -213,7 +213,7 @@ where
     #[must_use]
     pub fn fine<I>(mut self, method: &'a I, factor: usize) -> Self
     where
-        I: PlainMethod + Method<System = S> + Sync,
+        I: Method<System = S> + Sync,
     {
         self.reference = Some(Reference::Fine(method, factor));
         self

@@ -2,11 +2,11 @@
 
 use super::{RefinedTrajectory, Trajectory};
 use crate::error::StepError;
-use crate::method::Method;
+use crate::method::OneStepMethod;
 use crate::noise::Noise;
 use crate::system::StateOf;
 
-impl<I: Method, W: Noise> Trajectory<'_, I, W> {
+impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
     /// Carries the low parts of the state from now on, starting with `low`. A resumed trajectory keeps its own.
     pub(crate) fn carry_low_parts(mut self, low: StateOf<I::System>) -> Self {
         self.low.get_or_insert(low);
@@ -26,7 +26,7 @@ impl<I: Method, W: Noise> Trajectory<'_, I, W> {
     }
 }
 
-impl<I: Method, W: Noise> RefinedTrajectory<'_, I, W> {
+impl<I: OneStepMethod, W: Noise> RefinedTrajectory<'_, I, W> {
     /// Carries the low parts of the state from now on, see [`Trajectory::carry_low_parts`].
     pub(crate) fn carry_low_parts(self, low: StateOf<I::System>) -> Self {
         self.map(|trajectory| trajectory.carry_low_parts(low))

@@ -11,7 +11,7 @@ pub use refined::{RefinedTrajectory, Refinements};
 pub use snapshot::Snapshot;
 
 use crate::error::StepError;
-use crate::method::Method;
+use crate::method::OneStepMethod;
 use crate::noise::{Noise, NoiseError};
 use crate::system::{Increments, StateOf};
 use crate::time::{is_next_time, time_after};
@@ -20,7 +20,7 @@ use crate::time::{is_next_time, time_after};
 ///
 /// Ends after an error, and at the end of a recorded path; otherwise it has no end: `take` as many as needed.
 #[derive(Debug)]
-pub struct Trajectory<'a, I: Method, W> {
+pub struct Trajectory<'a, I: OneStepMethod, W> {
     method: &'a I,
     noise: W,
     state: StateOf<I::System>,
@@ -38,7 +38,7 @@ pub struct Trajectory<'a, I: Method, W> {
     recalled: Vec<f64>,
 }
 
-impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
+impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     pub(crate) fn new(method: &'a I, state: StateOf<I::System>, h: f64, noise: W) -> Self {
         Self {
             start: state.t,
@@ -194,7 +194,7 @@ impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
     }
 }
 
-impl<I: Method, W: Noise> Iterator for Trajectory<'_, I, W> {
+impl<I: OneStepMethod, W: Noise> Iterator for Trajectory<'_, I, W> {
     type Item = Result<StateOf<I::System>, StepError>;
 
     #[inline]

@@ -8,7 +8,7 @@ use sve_runtime::baseline::{
     BackwardEulerMaruyama, EulerMaruyama, Heun, RungeKutta4, TaylorSeries2,
 };
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, PlainMethod, System, Variational};
+use sve_runtime::{Dims, System, Variational};
 
 /// A damped oscillator in a bath: `L = ½v² − ½q²`, `F = −νv`, `γ = σq`.
 struct Ornstein {
@@ -185,7 +185,7 @@ fn linear_friction_contracts_the_symplectic_form_exactly() {
 /// The end of a run of `steps` steps over unit time.
 fn end<M>(method: &M, steps: u32) -> State<[f64; 2]>
 where
-    M: PlainMethod,
+    M: Method,
     M::System: System<Dims = Dims<2, 0>>,
 {
     let mut state = State::new([0.5, -0.3], [0.2, 0.4]);

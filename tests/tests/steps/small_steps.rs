@@ -40,7 +40,7 @@ charges! {
 }
 
 /// Displacement and kick of a step from a state whose numbers are far larger than what it adds.
-fn increment<S, R>(system: S, _rule: R, h: f64) -> [f64; 4]
+fn increment<S, R>(system: &S, _rule: R, h: f64) -> [f64; 4]
 where
     S: StepEquations<R, Increments = [f64; 0]> + System<Dims = Dims<2, 0>>,
 {
@@ -60,10 +60,10 @@ where
     [dq[0], dq[1], dp[0], dp[1]]
 }
 
-fn check<A, B, R: Copy>(literal: A, parameter: B, rule: R)
+fn check<A, B, R: Copy>(literal: &A, parameter: &B, rule: R)
 where
-    A: StepEquations<R, Increments = [f64; 0]> + System<Dims = Dims<2, 0>> + Copy,
-    B: StepEquations<R, Increments = [f64; 0]> + System<Dims = Dims<2, 0>> + Copy,
+    A: StepEquations<R, Increments = [f64; 0]> + System<Dims = Dims<2, 0>>,
+    B: StepEquations<R, Increments = [f64; 0]> + System<Dims = Dims<2, 0>>,
 {
     // the longest crosses a tenth of the well: beyond, the fast path leaves steps to continuation
     for h in [1e-9, 1e-5, 1e-4] {

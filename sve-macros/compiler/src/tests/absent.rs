@@ -44,7 +44,7 @@ fn is_step(item: &syn::ItemImpl) -> bool {
         return false;
     };
     let text = path.to_token_stream().to_string();
-    text.contains(":: StepEquations <") && !text.contains("Whole")
+    text.contains(":: StepEquations <") && !text.contains("Unstructured")
 }
 
 /// The body of `increment`.
@@ -151,7 +151,7 @@ fn the_comparison_leaves_the_step_alone() {
             let both = format!("{rule}, structure = both");
             assert_eq!(step(rule, members), step(&both, members), "{rule}");
             let text = expansion(&both, members).to_string();
-            assert!(text.contains(":: Whole <"), "{text}");
+            assert!(text.contains(":: Unstructured <"), "{text}");
         }
     }
 }

@@ -244,7 +244,7 @@ impl<'a> Printer<'a> {
                 call2_in_lane(function, &of(a), &of(b), &self.private)
             }
             Operation::Call2(function, a, b) => call2(function, &of(a), &of(b), &self.private),
-            Operation::Turn(sin, cos, by) => {
+            Operation::AngleAddition(sin, cos, by) => {
                 let [sin_name, cos_name] = self.names.pair(value).map(|name| ident(&name));
                 let (sin, cos, by, private) = (of(sin), of(cos), of(by), &self.private);
                 let module = self.lanes.then(|| quote!(lane::));

@@ -114,11 +114,11 @@ fn start(unknowns: &[Symbol], symbols: &Symbols) -> TokenStream {
         };
         let i = Literal::usize_unsuffixed(index);
         match family {
-            Family::Displacement | Family::Flow => quote!(0f64),
+            Family::Displacement | Family::AccelerationMultiplier => quote!(0f64),
             Family::Velocity => quote!(velocity[#i]),
             Family::Acceleration => quote!(acceleration[#i]),
             // the multiplier of the velocity is the momentum
-            Family::Momentum | Family::Impulse => quote!(state.p[#i]),
+            Family::Momentum | Family::VelocityMultiplier => quote!(state.p[#i]),
         }
     });
     quote!([#(#entries),*])
@@ -130,7 +130,7 @@ fn rule_type(context: &Context<'_>, derived: &Derived) -> TokenStream {
     let rule = format_ident!("{}", derived.rule.type_name());
     let rule = quote!(#runtime::#rule);
     if derived.is_unstructured {
-        quote!(#runtime::__private::Whole<#rule>)
+        quote!(#runtime::__private::Unstructured<#rule>)
     } else {
         rule
     }
