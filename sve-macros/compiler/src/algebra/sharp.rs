@@ -251,7 +251,7 @@ fn exponent(function: Function, x: Sharp) -> (f64, f64) {
 fn call2(function: Binary, x: Sharp, y: Sharp) -> Sharp {
     let value = function.evaluate_double(x.value, y.value);
     let near = value.nearest();
-    let (dx, dy) = slopes(function, x.value.nearest(), y.value.nearest(), near);
+    let (dx, dy) = function.slopes(x.value.nearest(), y.value.nearest(), near);
     let through = |of_x: f64, of_y: f64| {
         // a slope that is infinite where its argument is exact says nothing
         let part = |slope: f64, bound: f64| {
@@ -271,20 +271,4 @@ fn call2(function: Binary, x: Sharp, y: Sharp) -> Sharp {
         constant_error: through(x.constant_error, y.constant_error),
     }
     .without_digits_if(underflows)
-}
-
-/// The derivatives of a function of two arguments.
-fn slopes(function: Binary, x: f64, y: f64, value: f64) -> (f64, f64) {
-    match function {
-        Binary::Atan2 => {
-            let norm = x * x + y * y;
-            (y / norm, x / norm)
-        }
-        Binary::Hypot => (x / value, y / value),
-        Binary::Pow => (y * value / x, x.ln() * value),
-        Binary::PowLog(n) => {
-            let ln = x.ln();
-            ((y + f64::from(n) / ln) * value / x, ln * value)
-        }
-    }
 }

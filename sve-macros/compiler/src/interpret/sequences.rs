@@ -14,6 +14,7 @@ use super::branches::Undecided;
 use super::calls::Argument;
 use super::conversions::NO_LENGTH;
 use super::fields::FieldPath;
+use super::floats;
 use super::integers::Integer;
 use super::value::Value;
 
@@ -377,7 +378,7 @@ fn not_understood(name: &str) -> String {
         "max" | "min" | "max_by" | "min_by" | "any" | "all" | "position" | "find" => {
             "it is not smooth in the entries"
         }
-        "sin" | "cos" | "tan" | "exp" | "ln" | "sqrt" | "powi" | "powf" | "recip" => {
+        _ if floats::is_smooth_method(name) => {
             return format!(
                 "`{name}` is a function of one number: take an entry, `x[i].{name}(…)`, or write `.map(|x| x.{name}(…))`"
             );
