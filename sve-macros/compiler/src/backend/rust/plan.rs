@@ -68,6 +68,7 @@ pub(super) fn plan(
         #private::Plan {
             system: #system,
             rule: #name,
+            substeps: ::core::option::Option::None,
             degrees_of_freedom: #n,
             noises: #m,
             blocks: &[#(#blocks),*],
