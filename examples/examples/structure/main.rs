@@ -37,7 +37,7 @@ struct Side {
 struct Row {
     scene: String,
     derived: Side,
-    whole: Side,
+    unstructured: Side,
 }
 
 #[derive(Default)]
@@ -65,13 +65,13 @@ where
         .map(|k| core::array::from_fn(|i| wiener.increment(k, i, scene.h)))
         .collect();
     let derived = Runner::new(&scene.derived, scene.start, scene.h, &increments)?;
-    let whole = Runner::new(&scene.whole, scene.start, scene.h, &increments)?;
+    let unstructured = Runner::new(&scene.unstructured, scene.start, scene.h, &increments)?;
     let mut times = [Vec::new(), Vec::new()];
     for _ in 0..RUNS {
         times[0].push(derived.time()?);
-        times[1].push(whole.time()?);
+        times[1].push(unstructured.time()?);
     }
-    let [of_derived, of_whole] = times.map(median);
+    let [of_derived, of_unstructured] = times.map(median);
     Ok(Row {
         scene: format!("{}, `{}`", scene.name, scene.derived.plan().rule),
         derived: Side {
@@ -79,10 +79,10 @@ where
             iterations: iterations(&scene.derived, scene.start, scene.h, &increments)?,
             nanoseconds: of_derived,
         },
-        whole: Side {
+        unstructured: Side {
             facts: Facts::of::<S, Unstructured<R>>(),
-            iterations: iterations(&scene.whole, scene.start, scene.h, &increments)?,
-            nanoseconds: of_whole,
+            iterations: iterations(&scene.unstructured, scene.start, scene.h, &increments)?,
+            nanoseconds: of_unstructured,
         },
     })
 }
@@ -202,9 +202,9 @@ fn cells(row: &Row) -> [String; 10] {
     let Row {
         scene,
         derived,
-        whole,
+        unstructured,
     } = row;
-    let (a, b) = (&whole.facts, &derived.facts);
+    let (a, b) = (&unstructured.facts, &derived.facts);
     let change = |a: &dyn Display, b: &dyn Display| {
         let (a, b) = (a.to_string(), b.to_string());
         if a == b { a } else { format!("{a} → {b}") }
@@ -216,11 +216,17 @@ fn cells(row: &Row) -> [String; 10] {
         change(&a.operations, &b.operations),
         change(&a.calls, &b.calls),
         change(&a.additions, &b.additions),
-        change(&tenths(whole.iterations), &tenths(derived.iterations)),
+        change(
+            &tenths(unstructured.iterations),
+            &tenths(derived.iterations),
+        ),
         b.state.to_string(),
         change(&a.beside, &b.beside),
-        change(&tenths(whole.nanoseconds), &tenths(derived.nanoseconds)),
-        tenths(whole.nanoseconds / derived.nanoseconds),
+        change(
+            &tenths(unstructured.nanoseconds),
+            &tenths(derived.nanoseconds),
+        ),
+        tenths(unstructured.nanoseconds / derived.nanoseconds),
     ]
 }
 

@@ -175,7 +175,7 @@ impl Chain {
 pub(crate) struct Scene<S: System, R> {
     pub(crate) name: &'static str,
     pub(crate) derived: Integrator<S, R>,
-    pub(crate) whole: Integrator<S, Unstructured<R>>,
+    pub(crate) unstructured: Integrator<S, Unstructured<R>>,
     pub(crate) start: StateOf<S>,
     pub(crate) h: f64,
 }
@@ -198,7 +198,7 @@ where
     Scene {
         name,
         derived: Integrator::new(system, rule),
-        whole: Integrator::new(system, Unstructured(rule)),
+        unstructured: Integrator::new(system, Unstructured(rule)),
         start,
         h,
     }

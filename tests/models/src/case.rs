@@ -170,9 +170,9 @@ where
         h: f64,
         dw: &[f64],
     ) -> Result<(), StepError> {
-        let whole = Integrator::new(self.0.system().clone(), Unstructured(*self.0.rule()));
+        let integrator = Integrator::new(self.0.system().clone(), Unstructured(*self.0.rule()));
         let mut typed = state.state();
-        let result = whole.step(&mut typed, h, &array(dw));
+        let result = integrator.step(&mut typed, h, &array(dw));
         *state = Point::of(&typed);
         result
     }

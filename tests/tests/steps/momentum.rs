@@ -1,5 +1,5 @@
-//! Noether's theorem of the discrete step: what a declared symmetry gives stays, to rounding, whatever the step size, with noise
-//! too, where its generator is affine.
+//! Noether's theorem of the discrete step: if the generator of a symmetry is affine, steps of any size conserve its momentum to rounding,
+//! with noise too.
 //!
 //! Bound: a step rounds each p once in its last addition, and its equations hold to a few units of rounding (Newton's
 //! tolerance is two), so the momentum changes by about 4ε times the size of its terms. These are as good as independent from step
@@ -18,7 +18,7 @@ fn size_of<Q: Coordinates<N>, const N: usize>(state: &State<Q>) -> f64 {
     largest(state.q.coordinates()).max(1.0) * largest(Q::components(&state.p))
 }
 
-/// Follows `momentum`. The largest drift in units of the bound.
+/// Returns the largest drift of `momentum` in units of the bound.
 fn drift<S, R, Q, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     start: State<Q>,
