@@ -57,13 +57,13 @@ impl Distribution {
         Self((1..=ORDERS).map(of).collect())
     }
 
-    /// The exact solution's.
+    /// Returns the distribution of the exact solution.
     fn exact() -> Self {
         Self::normal(KUBO.a * TIME, KUBO.sigma.powi(2) * TIME)
     }
 
-    /// The exact solution's with what a step of the midpoint rule loses to first order: x³/12, so aσ²h/4 of the mean and σ⁴h/2 of the
-    /// variance in unit time.
+    /// Returns the distribution of the exact solution, corrected by the leading error of the midpoint rule: a step lags by x³/12, so in
+    /// unit time the mean by aσ²h/4 and the variance by σ⁴h/2.
     fn expanded() -> Self {
         let (a, square) = (KUBO.a, KUBO.sigma.powi(2));
         Self::normal(
@@ -72,7 +72,7 @@ impl Distribution {
         )
     }
 
-    /// That of the midpoint rule.
+    /// Returns the distribution of the midpoint rule.
     fn midpoint() -> Self {
         let (mean, deviation) = (KUBO.a * H, KUBO.sigma * H.sqrt());
         let of = |k: usize| {
@@ -93,7 +93,7 @@ impl Distribution {
         (1.0 + self.0.iter().enumerate().map(term).sum::<f64>()) / TAU
     }
 
-    /// Probability of an interval: the series, integrated.
+    /// Returns the probability of an interval, by integrating the series.
     fn probability(&self, from: f64, to: f64) -> f64 {
         let term = |(k, (re, im)): (usize, &(f64, f64))| {
             let k = (k + 1) as f64;

@@ -1,4 +1,4 @@
-//! Ensembles of a hundred thousand paths against what is known exactly: growth of the mean energy, law of a phase, rate of escape.
+//! Ensembles of a hundred thousand paths against exact results: growth of the mean energy, distribution of a phase, rate of escape.
 //!
 //! Input: seed, number of paths, folder. Output: SVG figures, `index.html` with them and their numbers, the same numbers with their
 //! z-scores on the terminal; status 1 where one is off. `cargo run --release --example ensemble -- --help` lists options.
@@ -66,8 +66,8 @@ pub(crate) fn mean(
     )
 }
 
-/// A number against one that it is not expected to equal: they differ by something known, at most `known`, besides the scatter. The
-/// text says both parts of the difference, and no z, which would be large where all is well.
+/// Compares a number with a reference from which it differs by a known bias, at most `known`, and by scatter. The text gives both parts
+/// of the difference. It gives no z-score, which the bias would make large.
 pub(crate) fn known_difference(
     what: impl AsRef<str>,
     measured: f64,
