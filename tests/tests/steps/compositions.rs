@@ -104,9 +104,9 @@ fn has_order<S, R, const N: usize, const M: usize>(
     let (first, last) = (error(coarse), error(fine));
     let slope = (first / last).ln() / (f64::from(fine) / f64::from(coarse)).ln();
     let expected = f64::from(method.plan().deterministic_order);
-    // the error of the reference is a few per cent of the last one at order 4
+    // At step sizes whose errors are above rounding, the next term of the error changes the slope by a few per cent.
     assert!(
-        (slope - expected).abs() < 0.25,
+        (slope - expected).abs() < 0.06 * expected,
         "{}: order {slope} for {expected}, errors {first:e} and {last:e}",
         method.plan().structure()
     );

@@ -1,5 +1,5 @@
-//! One error for each mistake: how many an expansion reports, and that nothing of a mistaken function is left for the compiler
-//! to report again.
+//! One error for each mistake: the number of errors of an expansion, and the replacement of wrong functions, about which the compiler of
+//! Rust would report a second error.
 
 use proc_macro2::TokenStream;
 
@@ -196,7 +196,7 @@ fn mistaken_functions_lose_their_bodies_and_others_keep_them() {
 }
 
 #[test]
-fn own_lengths_are_mended() {
+fn own_lengths_are_replaced() {
     let output = rest(
         "const N: usize = 2; fn lagrangian(&self, q: [f64; 2 * N], v: [[f64; N]; (N)]) -> f64 { v[0][0] }",
     );
