@@ -28,4 +28,4 @@ rules! {
 /// compare derived steps with it; the attribute derives it with `structure = both`.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Whole<R>(pub R);
+pub struct Unstructured<R>(pub R);

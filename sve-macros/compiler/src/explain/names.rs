@@ -99,8 +99,8 @@ pub(crate) fn unknown(symbols: &Symbols, symbol: Symbol) -> String {
         Family::Velocity => "v",
         Family::Momentum => "p",
         Family::Acceleration => "a",
-        Family::Impulse => "μ",
-        Family::Flow => "ν",
+        Family::VelocityMultiplier => "μ",
+        Family::AccelerationMultiplier => "ν",
     };
     component(letter, index, coordinates(symbols))
 }

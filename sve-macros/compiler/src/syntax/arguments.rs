@@ -17,7 +17,7 @@ pub(crate) struct Arguments {
     pub(crate) runtime: syn::Path,
     /// Whether each rule is derived a second time without its structure, which `structure = both` asks for: a comparison for
     /// tests and benchmarks of this project, which no message offers to users.
-    pub(crate) compared: bool,
+    pub(crate) derives_unstructured: bool,
 }
 
 /// A rule in the attribute, with the places of its tokens.
@@ -40,7 +40,7 @@ impl Arguments {
         let mut read = Self {
             rules: Vec::new(),
             runtime: syn::parse_quote!(::sve_runtime),
-            compared: false,
+            derives_unstructured: false,
         };
         let before = errors.count();
         let parsed = (|input: ParseStream<'_>| read.entries(all, input, errors)).parse2(attribute);
@@ -82,7 +82,7 @@ impl Arguments {
                     syn::Error::new(e.span(), message)
                 })?;
                 if name == "structure" && is_both(input) {
-                    self.compared = true;
+                    self.derives_unstructured = true;
                     input.parse::<Token![=]>()?;
                     input.parse::<Ident>()?;
                 } else {

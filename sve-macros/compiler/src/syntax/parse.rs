@@ -14,16 +14,17 @@ use crate::syntax::arguments::Arguments;
 use crate::syntax::roles::{Role, take_roles};
 use crate::syntax::signature;
 
-/// A function that plays a role in mechanics, taken apart.
-pub(crate) struct Part {
+/// A function with a role in mechanics, parsed.
+pub(crate) struct RoleFunction {
     pub(crate) name: Ident,
     pub(crate) role: Role,
     /// Pattern and type of the arguments after `&self`.
     pub(crate) arguments: Vec<(Pat, Type)>,
-    /// Whether the first of them is the time.
-    pub(crate) timed: bool,
+    /// Whether the first argument is the time.
+    pub(crate) is_timed: bool,
     pub(crate) output: Type,
-    pub(crate) function: Rc<ImplItemFn>,
+    /// The function as it is written.
+    pub(crate) item: Rc<ImplItemFn>,
 }
 
 /// The user's block, sorted.
@@ -31,12 +32,12 @@ pub(crate) struct Annotated {
     pub(crate) arguments: Arguments,
     /// The block, emptied of its members.
     pub(crate) item: ItemImpl,
-    pub(crate) lagrangian: Part,
+    pub(crate) lagrangian: RoleFunction,
     /// `#[gamma]` and `#[h1]` functions in source order.
-    pub(crate) noises: Vec<Part>,
+    pub(crate) noises: Vec<RoleFunction>,
     /// `#[force]` functions, which add up.
-    pub(crate) forces: Vec<Part>,
-    pub(crate) symmetries: Vec<Part>,
+    pub(crate) forces: Vec<RoleFunction>,
+    pub(crate) symmetries: Vec<RoleFunction>,
     /// All functions, for any can be called from another.
     pub(crate) functions: Vec<Rc<ImplItemFn>>,
     pub(crate) constants: Vec<ImplItemConst>,
@@ -45,7 +46,7 @@ pub(crate) struct Annotated {
 impl Annotated {
     /// The type of the coordinates, as the Lagrangian's first vector argument has it.
     pub(crate) fn coordinates(&self) -> &Type {
-        &self.lagrangian.arguments[usize::from(self.lagrangian.timed)].1
+        &self.lagrangian.arguments[usize::from(self.lagrangian.is_timed)].1
     }
 }
 
@@ -75,10 +76,16 @@ pub(crate) fn annotated(
                 match role {
                     Role::Helper => {}
                     // one that cannot be read is there nevertheless
-                    Role::Lagrangian => lagrangians.push(errors.keep(part(&function, role))),
-                    Role::Gamma | Role::H1 => noises.extend(errors.keep(part(&function, role))),
-                    Role::Force => forces.extend(errors.keep(part(&function, role))),
-                    Role::Symmetry => symmetries.extend(errors.keep(part(&function, role))),
+                    Role::Lagrangian => {
+                        lagrangians.push(errors.keep(role_function(&function, role)))
+                    }
+                    Role::Gamma | Role::H1 => {
+                        noises.extend(errors.keep(role_function(&function, role)))
+                    }
+                    Role::Force => forces.extend(errors.keep(role_function(&function, role))),
+                    Role::Symmetry => {
+                        symmetries.extend(errors.keep(role_function(&function, role)))
+                    }
                 }
                 errors.leave(outer);
                 functions.push(function);
@@ -158,8 +165,8 @@ fn check_block(item: &ItemImpl, errors: &mut Errors) {
     }
 }
 
-/// Takes a function apart, or says what its signature should be.
-fn part(function: &Rc<ImplItemFn>, role: Role) -> syn::Result<Part> {
+/// Parses a function with a role. The error says what its signature should be.
+fn role_function(function: &Rc<ImplItemFn>, role: Role) -> syn::Result<RoleFunction> {
     let sig = &function.sig;
     let expected = format!("expected `{}` (`t: f64` may come first)", role.signature());
     if !sig.generics.params.is_empty() {
@@ -183,18 +190,18 @@ fn part(function: &Rc<ImplItemFn>, role: Role) -> syn::Result<Part> {
             FnArg::Receiver(_) => None,
         })
         .collect();
-    let timed = signature::is_timed(&sig.ident, role, &arguments, &expected)?;
+    let is_timed = signature::is_timed(&sig.ident, role, &arguments, &expected)?;
     let ReturnType::Type(_, output) = &sig.output else {
         let message = format!("`{}` returns nothing: {expected}", sig.ident);
         return Err(syn::Error::new(sig.ident.span(), message));
     };
-    Ok(Part {
+    Ok(RoleFunction {
         name: sig.ident.clone(),
         role,
         arguments,
-        timed,
+        is_timed,
         output: (**output).clone(),
-        function: Rc::clone(function),
+        item: Rc::clone(function),
     })
 }
 
@@ -205,11 +212,11 @@ fn qualifier(sig: &syn::Signature) -> Option<(Span, &'static str)> {
         syn::Safety::Unsafe(word) => Some((word.span, "unsafe")),
         _ => None,
     };
-    let is_foreign = sig
+    let is_extern = sig
         .abi
         .as_ref()
         .map(|abi| (abi.extern_token.span, "extern"));
-    is_async.or(is_unsafe).or(is_foreign)
+    is_async.or(is_unsafe).or(is_extern)
 }
 
 fn is_shared(receiver: &syn::Receiver) -> bool {
