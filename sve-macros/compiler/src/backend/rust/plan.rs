@@ -45,7 +45,7 @@ pub(super) fn plan(
     let [terms, motion, action, equations] = texts.map(|text| verbatim(text));
     let self_ty = &block.item.self_ty;
     let system = quote!(#self_ty).to_string();
-    let (name, order) = (rule.attribute_name(), rule.deterministic_order());
+    let (name, order) = (rule.name(), rule.deterministic_order());
     let (n, m) = (model.dof(), model.noises.len());
     let strong = match &mechanics.commutation {
         _ if m == 0 => quote!(Deterministic),

@@ -1,7 +1,7 @@
 //! `impl StepEquations<Rule>`: what surrounds a step.
 
 use proc_macro2::{Literal, TokenStream};
-use quote::{format_ident, quote};
+use quote::{ToTokens, quote};
 
 use super::lanes::lanes;
 use super::linearise::linearise;
@@ -126,9 +126,8 @@ fn start(unknowns: &[Symbol], symbols: &Symbols) -> TokenStream {
 
 /// The rule, or the type that stands for its step without structure.
 fn rule_type(context: &Context<'_>, derived: &Derived) -> TokenStream {
-    let runtime = &context.block.arguments.runtime;
-    let rule = format_ident!("{}", derived.rule.type_name());
-    let rule = quote!(#runtime::#rule);
+    let runtime = context.block.arguments.runtime.to_token_stream();
+    let rule = super::rule_type(derived.rule, &runtime);
     if derived.is_unstructured {
         quote!(#runtime::__private::Unstructured<#rule>)
     } else {

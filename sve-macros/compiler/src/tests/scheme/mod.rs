@@ -34,7 +34,8 @@ struct Case {
 impl Case {
     fn new(seed: u64, momenta: bool) -> Self {
         let random = &mut Random(seed);
-        let rule = Rule::ALL[seed as usize % Rule::ALL.len()];
+        let rules = Rule::all();
+        let rule = rules[seed as usize % rules.len()];
         let (system, point) = loop {
             let (system, point) = System::random(random, momenta);
             if rule.takes_noise() || point.dw.is_empty() {
