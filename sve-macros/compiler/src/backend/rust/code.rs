@@ -17,7 +17,7 @@ const LARGE: usize = 7;
 const SPARSE: usize = 4;
 
 /// Variables of emitted code that are no values of the program.
-const DECLARED: [&str; 31] = [
+const DECLARED: [&str; 33] = [
     "q",
     "v",
     "p",
@@ -49,6 +49,8 @@ const DECLARED: [&str; 31] = [
     "unknowns",
     "rhs",
     "solution",
+    "memory",
+    "carried",
 ];
 
 /// Prints a program.

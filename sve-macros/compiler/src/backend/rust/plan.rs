@@ -61,9 +61,11 @@ pub(super) fn plan(
     let Work {
         prepare,
         step,
+        carried,
         iteration,
     } = work;
-    let [prepare, step, iteration] = [prepare, step, iteration].map(|w| operations(private, w));
+    let [prepare, step, carried, iteration] =
+        [prepare, step, carried, iteration].map(|w| operations(private, w));
     quote! {
         #private::Plan {
             system: #system,
@@ -77,6 +79,7 @@ pub(super) fn plan(
             conserved: &[#(#conserved),*],
             prepare: #prepare,
             step: #step,
+            carried: #carried,
             iteration: #iteration,
             formulas: #private::Formulas {
                 system: #terms,
