@@ -10,6 +10,7 @@
 
 mod angles;
 mod costs;
+mod factors;
 mod instructions;
 mod labels;
 mod loops;
@@ -22,6 +23,7 @@ mod sums;
 pub(crate) mod tests;
 
 pub(crate) use costs::{Operations, Work};
+pub(crate) use factors::Factored;
 pub(crate) use instructions::{Operation, Program, Tier, Value, operands};
 pub(crate) use labels::Labels;
 pub(crate) use loops::{Loops, in_lanes};

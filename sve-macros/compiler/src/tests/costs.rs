@@ -88,6 +88,10 @@ impl<'a> Visit<'a> for Counter {
                     if name == "solve" || name == "solve_with_sign" {
                         self.add(ARITHMETIC, solve(&call.args[0]));
                     }
+                    if name == "factored" {
+                        let size = dense_size(&call.args[0]);
+                        self.add(ARITHMETIC, dense(size) - substitution(size));
+                    }
                     self.call(&function.path);
                 }
             }
@@ -97,6 +101,15 @@ impl<'a> Visit<'a> for Counter {
                 self.visit_expr(evaluation);
                 self.is_inside = false;
                 return;
+            }
+            Expr::MethodCall(call) if call.method == "solve" => {
+                let Expr::Reference(rhs) = &call.args[0] else {
+                    panic!("no right-hand side");
+                };
+                let Expr::Array(rhs) = &*rhs.expr else {
+                    panic!("no right-hand side");
+                };
+                self.add(ARITHMETIC, substitution(rhs.elems.len()));
             }
             Expr::Struct(literal) => {
                 let is_jacobian = |m: &Member| matches!(m, Member::Named(n) if n == "jacobian");
@@ -124,17 +137,7 @@ impl<'a> Visit<'a> for Counter {
 fn solve(matrix: &Expr) -> usize {
     match matrix {
         Expr::Reference(reference) => solve(&reference.expr),
-        Expr::Array(rows) => dense(rows.elems.len()),
-        // `{ let mut entries = [[0f64; K]; K]; … }`
-        Expr::Block(block) => {
-            let Some(Stmt::Local(local)) = block.block.stmts.first() else {
-                panic!("no entries");
-            };
-            match &*local.init.as_ref().expect("zeros").expr {
-                Expr::Repeat(rows) => dense(number(&rows.len)),
-                _ => panic!("no matrix"),
-            }
-        }
+        Expr::Array(_) | Expr::Block(_) => dense(dense_size(matrix)),
         Expr::Call(call) => {
             let Expr::Path(function) = &*call.func else {
                 panic!("no matrix");
@@ -161,6 +164,34 @@ fn solve(matrix: &Expr) -> usize {
         }
         _ => panic!("no matrix"),
     }
+}
+
+/// The number of rows of a dense matrix.
+fn dense_size(matrix: &Expr) -> usize {
+    match matrix {
+        Expr::Reference(reference) => dense_size(&reference.expr),
+        Expr::Array(rows) => rows.elems.len(),
+        // `{ let mut entries = [[0f64; K]; K]; … }`
+        Expr::Block(block) => {
+            let Some(Stmt::Local(local)) = block.block.stmts.first() else {
+                panic!("no entries");
+            };
+            match &*local.init.as_ref().expect("zeros").expr {
+                Expr::Repeat(rows) => number(&rows.len),
+                _ => panic!("no matrix"),
+            }
+        }
+        _ => panic!("no dense matrix"),
+    }
+}
+
+/// `Factors::solve` of the runtime.
+fn substitution(k: usize) -> usize {
+    let mut operations = 0;
+    for row in 0..k {
+        operations += 2 * row + 2 * (k - row - 1) + 1;
+    }
+    operations
 }
 
 fn number(literal: &Expr) -> usize {
@@ -330,4 +361,52 @@ fn a_diagonal_mass_matrix_costs_a_division_per_unknown() {
     // the second stage of the guess, and q and p at the end: in proportion to the number of masses
     assert!(sums < 14 * 12, "{step:?}");
     assert!(iteration.0[ARITHMETIC] > banded(12, 1, 3), "{iteration:?}");
+}
+
+/// A full mass matrix of parameters beside a quartic potential: its factors are those of `prepare`, and the step has only substitutions
+/// before its iteration.
+#[test]
+fn a_constant_mass_matrix_is_factored_in_prepare() {
+    let block = |mass: &str| {
+        format!(
+            "impl Coupled {{
+                fn lagrangian(&self, q: [f64; 3], v: [f64; 3]) -> f64 {{
+                    let mut l = 0.0;
+                    for i in 0..3 {{
+                        l += 0.5 * self.m * v[i] * v[i] - 0.25 * self.a * q[i].powi(4);
+                        for j in 0..i {{ l += {mass} * v[i] * v[j] - 0.1 * q[i] * q[j]; }}
+                    }}
+                    l
+                }}
+            }}"
+        )
+    };
+    let expand = |mass: &str| {
+        let rule = "initial_point, midpoint".parse().expect("rules");
+        expand(&rule, &block(mass).parse().expect("a block"))
+    };
+    let constant = expand("self.c");
+    compare("constant", &constant);
+    let calls = |expansion: &TokenStream, name: &str| {
+        let text = expansion.to_string();
+        ["fn prepare", "fn increment ", "fn increment_lanes"].map(|function| {
+            let parts = text.split(function).skip(1);
+            let of_part = |part: &str| {
+                let end = part.find(" fn ").unwrap_or(part.len());
+                part[..end].matches(name).count()
+            };
+            parts.map(of_part).collect::<Vec<_>>()
+        })
+    };
+    // once in `prepare` and once before the loops over lanes; the step has its fallback's solve
+    assert_eq!(
+        calls(&constant, ":: factored ("),
+        [[1, 1], [0, 0], [1, 1]].map(Vec::from)
+    );
+    let varying = expand("self.c * q[0].cos()");
+    compare("varying", &varying);
+    assert_eq!(
+        calls(&varying, ":: factored ("),
+        [[0, 0], [1, 1], [0, 0]].map(Vec::from)
+    );
 }

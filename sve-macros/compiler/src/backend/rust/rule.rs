@@ -38,7 +38,6 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
         body,
         work,
     } = code(derived, &private, context);
-    let prepared = Literal::usize_unsuffixed(prepared);
     let plan = plan(&private, context, derived, texts, &work);
     let returns = match scheme.returns {
         Returns::Increment => quote!(Increment),
@@ -56,12 +55,12 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
         #doc
         #attributes
         impl #private::Variational<#rule_type> for #self_ty {
-            type Prepared = [f64; #prepared];
+            type Prepared = #prepared;
             const PLAN: &'static #private::Plan = &#plan;
             const RETURNS: #private::Returns = #private::Returns::#returns;
             /// What depends on parameters and step size alone.
             #[inline]
-            fn prepare(&self, h: f64) -> [f64; #prepared] {
+            fn prepare(&self, h: f64) -> #prepared {
                 #prepare
             }
             #domain
@@ -78,7 +77,7 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
             #[inline]
             fn increment(
                 &self,
-                prepared: &[f64; #prepared],
+                prepared: &#prepared,
                 state: &#private::State<[f64; #n]>,
                 h: f64,
                 dw: &[f64; #m],

@@ -4,6 +4,7 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use super::code::Printer;
+use super::factors::Factors;
 use super::ident;
 use super::solve::Solver;
 use crate::algebra::{Arena, Expr, Symbol};
@@ -13,8 +14,8 @@ use crate::system::model::{Meaning, Symbols};
 
 /// The code of a step.
 pub(super) struct Code {
-    /// Numbers that `prepare` returns.
-    pub(super) prepared: usize,
+    /// The type that `prepare` returns.
+    pub(super) prepared: TokenStream,
     /// The body of `prepare`.
     pub(super) prepare: TokenStream,
     /// The body of `increment`.
@@ -36,12 +37,15 @@ pub(super) fn code(
     let mut printer = Printer::new(&step.program, symbols, &step.labels, private);
     let kept = printer.split_prepared(&results);
     let (prepare, array) = (printer.prepare(), printer.array(&kept));
+    let factors = Factors::new(&step);
     let solver = Solver {
         private,
         printer: &printer,
         symbols,
         arena,
+        factors: &factors,
     };
+    let (kept, array, open) = factors.beside(&kept, &array, &printer, private);
     let load = printer.load(&results);
     let start = [Tier::Noise, Tier::State].map(|tier| printer.statements(tier));
     let mut first = 0;
@@ -66,10 +70,11 @@ pub(super) fn code(
     let unknowns = unknowns.iter().map(|&s| ident(&symbol_name(symbols, s)));
     let time = uses_time(&step.program, symbols).then(|| quote!(let time = state.t;));
     Code {
-        prepared: kept.len(),
+        prepared: kept,
         prepare: quote!(#prepare #array),
         body: quote! {
             #time
+            #open
             #load
             #(#start)*
             #(#blocks)*
