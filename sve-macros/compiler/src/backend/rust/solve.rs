@@ -109,7 +109,7 @@ impl Solver<'_> {
         // the matrix of the guess is the one of the limit
         let (oriented, origin) = match (limit, &factors) {
             (Some(_), None) => (quote!(origin), quote!(origin)),
-            (Some(_), Some(_)) => (quote!(_), quote!(factors.sign())),
+            (Some(_), Some(_)) => (quote!(factors), quote!(factors.sign())),
             (None, _) => (quote!(_), quote!(#private::DeterminantSign::UNKNOWN)),
         };
         let limit = judge.as_ref().map(|judge| {
@@ -126,22 +126,15 @@ impl Solver<'_> {
             let names = names(&j.limit, symbols);
             quote!(let #names = limit;)
         });
-        let start = quote!(({ #guessed }, #origin, #limit));
-        let (attempt, found, start) = match factors {
-            Some(factors) => (
-                factors,
-                quote!(ref factors),
-                quote!({ let guess = factors.solve(&#rhs); #start }),
-            ),
-            None => (
-                quote!(#private::solve_with_sign(&#matrix, &#rhs)),
-                quote!((guess, #oriented)),
-                start,
-            ),
+        let attempt = match factors {
+            Some(factors) => {
+                quote!(#factors.as_ref().map(|factors| (factors.solve(&#rhs), factors)))
+            }
+            None => quote!(#private::solve_with_sign(&#matrix, &#rhs)),
         };
         quote! {
             let (guess, origin, limit) = match #attempt {
-                ::core::option::Option::Some(#found) => #start,
+                ::core::option::Option::Some((guess, #oriented)) => ({ #guessed }, #origin, #limit),
                 ::core::option::Option::None => (#rest, #private::DeterminantSign::UNKNOWN, [f64::NAN; #size]),
             };
             let fallback = || { #fallback };
