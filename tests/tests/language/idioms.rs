@@ -177,6 +177,27 @@ feature! {
     }
 }
 
+/// A module of the user that has the name of the standard library's.
+mod consts {
+    pub(super) const G0: f64 = 9.806_65;
+    pub(super) const TAU: f64 = std::f64::consts::TAU;
+}
+
+feature! {
+    constants_of_a_module_of_the_same_name, ConstantsOfAModuleOfTheSameName { k: f64 = 0.7 },
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        v[0].powi(2) + v[1].powi(2) - self.k * (consts::TAU * q[0]).cos() - consts::G0 * q[1].sin()
+    }
+}
+
+feature! {
+    constants_of_an_imported_module, ConstantsOfAnImportedModule { k: f64 = 0.7 },
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        use std::f64::consts;
+        consts::LN_2 * v[0].powi(2) + v[1].powi(2) - self.k * (consts::TAU * q[0]).cos() * q[1].sin()
+    }
+}
+
 feature! {
     all_constants_at_once, AllConstantsAtOnce { k: f64 = 0.7 },
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
