@@ -2,7 +2,6 @@
 
 use std::f64::consts;
 
-use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::Lowering;

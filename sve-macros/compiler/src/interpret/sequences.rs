@@ -177,6 +177,15 @@ impl Lowering<'_> {
                 let pair = |(i, item)| Value::Tuple(vec![Value::Field(path.index(i)), item]);
                 Value::Sequence(others.into_iter().enumerate().map(pair).collect())
             }
+            ("map" | "fold", _) => {
+                let vector = self.example_of_vector();
+                let (of_array, name) = (no_length(path), super::readable(&path.access()));
+                let message = format!(
+                    "{of_array} of a vector write `let {}: {vector} = {name};`",
+                    path.name()
+                );
+                self.refuse(&call.method, message)
+            }
             _ => self.refuse(&call.method, no_length(path)),
         }
     }

@@ -5,7 +5,7 @@ use syn::ExprMethodCall;
 
 use super::formulas::MINORS;
 use super::table::{Given, Gives, METHODS, Method, Receiver, Takes};
-use super::{Kind, Matrix, MatrixType, refused, unknown_type};
+use super::{Kind, Matrix, MatrixType, refused, unknown_type, views};
 use crate::algebra::Expr;
 use crate::interpret::Lowering;
 use crate::interpret::calls::Argument;
@@ -157,6 +157,10 @@ impl Lowering<'_> {
         at: Span,
     ) -> Option<Value> {
         let name = call.method.to_string();
+        if views::is_method(&name, call.turbofish.is_some()) {
+            let example = self.example_of_part(&name);
+            return Some(self.refuse(&at, unknown_type(path, &example)));
+        }
         let is_of_numbers = floats::is_method(&name) || floats::other_name(&name).is_some();
         if refused::is_listed(&name) && !is_of_numbers {
             return Some(self.refuse(&at, refused::refusal(&name)));
@@ -180,6 +184,21 @@ impl Lowering<'_> {
         };
         let receiver = Matrix::of_field(path, ty);
         self.tabled_method(call, &receiver, &arguments, at)
+    }
+
+    /// A vector that a parameter may be, for messages.
+    pub(in crate::interpret) fn example_of_vector(&mut self) -> String {
+        self.example_of_type(None)
+    }
+
+    /// A type that a parameter may have whose part, entries or size are asked for.
+    fn example_of_part(&mut self, name: &str) -> String {
+        let example = self.example_of_vector();
+        if views::is_of_matrices(name) {
+            example.replacen("Vector", "Matrix", 1)
+        } else {
+            example
+        }
     }
 
     /// What to say of a method of vectors that is called on a number.
