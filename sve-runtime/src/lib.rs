@@ -275,7 +275,7 @@ pub mod __private {
         pub use crate::solve::diagonal::solve_in_lane as solve_diagonal;
     }
     pub use crate::linearisation::{Entries, Linearisation};
-    pub use crate::parameter::number;
+    pub use crate::parameter::{entry, number};
     pub use crate::plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
     pub use crate::power::power_log;
     pub use crate::rules::Whole;

@@ -210,9 +210,13 @@ pub(super) fn entry_of_field(
     column: usize,
 ) -> FieldPath {
     let is_row_or_column = ty.rows.min(ty.columns) == 1 && ty.kind != Kind::Rotation;
-    if is_row_or_column && path.is_converted() {
-        // arrays have no `.x`
-        return path.index(row + column);
+    if path.is_converted() {
+        // arrays have neither `.x` nor `[(row, column)]`
+        return if is_row_or_column {
+            path.index(row + column)
+        } else {
+            path.pair(row, column)
+        };
     }
     let entry = match COMPONENTS.get(row + column) {
         Some(name) if is_row_or_column && ty.len() <= COMPONENTS.len() => path.component(name),
