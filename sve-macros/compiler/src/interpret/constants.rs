@@ -74,20 +74,9 @@ impl Lowering<'_> {
             [module @ .., name]
                 if let Some(certainty) = self.standard_constants(module)
                     && (certainty == Certainty::Sure || float_constant(name).is_some()) =>
-            match float_constant(name) {
-                Some(value) => {
-                    if certainty == Certainty::ByName {
-                        self.read_as_standard(&expr.path, value);
-                    }
-                    Value::Scalar(self.arena.constant(value))
-                }
-                None => {
-                    let near = nearest(name, CONSTANTS.iter().map(|c| c.0))
-                        .map(|near| format!("; did you mean `{near}`?"))
-                        .unwrap_or_default();
-                    self.refuse(&expr.path.segments.last(), format!("there is no constant `{name}` in `std::f64::consts`{near}"))
-                }
-            },
+            {
+                self.standard_constant(&expr.path, name, certainty)
+            }
             ["f64", "EPSILON"] => Value::Scalar(self.arena.constant(f64::EPSILON)),
             ["f64", "MIN_POSITIVE"] => Value::Scalar(self.arena.constant(f64::MIN_POSITIVE)),
             ["f64", "MAX" | "MIN" | "INFINITY" | "NEG_INFINITY" | "NAN"] => {
@@ -122,6 +111,21 @@ impl Lowering<'_> {
         } else {
             Certainty::ByName
         })
+    }
+
+    /// A constant of `std::f64::consts`.
+    fn standard_constant(&mut self, path: &syn::Path, name: &str, certainty: Certainty) -> Value {
+        let Some(value) = float_constant(name) else {
+            let near = nearest(name, CONSTANTS.iter().map(|c| c.0))
+                .map(|near| format!("; did you mean `{near}`?"))
+                .unwrap_or_default();
+            let message = format!("there is no constant `{name}` in `std::f64::consts`{near}");
+            return self.refuse(&path.segments.last(), message);
+        };
+        if certainty == Certainty::ByName {
+            self.read_as_standard(path, value);
+        }
+        Value::Scalar(self.arena.constant(value))
     }
 
     /// Notes a path that has to be checked: generated code compares its value with the one that it is read as.

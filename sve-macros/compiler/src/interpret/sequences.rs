@@ -179,12 +179,9 @@ impl Lowering<'_> {
             }
             ("map" | "fold", _) => {
                 let vector = self.example_of_vector();
-                let (of_array, name) = (no_length(path), super::readable(&path.access()));
-                let message = format!(
-                    "{of_array} of a vector write `let {}: {vector} = {name};`",
-                    path.name()
-                );
-                self.refuse(&call.method, message)
+                let (name, field) = (path.name(), super::readable(&path.access()));
+                let of_vector = format!(" of a vector write `let {name}: {vector} = {field};`");
+                self.refuse(&call.method, no_length(path) + &of_vector)
             }
             _ => self.refuse(&call.method, no_length(path)),
         }

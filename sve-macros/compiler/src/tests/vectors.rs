@@ -562,6 +562,11 @@ const MISTAKES: &[(&str, &str, &str)] = &[
         "the type of `self.g` is not known",
     ),
     (
+        "use physics::consts; q.x",
+        "consts",
+        "imported within this body",
+    ),
+    (
         "self.g.map(|x| x * x).sum()",
         "map",
         "of a vector write `let g: Vector3<f64> = self.g;`",

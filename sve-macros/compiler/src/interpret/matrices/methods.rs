@@ -4,8 +4,9 @@ use proc_macro2::Span;
 use syn::ExprMethodCall;
 
 use super::formulas::MINORS;
+use super::refused::unknown_type;
 use super::table::{Given, Gives, METHODS, Method, Receiver, Takes};
-use super::{Kind, Matrix, MatrixType, refused, unknown_type, views};
+use super::{Kind, Matrix, MatrixType, refused, views};
 use crate::algebra::Expr;
 use crate::interpret::Lowering;
 use crate::interpret::calls::Argument;

@@ -391,12 +391,3 @@ fn sum(arena: &mut Arena, terms: &[Expr]) -> Expr {
     };
     terms.fold(first, |sum, term| arena.add(sum, term))
 }
-
-/// What to say of a parameter whose type is needed and not known.
-pub(super) fn unknown_type(path: &FieldPath, example: &str) -> String {
-    let name = super::readable(&path.access());
-    format!(
-        "the type of `{name}` is not known to the macro: name it, `let {}: {example} = {name};`",
-        path.name()
-    )
-}
