@@ -89,6 +89,7 @@ mod error;
 mod file;
 #[cfg(feature = "serde")]
 mod floats;
+mod gauss;
 mod integrator;
 mod jets;
 mod lanes;
@@ -119,7 +120,7 @@ pub use method::Method;
 /// Vectors, matrices and rotations, in the version that this crate uses.
 pub use nalgebra;
 pub use plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
-pub use rules::{Endpoint, InitialPoint, Midpoint, StormerVerlet, Taylor2};
+pub use rules::{Endpoint, Gauss, InitialPoint, Midpoint, StormerVerlet, Taylor2};
 pub use solve::newton::{BlockSolver, Newton};
 pub use state::State;
 /// A system with time-dependent L, a helper, a constant, a parameter array and two noises:
@@ -253,7 +254,7 @@ pub mod prelude {
         FromRng, NoNoise, Noise, NoiseError, Recorded, Replayable, ThreePoint, Truncated, Wiener,
     };
     pub use crate::{
-        Endpoint, InitialPoint, Integrator, Mechanics, Method, Midpoint, Newton, Snapshot, State,
+        Endpoint, Gauss, InitialPoint, Integrator, Mechanics, Method, Midpoint, Newton, Snapshot, State,
         StepError, StormerVerlet, Taylor2, variational,
     };
     pub use nalgebra::{
@@ -266,11 +267,15 @@ pub mod prelude {
 #[doc(hidden)]
 pub mod __private {
     pub use crate::angle_addition::sin_cos_of_sum;
+    /// The interface of generated steps of Gauss rules.
+    pub mod gauss {
+        pub use crate::gauss::*;
+    }
     /// The interface of generated steps in lanes.
     pub mod lane {
         pub use crate::lanes::elementary::*;
         pub use crate::lanes::newton::NewtonLanes;
-        pub use crate::lanes::solve::solve;
+        pub use crate::lanes::solve::{inverse, solve};
         pub use crate::lanes::{LANES, Lane, Mask, StateLanes, needs_scalar_step, rows};
         pub use crate::solve::diagonal::solve_in_lane as solve_diagonal;
     }

@@ -4,6 +4,7 @@
 
 pub(crate) mod action;
 mod endpoint;
+pub(crate) mod gauss;
 mod initial_point;
 mod midpoint;
 mod one_node;
@@ -22,11 +23,18 @@ pub(crate) struct Rule(&'static (dyn Discretisation + Sync));
 
 impl Rule {
     /// All rules, in the order in which messages list them. A rule with a parameter stands here once for each of its values.
-    pub(crate) const ALL: [Self; 5] = [
+    pub(crate) const ALL: [Self; 12] = [
         Self(&initial_point::INITIAL_POINT),
         Self(&endpoint::ENDPOINT),
         Self(&midpoint::MIDPOINT),
         Self(&stormer_verlet::StormerVerlet),
+        Self(&gauss::GAUSS[0]),
+        Self(&gauss::GAUSS[1]),
+        Self(&gauss::GAUSS[2]),
+        Self(&gauss::GAUSS[3]),
+        Self(&gauss::GAUSS[4]),
+        Self(&gauss::GAUSS[5]),
+        Self(&gauss::GAUSS[6]),
         Self(&taylor2::Taylor2),
     ];
 
@@ -50,6 +58,10 @@ pub(crate) trait Discretisation {
     fn attribute_name(&self) -> &'static str;
     /// The rule's type in the runtime.
     fn type_name(&self) -> &'static str;
+    /// The number of stages of a rule whose stages are solved together by the runtime; nothing of one whose action is unrolled.
+    fn stages(&self) -> Option<usize> {
+        None
+    }
     /// Order of convergence without noise.
     fn deterministic_order(&self) -> u32;
     /// Strong order of convergence with noise.

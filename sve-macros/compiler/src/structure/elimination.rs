@@ -207,7 +207,7 @@ pub(super) fn kept_unknowns(equations: &Equations, symbols: &Symbols) -> Vec<Has
         };
         let (is_own, is_motion) = (index == of.index, of.family == Family::Flow);
         match family {
-            Family::Velocity => is_motion || !is_own,
+            Family::Velocity | Family::StageVelocity => is_motion || !is_own,
             Family::Acceleration | Family::Flow => !is_own,
             Family::Displacement | Family::Momentum | Family::Impulse => false,
         }

@@ -110,11 +110,17 @@ impl Arguments {
                     self.compared = true;
                     input.parse::<Token![=]>()?;
                     input.parse::<Ident>()?;
+                } else if name == "gauss" && input.peek(syn::token::Paren) {
+                    let stages;
+                    syn::parenthesized!(stages in input);
+                    let stages: syn::LitInt = stages.parse()?;
+                    self.rule(name, &format!("gauss({stages})"), errors);
                 } else if !input.is_empty() && !input.peek(Token![,]) {
                     // what follows is a part of the same mistake
                     return Err(no_argument(&name, input.span()));
                 } else {
-                    self.rule(name, errors);
+                    let text = name.to_string();
+                    self.rule(name, &text, errors);
                 }
             }
             if !input.is_empty() {
@@ -124,16 +130,16 @@ impl Arguments {
         Ok(())
     }
 
-    fn rule(&mut self, name: Ident, errors: &mut Errors) {
-        match Rule::named(&name.to_string()) {
+    fn rule(&mut self, name: Ident, text: &str, errors: &mut Errors) {
+        match Rule::named(text) {
             Some(rule) if self.rules.iter().any(|(other, _)| *other == rule) => {
                 errors.push(
                     name.span(),
-                    format!("the rule `{name}` is listed twice: remove one"),
+                    format!("the rule `{text}` is listed twice: remove one"),
                 );
             }
             Some(rule) => self.rules.push((rule, name)),
-            None => errors.push(name.span(), unknown_rule(&name.to_string())),
+            None => errors.push(name.span(), unknown_rule(text)),
         }
     }
 }

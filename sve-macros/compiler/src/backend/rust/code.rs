@@ -17,7 +17,7 @@ const LARGE: usize = 7;
 const SPARSE: usize = 4;
 
 /// Variables of emitted code that are no values of the program.
-const DECLARED: [&str; 31] = [
+const DECLARED: [&str; 41] = [
     "q",
     "v",
     "p",
@@ -49,7 +49,28 @@ const DECLARED: [&str; 31] = [
     "unknowns",
     "rhs",
     "solution",
+    "stage",
+    "stages",
+    "poison",
+    "impulses",
+    "inverse",
+    "inverses",
+    "offset",
+    "offsets",
+    "p_rows",
+    "sweep",
 ];
+
+/// What printed statements are part of.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Place {
+    /// A step of a single state.
+    Single,
+    /// A loop over states.
+    Lanes,
+    /// A loop over the stages of a step. Inputs are those of a single state, bound before the statements.
+    Stages,
+}
 
 /// Prints a program.
 pub(super) struct Printer<'a> {
@@ -60,8 +81,8 @@ pub(super) struct Printer<'a> {
     names: Names,
     /// Values that the step reads from what `prepare` returned, with their place there.
     prepared: HashMap<Value, usize>,
-    /// Whether it prints a loop over lanes.
-    lanes: bool,
+    /// What the statements are part of.
+    place: Place,
 }
 
 impl<'a> Printer<'a> {
@@ -77,7 +98,7 @@ impl<'a> Printer<'a> {
             private: private.clone(),
             names: Names::new(program, symbols, labels, &DECLARED),
             prepared: HashMap::new(),
-            lanes: false,
+            place: Place::Single,
         }
     }
 
@@ -89,9 +110,27 @@ impl<'a> Printer<'a> {
         private: &TokenStream,
     ) -> Self {
         Self {
-            lanes: true,
+            place: Place::Lanes,
             ..Self::new(program, symbols, labels, private)
         }
+    }
+
+    /// A printer of loops over stages.
+    pub(super) fn of_stages(
+        program: &'a Program,
+        symbols: &'a Symbols,
+        labels: &Labels,
+        private: &TokenStream,
+    ) -> Self {
+        Self {
+            place: Place::Stages,
+            ..Self::new(program, symbols, labels, private)
+        }
+    }
+
+    /// Whether functions are those without branches, for vectors.
+    fn is_vector(&self) -> bool {
+        self.place != Place::Single
     }
 
     /// Chooses what `prepare` returns: values of its tier that anything later, or `roots`, uses.
@@ -209,7 +248,7 @@ impl<'a> Printer<'a> {
             Operation::Constant(_) | Operation::SinOf(_) | Operation::CosOf(_) => {
                 return TokenStream::new();
             }
-            Operation::Input(symbol) => match input(self.symbols.meaning(symbol), self.lanes) {
+            Operation::Input(symbol) => match input(self.symbols.meaning(symbol), self.place == Place::Lanes) {
                 Some(access) => {
                     let name = self.name(value);
                     let access = match self.symbols.meaning(symbol) {
@@ -236,24 +275,24 @@ impl<'a> Printer<'a> {
                 let a = of(a);
                 quote!(1f64 / #a)
             }
-            Operation::Call(function, a) if self.lanes => {
+            Operation::Call(function, a) if self.is_vector() => {
                 call_in_lane(function, &of(a), &self.private)
             }
             Operation::Call(function, a) => call(function, &of(a)),
-            Operation::Call2(function, a, b) if self.lanes => {
+            Operation::Call2(function, a, b) if self.is_vector() => {
                 call2_in_lane(function, &of(a), &of(b), &self.private)
             }
             Operation::Call2(function, a, b) => call2(function, &of(a), &of(b), &self.private),
             Operation::Turn(sin, cos, by) => {
                 let [sin_name, cos_name] = self.names.pair(value).map(|name| ident(&name));
                 let (sin, cos, by, private) = (of(sin), of(cos), of(by), &self.private);
-                let module = self.lanes.then(|| quote!(lane::));
+                let module = self.is_vector().then(|| quote!(lane::));
                 return quote!(let (#sin_name, #cos_name) = #private::#module sin_cos_of_sum(#sin, #cos, #by););
             }
             Operation::SinCos(a) => {
                 let [sin, cos] = self.names.pair(value).map(|name| ident(&name));
                 let (a, private) = (of(a), &self.private);
-                if self.lanes {
+                if self.is_vector() {
                     return quote!(let (#sin, #cos) = #private::lane::sin_cos(#a););
                 }
                 return quote!(let (#sin, #cos) = f64::sin_cos(#a););

@@ -3,10 +3,11 @@
 //! Sizes come from the signatures, by the compiler where they are not literal.
 
 use proc_macro2::{Ident, Literal, TokenStream};
-use quote::{format_ident, quote};
+use quote::quote;
 use syn::{Expr, FnArg, ImplItem, ImplItemFn, ItemImpl, Lit, ReturnType, Type};
 
 use super::configuration::is_vector_or_nested;
+use super::rule::type_of;
 use crate::errors::Errors;
 use crate::rules::Rule;
 use crate::syntax::parse::{Arguments, is_f64, is_this};
@@ -47,10 +48,10 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
         &written.map_or_else(|| quote!([f64; #n]), |ty| quote!(#ty)),
     );
     let rules = rules.iter().map(|rule| {
-        let rule = format_ident!("{}", rule.type_name());
+        let rule = type_of(*rule, &runtime);
         quote! {
             #attributes
-            impl #generics #private::Variational<#runtime::#rule> for #self_ty #clause {
+            impl #generics #private::Variational<#rule> for #self_ty #clause {
                 type Prepared = ();
                 type Unknowns = [f64; 0];
                 const PLAN: &'static #private::Plan = &#plan;

@@ -1,7 +1,7 @@
 //! `impl Variational<Rule>`: what surrounds a step.
 
 use proc_macro2::{Literal, TokenStream};
-use quote::{format_ident, quote};
+use quote::{ToTokens, format_ident, quote};
 
 use super::lanes::lanes;
 use super::linearise::linearise;
@@ -10,6 +10,7 @@ use super::step::{self, Code};
 use super::{Context, Derived, attributes, documented, private, unstructured, verbatim};
 use crate::algebra::Symbol;
 use crate::explain::StepTexts;
+use crate::rules::Rule;
 use crate::structure::{Block, Returns, Solution};
 use crate::system::model::{Family, Meaning, Symbols, Unknown};
 
@@ -50,7 +51,7 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
         .then(|| lanes(scheme, model.noises.len(), symbols, &private, arena))
         .flatten();
     let [doc, increment_doc] = documentation(texts);
-    let start = start(&linearisation.unknowns, symbols);
+    let start = start(&linearisation.unknowns, model.dof(), symbols);
     let domain = domain(texts);
     quote! {
         #doc
@@ -103,15 +104,16 @@ fn domain(texts: &StepTexts) -> Option<TokenStream> {
 }
 
 /// What unknowns are in the limit of no noise and h → 0, where nothing moves and the acceleration is that of the motion.
-fn start(unknowns: &[Symbol], symbols: &Symbols) -> TokenStream {
+/// Those of later stages have the indices after those of the first.
+fn start(unknowns: &[Symbol], coordinates: usize, symbols: &Symbols) -> TokenStream {
     let entries = unknowns.iter().map(|&symbol| {
         let Meaning::Unknown(Unknown { family, index }) = *symbols.meaning(symbol) else {
             return quote!(0f64);
         };
-        let i = Literal::usize_unsuffixed(index);
+        let i = Literal::usize_unsuffixed(index % coordinates);
         match family {
             Family::Displacement | Family::Flow => quote!(0f64),
-            Family::Velocity => quote!(velocity[#i]),
+            Family::Velocity | Family::StageVelocity => quote!(velocity[#i]),
             Family::Acceleration => quote!(acceleration[#i]),
             // the multiplier of the velocity is the momentum
             Family::Momentum | Family::Impulse => quote!(state.p[#i]),
@@ -123,13 +125,22 @@ fn start(unknowns: &[Symbol], symbols: &Symbols) -> TokenStream {
 /// The rule, or the type that stands for its step without structure.
 fn rule_type(context: &Context<'_>, derived: &Derived) -> TokenStream {
     let runtime = &context.block.arguments.runtime;
-    let rule = format_ident!("{}", derived.rule.type_name());
-    let rule = quote!(#runtime::#rule);
+    let rule = type_of(derived.rule, runtime);
     if derived.is_unstructured {
         quote!(#runtime::__private::Whole<#rule>)
     } else {
         rule
     }
+}
+
+/// The type of a rule.
+pub(super) fn type_of(rule: Rule, runtime: &impl ToTokens) -> TokenStream {
+    let name = format_ident!("{}", rule.type_name());
+    let stages = rule.stages().map(|stages| {
+        let stages = Literal::usize_unsuffixed(stages);
+        quote!(<#stages>)
+    });
+    quote!(#runtime::#name #stages)
 }
 
 fn code(derived: &Derived, private: &TokenStream, context: &Context<'_>) -> Code {
