@@ -1,9 +1,9 @@
 //! Angle addition: sine and cosine of a sum of two angles, the second of which is small.
 //!
 //! Input: sine and cosine of an angle, and an increment of the angle. Output: sine and cosine of the sum, by the addition theorems.
-//! The truncation error of the polynomials is below 10⁻²⁰, far below a unit of rounding: it has the same sign step after step,
-//! and the energy of a long run would drift by it. [`sine`] and [`cosine`] are the polynomials of the usual libraries on [−π/4, π/4] (fdlibm,
-//! `k_sin.c` and `k_cos.c`).
+//! The truncation error of the polynomials is below 10⁻²⁰, far below rounding error. It has the same sign in every step, so a larger one
+//! would make the energy of a long run drift. [`sine`] and [`cosine`] are the polynomials of fdlibm on [−π/4, π/4] (`k_sin.c` and
+//! `k_cos.c`).
 
 use core::f64::consts::FRAC_PI_4;
 
@@ -97,7 +97,7 @@ pub(crate) fn sine(x2: f64) -> f64 {
 
 /// Returns `(cos x − 1 + x²/2)/x⁴` of `x²`.
 #[inline(always)]
-#[allow(clippy::excessive_precision)] // as above
+#[allow(clippy::excessive_precision)] // as their authors print them
 pub(crate) fn cosine(x2: f64) -> f64 {
     const C: [f64; 6] = [
         4.166_666_666_666_660_190_37e-02,

@@ -1,10 +1,10 @@
-//! Configurations: what a type must say of itself to be the `q` of a state.
+//! Configurations: the types that the `q` of a state can have.
 //!
-//! Input: a point of a configuration space. Output: its number of degrees of freedom, the numbers by which it is stored, and the
+//! Input: a point of a configuration space. Output: its number of degrees of freedom, the values by which it is stored, and the
 //! point to which an increment moves it. Invariant: `restore` after `store` gives the same bits.
 //!
-//! [`Configuration`] asks the value, so that a type may hold any number of coordinates. [`FixedSize`] is for types that know these numbers
-//! at compile time, and [`Coordinates`] converts such a type to and from the row of coordinates that generated code computes with.
+//! The sizes in [`Configuration`] are methods of a value, so that a type may hold any number of coordinates. [`FixedSize`] is for types
+//! whose sizes are constants. [`Coordinates`] converts such a type to and from the array of coordinates that generated code computes with.
 
 use core::fmt::Debug;
 
@@ -15,8 +15,8 @@ use crate::state::State;
 /// A point of a configuration space, the `q` of a [`State`].
 ///
 /// Implemented for `[f64; N]`, for the vectors of nalgebra (`Vector2<f64>`, `Vector3<f64>`, `SVector<f64, N>`), and for arrays of
-/// configurations, as `[[f64; 3]; 4]` or `[Vector3<f64>; 4]`. In a vector space a momentum has the type of the configuration, and an
-/// increment is added.
+/// configurations, such as `[[f64; 3]; 4]` or `[Vector3<f64>; 4]`. In a vector space, momenta have the type of the configuration, and
+/// increments are added.
 ///
 /// ```
 /// use sve_runtime::Configuration;
@@ -38,16 +38,16 @@ use crate::state::State;
 pub trait Configuration: Clone + Debug + PartialEq + Send + Sync + 'static {
     /// The type of momenta, and of velocities: elements of a vector space.
     type Momentum: Configuration<Momentum = Self::Momentum>;
-    /// Number of independent directions in which the configuration can move: the length of an increment.
+    /// Returns the number of independent directions in which the configuration can move: the length of an increment.
     fn degrees_of_freedom(&self) -> usize;
-    /// Number of values by which the configuration is stored.
+    /// Returns the number of values by which the configuration is stored.
     fn stored_values(&self) -> usize;
     /// Writes the configuration to `values`, which has the length [`stored_values`](Self::stored_values).
     ///
     /// # Panics
     /// If `values` has another length.
     fn store(&self, values: &mut [f64]);
-    /// Replaces the configuration by the one that [`store`](Self::store) wrote.
+    /// Reads the configuration from the `values` that [`store`](Self::store) wrote.
     ///
     /// # Panics
     /// If `values` has another length than [`stored_values`](Self::stored_values).
@@ -59,21 +59,21 @@ pub trait Configuration: Clone + Debug + PartialEq + Send + Sync + 'static {
     fn retract(&mut self, increment: &[f64]);
 }
 
-/// A configuration whose type says its size.
+/// A configuration whose size is a constant of its type.
 pub trait FixedSize: Configuration<Momentum: Copy> + Copy {
     /// Number of degrees of freedom of every value: the length of an increment, and the number of values of a momentum.
     const DEGREES_OF_FREEDOM: usize;
     /// Number of stored values of every value.
     const STORED_VALUES: usize;
-    /// The configuration from which others are measured: zero in a vector space.
+    /// Returns the configuration from which others are measured: zero in a vector space.
     fn origin() -> Self;
-    /// The momentum zero.
+    /// Returns the momentum zero.
     fn no_momentum() -> Self::Momentum;
 }
 
-/// A configuration that a row of `N` coordinates describes, as generated code takes it.
+/// A configuration that is described by `N` coordinates; generated code computes with the array of these coordinates.
 pub trait Coordinates<const N: usize>: FixedSize {
-    /// The coordinates of this configuration.
+    /// Returns the coordinates of this configuration.
     #[inline(always)]
     fn coordinates(&self) -> [f64; N] {
         const { assert!(Self::STORED_VALUES == N, "another number of coordinates") }
@@ -82,7 +82,7 @@ pub trait Coordinates<const N: usize>: FixedSize {
         coordinates
     }
 
-    /// The configuration with these coordinates.
+    /// Returns the configuration with these coordinates.
     #[inline(always)]
     fn from_coordinates(coordinates: &[f64; N]) -> Self {
         const { assert!(Self::STORED_VALUES == N, "another number of coordinates") }
@@ -91,7 +91,7 @@ pub trait Coordinates<const N: usize>: FixedSize {
         configuration
     }
 
-    /// The components of a momentum or a velocity.
+    /// Returns the components of a momentum or a velocity.
     #[inline(always)]
     fn components(momentum: &Self::Momentum) -> [f64; N] {
         const {
@@ -105,7 +105,7 @@ pub trait Coordinates<const N: usize>: FixedSize {
         components
     }
 
-    /// The momentum or the velocity with these components.
+    /// Returns the momentum or the velocity with these components.
     #[inline(always)]
     fn from_components(components: &[f64; N]) -> Self::Momentum {
         const {
@@ -119,7 +119,7 @@ pub trait Coordinates<const N: usize>: FixedSize {
         momentum
     }
 
-    /// Lets a function change a state in coordinates. Where the configuration is the row of its coordinates, nothing is copied.
+    /// Calls `change` with the state in coordinates and stores the changed state. If the configuration is `[f64; N]`, nothing is copied.
     #[doc(hidden)]
     #[inline(always)]
     fn in_coordinates<T>(
@@ -269,7 +269,7 @@ impl<const N: usize> Coordinates<N> for SVector<f64, N> {
     }
 }
 
-/// Several bodies, one after the other.
+/// Several bodies. Their stored values and their increments follow one another in the order of the bodies.
 impl<Q: Configuration, const B: usize> Configuration for [Q; B] {
     type Momentum = [Q::Momentum; B];
 
@@ -335,7 +335,7 @@ impl<Q: FixedSize, const B: usize> FixedSize for [Q; B] {
 
 impl<Q: FixedSize, const B: usize, const N: usize> Coordinates<N> for [Q; B] {}
 
-/// Adds an increment in a vector space.
+/// Adds an increment to the coordinates in a vector space.
 #[inline(always)]
 fn add(to: &mut [f64], increment: &[f64]) {
     assert_eq!(to.len(), increment.len(), "an increment of another length");

@@ -163,6 +163,18 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
     },
+    /// A snapshot of a trajectory was given to a method that carries other numbers from step to step.
+    #[error(
+        "the snapshot at t = {t} has {numbers} numbers that its method carries from step to step, and this method does not carry so many: \
+         resume it with the integrator that made it"
+    )]
+    OtherMethod {
+        /// Time of the snapshot.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// How many numbers the snapshot has.
+        numbers: usize,
+    },
     /// The noise could not give the increments of this step.
     #[error("no noise for the step from t = {t}: {source}")]
     Noise {
@@ -220,11 +232,11 @@ fn branch_lost(t: f64, h: f64, dw: &[f64], step: f64, reached: f64) -> String {
 ///
 /// The caller passes copies of state and increments, so that its own can stay in registers.
 #[cold]
-pub(crate) fn step_error<const N: usize, const M: usize>(
+pub(crate) fn step_error<const N: usize>(
     error: SolveError,
     state: &State<[f64; N]>,
     h: f64,
-    dw: &[f64; M],
+    dw: &[f64],
 ) -> StepError {
     let t = state.t;
     if !h.is_finite() {

@@ -62,7 +62,6 @@ impl Visitor<'_> for NumberOrName {
 struct Float(#[serde(with = "self")] f64);
 
 /// Lists.
-#[cfg(feature = "ensemble")]
 pub(crate) mod many {
     use super::{Deserialize, Deserializer, Float, Serializer};
 

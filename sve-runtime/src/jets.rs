@@ -1,4 +1,4 @@
-//! Functions of a system at a point with their first and second derivatives: what generated code returns of L, the noises and the force.
+//! Values of L, of the noise Hamiltonians and of the force at a point, with their derivatives, as generated code returns them.
 
 /// `L(t, q, v)` with its first and second derivatives; `dqv[i][j] = ∂²L/∂qᵢ∂vⱼ`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -16,13 +16,13 @@ use crate::solve::newton::{Evaluation, Newton};
 use crate::state::State;
 use crate::system::{Dims, System};
 
-/// Largest number of strides. A relativistic momentum of 10⁶ mc takes some 50.
+/// Largest number of strides. A relativistic momentum of 10⁶ mc needs about 50.
 const MAX_STRIDES: u32 = 2000;
 
-/// Smallest stride, relative to the part of the path behind it.
+/// Smallest stride, relative to the length of the path before it.
 const SMALLEST: f64 = 1e-10;
 
-/// Smallest first stride. If L grows like an exponential, momenta of e³⁰⁰ times that of the reference have velocities.
+/// Smallest first stride. If L grows exponentially with v, a momentum can be e³⁰⁰ times the momentum of the reference velocity.
 const SMALLEST_FIRST: f64 = 1e-200;
 
 /// Largest number of updates within a stride: a contracting iteration needs fewer to reach rounding.
@@ -131,7 +131,7 @@ where
 /// The start of the continuation.
 struct Reference<const N: usize> {
     v: [f64; N],
-    /// Its momentum.
+    /// The momentum of `v`.
     p: [f64; N],
     /// The sign of the mass matrix's determinant.
     sign: DeterminantSign,
@@ -167,8 +167,8 @@ fn reference<const N: usize>(
     Err(undefined)
 }
 
-/// Makes updates that each decrease the residual by the contraction factor and keep the sign of the Jacobian's determinant. Returns the root and the sign, or
-/// `None` if an update does not.
+/// Iterates by Newton's method. Every update has to decrease the residual by the contraction factor and to keep the sign of the
+/// Jacobian's determinant. Returns the root and the sign, or `None` if an update fails one of these conditions.
 fn contract<const N: usize>(
     mut v: [f64; N],
     expected: DeterminantSign,
@@ -182,7 +182,7 @@ fn contract<const N: usize>(
         if sign.is_opposite_to(expected) || relative.is_nan() {
             return None;
         }
-        // A steep momentum changes by more than its tolerance between neighbouring velocities.
+        // If ∂L/∂v is steep, it changes by more than the tolerance between two neighbouring floating-point velocities.
         let at_rounding = |i: usize| update[i].abs() <= ROUNDING * v[i].abs();
         if relative <= INTERMEDIATE_TOLERANCE || (0..N).all(at_rounding) {
             return Some((v, sign));
@@ -198,7 +198,7 @@ fn contract<const N: usize>(
     None
 }
 
-/// Returns the sum of the residuals relative to their terms; NaN if one of them is.
+/// Returns the sum of the residuals, each relative to the sum of its terms' magnitudes. The sum is NaN if a residual is NaN.
 fn sum_of_relative_residuals<const N: usize>(at: &Evaluation<N>) -> f64 {
     let mut sum = 0.0;
     for i in 0..N {

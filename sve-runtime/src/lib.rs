@@ -55,7 +55,7 @@
 //! | evaluate energy, momentum, velocity, drift | [`Mechanics`] |
 //! | compare with other methods | [`baseline`] |
 //! | measure what an error costs, method by method | `study::Study`, with the feature `study` |
-//! | write code for any system | [`System`], [`Variational`], [`Dims`] |
+//! | write code for any system and rule | [`System`], [`Variational`], [`Dims`] |
 //! | change Newton's method | [`Newton`], [`Integrator::with_newton`] |
 //!
 //! [`prelude`] has what a program that integrates a system imports.
@@ -84,6 +84,7 @@ pub mod baseline;
 mod configuration;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
+mod equations;
 mod error;
 #[cfg(feature = "ensemble")]
 mod file;
@@ -109,14 +110,16 @@ pub mod study;
 mod system;
 mod time;
 mod trajectory;
+mod variational;
 
 pub use configuration::{Configuration, Coordinates, FixedSize};
+pub use equations::{StepEquations, StepOf};
 pub use error::StepError;
 pub use integrator::{Integrator, Sensitivity, Tangent};
 #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
 pub use lanes::{LANES, Lane, Mask, StateLanes};
 pub use mechanics::{Field, Mechanics};
-pub use method::Method;
+pub use method::{Method, OneStepMethod};
 /// Vectors, matrices and rotations, in the version that this crate uses.
 pub use nalgebra;
 pub use plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
@@ -239,12 +242,13 @@ pub use state::State;
 /// ```
 pub use sve_macros::variational;
 pub use system::{
-    ConfigurationOf, DerivedFor, Dimensions, Dims, FlatStateOf, ForceJet, IncrementsOf,
-    LagrangianJet, MomentumOf, NoiseJet, StateOf, StepOf, System, Variational, VectorOf,
+    ConfigurationOf, Dimensions, Dims, FlatStateOf, ForceJet, Increments, IncrementsOf,
+    LagrangianJet, MomentumOf, NoiseJet, StateOf, System, VectorOf,
 };
 #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
 pub use system::{IncrementLanesOf, StateLanesOf};
 pub use trajectory::{RefinedTrajectory, Refinements, Snapshot, Trajectory};
+pub use variational::{DerivedFor, Discretised, Memory, Variational};
 
 /// The items that a program imports to integrate a system: `use sve_runtime::prelude::*;`.
 pub mod prelude {
@@ -254,8 +258,8 @@ pub mod prelude {
         FromRng, NoNoise, Noise, NoiseError, Recorded, Replayable, ThreePoint, Truncated, Wiener,
     };
     pub use crate::{
-        Endpoint, Gauss, InitialPoint, Integrator, Mechanics, Method, Midpoint, Newton, Snapshot, State,
-        StepError, StormerVerlet, Taylor2, variational,
+        Endpoint, Gauss, InitialPoint, Integrator, Mechanics, Method, Midpoint, Newton, OneStepMethod,
+        Snapshot, State, StepError, StormerVerlet, Taylor2, variational,
     };
     pub use nalgebra::{
         Matrix2, Matrix3, Matrix4, Rotation2, Rotation3, SMatrix, SVector, UnitQuaternion, Vector1,
@@ -279,11 +283,18 @@ pub mod __private {
         pub use crate::lanes::{LANES, Lane, Mask, StateLanes, needs_scalar_step, rows};
         pub use crate::solve::diagonal::solve_in_lane as solve_diagonal;
     }
+    pub use crate::__derived_rule as derived_rule;
+    pub use crate::equations::{Returns, StepEquations};
+    pub use crate::error::StepError;
+    pub use crate::integrator::derived::{
+        DerivedStep, count_iterations, solve_compensated_step, solve_step, solve_with_derivatives,
+    };
+    pub use crate::lanes::Mask;
     pub use crate::linearisation::{Entries, Linearisation};
     pub use crate::parameter::number;
     pub use crate::plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
     pub use crate::power::power_log;
-    pub use crate::rules::Whole;
+    pub use crate::rules::Unstructured;
     pub use crate::solve::SolveError;
     pub use crate::solve::banded::Banded;
     pub use crate::solve::dense::{DeterminantSign, solve, solve_with_sign};
@@ -293,9 +304,10 @@ pub mod __private {
     };
     pub use crate::solve::regularity::{all_positive, cold, is_regular_within};
     pub use crate::state::{State, in_coordinates};
-    pub use crate::system::{
-        Dims, ForceJet, LagrangianJet, NoiseJet, Returns, System, Variational,
-    };
+    pub use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System};
+    pub use crate::variational::Discretised;
+    /// The derivatives of a step.
+    pub type DMatrix = nalgebra::DMatrix<f64>;
 }
 
 /// The examples of the readme, as tests.

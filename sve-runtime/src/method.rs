@@ -6,14 +6,16 @@ use core::hash::Hasher;
 use crate::error::StepError;
 use crate::lanes::{ALL, Mask};
 use crate::noise::Noise;
-use crate::system::{IncrementLanesOf, IncrementsOf, StateLanesOf, StateOf, System};
+use crate::system::{IncrementLanesOf, Increments, IncrementsOf, StateLanesOf, StateOf, System};
 use crate::trajectory::{Snapshot, Trajectory};
 
-/// A one-step method for a system: an [`Integrator`](crate::Integrator) or a [`baseline`](crate::baseline).
-pub trait Method {
+/// A one-step method for a system, with increments of any kind: an [`Integrator`](crate::Integrator) or a [`baseline`](crate::baseline).
+pub trait OneStepMethod {
     /// The system it integrates.
     type System: System;
-    /// Values that depend on parameters and step size only.
+    /// The increments of a step: [`IncrementsOf`] the system for methods that take one for each Wiener process.
+    type Increments: Increments;
+    /// Values that depend on parameters and step size only, and what a trajectory carries from step to step.
     type Prepared: Clone;
 
     /// The system it integrates.
@@ -34,8 +36,39 @@ pub trait Method {
         prepared: &Self::Prepared,
         state: &mut StateOf<Self::System>,
         h: f64,
-        dw: &IncrementsOf<Self::System>,
+        dw: &Self::Increments,
     ) -> Result<(), StepError>;
+
+    /// Makes the next step of a trajectory, which keeps in `prepared` what the step after it can use. The same as
+    /// [`step_prepared`](Self::step_prepared) for a method that carries nothing.
+    ///
+    /// # Errors
+    /// As [`step_prepared`](Self::step_prepared).
+    #[doc(hidden)]
+    #[inline]
+    fn next_step(
+        &self,
+        prepared: &mut Self::Prepared,
+        state: &mut StateOf<Self::System>,
+        h: f64,
+        dw: &Self::Increments,
+    ) -> Result<(), StepError> {
+        self.step_prepared(prepared, state, h, dw)
+    }
+
+    /// Returns the numbers that the method carries from step to step.
+    #[doc(hidden)]
+    fn memory(&self, prepared: &Self::Prepared) -> Vec<f64> {
+        let _ = prepared;
+        Vec::new()
+    }
+
+    /// Replaces the numbers that the method carries from step to step. Returns whether they are so many.
+    #[doc(hidden)]
+    fn recall(&self, prepared: &mut Self::Prepared, numbers: &[f64]) -> bool {
+        let _ = prepared;
+        numbers.is_empty()
+    }
 
     /// Advances every lane on the fast path and writes the result to `next`. Returns the mask of lanes that the fast path could not solve; their
     /// states are copied unchanged, and the caller steps them with [`step_prepared`](Self::step_prepared). The default solves no lane.
@@ -75,7 +108,7 @@ pub trait Method {
         prepared: &Self::Prepared,
         state: &StateOf<Self::System>,
         h: f64,
-        dw: &IncrementsOf<Self::System>,
+        dw: &Self::Increments,
     ) -> Option<u32> {
         let _ = (prepared, state, h, dw);
         None
@@ -86,6 +119,40 @@ pub trait Method {
         None
     }
 
+    /// Returns whether [`compensated_step`](Self::compensated_step) makes steps.
+    #[doc(hidden)]
+    fn has_compensated_step(&self) -> bool {
+        false
+    }
+
+    /// One step that adds the low parts `low` of the state, and writes its rounding errors to `low`.
+    ///
+    /// # Errors
+    /// As [`step_prepared`](Self::step_prepared); [`StepError::Uncompensated`] if the method makes no such steps.
+    #[doc(hidden)]
+    fn compensated_step(
+        &self,
+        prepared: &mut Self::Prepared,
+        state: &mut StateOf<Self::System>,
+        low: &mut StateOf<Self::System>,
+        h: f64,
+        dw: &Self::Increments,
+    ) -> Result<(), StepError> {
+        let _ = (prepared, low, h, dw);
+        Err(StepError::Uncompensated { t: state.t })
+    }
+}
+
+/// A [`OneStepMethod`] that takes one increment for each Wiener process: what ensembles and studies run, and what code for any method asks for.
+///
+/// All methods do, except rules with stage noise.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no method with one increment for each Wiener process",
+    note = "ensembles and studies draw one increment for each process: use the rule without stage noise"
+)]
+pub trait Method:
+    OneStepMethod<Increments = IncrementsOf<<Self as OneStepMethod>::System>>
+{
     /// Makes one step of length `h` with the given Wiener increments, one for each process in source order.
     ///
     /// # Errors
@@ -164,27 +231,6 @@ pub trait Method {
     {
         Trajectory::resume(self, snapshot, noise)
     }
-
-    /// Returns whether [`compensated_step`](Self::compensated_step) makes steps.
-    #[doc(hidden)]
-    fn has_compensated_step(&self) -> bool {
-        false
-    }
-
-    /// One step that adds the low parts `low` of the state, and writes its rounding errors to `low`.
-    ///
-    /// # Errors
-    /// As [`step_prepared`](Self::step_prepared); [`StepError::Uncompensated`] if the method makes no such steps.
-    #[doc(hidden)]
-    fn compensated_step(
-        &self,
-        prepared: &Self::Prepared,
-        state: &mut StateOf<Self::System>,
-        low: &mut StateOf<Self::System>,
-        h: f64,
-        dw: &IncrementsOf<Self::System>,
-    ) -> Result<(), StepError> {
-        let _ = (prepared, low, h, dw);
-        Err(StepError::Uncompensated { t: state.t })
-    }
 }
+
+impl<I: OneStepMethod<Increments = IncrementsOf<<I as OneStepMethod>::System>>> Method for I {}

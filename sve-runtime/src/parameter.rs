@@ -1,6 +1,6 @@
-//! Values of parameters in generated code.
+//! Conversion of parameters to numbers in generated code.
 
-/// A type that a parameter in a formula has.
+/// A type that a parameter in a formula can have.
 #[diagnostic::on_unimplemented(
     message = "this parameter is taken for an `f64`, and it has another type",
     label = "not an `f64`",
@@ -19,7 +19,7 @@ impl Number for f64 {
     }
 }
 
-/// Returns the value of a parameter. A parameter that is not an `f64` is an error that says what to write.
+/// Returns the value of a parameter. If the parameter is not an `f64`, the compile error of [`Number`] says how to name its type.
 #[inline(always)]
 pub fn number<T: Number>(parameter: T) -> f64 {
     parameter.value()

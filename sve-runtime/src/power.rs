@@ -1,6 +1,6 @@
 //! Derivatives of a power with respect to its exponent.
 //!
-//! Input: base, exponent, number of derivatives. Output: `x^y lnⁿ x`, extended continuously to x = 0.
+//! Input: base `x`, exponent `y`, order of the derivative `n`. Output: `x^y lnⁿ x`, extended continuously to x = 0.
 
 /// Returns `x^y lnⁿ x`. For y > 0 the value at x = 0 is the limit, zero.
 #[inline]

@@ -33,4 +33,4 @@ pub struct Gauss<const S: usize>;
 /// compare derived steps with it; the attribute derives it with `structure = both`.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Whole<R>(pub R);
+pub struct Unstructured<R>(pub R);

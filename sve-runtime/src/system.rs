@@ -8,16 +8,29 @@ use core::marker::PhantomData;
 pub use crate::jets::{ForceJet, LagrangianJet, NoiseJet};
 
 use crate::configuration::{Configuration, Coordinates, FixedSize};
-use crate::lanes::{ALL, Lane, Mask, StateLanes};
-use crate::linearisation::Linearisation;
-use crate::plan::Plan;
-use crate::solve::SolveError;
-use crate::solve::newton::{BlockSolver, Newton};
+use crate::lanes::{Lane, StateLanes};
 use crate::state::State;
 
 /// The fixed sizes of a system, `N` degrees of freedom and `M` Wiener processes, and its type of configurations.
 #[derive(Clone, Copy, Debug)]
 pub struct Dims<const N: usize, const M: usize, Q = [f64; N]>(PhantomData<Q>);
+
+/// The increments of the Wiener processes over a step: a row of numbers.
+pub trait Increments: Copy + core::fmt::Debug + AsRef<[f64]> + AsMut<[f64]> {
+    /// All increments zero.
+    const NONE: Self;
+    /// Returns these increments times a factor.
+    #[must_use]
+    fn times(&self, factor: f64) -> Self;
+}
+
+impl<const M: usize> Increments for [f64; M] {
+    const NONE: Self = [0.0; M];
+    #[inline]
+    fn times(&self, factor: f64) -> Self {
+        self.map(|w| factor * w)
+    }
+}
 
 /// The types that belong to the sizes and the configuration of a system. Implemented by [`Dims`] alone.
 ///
@@ -28,7 +41,7 @@ pub trait Dimensions {
     /// A row of coordinates, `[f64; N]`.
     type Vector: Copy + core::fmt::Debug + AsRef<[f64]> + AsMut<[f64]>;
     /// The increments of the Wiener processes over a step, `[f64; M]`.
-    type Increments: Copy + core::fmt::Debug + AsRef<[f64]> + AsMut<[f64]>;
+    type Increments: Increments;
     /// The state in coordinates, [`State<[f64; N]>`](State).
     type FlatState: Clone + core::fmt::Debug;
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
@@ -43,8 +56,6 @@ pub trait Dimensions {
     type NoiseJets;
     /// [`ForceJet<N>`](ForceJet).
     type ForceJet;
-    /// All increments zero.
-    const NO_INCREMENTS: Self::Increments;
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     /// All increments of all lanes zero.
     const NO_INCREMENT_LANES: Self::IncrementLanes;
@@ -80,7 +91,6 @@ impl<const N: usize, const M: usize, Q: Coordinates<N>> Dimensions for Dims<N, M
         dv: [[0.0; N]; N],
         dt: [0.0; N],
     };
-    const NO_INCREMENTS: [f64; M] = [0.0; M];
     const NO_INCREMENT_LANES: [Lane; M] = [[0.0; crate::lanes::LANES]; M];
     fn splat(state: &State<Q>) -> StateLanes<N> {
         StateLanes::splat(&state.to_coordinates())
@@ -165,103 +175,6 @@ pub trait System {
     }
 }
 
-/// What the increment of a step is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Returns {
-    /// `q₁ − q₀` and `p₁ − p₀`.
-    Increment,
-    /// `q₁` and `p₁`: a matrix that differs from step to step times the state, and an offset. Adding an increment would only lengthen
-    /// the chain of operations.
-    State,
-    /// `q₁ − q₀` and `p₁ − p₀` as a matrix, the same in all steps, times the state, and an offset.
-    MatrixTimesState,
-}
-
-impl Returns {
-    /// Whether the state at the end is returned, and not what is added to the one at the start.
-    pub(crate) const fn is_state(self) -> bool {
-        matches!(self, Self::State)
-    }
-}
-
-/// A system for which the rule `R` has been derived.
-#[diagnostic::on_unimplemented(
-    message = "no step of the rule `{R}` has been derived for `{Self}`",
-    label = "this rule is not in the attribute of the `impl` block",
-    note = "list the rule in the attribute, for example `#[variational(midpoint, endpoint)]`; \
-            the attribute names are `initial_point`, `endpoint`, `midpoint`, `stormer_verlet`, `taylor2`"
-)]
-pub trait Variational<R>: System {
-    /// Values that depend on parameters and step size only.
-    type Prepared: Clone;
-    /// The unknowns of all blocks, `[f64; K]`.
-    type Unknowns: Copy + AsRef<[f64]> + AsMut<[f64]>;
-    /// The conditions of the domain: where the functions in L and in the noises are defined, as text.
-    const DOMAIN: &'static [&'static str] = &[];
-    /// The plan of the step.
-    const PLAN: &'static Plan;
-    /// What [`increment`](Self::increment) returns.
-    const RETURNS: Returns;
-    /// Computes the values that depend on parameters and step size only.
-    fn prepare(&self, h: f64) -> Self::Prepared;
-    /// Returns the unknowns of all blocks in the limit of no noise and h → 0, from velocity and acceleration at the start of the
-    /// step.
-    fn start(
-        &self,
-        state: &FlatStateOf<Self>,
-        velocity: &VectorOf<Self>,
-        acceleration: &VectorOf<Self>,
-    ) -> Self::Unknowns;
-    /// Solves one step. Returns `(q₁ − q₀, p₁ − p₀)` or `(q₁, p₁)`, see [`RETURNS`](Self::RETURNS), and the unknowns of all blocks.
-    ///
-    /// # Errors
-    /// A [`SolveError`] if an implicit equation of the step cannot be solved.
-    fn increment(
-        &self,
-        prepared: &Self::Prepared,
-        state: &FlatStateOf<Self>,
-        h: f64,
-        dw: &IncrementsOf<Self>,
-        newton: &BlockSolver<'_>,
-    ) -> Result<StepOf<Self, R>, SolveError>;
-    /// Advances every lane on the fast path and writes the result to `next`. Returns the mask of lanes that the fast path could not solve; their
-    /// states are copied unchanged, and the caller steps them with [`increment`](Self::increment). Times in `next` are not written.
-    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
-    #[inline(always)]
-    fn increment_lanes(
-        &self,
-        prepared: &Self::Prepared,
-        states: &StateLanesOf<Self>,
-        next: &mut StateLanesOf<Self>,
-        h: f64,
-        dw: &IncrementLanesOf<Self>,
-        newton: &Newton,
-    ) -> Mask {
-        let _ = (prepared, h, dw, newton);
-        next.clone_from(states);
-        ALL
-    }
-    /// Linearises the step's equations and results around a solved step.
-    fn linearise(
-        &self,
-        state: &FlatStateOf<Self>,
-        h: f64,
-        dw: &IncrementsOf<Self>,
-        unknowns: &Self::Unknowns,
-    ) -> Linearisation;
-}
-
-/// The result of [`Variational::increment`].
-pub type StepOf<S, R> = (VectorOf<S>, VectorOf<S>, <S as Variational<R>>::Unknowns);
-
-/// A rule that has been derived for the system `S`.
-///
-/// [`Integrator::new`](crate::Integrator::new) requires this trait and not `S: Variational<R>`: with a single derived rule the compiler would
-/// expect that rule, and report a type mismatch for any other one.
-pub trait DerivedFor<S> {}
-
-impl<S: Variational<R>, R> DerivedFor<S> for R {}
-
 #[diagnostic::do_not_recommend]
 impl<S: System> System for &S {
     type Dims = S::Dims;
@@ -302,64 +215,5 @@ impl<S: System> System for &S {
         v: &VectorOf<S>,
     ) -> <S::Dims as Dimensions>::ForceJet {
         (**self).force_jet(t, q, v)
-    }
-}
-
-#[diagnostic::do_not_recommend]
-impl<S: Variational<R>, R> Variational<R> for &S {
-    type Prepared = S::Prepared;
-    type Unknowns = S::Unknowns;
-    const PLAN: &'static Plan = S::PLAN;
-    const RETURNS: Returns = S::RETURNS;
-    const DOMAIN: &'static [&'static str] = S::DOMAIN;
-
-    #[inline]
-    fn prepare(&self, h: f64) -> S::Prepared {
-        (**self).prepare(h)
-    }
-
-    fn start(
-        &self,
-        state: &FlatStateOf<S>,
-        velocity: &VectorOf<S>,
-        acceleration: &VectorOf<S>,
-    ) -> S::Unknowns {
-        (**self).start(state, velocity, acceleration)
-    }
-
-    #[inline]
-    fn increment(
-        &self,
-        prepared: &S::Prepared,
-        state: &FlatStateOf<S>,
-        h: f64,
-        dw: &IncrementsOf<S>,
-        newton: &BlockSolver<'_>,
-    ) -> Result<StepOf<S, R>, SolveError> {
-        (**self).increment(prepared, state, h, dw, newton)
-    }
-
-    #[inline(always)]
-    fn increment_lanes(
-        &self,
-        prepared: &S::Prepared,
-        states: &StateLanesOf<S>,
-        next: &mut StateLanesOf<S>,
-        h: f64,
-        dw: &IncrementLanesOf<S>,
-        newton: &Newton,
-    ) -> Mask {
-        (**self).increment_lanes(prepared, states, next, h, dw, newton)
-    }
-
-    #[inline]
-    fn linearise(
-        &self,
-        state: &FlatStateOf<S>,
-        h: f64,
-        dw: &IncrementsOf<S>,
-        unknowns: &S::Unknowns,
-    ) -> Linearisation {
-        (**self).linearise(state, h, dw, unknowns)
     }
 }

@@ -13,7 +13,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use scenes::{Facts, Scene, Visitor, every_scene};
-use sve_runtime::__private::Whole;
+use sve_runtime::__private::Unstructured;
 use sve_runtime::prelude::*;
 use sve_runtime::{Coordinates, Dims, StateOf, System, Variational};
 
@@ -46,7 +46,7 @@ struct Rows(Vec<Result<Row, StepError>>);
 impl Visitor for Rows {
     fn visit<S, R, Q, const N: usize, const M: usize>(&mut self, scene: &Scene<S, R>)
     where
-        S: System<Dims = Dims<N, M, Q>> + Variational<R> + Variational<Whole<R>> + Copy,
+        S: System<Dims = Dims<N, M, Q>> + Variational<R> + Variational<Unstructured<R>> + Copy,
         Q: Coordinates<N>,
         R: Copy,
     {
@@ -56,7 +56,7 @@ impl Visitor for Rows {
 
 fn row<S, R, Q, const N: usize, const M: usize>(scene: &Scene<S, R>) -> Result<Row, StepError>
 where
-    S: System<Dims = Dims<N, M, Q>> + Variational<R> + Variational<Whole<R>> + Copy,
+    S: System<Dims = Dims<N, M, Q>> + Variational<R> + Variational<Unstructured<R>> + Copy,
     Q: Coordinates<N>,
     R: Copy,
 {
@@ -80,7 +80,7 @@ where
             nanoseconds: of_derived,
         },
         whole: Side {
-            facts: Facts::of::<S, Whole<R>>(),
+            facts: Facts::of::<S, Unstructured<R>>(),
             iterations: iterations(&scene.whole, scene.start, scene.h, &increments)?,
             nanoseconds: of_whole,
         },
@@ -125,9 +125,9 @@ where
         let clock = Instant::now();
         for _ in 0..self.passes {
             let (mut state, h) = (black_box(self.start), black_box(self.h));
-            let prepared = Method::prepare(self.integrator, h)?;
+            let prepared = OneStepMethod::prepare(self.integrator, h)?;
             for dw in self.increments {
-                Method::step_prepared(self.integrator, &prepared, &mut state, h, dw)?;
+                OneStepMethod::step_prepared(self.integrator, &prepared, &mut state, h, dw)?;
             }
             black_box(state);
         }

@@ -1,7 +1,7 @@
 //! The scenes of the paper and of the examples, and what their steps became: the part of the table that is the same on every
 //! machine. `tests/tests/structure.rs` reads it too.
 
-use sve_runtime::__private::Whole;
+use sve_runtime::__private::Unstructured;
 use sve_runtime::prelude::*;
 use sve_runtime::{BlockKind, Coordinates, Dims, Operations, Plan, StateOf, System, Variational};
 
@@ -175,7 +175,7 @@ impl Chain {
 pub(crate) struct Scene<S: System, R> {
     pub(crate) name: &'static str,
     pub(crate) derived: Integrator<S, R>,
-    pub(crate) whole: Integrator<S, Whole<R>>,
+    pub(crate) whole: Integrator<S, Unstructured<R>>,
     pub(crate) start: StateOf<S>,
     pub(crate) h: f64,
 }
@@ -185,20 +185,20 @@ pub(crate) trait Visitor {
     /// Visits one.
     fn visit<S, R, Q, const N: usize, const M: usize>(&mut self, scene: &Scene<S, R>)
     where
-        S: System<Dims = Dims<N, M, Q>> + Variational<R> + Variational<Whole<R>> + Copy,
+        S: System<Dims = Dims<N, M, Q>> + Variational<R> + Variational<Unstructured<R>> + Copy,
         Q: Coordinates<N>,
         R: Copy;
 }
 
 fn scene<S, R>(name: &'static str, system: S, rule: R, start: StateOf<S>, h: f64) -> Scene<S, R>
 where
-    S: Variational<R> + Variational<Whole<R>> + Copy,
+    S: Variational<R> + Variational<Unstructured<R>> + Copy,
     R: Copy,
 {
     Scene {
         name,
         derived: Integrator::new(system, rule),
-        whole: Integrator::new(system, Whole(rule)),
+        whole: Integrator::new(system, Unstructured(rule)),
         start,
         h,
     }

@@ -21,8 +21,9 @@ pub(crate) struct Uncorrected {
     pub(crate) node: Node,
 }
 
-impl Method for Uncorrected {
+impl OneStepMethod for Uncorrected {
     type System = Kubo;
+    type Increments = [f64; 1];
     type Prepared = ();
 
     fn system(&self) -> &Kubo {

@@ -135,7 +135,7 @@ fn derive(
     })??;
     let momenta = budget.stage(&mut arena, |arena| symmetry::check(&block, &model, arena))??;
     let mut steps = Vec::new();
-    for &is_unstructured in if block.arguments.compared {
+    for &is_unstructured in if block.arguments.derives_unstructured {
         &[false, true][..]
     } else {
         &[false]

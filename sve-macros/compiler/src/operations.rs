@@ -94,9 +94,10 @@ fn straight(arena: &Arena, symbols: &Symbols, roots: &[Expr]) -> usize {
         | Operation::Neg(_)
         | Operation::Abs(_)
         | Operation::Recip(_) => 1,
-        Operation::Call(..) | Operation::Call2(..) | Operation::SinCos(_) | Operation::Turn(..) => {
-            CALL
-        }
+        Operation::Call(..)
+        | Operation::Call2(..)
+        | Operation::SinCos(_)
+        | Operation::AngleAddition(..) => CALL,
     };
     program.all().map(|(_, i)| weight(i.operation)).sum()
 }

@@ -4,7 +4,7 @@
 use std::hint::black_box;
 
 use sve_runtime::prelude::*;
-use sve_runtime::{LANES, Lane, Mask, Method, StateLanes, StepError};
+use sve_runtime::{LANES, Lane, Mask, OneStepMethod, StateLanes, StepError};
 
 use crate::hand::{self, LONG, RECORD};
 use crate::systems::{DoublePendulum, Kubo, Oscillator, Pendulum};
@@ -95,8 +95,9 @@ pub(crate) fn double_pendulums() -> f64 {
 /// The cheapest step there is, which adds the increment to q: what an ensemble costs besides its steps.
 struct Walk(Oscillator);
 
-impl Method for Walk {
+impl OneStepMethod for Walk {
     type System = Oscillator;
+    type Increments = [f64; 1];
     type Prepared = ();
 
     fn system(&self) -> &Oscillator {

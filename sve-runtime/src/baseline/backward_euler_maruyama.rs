@@ -1,13 +1,12 @@
 //! Backward (drift-implicit) Euler–Maruyama: `z₁ = z₀ + h f(z₁) + h c(z₀) + Σ g_a(z₀) ΔW_a`.
 //!
 //! Here `z = (q, p)`, f is the drift, `g_a` the noise fields and `c = ½ Σ (Dg_a) g_a` the Itô correction. Only the drift is
-//! implicit: everything that comes from the noise, its Itô correction too, is taken at the start of the step, so that no
-//! unbounded ΔW enters the equation that is solved.
-//! With `n = h c(z₀) + Σ g_a(z₀) ΔW_a` and `q₁ = q₀ + n_q + h v₁` the unknown is `v₁` alone:
+//! implicit. The noise and its Itô correction are evaluated at the start of the step, so that no unbounded ΔW enters the implicit
+//! equation. With `n = h c(z₀) + Σ g_a(z₀) ΔW_a` and `q₁ = q₀ + n_q + h v₁` the unknown is `v₁` alone:
 //! `L_v(t₁, q₁, v₁) − p₀ − h (L_q + F)(t₁, q₁, v₁) − n_p = 0`, by Newton's method from `v₀`.
 //! Kloeden and Platen, Numerical Solution of Stochastic Differential Equations, section 12.2.
 //! Strong order ½ (1 where the noise is additive), deterministic order 1.
-//! For: the stable scheme, which damps what should oscillate: its energy settles where the exact one grows.
+//! This scheme is stable and damps oscillations: its energy settles where the exact energy grows.
 
 use crate::configuration::Coordinates;
 use crate::legendre;
@@ -45,16 +44,16 @@ use crate::system::{Dims, System};
 #[derive(Clone, Copy, Debug)]
 pub struct BackwardEulerMaruyama<S> {
     system: S,
-    corrected: bool,
+    is_corrected: bool,
     newton: Newton,
 }
 
 impl<S: System> BackwardEulerMaruyama<S> {
-    /// The method for `system`, with the Itô correction of the drift.
+    /// Creates the method for `system`, with the Itô correction of the drift.
     pub fn new(system: S) -> Self {
         Self {
             system,
-            corrected: true,
+            is_corrected: true,
             newton: Newton::default(),
         }
     }
@@ -63,7 +62,7 @@ impl<S: System> BackwardEulerMaruyama<S> {
     /// [`EulerMaruyama::uncorrected`](crate::baseline::EulerMaruyama::uncorrected).
     #[must_use]
     pub fn uncorrected(mut self) -> Self {
-        self.corrected = false;
+        self.is_corrected = false;
         self
     }
 
@@ -76,7 +75,7 @@ impl<S: System> BackwardEulerMaruyama<S> {
 }
 
 impl<S> BackwardEulerMaruyama<S> {
-    /// `(q₁ − q₀, p₁ − p₀)`.
+    /// Returns the increment `(q₁ − q₀, p₁ − p₀)`.
     #[inline]
     fn increment<Q, const N: usize, const M: usize>(
         &self,
@@ -90,7 +89,7 @@ impl<S> BackwardEulerMaruyama<S> {
     {
         let jets = self.system.noise_jets(state.t, &state.q, &state.p);
         let mut n = noise_of(&jets, dw);
-        if self.corrected {
+        if self.is_corrected {
             let correction = correction_of(&jets);
             n.add_scaled(h, &correction);
         }
@@ -98,9 +97,9 @@ impl<S> BackwardEulerMaruyama<S> {
     }
 }
 
-method_by_increment!(BackwardEulerMaruyama, M, [corrected, newton]);
+method_by_increment!(BackwardEulerMaruyama, M, [is_corrected, newton]);
 
-/// `(q₁ − q₀, p₁ − p₀)` where `n` is what the noise contributes.
+/// Solves the implicit equation and returns the increment `(q₁ − q₀, p₁ − p₀)`; `n` is the contribution of the noise.
 #[inline]
 fn drift_implicit<S, Q, const N: usize, const M: usize>(
     system: &S,

@@ -1,11 +1,11 @@
 //! Forward Euler–Maruyama: `z₁ = z₀ + h f̂(z₀) + Σ g_a(z₀) ΔW_a`.
 //!
-//! Here `z = (q, p)`, f is the drift and `g_a` the noise fields of the first-order form, and `f̂ = f + ½ Σ (Dg_a) g_a`:
-//! the scheme solves the Itô equation, so a Stratonovich one has to be rewritten first.
+//! Here `z = (q, p)`, f is the drift and `g_a` the noise fields of the first-order form. The scheme solves the Itô equation, so the
+//! drift of the Stratonovich equation gets the Itô correction: `f̂ = f + ½ Σ (Dg_a) g_a`.
 //! G. Maruyama, Continuous Markov processes and stochastic equations, Rend. Circ. Mat. Palermo 4 (1955);
 //! Kloeden and Platen, Numerical Solution of Stochastic Differential Equations, section 10.2.
 //! Strong order ½ (1 where the noise is additive), deterministic order 1.
-//! For: the scheme that everyone knows, whose energy grows exponentially where the exact one grows linearly.
+//! This is the best known scheme. Its energy grows exponentially where the exact energy grows linearly.
 
 use crate::configuration::Coordinates;
 use crate::mechanics::{Field, correction_of, noise_of, solve_drift};
@@ -40,31 +40,31 @@ use crate::system::{Dims, System};
 #[derive(Clone, Copy, Debug)]
 pub struct EulerMaruyama<S> {
     system: S,
-    corrected: bool,
+    is_corrected: bool,
 }
 
 impl<S: System> EulerMaruyama<S> {
-    /// The method for `system`, with the Itô correction of the drift.
+    /// Creates the method for `system`, with the Itô correction of the drift.
     pub fn new(system: S) -> Self {
         Self {
             system,
-            corrected: true,
+            is_corrected: true,
         }
     }
 
     /// Leaves the Itô correction out of the drift.
     ///
-    /// Where the noise depends on the momentum this converges to *another* equation than the Stratonovich one of the
-    /// system. It is what publications plot when they apply Euler–Maruyama to a Stratonovich equation as it stands.
+    /// If the noise depends on the momentum, the uncorrected method converges to the solution of *another* equation than the
+    /// Stratonovich equation of the system. Publications that apply Euler–Maruyama to a Stratonovich equation as it stands plot this solution.
     #[must_use]
     pub fn uncorrected(mut self) -> Self {
-        self.corrected = false;
+        self.is_corrected = false;
         self
     }
 }
 
 impl<S> EulerMaruyama<S> {
-    /// `(q₁ − q₀, p₁ − p₀)`.
+    /// Returns the increment `(q₁ − q₀, p₁ − p₀)`.
     #[inline]
     fn increment<Q, const N: usize, const M: usize>(
         &self,
@@ -80,7 +80,7 @@ impl<S> EulerMaruyama<S> {
         let jets = self.system.noise_jets(state.t, &state.q, &state.p);
         let mut d = noise_of(&jets, dw);
         d.add_scaled(h, &drift);
-        if self.corrected {
+        if self.is_corrected {
             let correction = correction_of(&jets);
             d.add_scaled(h, &correction);
         }
@@ -88,4 +88,4 @@ impl<S> EulerMaruyama<S> {
     }
 }
 
-method_by_increment!(EulerMaruyama, M, [corrected]);
+method_by_increment!(EulerMaruyama, M, [is_corrected]);

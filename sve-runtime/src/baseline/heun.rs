@@ -1,10 +1,10 @@
 //! Stochastic Heun: `z₁ = z₀ + ½ (k₀ + k₁)`, `k₀ = h f(z₀) + Σ g_a(z₀) ΔW_a`, `k₁` the same at `z₀ + k₀` and `t₀ + h`.
 //!
 //! Here `z = (q, p)`, f is the drift and `g_a` the noise fields of the first-order form. The trapezoidal corrector on the noise
-//! makes it consistent with the Stratonovich integral, so no Itô correction appears.
+//! makes the scheme consistent with the Stratonovich integral, so no Itô correction appears.
 //! W. Rümelin, Numerical treatment of stochastic differential equations, SIAM J. Numer. Anal. 19 (1982).
 //! Strong order 1 where the noises commute, else ½; deterministic order 2.
-//! For: the explicit Stratonovich scheme of the same cost class as a variational step.
+//! This is the explicit Stratonovich scheme whose cost is closest to a variational step.
 
 use crate::configuration::Coordinates;
 use crate::mechanics::{Field, noise_of, solve_drift};
@@ -44,14 +44,14 @@ pub struct Heun<S> {
 }
 
 impl<S: System> Heun<S> {
-    /// The method for `system`.
+    /// Creates the method for `system`.
     pub fn new(system: S) -> Self {
         Self { system }
     }
 }
 
 impl<S> Heun<S> {
-    /// `(q₁ − q₀, p₁ − p₀)`.
+    /// Returns the increment `(q₁ − q₀, p₁ − p₀)`.
     #[inline]
     fn increment<Q, const N: usize, const M: usize>(
         &self,
@@ -76,7 +76,7 @@ impl<S> Heun<S> {
 
 method_by_increment!(Heun, M, []);
 
-/// `h f(z) + Σ g_a(z) ΔW_a`.
+/// Returns the Euler increment `h f(z) + Σ g_a(z) ΔW_a`.
 #[inline]
 fn euler<S, Q, const N: usize, const M: usize>(
     system: &S,

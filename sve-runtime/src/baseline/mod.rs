@@ -1,7 +1,7 @@
 //! Baselines: methods for comparison, one in each file, on the first-order form (`docs/mathematics.md`, sections 1 and 4).
 //!
-//! Input: the derivatives that the macro generated for the same Lagrangian and noises; output: a [`Method`](crate::Method),
-//! so that everything that runs an [`Integrator`](crate::Integrator) runs these too.
+//! Input: the derivatives that the macro generated for the same Lagrangian and noises. Output: a [`OneStepMethod`](crate::OneStepMethod);
+//! trajectories, ensembles and studies take a baseline wherever they take an [`Integrator`](crate::Integrator).
 //!
 //! | method | stochastic | deterministic order | strong order |
 //! | --- | --- | --- | --- |
@@ -13,8 +13,10 @@
 //!
 //! None of them is symplectic.
 
-/// `impl Method` for a baseline with `system` and `increment`; for systems without noise unless a name for the number of
-/// their processes is given. Fields that are options of the method follow in brackets.
+/// Implements `OneStepMethod` for a baseline that has a field `system` and a function `increment`.
+///
+/// The second argument names the number of Wiener processes; without it, the baseline is for systems without noise. The brackets
+/// list the fields that are options of the method.
 macro_rules! method_by_increment {
     ($name:ident) => {
         method_by_increment!(@ $name, [], 0,);
@@ -23,12 +25,13 @@ macro_rules! method_by_increment {
         method_by_increment!(@ $name, [$($option),*], $m, const $m: usize);
     };
     (@ $name:ident, [$($option:ident),*], $m:tt, $($generic:tt)*) => {
-        impl<S, Q, const N: usize, $($generic)*> crate::method::Method for $name<S>
+        impl<S, Q, const N: usize, $($generic)*> crate::method::OneStepMethod for $name<S>
         where
             S: System<Dims = Dims<N, $m, Q>>,
             Q: Coordinates<N>,
         {
             type System = S;
+            type Increments = [f64; $m];
             type Prepared = ();
 
             fn system(&self) -> &S {
@@ -79,7 +82,7 @@ use crate::solve::SolveError;
 use crate::state::State;
 use crate::system::Dims;
 
-/// Sizes without a Wiener process: what a deterministic method asks of [`System::Dims`](crate::System::Dims).
+/// The [`System::Dims`](crate::System::Dims) of a system without noise, which deterministic methods require.
 #[diagnostic::on_unimplemented(
     message = "this method is for systems without noise",
     label = "the system has a `#[gamma]` or an `#[h1]`",
@@ -89,10 +92,10 @@ pub trait NoiseFree {}
 
 impl<const N: usize, Q> NoiseFree for Dims<N, 0, Q> {}
 
-/// `state` after `h` along `field`: a stage of a Runge–Kutta method.
+/// Returns the state of a Runge–Kutta stage: the time moved by `h`, position and momentum by `scale · field`.
 ///
 /// # Errors
-/// [`SolveError::NonFinite`] where it overflows: a force that is bounded at infinity would hide that.
+/// [`SolveError::NonFinite`] if the stage overflows. A force that is bounded at infinity would hide the overflow.
 #[inline]
 fn stage<const N: usize>(
     state: &State<[f64; N]>,
@@ -104,13 +107,13 @@ fn stage<const N: usize>(
         t: state.t + h,
         ..*state
     };
-    let mut finite = true;
+    let mut is_finite = true;
     for i in 0..N {
         at.q[i] += scale * field.q[i];
         at.p[i] += scale * field.p[i];
-        finite &= at.q[i].is_finite() & at.p[i].is_finite();
+        is_finite &= at.q[i].is_finite() & at.p[i].is_finite();
     }
-    if finite {
+    if is_finite {
         Ok(at)
     } else {
         Err(SolveError::NonFinite)

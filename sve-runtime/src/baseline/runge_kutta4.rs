@@ -2,8 +2,8 @@
 //!
 //! `k₁ = f(t₀, z₀)`, `k₂ = f(t₀ + h/2, z₀ + h/2 k₁)`, `k₃ = f(t₀ + h/2, z₀ + h/2 k₂)`, `k₄ = f(t₀ + h, z₀ + h k₃)`, where
 //! `z = (q, p)` and f is the drift of the first-order form.
-//! W. Kutta, Z. Math. Phys. 46 (1901). Order 4; for systems without noise, which its type demands.
-//! For: the accurate scheme of everyday use, whose energy nevertheless drifts; and references over short times.
+//! W. Kutta, Z. Math. Phys. 46 (1901). Order 4. The types admit only systems without noise.
+//! This is the accurate scheme of everyday use, and gives references over short times. Its energy drifts.
 
 use crate::configuration::Coordinates;
 use crate::mechanics::{Field, solve_drift};
@@ -60,7 +60,7 @@ pub struct RungeKutta4<S> {
 }
 
 impl<S: System> RungeKutta4<S> {
-    /// The method for `system`, which has no noise.
+    /// Creates the method for `system`, which has no noise.
     pub fn new(system: S) -> Self
     where
         S::Dims: NoiseFree,
@@ -70,9 +70,9 @@ impl<S: System> RungeKutta4<S> {
 }
 
 impl<S> RungeKutta4<S> {
-    /// `(q₁ − q₀, p₁ − p₀)`.
+    /// Returns the increment `(q₁ − q₀, p₁ − p₀)`.
     #[inline]
-    #[allow(clippy::trivially_copy_pass_by_ref)] // the increments as every baseline takes them
+    #[allow(clippy::trivially_copy_pass_by_ref)] // every baseline takes its increments by reference
     fn increment<Q, const N: usize>(
         &self,
         state: &State<[f64; N]>,

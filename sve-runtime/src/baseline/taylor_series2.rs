@@ -2,9 +2,9 @@
 //!
 //! `q̇ = v`, `ṗ = L_q`, `q̈ = a` from `L_vv a = L_q − L_vq v − L_vt`, and `p̈ = L_qq v + L_qv a + L_qt`.
 //! Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, section I.8.
-//! Order 2; for systems without noise, which its type demands.
-//! For: the method from which the second-order Taylor variational integrator is made, which spends the same derivatives on
-//! the action instead; this one gains energy without bound.
+//! Order 2. The types admit only systems without noise.
+//! The second-order Taylor variational integrator uses the same derivatives in the action. The energy of the method here grows
+//! without bound.
 
 use crate::configuration::Coordinates;
 use crate::legendre;
@@ -17,7 +17,7 @@ use super::NoiseFree;
 
 /// The Taylor expansion of the motion to second order, for systems without noise.
 ///
-/// Not the rule [`Taylor2`](crate::Taylor2), which is variational.
+/// This method is not the rule [`Taylor2`](crate::Taylor2), which is variational.
 ///
 /// ```
 /// use sve_runtime::baseline::TaylorSeries2;
@@ -45,7 +45,7 @@ pub struct TaylorSeries2<S> {
 }
 
 impl<S: System> TaylorSeries2<S> {
-    /// The method for `system`, which has no noise.
+    /// Creates the method for `system`, which has no noise.
     pub fn new(system: S) -> Self
     where
         S::Dims: NoiseFree,
@@ -55,9 +55,9 @@ impl<S: System> TaylorSeries2<S> {
 }
 
 impl<S> TaylorSeries2<S> {
-    /// `(q₁ − q₀, p₁ − p₀)`.
+    /// Returns the increment `(q₁ − q₀, p₁ − p₀)`.
     #[inline]
-    #[allow(clippy::trivially_copy_pass_by_ref)] // the increments as every baseline takes them
+    #[allow(clippy::trivially_copy_pass_by_ref)] // every baseline takes its increments by reference
     fn increment<Q, const N: usize>(
         &self,
         state: &State<[f64; N]>,

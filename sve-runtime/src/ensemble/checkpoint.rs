@@ -1,11 +1,11 @@
 //! Checkpoints: files from which a stopped run continues.
 //!
-//! Input: the merged results of the finished blocks. Output: a file that replaces the old one atomically, so
-//! that there is always a complete one. Invariants: the result of a continued run has the bits of one that was not stopped, since blocks
-//! merge in the same tree; nothing of a file is read before its length and checksum are right.
+//! Input: the merged results of the finished blocks. Output: a file, which replaces the previous file atomically, so that a complete
+//! file always exists. Invariants: a continued run has the bits of an uninterrupted run, since blocks merge in the same tree; the
+//! content of a file is read only if its length and checksum are right.
 //!
-//! Layout: [`MAGIC`], version (4 bytes), length of the content (8), checksum (8), content; numbers with their low bytes first.
-//! The checksum is XXH64 of all other bytes behind the magic. The content is postcard's form of [`Contents`].
+//! Layout: [`MAGIC`], version (4 bytes), length of the content (8), checksum (8), content. Numbers are little-endian.
+//! The checksum is XXH64 of version, length and content. The content is [`Contents`], serialised by postcard.
 
 use core::hash::Hasher as _;
 use std::fs;
@@ -23,46 +23,46 @@ use super::merge_tree::MergeTree;
 use super::stored::{LoadedSummary, StoredSummary};
 use super::summary::Info;
 
-/// The first bytes of a file, in every version.
+/// The first bytes of a file of any version.
 const MAGIC: &[u8; 8] = b"sve run\0";
 
 /// Version of the content.
 const VERSION: u32 = 2;
 
 /// Bytes before the content.
-const HEAD: usize = MAGIC.len() + 4 + 8 + 8;
+const HEADER_LENGTH: usize = MAGIC.len() + 4 + 8 + 8;
 
-/// The content that is written.
+/// The content of a file, as it is written.
 #[derive(Serialize)]
 struct Contents<'a> {
     shard: [u64; 2],
-    parts: StoredSummary<'a>,
+    summary: StoredSummary<'a>,
 }
 
-/// The content that is read.
+/// The content of a file, as it is read.
 #[derive(Deserialize)]
-struct OwnedContents {
+struct LoadedContents {
     shard: [u64; 2],
-    parts: LoadedSummary,
+    summary: LoadedSummary,
 }
 
 /// The checkpoint file of a run.
 pub(super) struct CheckpointFile {
     path: PathBuf,
-    every: Duration,
+    interval: Duration,
     info: Info,
     shard: [u64; 2],
-    saved: Mutex<Instant>,
+    last_saved: Mutex<Instant>,
 }
 
 impl CheckpointFile {
-    pub(super) fn new(path: PathBuf, every: Duration, info: Info, shard: [u64; 2]) -> Self {
+    pub(super) fn new(path: PathBuf, interval: Duration, info: Info, shard: [u64; 2]) -> Self {
         Self {
             path,
-            every,
+            interval,
             info,
             shard,
-            saved: Mutex::new(Instant::now()),
+            last_saved: Mutex::new(Instant::now()),
         }
     }
 
@@ -96,28 +96,30 @@ impl CheckpointFile {
             path: path(),
             damage: Damage::Content,
         };
-        let Ok((OwnedContents { shard, parts }, [])) = postcard::take_from_bytes(content) else {
+        let Ok((LoadedContents { shard, summary }, [])) = postcard::take_from_bytes(content) else {
             return Err(inconsistent());
         };
-        let other = |what| Err(EnsembleError::OtherCheckpoint { path: path(), what });
-        if let Some(what) = self.info.difference(&parts.run) {
-            return other(what);
+        let of_another_run = |what| Err(EnsembleError::OtherCheckpoint { path: path(), what });
+        if let Some(what) = self.info.difference(&summary.run) {
+            return of_another_run(what);
         }
         if shard != self.shard {
-            return other(Difference::Shard);
+            return of_another_run(Difference::Shard);
         }
-        let (_, tree) = parts.checked().ok_or_else(inconsistent)?;
+        let (_, tree) = summary.checked().ok_or_else(inconsistent)?;
         Ok(Some(tree))
     }
 
-    /// Returns whether the file is due to be written. The caller that gets `true` writes it.
+    /// Returns whether the file is due to be written, and starts the next interval if it is. The caller that gets `true` writes the
+    /// file.
     pub(super) fn is_due(&self) -> bool {
-        let mut saved = self.saved.lock().unwrap_or_else(PoisonError::into_inner);
-        let due = saved.elapsed() >= self.every;
-        if due {
-            *saved = Instant::now();
+        let last_saved = self.last_saved.lock();
+        let mut last_saved = last_saved.unwrap_or_else(PoisonError::into_inner);
+        let is_due = last_saved.elapsed() >= self.interval;
+        if is_due {
+            *last_saved = Instant::now();
         }
-        due
+        is_due
     }
 
     /// Writes the file, if there are results.
@@ -128,13 +130,13 @@ impl CheckpointFile {
         let path = self.path.as_path();
         let contents = Contents {
             shard: self.shard,
-            parts: StoredSummary::new(&self.info, tree),
+            summary: StoredSummary::new(&self.info, tree),
         };
         let content =
             postcard::to_stdvec(&contents).map_err(|e| failed(path, io::Error::other(e)))?;
-        let head = head(&content);
+        let header = header(&content);
         crate::file::write(path, |to| {
-            to.write_all(&head)?;
+            to.write_all(&header)?;
             to.write_all(&content)
         })
         .map_err(|error| failed(path, error))
@@ -146,8 +148,8 @@ fn failed(path: &Path, source: io::Error) -> EnsembleError {
     EnsembleError::Checkpoint { path, source }
 }
 
-/// Returns the header of a content.
-fn head(content: &[u8]) -> Vec<u8> {
+/// Returns the bytes that precede a content.
+fn header(content: &[u8]) -> Vec<u8> {
     let (version, length) = (VERSION.to_le_bytes(), (content.len() as u64).to_le_bytes());
     let checksum = checksum(&version, &length, content).to_le_bytes();
     [&MAGIC[..], &version, &length, &checksum].concat()
@@ -161,11 +163,11 @@ fn checksum(version: &[u8], length: &[u8], content: &[u8]) -> u64 {
     hash.finish()
 }
 
-/// Why the content of a file is not read.
+/// The reason why the content of a file cannot be read.
 enum Unreadable {
     /// The file is not a checkpoint.
     NotACheckpoint,
-    /// The file has this other version.
+    /// The file has another version, which is given here.
     Version(u32),
     /// The file is damaged.
     Damaged(Damage),
@@ -185,14 +187,14 @@ fn content_of(bytes: &[u8]) -> Result<&[u8], Unreadable> {
     let damaged = |damage| Err(Unreadable::Damaged(damage));
     let Some((version, length, expected, content)) = parts else {
         return damaged(Damage::Length {
-            expected: HEAD as u64,
+            expected: HEADER_LENGTH as u64,
             found,
         });
     };
-    let whole = u64::from_le_bytes(*length).saturating_add(HEAD as u64);
-    if whole != found {
+    let expected_length = u64::from_le_bytes(*length).saturating_add(HEADER_LENGTH as u64);
+    if expected_length != found {
         return damaged(Damage::Length {
-            expected: whole,
+            expected: expected_length,
             found,
         });
     }

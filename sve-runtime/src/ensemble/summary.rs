@@ -207,8 +207,8 @@ impl Summary {
     /// functions of its block use), method, rule and options, and starts. Closures cannot be compared. They are sampled, with all bits:
     /// starts of the first 16 paths, of 16 that are spread over all, and of the last; observables and states along path 0, at its
     /// recorded times, for 4096 steps or a thousandth of all steps of the ensemble, whichever is more, and along three other paths for
-    /// 64 steps. **Other values of a closure are not compared**: give shards equal closures. A [`Method`](crate::Method) of your own adds its options
-    /// in [`identify`](crate::Method::identify). Shards of machines whose mathematical functions differ in the last digit do not merge.
+    /// 64 steps. **Other values of a closure are not compared**: give shards equal closures. A [`OneStepMethod`](crate::OneStepMethod) of your own adds its options
+    /// in [`identify`](crate::OneStepMethod::identify). Shards of machines whose mathematical functions differ in the last digit do not merge.
     ///
     /// # Errors
     /// [`EnsembleError::OtherRun`], which says what differs; [`EnsembleError::Overlap`] where paths are in both. Nothing is

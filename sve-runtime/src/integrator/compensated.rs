@@ -2,59 +2,40 @@
 //!
 //! Source: Kahan's sum as in Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006), section VIII.5.
 
-use super::Integrator;
 use super::accept::replace;
 use super::rescue::check_mass_matrix;
 use super::step::solve_step;
+use super::{DerivedStep, Integrator};
 use crate::configuration::Coordinates;
+use crate::equations::StepEquations;
 use crate::error::{StepError, step_error};
 use crate::noise::Noise;
 use crate::solve::SolveError;
 use crate::solve::newton::BlockSolver;
 use crate::state::State;
-use crate::system::{Dims, System, Variational};
+use crate::system::{Dims, System};
 use crate::trajectory::{RefinedTrajectory, Trajectory};
+use crate::variational::Discretised;
 
 /// Makes one step. Adds the low parts `low` of the state, and writes its new rounding errors to `low`.
 #[inline]
-pub(super) fn compensated_step<S, R, Q, const N: usize, const M: usize>(
-    integrator: &Integrator<S, R>,
+pub fn solve_compensated_step<S, R, Q, const N: usize, const M: usize>(
+    derived: DerivedStep<'_, S, R>,
     prepared: &S::Prepared,
-    state: &mut State<Q>,
-    low: &mut State<Q>,
+    memory: &mut S::Memory,
+    [state, low]: [&mut State<[f64; N]>; 2],
     h: f64,
-    dw: &[f64; M],
+    dw: &S::Increments,
 ) -> Result<(), StepError>
 where
-    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    Q::in_coordinates(state, |state| {
-        Q::in_coordinates(low, |low| {
-            step_in_coordinates(integrator, prepared, state, low, h, dw)
-        })
-    })
-}
-
-/// Makes the step in coordinates.
-#[inline]
-fn step_in_coordinates<S, R, Q, const N: usize, const M: usize>(
-    integrator: &Integrator<S, R>,
-    prepared: &S::Prepared,
-    state: &mut State<[f64; N]>,
-    low: &mut State<[f64; N]>,
-    h: f64,
-    dw: &[f64; M],
-) -> Result<(), StepError>
-where
-    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
-    let solver = BlockSolver::new(integrator.newton());
-    let system = integrator.system();
-    let Ok((dq, dp, _)) = system.increment(prepared, state, h, dw, &solver) else {
+    let solver = BlockSolver::new(derived.newton);
+    let system = derived.system;
+    let Ok((dq, dp, _)) = system.increment(prepared, memory, state, h, dw, &solver) else {
         // Continuation is rare, and returns a state without the digits that compensation needs.
-        return solve_step(integrator, prepared, state, h, dw).map(|_| ());
+        return solve_step(derived, prepared, memory, state, h, dw).map(|_| ());
     };
     let (mut q, mut p, mut new_low) = (state.q, state.p, *low);
     for i in 0..N {
@@ -62,7 +43,7 @@ where
         (p[i], new_low.p[i]) = two_sum(p[i], dp[i] + low.p[i]);
     }
     if !replace(state, h, &q, &p) {
-        let error = step_error(SolveError::NonFinite, &{ *state }, h, &{ *dw });
+        let error = step_error(SolveError::NonFinite, &{ *state }, h, { *dw }.as_ref());
         return Err(check_mass_matrix(system, error));
     }
     *low = new_low;
@@ -78,16 +59,16 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
 }
 
 /// Fails to compile if a step returns states and no increments.
-const fn assert_increments<S: Variational<R>, R>() {
+const fn assert_increments<S: Discretised<R>, R>() {
     assert!(
-        !S::RETURNS.is_state(),
+        S::HAS_INCREMENTS,
         "this step is a linear map from state to state: it has no increments to be summed with compensation"
     );
 }
 
 impl<S, R, W: Noise, Q, const N: usize, const M: usize> Trajectory<'_, Integrator<S, R>, W>
 where
-    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    S: Discretised<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
     /// Compensates the rounding errors of the state: keeps the rounding errors of coordinates and momenta at each step, and adds them at the next
@@ -131,7 +112,7 @@ where
 
 impl<S, R, W: Noise, Q, const N: usize, const M: usize> RefinedTrajectory<'_, Integrator<S, R>, W>
 where
-    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    S: Discretised<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
     /// Compensates the rounding errors of the state, see [`Trajectory::compensated`].

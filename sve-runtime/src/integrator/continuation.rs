@@ -12,14 +12,16 @@
 //! Source: Allgower, Georg, *Introduction to Numerical Continuation Methods* (2003), chapter 2 and, for the choice of strides,
 //! chapter 6. Paths are not followed around folds.
 
-use super::Integrator;
+use super::DerivedStep;
 use crate::configuration::Coordinates;
+use crate::equations::{StepEquations, StepOf};
 use crate::legendre;
 use crate::mechanics;
 use crate::solve::SolveError;
 use crate::solve::newton::BlockSolver;
 use crate::state::State;
-use crate::system::{Dims, StepOf, System, Variational};
+use crate::system::{Dims, Increments, System};
+use crate::variational::Memory;
 
 /// Smallest stride, relative to the part of the path behind it; at the start relative to the first stride.
 const SMALLEST: f64 = 1e-7;
@@ -71,17 +73,17 @@ pub(super) enum ContinuationError {
 /// A [`ContinuationError`] if the path cannot start, or ends before the whole step.
 #[cold]
 pub(super) fn follow<S, R, Q, const N: usize, const M: usize>(
-    integrator: &Integrator<S, R>,
+    derived: DerivedStep<'_, S, R>,
     state: &State<[f64; N]>,
     h: f64,
-    dw: &[f64; M],
+    dw: &S::Increments,
 ) -> Result<StepOf<S, R>, ContinuationError>
 where
-    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    let system = integrator.system();
-    let numbers = state.q.iter().chain(&state.p).chain(dw);
+    let system = derived.system;
+    let numbers = state.q.iter().chain(&state.p).chain(dw.as_ref());
     if !numbers.chain([&state.t]).all(|x| x.is_finite()) {
         return Err(ContinuationError::NoStart(SolveError::NonFinite));
     }
@@ -100,13 +102,14 @@ where
     };
     let step = |part: f64, noise: f64, guesses: &S::Unknowns| {
         let h = part * h;
-        let solver = BlockSolver::warm_started(integrator.newton(), guesses.as_ref());
-        let dw = dw.map(|w| noise * w);
-        system.increment(&system.prepare(h), state, h, &dw, &solver)
+        let solver = BlockSolver::warm_started(derived.newton, guesses.as_ref());
+        let dw = dw.times(noise);
+        let memory = &mut S::Memory::none();
+        system.increment(&system.prepare(h), memory, state, h, &dw, &solver)
     };
     let mut end = follow_path(start, scale, |part, x| step(part, 0.0, x))
         .map_err(|step| ContinuationError::PathEnds { step, noise: 0.0 })?;
-    if dw.iter().any(|&w| w != 0.0) {
+    if dw.as_ref().iter().any(|&w| w != 0.0) {
         end = follow_path(Point { at: 0.0, ..end }, scale, |noise, x| {
             step(1.0, noise, x)
         })

@@ -1,78 +1,134 @@
-//! An integrator is a [`Method`].
+//! An integrator is a [`OneStepMethod`].
 
 use core::any::type_name;
 use core::hash::Hasher;
 
 use super::Integrator;
 use super::accept::check_step_size;
-use super::compensated::compensated_step;
-use super::step::solve_step;
 use crate::configuration::Coordinates;
 use crate::error::StepError;
 use crate::lanes::{Lane, Mask, StateLanes};
-use crate::method::Method;
+use crate::method::OneStepMethod;
 use crate::plan::StrongOrder;
-use crate::solve::newton::{BlockSolver, Newton};
 use crate::state::State;
-use crate::system::{Dims, System, Variational};
+use crate::system::{Dims, System};
+use crate::variational::{Discretised, Memory};
 
-impl<S, R, Q, const N: usize, const M: usize> Method for Integrator<S, R>
+/// What an integrator computes before the first step, and carries from step to step.
+#[derive(Clone, Copy, Debug)]
+pub struct Prepared<C, K> {
+    /// Values that depend on parameters and step size only.
+    coefficients: C,
+    memory: K,
+}
+
+impl<S, R, Q, const N: usize, const M: usize> OneStepMethod for Integrator<S, R>
 where
-    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    S: Discretised<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
     type System = S;
-    type Prepared = S::Prepared;
+    type Increments = S::Increments;
+    type Prepared = Prepared<S::Prepared, S::Memory>;
 
     fn system(&self) -> &S {
         Integrator::system(self)
     }
 
     #[inline]
-    fn prepare(&self, h: f64) -> Result<S::Prepared, StepError> {
+    fn prepare(&self, h: f64) -> Result<Self::Prepared, StepError> {
         check_step_size(h)?;
-        Ok(Integrator::system(self).prepare(h))
+        Ok(Prepared {
+            coefficients: Integrator::system(self).prepare(h),
+            memory: S::Memory::none(),
+        })
     }
 
     #[inline]
     fn step_prepared(
         &self,
-        prepared: &S::Prepared,
+        prepared: &Self::Prepared,
         state: &mut State<Q>,
         h: f64,
-        dw: &[f64; M],
+        dw: &S::Increments,
     ) -> Result<(), StepError> {
         Q::in_coordinates(state, |state| {
-            solve_step(self, prepared, state, h, dw).map(|_| ())
+            let (system, memory) = (Integrator::system(self), &mut S::Memory::none());
+            system.advance(self.newton(), &prepared.coefficients, memory, state, h, dw)
         })
+    }
+
+    #[inline]
+    fn next_step(
+        &self,
+        prepared: &mut Self::Prepared,
+        state: &mut State<Q>,
+        h: f64,
+        dw: &S::Increments,
+    ) -> Result<(), StepError> {
+        Q::in_coordinates(state, |state| {
+            let Prepared {
+                coefficients,
+                memory,
+            } = prepared;
+            Integrator::system(self).advance(self.newton(), coefficients, memory, state, h, dw)
+        })
+    }
+
+    fn memory(&self, prepared: &Self::Prepared) -> Vec<f64> {
+        prepared.memory.numbers().to_vec()
+    }
+
+    fn recall(&self, prepared: &mut Self::Prepared, numbers: &[f64]) -> bool {
+        let memory = S::Memory::from_numbers(numbers);
+        let is_valid = memory.is_some();
+        prepared.memory = memory.unwrap_or(S::Memory::none());
+        is_valid
     }
 
     #[inline(always)]
     fn step_lanes(
         &self,
-        prepared: &S::Prepared,
+        prepared: &Self::Prepared,
         states: &StateLanes<N>,
         next: &mut StateLanes<N>,
         h: f64,
         dw: &[Lane; M],
     ) -> Mask {
-        Integrator::system(self).increment_lanes(prepared, states, next, h, dw, self.newton())
+        let prepared = &prepared.coefficients;
+        Integrator::system(self).advance_lanes(self.newton(), prepared, states, next, h, dw)
     }
 
     fn has_compensated_step(&self) -> bool {
-        !S::RETURNS.is_state()
+        S::HAS_INCREMENTS
     }
 
     #[inline]
     fn compensated_step(
         &self,
-        prepared: &S::Prepared,
+        prepared: &mut Self::Prepared,
         state: &mut State<Q>,
         low: &mut State<Q>,
         h: f64,
-        dw: &[f64; M],
+        dw: &S::Increments,
     ) -> Result<(), StepError> {
-        compensated_step(self, prepared, state, low, h, dw)
+        let Prepared {
+            coefficients,
+            memory,
+        } = prepared;
+        Q::in_coordinates(state, |state| {
+            Q::in_coordinates(low, |low| {
+                let state = [state, low];
+                Integrator::system(self).advance_compensated(
+                    self.newton(),
+                    coefficients,
+                    memory,
+                    state,
+                    h,
+                    dw,
+                )
+            })
+        })
     }
 
     fn identify(&self, to: &mut dyn Hasher) {
@@ -90,28 +146,14 @@ where
         })
     }
 
-    /// Finds the lowest limit of iterations with which the step has the same bits: with a lower limit an attempt fails, and the next attempt reaches the root
-    /// along another path.
     fn newton_iterations(
         &self,
-        prepared: &S::Prepared,
+        prepared: &Self::Prepared,
         state: &State<Q>,
         h: f64,
-        dw: &[f64; M],
+        dw: &S::Increments,
     ) -> Option<u32> {
-        let state = &state.to_coordinates();
-        let increment = |max_iterations| {
-            let newton = Newton {
-                max_iterations,
-                ..*self.newton()
-            };
-            let (q, p, _) = Integrator::system(self)
-                .increment(prepared, state, h, dw, &BlockSolver::new(&newton))
-                .ok()?;
-            Some((q, p))
-        };
-        let max_iterations = self.newton().max_iterations;
-        let step = increment(max_iterations)?;
-        (0..=max_iterations).find(|&limit| increment(limit) == Some(step))
+        let (newton, state) = (self.newton(), &state.to_coordinates());
+        Integrator::system(self).newton_iterations(newton, &prepared.coefficients, state, h, dw)
     }
 }

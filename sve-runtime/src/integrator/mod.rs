@@ -2,6 +2,7 @@
 //!
 //! | file | part of a step |
 //! | --- | --- |
+//! | `derived.rs` | the step of a rule as the integrator calls it |
 //! | `step.rs` | the fast path |
 //! | `accept.rs` | the tests of a result |
 //! | `rescue.rs` | what happens if the fast path fails |
@@ -12,22 +13,25 @@
 pub(crate) mod accept;
 mod compensated;
 mod continuation;
+pub(crate) mod derived;
 mod method;
 mod rescue;
 mod step;
 mod tangent;
 
+use derived::DerivedStep;
 pub use tangent::{Sensitivity, Tangent};
 
 use crate::configuration::Coordinates;
 use crate::error::StepError;
-use crate::method::Method;
+use crate::method::OneStepMethod;
 use crate::noise::Noise;
 use crate::plan::Plan;
 use crate::solve::newton::Newton;
 use crate::state::State;
-use crate::system::{DerivedFor, Dims, System, Variational};
+use crate::system::{Dims, System};
 use crate::trajectory::{Snapshot, Trajectory};
+use crate::variational::{DerivedFor, Discretised};
 
 /// A system and the rule that discretises its action.
 ///
@@ -75,7 +79,7 @@ impl<S, R> Integrator<S, R> {
     }
 }
 
-impl<S: Variational<R>, R> Integrator<S, R> {
+impl<S: Discretised<R>, R> Integrator<S, R> {
     /// Replaces the options of the Newton iteration.
     #[must_use]
     pub fn with_newton(mut self, newton: Newton) -> Self {
@@ -104,10 +108,10 @@ impl<S: Variational<R>, R> Integrator<S, R> {
     }
 }
 
-/// The functions of [`Method`], for programs that do not import the trait.
+/// The functions of [`Method`](crate::Method), for programs that do not import the trait.
 impl<S, R, Q, const N: usize, const M: usize> Integrator<S, R>
 where
-    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    S: Discretised<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
     /// Makes one step of length `h` with the given Wiener increments, one for each process in source order.
@@ -115,8 +119,9 @@ where
     /// # Errors
     /// A [`StepError`] when an input is not finite, `h` is zero, or the step fails; `state` is then unchanged.
     #[inline]
-    pub fn step(&self, state: &mut State<Q>, h: f64, dw: &[f64; M]) -> Result<(), StepError> {
-        Method::step(self, state, h, dw)
+    pub fn step(&self, state: &mut State<Q>, h: f64, dw: &S::Increments) -> Result<(), StepError> {
+        let prepared = OneStepMethod::prepare(self, h)?;
+        self.step_prepared(&prepared, state, h, dw)
     }
 
     /// Returns the tangent map of one step, `∂(q₁,p₁)/∂(q₀,p₀)` at fixed increments: a symplectic matrix, if no force acts.
@@ -148,7 +153,7 @@ where
         &self,
         state: &State<Q>,
         h: f64,
-        dw: &[f64; M],
+        dw: &S::Increments,
     ) -> Result<Tangent<N>, StepError> {
         self.step_with_derivatives(&mut { *state }, h, dw)
             .map(|(tangent, _)| tangent)
@@ -181,7 +186,7 @@ where
         &self,
         state: &State<Q>,
         h: f64,
-        dw: &[f64; M],
+        dw: &S::Increments,
     ) -> Result<Sensitivity<Q::Momentum>, StepError> {
         self.step_with_derivatives(&mut { *state }, h, dw)
             .map(|(_, sensitivity)| sensitivity)
@@ -195,30 +200,30 @@ where
         &self,
         state: &mut State<Q>,
         h: f64,
-        dw: &[f64; M],
+        dw: &S::Increments,
     ) -> Result<(Tangent<N>, Sensitivity<Q::Momentum>), StepError> {
         tangent::derivatives(self, state, h, dw)
     }
 
-    /// Returns the states after each step of length `h` from `state`; see [`Method::trajectory`].
+    /// Returns the states after each step of length `h` from `state`; see [`Method::trajectory`](crate::Method::trajectory).
     pub fn trajectory<W: Noise>(
         &self,
         state: State<Q>,
         h: f64,
         noise: W,
     ) -> Trajectory<'_, Self, W> {
-        Method::trajectory(self, state, h, noise)
+        Trajectory::new(self, state, h, noise)
     }
 
-    /// Continues a trajectory from a snapshot; see [`Method::resume`].
+    /// Continues a trajectory from a snapshot; see [`Method::resume`](crate::Method::resume).
     ///
     /// # Errors
-    /// As [`Method::resume`].
+    /// As [`Method::resume`](crate::Method::resume).
     pub fn resume<W: Noise>(
         &self,
         snapshot: Snapshot<State<Q>>,
         noise: W,
     ) -> Result<Trajectory<'_, Self, W>, StepError> {
-        Method::resume(self, snapshot, noise)
+        Trajectory::resume(self, snapshot, noise)
     }
 }

@@ -2,16 +2,18 @@
 //!
 //! Input: the step and the failure of the fast path. Output: the state after the step, or a [`StepError`].
 
-use super::Integrator;
+use super::DerivedStep;
 use super::accept::{add, replace};
 use super::continuation::{self, ContinuationError};
 use crate::configuration::Coordinates;
+use crate::equations::StepEquations;
 use crate::error::{StepError, step_error};
 use crate::solve::SolveError;
 use crate::solve::dense;
 use crate::solve::newton::BlockSolver;
 use crate::state::State;
-use crate::system::{Dims, System, Variational};
+use crate::system::{Dims, System};
+use crate::variational::Memory;
 
 /// Solves a step on which the fast path failed with `failure`. First follows the solution by continuation from zero noise and h → 0. If the mass
 /// matrix is singular at the start, continuation cannot start, and Newton's result is accepted without that check.
@@ -21,18 +23,18 @@ use crate::system::{Dims, System, Variational};
 #[cold]
 #[inline(never)]
 pub(super) fn solve_by_continuation<S, R, Q, const N: usize, const M: usize>(
-    integrator: &Integrator<S, R>,
+    derived: DerivedStep<'_, S, R>,
     failure: SolveError,
     state: &State<[f64; N]>,
     h: f64,
-    dw: &[f64; M],
+    dw: &S::Increments,
 ) -> Result<(State<[f64; N]>, S::Unknowns), StepError>
 where
-    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    let system = integrator.system();
-    let found = match continuation::follow(integrator, state, h, dw) {
+    let system = derived.system;
+    let found = match continuation::follow(derived, state, h, dw) {
         Ok(found) => Ok(found),
         // The path ends at once: the failure of the fast path says more.
         Err(ContinuationError::PathEnds { step: 0.0, .. })
@@ -44,14 +46,15 @@ where
             return Err(StepError::BranchLost {
                 t: state.t,
                 h,
-                dw: dw.to_vec(),
+                dw: dw.as_ref().to_vec(),
                 step,
                 reached: noise,
             });
         }
         Err(ContinuationError::NoStart(SolveError::Singular { .. })) => {
-            let solver = BlockSolver::unchecked(integrator.newton());
-            system.increment(&system.prepare(h), state, h, dw, &solver)
+            let solver = BlockSolver::unchecked(derived.newton);
+            let memory = &mut S::Memory::none();
+            system.increment(&system.prepare(h), memory, state, h, dw, &solver)
         }
         Err(ContinuationError::NoStart(error)) => Err(error),
     };
@@ -64,23 +67,23 @@ where
         Ok(_) => SolveError::NonFinite,
         Err(error) => error,
     };
-    Err(explain_step(integrator, error, state, h, dw))
+    Err(explain_step(derived, error, state, h, dw))
 }
 
 /// Returns the error of a step, completed by the conditions of the domain and by a test of the mass matrix.
 #[cold]
 pub(super) fn explain_step<S, R, Q, const N: usize, const M: usize>(
-    integrator: &Integrator<S, R>,
+    derived: DerivedStep<'_, S, R>,
     error: SolveError,
     state: &State<[f64; N]>,
     h: f64,
-    dw: &[f64; M],
+    dw: &S::Increments,
 ) -> StepError
 where
-    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    let plain = step_error(error, state, h, dw);
+    let plain = step_error(error, state, h, dw.as_ref());
     match (error, plain) {
         (SolveError::OutsideDomain { condition }, StepError::NonFiniteResult { t, h, q, .. }) => {
             let condition = S::DOMAIN.get(condition).copied().unwrap_or("L is defined");
@@ -91,7 +94,7 @@ where
                 condition: condition.into(),
             }
         }
-        (_, plain) => check_mass_matrix(integrator.system(), plain),
+        (_, plain) => check_mass_matrix(derived.system, plain),
     }
 }
 

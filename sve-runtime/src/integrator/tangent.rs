@@ -7,14 +7,16 @@ use core::ops::{Index, Mul};
 
 use nalgebra::{DMatrix, SMatrix};
 
-use super::Integrator;
+use super::accept::check_step_size;
 use super::step::solve_step;
+use super::{DerivedStep, Integrator};
 use crate::configuration::Coordinates;
+use crate::equations::StepEquations;
 use crate::error::{StepError, step_error};
 use crate::mechanics::Field;
-use crate::method::Method;
 use crate::state::State;
-use crate::system::{Dims, System, Variational};
+use crate::system::{Dims, System};
+use crate::variational::{Discretised, Memory};
 
 /// The tangent map of a step, `∂(q₁,p₁)/∂(q₀,p₀)`: a matrix of `2N` rows and columns, first the coordinates, then the momenta.
 ///
@@ -195,48 +197,52 @@ pub(crate) fn derivatives<S, R, Q, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     state: &mut State<Q>,
     h: f64,
-    dw: &[f64; M],
+    dw: &S::Increments,
 ) -> Result<(Tangent<N>, Sensitivity<Q::Momentum>), StepError>
 where
-    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    S: Discretised<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    let derivatives = |state: &mut _| derivatives_in_coordinates(integrator, state, h, dw);
-    let (tangent, fields) = Q::in_coordinates(state, derivatives)?;
-    let sensitivity = Sensitivity {
-        names: S::PARAMETERS,
-        fields: fields.into_iter().map(Field::of::<Q>).collect(),
-    };
-    Ok((tangent, sensitivity))
-}
-
-/// The tangent map, and the derivatives in each parameter.
-type Derivatives<const N: usize> = (Tangent<N>, Vec<Field<[f64; N]>>);
-
-fn derivatives_in_coordinates<S, R, Q, const N: usize, const M: usize>(
-    integrator: &Integrator<S, R>,
-    state: &mut State<[f64; N]>,
-    h: f64,
-    dw: &[f64; M],
-) -> Result<Derivatives<N>, StepError>
-where
-    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
-    let prepared = Method::prepare(integrator, h)?;
-    let mut end = *state;
-    let unknowns = solve_step(integrator, &prepared, &mut end, h, dw)?;
-    let linear = integrator.system().linearise(state, h, dw, &unknowns);
-    let solved = linear.solve(!S::RETURNS.is_state());
-    let all = solved.map_err(|error| step_error(error, state, h, dw))?;
+    check_step_size(h)?;
+    let (system, newton) = (integrator.system(), integrator.newton());
+    let all = Q::in_coordinates(state, |state| {
+        system.advance_with_derivatives(newton, state, h, dw)
+    })?;
     // The matrix is stored column by column, so its transpose is the map row by row.
     let tangent = Tangent {
         entries: all.columns(0, 2 * N).transpose().as_slice().to_vec(),
     };
-    let field = |parameter: usize| Field {
-        q: core::array::from_fn(|i| all[(i, 2 * N + parameter)]),
-        p: core::array::from_fn(|i| all[(N + i, 2 * N + parameter)]),
+    let field = |parameter: usize| {
+        Field::of::<Q>(Field {
+            q: core::array::from_fn(|i| all[(i, 2 * N + parameter)]),
+            p: core::array::from_fn(|i| all[(N + i, 2 * N + parameter)]),
+        })
     };
+    let sensitivity = Sensitivity {
+        names: S::PARAMETERS,
+        fields: (0..S::PARAMETERS.len()).map(field).collect(),
+    };
+    Ok((tangent, sensitivity))
+}
+
+/// Makes a derived step and returns the derivatives of its result, see
+/// [`Discretised::advance_with_derivatives`].
+pub fn solve_with_derivatives<S, R, Q, const N: usize, const M: usize>(
+    derived: DerivedStep<'_, S, R>,
+    state: &mut State<[f64; N]>,
+    h: f64,
+    dw: &S::Increments,
+) -> Result<DMatrix<f64>, StepError>
+where
+    S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    let prepared = derived.system.prepare(h);
+    let mut end = *state;
+    let unknowns = solve_step(derived, &prepared, &mut S::Memory::none(), &mut end, h, dw)?;
+    let linear = derived.system.linearise(state, h, dw, &unknowns);
+    let solved = linear.solve(!S::RETURNS.is_state());
+    let all = solved.map_err(|error| step_error(error, state, h, dw.as_ref()))?;
     *state = end;
-    Ok((tangent, (0..S::PARAMETERS.len()).map(field).collect()))
+    Ok(all)
 }

@@ -8,9 +8,9 @@ use std::time::{Duration, Instant};
 
 use crate::ensemble::fingerprint;
 use crate::error::StepError;
-use crate::method::Method;
+use crate::method::{Method, OneStepMethod};
 use crate::noise::Recorded;
-use crate::system::{Dimensions, IncrementsOf, StateOf, System};
+use crate::system::{Increments, IncrementsOf, StateOf, System};
 
 /// Number of steps whose Newton iterations are counted: they vary little along a path.
 const COUNTED: usize = 256;
@@ -18,7 +18,7 @@ const COUNTED: usize = 256;
 /// A function that is called with each state.
 pub(super) type Visit<'a, S> = dyn FnMut(&StateOf<S>) -> Result<(), StepError> + 'a;
 
-/// A [`Method`] of any type.
+/// A [`OneStepMethod`] of any type.
 pub(super) trait AnyMethod<S: System>: Sync {
     fn system(&self) -> &S;
 
@@ -51,7 +51,7 @@ pub(super) trait AnyMethod<S: System>: Sync {
 
 /// The increments over a step.
 pub(super) fn increments<S: System>(path: &Recorded, step: usize) -> IncrementsOf<S> {
-    let mut dw = <S::Dims as Dimensions>::NO_INCREMENTS;
+    let mut dw = <IncrementsOf<S> as Increments>::NONE;
     if let Some(recorded) = path.get(step) {
         dw.as_mut().copy_from_slice(recorded);
     }
@@ -60,16 +60,16 @@ pub(super) fn increments<S: System>(path: &Recorded, step: usize) -> IncrementsO
 
 impl<S: System, I: Method<System = S> + Sync> AnyMethod<S> for I {
     fn system(&self) -> &S {
-        Method::system(self)
+        OneStepMethod::system(self)
     }
 
     fn order(&self) -> Option<f64> {
-        Method::order(self)
+        OneStepMethod::order(self)
     }
     fn identity(&self) -> [u64; 2] {
         [
             fingerprint::method(self),
-            fingerprint::parameters(Method::system(self)),
+            fingerprint::parameters(OneStepMethod::system(self)),
         ]
     }
 

@@ -1,7 +1,8 @@
-//! Results as lines of a file, the same for every program that takes part in a comparison.
+//! Results of studies as CSV files, in a format that all compared programs share.
 //!
-//! Input: records. Output: text, a line each under a line of [`COLUMNS`]; and back. Invariant: what was written is read back with the same bits.
-//! Fields with a comma, a quotation mark or a line break are quoted, as in RFC 4180; a number that is not known is an empty field.
+//! Input: records. Output: a header line with the names in [`COLUMNS`], then one line for each record; and the records of such a file.
+//! Invariant: numbers that were written are read with the same bits. Fields with a comma, a quotation mark or a line break are quoted
+//! as in RFC 4180. An unknown number is an empty field.
 
 use std::io::{BufRead, Write};
 use std::path::Path;
@@ -27,42 +28,42 @@ pub const COLUMNS: [&str; 15] = [
     "source",
 ];
 
-/// One line of a file of results: one method with one step size (or tolerance) on one problem. `None` is what is not known.
+/// One line of a file of results: one method with one step size (or tolerance) on one problem. Numbers that are not known are `None`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Record {
     /// Name of the problem.
     pub problem: String,
     /// Name of the method.
     pub method: String,
-    /// Step size; `None` for methods that choose it.
+    /// Step size; `None` for methods that choose their step sizes.
     pub h: Option<f64>,
-    /// Strong error at the horizon: root of the mean square over paths of the distance from the reference.
+    /// Strong error at the horizon: the root mean square, over paths, of the distance from the reference.
     pub error: Option<f64>,
-    /// Its standard error.
+    /// Standard error of `error`.
     pub error_se: Option<f64>,
     /// Weak error of the problem's first observable.
     pub weak_error: Option<f64>,
-    /// Its standard error.
+    /// Standard error of `weak_error`.
     pub weak_error_se: Option<f64>,
     /// Largest difference of the invariant from its first value.
     pub energy_error: Option<f64>,
-    /// Its secular change in a unit of time.
+    /// Secular change of the invariant in a unit of time.
     pub energy_drift: Option<f64>,
-    /// Nanoseconds a step of one path.
+    /// Nanoseconds for one step of one path.
     pub ns_per_step: Option<f64>,
-    /// Half the distance of its quartiles.
+    /// Half the distance between the quartiles of `ns_per_step`.
     pub ns_spread: Option<f64>,
-    /// Seconds to the horizon, one path.
+    /// Seconds for one path to the horizon.
     pub time_to_solution_s: Option<f64>,
-    /// Newton iterations a step.
+    /// Newton iterations for one step.
     pub newton_iterations: Option<f64>,
-    /// Paths that failed.
+    /// Number of paths that failed.
     pub failures: u64,
-    /// Which program, with its version.
+    /// The program, with its version.
     pub source: String,
 }
 
-/// Writes records under a line with the names of the columns.
+/// Writes a header line with the names of the columns, then one line for each record.
 ///
 /// ```
 /// use sve_runtime::study::{Record, read_csv, write_csv};
@@ -102,15 +103,14 @@ pub fn write_csv(mut to: impl Write, records: &[Record]) -> Result<(), StudyErro
         ];
         writeln!(to, "{}", fields.join(","))?;
     }
-    // a buffered writer that is dropped would say nothing
+    // a buffered writer ignores errors when it is dropped
     Ok(to.flush()?)
 }
 
-/// Writes records into a file, see [`write_csv`]. The file is written beside the one of that name, if there is one, and takes its place
-/// when it is whole.
+/// Writes records into a file; see [`write_csv`]. The file is complete or not written at all: it replaces an existing one atomically.
 ///
 /// # Errors
-/// [`StudyError::Io`] where the file cannot be written, with its path; nothing of it is left then.
+/// [`StudyError::Io`] if the file cannot be written; the error names its path, and nothing of the file remains.
 pub fn to_csv(path: impl AsRef<Path>, records: &[Record]) -> Result<(), StudyError> {
     let path = path.as_ref();
     let mut text = Vec::new();
@@ -118,11 +118,11 @@ pub fn to_csv(path: impl AsRef<Path>, records: &[Record]) -> Result<(), StudyErr
     Ok(crate::file::write(path, |file| file.write_all(&text))?)
 }
 
-/// Reads what [`write_csv`] or another program wrote: columns in any order, of which `problem` and `method` have to be there and unknown
-/// ones are passed over. Line breaks within a field are not read.
+/// Reads records that [`write_csv`] or another program wrote. The columns can have any order. The columns `problem` and `method` are
+/// required, and unknown columns are ignored. Line breaks within a field are not supported.
 ///
 /// # Errors
-/// [`StudyError::Csv`] with the line that is wrong; [`StudyError::Io`] when the reader fails.
+/// [`StudyError::Csv`] with the number of the wrong line; [`StudyError::Io`] if the reader fails.
 pub fn read_csv(from: impl BufRead) -> Result<Vec<Record>, StudyError> {
     let mut lines = from.lines().enumerate();
     let Some((_, head)) = lines.next() else {
@@ -158,7 +158,7 @@ pub fn read_csv(from: impl BufRead) -> Result<Vec<Record>, StudyError> {
 }
 
 impl Record {
-    /// Sets the field of a column.
+    /// Parses the field of a column and stores its value.
     fn set(&mut self, column: &str, field: &str) -> Result<(), String> {
         let number = match column {
             "problem" => {
@@ -222,25 +222,24 @@ fn quoted(text: &str) -> String {
     }
 }
 
-/// The fields of a line.
+/// Splits a line into its fields and removes their quotation marks.
 fn fields(line: usize, text: &str) -> Result<Vec<String>, StudyError> {
     let mut fields = vec![String::new()];
-    let mut inside = false;
+    let mut is_quoted = false;
     let mut characters = text.trim_end_matches('\r').chars().peekable();
     while let Some(character) = characters.next() {
-        // the list is never empty: it starts with one
         let last = fields.len() - 1;
         match character {
-            '"' if inside && characters.peek() == Some(&'"') => {
+            '"' if is_quoted && characters.peek() == Some(&'"') => {
                 characters.next();
                 fields[last].push('"');
             }
-            '"' => inside = !inside,
-            ',' if !inside => fields.push(String::new()),
+            '"' => is_quoted = !is_quoted,
+            ',' if !is_quoted => fields.push(String::new()),
             other => fields[last].push(other),
         }
     }
-    if inside {
+    if is_quoted {
         return Err(wrong(line, "a quotation mark is not closed"));
     }
     Ok(fields)
@@ -251,7 +250,7 @@ mod tests {
     use super::{COLUMNS, Record, StudyError, read_csv, write_csv};
 
     #[test]
-    fn is_read_back_with_the_same_bits() {
+    fn records_are_read_with_the_bits_that_were_written() {
         let records = [
             Record {
                 problem: "a \"problem\", quoted".into(),
@@ -279,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn other_programs_may_order_columns_and_leave_some_out() {
+    fn columns_can_be_in_any_order_and_missing() {
         let text = "method,remark,problem,error\r\nm,x,p,1e-3\r\n\r\nn,,p,nan\r\n";
         let records = read_csv(text.as_bytes()).unwrap();
         assert_eq!(records.len(), 2);
@@ -288,7 +287,7 @@ mod tests {
     }
 
     #[test]
-    fn mistakes_are_named_with_their_lines() {
+    fn errors_have_the_number_of_their_line() {
         let message = |text: &str| match read_csv(text.as_bytes()) {
             Err(StudyError::Csv { line, what }) => (line, what),
             other => panic!("{other:?}"),

@@ -56,7 +56,7 @@ pub struct Order {
     /// Step sizes that it was fitted to: the finest ones, where no path failed, the error is at most a quarter of the solution's size
     /// and more than rounding, and the local slopes are stable.
     pub points: usize,
-    /// The order of the method, if it is known ([`Method::order`](crate::Method::order)).
+    /// The order of the method, if it is known ([`OneStepMethod::order`](crate::OneStepMethod::order)).
     pub of_method: Option<f64>,
 }
 

@@ -11,16 +11,16 @@ pub use refined::{RefinedTrajectory, Refinements};
 pub use snapshot::Snapshot;
 
 use crate::error::StepError;
-use crate::method::Method;
+use crate::method::OneStepMethod;
 use crate::noise::{Noise, NoiseError};
-use crate::system::{Dimensions, IncrementsOf, StateOf, System};
+use crate::system::{Increments, StateOf};
 use crate::time::{is_next_time, time_after};
 
 /// The states after each step, from [`Method::trajectory`].
 ///
 /// Ends after an error, and at the end of a recorded path; otherwise it has no end: `take` as many as needed.
 #[derive(Debug)]
-pub struct Trajectory<'a, I: Method, W> {
+pub struct Trajectory<'a, I: OneStepMethod, W> {
     method: &'a I,
     noise: W,
     state: StateOf<I::System>,
@@ -34,9 +34,11 @@ pub struct Trajectory<'a, I: Method, W> {
     refinements: Refinements,
     /// The low parts of the state, if rounding errors are compensated.
     low: Option<StateOf<I::System>>,
+    /// The numbers of the method that a snapshot had, until the first step.
+    recalled: Vec<f64>,
 }
 
-impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
+impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     pub(crate) fn new(method: &'a I, state: StateOf<I::System>, h: f64, noise: W) -> Self {
         Self {
             start: state.t,
@@ -49,6 +51,7 @@ impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
             has_ended: false,
             refinements: Refinements::default(),
             low: None,
+            recalled: Vec::new(),
         }
     }
 
@@ -64,6 +67,7 @@ impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
             step,
             state,
             low,
+            memory,
             refinements,
         } = snapshot;
         if low.is_some() && !method.has_compensated_step() {
@@ -74,6 +78,7 @@ impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
             step,
             refinements,
             low,
+            recalled: memory,
             ..Self::new(method, state, h, noise)
         })
     }
@@ -86,6 +91,10 @@ impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
             step: self.step,
             state: self.state,
             low: self.low,
+            memory: match &self.prepared {
+                Some(prepared) => self.method.memory(prepared),
+                None => self.recalled.clone(),
+            },
             refinements: self.refinements,
         }
     }
@@ -105,12 +114,32 @@ impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
         &self.state
     }
 
+    /// Computes what depends on the step size alone, and recalls the numbers of a snapshot.
+    #[cold]
+    fn prepare(&mut self) -> Result<(), StepError> {
+        let mut prepared = self.method.prepare(self.h)?;
+        if !self.method.recall(&mut prepared, &self.recalled) {
+            let (t, numbers) = (self.state.t, self.recalled.len());
+            return Err(StepError::OtherMethod { t, numbers });
+        }
+        self.prepared = Some(prepared);
+        Ok(())
+    }
+
+    /// Forgets what the method carries from step to step, which is of a state that was not reached.
+    #[cold]
+    fn forget(&mut self) {
+        if let Some(prepared) = &mut self.prepared {
+            self.method.recall(prepared, &[]);
+        }
+    }
+
     /// Returns the state after the next step. Calls `retry` with the error and the increments of a step that fails; it makes the step in
     /// another way, or returns an error.
     #[inline(always)]
     fn next_or(
         &mut self,
-        retry: impl FnOnce(&mut Self, StepError, &IncrementsOf<I::System>) -> Result<(), StepError>,
+        retry: impl FnOnce(&mut Self, StepError, &I::Increments) -> Result<(), StepError>,
     ) -> Option<Result<StateOf<I::System>, StepError>> {
         if self.has_ended {
             return None;
@@ -123,13 +152,12 @@ impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
     #[inline(always)]
     fn advance(
         &mut self,
-        retry: impl FnOnce(&mut Self, StepError, &IncrementsOf<I::System>) -> Result<(), StepError>,
+        retry: impl FnOnce(&mut Self, StepError, &I::Increments) -> Result<(), StepError>,
     ) -> Result<Option<StateOf<I::System>>, StepError> {
-        let prepared = match &self.prepared {
-            Some(prepared) => prepared,
-            None => self.prepared.insert(self.method.prepare(self.h)?),
-        };
-        let mut dw: IncrementsOf<I::System> = <<I::System as System>::Dims>::NO_INCREMENTS;
+        if self.prepared.is_none() {
+            self.prepare()?;
+        }
+        let mut dw = I::Increments::NONE;
         match self.noise.increments(self.step, self.h, dw.as_mut()) {
             Ok(()) => {}
             Err(NoiseError::Exhausted { .. }) => return Ok(None),
@@ -148,11 +176,16 @@ impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
         let made = if self.low.is_some() {
             self.compensated_step(&{ dw })
         } else {
-            self.method
-                .step_prepared(prepared, &mut self.state, self.h, &dw)
+            match &mut self.prepared {
+                Some(prepared) => self
+                    .method
+                    .next_step(prepared, &mut self.state, self.h, &dw),
+                None => return Ok(None),
+            }
         };
         if let Err(error) = made {
             retry(self, error, &{ dw })?;
+            self.forget();
         }
         self.step += 1;
         // Rounded once: repeated addition of `h` would drift.
@@ -161,7 +194,7 @@ impl<'a, I: Method, W: Noise> Trajectory<'a, I, W> {
     }
 }
 
-impl<I: Method, W: Noise> Iterator for Trajectory<'_, I, W> {
+impl<I: OneStepMethod, W: Noise> Iterator for Trajectory<'_, I, W> {
     type Item = Result<StateOf<I::System>, StepError>;
 
     #[inline]

@@ -5,9 +5,9 @@ use core::ops::Deref;
 
 use super::Trajectory;
 use crate::error::StepError;
-use crate::method::Method;
+use crate::method::OneStepMethod;
 use crate::noise::{DyadicInterval, Halves};
-use crate::system::{IncrementsOf, StateOf};
+use crate::system::StateOf;
 
 /// The numbers of refined steps of a trajectory, see [`Trajectory::refine`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,12 +22,12 @@ pub struct Refinements {
 /// A trajectory that refines steps that fail, from [`Trajectory::refine`].
 ///
 /// It dereferences to the [`Trajectory`], for its state, snapshot and counts.
-pub struct RefinedTrajectory<'a, I: Method, W> {
+pub struct RefinedTrajectory<'a, I: OneStepMethod, W> {
     trajectory: Trajectory<'a, I, W>,
     depth: u32,
 }
 
-impl<'a, I: Method, W: Halves> Trajectory<'a, I, W> {
+impl<'a, I: OneStepMethod, W: Halves> Trajectory<'a, I, W> {
     /// Refines steps that fail: divides such a step into two halves on the same path, and each half that fails likewise, up to `depth` times.
     ///
     /// The increments of the halves are those of a Brownian bridge, a pure function of seed, path, step and interval, so a
@@ -81,7 +81,7 @@ impl<'a, I: Method, W: Halves> Trajectory<'a, I, W> {
         &mut self,
         depth: u32,
         error: StepError,
-        dw: &IncrementsOf<I::System>,
+        dw: &I::Increments,
     ) -> Result<(), StepError> {
         let mut state = self.state;
         let whole = DyadicInterval::whole(self.step);
@@ -99,7 +99,7 @@ impl<'a, I: Method, W: Halves> Trajectory<'a, I, W> {
         error: StepError,
         interval: DyadicInterval,
         h: f64,
-        dw: &IncrementsOf<I::System>,
+        dw: &I::Increments,
         state: &mut StateOf<I::System>,
     ) -> Result<u32, StepError> {
         let Some(halves) = interval.halves().filter(|_| interval.level() < depth) else {
@@ -122,7 +122,7 @@ impl<'a, I: Method, W: Halves> Trajectory<'a, I, W> {
     }
 }
 
-impl<'a, I: Method, W> RefinedTrajectory<'a, I, W> {
+impl<'a, I: OneStepMethod, W> RefinedTrajectory<'a, I, W> {
     pub(super) fn map(
         self,
         change: impl FnOnce(Trajectory<'a, I, W>) -> Trajectory<'a, I, W>,
@@ -134,7 +134,7 @@ impl<'a, I: Method, W> RefinedTrajectory<'a, I, W> {
     }
 }
 
-impl<'a, I: Method, W> Deref for RefinedTrajectory<'a, I, W> {
+impl<'a, I: OneStepMethod, W> Deref for RefinedTrajectory<'a, I, W> {
     type Target = Trajectory<'a, I, W>;
 
     fn deref(&self) -> &Trajectory<'a, I, W> {
@@ -142,7 +142,7 @@ impl<'a, I: Method, W> Deref for RefinedTrajectory<'a, I, W> {
     }
 }
 
-impl<'a, I: Method, W> fmt::Debug for RefinedTrajectory<'a, I, W>
+impl<'a, I: OneStepMethod, W> fmt::Debug for RefinedTrajectory<'a, I, W>
 where
     Trajectory<'a, I, W>: fmt::Debug,
 {
@@ -154,7 +154,7 @@ where
     }
 }
 
-impl<I: Method, W: Halves> Iterator for RefinedTrajectory<'_, I, W> {
+impl<I: OneStepMethod, W: Halves> Iterator for RefinedTrajectory<'_, I, W> {
     type Item = Result<StateOf<I::System>, StepError>;
 
     #[inline]

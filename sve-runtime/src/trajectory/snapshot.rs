@@ -5,7 +5,7 @@ use super::Refinements;
 /// The stored form of a trajectory after some steps, from [`Trajectory::snapshot`](crate::Trajectory::snapshot).
 ///
 /// It contains everything that a trajectory carries from step to step: its first time, step size, number of steps, state, the low parts of
-/// [compensated](crate::Trajectory::compensated) sums, and the count of refined steps. It contains neither the system nor the method nor the noise:
+/// [compensated](crate::Trajectory::compensated) sums, the numbers that the method carries (the force at the end of a step, say), and the count of refined steps. It contains neither the system nor the method nor the noise:
 /// [`Method::resume`](crate::Method::resume) takes them again.
 ///
 /// With the feature `serde` it can be serialised. The format has to keep all bits of numbers: `serde_json` does so with its feature `float_roundtrip`.
@@ -21,6 +21,9 @@ pub struct Snapshot<T> {
     /// Low parts of the state, if sums are compensated.
     #[cfg_attr(feature = "serde", serde(rename = "rest"))]
     pub(super) low: Option<T>,
+    /// What the method carries from step to step.
+    #[cfg_attr(feature = "serde", serde(default, with = "crate::floats::many"))]
+    pub(super) memory: Vec<f64>,
     pub(super) refinements: Refinements,
 }
 

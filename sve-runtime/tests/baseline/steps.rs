@@ -3,7 +3,7 @@
 use sve_runtime::baseline::{
     BackwardEulerMaruyama, EulerMaruyama, Heun, RungeKutta4, TaylorSeries2,
 };
-use sve_runtime::{Method, Newton, State};
+use sve_runtime::{Method, Newton, OneStepMethod, State};
 
 use crate::models::{Damped, Kubo, Pendulum, Polar, Relativistic};
 

@@ -1,10 +1,10 @@
 //! Every model with every rule behind one object-safe trait. A test over all of them is compiled once instead of once a model, and each step is
 //! compiled once for all tests.
 
-use sve_runtime::__private::Whole;
+use sve_runtime::__private::Unstructured;
 use sve_runtime::noise::Noise;
 use sve_runtime::prelude::*;
-use sve_runtime::{LANES, Lane, Mask, Plan, StateLanes, Variational};
+use sve_runtime::{Discretised, LANES, Lane, Mask, Plan, StateLanes, Variational};
 
 use crate::functions::{Functions, Matrix, Point, TypedModel, Vector, array};
 use crate::oracle::{Model, Rule};
@@ -116,7 +116,7 @@ struct TypedCase<S, R, const N: usize, const M: usize>(Integrator<S, R>);
 /// The case of a model and a rule.
 pub(crate) fn case<S, R, const N: usize, const M: usize>(system: S, rule: R) -> Box<dyn Case>
 where
-    S: Model<N, M> + Variational<R> + Variational<Whole<R>> + Clone + 'static,
+    S: Model<N, M> + Variational<R> + Variational<Unstructured<R>> + Clone + 'static,
     R: Rule + Copy + 'static,
 {
     Box::new(TypedCase(Integrator::new(system, rule)))
@@ -130,7 +130,7 @@ fn path<'a, const N: usize>(
 
 impl<S, R, const N: usize, const M: usize> Case for TypedCase<S, R, N, M>
 where
-    S: Model<N, M> + Variational<R> + Variational<Whole<R>> + Clone + 'static,
+    S: Model<N, M> + Variational<R> + Variational<Unstructured<R>> + Clone + 'static,
     R: Rule + Copy + 'static,
 {
     fn plan(&self) -> &'static Plan {
@@ -138,7 +138,7 @@ where
     }
 
     fn plan_without_structure(&self) -> &'static Plan {
-        <S as Variational<Whole<R>>>::PLAN
+        <S as Discretised<Unstructured<R>>>::PLAN
     }
 
     fn rule(&self) -> &'static str {
@@ -170,7 +170,7 @@ where
         h: f64,
         dw: &[f64],
     ) -> Result<(), StepError> {
-        let whole = Integrator::new(self.0.system().clone(), Whole(*self.0.rule()));
+        let whole = Integrator::new(self.0.system().clone(), Unstructured(*self.0.rule()));
         let mut typed = state.state();
         let result = whole.step(&mut typed, h, &array(dw));
         *state = Point::of(&typed);
@@ -178,7 +178,7 @@ where
     }
 
     fn prepared(&self, h: f64) -> Result<Step<'_>, StepError> {
-        let prepared = Method::prepare(&self.0, h)?;
+        let prepared = OneStepMethod::prepare(&self.0, h)?;
         Ok(Box::new(move |state, dw| {
             let mut typed = state.state();
             let result = self.0.step_prepared(&prepared, &mut typed, h, &array(dw));
@@ -223,8 +223,8 @@ where
             }
         }
         let mut next = typed;
-        let prepared = Method::prepare(&self.0, h)?;
-        let left = Method::step_lanes(&self.0, &prepared, &typed, &mut next, h, &increments);
+        let prepared = OneStepMethod::prepare(&self.0, h)?;
+        let left = OneStepMethod::step_lanes(&self.0, &prepared, &typed, &mut next, h, &increments);
         let points = (0..LANES).map(|lane| Point::of(&next.get(lane))).collect();
         Ok((points, left))
     }

@@ -2,10 +2,11 @@
 
 use std::marker::PhantomData;
 
-use sve_runtime::__private::{Linearisation, Returns, SolveError};
+use sve_runtime::__private::Mask;
+use sve_runtime::nalgebra::DMatrix;
 use sve_runtime::{
-    BlockSolver, Coordinates, Dimensions, Dims, IncrementLanesOf, IncrementsOf, Mask, Newton, Plan,
-    State, StateLanesOf, StepOf, System, Variational, VectorOf,
+    Coordinates, Dimensions, Dims, Discretised, IncrementLanesOf, Newton, Plan, State,
+    StateLanesOf, StepError, System, VectorOf,
 };
 
 /// The system `S` with configurations of the type `Q`.
@@ -70,62 +71,77 @@ where
     }
 }
 
-impl<S, R, P, Q, const N: usize, const M: usize> Variational<R> for Configured<S, Q>
+impl<S, R, P, Q, const N: usize, const M: usize> Discretised<R> for Configured<S, Q>
 where
-    S: Variational<R> + System<Dims = Dims<N, M, P>>,
+    S: Discretised<R> + System<Dims = Dims<N, M, P>>,
     P: Coordinates<N>,
     Q: Coordinates<N>,
 {
+    type Increments = S::Increments;
     type Prepared = S::Prepared;
-    type Unknowns = S::Unknowns;
+    type Memory = S::Memory;
     const PLAN: &'static Plan = S::PLAN;
-    const RETURNS: Returns = S::RETURNS;
-    const DOMAIN: &'static [&'static str] = S::DOMAIN;
+    const HAS_INCREMENTS: bool = S::HAS_INCREMENTS;
 
     fn prepare(&self, h: f64) -> S::Prepared {
         self.0.prepare(h)
     }
 
-    fn start(
+    fn advance(
         &self,
-        state: &State<[f64; N]>,
-        velocity: &VectorOf<Self>,
-        acceleration: &VectorOf<Self>,
-    ) -> S::Unknowns {
-        self.0.start(state, velocity, acceleration)
-    }
-
-    fn increment(
-        &self,
+        newton: &Newton,
         prepared: &S::Prepared,
-        state: &State<[f64; N]>,
+        memory: &mut S::Memory,
+        state: &mut State<[f64; N]>,
         h: f64,
-        dw: &IncrementsOf<Self>,
-        newton: &BlockSolver<'_>,
-    ) -> Result<StepOf<Self, R>, SolveError> {
-        self.0.increment(prepared, state, h, dw, newton)
+        dw: &S::Increments,
+    ) -> Result<(), StepError> {
+        self.0.advance(newton, prepared, memory, state, h, dw)
     }
 
-    fn increment_lanes(
+    fn advance_compensated(
         &self,
+        newton: &Newton,
+        prepared: &S::Prepared,
+        memory: &mut S::Memory,
+        state: [&mut State<[f64; N]>; 2],
+        h: f64,
+        dw: &S::Increments,
+    ) -> Result<(), StepError> {
+        self.0
+            .advance_compensated(newton, prepared, memory, state, h, dw)
+    }
+
+    fn advance_lanes(
+        &self,
+        newton: &Newton,
         prepared: &S::Prepared,
         states: &StateLanesOf<Self>,
         next: &mut StateLanesOf<Self>,
         h: f64,
         dw: &IncrementLanesOf<Self>,
-        newton: &Newton,
     ) -> Mask {
-        self.0
-            .increment_lanes(prepared, states, next, h, dw, newton)
+        self.0.advance_lanes(newton, prepared, states, next, h, dw)
     }
 
-    fn linearise(
+    fn advance_with_derivatives(
         &self,
+        newton: &Newton,
+        state: &mut State<[f64; N]>,
+        h: f64,
+        dw: &S::Increments,
+    ) -> Result<DMatrix<f64>, StepError> {
+        self.0.advance_with_derivatives(newton, state, h, dw)
+    }
+
+    fn newton_iterations(
+        &self,
+        newton: &Newton,
+        prepared: &S::Prepared,
         state: &State<[f64; N]>,
         h: f64,
-        dw: &IncrementsOf<Self>,
-        unknowns: &S::Unknowns,
-    ) -> Linearisation {
-        self.0.linearise(state, h, dw, unknowns)
+        dw: &S::Increments,
+    ) -> Option<u32> {
+        self.0.newton_iterations(newton, prepared, state, h, dw)
     }
 }

@@ -126,7 +126,7 @@ fn lanes_take_the_same_branch() {
         let all: Vec<_> = cases(beta, 4).collect();
         for chunk in all.chunks_exact(LANES) {
             let h = chunk[0].2;
-            let prepared = Method::prepare(&midpoint, h).unwrap();
+            let prepared = OneStepMethod::prepare(&midpoint, h).unwrap();
             let mut states = StateLanes::splat(&chunk[0].1);
             let mut dw = [[0.0; LANES]; 1];
             for (lane, (_, state, _, w)) in chunk.iter().enumerate() {

@@ -3,6 +3,7 @@
 //! Each test says what has to hold and why; bounds that are not derived are a few times what is measured.
 
 mod branches;
+mod domains;
 mod noise;
 mod orbits;
 mod places;

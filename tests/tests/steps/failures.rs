@@ -127,7 +127,7 @@ fn bad_input_of_every_model_and_rule_is_named() {
 #[test]
 fn step_size_that_was_not_prepared() {
     let pendulum = Integrator::new(pendulum(), Endpoint);
-    let prepared = Method::prepare(&pendulum, 0.1).unwrap();
+    let prepared = OneStepMethod::prepare(&pendulum, 0.1).unwrap();
     let start = State::new([1.0], [0.0]);
     let mut state = start;
     for h in [f64::NAN, f64::INFINITY] {

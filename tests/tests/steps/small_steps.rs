@@ -1,7 +1,7 @@
 //! Small steps keep their digits: what a step adds is computed as an increment, however the Lagrangian is written.
 
 use sve_runtime::prelude::*;
-use sve_runtime::{BlockSolver, Dims, System, Variational};
+use sve_runtime::{BlockSolver, Dims, Memory, StepEquations, System};
 
 /// The same weak magnetic field, its strength a literal of L in one system and a parameter in the other: a literal is a
 /// numeric coefficient, which elimination looks for.
@@ -40,23 +40,30 @@ charges! {
 }
 
 /// Displacement and kick of a step from a state whose numbers are far larger than what it adds.
-fn increment<S, R>(system: S, _rule: R, h: f64) -> [f64; 4]
+fn increment<S, R>(system: &S, _rule: R, h: f64) -> [f64; 4]
 where
-    S: Variational<R> + System<Dims = Dims<2, 0>>,
+    S: StepEquations<R, Increments = [f64; 0]> + System<Dims = Dims<2, 0>>,
 {
     let start = State::new([0.0, 0.0], [1.0, 1000.0]);
     let prepared = system.prepare(h);
     let newton = Newton::default();
     let (dq, dp, _) = system
-        .increment(&prepared, &start, h, &[], &BlockSolver::new(&newton))
+        .increment(
+            &prepared,
+            &mut S::Memory::none(),
+            &start,
+            h,
+            &[],
+            &BlockSolver::new(&newton),
+        )
         .unwrap();
     [dq[0], dq[1], dp[0], dp[1]]
 }
 
-fn check<A, B, R: Copy>(literal: A, parameter: B, rule: R)
+fn check<A, B, R: Copy>(literal: &A, parameter: &B, rule: R)
 where
-    A: Variational<R> + System<Dims = Dims<2, 0>> + Copy,
-    B: Variational<R> + System<Dims = Dims<2, 0>> + Copy,
+    A: StepEquations<R, Increments = [f64; 0]> + System<Dims = Dims<2, 0>>,
+    B: StepEquations<R, Increments = [f64; 0]> + System<Dims = Dims<2, 0>>,
 {
     // the longest crosses a tenth of the well: beyond, the fast path leaves steps to continuation
     for h in [1e-9, 1e-5, 1e-4] {

@@ -59,7 +59,7 @@ mod whole {
 /// The table of `examples/structure`, as far as it is the same on every machine.
 mod table {
     use super::scenes::{Facts, Scene, Visitor, every_scene};
-    use sve_runtime::__private::Whole;
+    use sve_runtime::__private::Unstructured;
     use sve_runtime::prelude::*;
     use sve_runtime::{Coordinates, Dims, System, Variational};
 
@@ -138,7 +138,7 @@ mod table {
     impl Visitor for Rows {
         fn visit<S, R, Q, const N: usize, const M: usize>(&mut self, scene: &Scene<S, R>)
         where
-            S: System<Dims = Dims<N, M, Q>> + Variational<R> + Variational<Whole<R>> + Copy,
+            S: System<Dims = Dims<N, M, Q>> + Variational<R> + Variational<Unstructured<R>> + Copy,
             Q: Coordinates<N>,
             R: Copy,
         {
@@ -156,7 +156,7 @@ mod table {
             };
             self.0.push([
                 format!("{}, {}", scene.name, scene.derived.plan().rule),
-                words(Facts::of::<S, Whole<R>>()),
+                words(Facts::of::<S, Unstructured<R>>()),
                 words(Facts::of::<S, R>()),
             ]);
             same_path(scene);
@@ -166,7 +166,7 @@ mod table {
     /// Both sides of the table go the same way: errors of rounding, which the motion makes grow.
     fn same_path<S, R, Q, const N: usize, const M: usize>(scene: &Scene<S, R>)
     where
-        S: System<Dims = Dims<N, M, Q>> + Variational<R> + Variational<Whole<R>>,
+        S: System<Dims = Dims<N, M, Q>> + Variational<R> + Variational<Unstructured<R>>,
         Q: Coordinates<N>,
     {
         let (mut a, mut b) = (scene.start, scene.start);
@@ -259,7 +259,10 @@ mod terms {
     {
         let of = |o: Operations| [o.arithmetic, o.transcendental].map(|n| n as i64);
         let parts = |plan: &Plan| [plan.prepare, plan.step, plan.iteration].map(of);
-        let (a, b) = (parts(S::PLAN), parts(<Bare as Variational<R>>::PLAN));
+        let (a, b) = (
+            parts(S::PLAN),
+            parts(<Bare as sve_runtime::Discretised<R>>::PLAN),
+        );
         core::array::from_fn(|i| [0, 1].map(|j| a[i][j] - b[i][j]))
     }
 

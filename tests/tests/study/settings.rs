@@ -11,8 +11,9 @@ use crate::report::{HORIZON, kubo, oscillator};
 /// The midpoint rule, where no increment is larger than a bound.
 struct Timid(Integrator<Kubo, Midpoint>, f64);
 
-impl Method for Timid {
+impl OneStepMethod for Timid {
     type System = Kubo;
+    type Increments = [f64; 1];
     type Prepared = f64;
 
     fn system(&self) -> &Kubo {

@@ -4,7 +4,7 @@ use sve_models::models::Pendulum;
 use sve_runtime::baseline::{EulerMaruyama, RungeKutta4};
 use sve_runtime::prelude::*;
 use sve_runtime::study::{Estimate, Report, Study};
-use sve_runtime::{BlockSolver, Variational};
+use sve_runtime::{BlockSolver, StepEquations};
 
 pub(super) fn pendulum(seconds: u32) -> Report {
     let system = Pendulum { g: 9.8 };
@@ -85,6 +85,7 @@ fn iterations_are_those_of_the_steps() {
     let mut state = State::new([1.0], [0.0]);
     let prepared = midpoint.prepare(0.1).unwrap();
     let mut refused = 0;
+    let coefficients = StepEquations::<Midpoint>::prepare(&system, 0.1);
     for _ in 0..40 {
         let found = midpoint.newton_iterations(&prepared, &state, 0.1, &[]);
         let found = found.unwrap();
@@ -107,8 +108,15 @@ fn iterations_are_those_of_the_steps() {
         };
         // the step itself would be followed from a smaller one
         let solver = BlockSolver::new(&fewer);
-        let increment =
-            Variational::<Midpoint>::increment(&system, &prepared, &state, 0.1, &[], &solver);
+        let increment = StepEquations::<Midpoint>::increment(
+            &system,
+            &coefficients,
+            &mut (),
+            &state,
+            0.1,
+            &[],
+            &solver,
+        );
         refused += u32::from(increment.is_err());
         state = end;
     }

@@ -2,7 +2,7 @@
 //!
 //! Each node is differentiated once for each symbol, operands first, so shared subexpressions stay shared.
 
-use super::expr::{Arena, Binary, Expr, Node, Symbol};
+use super::expr::{Arena, Expr, Node, Symbol};
 
 impl Arena {
     /// `∂expr/∂symbol`.
@@ -61,56 +61,11 @@ impl Arena {
                 self.mul(outer, inner)
             }
             Node::Call2(function, x, y) => {
-                let (dx, dy) = self.diff_binary(function, x, y, expr);
+                let (dx, dy) = function.derivatives(self, x, y, expr);
                 let (ix, iy) = (self.known(x, symbol), self.known(y, symbol));
                 let (a, b) = (self.mul(dx, ix), self.mul(dy, iy));
                 self.add(a, b)
             }
-        }
-    }
-
-    fn diff_binary(&mut self, function: Binary, x: Expr, y: Expr, value: Expr) -> (Expr, Expr) {
-        match function {
-            Binary::Atan2 => {
-                // the squares of x and y may overflow where their root does not
-                let norm = self.call2(Binary::Hypot, x, y);
-                let (dx, dy) = (
-                    self.product(&[(y, 1), (norm, -2)]),
-                    self.product(&[(x, 1), (norm, -2)]),
-                );
-                (dx, self.neg(dy))
-            }
-            Binary::Hypot => (self.div(x, value), self.div(y, value)),
-            // 0^y is 0 where it has a derivative, y > 0
-            Binary::Pow | Binary::PowLog(_) if self.constant_value(x) == Some(0.0) => {
-                let zero = self.constant(0.0);
-                (zero, zero)
-            }
-            Binary::Pow => self.diff_power(x, y, 0),
-            Binary::PowLog(n) => self.diff_power(x, y, n),
-        }
-    }
-
-    /// The derivatives of `x^y lnⁿ x`: `y x^(y−1) lnⁿ x + n x^(y−1) lnⁿ⁻¹ x` and `x^y lnⁿ⁺¹ x`.
-    fn diff_power(&mut self, x: Expr, y: Expr, n: i32) -> (Expr, Expr) {
-        let lower = self.sum(-1.0, &[(1.0, y)]);
-        let power = self.power_log(x, lower, n);
-        let mut terms = vec![(1.0, self.mul(y, power))];
-        if n > 0 {
-            terms.push((f64::from(n), self.power_log(x, lower, n - 1)));
-        }
-        (self.sum(0.0, &terms), self.power_log(x, y, n + 1))
-    }
-
-    /// `x^y lnⁿ x`.
-    fn power_log(&mut self, x: Expr, y: Expr, n: i32) -> Expr {
-        match self.constant_value(x) {
-            _ if n == 0 => self.call2(Binary::Pow, x, y),
-            Some(base) if base > 0.0 => {
-                let power = self.call2(Binary::Pow, x, y);
-                self.scale(base.ln().powi(n), power)
-            }
-            _ => self.call2(Binary::PowLog(n), x, y),
         }
     }
 }

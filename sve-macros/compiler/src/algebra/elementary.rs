@@ -5,7 +5,6 @@
 //! function is not defined, and beyond the range of `f64`, the value is NaN or infinite.
 
 pub(super) use super::double_double::Double;
-use super::expr::Binary;
 
 /// Bound of the relative error of a function.
 pub(super) const ROUNDING: f64 = 1.0 / (1u128 << 97) as f64;
@@ -45,19 +44,6 @@ const TANH_IS_ONE: f64 = 40.0;
 /// Integer exponents up to this size are multiplied out.
 const POWER: f64 = 1024.0;
 
-impl Binary {
-    /// The value in 106 bits.
-    pub(super) fn evaluate_double(self, x: Double, y: Double) -> Double {
-        match self {
-            Self::Atan2 => atan2(x, y),
-            Self::Hypot => hypot(x, y),
-            Self::Pow => pow(x, y),
-            Self::PowLog(_) if is_zero(x) && y.nearest() > 0.0 => of(0.0),
-            Self::PowLog(n) => pow(x, y) * ln(x).power(n),
-        }
-    }
-}
-
 pub(super) fn of(x: f64) -> Double {
     Double::from(x)
 }
@@ -96,7 +82,7 @@ pub(super) fn cbrt(x: Double) -> Double {
     near + (x - square * near) / (of(3.0) * square)
 }
 
-fn hypot(x: Double, y: Double) -> Double {
+pub(super) fn hypot(x: Double, y: Double) -> Double {
     let largest = x.nearest().abs().max(y.nearest().abs());
     if largest == 0.0 || !largest.is_finite() {
         return of(largest);
@@ -267,7 +253,7 @@ pub(super) fn cos(x: Double) -> Double {
 }
 
 /// The angle of the point `(x, y)`: the library's value, and the angle that is left when the point is turned back by it.
-fn atan2(y: Double, x: Double) -> Double {
+pub(super) fn atan2(y: Double, x: Double) -> Double {
     let near = y.nearest().atan2(x.nearest());
     if is_zero(x) && is_zero(y) {
         return of(near);

@@ -7,7 +7,7 @@
 use std::cell::Cell;
 use std::collections::HashMap;
 
-pub(crate) use super::functions::Function;
+pub(crate) use super::functions::{Binary, Function};
 use super::hash::Map;
 
 /// An expression: a name of a node in its arena.
@@ -42,16 +42,6 @@ impl Bits {
     pub(crate) fn get(self) -> f64 {
         f64::from_bits(self.0)
     }
-}
-
-/// Functions of two arguments.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Binary {
-    Atan2,
-    Hypot,
-    Pow,
-    /// `x^y lnⁿ x` with n > 0, the derivatives of `x^y` in y: zero at x = 0 where y > 0.
-    PowLog(i32),
 }
 
 /// What an expression is made of.

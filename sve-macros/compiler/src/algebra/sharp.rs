@@ -37,7 +37,7 @@ pub(crate) struct Sharp {
     /// Bound of the rounding errors of its evaluation; NaN where it has lost what it should tell.
     error: f64,
     /// Bound of what the uncertainty of constants makes of it.
-    blur: f64,
+    constant_error: f64,
 }
 
 /// What a number says of being zero.
@@ -58,13 +58,13 @@ impl Sharp {
         Self {
             value: of(value),
             error: 0.0,
-            blur: 0.0,
+            constant_error: 0.0,
         }
     }
 
     fn constant(bits: Bits) -> Self {
         Self {
-            blur: uncertainty(bits) * bits.get().abs(),
+            constant_error: uncertainty(bits) * bits.get().abs(),
             ..Self::exact(bits.get())
         }
     }
@@ -76,12 +76,12 @@ impl Sharp {
 
     /// Returns what the number says of being zero.
     pub(crate) fn verdict(self) -> Verdict {
-        let (size, error, blur) = (self.size(), self.error, self.blur);
-        if !(size.is_finite() && error.is_finite() && blur.is_finite()) {
+        let (size, error, constant_error) = (self.size(), self.error, self.constant_error);
+        if !(size.is_finite() && error.is_finite() && constant_error.is_finite()) {
             Verdict::Nothing
         } else if size <= SLACK * error {
             Verdict::Zero
-        } else if size <= SLACK * error + CONSTANT_SLACK * blur {
+        } else if size <= SLACK * error + CONSTANT_SLACK * constant_error {
             Verdict::Undecided
         } else {
             Verdict::NotZero
@@ -94,7 +94,7 @@ impl Sharp {
         Self {
             value: self.value.times_two_to(k),
             error: self.error * first * second,
-            blur: self.blur * first * second,
+            constant_error: self.constant_error * first * second,
         }
     }
 
@@ -106,7 +106,7 @@ impl Sharp {
         Self {
             value,
             error: part(self.error, other.error) + OPERATION * size,
-            blur: part(self.blur, other.blur),
+            constant_error: part(self.constant_error, other.constant_error),
         }
     }
 
@@ -118,7 +118,7 @@ impl Sharp {
         Self {
             value: self.value - product,
             error: self.error + part(a.error, b.error) + OPERATION * sizes,
-            blur: self.blur + part(a.blur, b.blur),
+            constant_error: self.constant_error + part(a.constant_error, b.constant_error),
         }
     }
 
@@ -128,14 +128,14 @@ impl Sharp {
         if size == 0.0 || size >= TINY {
             self
         } else {
-            self.lost(true)
+            self.without_digits_if(true)
         }
     }
 
     /// Returns the value with an unbounded error if it has lost what it should tell.
-    fn lost(self, is_lost: bool) -> Self {
+    fn without_digits_if(self, condition: bool) -> Self {
         Self {
-            error: if is_lost { f64::NAN } else { self.error },
+            error: if condition { f64::NAN } else { self.error },
             ..self
         }
     }
@@ -185,7 +185,7 @@ fn sum(constant: Bits, terms: &[(Expr, Bits)], values: &Map<Expr, Sharp>) -> Sha
         let size = factor * x.size();
         sizes += size;
         sum.error += factor * x.error;
-        sum.blur += factor * x.blur + uncertainty(*c) * size;
+        sum.constant_error += factor * x.constant_error + uncertainty(*c) * size;
     }
     // each partial sum is rounded, and is no larger than the sum of all magnitudes
     sum.error += OPERATION * (1 + terms.len()) as f64 * sizes;
@@ -195,34 +195,34 @@ fn sum(constant: Bits, terms: &[(Expr, Bits)], values: &Map<Expr, Sharp>) -> Sha
 fn product(factors: &[(Expr, i32)], values: &Map<Expr, Sharp>) -> Sharp {
     let mut product = Double::ONE;
     // relative bounds of the factors that are not zero; absolute bounds of the others
-    let (mut error, mut blur) = (0.0, 0.0);
+    let (mut error, mut constant_error) = (0.0, 0.0);
     let mut vanishing: Option<[f64; 2]> = None;
     let mut others = 1.0;
     for (x, k) in factors {
         let (x, times) = (values[x], f64::from(k.abs()));
         product = product * x.value.power(*k);
         if x.size() == 0.0 {
-            let bounds = [x.error, x.blur].map(|bound| bound.powi(*k));
+            let bounds = [x.error, x.constant_error].map(|bound| bound.powi(*k));
             let outer = vanishing.unwrap_or([1.0, 1.0]);
             vanishing = Some([outer[0] * bounds[0], outer[1] * bounds[1]]);
         } else {
             error += times * (2.0 * OPERATION + x.error / x.size());
-            blur += times * x.blur / x.size();
+            constant_error += times * x.constant_error / x.size();
             others *= x.size().powi(*k);
         }
     }
     let size = product.nearest().abs();
     let underflows = size == 0.0 && vanishing.is_none();
-    let [error, blur] = match vanishing {
-        Some([error, blur]) => [error * others, blur * others],
-        None => [error * size, blur * size],
+    let [error, constant_error] = match vanishing {
+        Some([error, constant_error]) => [error * others, constant_error * others],
+        None => [error * size, constant_error * size],
     };
     Sharp {
         value: product,
         error,
-        blur,
+        constant_error,
     }
-    .lost(underflows)
+    .without_digits_if(underflows)
 }
 
 fn call(function: Function, x: Sharp) -> Sharp {
@@ -231,13 +231,13 @@ fn call(function: Function, x: Sharp) -> Sharp {
     let slope = function.slope(x.value.nearest(), value.nearest()).abs();
     let reach = slope * at;
     let is_flat = reach <= FLAT * size && at != 0.0;
-    let (exponent, doubt) = exponent(function, x);
+    let (exponent, constant_uncertainty) = exponent(function, x);
     Sharp {
         value,
         error: slope * x.error + ARGUMENT * (reach + exponent * size) + ROUNDING * size,
-        blur: slope * x.blur + doubt * exponent * size,
+        constant_error: slope * x.constant_error + constant_uncertainty * exponent * size,
     }
-    .lost(is_flat)
+    .without_digits_if(is_flat)
 }
 
 /// Of a power with a constant exponent, the exponent as one of e, and the uncertainty of the constant.
@@ -251,7 +251,7 @@ fn exponent(function: Function, x: Sharp) -> (f64, f64) {
 fn call2(function: Binary, x: Sharp, y: Sharp) -> Sharp {
     let value = function.evaluate_double(x.value, y.value);
     let near = value.nearest();
-    let (dx, dy) = slopes(function, x.value.nearest(), y.value.nearest(), near);
+    let (dx, dy) = function.slopes(x.value.nearest(), y.value.nearest(), near);
     let through = |of_x: f64, of_y: f64| {
         // a slope that is infinite where its argument is exact says nothing
         let part = |slope: f64, bound: f64| {
@@ -268,23 +268,7 @@ fn call2(function: Binary, x: Sharp, y: Sharp) -> Sharp {
         value,
         error: through(x.error + ARGUMENT * x.size(), y.error + ARGUMENT * y.size())
             + ROUNDING * near.abs(),
-        blur: through(x.blur, y.blur),
+        constant_error: through(x.constant_error, y.constant_error),
     }
-    .lost(underflows)
-}
-
-/// The derivatives of a function of two arguments.
-fn slopes(function: Binary, x: f64, y: f64, value: f64) -> (f64, f64) {
-    match function {
-        Binary::Atan2 => {
-            let norm = x * x + y * y;
-            (y / norm, x / norm)
-        }
-        Binary::Hypot => (x / value, y / value),
-        Binary::Pow => (y * value / x, x.ln() * value),
-        Binary::PowLog(n) => {
-            let ln = x.ln();
-            ((y + f64::from(n) / ln) * value / x, ln * value)
-        }
-    }
+    .without_digits_if(underflows)
 }

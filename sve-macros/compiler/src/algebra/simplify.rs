@@ -294,8 +294,8 @@ impl Arena {
                 return self.constant(folded);
             }
         }
-        match (function, self.constant_value(y)) {
-            (Binary::Pow, Some(exponent)) => self.constant_power(x, exponent),
+        match (function.entry().with_constant, self.constant_value(y)) {
+            (Some(form), Some(y)) => form(self, x, y),
             _ => self.intern(Node::Call2(function, x, y)),
         }
     }
@@ -360,27 +360,5 @@ fn power_of_two(c: f64) -> f64 {
         exponent.exp2().copysign(c)
     } else {
         1.0
-    }
-}
-
-impl Binary {
-    /// The name of the method of `f64`, or of the function of the runtime.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Atan2 => "atan2",
-            Self::Hypot => "hypot",
-            Self::Pow => "powf",
-            Self::PowLog(_) => "power_log",
-        }
-    }
-
-    pub(crate) fn evaluate(self, x: f64, y: f64) -> f64 {
-        match self {
-            Self::Atan2 => x.atan2(y),
-            Self::Hypot => x.hypot(y),
-            Self::Pow => x.powf(y),
-            Self::PowLog(_) if x == 0.0 && y > 0.0 => 0.0,
-            Self::PowLog(n) => x.powf(y) * x.ln().powi(n),
-        }
     }
 }

@@ -1,31 +1,31 @@
 //! Discrete action → implicit discrete Euler–Lagrange equations; the same for every rule.
 //!
-//! Input: an [`Action`]. Output: the equations that determine the unknowns, and the ways to write the momentum increment.
+//! Input: an [`Action`]. Output: the equations that determine the unknowns, and equivalent expressions of the momentum increment.
 //!
 //! ```text
 //! 0 = ∂S/∂x   (each internal x)        0 = ∂S/∂d − ∂S/∂q₀ − p₀        p₁ − p₀ = ∂S/∂q₀
 //! ```
 //!
-//! With a force each ∂S/∂x has the work beside it that is done when x varies (Lagrange–d'Alembert).
+//! If there is a force, its work under a variation of x is added to each ∂S/∂x (Lagrange–d'Alembert principle).
 
 use crate::algebra::{Arena, Expr, Node, Symbol};
 use crate::rules::action::{Action, Work};
 
 /// The equations of a step.
 pub(crate) struct Equations {
-    /// What is to be solved for, those first that are best expressed by the others.
+    /// The unknowns, in the order in which elimination is preferred.
     pub(crate) unknowns: Vec<Symbol>,
-    /// What has to vanish.
+    /// The residuals, which vanish at a solution.
     pub(crate) residuals: Vec<Expr>,
-    /// For each residual the variable in which the action varies.
+    /// For each residual, the variable by which the action is varied.
     pub(crate) variations: Vec<Symbol>,
     /// `q₁ − q₀`.
     pub(crate) dq: Vec<Expr>,
-    /// `p₁ − p₀`: for each component, expressions that agree wherever the equations hold.
+    /// `p₁ − p₀`: for each component, expressions that are equal at a solution.
     pub(crate) dp: Vec<Vec<Expr>>,
 }
 
-/// Differentiates the action.
+/// Derives the equations of a step from its action.
 pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
     let mut residuals = Vec::new();
     for &x in &action.internal {
@@ -39,15 +39,15 @@ pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
         let p0 = arena.symbol(action.start_p[i]);
         let balance = arena.sum(0.0, &[(1.0, end), (-1.0, kick), (-1.0, p0)]);
         residuals.push(balance);
-        // adding a multiple of an equation that holds: with 1 this is ∂S/∂d − p₀; with 2 the force drops out of the midpoint
-        // rule, p₁ = 2p − p₀
+        // ∂S/∂q₀ plus a multiple of a residual. Once the residual gives ∂S/∂d − p₀. Twice the residual eliminates the force from
+        // the midpoint rule, p₁ = 2p − p₀.
         dp.push(
             (0..3)
                 .map(|k| arena.sum(0.0, &[(1.0, kick), (f64::from(k), balance)]))
                 .collect(),
         );
     }
-    // in the order in which they are preferably eliminated: displacements, multipliers, velocities last
+    // elimination is preferred for displacements, then for multipliers, then for velocities
     let variations = action.internal.iter().chain(&action.displacement);
     let variations = variations.copied().collect();
     let unknowns = action
@@ -70,18 +70,17 @@ pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
     }
 }
 
-/// `∂S/∂x` with the work of the force.
+/// Returns `∂S/∂x` plus the work of the force.
 fn variation(action: &Action, x: Symbol, arena: &mut Arena) -> Expr {
     let mut terms = vec![(1.0, arena.diff(action.value, x))];
     for Work { impulse, place } in &action.work {
-        let moved = arena.diff(*place, x);
-        terms.push((1.0, arena.mul(*impulse, moved)));
+        let displacement = arena.diff(*place, x);
+        terms.push((1.0, arena.mul(*impulse, displacement)));
     }
     arena.sum(0.0, &terms)
 }
 
-/// `expr` divided by the highest power of `h` that every term of it has as a factor: the same equation, of finite size
-/// when h is small.
+/// Divides a residual by the highest power of `h` that is a factor of each of its terms, so that the residual does not vanish with h.
 fn divide_out(arena: &mut Arena, expr: Expr, h: Symbol) -> Expr {
     let h = arena.symbol(h);
     let power = |arena: &Arena, term: Expr| match arena.node(term) {

@@ -1,4 +1,4 @@
-//! Discrete action → equations of the step, and the step to first order around a solution.
+//! Discrete action → equations of the step, and their linearisation around a solution.
 
 pub(crate) mod equations;
 pub(crate) mod stages;

@@ -1,13 +1,13 @@
-//! Scheme → the linearised step, from which the runtime gets derivatives of the result in the start and in the parameters.
+//! Scheme → the linearised step, from which the runtime computes the derivatives of the result by the initial state and the parameters.
 //!
-//! The implicit-function theorem, on the equations that the step solves: with the unknowns x that blocks determine, their
-//! residuals R(x, z) and the results y(x, z), where z is the state at the start and the parameters,
+//! Let x be the unknowns of the blocks, z the initial state and the parameters, R(x, z) the residuals and y(x, z) the results. By the
+//! implicit function theorem,
 //!
 //! ```text
 //! dy/dz = ∂y/∂z − ∂y/∂x (∂R/∂x)⁻¹ ∂R/∂z
 //! ```
 //!
-//! Output: the four matrices, by their entries that are not zero. What a formula determines is no unknown here.
+//! Output: the non-zero entries of the four matrices. A quantity that has a formula is not among the unknowns.
 
 use std::collections::HashMap;
 
@@ -25,17 +25,17 @@ pub(crate) struct Entry {
 
 /// The linearised step.
 pub(crate) struct Linearisation {
-    /// x, as solved blocks name them.
+    /// The symbols that stand for x after the blocks are solved.
     pub(crate) unknowns: Vec<Symbol>,
-    /// Results, twice the degrees of freedom.
+    /// Number of results, twice the number of degrees of freedom.
     pub(crate) outputs: usize,
-    /// q₀, p₀ and the parameters in the order of their declaration.
+    /// Number of inputs: q₀, p₀ and the parameters in the order of their declaration.
     pub(crate) inputs: usize,
     /// ∂R/∂x, ∂R/∂z, ∂y/∂x, ∂y/∂z.
     pub(crate) matrices: [Vec<Entry>; 4],
 }
 
-/// Differentiates what a scheme solves and returns.
+/// Differentiates the residuals and the results of a scheme.
 pub(crate) fn linearise(
     scheme: &Scheme<Expr>,
     action: &Action,
@@ -48,11 +48,11 @@ pub(crate) fn linearise(
         match &block.solution {
             Solution::Formula(_) => {}
             Solution::System { linear, solved } => {
-                residuals.extend(balance(linear, solved, arena));
+                residuals.extend(linear_residuals(linear, solved, arena));
                 unknowns.extend(solved);
             }
             Solution::Iteration(iteration) => {
-                residuals.extend(at_solution(iteration, arena));
+                residuals.extend(residuals_at_solution(iteration, arena));
                 unknowns.extend(&iteration.solved);
             }
         }
@@ -78,8 +78,8 @@ pub(crate) fn linearise(
     }
 }
 
-/// The residuals of a linear system.
-fn balance(linear: &Linear<Expr>, solved: &[Symbol], arena: &mut Arena) -> Vec<Expr> {
+/// Returns the residuals of a linear system.
+fn linear_residuals(linear: &Linear<Expr>, solved: &[Symbol], arena: &mut Arena) -> Vec<Expr> {
     let rows = linear.rhs.iter().enumerate();
     rows.map(|(i, &rhs)| {
         let mut terms = vec![(-1.0, rhs)];
@@ -92,8 +92,8 @@ fn balance(linear: &Linear<Expr>, solved: &[Symbol], arena: &mut Arena) -> Vec<E
     .collect()
 }
 
-/// The residuals of an iteration where it ended.
-fn at_solution(iteration: &Iteration<Expr>, arena: &mut Arena) -> Vec<Expr> {
+/// Returns the residuals of an iteration at its solution.
+fn residuals_at_solution(iteration: &Iteration<Expr>, arena: &mut Arena) -> Vec<Expr> {
     let pairs = iteration.iterates.iter().zip(&iteration.solved);
     let by: HashMap<Symbol, Expr> = pairs.map(|(&x, &s)| (x, arena.symbol(s))).collect();
     iteration

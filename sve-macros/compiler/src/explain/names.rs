@@ -100,8 +100,8 @@ pub(crate) fn unknown(symbols: &Symbols, symbol: Symbol) -> String {
         Family::StageVelocity => "U",
         Family::Momentum => "p",
         Family::Acceleration => "a",
-        Family::Impulse => "μ",
-        Family::Flow => "ν",
+        Family::VelocityMultiplier => "μ",
+        Family::AccelerationMultiplier => "ν",
     };
     component(letter, index, coordinates(symbols))
 }

@@ -89,7 +89,7 @@ fn noises(model: &Model, commutation: &Commutation, page: &mut Page<'_>) -> Vec<
 /// What to say of noises that commute, where that is not proved.
 fn commutation_caveat(commutation: &Commutation) -> Option<&'static str> {
     match commutation {
-        Commutation::All(Vanishing::Proved) | Commutation::Clash(..) => None,
+        Commutation::All(Vanishing::Proved) | Commutation::NonCommuting(..) => None,
         Commutation::All(Vanishing::Evaluated) => Some(
             "that the noises commute is checked, not proved: their Poisson brackets are zero to 28 digits at random points",
         ),
@@ -100,8 +100,8 @@ fn commutation_caveat(commutation: &Commutation) -> Option<&'static str> {
 }
 
 /// What a symmetry is, where it is not proved.
-pub(crate) fn symmetry_caveat(surely: Vanishing) -> Option<&'static str> {
-    match surely {
+pub(crate) fn symmetry_caveat(evidence: Vanishing) -> Option<&'static str> {
+    match evidence {
         Vanishing::Proved => None,
         Vanishing::Evaluated => Some(
             "checked, not proved: what should not change along it changes by less than 28 digits at random points",
@@ -135,10 +135,10 @@ fn conserved(momenta: &[MomentumMap], page: &mut Page<'_>) -> Vec<String> {
         let MomentumMap {
             name,
             value,
-            affine,
-            surely: _,
+            is_affine,
+            evidence: _,
         } = map;
-        let whose = if *affine {
+        let whose = if *is_affine {
             "conserved"
         } else {
             "conserved by the motion"
@@ -148,7 +148,7 @@ fn conserved(momenta: &[MomentumMap], page: &mut Page<'_>) -> Vec<String> {
     let mut lines = Page::list(lines.collect(), momenta.len(), "symmetries");
     lines.extend(page.explanations(|_| false));
     for map in some {
-        let caveat = symmetry_caveat(map.surely);
+        let caveat = symmetry_caveat(map.evidence);
         lines.extend(caveat.map(|caveat| format!("the symmetry {} is {caveat}", map.name)));
     }
     lines

@@ -1,24 +1,24 @@
-//! What the macro decides while it unrolls: `if` on integers known at compile time, `continue` and `break`.
+//! Control flow that is decided at compile time: `if` on integers, `continue` and `break`.
 //!
-//! A condition on a coordinate or parameter is refused: a Lagrangian is one formula everywhere.
+//! A condition on a coordinate or parameter is refused, since a Lagrangian is one formula everywhere.
 
 use syn::{BinOp, Expr as Syntax, Lit, UnOp};
 
 use super::Lowering;
 use super::value::Value;
 
-/// Why a condition has no value.
+/// The reason why a condition has no value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Undecided {
-    /// It depends on what is not known at compile time.
+    /// The condition depends on a value that is not known at compile time.
     Unknown,
-    /// A mistake in it has been reported.
+    /// A mistake in the condition has been reported.
     Reported,
 }
 
-/// How a loop's round was left.
+/// The statement that ends an iteration of a loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Leaving {
+pub(super) enum LoopExit {
     Continue,
     Break,
 }
@@ -39,7 +39,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// Whether a condition on integers holds.
+    /// Evaluates a condition on integers.
     pub(super) fn decide(&mut self, condition: &Syntax) -> Result<bool, Undecided> {
         if !self.tick(condition) {
             return Err(Undecided::Reported);
@@ -90,9 +90,9 @@ impl Lowering<'_> {
         }
     }
 
-    /// `continue` or `break`: nothing more of the loop's body is run.
-    pub(super) fn leave(&mut self, leaving: Leaving) -> Value {
-        self.leaving = Some(leaving);
+    /// Executes `continue` or `break`: the rest of the loop's body is skipped.
+    pub(super) fn leave(&mut self, exit: LoopExit) -> Value {
+        self.leaving = Some(exit);
         Value::Poison
     }
 }

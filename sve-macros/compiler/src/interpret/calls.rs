@@ -1,4 +1,4 @@
-//! Calls of functions and methods: which table or function of the block a name is looked up in.
+//! Calls of functions and methods. Finds the function of the block, the closure or the table of methods that a name refers to.
 
 use std::rc::Rc;
 
@@ -9,19 +9,19 @@ use syn::spanned::Spanned;
 use super::Lowering;
 use super::value::Value;
 
-/// A value that a function is given, and where it is written.
+/// An argument of a call: its value, and where it is written.
 pub(super) struct Argument {
     pub(super) value: Value,
     pub(super) at: Span,
 }
 
-/// Methods that return what they are called on.
+/// Returns whether a method returns a copy of its receiver.
 fn is_copy(name: &str) -> bool {
     matches!(name, "clone" | "to_owned" | "as_slice" | "each_ref")
 }
 
 impl Lowering<'_> {
-    /// Whether a path begins with the type of this block.
+    /// Returns whether a name is the type of this block.
     pub(super) fn is_self(&self, name: &str) -> bool {
         name == "Self"
             || matches!(&*self.block.item.self_ty, syn::Type::Path(ty) if ty.path.is_ident(name))
@@ -39,7 +39,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// Calls what an expression names: a function of the block or of `f64`, or a closure written in place.
+    /// Calls a function of the block or of `f64`, a closure in a variable, or a closure that is written in place.
     pub(super) fn apply(&mut self, function: &Syntax, arguments: Vec<Argument>) -> Value {
         let path = match function {
             Syntax::Path(path) => path,
@@ -112,7 +112,7 @@ impl Lowering<'_> {
         if let Value::Poison = receiver.value
             && !super::floats::is_method(&name)
         {
-            // of what type it would be is not known
+            // a poisoned receiver has no type, by which its method could be checked
             return Value::Poison;
         }
         if let Some(value) = self.matrix_method(call, &receiver) {

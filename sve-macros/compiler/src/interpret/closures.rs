@@ -1,4 +1,4 @@
-//! Closures: run where they are called, with the variables that they name as these were where the closure is written.
+//! Closures. A closure is executed where it is called, with the variables that it captured where it is written.
 
 use std::cell::Cell;
 use std::collections::HashMap;
@@ -18,23 +18,23 @@ use super::value::Value;
 /// A closure that a variable holds.
 pub(super) struct Closure {
     syntax: ExprClosure,
-    /// The variables around it that it names. They cannot change while it borrows them.
-    around: HashMap<String, Value>,
-    /// A mistake in it has been reported.
-    broken: Cell<bool>,
+    /// The captured variables. They cannot change while the closure borrows them.
+    captured: HashMap<String, Value>,
+    /// Whether a mistake in the closure has been reported.
+    is_broken: Cell<bool>,
 }
 
 impl Lowering<'_> {
-    /// A closure that is not called where it is written.
+    /// Returns the value of a closure that is not called where it is written.
     pub(super) fn capture(&mut self, closure: &ExprClosure) -> Value {
         let mut names = Names(Vec::new());
         names.visit_expr(&closure.body);
-        let mut around = HashMap::new();
+        let mut captured = HashMap::new();
         let mut size = 1;
         for name in names.0 {
             if let Some(value) = self.variable(&name) {
                 size += value.entries();
-                around.insert(name, value.clone());
+                captured.insert(name, value.clone());
             }
         }
         if !self.work(size, closure) {
@@ -42,8 +42,8 @@ impl Lowering<'_> {
         }
         Value::Closure(Rc::new(Closure {
             syntax: closure.clone(),
-            around,
-            broken: Cell::new(false),
+            captured,
+            is_broken: Cell::new(false),
         }))
     }
 
@@ -54,26 +54,27 @@ impl Lowering<'_> {
         arguments: Vec<Argument>,
         at: &impl Spanned,
     ) -> Value {
-        let size = closure.around.values().map(Value::entries).sum::<usize>();
-        if closure.broken.get() || !self.work(size, at) {
+        let size = closure.captured.values().map(Value::entries);
+        let size = size.sum::<usize>();
+        if closure.is_broken.get() || !self.work(size, at) {
             return Value::Poison;
         }
         if let Some(refused) = self.arity(&closure.syntax, &arguments, at) {
             return refused;
         }
         let mistakes = self.errors.count();
-        let scopes = std::mem::replace(&mut self.scopes, vec![closure.around.clone()]);
+        let scopes = std::mem::replace(&mut self.scopes, vec![closure.captured.clone()]);
         let is_lazy = std::mem::take(&mut self.is_lazy);
         let frame = self.enter_frame();
         let value = self.closure(&closure.syntax, arguments);
         self.frame = frame;
         self.is_lazy = is_lazy;
         self.scopes = scopes;
-        closure.broken.set(self.errors.count() > mistakes);
+        closure.is_broken.set(self.errors.count() > mistakes);
         value
     }
 
-    /// Runs a closure that is written where it is called.
+    /// Executes a closure that is written where it is called.
     pub(super) fn closure(&mut self, closure: &ExprClosure, arguments: Vec<Argument>) -> Value {
         if let Some(refused) = self.arity(closure, &arguments, closure) {
             return refused;
@@ -103,7 +104,7 @@ impl Lowering<'_> {
         value
     }
 
-    /// An error at `at` unless there are as many arguments as the closure takes.
+    /// Reports an error at `at` if the number of arguments is not that of the closure.
     fn arity(
         &mut self,
         closure: &ExprClosure,

@@ -8,7 +8,7 @@ use super::integers::{integer_constant, is_integer};
 use super::value::Value;
 use crate::errors::nearest;
 
-/// What `std::f64::consts` has.
+/// The constants in `std::f64::consts`.
 pub(super) const CONSTANTS: &[(&str, f64)] = &[
     ("PI", consts::PI),
     ("TAU", consts::TAU),
@@ -31,12 +31,12 @@ pub(super) const CONSTANTS: &[(&str, f64)] = &[
     ("FRAC_PI_8", consts::FRAC_PI_8),
 ];
 
-/// What `std::f64::consts` has under this name.
+/// Returns the constant of this name in `std::f64::consts`.
 pub(super) fn float_constant(name: &str) -> Option<f64> {
     CONSTANTS.iter().find(|c| c.0 == name).map(|c| c.1)
 }
 
-/// Whether a name is in capitals, as those of constants are.
+/// Returns whether a name is in capitals, as names of constants are.
 pub(super) fn is_constant_name(name: &str) -> bool {
     name.chars().any(char::is_uppercase) && !name.chars().any(char::is_lowercase)
 }
@@ -46,7 +46,7 @@ impl Lowering<'_> {
         self.block.constants.iter().find(|c| c.ident == name)
     }
 
-    /// `Self::K`, `std::f64::consts::PI`.
+    /// Evaluates a path of several segments, such as `Self::K` or `std::f64::consts::PI`.
     pub(super) fn long_path(&mut self, expr: &syn::ExprPath) -> Value {
         let names: Vec<String> = expr
             .path
@@ -82,7 +82,7 @@ impl Lowering<'_> {
                 let message = format!("a function is called, or named in `map` and its like: pass a closure, `|x| x.{name}()`");
                 self.refuse(expr, message)
             }
-            // a constant from elsewhere
+            // a constant from outside the block
             [.., name] if is_constant_name(name) && expr.qself.is_none() => Value::Field(FieldPath::outside(expr.path.clone())),
             _ => self.refuse(expr, "this path is not known here: constants are `Self::NAME` of this block, `std::f64::consts::NAME`, or outside the block in capitals"),
         }

@@ -1,4 +1,4 @@
-//! Values that wait for the type which is written beside them: `into`, and arrays of `array::from_fn`.
+//! Values whose type is inferred from a type annotation: results of `into`, and arrays made by `array::from_fn`.
 
 use std::rc::Rc;
 
@@ -12,11 +12,11 @@ use super::integers::Integer;
 use super::value::Value;
 use crate::syntax::parse::is_f64;
 
-/// What to say of an array of `from_fn` whose length is not known.
+/// The message for an array of `from_fn` whose length is not known.
 pub(super) const NO_LENGTH: &str = "the length of this array is not written here: give its type, `let a: [f64; N] = …`, or write `std::array::from_fn::<_, N, _>(…)`";
 
 impl Value {
-    /// Whether it, or an entry, becomes what the type beside it says.
+    /// Returns whether the type of the value, or of an entry, follows from a type annotation.
     fn waits_for_type(&self) -> bool {
         match self {
             Self::Converted(_) | Self::Generated(_) => true,
@@ -25,7 +25,7 @@ impl Value {
         }
     }
 
-    /// The value before `into`.
+    /// Returns the value to which `into` was applied.
     pub(super) fn unconverted(self) -> Self {
         match self {
             Self::Converted(inner) => inner.unconverted(),
@@ -35,7 +35,7 @@ impl Value {
 }
 
 impl Lowering<'_> {
-    /// `x.into()`: numbers and arrays are what they are; integers and tuples may become numbers and arrays.
+    /// Evaluates `x.into()`. Integers and tuples may become numbers and arrays; other values stay as they are.
     pub(super) fn converted(receiver: Value) -> Value {
         match receiver {
             Value::Int(_) | Value::Tuple(_) => Value::Converted(Box::new(receiver)),
@@ -44,7 +44,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// `array::from_fn(…)`, with its length if that is written as a generic argument.
+    /// Evaluates `array::from_fn(…)`. Without a length among the generic arguments, the array waits for a type annotation.
     pub(super) fn array_from_fn(&mut self, path: &syn::ExprPath, arguments: &[Argument]) -> Value {
         let closure = match arguments {
             [
@@ -72,7 +72,7 @@ impl Lowering<'_> {
         };
         let length = match generics.iter().nth(1) {
             Some(GenericArgument::Const(length)) => length.clone(),
-            // a single name is read as a type
+            // syn parses a single name as a type
             Some(GenericArgument::Type(Type::Path(name))) => Syntax::Path(syn::ExprPath {
                 attrs: Vec::new(),
                 qself: None,
@@ -86,7 +86,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// The array of `n` values of a closure.
+    /// Returns the array of the `n` values of a closure.
     fn generated(
         &mut self,
         closure: &Closure,
@@ -106,7 +106,7 @@ impl Lowering<'_> {
             };
             let value = self.call_closure(closure, vec![index], at);
             if self.errors.count() > mistakes {
-                // the same mistake for the next entry would be the same error
+                // the next entry would repeat the error
                 return Value::Poison;
             }
             values.push(match entry {
@@ -117,7 +117,7 @@ impl Lowering<'_> {
         Value::Array(values)
     }
 
-    /// A value of a type that is written, where it or one of its entries has waited for that.
+    /// Converts a value, or entries of it, that have waited for the annotated type.
     pub(super) fn awaited(&mut self, value: Value, ty: &Type, at: &impl Spanned) -> Value {
         if !value.waits_for_type() {
             return value;

@@ -1,7 +1,7 @@
-//! One symbol for each entry of a vector or matrix parameter, in whatever ways the entry is written: `g.z`, `g[2]`, `g[(2, 0)]`.
+//! One symbol for each entry of a vector or matrix parameter, even if the entry is written in several ways: `g.z`, `g[2]`, `g[(2, 0)]`.
 //!
-//! Input: the parameters of a run, and the types that their uses have shown. Output: the entries to be read in another way, and
-//! errors of indices out of range.
+//! Input: the parameters of an execution, and the types that follow from their uses. Output: a common spelling for each entry that has
+//! several, and errors for indices out of range.
 
 use std::collections::HashMap;
 
@@ -13,7 +13,7 @@ use super::fields::{FieldPath, FieldStep};
 use super::matrices::{COMPONENTS, Kind, MatrixType, entry_of_field, row_and_column};
 use super::places::{Mistake, Pick, matrix_entry};
 
-/// Parameters that are steps from the same field, in the order of their first use.
+/// The entries of the same field that were read, in the order of their first use.
 struct Entries<'p> {
     base: FieldPath,
     paths: Vec<(&'p FieldPath, &'p FieldStep)>,
@@ -22,15 +22,15 @@ struct Entries<'p> {
 /// An entry of a vector or matrix of unknown type.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum Place {
-    /// Its number in storage, which is in columns.
+    /// Index in storage, which is by columns.
     Stored(usize),
-    /// Row and column, the latter not the first one: the number of rows is not known.
+    /// Row and column. An entry of the first column is `Stored`; for other columns the index depends on the unknown number of rows.
     Pair(usize, usize),
 }
 
 impl Lowering<'_> {
-    /// The entries that are to be read in another way than the key says; an index out of range is an error.
-    pub(super) fn one_spelling_an_entry(&mut self) -> HashMap<String, FieldPath> {
+    /// Chooses one spelling for each entry and maps the other spellings to it. Reports an error for an index out of range.
+    pub(super) fn unify_spellings(&mut self) -> HashMap<String, FieldPath> {
         let paths = std::mem::take(&mut self.paths);
         let mut spellings = HashMap::new();
         for entries in grouped(&paths) {
@@ -74,14 +74,14 @@ fn grouped(paths: &[FieldPath]) -> Vec<Entries<'_>> {
 type Spellings = Vec<(String, FieldPath)>;
 
 impl Entries<'_> {
-    /// The entries of a vector or matrix of known type.
+    /// Maps each spelling of an entry to the common one, for a vector or matrix of known type.
     fn spellings_of_type(&self, ty: MatrixType) -> Result<Spellings, Mistake> {
         let mut found = Vec::new();
         for (path, step) in &self.paths {
             let place = match step {
                 FieldStep::Named(name) => ty.place_of(&Member::Named(name.clone())),
                 FieldStep::Numbered(_) => None,
-                // a rotation has no such entry, which is Rust's to say
+                // the compiler of Rust reports that a rotation has no such entry
                 FieldStep::Index(..) if ty.kind == Kind::Rotation => None,
                 FieldStep::Index(index, span) => {
                     let pick = Pick::Index(*index, span.unwrap_or_else(Span::call_site));
@@ -101,7 +101,8 @@ impl Entries<'_> {
         Ok(found)
     }
 
-    /// The entries of a field of unknown type. If it is read with brackets, `.x` and `.m11` are names of entries too.
+    /// Maps each spelling of an entry to the common one, for a field of unknown type. If the field is read with brackets, `.x` and
+    /// `.m11` are names of entries too.
     fn spellings(&self) -> Result<Spellings, Mistake> {
         let has_brackets = self
             .paths
@@ -110,9 +111,9 @@ impl Entries<'_> {
         if !has_brackets {
             return Ok(Vec::new());
         }
-        self.unmistakable()?;
+        self.check_ambiguity()?;
         let has_components = self.paths.iter().any(|(_, step)| component(step).is_some());
-        // a name before a row and column, and these before a number in storage
+        // a name is preferred to row and column, and row and column to an index in storage
         let rank = |step: &FieldStep| match step {
             FieldStep::Named(_) if component(step).is_some() => 0,
             FieldStep::Pair(..) => 1,
@@ -134,8 +135,8 @@ impl Entries<'_> {
         Ok(self.paths.iter().filter_map(spelling).collect())
     }
 
-    /// An error where `m[2]` and `m[(0, 1)]` may be the same entry: the number of rows decides.
-    fn unmistakable(&self) -> Result<(), Mistake> {
+    /// Returns an error if two spellings, such as `m[2]` and `m[(0, 1)]`, may be the same entry, depending on the number of rows.
+    fn check_ambiguity(&self) -> Result<(), Mistake> {
         let pairs: Vec<(usize, usize)> = self.paths.iter().filter_map(|(_, s)| pair(s)).collect();
         let last_row = pairs.iter().map(|&(row, _)| row).max().unwrap_or(0);
         for (_, step) in &self.paths {
@@ -176,7 +177,7 @@ fn pair(step: &FieldStep) -> Option<(usize, usize)> {
     }
 }
 
-/// The entry that a step leads to; `has_components` says that the field is a vector, a row or a column.
+/// Returns the entry that a step selects. `has_components` says that the field is a vector, a row or a column.
 fn place(step: &FieldStep, has_components: bool) -> Option<Place> {
     if let FieldStep::Index(index, _) = step {
         return Some(Place::Stored(*index));

@@ -1,27 +1,27 @@
-//! Expressions of a body: numbers, names, arrays; and what to say of those that are not understood.
+//! Expressions of a body: numbers, names, arrays; and the messages for expressions that are not understood.
 
 use syn::spanned::Spanned;
 use syn::{Expr as Syntax, Lit};
 
 use super::Lowering;
-use super::branches::Leaving;
+use super::branches::LoopExit;
 use super::constants::is_constant_name;
 use super::fields::FieldPath;
 use super::integers::Kind;
 use super::value::Value;
 use crate::errors::nearest;
 
-/// Nesting of expressions in a source text that is followed.
+/// Largest depth of nested expressions in the source.
 const DEPTH: usize = 200;
 
 impl Lowering<'_> {
-    /// Reports a mistake and goes on with a poisoned value.
+    /// Reports a mistake and returns a poisoned value.
     pub(super) fn refuse(&mut self, at: &impl Spanned, message: impl std::fmt::Display) -> Value {
         self.errors.push(at.span(), message);
         Value::Poison
     }
 
-    /// The value of an expression.
+    /// Evaluates an expression.
     pub(super) fn eval(&mut self, expr: &Syntax) -> Value {
         if !self.tick(expr) {
             return Value::Poison;
@@ -32,7 +32,7 @@ impl Lowering<'_> {
         self.read_through(value)
     }
 
-    /// Runs something one level deeper, or reports that this is too deep.
+    /// Calls `run` one level of nesting deeper, or reports that the nesting is too deep.
     pub(super) fn deeper<T>(
         &mut self,
         at: &impl Spanned,
@@ -69,8 +69,10 @@ impl Lowering<'_> {
             Syntax::Field(_) => self.entry(expr),
             Syntax::Range(range) => self.range(range),
             Syntax::If(branch) => self.branch(branch),
-            Syntax::Continue(e) if e.label.is_none() => self.leave(Leaving::Continue),
-            Syntax::Break(e) if e.label.is_none() && e.expr.is_none() => self.leave(Leaving::Break),
+            Syntax::Continue(e) if e.label.is_none() => self.leave(LoopExit::Continue),
+            Syntax::Break(e) if e.label.is_none() && e.expr.is_none() => {
+                self.leave(LoopExit::Break)
+            }
             Syntax::Cast(cast) => self.cast(cast),
             Syntax::Array(array) => {
                 Value::Array(array.elems.iter().map(|e| self.eval(e)).collect())
@@ -154,7 +156,7 @@ impl Lowering<'_> {
         self.long_path(expr)
     }
 
-    /// What to say of a name that is not a variable.
+    /// Returns the message for a name that is not a variable.
     fn unknown(&self, name: &str) -> String {
         let mut known: Vec<&str> = self
             .scopes
@@ -192,7 +194,7 @@ impl Lowering<'_> {
     }
 }
 
-/// What to say of a macro call.
+/// Returns the message for a macro call.
 pub(super) fn no_macro(path: &syn::Path) -> &'static str {
     let name = path.segments.last().map(|s| s.ident.to_string());
     match name.as_deref() {
@@ -207,7 +209,7 @@ pub(super) fn no_macro(path: &syn::Path) -> &'static str {
     }
 }
 
-/// What to say of syntax outside the language, and at which token.
+/// Returns the message for syntax outside the language, and the token at which it is reported.
 fn refusal(expr: &Syntax) -> (proc_macro2::Span, &'static str) {
     match expr {
         Syntax::Match(e) => (

@@ -1,4 +1,4 @@
-//! Parameters: fields of the user's struct and constants from outside the block, which generated code reads.
+//! Parameters: fields of the user's struct and constants from outside the block. Generated code reads their values.
 
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{quote, quote_spanned};
@@ -8,17 +8,17 @@ use super::matrices::MatrixType;
 use crate::algebra::Expr;
 use crate::system::model::Meaning;
 
-/// `self.a`, `self.m[2]`, `self.body.mass`; `GRAVITY`, `constants::MASSES[2]`.
+/// The path of a parameter: `self.a`, `self.m[2]`, `self.body.mass`; `GRAVITY`, `constants::MASSES[2]`.
 #[derive(Clone)]
 pub(super) struct FieldPath {
     /// A constant from outside the block; `self` if there is none.
     outside: Option<syn::Path>,
     steps: Vec<FieldStep>,
-    /// Whether its type is written as `f64`.
+    /// Whether the type is annotated as `f64`.
     is_number: bool,
-    /// Whether `into` has been called on it.
+    /// Whether `into` has been called.
     is_converted: bool,
-    /// The type of the vector or matrix that the last step is an entry of, where it is known.
+    /// The type of the vector or matrix whose entry the last step selects, if the type is known.
     vector: Option<MatrixType>,
 }
 
@@ -33,7 +33,7 @@ pub(super) enum FieldStep {
 }
 
 impl FieldPath {
-    /// `self`.
+    /// Returns the path `self`.
     pub(super) fn new() -> Self {
         Self {
             outside: None,
@@ -44,7 +44,7 @@ impl FieldPath {
         }
     }
 
-    /// A constant from outside the block.
+    /// Returns the path of a constant from outside the block.
     pub(super) fn outside(path: syn::Path) -> Self {
         Self {
             outside: Some(path),
@@ -55,7 +55,7 @@ impl FieldPath {
         }
     }
 
-    /// What it is, for messages.
+    /// Describes the parameter for messages.
     pub(super) fn kind(&self) -> String {
         let path = super::readable(&self.access());
         match (&self.outside, self.steps.is_empty()) {
@@ -67,7 +67,7 @@ impl FieldPath {
         }
     }
 
-    /// What to say of a constant from outside the block where the macro needs its value; nothing of other fields.
+    /// Returns the message for a constant from outside the block whose value the macro needs; `None` for other parameters.
     pub(super) fn unseen(&self) -> Option<String> {
         let path = self.outside.as_ref().filter(|_| self.steps.is_empty())?;
         let name = path.segments.last().map(|last| last.ident.to_string());
@@ -89,22 +89,22 @@ impl FieldPath {
         self.then(FieldStep::Index(index, None))
     }
 
-    /// The entry whose index is written at `span`.
+    /// Returns the path of the entry whose index is written at `span`.
     pub(super) fn index_at(&self, index: usize, span: Span) -> Self {
         self.then(FieldStep::Index(index, Some(span)))
     }
 
-    /// The entry of a matrix.
+    /// Returns the path of an entry of a matrix.
     pub(super) fn pair(&self, row: usize, column: usize) -> Self {
         self.then(FieldStep::Pair(row, column, None))
     }
 
-    /// The entry of a matrix whose row and column are written at `span`.
+    /// Returns the path of an entry of a matrix whose row and column are written at `span`.
     pub(super) fn pair_at(&self, row: usize, column: usize, span: Span) -> Self {
         self.then(FieldStep::Pair(row, column, Some(span)))
     }
 
-    /// The component of a vector.
+    /// Returns the path of a component of a vector.
     pub(super) fn component(&self, name: &str) -> Self {
         let named = self.steps.iter().rev().find_map(|step| match step {
             FieldStep::Named(name) => Some(name.span()),
@@ -114,7 +114,7 @@ impl FieldPath {
         self.then(FieldStep::Named(name))
     }
 
-    /// The same, as an entry of a vector or matrix of this type.
+    /// Records that the last step selects an entry of a vector or matrix of this type.
     pub(super) fn entry_of(self, ty: MatrixType) -> Self {
         Self {
             vector: Some(ty),
@@ -122,7 +122,7 @@ impl FieldPath {
         }
     }
 
-    /// The same after `into`: an array or a vector, which the type beside it does not tell.
+    /// Records a call of `into`. The parameter can then be an array or a vector, whatever the annotated type is.
     pub(super) fn converted(self) -> Self {
         Self {
             is_converted: true,
@@ -134,12 +134,12 @@ impl FieldPath {
         self.is_converted
     }
 
-    /// The type of the vector or matrix that the last step is an entry of, where it is known.
+    /// Returns the type of the vector or matrix whose entry the last step selects, if the type is known.
     pub(super) fn vector(&self) -> Option<MatrixType> {
         self.vector
     }
 
-    /// What the last step leads from, and that step.
+    /// Splits off the last step. Returns the path before it, and the step.
     pub(super) fn last_step(&self) -> Option<(Self, &FieldStep)> {
         let (last, before) = self.steps.split_last()?;
         let base = Self {
@@ -152,7 +152,7 @@ impl FieldPath {
         Some((base, last))
     }
 
-    /// The same, whose type is written as `f64`.
+    /// Records that the type is annotated as `f64`.
     pub(super) fn as_number(&self) -> Self {
         Self {
             is_number: true,
@@ -172,12 +172,12 @@ impl FieldPath {
         longer
     }
 
-    /// The expression that reads it.
+    /// Returns the expression that reads the parameter.
     pub(super) fn access(&self) -> TokenStream {
         let mut tokens = match &self.outside {
             Some(path) => quote!(#path),
             None => {
-                // for errors that the compiler has with the field
+                // the compiler of Rust reports errors of types at this span
                 let at = match self.steps.first() {
                     Some(FieldStep::Named(name)) => name.span().resolved_at(Span::call_site()),
                     _ => Span::call_site(),
@@ -205,7 +205,7 @@ impl FieldPath {
         tokens
     }
 
-    /// A name for generated code: `m_2`.
+    /// Returns a name for generated code, such as `m_2`.
     pub(super) fn name(&self) -> String {
         let plain = |name: &Ident| name.to_string().trim_start_matches("r#").to_owned();
         let path = self.outside.iter().flat_map(|path| &path.segments);
@@ -220,7 +220,7 @@ impl FieldPath {
     }
 }
 
-/// What to say of a constant from outside the block where the macro needs its value.
+/// Returns the message for a constant from outside the block whose value the macro needs.
 pub(super) fn unseen(name: &str, path: &str) -> String {
     format!(
         "`{path}` is outside of this `impl` block, the only text that the macro sees, and its value is needed here: put `const {name}: usize = …;` with the number into this block and write `Self::{name}`"
@@ -228,7 +228,7 @@ pub(super) fn unseen(name: &str, path: &str) -> String {
 }
 
 impl Lowering<'_> {
-    /// The symbol of a field of the user's struct.
+    /// Returns the symbol of a parameter, and declares it at the first use.
     pub(super) fn parameter(&mut self, path: &FieldPath) -> Expr {
         if let (Some(ty), Some((vector, _))) = (path.vector(), path.last_step()) {
             let vector = vector.access().to_string();
@@ -242,7 +242,7 @@ impl Lowering<'_> {
         let symbol = match self.parameters.get(&key.to_string()) {
             Some(&symbol) => symbol,
             None => {
-                // `self.a_b` and `self.a.b` are two parameters
+                // `self.a_b` and `self.a.b` are two parameters with the same name
                 let mut name = path.name();
                 while !self.parameter_names.insert(name.clone()) {
                     name.push('_');

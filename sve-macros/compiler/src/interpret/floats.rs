@@ -11,46 +11,18 @@ use super::value::Value;
 use crate::algebra::{Binary, Expr, Function};
 use crate::errors::nearest;
 
-/// Methods of `f64` with one operand.
-const UNARY: &[(&str, Function)] = &[
-    ("sqrt", Function::Sqrt),
-    ("cbrt", Function::Cbrt),
-    ("exp", Function::Exp),
-    ("exp2", Function::Exp2),
-    ("exp_m1", Function::ExpM1),
-    ("ln", Function::Ln),
-    ("ln_1p", Function::Ln1p),
-    ("log2", Function::Log2),
-    ("log10", Function::Log10),
-    ("sin", Function::Sin),
-    ("cos", Function::Cos),
-    ("tan", Function::Tan),
-    ("asin", Function::Asin),
-    ("acos", Function::Acos),
-    ("atan", Function::Atan),
-    ("sinh", Function::Sinh),
-    ("cosh", Function::Cosh),
-    ("tanh", Function::Tanh),
-    ("asinh", Function::Asinh),
-    ("acosh", Function::Acosh),
-    ("atanh", Function::Atanh),
-];
-
 /// The largest power that `powi` takes.
 const POWER: u64 = 1024;
 
-/// The other methods of `f64` that are understood.
-const OTHER: &[&str] = &[
-    "powi",
-    "powf",
-    "atan2",
-    "hypot",
-    "recip",
-    "mul_add",
-    "sin_cos",
-    "to_radians",
-    "to_degrees",
-    "log",
+/// The methods of `f64` that are made of functions of the algebra, with the number of their arguments beside the receiver.
+const COMPOSED: &[(&str, usize)] = &[
+    ("powi", 1),
+    ("recip", 0),
+    ("mul_add", 2),
+    ("sin_cos", 0),
+    ("to_radians", 0),
+    ("to_degrees", 0),
+    ("log", 1),
 ];
 
 /// Methods of `f64` that are not smooth, and what to write instead.
@@ -115,7 +87,7 @@ impl Lowering<'_> {
         if let Some((_, message)) = ROUGH.iter().find(|r| r.0 == name) {
             return self.refuse(&at, message);
         }
-        let unary = UNARY.iter().find(|u| u.0 == name).map(|u| u.1);
+        let unary = unary(name);
         let Some(expected) = operands(name) else {
             return self.refuse(&at, no_method(name));
         };
@@ -142,7 +114,7 @@ impl Lowering<'_> {
             return Value::Poison;
         };
         let Some(x) = x else { return Value::Poison };
-        let value = self.smooth(name, unary, x, &rest);
+        let value = self.smooth(name, x, &rest);
         let outside = |x: f64| unary.is_some_and(|f| !f.evaluate(x).is_finite());
         let undefined = match value {
             Value::Scalar(e) => !self.arena.is_finite(e),
@@ -157,25 +129,27 @@ impl Lowering<'_> {
         value
     }
 
-    fn smooth(&mut self, name: &str, unary: Option<Function>, x: Expr, rest: &[Expr]) -> Value {
+    fn smooth(&mut self, name: &str, x: Expr, rest: &[Expr]) -> Value {
         let arena = &mut *self.arena;
-        Value::Scalar(match (unary, name, rest) {
-            (Some(function), ..) => arena.call(function, x),
-            (_, "recip", _) => arena.pow(x, -1),
-            (_, "to_radians", _) => arena.scale(consts::PI / 180.0, x),
-            (_, "to_degrees", _) => arena.scale(180.0 / consts::PI, x),
-            (_, "sin_cos", _) => {
+        if let Some(function) = unary(name) {
+            return Value::Scalar(arena.call(function, x));
+        }
+        if let (Some(function), [y]) = (binary(name), rest) {
+            return Value::Scalar(arena.call2(function, x, *y));
+        }
+        Value::Scalar(match (name, rest) {
+            ("recip", _) => arena.pow(x, -1),
+            ("to_radians", _) => arena.scale(consts::PI / 180.0, x),
+            ("to_degrees", _) => arena.scale(180.0 / consts::PI, x),
+            ("sin_cos", _) => {
                 let pair = [Function::Sin, Function::Cos].map(|f| Value::Scalar(arena.call(f, x)));
                 return Value::Tuple(pair.into());
             }
-            (_, "powf", [y]) => arena.call2(Binary::Pow, x, *y),
-            (_, "atan2", [y]) => arena.call2(Binary::Atan2, x, *y),
-            (_, "hypot", [y]) => arena.call2(Binary::Hypot, x, *y),
-            (_, "log", [base]) => {
+            ("log", [base]) => {
                 let [x, base] = [x, *base].map(|e| arena.call(Function::Ln, e));
                 arena.div(x, base)
             }
-            (_, "mul_add", [y, z]) => {
+            ("mul_add", [y, z]) => {
                 let product = arena.mul(x, *y);
                 arena.add(product, *z)
             }
@@ -228,9 +202,14 @@ impl Lowering<'_> {
     }
 }
 
+/// Whether `f64` has a smooth method of this name.
+pub(super) fn is_smooth_method(name: &str) -> bool {
+    operands(name).is_some()
+}
+
 /// Whether `f64` has a method of this name, smooth or not.
 pub(super) fn is_method(name: &str) -> bool {
-    operands(name).is_some() || ROUGH.iter().any(|r| r.0 == name)
+    is_smooth_method(name) || ROUGH.iter().any(|r| r.0 == name)
 }
 
 /// How a function that is written `sin(x)` is called as a method; of those that are smooth.
@@ -249,16 +228,27 @@ pub(super) fn method_meant(name: &str) -> Option<String> {
 
 /// Arguments of a method beside the receiver.
 fn operands(name: &str) -> Option<usize> {
-    match name {
-        "recip" | "sin_cos" | "to_radians" | "to_degrees" => Some(0),
-        "powi" | "powf" | "atan2" | "hypot" | "log" => Some(1),
-        "mul_add" => Some(2),
-        _ => UNARY.iter().any(|u| u.0 == name).then_some(0),
-    }
+    let of_entries = unary(name).map(|_| 0).or(binary(name).map(|_| 1));
+    let composed = COMPOSED.iter().find(|m| m.0 == name);
+    of_entries.or(composed.map(|m| m.1))
+}
+
+/// The function of one argument with this method.
+fn unary(name: &str) -> Option<Function> {
+    let mut methods = Function::METHODS.iter().copied();
+    methods.find(|f| f.name() == name)
+}
+
+/// The function of two arguments with this method.
+fn binary(name: &str) -> Option<Binary> {
+    let mut methods = Binary::METHODS.iter().copied();
+    methods.find(|f| f.name() == name)
 }
 
 fn no_method(name: &str) -> String {
-    let known = UNARY.iter().map(|u| u.0).chain(OTHER.iter().copied());
+    let of_entries = Function::METHODS.iter().map(|f| f.name());
+    let of_entries = of_entries.chain(Binary::METHODS.iter().map(|f| f.name()));
+    let known = of_entries.chain(COMPOSED.iter().map(|m| m.0));
     match other_name(name).or_else(|| nearest(name, known)) {
         Some(near) => format!("`{name}` is not a function of `f64`; did you mean `{near}`?"),
         None => format!(

@@ -1,4 +1,4 @@
-//! Functions of the block, which are inlined where they are called.
+//! Functions of the block. A function is inlined where it is called.
 
 use std::collections::HashMap;
 
@@ -14,11 +14,11 @@ use super::value::Value;
 use crate::errors::nearest;
 use crate::syntax::nalgebra::{Size, Written};
 
-/// Calls of helpers inside each other.
+/// Largest depth of nested calls.
 const CALL_DEPTH: usize = 64;
 
 impl Lowering<'_> {
-    /// Inlines a function of the block; `method` says that it was called `self.name(…)`.
+    /// Inlines a function of the block. `method` says that it is called as `self.name(…)`.
     pub(super) fn helper(
         &mut self,
         name: &str,
@@ -76,7 +76,7 @@ impl Lowering<'_> {
                 "`&mut` is not understood: a helper returns what it computes",
             );
         }
-        // before the function is entered: this mistake is the caller's
+        // arguments are checked outside of the function, since their mistakes are the caller's
         let values: Vec<Value> = inputs
             .iter()
             .zip(arguments)
@@ -100,7 +100,7 @@ impl Lowering<'_> {
         })
     }
 
-    /// Runs something with scopes of its own, as a function or constant that is called `name`.
+    /// Calls `run` with new scopes, as the body of the function or constant `name`.
     pub(super) fn enclosed(&mut self, name: String, run: impl FnOnce(&mut Self) -> Value) -> Value {
         let scopes = std::mem::replace(&mut self.scopes, vec![HashMap::new()]);
         let floor = std::mem::take(&mut self.floor);
@@ -122,13 +122,14 @@ impl Lowering<'_> {
         value
     }
 
-    /// Gives the function or closure that is entered a number; returns that of the one around.
+    /// Numbers the frame of the function or closure that is entered. Returns the number of the enclosing frame.
     pub(super) fn enter_frame(&mut self) -> usize {
         self.frames += 1;
         std::mem::replace(&mut self.frame, self.frames)
     }
 
-    /// The name `K` of a helper `fn f<const K: usize>(x: [f64; K])` or `(x: SVector<f64, K>)` is the length of its argument.
+    /// Binds the const parameter `K` of a helper `fn f<const K: usize>(x: [f64; K])` or `(x: SVector<f64, K>)` to the length of its
+    /// argument.
     fn bind_length(&mut self, ty: &syn::Type, value: &Value) {
         let ty = match ty {
             syn::Type::Reference(reference) => &*reference.elem,
@@ -136,7 +137,7 @@ impl Lowering<'_> {
         };
         match (ty, value) {
             (syn::Type::Array(array), Value::Array(values)) => {
-                self.name_length(&array.len, values.len());
+                self.bind_const(&array.len, values.len());
                 if let Some(first) = values.first() {
                     self.bind_length(&array.elem, first);
                 }
@@ -151,7 +152,7 @@ impl Lowering<'_> {
                 ];
                 for (written, size) in sizes {
                     if let Size::Written(name) = written {
-                        self.name_length(&name, size);
+                        self.bind_const(&name, size);
                     }
                 }
             }
@@ -159,8 +160,8 @@ impl Lowering<'_> {
         }
     }
 
-    /// Gives a length that is a single name this value.
-    fn name_length(&mut self, length: &Syntax, value: usize) {
+    /// Binds a length that is a single name to a value.
+    fn bind_const(&mut self, length: &Syntax, value: usize) {
         if let Syntax::Path(path) = length
             && let Some(name) = path.path.get_ident()
             && let Some(scope) = self.scopes.last_mut()

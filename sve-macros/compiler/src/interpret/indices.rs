@@ -1,4 +1,4 @@
-//! Integers that are indices, so that they have the type `usize` where no other is written.
+//! Inference of the type `usize` for integers that are used as indices.
 
 use syn::visit::Visit;
 use syn::{Block, Expr as Syntax, Pat};
@@ -8,19 +8,19 @@ use super::integers::{Integer, USIZE};
 use super::value::Value;
 
 impl Lowering<'_> {
-    /// The integers of a loop, which have the type of indices where they have none and the variable is an index in the body.
+    /// Gives the items of a loop the type `usize` if they have no type and the loop variable is an index in the body.
     pub(super) fn as_indices(items: Vec<Value>, name: &Pat, body: &Block) -> Vec<Value> {
         if items.iter().any(is_untyped) && is_index(name, |indices| indices.visit_block(body)) {
-            items.into_iter().map(counted).collect()
+            items.into_iter().map(with_usize).collect()
         } else {
             items
         }
     }
 
-    /// The same, of the argument of a closure.
+    /// Gives the argument of a closure the type `usize` if it has no type and the parameter is an index in the body.
     pub(super) fn as_index(value: Value, name: &Pat, body: &Syntax) -> Value {
         if is_untyped(&value) && is_index(name, |indices| indices.visit_expr(body)) {
-            counted(value)
+            with_usize(value)
         } else {
             value
         }
@@ -31,14 +31,14 @@ fn is_untyped(value: &Value) -> bool {
     matches!(value, Value::Int(Integer { kind: None, .. }))
 }
 
-fn counted(value: Value) -> Value {
+fn with_usize(value: Value) -> Value {
     match value {
         Value::Int(i) => Value::Int(i.or_of(USIZE)),
         other => other,
     }
 }
 
-/// A search for indices in which a variable stands.
+/// A visitor that finds out whether a variable occurs in an index.
 struct Indices<'a> {
     name: &'a syn::Ident,
     found: bool,
@@ -51,7 +51,7 @@ impl<'ast> Visit<'ast> for Indices<'_> {
     }
 }
 
-/// Whether a variable stands in an index outside of casts, calls and closures, so that it is a `usize`.
+/// Returns whether a variable occurs in an index outside of casts, calls and closures, so that its type is `usize`.
 fn is_index<'p>(name: &'p Pat, search: impl FnOnce(&mut Indices<'p>)) -> bool {
     let Pat::Ident(name) = name else { return false };
     let mut indices = Indices {
@@ -62,7 +62,7 @@ fn is_index<'p>(name: &'p Pat, search: impl FnOnce(&mut Indices<'p>)) -> bool {
     indices.found
 }
 
-/// Whether a variable is an operand of arithmetic.
+/// Returns whether a variable is the expression itself, or an operand of its arithmetic.
 fn occurs(name: &syn::Ident, syntax: &Syntax) -> bool {
     match syntax {
         Syntax::Path(path) => path.path.is_ident(name),

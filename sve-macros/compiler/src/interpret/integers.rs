@@ -1,7 +1,7 @@
 //! Integers known at compile time, with the types and the overflow of Rust: casts wrap, arithmetic out of range is refused.
 //!
-//! The type of an integer without a suffix is what its use makes it; where nothing does, it is `i32`. Arithmetic of such integers
-//! is held to the range of `i32`, so that nothing is accepted that a build of the same function would let overflow.
+//! The type of an integer without a suffix follows from its use; without a use that decides, it is `i32`. Arithmetic of such integers
+//! must stay within the range of `i32`, so that a function which overflows when it is called is not accepted.
 
 use proc_macro2::Span;
 use syn::spanned::Spanned;
@@ -45,12 +45,12 @@ const fn kind(name: &'static str, bits: u32, signed: bool) -> Kind {
 }
 
 impl Kind {
-    /// The type of this name.
+    /// Returns the type of this name.
     pub(super) fn named(name: &str) -> Option<Self> {
         KINDS.into_iter().find(|kind| kind.name == name)
     }
 
-    /// The type that is written.
+    /// Returns the type of integers that is written.
     fn of(ty: &Type) -> Option<Self> {
         match ty {
             Type::Path(path) if path.qself.is_none() => {
@@ -66,7 +66,7 @@ impl Kind {
         self.wrapped(value) == Some(value)
     }
 
-    /// The value of a cast to this type; nothing where it is beyond `i64`.
+    /// Returns the value after a cast to this type; `None` if it does not fit into an `i64`.
     fn wrapped(self, value: i64) -> Option<i64> {
         let unused = 64 - self.bits.min(64);
         match (unused, self.signed) {
@@ -77,11 +77,11 @@ impl Kind {
     }
 }
 
-/// An integer.
+/// An integer that is known at compile time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Integer {
     pub(super) value: i64,
-    /// Its type, where that is written or known.
+    /// The type, if it is written or follows from a use.
     pub(super) kind: Option<Kind>,
 }
 
@@ -92,7 +92,7 @@ impl From<i64> for Integer {
 }
 
 impl Integer {
-    /// A length or an index.
+    /// Returns a length or an index.
     pub(super) fn count(count: usize) -> Self {
         Self {
             value: count as i64,
@@ -100,7 +100,7 @@ impl Integer {
         }
     }
 
-    /// The integer, of this type where it had none.
+    /// Gives an integer without a type this type.
     pub(super) fn or_of(self, kind: Kind) -> Self {
         Self {
             kind: self.kind.or(Some(kind)),
@@ -109,12 +109,12 @@ impl Integer {
     }
 }
 
-/// Whether a type of integers is written.
+/// Returns whether a type is a type of integers.
 pub(super) fn is_integer(ty: &Type) -> bool {
     Kind::of(ty).is_some()
 }
 
-/// `u8::MAX` and its like, where `i64` holds them.
+/// Returns an associated constant such as `u8::MAX`, if it fits into an `i64`.
 pub(super) fn integer_constant(ty: &str, name: &str) -> Option<Integer> {
     let kind = Kind::named(ty)?;
     let value = match (name, kind.signed) {
@@ -136,7 +136,7 @@ pub(super) fn integer_constant(ty: &str, name: &str) -> Option<Integer> {
     })
 }
 
-/// The type that two integers have in common, or both types.
+/// Returns the common type of two integers, or both types if they differ.
 pub(super) fn common(a: Integer, b: Integer) -> Result<Option<Kind>, (Kind, Kind)> {
     match (a.kind, b.kind) {
         (Some(a), Some(b)) if a != b => Err((a, b)),
@@ -145,7 +145,7 @@ pub(super) fn common(a: Integer, b: Integer) -> Result<Option<Kind>, (Kind, Kind
 }
 
 impl Lowering<'_> {
-    /// An integer that came of arithmetic, or an error where its type does not hold it.
+    /// Returns the result of integer arithmetic, or reports an error if the result overflows its type.
     pub(super) fn computed(
         &mut self,
         value: Option<i64>,
@@ -176,7 +176,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// Arithmetic of two integers.
+    /// Computes with two integers.
     pub(super) fn integer_arithmetic(
         &mut self,
         op: char,
@@ -207,7 +207,7 @@ impl Lowering<'_> {
         self.refuse(at, message)
     }
 
-    /// A literal, or an error where its suffix does not hold it.
+    /// Returns the value of a literal, or reports an error if the value does not fit into the type of the suffix.
     pub(super) fn typed_literal(
         &mut self,
         value: i64,
@@ -215,7 +215,7 @@ impl Lowering<'_> {
         at: &impl Spanned,
     ) -> Value {
         match kind {
-            // `-128_i8` is the negative of one more than there are
+            // `-128_i8` is the negative of 128, which does not fit into an `i8`
             Some(kind) if !kind.contains(value) && !kind.contains(-value) => self.refuse(
                 at,
                 format!("the integer {value} does not fit into `{}`", kind.name),
@@ -224,17 +224,17 @@ impl Lowering<'_> {
         }
     }
 
-    /// `-i`.
+    /// Computes `-i`.
     pub(super) fn negated(&mut self, i: Integer, at: &impl Spanned) -> Value {
         let negative = i.value.checked_neg();
         match (negative, i.kind) {
-            // `-2147483648` is a literal of `i32`
+            // `-2147483648` is a valid `i32`, but 2147483648 is not
             (Some(value), None) => Value::Int(value.into()),
             (value, kind) => self.computed(value, kind, at),
         }
     }
 
-    /// `as`, of integers known at compile time only.
+    /// Evaluates `as`, for integers only.
     pub(super) fn cast(&mut self, cast: &syn::ExprCast) -> Value {
         let value = self.eval(&cast.expr).unconverted();
         let target = super::readable(&cast.ty);
@@ -277,7 +277,8 @@ impl Lowering<'_> {
         }
     }
 
-    /// A value where a type is written: no integer where that is `f64`, and none that the type does not hold.
+    /// Checks an integer against an annotated type: it must not be `f64`, and the integer must fit into it. Returns other values as
+    /// they are.
     pub(super) fn number(&mut self, value: Value, ty: &Type, at: &impl Spanned) -> Value {
         let Value::Int(i) = value else { return value };
         if is_f64(ty) {
@@ -296,7 +297,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// A method of an integer that is known at compile time; nothing if it is none of them.
+    /// Calls a method of integers; `None` if there is no such method, or an argument is not an integer.
     pub(super) fn integer_method(
         &mut self,
         name: &str,
@@ -327,7 +328,7 @@ impl Lowering<'_> {
             "max" => Some(i.max(k)),
             _ => i.checked_rem_euclid(k),
         };
-        // the difference of signed integers has the unsigned type
+        // `abs_diff` of signed integers returns the unsigned type
         let kind = match (name, kind) {
             ("abs_diff", Some(kind)) => KINDS
                 .into_iter()

@@ -1,8 +1,8 @@
-//! Bodies → expressions, by symbolic execution; the errors of meaning.
+//! Bodies → expressions, by symbolic execution. Reports semantic errors.
 //!
-//! Input: the annotated block. Output: the [`Model`]. A body is run with expressions for numbers: loops are unrolled, helpers
-//! inlined, arrays, tuples, vectors and matrices are values. After a mistake the run goes on with a poisoned value, so that each mistake is
-//! reported once and independent ones together.
+//! Input: the annotated block. Output: the [`Model`]. A body is executed with expressions in place of numbers. Loops are unrolled and
+//! helpers inlined; arrays, tuples, vectors and matrices are values. After a mistake, the execution continues with a poisoned value:
+//! each mistake is reported once, and independent mistakes are reported together.
 
 mod branches;
 mod calls;
@@ -18,10 +18,10 @@ mod indices;
 mod integers;
 mod matrices;
 mod operators;
-mod parts;
 mod pattern;
 mod places;
 mod references;
+mod roles;
 mod sequences;
 mod statements;
 mod types;
@@ -36,18 +36,18 @@ use crate::algebra::{Arena, Expr, Symbol};
 use crate::errors::Errors;
 use crate::syntax::parse::Annotated;
 use crate::system::model::{Model, Symbols};
-use branches::Leaving;
+use branches::LoopExit;
 use fields::FieldPath;
 use matrices::MatrixType;
 use value::Value;
 
-/// Statements and expressions that one expansion may execute.
+/// Largest number of statements and expressions that one expansion may execute.
 const STEPS: usize = 2_000_000;
 
-/// Expressions that one expansion may create while bodies are run.
+/// Largest number of algebraic expressions that the execution of bodies may create.
 const NODES: usize = 30_000;
 
-/// State of a run.
+/// The state of the symbolic execution of a block.
 pub(crate) struct Lowering<'a> {
     arena: &'a mut Arena,
     symbols: Symbols,
@@ -57,39 +57,39 @@ pub(crate) struct Lowering<'a> {
     paths: Vec<FieldPath>,
     /// Fields that are used as vectors or matrices of a known type.
     vectors: HashMap<String, MatrixType>,
-    /// Entries of vectors and matrices that are written in several ways, each with the one way in which generated code reads it.
+    /// Entries of vectors and matrices that are written in several ways. Maps each spelling to the one that generated code reads.
     spellings: HashMap<String, FieldPath>,
     block: &'a Annotated,
     errors: Errors,
     /// Variables, innermost scope last.
     scopes: Vec<HashMap<String, Value>>,
-    /// Helpers and constants being evaluated, to notice recursion.
+    /// The helpers and constants that are being evaluated, by which recursion is detected.
     active: Vec<String>,
-    /// Scopes below this one are around the closure that is being run.
+    /// Index of the first scope of the closure that is being run. The scopes before it enclose the closure.
     floor: usize,
-    /// The function or closure that is being run, by number: references of another one are out of sight.
+    /// Number of the function or closure that is being run. Only references made in the same frame can be used.
     frame: usize,
-    /// Numbers given to functions and closures.
+    /// The last number of a frame.
     frames: usize,
-    /// A closure of an iterator is being run, which Rust runs only where its results are taken.
+    /// Whether a closure of an iterator adapter is being run. Rust runs such a closure only when the iterator's items are used.
     is_lazy: bool,
-    /// The round of a loop is being left.
-    leaving: Option<Leaving>,
-    /// Helpers in which a mistake has been reported.
+    /// Set by `continue` and `break` until the loop handles it.
+    leaving: Option<LoopExit>,
+    /// Helpers and constants in which a mistake has been reported.
     broken: HashSet<String>,
-    /// The last parameter that was an operand as a number.
+    /// The last parameter that was used as a number, for a hint in messages.
     taken_for_number: Option<FieldPath>,
     steps: usize,
-    /// Expressions that there were before this run.
-    nodes: usize,
+    /// Number of expressions in the arena before the execution.
+    initial_nodes: usize,
     /// Nesting of the expression being evaluated.
     depth: usize,
 }
 
-/// Runs all parts of the block; mistakes join those that `errors` has already.
+/// Executes all functions with roles. Mistakes are added to `errors`.
 ///
-/// The type of a field may show only after its entries have been read. If an entry was read in several ways, the block is run
-/// once more with one symbol for the entry.
+/// The type of a field may become known only after its entries have been read. If an entry was read in several ways, the block is
+/// executed once more with one symbol for the entry.
 pub(crate) fn interpret(
     block: &Annotated,
     arena: &mut Arena,
@@ -97,9 +97,9 @@ pub(crate) fn interpret(
 ) -> Option<Model> {
     let mut lowering = Lowering::new(block, arena, std::mem::take(errors));
     let mut model = lowering.model();
-    lowering.spellings = lowering.one_spelling_an_entry();
+    lowering.spellings = lowering.unify_spellings();
     if lowering.errors.count() == 0 && !lowering.spellings.is_empty() {
-        lowering = lowering.anew();
+        lowering = lowering.restarted();
         model = lowering.model();
     }
     *errors = lowering.errors;
@@ -110,13 +110,13 @@ pub(crate) fn interpret(
             "this Lagrangian cannot be read",
         );
     }
-    model.map(|parts| Model { symbols, ..parts })
+    model.map(|model| Model { symbols, ..model })
 }
 
 impl<'a> Lowering<'a> {
     fn new(block: &'a Annotated, arena: &'a mut Arena, errors: Errors) -> Self {
         Self {
-            nodes: arena.len(),
+            initial_nodes: arena.len(),
             arena,
             symbols: Symbols::default(),
             parameters: HashMap::new(),
@@ -140,8 +140,8 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// The state before a run that knows the spellings of this one.
-    fn anew(self) -> Self {
+    /// Returns the initial state of a second execution, which uses the spellings found by the first one.
+    fn restarted(self) -> Self {
         Self {
             spellings: self.spellings,
             ..Self::new(self.block, self.arena, self.errors)
@@ -150,7 +150,7 @@ impl<'a> Lowering<'a> {
 }
 
 impl Lowering<'_> {
-    /// The expression of a number, or an error at `at`.
+    /// Returns the expression of a number, or reports an error at `at`.
     fn scalar(&mut self, value: &Value, at: &impl Spanned) -> Option<Expr> {
         match value {
             Value::Scalar(expr) => Some(*expr),
@@ -210,18 +210,18 @@ impl Lowering<'_> {
         }
     }
 
-    /// Counts a statement or expression; false when there have been too many.
+    /// Counts a statement or expression. Returns `false` beyond the limit.
     fn tick(&mut self, at: &impl Spanned) -> bool {
         self.work(1, at)
     }
 
-    /// Counts work; false, with an error once, when there is too much of it.
+    /// Counts `amount` steps. Returns `false` beyond the limit, and reports an error the first time.
     fn work(&mut self, amount: usize, at: &impl Spanned) -> bool {
         if self.steps >= STEPS {
             return false;
         }
         self.steps += amount;
-        if self.steps < STEPS && self.arena.len() - self.nodes <= NODES {
+        if self.steps < STEPS && self.arena.len() - self.initial_nodes <= NODES {
             return true;
         }
         let what = if self.steps < STEPS {
@@ -238,12 +238,12 @@ impl Lowering<'_> {
     }
 }
 
-/// What to say of an integer among numbers.
+/// Returns the message for an integer in the place of an `f64`.
 fn integer(i: i64) -> String {
     format!("an integer stands where an `f64` belongs: write `{i}.0`")
 }
 
-/// Source text of a type, for messages.
+/// Returns the source text of a type, for messages.
 pub(crate) fn readable(ty: &impl ToTokens) -> String {
     ty.to_token_stream()
         .to_string()

@@ -1,4 +1,4 @@
-//! Operators of numbers, and what to say of those that are not arithmetic.
+//! Operators of numbers, and the messages for operators that are not arithmetic.
 
 use syn::{BinOp, Expr as Syntax, UnOp};
 
@@ -38,7 +38,7 @@ impl Lowering<'_> {
             self.store(&binary.left, value);
             return Value::Unit;
         }
-        // a long sum is a deep tree to the left, which is walked without recursion
+        // a long sum is a tree that is deep on the left, so this loop replaces the recursion
         let mut spine = Vec::new();
         let mut innermost = binary;
         while let Some(op) = plain(&innermost.op) {
@@ -49,7 +49,7 @@ impl Lowering<'_> {
             }
         }
         if spine.is_empty() {
-            // for the mistakes in its operands
+            // reports the mistakes in the operands
             self.eval(&binary.left);
             self.eval(&binary.right);
             return self.refuse(&binary.op, no_derivative(&binary.op));
@@ -76,7 +76,7 @@ impl Lowering<'_> {
             return self.integer_arithmetic(op, token, *a, *b);
         }
         if let (Value::Poison, Value::Int(_)) | (Value::Int(_), Value::Poison) = (left.0, right.0) {
-            // the mistake is in the other operand, which may have been an integer
+            // the poisoned operand may have been an integer, so the other operand is not wrong
             return Value::Poison;
         }
         let a = self.operand(left.0, left.1);
@@ -103,7 +103,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// The number that an operand is, or an error that says how to write it as one.
+    /// Returns the number of an operand, or reports an error that says how to write the operand as a number.
     pub(super) fn operand(&mut self, value: &Value, syntax: &Syntax) -> Option<Expr> {
         if let Value::Field(path) = value {
             self.taken_for_number = Some(path.clone());
@@ -116,7 +116,7 @@ impl Lowering<'_> {
     }
 }
 
-/// How an integer is written as a number, where that is not by its value.
+/// Returns a message that says how to write an integer expression as a number; `None` if its value can be written.
 fn as_number(syntax: &Syntax) -> Option<String> {
     let text = super::readable(syntax);
     match syntax {
@@ -139,14 +139,14 @@ fn as_number(syntax: &Syntax) -> Option<String> {
     }
 }
 
-/// What to say of a quotient by the constant 0.
+/// The message for a quotient by the constant 0.
 pub(super) const DIVISION_BY_ZERO: &str = "this divides by zero: the denominator is the constant 0";
 
-/// Why `%` of numbers is refused.
+/// The message for `%` of numbers.
 pub(super) const REMAINDER: &str =
     "`%` is not smooth: an angle needs no reduction, use `sin` and `cos`";
 
-/// What to say of an operator that is not arithmetic.
+/// Returns the message for an operator that is not arithmetic.
 fn no_derivative(op: &BinOp) -> &'static str {
     match op {
         BinOp::RemAssign(_) => REMAINDER,

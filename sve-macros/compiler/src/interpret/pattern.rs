@@ -6,7 +6,7 @@ use syn::spanned::Spanned;
 use super::Lowering;
 use super::value::Value;
 
-/// Nesting of arrays and tuples in a variable.
+/// Largest depth of nested arrays and tuples in a variable. Deeper values would overflow the stack.
 const NESTING: usize = 32;
 
 impl Lowering<'_> {
@@ -63,7 +63,7 @@ impl Lowering<'_> {
     ) {
         let rest = patterns.iter().position(is_rest);
         let value = match value {
-            Value::Place(place) => match (self.parts(&place), wanted) {
+            Value::Place(place) => match (self.split_reference(&place), wanted) {
                 (Some(parts), "tuple") => Value::Tuple(parts),
                 (Some(parts), _) => Value::Array(parts),
                 (None, _) => Value::Poison,
@@ -75,7 +75,7 @@ impl Lowering<'_> {
             Value::Array(values) if wanted == "array" => values,
             // `v.into()`
             Value::Matrix(matrix) if wanted == "array" => matrix.entries,
-            // a constant index from the end of a field's array is not known
+            // the length of a field's array is not known, so its entries can only be counted from the start
             Value::Field(path)
                 if wanted == "array" && rest.is_none_or(|at| at + 1 == patterns.len()) =>
             {
@@ -130,7 +130,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// `let x;`: its names wait for values.
+    /// Declares the names of `let x;`, which have no values yet.
     pub(super) fn declare(&mut self, pattern: &Pat) {
         for name in names(pattern) {
             if let Some(scope) = self.scopes.last_mut() {
@@ -139,7 +139,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// A value that a variable may hold: one that is nested without end would overflow the stack.
+    /// Returns a value, or reports an error if it is nested too deeply for a variable.
     pub(super) fn shallow(&mut self, value: Value, at: &impl Spanned) -> Value {
         if value.is_deeper(NESTING) {
             return self.refuse(at, format!("arrays nested more than {NESTING} deep"));
@@ -147,7 +147,7 @@ impl Lowering<'_> {
         value
     }
 
-    /// After a pattern that is not understood: its names hold errors, so that their uses report nothing.
+    /// Poisons the names of a pattern that is not understood, so that their uses report no further errors.
     pub(super) fn poison_names(&mut self, pattern: &Pat) {
         for name in names(pattern) {
             if let Some(scope) = self.scopes.last_mut() {
@@ -164,7 +164,7 @@ fn entries(n: usize) -> String {
     }
 }
 
-/// `..` or `rest @ ..`.
+/// Returns whether a pattern is `..` or `rest @ ..`.
 fn is_rest(pattern: &Pat) -> bool {
     match pattern {
         Pat::Rest(_) => true,
@@ -176,7 +176,7 @@ fn is_rest(pattern: &Pat) -> bool {
     }
 }
 
-/// The names that a pattern binds.
+/// Returns the names that a pattern binds.
 fn names(pattern: &Pat) -> Vec<String> {
     struct Names(Vec<String>);
     impl<'ast> syn::visit::Visit<'ast> for Names {

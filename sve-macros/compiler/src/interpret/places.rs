@@ -1,6 +1,6 @@
-//! Variables and their entries: `x`, `x[1].0`, `self.body.mass`, read and assigned to.
+//! Reading and assigning variables and their entries: `x`, `x[1].0`, `self.body.mass`.
 //!
-//! Entries are picked from the variable itself: to copy an array for each entry of it would cost its square.
+//! An entry is read from the variable itself. A copy of the array for each of its entries would take quadratic time.
 
 use proc_macro2::Span;
 use syn::spanned::Spanned;
@@ -11,7 +11,7 @@ use super::fields::FieldPath;
 use super::matrices::MatrixType;
 use super::value::Value;
 
-/// One step into a value.
+/// The selection of an entry or a member of a value.
 pub(super) enum Pick<'e> {
     Index(usize, Span),
     /// Row and column.
@@ -19,11 +19,11 @@ pub(super) enum Pick<'e> {
     Member(&'e Member),
 }
 
-/// What is wrong, and where.
+/// An error that is not reported yet: where it is, and its message.
 pub(super) type Mistake = (Span, String);
 
 impl Lowering<'_> {
-    /// The value of `base[index]` or `base.member`.
+    /// Evaluates `base[index]` or `base.member`.
     pub(super) fn entry(&mut self, expr: &Syntax) -> Value {
         let Some((base, picks)) = self.picks(expr) else {
             return Value::Poison;
@@ -61,7 +61,7 @@ impl Lowering<'_> {
         self.store_at(place, value);
     }
 
-    /// `(a, b) = …` and `[a, b] = …`.
+    /// Assigns to several places, `(a, b) = …` or `[a, b] = …`.
     fn store_list(
         &mut self,
         whole: &Syntax,
@@ -90,7 +90,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// `x[A..B]`.
+    /// Evaluates `x[A..B]`.
     pub(super) fn slice(&mut self, base: &Syntax, range: &syn::ExprRange) -> Value {
         match self.eval(base) {
             Value::Poison => Value::Poison,
@@ -117,7 +117,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// The bounds of a range of entries, the second exclusive and nothing where it is not written.
+    /// Returns the bounds of a range of entries. The second bound is exclusive, and `None` if it is not written.
     fn range_bounds(&mut self, range: &syn::ExprRange) -> Option<(usize, Option<usize>)> {
         let mut bound = |expr: &Option<Box<Syntax>>| match expr {
             Some(expr) => self.index_value(expr).map(Some),
@@ -131,7 +131,7 @@ impl Lowering<'_> {
         Some((from.unwrap_or(0), to))
     }
 
-    /// The bounds of a range within `n` entries, or an error.
+    /// Returns the bounds of a range within `n` entries, or reports an error.
     pub(super) fn range_within(
         &mut self,
         range: &syn::ExprRange,
@@ -149,17 +149,17 @@ impl Lowering<'_> {
         None
     }
 
-    /// The value of a variable, or of what it refers to.
+    /// Returns the value of a variable; if the variable is a reference, the value to which it refers.
     pub(super) fn variable(&self, name: &str) -> Option<&Value> {
         self.held(name).map(|value| self.followed(value))
     }
 
-    /// What a variable holds, which may be a reference.
+    /// Returns the value that a variable holds, which may be a reference.
     pub(super) fn held(&self, name: &str) -> Option<&Value> {
         self.scopes.iter().rev().find_map(|scope| scope.get(name))
     }
 
-    /// An expression as its base and the steps into it, innermost first.
+    /// Splits an expression into its base and the selections from the base, innermost first.
     pub(super) fn picks<'e>(&mut self, expr: &'e Syntax) -> Option<(&'e Syntax, Vec<Pick<'e>>)> {
         let mut picks = Vec::new();
         let mut base = expr;
@@ -184,7 +184,7 @@ impl Lowering<'_> {
         Some((base, picks))
     }
 
-    /// An index, or the row and column of a matrix.
+    /// Evaluates an index, or the row and column of a matrix.
     fn index_pick<'e>(&mut self, index: &'e Syntax) -> Option<Pick<'e>> {
         if let Syntax::Tuple(pair) = index
             && pair.elems.len() == 2
@@ -199,13 +199,13 @@ impl Lowering<'_> {
             .map(|at| Pick::Index(at, index.span()))
     }
 
-    /// An index or a length, or an error.
+    /// Evaluates an index or a length, or reports an error.
     pub(super) fn index_value(&mut self, expr: &Syntax) -> Option<usize> {
         let value = self.eval(expr);
         self.index_of(&value, expr)
     }
 
-    /// The index that a value is, or an error at `at`.
+    /// Converts a value to an index, or reports an error at `expr`.
     pub(super) fn index_of(&mut self, value: &Value, expr: &impl Spanned) -> Option<usize> {
         match value {
             Value::Int(i) if i.value >= 0 => usize::try_from(i.value).ok(),
@@ -279,7 +279,7 @@ pub(super) fn out_of_range(at: usize, span: Span, entries: usize) -> Mistake {
     )
 }
 
-/// The place of an entry of a vector or matrix in its storage.
+/// Returns the index of an entry of a vector or matrix in its storage.
 pub(super) fn matrix_entry(ty: MatrixType, pick: &Pick<'_>) -> Result<usize, Mistake> {
     let (found, span, index) = match pick {
         Pick::Index(at, span) => ((*at < ty.len()).then_some(*at), *span, at.to_string()),

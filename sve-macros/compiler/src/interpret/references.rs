@@ -1,7 +1,7 @@
-//! Mutable references into local arrays, as `iter_mut` and `for x in &mut a` make them.
+//! Mutable references into local arrays, made by `iter_mut` and `for x in &mut a`.
 //!
-//! A reference is the name of a place. It is followed wherever it is read, and an assignment through it goes to that place. It is
-//! of use in the function where it was made only: functions and closures that are called get copies, and must not change them.
+//! A reference names a place. Reading a reference reads the place, and an assignment through the reference changes the place. A
+//! reference is valid only in the function that made it. Functions and closures that are called get copies, and must not change them.
 
 use proc_macro2::Span;
 use syn::spanned::Spanned;
@@ -11,13 +11,13 @@ use super::Lowering;
 use super::places::{Mistake, Pick, matrix_entry, no_member, out_of_range, variable_name};
 use super::value::Value;
 
-/// References to references that are followed.
+/// Largest number of references to references that are followed.
 const CHAIN: usize = 8;
 
 /// A variable, or an entry of one.
 #[derive(Clone)]
 pub(super) struct Place {
-    /// The function or closure whose variable it is.
+    /// The frame of the function or closure that has the variable.
     frame: usize,
     scope: usize,
     name: String,
@@ -32,15 +32,15 @@ impl Place {
     }
 }
 
-/// Where an assignment goes.
+/// The target of an assignment.
 struct Target {
     place: Place,
-    /// Whether a reference led there.
+    /// Whether the place was reached through a reference.
     is_referenced: bool,
 }
 
 impl Lowering<'_> {
-    /// The value at a place; nothing where that is out of sight.
+    /// Returns the value at a place; `None` if the place belongs to another frame.
     pub(super) fn at(&self, place: &Place) -> Option<&Value> {
         if place.frame != self.frame {
             return None;
@@ -68,7 +68,7 @@ impl Lowering<'_> {
             })
     }
 
-    /// What a value refers to; itself if it is no reference.
+    /// Returns the value to which a reference refers; a value that is no reference is returned itself.
     pub(super) fn followed<'v>(&'v self, value: &'v Value) -> &'v Value {
         let mut value = value;
         for _ in 0..CHAIN {
@@ -83,7 +83,7 @@ impl Lowering<'_> {
         value
     }
 
-    /// The same, of an owned value.
+    /// Follows a reference, as [`followed`](Self::followed) does, for an owned value.
     pub(super) fn read_through(&self, value: Value) -> Value {
         match &value {
             Value::Place(_) => self.followed(&value).clone(),
@@ -91,8 +91,8 @@ impl Lowering<'_> {
         }
     }
 
-    /// The references that a reference to an array or tuple is taken apart into.
-    pub(super) fn parts(&self, place: &Place) -> Option<Vec<Value>> {
+    /// Splits a reference to an array or tuple into references to its entries.
+    pub(super) fn split_reference(&self, place: &Place) -> Option<Vec<Value>> {
         match self.followed(&Value::Place(place.clone())) {
             Value::Array(values) | Value::Tuple(values) => Some(
                 (0..values.len())
@@ -103,16 +103,16 @@ impl Lowering<'_> {
         }
     }
 
-    /// `array.iter_mut()` and `&mut array`: references to the entries of a local array or a part of it.
+    /// Evaluates `array.iter_mut()` and `&mut array`. Returns references to the entries of a local array or slice.
     pub(super) fn iterate_mutably(&mut self, array: &Syntax, at: Span) -> Value {
-        let (whole, range) = match array {
+        let (array, range) = match array {
             Syntax::Index(index) => match &*index.index {
                 Syntax::Range(range) => (&*index.expr, Some(range)),
                 _ => (array, None),
             },
             _ => (array, None),
         };
-        let Some(target) = self.target(whole, false) else {
+        let Some(target) = self.target(array, false) else {
             return Value::Poison;
         };
         let n = match self.followed(&Value::Place(target.place.clone())) {
@@ -158,7 +158,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// The place that an expression names; nothing in what is poisoned, or after an error.
+    /// Returns the place that an expression names; `None` if its variable is poisoned, or after an error.
     fn target(&mut self, expr: &Syntax, is_assigned: bool) -> Option<Target> {
         let (base, picks) = self.picks(expr)?;
         let Some(name) = variable_name(base).filter(|name| name != "self") else {
@@ -213,12 +213,13 @@ impl Lowering<'_> {
         Some(target)
     }
 
-    /// Goes from a variable into its entries, through references; through one at the end where `is_through`.
+    /// Goes from a variable to one of its entries and follows references on the path. A reference at the end of the path is followed
+    /// if `follows_last`.
     fn walk(
         &self,
         root: Place,
         picks: &[Pick<'_>],
-        is_through: bool,
+        follows_last: bool,
     ) -> Result<Option<Target>, Mistake> {
         let mut target = Target {
             place: root,
@@ -243,7 +244,7 @@ impl Lowering<'_> {
             };
             target.place.path.push(entry);
         }
-        if is_through {
+        if follows_last {
             self.follow(&mut target);
         }
         Ok(Some(target))
@@ -262,7 +263,7 @@ impl Lowering<'_> {
     }
 }
 
-/// Whether an expression is `*…` somewhere.
+/// Returns whether the base of an expression is dereferenced, `*…`.
 fn is_dereferenced(expr: &Syntax) -> bool {
     match expr {
         Syntax::Unary(unary) => matches!(unary.op, UnOp::Deref(_)),
@@ -274,7 +275,7 @@ fn is_dereferenced(expr: &Syntax) -> bool {
     }
 }
 
-/// The `&mut` of a type, where it begins with one.
+/// Returns where `&mut` is written, if a type begins with it.
 pub(super) fn mutable(ty: &Type) -> Option<Span> {
     match ty {
         Type::Reference(reference) => reference.mutability.map(|word| word.span()),

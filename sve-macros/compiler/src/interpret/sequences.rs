@@ -1,7 +1,7 @@
 //! Iterators over what is known at compile time.
 //!
-//! An iterator is the list of its items. Items are computed at once rather than when they are asked for, which makes no
-//! difference since closures that assign to variables around them are refused.
+//! An iterator is the list of its items. The items are computed at once and not on demand. The results are the same, since closures
+//! that assign to captured variables are refused.
 
 use std::collections::HashMap;
 
@@ -14,6 +14,7 @@ use super::branches::Undecided;
 use super::calls::Argument;
 use super::conversions::NO_LENGTH;
 use super::fields::FieldPath;
+use super::floats;
 use super::integers::Integer;
 use super::value::Value;
 
@@ -45,13 +46,13 @@ const METHODS: &[&str] = &[
     "fold",
 ];
 
-/// Whether arrays or iterators have a method of this name.
+/// Returns whether arrays or iterators have a method of this name.
 pub(super) fn is_method(name: &str) -> bool {
     METHODS.contains(&name)
 }
 
 impl Lowering<'_> {
-    /// A method of an array or an iterator; nothing if the receiver is neither.
+    /// Calls a method of an array or an iterator; `None` if the receiver is neither.
     pub(super) fn sequence_method(
         &mut self,
         call: &ExprMethodCall,
@@ -88,7 +89,7 @@ impl Lowering<'_> {
                 Some(_) => Value::Unit,
                 None => Value::Poison,
             },
-            ("windows" | "chunks" | "chunks_exact", [length]) => self.pieces(&name, &items, length),
+            ("windows" | "chunks" | "chunks_exact", [length]) => self.chunks(&name, &items, length),
             ("as_flattened", []) => match self.flattened(items, call.method.span()) {
                 Some(items) => Value::Array(items),
                 None => Value::Poison,
@@ -102,7 +103,7 @@ impl Lowering<'_> {
         })
     }
 
-    /// Methods that turn an iterator into another.
+    /// Calls a method that returns another iterator.
     fn adapted(
         &mut self,
         call: &ExprMethodCall,
@@ -163,7 +164,7 @@ impl Lowering<'_> {
         })
     }
 
-    /// A method of a field, whose length is not seen: as an iterator it waits for one that is.
+    /// Calls a method of a field, whose length the macro does not know. The length follows from an iterator with which it is zipped.
     fn of_field(&mut self, call: &ExprMethodCall, path: &FieldPath) -> Value {
         let arguments: Vec<&Syntax> = call.args.iter().collect();
         match (call.method.to_string().as_str(), arguments.as_slice()) {
@@ -180,7 +181,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// The items of an array or iterator; those of a field are as many as `length`.
+    /// Returns the items of an array or iterator, and the first `length` entries of a field.
     pub(super) fn items(
         &mut self,
         argument: &Argument,
@@ -216,7 +217,7 @@ impl Lowering<'_> {
         self.work(flat.len(), &at).then_some(flat)
     }
 
-    /// The same, where Rust runs the closure only as its results are taken.
+    /// Maps items by a closure that Rust runs only when the results are used.
     fn mapped_lazily(&mut self, items: Vec<Value>, function: &Syntax) -> Option<Vec<Value>> {
         let is_lazy = std::mem::replace(&mut self.is_lazy, true);
         let items = self.mapped(items, function);
@@ -230,7 +231,7 @@ impl Lowering<'_> {
         for item in items {
             results.push(self.apply(function, vec![argument(item, function)]));
             if self.errors.count() > mistakes || !self.tick(function) {
-                // the same mistake for the next item would be the same error
+                // the next item would repeat the error
                 return None;
             }
         }
@@ -279,7 +280,7 @@ impl Lowering<'_> {
         value
     }
 
-    /// `sum` and `product`, of numbers or of integers.
+    /// Evaluates `sum` and `product` of numbers or of integers.
     fn total(&mut self, call: &ExprMethodCall, items: Vec<Value>) -> Value {
         let is_sum = call.method == "sum";
         if is_sum && let Some(sum) = self.sum_of_matrices(call, &items) {
@@ -323,8 +324,8 @@ impl Lowering<'_> {
         })
     }
 
-    /// `windows`, `chunks`, `chunks_exact`.
-    fn pieces(&mut self, name: &str, items: &[Value], length: &Syntax) -> Value {
+    /// Evaluates `windows`, `chunks` and `chunks_exact`.
+    fn chunks(&mut self, name: &str, items: &[Value], length: &Syntax) -> Value {
         let n = match self.index_value(length) {
             Some(0) => {
                 return self.refuse(length, "pieces of length 0 do not end: write 1 or more");
@@ -332,7 +333,7 @@ impl Lowering<'_> {
             Some(n) => n,
             None => return Value::Poison,
         };
-        let pieces: Vec<Value> = match name {
+        let chunks: Vec<Value> = match name {
             "windows" => items.windows(n).map(|w| Value::Array(w.to_vec())).collect(),
             "chunks" => items.chunks(n).map(|w| Value::Array(w.to_vec())).collect(),
             _ => items
@@ -340,8 +341,8 @@ impl Lowering<'_> {
                 .map(|w| Value::Array(w.to_vec()))
                 .collect(),
         };
-        if self.work(n.saturating_mul(pieces.len()), length) {
-            Value::Sequence(pieces)
+        if self.work(n.saturating_mul(chunks.len()), length) {
+            Value::Sequence(chunks)
         } else {
             Value::Poison
         }
@@ -377,7 +378,7 @@ fn not_understood(name: &str) -> String {
         "max" | "min" | "max_by" | "min_by" | "any" | "all" | "position" | "find" => {
             "it is not smooth in the entries"
         }
-        "sin" | "cos" | "tan" | "exp" | "ln" | "sqrt" | "powi" | "powf" | "recip" => {
+        _ if floats::is_smooth_method(name) => {
             return format!(
                 "`{name}` is a function of one number: take an entry, `x[i].{name}(…)`, or write `.map(|x| x.{name}(…))`"
             );

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use syn::{Block, Expr as Syntax, ExprForLoop, Item, Pat, RangeLimits, Stmt, UseTree};
 
 use super::Lowering;
-use super::branches::Leaving;
+use super::branches::LoopExit;
 use super::calls::Argument;
 use super::constants::{CONSTANTS, float_constant};
 use super::expressions::no_macro;
@@ -14,10 +14,10 @@ use super::places::variable_name;
 use super::value::Value;
 
 impl Lowering<'_> {
-    /// Runs a block in a scope of its own; the value of its last expression.
+    /// Executes a block in a new scope and returns the value of its last expression.
     pub(super) fn block_value(&mut self, block: &Block) -> Value {
         self.scopes.push(HashMap::new());
-        // items hold in all of the block
+        // items are visible in the whole block, also before their definition
         for statement in &block.stmts {
             if let Stmt::Item(item) = statement {
                 self.item(item);
@@ -75,7 +75,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// The value that a variable begins with: a reference is moved, not followed.
+    /// Evaluates the initial value of a variable. A reference is moved, not followed.
     fn initial(&mut self, expr: &Syntax) -> Value {
         let held = variable_name(expr).and_then(|name| self.held(&name));
         match held {
@@ -84,7 +84,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// An item inside a body: `const` and `use` of `std::f64::consts`.
+    /// Executes an item inside a body: `const`, or `use` of `std::f64::consts`.
     fn item(&mut self, item: &Item) {
         match item {
             Item::Const(constant) => {
@@ -105,7 +105,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// `use std::f64::consts::{PI, TAU}`; names of other things are left to their uses.
+    /// Imports the constants of `use std::f64::consts::{PI, TAU}`. Ignores other imports, whose names are reported where they are used.
     fn import(&mut self, tree: &UseTree) {
         let mut tree = tree;
         let mut path = Vec::new();
@@ -124,7 +124,7 @@ impl Lowering<'_> {
         for tree in trees {
             if matches!(tree, UseTree::Glob(_)) {
                 for (name, value) in CONSTANTS {
-                    self.name(name, *value);
+                    self.bind_constant(name, *value);
                 }
                 continue;
             }
@@ -134,13 +134,13 @@ impl Lowering<'_> {
                 _ => continue,
             };
             if let Some(value) = float_constant(&name) {
-                self.name(&alias, value);
+                self.bind_constant(&alias, value);
             }
         }
     }
 
-    /// Gives a constant a name in the innermost scope.
-    fn name(&mut self, name: &str, value: f64) {
+    /// Binds a name to a constant in the innermost scope.
+    fn bind_constant(&mut self, name: &str, value: f64) {
         let value = Value::Scalar(self.arena.constant(value));
         if let Some(scope) = self.scopes.last_mut() {
             scope.insert(name.to_owned(), value);
@@ -169,17 +169,17 @@ impl Lowering<'_> {
             self.block_value(&for_loop.body);
             self.scopes.pop();
             if self.errors.count() > mistakes {
-                // the same mistake in the next round would be the same error
+                // the next iteration would repeat the error
                 return Value::Poison;
             }
-            if self.leaving.take() == Some(Leaving::Break) {
+            if self.leaving.take() == Some(LoopExit::Break) {
                 break;
             }
         }
         Value::Unit
     }
 
-    /// `A..B` and `A..=B`: an iterator.
+    /// Evaluates the iterators `A..B` and `A..=B`.
     pub(super) fn range(&mut self, range: &syn::ExprRange) -> Value {
         let (Some(start), Some(end)) = (&range.start, &range.end) else {
             return self.refuse(

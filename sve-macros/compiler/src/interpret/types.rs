@@ -1,4 +1,4 @@
-//! Types that are written: those of arguments, results, variables and constants.
+//! Types that the source annotates: of arguments, results, variables and constants.
 
 use syn::spanned::Spanned;
 use syn::{Expr as Syntax, Ident, Type};
@@ -19,7 +19,7 @@ pub(super) enum Shape {
 }
 
 impl Shape {
-    /// Numbers in it.
+    /// Returns the number of `f64` in a value of this shape.
     pub(super) fn len(&self) -> usize {
         match self {
             Self::Scalar => 1,
@@ -28,7 +28,7 @@ impl Shape {
         }
     }
 
-    /// Length of the outermost array.
+    /// Returns the length of the outermost array.
     pub(super) fn outer_length(&self) -> usize {
         match self {
             Self::Array(n, _) => *n,
@@ -36,7 +36,7 @@ impl Shape {
         }
     }
 
-    /// Whether it is or holds vectors of nalgebra.
+    /// Returns whether the shape is or contains a vector of nalgebra.
     pub(super) fn has_vectors(&self) -> bool {
         match self {
             Self::Scalar => false,
@@ -45,7 +45,7 @@ impl Shape {
         }
     }
 
-    /// A value of this shape with entries from `next`, in memory order.
+    /// Returns a value of this shape with entries from `next`, in memory order.
     pub(super) fn fill(&self, next: &mut dyn FnMut() -> Value) -> Value {
         match self {
             Self::Scalar => next(),
@@ -58,11 +58,11 @@ impl Shape {
     }
 }
 
-/// Coordinates that one system may have: the step is unrolled.
+/// Largest number of coordinates of a system, since the step is unrolled.
 const COORDINATES: usize = 512;
 
 impl Lowering<'_> {
-    /// The shape of a type, or an error at it.
+    /// Returns the shape of a type, or reports an error at the type.
     pub(super) fn shape(&mut self, ty: &Type) -> Option<Shape> {
         let shape = self.shape_within(ty, COORDINATES)?;
         if shape.len() > COORDINATES {
@@ -111,7 +111,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// The shape of a vector of nalgebra, or an error.
+    /// Returns the shape of a vector of nalgebra, or reports an error.
     fn vector_shape(&mut self, ty: &Type, written: &Written) -> Option<Shape> {
         if !written.is_vector() || written.has_floats != Some(true) {
             let message = format!(
@@ -138,7 +138,7 @@ impl Lowering<'_> {
         Some(Shape::Vector(MatrixType::vector(rows)))
     }
 
-    /// A size; `None` where it is left to be inferred, and an error that has been reported where it is not known.
+    /// Evaluates a size; `None` if it is left to be inferred. Reports an error and returns `Err` if the size is not known.
     pub(super) fn size(&mut self, size: &Size) -> Result<Option<usize>, ()> {
         match size {
             Size::Known(n) => Ok(Some(*n)),
@@ -180,7 +180,7 @@ impl Lowering<'_> {
     }
 }
 
-/// A name that stands alone in a length.
+/// Returns a name without a path in a length.
 fn bare_name(expr: &Syntax) -> Option<&Ident> {
     match expr {
         Syntax::Path(path) => path.path.get_ident(),
@@ -192,8 +192,8 @@ fn bare_name(expr: &Syntax) -> Option<&Ident> {
 }
 
 impl Lowering<'_> {
-    /// A value of a type that is written beside it. A field of the user's struct gets its length or size from there, and where Rust
-    /// converts between arrays and vectors (`into`), the value becomes one of that type.
+    /// Converts a value to its annotated type. A field of the user's struct gets its length or size from the type. If Rust converts
+    /// between arrays and vectors (`into`), the value is converted.
     pub(super) fn ascribed(&mut self, value: Value, ty: &Type) -> Value {
         let value = self.awaited(value, ty, ty);
         match (value, ty) {
@@ -241,7 +241,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// The type of nalgebra that is written, if it is one of known size; silent about others, which are Rust's to know.
+    /// Returns the type of nalgebra that is written, if its size is known. Reports no errors, since the compiler of Rust checks types.
     pub(super) fn matrix_type(&mut self, ty: &Type) -> Option<MatrixType> {
         let written = Written::of_type(ty).filter(|written| written.has_floats == Some(true))?;
         let mut size = |size: &Size| match size {
@@ -258,7 +258,8 @@ impl Lowering<'_> {
         ty.unusable().is_none().then_some(ty)
     }
 
-    /// A length that is a literal or made of constants of the block; silent about others, which are Rust's to know.
+    /// Evaluates a length made of literals and constants of the block; `None` for other lengths. Reports no errors, since the compiler
+    /// of Rust checks types.
     fn length_of_type(&mut self, length: &Syntax) -> Option<usize> {
         let errors = std::mem::take(&mut self.errors);
         let broken = self.broken.clone();

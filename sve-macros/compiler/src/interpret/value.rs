@@ -1,4 +1,4 @@
-//! What a variable of a body can hold while it is run symbolically.
+//! Values of the symbolic execution of a body.
 
 use std::rc::Rc;
 
@@ -9,7 +9,7 @@ use super::matrices::Matrix;
 use super::references::Place;
 use crate::algebra::Expr;
 
-/// A value.
+/// The value of a variable or an expression.
 #[derive(Clone)]
 pub(super) enum Value {
     /// An `f64`.
@@ -22,25 +22,25 @@ pub(super) enum Value {
     Tuple(Vec<Value>),
     /// An iterator: the list of its items.
     Sequence(Vec<Value>),
-    /// A field of the user's struct, or a constant from outside the block: a number, an array or a matrix, which its use decides.
+    /// A field of the user's struct, or a constant from outside the block. Its use decides whether it is a number, an array or a matrix.
     Field(FieldPath),
-    /// `|x| …`, which waits to be called.
+    /// A closure that is not called yet.
     Closure(Rc<Closure>),
-    /// `x.into()`: what it becomes is for the type that is written beside it to say.
+    /// The result of `x.into()`, until a type annotation decides its type.
     Converted(Box<Value>),
-    /// `array::from_fn(…)`, whose length is for the type that is written beside it to say.
+    /// The array of `array::from_fn(…)`, until a type annotation decides its length.
     Generated(Rc<Closure>),
     /// A mutable reference.
     Place(Place),
     Unit,
-    /// A variable that has been declared and not yet assigned to.
+    /// The value of a variable that is declared and not yet assigned.
     Unset,
-    /// The result of a mistake that has been reported.
+    /// The value of an expression in which a mistake has been reported.
     Poison,
 }
 
 impl Value {
-    /// Numbers in it.
+    /// Returns the number of values of which the value consists, itself included.
     pub(super) fn entries(&self) -> usize {
         match self {
             Self::Array(values) | Self::Tuple(values) | Self::Sequence(values) => {
@@ -51,7 +51,7 @@ impl Value {
         }
     }
 
-    /// Whether arrays are nested in it more than `depth` deep.
+    /// Returns whether arrays are nested in the value more than `depth` deep.
     pub(super) fn is_deeper(&self, depth: usize) -> bool {
         match self {
             Self::Array(values) | Self::Tuple(values) | Self::Sequence(values) => {

@@ -1,11 +1,12 @@
-//! Sines and cosines: the dearest part of most mechanical systems, so each is computed as cheaply as its angle allows.
+//! Sines and cosines. They are the most expensive operations of most mechanical systems, so each is computed in the cheapest way that
+//! its angle allows.
 //!
 //! - Sine and cosine of one angle are one call.
-//! - Those of `a ± b`, where both are wanted of `a` and of `b` anyway, follow by the addition theorems.
-//! - In an iteration the angle is `base + turn`, the base known before: sine and cosine of the base are found once, those of
-//!   the turn, which is small, are short polynomials (`turn` in the runtime).
+//! - If sine and cosine of both `a` and `b` are needed anyway, sine and cosine of `a ± b` follow by the addition theorems.
+//! - In an iteration an angle is `base + increment`, where the base is known before the iteration. Sine and cosine of the base are
+//!   computed once. The increment is small, so its sine and cosine are short polynomials (`sin_cos_of_sum` in the runtime).
 //!
-//! Errors are of the size of the rounding of 1, absolutely; that of the angle itself is as large.
+//! The absolute error of the results is a few units of rounding of 1, as large as the error that rounding the angle causes.
 
 use std::collections::{HashMap, HashSet};
 
@@ -13,30 +14,30 @@ use super::instructions::{Operation, Tier, Value};
 use super::scheduler::Scheduler;
 use crate::algebra::{Arena, Expr, Function, Node, Symbol};
 
-/// Angles of which sine or cosine are wanted.
+/// The angles whose sine or cosine is needed.
 pub(super) struct Angles {
-    /// For each, whether the sine and whether the cosine is.
-    wanted: HashMap<Expr, (bool, bool)>,
-    /// Angles that are known before an iteration that turns them further: both are wanted.
+    /// For each angle, whether its sine and whether its cosine is needed.
+    needed: HashMap<Expr, (bool, bool)>,
+    /// Angles that are known before an iteration and to which the iteration adds an increment. Sine and cosine of each are needed.
     bases: HashSet<Expr>,
-    /// Whether the addition theorems are left alone.
-    apart: bool,
+    /// Whether sines and cosines may be computed by angle addition.
+    has_addition: bool,
 }
 
 impl Angles {
     /// Collects the angles among `exprs`.
     pub(super) fn new(arena: &Arena, exprs: &[Expr], tier: impl Fn(Symbol) -> Tier) -> Self {
-        let mut wanted: HashMap<Expr, (bool, bool)> = HashMap::new();
+        let mut needed: HashMap<Expr, (bool, bool)> = HashMap::new();
         for &e in exprs {
             match arena.node(e) {
-                Node::Call(Function::Sin, x) => wanted.entry(*x).or_default().0 = true,
-                Node::Call(Function::Cos, x) => wanted.entry(*x).or_default().1 = true,
+                Node::Call(Function::Sin, x) => needed.entry(*x).or_default().0 = true,
+                Node::Call(Function::Cos, x) => needed.entry(*x).or_default().1 = true,
                 _ => {}
             }
         }
         let early = |e: Expr| arena.symbols_of(e).all(|s| !tier(s).is_late());
         let mut bases = HashSet::new();
-        for &angle in wanted.keys().filter(|&&angle| !early(angle)) {
+        for &angle in needed.keys().filter(|&&angle| !early(angle)) {
             let (base, _): (Vec<Term>, Vec<Term>) =
                 terms(arena, angle).into_iter().partition(|t| early(t.0));
             if let [(term, 1.0)] = base.as_slice() {
@@ -44,25 +45,26 @@ impl Angles {
             }
         }
         Self {
-            wanted,
+            needed,
             bases,
-            apart: false,
+            has_addition: true,
         }
     }
 
-    pub(super) fn keep_apart(&mut self) {
-        self.apart = true;
+    pub(super) fn disable_addition(&mut self) {
+        self.has_addition = false;
     }
 
+    /// Returns whether both sine and cosine of an angle are needed.
     fn is_pair(&self, angle: Expr) -> bool {
-        self.bases.contains(&angle) || self.wanted.get(&angle) == Some(&(true, true))
+        self.bases.contains(&angle) || self.needed.get(&angle) == Some(&(true, true))
     }
 }
 
 /// `coefficient · expression`.
 type Term = (Expr, f64);
 
-/// An angle as a sum, named intermediate results opened.
+/// Returns the terms of an angle, with intermediate results replaced by their terms.
 fn terms(arena: &Arena, angle: Expr) -> Vec<Term> {
     let mut open = vec![(angle, 1.0)];
     let mut found: Vec<Term> = Vec::new();
@@ -79,7 +81,7 @@ fn terms(arena: &Arena, angle: Expr) -> Vec<Term> {
 }
 
 impl Scheduler<'_> {
-    /// Sine or cosine of an angle.
+    /// Computes the sine or the cosine of an angle.
     pub(super) fn lower_angle(&mut self, function: Function, angle: Expr) -> Value {
         if let Some((a, b, sign)) = self.two_angles(angle) {
             return self.combine(function, a, b, sign);
@@ -92,7 +94,7 @@ impl Scheduler<'_> {
         self.push(Operation::Call(function, value))
     }
 
-    /// Sine or cosine of `a ± b` by the addition theorems.
+    /// Computes the sine or the cosine of `a ± b` by the addition theorems.
     fn combine(&mut self, function: Function, a: Expr, b: Expr, sign: f64) -> Value {
         let ((sin_a, cos_a), (sin_b, cos_b)) = (self.sin_cos(a), self.sin_cos(b));
         let pairs = match function {
@@ -103,10 +105,10 @@ impl Scheduler<'_> {
         self.add_up(&mut parts)
     }
 
-    /// Sine and cosine of an angle.
+    /// Computes sine and cosine of an angle.
     fn sin_cos(&mut self, angle: Expr) -> (Value, Value) {
-        let both = match self.turned(angle) {
-            Some(turn) => turn,
+        let both = match self.angle_addition(angle) {
+            Some(addition) => addition,
             None => Operation::SinCos(self.done[&angle]),
         };
         let both = self.push(both);
@@ -116,9 +118,9 @@ impl Scheduler<'_> {
         )
     }
 
-    /// `a ± b` of two angles of which both sine and cosine are computed anyway.
+    /// Splits an angle into `a ± b` if sine and cosine of both `a` and `b` are computed anyway.
     fn two_angles(&self, angle: Expr) -> Option<(Expr, Expr, f64)> {
-        if self.angles.apart {
+        if !self.angles.has_addition {
             return None;
         }
         let mut angle = angle;
@@ -132,7 +134,7 @@ impl Scheduler<'_> {
             [(a, c), (b, d)] if constant.get() == 0.0 && c.get() == 1.0 && d.get().abs() == 1.0 => {
                 let known = |x: Expr| {
                     self.angles.is_pair(x)
-                        || (self.is_late(x) && self.angles.wanted.contains_key(&x))
+                        || (self.is_late(x) && self.angles.needed.contains_key(&x))
                 };
                 (known(*a) && known(*b)).then_some((*a, *b, d.get()))
             }
@@ -140,13 +142,14 @@ impl Scheduler<'_> {
         }
     }
 
-    /// A turn by what the iteration changes of an angle, from the angle without it.
-    fn turned(&mut self, angle: Expr) -> Option<Operation> {
+    /// Returns the operation that adds the increment of an iteration to the base of an angle. Returns `None` if the angle does not
+    /// change in an iteration or has no base.
+    fn angle_addition(&mut self, angle: Expr) -> Option<Operation> {
         if !self.is_late(angle) {
             return None;
         }
         let all = terms(self.arena, angle);
-        let (base, turn): (Vec<Term>, Vec<Term>) =
+        let (base, increment): (Vec<Term>, Vec<Term>) =
             all.into_iter().partition(|t| !self.is_late(t.0));
         let (sin, cos) = match base.as_slice() {
             [] => return None,
@@ -168,8 +171,8 @@ impl Scheduler<'_> {
                 )
             }
         };
-        let turn = self.add_terms(&turn);
-        Some(Operation::Turn(sin, cos, turn))
+        let increment = self.add_terms(&increment);
+        Some(Operation::AngleAddition(sin, cos, increment))
     }
 
     fn add_terms(&mut self, terms: &[Term]) -> Value {
@@ -186,7 +189,7 @@ impl Scheduler<'_> {
         self.add_up(&mut parts)
     }
 
-    /// Whether an expression waits for the unknowns of a block.
+    /// Returns whether an expression depends on the unknowns of a block.
     fn is_late(&self, expr: Expr) -> bool {
         self.program.get(self.done[&expr]).tier.is_late()
     }

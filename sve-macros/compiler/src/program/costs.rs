@@ -1,7 +1,7 @@
-//! Operations of a step, counted for its plan: those of its programs, and those of its linear solves.
+//! Counts of the operations of a step, for its plan: the operations of its program and of its linear solves.
 //!
-//! A sine with its cosine is one call. Not counted: comparisons, the choice of pivots, tests for singular matrices, and what
-//! Newton's method does beside evaluating and solving.
+//! A sine and the cosine of the same angle count as one call. Comparisons, the choice of pivots, tests for singular matrices, and
+//! the operations of Newton's method other than evaluations and solves are not counted.
 
 use std::iter::Sum;
 use std::ops::Add;
@@ -15,10 +15,10 @@ use crate::structure::{Band, Block, Matrix, Scheme, Solution, Storage};
 pub(crate) struct Operations {
     pub(crate) arithmetic: usize,
     pub(crate) transcendental: usize,
-    pub(crate) turns: usize,
+    pub(crate) angle_additions: usize,
 }
 
-/// The operations of a step by how often they are done.
+/// The operations of a step: once for each step size, once for each step, and in each iteration.
 pub(crate) struct Work {
     pub(crate) prepare: Operations,
     pub(crate) step: Operations,
@@ -26,7 +26,7 @@ pub(crate) struct Work {
 }
 
 impl Work {
-    /// What a step does.
+    /// Counts the operations of a step.
     pub(crate) fn of(step: &Step) -> Self {
         let is_iteration = |tier| matches!(tier, Tier::Iterate(_));
         let of = |wanted: &dyn Fn(Tier) -> bool| Operations::of(&step.program, wanted);
@@ -38,7 +38,7 @@ impl Work {
         work.with_solves(&step.scheme)
     }
 
-    /// With the linear solves of a scheme.
+    /// Adds the operations of the linear solves of a scheme.
     pub(crate) fn with_solves<T: Copy + PartialEq, R>(self, scheme: &Scheme<T, R>) -> Self {
         let once = scheme.blocks.iter().map(solves_of_step).sum();
         let again = scheme.blocks.iter().map(solves_of_iteration).sum();
@@ -51,14 +51,14 @@ impl Work {
 }
 
 impl Operations {
-    /// Those of some tiers.
+    /// Counts the operations of a program in the tiers for which `wanted` holds.
     pub(crate) fn of(program: &Program, wanted: impl Fn(Tier) -> bool) -> Self {
         let listed = program.all().filter(|(_, i)| wanted(i.tier));
         listed.map(|(_, i)| Self::one(i.operation)).sum()
     }
 
     fn one(operation: Operation) -> Self {
-        let [arithmetic, transcendental, turns] = match operation {
+        let [arithmetic, transcendental, angle_additions] = match operation {
             Operation::Constant(_)
             | Operation::Input(_)
             | Operation::SinOf(_)
@@ -71,12 +71,12 @@ impl Operations {
             | Operation::Abs(_)
             | Operation::Recip(_) => [1, 0, 0],
             Operation::Call(..) | Operation::Call2(..) | Operation::SinCos(_) => [0, 1, 0],
-            Operation::Turn(..) => [0, 0, 1],
+            Operation::AngleAddition(..) => [0, 0, 1],
         };
         Self {
             arithmetic,
             transcendental,
-            turns,
+            angle_additions,
         }
     }
 }
@@ -88,7 +88,7 @@ impl Add for Operations {
         Self {
             arithmetic: self.arithmetic + other.arithmetic,
             transcendental: self.transcendental + other.transcendental,
-            turns: self.turns + other.turns,
+            angle_additions: self.angle_additions + other.angle_additions,
         }
     }
 }
@@ -106,14 +106,14 @@ fn arithmetic(count: usize) -> Operations {
     }
 }
 
-/// Operations of the solves of a block before any iteration.
+/// Counts the operations of the linear solves of a block outside of its iterations.
 fn solves_of_step<T: Copy + PartialEq, R>(block: &Block<T, R>) -> usize {
     match &block.solution {
         Solution::Formula(_) => 0,
         Solution::System { linear, .. } => solve(&linear.matrix),
         Solution::Iteration(iteration) => {
             let once = solve(&iteration.guess.matrix);
-            // the second stage of a guess is solved anew, and added to the first
+            // the refinement of a guess is a second solve, whose result is added to the guess
             let refined = iteration.refinement.as_ref();
             let refined = refined.map_or(0, |r| once + r.rhs.len());
             let judge = iteration.judge.as_ref();
@@ -123,7 +123,7 @@ fn solves_of_step<T: Copy + PartialEq, R>(block: &Block<T, R>) -> usize {
     }
 }
 
-/// Operations of the solves of a block in each iteration.
+/// Counts the operations of the linear solves of a block in each iteration.
 fn solves_of_iteration<T: Copy, R>(block: &Block<T, R>) -> usize {
     match &block.solution {
         Solution::Formula(_) | Solution::System { .. } => 0,
@@ -131,28 +131,29 @@ fn solves_of_iteration<T: Copy, R>(block: &Block<T, R>) -> usize {
     }
 }
 
-/// Operations of the runtime's solve with a matrix.
+/// Counts the operations of the runtime's solve with a matrix.
 fn solve<T: Copy>(matrix: &Matrix<T>) -> usize {
     let k = matrix.size();
     match (k, matrix.storage) {
         (0, _) => 0,
         (1, _) => 1,
         (_, Storage::Diagonal) => k,
-        // Cramer's rule: the determinant, its inverse, two numerators
+        // Cramer's rule: the determinant, its reciprocal, two numerators with a product each
         (2, Storage::Dense) => 3 + 1 + 2 * 4,
-        (_, Storage::Dense) => eliminate(k, |at| k - at - 1, |at| k - at - 1),
+        (_, Storage::Dense) => elimination(k, |at| k - at - 1, |at| k - at - 1),
         (_, Storage::Banded(band)) => {
             let Band { lower, .. } = band;
-            eliminate(k, |at| lower.min(k - at - 1), |_| band.width() - 1)
+            elimination(k, |at| lower.min(k - at - 1), |_| band.width() - 1)
         }
     }
 }
 
-/// Operations of an elimination with so many rows below each pivot, and so many entries behind it in its row.
-fn eliminate(k: usize, below: impl Fn(usize) -> usize, behind: impl Fn(usize) -> usize) -> usize {
+/// Counts the operations of an elimination. `below` is the number of rows below the pivot of a column, `right` the number of entries
+/// to the right of the pivot in its row.
+fn elimination(k: usize, below: impl Fn(usize) -> usize, right: impl Fn(usize) -> usize) -> usize {
     let column = |at: usize| {
-        let forward = below(at) * (3 + 2 * behind(at));
-        let back = 2 * behind(at).min(k - at - 1) + 1;
+        let forward = below(at) * (3 + 2 * right(at));
+        let back = 2 * right(at).min(k - at - 1) + 1;
         forward + back
     };
     (0..k).map(column).sum()

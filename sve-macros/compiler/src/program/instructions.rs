@@ -4,16 +4,16 @@
 
 use crate::algebra::{Binary, Function, Map, Symbol};
 
-/// When a value is known.
+/// The stage of a step in which a value is computed. Each tier adds inputs to those of the earlier tiers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) enum Tier {
     /// From parameters and step size alone.
     Prepare,
-    /// With time and Wiener increments.
+    /// From time and Wiener increments.
     Noise,
-    /// With the state.
+    /// From the state.
     State,
-    /// With the first stage of a block's guess.
+    /// From the first stage of a block's guess.
     Guess(usize),
     /// In each iteration of a block.
     Iterate(usize),
@@ -22,12 +22,12 @@ pub(crate) enum Tier {
 }
 
 impl Tier {
-    /// Whether it waits for the unknowns of a block.
+    /// Returns whether values of this tier depend on the unknowns of a block.
     pub(super) fn is_late(self) -> bool {
         matches!(self, Self::Guess(_) | Self::Iterate(_) | Self::Solved(_))
     }
 
-    /// Position in the order of computation.
+    /// Returns the position in the order of computation.
     pub(crate) fn rank(self) -> usize {
         match self {
             Self::Prepare => 0,
@@ -59,12 +59,14 @@ pub(crate) enum Operation {
     Recip(Value),
     Call(Function, Value),
     Call2(Binary, Value, Value),
-    /// Sine and cosine together, of which the two below are the components.
+    /// Sine and cosine of an angle, as a pair.
     SinCos(Value),
+    /// The sine in a pair.
     SinOf(Value),
+    /// The cosine in a pair.
     CosOf(Value),
-    /// Sine and cosine of an angle of which these are known, turned further by a third operand.
-    Turn(Value, Value, Value),
+    /// Sine and cosine of the sum of two angles, as a pair: from sine and cosine of the first angle, and the second angle.
+    AngleAddition(Value, Value, Value),
 }
 
 /// An operation with its tier.
@@ -79,7 +81,7 @@ pub(crate) struct Instruction {
 pub(crate) struct Program {
     pub(super) instructions: Vec<Instruction>,
     pub(super) numbers: Map<Operation, Value>,
-    /// Which instructions a result depends on; the others are not listed.
+    /// For each instruction, whether a result depends on it. The other instructions are omitted from the lists below.
     live: Vec<bool>,
 }
 
@@ -88,7 +90,7 @@ impl Program {
         self.instructions[value.0 as usize]
     }
 
-    /// Instructions of a tier, operands first.
+    /// Returns the instructions of a tier, operands first.
     pub(crate) fn of_tier(&self, tier: Tier) -> impl Iterator<Item = (Value, Operation)> + '_ {
         self.instructions
             .iter()
@@ -97,7 +99,7 @@ impl Program {
             .map(|(at, i)| (Value(at as u32), i.operation))
     }
 
-    /// All instructions, operands first.
+    /// Returns all instructions, operands first.
     pub(crate) fn all(&self) -> impl Iterator<Item = (Value, Instruction)> + '_ {
         self.instructions
             .iter()
@@ -106,36 +108,37 @@ impl Program {
             .map(|(at, i)| (Value(at as u32), *i))
     }
 
-    /// All instructions in the order of their tiers, operands first.
+    /// Returns all instructions in the order of their tiers, operands first.
     pub(crate) fn in_order(&self) -> Vec<(Value, Instruction)> {
         let mut list: Vec<_> = self.all().collect();
         list.sort_by_key(|(_, i)| i.tier.rank());
         list
     }
 
-    /// Number of instructions so far, to come back to.
+    /// Returns the current number of instructions, for [`undo`](Self::undo).
     pub(super) fn checkpoint(&self) -> usize {
         self.instructions.len()
     }
 
-    /// Instructions of a step that were added after a checkpoint; a negation mostly disappears in a sum.
+    /// Counts the instructions that were added after a checkpoint and run in every step. Negations are not counted, since most of
+    /// them become subtractions in a sum.
     pub(super) fn work_since(&self, checkpoint: usize) -> usize {
-        let counts =
+        let is_counted =
             |i: &&Instruction| i.tier != Tier::Prepare && !matches!(i.operation, Operation::Neg(_));
         self.instructions[checkpoint..]
             .iter()
-            .filter(counts)
+            .filter(is_counted)
             .count()
     }
 
-    /// Forgets what was added after a checkpoint.
+    /// Removes the instructions that were added after a checkpoint.
     pub(super) fn undo(&mut self, checkpoint: usize) {
         for instruction in self.instructions.drain(checkpoint..) {
             self.numbers.remove(&instruction.operation);
         }
     }
 
-    /// Marks what `results` depend on.
+    /// Marks the instructions on which `results` depend.
     pub(super) fn mark_live(&mut self, results: &[Value]) {
         self.live = vec![false; self.instructions.len()];
         for result in results {
@@ -157,7 +160,7 @@ impl Value {
     }
 }
 
-/// Operands of an operation.
+/// Returns the operands of an operation.
 pub(crate) fn operands(operation: Operation) -> impl Iterator<Item = Value> {
     let list = match operation {
         Operation::Constant(_) | Operation::Input(_) => [None, None, None],
@@ -166,7 +169,7 @@ pub(crate) fn operands(operation: Operation) -> impl Iterator<Item = Value> {
         | Operation::Mul(a, b)
         | Operation::Div(a, b)
         | Operation::Call2(_, a, b) => [Some(a), Some(b), None],
-        Operation::Turn(a, b, c) => [Some(a), Some(b), Some(c)],
+        Operation::AngleAddition(a, b, c) => [Some(a), Some(b), Some(c)],
         Operation::Neg(a)
         | Operation::Abs(a)
         | Operation::Recip(a)

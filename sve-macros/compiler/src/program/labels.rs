@@ -1,4 +1,4 @@
-//! What values are, as far as it is known: the material for their names.
+//! Labels of values: words for what a value is, from which its name in the generated code is made.
 
 use std::collections::HashMap;
 
@@ -8,31 +8,31 @@ use crate::algebra::{self, Arena, Expr};
 use crate::structure::Matrix;
 use crate::system::model::{AtNode, Meaning, Quantity, Symbols};
 
-/// Longest name of an angle or argument.
-const WORD: usize = 40;
+/// Longest label of an angle or argument, in bytes.
+const LONGEST: usize = 40;
 
-/// What values are, as far as it is known.
+/// The labels of the values that have one.
 #[derive(Default)]
 pub(crate) struct Labels {
     pub(super) values: HashMap<Value, String>,
-    /// Angles of pairs of sine and cosine.
+    /// For each pair of sine and cosine, the label of its angle.
     pub(super) pairs: HashMap<Value, String>,
 }
 
 impl Labels {
-    /// Calls a value; the first name stays.
+    /// Labels a value that has no label yet.
     pub(crate) fn call(&mut self, value: Value, name: String) {
         self.values.entry(value).or_insert(name);
     }
 
-    /// Calls the values of a vector `name_0`, `name_1`, …, counted from `first`.
+    /// Labels the values of a vector `name_0`, `name_1`, …, counted from `first`.
     pub(crate) fn vector(&mut self, name: &str, first: usize, values: &[Value]) {
         for (i, &value) in values.iter().enumerate() {
             self.call(value, format!("{name}_{}", first + i));
         }
     }
 
-    /// Calls the stored entries of a matrix `name_0_1`, rows and columns counted from `first`.
+    /// Labels the stored entries of a matrix `name_0_1`, rows and columns counted from `first`.
     pub(crate) fn matrix(&mut self, name: &str, first: usize, matrix: &Matrix<Value>) {
         for (i, row) in matrix.rows.iter().enumerate() {
             let column = first + matrix.first_column(i);
@@ -42,7 +42,7 @@ impl Labels {
         }
     }
 
-    /// Calls the entries of rows `name_0_1`, rows and columns counted from `first`.
+    /// Labels the entries of rows `name_0_1`, rows and columns counted from `first`.
     pub(crate) fn rows(&mut self, name: &str, first: usize, rows: &[Vec<Value>]) {
         for (i, row) in rows.iter().enumerate() {
             for (j, &value) in row.iter().enumerate() {
@@ -51,7 +51,7 @@ impl Labels {
         }
     }
 
-    /// Calls the entries of a matrix that is applied to the state `map_0_1`, rows and columns in the order q, p.
+    /// Labels the entries of the matrix that is multiplied with the state `map_0_1`, rows and columns in the order q, p.
     pub(crate) fn map(
         &mut self,
         scheduler: &Scheduler<'_>,
@@ -78,7 +78,7 @@ impl Labels {
                     && let Some(value) = scheduler.known(entry)
                 {
                     self.call(value, format!("map_{i}_{j}"));
-                    // sums take negations in
+                    // a sum with a negation is a subtraction, which uses the negation's operand
                     if let Operation::Neg(opposite) = scheduler.operation(value) {
                         self.call(opposite, format!("minus_map_{i}_{j}"));
                     }
@@ -87,7 +87,7 @@ impl Labels {
         }
     }
 
-    /// Calls nodes, given expressions and functions of them by their names, of all that `roots` are made of.
+    /// Labels all subexpressions of `roots` that are quantities at a node, are in `given`, or are functions of such expressions.
     pub(crate) fn expressions(
         &mut self,
         scheduler: &Scheduler<'_>,
@@ -127,7 +127,7 @@ impl Labels {
     }
 }
 
-/// Words for expressions that are short to say.
+/// Makes labels for expressions.
 struct Words<'a> {
     arena: &'a Arena,
     symbols: &'a Symbols,
@@ -135,7 +135,7 @@ struct Words<'a> {
 }
 
 impl Words<'_> {
-    /// Given names, and `q_node_0` for a node.
+    /// Returns the given name of an expression, or the name of a quantity at a node, such as `q_node_0`.
     fn named(&self, expr: Expr) -> Option<String> {
         if let Some((_, name)) = self.given.iter().find(|g| g.0 == expr) {
             return Some(name.clone());
@@ -143,7 +143,7 @@ impl Words<'_> {
         AtNode::of(expr, self.arena).map(|quantity| quantity.to_string())
     }
 
-    /// A symbol, a name, or `a_minus_b`.
+    /// Returns the label of a symbol, of a named expression, or of a sum or difference of two of them, such as `a_minus_b`.
     fn of(&self, expr: Expr) -> Option<String> {
         let word = match self.arena.node(expr) {
             algebra::Node::Sum(constant, terms) if constant.get() == 0.0 => {
@@ -157,7 +157,7 @@ impl Words<'_> {
             }
             _ => self.word(expr)?,
         };
-        (word.len() <= WORD).then_some(word)
+        (word.len() <= LONGEST).then_some(word)
     }
 
     fn word(&self, expr: Expr) -> Option<String> {

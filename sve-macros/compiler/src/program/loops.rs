@@ -1,7 +1,7 @@
-//! How the step of many states at once is cut into loops over its lanes.
+//! The loops over the lanes in a step of many states.
 //!
-//! Input: a scheme. Output: its program, and the loops; or nothing for a system that is too large for lanes. The code is cut where
-//! an iteration begins and ends. A value that a later loop needs is kept in an array over the lanes.
+//! Input: a scheme. Output: its program and its loops, or `None` if the system is too large for lanes. A loop ends where an iteration
+//! begins or ends. A value that a later loop uses is kept in an array over the lanes.
 
 use std::collections::BTreeMap;
 
@@ -11,16 +11,16 @@ use crate::algebra::{Arena, Expr};
 use crate::structure::{Block, Matrix, Scheme, Solution, Storage};
 use crate::system::model::Symbols;
 
-/// Unknowns of a block up to which it is solved in lanes.
-const UNKNOWNS: usize = 6;
+/// Largest number of unknowns of a block that is solved in lanes.
+const MAX_UNKNOWNS: usize = 6;
 
-/// Instructions up to which a step is written for lanes: beyond, its values fit neither registers nor the first cache.
-const INSTRUCTIONS: usize = 1500;
+/// Largest number of instructions of a step in lanes. The values of a longer step fit neither the registers nor the first-level cache.
+const MAX_INSTRUCTIONS: usize = 1500;
 
-/// Values kept between loops, likewise.
-const KEPT: usize = 96;
+/// Largest number of values that are kept between loops, for the same reason.
+const MAX_KEPT: usize = 96;
 
-/// The step of a scheme in lanes, where it is small enough.
+/// Returns the step of a scheme in lanes, or `None` if the step is too large.
 pub(crate) fn in_lanes(
     scheme: &Scheme<Expr>,
     symbols: &Symbols,
@@ -30,15 +30,15 @@ pub(crate) fn in_lanes(
         return None;
     }
     let step = Step::new(&for_lanes(scheme), symbols, arena);
-    if step.program.all().count() > INSTRUCTIONS {
+    if step.program.all().count() > MAX_INSTRUCTIONS {
         return None;
     }
     let loops = Loops::new(&step);
-    (loops.rows.len() <= KEPT).then_some((step, loops))
+    (loops.rows.len() <= MAX_KEPT).then_some((step, loops))
 }
 
-/// Whether a block is small, its Jacobian dense and no matrix banded, and its solution judged where it is iterated: only the scalar
-/// step can follow a solution.
+/// Returns whether a block can be solved in lanes: it is small, its Jacobian is dense, and no matrix is banded. If the block is
+/// iterated, bounds must judge its solution, since only the scalar step can follow a solution by continuation.
 fn fits(block: &Block<Expr>) -> bool {
     let is_banded = |matrix: &Matrix<Expr>| matches!(matrix.storage, Storage::Banded(_));
     let fits = match &block.solution {
@@ -50,12 +50,12 @@ fn fits(block: &Block<Expr>) -> bool {
                 && !is_banded(&iteration.guess.matrix)
         }
     };
-    fits && block.unknowns.len() <= UNKNOWNS
+    fits && block.unknowns.len() <= MAX_UNKNOWNS
 }
 
-/// The scheme in lanes, which handle no failure: the best bounds judge its solutions, and a single unknown starts from the linearly
-/// implicit step. That step is second order in h and worth its division, since a lane waits for the slowest of all, and two
-/// evaluations are enough mostly.
+/// Returns the variant of a scheme that is used in lanes. Lanes have no second attempt after a failure, so the tightest bounds judge
+/// their solutions, and a single unknown starts from the linearly implicit step. This guess is accurate to second order in h, so that
+/// two evaluations mostly suffice. It is worth a division, since all lanes wait for the slowest one.
 fn for_lanes(scheme: &Scheme<Expr>) -> Scheme<Expr> {
     let mut scheme = scheme.clone();
     for block in &mut scheme.blocks {
@@ -74,14 +74,14 @@ fn for_lanes(scheme: &Scheme<Expr>) -> Scheme<Expr> {
     scheme
 }
 
-/// Which loop computes and which one uses a value. The loops are numbered in order: 0 up to the first iteration, 1 the
-/// iteration, 2 from there to the next, …
+/// The loops that compute and use each value. Loop 0 runs up to the first iteration, loop 1 is this iteration, loop 2 runs from there
+/// to the second iteration, and so on.
 pub(crate) struct Loops {
-    /// The loop before or at which each block stands.
+    /// For each block, the loop that ends where the iteration of the block begins. A block without iteration is in this loop.
     pub(crate) of_block: Vec<usize>,
-    /// For each loop, the values of earlier ones that it uses, in order.
+    /// For each loop, the values of earlier loops that it uses, in order.
     pub(crate) uses: Vec<Vec<Value>>,
-    /// Their rows in `kept`; inputs are read again.
+    /// The row of each of these values in the array `kept`. Inputs have rows too, but are read again.
     pub(crate) rows: BTreeMap<Value, usize>,
 }
 
@@ -133,7 +133,7 @@ impl Loops {
         loops
     }
 
-    /// The loop in which values of a tier are computed; none where they are before all lanes.
+    /// Returns the loop in which values of a tier are computed; `None` if they are computed once for all lanes.
     pub(crate) fn of_tier(&self, tier: Tier, step: &Step) -> Option<usize> {
         let iterates =
             |at: usize| matches!(step.scheme.blocks[at].solution, Solution::Iteration(_));
@@ -147,7 +147,7 @@ impl Loops {
         }
     }
 
-    /// Notes that a loop uses a value.
+    /// Records that a loop uses a value.
     fn note(&mut self, value: Value, user: Option<usize>, step: &Step) {
         let instruction = step.program.get(value);
         let (Some(user), Some(computed)) = (user, self.of_tier(instruction.tier, step)) else {

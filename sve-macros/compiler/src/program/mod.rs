@@ -1,12 +1,12 @@
-//! Expressions → straight-line instructions in tiers, each computed once and as early as its inputs are known.
+//! Expressions → straight-line instructions in tiers. Each value is computed once, in the earliest tier in which its inputs are known.
 //!
-//! Input: expressions wanted by the emitter. Output: a [`Program`] of two-operand instructions. Sums and products of many
-//! operands are cut so that the operands known earliest come first: what depends on parameters and h alone leaves the step,
-//! what depends on the state leaves the iteration. Invariant: an instruction's operands precede it and are of its tier or
-//! an earlier one.
+//! Input: the expressions that a back end needs. Output: a [`Program`] of two-operand instructions. In sums and products of many
+//! operands, the operands of the earliest tiers are combined first. So values that depend on parameters and h alone are computed once
+//! for all steps, and values that depend on the state are computed outside of the iteration. Invariant: an instruction's operands
+//! precede it and are of its tier or an earlier one.
 //!
-//! What a back end prints is decided here: the program of a step, its costs, the names of its values, and how a step in lanes is cut
-//! into loops.
+//! This stage decides everything that a back end prints: the program of a step, its costs, the names of its values, and the loops of
+//! a step in lanes.
 
 mod angles;
 mod costs;

@@ -1,7 +1,7 @@
-//! Names of temporaries: by what a value is, where that is known, otherwise by its operation with a number.
+//! Names of temporaries. The name of a value is its label; without a label, it is the value's operation with a number.
 //!
-//! Input: a program and the labels of some of its values. Output: a name for each value. Invariant: no two names that are in
-//! scope together are equal, and none is that of an input or a reserved one.
+//! Input: a program and the labels of some of its values. Output: a name for each value. Invariant: names that are in scope together
+//! differ from one another, from the names of inputs, and from reserved names.
 
 use std::collections::{HashMap, HashSet};
 
@@ -10,7 +10,7 @@ use super::{Operation, Program, Tier, Value};
 use crate::algebra::{Function, Symbol};
 use crate::system::model::{Meaning, Symbols};
 
-/// The name of a symbol in generated code; fields of the user's struct cannot clash with anything else.
+/// Returns the name of a symbol in generated code. The prefix of parameters separates them from all other names.
 pub(crate) fn symbol_name(symbols: &Symbols, symbol: Symbol) -> String {
     match symbols.meaning(symbol) {
         Meaning::Parameter { name, .. } => format!("self_{name}"),
@@ -18,11 +18,11 @@ pub(crate) fn symbol_name(symbols: &Symbols, symbol: Symbol) -> String {
     }
 }
 
-/// A name for each value that has a statement; for a pair of sine and cosine, of its angle.
+/// The name of each value that has a statement of its own. A pair of sine and cosine has the name of its angle.
 pub(crate) struct Names(HashMap<Value, String>);
 
 impl Names {
-    /// Names that differ from those in `reserved`, the variables that a back end declares beside the values.
+    /// Names the values of a program. The names differ from those in `reserved`, the other variables that a back end declares.
     pub(crate) fn new(
         program: &Program,
         symbols: &Symbols,
@@ -43,7 +43,7 @@ impl Names {
                 | Operation::Constant(_)
                 | Operation::SinOf(_)
                 | Operation::CosOf(_) => continue,
-                Operation::SinCos(_) | Operation::Turn(..) => {
+                Operation::SinCos(_) | Operation::AngleAddition(..) => {
                     let angle = match (labels.pairs.get(&value), instruction.operation) {
                         (Some(word), _) => Some(word.clone()),
                         (None, Operation::SinCos(angle)) => known(angle),
@@ -80,7 +80,7 @@ impl Names {
         }
     }
 
-    /// The names of sine and cosine of a pair.
+    /// Returns the names of sine and cosine of a pair.
     pub(crate) fn pair(&self, both: Value) -> [String; 2] {
         let angle = self.0.get(&both).cloned();
         let angle = angle.unwrap_or_else(|| both.index().to_string());
@@ -102,7 +102,7 @@ fn prefix(operation: Operation) -> &'static str {
     }
 }
 
-/// Names that are taken. Those of a guess and of an iteration are in a block of their own.
+/// The names that are in use. Names in a guess or an iteration are in scope in its block only.
 struct Scope {
     tier: Tier,
     outer: HashSet<String>,
@@ -130,7 +130,7 @@ impl Scope {
         }
     }
 
-    /// A name whose parts are all free, which they are not afterwards.
+    /// Returns `wanted`, with a suffix if one of its `parts` is in use. The parts of the returned name are then in use.
     fn free<const N: usize>(
         &mut self,
         wanted: String,
@@ -161,7 +161,7 @@ mod tests {
     use crate::program::{Scheduler, Tiers};
     use crate::system::model::{Family, Unknown};
 
-    /// Names of `x + h` with x known before a step, in the iteration of a block and after it, each labelled alike.
+    /// The values are `x + h`, where x is known before an iteration, in it, or after it.
     #[test]
     fn names_in_scope_together_differ() {
         let (mut arena, mut symbols, mut tiers) = (Arena::new(), Symbols::default(), Tiers::new());
@@ -201,12 +201,12 @@ mod tests {
         assert_ne!(found[1], "a");
         assert_eq!(found[2], "b");
         assert_ne!(found[3], "b");
-        // those of an iteration are out of scope after it
+        // names of an iteration are out of scope after it
         assert_eq!(found[4], "b");
         assert_ne!(found[5], "b");
-        // what is known before an iteration is in scope in it
+        // a value that is known before an iteration is in scope in it
         assert_ne!(all_named(["a", "b", "a", "c", "d", "e", "f"])[2], "a");
-        // inputs and variables of emitted code
+        // names of inputs and reserved names
         for taken in ["d_3", "h", "state", "guess"] {
             assert_ne!(all_named([taken, "b", "a", "c", "d", "e", "f"])[0], taken);
         }

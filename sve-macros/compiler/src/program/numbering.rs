@@ -1,14 +1,13 @@
-//! Value numbering: each operation is computed once, and trivial ones not at all.
+//! Value numbering: equal operations are one value, and trivial operations are simplified away.
 //!
-//! Negations move outwards, to where a sum takes them in; constant factors move outwards, so that products which differ by a constant
-//! share the rest.
+//! Negations move outwards until they reach a sum, where an addition becomes a subtraction. Constant factors move outwards, so that
+//! products which differ by a constant factor share their other factors.
 
 use super::instructions::{Instruction, Operation, Tier, Value, operands};
 use super::scheduler::{Scheduler, tier_of};
 
 impl Scheduler<'_> {
-    /// The product of values in the order in which they become known, and of creation among those: the same factors make
-    /// the same products.
+    /// Multiplies values in the order of their tiers, then of their creation, so that equal factors give equal partial products.
     pub(super) fn chain(&mut self, mut values: Vec<Value>) -> Value {
         values.sort_by_key(|&v| (self.program.get(v).tier.rank(), v));
         let mut product = None;
@@ -25,7 +24,7 @@ impl Scheduler<'_> {
         }
     }
 
-    /// `x^k` by squaring.
+    /// Computes `x^k` by repeated squaring.
     pub(super) fn power(&mut self, x: Value, k: u32) -> Value {
         let (mut square, mut k, mut power) = (x, k, None);
         loop {
@@ -45,7 +44,7 @@ impl Scheduler<'_> {
         self.push(Operation::Constant(value.to_bits()))
     }
 
-    /// The operand of a negation.
+    /// Returns the operand of a negation.
     pub(super) fn negated(&self, value: Value) -> Option<Value> {
         match self.program.get(value).operation {
             Operation::Neg(x) => Some(x),
@@ -53,8 +52,8 @@ impl Scheduler<'_> {
         }
     }
 
-    /// `c·(x y)` for `(c·x)·y` with y known as early as x, so that products which differ by a constant share the rest; not in what is prepared,
-    /// where the constant costs nothing.
+    /// Computes `(c·x)·y` as `c·(x·y)` if y is known as early as x, so that products which differ by a constant factor share `x·y`.
+    /// Values that are prepared once for all steps stay as they are.
     fn constant_outwards(&mut self, operation: Operation) -> Option<Value> {
         let Operation::Mul(a, b) = operation else {
             return None;
@@ -77,7 +76,7 @@ impl Scheduler<'_> {
         None
     }
 
-    /// The value of an operation that needs none: equal operands that cancel, and zeros and ones among them.
+    /// Returns the value of an operation that needs no instruction: equal operands that cancel, or an operand 0 or 1.
     fn trivial(&mut self, operation: Operation) -> Option<Value> {
         let constant = |v: Value| match self.program.get(v).operation {
             Operation::Constant(bits) => Some(f64::from_bits(bits)),
@@ -96,7 +95,7 @@ impl Scheduler<'_> {
         }
     }
 
-    /// Adds an operation; negations move outwards, to where a sum takes them in.
+    /// Adds an operation after the simplifications of this module.
     pub(super) fn push(&mut self, operation: Operation) -> Value {
         if let Some(known) = self.trivial(operation) {
             return known;
@@ -156,7 +155,7 @@ impl Scheduler<'_> {
         self.number(operation)
     }
 
-    /// The value of an operation, which is computed once.
+    /// Returns the value of an operation. Adds an instruction if there is none for this operation.
     pub(super) fn number(&mut self, operation: Operation) -> Value {
         // a + b and b + a are one value
         let operation = match operation {

@@ -1,4 +1,4 @@
-//! Expressions → instructions: sums and products of many operands are cut so that the operands known earliest come first.
+//! Expressions → instructions. In sums and products of many operands, the operands of the earliest tiers are combined first.
 
 use std::collections::{HashMap, HashSet};
 
@@ -8,7 +8,7 @@ use crate::algebra::{Arena, Expr, Function, Map, Node, Symbol};
 use crate::structure::is_state;
 use crate::system::model::{Meaning, Symbols};
 
-/// Where the unknowns of the blocks are known.
+/// The tier of each unknown of the blocks.
 pub(crate) type Tiers = HashMap<Symbol, Tier>;
 
 /// Builds a [`Program`].
@@ -18,20 +18,20 @@ pub(crate) struct Scheduler<'a> {
     pub(super) tiers: Tiers,
     pub(super) program: Program,
     pub(super) done: Map<Expr, Value>,
-    /// Angles of which sine or cosine are wanted.
+    /// The angles whose sine or cosine is needed.
     pub(super) angles: Angles,
-    /// Bases that stand in the denominator of more than one product.
+    /// Bases that are denominators of more than one product.
     pub(super) shared_denominators: HashSet<Expr>,
 }
 
-/// Products of more factors than this are not opened to look for shorter ways.
-const OPENED: usize = 8;
+/// Largest number of factors of a product that is multiplied in two ways to choose the cheaper one.
+const MAX_FACTORS: usize = 8;
 
 /// `Π base^exponent`.
 pub(super) type Factors = Vec<(Expr, i32)>;
 
 impl<'a> Scheduler<'a> {
-    /// A scheduler for everything in `roots`.
+    /// Creates a scheduler for the expressions in `roots`.
     pub(crate) fn new(
         arena: &'a Arena,
         symbols: &'a Symbols,
@@ -63,18 +63,18 @@ impl<'a> Scheduler<'a> {
         }
     }
 
-    /// Has no function of an angle follow from those of others.
-    pub(crate) fn keep_angles_apart(&mut self) {
-        self.angles.keep_apart();
+    /// Disables the computation of sines and cosines by angle addition.
+    pub(crate) fn disable_angle_addition(&mut self) {
+        self.angles.disable_addition();
     }
 
-    /// The program that computes `results`.
+    /// Returns the program that computes `results`.
     pub(crate) fn finish(mut self, results: &[Value]) -> Program {
         self.program.mark_live(results);
         self.program
     }
 
-    /// The value of an expression that was asked for, or is part of one that was.
+    /// Returns the value of an expression that has already been scheduled, alone or as part of another one.
     pub(crate) fn known(&self, expr: Expr) -> Option<Value> {
         self.done.get(&expr).copied()
     }
@@ -83,7 +83,7 @@ impl<'a> Scheduler<'a> {
         self.program.get(value).operation
     }
 
-    /// The value of an expression; operands first, so nothing recurses deeply.
+    /// Schedules an expression and returns its value. Operands are scheduled first, so the recursion is shallow.
     pub(crate) fn value(&mut self, expr: Expr) -> Value {
         if let Some(&known) = self.done.get(&expr) {
             return known;
@@ -132,7 +132,7 @@ impl<'a> Scheduler<'a> {
         self.program.get(self.done[&expr]).tier.rank()
     }
 
-    /// `c · Π factors`: with the constant taken in by the factors known earliest, or of the bare product where that exists.
+    /// Computes `c · Π factors`: as one product, or as `c` times the product without it, whichever adds less work.
     pub(super) fn scaled(&mut self, c: f64, factors: &[(Expr, i32)]) -> Value {
         if c == 1.0 || factors.len() < 2 {
             return self.lower_product(c, factors);
@@ -147,35 +147,36 @@ impl<'a> Scheduler<'a> {
         )
     }
 
-    /// `c Π base^k`, the factors in the order in which they become known.
+    /// Computes `c Π base^k`, with the factors in the order of their tiers. Denominators of the last tier become one division.
     pub(super) fn lower_product(&mut self, c: f64, factors: &[(Expr, i32)]) -> Value {
         let last = factors.iter().map(|f| self.rank(f.0)).max().unwrap_or(0);
-        let below_line = |this: &Self, &(base, k): &(Expr, i32)| {
+        let is_divisor = |this: &Self, &(base, k): &(Expr, i32)| {
             k < 0 && this.rank(base) == last && !this.shared_denominators.contains(&base)
         };
-        let (below, above): (Factors, Factors) = factors.iter().partition(|f| below_line(self, f));
-        let mut values = self.factors(&above);
-        if c != 1.0 || (values.is_empty() && below.is_empty()) {
+        let (divisors, others): (Factors, Factors) =
+            factors.iter().partition(|f| is_divisor(self, f));
+        let mut values = self.factors(&others);
+        if c != 1.0 || (values.is_empty() && divisors.is_empty()) {
             values.push(self.constant(c));
         }
-        let below: Vec<Value> = below
+        let divisors: Vec<Value> = divisors
             .iter()
             .map(|&(base, k)| self.power(self.done[&base], k.unsigned_abs()))
             .collect();
-        match (values.is_empty(), below.is_empty()) {
+        match (values.is_empty(), divisors.is_empty()) {
             (_, true) => self.multiply(values),
             (true, false) => {
-                let below = self.multiply(below);
-                self.push(Operation::Recip(below))
+                let divisor = self.multiply(divisors);
+                self.push(Operation::Recip(divisor))
             }
             (false, false) => {
-                let (values, below) = (self.multiply(values), self.multiply(below));
-                self.push(Operation::Div(values, below))
+                let (dividend, divisor) = (self.multiply(values), self.multiply(divisors));
+                self.push(Operation::Div(dividend, divisor))
             }
         }
     }
 
-    /// The values of factors, denominators as reciprocals.
+    /// Computes the values of factors. A negative power is a power of the reciprocal.
     pub(super) fn factors(&mut self, factors: &[(Expr, i32)]) -> Vec<Value> {
         let mut values = Vec::with_capacity(factors.len());
         for &(base, k) in factors {
@@ -190,20 +191,20 @@ impl<'a> Scheduler<'a> {
         values
     }
 
-    /// The product of values, with the products among them opened or as they stand, whichever is less work.
+    /// Multiplies values: with the products among them split into their factors, or as they are, whichever adds less work.
     pub(super) fn multiply(&mut self, values: Vec<Value>) -> Value {
-        let opened = self.open_products(&values);
-        if opened.len() == values.len() || opened.len() > OPENED {
+        let factors = self.split_products(&values);
+        if factors.len() == values.len() || factors.len() > MAX_FACTORS {
             return self.chain(values);
         }
         self.cheaper(
-            |this| this.chain(opened.clone()),
+            |this| this.chain(factors.clone()),
             |this| this.chain(values.clone()),
         )
     }
 
-    /// The factors of values of the last tier among them.
-    fn open_products(&self, values: &[Value]) -> Vec<Value> {
+    /// Splits those of the values that are products of the last tier into their factors.
+    fn split_products(&self, values: &[Value]) -> Vec<Value> {
         let tier = |v: Value| self.program.get(v).tier;
         let last = values.iter().map(|&v| tier(v).rank()).max().unwrap_or(0);
         let mut open = values.to_vec();
@@ -213,7 +214,7 @@ impl<'a> Scheduler<'a> {
                 Operation::Mul(a, b)
                     if tier(value).rank() == last
                         && tier(value) != Tier::Prepare
-                        && found.len() <= OPENED =>
+                        && found.len() <= MAX_FACTORS =>
                 {
                     open.extend([a, b]);
                 }

@@ -1,7 +1,6 @@
-//! A step with values for its expressions: what the printers of single states and of lanes have in common.
+//! A scheduled step: the common input of the printers for single states and for lanes.
 //!
-//! Input: a scheme. Output: one program in tiers, the scheme with the values that its solves and results are made of, and labels
-//! for them.
+//! Input: a scheme. Output: one program in tiers, the scheme with values in place of its expressions, and labels of the values.
 
 use super::labels::Labels;
 use super::{Program, Scheduler, Tier, Tiers, Value};
@@ -13,7 +12,6 @@ use crate::system::model::Symbols;
 pub(crate) struct Step {
     pub(crate) scheme: Scheme<Value, Residual>,
     pub(crate) program: Program,
-    /// What the values are.
     pub(crate) labels: Labels,
 }
 
@@ -21,7 +19,7 @@ pub(crate) struct Step {
 pub(crate) struct Residual {
     pub(crate) expr: Expr,
     pub(crate) value: Value,
-    /// The sum of the magnitudes of its terms.
+    /// The sum of the magnitudes of the residual's terms.
     pub(crate) magnitude: Value,
 }
 
@@ -44,7 +42,7 @@ impl Lower for Scheduler<'_> {
 }
 
 impl Step {
-    /// Turns all expressions of a scheme into one program.
+    /// Schedules all expressions of a scheme in one program.
     pub(crate) fn new(scheme: &Scheme<Expr>, symbols: &Symbols, arena: &Arena) -> Self {
         let roots = scheme.roots();
         let mut scheduler = Scheduler::new(arena, symbols, tiers(&scheme.blocks), &roots);
@@ -74,7 +72,7 @@ impl Step {
         }
     }
 
-    /// Every value that is used other than by an instruction.
+    /// Returns the values that the step uses outside of its instructions: in solves, in conditions and as results.
     pub(crate) fn results(&self) -> Vec<Value> {
         results(&self.scheme)
     }
@@ -90,27 +88,27 @@ fn results(scheme: &Scheme<Value, Residual>) -> Vec<Value> {
         .collect()
 }
 
-/// When the unknowns of the blocks are known.
+/// Returns the tier of each unknown of the blocks.
 fn tiers(blocks: &[Block<Expr>]) -> Tiers {
     let mut tiers = Tiers::new();
     for (at, block) in blocks.iter().enumerate() {
-        let mut known = |symbols: &[_], tier| tiers.extend(symbols.iter().map(|&s| (s, tier)));
-        known(block.solution.solved(), Tier::Solved(at));
+        let mut set = |symbols: &[_], tier| tiers.extend(symbols.iter().map(|&s| (s, tier)));
+        set(block.solution.solved(), Tier::Solved(at));
         if let Solution::Iteration(iteration) = &block.solution {
-            known(&iteration.iterates, Tier::Iterate(at));
+            set(&iteration.iterates, Tier::Iterate(at));
             if let Some(refinement) = &iteration.refinement {
-                known(&refinement.first, Tier::Guess(at));
+                set(&refinement.first, Tier::Guess(at));
             }
             if let Some(judge) = &iteration.judge {
-                // together with the solution
-                known(&judge.limit, Tier::Solved(at));
+                // the limit is used together with the solution
+                set(&judge.limit, Tier::Solved(at));
             }
         }
     }
     tiers
 }
 
-/// The unknowns that have formulas, which bear their names.
+/// Returns the formulas of the unknowns that have one, with the names of these unknowns.
 fn formulas(blocks: &[Block<Expr>], symbols: &Symbols) -> Vec<(Expr, String)> {
     let formula = |block: &Block<Expr>| match block.solution {
         Solution::Formula(formula) => Some((formula, symbols.name(block.unknowns[0]))),
@@ -120,7 +118,7 @@ fn formulas(blocks: &[Block<Expr>], symbols: &Symbols) -> Vec<(Expr, String)> {
 }
 
 impl Solution<Value, Residual> {
-    /// Values that are used before an iteration, other than by instructions.
+    /// Returns the values that solves before an iteration use.
     pub(crate) fn before(&self) -> Vec<Value> {
         match self {
             Self::Formula(_) => Vec::new(),
@@ -138,7 +136,7 @@ impl Solution<Value, Residual> {
         }
     }
 
-    /// Values that are used in each iteration, other than by instructions.
+    /// Returns the values that the solve in each iteration uses.
     pub(crate) fn each(&self) -> Vec<Value> {
         match self {
             Self::Formula(_) | Self::System { .. } => Vec::new(),
@@ -151,7 +149,7 @@ impl Solution<Value, Residual> {
         }
     }
 
-    /// Values that are used after an iteration to judge its solution.
+    /// Returns the values by which a solution is judged after its iteration.
     pub(crate) fn after(&self) -> Vec<Value> {
         match self {
             Self::Formula(_) | Self::System { .. } => Vec::new(),
@@ -162,7 +160,7 @@ impl Solution<Value, Residual> {
         }
     }
 
-    /// Says what the values of a block are, its equations counted from `first`.
+    /// Labels the values of a block, whose equations are counted from `first`.
     fn label(&self, first: usize, labels: &mut Labels) {
         match self {
             Self::Formula(_) => {}

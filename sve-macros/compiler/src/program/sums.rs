@@ -1,17 +1,18 @@
 //! Sums of products, with common factors taken out.
 //!
-//! Terms are put together by their late factors, those of the tier of the whole sum: `a·x + b·x = (a + b)·x`, so that `a + b`
-//! is computed as early as a and b are known, and `x·y + x·z = x·(y + z)`, which saves a multiplication.
+//! The late factors of a term are those in the tier of the whole sum. Terms with equal late factors are collected,
+//! `a·x + b·x = (a + b)·x`, so that `a + b` is computed in the tier of a and b. Late factors that several terms share are factored
+//! out, `x·y + x·z = x·(y + z)`, which saves a multiplication.
 
 use super::instructions::{Operation, Value};
 use super::scheduler::{Factors, Scheduler};
 use crate::algebra::{Expr, Node};
 
-/// A value, and whether it is to be subtracted.
-pub(super) type Part = (Value, bool);
+/// A term of a sum: a value, and whether it is subtracted.
+pub(super) type SignedValue = (Value, bool);
 
-/// Sums of more items than this are not written in two ways to compare.
-const COMPARED: usize = 4;
+/// Largest number of items of a sum that is computed in two ways to choose the cheaper one.
+const MAX_ITEMS: usize = 4;
 
 /// `(Σ c · early factors) · late factors`.
 #[derive(Clone)]
@@ -21,42 +22,42 @@ struct Item {
 }
 
 impl Scheduler<'_> {
-    /// An equation's residual with the sum of the magnitudes of its parts, which is what its rounding is relative to.
+    /// Computes a residual and the sum of the magnitudes of its terms. The rounding error of the residual is relative to this sum.
     pub(crate) fn residual(&mut self, expr: Expr) -> (Value, Value) {
         let value = self.value(expr);
         let Node::Sum(constant, terms) = self.arena.node(expr) else {
             return (value, self.push(Operation::Abs(value)));
         };
         let terms: Vec<(Expr, f64)> = terms.iter().map(|t| (t.0, t.1.get())).collect();
-        let parts = self.parts(constant.get(), &terms);
-        let mut sizes: Vec<Part> = parts
+        let terms = self.signed_values(constant.get(), &terms);
+        let mut magnitudes: Vec<SignedValue> = terms
             .iter()
-            .map(|part| (self.push(Operation::Abs(part.0)), false))
+            .map(|term| (self.push(Operation::Abs(term.0)), false))
             .collect();
-        (value, self.add_up(&mut sizes))
+        (value, self.add_up(&mut magnitudes))
     }
 
-    /// The value of a sum.
+    /// Computes a sum.
     pub(super) fn lower_sum(&mut self, constant: f64, terms: &[(Expr, f64)]) -> Value {
         let items = self.items(terms);
         if constant == 0.0 {
             return self.sum_items(&items);
         }
-        let mut parts = self.parts(constant, terms);
-        self.add_up(&mut parts)
+        let mut values = self.signed_values(constant, terms);
+        self.add_up(&mut values)
     }
 
-    /// The parts of a sum.
-    fn parts(&mut self, constant: f64, terms: &[(Expr, f64)]) -> Vec<Part> {
+    /// Computes the terms of a sum after common factors have been taken out.
+    fn signed_values(&mut self, constant: f64, terms: &[(Expr, f64)]) -> Vec<SignedValue> {
         let items = self.items(terms);
-        let mut parts = self.factor(items);
+        let mut values = self.factor(items);
         if constant != 0.0 {
-            parts.push((self.constant(constant.abs()), constant < 0.0));
+            values.push((self.constant(constant.abs()), constant < 0.0));
         }
-        parts
+        values
     }
 
-    /// Terms put together by their late factors.
+    /// Collects the terms with equal late factors.
     fn items(&self, terms: &[(Expr, f64)]) -> Vec<Item> {
         let last = terms.iter().map(|t| self.rank(t.0)).max().unwrap_or(0);
         let mut items: Vec<Item> = Vec::new();
@@ -76,19 +77,19 @@ impl Scheduler<'_> {
         items
     }
 
-    /// The sum of items. Where all constants are equal but for their signs, their modulus may be taken out: a sum that exists
-    /// already is then used again.
+    /// Adds items. If all constants have the same modulus, the modulus is factored out where this adds less work, for example because
+    /// the sum without it exists already.
     fn sum_items(&mut self, items: &[Item]) -> Value {
-        let folded = |this: &mut Self| {
-            let mut parts = this.factor(items.to_vec());
-            this.add_up(&mut parts)
+        let with_constants = |this: &mut Self| {
+            let mut values = this.factor(items.to_vec());
+            this.add_up(&mut values)
         };
         let mut constants = items
             .iter()
             .flat_map(|item| item.coefficients.iter().map(|c| c.1.abs()));
         let common = constants.next().unwrap_or(1.0);
-        if common == 1.0 || items.len() > COMPARED || constants.any(|c| c != common) {
-            return folded(self);
+        if common == 1.0 || items.len() > MAX_ITEMS || constants.any(|c| c != common) {
+            return with_constants(self);
         }
         let mut bare = items.to_vec();
         for item in &mut bare {
@@ -96,15 +97,15 @@ impl Scheduler<'_> {
                 coefficient.1 = coefficient.1.signum();
             }
         }
-        self.cheaper(folded, |this| {
-            let mut parts = this.factor(bare.clone());
-            let sum = this.add_up(&mut parts);
+        self.cheaper(with_constants, |this| {
+            let mut values = this.factor(bare.clone());
+            let sum = this.add_up(&mut values);
             let common = this.constant(common);
             this.push(Operation::Mul(common, sum))
         })
     }
 
-    /// The factors of a term that are known before `last`, and those that are not.
+    /// Splits the factors of a term into those of earlier tiers than `last` and those of `last`.
     fn split(&self, term: Expr, last: usize) -> (Factors, Factors) {
         let factors = match self.arena.node(term) {
             Node::Product(factors) => factors.clone(),
@@ -113,9 +114,9 @@ impl Scheduler<'_> {
         factors.into_iter().partition(|f| self.rank(f.0) < last)
     }
 
-    /// Takes out the factor that most items share, as long as one is shared.
-    fn factor(&mut self, mut items: Vec<Item>) -> Vec<Part> {
-        let mut parts = Vec::new();
+    /// Repeatedly factors out the late factor that most items share. Returns the terms of the remaining sum.
+    fn factor(&mut self, mut items: Vec<Item>) -> Vec<SignedValue> {
+        let mut found = Vec::new();
         while let Some((base, sign)) = common_factor(&items) {
             let shared = |item: &Item| {
                 item.late
@@ -124,7 +125,7 @@ impl Scheduler<'_> {
             };
             let (mut with, without): (Vec<Item>, Vec<Item>) = items.into_iter().partition(shared);
             items = without;
-            // all that these items share at once: one factor after the other would double the ways to compare each time
+            // all common factors of these items at once: each single factor would double the number of ways to compare
             let common = shared_factors(&with);
             for item in &mut with {
                 for factor in &mut item.late {
@@ -140,16 +141,16 @@ impl Scheduler<'_> {
                 _ => {
                     let mut values = self.factors(&common);
                     values.push(inner);
-                    parts.push((self.multiply(values), false));
+                    found.push((self.multiply(values), false));
                     continue;
                 }
             };
-            parts.push((self.push(product), false));
+            found.push((self.push(product), false));
         }
         for Item { coefficients, late } in items {
             if let [(early, c)] = coefficients.as_slice() {
-                let whole: Factors = early.iter().chain(&late).copied().collect();
-                parts.push((self.scaled(c.abs(), &whole), *c < 0.0));
+                let factors: Factors = early.iter().chain(&late).copied().collect();
+                found.push((self.scaled(c.abs(), &factors), *c < 0.0));
                 continue;
             }
             let early: Vec<Item> = coefficients
@@ -161,41 +162,41 @@ impl Scheduler<'_> {
                 .collect();
             let coefficient = self.sum_items(&early);
             let late = self.lower_product(1.0, &late);
-            parts.push((self.multiply(vec![coefficient, late]), false));
+            found.push((self.multiply(vec![coefficient, late]), false));
         }
-        parts
+        found
     }
 
-    /// The value of whichever way of writing it adds less work to a step; of the first where both add the same.
+    /// Computes a value in the way that adds less work to a step, in the first way if both add the same.
     pub(super) fn cheaper(
         &mut self,
         a: impl Fn(&mut Self) -> Value,
         b: impl Fn(&mut Self) -> Value,
     ) -> Value {
-        let mut price = |way: &dyn Fn(&mut Self) -> Value| {
+        let mut cost = |compute: &dyn Fn(&mut Self) -> Value| {
             let before = self.program.checkpoint();
-            way(self);
-            let price = self.program.work_since(before);
+            compute(self);
+            let cost = self.program.work_since(before);
             self.program.undo(before);
-            price
+            cost
         };
-        if price(&b) < price(&a) {
+        if cost(&b) < cost(&a) {
             b(self)
         } else {
             a(self)
         }
     }
 
-    /// Adds values in the order in which they become known.
-    pub(super) fn add_up(&mut self, parts: &mut [Part]) -> Value {
-        for part in parts.iter_mut() {
-            if let Some(x) = self.negated(part.0) {
-                *part = (x, !part.1);
+    /// Adds values in the order of their tiers.
+    pub(super) fn add_up(&mut self, terms: &mut [SignedValue]) -> Value {
+        for term in terms.iter_mut() {
+            if let Some(x) = self.negated(term.0) {
+                *term = (x, !term.1);
             }
         }
-        parts.sort_by_key(|p| self.program.get(p.0).tier.rank());
+        terms.sort_by_key(|term| self.program.get(term.0).tier.rank());
         let mut sum: Option<Value> = None;
-        for &(value, negative) in parts.iter() {
+        for &(value, negative) in terms.iter() {
             sum = Some(match (sum, negative) {
                 (None, false) => value,
                 (None, true) => self.push(Operation::Neg(value)),
@@ -207,7 +208,7 @@ impl Scheduler<'_> {
     }
 }
 
-/// The late factor, with the sign of its exponent, that most items have, if two or more do.
+/// Returns the late factor that most items have, with the sign of its exponent; `None` if no two items have a common factor.
 fn common_factor(items: &[Item]) -> Option<(Expr, i32)> {
     let mut counts: Vec<((Expr, i32), usize)> = Vec::new();
     for item in items {
@@ -218,12 +219,12 @@ fn common_factor(items: &[Item]) -> Option<(Expr, i32)> {
             }
         }
     }
-    // of equally frequent ones the first in order of creation
+    // among equally frequent factors, the one that was created first
     counts.sort_by_key(|&(key, count)| (std::cmp::Reverse(count), key));
     counts.first().filter(|c| c.1 > 1).map(|c| c.0)
 }
 
-/// What the late factors of all items have in common.
+/// Returns the late factors that all items have in common.
 fn shared_factors(items: &[Item]) -> Factors {
     let Some((first, rest)) = items.split_first() else {
         return Factors::new();

@@ -1,4 +1,4 @@
-//! A scheduled program, run by a small interpreter, computes what its expressions are.
+//! A scheduled program, run by a small interpreter, computes the values of its expressions.
 
 use std::collections::HashMap;
 
@@ -10,7 +10,7 @@ use crate::algebra::{Arena, Expr, Function, Symbol};
 use crate::program::{Operation, Program, Scheduler, Tier, Value, operands};
 use crate::system::model::{Family, Meaning, Quantity, Symbols, Unknown};
 
-/// Runs all instructions in order, in any kind of number.
+/// Runs all instructions in order. The type of numbers is generic.
 pub(crate) fn run<T: Number>(program: &Program, at: &dyn Fn(Symbol) -> T) -> HashMap<Value, T> {
     let mut values: HashMap<Value, T> = HashMap::new();
     let mut pairs: HashMap<Value, (T, T)> = HashMap::new();
@@ -43,13 +43,13 @@ pub(crate) fn run<T: Number>(program: &Program, at: &dyn Fn(Symbol) -> T) -> Has
                 pairs.insert(value, sin_cos(of(a)));
                 continue;
             }
-            Operation::Turn(sin, cos, by) => {
+            Operation::AngleAddition(sin, cos, by) => {
                 let (sin, cos, (s, c)) = (of(sin), of(cos), sin_cos(of(by)));
-                let turned = (
+                let sum = (
                     sin.times(c).plus(cos.times(s)),
                     cos.times(c).minus(sin.times(s)),
                 );
-                pairs.insert(value, turned);
+                pairs.insert(value, sum);
                 continue;
             }
             Operation::SinOf(pair) => pairs[&pair].0,

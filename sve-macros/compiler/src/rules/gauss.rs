@@ -80,7 +80,7 @@ impl Discretisation for Gauss {
         let u = family(x, Family::StageVelocity);
         let v = family(x, Family::Velocity);
         let p = family(x, Family::Momentum);
-        let lambda = x.symbols.declare_all(n, Unknown::of(Family::Impulse));
+        let lambda = x.symbols.declare_all(n, Unknown::of(Family::VelocityMultiplier));
         let quadrature = Quadrature::new(stages);
         let h = x.arena.symbol(x.h);
         let (mut terms, mut work) = (Vec::new(), Vec::new());

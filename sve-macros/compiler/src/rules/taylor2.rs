@@ -51,8 +51,8 @@ impl Discretisation for Taylor2 {
         let families = [
             Family::Velocity,
             Family::Acceleration,
-            Family::Impulse,
-            Family::Flow,
+            Family::VelocityMultiplier,
+            Family::AccelerationMultiplier,
         ];
         let [v, a, mu, nu] = families.map(|f| x.symbols.declare_all(n, Unknown::of(f)));
         let h = x.arena.symbol(x.h);

@@ -4,7 +4,7 @@
 //! positive, or not negative, with its text. Invariant: what cannot be negative by its form (a sum of squares under a root) is not
 //! listed, so that a step does not compute it.
 
-use crate::algebra::{Arena, Binary, Domain, Expr, Node, Sign};
+use crate::algebra::{Arena, Domain, Expr, Node, Sign};
 
 /// A condition on where a function is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,7 +55,7 @@ fn condition(call: Expr, arena: &mut Arena) -> Option<(Expr, bool)> {
                 Some((arena.sum(1.0, &[(-1.0, square)]), is_closed))
             }
         },
-        Node::Call2(Binary::Pow, x, _) => Some((x, true)),
+        Node::Call2(function, x, _) if function.entry().needs_nonnegative => Some((x, true)),
         _ => None,
     }
 }

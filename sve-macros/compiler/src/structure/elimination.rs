@@ -205,11 +205,14 @@ pub(super) fn kept_unknowns(equations: &Equations, symbols: &Symbols) -> Vec<Has
         else {
             return false;
         };
-        let (is_own, is_motion) = (index == of.index, of.family == Family::Flow);
+        let (is_own, is_motion) = (
+            index == of.index,
+            of.family == Family::AccelerationMultiplier,
+        );
         match family {
             Family::Velocity | Family::StageVelocity => is_motion || !is_own,
-            Family::Acceleration | Family::Flow => !is_own,
-            Family::Displacement | Family::Momentum | Family::Impulse => false,
+            Family::Acceleration | Family::AccelerationMultiplier => !is_own,
+            Family::Displacement | Family::Momentum | Family::VelocityMultiplier => false,
         }
     };
     let rows = equations.variations.iter().map(|&variation| {

@@ -24,19 +24,20 @@ pub(crate) struct Arguments {
     pub(crate) runtime: syn::Path,
     /// Whether each rule is derived a second time without its structure, which `structure = both` asks for: a comparison for
     /// tests and benchmarks of this project, which no message offers to users.
-    pub(crate) compared: bool,
+    pub(crate) derives_unstructured: bool,
 }
 
-/// A function that plays a role in mechanics, taken apart.
-pub(crate) struct Part {
+/// A function with a role in mechanics, parsed.
+pub(crate) struct RoleFunction {
     pub(crate) name: Ident,
     pub(crate) role: Role,
     /// Pattern and type of the arguments after `&self`.
     pub(crate) arguments: Vec<(Pat, Type)>,
-    /// Whether the first of them is the time.
-    pub(crate) timed: bool,
+    /// Whether the first argument is the time.
+    pub(crate) is_timed: bool,
     pub(crate) output: Type,
-    pub(crate) function: Rc<ImplItemFn>,
+    /// The function as it is written.
+    pub(crate) item: Rc<ImplItemFn>,
 }
 
 /// The user's block, sorted.
@@ -44,12 +45,12 @@ pub(crate) struct Annotated {
     pub(crate) arguments: Arguments,
     /// The block, emptied of its members.
     pub(crate) item: ItemImpl,
-    pub(crate) lagrangian: Part,
+    pub(crate) lagrangian: RoleFunction,
     /// `#[gamma]` and `#[h1]` functions in source order.
-    pub(crate) noises: Vec<Part>,
+    pub(crate) noises: Vec<RoleFunction>,
     /// `#[force]` functions, which add up.
-    pub(crate) forces: Vec<Part>,
-    pub(crate) symmetries: Vec<Part>,
+    pub(crate) forces: Vec<RoleFunction>,
+    pub(crate) symmetries: Vec<RoleFunction>,
     /// All functions, for any can be called from another.
     pub(crate) functions: Vec<Rc<ImplItemFn>>,
     pub(crate) constants: Vec<ImplItemConst>,
@@ -58,7 +59,7 @@ pub(crate) struct Annotated {
 impl Annotated {
     /// The type of the coordinates, as the Lagrangian's first vector argument has it.
     pub(crate) fn coordinates(&self) -> &Type {
-        &self.lagrangian.arguments[usize::from(self.lagrangian.timed)].1
+        &self.lagrangian.arguments[usize::from(self.lagrangian.is_timed)].1
     }
 }
 
@@ -68,7 +69,7 @@ impl Arguments {
         let mut read = Self {
             rules: Vec::new(),
             runtime: syn::parse_quote!(::sve_runtime),
-            compared: false,
+            derives_unstructured: false,
         };
         let before = errors.count();
         let parsed = (|input: ParseStream<'_>| read.entries(input, errors)).parse2(attribute);
@@ -107,7 +108,7 @@ impl Arguments {
                     )
                 })?;
                 if name == "structure" && is_both(input) {
-                    self.compared = true;
+                    self.derives_unstructured = true;
                     input.parse::<Token![=]>()?;
                     input.parse::<Ident>()?;
                 } else if name == "gauss" && input.peek(syn::token::Paren) {
@@ -206,10 +207,16 @@ pub(crate) fn annotated(
                 match role {
                     Role::Helper => {}
                     // one that cannot be read is there nevertheless
-                    Role::Lagrangian => lagrangians.push(errors.keep(part(&function, role))),
-                    Role::Gamma | Role::H1 => noises.extend(errors.keep(part(&function, role))),
-                    Role::Force => forces.extend(errors.keep(part(&function, role))),
-                    Role::Symmetry => symmetries.extend(errors.keep(part(&function, role))),
+                    Role::Lagrangian => {
+                        lagrangians.push(errors.keep(role_function(&function, role)))
+                    }
+                    Role::Gamma | Role::H1 => {
+                        noises.extend(errors.keep(role_function(&function, role)))
+                    }
+                    Role::Force => forces.extend(errors.keep(role_function(&function, role))),
+                    Role::Symmetry => {
+                        symmetries.extend(errors.keep(role_function(&function, role)))
+                    }
                 }
                 errors.leave(outer);
                 functions.push(function);
@@ -289,8 +296,8 @@ fn check_block(item: &ItemImpl, errors: &mut Errors) {
     }
 }
 
-/// Takes a function apart, or says what its signature should be.
-fn part(function: &Rc<ImplItemFn>, role: Role) -> syn::Result<Part> {
+/// Parses a function with a role. The error says what its signature should be.
+fn role_function(function: &Rc<ImplItemFn>, role: Role) -> syn::Result<RoleFunction> {
     let sig = &function.sig;
     let expected = format!("expected `{}` (`t: f64` may come first)", role.signature());
     if !sig.generics.params.is_empty() {
@@ -314,18 +321,18 @@ fn part(function: &Rc<ImplItemFn>, role: Role) -> syn::Result<Part> {
             FnArg::Receiver(_) => None,
         })
         .collect();
-    let timed = signature::is_timed(&sig.ident, role, &arguments, &expected)?;
+    let is_timed = signature::is_timed(&sig.ident, role, &arguments, &expected)?;
     let ReturnType::Type(_, output) = &sig.output else {
         let message = format!("`{}` returns nothing: {expected}", sig.ident);
         return Err(syn::Error::new(sig.ident.span(), message));
     };
-    Ok(Part {
+    Ok(RoleFunction {
         name: sig.ident.clone(),
         role,
         arguments,
-        timed,
+        is_timed,
         output: (**output).clone(),
-        function: Rc::clone(function),
+        item: Rc::clone(function),
     })
 }
 
@@ -336,11 +343,11 @@ fn qualifier(sig: &syn::Signature) -> Option<(Span, &'static str)> {
         syn::Safety::Unsafe(word) => Some((word.span, "unsafe")),
         _ => None,
     };
-    let is_foreign = sig
+    let is_extern = sig
         .abi
         .as_ref()
         .map(|abi| (abi.extern_token.span, "extern"));
-    is_async.or(is_unsafe).or(is_foreign)
+    is_async.or(is_unsafe).or(is_extern)
 }
 
 fn is_shared(receiver: &syn::Receiver) -> bool {

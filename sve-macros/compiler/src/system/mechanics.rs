@@ -1,4 +1,4 @@
-//! Model → what the runtime needs of it beside the steps: derivatives of L and of the noises, and whether the noises commute.
+//! Model → the derivatives of L, the noises and the force, and whether the noises commute. The runtime needs them beside the steps.
 
 use crate::algebra::{Arena, Expr, Purpose, Symbol, Vanishing};
 use crate::system::model::{Model, NoiseTerm};
@@ -75,7 +75,7 @@ impl ForceJet {
     }
 }
 
-/// What the mechanics of a model consist of.
+/// The derivatives and properties of a model.
 pub(crate) struct Mechanics {
     pub(crate) lagrangian: LagrangianJet,
     pub(crate) noises: Vec<NoiseJet>,
@@ -88,10 +88,10 @@ pub(crate) struct Mechanics {
 
 /// Whether the noises of a model commute.
 pub(crate) enum Commutation {
-    /// All of them do, as far as that can be known.
+    /// All pairs of noises commute, as proved or as found at random points.
     All(Vanishing),
-    /// The first pair that does not, by source names.
-    Clash(String, String),
+    /// The source names of the first pair of noises that does not commute.
+    NonCommuting(String, String),
 }
 
 /// Differentiates the model.
@@ -144,7 +144,7 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
 }
 
 impl Mechanics {
-    /// Puts everything into the forms in which it is computed.
+    /// Replaces all expressions by forms that are stable in floating-point arithmetic.
     pub(crate) fn stabilise(&mut self, arena: &mut Arena) {
         let jets = self.noises.iter_mut().flat_map(NoiseJet::exprs);
         let force = self.force.iter_mut().flat_map(ForceJet::exprs);
@@ -165,19 +165,19 @@ fn noise_jet(noise: &NoiseTerm, model: &Model, arena: &mut Arena) -> NoiseJet {
     }
 }
 
-/// Whether `{G_a, G_b} = ⟨∂G_a/∂q, ∂G_b/∂p⟩ − ⟨∂G_a/∂p, ∂G_b/∂q⟩` vanishes for all pairs.
+/// Checks whether the Poisson bracket `{G_a, G_b} = ⟨∂G_a/∂q, ∂G_b/∂p⟩ − ⟨∂G_a/∂p, ∂G_b/∂q⟩` vanishes for all pairs.
 fn commutation(model: &Model, jets: &[NoiseJet], arena: &mut Arena) -> Commutation {
     let jets: Vec<[Vec<Expr>; 2]> = jets.iter().map(|jet| scaled(jet, arena)).collect();
-    let mut surely = Vanishing::Proved;
+    let mut evidence = Vanishing::Proved;
     for (i, [a_q, a_p]) in jets.iter().enumerate() {
         for (j, [b_q, b_p]) in jets.iter().enumerate().skip(i + 1) {
             if arena.is_exhausted() {
-                return Commutation::All(surely);
+                return Commutation::All(evidence);
             }
             let mut terms = Vec::new();
             for k in 0..model.dof() {
                 for (sign, x, y) in [(1.0, a_q[k], b_p[k]), (-1.0, a_p[k], b_q[k])] {
-                    // most noises are in few coordinates
+                    // most noises depend on few coordinates
                     if [x, y].iter().all(|&e| arena.constant_value(e) != Some(0.0)) {
                         terms.push((sign, arena.mul(x, y)));
                     }
@@ -185,19 +185,19 @@ fn commutation(model: &Model, jets: &[NoiseJet], arena: &mut Arena) -> Commutati
             }
             let bracket = arena.sum(0.0, &terms);
             match arena.vanishing(bracket) {
-                Some(vanishing) => surely = surely.max(vanishing),
+                Some(vanishing) => evidence = evidence.max(vanishing),
                 None => {
                     let [a, b] = [i, j].map(|at| model.noises[at].name.clone());
-                    return Commutation::Clash(a, b);
+                    return Commutation::NonCommuting(a, b);
                 }
             }
         }
     }
-    Commutation::All(surely)
+    Commutation::All(evidence)
 }
 
-/// The gradients of a noise in q and p, times a power of two that brings them to the order of 1 where a product of two of them
-/// might underflow or overflow.
+/// Returns the gradients of a noise by q and p. If a product of two components might underflow or overflow, the gradients are
+/// multiplied with a power of two that brings them to the order of 1.
 fn scaled(jet: &NoiseJet, arena: &mut Arena) -> [Vec<Expr>; 2] {
     let factor = arena.scale_of(&[jet.dq.as_slice(), &jet.dp].concat());
     [&jet.dq, &jet.dp].map(|gradient| {

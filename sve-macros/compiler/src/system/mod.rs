@@ -1,4 +1,4 @@
-//! What a system is: symbols and formulas, derivatives, and what is checked of them before any rule.
+//! The mechanical system: its symbols and formulas, their derivatives, and the checks that do not depend on a rule.
 
 pub(crate) mod mechanics;
 pub(crate) mod model;

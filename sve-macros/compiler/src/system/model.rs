@@ -1,16 +1,16 @@
-//! The mechanical system as expressions: what every later stage reads.
+//! The mechanical system as expressions, which all later stages read.
 //!
-//! Invariant: `lagrangian` contains the symbols of time, `q`, `v` and parameters only; a noise Hamiltonian those of time,
-//! `q`, `p` and parameters; a force those of L; a generator those of time, `q` and parameters.
+//! Invariant: the Lagrangian and the force contain only the symbols of time, `q`, `v` and parameters, a noise Hamiltonian only those
+//! of time, `q`, `p` and parameters, a generator only those of time, `q` and parameters.
 
 use proc_macro2::TokenStream;
 
 use crate::algebra::{Arena, Expr, Identity, Node, Symbol};
 
-/// What a symbol stands for.
+/// The quantity for which a symbol stands.
 #[derive(Clone, Debug)]
 pub(crate) enum Meaning {
-    /// A field of the user's struct: its name, and how to read it.
+    /// A field of the user's struct: its name, and the expression that reads it.
     Parameter {
         name: String,
         access: TokenStream,
@@ -21,17 +21,17 @@ pub(crate) enum Meaning {
     Position(usize),
     Velocity(usize),
     Momentum(usize),
-    /// Start of a step.
+    /// Component of the state at the start of a step.
     Start(Quantity, usize),
     /// Increment of a Wiener process.
     Wiener(usize),
     /// An unknown of the step.
     Unknown(Unknown),
-    /// What an unknown is in the limit of a small step without noise.
+    /// The limit of an unknown for h → 0 without noise.
     Limit(Unknown),
 }
 
-/// A quantity at a node of a rule.
+/// A quantity at a quadrature node of a rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct AtNode {
     /// Number of the node.
@@ -40,7 +40,7 @@ pub(crate) struct AtNode {
 }
 
 impl AtNode {
-    /// The identity of the intermediate result in the arena that stands for the quantity.
+    /// Returns the identity of the intermediate result that stands for the quantity in the arena.
     pub(crate) fn identity(self) -> Identity {
         let (kind, index) = match self.quantity {
             NodeQuantity::Time => (0, 0),
@@ -50,7 +50,7 @@ impl AtNode {
         Identity((self.node as u64) << 34 | kind << 32 | index as u64)
     }
 
-    /// What an expression stands for; nothing where it is not an intermediate result of an action.
+    /// Returns the quantity for which an expression stands; `None` if the expression is not a quantity at a node.
     pub(crate) fn of(expr: Expr, arena: &Arena) -> Option<Self> {
         let Node::Opaque(_, Some(Identity(bits))) = *arena.node(expr) else {
             return None;
@@ -68,7 +68,7 @@ impl AtNode {
     }
 }
 
-/// What a node has.
+/// The quantities at a quadrature node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum NodeQuantity {
     Time,
@@ -92,14 +92,14 @@ impl std::fmt::Display for AtNode {
     }
 }
 
-/// An unknown of the step: what it stands for, and of which coordinate.
+/// An unknown of the step: its family, and the coordinate to which it belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Unknown {
     pub(crate) family: Family,
     pub(crate) index: usize,
 }
 
-/// What an unknown stands for.
+/// The kinds of unknowns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Family {
     /// `q₁ − q₀`.
@@ -110,13 +110,13 @@ pub(crate) enum Family {
     Momentum,
     Acceleration,
     /// The multiplier of the equation that defines the velocity of `taylor2`, a momentum.
-    Impulse,
+    VelocityMultiplier,
     /// The multiplier of the equation that defines the acceleration of `taylor2`.
-    Flow,
+    AccelerationMultiplier,
 }
 
 impl Unknown {
-    /// A meaning, for declarations.
+    /// Returns the meaning of each symbol of a family, for [`Symbols::declare_all`].
     pub(crate) fn of(family: Family) -> impl Fn(usize) -> Meaning {
         move |index| Meaning::Unknown(Self { family, index })
     }
@@ -130,8 +130,8 @@ impl std::fmt::Display for Unknown {
             Family::StageVelocity => "u",
             Family::Momentum => "p",
             Family::Acceleration => "a",
-            Family::Impulse => "mu",
-            Family::Flow => "nu",
+            Family::VelocityMultiplier => "mu",
+            Family::AccelerationMultiplier => "nu",
         };
         write!(f, "{letter}_{}", self.index)
     }
@@ -146,9 +146,9 @@ pub(crate) enum Quantity {
 
 /// A noise Hamiltonian: `−γ` or `H₁`.
 pub(crate) struct NoiseTerm {
-    /// Source name, with an index where the function returns an array.
+    /// Source name, with an index if the function returns an array.
     pub(crate) name: String,
-    /// Whether the user wrote γ, of which the Hamiltonian is the negative.
+    /// Whether the user wrote γ; the Hamiltonian is then −γ.
     pub(crate) is_gamma: bool,
     pub(crate) hamiltonian: Expr,
 }
@@ -160,14 +160,14 @@ pub(crate) struct Generator {
     pub(crate) field: Vec<Expr>,
 }
 
-/// Symbols and what they mean, indexed by symbol.
+/// The meanings of all symbols, indexed by symbol.
 #[derive(Clone, Default)]
 pub(crate) struct Symbols {
     meanings: Vec<Meaning>,
 }
 
 impl Symbols {
-    /// A new symbol.
+    /// Creates a symbol.
     pub(crate) fn declare(&mut self, meaning: Meaning) -> Symbol {
         self.meanings.push(meaning);
         Symbol(self.meanings.len() as u32 - 1)
@@ -185,14 +185,14 @@ impl Symbols {
         &self.meanings[symbol.0 as usize]
     }
 
-    /// The symbols of the parameters, in the order of their first use.
+    /// Returns the symbols of the parameters, in the order of their first use.
     pub(crate) fn parameters(&self) -> impl Iterator<Item = Symbol> + '_ {
         (0..self.meanings.len() as u32)
             .map(Symbol)
             .filter(|&s| matches!(self.meaning(s), Meaning::Parameter { .. }))
     }
 
-    /// A parameter as the source has it, without `self`.
+    /// Returns a parameter as it is written in the source, without `self`.
     pub(crate) fn source(&self, parameter: Symbol) -> String {
         match self.meaning(parameter) {
             Meaning::Parameter { access, .. } => {
@@ -207,7 +207,7 @@ impl Symbols {
         &self.meanings
     }
 
-    /// The name of a symbol in generated code and messages.
+    /// Returns the name of a symbol in generated code and messages.
     pub(crate) fn name(&self, symbol: Symbol) -> String {
         match self.meaning(symbol) {
             Meaning::Parameter { name, .. } => name.clone(),
@@ -225,7 +225,7 @@ impl Symbols {
     }
 }
 
-/// The system.
+/// The mechanical system.
 pub(crate) struct Model {
     pub(crate) symbols: Symbols,
     pub(crate) time: Symbol,
@@ -234,7 +234,7 @@ pub(crate) struct Model {
     pub(crate) p: Vec<Symbol>,
     pub(crate) lagrangian: Expr,
     pub(crate) noises: Vec<NoiseTerm>,
-    /// F, where there is a force.
+    /// F, if there is a force.
     pub(crate) force: Option<Vec<Expr>>,
     pub(crate) symmetries: Vec<Generator>,
 }

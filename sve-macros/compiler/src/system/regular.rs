@@ -11,12 +11,13 @@ use crate::syntax::parse::Annotated;
 use crate::system::mechanics::Mechanics;
 use crate::system::model::Model;
 
-/// Pivots of a plain elimination above this part of the largest entry of their row are not rounding errors, which are some 1e-15.
-const PIVOT: f64 = 1e-11;
+/// Smallest pivot of an elimination in `f64`, relative to the largest entry of its row. Rounding errors are about 1e-15.
+const SMALLEST_PIVOT: f64 = 1e-11;
 
-/// Parts of a null vector below this size count as rounding errors of the elimination.
-const NULL_PART: f64 = 1e-6;
+/// Components of a null vector below this size count as rounding errors of the elimination.
+const SMALLEST_COMPONENT: f64 = 1e-6;
 
+/// Checks that the mass matrix ∂²L/∂v² is regular.
 pub(crate) fn check(
     block: &Annotated,
     model: &Model,
@@ -25,9 +26,9 @@ pub(crate) fn check(
 ) -> syn::Result<()> {
     let n = model.dof();
     let masses = mechanics.lagrangian.dvv.concat();
-    let plainly_regular =
+    let is_regular_at =
         |point: Vec<f64>| is_regular(point.chunks(n).map(<[f64]>::to_vec).collect());
-    if arena.samples(&masses).any(plainly_regular) {
+    if arena.samples(&masses).any(is_regular_at) {
         return Ok(());
     }
     let mut undetermined: Vec<usize> = Vec::new();
@@ -43,7 +44,7 @@ pub(crate) fn check(
     undetermined.sort_unstable();
     undetermined.dedup();
     let Some(&last) = undetermined.last() else {
-        // nowhere defined: the step will say so
+        // L is not defined at any of the points; the step reports the domain
         return Ok(());
     };
     let names: Vec<String> = undetermined
@@ -66,7 +67,7 @@ pub(crate) fn check(
     ))
 }
 
-/// The user's name of a velocity.
+/// Returns the user's name of a velocity.
 fn velocity(block: &Annotated, i: usize, n: usize) -> String {
     let argument = block.lagrangian.arguments.last();
     let name = match argument.map(|a| &a.0) {
@@ -94,23 +95,23 @@ fn scale_rows(matrix: &mut [Vec<f64>]) {
     }
 }
 
-/// The column of a row's largest entry, from column `first` on; `first` where there is none.
+/// Returns the column of a row's largest entry from column `first` on; `first` if the row ends there.
 fn largest_from(row: &[f64], first: usize) -> usize {
     (first..row.len())
         .max_by(|&a, &b| row[a].abs().total_cmp(&row[b].abs()))
         .unwrap_or(first)
 }
 
-/// Returns whether an elimination in plain numbers finds every pivot.
+/// Returns whether an elimination in `f64` finds every pivot.
 fn is_regular(mut matrix: Vec<Vec<f64>>) -> bool {
     let n = matrix.len();
     scale_rows(&mut matrix);
-    // the largest entry of each row behind the columns that are done: most rows of a large matrix stay as they are
+    // the column of each row's largest entry right of the eliminated columns; most rows of a large matrix do not change in a step
     let mut largest: Vec<usize> = matrix.iter().map(|row| largest_from(row, 0)).collect();
     for rank in 0..n {
         let size = |i: usize| matrix[i][largest[i]].abs();
         let pivot = (rank..n).max_by(|&a, &b| size(a).total_cmp(&size(b)));
-        let Some(i) = pivot.filter(|&i| size(i) > PIVOT) else {
+        let Some(i) = pivot.filter(|&i| size(i) > SMALLEST_PIVOT) else {
             return false;
         };
         let j = largest[i];
@@ -137,15 +138,15 @@ fn is_regular(mut matrix: Vec<Vec<f64>>) -> bool {
     true
 }
 
-/// What an elimination in 106 bits finds.
+/// The result of an elimination in 106 bits.
 struct Nullity {
     /// Columns that occur in a null vector; empty if the matrix is regular.
     columns: Vec<usize>,
-    /// Whether all that is left is zero, rather than as small as the uncertainty of constants.
+    /// Whether all entries that remain are zero. Otherwise they are as small as the uncertainty of constants.
     is_singular: bool,
 }
 
-/// The columns that occur in a null vector of a matrix with bounds.
+/// Returns the columns that occur in a null vector of a matrix whose entries have error bounds.
 fn null_columns(mut matrix: Vec<Vec<Sharp>>) -> Nullity {
     let n = matrix.len();
     for row in &mut matrix {
@@ -180,12 +181,12 @@ fn null_columns(mut matrix: Vec<Vec<Sharp>>) -> Nullity {
         }
         rank += 1;
     }
-    let left = matrix[rank..].iter().flat_map(|row| &row[rank..]);
-    let is_singular = rank < n && left.clone().all(|x| x.verdict() == Verdict::Zero);
-    // reduced: row k says that pivot[k] x_k + Σ matrix[k][free] x_free = 0
+    let mut remaining = matrix[rank..].iter().flat_map(|row| &row[rank..]);
+    let is_singular = rank < n && remaining.all(|x| x.verdict() == Verdict::Zero);
+    // after the elimination, row k is the equation pivot[k] x_k + Σ matrix[k][free] x_free = 0
     let in_null_vector = |k: &usize| {
-        let part = |free: usize| matrix[*k][free].size() / matrix[*k][*k].size();
-        *k >= rank || (rank..n).any(|free| part(free) > NULL_PART)
+        let component = |free: usize| matrix[*k][free].size() / matrix[*k][*k].size();
+        *k >= rank || (rank..n).any(|free| component(free) > SMALLEST_COMPONENT)
     };
     Nullity {
         columns: (0..n)
@@ -196,11 +197,11 @@ fn null_columns(mut matrix: Vec<Vec<Sharp>>) -> Nullity {
     }
 }
 
-/// The place of the largest entry that is surely not zero, among the rows and columns that are left.
+/// Returns row and column of the largest entry that is certainly not zero, among the rows and columns that are not eliminated.
 fn pivot(matrix: &[Vec<Sharp>], rank: usize) -> Option<(usize, usize)> {
-    let left = |i: usize| (rank..matrix.len()).map(move |j| (i, j));
+    let row = |i: usize| (rank..matrix.len()).map(move |j| (i, j));
     (rank..matrix.len())
-        .flat_map(left)
+        .flat_map(row)
         .filter(|&(i, j)| matrix[i][j].verdict() == Verdict::NotZero)
         .max_by(|a, b| {
             let size = |&(i, j): &(usize, usize)| matrix[i][j].size();
@@ -213,7 +214,7 @@ mod tests {
     use super::{is_regular, null_columns};
     use crate::algebra::Sharp;
 
-    /// The columns of a null vector, of a matrix that is exact.
+    /// Returns the columns of a null vector of an exact matrix.
     fn columns(matrix: &[Vec<f64>]) -> Vec<usize> {
         let sharp = |row: &Vec<f64>| row.iter().map(|&x| Sharp::exact(x)).collect();
         let found = null_columns(matrix.iter().map(sharp).collect());
@@ -224,7 +225,7 @@ mod tests {
         found.columns
     }
 
-    /// Uniform in [−1, 1): the finaliser of splitmix64.
+    /// Returns a uniform number in [−1, 1), by splitmix64.
     fn uniform(state: &mut u64) -> f64 {
         *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = *state;
@@ -233,7 +234,7 @@ mod tests {
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 
-    /// A matrix with the part `filled` of its entries, and a cyclic permutation.
+    /// Returns a random matrix in which the fraction `filled` of the entries is not zero, plus a cyclic permutation.
     fn random(n: usize, filled: f64, state: &mut u64) -> Vec<Vec<f64>> {
         let mut matrix = vec![vec![0.0; n]; n];
         for i in 0..n {
@@ -248,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn regular_matrices_have_none() {
+    fn regular_matrices_have_no_null_vector() {
         let mut state = 1;
         for n in 1..12 {
             for filled in [0.0, 0.2, 1.0] {
@@ -265,7 +266,7 @@ mod tests {
         for n in 3..12 {
             for filled in [0.0, 0.2, 1.0] {
                 let mut matrix = random(n, filled, &mut state);
-                // one column is a combination of two others, so these three are in a null vector
+                // column 0 is a combination of two others, so these three columns are in a null vector
                 let [a, b] = [n / 3, n - 1];
                 for row in &mut matrix {
                     for x in row.iter_mut() {

@@ -1,7 +1,9 @@
-//! Whether each `#[symmetry]` is one, and the momentum that it conserves.
+//! Checks that each `#[symmetry]` is a symmetry, and derives the momentum that it conserves.
 //!
 //! Input: the model with its generators ξ. Output: the momentum maps ⟨p, ξ⟩, or an error that names the function which is
-//! not invariant. What the algebra does not decide is evaluated at random points (`symbolic/zero.rs`). To be zero identically (`docs/mathematics.md`, section 7; with `ξ_t` for a generator that depends on time):
+//! not invariant. If the algebra does not decide whether an expression vanishes, it is evaluated at random points (`algebra/zero.rs`).
+//!
+//! The following expressions must vanish identically (`docs/mathematics.md`, section 7), with `ξ_t` if the generator depends on time:
 //!
 //! ```text
 //! L:   ⟨L_q, ξ⟩ + ⟨L_v, Dξ v + ξ_t⟩        γ:   ⟨γ_q, ξ⟩
@@ -14,10 +16,10 @@ use quote::format_ident;
 use crate::algebra::{Arena, Expr, Symbol, Vanishing};
 use crate::errors::Errors;
 use crate::explain;
-use crate::syntax::parse::{Annotated, Part};
+use crate::syntax::parse::{Annotated, RoleFunction};
 use crate::system::model::{Generator, Model};
 
-/// The name of the function that returns the momentum of a symmetry.
+/// Returns the name of the function that returns the momentum of a symmetry.
 pub(crate) fn momentum_name(symmetry: &Ident) -> Ident {
     format_ident!("{symmetry}_momentum", span = symmetry.span())
 }
@@ -28,13 +30,13 @@ pub(crate) struct MomentumMap {
     pub(crate) name: String,
     /// ⟨p, ξ⟩.
     pub(crate) value: Expr,
-    /// Whether ξ is affine in q and free of time: then the steps conserve it too.
-    pub(crate) affine: bool,
-    /// How it is known that nothing changes along ξ.
-    pub(crate) surely: Vanishing,
+    /// Whether ξ is affine in q and independent of time. The steps then conserve the momentum too.
+    pub(crate) is_affine: bool,
+    /// Whether the invariance along ξ is proved or found at random points.
+    pub(crate) evidence: Vanishing,
 }
 
-/// Longest formula of a remainder that is shown, in characters.
+/// Largest number of characters of a rate of change that a message shows.
 const READABLE: usize = 160;
 
 /// Checks the symmetries of a block.
@@ -45,40 +47,50 @@ pub(crate) fn check(
 ) -> syn::Result<Vec<MomentumMap>> {
     let mut errors = Errors::new();
     let mut maps = Vec::new();
-    for (part, generator) in block.symmetries.iter().zip(&model.symmetries) {
+    for (symmetry, generator) in block.symmetries.iter().zip(&model.symmetries) {
         let moves_nothing = generator.field.iter().all(|&x| arena.is_zero(x));
         if moves_nothing {
             errors.push(
-                part.name.span(),
-                format!("the symmetry `{}` moves nothing: return the velocity of each coordinate along it, such as `[-q[1], q[0]]` for a rotation", part.name),
+                symmetry.name.span(),
+                format!("the symmetry `{}` moves nothing: return the velocity of each coordinate along it, such as `[-q[1], q[0]]` for a rotation", symmetry.name),
             );
             continue;
         }
-        let function = momentum_name(&part.name);
-        if block.functions.iter().any(|f| f.sig.ident == function) {
+        let momentum_function = momentum_name(&symmetry.name);
+        if block
+            .functions
+            .iter()
+            .any(|f| f.sig.ident == momentum_function)
+        {
             errors.push(
-                part.name.span(),
-                format!("`{}` gives the function `{function}`, which the block has already: rename one of them", part.name),
+                symmetry.name.span(),
+                format!("`{}` gives the function `{momentum_function}`, which the block has already: rename one of them", symmetry.name),
             );
         }
-        let mut surely = Vanishing::Proved;
+        let mut evidence = Vanishing::Proved;
         for Change { of, rate, scale } in changes(block, generator, model, arena) {
             match arena.vanishing(rate) {
-                Some(vanishing) => surely = surely.max(vanishing),
+                Some(vanishing) => evidence = evidence.max(vanishing),
                 None => {
                     let rate = arena.scale(1.0 / scale, rate);
-                    let message = broken(part, &of, rate, model, arena);
-                    errors.push(part.name.span(), message);
+                    let message = broken(symmetry, &of, rate, model, arena);
+                    errors.push(symmetry.name.span(), message);
                 }
             }
         }
-        maps.push(momentum(generator, surely, model, arena));
+        maps.push(momentum(generator, evidence, model, arena));
     }
     errors.finish(maps)
 }
 
-fn broken(part: &Part, what: &Changed, change: Expr, model: &Model, arena: &Arena) -> String {
-    let name = &part.name;
+fn broken(
+    symmetry: &RoleFunction,
+    what: &Changed,
+    change: Expr,
+    model: &Model,
+    arena: &Arena,
+) -> String {
+    let name = &symmetry.name;
     let rate = explain::formula(&model.symbols, change, READABLE, arena)
         .map(|formula| format!(" at the rate {formula}"))
         .unwrap_or_default();
@@ -92,24 +104,25 @@ fn broken(part: &Part, what: &Changed, change: Expr, model: &Model, arena: &Aren
     }
 }
 
-/// What must not change along a generator.
+/// A quantity that must not change along a generator.
 enum Changed {
-    /// A function of the block, as a message calls it.
+    /// A function of the block, as it is called in a message.
     Function(String),
     /// The work of the forces of these names.
     Work(String),
 }
 
-/// How much something changes along a generator.
+/// The change of a quantity along a generator.
 struct Change {
     of: Changed,
     /// The rate of change times `scale`.
     rate: Expr,
-    /// A power of two.
+    /// A power of two, which prevents overflow and underflow.
     scale: f64,
 }
 
-/// An expression times a power of two that brings it to the order of 1 where products with it might underflow or overflow.
+/// Returns an expression times a power of two, and this power. The power is 1 unless products with the expression might underflow or
+/// overflow; otherwise it brings the expression to the order of 1.
 fn scaled(expr: Expr, arena: &mut Arena) -> (Expr, f64) {
     let scale = arena.scale_of(&[expr]);
     if scale == 1.0 {
@@ -119,7 +132,7 @@ fn scaled(expr: Expr, arena: &mut Arena) -> (Expr, f64) {
     }
 }
 
-/// How much each function of the block changes along a generator.
+/// Returns the change of each function of the block along a generator.
 fn changes(
     block: &Annotated,
     generator: &Generator,
@@ -154,14 +167,14 @@ fn changes(
     for noise in &model.noises {
         let (hamiltonian, scale) = scaled(noise.hamiltonian, arena);
         let along_q = pairing(hamiltonian, &model.q, xi, arena);
-        let kick: Vec<Expr> = model
+        let by_p: Vec<Expr> = model
             .p
             .iter()
             .map(|&s| arena.diff(hamiltonian, s))
             .collect();
-        let turned = transported(xi, &kick, model, arena);
-        let turned = dot(&p, &turned, arena);
-        let mut rate = arena.sub(along_q, turned);
+        let along_p = transported(xi, &by_p, model, arena);
+        let along_p = dot(&p, &along_p, arena);
+        let mut rate = arena.sub(along_q, along_p);
         if noise.is_gamma {
             // the noise Hamiltonian is −γ
             rate = arena.neg(rate);
@@ -176,7 +189,7 @@ fn changes(
         let names: Vec<String> = block
             .forces
             .iter()
-            .map(|part| format!("`{}`", part.name))
+            .map(|function| format!("`{}`", function.name))
             .collect();
         let scale = arena.scale_of(force);
         let force: Vec<Expr> = force.iter().map(|&f| arena.scale(scale, f)).collect();
@@ -189,10 +202,10 @@ fn changes(
     changes
 }
 
-/// `⟨∂f/∂x, by⟩`.
-fn pairing(f: Expr, x: &[Symbol], by: &[Expr], arena: &mut Arena) -> Expr {
+/// Returns the derivative of `f` along a direction, `⟨∂f/∂x, direction⟩`.
+fn pairing(f: Expr, x: &[Symbol], direction: &[Expr], arena: &mut Arena) -> Expr {
     let gradient: Vec<Expr> = x.iter().map(|&s| arena.diff(f, s)).collect();
-    dot(&gradient, by, arena)
+    dot(&gradient, direction, arena)
 }
 
 fn dot(a: &[Expr], b: &[Expr], arena: &mut Arena) -> Expr {
@@ -204,36 +217,36 @@ fn dot(a: &[Expr], b: &[Expr], arena: &mut Arena) -> Expr {
     arena.sum(0.0, &terms)
 }
 
-/// `Dξ by`.
-fn transported(xi: &[Expr], by: &[Expr], model: &Model, arena: &mut Arena) -> Vec<Expr> {
+/// Returns the derivative of a generator along a direction, `Dξ · direction`.
+fn transported(xi: &[Expr], direction: &[Expr], model: &Model, arena: &mut Arena) -> Vec<Expr> {
     xi.iter()
-        .map(|&x| pairing(x, &model.q, by, arena))
+        .map(|&x| pairing(x, &model.q, direction, arena))
         .collect()
 }
 
 fn momentum(
     generator: &Generator,
-    surely: Vanishing,
+    evidence: Vanishing,
     model: &Model,
     arena: &mut Arena,
 ) -> MomentumMap {
     let p: Vec<Expr> = model.p.iter().map(|&s| arena.symbol(s)).collect();
     let value = dot(&p, &generator.field, arena);
-    let mut affine = true;
+    let mut is_affine = true;
     for &x in &generator.field {
-        affine &= !arena.contains(x, model.time);
+        is_affine &= !arena.contains(x, model.time);
         for &q in &model.q {
             let slope = arena.diff(x, q);
             for &other in &model.q {
                 let second = arena.diff(slope, other);
-                affine &= arena.is_zero(second);
+                is_affine &= arena.is_zero(second);
             }
         }
     }
     MomentumMap {
         name: generator.name.clone(),
         value,
-        affine,
-        surely,
+        is_affine,
+        evidence,
     }
 }

@@ -38,13 +38,13 @@ fn step(attribute: &str, members: &str) -> Vec<String> {
     code.collect()
 }
 
-/// Whether something implements `Variational` for a rule itself.
+/// Whether something implements `StepEquations` for a rule itself.
 fn is_step(item: &syn::ItemImpl) -> bool {
     let Some((path, _)) = &item.trait_ else {
         return false;
     };
     let text = path.to_token_stream().to_string();
-    text.contains(":: Variational <") && !text.contains("Whole")
+    text.contains(":: StepEquations <") && !text.contains("Unstructured")
 }
 
 /// The body of `increment`.
@@ -151,7 +151,7 @@ fn the_comparison_leaves_the_step_alone() {
             let both = format!("{rule}, structure = both");
             assert_eq!(step(rule, members), step(&both, members), "{rule}");
             let text = expansion(&both, members).to_string();
-            assert!(text.contains(":: Whole <"), "{text}");
+            assert!(text.contains(":: Unstructured <"), "{text}");
         }
     }
 }

@@ -242,9 +242,9 @@ fn compare(what: &str, expansion: &TokenStream) -> (usize, [Counts; 3]) {
         _ => None,
     });
     for ItemImpl { trait_, items, .. } in implementations {
-        let is_rule = trait_
-            .as_ref()
-            .is_some_and(|(path, _)| path.segments.last().expect("a name").ident == "Variational");
+        let is_rule = trait_.as_ref().is_some_and(|(path, _)| {
+            path.segments.last().expect("a name").ident == "StepEquations"
+        });
         if !is_rule {
             continue;
         }

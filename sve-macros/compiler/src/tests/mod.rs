@@ -34,7 +34,7 @@ fn the_example_of_the_documentation_expands() {
         &block.parse().expect("tokens"),
         Settings::default(),
     );
-    assert!(expansion.to_string().contains("Variational"));
+    assert!(expansion.to_string().contains("StepEquations"));
 
     // but for line breaks and the name of this package
     let plain = |text: &str| {

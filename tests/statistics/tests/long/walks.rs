@@ -35,14 +35,14 @@ where
 {
     let integrator = Integrator::new(system, rule);
     for h in [0.01, 0.02, 0.03, 0.1] {
-        let prepared = Method::prepare(&integrator, h).unwrap();
+        let prepared = OneStepMethod::prepare(&integrator, h).unwrap();
         let mut state = State::new([1.0], [0.3]);
         let start = integrator.system().hamiltonian(&state).unwrap();
         let means = [(); 3].map(|()| {
             let (mut sum, mut weights) = (0.0, 0.0);
             let third = STEPS / 3;
             for k in 0..third {
-                Method::step_prepared(&integrator, &prepared, &mut state, h, &[]).unwrap();
+                OneStepMethod::step_prepared(&integrator, &prepared, &mut state, h, &[]).unwrap();
                 let place = std::f64::consts::PI * f64::from(k) / f64::from(third);
                 let weight = place.sin().powi(6);
                 sum += weight * (integrator.system().hamiltonian(&state).unwrap() - start);
@@ -81,7 +81,7 @@ where
     let energy =
         |states: &StateLanes<1>, lane| integrator.system().hamiltonian(&states.get(lane)).unwrap();
     for h in [0.01, 0.02, 0.03, 0.1] {
-        let prepared = Method::prepare(&integrator, h).unwrap();
+        let prepared = OneStepMethod::prepare(&integrator, h).unwrap();
         let mut states = StateLanes::splat(&State::new([1.0], [0.3]));
         for lane in 0..LANES {
             states.set(lane, &State::new([0.6 + 0.02 * lane as f64], [0.3]));
@@ -92,7 +92,8 @@ where
             let third = STEPS / 9;
             for k in 0..third {
                 let mut next = states;
-                let left = Method::step_lanes(&integrator, &prepared, &states, &mut next, h, &[]);
+                let left =
+                    OneStepMethod::step_lanes(&integrator, &prepared, &states, &mut next, h, &[]);
                 assert_eq!(left, 0, "h = {h}: the lane step leaves lanes");
                 states = next;
                 // energies cost more than steps; fewer of them would take harmonics of the motion for a mean

@@ -2,7 +2,7 @@
 
 use super::{Notation, Sum};
 use crate::algebra::expr::{Arena, Binary, Expr, Function, Node};
-use crate::algebra::functions::Notation as Written;
+use crate::algebra::functions::{BinaryNotation as BinaryWritten, Notation as Written};
 use crate::algebra::number::{decimal, fraction, superscript};
 
 /// What surrounds an expression: from the one that needs no brackets to the one that needs them most.
@@ -82,19 +82,7 @@ impl Printer<'_> {
             },
             Node::Product(factors) => self.scaled(1.0, factors.clone(), inside),
             Node::Call(function, x) => self.call(*function, *x, inside),
-            Node::Call2(Binary::Pow, x, y) => self.bracketed(inside == Inside::Base, |p| {
-                p.print(*x, Inside::Base);
-                p.put("^");
-                p.print(*y, Inside::Base);
-            }),
-            Node::Call2(function, x, y) => {
-                self.put(function.name());
-                self.bracketed(true, |p| {
-                    p.print(*x, Inside::Sum);
-                    p.put(", ");
-                    p.print(*y, Inside::Sum);
-                });
-            }
+            Node::Call2(function, x, y) => self.call2(*function, *x, *y, inside),
         }
         self.depth -= 1;
     }
@@ -222,6 +210,25 @@ impl Printer<'_> {
             Node::Symbol(symbol) => self.notation.place(*symbol),
             Node::Sum(..) => SUM,
             _ => FUNCTION,
+        }
+    }
+
+    /// Prints a call of two arguments.
+    fn call2(&mut self, function: Binary, x: Expr, y: Expr, inside: Inside) {
+        match function.entry().notation {
+            BinaryWritten::Power => self.bracketed(inside == Inside::Base, |p| {
+                p.print(x, Inside::Base);
+                p.put("^");
+                p.print(y, Inside::Base);
+            }),
+            BinaryWritten::Name => {
+                self.put(function.name());
+                self.bracketed(true, |p| {
+                    p.print(x, Inside::Sum);
+                    p.put(", ");
+                    p.print(y, Inside::Sum);
+                });
+            }
         }
     }
 

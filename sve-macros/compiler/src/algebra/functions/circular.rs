@@ -1,7 +1,7 @@
 //! Circular functions and their inverses.
 
 use super::super::elementary;
-use super::{Bound, Entry, Function, Notation, Parity, Sign, everywhere, within_one};
+use super::{Bound, Entry, Form, Function, Notation, Parity, Sign, Stable, everywhere, within_one};
 
 pub(super) static SIN: Entry = Entry {
     name: "sin",
@@ -14,6 +14,16 @@ pub(super) static SIN: Entry = Entry {
     domain: everywhere,
     bound: Bound::Wave,
     notation: Notation::Name("sin"),
+    stable: Stable {
+        square_less_one: Some(Form {
+            scale: -1.0,
+            function: Function::Cos,
+            factor: 1.0,
+            power: 2,
+            is_further_call: false,
+        }),
+        ..Stable::NONE
+    },
     letter: 's',
     is_instruction: false,
 };
@@ -32,6 +42,23 @@ pub(super) static COS: Entry = Entry {
     domain: everywhere,
     bound: Bound::Wave,
     notation: Notation::Name("cos"),
+    stable: Stable {
+        less_one: Some(Form {
+            scale: -2.0,
+            function: Function::Sin,
+            factor: 0.5,
+            power: 2,
+            is_further_call: false,
+        }),
+        square_less_one: Some(Form {
+            scale: -1.0,
+            function: Function::Sin,
+            factor: 1.0,
+            power: 2,
+            is_further_call: false,
+        }),
+        ..Stable::NONE
+    },
     letter: 'c',
     is_instruction: false,
 };
@@ -50,6 +77,7 @@ pub(super) static TAN: Entry = Entry {
     domain: everywhere,
     bound: Bound::None,
     notation: Notation::Name("tan"),
+    stable: Stable::NONE,
     letter: 'f',
     is_instruction: false,
 };
@@ -68,6 +96,7 @@ pub(super) static ASIN: Entry = Entry {
     domain: within_one,
     bound: Bound::Arc { is_root: true },
     notation: Notation::Name("asin"),
+    stable: Stable::NONE,
     letter: 'f',
     is_instruction: false,
 };
@@ -87,6 +116,7 @@ pub(super) static ACOS: Entry = Entry {
     domain: within_one,
     bound: Bound::Arc { is_root: true },
     notation: Notation::Name("acos"),
+    stable: Stable::NONE,
     letter: 'f',
     is_instruction: false,
 };
@@ -105,6 +135,7 @@ pub(super) static ATAN: Entry = Entry {
     domain: everywhere,
     bound: Bound::Slope,
     notation: Notation::Name("atan"),
+    stable: Stable::NONE,
     letter: 'f',
     is_instruction: false,
 };

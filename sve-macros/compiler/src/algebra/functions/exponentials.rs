@@ -3,7 +3,9 @@
 use std::f64::consts::{LN_2, LN_10, LOG2_E, LOG10_E};
 
 use super::super::elementary;
-use super::{Bound, Domain, Entry, Notation, Parity, Sign, everywhere, positive};
+use super::{
+    Bound, Domain, Entry, Form, Function, Notation, Parity, Sign, Stable, everywhere, positive,
+};
 
 pub(super) static EXP: Entry = Entry {
     name: "exp",
@@ -19,6 +21,17 @@ pub(super) static EXP: Entry = Entry {
         rate: 1.0,
     },
     notation: Notation::Name("exp"),
+    stable: Stable {
+        less_one: Some(Form {
+            scale: 1.0,
+            function: Function::ExpM1,
+            factor: 1.0,
+            power: 1,
+            is_further_call: true,
+        }),
+        power_scales_argument: true,
+        ..Stable::NONE
+    },
     letter: 'f',
     is_instruction: false,
 };
@@ -37,6 +50,7 @@ pub(super) static EXP2: Entry = Entry {
         rate: LN_2,
     },
     notation: Notation::PowerOf("2"),
+    stable: Stable::NONE,
     letter: 'f',
     is_instruction: false,
 };
@@ -55,6 +69,7 @@ pub(super) static EXP_M1: Entry = Entry {
         rate: 1.0,
     },
     notation: Notation::ExpMinusOne,
+    stable: Stable::NONE,
     letter: 'f',
     is_instruction: false,
 };
@@ -73,6 +88,10 @@ pub(super) static LN: Entry = Entry {
         scale: 1.0,
     },
     notation: Notation::Name("ln"),
+    stable: Stable {
+        of_one_plus: Some(Function::Ln1p),
+        ..Stable::NONE
+    },
     letter: 'f',
     is_instruction: false,
 };
@@ -97,6 +116,7 @@ pub(super) static LN_1P: Entry = Entry {
         scale: 1.0,
     },
     notation: Notation::LogOfOnePlus,
+    stable: Stable::NONE,
     letter: 'f',
     is_instruction: false,
 };
@@ -118,6 +138,7 @@ pub(super) static LOG2: Entry = Entry {
         scale: LOG2_E,
     },
     notation: Notation::Name("log₂"),
+    stable: Stable::NONE,
     letter: 'f',
     is_instruction: false,
 };
@@ -139,6 +160,7 @@ pub(super) static LOG10: Entry = Entry {
         scale: LOG10_E,
     },
     notation: Notation::Name("log₁₀"),
+    stable: Stable::NONE,
     letter: 'f',
     is_instruction: false,
 };

@@ -1,7 +1,7 @@
 //! Hyperbolic functions and their inverses.
 
 use super::super::elementary;
-use super::{Bound, Domain, Entry, Function, Notation, Parity, Sign, everywhere};
+use super::{Bound, Domain, Entry, Form, Function, Notation, Parity, Sign, Stable, everywhere};
 
 pub(super) static SINH: Entry = Entry {
     name: "sinh",
@@ -17,6 +17,10 @@ pub(super) static SINH: Entry = Entry {
         rate: 1.0,
     },
     notation: Notation::Name("sinh"),
+    stable: Stable {
+        quotient: Some((Function::Cosh, Function::Tanh)),
+        ..Stable::NONE
+    },
     letter: 'f',
     is_instruction: false,
 };
@@ -35,6 +39,24 @@ pub(super) static COSH: Entry = Entry {
         rate: 1.0,
     },
     notation: Notation::Name("cosh"),
+    stable: Stable {
+        less_one: Some(Form {
+            scale: 2.0,
+            function: Function::Sinh,
+            factor: 0.5,
+            power: 2,
+            is_further_call: true,
+        }),
+        square_less_one: Some(Form {
+            scale: 1.0,
+            function: Function::Sinh,
+            factor: 1.0,
+            power: 2,
+            is_further_call: true,
+        }),
+        is_at_least_one: true,
+        ..Stable::NONE
+    },
     letter: 'f',
     is_instruction: false,
 };
@@ -53,6 +75,16 @@ pub(super) static TANH: Entry = Entry {
     domain: everywhere,
     bound: Bound::Slope,
     notation: Notation::Name("tanh"),
+    stable: Stable {
+        square_less_one: Some(Form {
+            scale: -1.0,
+            function: Function::Cosh,
+            factor: 1.0,
+            power: -2,
+            is_further_call: true,
+        }),
+        ..Stable::NONE
+    },
     letter: 'f',
     is_instruction: false,
 };
@@ -71,6 +103,7 @@ pub(super) static ASINH: Entry = Entry {
     domain: everywhere,
     bound: Bound::Slope,
     notation: Notation::Name("asinh"),
+    stable: Stable::NONE,
     letter: 'f',
     is_instruction: false,
 };
@@ -92,6 +125,7 @@ pub(super) static ACOSH: Entry = Entry {
     },
     bound: Bound::None,
     notation: Notation::Name("acosh"),
+    stable: Stable::NONE,
     letter: 'f',
     is_instruction: false,
 };
@@ -110,6 +144,7 @@ pub(super) static ATANH: Entry = Entry {
     domain: |_| Domain::WithinOne { is_closed: false },
     bound: Bound::Arc { is_root: false },
     notation: Notation::Name("atanh"),
+    stable: Stable::NONE,
     letter: 'f',
     is_instruction: false,
 };

@@ -1,8 +1,9 @@
-//! The functions of one argument, an entry each: name, values, derivative, parity, sign, domain, bounds, notation.
+//! The functions, an entry each: name, values, derivative, parity, sign, domain, bounds, forms that do not cancel, notation.
 //!
-//! A new function is an entry in a file here, a variant of [`Function`] with a line in [`Function::entry`], and its name in the language
-//! (`interpret/floats.rs`). Relations between functions, such as `cos²x + sin²x = 1`, are in `stable`.
+//! A new function of one argument is an entry in a file here and a line in the table of [`Function`]; one of two arguments is both
+//! in `binary.rs`. The language, the back end and the lanes take its name from the entry.
 
+mod binary;
 mod circular;
 mod exponentials;
 mod hyperbolic;
@@ -10,67 +11,63 @@ mod powers;
 
 use super::double_double::Double;
 use super::expr::{Arena, Bits, Expr};
+pub(super) use binary::BinaryNotation;
+pub(crate) use binary::{Binary, BinaryBound};
 
-/// Functions of one argument.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Function {
-    Sqrt,
-    Cbrt,
-    Exp,
-    Exp2,
-    ExpM1,
-    Ln,
-    Ln1p,
-    Log2,
-    Log10,
-    Sin,
-    Cos,
-    Tan,
-    Asin,
-    Acos,
-    Atan,
-    Sinh,
-    Cosh,
-    Tanh,
-    Asinh,
-    Acosh,
-    Atanh,
-    /// A power with a constant exponent that is neither integer nor half-integer.
-    Powf(Bits),
-    /// The magnitude: not in the language, since it is not smooth; bounds are made of it.
-    Abs,
+/// Defines [`Function`] from its methods of `f64`, each with its entry.
+macro_rules! functions {
+    ($($function:ident => $file:ident::$entry:ident,)*) => {
+        /// Functions of one argument.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub(crate) enum Function {
+            $($function,)*
+            /// A power with a constant exponent that is neither integer nor half-integer.
+            Powf(Bits),
+            /// The magnitude: not in the language, since it is not smooth; bounds are made of it.
+            Abs,
+        }
+
+        impl Function {
+            /// The functions that a body may call as methods of `f64` without an argument.
+            pub(crate) const METHODS: &[Self] = &[$(Self::$function,)*];
+
+            /// What is known of the function.
+            pub(crate) fn entry(self) -> &'static Entry {
+                match self {
+                    $(Self::$function => &$file::$entry,)*
+                    Self::Powf(_) => &powers::POWF,
+                    Self::Abs => &powers::ABS,
+                }
+            }
+        }
+    };
+}
+
+functions! {
+    Sqrt => powers::SQRT,
+    Cbrt => powers::CBRT,
+    Exp => exponentials::EXP,
+    Exp2 => exponentials::EXP2,
+    ExpM1 => exponentials::EXP_M1,
+    Ln => exponentials::LN,
+    Ln1p => exponentials::LN_1P,
+    Log2 => exponentials::LOG2,
+    Log10 => exponentials::LOG10,
+    Sin => circular::SIN,
+    Cos => circular::COS,
+    Tan => circular::TAN,
+    Asin => circular::ASIN,
+    Acos => circular::ACOS,
+    Atan => circular::ATAN,
+    Sinh => hyperbolic::SINH,
+    Cosh => hyperbolic::COSH,
+    Tanh => hyperbolic::TANH,
+    Asinh => hyperbolic::ASINH,
+    Acosh => hyperbolic::ACOSH,
+    Atanh => hyperbolic::ATANH,
 }
 
 impl Function {
-    /// What is known of the function.
-    pub(crate) fn entry(self) -> &'static Entry {
-        match self {
-            Self::Sqrt => &powers::SQRT,
-            Self::Cbrt => &powers::CBRT,
-            Self::Powf(_) => &powers::POWF,
-            Self::Abs => &powers::ABS,
-            Self::Exp => &exponentials::EXP,
-            Self::Exp2 => &exponentials::EXP2,
-            Self::ExpM1 => &exponentials::EXP_M1,
-            Self::Ln => &exponentials::LN,
-            Self::Ln1p => &exponentials::LN_1P,
-            Self::Log2 => &exponentials::LOG2,
-            Self::Log10 => &exponentials::LOG10,
-            Self::Sin => &circular::SIN,
-            Self::Cos => &circular::COS,
-            Self::Tan => &circular::TAN,
-            Self::Asin => &circular::ASIN,
-            Self::Acos => &circular::ACOS,
-            Self::Atan => &circular::ATAN,
-            Self::Sinh => &hyperbolic::SINH,
-            Self::Cosh => &hyperbolic::COSH,
-            Self::Tanh => &hyperbolic::TANH,
-            Self::Asinh => &hyperbolic::ASINH,
-            Self::Acosh => &hyperbolic::ACOSH,
-            Self::Atanh => &hyperbolic::ATANH,
-        }
-    }
-
     /// The exponent of a power; NaN for other functions, which do not ask.
     pub(crate) fn exponent(self) -> f64 {
         match self {
@@ -104,6 +101,16 @@ impl Function {
         (self.entry().derivative)(arena, x, value, self.exponent())
     }
 
+    /// The functions whose quotient by this one is a function, with that function.
+    pub(super) fn quotients(self) -> impl Iterator<Item = (Self, Self)> {
+        Self::METHODS
+            .iter()
+            .filter_map(move |&dividend| match dividend.entry().stable.quotient {
+                Some((divisor, quotient)) if divisor == self => Some((dividend, quotient)),
+                _ => None,
+            })
+    }
+
     /// Where the function is defined.
     pub(crate) fn domain(self) -> Domain {
         (self.entry().domain)(self.exponent())
@@ -127,6 +134,7 @@ pub(crate) struct Entry {
     domain: fn(f64) -> Domain,
     /// What bounds the change of the value by that of the argument.
     pub(crate) bound: Bound,
+    pub(super) stable: Stable,
     pub(super) notation: Notation,
     /// The letter of numbered names in formulas, `s1`.
     pub(crate) letter: char,
@@ -186,6 +194,44 @@ pub(crate) enum Bound {
     Power,
     /// Without a bound.
     None,
+}
+
+/// The identities of a function f from which its forms that do not cancel follow.
+pub(super) struct Stable {
+    /// `f(x) − 1`.
+    pub(crate) less_one: Option<Form>,
+    /// `f(x)² − 1`.
+    pub(crate) square_less_one: Option<Form>,
+    /// The function g with `f(1 + y) = g(y)`.
+    pub(crate) of_one_plus: Option<Function>,
+    /// Functions g and q with `f(x) / g(x) = q(x)`, where q does not overflow.
+    pub(crate) quotient: Option<(Function, Function)>,
+    /// Whether no value is below 1, so that the sum of 1 and `f(x) − 1` does not cancel.
+    pub(crate) is_at_least_one: bool,
+    /// Whether `f(x)^k = f(k x)`.
+    pub(crate) power_scales_argument: bool,
+}
+
+impl Stable {
+    const NONE: Self = Self {
+        less_one: None,
+        square_less_one: None,
+        of_one_plus: None,
+        quotient: None,
+        is_at_least_one: false,
+        power_scales_argument: false,
+    };
+}
+
+/// `scale · function(factor · x)^power`.
+#[derive(Clone, Copy)]
+pub(super) struct Form {
+    pub(crate) scale: f64,
+    pub(crate) function: Function,
+    pub(crate) factor: f64,
+    pub(crate) power: i32,
+    /// Whether the function costs a call more. Sine and cosine of an angle are one call.
+    pub(crate) is_further_call: bool,
 }
 
 /// How a call is written in formulas.

@@ -1,7 +1,7 @@
 //! Roots, powers with constant exponents, and the magnitude.
 
 use super::super::elementary;
-use super::{Bound, Domain, Entry, Notation, Parity, Sign, everywhere};
+use super::{Bound, Domain, Entry, Notation, Parity, Sign, Stable, everywhere};
 
 pub(super) static SQRT: Entry = Entry {
     name: "sqrt",
@@ -20,6 +20,7 @@ pub(super) static SQRT: Entry = Entry {
     },
     bound: Bound::Root,
     notation: Notation::Radical("√"),
+    stable: Stable::NONE,
     letter: 'r',
     is_instruction: true,
 };
@@ -38,6 +39,7 @@ pub(super) static CBRT: Entry = Entry {
     domain: everywhere,
     bound: Bound::CubeRoot,
     notation: Notation::Radical("∛"),
+    stable: Stable::NONE,
     letter: 'f',
     is_instruction: false,
 };
@@ -59,6 +61,7 @@ pub(super) static POWF: Entry = Entry {
     },
     bound: Bound::Power,
     notation: Notation::Power,
+    stable: Stable::NONE,
     letter: 'f',
     is_instruction: false,
 };
@@ -75,6 +78,7 @@ pub(super) static ABS: Entry = Entry {
     domain: everywhere,
     bound: Bound::Slope,
     notation: Notation::Name("abs"),
+    stable: Stable::NONE,
     letter: 'f',
     is_instruction: false,
 };

@@ -4,7 +4,8 @@
 //! it. A term is read as `c a f` beside another, `−c u a`, where f comes close to u.
 
 use super::{Factors, Forms, divided};
-use crate::algebra::expr::{Binary, Expr, Function, Node};
+use crate::algebra::expr::{Expr, Function, Node};
+use crate::algebra::functions::Form;
 use crate::algebra::simplify::times_divisible;
 
 /// What the f in `a f − a` is.
@@ -12,13 +13,12 @@ use crate::algebra::simplify::times_divisible;
 enum Reading {
     /// `√radicand^k`, k = ±1.
     Root(Expr, i32),
-    /// A function of an expression, or its square.
-    Value(Function, Expr),
-    Square(Function, Expr),
-    /// `exp(x)^k`.
-    Exp(Expr, i32),
-    /// `sinh²/cosh²`, with the cosh.
-    TanhSquare(Expr),
+    /// A function of an expression or its square, with the form of its difference from 1.
+    Form(Form, Expr),
+    /// `exp(x)^k`, with the form of `exp(x) − 1`.
+    Power(Form, Expr, i32),
+    /// `sinh²/cosh²`, with the form of `tanh² − 1` and the call of cosh.
+    QuotientSquare(Form, Expr),
     /// The square of one leg over that of the hypotenuse: one over the constant factor of this leg, and the other leg.
     Leg(f64, Expr),
 }
@@ -156,25 +156,31 @@ impl Forms<'_> {
                 found.push((Reading::Root(radicand, k), vec![(base, k)]));
             }
             Node::Call(function, x) => {
-                if k >= 2 {
-                    found.push((Reading::Square(function, x), square));
+                let stable = &function.entry().stable;
+                if let (Some(form), 2..) = (stable.square_less_one, k) {
+                    found.push((Reading::Form(form, x), square));
                 }
-                if k >= 2 && function == Function::Sinh {
-                    let cosh = self.arena.call(Function::Cosh, x);
-                    if times_divisible(factors, &[(cosh, 1)], -1) >= 2 {
-                        let taken = vec![(base, 2), (cosh, -2)];
-                        found.push((Reading::TanhSquare(cosh), taken));
+                if let (Some((divisor, quotient)), 2..) = (stable.quotient, k) {
+                    let divisor = self.arena.call(divisor, x);
+                    if times_divisible(factors, &[(divisor, 1)], -1) >= 2
+                        && let Some(form) = quotient.entry().stable.square_less_one
+                    {
+                        let taken = vec![(base, 2), (divisor, -2)];
+                        found.push((Reading::QuotientSquare(form, divisor), taken));
                     }
                 }
-                if k >= 1 {
-                    found.push((Reading::Value(function, x), vec![(base, 1)]));
+                if let (Some(form), 1..) = (stable.less_one, k) {
+                    found.push((Reading::Form(form, x), vec![(base, 1)]));
                 }
                 // powers of two scale the argument without rounding
-                if function == Function::Exp && [-4, -2, -1, 2, 4].contains(&k) {
-                    found.push((Reading::Exp(x, k), vec![(base, k)]));
+                if let Some(form) = stable.less_one
+                    && stable.power_scales_argument
+                    && [-4, -2, -1, 2, 4].contains(&k)
+                {
+                    found.push((Reading::Power(form, x, k), vec![(base, k)]));
                 }
             }
-            Node::Call2(Binary::Hypot, x, y) if k <= -2 => {
+            Node::Call2(function, x, y) if k <= -2 && function.entry().is_norm => {
                 for (x, y) in [(x, y), (y, x)] {
                     let (c, bare) = self.arena.as_factors(x);
                     if times_divisible(factors, &bare, 1) >= 2 {
@@ -196,13 +202,18 @@ impl Forms<'_> {
                 let (u, rest) = self.root(radicand, k)?;
                 (u, 1.0, rest)
             }
-            Reading::Square(function, x) => (1.0, 1.0, self.square_less_one(function, base, x)?),
-            Reading::TanhSquare(cosh) => (1.0, 1.0, self.inverse_square(cosh)),
-            Reading::Value(function, x) => (1.0, 1.0, self.less_one(function, base, x)?),
-            Reading::Exp(x, k) => {
+            Reading::Form(form, x) => {
+                let x = self.of(x);
+                (1.0, 1.0, self.as_form(form, base, x)?)
+            }
+            Reading::QuotientSquare(form, divisor) => {
+                let divisor = self.of(divisor);
+                (1.0, 1.0, self.power_of(form, divisor))
+            }
+            Reading::Power(form, x, k) => {
                 let x = self.of(x);
                 let x = self.arena.scale(f64::from(k), x);
-                (1.0, 1.0, self.instead(base, Function::ExpM1, x)?)
+                (1.0, 1.0, self.as_form(form, base, x)?)
             }
             Reading::Leg(c, y) => {
                 let ratio = self.ratio(y, base);
@@ -212,55 +223,21 @@ impl Forms<'_> {
         })
     }
 
-    /// `f(x)² − 1`.
-    fn square_less_one(&mut self, function: Function, call: Expr, x: Expr) -> Option<Expr> {
-        let x = self.of(x);
-        let (sign, other) = match function {
-            Function::Cos => (-1.0, Function::Sin),
-            Function::Sin => (-1.0, Function::Cos),
-            Function::Cosh => (1.0, Function::Sinh),
-            Function::Tanh => {
-                let cosh = self.instead(call, Function::Cosh, x)?;
-                return Some(self.inverse_square(cosh));
-            }
-            _ => return None,
+    /// A form of `call`, which is a function of the expression that became `x`.
+    pub(super) fn as_form(&mut self, form: Form, call: Expr, x: Expr) -> Option<Expr> {
+        let argument = self.arena.scale(form.factor, x);
+        let other = if form.is_further_call {
+            self.instead(call, form.function, argument)?
+        } else {
+            self.arena.call(form.function, argument)
         };
-        let other = match function {
-            Function::Cosh => self.instead(call, other, x)?,
-            _ => self.arena.call(other, x),
-        };
-        let square = self.arena.pow(other, 2);
-        Some(self.arena.scale(sign, square))
+        Some(self.power_of(form, other))
     }
 
-    /// `f(x) − 1`.
-    fn less_one(&mut self, function: Function, call: Expr, x: Expr) -> Option<Expr> {
-        let x = self.of(x);
-        match function {
-            Function::Cos => {
-                let half = self.arena.scale(0.5, x);
-                let sin = self.arena.call(Function::Sin, half);
-                let square = self.arena.pow(sin, 2);
-                Some(self.arena.scale(-2.0, square))
-            }
-            Function::Cosh => self.cosh_minus_one(call, x),
-            Function::Exp => self.instead(call, Function::ExpM1, x),
-            _ => None,
-        }
-    }
-
-    /// `2 sinh²(x/2)`.
-    pub(super) fn cosh_minus_one(&mut self, call: Expr, x: Expr) -> Option<Expr> {
-        let half = self.arena.scale(0.5, x);
-        let sinh = self.instead(call, Function::Sinh, half)?;
-        let square = self.arena.pow(sinh, 2);
-        Some(self.arena.scale(2.0, square))
-    }
-
-    /// `−1/call²`.
-    fn inverse_square(&mut self, call: Expr) -> Expr {
-        let square = self.arena.pow(self.of(call), -2);
-        self.arena.neg(square)
+    /// A form, whose function is called already.
+    fn power_of(&mut self, form: Form, call: Expr) -> Expr {
+        let power = self.arena.pow(call, form.power);
+        self.arena.scale(form.scale, power)
     }
 
     /// A call in the place of another, unless that one is kept.

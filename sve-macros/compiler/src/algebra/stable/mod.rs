@@ -26,7 +26,7 @@ mod differences;
 
 use std::collections::{HashMap, HashSet};
 
-use super::expr::{Arena, Binary, Expr, Function, Node, each_operand};
+use super::expr::{Arena, Expr, Function, Node, each_operand};
 use super::simplify::times_divisible;
 
 /// What the forms are for.
@@ -120,7 +120,10 @@ impl Forms<'_> {
                 self.sum(constant.get(), &terms)
             }
             Node::Product(factors) => self.quotients(factors),
-            Node::Call(Function::Ln, x) => self.logarithm(*x),
+            Node::Call(function, x) => match function.entry().stable.of_one_plus {
+                Some(shifted) => self.logarithm(shifted, *x),
+                None => None,
+            },
             _ => None,
         };
         special.unwrap_or_else(|| self.plain(expr, node))
@@ -165,15 +168,17 @@ impl Forms<'_> {
         let mut scale = 1.0;
         for &(base, k) in factors.iter().filter(|f| f.1 < 0) {
             match *self.arena.node(base) {
-                Node::Call(Function::Cosh, x) => {
-                    let sinh = self.arena.call(Function::Sinh, x);
-                    let n = times_divisible(&left, &[(sinh, 1)], 1).min(-k);
-                    if n > 0 {
-                        left = divided(&divided(&left, &[(sinh, 1)], n), &[(base, 1)], -n);
-                        new.push((self.arena.call(Function::Tanh, self.of(x)), n));
+                Node::Call(divisor, x) => {
+                    for (dividend, quotient) in divisor.quotients() {
+                        let dividend = self.arena.call(dividend, x);
+                        let n = times_divisible(&left, &[(dividend, 1)], 1).min(-k);
+                        if n > 0 {
+                            left = divided(&divided(&left, &[(dividend, 1)], n), &[(base, 1)], -n);
+                            new.push((self.arena.call(quotient, self.of(x)), n));
+                        }
                     }
                 }
-                Node::Call2(Binary::Hypot, x, y) => {
+                Node::Call2(function, x, y) if function.entry().is_norm => {
                     let mut available = -k;
                     for x in [x, y] {
                         let (c, bare) = self.arena.as_factors(x);
@@ -197,8 +202,8 @@ impl Forms<'_> {
         Some(self.arena.scale(scale, product))
     }
 
-    /// `ln(1 + y)` and `ln cosh x`.
-    fn logarithm(&mut self, x: Expr) -> Option<Expr> {
+    /// `ln(1 + y)` and `ln cosh x`, where `shifted` is ln1p.
+    fn logarithm(&mut self, shifted: Function, x: Expr) -> Option<Expr> {
         let y = match self.arena.node(x).clone() {
             Node::Sum(constant, terms) if constant.get() == 1.0 => {
                 let form = self.of(x);
@@ -210,13 +215,13 @@ impl Forms<'_> {
                 };
                 self.arena.sum(-1.0, &[(1.0, whole)])
             }
-            Node::Call(Function::Cosh, z) => {
+            Node::Call(function, z) if function.entry().stable.is_at_least_one => {
                 let z = self.of(z);
-                self.cosh_minus_one(x, z)?
+                self.as_form(function.entry().stable.less_one?, x, z)?
             }
             _ => return None,
         };
-        Some(self.arena.call(Function::Ln1p, y))
+        Some(self.arena.call(shifted, y))
     }
 }
 

@@ -17,7 +17,8 @@ fn value(name: &str, arguments: &[f64]) -> (Double, f64) {
     };
     let &[x, y] = arguments else {
         let function = FUNCTIONS
-            .into_iter()
+            .iter()
+            .copied()
             .chain([
                 Function::Powf(Bits::new(1.7)),
                 Function::Powf(Bits::new(-0.3)),
@@ -70,7 +71,7 @@ fn functions_are_good_to_their_bounds() {
     }
     assert!(worst > 1e-4, "the bound says nothing: {worst:e}");
     // each function of the table, with a power of one constant exponent or more
-    for function in FUNCTIONS {
+    for &function in FUNCTIONS {
         assert!(
             seen.contains(format!("{function:?}").as_str()),
             "{function:?}"

@@ -2,6 +2,7 @@
 
 mod derivatives;
 mod elementary;
+mod entries;
 mod identities;
 pub(crate) mod number;
 pub(crate) mod recipe;

@@ -5,32 +5,10 @@ use crate::algebra::expr::{Bits, Node};
 use crate::algebra::{Arena, Binary, Expr, Function, Symbol};
 
 /// All functions of one argument but the powers.
-pub(crate) const FUNCTIONS: [Function; 21] = [
-    Function::Sqrt,
-    Function::Cbrt,
-    Function::Exp,
-    Function::Exp2,
-    Function::ExpM1,
-    Function::Ln,
-    Function::Ln1p,
-    Function::Log2,
-    Function::Log10,
-    Function::Sin,
-    Function::Cos,
-    Function::Tan,
-    Function::Asin,
-    Function::Acos,
-    Function::Atan,
-    Function::Sinh,
-    Function::Cosh,
-    Function::Tanh,
-    Function::Asinh,
-    Function::Acosh,
-    Function::Atanh,
-];
+pub(crate) const FUNCTIONS: &[Function] = Function::METHODS;
 
 /// The functions of two arguments that can be written.
-pub(crate) const BINARIES: [Binary; 3] = [Binary::Atan2, Binary::Hypot, Binary::Pow];
+pub(crate) const BINARIES: &[Binary] = Binary::METHODS;
 
 /// A way to make an expression from earlier ones; indices wrap around.
 #[derive(Clone, Debug)]
@@ -190,10 +168,10 @@ fn entry(random: &mut Random, len: usize) -> Make {
         8..=10 => {
             let function = match random.below(8) {
                 0 => Function::Powf(Bits::new(random.of(&[0.3, -0.7, 1.6]))),
-                _ => random.of(&FUNCTIONS),
+                _ => random.of(FUNCTIONS),
             };
             Make::Call(function, index(random))
         }
-        _ => Make::Call2(random.of(&BINARIES), index(random), index(random)),
+        _ => Make::Call2(random.of(BINARIES), index(random), index(random)),
     }
 }

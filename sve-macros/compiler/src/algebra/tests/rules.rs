@@ -349,7 +349,7 @@ fn hold_over_signs_zeros_and_ranges() {
 #[test]
 fn parity_over_signs_zeros_and_ranges() {
     let random = &mut Random(5);
-    for function in super::recipe::FUNCTIONS {
+    for &function in super::recipe::FUNCTIONS {
         let mut arena = Arena::new();
         let x = arena.symbol(Symbol(0));
         let minus = arena.neg(x);

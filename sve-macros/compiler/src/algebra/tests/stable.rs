@@ -167,7 +167,7 @@ fn are_the_same_functions() {
                 recipe.push(Make::Sum(1.0, vec![(1.0, x)]));
                 Make::Call(Function::Sqrt, len)
             } else {
-                Make::Call(random.of(&FUNCTIONS), x)
+                Make::Call(random.of(FUNCTIONS), x)
             };
             recipe.push(f);
             let f = 2 + recipe.len();

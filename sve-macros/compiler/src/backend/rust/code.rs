@@ -283,7 +283,7 @@ impl<'a> Printer<'a> {
                 call2_in_lane(function, &of(a), &of(b), &self.private)
             }
             Operation::Call2(function, a, b) => call2(function, &of(a), &of(b), &self.private),
-            Operation::Turn(sin, cos, by) => {
+            Operation::AngleAddition(sin, cos, by) => {
                 let [sin_name, cos_name] = self.names.pair(value).map(|name| ident(&name));
                 let (sin, cos, by, private) = (of(sin), of(cos), of(by), &self.private);
                 let module = self.is_vector().then(|| quote!(lane::));
@@ -385,16 +385,8 @@ fn call2_in_lane(
     y: &TokenStream,
     private: &TokenStream,
 ) -> TokenStream {
-    match function {
-        Binary::PowLog(n) => {
-            let n = Literal::i32_suffixed(n);
-            quote!(#private::lane::power_log(#x, #y, #n))
-        }
-        _ => {
-            let name = ident(function.name());
-            quote!(#private::lane::#name(#x, #y))
-        }
-    }
+    let (name, last) = (ident(function.name()), last_argument(function));
+    quote!(#private::lane::#name(#x, #y #last))
 }
 
 /// A call with two arguments.
@@ -404,12 +396,18 @@ pub(super) fn call2(
     y: &TokenStream,
     private: &TokenStream,
 ) -> TokenStream {
-    let name = ident(function.name());
-    match function {
-        Binary::PowLog(n) => {
-            let n = Literal::i32_suffixed(n);
-            quote!(#private::#name(#x, #y, #n))
-        }
-        Binary::Atan2 | Binary::Hypot | Binary::Pow => quote!(f64::#name(#x, #y)),
+    let (name, last) = (ident(function.name()), last_argument(function));
+    if function.entry().is_method {
+        quote!(f64::#name(#x, #y #last))
+    } else {
+        quote!(#private::#name(#x, #y #last))
     }
+}
+
+/// The number of logarithms as the last argument of a call.
+fn last_argument(function: Binary) -> Option<TokenStream> {
+    function.logarithms().map(|n| {
+        let n = Literal::i32_suffixed(n);
+        quote!(, #n)
+    })
 }

@@ -12,7 +12,7 @@ use crate::syntax::parse::{Annotated, is_f64};
 /// The type of `q` in the Lagrangian, unless it is `f64` or a row `[f64; N]`.
 pub(super) fn written(block: &Annotated) -> Option<&Type> {
     let lagrangian = &block.lagrangian;
-    let (_, ty) = lagrangian.arguments.get(usize::from(lagrangian.timed))?;
+    let (_, ty) = lagrangian.arguments.get(usize::from(lagrangian.is_timed))?;
     (!is_row(ty)).then_some(ty)
 }
 

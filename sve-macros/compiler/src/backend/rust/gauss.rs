@@ -57,8 +57,10 @@ pub(crate) fn gauss(
     quote! {
         #doc
         #attributes
-        impl #private::Variational<#rule_type> for #self_ty {
+        impl #private::StepEquations<#rule_type> for #self_ty {
             type Prepared = #prepared;
+            type Increments = [f64; #m];
+            type Memory = ();
             type Unknowns = [f64; #k];
             const PLAN: &'static #private::Plan = &#plan;
             const RETURNS: #private::Returns = #private::Returns::Increment;
@@ -78,6 +80,7 @@ pub(crate) fn gauss(
             fn increment(
                 &self,
                 prepared: &#prepared,
+                memory: &mut (),
                 state: &#private::State<[f64; #n]>,
                 h: f64,
                 dw: &[f64; #m],
@@ -95,6 +98,7 @@ pub(crate) fn gauss(
                 #private::gauss::linearise::<Self, _, #s, #n, #m, #k>(self, state, h, dw, unknowns)
             }
         }
+        #private::derived_rule! { #self_ty, #rule_type }
     }
 }
 
@@ -119,12 +123,12 @@ fn cost<'a>(names: &'a [String], code: &StageCode, stages: usize, dof: usize) ->
     let Operations {
         arithmetic,
         transcendental,
-        turns,
+        angle_additions,
     } = code.operations;
     let iteration = Operations {
         arithmetic: stages * (arithmetic + 2 * stages * dof),
         transcendental: stages * transcendental,
-        turns: stages * turns,
+        angle_additions: stages * angle_additions,
     };
     Cost {
         unknowns: names,

@@ -32,15 +32,15 @@ pub(crate) fn momenta(
         let MomentumMap {
             name,
             value,
-            affine,
-            surely,
+            is_affine,
+            evidence,
         } = map;
         let function = momentum_name(&part.name);
-        let visibility = &part.function.vis;
+        let visibility = &part.item.vis;
         let (statements, values) = Straight::new(arena, &model.symbols, &[*value])
             .finish(&private, &[(&[vec![*value]], vec!["momentum".to_owned()])]);
         let formula = explain::formula(&model.symbols, *value, READABLE, arena);
-        let doc = doc(name, formula.as_deref(), *affine, *surely);
+        let doc = doc(name, formula.as_deref(), *is_affine, *evidence);
         quote! {
             #[doc = #doc]
             #[must_use]
@@ -62,8 +62,8 @@ pub(crate) fn momenta(
     }
 }
 
-fn doc(name: &str, formula: Option<&str>, affine: bool, surely: Vanishing) -> String {
-    let steps = if affine {
+fn doc(name: &str, formula: Option<&str>, is_affine: bool, evidence: Vanishing) -> String {
+    let steps = if is_affine {
         "by the motion and by every step"
     } else {
         "by the motion; by steps only to their accuracy, for the symmetry is not affine in q"
@@ -71,7 +71,7 @@ fn doc(name: &str, formula: Option<&str>, affine: bool, surely: Vanishing) -> St
     let formula = formula
         .map(|formula| format!("\n\n```text\n⟨p, ξ⟩ = {formula}\n```"))
         .unwrap_or_default();
-    let caveat = explain::symmetry_caveat(surely)
+    let caveat = explain::symmetry_caveat(evidence)
         .map(|caveat| format!(" The symmetry is {caveat}."))
         .unwrap_or_default();
     format!("The momentum of the symmetry `{name}`, conserved {steps}.{caveat}{formula}")

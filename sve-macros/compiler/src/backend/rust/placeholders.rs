@@ -51,37 +51,63 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
         let rule = type_of(*rule, &runtime);
         quote! {
             #attributes
-            impl #generics #private::Variational<#rule> for #self_ty #clause {
+            impl #generics #private::Discretised<#rule> for #self_ty #clause {
+                type Increments = [f64; #m];
                 type Prepared = ();
-                type Unknowns = [f64; 0];
+                type Memory = ();
                 const PLAN: &'static #private::Plan = &#plan;
-                const RETURNS: #private::Returns = #private::Returns::Increment;
+                const HAS_INCREMENTS: bool = true;
                 fn prepare(&self, h: f64) {}
-                fn start(
+                fn advance(
                     &self,
-                    state: &#private::State<[f64; #n]>,
-                    velocity: &[f64; #n],
-                    acceleration: &[f64; #n],
-                ) -> [f64; 0] {
-                    []
+                    newton: &#private::Newton,
+                    prepared: &(),
+                    memory: &mut (),
+                    state: &mut #private::State<[f64; #n]>,
+                    h: f64,
+                    dw: &[f64; #m],
+                ) -> ::core::result::Result<(), #private::StepError> {
+                    #fail
                 }
-                fn increment(
+                fn advance_compensated(
                     &self,
+                    newton: &#private::Newton,
+                    prepared: &(),
+                    memory: &mut (),
+                    state: [&mut #private::State<[f64; #n]>; 2],
+                    h: f64,
+                    dw: &[f64; #m],
+                ) -> ::core::result::Result<(), #private::StepError> {
+                    #fail
+                }
+                fn advance_lanes(
+                    &self,
+                    newton: &#private::Newton,
+                    prepared: &(),
+                    states: &#private::lane::StateLanes<#n>,
+                    next: &mut #private::lane::StateLanes<#n>,
+                    h: f64,
+                    dw: &[#private::lane::Lane; #m],
+                ) -> #private::Mask {
+                    #fail
+                }
+                fn advance_with_derivatives(
+                    &self,
+                    newton: &#private::Newton,
+                    state: &mut #private::State<[f64; #n]>,
+                    h: f64,
+                    dw: &[f64; #m],
+                ) -> ::core::result::Result<#private::DMatrix, #private::StepError> {
+                    #fail
+                }
+                fn newton_iterations(
+                    &self,
+                    newton: &#private::Newton,
                     prepared: &(),
                     state: &#private::State<[f64; #n]>,
                     h: f64,
                     dw: &[f64; #m],
-                    newton: &#private::BlockSolver<'_>,
-                ) -> ::core::result::Result<([f64; #n], [f64; #n], [f64; 0]), #private::SolveError> {
-                    #fail
-                }
-                fn linearise(
-                    &self,
-                    state: &#private::State<[f64; #n]>,
-                    h: f64,
-                    dw: &[f64; #m],
-                    unknowns: &[f64; 0],
-                ) -> #private::Linearisation {
+                ) -> ::core::option::Option<u32> {
                     #fail
                 }
             }

@@ -82,9 +82,9 @@ fn plan_with(
     let strong = match &mechanics.commutation {
         _ if m == 0 => quote!(Deterministic),
         Commutation::All(_) => strong_order(rule, None),
-        Commutation::Clash(a, b) => strong_order(rule, Some((a, b))),
+        Commutation::NonCommuting(a, b) => strong_order(rule, Some((a, b))),
     };
-    let conserved = momenta.iter().filter(|map| map.affine);
+    let conserved = momenta.iter().filter(|map| map.is_affine);
     let conserved = conserved.map(|map| format!("{}_momentum", map.name));
     let Work {
         prepare,
@@ -139,10 +139,10 @@ fn operations(private: &TokenStream, operations: &Operations) -> TokenStream {
     let Operations {
         arithmetic,
         transcendental,
-        turns,
+        angle_additions,
     } = operations;
     quote! {
-        #private::Operations { arithmetic: #arithmetic, transcendental: #transcendental, angle_additions: #turns }
+        #private::Operations { arithmetic: #arithmetic, transcendental: #transcendental, angle_additions: #angle_additions }
     }
 }
 

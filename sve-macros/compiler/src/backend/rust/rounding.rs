@@ -64,7 +64,7 @@ impl Bounds<'_> {
             | Operation::Input(_)
             | Operation::SinOf(_)
             | Operation::CosOf(_) => return TokenStream::new(),
-            Operation::SinCos(_) | Operation::Turn(..) => quote!(f64::EPSILON),
+            Operation::SinCos(_) | Operation::AngleAddition(..) => quote!(f64::EPSILON),
             _ => {
                 let result = self.printer.operand(value);
                 quote!(f64::EPSILON * f64::abs(#result))
@@ -116,7 +116,7 @@ impl Bounds<'_> {
                     of(b).map(|d| quote!(#private::propagated_error(|x| #along_b, #b_at, #d)));
                 [first, second, None]
             }
-            Operation::Turn(sin, cos, by) => [of(sin), of(cos), of(by)],
+            Operation::AngleAddition(sin, cos, by) => [of(sin), of(cos), of(by)],
         };
         parts.into_iter().flatten().collect()
     }

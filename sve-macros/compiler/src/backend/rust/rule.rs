@@ -1,4 +1,4 @@
-//! `impl Variational<Rule>`: what surrounds a step.
+//! `impl StepEquations<Rule>`: what surrounds a step.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::{ToTokens, format_ident, quote};
@@ -56,7 +56,9 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
     quote! {
         #doc
         #attributes
-        impl #private::Variational<#rule_type> for #self_ty {
+        impl #private::StepEquations<#rule_type> for #self_ty {
+            type Increments = [f64; #m];
+            type Memory = ();
             type Prepared = [f64; #prepared];
             const PLAN: &'static #private::Plan = &#plan;
             const RETURNS: #private::Returns = #private::Returns::#returns;
@@ -80,6 +82,7 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
             fn increment(
                 &self,
                 prepared: &[f64; #prepared],
+                (): &mut (),
                 state: &#private::State<[f64; #n]>,
                 h: f64,
                 dw: &[f64; #m],
@@ -90,6 +93,7 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
             #lanes
             #linearise
         }
+        #private::derived_rule! { #self_ty, #rule_type }
     }
 }
 
@@ -112,11 +116,11 @@ fn start(unknowns: &[Symbol], coordinates: usize, symbols: &Symbols) -> TokenStr
         };
         let i = Literal::usize_unsuffixed(index % coordinates);
         match family {
-            Family::Displacement | Family::Flow => quote!(0f64),
+            Family::Displacement | Family::AccelerationMultiplier => quote!(0f64),
             Family::Velocity | Family::StageVelocity => quote!(velocity[#i]),
             Family::Acceleration => quote!(acceleration[#i]),
             // the multiplier of the velocity is the momentum
-            Family::Momentum | Family::Impulse => quote!(state.p[#i]),
+            Family::Momentum | Family::VelocityMultiplier => quote!(state.p[#i]),
         }
     });
     quote!([#(#entries),*])
@@ -127,7 +131,7 @@ fn rule_type(context: &Context<'_>, derived: &Derived) -> TokenStream {
     let runtime = &context.block.arguments.runtime;
     let rule = type_of(derived.rule, runtime);
     if derived.is_unstructured {
-        quote!(#runtime::__private::Whole<#rule>)
+        quote!(#runtime::__private::Unstructured<#rule>)
     } else {
         rule
     }

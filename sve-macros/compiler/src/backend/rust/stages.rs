@@ -14,7 +14,7 @@ use crate::algebra::{Arena, Expr};
 use crate::discretise::stages::{Form, Impulse, ParameterJet, Stages};
 use crate::program::{Labels, Operations, Program, Scheduler, Tier, Tiers, Value};
 use crate::structure::domain::Condition;
-use crate::system::model::{Model, Symbols};
+use crate::system::model::Model;
 
 /// The implementations, and the operations of a sweep at one stage.
 pub(crate) struct StageCode {

@@ -48,9 +48,9 @@ impl<'a> Straight<'a> {
         (self.scheduler.finish(&values), values)
     }
 
-    /// With a call for each angle, whatever is known of others.
-    pub(super) fn apart(mut self) -> Self {
-        self.scheduler.keep_angles_apart();
+    /// Disables the computation of sines and cosines by angle addition, so that each angle has a call of its own.
+    pub(super) fn without_angle_addition(mut self) -> Self {
+        self.scheduler.disable_angle_addition();
         self
     }
 

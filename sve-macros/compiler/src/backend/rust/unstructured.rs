@@ -65,7 +65,7 @@ fn evaluation(
         residual, jacobian, ..
     } = iteration;
     let roots: Vec<Expr> = residual.iter().copied().chain(jacobian.stored()).collect();
-    let mut straight = Straight::new(arena, symbols, &roots).apart();
+    let mut straight = Straight::new(arena, symbols, &roots).without_angle_addition();
     let (residual, magnitude) = straight.residuals(residual);
     let values = [
         (vec![residual], vec!["residual".to_owned()]),
@@ -102,7 +102,7 @@ fn results(
 ) -> (TokenStream, Operations) {
     let rows = [scheme.dq.clone(), scheme.dp.clone()];
     let roots = rows.concat();
-    let mut straight = Straight::new(arena, symbols, &roots).apart();
+    let mut straight = Straight::new(arena, symbols, &roots).without_angle_addition();
     let values = (
         straight.values(&rows),
         ["dq", "dp"].map(ToOwned::to_owned).to_vec(),

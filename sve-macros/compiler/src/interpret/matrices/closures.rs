@@ -1,4 +1,4 @@
-//! Methods of vectors and matrices that run a closure for each entry.
+//! Methods of vectors and matrices that call a closure for each entry.
 
 use syn::{Expr as Syntax, ExprMethodCall};
 
@@ -8,7 +8,7 @@ use crate::interpret::calls::Argument;
 use crate::interpret::value::Value;
 
 impl Lowering<'_> {
-    /// `map`, `zip_map` and `fold`; nothing if the method is none of them.
+    /// Evaluates `map`, `zip_map` and `fold`; `None` for other methods.
     pub(super) fn closure_method(
         &mut self,
         call: &ExprMethodCall,
@@ -57,7 +57,7 @@ impl Lowering<'_> {
             let arguments = [a, b].map(|value| Argument { value, at });
             results.push(self.apply(function, arguments.into()));
             if self.errors.count() > mistakes || !self.tick(function) {
-                // the same mistake for the next entry would be the same error
+                // the next entry would repeat the error
                 return None;
             }
         }

@@ -12,15 +12,15 @@ use crate::interpret::integers::Integer;
 use crate::interpret::value::Value;
 use crate::syntax::nalgebra::Written;
 
-/// A type whose sizes may be left to the arguments.
+/// A type whose sizes may follow from the arguments of its constructor.
 #[derive(Clone, Copy)]
-pub(super) struct Made {
+pub(super) struct PartialType {
     pub(super) kind: Kind,
     pub(super) rows: Option<usize>,
     pub(super) columns: Option<usize>,
 }
 
-impl Made {
+impl PartialType {
     /// The type, if both sizes are known.
     fn ty(self) -> Option<MatrixType> {
         Some(MatrixType {
@@ -31,15 +31,15 @@ impl Made {
     }
 }
 
-/// What to say of a size that is not written.
+/// The message for a size that is not written.
 const NO_SIZE: &str =
     "the size is not written here: write it, as in `SVector::<f64, 3>` or `SMatrix::<f64, 2, 3>`";
 
-/// The functions that make values of nalgebra.
+/// The part of a message that lists the constructors.
 const UNDERSTOOD: &str = "vectors and matrices are made by `new`, `zeros`, `repeat`, `identity`, `from_diagonal`, `from_columns`, `from_rows`, `from_row_slice`, `from` and `from_fn`, axes by `x()` and `x_axis()`, rotations by `Rotation2::new`, `Rotation3::from_euler_angles` and `from_axis_angle`";
 
 impl Lowering<'_> {
-    /// Calls a function of a type of nalgebra; nothing if the path names none.
+    /// Calls an associated function of a type of nalgebra; `None` if the path is not such a function.
     pub(in crate::interpret) fn construct(
         &mut self,
         path: &syn::ExprPath,
@@ -59,7 +59,7 @@ impl Lowering<'_> {
             return Some(Value::Poison);
         }
         let [rows, columns] = [&written.rows, &written.columns].map(|size| self.size(size));
-        let made = Made {
+        let made = PartialType {
             kind: written.kind,
             rows: rows.ok()?,
             columns: columns.ok()?,
@@ -81,10 +81,10 @@ impl Lowering<'_> {
         })
     }
 
-    /// A vector or matrix; nothing after an error, and what to say of this call as an error.
+    /// Makes a vector or matrix. Returns `None` after a reported error, and `Err` with the message if the call itself is wrong.
     fn new_matrix(
         &mut self,
-        made: Made,
+        made: PartialType,
         name: &str,
         at: Span,
         arguments: &[Argument],
@@ -140,10 +140,10 @@ impl Lowering<'_> {
         Ok(Some(matrix.into()))
     }
 
-    /// A matrix with this number on the diagonal, 0 elsewhere.
+    /// Makes a matrix with a number on the diagonal and 0 elsewhere.
     pub(super) fn diagonal_matrix(
         &mut self,
-        made: Made,
+        made: PartialType,
         diagonal: f64,
     ) -> Result<Matrix<Expr>, String> {
         let ty = made.ty().ok_or(NO_SIZE)?;
@@ -154,7 +154,7 @@ impl Lowering<'_> {
         ))
     }
 
-    /// A matrix from its numbers, one row after the other.
+    /// Makes a matrix from its numbers, by rows.
     fn matrix_of_rows(
         &mut self,
         ty: MatrixType,
@@ -172,7 +172,7 @@ impl Lowering<'_> {
         if !self.work(ty.len(), &at) {
             return Ok(None);
         }
-        // all arguments, for the mistakes in each
+        // evaluates all arguments before it returns, so that the mistakes in each are reported
         let numbers: Vec<Option<Expr>> = arguments
             .iter()
             .map(|argument| self.scalar(&argument.value, &argument.at))
@@ -187,7 +187,7 @@ impl Lowering<'_> {
 
     fn matrix_of_diagonal(
         &mut self,
-        made: Made,
+        made: PartialType,
         diagonal: &Argument,
     ) -> Result<Option<Value>, String> {
         let rows = match (&diagonal.value, made.rows.or(made.columns)) {
@@ -209,10 +209,10 @@ impl Lowering<'_> {
         Ok(Some(matrix.into()))
     }
 
-    /// A matrix from its columns or its rows.
+    /// Makes a matrix from its columns or its rows.
     fn joined(
         &mut self,
-        made: Made,
+        made: PartialType,
         list: &Argument,
         by_columns: bool,
     ) -> Result<Option<Value>, String> {
@@ -262,7 +262,7 @@ impl Lowering<'_> {
         Ok(Some(Matrix::from_fn(whole, entry).into()))
     }
 
-    /// The items of an array.
+    /// Returns the items of an array as arguments.
     fn items_of_slice(&mut self, list: &Argument) -> Option<Vec<Argument>> {
         match &list.value {
             Value::Array(items) => Some(
@@ -282,7 +282,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// `from`: numbers become a vector, arrays of numbers the columns of a matrix.
+    /// Evaluates `from`: an array of numbers becomes a vector, an array of arrays the columns of a matrix.
     pub(in crate::interpret) fn converted_matrix(
         &mut self,
         value: &Value,
@@ -327,7 +327,7 @@ impl Lowering<'_> {
         None
     }
 
-    /// The numbers of an array; those of a field are as many as `length`.
+    /// Returns the numbers of an array, and the first `length` entries of a field.
     fn array_of(&mut self, value: &Value, length: usize) -> Option<Vec<Value>> {
         let argument = Argument {
             value: value.clone(),
@@ -336,10 +336,10 @@ impl Lowering<'_> {
         self.items(&argument, Some(length))
     }
 
-    /// `from_fn(|i, j| …)`.
+    /// Evaluates `from_fn(|i, j| …)`.
     fn matrix_of_closure(
         &mut self,
-        made: Made,
+        made: PartialType,
         function: &Argument,
     ) -> Result<Option<Value>, String> {
         let ty = made.ty().ok_or(NO_SIZE)?;
@@ -365,8 +365,8 @@ impl Lowering<'_> {
         Ok(self.numbers(&matrix, &function.at).map(Value::from))
     }
 
-    /// `Vector3::x()`, a vector of length 1, and `Vector3::x_axis()`, the same as a `Unit`.
-    fn axis(&mut self, made: Made, name: &str) -> Result<Option<Value>, String> {
+    /// Makes the unit vector along an axis: `Vector3::x()`, or as a `Unit`, `Vector3::x_axis()`.
+    fn axis(&mut self, made: PartialType, name: &str) -> Result<Option<Value>, String> {
         let letter = name.strip_suffix("_axis").unwrap_or(name);
         let at = COMPONENTS.iter().position(|component| *component == letter);
         let (Some(at), Some(ty)) = (at, made.ty()) else {

@@ -8,7 +8,7 @@ pub(super) fn inner(arena: &mut Arena, a: &Matrix<Expr>, b: &Matrix<Expr>) -> Ex
     sum(arena, &products.entries)
 }
 
-/// √(Σ x²), whose derivatives do not exist at 0: the domain of the root.
+/// Returns √(Σ x²). Its derivatives do not exist at 0, which the domain of the root excludes.
 pub(super) fn norm(arena: &mut Arena, m: &Matrix<Expr>) -> Expr {
     let square = inner(arena, m, m);
     arena.call(Function::Sqrt, square)
@@ -19,7 +19,7 @@ pub(super) fn normalized(arena: &mut Arena, m: &Matrix<Expr>) -> Matrix<Expr> {
     each(arena, m, norm, Arena::div)
 }
 
-/// A vector or matrix of what an operation makes of the entries of two.
+/// Applies an operation to the corresponding entries of two vectors or matrices.
 pub(super) fn entrywise(
     arena: &mut Arena,
     a: &Matrix<Expr>,
@@ -34,7 +34,7 @@ pub(super) fn entrywise(
     }
 }
 
-/// A vector or matrix of what an operation makes of each entry and a number.
+/// Applies an operation to each entry and a number.
 pub(super) fn each(
     arena: &mut Arena,
     m: &Matrix<Expr>,
@@ -60,13 +60,13 @@ pub(super) fn transpose(m: &Matrix<Expr>) -> Matrix<Expr> {
     }
 }
 
-/// `a₀ b₁ − a₁ b₀`.
+/// Returns `a₀ b₁ − a₁ b₀`.
 pub(super) fn minor(arena: &mut Arena, a: [Expr; 2], b: [Expr; 2]) -> Expr {
     let [left, right] = [(a[0], b[1]), (a[1], b[0])].map(|(a, b)| arena.mul(a, b));
     arena.sub(left, right)
 }
 
-/// A rotation of a vector.
+/// Returns the image of a vector under a rotation.
 pub(super) fn image(arena: &mut Arena, rotation: &Matrix<Expr>, v: &Matrix<Expr>) -> Matrix<Expr> {
     let entries = (0..rotation.ty.rows).map(|i| {
         let row = rotation.part((i, 0), MatrixType::matrix(1, rotation.ty.columns));
@@ -78,10 +78,11 @@ pub(super) fn image(arena: &mut Arena, rotation: &Matrix<Expr>, v: &Matrix<Expr>
     }
 }
 
-/// Expansion by the first column of ever smaller minors; those of the last columns are computed once for each choice of rows.
+/// Expands a determinant along its first column, recursively. Each minor of the last columns is computed once. Returns `None` if the
+/// matrix is too large.
 pub(super) fn determinant(arena: &mut Arena, m: &Matrix<Expr>) -> Option<Expr> {
     let n = m.ty.rows;
-    if n > MINORS {
+    if n > MAX_DETERMINANT {
         return None;
     }
     // minors of the last columns, by the set of their rows
@@ -102,5 +103,5 @@ pub(super) fn determinant(arena: &mut Arena, m: &Matrix<Expr>) -> Option<Expr> {
     minors.last().copied()
 }
 
-/// Largest size of which a determinant is written out: the number of its minors doubles with each row.
-pub(super) const MINORS: usize = 6;
+/// Largest number of rows of a determinant that is expanded. The number of minors doubles with each row.
+pub(super) const MAX_DETERMINANT: usize = 6;

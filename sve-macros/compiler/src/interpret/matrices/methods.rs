@@ -1,10 +1,10 @@
-//! Calls of the methods in the table: their arguments, and the types of parameters that follow from these.
+//! Calls of the methods in the table: their arguments, and the types of parameters that follow from the arguments.
 
 use proc_macro2::Span;
 use syn::ExprMethodCall;
 
-use super::formulas::MINORS;
-use super::table::{Given, Gives, METHODS, Method, Receiver, Takes};
+use super::formulas::MAX_DETERMINANT;
+use super::table::{ArgumentKind, CallArguments, METHODS, Method, MethodResult, Receiver};
 use super::{Kind, Matrix, MatrixType, refused, unknown_type};
 use crate::algebra::Expr;
 use crate::interpret::Lowering;
@@ -13,28 +13,30 @@ use crate::interpret::fields::FieldPath;
 use crate::interpret::floats::{self, are, plural};
 use crate::interpret::value::Value;
 
-/// Whether vectors or matrices have a method of this name.
+/// Returns whether vectors or matrices have a method of this name.
 pub(super) fn is_method(name: &str) -> bool {
     METHODS.iter().any(|method| method.name == name)
 }
 
-/// The names of methods, for suggestions.
+/// Returns the names of the methods, for suggestions.
 pub(super) fn names() -> impl Iterator<Item = &'static str> {
     METHODS.iter().map(|method| method.name)
 }
 
-/// The type that a parameter must have for a method and its first argument; nothing where several types are possible.
+/// Returns the type that a parameter must have for a method and its first argument; `None` if several types are possible.
 fn type_of_parameter(method: &Method, first: Option<&Value>) -> Option<MatrixType> {
     match (method.receiver, method.takes.first(), first) {
-        (_, Some(Takes::Same), Some(Value::Matrix(other))) => Some(other.ty.plain()),
+        (_, Some(ArgumentKind::Same), Some(Value::Matrix(other))) => Some(other.ty.plain()),
         // a cross product of columns, unless the argument is known to be a row
-        (Receiver::Of(length), Some(Takes::Same), Some(_)) => Some(MatrixType::vector(length)),
+        (Receiver::OfLength(length), Some(ArgumentKind::Same), Some(_)) => {
+            Some(MatrixType::vector(length))
+        }
         _ => None,
     }
 }
 
 impl Lowering<'_> {
-    /// A method of the table; nothing if it has none of this name.
+    /// Calls a method of the table; `None` if the table has no method of this name.
     pub(super) fn tabled_method(
         &mut self,
         call: &ExprMethodCall,
@@ -52,9 +54,9 @@ impl Lowering<'_> {
             );
             return Some(self.refuse(&call.method, message));
         }
-        if name == "determinant" && ty.rows > MINORS {
+        if name == "determinant" && ty.rows > MAX_DETERMINANT {
             let message = format!(
-                "the determinant of a `{ty}` is too long a formula: the limit is {MINORS} rows"
+                "the determinant of a `{ty}` is too long a formula: the limit is {MAX_DETERMINANT} rows"
             );
             return Some(self.refuse(&call.method, message));
         }
@@ -63,10 +65,10 @@ impl Lowering<'_> {
             let message = format!("`{name}` takes {takes}, here {}", are(arguments.len()));
             return Some(self.refuse(&call.method, message));
         }
-        let mut given = Given::default();
+        let mut given = CallArguments::default();
         for (takes, argument) in method.takes.iter().zip(arguments) {
             if self
-                .given(&mut given, *takes, ty, argument, &name)
+                .add_argument(&mut given, *takes, ty, argument, &name)
                 .is_none()
             {
                 return Some(Value::Poison);
@@ -76,46 +78,48 @@ impl Lowering<'_> {
         let Some(receiver) = receiver.filter(|m| self.work(m.entries.len(), call)) else {
             return Some(Value::Poison);
         };
-        Some(match method.gives {
-            Gives::Number(compute) => match compute(self.arena, &receiver, &given) {
+        Some(match method.result {
+            MethodResult::Number(compute) => match compute(self.arena, &receiver, &given) {
                 Some(number) => self.computed_number(number, &call.method),
                 None => Value::Poison,
             },
-            Gives::Matrix(compute) => match compute(self.arena, &receiver, &given) {
+            MethodResult::Matrix(compute) => match compute(self.arena, &receiver, &given) {
                 Some(matrix) => self.computed_matrix(matrix, &call.method),
                 None => Value::Poison,
             },
         })
     }
 
-    /// Reads an argument of a method of a `ty`; nothing after an error.
-    fn given(
+    /// Evaluates an argument of a method of a `ty`; `None` after an error.
+    fn add_argument(
         &mut self,
-        given: &mut Given,
-        takes: Takes,
+        given: &mut CallArguments,
+        takes: ArgumentKind,
         ty: MatrixType,
         argument: &Argument,
         name: &str,
     ) -> Option<()> {
         match takes {
-            Takes::Same => {
+            ArgumentKind::Same => {
                 let matrix = self.matrix_argument(argument, ty.plain(), name)?;
                 given.matrices.push(matrix);
             }
-            Takes::Vector => {
+            ArgumentKind::Vector => {
                 let matrix = self.matrix_argument(argument, MatrixType::vector(ty.rows), name)?;
                 given.matrices.push(matrix);
             }
-            Takes::Number => given
+            ArgumentKind::Number => given
                 .numbers
                 .push(self.scalar(&argument.value, &argument.at)?),
-            Takes::Row => given.index = self.count_argument(argument, ty.rows, "rows")?,
-            Takes::Column => given.index = self.count_argument(argument, ty.columns, "columns")?,
+            ArgumentKind::Row => given.index = self.count_argument(argument, ty.rows, "rows")?,
+            ArgumentKind::Column => {
+                given.index = self.count_argument(argument, ty.columns, "columns")?
+            }
         }
         Some(())
     }
 
-    /// An argument that is a matrix of this size; a parameter gets its type from there.
+    /// Evaluates an argument that must be a matrix of this size. A parameter gets this type.
     pub(super) fn matrix_argument(
         &mut self,
         argument: &Argument,
@@ -138,7 +142,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// An argument that is an index below `bound`.
+    /// Evaluates an argument that must be an index below `bound`.
     fn count_argument(&mut self, argument: &Argument, bound: usize, what: &str) -> Option<usize> {
         let index = self.index_of(&argument.value, &argument.at)?;
         if index < bound {
@@ -149,7 +153,7 @@ impl Lowering<'_> {
         None
     }
 
-    /// A method of vectors of a parameter, whose type is found from the arguments.
+    /// Calls a method of vectors of a parameter, whose type follows from the arguments.
     pub(super) fn method_of_field(
         &mut self,
         call: &ExprMethodCall,
@@ -182,7 +186,7 @@ impl Lowering<'_> {
         self.tabled_method(call, &receiver, &arguments, at)
     }
 
-    /// What to say of a method of vectors that is called on a number.
+    /// Returns the message for a method of vectors that is called on a number.
     pub(super) fn no_method_of_number(&mut self, name: &str) -> String {
         let method = METHODS.iter().find(|method| method.name == name);
         let example = self.example_of_type(method);
@@ -192,8 +196,8 @@ impl Lowering<'_> {
         )
     }
 
-    /// A type that a parameter may have, for messages: one that has the method, and the size of the coordinates where they are a
-    /// vector.
+    /// Returns a type that a parameter may have, for messages. The type has the method and, if the coordinates are a vector, their
+    /// size.
     pub(super) fn example_of_type(&mut self, method: Option<&Method>) -> String {
         let block = self.block;
         let coordinates = self.matrix_type(block.coordinates());
@@ -201,7 +205,7 @@ impl Lowering<'_> {
         let of_matrices = ["transpose", "adjoint", "row", "column"];
         let ty = match method {
             Some(method) => match method.receiver {
-                Receiver::Of(length) => MatrixType::vector(length),
+                Receiver::OfLength(length) => MatrixType::vector(length),
                 Receiver::Square => MatrixType::matrix(n, n),
                 Receiver::Rotation => MatrixType {
                     kind: Kind::Rotation,

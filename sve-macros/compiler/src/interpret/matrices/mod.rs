@@ -1,7 +1,7 @@
-//! Vectors, matrices and rotations of nalgebra: a size and its entries.
+//! Vectors, matrices and rotations of nalgebra: a size and the entries.
 //!
-//! Invariant: a [`Matrix`] has rows × columns entries, stored as in nalgebra, one column after the other. Sizes are known whenever a
-//! value is made; a parameter of unknown type gets its size from its use or from the type that is written beside it.
+//! Invariant: a [`Matrix`] has rows × columns entries, stored by columns as in nalgebra. The size of a matrix is always known. A
+//! parameter of unknown type gets its size from its use or from a type annotation.
 
 mod closures;
 mod constructors;
@@ -29,7 +29,7 @@ pub(super) use crate::syntax::nalgebra::Kind;
 /// Names of the components of vectors.
 pub(super) const COMPONENTS: [&str; 6] = ["x", "y", "z", "w", "a", "b"];
 
-/// Numbers that a matrix may have: products of matrices are unrolled.
+/// Largest number of entries of a matrix, since products of matrices are unrolled.
 const ENTRIES: usize = 4096;
 
 /// A type of nalgebra with its sizes.
@@ -53,7 +53,7 @@ impl MatrixType {
         Self::matrix(rows, 1)
     }
 
-    /// Number of entries.
+    /// Returns the number of entries.
     pub(super) fn len(self) -> usize {
         self.rows.saturating_mul(self.columns)
     }
@@ -62,7 +62,7 @@ impl MatrixType {
         self.columns == 1
     }
 
-    /// Why a matrix of this size is not understood.
+    /// Returns the reason why matrices of this size are not supported; `None` if they are.
     pub(super) fn unusable(self) -> Option<String> {
         match self.len() {
             0 => Some("a matrix without entries is not understood".to_owned()),
@@ -81,17 +81,17 @@ impl MatrixType {
         (self.rows, self.columns) == (other.rows, other.columns)
     }
 
-    /// The same size, as a matrix.
+    /// Returns the type of a plain matrix of this size.
     fn plain(self) -> Self {
         Self::matrix(self.rows, self.columns)
     }
 
-    /// The place of an entry in storage; nothing where there is no such entry.
+    /// Returns the index of an entry in storage; `None` if there is no such entry.
     pub(super) fn place(self, row: usize, column: usize) -> Option<usize> {
         (row < self.rows && column < self.columns).then(|| column * self.rows + row)
     }
 
-    /// The place of the entry that is called `.x` or `.m21`.
+    /// Returns the index in storage of an entry with a name, such as `.x` or `.m21`.
     pub(super) fn place_of(self, member: &Member) -> Option<usize> {
         let Member::Named(name) = member else {
             return None;
@@ -105,7 +105,7 @@ impl MatrixType {
         self.place(row, column)
     }
 
-    /// What its entries are called, for messages.
+    /// Returns the names of the entries, for messages.
     pub(super) fn entry_names(self) -> String {
         if self.rows.min(self.columns) != 1 {
             let (row, column) = (self.rows.saturating_sub(1), self.columns.saturating_sub(1));
@@ -122,7 +122,7 @@ impl MatrixType {
     }
 }
 
-/// Row and column of the entry that is called `m21`.
+/// Returns row and column of an entry with a name such as `m21`.
 pub(super) fn row_and_column(name: &str) -> Option<(usize, usize)> {
     let digits: Vec<usize> = name
         .strip_prefix('m')?
@@ -156,19 +156,19 @@ impl fmt::Display for MatrixType {
 #[derive(Clone)]
 pub(super) struct Matrix<T> {
     pub(super) ty: MatrixType,
-    /// Entries in columns, one column after the other.
+    /// The entries, by columns.
     pub(super) entries: Vec<T>,
 }
 
 impl<T: Clone> Matrix<T> {
-    /// A matrix from a function of row and column.
+    /// Makes a matrix from a function of row and column.
     fn from_fn(ty: MatrixType, mut entry: impl FnMut(usize, usize) -> T) -> Self {
         let places = (0..ty.columns).flat_map(|column| (0..ty.rows).map(move |row| (row, column)));
         let entries = places.map(|(row, column)| entry(row, column)).collect();
         Self { ty, entries }
     }
 
-    /// An entry within the size.
+    /// Returns an entry.
     fn at(&self, row: usize, column: usize) -> T {
         self.entries[column * self.ty.rows + row].clone()
     }
@@ -182,7 +182,7 @@ impl<T: Clone> Matrix<T> {
         Self::from_fn(ty, |row, column| self.at(column, row))
     }
 
-    /// The part of `size` that begins at a row and a column within the matrix.
+    /// Returns the submatrix of a size that begins at a row and a column.
     fn part(&self, (row, column): (usize, usize), size: MatrixType) -> Self {
         Self::from_fn(size, |i, j| self.at(row + i, column + j))
     }
@@ -194,7 +194,7 @@ impl<T: Clone> Matrix<T> {
 }
 
 impl Matrix<Value> {
-    /// A parameter of this type: its entries are read one by one.
+    /// Returns the matrix of the entries of a parameter.
     pub(super) fn of_field(path: &FieldPath, ty: MatrixType) -> Self {
         Self::from_fn(ty, |row, column| {
             Value::Field(entry_of_field(path, ty, row, column))
@@ -202,7 +202,7 @@ impl Matrix<Value> {
     }
 }
 
-/// The entry of a parameter of this type, as generated code reads it.
+/// Returns the path by which generated code reads an entry of a parameter.
 pub(super) fn entry_of_field(
     path: &FieldPath,
     ty: MatrixType,
@@ -232,7 +232,7 @@ impl From<Matrix<Expr>> for Value {
 }
 
 impl Lowering<'_> {
-    /// A method of a vector or matrix; nothing if the receiver is none, or a parameter without such a method.
+    /// Calls a method of a vector or matrix; `None` if the receiver is neither, or is a parameter and no such method exists.
     pub(super) fn matrix_method(
         &mut self,
         call: &ExprMethodCall,
@@ -273,7 +273,7 @@ impl Lowering<'_> {
         Some(value.unwrap_or_else(|| self.refuse(&at, refused::refusal(&name))))
     }
 
-    /// `a.tr_mul(&b)`, the product of the transpose.
+    /// Evaluates `a.tr_mul(&b)`, the product of the transpose of `a` and `b`.
     fn transposed_product(&mut self, a: &Matrix<Value>, arguments: &[Argument], at: Span) -> Value {
         let [
             Argument {
@@ -294,7 +294,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// The sum of vectors or matrices that an iterator gives; nothing if there are none among its items.
+    /// Adds the vectors or matrices among the items of an iterator; `None` if the items are numbers.
     pub(super) fn sum_of_matrices(
         &mut self,
         call: &ExprMethodCall,
@@ -334,7 +334,7 @@ impl Lowering<'_> {
         Some(self.computed_matrix(total, &call.method))
     }
 
-    /// The expressions of a matrix, or an error at `at`.
+    /// Returns the expressions of a matrix, or reports an error at `at`.
     fn numbers(&mut self, matrix: &Matrix<Value>, at: &impl Spanned) -> Option<Matrix<Expr>> {
         let mut entries = Vec::with_capacity(matrix.entries.len());
         for entry in &matrix.entries {
@@ -346,7 +346,7 @@ impl Lowering<'_> {
         })
     }
 
-    /// A computed matrix, or an error where its constants overflow.
+    /// Returns the value of a computed matrix, or reports an error if a constant overflows.
     fn computed_matrix(&mut self, matrix: Matrix<Expr>, at: &impl Spanned) -> Value {
         if matrix
             .entries
@@ -359,7 +359,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// A computed number, or an error where its constants overflow.
+    /// Returns the value of a computed number, or reports an error if a constant overflows.
     fn computed_number(&mut self, number: Expr, at: &impl Spanned) -> Value {
         if self.arena.is_finite(number) {
             Value::Scalar(number)
@@ -368,7 +368,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// `a₁ b₁ + a₂ b₂ + …`.
+    /// Computes `a₁ b₁ + a₂ b₂ + …`.
     fn inner_product(&mut self, a: &[Expr], b: &[Expr]) -> Expr {
         let products: Vec<Expr> = a
             .iter()
@@ -379,7 +379,7 @@ impl Lowering<'_> {
     }
 }
 
-/// The sum of numbers, from the first to the last.
+/// Adds numbers, from the first to the last.
 fn sum(arena: &mut Arena, terms: &[Expr]) -> Expr {
     let mut terms = terms.iter().copied();
     let Some(first) = terms.next() else {
@@ -388,7 +388,7 @@ fn sum(arena: &mut Arena, terms: &[Expr]) -> Expr {
     terms.fold(first, |sum, term| arena.add(sum, term))
 }
 
-/// What to say of a parameter whose type is needed and not known.
+/// Returns the message for a parameter whose type is needed and not known.
 pub(super) fn unknown_type(path: &FieldPath, example: &str) -> String {
     let name = super::readable(&path.access());
     format!(

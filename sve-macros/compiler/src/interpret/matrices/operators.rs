@@ -1,7 +1,7 @@
 //! `+ − * /` of vectors, matrices, rotations and numbers.
 //!
-//! A parameter whose type is not written has that of the other operand in a sum; in a product or quotient it is a number. Generated
-//! code reads it as an `f64`, so that a vector there is an error of types at the parameter.
+//! In a sum, a parameter without a type annotation has the type of the other operand. In a product or quotient it is a number: generated
+//! code reads it as an `f64`, and a parameter of another type is a type error at the parameter.
 
 use syn::spanned::Spanned;
 use syn::{BinOp, Expr as Syntax};
@@ -19,7 +19,7 @@ enum Operand {
 }
 
 impl Lowering<'_> {
-    /// Arithmetic with a matrix among the operands; nothing where there is none.
+    /// Computes with two operands; `None` if neither is a matrix.
     pub(in crate::interpret) fn matrix_arithmetic(
         &mut self,
         op: char,
@@ -48,7 +48,7 @@ impl Lowering<'_> {
         }))
     }
 
-    /// An operand beside a matrix of type `ty`.
+    /// Evaluates an operand of an operation with a matrix of type `ty`.
     fn matrix_operand(
         &mut self,
         op: char,
@@ -72,7 +72,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// `-a`.
+    /// Computes `-a`.
     pub(in crate::interpret) fn negative(
         &mut self,
         matrix: &Matrix<Value>,
@@ -136,7 +136,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// A number times a matrix.
+    /// Computes a number times a matrix.
     fn multiple(&mut self, x: Expr, matrix: Matrix<Expr>, token: &BinOp) -> Result<Value, String> {
         if matrix.ty.kind == Kind::Rotation {
             return Err(
@@ -152,7 +152,7 @@ impl Lowering<'_> {
         Ok(self.computed_matrix(Matrix { ty, entries }, token))
     }
 
-    /// The product of two matrices, or why there is none; nothing after an error.
+    /// Computes the product of two matrices. Returns `None` after a reported error, and `Err` with the message if the sizes differ.
     pub(super) fn product(
         &mut self,
         a: &Matrix<Expr>,
@@ -226,7 +226,7 @@ impl Lowering<'_> {
         Ok(self.computed_matrix(Matrix { ty, entries }, token))
     }
 
-    /// What to add to an error of sizes where an operand has a parameter that was taken for a number.
+    /// Returns an addition to a message about sizes if a parameter in an operand was taken for a number.
     fn hint(&mut self, left: &Syntax, right: &Syntax) -> String {
         let example = self.example_of_type(None);
         let Some(path) = &self.taken_for_number else {

@@ -1,4 +1,4 @@
-//! Methods of vectors and matrices that are not smooth or not understood, and what to write instead.
+//! Methods of vectors and matrices that are not smooth or not supported, and the replacements that messages offer.
 
 use super::methods;
 use crate::errors::nearest;
@@ -9,7 +9,7 @@ const NOT_SMOOTH: &str =
 const FACTORISATION: &str = "a factorisation is no formula; make the result a parameter, or write the formula of a small matrix with `determinant`";
 const IN_PLACE: &str = "methods that change a vector in place are not followed; assign to it, `v = …`, `v += …` or `v[i] = …`";
 
-/// Methods and what to write instead.
+/// Methods, and the end of the message that says what to write instead.
 const REFUSED: &[(&[&str], &str)] = &[
     (
         &["abs"],
@@ -125,12 +125,12 @@ const REFUSED: &[(&[&str], &str)] = &[
     ),
 ];
 
-/// Whether it is told what to write instead of a method.
+/// Returns whether a method is in the list.
 pub(super) fn is_listed(name: &str) -> bool {
     REFUSED.iter().any(|(names, _)| names.contains(&name))
 }
 
-/// What to say of a method that vectors and matrices do not have here.
+/// Returns the message for a method of vectors and matrices that is not supported.
 pub(super) fn refusal(name: &str) -> String {
     let listed = REFUSED.iter().find(|(names, _)| names.contains(&name));
     let instead = match listed {

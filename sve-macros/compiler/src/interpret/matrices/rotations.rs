@@ -2,7 +2,7 @@
 
 use proc_macro2::Span;
 
-use super::constructors::{Made, not_understood};
+use super::constructors::{PartialType, not_understood};
 use super::formulas::normalized;
 use super::{Kind, Matrix, MatrixType};
 use crate::algebra::{Expr, Function};
@@ -11,10 +11,10 @@ use crate::interpret::calls::Argument;
 use crate::interpret::value::Value;
 
 impl Lowering<'_> {
-    /// A rotation; nothing after an error, and what to say of this call as an error.
+    /// Makes a rotation. Returns `None` after a reported error, and `Err` with the message if the call itself is wrong.
     pub(super) fn new_rotation(
         &mut self,
-        made: Made,
+        made: PartialType,
         name: &str,
         at: Span,
         arguments: &[Argument],
@@ -70,7 +70,7 @@ impl Lowering<'_> {
         [Function::Sin, Function::Cos].map(|function| self.arena.call(function, angle))
     }
 
-    /// Rotations about x, then y, then z, as nalgebra composes them.
+    /// Returns the rotation about x, then y, then z, in the convention of nalgebra.
     fn euler_rotation(&mut self, angles: [Expr; 3]) -> Matrix<Expr> {
         let [[sr, cr], [sp, cp], [sy, cy]] = angles.map(|angle| self.sin_cos(angle));
         let arena = &mut *self.arena;
@@ -101,7 +101,7 @@ impl Lowering<'_> {
         Matrix::from_fn(MatrixType::matrix(3, 3), |i, j| rows[i][j])
     }
 
-    /// cos θ 1 + sin θ [u] + (1 − cos θ) u uᵀ (Rodrigues) for a unit vector u.
+    /// Returns the rotation by θ about a unit vector u, by Rodrigues' formula cos θ 1 + sin θ [u]ₓ + (1 − cos θ) u uᵀ.
     fn axis_rotation(&mut self, axis: &Matrix<Expr>, angle: Expr) -> Matrix<Expr> {
         let [sin, cos] = self.sin_cos(angle);
         let arena = &mut *self.arena;
@@ -111,10 +111,10 @@ impl Lowering<'_> {
             if i == j {
                 let square = arena.pow(axis.entries[i], 2);
                 let complement = arena.sub(one, square);
-                let turned = arena.mul(complement, cos);
-                return arena.add(square, turned);
+                let scaled = arena.mul(complement, cos);
+                return arena.add(square, scaled);
             }
-            // the third axis, positive where i, j, k are in cyclic order
+            // the entry of [u]ₓ: the component along the third axis, whose sign depends on the order of i and j
             let along = arena.mul(axis.entries[3 - i - j], sin);
             let product = arena.product(&[(axis.entries[i], 1), (axis.entries[j], 1), (rest, 1)]);
             if (i + 1) % 3 == j {
@@ -125,7 +125,7 @@ impl Lowering<'_> {
         })
     }
 
-    /// A unit vector.
+    /// Makes a unit vector.
     pub(super) fn new_unit(
         &mut self,
         name: &str,

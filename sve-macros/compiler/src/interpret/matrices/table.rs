@@ -1,7 +1,7 @@
-//! The table of methods of vectors, matrices and rotations: what each is of, what it takes and what it gives.
+//! The table of methods of vectors, matrices and rotations: receiver, arguments and result of each method.
 //!
-//! Methods that run closures are in `closures.rs`, those that give parts or iterators in `views.rs`, those that are refused in
-//! `refused.rs`.
+//! Methods that call closures are in `closures.rs`, methods that return submatrices or iterators in `views.rs`, methods that are not
+//! supported in `refused.rs`.
 
 use super::formulas::{
     determinant, each, entrywise, image, inner, minor, norm, normalized, transpose,
@@ -9,14 +9,14 @@ use super::formulas::{
 use super::{Kind, Matrix, MatrixType, sum};
 use crate::algebra::{Arena, Expr};
 
-/// What a method is of.
+/// The values that have a method.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Receiver {
     Any,
     /// One column.
     Vector,
     /// A vector or row of this length.
-    Of(usize),
+    OfLength(usize),
     Square,
     One,
     Rotation,
@@ -24,10 +24,10 @@ pub(super) enum Receiver {
     Wrapped,
 }
 
-/// An argument.
+/// The kind of an argument.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Takes {
-    /// Of the size of the receiver.
+pub(super) enum ArgumentKind {
+    /// A matrix of the receiver's size.
     Same,
     /// A vector with as many entries as the receiver has rows.
     Vector,
@@ -40,13 +40,13 @@ pub(super) enum Takes {
 
 /// The arguments of a call.
 #[derive(Default)]
-pub(super) struct Given {
+pub(super) struct CallArguments {
     pub(super) matrices: Vec<Matrix<Expr>>,
     pub(super) numbers: Vec<Expr>,
     pub(super) index: usize,
 }
 
-impl Given {
+impl CallArguments {
     fn matrix(&self) -> Option<&Matrix<Expr>> {
         self.matrices.first()
     }
@@ -57,10 +57,11 @@ impl Given {
 }
 
 /// A function that computes a result of this type.
-pub(super) type Compute<T> = fn(&mut Arena, &Matrix<Expr>, &Given) -> Option<T>;
+pub(super) type Compute<T> = fn(&mut Arena, &Matrix<Expr>, &CallArguments) -> Option<T>;
 
-/// What a method gives; nothing where an argument is missing, which has been reported.
-pub(super) enum Gives {
+/// The result of a method, with the function that computes it. The function returns `None` if an argument is missing, which has been
+/// reported.
+pub(super) enum MethodResult {
     Number(Compute<Expr>),
     Matrix(Compute<Matrix<Expr>>),
 }
@@ -68,45 +69,48 @@ pub(super) enum Gives {
 pub(super) struct Method {
     pub(super) name: &'static str,
     pub(super) receiver: Receiver,
-    pub(super) takes: &'static [Takes],
-    pub(super) gives: Gives,
+    pub(super) takes: &'static [ArgumentKind],
+    pub(super) result: MethodResult,
 }
 
 const fn number(
     name: &'static str,
     receiver: Receiver,
-    takes: &'static [Takes],
+    takes: &'static [ArgumentKind],
     compute: Compute<Expr>,
 ) -> Method {
-    let gives = Gives::Number(compute);
+    let result = MethodResult::Number(compute);
     Method {
         name,
         receiver,
         takes,
-        gives,
+        result,
     }
 }
 
 const fn matrix(
     name: &'static str,
     receiver: Receiver,
-    takes: &'static [Takes],
+    takes: &'static [ArgumentKind],
     compute: Compute<Matrix<Expr>>,
 ) -> Method {
-    let gives = Gives::Matrix(compute);
+    let result = MethodResult::Matrix(compute);
     Method {
         name,
         receiver,
         takes,
-        gives,
+        result,
     }
 }
 
 /// The methods of nalgebra that are smooth formulas.
 pub(super) static METHODS: &[Method] = &[
-    number("dot", Receiver::Any, &[Takes::Same], |arena, m, given| {
-        Some(inner(arena, m, given.matrix()?))
-    }),
+    number(
+        "dot",
+        Receiver::Any,
+        &[ArgumentKind::Same],
+        |arena, m, given| Some(inner(arena, m, given.matrix()?)),
+    ),
     number("norm_squared", Receiver::Any, &[], |arena, m, _| {
         Some(inner(arena, m, m))
     }),
@@ -122,7 +126,7 @@ pub(super) static METHODS: &[Method] = &[
     number(
         "metric_distance",
         Receiver::Any,
-        &[Takes::Same],
+        &[ArgumentKind::Same],
         |arena, m, given| {
             let difference = entrywise(arena, m, given.matrix()?, Arena::sub);
             Some(norm(arena, &difference))
@@ -149,8 +153,8 @@ pub(super) static METHODS: &[Method] = &[
     }),
     number(
         "perp",
-        Receiver::Of(2),
-        &[Takes::Same],
+        Receiver::OfLength(2),
+        &[ArgumentKind::Same],
         |arena, m, given| {
             let b = given.matrix()?;
             Some(minor(
@@ -168,8 +172,8 @@ pub(super) static METHODS: &[Method] = &[
     }),
     matrix(
         "cross",
-        Receiver::Of(3),
-        &[Takes::Same],
+        Receiver::OfLength(3),
+        &[ArgumentKind::Same],
         |arena, m, given| {
             let [a, b] = [&m.entries, &given.matrix()?.entries];
             let entry = |i: usize| {
@@ -183,7 +187,7 @@ pub(super) static METHODS: &[Method] = &[
             })
         },
     ),
-    matrix("cross_matrix", Receiver::Of(3), &[], |arena, m, _| {
+    matrix("cross_matrix", Receiver::OfLength(3), &[], |arena, m, _| {
         let zero = arena.constant(0.0);
         let [x, y, z] = [0, 1, 2].map(|i| m.entries[i]);
         let [nx, ny, nz] = [x, y, z].map(|entry| arena.neg(entry));
@@ -193,31 +197,31 @@ pub(super) static METHODS: &[Method] = &[
     matrix(
         "component_mul",
         Receiver::Any,
-        &[Takes::Same],
+        &[ArgumentKind::Same],
         |arena, m, given| Some(entrywise(arena, m, given.matrix()?, Arena::mul)),
     ),
     matrix(
         "component_div",
         Receiver::Any,
-        &[Takes::Same],
+        &[ArgumentKind::Same],
         |arena, m, given| Some(entrywise(arena, m, given.matrix()?, Arena::div)),
     ),
     matrix(
         "scale",
         Receiver::Any,
-        &[Takes::Number],
+        &[ArgumentKind::Number],
         |arena, m, given| Some(each(arena, m, given.number()?, Arena::mul)),
     ),
     matrix(
         "unscale",
         Receiver::Any,
-        &[Takes::Number],
+        &[ArgumentKind::Number],
         |arena, m, given| Some(each(arena, m, given.number()?, Arena::div)),
     ),
     matrix(
         "add_scalar",
         Receiver::Any,
-        &[Takes::Number],
+        &[ArgumentKind::Number],
         |arena, m, given| Some(each(arena, m, given.number()?, Arena::add)),
     ),
     matrix("normalize", Receiver::Any, &[], |arena, m, _| {
@@ -226,7 +230,7 @@ pub(super) static METHODS: &[Method] = &[
     matrix(
         "lerp",
         Receiver::Vector,
-        &[Takes::Same, Takes::Number],
+        &[ArgumentKind::Same, ArgumentKind::Number],
         |arena, m, given| {
             let share = given.number()?;
             let one = arena.constant(1.0);
@@ -245,12 +249,15 @@ pub(super) static METHODS: &[Method] = &[
             m.at(i, i)
         }))
     }),
-    matrix("row", Receiver::Any, &[Takes::Row], |_, m, given| {
+    matrix("row", Receiver::Any, &[ArgumentKind::Row], |_, m, given| {
         Some(m.part((given.index, 0), MatrixType::matrix(1, m.ty.columns)))
     }),
-    matrix("column", Receiver::Any, &[Takes::Column], |_, m, given| {
-        Some(m.part((0, given.index), MatrixType::vector(m.ty.rows)))
-    }),
+    matrix(
+        "column",
+        Receiver::Any,
+        &[ArgumentKind::Column],
+        |_, m, given| Some(m.part((0, given.index), MatrixType::vector(m.ty.rows))),
+    ),
     matrix("into_owned", Receiver::Any, &[], |_, m, _| Some(m.clone())),
     matrix("clone_owned", Receiver::Any, &[], |_, m, _| Some(m.clone())),
     matrix("inverse", Receiver::Rotation, &[], |_, m, _| {
@@ -259,13 +266,13 @@ pub(super) static METHODS: &[Method] = &[
     matrix(
         "transform_vector",
         Receiver::Rotation,
-        &[Takes::Vector],
+        &[ArgumentKind::Vector],
         |arena, m, given| Some(image(arena, m, given.matrix()?)),
     ),
     matrix(
         "inverse_transform_vector",
         Receiver::Rotation,
-        &[Takes::Vector],
+        &[ArgumentKind::Vector],
         |arena, m, given| Some(image(arena, &m.transposed(), given.matrix()?)),
     ),
     matrix("matrix", Receiver::Rotation, &[], |_, m, _| {
@@ -281,7 +288,7 @@ impl Receiver {
         match self {
             Self::Any => true,
             Self::Vector => ty.is_vector(),
-            Self::Of(length) => ty.len() == length && ty.rows.min(ty.columns) == 1,
+            Self::OfLength(length) => ty.len() == length && ty.rows.min(ty.columns) == 1,
             Self::Square => ty.is_square(),
             Self::One => ty.len() == 1,
             Self::Rotation => ty.kind == Kind::Rotation,
@@ -293,7 +300,7 @@ impl Receiver {
         match self {
             Self::Any => "matrices".to_owned(),
             Self::Vector => "vectors".to_owned(),
-            Self::Of(length) => format!("vectors of length {length}"),
+            Self::OfLength(length) => format!("vectors of length {length}"),
             Self::Square => "square matrices".to_owned(),
             Self::One => "matrices of one entry".to_owned(),
             Self::Rotation => "rotations".to_owned(),

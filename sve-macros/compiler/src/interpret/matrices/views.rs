@@ -1,4 +1,4 @@
-//! Parts of vectors and matrices, and iterators over them.
+//! Submatrices, and iterators over entries, rows and columns.
 
 use syn::{Expr as Syntax, ExprMethodCall, GenericArgument};
 
@@ -8,11 +8,11 @@ use crate::interpret::integers::Integer;
 use crate::interpret::value::Value;
 use crate::syntax::nalgebra::length;
 
-/// The first row or column of a part, and their number.
+/// The first row or column of a submatrix, and the number of rows or columns.
 type Range<'e> = (&'e Syntax, &'e Syntax);
 
 impl Lowering<'_> {
-    /// A method that gives a part, an iterator or a size; nothing if it is none of them.
+    /// Calls a method that returns a submatrix, an iterator or a size; `None` for other methods.
     pub(super) fn view_method(
         &mut self,
         call: &ExprMethodCall,
@@ -57,7 +57,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// The part of some rows and columns, each given by the first and their number; all of them where nothing is given.
+    /// Returns the submatrix of a range of rows and a range of columns. `None` stands for all rows or columns.
     fn part(
         &mut self,
         call: &ExprMethodCall,
@@ -79,7 +79,7 @@ impl Lowering<'_> {
         Value::Matrix(receiver.part((row, column), size))
     }
 
-    /// The first of some rows or columns and their number, or an error where they are not within `bound`.
+    /// Evaluates a range of rows or columns, or reports an error if the range is not within `bound`.
     fn rows_within(
         &mut self,
         range: Option<Range<'_>>,
@@ -101,14 +101,14 @@ impl Lowering<'_> {
     }
 }
 
-/// The generic arguments of a call, if there are as many.
+/// Returns the generic arguments of a call, if there are `N` of them.
 fn generic_lengths<const N: usize>(call: &ExprMethodCall) -> Option<[Syntax; N]> {
     let arguments: Vec<&GenericArgument> = call.turbofish.iter().flat_map(|t| &t.args).collect();
     let lengths: Option<Vec<Syntax>> = arguments.into_iter().map(length).collect();
     lengths?.try_into().ok()
 }
 
-/// All rows or all columns.
+/// Splits a matrix into submatrices of this size: all rows or all columns.
 fn parts(matrix: &Matrix<Value>, size: MatrixType) -> Vec<Value> {
     let is_column = size.columns == 1 && size.rows == matrix.ty.rows;
     let count = if is_column {
@@ -124,7 +124,7 @@ fn parts(matrix: &Matrix<Value>, size: MatrixType) -> Vec<Value> {
         .collect()
 }
 
-/// `v.xy()`, `v.zx()`, `v.xyz()`: a vector of components that are named.
+/// Returns the vector of the components in a name: `v.xy()`, `v.zx()`, `v.xyz()`.
 fn components(matrix: &Matrix<Value>, name: &str) -> Option<Value> {
     if !(2..=3).contains(&name.len()) || !matrix.ty.is_vector() {
         return None;

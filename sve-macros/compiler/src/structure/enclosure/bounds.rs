@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::{BOX, EXPONENT, Flavour, Range};
-use crate::algebra::{Arena, Binary, Bound, Expr, Function, Map, Node, Symbol};
+use crate::algebra::{Arena, Binary, BinaryBound, Bound, Expr, Function, Map, Node, Symbol};
 
 /// Values within a distance of a midpoint.
 #[derive(Clone, Copy)]
@@ -66,21 +66,7 @@ impl Bounds<'_> {
             }
             Node::Product(factors) => self.product(&factors),
             Node::Call(function, x) => self.call(function, x, e),
-            Node::Call2(Binary::Hypot, x, y) => {
-                let (x, y) = (self.done[&x], self.done[&y]);
-                let mid = self.arena.call2(Binary::Hypot, x.mid, y.mid);
-                let radius = self.arena.add(x.radius, y.radius);
-                Some(around(mid, radius))
-            }
-            Node::Call2(Binary::Atan2, y, x) => {
-                let (y, x) = (self.done[&y], self.done[&x]);
-                let distance = self.arena.call2(Binary::Hypot, y.mid, x.mid);
-                let reach = self.arena.add(y.radius, x.radius);
-                let left = self.positive(distance, reach);
-                let mid = self.arena.call2(Binary::Atan2, y.mid, x.mid);
-                Some(around(mid, self.arena.div(reach, left)))
-            }
-            Node::Call2(Binary::Pow | Binary::PowLog(_), ..) => None,
+            Node::Call2(function, x, y) => self.call2(function, x, y),
         }
     }
 
@@ -298,6 +284,26 @@ impl Bounds<'_> {
             Bound::None => return None,
         };
         Some(around(mid, radius))
+    }
+
+    /// A function of two arguments: by its largest slope near the midpoints.
+    fn call2(&mut self, function: Binary, x: Expr, y: Expr) -> Option<Interval> {
+        let (x, y) = (self.done[&x], self.done[&y]);
+        let reach = |arena: &mut Arena| arena.add(x.radius, y.radius);
+        match function.entry().bound {
+            BinaryBound::Sum => {
+                let mid = self.arena.call2(function, x.mid, y.mid);
+                Some(around(mid, reach(self.arena)))
+            }
+            BinaryBound::Angle => {
+                let distance = self.arena.call2(Binary::Hypot, x.mid, y.mid);
+                let reach = reach(self.arena);
+                let left = self.positive(distance, reach);
+                let mid = self.arena.call2(function, x.mid, y.mid);
+                Some(around(mid, self.arena.div(reach, left)))
+            }
+            BinaryBound::None => None,
+        }
     }
 
     /// `(constant + |value|)(e^r − 1)` at most, where r is below 1.7: `e^r − 1 ≤ r + r²` there.

@@ -1,4 +1,4 @@
-//! Functions with roles → the [`Model`]: each is run with symbols for its arguments, and its result is read.
+//! Functions with roles → the [`Model`]. Each function is executed with symbols for its arguments; its result becomes an expression.
 
 use std::collections::HashMap;
 
@@ -9,15 +9,15 @@ use super::types::Shape;
 use super::value::Value;
 use super::{Lowering, readable};
 use crate::algebra::{Expr, Symbol};
-use crate::syntax::parse::Part;
+use crate::syntax::parse::RoleFunction;
 use crate::syntax::roles::Role;
 use crate::system::model::{Generator, Meaning, Model, NoiseTerm, Symbols};
 
 impl Lowering<'_> {
-    /// The model without its symbol table, which the caller moves in.
+    /// Returns the model without its symbol table, which the caller adds.
     pub(super) fn model(&mut self) -> Option<Model> {
         let block = self.block;
-        let part = &block.lagrangian;
+        let function = &block.lagrangian;
         let shape = self.shape(block.coordinates())?;
         let n = shape.len();
         if n == 0 {
@@ -32,8 +32,8 @@ impl Lowering<'_> {
         let v = self.symbols.declare_all(n, Meaning::Velocity);
         let p = self.symbols.declare_all(n, Meaning::Momentum);
 
-        let result = self.run(part, &shape, time, &[&q, &v]);
-        let lagrangian = self.scalar_result(part, &result);
+        let result = self.run(function, &shape, time, &[&q, &v]);
+        let lagrangian = self.scalar_result(function, &result);
         let mut noises = Vec::new();
         for noise in &block.noises {
             let arguments: &[&[Symbol]] = if noise.role == Role::Gamma {
@@ -45,9 +45,9 @@ impl Lowering<'_> {
             self.noise_terms(noise, result, &mut noises);
         }
         let mut force: Option<Vec<Expr>> = None;
-        for part in &block.forces {
-            let result = self.run(part, &shape, time, &[&q, &v]);
-            let Some(more) = self.vector_result(part, &result, &shape) else {
+        for function in &block.forces {
+            let result = self.run(function, &shape, time, &[&q, &v]);
+            let Some(more) = self.vector_result(function, &result, &shape) else {
                 continue;
             };
             force = Some(match force {
@@ -59,10 +59,10 @@ impl Lowering<'_> {
             });
         }
         let mut symmetries = Vec::new();
-        for part in &block.symmetries {
-            let result = self.run(part, &shape, time, &[&q]);
-            if let Some(field) = self.vector_result(part, &result, &shape) {
-                let name = part.name.to_string();
+        for function in &block.symmetries {
+            let result = self.run(function, &shape, time, &[&q]);
+            if let Some(field) = self.vector_result(function, &result, &shape) {
+                let name = function.name.to_string();
                 symmetries.push(Generator { name, field });
             }
         }
@@ -79,27 +79,33 @@ impl Lowering<'_> {
         })
     }
 
-    /// Runs a part with symbols for its arguments.
-    fn run(&mut self, part: &Part, shape: &Shape, time: Symbol, vectors: &[&[Symbol]]) -> Value {
+    /// Executes a function with symbols for its arguments.
+    fn run(
+        &mut self,
+        function: &RoleFunction,
+        shape: &Shape,
+        time: Symbol,
+        vectors: &[&[Symbol]],
+    ) -> Value {
         self.scopes = vec![HashMap::new()];
-        self.active = vec![part.name.to_string()];
+        self.active = vec![function.name.to_string()];
         self.taken_for_number = None;
-        let outer = self.errors.enter(&part.name.to_string());
-        let mut arguments = part.arguments.iter();
-        if part.timed
+        let outer = self.errors.enter(&function.name.to_string());
+        let mut arguments = function.arguments.iter();
+        if function.is_timed
             && let Some((pattern, _)) = arguments.next()
         {
             let t = self.arena.symbol(time);
             self.bind(pattern, Value::Scalar(t));
         }
-        let mut differs = false;
+        let mut is_reported = false;
         for ((pattern, ty), symbols) in arguments.zip(vectors) {
             match self.shape(ty) {
                 Some(found) if found == *shape => {}
                 found => {
-                    if found.is_some() && !differs {
-                        self.differs(part, ty, found.as_ref(), shape);
-                        differs = true;
+                    if found.is_some() && !is_reported {
+                        self.report_other_type(function, ty, found.as_ref(), shape);
+                        is_reported = true;
                     }
                     self.bind(pattern, Value::Poison);
                     continue;
@@ -114,19 +120,25 @@ impl Lowering<'_> {
             self.bind(pattern, value);
         }
         let mistakes = self.errors.count();
-        let value = self.block_value(&part.function.block);
-        let value = self.awaited(value, &part.output, &part.function.sig.output);
-        let value = self.ascribed(value, &part.output);
+        let value = self.block_value(&function.item.block);
+        let value = self.awaited(value, &function.output, &function.item.sig.output);
+        let value = self.ascribed(value, &function.output);
         if self.errors.count() > mistakes {
-            self.broken.insert(part.name.to_string());
+            self.broken.insert(function.name.to_string());
         }
         self.errors.leave(outer);
         value
     }
 
     /// Reports an argument of another type than the coordinates have.
-    fn differs(&mut self, part: &Part, ty: &syn::Type, found: Option<&Shape>, shape: &Shape) {
-        let whose = match part.role {
+    fn report_other_type(
+        &mut self,
+        function: &RoleFunction,
+        ty: &syn::Type,
+        found: Option<&Shape>,
+        shape: &Shape,
+    ) {
+        let whose = match function.role {
             Role::Lagrangian => "positions and velocities",
             _ => "this and the arguments of `lagrangian`",
         };
@@ -143,57 +155,62 @@ impl Lowering<'_> {
         );
     }
 
-    fn scalar_result(&mut self, part: &Part, value: &Value) -> Option<Expr> {
-        if self.shape(&part.output)? != Shape::Scalar {
+    fn scalar_result(&mut self, function: &RoleFunction, value: &Value) -> Option<Expr> {
+        if self.shape(&function.output)? != Shape::Scalar {
             self.errors.push(
-                part.output.span(),
-                format!("`{}` must return `f64`, one number: the energy of motion less that of position", part.name),
+                function.output.span(),
+                format!("`{}` must return `f64`, one number: the energy of motion less that of position", function.name),
             );
             return None;
         }
-        self.result(part, value)
+        self.result(function, value)
     }
 
-    /// The expression of what a part returns, or an error at its last expression.
-    fn result(&mut self, part: &Part, value: &Value) -> Option<Expr> {
-        let outer = self.errors.enter(&part.name.to_string());
-        let result = match part.function.block.stmts.last() {
+    /// Returns the expression of the value that a function returns, or reports an error at its last expression.
+    fn result(&mut self, function: &RoleFunction, value: &Value) -> Option<Expr> {
+        let outer = self.errors.enter(&function.name.to_string());
+        let result = match function.item.block.stmts.last() {
             Some(syn::Stmt::Expr(_, Some(semicolon))) => self.scalar(value, semicolon),
             Some(last) => self.scalar(value, last),
-            None => self.scalar(value, &part.name),
+            None => self.scalar(value, &function.name),
         };
         self.errors.leave(outer);
         result
     }
 
-    /// A vector of the shape of the coordinates.
-    fn vector_result(&mut self, part: &Part, value: &Value, shape: &Shape) -> Option<Vec<Expr>> {
-        let arguments = &part.arguments[usize::from(part.timed)..];
+    /// Returns the components of a vector of the shape of the coordinates, or reports an error.
+    fn vector_result(
+        &mut self,
+        function: &RoleFunction,
+        value: &Value,
+        shape: &Shape,
+    ) -> Option<Vec<Expr>> {
+        let arguments = &function.arguments[usize::from(function.is_timed)..];
         if arguments
             .iter()
             .any(|(_, ty)| self.shape(ty).as_ref() != Some(shape))
         {
-            // reported there
+            // the argument has been reported
             return None;
         }
-        if self.shape(&part.output)? != *shape {
+        if self.shape(&function.output)? != *shape {
             let coordinates = self.block.coordinates();
             self.errors.push(
-                part.output.span(),
+                function.output.span(),
                 format!(
                     "`{}` must return a vector like the coordinates, `{}`",
-                    part.name,
+                    function.name,
                     readable(coordinates)
                 ),
             );
             return None;
         }
         let mut entries = Vec::new();
-        self.entries(value, shape, &part.name, &mut entries)?;
+        self.entries(value, shape, &function.name, &mut entries)?;
         Some(entries)
     }
 
-    /// The numbers of a value of a known shape, in memory order.
+    /// Appends the numbers of a value of a known shape to `out`, in memory order.
     fn entries(
         &mut self,
         value: &Value,
@@ -237,21 +254,21 @@ impl Lowering<'_> {
         Some(())
     }
 
-    fn noise_terms(&mut self, part: &Part, value: Value, noises: &mut Vec<NoiseTerm>) {
-        let Some(shape) = self.shape(&part.output) else {
+    fn noise_terms(&mut self, function: &RoleFunction, value: Value, noises: &mut Vec<NoiseTerm>) {
+        let Some(shape) = self.shape(&function.output) else {
             return;
         };
         let indexed = |values: Vec<Value>| {
-            let named = |(i, value)| (format!("{}[{i}]", part.name), value);
+            let named = |(i, value)| (format!("{}[{i}]", function.name), value);
             values.into_iter().enumerate().map(named).collect()
         };
         let components: Vec<(String, Value)> = match (shape, value) {
             (_, Value::Poison) => return,
             (Shape::Array(..) | Shape::Vector(_), Value::Field(_)) => {
-                self.idle(part, &part.name.to_string());
+                self.report_constant_noise(function, &function.name.to_string());
                 return;
             }
-            (Shape::Scalar, value) => vec![(part.name.to_string(), value)],
+            (Shape::Scalar, value) => vec![(function.name.to_string(), value)],
             (Shape::Array(_, inner), Value::Array(values)) if *inner == Shape::Scalar => {
                 indexed(values)
             }
@@ -260,17 +277,17 @@ impl Lowering<'_> {
             }
             _ => {
                 self.errors.push(
-                    part.output.span(),
+                    function.output.span(),
                     format!(
                         "`{}` must return `f64` or `[f64; M]`, one entry a Wiener process",
-                        part.name
+                        function.name
                     ),
                 );
                 return;
             }
         };
         for (name, value) in components {
-            let Some(value) = self.result(part, &value) else {
+            let Some(value) = self.result(function, &value) else {
                 continue;
             };
             let moves = self.arena.symbols_of(value).any(|s| {
@@ -280,9 +297,9 @@ impl Lowering<'_> {
                 )
             });
             if !moves {
-                self.idle(part, &name);
+                self.report_constant_noise(function, &name);
             }
-            let is_gamma = part.role == Role::Gamma;
+            let is_gamma = function.role == Role::Gamma;
             let hamiltonian = if is_gamma {
                 self.arena.neg(value)
             } else {
@@ -296,9 +313,9 @@ impl Lowering<'_> {
         }
     }
 
-    fn idle(&mut self, part: &Part, name: &str) {
+    fn report_constant_noise(&mut self, function: &RoleFunction, name: &str) {
         self.errors.push(
-            part.name.span(),
+            function.name.span(),
             format!("the noise `{name}` depends on neither q nor p, so it moves nothing: its derivative is zero; did you mean to multiply by a coordinate?"),
         );
     }

@@ -1,0 +1,102 @@
+//! The equations of a step: the interface between what the macro derives for a rule and the integrator.
+//!
+//! Invariant: nothing here changes a state. The integrator decides what is accepted.
+
+use crate::lanes::{ALL, Mask};
+use crate::linearisation::Linearisation;
+use crate::plan::Plan;
+use crate::solve::SolveError;
+use crate::solve::newton::{BlockSolver, Newton};
+use crate::system::{FlatStateOf, IncrementLanesOf, Increments, StateLanesOf, System, VectorOf};
+use crate::variational::Memory;
+
+/// What the increment of a step is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Returns {
+    /// `q₁ − q₀` and `p₁ − p₀`.
+    Increment,
+    /// `q₁` and `p₁`: a matrix that differs from step to step times the state, and an offset. Adding an increment would only lengthen
+    /// the chain of operations.
+    State,
+    /// `q₁ − q₀` and `p₁ − p₀` as a matrix, the same in all steps, times the state, and an offset.
+    MatrixTimesState,
+}
+
+impl Returns {
+    /// Whether the state at the end is returned, and not what is added to the one at the start.
+    pub(crate) const fn is_state(self) -> bool {
+        matches!(self, Self::State)
+    }
+}
+
+/// The equations of the step of a rule, solved and linearised: what `#[variational]` implements for each rule that it derives.
+///
+/// [`Variational`](crate::Variational) is what integrators use.
+pub trait StepEquations<R>: System {
+    /// The increments of a step, one number for each process.
+    type Increments: Increments;
+    /// Values that depend on parameters and step size only.
+    type Prepared: Clone;
+    /// What a trajectory carries from step to step.
+    type Memory: Memory;
+    /// The unknowns of all blocks, `[f64; K]`.
+    type Unknowns: Copy + AsRef<[f64]> + AsMut<[f64]>;
+    /// The conditions of the domain: where the functions in L and in the noises are defined, as text.
+    const DOMAIN: &'static [&'static str] = &[];
+    /// The plan of the step.
+    const PLAN: &'static Plan;
+    /// What [`increment`](Self::increment) returns.
+    const RETURNS: Returns;
+    /// Computes the values that depend on parameters and step size only.
+    fn prepare(&self, h: f64) -> Self::Prepared;
+    /// Returns the unknowns of all blocks in the limit of no noise and h → 0, from velocity and acceleration at the start of the
+    /// step.
+    fn start(
+        &self,
+        state: &FlatStateOf<Self>,
+        velocity: &VectorOf<Self>,
+        acceleration: &VectorOf<Self>,
+    ) -> Self::Unknowns;
+    /// Solves one step. Returns `(q₁ − q₀, p₁ − p₀)` or `(q₁, p₁)`, see [`RETURNS`](Self::RETURNS), and the unknowns of all blocks. `memory` is what the step before
+    /// left; the step may use it, and leaves its own.
+    ///
+    /// # Errors
+    /// A [`SolveError`] if an implicit equation of the step cannot be solved.
+    fn increment(
+        &self,
+        prepared: &Self::Prepared,
+        memory: &mut Self::Memory,
+        state: &FlatStateOf<Self>,
+        h: f64,
+        dw: &Self::Increments,
+        newton: &BlockSolver<'_>,
+    ) -> Result<StepOf<Self, R>, SolveError>;
+    /// Advances every lane on the fast path and writes the result to `next`. Returns the mask of lanes that the fast path could not solve; their
+    /// states are copied unchanged, and the caller steps them with [`increment`](Self::increment). Times in `next` are not written.
+    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
+    #[inline(always)]
+    fn increment_lanes(
+        &self,
+        prepared: &Self::Prepared,
+        states: &StateLanesOf<Self>,
+        next: &mut StateLanesOf<Self>,
+        h: f64,
+        dw: &IncrementLanesOf<Self>,
+        newton: &Newton,
+    ) -> Mask {
+        let _ = (prepared, h, dw, newton);
+        next.clone_from(states);
+        ALL
+    }
+    /// Linearises the step's equations and results around a solved step.
+    fn linearise(
+        &self,
+        state: &FlatStateOf<Self>,
+        h: f64,
+        dw: &Self::Increments,
+        unknowns: &Self::Unknowns,
+    ) -> Linearisation;
+}
+
+/// The result of [`StepEquations::increment`].
+pub type StepOf<S, R> = (VectorOf<S>, VectorOf<S>, <S as StepEquations<R>>::Unknowns);
