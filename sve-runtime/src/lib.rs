@@ -258,8 +258,8 @@ pub mod prelude {
         FromRng, NoNoise, Noise, NoiseError, Recorded, Replayable, ThreePoint, Truncated, Wiener,
     };
     pub use crate::{
-        Endpoint, Gauss, InitialPoint, Integrator, Mechanics, Method, Midpoint, Newton, OneStepMethod,
-        Snapshot, State, StepError, StormerVerlet, Taylor2, variational,
+        Endpoint, Gauss, InitialPoint, Integrator, Mechanics, Method, Midpoint, Newton,
+        OneStepMethod, Snapshot, State, StepError, StormerVerlet, Taylor2, variational,
     };
     pub use nalgebra::{
         Matrix2, Matrix3, Matrix4, Rotation2, Rotation3, SMatrix, SVector, UnitQuaternion, Vector1,

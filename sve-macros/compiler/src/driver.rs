@@ -14,8 +14,7 @@ use crate::discretise::tangent;
 use crate::errors::Errors;
 use crate::explain;
 use crate::interpret;
-use crate::rules::Rule;
-use crate::rules::action;
+use crate::rules::{self, Rule, action};
 use crate::structure::{self, Degenerate};
 use crate::syntax::nesting;
 use crate::syntax::parse::{self, Annotated};
@@ -140,23 +139,25 @@ fn derive(
     } else {
         &[false]
     } {
-        for &(rule, _) in &block.arguments.rules {
-            if rule.stages().is_some() && !is_unstructured {
+        for listed in &block.arguments.rules {
+            if listed.rule.stages().is_some() && !is_unstructured {
                 continue;
             }
             arena.grant(work);
-            steps.push(step(rule, is_unstructured, &budget, &mut arena)?);
+            steps.push(step(listed.rule, is_unstructured, &budget, &mut arena)?);
         }
     }
     let rules = block.arguments.rules.iter();
     let of_stages: Vec<(Rule, usize)> = rules
-        .filter_map(|&(rule, _)| Some((rule, rule.stages()?)))
+        .filter_map(|listed| Some((listed.rule, listed.rule.stages()?)))
         .collect();
     let at_node = if of_stages.is_empty() {
         None
     } else {
         arena.grant(work);
-        Some(budget.stage(&mut arena, |arena| stages::stages(&model, &mechanics, arena))?)
+        Some(budget.stage(&mut arena, |arena| {
+            stages::stages(&model, &mechanics, arena)
+        })?)
     };
     // what is left to do is in proportion to what has been built
     arena.grant(usize::MAX);
@@ -275,18 +276,28 @@ impl Budget<'_> {
 /// Returns an error for each rule that is not for this system.
 fn check_rules(block: &Annotated, model: &Model) -> syn::Result<()> {
     let mut errors = Errors::new();
-    for (rule, name) in &block.arguments.rules {
+    for listed in &block.arguments.rules {
+        let (rule, name) = (listed.rule, listed.rule.name());
         if !model.noises.is_empty() && !rule.takes_noise() {
             let others = listed_where(|rule| rule.takes_noise());
             errors.push(
-                name.span(),
+                listed.place,
                 format!("`{name}` is a rule for systems without noise, and this block has noise terms: use {others}"),
             );
+        }
+        if model.noises.is_empty() {
+            for &(option, place) in &listed.options {
+                let (option, without) = (option.name(), rule.without(option).name());
+                let message = format!(
+                    "`{option}` is an option for systems with noise, and this block has no noise terms: write `{without}`"
+                );
+                errors.push(place, message);
+            }
         }
         if model.force.is_some() && !rule.takes_force() {
             let others = listed_where(|rule| rule.takes_force());
             errors.push(
-                name.span(),
+                listed.place,
                 format!("`{name}` is a rule for systems without forces, and this block has a force: use {others}"),
             );
         }
@@ -296,8 +307,10 @@ fn check_rules(block: &Annotated, model: &Model) -> syn::Result<()> {
 
 /// The names of some rules: `a`, `b` or `c`.
 fn listed_where(wanted: impl Fn(&Rule) -> bool) -> String {
-    let rules = Rule::ALL.iter().rev().filter(|rule| wanted(rule));
-    let names: Vec<String> = rules.map(|r| format!("`{}`", r.attribute_name())).collect();
+    let mut rules = Rule::all();
+    rules.retain(wanted);
+    let mut names = rules::names(&rules);
+    names.reverse();
     match names.split_last() {
         Some((last, first)) if !first.is_empty() => format!("{} or {last}", first.join(", ")),
         _ => names.concat(),

@@ -50,7 +50,7 @@ fn count(attribute: TokenStream, block: ItemImpl) -> syn::Result<Operations> {
     let no_system = || syn::Error::new(Span::call_site(), "the scene cannot be read");
     let (block, model) = errors.finish(read)?.ok_or_else(no_system)?;
     let mut symbols = model.symbols.clone();
-    let rule = block.arguments.rules[0].0;
+    let rule = block.arguments.rules[0].rule;
     let action = action::discretise(rule, &model, &mut symbols, &mut arena);
     let equations = equations::equations(&action, &mut arena);
     let Ok(scheme) = structure::analyse(equations, &action, &mut symbols, &mut arena) else {

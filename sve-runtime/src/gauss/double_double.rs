@@ -30,10 +30,7 @@ impl Double {
     const fn exact_product(a: f64, b: f64) -> Self {
         const SPLITTER: f64 = 134_217_729.0;
         let (shifted_a, shifted_b) = (SPLITTER * a, SPLITTER * b);
-        let (a1, b1) = (
-            shifted_a - (shifted_a - a),
-            shifted_b - (shifted_b - b),
-        );
+        let (a1, b1) = (shifted_a - (shifted_a - a), shifted_b - (shifted_b - b));
         let (a2, b2) = (a - a1, b - b1);
         let high = a * b;
         let low = ((a1 * b1 - high) + a1 * b2 + a2 * b1) + a2 * b2;

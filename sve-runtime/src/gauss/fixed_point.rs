@@ -68,7 +68,13 @@ pub struct Sweep<const S: usize, const N: usize> {
 pub struct InverseMass<const N: usize>(pub(super) [[f64; N]; N]);
 
 /// Solves a step of a system of second order. Returns nothing if the iteration does not contract.
-pub(super) fn solve_second_order<Sys, const S: usize, const N: usize, const M: usize, const K: usize>(
+pub(super) fn solve_second_order<
+    Sys,
+    const S: usize,
+    const N: usize,
+    const M: usize,
+    const K: usize,
+>(
     step: &Step<'_, Sys, S, N, M>,
     inverse_mass: &InverseMass<N>,
 ) -> Option<Solved<N, K>>
@@ -81,7 +87,8 @@ where
     })
 }
 
-struct SecondOrderIteration<'a, Sys, const S: usize, const N: usize, const M: usize, const K: usize> {
+struct SecondOrderIteration<'a, Sys, const S: usize, const N: usize, const M: usize, const K: usize>
+{
     step: &'a Step<'a, Sys, S, N, M>,
     inverse_mass: &'a [[f64; N]; N],
 }
@@ -122,7 +129,11 @@ where
                     next[n][i] = h * (free[n][i] + next[n][i]);
                 }
                 let relative = relative_change(state.q[n], &moves[n], &next[n]);
-                change = if relative > change || relative.is_nan() { relative } else { change };
+                change = if relative > change || relative.is_nan() {
+                    relative
+                } else {
+                    change
+                };
             }
             moves = next;
             match course.judge(change) {
@@ -187,7 +198,13 @@ where
 }
 
 /// Solves a step of a system with ∂L/∂v affine in v. Returns nothing if the iteration does not contract.
-pub(super) fn solve_partitioned<Sys, const S: usize, const N: usize, const M: usize, const K: usize>(
+pub(super) fn solve_partitioned<
+    Sys,
+    const S: usize,
+    const N: usize,
+    const M: usize,
+    const K: usize,
+>(
     step: &Step<'_, Sys, S, N, M>,
 ) -> Option<Solved<N, K>>
 where
@@ -196,7 +213,8 @@ where
     dispatch(PartitionedIteration::<_, S, N, M, K> { step })
 }
 
-struct PartitionedIteration<'a, Sys, const S: usize, const N: usize, const M: usize, const K: usize> {
+struct PartitionedIteration<'a, Sys, const S: usize, const N: usize, const M: usize, const K: usize>
+{
     step: &'a Step<'a, Sys, S, N, M>,
 }
 
@@ -223,16 +241,19 @@ where
                 }
             }
             let mut new_kicks = [[0.0; S]; N];
-            let sweep = self.step.system.sweep(&self.step.lanes(&q), &p, |impulses| {
-                new_kicks = at_stages(impulses);
-                let mut p = [[0.0; S]; N];
-                for n in 0..N {
-                    for i in 0..S {
-                        p[n][i] = state.p[n] + new_kicks[n][i];
+            let sweep = self
+                .step
+                .system
+                .sweep(&self.step.lanes(&q), &p, |impulses| {
+                    new_kicks = at_stages(impulses);
+                    let mut p = [[0.0; S]; N];
+                    for n in 0..N {
+                        for i in 0..S {
+                            p[n][i] = state.p[n] + new_kicks[n][i];
+                        }
                     }
-                }
-                p
-            });
+                    p
+                });
             if has_converged {
                 return Some(increments(&sweep));
             }
@@ -242,7 +263,11 @@ where
                 let moved = relative_change(state.q[n], &moves[n], &new_moves[n]);
                 let kicked = relative_change(state.p[n], &kicks[n], &new_kicks[n]);
                 for relative in [moved, kicked] {
-                    change = if relative > change || relative.is_nan() { relative } else { change };
+                    change = if relative > change || relative.is_nan() {
+                        relative
+                    } else {
+                        change
+                    };
                 }
             }
             (moves, kicks) = (new_moves, new_kicks);
@@ -257,9 +282,7 @@ where
 
 /// The increments and unknowns of the last sweep.
 #[inline(always)]
-fn increments<const S: usize, const N: usize, const K: usize>(
-    sweep: &Sweep<S, N>,
-) -> Solved<N, K> {
+fn increments<const S: usize, const N: usize, const K: usize>(sweep: &Sweep<S, N>) -> Solved<N, K> {
     let (mut dq, mut dp, mut x) = ([0.0; N], [0.0; N], [0.0; K]);
     for n in 0..N {
         dq[n] = sum(&sweep.displacements[n]);

@@ -41,14 +41,7 @@ const STAGES_OF_FIXED_POINT: usize = 4;
 ///
 /// # Errors
 /// A [`SolveError`] if the equations cannot be solved.
-pub fn newton_increment<
-    Sys,
-    Q,
-    const S: usize,
-    const N: usize,
-    const M: usize,
-    const K: usize,
->(
+pub fn newton_increment<Sys, Q, const S: usize, const N: usize, const M: usize, const K: usize>(
     system: &Sys,
     state: &State<[f64; N]>,
     h: f64,

@@ -65,7 +65,10 @@ where
     /// matrix, once for each stage.
     fn velocity_at_start(&self) -> Result<([f64; N], DeterminantSign), SolveError> {
         let v = legendre::velocity(self.system, self.state)?;
-        let mass = self.system.lagrangian_jet(self.state.t, &self.state.q, &v).dvv;
+        let mass = self
+            .system
+            .lagrangian_jet(self.state.t, &self.state.q, &v)
+            .dvv;
         let (_, sign) = dense::solve_with_sign(&mass, &[0.0; N])
             .ok_or(SolveError::Singular { iteration: 0 })?;
         let even = DeterminantSign::of(1.0);
@@ -259,7 +262,10 @@ where
 
 /// Returns whether a noise moves positions: displacements are then unknowns beside the velocities.
 pub(super) const fn moves_position<const S: usize, const N: usize, const K: usize>() -> bool {
-    assert!(K == S * N || K == 2 * S * N, "one or two unknowns a stage and coordinate");
+    assert!(
+        K == S * N || K == 2 * S * N,
+        "one or two unknowns a stage and coordinate"
+    );
     K == 2 * S * N
 }
 

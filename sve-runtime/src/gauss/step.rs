@@ -66,12 +66,7 @@ where
 {
     /// The step with these increments, of which each stage gets the part of its weight.
     #[inline(always)]
-    pub(super) fn new(
-        system: &'a Sys,
-        state: &'a State<[f64; N]>,
-        h: f64,
-        dw: &[f64; M],
-    ) -> Self {
+    pub(super) fn new(system: &'a Sys, state: &'a State<[f64; N]>, h: f64, dw: &[f64; M]) -> Self {
         let Tableau { c, b, .. } = const { Tableau::<S>::VALUES };
         Self {
             system,

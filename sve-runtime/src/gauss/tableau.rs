@@ -46,7 +46,10 @@ impl<const S: usize> Tableau<S> {
     pub(super) const VALUES: Self = Self::new();
 
     const fn new() -> Self {
-        assert!(S >= 1 && S <= MOST_STAGES, "the Gauss rules have 1 to 8 stages");
+        assert!(
+            S >= 1 && S <= MOST_STAGES,
+            "the Gauss rules have 1 to 8 stages"
+        );
         let exact = Exact::<S>::new();
         let mut all = Self {
             c: [0.0; S],

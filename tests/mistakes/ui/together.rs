@@ -330,8 +330,10 @@ mod parse_role_on_a_constant;
 mod parse_role_with_arguments;
 #[path = "parse/rule_as_text.rs"]
 mod parse_rule_as_text;
-#[path = "parse/rule_with_arguments.rs"]
-mod parse_rule_with_arguments;
+#[path = "parse/rule_with_a_number.rs"]
+mod parse_rule_with_a_number;
+#[path = "parse/rule_with_empty_parentheses.rs"]
+mod parse_rule_with_empty_parentheses;
 #[path = "parse/scalars_in_another_order.rs"]
 mod parse_scalars_in_another_order;
 #[path = "parse/time_after_position.rs"]

@@ -119,7 +119,11 @@ fn form(
         list.iter().map(|&e| arena.substitute(e, &rest)).collect()
     };
     let lagrangian = &mechanics.lagrangian;
-    let mut mass: Vec<Vec<Expr>> = lagrangian.dvv.iter().map(|row| at_rest(row, arena)).collect();
+    let mut mass: Vec<Vec<Expr>> = lagrangian
+        .dvv
+        .iter()
+        .map(|row| at_rest(row, arena))
+        .collect();
     let mut offset = at_rest(&lagrangian.dv, arena);
     let mut impulse = impulse(model, mechanics, weight, dw, arena);
     let mut shift: Vec<Expr> = (0..model.dof())
@@ -133,20 +137,19 @@ fn form(
         })
         .collect();
     let is_zero = |e: Expr, arena: &Arena| arena.constant_value(e) == Some(0.0);
-    let is_diagonal = (0..model.dof()).all(|i| {
-        (0..model.dof()).all(|j| i == j || is_zero(mass[i][j], arena))
-    });
-    let contains_any =
-        |list: &[Expr], of: &[Symbol], arena: &Arena| {
-            list.iter().any(|&e| of.iter().any(|&s| arena.contains(e, s)))
-        };
+    let is_diagonal =
+        (0..model.dof()).all(|i| (0..model.dof()).all(|j| i == j || is_zero(mass[i][j], arena)));
+    let contains_any = |list: &[Expr], of: &[Symbol], arena: &Arena| {
+        list.iter()
+            .any(|&e| of.iter().any(|&s| arena.contains(e, s)))
+    };
     let moving = [&[model.time], model.q.as_slice()].concat();
-    let has_constant_mass = !contains_any(&mass.concat(), &moving, arena)
-        && offset.iter().all(|&e| is_zero(e, arena));
+    let has_constant_mass =
+        !contains_any(&mass.concat(), &moving, arena) && offset.iter().all(|&e| is_zero(e, arena));
     let conditions: Vec<Expr> = impulse.domain.iter().map(|c| c.value).collect();
-    let depends_on_motion = [&impulse.value[..], &conditions].iter().any(|list| {
-        contains_any(list, &model.v, arena) || contains_any(list, &model.p, arena)
-    });
+    let depends_on_motion = [&impulse.value[..], &conditions]
+        .iter()
+        .any(|list| contains_any(list, &model.v, arena) || contains_any(list, &model.p, arena));
     let has_shift = shift.iter().any(|&e| !is_zero(e, arena));
     let exprs = impulse.value.iter_mut();
     let exprs = exprs.chain(impulse.domain.iter_mut().map(|c| &mut c.value));

@@ -2,9 +2,9 @@
 
 use super::step::{StepTexts, features};
 use crate::algebra::Arena;
+use crate::discretise::stages::{Form, Stages};
 use crate::rules::gauss::Quadrature;
 use crate::rules::{Features, Rule, Textbook};
-use crate::discretise::stages::{Form, Stages};
 use crate::system::mechanics::Mechanics;
 use crate::system::model::Model;
 
@@ -40,9 +40,19 @@ pub(crate) fn gauss(
 
 /// The equations of the stages, the results, and the coefficients.
 fn equations(count: usize, stages: &Stages, features: &Features) -> Vec<String> {
-    let t = |name: &str| if features.is_timed { format!("{name}, ") } else { String::new() };
+    let t = |name: &str| {
+        if features.is_timed {
+            format!("{name}, ")
+        } else {
+            String::new()
+        }
+    };
     let point = |i: &str| format!("{}Q{i}, V{i}", t(&format!("t{i}")));
-    let unknowns = if stages.moves_position { "Vᵢ, Yᵢ" } else { "Vᵢ" };
+    let unknowns = if stages.moves_position {
+        "Vᵢ, Yᵢ"
+    } else {
+        "Vᵢ"
+    };
     let has_fixed_point = !matches!(stages.form, Form::General) && count >= STAGES_OF_FIXED_POINT;
     let solver = if has_fixed_point {
         "fixed-point iteration, Newton's method where it does not contract,"

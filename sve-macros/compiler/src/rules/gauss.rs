@@ -24,23 +24,22 @@ use crate::system::model::{Family, NodeQuantity, Unknown};
 /// The rule with so many stages.
 pub(super) struct Gauss {
     pub(super) stages: usize,
-    pub(super) attribute_name: &'static str,
 }
 
 /// The rules from 2 to 8 stages.
 pub(super) static GAUSS: [Gauss; 7] = [
-    Gauss { stages: 2, attribute_name: "gauss(2)" },
-    Gauss { stages: 3, attribute_name: "gauss(3)" },
-    Gauss { stages: 4, attribute_name: "gauss(4)" },
-    Gauss { stages: 5, attribute_name: "gauss(5)" },
-    Gauss { stages: 6, attribute_name: "gauss(6)" },
-    Gauss { stages: 7, attribute_name: "gauss(7)" },
-    Gauss { stages: 8, attribute_name: "gauss(8)" },
+    Gauss { stages: 2 },
+    Gauss { stages: 3 },
+    Gauss { stages: 4 },
+    Gauss { stages: 5 },
+    Gauss { stages: 6 },
+    Gauss { stages: 7 },
+    Gauss { stages: 8 },
 ];
 
 impl Discretisation for Gauss {
     fn attribute_name(&self) -> &'static str {
-        self.attribute_name
+        "gauss"
     }
 
     fn type_name(&self) -> &'static str {
@@ -49,6 +48,10 @@ impl Discretisation for Gauss {
 
     fn stages(&self) -> Option<usize> {
         Some(self.stages)
+    }
+
+    fn with_one_stage(&self) -> Option<&'static str> {
+        Some("midpoint")
     }
 
     fn deterministic_order(&self) -> u32 {
@@ -80,7 +83,9 @@ impl Discretisation for Gauss {
         let u = family(x, Family::StageVelocity);
         let v = family(x, Family::Velocity);
         let p = family(x, Family::Momentum);
-        let lambda = x.symbols.declare_all(n, Unknown::of(Family::VelocityMultiplier));
+        let lambda = x
+            .symbols
+            .declare_all(n, Unknown::of(Family::VelocityMultiplier));
         let quadrature = Quadrature::new(stages);
         let h = x.arena.symbol(x.h);
         let (mut terms, mut work) = (Vec::new(), Vec::new());
@@ -141,15 +146,16 @@ impl Discretisation for Gauss {
     fn textbook(&self, system: &Features) -> Textbook {
         let t = if system.is_timed { "tᵢ, " } else { "" };
         let constraint = system.pairing("Pᵢ", "Uᵢ − Vᵢ");
-        let mut terms = vec![format!(
-            "S = Σᵢ {{ h·bᵢ·(L({t}Qᵢ, Vᵢ) + {constraint})"
-        )];
+        let mut terms = vec![format!("S = Σᵢ {{ h·bᵢ·(L({t}Qᵢ, Vᵢ) + {constraint})")];
         let sum = |count: usize| if count > 1 { "Σ " } else { "" };
         if system.gammas > 0 {
             terms.push(format!(" + bᵢ·{}γ({t}Qᵢ)·ΔW", sum(system.gammas)));
         }
         if system.hamiltonians > 0 {
-            terms.push(format!(" − bᵢ·{}H₁({t}Qᵢ, Pᵢ)·ΔW", sum(system.hamiltonians)));
+            terms.push(format!(
+                " − bᵢ·{}H₁({t}Qᵢ, Pᵢ)·ΔW",
+                sum(system.hamiltonians)
+            ));
         }
         let ends = system.pairing("λ", "q₁ − q₀ − h·Σⱼ bⱼ·Uⱼ");
         terms.push(format!(" }} + {ends}"));
@@ -256,11 +262,17 @@ mod tests {
                 let power = |x: f64| x.powi(degree as i32);
                 let integral = 1.0 / (degree + 1) as f64;
                 let sum: f64 = (0..stages).map(|i| b[i] * power(c[i])).sum();
-                assert!((sum - integral).abs() < 1e-15, "{stages} nodes, degree {degree}: {sum}");
+                assert!(
+                    (sum - integral).abs() < 1e-15,
+                    "{stages} nodes, degree {degree}: {sum}"
+                );
                 for i in (0..stages).filter(|_| degree < stages) {
                     let sum: f64 = (0..stages).map(|j| a[i][j] * power(c[j])).sum();
                     let integral = integral * c[i].powi(degree as i32 + 1);
-                    assert!((sum - integral).abs() < 1e-15, "{stages} nodes, degree {degree}");
+                    assert!(
+                        (sum - integral).abs() < 1e-15,
+                        "{stages} nodes, degree {degree}"
+                    );
                 }
             }
         }

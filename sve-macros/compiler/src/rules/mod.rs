@@ -1,6 +1,7 @@
 //! The discretisation rules, a file each: action, names, orders, what a rule takes, its textbook form.
 //!
-//! A new rule is a file here, a line in [`Rule::ALL`], and its type in the runtime.
+//! A new rule is a file here, a line in [`Rule::all`], and its type in the runtime. A rule has a number of stages if it is a member of a family, and
+//! options if its file says so; rules that differ in these are different rules.
 
 pub(crate) mod action;
 mod endpoint;
@@ -8,6 +9,7 @@ pub(crate) mod gauss;
 mod initial_point;
 mod midpoint;
 mod one_node;
+mod options;
 mod stormer_verlet;
 mod taylor2;
 
@@ -16,52 +18,115 @@ use std::ops::Deref;
 
 use crate::system::model::NodeQuantity;
 use action::{Discrete, Variables};
+pub(crate) use options::{Options, RuleOption};
 
-/// A discretisation rule.
+/// A rule without its options, as its file defines it.
+type Base = &'static (dyn Discretisation + Sync);
+
+/// A discretisation rule: a base rule, of a number of stages where its name is that of a family, with options.
 #[derive(Clone, Copy)]
-pub(crate) struct Rule(&'static (dyn Discretisation + Sync));
+pub(crate) struct Rule {
+    base: Base,
+    pub(crate) options: Options,
+}
 
 impl Rule {
-    /// All rules, in the order in which messages list them. A rule with a parameter stands here once for each of its values.
-    pub(crate) const ALL: [Self; 12] = [
-        Self(&initial_point::INITIAL_POINT),
-        Self(&endpoint::ENDPOINT),
-        Self(&midpoint::MIDPOINT),
-        Self(&stormer_verlet::StormerVerlet),
-        Self(&gauss::GAUSS[0]),
-        Self(&gauss::GAUSS[1]),
-        Self(&gauss::GAUSS[2]),
-        Self(&gauss::GAUSS[3]),
-        Self(&gauss::GAUSS[4]),
-        Self(&gauss::GAUSS[5]),
-        Self(&gauss::GAUSS[6]),
-        Self(&taylor2::Taylor2),
-    ];
-
-    /// The rule of a name in the attribute.
-    pub(crate) fn named(name: &str) -> Option<Self> {
-        Self::ALL
-            .into_iter()
-            .find(|rule| rule.attribute_name() == name)
+    /// All rules without options, in the order in which messages list them. A family of rules stands here with each number of stages, in
+    /// ascending order.
+    pub(crate) fn all() -> Vec<Self> {
+        let first: [Base; 4] = [
+            &initial_point::INITIAL_POINT,
+            &endpoint::ENDPOINT,
+            &midpoint::MIDPOINT,
+            &stormer_verlet::StormerVerlet,
+        ];
+        let gauss = gauss::GAUSS.iter().map(|rule| rule as Base);
+        let last: [Base; 1] = [&taylor2::Taylor2];
+        let rules = first.into_iter().chain(gauss).chain(last);
+        rules.map(Self::plain).collect()
     }
 
-    /// The names, for messages.
-    pub(crate) fn listed() -> String {
-        let names = Self::ALL.map(|rule| format!("`{}`", rule.attribute_name()));
-        names.join(", ")
+    /// All rules with all sets of options that they take.
+    pub(crate) fn all_with_options() -> Vec<Self> {
+        let all = Self::all().into_iter();
+        all.flat_map(|rule| {
+            let sets = Options::subsets(rule.base.options()).into_iter();
+            sets.map(move |options| Self { options, ..rule })
+        })
+        .collect()
     }
+
+    /// A rule without options.
+    pub(crate) fn plain(base: Base) -> Self {
+        Self {
+            base,
+            options: Options::NONE,
+        }
+    }
+
+    /// The rule with one more option.
+    #[must_use]
+    pub(crate) fn with(self, option: RuleOption) -> Self {
+        Self {
+            options: self.options.with(option),
+            ..self
+        }
+    }
+
+    /// The rule with one option less.
+    #[must_use]
+    pub(crate) fn without(self, option: RuleOption) -> Self {
+        Self {
+            options: self.options.without(option),
+            ..self
+        }
+    }
+
+    /// The rule as the attribute writes it: `midpoint`, `gauss(3, weak2)`.
+    pub(crate) fn name(&self) -> String {
+        let stages = self.stages().map(|stages| stages.to_string());
+        let options = self.options.iter().map(|option| option.name().to_owned());
+        let arguments: Vec<String> = stages.into_iter().chain(options).collect();
+        written(self.attribute_name(), &arguments)
+    }
+}
+
+/// A rule with arguments as the attribute writes it.
+pub(crate) fn written(name: &str, arguments: &[String]) -> String {
+    match arguments {
+        [] => name.to_owned(),
+        arguments => format!("{name}({})", arguments.join(", ")),
+    }
+}
+
+/// The names of rules, for messages. A family is one entry.
+pub(crate) fn names(rules: &[Rule]) -> Vec<String> {
+    let families = rules.chunk_by(|a, b| a.attribute_name() == b.attribute_name());
+    let names = families.map(|family| match family {
+        [first, .., last] => format!("`{}` to `{}`", first.name(), last.name()),
+        one => format!("`{}`", one[0].name()),
+    });
+    names.collect()
 }
 
 /// What a rule is.
 pub(crate) trait Discretisation {
-    /// The rule's name in the attribute.
+    /// The rule's name in the attribute, without arguments.
     fn attribute_name(&self) -> &'static str;
-    /// The rule's type in the runtime.
-    fn type_name(&self) -> &'static str;
-    /// The number of stages of a rule whose stages are solved together by the runtime; nothing of one whose action is unrolled.
+    /// Number of stages of a member of a family, which the attribute writes after the name: `gauss(4)`. The order is twice this number.
     fn stages(&self) -> Option<usize> {
         None
     }
+    /// Attribute name of the rule that the family with one stage would be.
+    fn with_one_stage(&self) -> Option<&'static str> {
+        None
+    }
+    /// The options that the rule takes.
+    fn options(&self) -> &'static [RuleOption] {
+        &[]
+    }
+    /// The rule's type in the runtime, which is generic in the number of stages of a family.
+    fn type_name(&self) -> &'static str;
     /// Order of convergence without noise.
     fn deterministic_order(&self) -> u32;
     /// Strong order of convergence with noise.
@@ -142,18 +207,19 @@ impl Deref for Rule {
     type Target = dyn Discretisation + Sync;
 
     fn deref(&self) -> &Self::Target {
-        self.0
+        self.base
     }
 }
 
 impl PartialEq for Rule {
     fn eq(&self, other: &Self) -> bool {
-        self.attribute_name() == other.attribute_name()
+        let identity = |rule: &Self| (rule.attribute_name(), rule.stages(), rule.options);
+        identity(self) == identity(other)
     }
 }
 
 impl fmt::Debug for Rule {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.attribute_name())
+        f.write_str(&self.name())
     }
 }

@@ -1,8 +1,10 @@
 //! Tokens → annotated block: nesting, the attribute, the items with their roles and signatures; errors of shape.
 
+pub(crate) mod arguments;
 pub(crate) mod nalgebra;
 pub(crate) mod nesting;
 pub(crate) mod parse;
 pub(crate) mod recovery;
 pub(crate) mod roles;
+mod rule_arguments;
 pub(crate) mod signature;

@@ -6,26 +6,13 @@
 use std::rc::Rc;
 
 use proc_macro2::{Span, TokenStream};
-use syn::parse::{ParseStream, Parser};
 use syn::spanned::Spanned;
-use syn::{
-    FnArg, Ident, ImplItem, ImplItemConst, ImplItemFn, ItemImpl, Pat, ReturnType, Token, Type,
-};
+use syn::{FnArg, Ident, ImplItem, ImplItemConst, ImplItemFn, ItemImpl, Pat, ReturnType, Type};
 
 use crate::errors::{Errors, nearest};
-use crate::rules::Rule;
+use crate::syntax::arguments::Arguments;
 use crate::syntax::roles::{Role, take_roles};
 use crate::syntax::signature;
-
-/// The arguments of the attribute.
-pub(crate) struct Arguments {
-    pub(crate) rules: Vec<(Rule, Ident)>,
-    /// Path of the runtime crate, `::sve_runtime` unless `crate = path` says otherwise.
-    pub(crate) runtime: syn::Path,
-    /// Whether each rule is derived a second time without its structure, which `structure = both` asks for: a comparison for
-    /// tests and benchmarks of this project, which no message offers to users.
-    pub(crate) derives_unstructured: bool,
-}
 
 /// A function with a role in mechanics, parsed.
 pub(crate) struct RoleFunction {
@@ -60,124 +47,6 @@ impl Annotated {
     /// The type of the coordinates, as the Lagrangian's first vector argument has it.
     pub(crate) fn coordinates(&self) -> &Type {
         &self.lagrangian.arguments[usize::from(self.lagrangian.is_timed)].1
-    }
-}
-
-impl Arguments {
-    /// Reads the attribute; what is wrong in it is left out.
-    pub(crate) fn read(attribute: TokenStream, errors: &mut Errors) -> Self {
-        let mut read = Self {
-            rules: Vec::new(),
-            runtime: syn::parse_quote!(::sve_runtime),
-            derives_unstructured: false,
-        };
-        let before = errors.count();
-        let parsed = (|input: ParseStream<'_>| read.entries(input, errors)).parse2(attribute);
-        errors.keep(parsed);
-        if read.rules.is_empty() && errors.count() == before {
-            errors.push(
-                Span::call_site(),
-                format!(
-                    "name the rules to derive, for example `#[variational(midpoint)]`: {}",
-                    Rule::listed()
-                ),
-            );
-        }
-        read
-    }
-
-    fn entries(&mut self, input: ParseStream<'_>, errors: &mut Errors) -> syn::Result<()> {
-        while !input.is_empty() {
-            if input.peek(Token![crate]) {
-                input.parse::<Token![crate]>()?;
-                let path = input
-                    .parse::<Token![=]>()
-                    .and_then(|_| input.call(syn::Path::parse_mod_style));
-                self.runtime = path.map_err(|e| {
-                    let message = "expected the path of the runtime, without quotes, as in `crate = physics::sve_runtime`";
-                    syn::Error::new(e.span(), message)
-                })?;
-            } else {
-                let name: Ident = input.parse().map_err(|e| {
-                    syn::Error::new(
-                        e.span(),
-                        format!(
-                            "expected the name of a rule, without quotes: {}",
-                            Rule::listed()
-                        ),
-                    )
-                })?;
-                if name == "structure" && is_both(input) {
-                    self.derives_unstructured = true;
-                    input.parse::<Token![=]>()?;
-                    input.parse::<Ident>()?;
-                } else if name == "gauss" && input.peek(syn::token::Paren) {
-                    let stages;
-                    syn::parenthesized!(stages in input);
-                    let stages: syn::LitInt = stages.parse()?;
-                    self.rule(name, &format!("gauss({stages})"), errors);
-                } else if !input.is_empty() && !input.peek(Token![,]) {
-                    // what follows is a part of the same mistake
-                    return Err(no_argument(&name, input.span()));
-                } else {
-                    let text = name.to_string();
-                    self.rule(name, &text, errors);
-                }
-            }
-            if !input.is_empty() {
-                input.parse::<Token![,]>()?;
-            }
-        }
-        Ok(())
-    }
-
-    fn rule(&mut self, name: Ident, text: &str, errors: &mut Errors) {
-        match Rule::named(text) {
-            Some(rule) if self.rules.iter().any(|(other, _)| *other == rule) => {
-                errors.push(
-                    name.span(),
-                    format!("the rule `{text}` is listed twice: remove one"),
-                );
-            }
-            Some(rule) => self.rules.push((rule, name)),
-            None => errors.push(name.span(), unknown_rule(text)),
-        }
-    }
-}
-
-/// Whether `= both` follows.
-fn is_both(input: ParseStream<'_>) -> bool {
-    let ahead = input.fork();
-    ahead.parse::<Token![=]>().is_ok() && ahead.parse::<Ident>().is_ok_and(|word| word == "both")
-}
-
-/// What to say of a name in the attribute that something else than a comma follows.
-fn no_argument(name: &Ident, follows: Span) -> syn::Error {
-    match Rule::named(&name.to_string()) {
-        Some(_) => syn::Error::new(
-            follows,
-            "expected a comma: rules take no arguments, as in `#[variational(midpoint, endpoint)]`",
-        ),
-        None => syn::Error::new(
-            name.span(),
-            format!(
-                "there is no argument `{name}`: the arguments are rules ({}) and `crate = path`",
-                Rule::listed()
-            ),
-        ),
-    }
-}
-
-fn unknown_rule(name: &str) -> String {
-    match nearest(name, Rule::ALL.iter().map(|r| r.attribute_name())) {
-        Some(near) => format!(
-            "there is no rule `{name}`; did you mean `{near}`? The rules are {}",
-            Rule::listed()
-        ),
-        None => format!(
-            "there is no rule `{name}`; the rules are {}",
-            Rule::listed()
-        ),
     }
 }
 

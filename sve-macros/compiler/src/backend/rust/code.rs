@@ -248,17 +248,19 @@ impl<'a> Printer<'a> {
             Operation::Constant(_) | Operation::SinOf(_) | Operation::CosOf(_) => {
                 return TokenStream::new();
             }
-            Operation::Input(symbol) => match input(self.symbols.meaning(symbol), self.place == Place::Lanes) {
-                Some(access) => {
-                    let name = self.name(value);
-                    let access = match self.symbols.meaning(symbol) {
-                        Meaning::Parameter { .. } => number(&access, &self.private),
-                        _ => access,
-                    };
-                    return quote!(let #name: f64 = #access;);
+            Operation::Input(symbol) => {
+                match input(self.symbols.meaning(symbol), self.place == Place::Lanes) {
+                    Some(access) => {
+                        let name = self.name(value);
+                        let access = match self.symbols.meaning(symbol) {
+                            Meaning::Parameter { .. } => number(&access, &self.private),
+                            _ => access,
+                        };
+                        return quote!(let #name: f64 = #access;);
+                    }
+                    None => return TokenStream::new(),
                 }
-                None => return TokenStream::new(),
-            },
+            }
             Operation::Add(a, b) => infix(a, &quote!(+), b),
             Operation::Sub(a, b) => infix(a, &quote!(-), b),
             Operation::Mul(a, b) => infix(a, &quote!(*), b),

@@ -1,10 +1,9 @@
 //! `impl Variational<Gauss<S>>`: a thin layer over the runtime's functions for steps of many stages.
 
 use proc_macro2::{Literal, TokenStream};
-use quote::quote;
+use quote::{ToTokens, quote};
 
 use super::plan::{Cost, plan_of};
-use super::rule::type_of;
 use super::stages::StageCode;
 use super::{Context, attributes, documented, private};
 use crate::discretise::stages::{Form, Stages};
@@ -22,7 +21,8 @@ pub(crate) fn gauss(
 ) -> TokenStream {
     let (private, attributes) = (private(context.block), attributes());
     let self_ty = &context.block.item.self_ty;
-    let rule_type = type_of(rule, &context.block.arguments.runtime);
+    let runtime = context.block.arguments.runtime.to_token_stream();
+    let rule_type = super::rule_type(rule, &runtime);
     let dof = context.model.dof();
     let unknowns = if stages.moves_position { 2 } else { 1 } * count * dof;
     let [n, m, s, k] =
@@ -45,7 +45,13 @@ pub(crate) fn gauss(
         ),
     };
     let names = names(count, dof, stages.moves_position);
-    let plan = plan_of(&private, context, rule, texts, &cost(&names, code, count, dof));
+    let plan = plan_of(
+        &private,
+        context,
+        rule,
+        texts,
+        &cost(&names, code, count, dof),
+    );
     let StepTexts { action, step, .. } = texts;
     let doc = documented(&[
         (
@@ -105,12 +111,20 @@ pub(crate) fn gauss(
 /// Names of the unknowns: velocities of the stages, then displacements.
 fn names(stages: usize, dof: usize, moves_position: bool) -> Vec<String> {
     const DIGITS: [&str; 9] = ["", "₁", "₂", "₃", "₄", "₅", "₆", "₇", "₈"];
-    let letters = if moves_position { &["V", "Y"][..] } else { &["V"] };
+    let letters = if moves_position {
+        &["V", "Y"][..]
+    } else {
+        &["V"]
+    };
     let mut names = Vec::new();
     for letter in letters {
         for stage in 1..=stages {
             for i in 0..dof {
-                let component = if dof == 1 { String::new() } else { format!("[{i}]") };
+                let component = if dof == 1 {
+                    String::new()
+                } else {
+                    format!("[{i}]")
+                };
                 names.push(format!("{letter}{}{component}", DIGITS[stage]));
             }
         }

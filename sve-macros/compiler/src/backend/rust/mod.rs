@@ -68,6 +68,19 @@ fn private(block: &Annotated) -> TokenStream {
     quote!(#runtime::__private)
 }
 
+/// The type of a rule in the runtime: each option wraps the rule.
+fn rule_type(rule: Rule, runtime: &TokenStream) -> TokenStream {
+    let name = ident(rule.type_name());
+    let stages = rule.stages().map(Literal::usize_unsuffixed);
+    let stages = stages.map(|stages| quote!(<#stages>));
+    rule.options
+        .iter()
+        .fold(quote!(#runtime::#name #stages), |wrapped, option| {
+            let wrapper = ident(option.type_name());
+            quote!(#runtime::#wrapper<#wrapped>)
+        })
+}
+
 /// The value of a parameter. All tokens of the check that it is an `f64` have the place of the parameter: the errors of all
 /// functions that read it are then equal, and the compiler of Rust prints equal errors once.
 fn number(access: &TokenStream, private: &TokenStream) -> TokenStream {

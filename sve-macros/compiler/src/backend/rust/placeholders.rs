@@ -7,16 +7,16 @@ use quote::quote;
 use syn::{Expr, FnArg, ImplItem, ImplItemFn, ItemImpl, Lit, ReturnType, Type};
 
 use super::configuration::is_vector_or_nested;
-use super::rule::type_of;
 use crate::errors::Errors;
 use crate::rules::Rule;
-use crate::syntax::parse::{Arguments, is_f64, is_this};
+use crate::syntax::arguments::Arguments;
+use crate::syntax::parse::{is_f64, is_this};
 
 /// Implementations without bodies for every rule that the attribute names.
 pub(crate) fn placeholders(block: &ItemImpl, attribute: &TokenStream) -> TokenStream {
     let rules = if block.attrs.iter().any(is_this) {
         // those of the other attribute are meant too
-        Rule::ALL.to_vec()
+        Rule::all_with_options()
     } else {
         rules(attribute)
     };
@@ -48,7 +48,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
         &written.map_or_else(|| quote!([f64; #n]), |ty| quote!(#ty)),
     );
     let rules = rules.iter().map(|rule| {
-        let rule = type_of(*rule, &runtime);
+        let rule = super::rule_type(*rule, &runtime);
         quote! {
             #attributes
             impl #generics #private::Discretised<#rule> for #self_ty #clause {
@@ -178,8 +178,8 @@ fn rules(attribute: &TokenStream) -> Vec<Rule> {
     let mut errors = Errors::new();
     let arguments = Arguments::read(attribute.clone(), &mut errors);
     match errors.finish(arguments) {
-        Ok(arguments) => arguments.rules.iter().map(|(rule, _)| *rule).collect(),
-        Err(_) => Rule::ALL.to_vec(),
+        Ok(arguments) => arguments.rules.iter().map(|listed| listed.rule).collect(),
+        Err(_) => Rule::all_with_options(),
     }
 }
 

@@ -21,7 +21,14 @@ pub(super) fn plan(
 ) -> TokenStream {
     let blocks = derived.scheme.blocks.iter();
     let blocks = blocks.map(|b| self::block(private, b, &derived.symbols));
-    plan_with(private, context, derived.rule, texts, &quote!(#(#blocks),*), work)
+    plan_with(
+        private,
+        context,
+        derived.rule,
+        texts,
+        &quote!(#(#blocks),*),
+        work,
+    )
 }
 
 /// The unknowns of a step that is solved in one block, and what it costs.
@@ -77,7 +84,7 @@ fn plan_with(
     let [terms, motion, action, equations] = texts.map(|text| verbatim(text));
     let self_ty = &block.item.self_ty;
     let system = quote!(#self_ty).to_string();
-    let (name, order) = (rule.attribute_name(), rule.deterministic_order());
+    let (name, order) = (rule.name(), rule.deterministic_order());
     let (n, m) = (model.dof(), model.noises.len());
     let strong = match &mechanics.commutation {
         _ if m == 0 => quote!(Deterministic),

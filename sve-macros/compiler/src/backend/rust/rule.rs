@@ -1,7 +1,7 @@
 //! `impl StepEquations<Rule>`: what surrounds a step.
 
 use proc_macro2::{Literal, TokenStream};
-use quote::{ToTokens, format_ident, quote};
+use quote::{ToTokens, quote};
 
 use super::lanes::lanes;
 use super::linearise::linearise;
@@ -10,7 +10,6 @@ use super::step::{self, Code};
 use super::{Context, Derived, attributes, documented, private, unstructured, verbatim};
 use crate::algebra::Symbol;
 use crate::explain::StepTexts;
-use crate::rules::Rule;
 use crate::structure::{Block, Returns, Solution};
 use crate::system::model::{Family, Meaning, Symbols, Unknown};
 
@@ -128,23 +127,13 @@ fn start(unknowns: &[Symbol], coordinates: usize, symbols: &Symbols) -> TokenStr
 
 /// The rule, or the type that stands for its step without structure.
 fn rule_type(context: &Context<'_>, derived: &Derived) -> TokenStream {
-    let runtime = &context.block.arguments.runtime;
-    let rule = type_of(derived.rule, runtime);
+    let runtime = context.block.arguments.runtime.to_token_stream();
+    let rule = super::rule_type(derived.rule, &runtime);
     if derived.is_unstructured {
         quote!(#runtime::__private::Unstructured<#rule>)
     } else {
         rule
     }
-}
-
-/// The type of a rule.
-pub(super) fn type_of(rule: Rule, runtime: &impl ToTokens) -> TokenStream {
-    let name = format_ident!("{}", rule.type_name());
-    let stages = rule.stages().map(|stages| {
-        let stages = Literal::usize_unsuffixed(stages);
-        quote!(<#stages>)
-    });
-    quote!(#runtime::#name #stages)
 }
 
 fn code(derived: &Derived, private: &TokenStream, context: &Context<'_>) -> Code {

@@ -167,7 +167,11 @@ impl Writer<'_> {
         } = self.stages;
         let mut tiers = Tiers::new();
         let early = [self.model.time, *weight];
-        let early = early.iter().chain(&self.model.q).chain(&self.model.p).chain(dw);
+        let early = early
+            .iter()
+            .chain(&self.model.q)
+            .chain(&self.model.p)
+            .chain(dw);
         tiers.extend(early.map(|&s| (s, Tier::State)));
         tiers.extend(self.model.v.iter().map(|&s| (s, Tier::Iterate(0))));
         let mut scheduler = Scheduler::new(self.arena, symbols, tiers, roots);
@@ -296,7 +300,12 @@ impl Writer<'_> {
             let i = Literal::usize_unsuffixed(i);
             quote!(sweep.displacements[#i][stage] = h * v[#i] + #shift; sweep.velocities[#i][stage] = v[#i];)
         });
-        let Body { before, known, late, .. } = &first;
+        let Body {
+            before,
+            known,
+            late,
+            ..
+        } = &first;
         let Body {
             before: before_shift,
             known: known_shift,
@@ -375,17 +384,19 @@ impl Writer<'_> {
         let n = self.model.dof();
         let index = Literal::usize_unsuffixed;
         let places = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
-        let keep = places.filter(|(i, j)| !is_diagonal || i == j).map(|(i, j)| {
-            let entry = if is_diagonal {
-                let i = index(i);
-                quote!(inverse[#i])
-            } else {
+        let keep = places
+            .filter(|(i, j)| !is_diagonal || i == j)
+            .map(|(i, j)| {
+                let entry = if is_diagonal {
+                    let i = index(i);
+                    quote!(inverse[#i])
+                } else {
+                    let (i, j) = (index(i), index(j));
+                    quote!(inverse[#i][#j])
+                };
                 let (i, j) = (index(i), index(j));
-                quote!(inverse[#i][#j])
-            };
-            let (i, j) = (index(i), index(j));
-            quote!(inverses[#i][#j][stage] = #entry;)
-        });
+                quote!(inverses[#i][#j][stage] = #entry;)
+            });
         let entry = |i: usize, j: usize| {
             let (i, j) = (index(i), index(j));
             quote!(inverses[#i][#j][stage])

@@ -1,0 +1,310 @@
+//! Attributes that name rules with arguments: what they mean, and what messages say of their mistakes. A family of rules and two rules with options stand
+//! for rules of every kind.
+
+use proc_macro2::TokenStream;
+
+use crate::errors::Errors;
+use crate::rules::action::{Discrete, Variables};
+use crate::rules::{Discretisation, Features, Rule, RuleOption, StrongOrder, Textbook};
+use crate::syntax::arguments::Arguments;
+use crate::system::model::NodeQuantity;
+
+/// A rule that has a name and nothing else.
+struct Named {
+    name: &'static str,
+    stages: Option<usize>,
+    options: &'static [RuleOption],
+}
+
+impl Discretisation for Named {
+    fn attribute_name(&self) -> &'static str {
+        self.name
+    }
+    fn stages(&self) -> Option<usize> {
+        self.stages
+    }
+    fn with_one_stage(&self) -> Option<&'static str> {
+        self.stages.map(|_| "middle")
+    }
+    fn options(&self) -> &'static [RuleOption] {
+        self.options
+    }
+    fn type_name(&self) -> &'static str {
+        ""
+    }
+    fn deterministic_order(&self) -> u32 {
+        2 * self.stages.unwrap_or(1) as u32
+    }
+    fn strong_order(&self, _: bool) -> StrongOrder {
+        StrongOrder::One
+    }
+    fn takes_noise(&self) -> bool {
+        true
+    }
+    fn takes_force(&self) -> bool {
+        true
+    }
+    fn action(&self, _: &mut Variables<'_>) -> Discrete {
+        unreachable!("only the name is asked for")
+    }
+    fn notation(&self, _: usize, _: NodeQuantity) -> &'static str {
+        ""
+    }
+    fn is_end(&self, _: usize) -> bool {
+        false
+    }
+    fn letters(&self) -> &'static [&'static str] {
+        &[]
+    }
+    fn textbook(&self, _: &Features) -> Textbook {
+        unreachable!("only the name is asked for")
+    }
+}
+
+const fn member(stages: usize) -> Named {
+    Named {
+        name: "stages",
+        stages: Some(stages),
+        options: &RuleOption::ALL,
+    }
+}
+
+const fn single(name: &'static str, options: &'static [RuleOption]) -> Named {
+    Named {
+        name,
+        stages: None,
+        options,
+    }
+}
+
+static START: Named = single("start", &[]);
+static MIDDLE: Named = single("middle", &[RuleOption::Weak2]);
+static FAMILY: [Named; 4] = [member(2), member(3), member(4), member(5)];
+
+/// The rules that an attribute names, or the first error with the columns of its token.
+fn read(attribute: &str) -> Result<Vec<String>, (String, usize, usize)> {
+    let family = FAMILY.iter().map(|rule| Rule::plain(rule));
+    let all: Vec<Rule> = [Rule::plain(&START), Rule::plain(&MIDDLE)]
+        .into_iter()
+        .chain(family)
+        .collect();
+    let tokens: TokenStream = attribute.parse().expect("tokens");
+    let mut errors = Errors::new();
+    let arguments = Arguments::read_with(&all, tokens, &mut errors);
+    let names = arguments.rules.iter().map(|listed| listed.rule.name());
+    errors.finish(names.collect()).map_err(|error| {
+        let first = error.into_iter().next().expect("an error");
+        let (start, end) = (first.span().start().column, first.span().end().column);
+        (first.to_string(), start, end)
+    })
+}
+
+#[test]
+fn rules_that_differ_in_stages_or_options_are_different() {
+    for (attribute, rules) in [
+        ("start", &["start"][..]),
+        ("middle(weak2)", &["middle(weak2)"]),
+        (
+            "middle, middle(weak2,), start",
+            &["middle", "middle(weak2)", "start"],
+        ),
+        ("stages(3)", &["stages(3)"]),
+        (
+            "stages(3), stages(4), stages(3, weak2)",
+            &["stages(3)", "stages(4)", "stages(3, weak2)"],
+        ),
+        (
+            "stages(5, weak2, stage_noise)",
+            &["stages(5, stage_noise, weak2)"],
+        ),
+        (
+            "stages(2, stage_noise), crate = a::b, stages(2, weak2)",
+            &["stages(2, stage_noise)", "stages(2, weak2)"],
+        ),
+    ] {
+        assert_eq!(
+            read(attribute).as_deref(),
+            Ok(&rules.iter().map(|s| (*s).to_owned()).collect::<Vec<_>>()[..]),
+            "{attribute}"
+        );
+    }
+}
+
+/// Attributes with a mistake, the text that begins at its token and occurs there last, and the message.
+const MISTAKES: &[(&str, &str, &str)] = &[
+    (
+        "middle(weak2), middle(weak2)",
+        "middle(weak2)",
+        "the rule `middle(weak2)` is listed twice: remove one",
+    ),
+    (
+        "stages(2, weak2, stage_noise), stages(2, stage_noise, weak2)",
+        "stages(2, stage_noise, weak2)",
+        "the rule `stages(2, stage_noise, weak2)` is listed twice: remove one",
+    ),
+    (
+        "start()",
+        "()",
+        "these parentheses are empty: write `start`",
+    ),
+    (
+        "stages",
+        "stages",
+        "`stages` needs its number of stages, 2 to 5: write `stages(4)`, which has order 8",
+    ),
+    (
+        "stages()",
+        "()",
+        "`stages` needs its number of stages, 2 to 5: write `stages(4)`, which has order 8",
+    ),
+    (
+        "stages(weak2)",
+        "stages",
+        "`stages` needs its number of stages, 2 to 5: write `stages(4, weak2)`, which has order 8",
+    ),
+    (
+        "stages(1)",
+        "1",
+        "with one stage this is the rule `middle`: write `middle`",
+    ),
+    (
+        "stages(1, weak2)",
+        "1",
+        "with one stage this is the rule `middle`: write `middle(weak2)`",
+    ),
+    (
+        "stages(6)",
+        "6",
+        "the number is that of the stages, of which `stages` has 2 to 5, and the order is twice this number: write `stages(3)`, which has order 6",
+    ),
+    (
+        "stages(99, weak2)",
+        "99",
+        "the number is that of the stages, of which `stages` has 2 to 5, and the order is twice this number: write `stages(5, weak2)`, which has order 10",
+    ),
+    (
+        "stages(0)",
+        "0",
+        "the number is that of the stages, of which `stages` has 2 to 5, and the order is twice this number: write `stages(2)`, which has order 4",
+    ),
+    (
+        "stages(99999999999999999999999)",
+        "99999999999999999999999",
+        "the number is that of the stages, of which `stages` has 2 to 5, and the order is twice this number: write `stages(5)`, which has order 10",
+    ),
+    (
+        "stages(3, 4)",
+        "4",
+        "`stages` takes one number, that of its stages: write `stages(3)`",
+    ),
+    (
+        "stages(weak2, 3)",
+        "3",
+        "the number of stages comes first, without a suffix: write `stages(3, weak2)`",
+    ),
+    (
+        "stages(3usize)",
+        "3usize",
+        "the number of stages comes first, without a suffix: write `stages(3)`",
+    ),
+    (
+        "stages(2.0)",
+        "2.0",
+        "expected the number of stages and options, separated by commas, as in `stages(4)` or `stages(4, stage_noise, weak2)`",
+    ),
+    (
+        "stages(-2)",
+        "-2",
+        "the number is that of the stages, of which `stages` has 2 to 5, and the order is twice this number: write `stages(2)`, which has order 4",
+    ),
+    (
+        "stages(3 weak2)",
+        "weak2",
+        "expected the number of stages and options, separated by commas, as in `stages(4)` or `stages(4, stage_noise, weak2)`",
+    ),
+    (
+        "middle(\"weak2\")",
+        "\"weak2\"",
+        "expected options, separated by commas, as in `middle(weak2)`",
+    ),
+    (
+        "start(\"weak2\")",
+        "\"weak2\"",
+        "`start` takes no arguments: write `start`",
+    ),
+    (
+        "middle(2)",
+        "2",
+        "`middle` has no number of stages, and its order is 2: write `middle`",
+    ),
+    (
+        "middle(4, weak2)",
+        "4",
+        "`middle` has no number of stages, and its order is 2: write `middle(weak2)`",
+    ),
+    (
+        "middle(weak)",
+        "weak",
+        "there is no option `weak`; did you mean `weak2`?",
+    ),
+    (
+        "middle(fast)",
+        "fast",
+        "there is no option `fast`; the options of `middle` are `weak2`",
+    ),
+    (
+        "start(fast)",
+        "fast",
+        "`start` takes no options: write `start`",
+    ),
+    (
+        "middle(stage_noise)",
+        "stage_noise",
+        "`middle` does not take the option `stage_noise`, which is one of `stages(2)` to `stages(5)`; the options of `middle` are `weak2`",
+    ),
+    (
+        "start(weak2)",
+        "weak2",
+        "`start` takes no options, so not `weak2`, which is one of `middle`, `stages(2)` to `stages(5)`",
+    ),
+    (
+        "middle(weak2, weak2)",
+        "weak2)",
+        "the option `weak2` is written twice: remove one",
+    ),
+    (
+        "middle weak2",
+        "weak2",
+        "expected a comma between rules, as in `#[variational(midpoint, endpoint)]`",
+    ),
+    (
+        "middle(weak2) start",
+        "start",
+        "expected a comma between rules, as in `#[variational(midpoint, endpoint)]`",
+    ),
+    (
+        "middel(weak2)",
+        "middel",
+        "there is no rule `middel`; did you mean `middle`? The rules are `start`, `middle`, `stages(2)` to `stages(5)`",
+    ),
+    (
+        "order = 2",
+        "order",
+        "there is no argument `order`: the arguments are rules (`start`, `middle`, `stages(2)` to `stages(5)`) and `crate = path`",
+    ),
+];
+
+#[test]
+fn mistakes_are_named_at_their_token_with_what_to_write() {
+    for &(attribute, text, message) in MISTAKES {
+        let (found, start, end) = read(attribute).expect_err(attribute);
+        assert_eq!(found, message, "{attribute}");
+        let place = attribute.rfind(text).expect("the token");
+        assert_eq!(start, place, "{attribute}");
+        let length = match text {
+            "()" => 2,
+            _ => text.find(['(', ')']).unwrap_or(text.len()),
+        };
+        assert_eq!(end, place + length, "{attribute}");
+    }
+}
