@@ -184,7 +184,7 @@ fn mistaken_functions_lose_their_bodies_and_others_keep_them() {
     );
     for (gone, text) in [
         (true, "sine"),
-        (true, "3"),
+        (true, "= 3"),
         (true, "kept"),
         (false, "self . good"),
         (false, "2.5"),
