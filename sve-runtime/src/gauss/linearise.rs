@@ -37,7 +37,7 @@ pub trait ByParameters<const N: usize, const M: usize>: System {
     );
 }
 
-impl<'a, Sys, Q, const S: usize, const N: usize, const M: usize> Step<'a, Sys, S, N, M>
+impl<Sys, Q, const S: usize, const N: usize, const M: usize> Step<'_, Sys, S, N, M>
 where
     Sys: System<Dims = Dims<N, M, Q>> + ByParameters<N, M>,
     Q: Coordinates<N>,
@@ -57,7 +57,7 @@ where
         };
         for j in 0..S {
             self.outputs::<K>(j, &stages, &mut all);
-            self.start::<K>(j, &stages, &mut all);
+            Self::start::<K>(j, &stages, &mut all);
             let mut q = self.state.q;
             for n in 0..N {
                 q[n] += unknowns.moves[j][n];
@@ -100,7 +100,7 @@ where
     }
 
     /// What the state at the start does to the equations of stage `i` and to the results.
-    fn start<const K: usize>(&self, i: usize, stages: &[Stage<N>; S], all: &mut Matrices) {
+    fn start<const K: usize>(i: usize, stages: &[Stage<N>; S], all: &mut Matrices) {
         let ratio = const { &Tableau::<S>::VALUES.ratio };
         for m in 0..N {
             for n in 0..N {

@@ -86,7 +86,7 @@ where
     {
         return Ok(solved);
     }
-    solve_by_newton(step, solver)
+    solve_by_newton(&step, solver)
 }
 
 /// Solves a step of a system with ∂L/∂v affine in v.
@@ -119,14 +119,14 @@ where
     {
         return Ok(solved);
     }
-    solve_by_newton(step, solver)
+    solve_by_newton(&step, solver)
 }
 
 /// Solves a step whose fixed-point iteration does not contract.
 #[cold]
 #[inline(never)]
 fn solve_by_newton<Sys, Q, const S: usize, const N: usize, const M: usize, const K: usize>(
-    step: Step<'_, Sys, S, N, M>,
+    step: &Step<'_, Sys, S, N, M>,
     solver: &BlockSolver<'_>,
 ) -> Result<Solved<N, K>, SolveError>
 where

@@ -1,7 +1,7 @@
 //! The equations of a step of a Gauss rule, solved by Newton's method with their analytic Jacobian.
 //!
-//! Unknowns are the velocities V_i of the stages, one after the other, and behind them the displacements Y_i if a noise moves positions. Without such
-//! a noise Y_i = h b_i V_i is no unknown. Residuals, with the notation of `step.rs`:
+//! Unknowns are the velocities `V_i` of the stages, one after the other, and behind them the displacements `Y_i` if a noise moves positions. Without such
+//! a noise `Y_i = h b_i V_i` is no unknown. Residuals, with the notation of `step.rs`:
 //!
 //! ```text
 //! L_v(Q_i, V_i) − p₀ − Σ_j μ_ij F_j          Y_i − h b_i V_i − Σ_a ∂G_a/∂p ω_ai
@@ -27,7 +27,7 @@ pub(super) struct Unknowns<const S: usize, const N: usize> {
     pub(super) moves: [[f64; N]; S],
 }
 
-impl<'a, Sys, Q, const S: usize, const N: usize, const M: usize> Step<'a, Sys, S, N, M>
+impl<Sys, Q, const S: usize, const N: usize, const M: usize> Step<'_, Sys, S, N, M>
 where
     Sys: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
@@ -72,7 +72,7 @@ where
         let (_, sign) = dense::solve_with_sign(&mass, &[0.0; N])
             .ok_or(SolveError::Singular { iteration: 0 })?;
         let even = DeterminantSign::of(1.0);
-        Ok((v, if S % 2 == 0 { even } else { sign }))
+        Ok((v, if S.is_multiple_of(2) { even } else { sign }))
     }
 
     /// Returns the unknowns with the velocity `v` at all stages.

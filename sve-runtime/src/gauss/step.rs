@@ -1,6 +1,6 @@
 //! What a step of a Gauss rule consists of: its data, and the forces at its stages.
 //!
-//! With stage velocities V_i, stage positions Q_i and momenta P_i = L_v(Q_i, V_i),
+//! With velocities `V_i`, positions `Q_i` and momenta `P_i = L_v(Q_i, V_i)` of the stages,
 //!
 //! ```text
 //! Y_i = h b_i V_i + Σ_a ∂G_a/∂p ω_ai          F_i = h b_i (L_q + F) − Σ_a ∂G_a/∂q ω_ai          (at stage i)
@@ -8,8 +8,8 @@
 //! q₁ = q₀ + Σ Y_j                             p₁ = p₀ + Σ F_j
 //! ```
 //!
-//! where μ_ij = a_ij / b_j and ω_ai is the part of the increment of process a at stage i, `b_i ΔW_a`. The equations are those of the action in
-//! `docs/mathematics.md`; the momenta need Â_ij / b_j = 1 − μ_ji = μ_ij.
+//! where `μ_ij = a_ij / b_j`, and `ω_ai` is the part of the increment of process a at stage i, `b_i ΔW_a`. The equations are those of the action in
+//! `docs/mathematics.md`; the momenta need `1 − μ_ji`, which is `μ_ij`.
 
 use super::tableau::Tableau;
 use crate::configuration::Coordinates;
@@ -33,7 +33,7 @@ pub(super) struct Step<'a, Sys, const S: usize, const N: usize, const M: usize> 
 /// Jets at a stage, with the impulses and what they depend on.
 pub(super) struct Stage<const N: usize> {
     pub(super) lagrangian: LagrangianJet<N>,
-    /// F_i.
+    /// `F_i`.
     pub(super) impulse: Response<N>,
     /// `Σ_a ∂G_a/∂p ω_ai`, the displacement by noise.
     pub(super) shift: Response<N>,

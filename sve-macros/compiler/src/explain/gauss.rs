@@ -1,5 +1,7 @@
 //! The action of a Gauss rule in its textbook form, and the equations of its stages.
 
+use std::fmt::Write as _;
+
 use super::step::{StepTexts, features};
 use crate::algebra::Arena;
 use crate::discretise::stages::{Form, Stages};
@@ -61,9 +63,10 @@ fn equations(count: usize, stages: &Stages, features: &Features) -> Vec<String> 
     };
     let mut lines = vec![format!("{solver} for {unknowns} at {count} stages")];
     lines.push(format!("  ∂L/∂v({}) = p₀ + Σⱼ (aᵢⱼ/bⱼ)·Fⱼ", point("ᵢ")));
+    // writing to a string does not fail
     let mut displacement = "h·bᵢ·Vᵢ".to_owned();
     if stages.moves_position {
-        displacement.push_str(&format!(" + bᵢ·Σ ∂H₁/∂p({}Qᵢ, Pᵢ)·ΔW", t("tᵢ")));
+        let _ = write!(displacement, " + bᵢ·Σ ∂H₁/∂p({}Qᵢ, Pᵢ)·ΔW", t("tᵢ"));
     }
     lines.push(format!("  Yᵢ = {displacement}"));
     lines.push("then".to_owned());
@@ -77,10 +80,10 @@ fn equations(count: usize, stages: &Stages, features: &Features) -> Vec<String> 
         format!("h·bᵢ·∂L/∂q({})", point("ᵢ"))
     };
     if features.gammas > 0 {
-        impulse.push_str(&format!(" + bᵢ·Σ ∂γ/∂q({}Qᵢ)·ΔW", t("tᵢ")));
+        let _ = write!(impulse, " + bᵢ·Σ ∂γ/∂q({}Qᵢ)·ΔW", t("tᵢ"));
     }
     if features.hamiltonians > 0 {
-        impulse.push_str(&format!(" − bᵢ·Σ ∂H₁/∂q({}Qᵢ, Pᵢ)·ΔW", t("tᵢ")));
+        let _ = write!(impulse, " − bᵢ·Σ ∂H₁/∂q({}Qᵢ, Pᵢ)·ΔW", t("tᵢ"));
     }
     lines.push(format!("  Fᵢ = {impulse}"));
     if features.hamiltonians > 0 {

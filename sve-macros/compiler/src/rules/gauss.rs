@@ -5,7 +5,7 @@
 //! Q_i = q₀ + h Σ_j a_ij U_j        t_i = t₀ + c_i h
 //! ```
 //!
-//! U are the velocities of the path at the nodes, V the arguments of L; both are internal, with P and λ. Order 2S, symmetric, no Stratonovich correction: Σ b_i c_i = ½.
+//! U are the velocities of the path at the nodes, V the arguments of L; both are internal, with P and λ. Order 2S, symmetric, no Stratonovich correction, since the weighted mean of the nodes is ½.
 //! A force does the work `h b_i ⟨F(t_i, Q_i, V_i), δQ_i⟩` at each node.
 //!
 //! The step is not derived by unrolling this action but from its equations for any L (`sve-runtime/src/gauss/`), with the derivatives at one node. The unrolled

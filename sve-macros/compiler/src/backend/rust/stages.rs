@@ -216,19 +216,6 @@ impl Writer<'_> {
         }
     }
 
-    /// `+ 0`, or `+ NaN` where a function is not defined.
-    fn poison(&self, domain: &[Condition<Expr>], values: &[TokenStream]) -> [TokenStream; 2] {
-        if domain.is_empty() {
-            return [TokenStream::new(), TokenStream::new()];
-        }
-        let conditions = domain.iter().zip(values);
-        let conditions = conditions.map(|(c, value)| inside(value, c.is_closed));
-        let poison = quote! {
-            let poison = if true #(& (#conditions))* { 0f64 } else { f64::NAN };
-        };
-        [poison, quote!(+ poison)]
-    }
-
     /// `fn impulses`.
     fn impulses(&self, impulse: &Impulse) -> (TokenStream, Operations) {
         let n = self.model.dof();
@@ -242,7 +229,7 @@ impl Writer<'_> {
             operations,
         } = self.body(&roots);
         let inputs = self.inputs(false);
-        let [poison, poisoned] = self.poison(&impulse.domain, &results[n..]);
+        let [poison, poisoned] = poison(&impulse.domain, &results[n..]);
         let stores = stores("impulses", &results[..n], &poisoned);
         let sizes = self.sizes();
         let n = Literal::usize_unsuffixed(n);
@@ -286,7 +273,7 @@ impl Writer<'_> {
         let second = self.body(shift);
         let (matrix, offsets) = first.results[first_of_mass..].split_at(n * n);
         let inverse = self.inverse(matrix, is_diagonal);
-        let [poison, poisoned] = self.poison(&impulse.domain, &first.results[n..first_of_mass]);
+        let [poison, poisoned] = poison(&impulse.domain, &first.results[n..first_of_mass]);
         let stores_of_impulses = stores("impulses", &first.results[..n], &poisoned);
         let [keep_inverse, kept_inverse] = self.kept_inverse(is_diagonal);
         let velocity = self.velocity(is_diagonal);
@@ -444,4 +431,17 @@ fn stores(rows: &str, values: &[TokenStream], more: &TokenStream) -> TokenStream
         quote!(#rows[#i][stage] = #value #more;)
     });
     quote!(#(#stores)*)
+}
+
+/// `+ 0`, or `+ NaN` where a function is not defined.
+fn poison(domain: &[Condition<Expr>], values: &[TokenStream]) -> [TokenStream; 2] {
+    if domain.is_empty() {
+        return [TokenStream::new(), TokenStream::new()];
+    }
+    let conditions = domain.iter().zip(values);
+    let conditions = conditions.map(|(c, value)| inside(value, c.is_closed));
+    let poison = quote! {
+        let poison = if true #(& (#conditions))* { 0f64 } else { f64::NAN };
+    };
+    [poison, quote!(+ poison)]
 }
