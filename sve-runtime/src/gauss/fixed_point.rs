@@ -67,7 +67,8 @@ pub struct Sweep<const S: usize, const N: usize> {
 #[derive(Clone, Copy, Debug)]
 pub struct InverseMass<const N: usize>(pub(super) [[f64; N]; N]);
 
-/// Solves a step of a system of second order. Returns nothing if the iteration does not contract.
+/// Solves a step of a system of second order from the impulses of the step before, or from the motion with constant velocity. Returns the impulses
+/// beside the solution, or nothing if the iteration does not contract.
 pub(super) fn solve_second_order<
     Sys,
     const S: usize,
@@ -77,13 +78,15 @@ pub(super) fn solve_second_order<
 >(
     step: &Step<'_, Sys, S, N, M>,
     inverse_mass: &InverseMass<N>,
-) -> Option<Solved<N, K>>
+    before: Option<&Rows<S, N>>,
+) -> Option<(Solved<N, K>, Rows<S, N>)>
 where
     Sys: SecondOrder<N, M>,
 {
     dispatch(SecondOrderIteration::<_, S, N, M, K> {
         step,
         inverse_mass: &inverse_mass.0,
+        before,
     })
 }
 
@@ -91,6 +94,8 @@ struct SecondOrderIteration<'a, Sys, const S: usize, const N: usize, const M: us
 {
     step: &'a Step<'a, Sys, S, N, M>,
     inverse_mass: &'a [[f64; N]; N],
+    /// The impulses of the step before.
+    before: Option<&'a Rows<S, N>>,
 }
 
 impl<Sys, const S: usize, const N: usize, const M: usize, const K: usize> Kernel
@@ -98,14 +103,14 @@ impl<Sys, const S: usize, const N: usize, const M: usize, const K: usize> Kernel
 where
     Sys: SecondOrder<N, M>,
 {
-    type Output = Option<Solved<N, K>>;
+    type Output = Option<(Solved<N, K>, Rows<S, N>)>;
 
     #[inline(always)]
-    fn run(self) -> Option<Solved<N, K>> {
+    fn run(self) -> Self::Output {
         let Tableau { c, rest, .. } = const { &Tableau::<S>::VALUES };
         let Step { state, h, .. } = *self.step;
         let start = self.velocity(&state.p.map(|p| [p]));
-        // Positions relative to the start, of a motion with constant velocity.
+        // Positions relative to the start, of a motion with constant velocity, in units of the step.
         let mut free = [[0.0; S]; N];
         for n in 0..N {
             for i in 0..S {
@@ -113,6 +118,16 @@ where
             }
         }
         let mut moves = free;
+        if let Some(impulses) = self.before {
+            let changes = self.velocity(impulses);
+            for n in 0..N {
+                let ahead = const { &Tableau::<S>::VALUES.second_order_ahead };
+                let ahead = product(ahead, &changes[n]);
+                for i in 0..S {
+                    moves[n][i] += ahead[i];
+                }
+            }
+        }
         for n in 0..N {
             for i in 0..S {
                 moves[n][i] *= h;
@@ -155,7 +170,7 @@ where
             dq[n] = h * (start[n][0] + sum(&late));
             dp[n] = sum(&impulses[n]);
         }
-        Some((dq, dp, x))
+        Some(((dq, dp, x), impulses))
     }
 }
 
@@ -197,7 +212,8 @@ where
     }
 }
 
-/// Solves a step of a system with ∂L/∂v affine in v. Returns nothing if the iteration does not contract.
+/// Solves a step of a system with ∂L/∂v affine in v, from the stages of the step before or from the start. Returns displacements and impulses beside the
+/// solution, or nothing if the iteration does not contract.
 pub(super) fn solve_partitioned<
     Sys,
     const S: usize,
@@ -206,16 +222,19 @@ pub(super) fn solve_partitioned<
     const K: usize,
 >(
     step: &Step<'_, Sys, S, N, M>,
-) -> Option<Solved<N, K>>
+    before: Option<&[Rows<S, N>; 2]>,
+) -> Option<(Solved<N, K>, [Rows<S, N>; 2])>
 where
     Sys: Partitioned<N, M>,
 {
-    dispatch(PartitionedIteration::<_, S, N, M, K> { step })
+    dispatch(PartitionedIteration::<_, S, N, M, K> { step, before })
 }
 
 struct PartitionedIteration<'a, Sys, const S: usize, const N: usize, const M: usize, const K: usize>
 {
     step: &'a Step<'a, Sys, S, N, M>,
+    /// Displacements and impulses of the step before.
+    before: Option<&'a [Rows<S, N>; 2]>,
 }
 
 impl<Sys, const S: usize, const N: usize, const M: usize, const K: usize> Kernel
@@ -223,13 +242,20 @@ impl<Sys, const S: usize, const N: usize, const M: usize, const K: usize> Kernel
 where
     Sys: Partitioned<N, M>,
 {
-    type Output = Option<Solved<N, K>>;
+    type Output = Option<(Solved<N, K>, [Rows<S, N>; 2])>;
 
     #[inline(always)]
-    fn run(self) -> Option<Solved<N, K>> {
+    fn run(self) -> Self::Output {
         let state = self.step.state;
         // Relative to the start; nothing moves in the limit of no noise and h → 0.
         let (mut moves, mut kicks) = ([[0.0; S]; N], [[0.0; S]; N]);
+        if let Some([displacements, impulses]) = self.before {
+            let ahead = const { &Tableau::<S>::VALUES.ratio_ahead };
+            for n in 0..N {
+                moves[n] = product(ahead, &displacements[n]);
+                kicks[n] = product(ahead, &impulses[n]);
+            }
+        }
         let mut course = Course::new();
         let mut has_converged = false;
         loop {
@@ -255,7 +281,7 @@ where
                     p
                 });
             if has_converged {
-                return Some(increments(&sweep));
+                return Some((increments(&sweep), [sweep.displacements, sweep.impulses]));
             }
             let new_moves = at_stages(&sweep.displacements);
             let mut change = 0.0;

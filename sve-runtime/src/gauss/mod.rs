@@ -6,6 +6,7 @@
 //! | `step.rs` | a step: its equations, and the forces at a stage |
 //! | `newton.rs` | Newton's method for the equations of all stages |
 //! | `fixed_point.rs`, `stages.rs`, `convergence.rs` | fixed-point iteration with the stages in lanes |
+//! | `memory.rs` | what a trajectory carries from step to step |
 //! | `linearise.rs` | the linearised step |
 //!
 //! A step with four stages or more is first solved by fixed-point iteration if its Lagrangian allows that. Where the iteration does not contract, and with fewer
@@ -15,6 +16,7 @@ mod convergence;
 mod double_double;
 mod fixed_point;
 mod linearise;
+mod memory;
 mod newton;
 mod nodes;
 mod stages;
@@ -31,6 +33,7 @@ use crate::solve::dense;
 use crate::solve::newton::BlockSolver;
 use crate::state::State;
 use crate::system::{Dims, System};
+use memory::solve_from_memory;
 use newton::Solved;
 use step::Step;
 
@@ -55,7 +58,7 @@ where
     Step::<_, S, N, M>::new(system, state, h, dw).solve(solver)
 }
 
-/// Solves a step of a system of second order.
+/// Solves a step of a system of second order. `memory` has what the step before left: its impulses.
 ///
 /// # Errors
 /// As [`newton_increment`].
@@ -67,9 +70,11 @@ pub fn second_order_increment<
     const N: usize,
     const M: usize,
     const K: usize,
+    const L: usize,
 >(
     system: &Sys,
     inverse_mass: &InverseMass<N>,
+    memory: &mut Option<[f64; L]>,
     state: &State<[f64; N]>,
     h: f64,
     dw: &[f64; M],
@@ -80,16 +85,20 @@ where
     Q: Coordinates<N>,
 {
     let step = Step::<_, S, N, M>::new(system, state, h, dw);
-    if S >= STAGES_OF_FIXED_POINT
-        && solver.is_fast_path()
-        && let Some(solved) = fixed_point::solve_second_order(&step, inverse_mass)
-    {
-        return Ok(solved);
+    if S >= STAGES_OF_FIXED_POINT && solver.is_fast_path() {
+        let solve = |before: Option<&[_; 1]>| {
+            let before = before.map(|[impulses]| impulses);
+            let (solved, impulses) = fixed_point::solve_second_order(&step, inverse_mass, before)?;
+            Some((solved, [impulses]))
+        };
+        if let Some(solved) = solve_from_memory(memory, h, solve) {
+            return Ok(solved);
+        }
     }
     solve_by_newton(&step, solver)
 }
 
-/// Solves a step of a system with ∂L/∂v affine in v.
+/// Solves a step of a system with ∂L/∂v affine in v. `memory` has what the step before left: its displacements and impulses.
 ///
 /// # Errors
 /// As [`newton_increment`].
@@ -101,8 +110,10 @@ pub fn partitioned_increment<
     const N: usize,
     const M: usize,
     const K: usize,
+    const L: usize,
 >(
     system: &Sys,
+    memory: &mut Option<[f64; L]>,
     state: &State<[f64; N]>,
     h: f64,
     dw: &[f64; M],
@@ -113,11 +124,11 @@ where
     Q: Coordinates<N>,
 {
     let step = Step::<_, S, N, M>::new(system, state, h, dw);
-    if S >= STAGES_OF_FIXED_POINT
-        && solver.is_fast_path()
-        && let Some(solved) = fixed_point::solve_partitioned(&step)
-    {
-        return Ok(solved);
+    if S >= STAGES_OF_FIXED_POINT && solver.is_fast_path() {
+        let solve = |before: Option<&_>| fixed_point::solve_partitioned(&step, before);
+        if let Some(solved) = solve_from_memory(memory, h, solve) {
+            return Ok(solved);
+        }
     }
     solve_by_newton(&step, solver)
 }

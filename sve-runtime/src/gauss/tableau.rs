@@ -37,6 +37,10 @@ pub(super) struct Tableau<const S: usize> {
     pub(super) ratio: [[f64; S]; S],
     /// `Σ_k a_ik a_kj / b_j`.
     pub(super) second_order: [[f64; S]; S],
+    /// `Σ_k μ_ik x_kj`, where x extrapolates the impulses of a step to those of the next one.
+    pub(super) ratio_ahead: [[f64; S]; S],
+    /// `Σ_k η_ik x_kj`.
+    pub(super) second_order_ahead: [[f64; S]; S],
     /// `1 − c_j`: what the impulse of stage j adds to the displacement, in units of the step.
     pub(super) rest: [f64; S],
 }
@@ -56,6 +60,8 @@ impl<const S: usize> Tableau<S> {
             b: [0.0; S],
             ratio: [[0.0; S]; S],
             second_order: [[0.0; S]; S],
+            ratio_ahead: [[0.0; S]; S],
+            second_order_ahead: [[0.0; S]; S],
             rest: [0.0; S],
         };
         let mut i = 0;
@@ -79,6 +85,19 @@ impl<const S: usize> Tableau<S> {
                 j += 1;
             }
             all.ratio[i][i] = 0.5;
+            let mut j = 0;
+            while j < S {
+                let (mut sum, mut second, mut k) = (Double::ZERO, Double::ZERO, 0);
+                while k < S {
+                    let ahead = exact.ahead[k][j];
+                    sum = sum.plus(exact.ratio[i][k].times(ahead));
+                    second = second.plus(exact.second_order(i, k).times(ahead));
+                    k += 1;
+                }
+                all.ratio_ahead[j][i] = sum.high;
+                all.second_order_ahead[j][i] = second.high;
+                j += 1;
+            }
             i += 1;
         }
         all
@@ -90,6 +109,8 @@ pub(super) struct Exact<const S: usize> {
     pub(super) c: [Double; S],
     pub(super) b: [Double; S],
     pub(super) ratio: [[Double; S]; S],
+    /// `b_i ℓ_j(1 + c_i) / b_j`: the impulses of the next step that the polynomial through those of a step predicts.
+    ahead: [[Double; S]; S],
 }
 
 impl<const S: usize> Exact<S> {
@@ -112,9 +133,10 @@ impl<const S: usize> Exact<S> {
             b[i] = Double::ONE.over(sum);
             i += 1;
         }
-        let mut ratio = [[Double::ZERO; S]; S];
+        let (mut ratio, mut ahead) = ([[Double::ZERO; S]; S], [[Double::ZERO; S]; S]);
         let mut i = 0;
         while i < S {
+            let next_step = legendre_at(root(S, i).plus(Double::of(2.0)));
             let mut j = 0;
             while j < S {
                 let (mut sum, mut k) = (c[i].times(Double::of(2.0)), 1);
@@ -124,11 +146,18 @@ impl<const S: usize> Exact<S> {
                     k += 1;
                 }
                 ratio[i][j] = sum.times(half);
+                let (mut sum, mut k) = (Double::ZERO, 0);
+                while k < S {
+                    let term = legendre[j][k].times(next_step[k]);
+                    sum = sum.plus(term.times(Double::of((2 * k + 1) as f64)));
+                    k += 1;
+                }
+                ahead[i][j] = sum.times(b[i]);
                 j += 1;
             }
             i += 1;
         }
-        Self { c, b, ratio }
+        Self { c, b, ratio, ahead }
     }
 
     /// `Σ_k a_ik a_kj / b_j`.
@@ -194,6 +223,37 @@ mod tests {
         }
     }
 
+    /// Checks that impulses `b_i f(c_i)` of polynomials are extrapolated exactly.
+    fn check_extrapolation<const S: usize>() {
+        let all = Tableau::<S>::VALUES;
+        let impulse = |c: f64, i: usize, k: usize| all.b[i] * c.powi(k as i32);
+        for k in 0..S {
+            let first: [f64; S] = core::array::from_fn(|i| impulse(all.c[i], i, k));
+            let next: [f64; S] = core::array::from_fn(|i| impulse(1.0 + all.c[i], i, k));
+            let pairs = [
+                (&all.ratio, &all.ratio_ahead),
+                (&all.second_order, &all.second_order_ahead),
+            ];
+            for (matrix, ahead) in pairs {
+                for i in 0..S {
+                    let sum = |m: &[[f64; S]; S], z: &[f64; S]| -> f64 {
+                        (0..S).map(|j| m[j][i] * z[j]).sum()
+                    };
+                    let (found, expected) = (sum(ahead, &first), sum(matrix, &next));
+                    let error = (found - expected).abs();
+                    assert!(error < 1e-9, "{S} stages, degree {k}: {error:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn impulses_of_the_next_step_are_extrapolated() {
+        check_extrapolation::<2>();
+        check_extrapolation::<4>();
+        check_extrapolation::<8>();
+    }
+
     fn check_symplecticity<const S: usize>() {
         let exact = Exact::<S>::new();
         let Tableau {
@@ -202,6 +262,7 @@ mod tests {
             ratio,
             second_order,
             rest,
+            ..
         } = Tableau::<S>::VALUES;
         for i in 0..S {
             assert_eq!(rest[i], 1.0 - c[i]);

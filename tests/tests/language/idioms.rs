@@ -1,5 +1,5 @@
-//! What is written without thinking: iterators, slices, closures, conditions on indices, constants from elsewhere. Each system is compared
-//! with its own function, and its derivatives with differences.
+//! Common idioms: iterators, slices, closures, conditions on indices, constants from outside the block. Each derived system is compared
+//! with the user's function, and its derivatives with difference quotients.
 
 use std::f64::consts::PI;
 
@@ -276,9 +276,9 @@ feature! {
     }
 }
 
-/// What is not this macro's is passed through.
+/// Attributes and items that are not for this macro are passed through.
 mod passed_through {
-    /// A system that others see.
+    /// A system that is visible in other modules.
     #[derive(Debug)]
     pub(super) struct Through {
         pub(super) k: f64,

@@ -27,7 +27,7 @@ impl DoubleWell {
 }
 
 #[derive(Deserialize)]
-struct Run {
+struct ReferencePath {
     params: HashMap<String, f64>,
     h: f64,
     dw: Vec<Vec<f64>>,
@@ -44,7 +44,7 @@ fn follow<S, const N: usize, const M: usize>(
 {
     let path = format!("{}/data/{file}.json", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
-    let runs: Vec<Run> = serde_json::from_str(&text).expect("reference data");
+    let runs: Vec<ReferencePath> = serde_json::from_str(&text).expect("reference data");
     for run in &runs {
         let integrator = Integrator::new(system(&run.params), StormerVerlet);
         let array = |x: &[f64]| -> [f64; N] { x.try_into().unwrap() };

@@ -11,7 +11,7 @@ use crate::system::mechanics::Mechanics;
 use crate::system::model::Model;
 
 /// Fewest stages with which the runtime begins by fixed-point iteration.
-const STAGES_OF_FIXED_POINT: usize = 4;
+pub(crate) const STAGES_OF_FIXED_POINT: usize = 4;
 
 /// Writes down a step of so many stages.
 pub(crate) fn gauss(

@@ -1,7 +1,7 @@
-//! The operations that plans tell against those of the emitted code: statements and solves, counted in the tokens.
+//! The operations in the plans against the operations of the emitted code: statements and solves, counted in the tokens.
 //!
-//! Every rule of every model of the workspace's tests, with structure and without, and of the scenes of `benches/expansion`. Code that
-//! runs only where the fast path fails is not counted: the closures `fallback`, `rounding` and `full`.
+//! Compares every rule of every model of the workspace's tests, with structure and without, and of the scenes of `benches/expansion`. Code
+//! that runs only after the fast path fails is not counted: the closures `fallback`, `rounding` and `full`.
 
 use std::ops::AddAssign;
 
@@ -209,7 +209,7 @@ fn banded(k: usize, lower: usize, width: usize) -> usize {
     operations
 }
 
-/// What the plan of an implementation tells of preparation, step and iteration.
+/// Returns the operations of preparation, step and iteration in the plan of an implementation.
 fn told(plan: &Expr) -> [Counts; 3] {
     let fields = |expr: &Expr| match expr {
         Expr::Struct(literal) => literal.fields.clone(),

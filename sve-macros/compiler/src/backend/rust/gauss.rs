@@ -7,7 +7,7 @@ use super::plan::{Cost, plan_of};
 use super::stages::StageCode;
 use super::{Context, attributes, documented, private};
 use crate::discretise::stages::{Form, Stages};
-use crate::explain::StepTexts;
+use crate::explain::{STAGES_OF_FIXED_POINT, StepTexts};
 use crate::program::{Operations, Work};
 use crate::rules::Rule;
 
@@ -27,6 +27,19 @@ pub(crate) fn gauss(
     let unknowns = if stages.moves_position { 2 } else { 1 } * count * dof;
     let [n, m, s, k] =
         [dof, context.model.noises.len(), count, unknowns].map(Literal::usize_unsuffixed);
+    let rows = match stages.form {
+        Form::General => 0,
+        Form::SecondOrder { .. } => 1,
+        Form::Partitioned { .. } => 2,
+    };
+    // with noise, stages say nothing of those of the next step; with few stages none are iterated
+    let carries = context.model.noises.is_empty() && count >= STAGES_OF_FIXED_POINT && rows > 0;
+    let l = Literal::usize_unsuffixed(1 + rows * dof * count);
+    let (memory_type, memory) = if carries {
+        (quote!(::core::option::Option<[f64; #l]>), quote!(memory))
+    } else {
+        (quote!(()), quote!(&mut ::core::option::Option::None))
+    };
     let (prepared, prepare, increment) = match stages.form {
         Form::General => (
             quote!(()),
@@ -36,12 +49,12 @@ pub(crate) fn gauss(
         Form::SecondOrder { .. } => (
             quote!(#private::gauss::InverseMass<#n>),
             quote!(#private::gauss::InverseMass::of(self)),
-            quote!(#private::gauss::second_order_increment::<Self, _, #s, #n, #m, #k>(self, prepared, state, h, dw, newton)),
+            quote!(#private::gauss::second_order_increment::<Self, _, #s, #n, #m, #k, #l>(self, prepared, #memory, state, h, dw, newton)),
         ),
         Form::Partitioned { .. } => (
             quote!(()),
             quote!(),
-            quote!(#private::gauss::partitioned_increment::<Self, _, #s, #n, #m, #k>(self, state, h, dw, newton)),
+            quote!(#private::gauss::partitioned_increment::<Self, _, #s, #n, #m, #k, #l>(self, #memory, state, h, dw, newton)),
         ),
     };
     let names = names(count, dof, stages.moves_position);
@@ -66,7 +79,7 @@ pub(crate) fn gauss(
         impl #private::StepEquations<#rule_type> for #self_ty {
             type Prepared = #prepared;
             type Increments = [f64; #m];
-            type Memory = ();
+            type Memory = #memory_type;
             type Unknowns = [f64; #k];
             const PLAN: &'static #private::Plan = &#plan;
             const RETURNS: #private::Returns = #private::Returns::Increment;
@@ -86,7 +99,7 @@ pub(crate) fn gauss(
             fn increment(
                 &self,
                 prepared: &#prepared,
-                memory: &mut (),
+                memory: &mut #memory_type,
                 state: &#private::State<[f64; #n]>,
                 h: f64,
                 dw: &[f64; #m],

@@ -135,6 +135,7 @@ fn plan(private: &TokenStream) -> TokenStream {
         #private::Plan {
             system: "",
             rule: "",
+            substeps: ::core::option::Option::None,
             degrees_of_freedom: 0,
             noises: 0,
             blocks: &[],

@@ -103,6 +103,7 @@ fn plan_with(
         #private::Plan {
             system: #system,
             rule: #name,
+            substeps: ::core::option::Option::None,
             degrees_of_freedom: #n,
             noises: #m,
             blocks: &[#blocks],

@@ -29,8 +29,12 @@ pub(crate) fn system(
         noises,
         force,
         affine_momentum,
+        is_separable,
         commutation: _,
     } = mechanics;
+    let separable = is_separable.then(|| quote!(impl #private::Separable for #self_ty {}));
+    let quadratic = (*is_separable && *affine_momentum)
+        .then(|| quote!(impl #private::QuadraticKineticEnergy for #self_ty {}));
     let [doc, jet_doc, noise_doc] = documentation(about, !noises.is_empty());
     let configuration = written(block).map(|ty| quote!(, #ty));
     let lagrangian_body = lagrangian_jet(&private, lagrangian, &model.symbols, arena);
@@ -66,6 +70,9 @@ pub(crate) fn system(
             }
             #force
         }
+        #separable
+        #quadratic
+        #private::compositions! { #self_ty }
     }
 }
 

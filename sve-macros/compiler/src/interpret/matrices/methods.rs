@@ -113,7 +113,7 @@ impl Lowering<'_> {
                 .push(self.scalar(&argument.value, &argument.at)?),
             ArgumentKind::Row => given.index = self.count_argument(argument, ty.rows, "rows")?,
             ArgumentKind::Column => {
-                given.index = self.count_argument(argument, ty.columns, "columns")?
+                given.index = self.count_argument(argument, ty.columns, "columns")?;
             }
         }
         Some(())
