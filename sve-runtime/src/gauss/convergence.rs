@@ -45,6 +45,12 @@ impl Course {
         }
     }
 
+    /// Returns whether no sweep has been judged.
+    #[inline(always)]
+    pub(super) const fn is_new(&self) -> bool {
+        self.sweeps == 0
+    }
+
     /// Judges a sweep by its change. Convergence is linear: the next change is about `change² / last`. The first sweep says nothing about the rate, unless it
     /// changes nothing.
     #[inline(always)]

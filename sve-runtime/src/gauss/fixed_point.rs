@@ -13,7 +13,7 @@
 
 use super::convergence::{Course, Verdict};
 use super::newton::{Solved, moves_position};
-use super::stages::{Rows, at_stages, product, relative_change, sum};
+use super::stages::{Change, Rows, at_stages, inverse_size, product, sum};
 use super::step::Step;
 use super::tableau::Tableau;
 use crate::lanes::dispatch::{Kernel, dispatch};
@@ -40,26 +40,38 @@ pub trait SecondOrder<const N: usize, const M: usize>: System {
     fn impulses<const S: usize>(&self, stages: &StageLanes<'_, S, N, M>) -> [[f64; S]; N];
 }
 
-/// A system with ∂L/∂v affine in v.
+/// A system with ∂L/∂v = M(t, q) v + a(t, q).
 pub trait Partitioned<const N: usize, const M: usize>: System {
-    /// Computes velocities and impulses from positions and momenta `p`; calls `momenta` with the impulses, and computes velocities and displacements from the
-    /// momenta that it returns.
-    fn sweep<const S: usize>(
+    /// Computes the impulses `h b_i (∂L/∂q + F) − Σ ∂G_a/∂q ω_ai` of the stages from positions and momenta, with the masses. NaN where L is not defined.
+    fn impulses<const S: usize>(
         &self,
         stages: &StageLanes<'_, S, N, M>,
         p: &[[f64; S]; N],
-        momenta: impl FnOnce(&[[f64; S]; N]) -> [[f64; S]; N],
-    ) -> Sweep<S, N>;
+    ) -> ([[f64; S]; N], Masses<S, N>);
+    /// Computes velocities and displacements of the stages from the masses and new momenta.
+    fn displacements<const S: usize>(
+        &self,
+        stages: &StageLanes<'_, S, N, M>,
+        p: &[[f64; S]; N],
+        masses: &Masses<S, N>,
+    ) -> Motion<S, N>;
 }
 
-/// What a partitioned sweep computes, a row for each coordinate.
+/// What makes velocities of momenta at the stages, `v = M⁻¹ (p − a)`.
 #[derive(Clone, Copy, Debug)]
-pub struct Sweep<const S: usize, const N: usize> {
-    /// `h b_i (∂L/∂q + F) − Σ ∂G_a/∂q ω_ai`.
-    pub impulses: [[f64; S]; N],
-    /// The velocities of the new momenta.
+pub struct Masses<const S: usize, const N: usize> {
+    /// M⁻¹; of a diagonal one the diagonal alone.
+    pub inverse: [[[f64; S]; N]; N],
+    /// a.
+    pub offset: [[f64; S]; N],
+}
+
+/// Velocities and displacements of the stages, a row for each coordinate.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion<const S: usize, const N: usize> {
+    /// Velocities.
     pub velocities: [[f64; S]; N],
-    /// `h b_i v + Σ ∂G_a/∂p ω_ai` at the new momenta.
+    /// `h b_i v + Σ ∂G_a/∂p ω_ai`.
     pub displacements: [[f64; S]; N],
 }
 
@@ -133,25 +145,24 @@ where
                 moves[n][i] *= h;
             }
         }
+        let mut inverse_sizes = [0.0; N];
+        for n in 0..N {
+            inverse_sizes[n] = inverse_size(state.q[n], &moves[n]);
+        }
         let mut course = Course::new();
         loop {
             let changes = self.velocity(&self.impulses(&moves));
             let mut next = [[0.0; S]; N];
-            let mut change = 0.0;
+            let mut change = Change::NONE;
             for n in 0..N {
                 next[n] = product(const { &Tableau::<S>::VALUES.second_order }, &changes[n]);
                 for i in 0..S {
                     next[n][i] = h * (free[n][i] + next[n][i]);
                 }
-                let relative = relative_change(state.q[n], &moves[n], &next[n]);
-                change = if relative > change || relative.is_nan() {
-                    relative
-                } else {
-                    change
-                };
+                change.include(&moves[n], &next[n], inverse_sizes[n]);
             }
             moves = next;
-            match course.judge(change) {
+            match course.judge(change.largest()) {
                 Verdict::Continue => {}
                 Verdict::Converged => break,
                 Verdict::Leave => return None,
@@ -256,6 +267,7 @@ where
                 kicks[n] = product(ahead, &impulses[n]);
             }
         }
+        let mut inverse_sizes = [[0.0; 2]; N];
         let mut course = Course::new();
         let mut has_converged = false;
         loop {
@@ -266,38 +278,36 @@ where
                     p[n][i] = state.p[n] + kicks[n][i];
                 }
             }
-            let mut new_kicks = [[0.0; S]; N];
-            let sweep = self
-                .step
-                .system
-                .sweep(&self.step.lanes(&q), &p, |impulses| {
-                    new_kicks = at_stages(impulses);
-                    let mut p = [[0.0; S]; N];
-                    for n in 0..N {
-                        for i in 0..S {
-                            p[n][i] = state.p[n] + new_kicks[n][i];
-                        }
-                    }
-                    p
-                });
-            if has_converged {
-                return Some((increments(&sweep), [sweep.displacements, sweep.impulses]));
-            }
-            let new_moves = at_stages(&sweep.displacements);
-            let mut change = 0.0;
+            let stages = self.step.lanes(&q);
+            let (impulses, masses) = self.step.system.impulses(&stages, &p);
+            let new_kicks = at_stages(&impulses);
             for n in 0..N {
-                let moved = relative_change(state.q[n], &moves[n], &new_moves[n]);
-                let kicked = relative_change(state.p[n], &kicks[n], &new_kicks[n]);
-                for relative in [moved, kicked] {
-                    change = if relative > change || relative.is_nan() {
-                        relative
-                    } else {
-                        change
-                    };
+                for i in 0..S {
+                    p[n][i] = state.p[n] + new_kicks[n][i];
                 }
             }
+            let motion = self.step.system.displacements(&stages, &p, &masses);
+            if has_converged {
+                let stages = [motion.displacements, impulses];
+                return Some((increments(&motion, &impulses), stages));
+            }
+            let new_moves = at_stages(&motion.displacements);
+            if course.is_new() {
+                for n in 0..N {
+                    inverse_sizes[n] = [
+                        inverse_size(state.q[n], &new_moves[n]),
+                        inverse_size(state.p[n], &new_kicks[n]),
+                    ];
+                }
+            }
+            let mut change = Change::NONE;
+            for n in 0..N {
+                let [of_q, of_p] = inverse_sizes[n];
+                change.include(&moves[n], &new_moves[n], of_q);
+                change.include(&kicks[n], &new_kicks[n], of_p);
+            }
             (moves, kicks) = (new_moves, new_kicks);
-            match course.judge(change) {
+            match course.judge(change.largest()) {
                 Verdict::Continue => {}
                 Verdict::Converged => has_converged = true,
                 Verdict::Leave => return None,
@@ -308,15 +318,18 @@ where
 
 /// The increments and unknowns of the last sweep.
 #[inline(always)]
-fn increments<const S: usize, const N: usize, const K: usize>(sweep: &Sweep<S, N>) -> Solved<N, K> {
+fn increments<const S: usize, const N: usize, const K: usize>(
+    motion: &Motion<S, N>,
+    impulses: &Rows<S, N>,
+) -> Solved<N, K> {
     let (mut dq, mut dp, mut x) = ([0.0; N], [0.0; N], [0.0; K]);
     for n in 0..N {
-        dq[n] = sum(&sweep.displacements[n]);
-        dp[n] = sum(&sweep.impulses[n]);
+        dq[n] = sum(&motion.displacements[n]);
+        dp[n] = sum(&impulses[n]);
         for i in 0..S {
-            x[i * N + n] = sweep.velocities[n][i];
+            x[i * N + n] = motion.velocities[n][i];
             if moves_position::<S, N, K>() {
-                x[(S + i) * N + n] = sweep.displacements[n][i];
+                x[(S + i) * N + n] = motion.displacements[n][i];
             }
         }
     }

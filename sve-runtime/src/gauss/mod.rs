@@ -23,7 +23,7 @@ mod stages;
 mod step;
 mod tableau;
 
-pub use fixed_point::{InverseMass, Partitioned, SecondOrder, StageLanes, Sweep};
+pub use fixed_point::{InverseMass, Masses, Motion, Partitioned, SecondOrder, StageLanes};
 pub use linearise::{ByParameters, ParameterJet};
 
 use crate::configuration::Coordinates;

@@ -51,27 +51,99 @@ pub(super) fn sum<const S: usize>(z: &[f64; S]) -> f64 {
     sum
 }
 
-/// Returns the largest magnitude of a coordinate at the stages; what is not a number is passed over.
+/// Returns the reciprocal of the size of a coordinate: its magnitude at the start and the farthest that it moves at the stages.
 #[inline(always)]
-pub(super) fn largest<const S: usize>(z: &[f64; S]) -> f64 {
-    let mut largest = 0.0;
+pub(super) fn inverse_size<const S: usize>(start: f64, moves: &[f64; S]) -> f64 {
+    let mut sizes = [0.0; S];
     for i in 0..S {
-        let size = z[i].abs();
-        largest = if size > largest { size } else { largest };
+        sizes[i] = moves[i].abs();
     }
-    largest
+    1.0 / (start.abs() + largest(sizes) + f64::MIN_POSITIVE)
 }
 
-/// Returns the largest change of a coordinate at the stages, relative to its size at the start and to how far it moves; NaN if a change is not a number.
+/// The change of a sweep, relative to the sizes of the coordinates: the largest one at each stage.
+#[derive(Clone, Copy)]
+pub(super) struct Change<const S: usize> {
+    largest: [f64; S],
+    /// The sum, which is NaN if a change is; comparisons would drop it.
+    sum: [f64; S],
+}
+
+impl<const S: usize> Change<S> {
+    pub(super) const NONE: Self = Self {
+        largest: [0.0; S],
+        sum: [0.0; S],
+    };
+
+    /// Includes the change of a coordinate.
+    #[inline(always)]
+    pub(super) fn include(&mut self, old: &[f64; S], new: &[f64; S], inverse_size: f64) {
+        for i in 0..S {
+            let change = (new[i] - old[i]).abs() * inverse_size;
+            let largest = self.largest[i];
+            self.largest[i] = if change > largest { change } else { largest };
+            self.sum[i] += change;
+        }
+    }
+
+    /// Returns the largest change of all coordinates and stages; NaN if one of them is.
+    #[inline(always)]
+    pub(super) fn largest(&self) -> f64 {
+        let mut sum = 0.0;
+        for i in 0..S {
+            sum += self.sum[i];
+        }
+        largest(self.largest) + 0.0 * sum
+    }
+}
+
+/// Returns the largest of numbers that are not negative.
 #[inline(always)]
-pub(super) fn relative_change<const S: usize>(start: f64, old: &[f64; S], new: &[f64; S]) -> f64 {
-    let (mut change, mut undefined) = ([0.0; S], 0.0);
-    for i in 0..S {
-        change[i] = new[i] - old[i];
+fn largest<const S: usize>(mut numbers: [f64; S]) -> f64 {
+    let mut width = S;
+    while width > 1 {
+        let half = width.div_ceil(2);
+        for j in 0..width / 2 {
+            let (a, b) = (numbers[j], numbers[j + half]);
+            numbers[j] = if a > b { a } else { b };
+        }
+        width = half;
     }
-    for i in 0..S {
-        undefined += 0.0 * change[i];
+    numbers[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Change, inverse_size, product, sum};
+
+    #[test]
+    fn products_and_sums_are_those_of_all_stages() {
+        fn check<const S: usize>() {
+            let matrix: [[f64; S]; S] =
+                core::array::from_fn(|j| core::array::from_fn(|i| (i + 10 * j) as f64));
+            let z: [f64; S] = core::array::from_fn(|j| (j + 1) as f64);
+            for (i, x) in product(&matrix, &z).into_iter().enumerate() {
+                let expected: f64 = (0..S).map(|j| ((i + 10 * j) * (j + 1)) as f64).sum();
+                assert_eq!(x, expected);
+            }
+            assert_eq!(sum(&z), (S * (S + 1) / 2) as f64);
+        }
+        check::<2>();
+        check::<3>();
+        check::<5>();
+        check::<8>();
     }
-    let size = start.abs() + largest(new) + f64::MIN_POSITIVE;
-    largest(&change) / size + undefined
+
+    #[test]
+    fn a_change_is_relative_and_nan_is_not_lost() {
+        let inverse = inverse_size(-1.0, &[0.5, -3.0, 1.0]);
+        assert_eq!(inverse, 0.25);
+        let mut change = Change::NONE;
+        change.include(&[0.0, 1.0, 2.0], &[0.5, 1.0, 0.0], inverse);
+        change.include(&[0.0; 3], &[0.0, 0.0, 0.1], 1.0);
+        assert_eq!(change.largest(), 0.5);
+        change.include(&[0.0; 3], &[f64::NAN, 0.0, 0.0], 1.0);
+        change.include(&[0.0; 3], &[1.0; 3], 1.0);
+        assert!(change.largest().is_nan());
+    }
 }

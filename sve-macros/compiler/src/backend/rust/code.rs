@@ -17,7 +17,7 @@ const LARGE: usize = 7;
 const SPARSE: usize = 4;
 
 /// Variables of emitted code that are no values of the program.
-const DECLARED: [&str; 41] = [
+const DECLARED: [&str; 40] = [
     "q",
     "v",
     "p",
@@ -54,11 +54,10 @@ const DECLARED: [&str; 41] = [
     "poison",
     "impulses",
     "inverse",
-    "inverses",
+    "masses",
     "offset",
-    "offsets",
+    "motion",
     "p_rows",
-    "sweep",
 ];
 
 /// What printed statements are part of.

@@ -230,7 +230,7 @@ impl Writer<'_> {
         } = self.body(&roots);
         let inputs = self.inputs(false);
         let [poison, poisoned] = poison(&impulse.domain, &results[n..]);
-        let stores = stores("impulses", &results[..n], &poisoned);
+        let stores = stores(&quote!(impulses), &results[..n], &poisoned);
         let sizes = self.sizes();
         let n = Literal::usize_unsuffixed(n);
         let private = self.private;
@@ -255,7 +255,7 @@ impl Writer<'_> {
         (tokens, operations)
     }
 
-    /// `fn sweep`.
+    /// `fn impulses` and `fn displacements` of a system with masses that depend on the position.
     fn sweep(
         &self,
         mass: &[Vec<Expr>],
@@ -274,18 +274,18 @@ impl Writer<'_> {
         let (matrix, offsets) = first.results[first_of_mass..].split_at(n * n);
         let inverse = self.inverse(matrix, is_diagonal);
         let [poison, poisoned] = poison(&impulse.domain, &first.results[n..first_of_mass]);
-        let stores_of_impulses = stores("impulses", &first.results[..n], &poisoned);
+        let stores_of_impulses = stores(&quote!(impulses), &first.results[..n], &poisoned);
         let [keep_inverse, kept_inverse] = self.kept_inverse(is_diagonal);
         let velocity = self.velocity(is_diagonal);
         let inputs = self.inputs(true);
-        let keep_offsets = stores("offsets", offsets, &TokenStream::new());
+        let keep_offsets = stores(&quote!(masses.offset), offsets, &TokenStream::new());
         let kept_offsets = (0..n).map(|i| {
             let i = Literal::usize_unsuffixed(i);
-            quote!(offsets[#i][stage])
+            quote!(masses.offset[#i][stage])
         });
         let displacements = second.results.iter().enumerate().map(|(i, shift)| {
             let i = Literal::usize_unsuffixed(i);
-            quote!(sweep.displacements[#i][stage] = h * v[#i] + #shift; sweep.velocities[#i][stage] = v[#i];)
+            quote!(motion.displacements[#i][stage] = h * v[#i] + #shift; motion.velocities[#i][stage] = v[#i];)
         });
         let Body {
             before,
@@ -304,33 +304,39 @@ impl Writer<'_> {
         let private = self.private;
         let tokens = quote! {
             #[inline(always)]
-            fn sweep<const S: usize>(
+            fn impulses<const S: usize>(
                 &self,
                 stages: &#private::gauss::StageLanes<'_, S, #sizes>,
                 p_rows: &[[f64; S]; #size],
-                momenta: impl ::core::ops::FnOnce(&[[f64; S]; #size]) -> [[f64; S]; #size],
-            ) -> #private::gauss::Sweep<S, #size> {
-                let mut inverses = [[[0f64; S]; #size]; #size];
-                let mut offsets = [[0f64; S]; #size];
+            ) -> ([[f64; S]; #size], #private::gauss::Masses<S, #size>) {
+                let mut masses = #private::gauss::Masses {
+                    inverse: [[[0f64; S]; #size]; #size],
+                    offset: [[0f64; S]; #size],
+                };
                 let mut impulses = [[0f64; S]; #size];
-                {
-                    #before
-                    for stage in 0..S {
-                        #inputs
-                        #known
-                        #inverse
-                        #keep_inverse
-                        #keep_offsets
-                        let offset: [f64; #size] = [#(#offsets),*];
-                        let v: [f64; #size] = #velocity;
-                        #late
-                        #poison
-                        #stores_of_impulses
-                    }
+                #before
+                for stage in 0..S {
+                    #inputs
+                    #known
+                    #inverse
+                    #keep_inverse
+                    #keep_offsets
+                    let offset: [f64; #size] = [#(#offsets),*];
+                    let v: [f64; #size] = #velocity;
+                    #late
+                    #poison
+                    #stores_of_impulses
                 }
-                let p_rows = momenta(&impulses);
-                let mut sweep = #private::gauss::Sweep {
-                    impulses,
+                (impulses, masses)
+            }
+            #[inline(always)]
+            fn displacements<const S: usize>(
+                &self,
+                stages: &#private::gauss::StageLanes<'_, S, #sizes>,
+                p_rows: &[[f64; S]; #size],
+                masses: &#private::gauss::Masses<S, #size>,
+            ) -> #private::gauss::Motion<S, #size> {
+                let mut motion = #private::gauss::Motion {
                     velocities: [[0f64; S]; #size],
                     displacements: [[0f64; S]; #size],
                 };
@@ -344,7 +350,7 @@ impl Writer<'_> {
                     #late_shift
                     #(#displacements)*
                 }
-                sweep
+                motion
             }
         };
         let solves = Operations {
@@ -366,7 +372,7 @@ impl Writer<'_> {
         quote!(let inverse = #private::lane::inverse(&[#(#rows),*]);)
     }
 
-    /// Writes the inverse to `inverses`, and reads it from there.
+    /// Writes the inverse to `masses`, and reads it from there.
     fn kept_inverse(&self, is_diagonal: bool) -> [TokenStream; 2] {
         let n = self.model.dof();
         let index = Literal::usize_unsuffixed;
@@ -382,11 +388,11 @@ impl Writer<'_> {
                     quote!(inverse[#i][#j])
                 };
                 let (i, j) = (index(i), index(j));
-                quote!(inverses[#i][#j][stage] = #entry;)
+                quote!(masses.inverse[#i][#j][stage] = #entry;)
             });
         let entry = |i: usize, j: usize| {
             let (i, j) = (index(i), index(j));
-            quote!(inverses[#i][#j][stage])
+            quote!(masses.inverse[#i][#j][stage])
         };
         let rows = (0..n).map(|i| {
             if is_diagonal {
@@ -424,8 +430,7 @@ impl Writer<'_> {
 }
 
 /// Writes values to the rows of an array.
-fn stores(rows: &str, values: &[TokenStream], more: &TokenStream) -> TokenStream {
-    let rows = super::ident(rows);
+fn stores(rows: &TokenStream, values: &[TokenStream], more: &TokenStream) -> TokenStream {
     let stores = values.iter().enumerate().map(|(i, value)| {
         let i = Literal::usize_unsuffixed(i);
         quote!(#rows[#i][stage] = #value #more;)
