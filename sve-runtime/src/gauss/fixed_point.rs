@@ -119,8 +119,10 @@ where
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let Tableau { c, rest, .. } = const { &Tableau::<S>::VALUES };
-        let Step { state, h, .. } = *self.step;
+        let Step {
+            state, h, tableau, ..
+        } = *self.step;
+        let Tableau { c, rest, .. } = tableau;
         let start = self.velocity(&state.p.map(|p| [p]));
         // Positions relative to the start, of a motion with constant velocity, in units of the step.
         let mut free = [[0.0; S]; N];
@@ -133,8 +135,7 @@ where
         if let Some(impulses) = self.before {
             let changes = self.velocity(impulses);
             for n in 0..N {
-                let ahead = const { &Tableau::<S>::VALUES.second_order_ahead };
-                let ahead = product(ahead, &changes[n]);
+                let ahead = product(&tableau.second_order_ahead, &changes[n]);
                 for i in 0..S {
                     moves[n][i] += ahead[i];
                 }
@@ -155,7 +156,7 @@ where
             let mut next = [[0.0; S]; N];
             let mut change = Change::NONE;
             for n in 0..N {
-                next[n] = product(const { &Tableau::<S>::VALUES.second_order }, &changes[n]);
+                next[n] = product(&tableau.second_order, &changes[n]);
                 for i in 0..S {
                     next[n][i] = h * (free[n][i] + next[n][i]);
                 }
@@ -170,7 +171,7 @@ where
         }
         let impulses = self.impulses(&moves);
         let changes = self.velocity(&impulses);
-        let velocities = at_stages(&changes);
+        let velocities = at_stages(tableau, &changes);
         let (mut dq, mut dp, mut x) = ([0.0; N], [0.0; N], [0.0; K]);
         for n in 0..N {
             let mut late = [0.0; S];
@@ -257,14 +258,13 @@ where
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let state = self.step.state;
+        let Step { state, tableau, .. } = *self.step;
         // Relative to the start; nothing moves in the limit of no noise and h → 0.
         let (mut moves, mut kicks) = ([[0.0; S]; N], [[0.0; S]; N]);
         if let Some([displacements, impulses]) = self.before {
-            let ahead = const { &Tableau::<S>::VALUES.ratio_ahead };
             for n in 0..N {
-                moves[n] = product(ahead, &displacements[n]);
-                kicks[n] = product(ahead, &impulses[n]);
+                moves[n] = product(&tableau.ratio_ahead, &displacements[n]);
+                kicks[n] = product(&tableau.ratio_ahead, &impulses[n]);
             }
         }
         let mut inverse_sizes = [[0.0; 2]; N];
@@ -280,7 +280,7 @@ where
             }
             let stages = self.step.lanes(&q);
             let (impulses, masses) = self.step.system.impulses(&stages, &p);
-            let new_kicks = at_stages(&impulses);
+            let new_kicks = at_stages(tableau, &impulses);
             for n in 0..N {
                 for i in 0..S {
                     p[n][i] = state.p[n] + new_kicks[n][i];
@@ -291,7 +291,7 @@ where
                 let stages = [motion.displacements, impulses];
                 return Some((increments(&motion, &impulses), stages));
             }
-            let new_moves = at_stages(&motion.displacements);
+            let new_moves = at_stages(tableau, &motion.displacements);
             if course.is_new() {
                 for n in 0..N {
                     inverse_sizes[n] = [

@@ -29,11 +29,13 @@ pub(super) fn product<const S: usize>(matrix: &[[f64; S]; S], z: &[f64; S]) -> [
 
 /// Returns `Σ_j μ_ij z_j` at all stages.
 #[inline(always)]
-pub(super) fn at_stages<const S: usize, const N: usize>(z: &Rows<S, N>) -> Rows<S, N> {
-    let ratio = const { &Tableau::<S>::VALUES.ratio };
+pub(super) fn at_stages<const S: usize, const N: usize>(
+    tableau: &Tableau<S>,
+    z: &Rows<S, N>,
+) -> Rows<S, N> {
     let mut sums = [[0.0; S]; N];
     for n in 0..N {
-        sums[n] = product(ratio, &z[n]);
+        sums[n] = product(&tableau.ratio, &z[n]);
     }
     sums
 }

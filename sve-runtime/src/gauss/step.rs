@@ -22,6 +22,8 @@ pub(super) struct Step<'a, Sys, const S: usize, const N: usize, const M: usize> 
     pub(super) system: &'a Sys,
     pub(super) state: &'a State<[f64; N]>,
     pub(super) h: f64,
+    /// The coefficients of the rule. Behind a reference they are data and no constants: the compiler then multiplies with whole rows.
+    pub(super) tableau: &'static Tableau<S>,
     /// Times of the stages.
     pub(super) times: [f64; S],
     /// `h b_i`.
@@ -67,8 +69,10 @@ where
     /// The step with these increments, of which each stage gets the part of its weight.
     #[inline(always)]
     pub(super) fn new(system: &'a Sys, state: &'a State<[f64; N]>, h: f64, dw: &[f64; M]) -> Self {
-        let Tableau { c, b, .. } = const { Tableau::<S>::VALUES };
+        let tableau = const { &Tableau::<S>::VALUES };
+        let Tableau { c, b, .. } = tableau;
         Self {
+            tableau,
             system,
             state,
             h,
