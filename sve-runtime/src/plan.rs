@@ -140,6 +140,9 @@ pub struct Plan {
     pub prepare: Operations,
     /// Operations for each step, with the linear solves and without the iterations.
     pub step: Operations,
+    /// Operations of a step that a trajectory does not repeat, since it carries their results from the step before: the force at the end of a step is
+    /// that at the start of the next.
+    pub carried: Operations,
     /// Operations for each iteration of all Newton blocks, with the linear solves.
     pub iteration: Operations,
     /// The mathematics of the step.
@@ -241,6 +244,9 @@ impl fmt::Display for Plan {
         }
         writeln!(f, "  operations a step size: {}", self.prepare)?;
         write!(f, "  operations a step: {}", self.step)?;
+        if self.carried != Operations::default() {
+            write!(f, "\n  of which a trajectory carries: {}", self.carried)?;
+        }
         if self.kind() == BlockKind::Newton {
             write!(f, "\n  operations an iteration: {}", self.iteration)?;
         }

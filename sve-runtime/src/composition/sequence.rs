@@ -122,11 +122,13 @@ pub(super) const fn plan_of<const K: usize>(
         transcendental: 0,
         angle_additions: 0,
     };
-    let (mut prepare, mut step, mut iteration, mut at) = (none, none, none, 0);
+    let (mut prepare, mut step, mut carried) = (none, none, none);
+    let (mut iteration, mut at) = (none, 0);
     while at < K {
         let times = count / K;
         prepare = prepare.plus(times, plans[at].prepare);
         step = step.plus(times, plans[at].step);
+        carried = carried.plus(times, plans[at].carried);
         iteration = iteration.plus(times, plans[at].iteration);
         at += 1;
     }
@@ -136,6 +138,7 @@ pub(super) const fn plan_of<const K: usize>(
         deterministic_order: order,
         prepare,
         step,
+        carried,
         iteration,
         ..*plans[0]
     }

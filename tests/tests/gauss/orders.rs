@@ -68,7 +68,7 @@ fn a_double_pendulum_has_order_twice_the_stages() {
     check::<_, 2, 2, 2>(system, [0.04, 0.02], 0.1);
     check::<_, 3, 2, 2>(system, [0.1, 0.05], 0.2);
     check::<_, 4, 2, 2>(system, [0.08, 0.05], 0.5);
-    check::<_, 8, 2, 2>(system, [0.2, 0.15], 1.0);
+    check::<_, 8, 2, 2>(system, [0.12, 0.095], 1.0);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Counts of the operations of a step, for its plan: the operations of its program and of its linear solves.
+//! Counts of the operations of a step, for its plan: the operations of its program and of its linear solves, and those that a trajectory saves.
 //!
 //! A sine and the cosine of the same angle count as one call. Comparisons, the choice of pivots, tests for singular matrices, and
 //! the operations of Newton's method other than evaluations and solves are not counted.
@@ -7,7 +7,7 @@ use std::iter::Sum;
 use std::ops::Add;
 
 use super::step::Step;
-use super::{Operation, Program, Tier};
+use super::{Carried, Operation, Program, Tier};
 use crate::structure::{Band, Block, Matrix, Scheme, Solution, Storage};
 
 /// Floating-point operations.
@@ -22,17 +22,25 @@ pub(crate) struct Operations {
 pub(crate) struct Work {
     pub(crate) prepare: Operations,
     pub(crate) step: Operations,
+    /// The operations of a step whose results a trajectory carries from the step before.
+    pub(crate) carried: Operations,
     pub(crate) iteration: Operations,
 }
 
 impl Work {
     /// Counts the operations of a step.
-    pub(crate) fn of(step: &Step) -> Self {
+    pub(crate) fn of(step: &Step, carried: Option<&Carried>) -> Self {
         let is_iteration = |tier| matches!(tier, Tier::Iterate(_));
         let of = |wanted: &dyn Fn(Tier) -> bool| Operations::of(&step.program, wanted);
         let work = Self {
             prepare: of(&|tier| tier == Tier::Prepare),
             step: of(&|t| t != Tier::Prepare && !is_iteration(t)),
+            carried: carried.map_or_else(Operations::default, |carried| {
+                let sources = carried.sources.iter();
+                sources
+                    .map(|&v| Operations::one(step.program.get(v).operation))
+                    .sum()
+            }),
             iteration: of(&is_iteration),
         };
         work.with_solves(&step.scheme)
@@ -45,6 +53,7 @@ impl Work {
         Self {
             prepare: self.prepare,
             step: self.step + arithmetic(once),
+            carried: self.carried,
             iteration: self.iteration + arithmetic(again),
         }
     }

@@ -5,10 +5,11 @@
 //! for all steps, and values that depend on the state are computed outside of the iteration. Invariant: an instruction's operands
 //! precede it and are of its tier or an earlier one.
 //!
-//! This stage decides everything that a back end prints: the program of a step, its costs, the names of its values, and the loops of
+//! This stage decides everything that a back end prints: the program of a step, its costs, what a trajectory carries, the names of its values, and the loops of
 //! a step in lanes.
 
 mod angles;
+mod carry;
 mod costs;
 mod instructions;
 mod labels;
@@ -21,6 +22,7 @@ mod sums;
 #[cfg(test)]
 pub(crate) mod tests;
 
+pub(crate) use carry::Carried;
 pub(crate) use costs::{Operations, Work};
 pub(crate) use instructions::{Operation, Program, Tier, Value, operands};
 pub(crate) use labels::Labels;

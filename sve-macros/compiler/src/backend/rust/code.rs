@@ -17,7 +17,7 @@ const LARGE: usize = 7;
 const SPARSE: usize = 4;
 
 /// Variables of emitted code that are no values of the program.
-const DECLARED: [&str; 40] = [
+const DECLARED: [&str; 42] = [
     "q",
     "v",
     "p",
@@ -58,6 +58,8 @@ const DECLARED: [&str; 40] = [
     "offset",
     "motion",
     "p_rows",
+    "memory",
+    "carried",
 ];
 
 /// What printed statements are part of.

@@ -161,6 +161,7 @@ fn cost<'a>(names: &'a [String], code: &StageCode, stages: usize, dof: usize) ->
         unknowns: names,
         work: Work {
             prepare: Operations::default(),
+            carried: Operations::default(),
             step: iteration,
             iteration,
         },

@@ -144,6 +144,7 @@ fn plan(private: &TokenStream) -> TokenStream {
             conserved: &[],
             prepare: #operations,
             step: #operations,
+            carried: #operations,
             iteration: #operations,
             formulas: #private::Formulas { system: "", motion: "", action: "", step: "" },
         }

@@ -96,9 +96,11 @@ fn plan_with(
     let Work {
         prepare,
         step,
+        carried,
         iteration,
     } = work;
-    let [prepare, step, iteration] = [prepare, step, iteration].map(|w| operations(private, w));
+    let [prepare, step, carried, iteration] =
+        [prepare, step, carried, iteration].map(|w| operations(private, w));
     quote! {
         #private::Plan {
             system: #system,
@@ -112,6 +114,7 @@ fn plan_with(
             conserved: &[#(#conserved),*],
             prepare: #prepare,
             step: #step,
+            carried: #carried,
             iteration: #iteration,
             formulas: #private::Formulas {
                 system: #terms,

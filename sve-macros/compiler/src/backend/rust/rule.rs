@@ -34,11 +34,13 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
     .map(Literal::usize_unsuffixed);
     let Code {
         prepared,
+        carried,
         prepare,
         body,
         work,
     } = code(derived, &private, context);
     let prepared = Literal::usize_unsuffixed(prepared);
+    let (memory, memory_type) = memory(carried);
     let plan = plan(&private, context, derived, texts, &work);
     let returns = match scheme.returns {
         Returns::Increment => quote!(Increment),
@@ -57,7 +59,7 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
         #attributes
         impl #private::StepEquations<#rule_type> for #self_ty {
             type Increments = [f64; #m];
-            type Memory = ();
+            type Memory = #memory_type;
             type Prepared = [f64; #prepared];
             const PLAN: &'static #private::Plan = &#plan;
             const RETURNS: #private::Returns = #private::Returns::#returns;
@@ -81,7 +83,7 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
             fn increment(
                 &self,
                 prepared: &[f64; #prepared],
-                (): &mut (),
+                #memory: &mut #memory_type,
                 state: &#private::State<[f64; #n]>,
                 h: f64,
                 dw: &[f64; #m],
@@ -94,6 +96,18 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
         }
         #private::derived_rule! { #self_ty, #rule_type }
     }
+}
+
+/// The argument for what a trajectory carries, `count` numbers, with its type.
+fn memory(count: usize) -> (TokenStream, TokenStream) {
+    if count == 0 {
+        return (quote!(()), quote!(()));
+    }
+    let count = Literal::usize_unsuffixed(count);
+    (
+        quote!(memory),
+        quote!(::core::option::Option<[f64; #count]>),
+    )
 }
 
 /// The conditions on where functions are evaluated, if there are any.

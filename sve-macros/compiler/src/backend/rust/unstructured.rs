@@ -35,10 +35,12 @@ pub(super) fn code(
     let work = Work {
         prepare: Operations::default(),
         step: of_guess + of_results,
+        carried: Operations::default(),
         iteration: of_evaluation,
     };
     Code {
         prepared: 0,
+        carried: 0,
         prepare: quote!([]),
         body: quote! {
             let time = state.t;
