@@ -24,6 +24,11 @@ rules! {
     Taylor2
 }
 
+/// The Gauss–Galerkin rule with `S` stages, from 2 to 8: `S_d = Σ h b_i L(t₀ + c_i h, Q_i, V_i) + …` with nodes and weights of Gauss quadrature, self-adjoint.
+/// Deterministic order `2 S`. In the attribute it is `gauss(4)`, as the rule of an integrator `Gauss::<4>`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Gauss<const S: usize>;
+
 /// A rule whose step is derived without analysing its structure: Newton's method in all unknowns. Tests and benchmarks
 /// compare derived steps with it; the attribute derives it with `structure = both`.
 #[doc(hidden)]

@@ -66,7 +66,7 @@ impl<const K: usize> Memory for Option<[f64; K]> {
     message = "no step of the rule `{R}` has been derived for `{Self}`",
     label = "this rule is not in the attribute of the `impl` block",
     note = "list the rule in the attribute, for example `#[variational(midpoint, endpoint)]`; \
-            the attribute names are `initial_point`, `endpoint`, `midpoint`, `stormer_verlet`, `taylor2`"
+            the attribute names are `initial_point`, `endpoint`, `midpoint`, `stormer_verlet`, `gauss(2)` to `gauss(8)`, `taylor2`"
 )]
 pub trait Discretised<R>: System {
     /// The increments of a step: one number for each process, or for each process and stage.

@@ -9,6 +9,7 @@ use syn::ItemImpl;
 use crate::algebra::Arena;
 use crate::backend::rust::{self, Context, Derived};
 use crate::discretise::equations;
+use crate::discretise::stages;
 use crate::discretise::tangent;
 use crate::errors::Errors;
 use crate::explain;
@@ -139,10 +140,25 @@ fn derive(
         &[false]
     } {
         for listed in &block.arguments.rules {
+            if listed.rule.stages().is_some() && !is_unstructured {
+                continue;
+            }
             arena.grant(work);
             steps.push(step(listed.rule, is_unstructured, &budget, &mut arena)?);
         }
     }
+    let rules = block.arguments.rules.iter();
+    let of_stages: Vec<(Rule, usize)> = rules
+        .filter_map(|listed| Some((listed.rule, listed.rule.stages()?)))
+        .collect();
+    let at_node = if of_stages.is_empty() {
+        None
+    } else {
+        arena.grant(work);
+        Some(budget.stage(&mut arena, |arena| {
+            stages::stages(&model, &mechanics, arena)
+        })?)
+    };
     // what is left to do is in proportion to what has been built
     arena.grant(usize::MAX);
     let about = explain::system(&model, &mechanics, &momenta, &arena);
@@ -158,6 +174,14 @@ fn derive(
         about: &about,
         arena: &arena,
     };
+    if let Some(at_node) = &at_node {
+        let code = rust::stages(&context, at_node);
+        for (rule, count) in of_stages {
+            let texts = explain::gauss(rule, count, at_node, &model, &mechanics, &arena);
+            output.extend(rust::gauss(&context, rule, count, at_node, &code, &texts));
+        }
+        output.extend(code.tokens);
+    }
     for derived in &steps {
         let Derived {
             rule,

@@ -73,7 +73,7 @@ fn domain(rule: Rule, scheme: &Scheme<Expr>, symbols: &Symbols, arena: &Arena) -
 }
 
 /// What of the system shows in the textbook form of an action.
-fn features(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Features {
+pub(super) fn features(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Features {
     let timed = |e: Expr| arena.contains(e, model.time);
     let noises = &model.noises;
     let gammas = noises.iter().filter(|g| g.is_gamma).count();

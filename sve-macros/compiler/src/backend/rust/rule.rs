@@ -51,7 +51,7 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
         .then(|| lanes(scheme, model.noises.len(), symbols, &private, arena))
         .flatten();
     let [doc, increment_doc] = documentation(texts);
-    let start = start(&linearisation.unknowns, symbols);
+    let start = start(&linearisation.unknowns, model.dof(), symbols);
     let domain = domain(texts);
     quote! {
         #doc
@@ -120,15 +120,16 @@ fn domain(texts: &StepTexts) -> Option<TokenStream> {
 }
 
 /// What unknowns are in the limit of no noise and h → 0, where nothing moves and the acceleration is that of the motion.
-fn start(unknowns: &[Symbol], symbols: &Symbols) -> TokenStream {
+/// Those of later stages have the indices after those of the first.
+fn start(unknowns: &[Symbol], coordinates: usize, symbols: &Symbols) -> TokenStream {
     let entries = unknowns.iter().map(|&symbol| {
         let Meaning::Unknown(Unknown { family, index }) = *symbols.meaning(symbol) else {
             return quote!(0f64);
         };
-        let i = Literal::usize_unsuffixed(index);
+        let i = Literal::usize_unsuffixed(index % coordinates);
         match family {
             Family::Displacement | Family::AccelerationMultiplier => quote!(0f64),
-            Family::Velocity => quote!(velocity[#i]),
+            Family::Velocity | Family::StageVelocity => quote!(velocity[#i]),
             Family::Acceleration => quote!(acceleration[#i]),
             // the multiplier of the velocity is the momentum
             Family::Momentum | Family::VelocityMultiplier => quote!(state.p[#i]),
