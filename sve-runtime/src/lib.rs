@@ -45,7 +45,7 @@
 //! | to | use |
 //! | --- | --- |
 //! | describe a system | [`#[variational(…)]`](macro@variational) |
-//! | choose a rule | [`InitialPoint`], [`Endpoint`], [`Midpoint`], [`StormerVerlet`], [`Taylor2`] |
+//! | choose a rule | [`InitialPoint`], [`Endpoint`], [`Midpoint`], [`StormerVerlet`], [`Taylor2`], with the option [`Weak2`] |
 //! | make steps | [`Integrator`] with `step` and `trajectory`, [`State`]; [`Method`] is common to integrators and baselines |
 //! | know what the `q` of a state may be | [`Configuration`]; vectors, matrices and rotations are those of [`nalgebra`] |
 //! | store a trajectory and continue it | [`Trajectory::snapshot`], [`Method::resume`]; [`from_step`](noise::Replayable::from_step) enters a noise at a step |
@@ -122,7 +122,7 @@ pub use method::{Method, OneStepMethod};
 /// Vectors, matrices and rotations, in the version that this crate uses.
 pub use nalgebra;
 pub use plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
-pub use rules::{Endpoint, InitialPoint, Midpoint, StormerVerlet, Taylor2};
+pub use rules::{Endpoint, InitialPoint, Midpoint, StormerVerlet, Taylor2, Weak2};
 pub use solve::newton::{BlockSolver, Newton};
 pub use state::State;
 /// A system with time-dependent L, a helper, a constant, a parameter array and two noises:
@@ -258,7 +258,7 @@ pub mod prelude {
     };
     pub use crate::{
         Endpoint, InitialPoint, Integrator, Mechanics, Method, Midpoint, Newton, OneStepMethod,
-        Snapshot, State, StepError, StormerVerlet, Taylor2, variational,
+        Snapshot, State, StepError, StormerVerlet, Taylor2, Weak2, variational,
     };
     pub use nalgebra::{
         Matrix2, Matrix3, Matrix4, Rotation2, Rotation3, SMatrix, SVector, UnitQuaternion, Vector1,

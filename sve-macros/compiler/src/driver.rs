@@ -6,20 +6,21 @@ use proc_macro2::{Span, TokenStream, TokenTree};
 use quote::quote;
 use syn::ItemImpl;
 
-use crate::algebra::Arena;
+use crate::algebra::{Arena, Expr};
 use crate::backend::rust::{self, Context, Derived};
 use crate::discretise::equations;
 use crate::discretise::tangent;
 use crate::errors::Errors;
 use crate::explain;
 use crate::interpret;
-use crate::rules::{self, Rule, action};
+use crate::rules::{self, Rule, RuleOption, action, weak2};
 use crate::structure::{self, Degenerate};
+use crate::syntax::arguments::ListedRule;
 use crate::syntax::nesting;
 use crate::syntax::parse::{self, Annotated};
 use crate::syntax::recovery;
 use crate::syntax::roles;
-use crate::system::mechanics;
+use crate::system::mechanics::{self, Mechanics};
 use crate::system::model::{Meaning, Model};
 use crate::system::regular;
 use crate::system::symmetry;
@@ -132,20 +133,13 @@ fn derive(
         regular::check(&block, &model, &mechanics, arena)
     })??;
     let momenta = budget.stage(&mut arena, |arena| symmetry::check(&block, &model, arena))??;
-    let mut steps = Vec::new();
-    for &is_unstructured in if block.arguments.derives_unstructured {
-        &[false, true][..]
-    } else {
-        &[false]
-    } {
-        for listed in &block.arguments.rules {
-            arena.grant(work);
-            steps.push(step(listed.rule, is_unstructured, &budget, &mut arena)?);
-        }
-    }
+    let steps = steps(&budget, &mechanics, &mut arena)?;
     // what is left to do is in proportion to what has been built
     arena.grant(usize::MAX);
     let about = explain::system(&model, &mechanics, &momenta, &arena);
+    let mut weak_order =
+        |derived: &Derived| weak2::weak_order(derived.rule, &model, &mechanics, &mut arena);
+    let weak_orders: Vec<u32> = steps.iter().map(&mut weak_order).collect();
     mechanics.stabilise(&mut arena);
     let mut output = rust::system(&block, &model, &mechanics, &about, &arena);
     output.extend(rust::momenta(&block, &model, &momenta, &arena));
@@ -158,7 +152,7 @@ fn derive(
         about: &about,
         arena: &arena,
     };
-    for derived in &steps {
+    for (derived, weak_order) in steps.iter().zip(weak_orders) {
         let Derived {
             rule,
             symbols,
@@ -167,21 +161,88 @@ fn derive(
             ..
         } = derived;
         let texts = explain::step(*rule, &model, &mechanics, action, scheme, symbols, &arena);
-        output.extend(rust::rule(&context, derived, &texts));
+        output.extend(rust::rule(&context, derived, weak_order, &texts));
     }
     Ok(output)
 }
 
-/// Derives the step of a rule.
+/// Derives the steps of all rules. Those with a potential come last: what is made for it must not change the order of terms in others, and so their rounding.
+fn steps(
+    budget: &Budget<'_>,
+    mechanics: &Mechanics,
+    arena: &mut Arena,
+) -> syn::Result<Vec<Derived>> {
+    let arguments = &budget.block.arguments;
+    let forms = if arguments.derives_unstructured {
+        &[false, true][..]
+    } else {
+        &[false]
+    };
+    let has_potential = |listed: &&ListedRule| listed.rule.options.contain(RuleOption::Weak2);
+    let (with, without): (Vec<_>, Vec<_>) = arguments.rules.iter().partition(has_potential);
+    let mut steps = Vec::new();
+    for &is_unstructured in forms {
+        for listed in &without {
+            arena.grant(budget.work);
+            steps.push(step(listed.rule, None, is_unstructured, budget, arena)?);
+        }
+    }
+    let potentials = potentials(&with, budget, mechanics, arena)?;
+    for &is_unstructured in forms {
+        for (listed, potential) in with.iter().zip(&potentials) {
+            arena.grant(budget.work);
+            steps.push(step(
+                listed.rule,
+                *potential,
+                is_unstructured,
+                budget,
+                arena,
+            )?);
+        }
+    }
+    Ok(steps)
+}
+
+/// The potentials of rules with the option `weak2`, or an error at each option that is of no use.
+fn potentials(
+    rules: &[&ListedRule],
+    budget: &Budget<'_>,
+    mechanics: &Mechanics,
+    arena: &mut Arena,
+) -> syn::Result<Vec<Option<Expr>>> {
+    let mut errors = Errors::new();
+    let mut potentials = Vec::new();
+    for listed in rules {
+        arena.grant(budget.work);
+        let takes_h1 = listed
+            .rule
+            .weak2(listed.rule.options)
+            .is_some_and(|w| w.takes_h1);
+        let potential = budget.stage(arena, |arena| {
+            weak2::potential(budget.model, mechanics, takes_h1, arena)
+        })?;
+        match potential {
+            Ok(potential) => potentials.push(potential),
+            Err(obstacle) => errors.push(
+                listed.place_of(RuleOption::Weak2),
+                obstacle.message(listed.rule),
+            ),
+        }
+    }
+    errors.finish(potentials)
+}
+
+/// Derives the step of a rule, with the potential of the option `weak2`.
 fn step(
     rule: Rule,
+    potential: Option<Expr>,
     is_unstructured: bool,
     budget: &Budget<'_>,
     arena: &mut Arena,
 ) -> syn::Result<Derived> {
     let mut symbols = budget.model.symbols.clone();
     let (action, scheme) = budget.stage(arena, |arena| {
-        let action = action::discretise(rule, budget.model, &mut symbols, arena);
+        let action = action::discretise(rule, budget.model, potential, &mut symbols, arena);
         let equations = equations::equations(&action, arena);
         let scheme = if is_unstructured {
             Ok(structure::unstructured(equations, &mut symbols, arena))

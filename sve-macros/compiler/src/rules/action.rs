@@ -6,7 +6,7 @@
 
 use std::collections::HashMap;
 
-use super::Rule;
+use super::{Rule, RuleOption};
 use crate::algebra::{Arena, Expr, Symbol};
 use crate::system::model::{
     AtNode, Family, Meaning, Model, NodeQuantity, Quantity, Symbols, Unknown,
@@ -22,6 +22,8 @@ pub(crate) struct Action {
     /// Variables in which the action is stationary.
     pub(crate) internal: Vec<Symbol>,
     pub(crate) work: Vec<Work>,
+    /// `½ κ Σ_a K_a` of the option `weak2` in the variables of the model, if the action has it.
+    pub(crate) potential: Option<Expr>,
 }
 
 /// Virtual work of a component of the force, Lagrange–d'Alembert: `impulse · δ place` joins δS.
@@ -49,12 +51,15 @@ pub(crate) struct Variables<'a> {
     pub(super) start_q: Vec<Symbol>,
     pub(super) displacement: Vec<Symbol>,
     pub(super) dw: Vec<Symbol>,
+    /// `½ κ Σ_a K_a` of the option `weak2`.
+    potential: Option<Expr>,
 }
 
-/// The discrete action of `rule`.
+/// The discrete action of `rule`, with the potential that the option `weak2` adds (`weak2::potential`).
 pub(crate) fn discretise(
     rule: Rule,
     model: &Model,
+    potential: Option<Expr>,
     symbols: &mut Symbols,
     arena: &mut Arena,
 ) -> Action {
@@ -64,6 +69,11 @@ pub(crate) fn discretise(
     let start_p = symbols.declare_all(n, |i| Meaning::Start(Quantity::Momentum, i));
     let displacement = symbols.declare_all(n, Unknown::of(Family::Displacement));
     let dw = symbols.declare_all(model.noises.len(), Meaning::Wiener);
+    let term = rule
+        .weak2(rule.options)
+        .filter(|_| rule.options.contain(RuleOption::Weak2));
+    let potential = term.zip(potential);
+    let potential = potential.map(|(term, sum)| arena.scale(0.5 * term.factor, sum));
     let mut variables = Variables {
         arena,
         model,
@@ -72,6 +82,7 @@ pub(crate) fn discretise(
         start_q,
         displacement,
         dw,
+        potential,
     };
     let Discrete {
         value,
@@ -81,6 +92,7 @@ pub(crate) fn discretise(
     let Variables {
         start_q,
         displacement,
+        potential,
         ..
     } = variables;
     Action {
@@ -91,6 +103,7 @@ pub(crate) fn discretise(
         displacement,
         internal,
         work,
+        potential,
     }
 }
 
@@ -99,6 +112,19 @@ impl Variables<'_> {
     pub(super) fn at_node(&mut self, node: usize, quantity: NodeQuantity, value: Expr) -> Expr {
         let identity = AtNode { node, quantity }.identity();
         self.arena.intermediate(value, Some(identity))
+    }
+
+    /// `h L` at a node, less `½ κ h² Σ_a K_a` with the option `weak2`. Every rule sums it over its nodes.
+    pub(super) fn lagrangian(&mut self, node: &HashMap<Symbol, Expr>) -> Expr {
+        let h = self.arena.symbol(self.h);
+        let lagrangian = self.arena.substitute(self.model.lagrangian, node);
+        let action = self.arena.mul(h, lagrangian);
+        let Some(potential) = self.potential else {
+            return action;
+        };
+        let potential = self.arena.substitute(potential, node);
+        let term = self.arena.product(&[(h, 2), (potential, 1)]);
+        self.arena.sub(action, term)
     }
 
     /// The work of the force at a node, for a part of the step.

@@ -16,6 +16,7 @@ pub(super) fn plan(
     private: &TokenStream,
     context: &Context<'_>,
     derived: &Derived,
+    weak_order: u32,
     texts: &StepTexts,
     work: &Work,
 ) -> TokenStream {
@@ -73,6 +74,7 @@ pub(super) fn plan(
             blocks: &[#(#blocks),*],
             deterministic_order: #order,
             strong_order: #private::StrongOrder::#strong,
+            weak_order: #weak_order,
             conserved: &[#(#conserved),*],
             prepare: #prepare,
             step: #step,
