@@ -6,14 +6,15 @@ use proc_macro2::{Span, TokenStream, TokenTree};
 use quote::quote;
 use syn::ItemImpl;
 
-use crate::algebra::{Arena, Expr};
+use crate::algebra::Arena;
 use crate::backend::rust::{self, Context, Derived};
 use crate::discretise::equations;
 use crate::discretise::tangent;
 use crate::errors::Errors;
 use crate::explain;
 use crate::interpret;
-use crate::rules::{self, Rule, RuleOption, action, weak2};
+use crate::rules::weak2::{self, Potential};
+use crate::rules::{self, Rule, RuleOption, action};
 use crate::structure::{self, Degenerate};
 use crate::syntax::arguments::ListedRule;
 use crate::syntax::nesting;
@@ -193,7 +194,7 @@ fn steps(
             arena.grant(budget.work);
             steps.push(step(
                 listed.rule,
-                *potential,
+                potential.as_ref(),
                 is_unstructured,
                 budget,
                 arena,
@@ -209,7 +210,7 @@ fn potentials(
     budget: &Budget<'_>,
     mechanics: &Mechanics,
     arena: &mut Arena,
-) -> syn::Result<Vec<Option<Expr>>> {
+) -> syn::Result<Vec<Option<Potential>>> {
     let mut errors = Errors::new();
     let mut potentials = Vec::new();
     for listed in rules {
@@ -235,7 +236,7 @@ fn potentials(
 /// Derives the step of a rule, with the potential of the option `weak2`.
 fn step(
     rule: Rule,
-    potential: Option<Expr>,
+    potential: Option<&Potential>,
     is_unstructured: bool,
     budget: &Budget<'_>,
     arena: &mut Arena,

@@ -34,14 +34,14 @@ pub(crate) fn step(
         action: textbook,
         mut notation,
         work,
-    } = rule.textbook(&features(rule, model, mechanics, action, arena));
+    } = rule.textbook(&features(model, mechanics, action, arena));
     let mut lines = vec![textbook];
     if let Some((text, parts)) = written_out(rule, action, symbols, arena) {
         lines.push(text);
         lines.extend(parts);
         notation.push("Δq = q₁ − q₀".to_owned());
     }
-    if action.potential.is_some() {
+    if action.half_factor.is_some() {
         notation.push(potential(model).to_owned());
     }
     if model.force.is_some() {
@@ -76,13 +76,7 @@ fn domain(rule: Rule, scheme: &Scheme<Expr>, symbols: &Symbols, arena: &Arena) -
 }
 
 /// What of the system shows in the textbook form of an action.
-fn features(
-    rule: Rule,
-    model: &Model,
-    mechanics: &Mechanics,
-    action: &Action,
-    arena: &Arena,
-) -> Features {
+fn features(model: &Model, mechanics: &Mechanics, action: &Action, arena: &Arena) -> Features {
     let timed = |e: Expr| arena.contains(e, model.time);
     let noises = &model.noises;
     let gammas = noises.iter().filter(|g| g.is_gamma).count();
@@ -93,10 +87,7 @@ fn features(
         degrees_of_freedom: model.dof(),
         is_timed: timed(model.lagrangian) || noises.iter().any(|g| timed(g.hamiltonian)),
         force_is_timed: model.force.as_ref().map(|f| f.iter().any(|&e| timed(e))),
-        potential: action
-            .potential
-            .and(rule.weak2(rule.options))
-            .map(|term| 0.5 * term.factor),
+        potential: action.half_factor,
         gammas,
         hamiltonians: noises.len() - gammas,
         moves_both: moves_q && moves_p,

@@ -6,6 +6,7 @@
 
 use std::collections::HashMap;
 
+use super::weak2::Potential;
 use super::{Rule, RuleOption};
 use crate::algebra::{Arena, Expr, Symbol};
 use crate::system::model::{
@@ -22,8 +23,8 @@ pub(crate) struct Action {
     /// Variables in which the action is stationary.
     pub(crate) internal: Vec<Symbol>,
     pub(crate) work: Vec<Work>,
-    /// `½ κ Σ_a K_a` of the option `weak2` in the variables of the model, if the action has it.
-    pub(crate) potential: Option<Expr>,
+    /// `½ κ` of the option `weak2`, if the action has its term.
+    pub(crate) half_factor: Option<f64>,
 }
 
 /// Virtual work of a component of the force, Lagrange–d'Alembert: `impulse · δ place` joins δS.
@@ -51,15 +52,15 @@ pub(crate) struct Variables<'a> {
     pub(super) start_q: Vec<Symbol>,
     pub(super) displacement: Vec<Symbol>,
     pub(super) dw: Vec<Symbol>,
-    /// `½ κ Σ_a K_a` of the option `weak2`.
-    potential: Option<Expr>,
+    /// `½ κ` and `Σ_a K_a` of the option `weak2`.
+    potential: Option<(f64, &'a Potential)>,
 }
 
 /// The discrete action of `rule`, with the potential that the option `weak2` adds (`weak2::potential`).
 pub(crate) fn discretise(
     rule: Rule,
     model: &Model,
-    potential: Option<Expr>,
+    potential: Option<&Potential>,
     symbols: &mut Symbols,
     arena: &mut Arena,
 ) -> Action {
@@ -72,8 +73,7 @@ pub(crate) fn discretise(
     let term = rule
         .weak2(rule.options)
         .filter(|_| rule.options.contain(RuleOption::Weak2));
-    let potential = term.zip(potential);
-    let potential = potential.map(|(term, sum)| arena.scale(0.5 * term.factor, sum));
+    let potential = term.map(|term| 0.5 * term.factor).zip(potential);
     let mut variables = Variables {
         arena,
         model,
@@ -103,7 +103,7 @@ pub(crate) fn discretise(
         displacement,
         internal,
         work,
-        potential,
+        half_factor: potential.map(|(half_factor, _)| half_factor),
     }
 }
 
@@ -119,12 +119,34 @@ impl Variables<'_> {
         let h = self.arena.symbol(self.h);
         let lagrangian = self.arena.substitute(self.model.lagrangian, node);
         let action = self.arena.mul(h, lagrangian);
-        let Some(potential) = self.potential else {
+        let Some((half_factor, potential)) = self.potential else {
             return action;
         };
-        let potential = self.arena.substitute(potential, node);
+        let potential = self.potential_at(potential, node);
         let term = self.arena.product(&[(h, 2), (potential, 1)]);
-        self.arena.sub(action, term)
+        self.arena.sum(0.0, &[(1.0, action), (-half_factor, term)])
+    }
+
+    /// `Σ_a K_a` at a node, with its derivatives by the chain rule.
+    fn potential_at(&mut self, potential: &Potential, node: &HashMap<Symbol, Expr>) -> Expr {
+        let value = self.arena.substitute(potential.value, node);
+        let value = self.arena.opaque(value);
+        let Some(gradient) = &potential.gradient else {
+            return value;
+        };
+        let gradient = self.arena.substitute_all(gradient, node);
+        for at in 0..self.start_q.len() {
+            for symbol in [self.start_q[at], self.displacement[at]] {
+                let mut terms = Vec::new();
+                for (&slope, q) in gradient.iter().zip(&self.model.q) {
+                    let rate = self.arena.diff(node[q], symbol);
+                    terms.push((1.0, self.arena.mul(slope, rate)));
+                }
+                let derivative = self.arena.sum(0.0, &terms);
+                self.arena.record_derivative(value, symbol, derivative);
+            }
+        }
+        value
     }
 
     /// The work of the force at a node, for a part of the step.

@@ -1,20 +1,20 @@
 //! The option `weak2`: a potential that removes the leading error of expectations, so that the weak order is 2 with one Gaussian increment a process.
 //!
-//! With {f, g} = ⟨f_q, g_p⟩ − ⟨f_p, g_q⟩ and the noise Hamiltonians G_a = −γ or H₁, the action of a rule with nodes i and weights bᵢ gets
+//! The noise Hamiltonians are `G_a = −γ` or `H₁`. The action of a rule with weights `bᵢ` of its nodes gets
 //!
 //! ```text
-//! S_d −= ½ κ h² Σᵢ bᵢ Σ_a K_a(node i)        K_a = {G_a, {G_a, H} + ∂G_a/∂t}        so L becomes L − ½ κ h Σ_a K_a at every node
+//! S_d −= ½ κ h² Σᵢ bᵢ Σ_a K_a(node i)        K_a = {G_a, {G_a, H} + ∂G_a/∂t}        {f, g} = ⟨f_q, g_p⟩ − ⟨f_p, g_q⟩
 //! ```
 //!
-//! The expected logarithm of the flow has the term ½ h² · ⅙ Σ K_a beside that of a step with one frozen increment; κ adds the rule's own error, which is that of its modified Hamiltonian (⅙
-//! for rules of order 3 and above, ¼ for midpoint and for Störmer and Verlet, where G is a γ). For a γ, K_a = ⟨γ_q, M⁻¹ γ_q⟩ with M = ∂²L/∂v².
+//! so that L becomes `L − ½ κ h Σ_a K_a` at each node. A step of order 3 or above with frozen increments has κ = ⅙. The error of the midpoint rule, and of that of Störmer and Verlet,
+//! adds `1/24 h ΔW² K_a` to the Hamiltonian if `G_a` is a γ, which makes κ = ¼. For a γ, `K_a = ⟨γ_q, M⁻¹ γ_q⟩` with `M = ∂²L/∂v²`.
 //!
-//! Input: the model with its derivatives. Output: Σ_a K_a, or the reason why the term does not raise the weak order.
+//! Input: the model with its derivatives. Output: `Σ_a K_a`, or the reason why the term does not raise the weak order.
 
 use super::{Rule, RuleOption};
-use crate::algebra::{Arena, Expr, Symbol};
+use crate::algebra::{Arena, Expr};
 use crate::system::inverse_mass::{self, NoFormula};
-use crate::system::mechanics::{Commutation, Mechanics};
+use crate::system::mechanics::{Commutation, Mechanics, NoiseJet};
 use crate::system::model::Model;
 
 /// What a rule says of the option.
@@ -77,39 +77,78 @@ fn obstacle(
     None
 }
 
-/// Returns Σ_a K_a in the variables of the model; nothing if it does not depend on the state, so that it would not change a step.
+/// `Σ_a K_a` in the variables of the model.
+pub(crate) struct Potential {
+    pub(crate) value: Expr,
+    /// The derivatives in q, if they are all that differ from zero.
+    pub(crate) gradient: Option<Vec<Expr>>,
+}
+
+/// Returns `Σ_a K_a`; nothing if it does not depend on the state, so that it would not change a step.
 pub(crate) fn potential(
     model: &Model,
     mechanics: &Mechanics,
     takes_h1: bool,
     arena: &mut Arena,
-) -> Result<Option<Expr>, Obstacle> {
+) -> Result<Option<Potential>, Obstacle> {
     if let Some(obstacle) = obstacle(model, mechanics, takes_h1, arena) {
         return Err(obstacle);
     }
-    let mut terms = Vec::new();
+    let n = model.dof();
+    let mut values = Vec::new();
+    let mut gradients = vec![Vec::new(); n];
     for at in 0..model.noises.len() {
         let bracket = double_bracket(at, model, mechanics, arena);
-        terms.push((1.0, bracket.map_err(Obstacle::NoInverseMass)?));
-    }
-    let sum = arena.sum(0.0, &terms);
-    let state: Vec<Symbol> = [&model.q, &model.v, &model.p]
-        .into_iter()
-        .flatten()
-        .copied()
-        .collect();
-    let mut changes = Vec::new();
-    for &symbol in &state {
-        if arena.contains(sum, symbol) {
-            changes.push(arena.diff(sum, symbol));
+        let (value, w) = bracket.map_err(Obstacle::NoInverseMass)?;
+        values.push((1.0, value));
+        for (k, gradient) in gradients.iter_mut().enumerate() {
+            gradient.extend(slope(at, k, &w, mechanics, model, arena));
         }
     }
-    let is_constant = arena.zeros(&changes).into_iter().all(|zero| zero);
-    Ok((!is_constant).then_some(sum))
+    let value = arena.sum(0.0, &values);
+    let gradient: Vec<Expr> = gradients
+        .iter()
+        .map(|terms| arena.sum(0.0, terms))
+        .collect();
+    let is_of_q = |noise: &NoiseJet| {
+        noise
+            .dp
+            .iter()
+            .all(|&e| arena.constant_value(e) == Some(0.0))
+    };
+    if mechanics.noises.iter().all(is_of_q) {
+        let is_constant = arena.zeros(&gradient).into_iter().all(|zero| zero);
+        let gradient = Some(gradient);
+        return Ok((!is_constant).then_some(Potential { value, gradient }));
+    }
+    Ok(Some(Potential {
+        value,
+        gradient: None,
+    }))
 }
 
-/// K = {G, X} with X = {G, H} + ∂G/∂t, as a function of q, p and the velocity v that belongs to p. For H(q, p) = ⟨p, v⟩ − L the derivatives are
-/// H_p = v, H_q = −L_q, ∂v/∂p = M⁻¹ and ∂v/∂q = −M⁻¹ L_vq, so that
+/// The terms of `∂K/∂q_k = 2 ⟨∂G_q/∂q_k, w⟩ − ⟨w, ∂M/∂q_k w⟩` for a γ, with `K = ⟨G_q, w⟩` and `w = M⁻¹ G_q`. No derivative of w is in them.
+fn slope(
+    at: usize,
+    k: usize,
+    w: &[Expr],
+    mechanics: &Mechanics,
+    model: &Model,
+    arena: &mut Arena,
+) -> Vec<(f64, Expr)> {
+    let mut terms = Vec::new();
+    for (i, &w_i) in w.iter().enumerate() {
+        terms.push((2.0, arena.mul(mechanics.noises[at].dqq[i][k], w_i)));
+        for (j, &w_j) in w.iter().enumerate() {
+            let change = arena.diff(mechanics.lagrangian.dvv[i][j], model.q[k]);
+            terms.push((-1.0, arena.product(&[(change, 1), (w_i, 1), (w_j, 1)])));
+        }
+    }
+    terms
+}
+
+/// `K = {G, X}` with `X = {G, H} + ∂G/∂t`, in q, p and the velocity v that belongs to p. For `H(q, p) = ⟨p, v⟩ − L` the derivatives are
+/// `H_p = v`, `H_q = −L_q`, `∂v/∂p = M⁻¹` and `∂v/∂q = −M⁻¹ L_vq`, so that
 ///
 /// ```text
 /// X = ⟨G_q, v⟩ + ⟨G_p, L_q⟩ + G_t        K = ⟨G_q, X_p⟩ − ⟨G_p, X_q⟩ + ⟨X_v, M⁻¹ (G_q + L_vq G_p)⟩
@@ -119,7 +158,7 @@ fn double_bracket(
     model: &Model,
     mechanics: &Mechanics,
     arena: &mut Arena,
-) -> Result<Expr, NoFormula> {
+) -> Result<(Expr, Vec<Expr>), NoFormula> {
     let n = model.dof();
     let (lagrangian, noise) = (&mechanics.lagrangian, &mechanics.noises[at]);
     let mut terms = vec![(1.0, arena.diff(model.noises[at].hamiltonian, model.time))];
@@ -149,7 +188,7 @@ fn double_bracket(
             terms.push((sign, arena.mul(a, b)));
         }
     }
-    Ok(arena.sum(0.0, &terms))
+    Ok((arena.sum(0.0, &terms), w))
 }
 
 /// The weak order of a rule: that without noise, at most 1 with noise, and 2 with the option or where K is a constant, which needs no term.

@@ -1,8 +1,9 @@
 //! Solves with the mass matrix M = ∂²L/∂v² in the algebra, M w = b.
 //!
-//! Coordinates that M couples form a block; a block is solved alone. A block of up to three coordinates is solved by Cramer's rule, whose only
-//! denominator is the block's determinant. A larger block is eliminated as L D Lᵀ, which is done for entries that do not depend on the configuration:
-//! the derivatives of the elimination would grow too large otherwise.
+//! Coordinates that M couples form a block; each block is solved alone. A block of up to three coordinates is solved by Cramer's rule, whose only
+//! denominator is the block's determinant. A larger block is eliminated, if its entries do not depend on the configuration. Otherwise it is refused: the
+//! derivatives of the elimination enter each iteration, and for four coupled coordinates the straight-line code is so long that rustc overflows its stack
+//! when it writes debug information.
 
 use crate::algebra::{Arena, Expr, Symbol};
 
@@ -18,7 +19,7 @@ pub(crate) enum NoFormula {
     NoPivot(usize),
 }
 
-/// Returns w = M⁻¹ b. `moving` are the symbols on which the entries of large blocks must not depend.
+/// Returns w = M⁻¹ b, each entry an intermediate result. `moving` are the symbols on which the entries of large blocks must not depend.
 pub(crate) fn solve(
     mass: &[Vec<Expr>],
     b: &[Expr],
@@ -48,7 +49,7 @@ pub(crate) fn solve(
             eliminated(rows, rhs, arena)?
         };
         for (&i, value) in block.iter().zip(solution) {
-            w[i] = value;
+            w[i] = arena.opaque(value);
         }
     }
     Ok(w)

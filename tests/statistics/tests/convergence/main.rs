@@ -3,3 +3,5 @@
 mod kubo;
 mod moments;
 mod strong_order;
+mod weak_order;
+mod weak_systems;
