@@ -259,3 +259,6 @@ impl Obstacle {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -155,3 +155,6 @@ fn eliminated(
     }
     Ok(solution)
 }
+
+#[cfg(test)]
+mod tests;
