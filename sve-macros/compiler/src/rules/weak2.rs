@@ -251,7 +251,7 @@ impl Obstacle {
                 rule.name()
             ),
             Self::NoInverseMass(NoFormula::TooManyCoupled(coupled)) => format!(
-                "`weak2` needs the inverse of the mass matrix as a formula, and ∂²L/∂v² couples {coupled} coordinates by entries that depend on the configuration, of which the limit is 3: write `{without}`"
+                "`weak2` needs the inverse of the mass matrix as a formula, and ∂²L/∂v² couples {coupled} coordinates by entries that depend on the configuration; the limit is 3 coordinates: write `{without}`"
             ),
             Self::NoInverseMass(NoFormula::NoPivot(coupled)) => format!(
                 "`weak2` needs the inverse of the mass matrix as a formula, and ∂²L/∂v² of {coupled} coupled coordinates has only zeros on its diagonal: write `{without}`"
