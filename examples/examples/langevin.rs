@@ -1,7 +1,7 @@
 //! Langevin dynamics in a double well: friction and a bath that together sample exp(−H/kT).
 //!
-//! L = ½v² − V(q), V = a(q² − 1)², friction F = −νv, γ = σq with σ² = 2νkT. The histogram of q is set against the density
-//! exp(−V/kT)/Z; particles that run independently give its standard error. The picture goes to `target/langevin.svg`.
+//! L = ½v² − V(q), V = a(q² − 1)², friction F = −νv, γ = σq with σ² = 2νkT. The histogram of q is compared with the density
+//! exp(−V/kT)/Z; independent particles give its standard error. The figure is written to `target/langevin.svg`.
 
 use std::error::Error;
 use std::path::Path;
@@ -43,13 +43,13 @@ impl Langevin {
 
 const H: f64 = 0.05;
 const PARTICLES: u64 = 400;
-/// Steps of each particle, after as many that are forgotten.
+/// Recorded steps of each particle. As many steps before them are discarded.
 const STEPS: usize = 20_000;
 const BINS: usize = 32;
 const RANGE: f64 = 1.8;
 const WIDTH: f64 = 2.0 * RANGE / BINS as f64;
 
-/// Mean and variance of what each particle contributes.
+/// Mean and variance over the particles.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sample {
     sum: f64,

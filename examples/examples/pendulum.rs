@@ -1,4 +1,4 @@
-//! A pendulum by two rules: how the energy error shrinks with the step, and that it does not grow with time.
+//! A pendulum by two rules: the energy error decreases with the step size and does not grow with time.
 
 use std::error::Error;
 

@@ -29,7 +29,7 @@ impl Synchrotron {
 const H: f64 = 0.02;
 const PARTICLES: u64 = 1000;
 
-/// What is known of the bunch at a time.
+/// Properties of the bunch at a time.
 #[derive(Clone, Copy, Debug, Default)]
 struct Bunch {
     energy: f64,

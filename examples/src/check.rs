@@ -1,18 +1,18 @@
 //! Measured numbers beside expected ones.
 //!
-//! A check has an expected value, a tolerance and the reason of the tolerance. One that does not apply to the options
-//! of a run says why, and never fails.
+//! A check has an expected value, a tolerance and the reason for the tolerance. A check that does not apply to the options of a run
+//! reports the reason and cannot fail.
 
 use std::fmt::Write as _;
 
 /// One measured number.
 #[derive(Clone, Debug)]
 pub struct Check {
-    /// What was measured.
+    /// The measured quantity.
     pub what: String,
-    /// What came out.
+    /// The measured value.
     pub measured: f64,
-    /// What it is compared with.
+    /// The comparison with the expected value.
     pub verdict: Verdict,
 }
 

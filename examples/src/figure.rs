@@ -1,6 +1,6 @@
 //! Figures as data: rows of panels, panels of layers.
 //!
-//! Invariant: none on the points. What is not finite or lies outside a panel's axes is not drawn.
+//! Points may have any values: points that are not finite or outside of a panel's axes are not drawn.
 
 use std::fmt::Write as _;
 use std::ops::Range;

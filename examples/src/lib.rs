@@ -1,4 +1,4 @@
-//! What the example programs share: figures as data, their drawing, and checks of measured numbers.
+//! Shared code of the example programs: figures as data, their drawing, and checks of measured numbers.
 //!
 //! A program describes a [`Figure`](figure::Figure), [`render`] turns it into SVG and PNG with an embedded font (so that
 //! it looks the same on a machine without fonts or display), and [`check`] compares what was measured with what was

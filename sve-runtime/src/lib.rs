@@ -46,6 +46,7 @@
 //! | --- | --- |
 //! | describe a system | [`#[variational(…)]`](macro@variational) |
 //! | choose a rule | [`InitialPoint`], [`Endpoint`], [`Midpoint`], [`StormerVerlet`], [`Taylor2`], with the option [`Weak2`] |
+//! | compose steps of rules to a rule of a higher order | [`Composed`], [`Split`] |
 //! | make steps | [`Integrator`] with `step` and `trajectory`, [`State`]; [`Method`] is common to integrators and baselines |
 //! | know what the `q` of a state may be | [`Configuration`]; vectors, matrices and rotations are those of [`nalgebra`] |
 //! | store a trajectory and continue it | [`Trajectory::snapshot`], [`Method::resume`]; [`from_step`](noise::Replayable::from_step) enters a noise at a step |
@@ -81,6 +82,7 @@
 
 mod angle_addition;
 pub mod baseline;
+mod composition;
 mod configuration;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
@@ -111,6 +113,10 @@ mod time;
 mod trajectory;
 mod variational;
 
+pub use composition::{
+    BlanesMoan4, BlanesMoanRkn6, Coefficients, Composed, Composition, KahanLi8,
+    QuadraticKineticEnergy, Separable, Split, Splitting, Symmetric,
+};
 pub use configuration::{Configuration, Coordinates, FixedSize};
 pub use equations::{StepEquations, StepOf};
 pub use error::StepError;
@@ -121,7 +127,7 @@ pub use mechanics::{Field, Mechanics};
 pub use method::{Method, OneStepMethod};
 /// Vectors, matrices and rotations, in the version that this crate uses.
 pub use nalgebra;
-pub use plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
+pub use plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder, Substeps};
 pub use rules::{Endpoint, InitialPoint, Midpoint, StormerVerlet, Taylor2, Weak2};
 pub use solve::newton::{BlockSolver, Newton};
 pub use state::State;
@@ -257,8 +263,9 @@ pub mod prelude {
         FromRng, NoNoise, Noise, NoiseError, Recorded, Replayable, ThreePoint, Truncated, Wiener,
     };
     pub use crate::{
-        Endpoint, InitialPoint, Integrator, Mechanics, Method, Midpoint, Newton, OneStepMethod,
-        Snapshot, State, StepError, StormerVerlet, Taylor2, Weak2, variational,
+        BlanesMoan4, BlanesMoanRkn6, Composed, Endpoint, InitialPoint, Integrator, KahanLi8,
+        Mechanics, Method, Midpoint, Newton, OneStepMethod, Snapshot, Split, State, StepError,
+        StormerVerlet, Taylor2, Weak2, variational,
     };
     pub use nalgebra::{
         Matrix2, Matrix3, Matrix4, Rotation2, Rotation3, SMatrix, SVector, UnitQuaternion, Vector1,
@@ -274,11 +281,14 @@ pub mod __private {
     pub mod lane {
         pub use crate::lanes::elementary::*;
         pub use crate::lanes::newton::NewtonLanes;
-        pub use crate::lanes::solve::solve;
+        pub use crate::lanes::solve::{factored, solve};
         pub use crate::lanes::{LANES, Lane, Mask, StateLanes, needs_scalar_step, rows};
         pub use crate::solve::diagonal::solve_in_lane as solve_diagonal;
     }
+    pub use crate::__compositions as compositions;
     pub use crate::__derived_rule as derived_rule;
+    pub use crate::composition::sequence;
+    pub use crate::composition::{QuadraticKineticEnergy, Separable};
     pub use crate::equations::{Returns, StepEquations};
     pub use crate::error::StepError;
     pub use crate::integrator::derived::{
@@ -286,13 +296,13 @@ pub mod __private {
     };
     pub use crate::lanes::Mask;
     pub use crate::linearisation::{Entries, Linearisation};
-    pub use crate::parameter::number;
+    pub use crate::parameter::{entry, number};
     pub use crate::plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
     pub use crate::power::power_log;
     pub use crate::rules::Unstructured;
     pub use crate::solve::SolveError;
     pub use crate::solve::banded::Banded;
-    pub use crate::solve::dense::{DeterminantSign, solve, solve_with_sign};
+    pub use crate::solve::dense::{DeterminantSign, Factors, factored, solve, solve_with_sign};
     pub use crate::solve::diagonal::Diagonal;
     pub use crate::solve::newton::{
         BlockProperties, BlockSolver, Evaluation, Newton, propagated_error,

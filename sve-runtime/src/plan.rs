@@ -65,13 +65,22 @@ pub struct Operations {
 
 impl Operations {
     /// Returns these operations and `times` times the others.
-    fn plus(self, times: usize, others: Self) -> Self {
+    pub(crate) const fn plus(self, times: usize, others: Self) -> Self {
         Self {
             arithmetic: self.arithmetic + times * others.arithmetic,
             transcendental: self.transcendental + times * others.transcendental,
             angle_additions: self.angle_additions + times * others.angle_additions,
         }
     }
+}
+
+/// A step that is a sequence of substeps, each a step of a rule.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Substeps {
+    /// Name of the composition.
+    pub composition: &'static str,
+    /// Number of substeps.
+    pub count: usize,
 }
 
 /// The mathematics of a step, as text. Lines end with `\n`; the last one does not.
@@ -110,8 +119,11 @@ pub struct Formulas {
 pub struct Plan {
     /// Name of the user's type.
     pub system: &'static str,
-    /// Attribute name of the rule.
+    /// Attribute name of the rule; both rules of a splitting.
     pub rule: &'static str,
+    /// The substeps of a composition. Blocks and formulas are then those of a substep, of the initial-point rule for a splitting; orders and numbers of
+    /// operations are those of the whole step.
+    pub substeps: Option<Substeps>,
     /// Degrees of freedom.
     pub degrees_of_freedom: usize,
     /// Wiener processes.
@@ -132,6 +144,9 @@ pub struct Plan {
     pub prepare: Operations,
     /// Operations for each step, with the linear solves and without the iterations.
     pub step: Operations,
+    /// Operations of a step that a trajectory does not repeat, since it carries their results from the step before: the force at the end of a step is
+    /// that at the start of the next.
+    pub carried: Operations,
     /// Operations for each iteration of all Newton blocks, with the linear solves.
     pub iteration: Operations,
     /// The mathematics of the step.
@@ -215,12 +230,16 @@ impl fmt::Display for Plan {
             StrongOrder::Deterministic => "equations of motion",
             _ => "equations of motion (Stratonovich)",
         };
+        let of_step = match self.substeps {
+            Some(_) => "equations of a substep",
+            None => "equations of the step",
+        };
         writeln!(f, "{}", self.structure())?;
         for (heading, text) in [
             ("system", system),
             (of_motion, motion),
             ("discrete action", action),
-            ("equations of the step", step),
+            (of_step, step),
         ] {
             writeln!(f, "  {heading}")?;
             for line in text.lines() {
@@ -229,6 +248,9 @@ impl fmt::Display for Plan {
         }
         writeln!(f, "  operations a step size: {}", self.prepare)?;
         write!(f, "  operations a step: {}", self.step)?;
+        if self.carried != Operations::default() {
+            write!(f, "\n  of which a trajectory carries: {}", self.carried)?;
+        }
         if self.kind() == BlockKind::Newton {
             write!(f, "\n  operations an iteration: {}", self.iteration)?;
         }
@@ -245,6 +267,9 @@ impl fmt::Display for Structure<'_> {
         let plural = |n: usize| if n == 1 { "" } else { "s" };
         let (n, m, k) = (plan.degrees_of_freedom, plan.noises, plan.unknowns());
         writeln!(f, "{} by the rule {}", plan.system, plan.rule)?;
+        if let Some(Substeps { composition, count }) = plan.substeps {
+            writeln!(f, "  {count} substeps of the composition {composition}")?;
+        }
         writeln!(
             f,
             "  {n} degree{} of freedom, {m} Wiener process{}",

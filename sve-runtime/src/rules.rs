@@ -26,8 +26,9 @@ rules! {
 
 /// The rule `R` with the option `weak2`, which the attribute writes `midpoint(weak2)` or `stormer_verlet(weak2)`: weak order 2 with one Gaussian increment a process, where `R` has 1.
 ///
-/// The action gets a potential that removes the leading error of expectations, `S_d −= h²/8 Σ ⟨∂γ/∂q, M⁻¹ ∂γ/∂q⟩` at the node of the midpoint rule with M = ∂²L/∂v², and the mean of this term over both ends for
-/// the rule of Störmer and Verlet. The step stays variational; its strong order does not change. The macro refuses the option, with the reason, where the term does not raise the weak order:
+/// The action gets a potential that removes the leading error of expectations, `S_d −= h|h|/8 Σ ⟨∂γ/∂q, M⁻¹ ∂γ/∂q⟩` at the node of the midpoint rule with M = ∂²L/∂v², and the mean of this term over both ends for
+/// the rule of Störmer and Verlet. The step stays variational and symmetric, and its strong order does not change. The term is that of increments of variance |h|, so the rule
+/// is no part of compositions. The macro refuses the option, with the reason, where the term does not raise the weak order:
 /// noises that do not commute, noise that moves the position, ∂²L/∂v² that depends on v, a force that is not affine in v.
 ///
 /// ```

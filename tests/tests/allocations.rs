@@ -10,7 +10,7 @@ fn allocations(run: impl FnOnce()) -> u64 {
     measure(run).count_total
 }
 
-/// The counter counts.
+/// The counter sees an allocation.
 #[test]
 fn are_counted() {
     assert_eq!(allocations(|| drop(std::hint::black_box(vec![1.0]))), 1);
@@ -64,7 +64,7 @@ fn trajectory<S, R, const N: usize, const M: usize>(
     assert_eq!(count, u64::from(M > 0), "{}", integrator.plan());
 }
 
-/// Nor do steps that are solved by continuation: far beyond the step sizes of use many are.
+/// Steps that are solved by continuation do not allocate either. Far beyond useful step sizes there are many of them.
 #[test]
 fn in_a_step_that_is_followed() {
     let system = double_pendulum();
@@ -82,7 +82,7 @@ fn in_a_step_that_is_followed() {
             lost += 1;
         }
     }
-    // some end in errors, which say why: those of use do not
+    // some of these steps fail
     assert!(solved > 100 && lost > 10, "{solved} {lost}");
 }
 

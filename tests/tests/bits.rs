@@ -1,8 +1,8 @@
 //! The bits of steps, lanes, tangent maps, noise and ensembles: every rule of every model against `tests/data/bits.txt`.
 //!
-//! A change that is not meant to change numbers leaves this file alone. One that is meant to writes it again, with the environment variable
-//! `WRITE_BITS` set, and says why in the changelog. Models that call functions of the platform's library are compared only
-//! where those functions have the bits of the platform on which the file was written; noise and lanes are the same everywhere.
+//! The file changes only with a change that is meant to change numbers. Such a change writes the file again, with the environment variable
+//! `WRITE_BITS` set, and gives its reason in the changelog. Models that call functions of the platform's library are compared only
+//! if these functions have the bits of the platform on which the file was written. Noise and lanes have the same bits everywhere.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

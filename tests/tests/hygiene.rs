@@ -1,9 +1,9 @@
-//! Expansions compile wherever the attribute may stand: without the prelude, under denied lints, inside functions, and
-//! beside names that generated code uses.
+//! Expansions compile in every place where the attribute is allowed: without the prelude, under denied lints, inside functions, and
+//! with user names that equal names in generated code.
 
 use sve_runtime::prelude::*;
 
-/// Nothing is in scope that is not written in the expansion.
+/// The prelude is not in scope, so that the expansion needs full paths.
 mod without_prelude {
     #![no_implicit_prelude]
     #![allow(unreachable_pub)]
@@ -48,7 +48,7 @@ mod without_prelude {
     pub struct Free;
 }
 
-/// Everything that can be denied is.
+/// All lints that can be denied are denied.
 mod under_denied_lints {
     #![deny(warnings, missing_docs, unused, nonstandard_style)]
     #![deny(
@@ -115,7 +115,7 @@ mod under_denied_lints {
     }
 }
 
-/// Fields called like what generated code declares.
+/// Fields with the names of variables in generated code.
 #[allow(non_snake_case)]
 struct Names {
     q: f64,

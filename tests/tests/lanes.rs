@@ -1,5 +1,5 @@
-//! Steps in lanes against steps of single states: every rule of every model. Bit for bit where no function of the library and no
-//! iteration is involved.
+//! Steps in lanes against steps of single states, for every rule of every model. The bits are equal if the step calls no function of the
+//! library and does not iterate.
 
 use sve_models::case::Case;
 use sve_models::functions::Point;
@@ -7,7 +7,7 @@ use sve_models::oracle::cases;
 use sve_models::random::Random;
 use sve_runtime::{BlockKind, LANES, Mask};
 
-/// States of as many lanes with their increments.
+/// A state and increments for each lane.
 struct Block {
     states: Vec<Point>,
     dw: Vec<Vec<f64>>,
@@ -24,16 +24,17 @@ impl Block {
 
 const H: f64 = 0.1;
 
-/// A step of all lanes; the set of those left.
+/// Steps all lanes. Returns the states and the set of lanes that were not solved.
 fn step(case: &dyn Case, block: &Block) -> (Vec<Point>, Mask) {
     case.step_lanes(&block.states, H, &block.dw).unwrap()
 }
 
-/// Functions of lanes and those of the library differ in the last place, Newton's method ends within some, and the Jacobians
-/// of the models pass this on, times ten at most.
+/// Allowed difference in units of rounding. Functions of lanes differ from functions of the library in the last place, Newton's method
+/// ends within a few units, and the Jacobians of the models amplify both at most ten times.
 const UNITS: f64 = 40.0;
 
-/// Too large for lanes, banded, or of more unknowns than are judged; and where L is not quadratic in the velocity.
+/// Steps that are not made in lanes: they are too large, banded, or have more unknowns than the bounds judge, or L is not quadratic in
+/// the velocity.
 const ONE_BY_ONE: [&str; 15] = [
     "Chain by midpoint",
     "Charges by endpoint",
@@ -85,7 +86,7 @@ fn lanes_are_single_states(case: &dyn Case, random: &mut Random) {
             }
         }
     }
-    // the judge leaves some fast motions to the single step
+    // the bounds do not accept some fast motions, which the single step solves
     assert!(
         !in_lanes || solved > 20 * LANES as u32 / 4,
         "{what}: {solved}"

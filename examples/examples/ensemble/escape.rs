@@ -19,7 +19,7 @@ use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row, Shape};
 use sve_examples::palette::{self, Color};
 use sve_runtime::prelude::*;
 
-use crate::{Options, Report, apart, spectrum};
+use crate::{Options, Report, known_difference, spectrum};
 
 #[derive(Clone, Copy, Debug)]
 struct Well {
@@ -169,14 +169,14 @@ fn checks(decay: &Decay) -> Vec<Check> {
     // the formula's next order: that of each of the two Laplace integrals is 3/16 kT/ΔU where friction is strong
     let next = 0.375 / barrier;
     vec![
-        apart(
+        known_difference(
             format!("ΔU/kT = {barrier}: λ against the exact one"),
             lambda,
             exact,
             error,
             (bias, "the step's (ωh)²/12"),
         ),
-        apart(
+        known_difference(
             format!("ΔU/kT = {barrier}: λ against Kramers' 2k"),
             lambda,
             kramers,

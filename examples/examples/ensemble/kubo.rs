@@ -2,7 +2,7 @@
 //!
 //! dq = p (a dt + σ ∘ dW), dp = −q (a dt + σ ∘ dW) turns by θ = at + σW(t), so the phase at time t is normal with mean at and variance σ²t, wrapped
 //! around the circle. A step of the midpoint rule turns by 2 atan(x/2), x ~ N(ah, σ²h): steps are independent, so the coefficients of the
-//! Fourier series of its density are powers of E exp(2ik atan(x/2)), and its own law is known exactly as well.
+//! Fourier series of its density are powers of E exp(2ik atan(x/2)), and its own distribution is known exactly as well.
 
 use std::error::Error;
 use std::f64::consts::{PI, TAU};
@@ -13,7 +13,7 @@ use sve_examples::gaussian::expectation;
 use sve_examples::palette;
 use sve_runtime::prelude::*;
 
-use crate::{Options, Report, apart, mean};
+use crate::{Options, Report, known_difference, mean};
 
 #[derive(Clone, Copy, Debug)]
 struct Kubo {
@@ -42,11 +42,11 @@ const WIDTH: f64 = TAU / BINS as f64;
 /// Fourier coefficients: the next is below e⁻¹⁰⁰.
 const ORDERS: usize = 14;
 
-/// Fourier coefficients E exp(ikθ) of a law on the circle, as real and imaginary parts, k from 1.
-struct Law(Vec<(f64, f64)>);
+/// Fourier coefficients E exp(ikθ) of a distribution on the circle, as real and imaginary parts, k from 1.
+struct Distribution(Vec<(f64, f64)>);
 
-impl Law {
-    /// A normal law, wrapped.
+impl Distribution {
+    /// A wrapped normal distribution.
     fn normal(mean: f64, variance: f64) -> Self {
         let of = |k: usize| {
             let k = k as f64;
@@ -57,13 +57,13 @@ impl Law {
         Self((1..=ORDERS).map(of).collect())
     }
 
-    /// The exact solution's.
+    /// Returns the distribution of the exact solution.
     fn exact() -> Self {
         Self::normal(KUBO.a * TIME, KUBO.sigma.powi(2) * TIME)
     }
 
-    /// The exact solution's with what a step of the midpoint rule loses to first order: x³/12, so aσ²h/4 of the mean and σ⁴h/2 of the
-    /// variance in unit time.
+    /// Returns the distribution of the exact solution, corrected by the leading error of the midpoint rule: a step lags by x³/12, so in
+    /// unit time the mean by aσ²h/4 and the variance by σ⁴h/2.
     fn expanded() -> Self {
         let (a, square) = (KUBO.a, KUBO.sigma.powi(2));
         Self::normal(
@@ -72,7 +72,7 @@ impl Law {
         )
     }
 
-    /// That of the midpoint rule.
+    /// Returns the distribution of the midpoint rule.
     fn midpoint() -> Self {
         let (mean, deviation) = (KUBO.a * H, KUBO.sigma * H.sqrt());
         let of = |k: usize| {
@@ -93,7 +93,7 @@ impl Law {
         (1.0 + self.0.iter().enumerate().map(term).sum::<f64>()) / TAU
     }
 
-    /// Probability of an interval: the series, integrated.
+    /// Returns the probability of an interval, by integrating the series.
     fn probability(&self, from: f64, to: f64) -> f64 {
         let term = |(k, (re, im)): (usize, &(f64, f64))| {
             let k = (k + 1) as f64;
@@ -122,7 +122,11 @@ pub(crate) fn report(options: &Options) -> Result<Report, Box<dyn Error>> {
         .run()?;
     let histogram = summary.histogram("phase").ok_or("no histogram")?;
     let counts = histogram.counts();
-    let (exact, expanded, rule) = (Law::exact(), Law::expanded(), Law::midpoint());
+    let (exact, expanded, rule) = (
+        Distribution::exact(),
+        Distribution::expanded(),
+        Distribution::midpoint(),
+    );
     let last = |values: &[f64]| values.last().copied().unwrap_or(f64::NAN);
     let mut checks = vec![
         fit(
@@ -133,7 +137,7 @@ pub(crate) fn report(options: &Options) -> Result<Report, Box<dyn Error>> {
             options.paths,
         ),
         fit(
-            "the midpoint rule's law",
+            "the midpoint rule's distribution",
             counts,
             &rule,
             &rule,
@@ -154,9 +158,9 @@ pub(crate) fn report(options: &Options) -> Result<Report, Box<dyn Error>> {
             of_rule,
             error,
             options.paths,
-            "the rule's own law",
+            "the rule's own distribution",
         ));
-        checks.push(apart(
+        checks.push(known_difference(
             format!("mean of {name} θ, exact solution"),
             value,
             expected,
@@ -181,7 +185,7 @@ pub(crate) fn report(options: &Options) -> Result<Report, Box<dyn Error>> {
         figure: draw(counts, options.paths, &exact, &rule),
         caption: format!(
             "a = σ = 1, start (1, 0), h = {H}, t = {:.0}, {} paths. The phase of the exact solution is a wrapped normal of mean at and \
-             variance σ²t. The midpoint rule turns by 2 atan(x/2) where the solution turns by x, so its law differs by O(h), \
+             variance σ²t. The midpoint rule turns by 2 atan(x/2) where the solution turns by x, so its distribution differs by O(h), \
              less than can be seen here; right, what is left when the wrapped normal is taken away.",
             TIME, options.paths
         ),
@@ -193,30 +197,38 @@ fn edge(bin: usize) -> f64 {
     -PI + bin as f64 * WIDTH
 }
 
-/// Pearson's χ² of the histogram against a law, as a z-score. Where the paths follow that of the rule instead, it is larger on average
-/// by what the two differ.
-fn fit(name: &str, counts: &[u64], law: &Law, rule: &Law, paths: u64) -> Check {
-    let count = |law: &Law, bin: usize| paths as f64 * law.probability(edge(bin), edge(bin + 1));
+/// Compares the histogram with a distribution by Pearson's χ², as a z-score. If the paths have the distribution of the rule instead, χ² is
+/// larger on average by the difference of the two distributions.
+fn fit(
+    name: &str,
+    counts: &[u64],
+    expected: &Distribution,
+    rule: &Distribution,
+    paths: u64,
+) -> Check {
+    let count = |distribution: &Distribution, bin: usize| {
+        paths as f64 * distribution.probability(edge(bin), edge(bin + 1))
+    };
     let distance = |measured: &dyn Fn(usize) -> f64| -> f64 {
         (0..BINS)
-            .map(|bin| (measured(bin) - count(law, bin)).powi(2) / count(law, bin))
+            .map(|bin| (measured(bin) - count(expected, bin)).powi(2) / count(expected, bin))
             .sum()
     };
     let chi2 = distance(&|bin| counts[bin] as f64);
-    let (freedom, apart) = ((BINS - 1) as f64, distance(&|bin| count(rule, bin)));
-    let deviation = (2.0 * freedom + 4.0 * apart).sqrt();
-    let z = (chi2 - freedom - apart) / deviation;
+    let (freedom, expected_difference) = ((BINS - 1) as f64, distance(&|bin| count(rule, bin)));
+    let deviation = (2.0 * freedom + 4.0 * expected_difference).sqrt();
+    let z = (chi2 - freedom - expected_difference) / deviation;
     Check::near(
         format!("χ² of the histogram against {name} (z = {z:.2})"),
         chi2,
-        freedom + apart,
+        freedom + expected_difference,
         // the tail of χ² is longer than a normal's: 5.1 of its deviations have 1e-5 above
         5.1 * deviation,
-        "degrees of freedom, and what the rule's law is off; false alarm about 1e-5",
+        "degrees of freedom, and the error of the rule's distribution; false alarm about 1e-5",
     )
 }
 
-fn draw(counts: &[u64], paths: u64, exact: &Law, rule: &Law) -> Figure {
+fn draw(counts: &[u64], paths: u64, exact: &Distribution, rule: &Distribution) -> Figure {
     let heights = counts
         .iter()
         .map(|&count| count as f64 / (paths as f64 * WIDTH));
@@ -270,7 +282,7 @@ fn draw(counts: &[u64], paths: u64, exact: &Law, rule: &Law) -> Figure {
     ))
     .with(Layer::new("", band(-1.0).collect(), dashed).unlisted())
     .with(Layer::new(
-        "the midpoint rule's law",
+        "the midpoint rule's distribution",
         fine(&|theta| rule.density(theta) - exact.density(theta)),
         Pen::line(palette::VERMILION, 1.2),
     ))

@@ -1,4 +1,4 @@
-//! Ensembles of a hundred thousand paths against what is known exactly: growth of the mean energy, law of a phase, rate of escape.
+//! Ensembles of a hundred thousand paths against exact results: growth of the mean energy, distribution of a phase, rate of escape.
 //!
 //! Input: seed, number of paths, folder. Output: SVG figures, `index.html` with them and their numbers, the same numbers with their
 //! z-scores on the terminal; status 1 where one is off. `cargo run --release --example ensemble -- --help` lists options.
@@ -35,7 +35,7 @@ pub(crate) struct Options {
     pub(crate) out: PathBuf,
 }
 
-/// What a part gives: its drawing, the text under it, and its numbers.
+/// The results of one experiment: its drawing, the text under it, and its numbers.
 pub(crate) struct Report {
     title: &'static str,
     figure: Figure,
@@ -43,8 +43,8 @@ pub(crate) struct Report {
     checks: Vec<Check>,
 }
 
-/// A part: runs its ensembles and reports.
-type Part = fn(&Options) -> Result<Report, Box<dyn Error>>;
+/// Runs the ensembles of one experiment and returns the report.
+type Experiment = fn(&Options) -> Result<Report, Box<dyn Error>>;
 
 /// A mean against its expectation.
 pub(crate) fn mean(
@@ -66,9 +66,9 @@ pub(crate) fn mean(
     )
 }
 
-/// A number against one that it is not expected to equal: they differ by something known, at most `known`, besides the scatter. The
-/// text says both parts of the difference, and no z, which would be large where all is well.
-pub(crate) fn apart(
+/// Compares a number with a reference from which it differs by a known bias, at most `known`, and by scatter. The text gives both parts
+/// of the difference. It gives no z-score, which the bias would make large.
+pub(crate) fn known_difference(
     what: impl AsRef<str>,
     measured: f64,
     expected: f64,
@@ -110,7 +110,7 @@ fn ensemble(options: &Options) -> Result<bool, Box<dyn Error>> {
     let start = Instant::now();
     fs::create_dir_all(&options.out)
         .map_err(|e| format!("cannot make {}: {e}", options.out.display()))?;
-    let parts: [Part; 3] = [oscillator::report, kubo::report, escape::report];
+    let parts: [Experiment; 3] = [oscillator::report, kubo::report, escape::report];
     let mut reports = Vec::new();
     for part in parts {
         let begin = Instant::now();

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// How a case ended.
+/// The outcome of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Verdict {
     /// What has to be bounded or conserved is.

@@ -25,7 +25,7 @@ const STARTS: [(f64, f64); 7] = [
     (0.0, 7.5),
     (0.0, -7.5),
 ];
-/// Largest energy deviation of the rule over T = 2000 from a start at rest, computed apart by `examples/peers/paper.py`, to the digits
+/// Largest energy deviation of the rule over T = 2000 from a start at rest, computed independently by `examples/peers/paper.py`, to the digits
 /// given; the text prints no numbers for its figures.
 const DEVIATIONS: [(f64, f64, f64); 3] =
     [(0.5, 0.0051, 5e-5), (1.5, 0.062, 5e-4), (2.5, 0.238, 5e-4)];
@@ -90,7 +90,7 @@ fn rule_checks(
             deviation(&energies),
             expected,
             tolerance,
-            "computed apart to the digits given; half a unit of the last one",
+            "computed independently to the digits given; half a unit of the last one",
         )
         .only_if(options.paper_horizon(), "stated for a horizon of 2000"),
         Check::near(
@@ -118,7 +118,8 @@ fn series_checks(options: &Options, run: &Run) -> Result<Vec<Check>, StepError> 
         let what = format!("Taylor method from q = 1: energy at t = {t}");
         checks.push(match energies.get(step) {
             Some(&energy) => {
-                let reason = "computed apart to the digits given; half a unit of the last one";
+                let reason =
+                    "computed independently to the digits given; half a unit of the last one";
                 Check::near(what, energy, expected, tolerance, reason)
             }
             None => Check::reported(what, f64::NAN, "not applicable: beyond the horizon"),
@@ -133,7 +134,7 @@ fn series_checks(options: &Options, run: &Run) -> Result<Vec<Check>, StepError> 
         checks.push(Check::reported(
             what,
             last,
-            "nothing was computed apart for this horizon",
+            "nothing was computed independently for this horizon",
         ));
     }
     Ok(checks)

@@ -13,10 +13,11 @@ use crate::oscillator::{self, ENERGY, Entry, Exact, START, energy};
 use crate::run::Run;
 use crate::settings::{H, Options, step_of};
 
-/// Times at which expected energies were computed apart, by `examples/peers/paper.py`; the text prints none.
+/// Times at which `examples/peers/paper.py` computes expected energies independently. The text prints no energies.
 const TIMES: [f64; 3] = [10.0, 100.0, 2000.0];
-/// E[H] at those times by a moment recursion written apart, in the order of [`oscillator::entries`], and then of the exact solution.
-const APART: [[f64; 3]; 6] = [
+/// E[H] at these times by an independent moment recursion: of the schemes in the order of [`oscillator::entries`], then of the exact
+/// solution.
+const INDEPENDENT: [[f64; 3]; 6] = [
     [9.876_476_061_818_382, 115_270.356_007_975_24, 1.471_76e87],
     [3.336_299_544_518_964, 4.999_785_296_694_256, 5.0],
     [
@@ -107,8 +108,8 @@ pub(crate) fn report(options: &Options, tick: &dyn Fn()) -> Result<Report, Box<d
         .chain(["exact solution"])
         .collect();
     let mut checks = Vec::new();
-    for ((name, scheme), apart) in names.iter().zip(&schemes).zip(APART) {
-        checks.push(recursion(name, scheme, apart));
+    for ((name, scheme), independent) in names.iter().zip(&schemes).zip(INDEPENDENT) {
+        checks.push(recursion(name, scheme, independent));
     }
     checks.push(six_digits(&schemes[SIX_DIGITS.0]));
     for ((name, scheme), sums) in names.iter().zip(&schemes).zip(&sums) {
@@ -140,18 +141,20 @@ fn expected(scheme: &Scheme<2>, steps: usize) -> Vec<f64> {
         .collect()
 }
 
-/// The recursion of the scheme as it runs, against the one that was computed apart.
-fn recursion(name: &str, scheme: &Scheme<2>, apart: [f64; 3]) -> Check {
+/// Compares the recursion of the scheme's own step with the independent recursion.
+fn recursion(name: &str, scheme: &Scheme<2>, independent: [f64; 3]) -> Check {
     let energies = expected(scheme, step_of(TIMES[2]));
-    let digits = |value: f64| value != APART[SIX_DIGITS.0][SIX_DIGITS.1];
+    let digits = |value: f64| value != INDEPENDENT[SIX_DIGITS.0][SIX_DIGITS.1];
     let worst = TIMES
         .into_iter()
-        .zip(apart)
+        .zip(independent)
         .filter(|(_, value)| digits(*value))
         .map(|(t, value)| (energies[step_of(t)] / value - 1.0).abs())
         .fold(0.0, f64::max);
     Check::near(
-        format!("{name}: E[H] by recursion, relative difference from values computed apart"),
+        format!(
+            "{name}: E[H] by recursion, relative difference from values computed independently"
+        ),
         worst,
         0.0,
         1e-10,
@@ -161,17 +164,17 @@ fn recursion(name: &str, scheme: &Scheme<2>, apart: [f64; 3]) -> Check {
 
 fn six_digits(scheme: &Scheme<2>) -> Check {
     let energies = expected(scheme, step_of(TIMES[2]));
-    let value = APART[SIX_DIGITS.0][SIX_DIGITS.1];
+    let value = INDEPENDENT[SIX_DIGITS.0][SIX_DIGITS.1];
     Check::near(
         "forward Euler–Maruyama: E[H] by recursion at t = 2000",
         energies[step_of(TIMES[2])],
         value,
         5e-6 / 1.471_76 * value,
-        "computed apart to six digits; half a unit of the last one",
+        "computed independently to six digits; half a unit of the last one",
     )
 }
 
-/// Times at which means are compared: those computed apart up to the horizon, and the horizon.
+/// Times at which means are compared: those computed independently up to the horizon, and the horizon.
 fn times(options: &Options) -> Vec<f64> {
     let mut times: Vec<f64> = TIMES.into_iter().filter(|t| *t < options.horizon).collect();
     times.push(options.steps() as f64 * H);

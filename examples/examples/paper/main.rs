@@ -155,7 +155,7 @@ const TEXT: &str = "<section>
 <p>Not “Stochastic variational integrators” by N. Bou-Rabee and H. Owhadi (IMA Journal of Numerical Analysis 29, 2009), but a later text of the
 same title, without a date in print, which cites theirs as its reference [2], says that numerical demonstrations were not presented there, and gives some in
 four figures: a pendulum, the stochastic linear oscillator on one path and on 100, and the Kubo oscillator. It prints no numbers for them:
-expected values here follow from its schemes, and were computed apart by <code>examples/peers/paper.py</code>.</p>
+expected values here follow from its schemes, and were computed independently by <code>examples/peers/paper.py</code>.</p>
 <ol>
 <li>The printed “symplectic Euler–Maruyama”, q₁ = q₀ + h p₁, p₁ = p₀ − h q₁ + σΔW, is backward Euler: its determinant is
 1/(1 + h²), and its mean energy settles at 5. The discrete action of the endpoint rule gives q₁ = q₀ + h p₀,

@@ -1,7 +1,7 @@
-//! What specialisation saves: every scene's step next to the same step with structure detection switched off.
+//! The gain of using a system's structure: every scene's derived step against the step without structure.
 //!
-//! Off means one Newton iteration in all unknowns of the rule, displacement, velocity and momentum, with the full symbolic
-//! Jacobian, everything computed anew in each iteration: what generic code would do. Solver and stopping rule are the same.
+//! The step without structure is one Newton iteration in all unknowns of the rule, displacement, velocity and momentum, with the full
+//! symbolic Jacobian. It computes all values in each iteration, as generic code would. Solver and stopping rule are the same.
 //! Prints the table, and writes it to `target/structure.md`.
 
 mod scenes;
@@ -20,24 +20,24 @@ use sve_runtime::{Coordinates, Dims, StateOf, System, Variational};
 /// Steps of a run, all from the scene's start.
 const STEPS: usize = 512;
 
-/// Runs of each side, of which the median is taken; they alternate, so that a busy machine hits both alike.
+/// Number of timed runs of each step; the result is the median. The runs alternate, so that a busy machine affects both steps.
 const RUNS: usize = 31;
 
-/// Time that a run takes at least.
+/// Shortest duration of a run.
 const RUN: Duration = Duration::from_micros(500);
 
-/// What is known of one side.
+/// The facts, iterations and times of one of the two steps.
 struct Side {
     facts: Facts,
     iterations: f64,
     nanoseconds: f64,
 }
 
-/// A scene with its two sides.
+/// A scene with its two steps.
 struct Row {
     scene: String,
     derived: Side,
-    whole: Side,
+    unstructured: Side,
 }
 
 #[derive(Default)]
@@ -65,13 +65,13 @@ where
         .map(|k| core::array::from_fn(|i| wiener.increment(k, i, scene.h)))
         .collect();
     let derived = Runner::new(&scene.derived, scene.start, scene.h, &increments)?;
-    let whole = Runner::new(&scene.whole, scene.start, scene.h, &increments)?;
+    let unstructured = Runner::new(&scene.unstructured, scene.start, scene.h, &increments)?;
     let mut times = [Vec::new(), Vec::new()];
     for _ in 0..RUNS {
         times[0].push(derived.time()?);
-        times[1].push(whole.time()?);
+        times[1].push(unstructured.time()?);
     }
-    let [of_derived, of_whole] = times.map(median);
+    let [of_derived, of_unstructured] = times.map(median);
     Ok(Row {
         scene: format!("{}, `{}`", scene.name, scene.derived.plan().rule),
         derived: Side {
@@ -79,10 +79,10 @@ where
             iterations: iterations(&scene.derived, scene.start, scene.h, &increments)?,
             nanoseconds: of_derived,
         },
-        whole: Side {
+        unstructured: Side {
             facts: Facts::of::<S, Unstructured<R>>(),
-            iterations: iterations(&scene.whole, scene.start, scene.h, &increments)?,
-            nanoseconds: of_whole,
+            iterations: iterations(&scene.unstructured, scene.start, scene.h, &increments)?,
+            nanoseconds: of_unstructured,
         },
     })
 }
@@ -93,7 +93,7 @@ struct Runner<'a, S: System, R, const M: usize> {
     start: StateOf<S>,
     h: f64,
     increments: &'a [[f64; M]],
-    /// How often all steps are made in a run.
+    /// Number of passes along the path in a run.
     passes: u32,
 }
 
@@ -146,7 +146,7 @@ fn median(mut times: Vec<f64>) -> f64 {
     times[times.len() / 2]
 }
 
-/// Iterations that the steps take on average: the limit with which each just arrives.
+/// Returns the mean number of iterations of the steps: the smallest limit with which each step succeeds.
 fn iterations<S, R, Q, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     mut state: State<Q>,
@@ -175,7 +175,7 @@ where
     Ok(f64::from(sum) / increments.len() as f64)
 }
 
-/// A table of what changes from the step without structure to the one with it.
+/// Returns the table of the differences between the step without structure and the derived step.
 fn markdown(rows: &[Row]) -> Result<String, std::fmt::Error> {
     let mut text = String::new();
     let head = [
@@ -202,9 +202,9 @@ fn cells(row: &Row) -> [String; 10] {
     let Row {
         scene,
         derived,
-        whole,
+        unstructured,
     } = row;
-    let (a, b) = (&whole.facts, &derived.facts);
+    let (a, b) = (&unstructured.facts, &derived.facts);
     let change = |a: &dyn Display, b: &dyn Display| {
         let (a, b) = (a.to_string(), b.to_string());
         if a == b { a } else { format!("{a} → {b}") }
@@ -216,15 +216,21 @@ fn cells(row: &Row) -> [String; 10] {
         change(&a.operations, &b.operations),
         change(&a.calls, &b.calls),
         change(&a.additions, &b.additions),
-        change(&tenths(whole.iterations), &tenths(derived.iterations)),
+        change(
+            &tenths(unstructured.iterations),
+            &tenths(derived.iterations),
+        ),
         b.state.to_string(),
         change(&a.beside, &b.beside),
-        change(&tenths(whole.nanoseconds), &tenths(derived.nanoseconds)),
-        tenths(whole.nanoseconds / derived.nanoseconds),
+        change(
+            &tenths(unstructured.nanoseconds),
+            &tenths(derived.nanoseconds),
+        ),
+        tenths(unstructured.nanoseconds / derived.nanoseconds),
     ]
 }
 
-/// What the columns are.
+/// The explanation of the columns.
 const LEGEND: &str = "Without structure → with it; one value where both are the same.
 operations, calls of functions, angle additions (sines and cosines from those of an angle near by): of a step and of n iterations
 n: iterations that moved the unknowns, on average; one more evaluation may tell that the last one arrived

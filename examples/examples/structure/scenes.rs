@@ -1,5 +1,5 @@
-//! The scenes of the paper and of the examples, and what their steps became: the part of the table that is the same on every
-//! machine. `tests/tests/structure.rs` reads it too.
+//! The scenes of the paper and of the examples, and facts about their steps: the columns of the table that are the same on every
+//! machine. `tests/tests/structure/comparison.rs` includes this file.
 
 use sve_runtime::__private::Unstructured;
 use sve_runtime::prelude::*;
@@ -175,14 +175,14 @@ impl Chain {
 pub(crate) struct Scene<S: System, R> {
     pub(crate) name: &'static str,
     pub(crate) derived: Integrator<S, R>,
-    pub(crate) whole: Integrator<S, Unstructured<R>>,
+    pub(crate) unstructured: Integrator<S, Unstructured<R>>,
     pub(crate) start: StateOf<S>,
     pub(crate) h: f64,
 }
 
-/// What is done with every scene.
+/// A function that is called with every scene.
 pub(crate) trait Visitor {
-    /// Visits one.
+    /// Visits a scene.
     fn visit<S, R, Q, const N: usize, const M: usize>(&mut self, scene: &Scene<S, R>)
     where
         S: System<Dims = Dims<N, M, Q>> + Variational<R> + Variational<Unstructured<R>> + Copy,
@@ -198,7 +198,7 @@ where
     Scene {
         name,
         derived: Integrator::new(system, rule),
-        whole: Integrator::new(system, Unstructured(rule)),
+        unstructured: Integrator::new(system, Unstructured(rule)),
         start,
         h,
     }
@@ -255,25 +255,25 @@ pub(crate) fn every_scene(visitor: &mut impl Visitor) {
     visitor.visit(&scene("chain of 12", chain, Midpoint, start, 0.1));
 }
 
-/// What a step became, as words.
+/// Facts about a derived step, as the cells of the table.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Facts {
-    /// Its implicit blocks, with their unknowns.
+    /// The implicit blocks, with their unknowns.
     pub(crate) blocks: String,
     /// Operations of a step, and of each iteration.
     pub(crate) operations: String,
-    /// Calls of functions likewise.
+    /// Calls of functions in a step, and in each iteration.
     pub(crate) calls: String,
-    /// Sines and cosines that follow from those of an angle near by, likewise.
+    /// Sines and cosines that are computed by angle addition, in a step and in each iteration.
     pub(crate) additions: String,
     /// Bytes of the state.
     pub(crate) state: usize,
-    /// Bytes beside it: what is kept for a step size, and the largest system of equations.
+    /// Bytes in addition to the state: values that are kept for a step size, and the largest system of equations.
     pub(crate) beside: usize,
 }
 
 impl Facts {
-    /// Of the step of a system by a rule.
+    /// Returns the facts about the step of a system by a rule.
     pub(crate) fn of<S: Variational<R>, R>() -> Self {
         let plan = S::PLAN;
         let count = |of: fn(&Operations) -> usize| {

@@ -115,10 +115,10 @@ fn section(
         );
     }
     let all = plots::series(&records, &peers);
-    let fastest = |error: plots::Quantity, foreign: bool| {
+    let fastest = |error: plots::Quantity, is_peer: bool| {
         let curves: Vec<_> = all
             .iter()
-            .filter(|series| series.foreign == foreign && converges(problem, series))
+            .filter(|series| series.is_peer == is_peer && converges(problem, series))
             .map(|series| series.curve(error))
             .collect();
         verdict::winners(&curves, LARGEST)
@@ -167,7 +167,7 @@ fn converges(problem: &Problem, series: &plots::Series) -> bool {
     let mut others = report.not_asymptotic().iter();
     let slopes = others.find(|method| method.method == series.name);
     let last = slopes.and_then(|method| method.slopes.last());
-    series.foreign || last.is_some_and(|slope| slope.value > LEAST)
+    series.is_peer || last.is_some_and(|slope| slope.value > LEAST)
 }
 
 /// Whether a record ends at that time, as far as its step size and times tell.

@@ -7,7 +7,7 @@ use sve_runtime::{DerivedFor, Dims, System, Variational};
 
 use crate::problem::{Problem, powers};
 use crate::systems::{HenonHeiles, Kubo, Langevin, Oscillator, Synchrotron};
-use crate::uncorrected::{Node, Uncorrected};
+use crate::uncorrected::{QuadratureNode, Uncorrected};
 
 const SEED: u64 = 42;
 
@@ -116,7 +116,10 @@ pub(crate) fn kubo() -> Result<Problem, StudyError> {
     let horizon = 4.0;
     let methods = Methods::new(system);
     let without = |node| Uncorrected { kubo: system, node };
-    let (initial_point, endpoint) = (without(Node::InitialPoint), without(Node::Endpoint));
+    let (initial_point, endpoint) = (
+        without(QuadratureNode::InitialPoint),
+        without(QuadratureNode::Endpoint),
+    );
     let report = methods
         .study("kubo")
         .method("endpoint, uncorrected", &endpoint)

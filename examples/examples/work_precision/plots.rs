@@ -14,7 +14,7 @@ use crate::verdict::{Curve, Winner};
 /// Weak errors below so many standard errors cannot be told from none.
 const SIGNIFICANT: f64 = 2.0;
 
-/// The least and the most that an axis of errors shows.
+/// The range of errors that an axis can show.
 const ERRORS: Range<f64> = 1e-15..30.0;
 
 const BAND: Color = (253, 231, 160);
@@ -28,19 +28,19 @@ pub(crate) type Quantity = fn(&Record) -> Option<f64>;
 pub(crate) struct Series {
     pub(crate) name: String,
     pub(crate) records: Vec<Record>,
-    /// Of another program.
-    pub(crate) foreign: bool,
+    /// Whether the records are of another program.
+    pub(crate) is_peer: bool,
 }
 
 /// The records of each method, those of other programs with the program's name.
 pub(crate) fn series(own: &[Record], peers: &[Record]) -> Vec<Series> {
     let mut all: Vec<Series> = Vec::new();
-    for (record, foreign) in own
+    for (record, is_peer) in own
         .iter()
         .map(|r| (r, false))
         .chain(peers.iter().map(|r| (r, true)))
     {
-        let name = if foreign {
+        let name = if is_peer {
             let program = record.source.split_whitespace().next();
             format!("{}: {}", program.unwrap_or_default(), record.method)
         } else {
@@ -51,7 +51,7 @@ pub(crate) fn series(own: &[Record], peers: &[Record]) -> Vec<Series> {
             None => all.push(Series {
                 name,
                 records: vec![record.clone()],
-                foreign,
+                is_peer,
             }),
         }
     }
@@ -75,7 +75,7 @@ fn weak(record: &Record) -> Option<f64> {
     (error > SIGNIFICANT * spread).then_some(error)
 }
 
-/// What the weak error is at most, to the same certainty.
+/// Returns an upper bound of the weak error, with the confidence of [`SIGNIFICANT`].
 pub(crate) fn weak_bound(record: &Record) -> Option<f64> {
     let (error, spread) = (record.weak_error?.abs(), record.weak_error_se?);
     Some(error.max(SIGNIFICANT * spread))
@@ -126,7 +126,7 @@ fn pen(series: &Series, number: usize) -> Pen {
         }
     };
     let variational = ["midpoint", "endpoint", "initial point", "taylor2"];
-    let (width, dash) = if series.foreign {
+    let (width, dash) = if series.is_peer {
         (1.6, Some((1.5, 3.0)))
     } else if variational.contains(&&*series.name) {
         (2.2, None)

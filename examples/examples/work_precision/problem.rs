@@ -7,9 +7,9 @@ use sve_runtime::study::Report;
 /// A problem of the study.
 pub(crate) struct Problem {
     pub(crate) title: &'static str,
-    /// What was solved, and what its errors are.
+    /// Description of the problem and of its errors.
     pub(crate) setting: &'static str,
-    /// What is conserved, if anything.
+    /// The conserved quantity, if there is one.
     pub(crate) invariant: Option<&'static str>,
     pub(crate) report: Report,
 }

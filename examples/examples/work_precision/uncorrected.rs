@@ -7,9 +7,9 @@ use sve_runtime::prelude::*;
 
 use crate::systems::Kubo;
 
-/// Which of the two.
+/// The quadrature node of a rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Node {
+pub(crate) enum QuadratureNode {
     InitialPoint,
     Endpoint,
 }
@@ -18,7 +18,7 @@ pub(crate) enum Node {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Uncorrected {
     pub(crate) kubo: Kubo,
-    pub(crate) node: Node,
+    pub(crate) node: QuadratureNode,
 }
 
 impl OneStepMethod for Uncorrected {
@@ -48,11 +48,11 @@ impl OneStepMethod for Uncorrected {
         let x = self.kubo.a * h + self.kubo.sigma * dw[0];
         let State { t, q: [q], p: [p] } = *state;
         let (q, p) = match self.node {
-            Node::Endpoint => {
+            QuadratureNode::Endpoint => {
                 let q = q + x * p;
                 (q, p - x * q)
             }
-            Node::InitialPoint => {
+            QuadratureNode::InitialPoint => {
                 let p = p - x * q;
                 (q + x * p, p)
             }

@@ -29,7 +29,7 @@ impl Winner {
 /// Errors that are asked for, in a decade.
 const IN_A_DECADE: i32 = 8;
 
-/// A method replaces the one before only if it is this much faster: what is within the spread of the times is no reason.
+/// A method replaces the previous winner only if its time is below this fraction; smaller differences are scatter of the times.
 const CLEARLY: f64 = 0.9;
 
 /// The least time in which a method reaches an error.

@@ -262,9 +262,9 @@ impl Moments {
         }
         let count = self.count + other.count;
         let share = other.count / count;
-        let apart = other.mean - self.mean;
-        let mut mean = self.mean + apart * share;
-        if !apart.is_finite() {
+        let difference = other.mean - self.mean;
+        let mut mean = self.mean + difference * share;
+        if !difference.is_finite() {
             mean = self.mean * (self.count / count) + other.mean * share;
         }
         let min = if other.min < self.min {
@@ -282,7 +282,7 @@ impl Moments {
             mean: within(mean, min, max),
             squares: (self.squares)
                 .add(other.squares)
-                .add(Squares::of(apart, self.count * share)),
+                .add(Squares::of(difference, self.count * share)),
             min,
             max,
         }

@@ -205,7 +205,7 @@ impl Summary {
     ///
     /// Shards belong to the same run if they have equal settings, formulas of the system, values of its parameters (of the fields that the
     /// functions of its block use), method, rule and options, and starts. Closures cannot be compared. They are sampled, with all bits:
-    /// starts of the first 16 paths, of 16 that are spread over all, and of the last; observables and states along path 0, at its
+    /// starts of the first 16 paths, of 16 evenly distributed paths, and of the last path; observables and states along path 0, at its
     /// recorded times, for 4096 steps or a thousandth of all steps of the ensemble, whichever is more, and along three other paths for
     /// 64 steps. **Other values of a closure are not compared**: give shards equal closures. A [`OneStepMethod`](crate::OneStepMethod) of your own adds its options
     /// in [`identify`](crate::OneStepMethod::identify). Shards of machines whose mathematical functions differ in the last digit do not merge.

@@ -1,7 +1,7 @@
-//! A method of any type, behind one trait object: its solution along a path, its iterations, its times.
+//! Methods of any type as trait objects: the solution along a path, the number of iterations, and times.
 //!
-//! Input: a start and the increments of a path. The loop over the steps is inside of the trait's functions, so that a time is that of the
-//! step and not of a virtual call.
+//! Input: a start and the increments of a path. Each function of the trait loops over all steps, so that measured times do not contain a
+//! virtual call in each step.
 
 use core::hint::black_box;
 use std::time::{Duration, Instant};

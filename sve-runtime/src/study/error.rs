@@ -1,9 +1,9 @@
-//! What is wrong with the settings of a study, or with a file of results. Each message says what to write instead.
+//! Errors of studies: invalid settings, failed references, files of results. Each message says what to write instead.
 
 use crate::error::StepError;
 use crate::noise::NoiseError;
 
-/// Why a study could not be run, or its results not be read.
+/// The reason why a study could not be run, or a file of results could not be read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StudyError {

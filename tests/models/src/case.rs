@@ -30,9 +30,9 @@ pub type Step<'a> = Box<dyn Fn(&mut Point, &[f64]) -> Result<(), StepError> + 'a
 
 /// A model with a rule.
 pub trait Case {
-    /// What the step became.
+    /// The plan of the step.
     fn plan(&self) -> &'static Plan;
-    /// What the step without structure became.
+    /// The plan of the step without structure.
     fn plan_without_structure(&self) -> &'static Plan;
     /// The name of the rule in the attribute.
     fn rule(&self) -> &'static str;
@@ -72,7 +72,7 @@ pub trait Case {
         h: f64,
         dw: &[f64],
     ) -> Result<Derivatives, StepError>;
-    /// One step of as many states as there are lanes; the mask of those that are left to the single step.
+    /// Steps a state in each lane. Returns the mask of the lanes that were not solved.
     ///
     /// # Errors
     /// That of the step size.
@@ -86,9 +86,9 @@ pub trait Case {
     fn trajectory<'a>(&'a self, start: &Point, h: f64, noise: Box<dyn Noise + 'a>) -> Path<'a>;
     /// A trajectory after some steps as JSON, which is read back once.
     fn stored(&self, start: &Point, h: f64, noise: Wiener, steps: usize) -> String;
-    /// A stored trajectory: the number of steps that it says, and its continuation.
+    /// Reads a stored trajectory. Returns the number of its steps, and its continuation.
     fn continued<'a>(&'a self, stored: &str, noise: Wiener) -> (u64, Path<'a>);
-    /// Steps with the same increments, all of them while `watch` looks.
+    /// Makes steps with the same increments inside of `watch`.
     fn watched(&self, start: &Point, h: f64, dw: &[f64], steps: usize, watch: &mut Watch<'_>);
 
     /// `Pendulum by midpoint`, for messages.
@@ -97,7 +97,7 @@ pub trait Case {
         format!("{} by {}", plan.system, plan.rule)
     }
 
-    /// One step from a state that stays as it is.
+    /// Makes one step from a copy of a state.
     ///
     /// # Panics
     /// If the step fails.
@@ -170,9 +170,9 @@ where
         h: f64,
         dw: &[f64],
     ) -> Result<(), StepError> {
-        let whole = Integrator::new(self.0.system().clone(), Unstructured(*self.0.rule()));
+        let integrator = Integrator::new(self.0.system().clone(), Unstructured(*self.0.rule()));
         let mut typed = state.state();
-        let result = whole.step(&mut typed, h, &array(dw));
+        let result = integrator.step(&mut typed, h, &array(dw));
         *state = Point::of(&typed);
         result
     }

@@ -1,4 +1,4 @@
-//! A system with another type of configurations: the same equations in the same coordinates.
+//! A system with another type of configurations. Its equations and coordinates are the same.
 
 use std::marker::PhantomData;
 
@@ -13,7 +13,7 @@ use sve_runtime::{
 #[derive(Clone, Copy)]
 pub struct Configured<S, Q>(pub S, PhantomData<Q>);
 
-/// As the system itself.
+/// Prints the inner system.
 impl<S: std::fmt::Debug, Q> std::fmt::Debug for Configured<S, Q> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         self.0.fmt(f)

@@ -41,7 +41,7 @@ impl OscillatorStep {
     /// Increments of `steps` steps, and the exact end.
     ///
     /// # Panics
-    /// Not for finite numbers.
+    /// If a number is not finite.
     pub fn path(
         &self,
         sigma: f64,

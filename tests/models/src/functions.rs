@@ -1,4 +1,4 @@
-//! A model seen through slices: the user's functions, and what was derived from them without a rule.
+//! A model with slices as arguments: the user's functions, and the generated derivatives that do not depend on a rule.
 
 use core::fmt::Debug;
 

@@ -1,5 +1,5 @@
-//! What the tests share: models, the users' functions as oracles, all models with all rules as objects, checks of a feature of the
-//! language, differences, random points, an exact solution.
+//! Shared code of the tests: models, the users' functions as oracles, all models with all rules as objects, checks of a feature of the
+//! language, difference quotients, random points, an exact solution.
 
 pub mod case;
 pub mod configured;

@@ -29,7 +29,7 @@ pub trait Model<const N: usize, const M: usize>:
         let _ = (t, q, v);
         [0.0; N]
     }
-    /// A point where everything is regular, and a steps's way around it.
+    /// A point in whose neighbourhood, of the size of a step, all functions are regular.
     fn point(random: &mut Random) -> State<[f64; N]>;
 }
 
@@ -37,7 +37,7 @@ pub trait Model<const N: usize, const M: usize>:
 pub trait Rule {
     /// Name in the attribute.
     const NAME: &'static str;
-    /// Node of a one-node rule.
+    /// Position of the quadrature node of a one-node rule.
     const NODE: Option<f64>;
 }
 

@@ -1,4 +1,4 @@
-//! Files of a run that was stopped: damage of any kind, other runs, other programs. Each is an error that names the file.
+//! Checkpoints of a stopped run: files that are damaged, of another run or of another program are errors that name the file.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -13,7 +13,7 @@ fn kubo() -> Method {
     Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint)
 }
 
-/// A run with one of everything, few enough paths that its file is small.
+/// An ensemble with one of each kind of result, and so few paths that its file is small.
 fn ensemble(method: &Method) -> Ensemble<'_, Method> {
     Ensemble::new(method)
         .paths(20)
@@ -31,7 +31,7 @@ fn scratch(name: &str) -> PathBuf {
     path
 }
 
-/// A file, and what it is of.
+/// Writes a checkpoint. Returns its path, its bytes and the summary.
 fn written(name: &str) -> (PathBuf, Vec<u8>, Summary) {
     let (method, path) = (kubo(), scratch(name));
     let summary = ensemble(&method).checkpoint(&path, Duration::ZERO).run();
@@ -39,7 +39,7 @@ fn written(name: &str) -> (PathBuf, Vec<u8>, Summary) {
     (path, bytes, summary.unwrap())
 }
 
-/// Writes a file anew: overwriting the old one would bring it to the disk each time.
+/// Replaces a file. Overwriting the existing file would synchronise it with the disk each time.
 fn replaced(path: &PathBuf, bytes: &[u8]) {
     std::fs::remove_file(path).unwrap();
     std::fs::write(path, bytes).unwrap();

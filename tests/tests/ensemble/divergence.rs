@@ -1,4 +1,4 @@
-//! Motions that lost their meaning are reported: observables that diverge, paths out of bounds, means of one path.
+//! Warnings about motions without physical meaning: diverging observables, paths out of bounds, means dominated by one path.
 
 use sve_models::models::{Oscillator, Pendulum};
 use sve_runtime::ensemble::{Cause, Warning};
@@ -67,7 +67,7 @@ fn is_reported_for_energies_that_grow_and_for_no_others() {
     }
 }
 
-/// Motions that grow like powers of time, that turn, or that stand.
+/// Motions that grow like a power of time, rotate, or rest.
 #[test]
 fn is_not_reported_for_motions_that_do_not() {
     let oscillator = Integrator::new(Oscillator { sigma: 1.0 }, Midpoint);

@@ -1,9 +1,9 @@
-//! Paths that fail: counted, described, left out, replayed; the others have the bits that they have without them.
+//! Paths that fail are counted, described, left out of the statistics, and replayed. They do not change the bits of other paths.
 
 use sve_runtime::ensemble::{Cause, FAILURES_KEPT};
 use sve_runtime::prelude::*;
 
-/// A hard spring, whose explicit step overflows where the motion is too wild for it.
+/// A hard spring, whose explicit step overflows if the amplitude is too large.
 #[derive(Clone, Debug)]
 struct Spring {
     k: f64,
@@ -101,7 +101,7 @@ fn are_counted_described_and_left_out() {
     }
 }
 
-/// Where a path starts, seen through a run of no other use.
+/// Returns the start of a path.
 fn path_start(method: &Integrator<Spring, Endpoint>, path: u64) -> State<[f64; 1]> {
     let seen = std::sync::Mutex::new(None);
     let probe = Ensemble::new(method)

@@ -1,4 +1,4 @@
-//! What a summary writes is read back: CSV, npy, Parquet, serde; runs continue from a checkpoint.
+//! Files of summaries are read with the values that were written: CSV, npy, Parquet, serde. Runs continue from a checkpoint.
 
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -277,7 +277,7 @@ fn a_run_that_was_killed_continues() {
 
 type FileWriter = fn(&Summary, &Path) -> std::io::Result<()>;
 
-/// Each writer of a summary, by the name of what it writes.
+/// The writers of a summary, with the names of their formats.
 fn writers() -> [(&'static str, FileWriter); 3] {
     [
         ("x.csv", |summary, path| summary.to_csv(path)),
@@ -322,7 +322,7 @@ fn files_that_cannot_be_written_are_errors_with_their_path() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
-/// A writer that takes so many bytes and then has no room.
+/// A writer that fails after this number of bytes.
 struct Room(usize);
 
 impl std::io::Write for Room {
@@ -341,7 +341,7 @@ impl std::io::Write for Room {
 
 type Writer<W> = fn(&Summary, W) -> std::io::Result<()>;
 
-/// Nothing is said to be written that is not.
+/// A file that could not be written completely is an error.
 #[test]
 fn writers_that_end_early_are_errors() {
     let summary = ensemble_of_one_name(&kubo());

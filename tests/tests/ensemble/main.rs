@@ -1,4 +1,4 @@
-//! Ensembles: what a summary says against paths integrated one by one, and that threads and shards change no bit of it.
+//! Ensembles: summaries against paths that are integrated one by one. Threads and shards do not change the bits of a summary.
 
 // closures are written as users write them
 #![allow(clippy::redundant_closure_for_method_calls)]

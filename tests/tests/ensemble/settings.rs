@@ -1,4 +1,4 @@
-//! Settings that make no sense: each is an error that says what to write. Histograms and names.
+//! Invalid settings are errors that say what to write. Histograms and names.
 
 use sve_models::models::Kubo;
 use sve_runtime::prelude::*;
@@ -126,7 +126,7 @@ fn a_name_that_is_not_there_panics() {
     let _ = &sound(&kubo()).run().unwrap()["p"];
 }
 
-/// Without a number of coordinates anywhere.
+/// The number of coordinates is written nowhere.
 #[test]
 fn final_states_are_read_as_states() {
     let method = kubo();

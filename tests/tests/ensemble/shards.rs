@@ -152,7 +152,7 @@ fn of_other_runs_do_not_merge() {
     other(|e| e.steps(0.025, 80).record_every(20), "settings");
 }
 
-/// Shard 0 of one program and shard 1 of another; what the message names.
+/// Merges shard 0 of one ensemble with shard 1 of another. Returns the difference that the error names.
 fn refused<I, J>(first: &Ensemble<'_, I>, second: &Ensemble<'_, J>) -> Difference
 where
     I: sve_runtime::Method<System: sve_runtime::System<Dims = Dims<1, 1>>> + Sync,
@@ -183,7 +183,7 @@ impl Sixth {
     }
 }
 
-/// The same with a pulse at t = 5.
+/// An oscillator with a pulse at t = 5.
 struct Pulse {
     f: f64,
     sigma: f64,

@@ -1,4 +1,4 @@
-//! Numbers that statistics print, where a plain formula would be wrong: constants, tiny and huge deviations, rounded edges.
+//! Statistics for which a simple formula would fail: constants, tiny and huge deviations, rounded edges of histograms.
 
 use sve_models::models::Kubo;
 use sve_runtime::prelude::*;

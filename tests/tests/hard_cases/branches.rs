@@ -1,4 +1,4 @@
-//! Equations of several solutions: the step takes the one that is connected with that without noise, or says that there is none.
+//! Equations with several solutions: the step takes the solution that is connected with the solution without noise, or returns an error.
 
 use sve_models::models::Actions;
 use sve_models::random::Random;
@@ -7,17 +7,17 @@ use sve_runtime::{LANES, StateLanes};
 
 use super::systems::Fourth;
 
-/// What the increments lead to.
+/// The end of a solution branch that is followed from zero noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Branch {
-    /// The solution that comes from no noise.
+    /// The solution at the full increments.
     Solution(f64),
-    /// It ends at this part of the increments.
+    /// The branch ends at this fraction of the increments.
     Ends(f64),
 }
 
-/// Follows the root of `value(x, s) = 0` from `start` at s = 0 to s = 1 in small steps, which are halved where the root moves
-/// fast; `slope` is the derivative in x, which is positive on the way.
+/// Follows the root of `value(x, s) = 0` from `start` at s = 0 to s = 1 in small steps, which are halved if the root moves
+/// fast. `slope` is the derivative by x, which is positive along the branch.
 fn follow(start: f64, value: impl Fn(f64, f64) -> f64, slope: impl Fn(f64, f64) -> f64) -> Branch {
     const LARGEST: f64 = 1.0 / 1024.0;
     let (mut x, mut s, mut stride) = (start, 0.0, LARGEST);
@@ -26,7 +26,7 @@ fn follow(start: f64, value: impl Fn(f64, f64) -> f64, slope: impl Fn(f64, f64) 
         for _ in 0..8 {
             y -= value(y, s + stride) / slope(y, s + stride);
         }
-        // on a regular way the root moves little
+        // on a regular branch the root moves little in a step
         let is_near = (y - x).abs() <= 0.01 * (0.1 + x.abs());
         if is_near && slope(y, s + stride) > 0.0 {
             (x, s) = (y, s + stride);
@@ -116,7 +116,7 @@ fn noise_of_degree_four_in_p() {
     }
 }
 
-/// Lanes take the same branch, or leave the state to the step that says why not.
+/// Lanes take the same branch, or leave the state to the single step.
 #[test]
 fn lanes_take_the_same_branch() {
     let mut done = 0;

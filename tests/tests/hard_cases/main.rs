@@ -1,6 +1,6 @@
 //! Cases where integrators break: stiff, chaotic, singular, of odd sizes, dominated by noise.
 //!
-//! Each test says what has to hold and why; bounds that are not derived are a few times what is measured.
+//! Each test says what must hold and why. A bound that is not derived is a few times the measured value.
 
 mod branches;
 mod domains;

@@ -156,7 +156,7 @@ fn vanishing_noise_leaves_the_bits_of_the_deterministic_step() {
     no_noise_is_the_limit(Midpoint);
 }
 
-/// The system with σ = 0 against the one that has no noise at all.
+/// A system with σ = 0 against a system without noise.
 #[test]
 fn a_system_without_noise_has_the_same_bits() {
     fn check<R: Copy>(rule: R)

@@ -1,4 +1,4 @@
-//! Orbits that are close to a singular or an unstable place.
+//! Orbits close to a singularity or to an unstable equilibrium.
 
 use std::f64::consts::{PI, TAU};
 
@@ -7,7 +7,7 @@ use sve_runtime::prelude::*;
 
 use sve_models::models::Kepler;
 
-/// An orbit of semi-major axis 1 around a unit mass, from its far end.
+/// Returns the aphelion of an orbit of semi-major axis 1 around a unit mass.
 fn aphelion(e: f64) -> State<[f64; 2]> {
     State::new([1.0 + e, 0.0], [0.0, ((1.0 - e) / (1.0 + e)).sqrt()])
 }

@@ -1,4 +1,4 @@
-//! Places where coordinates or forces are singular: an error that names the place, or a step; never NaN.
+//! Places where coordinates or forces are singular. A step there is an error that names the place, or finite, but never NaN.
 
 use sve_models::models::SphericalPendulum;
 use sve_runtime::prelude::*;
@@ -6,7 +6,7 @@ use sve_runtime::{Dims, System, Variational};
 
 use sve_models::models::Kepler;
 
-/// Runs to an error or the end; every state is finite. The error with the state before it.
+/// Steps until an error or the end and checks that every state is finite. Returns the error with the state before it.
 fn run<S, R, const N: usize>(
     integrator: &Integrator<S, R>,
     start: State<[f64; N]>,
@@ -46,7 +46,7 @@ where
     None
 }
 
-/// The numbers of an error at a place.
+/// Returns the numbers in an error that names a place.
 fn place(error: &StepError) -> (f64, f64) {
     match *error {
         StepError::Singular { t, h, .. }

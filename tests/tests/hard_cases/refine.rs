@@ -1,4 +1,4 @@
-//! Steps that fail, made in parts on the same path.
+//! Steps that fail and are divided into shorter steps on the same path.
 
 use sve_runtime::noise::{DyadicInterval, Halves};
 use sve_runtime::prelude::*;
@@ -16,7 +16,7 @@ fn start() -> State<[f64; 1]> {
     State::new([0.0], [2.0])
 }
 
-/// Without parts the path ends at a step that has no solution; with parts it goes on, with the same bits each time.
+/// Without refinement the path ends at a step that has no solution. With refinement it continues, with the same bits each time.
 #[test]
 fn a_path_goes_on_and_is_repeatable() {
     let midpoint = system();
@@ -41,7 +41,7 @@ fn a_path_goes_on_and_is_repeatable() {
     }
 }
 
-/// A refined step is the steps of its parts, by hand; the others are plain steps.
+/// A refined step equals the shorter steps made by hand. The other steps are not divided.
 #[test]
 fn parts_are_those_of_the_bridge() {
     let midpoint = system();
@@ -61,7 +61,7 @@ fn parts_are_those_of_the_bridge() {
                 .iter()
                 .any(|dw| midpoint.step(&mut state, 0.5 * H, dw).is_err())
             {
-                // one level is not enough: the state stays where the whole step began
+                // one level of refinement is not enough: the state is that before the step
                 assert!(path.next().unwrap().is_err());
                 assert_eq!(
                     path.state(),
@@ -80,7 +80,7 @@ fn parts_are_those_of_the_bridge() {
     assert!(refined > 0);
 }
 
-/// Where no step fails nothing is refined, and the states are the same.
+/// If no step fails, refinement does not change the states.
 #[test]
 fn steps_that_succeed_are_left_alone() {
     let midpoint = system();

@@ -6,14 +6,14 @@ use sve_runtime::{Dims, LANES, StateLanes, System, Variational};
 
 use super::wild::*;
 
-/// Lanes of each system and rule, spread over the step sizes.
+/// Number of random states for each system and rule, divided among the step sizes.
 const SAMPLES: usize = if cfg!(feature = "thorough") {
     1_000_000
 } else {
     10_000
 };
 
-/// Whether two states agree but for what an ill-conditioned step makes of the rounding of elementary functions.
+/// Returns whether two states agree up to the rounding errors of elementary functions, which an ill-conditioned step amplifies.
 fn agree<const N: usize>(a: &State<[f64; N]>, b: &State<[f64; N]>) -> bool {
     let near = |x: f64, y: f64| (x - y).abs() <= 1e-6 * (1.0 + y.abs());
     (0..N).all(|i| near(a.q[i], b.q[i]) && near(a.p[i], b.p[i]))
@@ -127,8 +127,8 @@ pub(super) fn assert_near(found: [f64; 2], expected: [f64; 2], tolerance: f64) {
 
 /// The solution that is followed, in small steps.
 mod followed {
-    /// Follows the root of `value(x, s)` from `x` at s = 0 to 1, by Newton's method in steps so small that it moves by little of
-    /// the length on which the equations change; nothing where its slope vanishes.
+    /// Follows the root of `value(x, s)` from `x` at s = 0 to s = 1, by Newton's method. The steps are so small that the root moves
+    /// little compared with the length on which the equations change. Returns `None` if the slope vanishes.
     pub(super) fn root(
         mut x: f64,
         value: impl Fn(f64, f64) -> f64,
@@ -149,8 +149,8 @@ mod followed {
     }
 }
 
-/// The pendulum by the midpoint rule at steps beyond the period of its linearisation, where most states have several solutions: the
-/// one that a reference follows from h = 0, then from no noise.
+/// The pendulum by the midpoint rule with steps longer than the period of its linearisation, where most states have several solutions.
+/// The step takes the solution that a reference follows from h = 0, then from zero noise.
 #[test]
 fn large_steps_of_the_pendulum() {
     let integrator = Integrator::new(Pendulum, Midpoint);
@@ -191,7 +191,7 @@ fn large_steps_of_the_pendulum() {
             }
         }
     }
-    // few solutions end: most paths go around the folds
+    // few solutions end at a fold
     assert!(counts[0] > 120, "{counts:?}");
 }
 

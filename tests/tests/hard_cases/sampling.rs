@@ -1,4 +1,4 @@
-//! Langevin dynamics at large steps: what is sampled is not exp(−H/kT), but what the step's own matrix says.
+//! Langevin dynamics at large steps: the sampled distribution is not exp(−H/kT) but the stationary distribution of the step's matrix.
 
 use sve_runtime::{Variational, prelude::*};
 
@@ -115,7 +115,7 @@ fn midpoint_samples_the_exact_covariance() {
     check(Midpoint, &[0.5, 2.0, 10.0], true);
 }
 
-/// The others do not, near ωh = 2 by a factor; their own covariance is what is sampled.
+/// The other rules differ from exp(−H/kT), by a factor near ωh = 2. They sample the stationary covariance of their own steps.
 #[test]
 fn endpoint_and_initial_point_sample_their_own() {
     check(Endpoint, &[1.0, 1.5], false);

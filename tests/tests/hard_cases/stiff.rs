@@ -5,7 +5,7 @@ use sve_runtime::{Dims, System, Variational, prelude::*};
 
 use super::systems::Stiff;
 
-/// The largest energy in units of the first; nothing where a step fails or it passes a million.
+/// Returns the largest energy in units of the initial energy; `None` if a step fails or the energy passes a million.
 fn largest_energy<S, R>(integrator: &Integrator<S, R>, steps: usize) -> Option<f64>
 where
     S: Variational<R> + System<Dims = Dims<1, 0>>,
@@ -42,7 +42,7 @@ where
 
 const OMEGA_H: [f64; 9] = [0.1, 0.3, 1.0, 1.9, 2.1, 5.0, 10.0, 100.0, 1000.0];
 
-/// Where a rule stops: the smallest ωh, to a thousandth, at which the energy passes a million or a step fails.
+/// Returns the smallest ωh, to a thousandth, at which the energy passes a million or a step fails.
 fn stops_at(run: impl Fn(f64) -> Option<f64>) -> f64 {
     let (mut good, mut bad) = (0.1, 10.0);
     while bad - good > 1e-3 {

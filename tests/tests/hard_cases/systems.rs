@@ -1,4 +1,4 @@
-//! Systems of the hard cases that the models of other tests do not have.
+//! Systems that only the hard cases use.
 
 use sve_runtime::prelude::*;
 

@@ -1,8 +1,9 @@
-//! Differences and powers that lose all digits as they are written, in what is generated: energies, derivatives and steps.
+//! Differences and powers that lose all digits if they are evaluated as they are written. Generated energies, derivatives and steps
+//! keep their digits.
 
 use sve_runtime::prelude::*;
 
-/// Energy from the lowest point.
+/// A pendulum whose potential is zero at the lowest point.
 #[derive(Debug)]
 struct Pendulum {
     g: f64,
@@ -15,7 +16,7 @@ impl Pendulum {
     }
 }
 
-/// Kinetic energy without that of rest.
+/// A relativistic particle without its energy at rest.
 #[derive(Debug)]
 struct Relativistic {
     m: f64,
@@ -41,7 +42,7 @@ impl Cycloid {
     }
 }
 
-/// The same, written so that nothing cancels.
+/// The same system, written so that nothing cancels.
 #[derive(Debug)]
 struct Reference;
 
@@ -52,7 +53,7 @@ impl Reference {
     }
 }
 
-/// A potential with a base and an exponent that both move.
+/// A potential whose base and exponent are both coordinates.
 #[derive(Debug)]
 struct Power;
 
@@ -63,7 +64,7 @@ impl Power {
     }
 }
 
-/// Few roundings; written as they are, the values below have no digit right, or two.
+/// A few units of rounding. Evaluated as they are written, the values below would have at most two correct digits.
 const ROUNDINGS: f64 = 8.0 * f64::EPSILON;
 
 fn assert_close(found: f64, expected: f64, bound: f64) {

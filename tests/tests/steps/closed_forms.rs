@@ -1,4 +1,4 @@
-//! The closed forms that the rules must become on linear systems, at random states, step sizes and increments.
+//! Steps of linear systems against their closed forms, at random states, step sizes and increments.
 //!
 //! The closed forms are evaluated with twice the digits, so that only the step rounds. Bound: 2 ulp of the largest of
 //! |q₀|, |p₀|, σ|ΔW|, |q₁| and |p₁|. A step rounds a few products and sums of at most that size, half an ulp each. For Kubo the angle
@@ -17,7 +17,7 @@ fn ulp(x: f64) -> f64 {
     x.abs().next_up() - x.abs()
 }
 
-/// The same with twice the digits.
+/// A sample in numbers with twice the digits.
 struct Exact {
     q: Double,
     p: Double,
@@ -119,7 +119,7 @@ fn oscillator_by_endpoint() {
     });
 }
 
-/// The midpoint's two equations, solved: with `D = 1 + h²/4`, `D (q₁ − q₀) = h (p₀ − h q₀/2 + σΔW/2)` and
+/// The solution of the two equations of the midpoint rule: with `D = 1 + h²/4`, `D (q₁ − q₀) = h (p₀ − h q₀/2 + σΔW/2)` and
 /// `D (p₁ − p₀) = σΔW − h (q₀ + h p₀/2)`.
 #[test]
 fn oscillator_by_midpoint() {

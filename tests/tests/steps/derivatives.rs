@@ -1,7 +1,7 @@
 //! The generated derivatives against differences of the users' own functions, and the generated steps against the discrete
 //! Euler–Lagrange equations of a discrete action that is built from the users' own functions.
 //!
-//! Nothing here uses a symbolic derivative: it is the oracle of the differentiation, the residuals and the solves.
+//! No test here uses a symbolic derivative, so the tests are independent of the differentiation, the residuals and the solves.
 
 use sve_models::case::Case;
 use sve_models::differences::{derivatives, gradient, moved};
@@ -135,7 +135,7 @@ fn force(name: &str, model: &dyn Functions, t: f64, q: &[f64], v: &[f64]) {
     }
 }
 
-/// A step's data beside its end points.
+/// The data of a step other than its end points.
 #[derive(Clone, Debug)]
 struct Step {
     t: f64,
@@ -172,8 +172,8 @@ fn one_node(
     let noise = |q: &[f64], p: &[f64]| product(&model.g(t, q, p), dw);
     let by_q = gradient(&q, |q| noise(q, p));
     let by_p = gradient(p, |p| noise(&q, p));
-    let slip = sum(&sum(q1, -1.0, q0), -h, v);
-    h * model.l(t, &q, v) - noise(&q, p) + product(p, &slip) + (c - 0.5) * product(&by_p, &by_q)
+    let defect = sum(&sum(q1, -1.0, q0), -h, v);
+    h * model.l(t, &q, v) - noise(&q, p) + product(p, &defect) + (c - 0.5) * product(&by_p, &by_q)
 }
 
 /// Both nodes of the Taylor rule, place and velocity, found by fixed-point iterations, which converge as h² does.
@@ -254,7 +254,7 @@ fn one_node_equations(
     let p = between(&end.p, &start.p, c);
     // ∂S/∂p = 0 is affine in v, with the coefficient −h
     let at_rest = gradient(&p, |p| action(q0, q1, &vec![0.0; q0.len()], p));
-    let v: Vec<f64> = at_rest.iter().map(|slip| slip / step.h).collect();
+    let v: Vec<f64> = at_rest.iter().map(|defect| defect / step.h).collect();
     let node = between(q0, q1, c);
     let impulse = model.f(step.t + c * step.h, &node, &v);
     let stationary = gradient(&v, |v| action(q0, q1, v, &p));

@@ -1,5 +1,5 @@
-//! Bad input at run time: each is the right error with the right numbers, its message has them, and the state is left as it
-//! was, bit for bit.
+//! Bad input at run time. Each case returns the right error with the right numbers, the message contains the numbers, and the state
+//! keeps its bits.
 
 use sve_models::case::Case;
 use sve_models::functions::Point;
@@ -20,7 +20,7 @@ fn bits<const N: usize>(state: &State<[f64; N]>) -> Vec<u64> {
         .collect()
 }
 
-/// The error of a step that has to fail without touching the state.
+/// Returns the error of a step that must fail and leave the state unchanged.
 fn failure<S, R, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     start: &State<[f64; N]>,
@@ -57,7 +57,7 @@ fn says(error: &StepError, parts: &[String]) {
 
 const BAD: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 
-/// The error of a case's step that has to fail without touching the state.
+/// Returns the error of a case's step that must fail and leave the state unchanged.
 fn failure_of(case: &dyn Case, start: &Point, h: f64, dw: &[f64]) -> StepError {
     let mut state = start.clone();
     let result = case.step(&mut state, h, dw);
@@ -123,7 +123,7 @@ fn bad_input_of_every_model_and_rule_is_named() {
     }
 }
 
-/// The same through `step_prepared` with a step size that `prepare` has not seen.
+/// `step_prepared` with a step size for which `prepare` was not called.
 #[test]
 fn step_size_that_was_not_prepared() {
     let pendulum = Integrator::new(pendulum(), Endpoint);
@@ -140,7 +140,7 @@ fn step_size_that_was_not_prepared() {
     }
 }
 
-/// A state is changed by a step that succeeds: the comparison of bits can tell.
+/// A step that succeeds changes the bits of the state, so the comparison of bits can fail.
 #[test]
 fn without_a_failure() {
     let mut state = State::new([1.0], [0.0]);
@@ -189,7 +189,7 @@ fn newton_limit() {
     pendulum.step(&mut start.clone(), 0.5, &[]).unwrap();
 }
 
-/// An implicit equation with a huge increment may have no solution; then this is said, by whatever name.
+/// An implicit equation with a huge increment may have no solution. The step then returns one of several errors.
 #[test]
 fn no_solution() {
     let integrator = Integrator::new(mixed(), Endpoint);
@@ -367,7 +367,7 @@ mod polar {
     }
 }
 
-/// At rest in the origin the equations hold for every angular velocity: an error, not one of the solutions.
+/// At rest in the origin the equations hold for every angular velocity. The step returns an error and not one of the solutions.
 #[test]
 fn equations_that_many_velocities_satisfy_are_singular() {
     fn check<R>(rule: R)

@@ -1,5 +1,5 @@
-//! Forces in every rule: closed forms, the exact contraction by linear friction, and orders of convergence. That the steps obey
-//! the discrete equations with a force is in `derivatives`.
+//! Forces in every rule: closed forms, the exact contraction by linear friction, and orders of convergence. `derivatives` tests that
+//! the steps obey the discrete equations with a force.
 
 use sve_models::models::Damped;
 use sve_models::oracle::{damped, stirred};
@@ -182,7 +182,7 @@ fn linear_friction_contracts_the_symplectic_form_exactly() {
     contraction(single(), Endpoint, (1.0, nu), Some(endpoint));
 }
 
-/// The end of a run of `steps` steps over unit time.
+/// Returns the state after `steps` steps over unit time.
 fn end<M>(method: &M, steps: u32) -> State<[f64; 2]>
 where
     M: Method,
@@ -197,7 +197,7 @@ where
     state
 }
 
-/// Every method against RK4 with a fine step; a force in some but not in all places of a method would be an order lost.
+/// Every method against RK4 with a fine step. A force that is missing in one place of a method would reduce the order.
 #[test]
 fn orders_of_convergence_with_a_force() {
     let exact = end(&RungeKutta4::new(stirred()), 4000);

@@ -3,6 +3,7 @@
 mod backwards;
 mod cancellation;
 mod closed_forms;
+mod compositions;
 mod derivatives;
 mod failures;
 mod forces;

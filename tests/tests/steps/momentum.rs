@@ -1,9 +1,9 @@
-//! Noether's theorem of the discrete step: what a declared symmetry gives stays, to rounding, whatever the step size, with noise
-//! too, where its generator is affine.
+//! Noether's theorem of the discrete step: if the generator of a symmetry is affine, steps of any size conserve its momentum to rounding,
+//! with noise too.
 //!
 //! Bound: a step rounds each p once in its last addition, and its equations hold to a few units of rounding (Newton's
-//! tolerance is two), so the momentum changes by about 4ε times the size of its terms. These are as good as independent from step
-//! to step: after n steps 4ε√n times that size, taken four times for safety. What a wrong term does is of the size of h².
+//! tolerance is two), so the momentum changes by about 4ε times the size of its terms. The changes are practically independent from step
+//! to step and add up to 4ε√n times this size after n steps; the bound is four times as large. A wrong term has an effect of order h².
 
 use sve_models::models::{Central, Chain, Charges, Mixed, Stretched};
 use sve_models::oracle::{central, chain, charges, mixed, stretched};
@@ -18,7 +18,7 @@ fn size_of<Q: Coordinates<N>, const N: usize>(state: &State<Q>) -> f64 {
     largest(state.q.coordinates()).max(1.0) * largest(Q::components(&state.p))
 }
 
-/// Follows `momentum`. The largest drift in units of the bound.
+/// Returns the largest drift of `momentum` in units of the bound.
 fn drift<S, R, Q, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     start: State<Q>,
@@ -90,7 +90,7 @@ fn momenta_of_two_charges() {
     both!(InitialPoint, Endpoint, Midpoint);
 }
 
-/// A generator that is not affine belongs to a momentum of the motion, which steps keep only to their accuracy: of order 2.
+/// If a generator is not affine, the motion conserves its momentum, but steps conserve it only to their order of accuracy, 2.
 #[test]
 fn a_symmetry_that_is_not_affine() {
     let start = State::new([0.1], [0.8]);
@@ -148,7 +148,7 @@ fn a_symmetry_that_depends_on_time() {
     assert!((order - 2.0).abs() < 0.05, "{order}");
 }
 
-/// What is not conserved moves far beyond the bound: the test can tell.
+/// A quantity that is not conserved exceeds the bound by far, so the test can fail.
 #[test]
 fn without_the_symmetry() {
     let start = State::new([0.2, -0.1], [0.1, 0.3]);

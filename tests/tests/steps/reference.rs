@@ -7,7 +7,7 @@ use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
 
 #[derive(Deserialize)]
-struct Run {
+struct ReferencePath {
     rule: String,
     params: HashMap<String, f64>,
     h: f64,
@@ -15,14 +15,17 @@ struct Run {
     states: Vec<Vec<f64>>,
 }
 
-fn runs(file: &str) -> Vec<Run> {
+fn runs(file: &str) -> Vec<ReferencePath> {
     let path = format!("{}/data/{file}.json", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
     serde_json::from_str(&text).expect("reference data")
 }
 
 /// Largest error along the run, relative to the largest component.
-fn error<S, R, const N: usize, const M: usize>(integrator: &Integrator<S, R>, run: &Run) -> f64
+fn error<S, R, const N: usize, const M: usize>(
+    integrator: &Integrator<S, R>,
+    run: &ReferencePath,
+) -> f64
 where
     S: Variational<R> + System<Dims = Dims<N, M>>,
 {

@@ -1,5 +1,5 @@
-//! Lengths far from 1 in the formulas, as in SI units: whatever the macro tries out with numbers near 1, where such functions
-//! are flat to the last digit, the step is that with a parameter in the place of the length.
+//! Lengths far from 1 in the formulas, as in SI units. The macro evaluates expressions at random points near 1, where functions of such
+//! lengths are constant to the last digit. The step must still equal the step of a system with a parameter in place of the length.
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};

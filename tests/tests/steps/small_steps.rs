@@ -1,4 +1,4 @@
-//! Small steps keep their digits: what a step adds is computed as an increment, however the Lagrangian is written.
+//! Small steps keep their digits: a step computes the increment of the state, in whatever form the Lagrangian is written.
 
 use sve_runtime::prelude::*;
 use sve_runtime::{BlockSolver, Dims, Memory, StepEquations, System};
@@ -39,7 +39,7 @@ charges! {
     landau_strong, q, v, (q[0] * v[1]), 1.0;
 }
 
-/// Displacement and kick of a step from a state whose numbers are far larger than what it adds.
+/// Returns the increments of position and momentum, from a state whose numbers are far larger than the increments.
 fn increment<S, R>(system: &S, _rule: R, h: f64) -> [f64; 4]
 where
     S: StepEquations<R, Increments = [f64; 0]> + System<Dims = Dims<2, 0>>,

@@ -76,7 +76,7 @@ fn every_step_is_symplectic() {
     println!("largest defect {worst:e}");
 }
 
-/// The scheme that the paper prints as symplectic Euler–Maruyama is backward Euler: its determinant is 1/(1+h²).
+/// The scheme that the paper prints as symplectic Euler–Maruyama is backward Euler. Its determinant is 1/(1+h²).
 #[test]
 fn the_printed_scheme_is_not() {
     let h = 0.1;

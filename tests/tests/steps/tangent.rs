@@ -192,7 +192,7 @@ fn names_of_the_parameters() {
     assert!(sensitivity.get("b").is_none());
 }
 
-/// A step that fails has no derivatives, and leaves the state.
+/// A step that fails returns no derivatives and leaves the state unchanged.
 #[test]
 fn derivatives_of_a_step_that_fails() {
     let integrator = Integrator::new(oracle::pendulum(), Midpoint);

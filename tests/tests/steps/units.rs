@@ -39,12 +39,12 @@ impl Units {
         self.of(2, -1, 1)
     }
 
-    /// Of dW, whose square is a time.
+    /// Returns the unit of dW, whose square is a time.
     fn wiener(self) -> f64 {
         2.0_f64.powi(self.time / 2)
     }
 
-    /// Of a noise Hamiltonian, which becomes an action times dW.
+    /// Returns the unit of a noise Hamiltonian, whose product with dW is an action.
     fn noise(self) -> f64 {
         self.action() / self.wiener()
     }
@@ -83,7 +83,7 @@ fn units() -> Vec<Units> {
     list
 }
 
-/// What one unit of each coordinate is.
+/// The unit of each coordinate.
 type CoordinateUnits<const N: usize> = fn(Units) -> [f64; N];
 
 /// Largest difference between a run and the same in other units, brought back; relative to the largest entry of its kind.

@@ -1,5 +1,5 @@
-//! Steps whose equations cannot be resolved to the size of their terms: what is left of a force between neighbours far from
-//! the origin is rounding, however small the momenta are. The step has to succeed, and be right to that rounding.
+//! Steps whose residuals cannot be smaller than the rounding errors of their terms: far from the origin, the force between neighbours
+//! has a rounding error that does not decrease with the momenta. The step must succeed and be accurate to this rounding error.
 
 use sve_models::oracle::{chain, rails};
 use sve_runtime::prelude::*;
@@ -47,7 +47,7 @@ where
     state
 }
 
-/// Far from the origin the step is that at the origin, moved: L depends on differences alone.
+/// L depends on differences only, so a step far from the origin is the translated step at the origin.
 fn check<S, R, const N: usize>(integrator: &Integrator<S, R>, spacing: f64)
 where
     S: Variational<R> + System<Dims = Dims<N, 1>>,

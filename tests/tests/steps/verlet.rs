@@ -7,7 +7,7 @@ use sve_models::models::{Damped, DoublePendulum, Driven, Kubo, Mixed, Pendulum, 
 use sve_models::oracle::{damped, double_pendulum, driven, kubo, mixed, pendulum, polar};
 use sve_models::random::Random;
 use sve_runtime::prelude::*;
-use sve_runtime::{BlockKind, Dims, System, Variational};
+use sve_runtime::{BlockKind, Dims, System, Variational, baseline};
 
 /// A particle in a double well whose kicks depend on its place.
 struct DoubleWell {
@@ -27,7 +27,7 @@ impl DoubleWell {
 }
 
 #[derive(Deserialize)]
-struct Run {
+struct ReferencePath {
     params: HashMap<String, f64>,
     h: f64,
     dw: Vec<Vec<f64>>,
@@ -44,7 +44,7 @@ fn follow<S, const N: usize, const M: usize>(
 {
     let path = format!("{}/data/{file}.json", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
-    let runs: Vec<Run> = serde_json::from_str(&text).expect("reference data");
+    let runs: Vec<ReferencePath> = serde_json::from_str(&text).expect("reference data");
     for run in &runs {
         let integrator = Integrator::new(system(&run.params), StormerVerlet);
         let array = |x: &[f64]| -> [f64; N] { x.try_into().unwrap() };
@@ -159,4 +159,111 @@ fn energy_errors_decrease_with_the_square_of_the_step() {
     let [a, b, c] = [64, 128, 256].map(error);
     let order = ((a.q[0] - b.q[0]) / (b.q[0] - c.q[0])).log2();
     assert!((order - 2.0).abs() < 0.02, "{order}");
+}
+
+/// Follows a trajectory and repeated steps. Both have the same bits: what the trajectory carries changes none.
+fn carries<S, R, const N: usize, const M: usize>(method: &Integrator<S, R>, start: &State<[f64; N]>)
+where
+    S: Variational<R> + System<Dims = Dims<N, M>>,
+{
+    let (h, mut state) = (0.05, *start);
+    let mut path = method.trajectory(*start, h, Wiener::new(3));
+    let mut noise = Wiener::new(3);
+    for step in 0..50 {
+        let mut dw = [0.0; M];
+        noise.increments(step, h, &mut dw).unwrap();
+        method.step(&mut state, h, &dw).unwrap();
+        let along = path.next().unwrap().unwrap();
+        assert_eq!((along.q, along.p), (state.q, state.p), "step {step}");
+        state.t = along.t;
+        if step == 20 {
+            let snapshot = path.snapshot();
+            path = method.resume(snapshot, Wiener::new(3)).unwrap();
+        }
+    }
+}
+
+#[test]
+fn the_force_at_the_end_of_a_step_is_that_at_the_start_of_the_next() {
+    let (angles, start) = (pendulum(), State::new([0.8], [0.3]));
+    let verlet = Integrator::new(&angles, StormerVerlet);
+    // sine and cosine, for the force and the noise
+    assert_eq!(verlet.plan().carried.transcendental, 1);
+    assert_eq!(verlet.plan().step.transcendental, 2);
+    carries(&verlet, &start);
+    carries(
+        &Integrator::new(&angles, Composed::new(StormerVerlet, KahanLi8)),
+        &start,
+    );
+    carries(
+        &Integrator::new(double_pendulum(), StormerVerlet),
+        &State::new([0.8, -0.2], [0.3, 0.1]),
+    );
+    // the force depends on time: nothing of it is carried
+    let driven = Integrator::new(driven(), StormerVerlet);
+    carries(&driven, &start);
+    let well = Integrator::new(DoubleWell { s: 0.4 }, StormerVerlet);
+    assert!(well.plan().carried.transcendental > 0);
+    carries(&well, &start);
+}
+
+#[test]
+fn what_a_trajectory_carries_is_part_of_its_snapshot() {
+    let well = Integrator::new(DoubleWell { s: 0.4 }, StormerVerlet);
+    let mut path = well.trajectory(State::new([0.8], [0.3]), 0.05, Wiener::new(3));
+    let before = path.snapshot();
+    path.next().unwrap().unwrap();
+    let after = path.snapshot();
+    let text = serde_json::to_string(&after).unwrap();
+    let read: Snapshot<State<[f64; 1]>> = serde_json::from_str(&text).unwrap();
+    assert_eq!(read, after);
+    assert_ne!(
+        serde_json::to_value(&before).unwrap()["memory"],
+        serde_json::to_value(&after).unwrap()["memory"]
+    );
+    // another method does not take it
+    let heun = baseline::Heun::new(DoubleWell { s: 0.4 });
+    let mut other = heun.resume(after, Wiener::new(3)).unwrap();
+    let error = other.next().unwrap().unwrap_err();
+    assert!(matches!(error, StepError::OtherMethod { .. }), "{error}");
+}
+
+/// A particle that a logarithm keeps from the origin.
+struct Repelled;
+
+#[variational(stormer_verlet)]
+impl Repelled {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v + 0.3 * q.ln() - 0.5 * q * q + 0.1 * q.cos()
+    }
+
+    #[gamma]
+    fn push(&self, q: f64) -> f64 {
+        0.3 * q
+    }
+}
+
+#[test]
+fn a_refined_step_carries_nothing_over() {
+    let (method, h) = (Integrator::new(Repelled, StormerVerlet), 0.75);
+    let mut path = method
+        .trajectory(State::new([1.0], [0.0]), h, Wiener::new(5))
+        .refine(20);
+    let mut refined = 0;
+    // an explicit step comes too near to the singularity in the end
+    loop {
+        let before = path.refinements().steps;
+        let Some(Ok(state)) = path.next() else { break };
+        if path.refinements().steps > before {
+            refined += 1;
+            let noise = Wiener::new(5).from_step(path.step());
+            let mut fresh = method.trajectory(state, h, noise).refine(20);
+            let (fresh, next) = (
+                fresh.next().unwrap().unwrap(),
+                path.next().unwrap().unwrap(),
+            );
+            assert_eq!((fresh.q, fresh.p), (next.q, next.p));
+        }
+    }
+    assert!(refined > 0);
 }

@@ -1,12 +1,12 @@
-//! A coupling or a friction that is small beside the masses: the step is as exact with the small number in the formulas as with
-//! a parameter in its place, of which the macro does not know that it is a number. No unknown may be found by division by it.
+//! A coupling or a friction that is small compared with the masses. The step is as accurate with the small number in the formulas as with a
+//! parameter in its place. Elimination must not divide by the small number.
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
 
 const SMALL: f64 = 1e-6;
 
-/// Two masses that are coupled a little.
+/// Two masses with a weak coupling.
 struct Written {
     m: [f64; 2],
 }

@@ -203,7 +203,7 @@ fn systems_and_their_motion_have_the_values_of_the_users_functions() {
     assert!(systems.lines > 1000, "{}", systems.lines);
 }
 
-/// What is left of the equations for the unknowns when these have the values `x`, and everything that follows from them.
+/// Returns the residuals of the equations if the unknowns have the values `x`, and all values that follow from these.
 fn residuals(
     equations: &[(&str, &str)],
     unknowns: &[&str],

@@ -1,4 +1,4 @@
-//! What the macro made of each step: the plan, the printed mathematics, and the step without its structure.
+//! The structure of derived steps: the plan, the printed mathematics, and the comparison with steps without structure.
 
 mod comparison;
 mod formulas;

@@ -1,4 +1,4 @@
-//! What the macro says of the steps it made: kinds of blocks, numbers of unknowns, orders.
+//! The plans of derived steps: kinds of blocks, numbers of unknowns, orders.
 
 use sve_models::case::Case;
 use sve_models::oracle::{
@@ -23,7 +23,7 @@ const SEPARABLE: &[&str] = &[
 /// Systems with quadratic L and H₁, and γ at most quadratic.
 const QUADRATIC: &[&str] = &["Oscillator", "Kubo"];
 
-fn says_what_the_table_says(case: &dyn Case) {
+fn check_plan(case: &dyn Case) {
     let plan = case.plan();
     assert_eq!(plan.rule, case.rule());
     assert_eq!((plan.degrees_of_freedom, plan.noises), case.dimensions());
@@ -83,7 +83,7 @@ fn says_what_the_table_says(case: &dyn Case) {
 fn every_plan_is_in_the_table() {
     let cases = cases();
     for case in &cases {
-        says_what_the_table_says(&**case);
+        check_plan(&**case);
     }
     let plans: usize = PLANS.iter().map(|(_, _, blocks)| blocks.len()).sum();
     assert_eq!(cases.len(), plans);

@@ -8,7 +8,7 @@ use sve_runtime::study::{Estimate, Order, Report, Study};
 
 use crate::without_noise::pendulum;
 
-/// Standard errors that are accepted; with fixed seeds the tests never change their minds.
+/// Accepted deviation in standard errors. The seeds are fixed, so the results of the tests do not vary.
 const SIGMAS: f64 = 4.0;
 
 const SIGMA: f64 = 0.7;
@@ -156,8 +156,8 @@ fn order_of(method: &str) -> Option<f64> {
     (method != "Euler–Maruyama").then_some(1.0)
 }
 
-/// An order's error says what it claims: of independent seeds nearly all have 1 within twice the error, and the errors are not
-/// much larger than they have to be.
+/// The error of an order is realistic: for nearly all of several independent seeds, 1 is within twice the error, and the errors are not
+/// much larger than necessary.
 #[test]
 fn the_error_of_an_order_is_that_of_its_seeds() {
     const SEEDS: usize = 60;

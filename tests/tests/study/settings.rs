@@ -1,4 +1,4 @@
-//! What a study does with failures, with its settings, and with what is written and read back.
+//! Failures in studies, invalid settings, and files of results.
 
 use sve_models::models::Kubo;
 use sve_runtime::baseline::Heun;
@@ -8,7 +8,7 @@ use sve_runtime::{IncrementsOf, StateOf};
 
 use crate::report::{HORIZON, kubo, oscillator};
 
-/// The midpoint rule, where no increment is larger than a bound.
+/// The midpoint rule, which fails if an increment is larger than a bound.
 struct Timid(Integrator<Kubo, Midpoint>, f64);
 
 impl OneStepMethod for Timid {

@@ -1,4 +1,4 @@
-//! A trajectory is the repeated step, bit for bit, at times that are rounded once; and it ends where it should.
+//! A trajectory has the bits of repeated steps. Its times are rounded once, and it ends at an error or at the end of its noise.
 
 mod continued;
 
@@ -226,7 +226,7 @@ fn no_noise() {
     }
 }
 
-/// Two trajectories from the same source interleave without touching each other, and a reference serves as a source.
+/// Two trajectories from the same source can be advanced alternately, and a reference to a source is a source.
 #[test]
 fn paths_are_independent_of_their_readers() {
     let integrator = Integrator::new(oscillator(), Endpoint);

@@ -90,6 +90,18 @@ impl Program {
         self.instructions[value.0 as usize]
     }
 
+    /// Returns the value of an operation that a result depends on. The operands of a sum or a product may be exchanged, which changes no bit.
+    pub(super) fn value_of(&self, operation: Operation) -> Option<Value> {
+        let exchanged = match operation {
+            Operation::Add(a, b) => Operation::Add(b, a),
+            Operation::Mul(a, b) => Operation::Mul(b, a),
+            other => other,
+        };
+        let value = self.numbers.get(&operation);
+        let value = *value.or_else(|| self.numbers.get(&exchanged))?;
+        self.live[value.index()].then_some(value)
+    }
+
     /// Returns the instructions of a tier, operands first.
     pub(crate) fn of_tier(&self, tier: Tier) -> impl Iterator<Item = (Value, Operation)> + '_ {
         self.instructions

@@ -5,11 +5,13 @@
 //! for all steps, and values that depend on the state are computed outside of the iteration. Invariant: an instruction's operands
 //! precede it and are of its tier or an earlier one.
 //!
-//! This stage decides everything that a back end prints: the program of a step, its costs, the names of its values, and the loops of
+//! This stage decides everything that a back end prints: the program of a step, its costs, what a trajectory carries, the names of its values, and the loops of
 //! a step in lanes.
 
 mod angles;
+mod carry;
 mod costs;
+mod factors;
 mod instructions;
 mod labels;
 mod loops;
@@ -21,7 +23,9 @@ mod sums;
 #[cfg(test)]
 pub(crate) mod tests;
 
+pub(crate) use carry::Carried;
 pub(crate) use costs::{Operations, Work};
+pub(crate) use factors::Factored;
 pub(crate) use instructions::{Operation, Program, Tier, Value, operands};
 pub(crate) use labels::Labels;
 pub(crate) use loops::{Loops, in_lanes};

@@ -114,7 +114,7 @@ impl Variables<'_> {
         self.arena.intermediate(value, Some(identity))
     }
 
-    /// `h L` at a node, less `½ κ h² Σ_a K_a` with the option `weak2`. Every rule sums it over its nodes.
+    /// `h L` at a node, less `½ κ h |h| Σ_a K_a` with the option `weak2`. Every rule sums it over its nodes.
     pub(super) fn lagrangian(&mut self, node: &HashMap<Symbol, Expr>) -> Expr {
         let h = self.arena.symbol(self.h);
         let lagrangian = self.arena.substitute(self.model.lagrangian, node);
@@ -123,7 +123,8 @@ impl Variables<'_> {
             return action;
         };
         let potential = self.potential_at(potential, node);
-        let term = self.arena.product(&[(h, 2), (potential, 1)]);
+        let size = self.arena.abs(h);
+        let term = self.arena.product(&[(h, 1), (size, 1), (potential, 1)]);
         self.arena.sum(0.0, &[(1.0, action), (-half_factor, term)])
     }
 

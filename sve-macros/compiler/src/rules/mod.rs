@@ -193,10 +193,10 @@ impl Features {
         }
     }
 
-    /// The term of the option `weak2` in an action, ` − h²·(K(q₀) + K(q₁))/16` for the sum `K(q₀) + K(q₁)` over two nodes of equal weight.
+    /// The term of the option `weak2` in an action, ` − h·|h|·(K(q₀) + K(q₁))/16` for the sum `K(q₀) + K(q₁)` over two nodes of equal weight.
     fn potential(&self, sum: &str, nodes: u32) -> String {
         match self.potential {
-            Some(half) => format!(" − h²·{sum}/{}", f64::from(nodes) / half),
+            Some(half) => format!(" − h·|h|·{sum}/{}", f64::from(nodes) / half),
             None => String::new(),
         }
     }

@@ -3,10 +3,10 @@
 //! The noise Hamiltonians are `G_a = −γ` or `H₁`. The action of a rule with weights `bᵢ` of its nodes gets
 //!
 //! ```text
-//! S_d −= ½ κ h² Σᵢ bᵢ Σ_a K_a(node i)        K_a = {G_a, {G_a, H} + ∂G_a/∂t}        {f, g} = ⟨f_q, g_p⟩ − ⟨f_p, g_q⟩
+//! S_d −= ½ κ h |h| Σᵢ bᵢ Σ_a K_a(node i)        K_a = {G_a, {G_a, H} + ∂G_a/∂t}        {f, g} = ⟨f_q, g_p⟩ − ⟨f_p, g_q⟩
 //! ```
 //!
-//! so that L becomes `L − ½ κ h Σ_a K_a` at each node. A step of order 3 or above with frozen increments has κ = ⅙. The error of the midpoint rule, and of that of Störmer and Verlet,
+//! so that L becomes `L − ½ κ |h| Σ_a K_a` at each node: the variance of an increment is `|h|`, so a symmetric rule stays symmetric. A step of order 3 or above with frozen increments has κ = ⅙. The error of the midpoint rule, and of that of Störmer and Verlet,
 //! adds `1/24 h ΔW² K_a` to the Hamiltonian if `G_a` is a γ, which makes κ = ¼. For a γ, `K_a = ⟨γ_q, M⁻¹ γ_q⟩` with `M = ∂²L/∂v²`.
 //!
 //! Input: the model with its derivatives. Output: `Σ_a K_a`, or the reason why the term does not raise the weak order.

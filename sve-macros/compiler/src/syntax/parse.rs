@@ -77,14 +77,14 @@ pub(crate) fn annotated(
                     Role::Helper => {}
                     // one that cannot be read is there nevertheless
                     Role::Lagrangian => {
-                        lagrangians.push(errors.keep(role_function(&function, role)))
+                        lagrangians.push(errors.keep(role_function(&function, role)));
                     }
                     Role::Gamma | Role::H1 => {
-                        noises.extend(errors.keep(role_function(&function, role)))
+                        noises.extend(errors.keep(role_function(&function, role)));
                     }
                     Role::Force => forces.extend(errors.keep(role_function(&function, role))),
                     Role::Symmetry => {
-                        symmetries.extend(errors.keep(role_function(&function, role)))
+                        symmetries.extend(errors.keep(role_function(&function, role)));
                     }
                 }
                 errors.leave(outer);

@@ -82,6 +82,8 @@ pub(crate) struct Mechanics {
     pub(crate) force: Option<ForceJet>,
     /// Whether `∂L/∂v` is affine in v.
     pub(crate) affine_momentum: bool,
+    /// Whether L = T(v) − V(t, q).
+    pub(crate) is_separable: bool,
     /// Whether the noises commute.
     pub(crate) commutation: Commutation,
 }
@@ -122,6 +124,8 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
                 arena.is_zero(change)
             })
     });
+    let mixed = lagrangian.dqv.iter().flatten().chain(&lagrangian.dvt);
+    let is_separable = mixed.copied().all(|entry| arena.is_zero(entry));
     let noises = model
         .noises
         .iter()
@@ -139,6 +143,7 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
         noises,
         force,
         affine_momentum,
+        is_separable,
         commutation,
     }
 }

@@ -1,5 +1,5 @@
-//! Only what the scene needs: a term that a system lacks leaves no trace in its code, and neither does the comparison with the
-//! step without structure.
+//! A step contains only the code that its system needs: a term that the system lacks leaves no trace, and neither does the derivation of
+//! the step without structure.
 
 use proc_macro2::TokenStream;
 use quote::ToTokens;
@@ -156,7 +156,7 @@ fn the_comparison_leaves_the_step_alone() {
     }
 }
 
-/// It is no choice for users: no message names it, and another value is the mistake that any unknown argument is.
+/// `structure = both` is not for users: no message names it, and another value is reported as any unknown argument.
 #[test]
 fn the_comparison_is_not_offered() {
     for (attribute, hint) in [

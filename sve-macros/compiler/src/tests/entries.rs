@@ -1,4 +1,4 @@
-//! Entries of vector and matrix parameters: one symbol each, in whatever ways they are written.
+//! Entries of vector and matrix parameters: one symbol for each entry, even if the entry is written in several ways.
 
 use super::vectors::model;
 use crate::algebra::Arena;

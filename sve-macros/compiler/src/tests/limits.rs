@@ -1,4 +1,5 @@
-//! Bounds on work and size: what is accepted, what is one error that names the limit, and that the work may end anywhere.
+//! Limits of work and size. A system within the limits is accepted, a larger one is one error that names the limit. The limit may be
+//! reached at any place.
 
 use crate::Settings;
 use crate::driver::expand_within;
@@ -132,7 +133,7 @@ fn systems_of_48_coordinates_are_accepted() {
     }
 }
 
-/// Where the work ends is of no consequence but for the error, wherever it ends.
+/// The limit of work can be reached anywhere. The error is the only consequence.
 #[test]
 fn work_may_end_anywhere() {
     for (attribute, item) in SYSTEMS {

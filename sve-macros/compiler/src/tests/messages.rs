@@ -1,6 +1,6 @@
-//! The messages of mistakes and their places, as the compiler of Rust prints them: each file of `tests/mistakes/ui` is expanded here, and its
-//! errors are printed and compared with the file's `.stderr`. Errors that the compiler of Rust finds itself, which have a code, are left
-//! to `tests/mistakes`.
+//! The messages of mistakes and their places, as the compiler of Rust prints them. Each file of `tests/mistakes/ui` is expanded here, and its
+//! errors are printed and compared with the file's `.stderr`. Errors of the compiler of Rust itself, which have a code, are compared in
+//! `tests/mistakes`.
 
 use std::fmt::Write as _;
 use std::fs;

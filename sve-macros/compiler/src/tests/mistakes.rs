@@ -1,5 +1,5 @@
-//! One error for each mistake: how many an expansion reports, and that nothing of a mistaken function is left for the compiler
-//! to report again.
+//! One error for each mistake: the number of errors of an expansion, and the replacement of wrong functions, about which the compiler of
+//! Rust would report a second error.
 
 use proc_macro2::TokenStream;
 
@@ -176,7 +176,7 @@ fn rest(members: &str) -> String {
 #[test]
 fn mistaken_functions_lose_their_bodies_and_others_keep_them() {
     let output = rest(
-        "const K: f64 = 3; const C: f64 = 2.5;
+        "const K: f64 = 3141; const C: f64 = 2.5;
         fn lagrangian(&self, q: f64, v: f64) -> f64 { v * v - Self::K * self.good(q) - self.bad(q) }
         fn good(&self, x: f64) -> f64 { kept(x) + Self::C }
         fn bad(&self, x: f64) -> f64 { x.sine() }
@@ -184,7 +184,7 @@ fn mistaken_functions_lose_their_bodies_and_others_keep_them() {
     );
     for (gone, text) in [
         (true, "sine"),
-        (true, "3"),
+        (true, "3141"),
         (true, "kept"),
         (false, "self . good"),
         (false, "2.5"),
@@ -196,7 +196,7 @@ fn mistaken_functions_lose_their_bodies_and_others_keep_them() {
 }
 
 #[test]
-fn own_lengths_are_mended() {
+fn own_lengths_are_replaced() {
     let output = rest(
         "const N: usize = 2; fn lagrangian(&self, q: [f64; 2 * N], v: [[f64; N]; (N)]) -> f64 { v[0][0] }",
     );

@@ -1,4 +1,4 @@
-//! The macro on inputs that nobody meant: never a panic, never a hang, and the same output for the same input.
+//! The macro on random and invalid input: it does not panic, it ends, and equal input gives equal output.
 
 use proc_macro2::{Group, Ident, Punct, Spacing, Span, TokenStream, TokenTree};
 

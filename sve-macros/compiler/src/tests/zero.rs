@@ -1,5 +1,5 @@
-//! What vanishes and what does not, in whole blocks: symmetries, noises that commute, mass matrices. Terms that break an identity
-//! have all sizes; true identities are written in forms that the algebra does not reduce to 0.
+//! Decisions in blocks about whether an expression vanishes: symmetries, commuting noises, mass matrices. Terms that break an identity
+//! have all sizes. True identities are written in forms that the algebra does not reduce to 0.
 
 use proc_macro2::TokenStream;
 
@@ -14,7 +14,7 @@ fn expansion(members: &str) -> String {
     .to_string()
 }
 
-/// What is known of a symmetry or of the commutation of noises.
+/// The decision about a symmetry or about the commutation of noises.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Known {
     Proved,
@@ -23,7 +23,7 @@ enum Known {
     No,
 }
 
-/// What a block with a symmetry of a potential makes of it.
+/// Returns the decision of a block about a symmetry of a potential.
 fn symmetry(potential: &str, generator: &str) -> Known {
     let output = expansion(&format!(
         "fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {{
@@ -134,8 +134,8 @@ fn broken_symmetries_are_refused() {
 const DOUBLE: &str =
     "(2.0 * x).cos() * (2.0 * y).cos() + 4.0 * x.sin() * x.cos() * y.sin() * y.cos()";
 
-/// Beside a term of which it is a part at all scales, a breaking term is seen to some 28 digits; what is not seen is called
-/// checked, not proved.
+/// If a breaking term is a part of another term at all scales, it is detected down to about 28 digits. A smaller one is not detected, and
+/// the identity is then called checked, not proved.
 #[test]
 fn what_is_not_seen_is_not_called_proved() {
     for (size, expected) in [

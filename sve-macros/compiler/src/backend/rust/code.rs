@@ -17,7 +17,7 @@ const LARGE: usize = 7;
 const SPARSE: usize = 4;
 
 /// Variables of emitted code that are no values of the program.
-const DECLARED: [&str; 31] = [
+const DECLARED: [&str; 34] = [
     "q",
     "v",
     "p",
@@ -44,11 +44,14 @@ const DECLARED: [&str; 31] = [
     "guess",
     "origin",
     "refinement",
+    "factors",
     "fallback",
     "rounding",
     "unknowns",
     "rhs",
     "solution",
+    "memory",
+    "carried",
 ];
 
 /// Prints a program.

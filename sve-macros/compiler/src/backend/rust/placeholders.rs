@@ -135,6 +135,7 @@ fn plan(private: &TokenStream) -> TokenStream {
         #private::Plan {
             system: "",
             rule: "",
+            substeps: ::core::option::Option::None,
             degrees_of_freedom: 0,
             noises: 0,
             blocks: &[],
@@ -144,6 +145,7 @@ fn plan(private: &TokenStream) -> TokenStream {
             conserved: &[],
             prepare: #operations,
             step: #operations,
+            carried: #operations,
             iteration: #operations,
             formulas: #private::Formulas { system: "", motion: "", action: "", step: "" },
         }

@@ -62,13 +62,16 @@ pub(super) fn plan(
     let Work {
         prepare,
         step,
+        carried,
         iteration,
     } = work;
-    let [prepare, step, iteration] = [prepare, step, iteration].map(|w| operations(private, w));
+    let [prepare, step, carried, iteration] =
+        [prepare, step, carried, iteration].map(|w| operations(private, w));
     quote! {
         #private::Plan {
             system: #system,
             rule: #name,
+            substeps: ::core::option::Option::None,
             degrees_of_freedom: #n,
             noises: #m,
             blocks: &[#(#blocks),*],
@@ -78,6 +81,7 @@ pub(super) fn plan(
             conserved: &[#(#conserved),*],
             prepare: #prepare,
             step: #step,
+            carried: #carried,
             iteration: #iteration,
             formulas: #private::Formulas {
                 system: #terms,

@@ -103,8 +103,8 @@ impl Bounds<'_> {
             Operation::Neg(a) | Operation::Abs(a) | Operation::SinCos(a) => [of(a), None, None],
             Operation::Call(function, a) => {
                 let (call, at) = (call(function, &quote!(x)), x(a));
-                let spread = of(a).map(|d| quote!(#private::propagated_error(|x| #call, #at, #d)));
-                [spread, None, None]
+                let error = of(a).map(|d| quote!(#private::propagated_error(|x| #call, #at, #d)));
+                [error, None, None]
             }
             Operation::Call2(function, a, b) => {
                 let (a_at, b_at) = (x(a), x(b));

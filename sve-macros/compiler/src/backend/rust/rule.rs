@@ -39,11 +39,12 @@ pub(crate) fn rule(
     .map(Literal::usize_unsuffixed);
     let Code {
         prepared,
+        carried,
         prepare,
         body,
         work,
     } = code(derived, &private, context);
-    let prepared = Literal::usize_unsuffixed(prepared);
+    let (memory, memory_type) = memory(carried);
     let plan = plan(&private, context, derived, weak_order, texts, &work);
     let returns = match scheme.returns {
         Returns::Increment => quote!(Increment),
@@ -62,13 +63,13 @@ pub(crate) fn rule(
         #attributes
         impl #private::StepEquations<#rule_type> for #self_ty {
             type Increments = [f64; #m];
-            type Memory = ();
-            type Prepared = [f64; #prepared];
+            type Memory = #memory_type;
+            type Prepared = #prepared;
             const PLAN: &'static #private::Plan = &#plan;
             const RETURNS: #private::Returns = #private::Returns::#returns;
             /// What depends on parameters and step size alone.
             #[inline]
-            fn prepare(&self, h: f64) -> [f64; #prepared] {
+            fn prepare(&self, h: f64) -> #prepared {
                 #prepare
             }
             #domain
@@ -85,8 +86,8 @@ pub(crate) fn rule(
             #[inline]
             fn increment(
                 &self,
-                prepared: &[f64; #prepared],
-                (): &mut (),
+                prepared: &#prepared,
+                #memory: &mut #memory_type,
                 state: &#private::State<[f64; #n]>,
                 h: f64,
                 dw: &[f64; #m],
@@ -99,6 +100,18 @@ pub(crate) fn rule(
         }
         #private::derived_rule! { #self_ty, #rule_type }
     }
+}
+
+/// The argument for what a trajectory carries, `count` numbers, with its type.
+fn memory(count: usize) -> (TokenStream, TokenStream) {
+    if count == 0 {
+        return (quote!(()), quote!(()));
+    }
+    let count = Literal::usize_unsuffixed(count);
+    (
+        quote!(memory),
+        quote!(::core::option::Option<[f64; #count]>),
+    )
 }
 
 /// The conditions on where functions are evaluated, if there are any.

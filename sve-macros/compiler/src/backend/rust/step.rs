@@ -1,20 +1,25 @@
 //! The body of a step: the program of its tiers with the solves between them.
 
+use std::collections::HashSet;
+
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use super::code::Printer;
+use super::factors::Factors;
 use super::ident;
 use super::solve::Solver;
 use crate::algebra::{Arena, Expr, Symbol};
-use crate::program::{Operation, Program, Step, Tier, Work, symbol_name};
+use crate::program::{Carried, Operation, Program, Step, Tier, Value, Work, operands, symbol_name};
 use crate::structure::Scheme;
 use crate::system::model::{Meaning, Symbols};
 
 /// The code of a step.
 pub(super) struct Code {
-    /// Numbers that `prepare` returns.
-    pub(super) prepared: usize,
+    /// The type that `prepare` returns.
+    pub(super) prepared: TokenStream,
+    /// The numbers that a trajectory carries from step to step.
+    pub(super) carried: usize,
     /// The body of `prepare`.
     pub(super) prepare: TokenStream,
     /// The body of `increment`.
@@ -36,14 +41,22 @@ pub(super) fn code(
     let mut printer = Printer::new(&step.program, symbols, &step.labels, private);
     let kept = printer.split_prepared(&results);
     let (prepare, array) = (printer.prepare(), printer.array(&kept));
+    let factors = Factors::new(&step);
     let solver = Solver {
         private,
         printer: &printer,
         symbols,
         arena,
+        factors: &factors,
     };
+    let (kept, array, open) = factors.beside(&kept, &array, &printer, private);
     let load = printer.load(&results);
-    let start = [Tier::Noise, Tier::State].map(|tier| printer.statements(tier));
+    let carried = Carried::of(&step, symbols);
+    let noise = printer.statements(Tier::Noise);
+    let (state, remember) = match &carried {
+        Some(carried) => with_carried(carried, &step.program, &printer),
+        None => (printer.statements(Tier::State), TokenStream::new()),
+    };
     let mut first = 0;
     let blocks = scheme.blocks.iter().enumerate().map(|(at, block)| {
         let tokens = solver.tokens((at, first), &block.solution, scheme.dq.len());
@@ -66,18 +79,65 @@ pub(super) fn code(
     let unknowns = unknowns.iter().map(|&s| ident(&symbol_name(symbols, s)));
     let time = uses_time(&step.program, symbols).then(|| quote!(let time = state.t;));
     Code {
-        prepared: kept.len(),
+        prepared: kept,
+        carried: carried.as_ref().map_or(0, |carried| carried.pairs.len()),
         prepare: quote!(#prepare #array),
         body: quote! {
             #time
+            #open
             #load
-            #(#start)*
+            #noise
+            #state
             #(#blocks)*
             #(#domain)*
+            #remember
             ::core::result::Result::Ok((#dq, #dp, [#(#unknowns),*]))
         },
-        work: Work::of(&step),
+        work: Work::of(&step, carried.as_ref()),
     }
+}
+
+/// The statements of the state's tier, of which those that only yield carried values run where nothing is carried; and the statement that
+/// carries the values at the end of the step.
+fn with_carried(
+    carried: &Carried,
+    program: &Program,
+    printer: &Printer<'_>,
+) -> (TokenStream, TokenStream) {
+    let statements = |wanted: &dyn Fn(Value, Operation) -> bool| -> TokenStream {
+        program
+            .of_tier(Tier::State)
+            .filter(|&(value, operation)| wanted(value, operation))
+            .map(|(value, operation)| printer.statement(value, operation))
+            .collect()
+    };
+    let read: HashSet<Value> = carried
+        .sources
+        .iter()
+        .flat_map(|&value| operands(program.get(value).operation))
+        .collect();
+    let is_source = |value, operation| {
+        let is_input = matches!(operation, Operation::Input(_));
+        carried.sources.contains(&value) || is_input && read.contains(&value)
+    };
+    let sources = statements(&is_source);
+    let others = statements(&|value, _| !carried.sources.contains(&value));
+    let (here, there): (Vec<Value>, Vec<Value>) = carried.pairs.iter().copied().unzip();
+    let (here, there) = (printer.array(&here), printer.array(&there));
+    let take = quote! {
+        let #here = match *memory {
+            ::core::option::Option::Some(carried) => carried,
+            ::core::option::Option::None => {
+                #sources
+                #here
+            }
+        };
+        #others
+    };
+    (
+        take,
+        quote!(*memory = ::core::option::Option::Some(#there);),
+    )
 }
 
 /// Whether a value is within its domain.

@@ -1,7 +1,7 @@
 //! From Lagrangian and noises to the instructions of a step, on random systems: equations, residuals, Jacobians, momenta and
 //! solutions against evaluation of the plain descriptions; and sharing of subexpressions on against off.
 //!
-//! What is compared are the scheduled programs, which are printed one instruction to one statement.
+//! The tests evaluate the scheduled programs. A back end prints each instruction as one statement.
 
 mod solve;
 mod system;

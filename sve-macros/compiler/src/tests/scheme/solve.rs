@@ -1,4 +1,4 @@
-//! Schemes solved by an interpreter of their programs, and what is left of the discrete equations then.
+//! Schemes solved by an interpreter of their programs, and the residuals of the discrete equations at the solution.
 
 use super::system::{Point, System, gradient};
 use super::{Case, Known};

@@ -1,4 +1,4 @@
-//! Vectors and matrices of nalgebra: a body with them is the same expressions as one with arrays, and mistakes are reported at
+//! Vectors and matrices of nalgebra: a body with vectors has the same expressions as a body with arrays, and mistakes are reported at
 //! their tokens.
 
 mod mistakes;
@@ -18,7 +18,7 @@ fn tokens(text: &str) -> TokenStream {
     text.parse().expect("tokens")
 }
 
-/// The model of a block; or its mistakes: the source text at which each is reported, and the message.
+/// Returns the model of a block, or its mistakes: the source text at which each is reported, and the message.
 pub(super) fn model(members: &str, arena: &mut Arena) -> Result<Model, Vec<(String, String)>> {
     let text = format!("impl P {{ {members} }}");
     let block = syn::parse2(tokens(&text)).expect("a block");

@@ -5,7 +5,7 @@ use crate::system::model::Model;
 
 use super::model;
 
-/// Everything that a model computes.
+/// Returns all expressions of a model.
 fn expressions(model: &Model) -> Vec<Expr> {
     let mut all = vec![model.lagrangian];
     all.extend(model.noises.iter().map(|noise| noise.hamiltonian));
@@ -14,10 +14,10 @@ fn expressions(model: &Model) -> Vec<Expr> {
     all
 }
 
-/// Asserts that two blocks are the same expressions, and that there are some.
+/// Asserts that two blocks have the same expressions.
 fn assert_same(vectors: &str, arrays: &str) {
     let mut arena = Arena::new();
-    // the arrays first: the order in which expressions are made decides nothing
+    // the order in which expressions are made must not matter, so the arrays come first
     let plain = model(arrays, &mut arena).unwrap_or_else(|e| panic!("{arrays}: {e:?}"));
     let found = model(vectors, &mut arena).unwrap_or_else(|e| panic!("{vectors}: {e:?}"));
     let (plain, found) = (expressions(&plain), expressions(&found));
@@ -34,7 +34,7 @@ fn assert_same(vectors: &str, arrays: &str) {
     }
 }
 
-/// Expressions of two vectors a and b of length 3, a matrix m, and numbers x and y; and the same with arrays.
+/// Expressions of two vectors a and b of length 3, a matrix m, and numbers x and y; and the equal expressions with arrays.
 const OPERATIONS: &[(&str, &str)] = &[
     ("a.dot(&b)", "a[0] * b[0] + a[1] * b[1] + a[2] * b[2]"),
     (

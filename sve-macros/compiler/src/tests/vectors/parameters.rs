@@ -5,7 +5,7 @@ use crate::system::model::Meaning;
 
 use super::model;
 
-/// Blocks whose parameters have types of nalgebra, and the same with arrays of parameters of the same names.
+/// Each body, with the entries of parameters that generated code reads.
 #[test]
 fn types_of_parameters_follow_from_their_uses() {
     let mut wrong = Vec::new();

@@ -4,7 +4,7 @@ use crate::algebra::Arena;
 
 use super::{model, tokens};
 
-/// Signatures: what follows the attribute, where a mistake is reported, and a part of its message.
+/// Signatures with vectors in every role are accepted.
 #[test]
 fn signatures_have_vectors() {
     let free = "fn lagrangian(&self, q: Vector3<f64>, v: Vector3<f64>) -> f64 { v.norm_squared() }";
@@ -116,8 +116,8 @@ fn wrong_signatures_are_errors_at_their_types() {
     }
 }
 
-/// The block as it is emitted after its errors.
-fn mended(members: &str) -> String {
+/// Returns the block that is emitted after its errors, with the mistakes replaced.
+fn block_after_errors(members: &str) -> String {
     let item = tokens(&format!("impl P {{ {members} }}"));
     let output = crate::tests::expand(&tokens("midpoint"), &item).to_string();
     let from = output.find("impl P").expect("the block");
@@ -127,10 +127,10 @@ fn mended(members: &str) -> String {
     output[from..to].to_owned()
 }
 
-/// What is left for the compiler after a mistake has no mistake in its types.
+/// The code that is emitted after a mistake has no type errors.
 #[test]
-fn constants_and_lengths_are_mended() {
-    let block = mended(
+fn wrong_constants_and_lengths_are_replaced() {
+    let block = block_after_errors(
         "const G: Vector2<f64> = Vector2::new(0.0, 3);
         fn lagrangian(&self, q: Vector2<f64>, v: Vector2<f64>) -> f64 { v.dot(&v) + Self::G.x }
         fn other(&self, x: Vector2<f64>) -> f64 { x.dot(&Self::G) }",
@@ -140,7 +140,7 @@ fn constants_and_lengths_are_mended() {
         "{block}"
     );
     assert!(block.contains("x . dot"), "{block}");
-    let block = mended(
+    let block = block_after_errors(
         "const N: usize = 2;
         fn lagrangian(&self, q: SVector<f64, N>, v: na::SVector<f64, N>) -> f64 { v.dot(&v) }",
     );

@@ -1,0 +1,134 @@
+//! What a step computes at q₁ and the next step would compute again at q₀: the force at the end of a step is that at the start of the next.
+//!
+//! Input: a scheduled step. Output: pairs of values, of which the next step takes the second in place of the first. Invariant: the second
+//! value comes from q₁ by the same operations as the first from q₀, and q₁ is rounded as the state is, so that carrying changes no bit.
+
+use std::collections::{HashMap, HashSet};
+
+use super::instructions::{Operation, Program, Tier, Value, operands};
+use super::step::Step;
+use crate::structure::{Returns, Solution};
+use crate::system::model::{Meaning, Quantity, Symbols};
+
+/// Number of operations from which on carrying is worth a branch. A call counts as that many.
+const WORTH: usize = 6;
+
+/// The values that a trajectory carries from a step to the next.
+pub(crate) struct Carried {
+    /// The value at q₀, and the same function of q₁.
+    pub(crate) pairs: Vec<(Value, Value)>,
+    /// Instructions that compute nothing but these values, the inputs among them excepted.
+    pub(crate) sources: HashSet<Value>,
+}
+
+impl Carried {
+    /// Returns what a step carries; `None` if it carries nothing.
+    pub(crate) fn of(step: &Step, symbols: &Symbols) -> Option<Self> {
+        let scheme = &step.scheme;
+        let is_iterated = |solution: &Solution<_, _>| matches!(solution, Solution::Iteration(_));
+        if scheme.returns != Returns::Increment
+            || scheme.blocks.iter().any(|b| is_iterated(&b.solution))
+        {
+            return None;
+        }
+        let program = &step.program;
+        let images = images(program, symbols, &scheme.dq);
+        let is_input = |v: &Value| matches!(program.get(*v).operation, Operation::Input(_));
+        let sources: HashSet<Value> = images.keys().copied().filter(|v| !is_input(v)).collect();
+        let used_outside: HashSet<Value> = program
+            .all()
+            .filter(|(value, _)| !sources.contains(value))
+            .flat_map(|(_, instruction)| operands(instruction.operation))
+            .chain(step.results())
+            .collect();
+        let mut pairs: Vec<(Value, Value)> = images
+            .into_iter()
+            .filter(|(value, _)| sources.contains(value) && used_outside.contains(value))
+            .collect();
+        pairs.sort_unstable();
+        let is_pair = |v: Value| matches!(program.get(v).operation, Operation::SinCos(_));
+        if pairs.is_empty() || pairs.iter().any(|&(value, _)| is_pair(value)) {
+            return None;
+        }
+        let work: usize = sources.iter().map(|&v| weight(program, v)).sum();
+        (work >= WORTH).then_some(Self { pairs, sources })
+    }
+}
+
+/// Returns the work of an instruction.
+fn weight(program: &Program, value: Value) -> usize {
+    match program.get(value).operation {
+        Operation::Call(..) | Operation::Call2(..) | Operation::SinCos(_) => WORTH,
+        Operation::SinOf(_) | Operation::CosOf(_) => 0,
+        _ => 1,
+    }
+}
+
+/// Returns, for each value that depends on q₀ and the parameters alone, the value that the same operations give at q₁, if the step computes it.
+fn images(program: &Program, symbols: &Symbols, dq: &[Value]) -> HashMap<Value, Value> {
+    let mut images = HashMap::new();
+    let mut fixed = HashSet::new();
+    for (value, instruction) in program.all() {
+        let operation = instruction.operation;
+        let image = match operation {
+            Operation::Constant(_) => {
+                fixed.insert(value);
+                None
+            }
+            Operation::Input(symbol) => match *symbols.meaning(symbol) {
+                Meaning::Parameter { .. } => {
+                    fixed.insert(value);
+                    None
+                }
+                Meaning::Start(Quantity::Position, i) => {
+                    dq.get(i).and_then(|&dq| end(program, value, dq))
+                }
+                _ => None,
+            },
+            _ if operands(operation).all(|v| fixed.contains(&v)) => {
+                fixed.insert(value);
+                None
+            }
+            _ if instruction.tier == Tier::State => {
+                let image = |v: Value| fixed.contains(&v).then_some(v).or(images.get(&v).copied());
+                mapped(operation, image).and_then(|operation| program.value_of(operation))
+            }
+            _ => None,
+        };
+        if let Some(image) = image {
+            images.insert(value, image);
+        }
+    }
+    images
+}
+
+/// Returns the value q₀ + dq, if the step computes it by the addition that updates the state.
+fn end(program: &Program, q: Value, dq: Value) -> Option<Value> {
+    let sum = program.value_of(Operation::Add(q, dq));
+    sum.or_else(|| match program.get(dq).operation {
+        Operation::Neg(x) => program.value_of(Operation::Sub(q, x)),
+        _ => None,
+    })
+}
+
+/// Returns the operation with images in place of its operands.
+fn mapped(operation: Operation, image: impl Fn(Value) -> Option<Value>) -> Option<Operation> {
+    Some(match operation {
+        Operation::Constant(_) | Operation::Input(_) => return None,
+        Operation::Add(a, b) => Operation::Add(image(a)?, image(b)?),
+        Operation::Sub(a, b) => Operation::Sub(image(a)?, image(b)?),
+        Operation::Mul(a, b) => Operation::Mul(image(a)?, image(b)?),
+        Operation::Div(a, b) => Operation::Div(image(a)?, image(b)?),
+        Operation::Neg(a) => Operation::Neg(image(a)?),
+        Operation::Abs(a) => Operation::Abs(image(a)?),
+        Operation::Recip(a) => Operation::Recip(image(a)?),
+        Operation::Call(function, a) => Operation::Call(function, image(a)?),
+        Operation::Call2(function, a, b) => Operation::Call2(function, image(a)?, image(b)?),
+        Operation::SinCos(a) => Operation::SinCos(image(a)?),
+        Operation::SinOf(a) => Operation::SinOf(image(a)?),
+        Operation::CosOf(a) => Operation::CosOf(image(a)?),
+        Operation::AngleAddition(a, b, c) => {
+            Operation::AngleAddition(image(a)?, image(b)?, image(c)?)
+        }
+    })
+}

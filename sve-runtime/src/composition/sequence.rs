@@ -1,0 +1,395 @@
+//! A step that is a sequence of substeps.
+//!
+//! Input: the substeps of a rule. Output: what [`Discretised`](crate::Discretised) asks for. Substep `k` has the length `wₖ h` and the increments `wₖ ΔW`.
+
+use nalgebra::DMatrix;
+
+use crate::configuration::Coordinates;
+use crate::error::StepError;
+use crate::lanes::{LANES, Mask, StateLanes};
+use crate::plan::{Operations, Plan, Substeps};
+use crate::solve::newton::Newton;
+use crate::state::State;
+use crate::system::{Dims, FlatStateOf, IncrementLanesOf, Increments, StateLanesOf, System};
+use crate::variational::Memory;
+
+/// A rule whose step is a sequence of steps of other rules.
+pub trait Sequence<S: System> {
+    /// The increments of a step.
+    type Increments: Increments;
+    /// Values that depend on parameters and step size only, of all substeps.
+    type Prepared: Clone;
+    /// What a trajectory, and a step from substep to substep, carries.
+    type Memory: Memory;
+    /// The plan of the step.
+    const PLAN: &'static Plan;
+    /// Whether the rounding errors of every substep can be compensated.
+    const HAS_INCREMENTS: bool;
+    /// The fractions `wₖ`.
+    const FRACTIONS: &'static [f64];
+
+    /// Computes the values that depend on parameters and step size only.
+    fn prepare(system: &S, h: f64) -> Self::Prepared;
+
+    /// Makes substep `number`, of length `h`.
+    ///
+    /// # Errors
+    /// A [`StepError`] when the substep fails; `state` is then unchanged.
+    fn advance(
+        shared: Shared<'_, S, Self::Prepared>,
+        number: usize,
+        memory: &mut Self::Memory,
+        state: &mut FlatStateOf<S>,
+        h: f64,
+        dw: &Self::Increments,
+    ) -> Result<(), StepError>;
+
+    /// Makes substep `number`, which adds the low parts of the state and writes its rounding errors to them.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    fn advance_compensated(
+        shared: Shared<'_, S, Self::Prepared>,
+        number: usize,
+        memory: &mut Self::Memory,
+        state: [&mut FlatStateOf<S>; 2],
+        h: f64,
+        dw: &Self::Increments,
+    ) -> Result<(), StepError>;
+
+    /// Makes substep `number` in every lane.
+    fn advance_lanes(
+        shared: Shared<'_, S, Self::Prepared>,
+        number: usize,
+        states: &StateLanesOf<S>,
+        next: &mut StateLanesOf<S>,
+        h: f64,
+        dw: &IncrementLanesOf<S>,
+    ) -> Mask;
+
+    /// Makes substep `number` and returns the derivatives of its result.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    fn advance_with_derivatives(
+        shared: Shared<'_, S, ()>,
+        number: usize,
+        state: &mut FlatStateOf<S>,
+        h: f64,
+        dw: &Self::Increments,
+    ) -> Result<DMatrix<f64>, StepError>;
+
+    /// Returns the number of Newton iterations of substep `number`.
+    fn newton_iterations(
+        shared: Shared<'_, S, Self::Prepared>,
+        number: usize,
+        state: &FlatStateOf<S>,
+        h: f64,
+        dw: &Self::Increments,
+    ) -> Option<u32>;
+}
+
+/// What all substeps of a step share.
+#[derive(Debug)]
+pub struct Shared<'a, S, P> {
+    /// The system.
+    pub system: &'a S,
+    /// The options of Newton's method.
+    pub newton: &'a Newton,
+    /// What was prepared for all substeps.
+    pub prepared: &'a P,
+}
+
+impl<S, P> Clone for Shared<'_, S, P> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<S, P> Copy for Shared<'_, S, P> {}
+
+/// Returns the plan of `count` substeps, of which equally many are those of each of the given plans.
+pub(super) const fn plan_of<const K: usize>(
+    plans: [&Plan; K],
+    rule: &'static str,
+    composition: &'static str,
+    order: u32,
+    count: usize,
+) -> Plan {
+    let none = Operations {
+        arithmetic: 0,
+        transcendental: 0,
+        angle_additions: 0,
+    };
+    let (mut prepare, mut step, mut carried) = (none, none, none);
+    let (mut iteration, mut at) = (none, 0);
+    while at < K {
+        let times = count / K;
+        prepare = prepare.plus(times, plans[at].prepare);
+        step = step.plus(times, plans[at].step);
+        carried = carried.plus(times, plans[at].carried);
+        iteration = iteration.plus(times, plans[at].iteration);
+        at += 1;
+    }
+    Plan {
+        rule,
+        substeps: Some(Substeps { composition, count }),
+        deterministic_order: order,
+        weak_order: if plans[0].noises == 0 {
+            order
+        } else {
+            plans[0].weak_order
+        },
+        prepare,
+        step,
+        carried,
+        iteration,
+        ..*plans[0]
+    }
+}
+
+/// Makes the substeps one after the other. After an error the state is unchanged and nothing is carried.
+#[inline]
+pub fn advance<K, S, Q, const N: usize, const M: usize>(
+    shared: Shared<'_, S, K::Prepared>,
+    memory: &mut K::Memory,
+    state: &mut State<[f64; N]>,
+    h: f64,
+    dw: &K::Increments,
+) -> Result<(), StepError>
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+    K: Sequence<S>,
+{
+    let mut end = *state;
+    for (number, &part) in K::FRACTIONS.iter().enumerate() {
+        let dw = dw.times(part);
+        if let Err(error) = K::advance(shared, number, memory, &mut end, part * h, &dw) {
+            *memory = K::Memory::none();
+            return Err(error);
+        }
+    }
+    // rounded once
+    end.t = state.t + h;
+    *state = end;
+    Ok(())
+}
+
+/// Makes the substeps with compensated sums.
+#[inline]
+pub fn advance_compensated<K, S, Q, const N: usize, const M: usize>(
+    shared: Shared<'_, S, K::Prepared>,
+    memory: &mut K::Memory,
+    [state, low]: [&mut State<[f64; N]>; 2],
+    h: f64,
+    dw: &K::Increments,
+) -> Result<(), StepError>
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+    K: Sequence<S>,
+{
+    let (mut end, mut end_low) = (*state, *low);
+    for (number, &part) in K::FRACTIONS.iter().enumerate() {
+        let (dw, both) = (dw.times(part), [&mut end, &mut end_low]);
+        if let Err(error) = K::advance_compensated(shared, number, memory, both, part * h, &dw) {
+            *memory = K::Memory::none();
+            return Err(error);
+        }
+    }
+    end.t = state.t + h;
+    (*state, *low) = (end, end_low);
+    Ok(())
+}
+
+/// Makes the substeps in every lane. A lane that a substep could not solve is restored.
+#[inline(always)]
+pub fn advance_lanes<K, S, Q, const N: usize, const M: usize>(
+    shared: Shared<'_, S, K::Prepared>,
+    states: &StateLanes<N>,
+    next: &mut StateLanes<N>,
+    h: f64,
+    dw: &IncrementLanesOf<S>,
+) -> Mask
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+    K: Sequence<S>,
+{
+    let (mut here, mut unsolved) = (*states, 0);
+    for (number, &part) in K::FRACTIONS.iter().enumerate() {
+        let mut dw = *dw;
+        for w in dw.as_mut().iter_mut().flatten() {
+            *w *= part;
+        }
+        unsolved |= K::advance_lanes(shared, number, &here, next, part * h, &dw);
+        for (t, start) in next.t.iter_mut().zip(&here.t) {
+            *t = start + part * h;
+        }
+        here = *next;
+    }
+    if unsolved != 0 {
+        for lane in (0..LANES).filter(|lane| unsolved >> lane & 1 == 1) {
+            next.set(lane, &states.get(lane));
+        }
+    }
+    unsolved
+}
+
+/// Makes the substeps and returns the derivatives of the result of all of them, by the chain rule.
+pub fn advance_with_derivatives<K, S, Q, const N: usize, const M: usize>(
+    shared: Shared<'_, S, ()>,
+    state: &mut State<[f64; N]>,
+    h: f64,
+    dw: &K::Increments,
+) -> Result<DMatrix<f64>, StepError>
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+    K: Sequence<S>,
+{
+    let (size, columns) = (2 * N, 2 * N + S::PARAMETERS.len());
+    let (mut end, mut all) = (*state, DMatrix::identity(size, columns));
+    for (number, &part) in K::FRACTIONS.iter().enumerate() {
+        let dw = dw.times(part);
+        let step = K::advance_with_derivatives(shared, number, &mut end, part * h, &dw)?;
+        let before = all;
+        // Term by term: a product of matrices may contract operations, with other bits on other machines.
+        all = DMatrix::from_fn(size, columns, |row, column| {
+            let direct = if column < size {
+                0.0
+            } else {
+                step[(row, column)]
+            };
+            (0..size).fold(direct, |sum, k| sum + step[(row, k)] * before[(k, column)])
+        });
+    }
+    end.t = state.t + h;
+    *state = end;
+    Ok(all)
+}
+
+/// Returns the largest number of Newton iterations of a substep.
+pub fn newton_iterations<K, S, Q, const N: usize, const M: usize>(
+    shared: Shared<'_, S, K::Prepared>,
+    state: &State<[f64; N]>,
+    h: f64,
+    dw: &K::Increments,
+) -> Option<u32>
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+    K: Sequence<S>,
+{
+    let (mut here, mut most, mut memory) = (*state, 0, K::Memory::none());
+    for (number, &part) in K::FRACTIONS.iter().enumerate() {
+        let (h, dw) = (part * h, dw.times(part));
+        most = most.max(K::newton_iterations(shared, number, &here, h, &dw)?);
+        K::advance(shared, number, &mut memory, &mut here, h, &dw).ok()?;
+    }
+    Some(most)
+}
+
+/// Implements [`Discretised`](crate::Discretised) for a system with compositions of its rules.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __compositions {
+    ($system:ty) => {
+        $crate::__compositions! { @ $system, [R, C], $crate::Composed<R, C> }
+        $crate::__compositions! { @ $system, [C], $crate::Split<C> }
+    };
+    (@ $system:ty, [$($generic:ident),*], $rule:ty) => {
+        impl<$($generic),*> $crate::Discretised<$rule> for $system
+        where
+            $rule: $crate::__private::sequence::Sequence<$system>,
+        {
+            type Increments = <$rule as $crate::__private::sequence::Sequence<$system>>::Increments;
+            type Prepared = <$rule as $crate::__private::sequence::Sequence<$system>>::Prepared;
+            type Memory = <$rule as $crate::__private::sequence::Sequence<$system>>::Memory;
+            const PLAN: &'static $crate::Plan =
+                <$rule as $crate::__private::sequence::Sequence<$system>>::PLAN;
+            const HAS_INCREMENTS: bool =
+                <$rule as $crate::__private::sequence::Sequence<$system>>::HAS_INCREMENTS;
+
+            fn prepare(&self, h: f64) -> Self::Prepared {
+                <$rule as $crate::__private::sequence::Sequence<$system>>::prepare(self, h)
+            }
+
+            #[inline]
+            fn advance(
+                &self,
+                newton: &$crate::Newton,
+                prepared: &Self::Prepared,
+                memory: &mut Self::Memory,
+                state: &mut $crate::FlatStateOf<Self>,
+                h: f64,
+                dw: &Self::Increments,
+            ) -> ::core::result::Result<(), $crate::StepError> {
+                let shared = $crate::__private::sequence::Shared { system: self, newton, prepared };
+                $crate::__private::sequence::advance::<$rule, _, _, _, _>(shared, memory, state, h, dw)
+            }
+
+            #[inline]
+            fn advance_compensated(
+                &self,
+                newton: &$crate::Newton,
+                prepared: &Self::Prepared,
+                memory: &mut Self::Memory,
+                state: [&mut $crate::FlatStateOf<Self>; 2],
+                h: f64,
+                dw: &Self::Increments,
+            ) -> ::core::result::Result<(), $crate::StepError> {
+                let shared = $crate::__private::sequence::Shared { system: self, newton, prepared };
+                $crate::__private::sequence::advance_compensated::<$rule, _, _, _, _>(
+                    shared, memory, state, h, dw,
+                )
+            }
+
+            #[inline(always)]
+            fn advance_lanes(
+                &self,
+                newton: &$crate::Newton,
+                prepared: &Self::Prepared,
+                states: &$crate::StateLanesOf<Self>,
+                next: &mut $crate::StateLanesOf<Self>,
+                h: f64,
+                dw: &$crate::IncrementLanesOf<Self>,
+            ) -> $crate::__private::Mask {
+                let shared = $crate::__private::sequence::Shared { system: self, newton, prepared };
+                $crate::__private::sequence::advance_lanes::<$rule, _, _, _, _>(
+                    shared, states, next, h, dw,
+                )
+            }
+
+            fn advance_with_derivatives(
+                &self,
+                newton: &$crate::Newton,
+                state: &mut $crate::FlatStateOf<Self>,
+                h: f64,
+                dw: &Self::Increments,
+            ) -> ::core::result::Result<$crate::__private::DMatrix, $crate::StepError> {
+                let shared =
+                    $crate::__private::sequence::Shared { system: self, newton, prepared: &() };
+                $crate::__private::sequence::advance_with_derivatives::<$rule, _, _, _, _>(
+                    shared, state, h, dw,
+                )
+            }
+
+            fn newton_iterations(
+                &self,
+                newton: &$crate::Newton,
+                prepared: &Self::Prepared,
+                state: &$crate::FlatStateOf<Self>,
+                h: f64,
+                dw: &Self::Increments,
+            ) -> ::core::option::Option<u32> {
+                let shared = $crate::__private::sequence::Shared { system: self, newton, prepared };
+                $crate::__private::sequence::newton_iterations::<$rule, _, _, _, _>(
+                    shared, state, h, dw,
+                )
+            }
+        }
+    };
+}
