@@ -9,6 +9,8 @@
 //! so that L becomes `L − ½ κ |h| Σ_a K_a` at each node: the variance of an increment is `|h|`, so a symmetric rule stays symmetric. A step of order 3 or above with frozen increments has κ = ⅙. The error of the midpoint rule, and of that of Störmer and Verlet,
 //! adds `1/24 h ΔW² K_a` to the Hamiltonian if `G_a` is a γ, which makes κ = ¼. For a γ, `K_a = ⟨γ_q, M⁻¹ γ_q⟩` with `M = ∂²L/∂v²`.
 //!
+//! The derivation is in `docs/mathematics.md`, section 9.
+//!
 //! Input: the model with its derivatives. Output: `Σ_a K_a`, or the reason why the term does not raise the weak order.
 
 use super::{Rule, RuleOption};
