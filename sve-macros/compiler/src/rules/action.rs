@@ -4,7 +4,7 @@
 //! of the rule, the step size and the Wiener increments (`docs/mathematics.md`, section 2). The displacement is the variable, not q₁,
 //! so that a small step does not cancel: `∂S_d/∂q₁ = ∂S/∂d` and `∂S_d/∂q₀ = ∂S/∂q₀ − ∂S/∂d`.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use super::weak2::Potential;
 use super::{Rule, RuleOption};
@@ -136,16 +136,22 @@ impl Variables<'_> {
             return value;
         };
         let gradient = self.arena.substitute_all(gradient, node);
-        for at in 0..self.start_q.len() {
-            for symbol in [self.start_q[at], self.displacement[at]] {
-                let mut terms = Vec::new();
-                for (&slope, q) in gradient.iter().zip(&self.model.q) {
-                    let rate = self.arena.diff(node[q], symbol);
-                    terms.push((1.0, self.arena.mul(slope, rate)));
-                }
-                let derivative = self.arena.sum(0.0, &terms);
-                self.arena.record_derivative(value, symbol, derivative);
+        let time = node.get(&self.model.time).copied();
+        let positions: Vec<Expr> = self.model.q.iter().map(|q| node[q]).collect();
+        let symbols = positions.iter().flat_map(|&q| self.arena.symbols_of(q));
+        let moves_only_positions = |&symbol: &Symbol| {
+            let others = time.into_iter().chain([potential.value]);
+            others.into_iter().all(|e| !self.arena.contains(e, symbol))
+        };
+        let symbols: BTreeSet<Symbol> = symbols.filter(moves_only_positions).collect();
+        for symbol in symbols {
+            let mut terms = Vec::new();
+            for (&slope, &q) in gradient.iter().zip(&positions) {
+                let rate = self.arena.diff(q, symbol);
+                terms.push((1.0, self.arena.mul(slope, rate)));
             }
+            let derivative = self.arena.sum(0.0, &terms);
+            self.arena.record_derivative(value, symbol, derivative);
         }
         value
     }

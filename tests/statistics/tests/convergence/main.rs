@@ -4,4 +4,3 @@ mod kubo;
 mod moments;
 mod strong_order;
 mod weak_order;
-mod weak_systems;

@@ -4,209 +4,20 @@
 //! `E[A M Aᵀ]` for the matrix A of the step, which depends on ΔW; the exact ones obey linear equations. For other systems the quadrature
 //! follows all nodes of all steps. The order is the slope of the logarithms.
 
+mod moments;
+mod quadrature;
+mod systems;
+
 use sve_models::models::Oscillator;
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
 
-use crate::weak_systems::{Bent, Coupled, CubicFriction, Heavy, Parametric, Quadratic, products};
+use moments::{Matrix, distance, exact, matrix, moments, plus};
+use quadrature::{expectations, gauss_hermite, tensor};
+use systems::{Bent, Coupled, CubicFriction, Heavy, Parametric, Quadratic, products};
 
 /// What a slope may be off: at the larger steps the next term of the error still counts.
 const BIAS: f64 = 0.12;
-
-/// Nodes and weights of the quadrature over a normal variable: zeros of the Hermite polynomial of degree n by Newton's method, from starts between
-/// those of the zeros of the polynomial of degree n − 1.
-fn gauss_hermite(n: usize) -> Vec<(f64, f64)> {
-    // orthonormal polynomials: √(k+1) H_{k+1} = x H_k − √k H_{k−1}
-    let evaluate = |degree: usize, x: f64| {
-        let (mut before, mut value) = (0.0, 1.0);
-        for k in 0..degree {
-            let next = (x * value - (k as f64).sqrt() * before) / (k as f64 + 1.0).sqrt();
-            (before, value) = (value, next);
-        }
-        [value, before]
-    };
-    let mut zeros: Vec<f64> = Vec::new();
-    for degree in 1..=n {
-        let end = 2.0 * (degree as f64).sqrt();
-        let borders: Vec<f64> = [&[-end], zeros.as_slice(), &[end]].concat();
-        let zero = |pair: &[f64]| {
-            let (mut low, mut high) = (pair[0], pair[1]);
-            let sign = evaluate(degree, low)[0].signum();
-            for _ in 0..80 {
-                let middle = 0.5 * (low + high);
-                if evaluate(degree, middle)[0] * sign > 0.0 {
-                    low = middle;
-                } else {
-                    high = middle;
-                }
-            }
-            0.5 * (low + high)
-        };
-        zeros = borders.windows(2).map(zero).collect();
-    }
-    let weight = |&x: &f64| {
-        let before = evaluate(n, x)[1];
-        (x, 1.0 / (n as f64 * before * before))
-    };
-    zeros.iter().map(weight).collect()
-}
-
-#[test]
-fn the_quadrature_has_the_moments_of_a_normal_variable() {
-    for n in [5, 24] {
-        let nodes = gauss_hermite(n);
-        let mut expected = 1.0;
-        for power in 0..n {
-            let moment: f64 = nodes
-                .iter()
-                .map(|(x, w)| w * x.powi(2 * power as i32))
-                .sum();
-            assert!(
-                (moment / expected - 1.0).abs() < 1e-11,
-                "{n} {power}: {moment}"
-            );
-            expected *= 2.0 * power as f64 + 1.0;
-        }
-    }
-}
-
-/// All nodes of M independent variables with their weights.
-fn tensor<const M: usize>(nodes: &[(f64, f64)]) -> Vec<([f64; M], f64)> {
-    let mut all = vec![([0.0; M], 1.0)];
-    for at in 0..M {
-        let extended = all.iter().flat_map(|&(x, w)| {
-            nodes.iter().map(move |&(node, weight)| {
-                let mut x = x;
-                x[at] = node;
-                (x, w * weight)
-            })
-        });
-        all = extended.collect();
-    }
-    all
-}
-
-type Matrix = Vec<Vec<f64>>;
-
-fn times(a: &Matrix, b: &Matrix) -> Matrix {
-    let entry = |row: &Vec<f64>, j: usize| row.iter().zip(b).map(|(x, y)| x * y[j]).sum();
-    a.iter()
-        .map(|row| (0..b[0].len()).map(|j| entry(row, j)).collect())
-        .collect()
-}
-
-fn transposed(a: &Matrix) -> Matrix {
-    (0..a[0].len())
-        .map(|j| a.iter().map(|row| row[j]).collect())
-        .collect()
-}
-
-fn plus(a: &Matrix, factor: f64, b: &Matrix) -> Matrix {
-    let row =
-        |(x, y): (&Vec<f64>, &Vec<f64>)| x.iter().zip(y).map(|(x, y)| x + factor * y).collect();
-    a.iter().zip(b).map(row).collect()
-}
-
-/// The matrix of a step on (q, p, 1), for systems whose step is affine.
-fn step_matrix<S, R, const N: usize, const M: usize>(
-    integrator: &Integrator<S, R>,
-    [t, h]: [f64; 2],
-    dw: &[f64; M],
-) -> Matrix
-where
-    S: Variational<R> + System<Dims = Dims<N, M>>,
-{
-    let image = |unit: usize| {
-        let mut state = State::at(t, [0.0; N], [0.0; N]);
-        if unit < N {
-            state.q[unit] = 1.0;
-        } else if unit < 2 * N {
-            state.p[unit - N] = 1.0;
-        }
-        integrator.step(&mut state, h, dw).unwrap();
-        [state.q, state.p].concat()
-    };
-    let origin = image(2 * N);
-    let mut columns: Matrix = (0..2 * N)
-        .map(|unit| {
-            image(unit)
-                .iter()
-                .zip(&origin)
-                .map(|(x, y)| x - y)
-                .chain([0.0])
-                .collect()
-        })
-        .collect();
-    columns.push(origin.into_iter().chain([1.0]).collect());
-    transposed(&columns)
-}
-
-/// Second moments of (q, p, 1) at T = 1 after 2ᵏ steps.
-fn moments<S, R, const N: usize, const M: usize>(
-    integrator: &Integrator<S, R>,
-    start: State<[f64; N]>,
-    level: u32,
-) -> Matrix
-where
-    S: Variational<R> + System<Dims = Dims<N, M>>,
-{
-    let steps = 1_u32 << level;
-    let h = 1.0 / f64::from(steps);
-    let nodes = tensor::<M>(&gauss_hermite(24));
-    let mut second = second_moments(start);
-    for step in 0..steps {
-        let mut next = vec![vec![0.0; 2 * N + 1]; 2 * N + 1];
-        for (x, weight) in &nodes {
-            let a = step_matrix(
-                integrator,
-                [f64::from(step) * h, h],
-                &x.map(|x| x * h.sqrt()),
-            );
-            next = plus(&next, *weight, &times(&times(&a, &second), &transposed(&a)));
-        }
-        second = next;
-    }
-    second
-}
-
-fn second_moments<const N: usize>(start: State<[f64; N]>) -> Matrix {
-    let z = [&start.q[..], &start.p, &[1.0]].concat();
-    z.iter()
-        .map(|x| z.iter().map(|y| x * y).collect())
-        .collect()
-}
-
-/// The exact second moments at T = 1 of dz = B₀(t) z dt + Σ B_a(t) z ∘ dW_a: Runge–Kutta of order 4 with 2¹² steps.
-fn exact<const N: usize>(
-    start: State<[f64; N]>,
-    drift: &Matrix,
-    noises: impl Fn(f64) -> Vec<Matrix>,
-) -> Matrix {
-    let rate = |t: f64, m: &Matrix| {
-        let half = times(drift, m);
-        let mut rate = plus(&half, 1.0, &transposed(&half));
-        for b in noises(t) {
-            let twice = times(&b, &times(&b, m));
-            rate = plus(&plus(&rate, 0.5, &twice), 0.5, &transposed(&twice));
-            rate = plus(&rate, 1.0, &times(&times(&b, m), &transposed(&b)));
-        }
-        rate
-    };
-    let mut m = second_moments(start);
-    let steps = 1 << 12;
-    let h = 1.0 / f64::from(steps);
-    for step in 0..steps {
-        let t = f64::from(step) * h;
-        let a = rate(t, &m);
-        let b = rate(t + 0.5 * h, &plus(&m, 0.5 * h, &a));
-        let c = rate(t + 0.5 * h, &plus(&m, 0.5 * h, &b));
-        let d = rate(t + h, &plus(&m, h, &c));
-        for (factor, k) in [(1.0, &a), (2.0, &b), (2.0, &c), (1.0, &d)] {
-            m = plus(&m, factor * h / 6.0, k);
-        }
-    }
-    m
-}
 
 /// Slope of the least-squares line through the logarithms of the errors for steps halved again and again.
 fn slope(errors: &[f64]) -> f64 {
@@ -229,11 +40,6 @@ fn line(system: &str, rule: &str, noise: &str, expected: u32, errors: &[f64]) {
         (order - f64::from(expected)).abs() < BIAS,
         "{system} by {rule}: weak order {order}, expected {expected}: {errors:?}"
     );
-}
-
-fn distance(a: &Matrix, b: &Matrix) -> f64 {
-    let difference = plus(a, -1.0, b).concat();
-    difference.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 /// One line for a rule: steps of 2⁻⁴ … 2⁻⁷.
@@ -260,11 +66,6 @@ macro_rules! for_each_rule {
     (one $check:ident, $system:expr, $rule:expr, ($($argument:expr),*)) => {
         $check(&Integrator::new($system, $rule), $($argument),*);
     };
-}
-
-/// `rows` as a matrix.
-fn matrix<const K: usize>(rows: [[f64; K]; K]) -> Matrix {
-    rows.iter().map(|row| row.to_vec()).collect()
 }
 
 #[test]
@@ -392,7 +193,7 @@ fn additive_noise() {
     );
 }
 
-/// H₁ and noises that do not commute have weak order 1; so they have with ½κhΣK in H, κ = ¼, which is why the attribute refuses the option.
+/// H₁ and noises that do not commute have weak order 1; so they have with the term ⅛hΣK in H, which is why the attribute refuses the option.
 #[test]
 fn quadratic_noise_in_momentum() {
     let start = State::new([1.0], [0.3]);
@@ -423,45 +224,16 @@ fn quadratic_noise_in_momentum() {
             k: 1.0 + 0.25 * h * (2.0 * c * c + (a - b) * a),
             noise,
         };
-        let error = |level| {
-            let system = with_term(0.5_f64.powi(level));
+        let error = |level: u32| {
+            let system = with_term(0.5_f64.powi(level as i32));
             distance(
-                &moments(&Integrator::new(system, Midpoint), start, level as u32),
+                &moments(&Integrator::new(system, Midpoint), start, level),
                 &exact,
             )
         };
         let errors: Vec<f64> = (4..=7).map(error).collect();
         line("Quadratic", "midpoint with the term", text, 1, &errors);
     }
-}
-
-/// Expectations at T = ½ after some steps, by following all nodes of all steps.
-fn expectations<S, R, const N: usize, const M: usize>(
-    integrator: &Integrator<S, R>,
-    state: State<[f64; N]>,
-    (left, h): (u32, f64),
-    nodes: &[([f64; M], f64)],
-    observe: &dyn Fn(&State<[f64; N]>) -> Vec<f64>,
-) -> Vec<f64>
-where
-    S: Variational<R> + System<Dims = Dims<N, M>>,
-{
-    if left == 0 {
-        return observe(&state);
-    }
-    let mut sums: Vec<f64> = Vec::new();
-    for (x, weight) in nodes {
-        let mut next = state;
-        integrator
-            .step(&mut next, h, &x.map(|x| x * h.sqrt()))
-            .unwrap();
-        let values = expectations(integrator, next, (left - 1, h), nodes, observe);
-        sums.resize(values.len(), 0.0);
-        for (sum, value) in sums.iter_mut().zip(values) {
-            *sum += weight * value;
-        }
-    }
-    sums
 }
 
 /// One line for a rule: 2, 4 and 8 steps to T = ½.
