@@ -138,6 +138,11 @@ pub(super) const fn plan_of<const K: usize>(
         rule,
         substeps: Some(Substeps { composition, count }),
         deterministic_order: order,
+        weak_order: if plans[0].noises == 0 {
+            order
+        } else {
+            plans[0].weak_order
+        },
         prepare,
         step,
         carried,

@@ -98,7 +98,7 @@ fn kubo_by_midpoint() {
   1 degree of freedom, 1 Wiener process
   linear, 1 unknown, 1 non-zero in the Jacobian
     linear   v
-  deterministic order 2, strong order 1 (all noises commute)
+  deterministic order 2, strong order 1 (all noises commute), weak order 1
   system
     L = v²/(2·a) − a·q²/2
     H₁ jitter = sigma·(q² + p²)/2
