@@ -286,7 +286,7 @@ pub mod __private {
     pub mod lane {
         pub use crate::lanes::elementary::*;
         pub use crate::lanes::newton::NewtonLanes;
-        pub use crate::lanes::solve::{inverse, solve};
+        pub use crate::lanes::solve::{factored, inverse, solve};
         pub use crate::lanes::{LANES, Lane, Mask, StateLanes, needs_scalar_step, rows};
         pub use crate::solve::diagonal::solve_in_lane as solve_diagonal;
     }
@@ -301,13 +301,13 @@ pub mod __private {
     };
     pub use crate::lanes::Mask;
     pub use crate::linearisation::{Entries, Linearisation};
-    pub use crate::parameter::number;
+    pub use crate::parameter::{entry, number};
     pub use crate::plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
     pub use crate::power::power_log;
     pub use crate::rules::Unstructured;
     pub use crate::solve::SolveError;
     pub use crate::solve::banded::Banded;
-    pub use crate::solve::dense::{DeterminantSign, solve, solve_with_sign};
+    pub use crate::solve::dense::{DeterminantSign, Factors, factored, solve, solve_with_sign};
     pub use crate::solve::diagonal::Diagonal;
     pub use crate::solve::newton::{
         BlockProperties, BlockSolver, Evaluation, Newton, propagated_error,

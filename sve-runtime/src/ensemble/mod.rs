@@ -177,7 +177,9 @@ where
         self
     }
 
-    /// Sets the seed of random starts, and of the increments unless [`noise`](Self::noise) is given. Without it, random starts have the seed of the noise, or 0.
+    /// Sets the seed of random starts, and of the increments unless [`noise`](Self::noise) is given. Beside a noise, which has a seed of its
+    /// own, it sets the random starts only: with one start for all paths it then has no effect. Without it, random starts have the seed of
+    /// the noise, or 0.
     #[must_use]
     pub fn seed(mut self, seed: u64) -> Self {
         self.seed = Some(seed);

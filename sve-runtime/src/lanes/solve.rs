@@ -24,25 +24,36 @@ pub fn solve<const K: usize>(a: &[[f64; K]; K], b: &[f64; K]) -> [f64; K] {
             x[0] = (b[0] * a[1][1] - b[1] * a[0][1]) * inverse;
             x[1] = (b[1] * a[0][0] - b[0] * a[1][0]) * inverse;
         }
-        _ => x = eliminate(*a, *b),
+        _ => x = factored(a).solve(b),
     }
     x
 }
 
-/// Gaussian elimination with partial pivoting. Rows are exchanged by selecting each entry, without a branch.
+/// The LU factors of a matrix, for several right-hand sides.
+#[derive(Clone, Copy)]
+pub struct Factors<const K: usize> {
+    /// The upper factor with the inverses of its diagonal. Below it, in column `k`, the multiples of row `k` that the elimination of this
+    /// column subtracts, in the order of the rows at that time.
+    lu: [[f64; K]; K],
+    /// Whether row `k` was exchanged with a row below it, by the number of `k` and of that row.
+    is_exchanged: [[bool; K]; K],
+}
+
+/// Factors a matrix by Gaussian elimination with partial pivoting. Rows are exchanged by selecting each entry, without a branch. The
+/// factors of a singular matrix are not finite.
 #[inline(always)]
-fn eliminate<const K: usize>(mut a: [[f64; K]; K], mut b: [f64; K]) -> [f64; K] {
+pub fn factored<const K: usize>(a: &[[f64; K]; K]) -> Factors<K> {
+    let mut a = *a;
+    let mut is_exchanged = [[false; K]; K];
     for k in 0..K {
         for i in k + 1..K {
             let larger = a[i][k].abs() > a[k][k].abs();
+            is_exchanged[k][i] = larger;
             for j in k..K {
                 let (upper, lower) = (a[k][j], a[i][j]);
                 a[k][j] = if larger { lower } else { upper };
                 a[i][j] = if larger { upper } else { lower };
             }
-            let (upper, lower) = (b[k], b[i]);
-            b[k] = if larger { lower } else { upper };
-            b[i] = if larger { upper } else { lower };
         }
         let inverse = 1.0 / a[k][k];
         for i in k + 1..K {
@@ -50,19 +61,41 @@ fn eliminate<const K: usize>(mut a: [[f64; K]; K], mut b: [f64; K]) -> [f64; K] 
             for j in k + 1..K {
                 a[i][j] -= factor * a[k][j];
             }
-            b[i] -= factor * b[k];
+            a[i][k] = factor;
         }
         a[k][k] = inverse;
     }
-    let mut x = [0.0; K];
-    for k in (0..K).rev() {
-        let mut sum = b[k];
-        for j in k + 1..K {
-            sum -= a[k][j] * x[j];
-        }
-        x[k] = sum * a[k][k];
+    Factors {
+        lu: a,
+        is_exchanged,
     }
-    x
+}
+
+impl<const K: usize> Factors<K> {
+    /// Solves `a x = b`, bit for bit as [`solve`] does for three and more unknowns.
+    #[inline(always)]
+    pub fn solve(&self, b: &[f64; K]) -> [f64; K] {
+        let mut x = *b;
+        for k in 0..K {
+            for i in k + 1..K {
+                let larger = self.is_exchanged[k][i];
+                let (upper, lower) = (x[k], x[i]);
+                x[k] = if larger { lower } else { upper };
+                x[i] = if larger { upper } else { lower };
+            }
+            for i in k + 1..K {
+                x[i] -= self.lu[i][k] * x[k];
+            }
+        }
+        for k in (0..K).rev() {
+            let mut sum = x[k];
+            for j in k + 1..K {
+                sum -= self.lu[k][j] * x[j];
+            }
+            x[k] = sum * self.lu[k][k];
+        }
+        x
+    }
 }
 
 /// Returns the inverse of `a`; NaN or infinite if `a` is singular.
@@ -79,10 +112,11 @@ pub fn inverse<const K: usize>(a: &[[f64; K]; K]) -> [[f64; K]; K] {
             inverse[1][1] = a[0][0] * scale;
         }
         _ => {
+            let factors = factored(a);
             for column in 0..K {
                 let mut unit = [0.0; K];
                 unit[column] = 1.0;
-                let solution = solve(a, &unit);
+                let solution = factors.solve(&unit);
                 for row in 0..K {
                     inverse[row][column] = solution[row];
                 }
@@ -94,7 +128,7 @@ pub fn inverse<const K: usize>(a: &[[f64; K]; K]) -> [[f64; K]; K] {
 
 #[cfg(test)]
 mod tests {
-    use super::{inverse, solve};
+    use super::{factored, inverse, solve};
     use crate::solve::dense::{self, tests::Random};
 
     fn compare_with_the_scalar_solve<const K: usize>(random: &mut Random, tolerance: f64) {
@@ -171,5 +205,47 @@ mod tests {
         assert!(!finite(&solve(&[[1.0, 2.0], [0.5, 1.0]], &[1.0, 1.0])));
         let a = [[1.0, 2.0, 3.0], [2.0, 4.0, 6.0], [1.0, 1.0, 1.0]];
         assert!(!finite(&solve(&a, &[1.0, 1.0, 1.0])));
+    }
+
+    /// Elimination with the right-hand side carried along.
+    fn eliminated<const K: usize>(mut a: [[f64; K]; K], mut b: [f64; K]) -> [f64; K] {
+        for k in 0..K {
+            for i in k + 1..K {
+                if a[i][k].abs() > a[k][k].abs() {
+                    a.swap(i, k);
+                    b.swap(i, k);
+                }
+            }
+            let inverse = 1.0 / a[k][k];
+            for i in k + 1..K {
+                let factor = a[i][k] * inverse;
+                for j in k + 1..K {
+                    a[i][j] -= factor * a[k][j];
+                }
+                b[i] -= factor * b[k];
+            }
+            a[k][k] = inverse;
+        }
+        for k in (0..K).rev() {
+            for j in k + 1..K {
+                b[k] -= a[k][j] * b[j];
+            }
+            b[k] *= a[k][k];
+        }
+        b
+    }
+
+    #[test]
+    fn factors_give_the_bits_of_elimination() {
+        let mut random = Random(9);
+        for _ in 0..200 {
+            let a: [[f64; 5]; 5] =
+                core::array::from_fn(|_| core::array::from_fn(|_| random.next()));
+            let factors = factored(&a);
+            for _ in 0..3 {
+                let b: [f64; 5] = core::array::from_fn(|_| random.next());
+                assert_eq!(factors.solve(&b), eliminated(a, b));
+            }
+        }
     }
 }

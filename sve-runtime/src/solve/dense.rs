@@ -3,7 +3,7 @@
 //! Input: matrix and right-hand side. Output: the solution and the sign of the determinant, or `None` if the matrix is singular to
 //! rounding. One and two unknowns are solved by Cramer's rule, which is forward stable for two (Higham, *Accuracy and
 //! Stability of Numerical Algorithms*, section 1.10.1). Three and more are solved by Gaussian elimination with scaled partial
-//! pivoting: equations in different units choose the same pivots.
+//! pivoting: equations in different units choose the same pivots. Their factors can be kept for further right-hand sides.
 
 /// Relative size below which a difference of two terms is indistinguishable from rounding error. A pivot is a difference of
 /// K terms, so its threshold is K times this one.
@@ -120,12 +120,62 @@ fn solve_dense<const K: usize>(
     Some((x, sign))
 }
 
-/// Gaussian elimination with scaled partial pivoting.
+/// Solves a system of three and more unknowns by its factors.
 fn eliminate<const K: usize>(
     matrix: &[[f64; K]; K],
     rhs: &[f64; K],
 ) -> Option<([f64; K], DeterminantSign)> {
-    let (mut a, mut b) = (*matrix, *rhs);
+    let factors = factor(matrix)?;
+    Some((factors.solve(rhs), factors.sign))
+}
+
+/// The LU factors of a matrix, for several right-hand sides.
+#[derive(Clone, Copy, Debug)]
+pub struct Factors<const K: usize> {
+    /// The upper factor, and below the diagonal the lower one without its unit diagonal.
+    lu: [[f64; K]; K],
+    /// The row of the matrix that became each row of the factors.
+    rows: [usize; K],
+    sign: DeterminantSign,
+}
+
+impl<const K: usize> Factors<K> {
+    /// Solves `a x = b`, bit for bit as [`solve`] does for three and more unknowns.
+    #[inline(always)]
+    pub fn solve(&self, b: &[f64; K]) -> [f64; K] {
+        let mut x = self.rows.map(|row| b[row]);
+        for k in 0..K {
+            for i in k + 1..K {
+                x[i] -= self.lu[i][k] * x[k];
+            }
+        }
+        for k in (0..K).rev() {
+            let mut sum = x[k];
+            for j in k + 1..K {
+                sum -= self.lu[k][j] * x[j];
+            }
+            x[k] = sum / self.lu[k][k];
+        }
+        x
+    }
+
+    /// Returns the sign of the determinant.
+    #[inline(always)]
+    pub fn sign(&self) -> DeterminantSign {
+        self.sign
+    }
+}
+
+/// Factors a matrix of three and more rows. Returns `None` if it is singular to rounding.
+pub fn factored<const K: usize>(matrix: &[[f64; K]; K]) -> Option<Factors<K>> {
+    factor(matrix)
+}
+
+/// Gaussian elimination with scaled partial pivoting.
+#[inline(always)]
+fn factor<const K: usize>(matrix: &[[f64; K]; K]) -> Option<Factors<K>> {
+    let mut a = *matrix;
+    let mut rows = core::array::from_fn(|i| i);
     let mut is_negative = false;
     let mut scale = [0.0; K];
     for i in 0..K {
@@ -140,7 +190,7 @@ fn eliminate<const K: usize>(
             return None;
         }
         a.swap(k, pivot);
-        b.swap(k, pivot);
+        rows.swap(k, pivot);
         scale.swap(k, pivot);
         is_negative ^= (a[k][k] < 0.0) ^ (pivot != k);
         for i in k + 1..K {
@@ -148,18 +198,14 @@ fn eliminate<const K: usize>(
             for j in k + 1..K {
                 a[i][j] -= factor * a[k][j];
             }
-            b[i] -= factor * b[k];
+            a[i][k] = factor;
         }
     }
-    let mut x = [0.0; K];
-    for k in (0..K).rev() {
-        let mut sum = b[k];
-        for j in k + 1..K {
-            sum -= a[k][j] * x[j];
-        }
-        x[k] = sum / a[k][k];
-    }
-    Some((x, DeterminantSign::from_is_negative(is_negative)))
+    Some(Factors {
+        lu: a,
+        rows,
+        sign: DeterminantSign::from_is_negative(is_negative),
+    })
 }
 
 /// Returns the row from `k` on with the largest entry of column `k` relative to the row's scale.

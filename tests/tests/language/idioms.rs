@@ -178,6 +178,43 @@ feature! {
 }
 
 feature! {
+    #[allow(clippy::useless_conversion)] // a matrix stays one
+    converted_parameters, ConvertedParameters {
+        m: [[f64; 2]; 2] = [[2.0, 0.3], [0.1, 1.5]],
+        n: Matrix2<f64> = Matrix2::new(1.0, 0.2, -0.4, 2.0),
+        r: Rotation2<f64> = Rotation2::new(0.3)
+    },
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        let m: Matrix2<f64> = self.m.into();
+        let n: Matrix2<f64> = self.n.into();
+        let r: Matrix2<f64> = self.r.into();
+        let (q, v) = (Vector2::from(q), Vector2::from(v));
+        v.dot(&(m * v)) + m.m12 * q.x.sin() - q.dot(&(n * q)) - r[(1, 0)] * q.y.cos() - (r * q).y.powi(4)
+    }
+}
+
+/// A module of the user that has the name of the standard library's.
+mod consts {
+    pub(super) const G0: f64 = 9.806_65;
+    pub(super) const TAU: f64 = std::f64::consts::TAU;
+}
+
+feature! {
+    constants_of_a_module_of_the_same_name, ConstantsOfAModuleOfTheSameName { k: f64 = 0.7 },
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        v[0].powi(2) + v[1].powi(2) - self.k * (consts::TAU * q[0]).cos() - consts::G0 * q[1].sin()
+    }
+}
+
+feature! {
+    constants_of_an_imported_module, ConstantsOfAnImportedModule { k: f64 = 0.7 },
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        use std::f64::consts;
+        consts::LN_2 * v[0].powi(2) + v[1].powi(2) - self.k * (consts::TAU * q[0]).cos() * q[1].sin()
+    }
+}
+
+feature! {
     all_constants_at_once, AllConstantsAtOnce { k: f64 = 0.7 },
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
         use std::f64::consts::*;

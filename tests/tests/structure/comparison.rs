@@ -118,7 +118,7 @@ mod table {
         [
             "Kepler, midpoint",
             "Newton 12; 1433 + 1472 n; 2 + 1 n; 0; 1248",
-            "Newton 4; 244 + 129 n; 1 + 1 n; 0; 264",
+            "Newton 4; 176 + 129 n; 1 + 1 n; 0; 440",
         ],
         [
             "chain of 12, endpoint",

@@ -122,7 +122,7 @@ impl Lowering<'_> {
             return receiver.value;
         }
         if name == "into" && call.args.is_empty() {
-            return Self::converted(receiver.value);
+            return self.converted(receiver.value);
         }
         if let Some(value) = self.sequence_method(call, &receiver) {
             return value;

@@ -2,6 +2,8 @@
 
 use std::f64::consts;
 
+use quote::quote;
+
 use super::Lowering;
 use super::fields::FieldPath;
 use super::integers::{integer_constant, is_integer};
@@ -31,6 +33,18 @@ pub(super) const CONSTANTS: &[(&str, f64)] = &[
     ("FRAC_PI_8", consts::FRAC_PI_8),
 ];
 
+/// What shows that a module is `std::f64::consts`.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Certainty {
+    Sure,
+    ByName,
+}
+
+/// Returns the name of a scope's entry for an imported module of the standard library. No variable has such a name.
+pub(super) fn imported_module(name: &str) -> String {
+    format!("use {name}")
+}
+
 /// Returns the constant of this name in `std::f64::consts`.
 pub(super) fn float_constant(name: &str) -> Option<f64> {
     CONSTANTS.iter().find(|c| c.0 == name).map(|c| c.1)
@@ -57,17 +71,12 @@ impl Lowering<'_> {
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         match names.as_slice() {
             [owner, name] if self.is_self(owner) => self.block_constant(expr, name),
-            ["std" | "core", "f64", "consts", name]
-            | ["f64", "consts", name]
-            | ["consts", name] => match float_constant(name) {
-                Some(value) => Value::Scalar(self.arena.constant(value)),
-                None => {
-                    let near = nearest(name, CONSTANTS.iter().map(|c| c.0))
-                        .map(|near| format!("; did you mean `{near}`?"))
-                        .unwrap_or_default();
-                    self.refuse(&expr.path.segments.last(), format!("there is no constant `{name}` in `std::f64::consts`{near}"))
-                }
-            },
+            [module @ .., name]
+                if let Some(certainty) = self.standard_constants(module)
+                    && (certainty == Certainty::Sure || float_constant(name).is_some()) =>
+            {
+                self.standard_constant(&expr.path, name, certainty)
+            }
             ["f64", "EPSILON"] => Value::Scalar(self.arena.constant(f64::EPSILON)),
             ["f64", "MIN_POSITIVE"] => Value::Scalar(self.arena.constant(f64::MIN_POSITIVE)),
             ["f64", "MAX" | "MIN" | "INFINITY" | "NEG_INFINITY" | "NAN"] => {
@@ -85,6 +94,46 @@ impl Lowering<'_> {
             // a constant from outside the block
             [.., name] if is_constant_name(name) && expr.qself.is_none() => Value::Field(FieldPath::outside(expr.path.clone())),
             _ => self.refuse(expr, "this path is not known here: constants are `Self::NAME` of this block, `std::f64::consts::NAME`, or outside the block in capitals"),
+        }
+    }
+
+    /// Whether a module is `std::f64::consts`: by its full path or an import within the body, or by its name, which may be that of
+    /// another module.
+    fn standard_constants(&self, module: &[&str]) -> Option<Certainty> {
+        let first = match module {
+            ["std" | "core", "f64", "consts"] => return Some(Certainty::Sure),
+            [first @ "f64", "consts"] | [first @ "consts"] => first,
+            _ => return None,
+        };
+        let is_imported = self.held(&imported_module(first)).is_some();
+        Some(if is_imported {
+            Certainty::Sure
+        } else {
+            Certainty::ByName
+        })
+    }
+
+    /// A constant of `std::f64::consts`.
+    fn standard_constant(&mut self, path: &syn::Path, name: &str, certainty: Certainty) -> Value {
+        let Some(value) = float_constant(name) else {
+            let near = nearest(name, CONSTANTS.iter().map(|c| c.0))
+                .map(|near| format!("; did you mean `{near}`?"))
+                .unwrap_or_default();
+            let message = format!("there is no constant `{name}` in `std::f64::consts`{near}");
+            return self.refuse(&path.segments.last(), message);
+        };
+        if certainty == Certainty::ByName {
+            self.read_as_standard(path, value);
+        }
+        Value::Scalar(self.arena.constant(value))
+    }
+
+    /// Notes a path that has to be checked: generated code compares its value with the one that it is read as.
+    fn read_as_standard(&mut self, path: &syn::Path, value: f64) {
+        let path = quote!(#path);
+        let text = path.to_string();
+        if self.constants.iter().all(|(p, _)| p.to_string() != text) {
+            self.constants.push((path, value));
         }
     }
 

@@ -2,6 +2,7 @@
 
 use std::rc::Rc;
 
+use quote::quote;
 use syn::spanned::Spanned;
 use syn::{Expr as Syntax, GenericArgument, PathArguments, Type};
 
@@ -36,10 +37,13 @@ impl Value {
 
 impl Lowering<'_> {
     /// Evaluates `x.into()`. Integers and tuples may become numbers and arrays; other values stay as they are.
-    pub(super) fn converted(receiver: Value) -> Value {
+    pub(super) fn converted(&self, receiver: Value) -> Value {
         match receiver {
             Value::Int(_) | Value::Tuple(_) => Value::Converted(Box::new(receiver)),
-            Value::Field(path) => Value::Field(path.converted()),
+            Value::Field(path) => {
+                let runtime = &self.block.arguments.runtime;
+                Value::Field(path.converted(quote!(#runtime::__private::entry)))
+            }
             other => other,
         }
     }

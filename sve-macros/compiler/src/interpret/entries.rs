@@ -80,7 +80,8 @@ impl Entries<'_> {
         for (path, step) in &self.paths {
             let place = match step {
                 FieldStep::Named(name) => ty.place_of(&Member::Named(name.clone())),
-                FieldStep::Numbered(_) => None,
+                // an array of columns has no other spelling
+                FieldStep::Numbered(_) | FieldStep::Read(..) => None,
                 // the compiler of Rust reports that a rotation has no such entry
                 FieldStep::Index(..) if ty.kind == Kind::Rotation => None,
                 FieldStep::Index(index, span) => {

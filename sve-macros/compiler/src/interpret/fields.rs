@@ -16,8 +16,8 @@ pub(super) struct FieldPath {
     steps: Vec<FieldStep>,
     /// Whether the type is annotated as `f64`.
     is_number: bool,
-    /// Whether `into` has been called.
-    is_converted: bool,
+    /// If `into` has been called, the function of the runtime that reads an entry of an array of columns or of a matrix.
+    reader: Option<TokenStream>,
     /// The type of the vector or matrix whose entry the last step selects, if the type is known.
     vector: Option<MatrixType>,
 }
@@ -30,6 +30,8 @@ pub(super) enum FieldStep {
     Index(usize, Option<Span>),
     /// Row and column, and where they are written.
     Pair(usize, usize, Option<Span>),
+    /// A function of the runtime that reads an entry, its row and its column.
+    Read(TokenStream, usize, usize),
 }
 
 impl FieldPath {
@@ -39,7 +41,7 @@ impl FieldPath {
             outside: None,
             steps: Vec::new(),
             is_number: false,
-            is_converted: false,
+            reader: None,
             vector: None,
         }
     }
@@ -50,7 +52,7 @@ impl FieldPath {
             outside: Some(path),
             steps: Vec::new(),
             is_number: false,
-            is_converted: false,
+            reader: None,
             vector: None,
         }
     }
@@ -96,7 +98,10 @@ impl FieldPath {
 
     /// Returns the path of an entry of a matrix.
     pub(super) fn pair(&self, row: usize, column: usize) -> Self {
-        self.then(FieldStep::Pair(row, column, None))
+        self.then(match self.reader.clone() {
+            Some(reader) => FieldStep::Read(reader, row, column),
+            None => FieldStep::Pair(row, column, None),
+        })
     }
 
     /// Returns the path of an entry of a matrix whose row and column are written at `span`.
@@ -123,15 +128,15 @@ impl FieldPath {
     }
 
     /// Records a call of `into`. The parameter can then be an array or a vector, whatever the annotated type is.
-    pub(super) fn converted(self) -> Self {
+    pub(super) fn converted(self, reader: TokenStream) -> Self {
         Self {
-            is_converted: true,
+            reader: Some(reader),
             ..self
         }
     }
 
     pub(super) fn is_converted(&self) -> bool {
-        self.is_converted
+        self.reader.is_some()
     }
 
     /// Returns the type of the vector or matrix whose entry the last step selects, if the type is known.
@@ -146,7 +151,7 @@ impl FieldPath {
             outside: self.outside.clone(),
             steps: before.to_vec(),
             is_number: false,
-            is_converted: false,
+            reader: None,
             vector: None,
         };
         Some((base, last))
@@ -168,7 +173,7 @@ impl FieldPath {
         let mut longer = self.clone();
         longer.steps.push(step);
         longer.vector = None;
-        longer.is_converted = false;
+        longer.reader = None;
         longer
     }
 
@@ -200,6 +205,10 @@ impl FieldPath {
                     let [row, column] = [row, column].map(|i| Literal::usize_unsuffixed(*i));
                     tokens.extend(quote!([(#row, #column)]));
                 }
+                FieldStep::Read(reader, row, column) => {
+                    let [row, column] = [row, column].map(|i| Literal::usize_unsuffixed(*i));
+                    tokens = quote!(#reader(&#tokens, #row, #column));
+                }
             }
         }
         tokens
@@ -213,7 +222,9 @@ impl FieldPath {
             FieldStep::Named(name) => plain(name),
             FieldStep::Numbered(index) => index.to_string(),
             FieldStep::Index(index, _) => index.to_string(),
-            FieldStep::Pair(row, column, _) => format!("{row}_{column}"),
+            FieldStep::Pair(row, column, _) | FieldStep::Read(_, row, column) => {
+                format!("{row}_{column}")
+            }
         });
         let parts: Vec<String> = path.map(|s| plain(&s.ident)).chain(steps).collect();
         parts.join("_")

@@ -29,6 +29,7 @@ mod value;
 
 use std::collections::{HashMap, HashSet};
 
+use proc_macro2::TokenStream;
 use quote::ToTokens;
 use syn::spanned::Spanned;
 
@@ -55,6 +56,8 @@ pub(crate) struct Lowering<'a> {
     parameter_names: HashSet<String>,
     /// Parameters in the order of their first use.
     paths: Vec<FieldPath>,
+    /// The paths that are read as constants of `std::f64::consts` and may lead elsewhere.
+    constants: Vec<(TokenStream, f64)>,
     /// Fields that are used as vectors or matrices of a known type.
     vectors: HashMap<String, MatrixType>,
     /// Entries of vectors and matrices that are written in several ways. Maps each spelling to the one that generated code reads.
@@ -122,6 +125,7 @@ impl<'a> Lowering<'a> {
             parameters: HashMap::new(),
             parameter_names: HashSet::new(),
             paths: Vec::new(),
+            constants: Vec::new(),
             vectors: HashMap::new(),
             spellings: HashMap::new(),
             block,

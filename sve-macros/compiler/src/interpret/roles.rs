@@ -76,6 +76,7 @@ impl Lowering<'_> {
             noises,
             force,
             symmetries,
+            constants: std::mem::take(&mut self.constants),
         })
     }
 

@@ -177,6 +177,12 @@ impl Lowering<'_> {
                 let pair = |(i, item)| Value::Tuple(vec![Value::Field(path.index(i)), item]);
                 Value::Sequence(others.into_iter().enumerate().map(pair).collect())
             }
+            ("map" | "fold", _) => {
+                let vector = self.example_of_vector();
+                let (name, field) = (path.name(), super::readable(&path.access()));
+                let of_vector = format!(" of a vector write `let {name}: {vector} = {field};`");
+                self.refuse(&call.method, no_length(path) + &of_vector)
+            }
             _ => self.refuse(&call.method, no_length(path)),
         }
     }

@@ -7,7 +7,7 @@ use syn::{Block, Expr as Syntax, ExprForLoop, Item, Pat, RangeLimits, Stmt, UseT
 use super::Lowering;
 use super::branches::LoopExit;
 use super::calls::Argument;
-use super::constants::{CONSTANTS, float_constant};
+use super::constants::{CONSTANTS, float_constant, imported_module};
 use super::expressions::no_macro;
 use super::integers::{Integer, common};
 use super::places::variable_name;
@@ -105,7 +105,8 @@ impl Lowering<'_> {
         }
     }
 
-    /// Imports the constants of `use std::f64::consts::{PI, TAU}`. Ignores other imports, whose names are reported where they are used.
+    /// Imports the constants of `use std::f64::consts::{PI, TAU}`, and the modules of `use std::f64::consts` and `use std::f64`. Ignores other imports, whose names are
+    /// reported where they are used.
     fn import(&mut self, tree: &UseTree) {
         let mut tree = tree;
         let mut path = Vec::new();
@@ -114,9 +115,32 @@ impl Lowering<'_> {
             tree = &step.tree;
         }
         let path: Vec<&str> = path.iter().map(String::as_str).collect();
-        let ["std" | "core", "f64", "consts"] = path.as_slice() else {
-            return;
+        let module = match path.as_slice() {
+            ["std" | "core", "f64", "consts"] => None,
+            ["std" | "core", "f64"] => Some("consts"),
+            ["std" | "core"] => Some("f64"),
+            _ => {
+                if let UseTree::Name(name) = tree
+                    && (name.ident == "consts" || name.ident == "f64")
+                {
+                    let message = format!(
+                        "`{}` is imported within this body, which generated code does not see: import it outside of this `impl` block",
+                        name.ident
+                    );
+                    self.refuse(name, message);
+                }
+                return;
+            }
         };
+        if let (Some(module), UseTree::Name(name)) = (module, tree) {
+            if let Some(scope) = self.scopes.last_mut().filter(|_| name.ident == module) {
+                scope.insert(imported_module(module), Value::Tuple(Vec::new()));
+            }
+            return;
+        }
+        if module.is_some() {
+            return;
+        }
         let trees: Vec<&UseTree> = match tree {
             UseTree::Group(group) => group.items.iter().collect(),
             one => vec![one],

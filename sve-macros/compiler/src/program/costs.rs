@@ -7,7 +7,7 @@ use std::iter::Sum;
 use std::ops::Add;
 
 use super::step::Step;
-use super::{Carried, Operation, Program, Tier};
+use super::{Carried, Factored, Operation, Program, Tier};
 use crate::structure::{Band, Block, Matrix, Scheme, Solution, Storage};
 
 /// Floating-point operations.
@@ -43,15 +43,24 @@ impl Work {
             }),
             iteration: of(&is_iteration),
         };
-        work.with_solves(&step.scheme)
+        work.with_solves(&step.scheme, |block| block.factored(&step.program))
     }
 
-    /// Adds the operations of the linear solves of a scheme.
-    pub(crate) fn with_solves<T: Copy + PartialEq, R>(self, scheme: &Scheme<T, R>) -> Self {
-        let once = scheme.blocks.iter().map(solves_of_step).sum();
+    /// Adds the operations of the linear solves of a scheme, whose matrices are factored where `factored` says.
+    pub(crate) fn with_solves<T: Copy + PartialEq, R>(
+        self,
+        scheme: &Scheme<T, R>,
+        factored: impl Fn(&Block<T, R>) -> Factored,
+    ) -> Self {
+        let first: Vec<[usize; 2]> = scheme
+            .blocks
+            .iter()
+            .map(|block| first_solves(block, factored(block)))
+            .collect();
+        let [prepare, once] = [0, 1].map(|part| first.iter().map(|counts| counts[part]).sum());
         let again = scheme.blocks.iter().map(solves_of_iteration).sum();
         Self {
-            prepare: self.prepare,
+            prepare: self.prepare + arithmetic(prepare),
             step: self.step + arithmetic(once),
             carried: self.carried,
             iteration: self.iteration + arithmetic(again),
@@ -115,21 +124,34 @@ fn arithmetic(count: usize) -> Operations {
     }
 }
 
-/// Counts the operations of the linear solves of a block outside of its iterations.
-fn solves_of_step<T: Copy + PartialEq, R>(block: &Block<T, R>) -> usize {
-    match &block.solution {
-        Solution::Formula(_) => 0,
-        Solution::System { linear, .. } => solve(&linear.matrix),
-        Solution::Iteration(iteration) => {
-            let once = solve(&iteration.guess.matrix);
-            // the refinement of a guess is a second solve, whose result is added to the guess
-            let refined = iteration.refinement.as_ref();
-            let refined = refined.map_or(0, |r| once + r.rhs.len());
-            let judge = iteration.judge.as_ref();
-            let limit = judge.filter(|j| !iteration.limit_is_guess(j));
-            once + refined + limit.map_or(0, |_| once)
-        }
-    }
+/// Counts the operations of the linear solves of a block before any iteration: in `prepare`, and in the step.
+fn first_solves<T: Copy + PartialEq, R>(block: &Block<T, R>, factored: Factored) -> [usize; 2] {
+    let Some(matrix) = block.solution.first_matrix() else {
+        return [0, 0];
+    };
+    let (solves, once) = (block.solution.first_solves(), solve(matrix));
+    let substitutions = solves * substitute(matrix.size());
+    let [prepare, step] = match factored {
+        Factored::Nowhere => [0, solves * once],
+        Factored::InStep => [0, factor(matrix.size()) + substitutions],
+        Factored::InPrepare => [factor(matrix.size()), substitutions],
+    };
+    // the second stage of a guess is added to the first
+    let refinement = match &block.solution {
+        Solution::Iteration(iteration) => iteration.refinement.as_ref(),
+        _ => None,
+    };
+    [prepare, step + refinement.map_or(0, |r| r.rhs.len())]
+}
+
+/// Counts the operations of factoring a dense matrix.
+fn factor(k: usize) -> usize {
+    elimination(k, |at| k - at - 1, |at| k - at - 1) - substitute(k)
+}
+
+/// Counts the operations of a solve with the factors of a dense matrix.
+fn substitute(k: usize) -> usize {
+    k * (2 * k - 1)
 }
 
 /// Counts the operations of the linear solves of a block in each iteration.

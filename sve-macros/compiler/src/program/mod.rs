@@ -11,6 +11,7 @@
 mod angles;
 mod carry;
 mod costs;
+mod factors;
 mod instructions;
 mod labels;
 mod loops;
@@ -24,6 +25,7 @@ pub(crate) mod tests;
 
 pub(crate) use carry::Carried;
 pub(crate) use costs::{Operations, Work};
+pub(crate) use factors::Factored;
 pub(crate) use instructions::{Operation, Program, Tier, Value, operands};
 pub(crate) use labels::Labels;
 pub(crate) use loops::{Loops, in_lanes};

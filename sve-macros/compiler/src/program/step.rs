@@ -3,7 +3,7 @@
 //! Input: a scheme. Output: one program in tiers, the scheme with values in place of its expressions, and labels of the values.
 
 use super::labels::Labels;
-use super::{Program, Scheduler, Tier, Tiers, Value};
+use super::{Factored, Program, Scheduler, Tier, Tiers, Value};
 use crate::algebra::{Arena, Expr};
 use crate::structure::{Block, Iteration, Lower, Matrix, Returns, Scheme, Solution};
 use crate::system::model::Symbols;
@@ -66,7 +66,7 @@ impl Step {
         labels.vector(q, 0, &lowered.dq);
         labels.vector(p, 0, &lowered.dp);
         Self {
-            program: scheduler.finish(&results(&lowered)),
+            program: scheduler.finish(&results(&lowered, |_| true)),
             labels,
             scheme: lowered,
         }
@@ -74,13 +74,26 @@ impl Step {
 
     /// Returns the values that the step uses outside of its instructions: in solves, in conditions and as results.
     pub(crate) fn results(&self) -> Vec<Value> {
-        results(&self.scheme)
+        results(&self.scheme, |block| {
+            block.factored(&self.program) != Factored::InPrepare
+        })
     }
 }
 
-fn results(scheme: &Scheme<Value, Residual>) -> Vec<Value> {
-    let blocks = scheme.blocks.iter().map(|block| &block.solution);
-    let solves = blocks.flat_map(|s| [s.before(), s.each(), s.after()]);
+/// Every value that is used other than by an instruction; of first solves, the matrices of those blocks whose matrix is wanted.
+fn results(
+    scheme: &Scheme<Value, Residual>,
+    wants_matrix: impl Fn(&Block<Value, Residual>) -> bool,
+) -> Vec<Value> {
+    let solves = scheme.blocks.iter().flat_map(|block| {
+        let s = &block.solution;
+        let matrices = if wants_matrix(block) {
+            s.matrices()
+        } else {
+            Vec::new()
+        };
+        [matrices, s.right_sides(), s.each(), s.after()]
+    });
     let outputs = scheme.dq.iter().chain(&scheme.dp).copied();
     outputs
         .chain(scheme.domain.iter().map(|c| c.value))
@@ -120,18 +133,31 @@ fn formulas(blocks: &[Block<Expr>], symbols: &Symbols) -> Vec<(Expr, String)> {
 impl Solution<Value, Residual> {
     /// Returns the values that solves before an iteration use.
     pub(crate) fn before(&self) -> Vec<Value> {
+        [self.matrices(), self.right_sides()].concat()
+    }
+
+    /// Entries of the matrices of the solves before an iteration.
+    fn matrices(&self) -> Vec<Value> {
         match self {
             Self::Formula(_) => Vec::new(),
-            Self::System { linear, .. } => {
-                linear.matrix.stored().chain(linear.rhs.clone()).collect()
-            }
+            Self::System { linear, .. } => linear.matrix.stored().collect(),
             Self::Iteration(iteration) => {
-                let guess = &iteration.guess;
                 let limit = iteration.limit.iter().flat_map(Matrix::stored);
-                let guess = guess.matrix.stored().chain(guess.rhs.iter().copied());
-                let refined = iteration.refinement.iter().flat_map(|r| &r.rhs).copied();
-                let limit_rhs = iteration.judge.iter().flat_map(|j| &j.limit_rhs).copied();
-                guess.chain(limit).chain(refined).chain(limit_rhs).collect()
+                iteration.guess.matrix.stored().chain(limit).collect()
+            }
+        }
+    }
+
+    /// Right-hand sides of the solves before an iteration.
+    fn right_sides(&self) -> Vec<Value> {
+        match self {
+            Self::Formula(_) => Vec::new(),
+            Self::System { linear, .. } => linear.rhs.clone(),
+            Self::Iteration(iteration) => {
+                let guess = iteration.guess.rhs.iter();
+                let refined = iteration.refinement.iter().flat_map(|r| &r.rhs);
+                let limit = iteration.judge.iter().flat_map(|j| &j.limit_rhs);
+                guess.chain(refined).chain(limit).copied().collect()
             }
         }
     }

@@ -237,6 +237,8 @@ pub(crate) struct Model {
     /// F, if there is a force.
     pub(crate) force: Option<Vec<Expr>>,
     pub(crate) symmetries: Vec<Generator>,
+    /// The paths that are read as constants of `std::f64::consts` and may lead elsewhere, each with the value it is read as.
+    pub(crate) constants: Vec<(TokenStream, f64)>,
 }
 
 impl Model {

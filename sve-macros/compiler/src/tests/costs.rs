@@ -22,7 +22,7 @@ const MODELS: [&str; 5] = [
 
 /// Arithmetic operations, calls of functions, and angle additions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Counts([usize; 3]);
+pub(super) struct Counts([usize; 3]);
 
 impl AddAssign<(usize, usize)> for Counts {
     fn add_assign(&mut self, (kind, count): (usize, usize)) {
@@ -88,6 +88,10 @@ impl<'a> Visit<'a> for Counter {
                     if name == "solve" || name == "solve_with_sign" {
                         self.add(ARITHMETIC, solve(&call.args[0]));
                     }
+                    if name == "factored" {
+                        let size = dense_size(&call.args[0]);
+                        self.add(ARITHMETIC, dense(size) - substitution(size));
+                    }
                     self.call(&function.path);
                 }
             }
@@ -97,6 +101,15 @@ impl<'a> Visit<'a> for Counter {
                 self.visit_expr(evaluation);
                 self.is_inside = false;
                 return;
+            }
+            Expr::MethodCall(call) if call.method == "solve" => {
+                let Expr::Reference(rhs) = &call.args[0] else {
+                    panic!("no right-hand side");
+                };
+                let Expr::Array(rhs) = &*rhs.expr else {
+                    panic!("no right-hand side");
+                };
+                self.add(ARITHMETIC, substitution(rhs.elems.len()));
             }
             Expr::Struct(literal) => {
                 let is_jacobian = |m: &Member| matches!(m, Member::Named(n) if n == "jacobian");
@@ -124,17 +137,7 @@ impl<'a> Visit<'a> for Counter {
 fn solve(matrix: &Expr) -> usize {
     match matrix {
         Expr::Reference(reference) => solve(&reference.expr),
-        Expr::Array(rows) => dense(rows.elems.len()),
-        // `{ let mut entries = [[0f64; K]; K]; … }`
-        Expr::Block(block) => {
-            let Some(Stmt::Local(local)) = block.block.stmts.first() else {
-                panic!("no entries");
-            };
-            match &*local.init.as_ref().expect("zeros").expr {
-                Expr::Repeat(rows) => dense(number(&rows.len)),
-                _ => panic!("no matrix"),
-            }
-        }
+        Expr::Array(_) | Expr::Block(_) => dense(dense_size(matrix)),
         Expr::Call(call) => {
             let Expr::Path(function) = &*call.func else {
                 panic!("no matrix");
@@ -161,6 +164,34 @@ fn solve(matrix: &Expr) -> usize {
         }
         _ => panic!("no matrix"),
     }
+}
+
+/// The number of rows of a dense matrix.
+fn dense_size(matrix: &Expr) -> usize {
+    match matrix {
+        Expr::Reference(reference) => dense_size(&reference.expr),
+        Expr::Array(rows) => rows.elems.len(),
+        // `{ let mut entries = [[0f64; K]; K]; … }`
+        Expr::Block(block) => {
+            let Some(Stmt::Local(local)) = block.block.stmts.first() else {
+                panic!("no entries");
+            };
+            match &*local.init.as_ref().expect("zeros").expr {
+                Expr::Repeat(rows) => number(&rows.len),
+                _ => panic!("no matrix"),
+            }
+        }
+        _ => panic!("no dense matrix"),
+    }
+}
+
+/// `Factors::solve` of the runtime.
+fn substitution(k: usize) -> usize {
+    let mut operations = 0;
+    for row in 0..k {
+        operations += 2 * row + 2 * (k - row - 1) + 1;
+    }
+    operations
 }
 
 fn number(literal: &Expr) -> usize {
@@ -234,7 +265,7 @@ fn told(plan: &Expr) -> [Counts; 3] {
 }
 
 /// Compares the plans of an expansion with its code, and returns the number of rules and the counts of the last.
-fn compare(what: &str, expansion: &TokenStream) -> (usize, [Counts; 3]) {
+pub(super) fn compare(what: &str, expansion: &TokenStream) -> (usize, [Counts; 3]) {
     let file: syn::File = syn::parse2(expansion.clone()).expect("items");
     let (mut rules, mut last) = (0, [Counts::default(); 3]);
     let implementations = file.items.iter().filter_map(|item| match item {

@@ -3,6 +3,7 @@
 mod absent;
 mod costs;
 mod entries;
+mod factors;
 mod growth;
 mod large_input;
 mod limits;

@@ -92,6 +92,8 @@ fn documentation(expansion: &TokenStream) -> Vec<(String, String)> {
             }
             Some((name.to_token_stream().to_string(), text))
         })
+        // markers, such as `Separable`, have no formulas
+        .filter(|(_, text)| !text.is_empty())
         .collect()
 }
 

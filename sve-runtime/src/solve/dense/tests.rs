@@ -1,6 +1,6 @@
 //! Dense solves: random systems, singular matrices, units, the sign of the determinant.
 
-use super::{solve, solve_with_sign};
+use super::{factored, largest_magnitude, pivot_row, solve, solve_with_sign};
 
 /// `SplitMix64`, uniform in [−1, 1).
 pub(crate) struct Random(pub(crate) u64);
@@ -231,4 +231,51 @@ fn pivots_are_scaled() {
     let a = [[2.0, big, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let x = solve(&a, &[big, 2.0, 3.0]).unwrap();
     assert_eq!(x, [1.0, 1.0, 3.0]);
+}
+
+/// Elimination with scaled partial pivoting that carries the right-hand side along.
+fn eliminated<const K: usize>(mut a: [[f64; K]; K], mut b: [f64; K]) -> [f64; K] {
+    let mut scale = a.map(|row| largest_magnitude(&row));
+    for k in 0..K {
+        let pivot = pivot_row(&a, &scale, k);
+        a.swap(k, pivot);
+        b.swap(k, pivot);
+        scale.swap(k, pivot);
+        for i in k + 1..K {
+            let factor = a[i][k] / a[k][k];
+            for j in k + 1..K {
+                a[i][j] -= factor * a[k][j];
+            }
+            b[i] -= factor * b[k];
+        }
+    }
+    for k in (0..K).rev() {
+        for j in k + 1..K {
+            b[k] -= a[k][j] * b[j];
+        }
+        b[k] /= a[k][k];
+    }
+    b
+}
+
+#[test]
+fn factors_give_the_bits_of_elimination() {
+    let mut random = Random(9);
+    for _ in 0..200 {
+        let a: [[f64; 5]; 5] = core::array::from_fn(|_| core::array::from_fn(|_| random.next()));
+        let factors = factored(&a).expect("a regular matrix");
+        for _ in 0..3 {
+            let b: [f64; 5] = core::array::from_fn(|_| random.next());
+            let (x, sign) = solve_with_sign(&a, &b).expect("a regular matrix");
+            assert_eq!(factors.solve(&b), eliminated(a, b));
+            assert_eq!(x, eliminated(a, b));
+            assert_eq!(factors.sign().is_negative(), sign.is_negative());
+        }
+    }
+}
+
+#[test]
+fn singular_matrices_have_no_factors() {
+    let a = [[1.0, 2.0, 3.0], [2.0, 4.0, 6.0], [1.0, 1.0, 1.0]];
+    assert!(factored(&a).is_none());
 }

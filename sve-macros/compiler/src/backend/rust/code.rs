@@ -17,7 +17,7 @@ const LARGE: usize = 7;
 const SPARSE: usize = 4;
 
 /// Variables of emitted code that are no values of the program.
-const DECLARED: [&str; 42] = [
+const DECLARED: [&str; 43] = [
     "q",
     "v",
     "p",
@@ -44,6 +44,7 @@ const DECLARED: [&str; 42] = [
     "guess",
     "origin",
     "refinement",
+    "factors",
     "fallback",
     "rounding",
     "unknowns",

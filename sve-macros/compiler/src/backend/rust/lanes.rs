@@ -11,7 +11,7 @@ use super::code::Printer;
 use super::solve::{accepted, names, residuals, sum_of_stages};
 use super::step::inside;
 use crate::algebra::{Arena, Expr};
-use crate::program::{Loops, Operation, Residual, Step, Tier, Value, in_lanes};
+use crate::program::{Factored, Loops, Operation, Residual, Step, Tier, Value, in_lanes};
 use crate::structure::{Iteration, Matrix, Returns, Scheme, Solution, Storage};
 use crate::system::model::{Meaning, Symbols};
 
@@ -64,8 +64,12 @@ impl Writer<'_> {
         let (private, printer) = (self.private, self.printer);
         let rows = Literal::usize_unsuffixed(self.loops.rows.len());
         let prepare = printer.statements(Tier::Prepare);
+        let early = (0..self.step.scheme.blocks.len())
+            .filter(|&at| self.is_factored(at))
+            .map(|at| self.factors(at));
         let mut tokens = quote! {
             #prepare
+            #(#early)*
             let mut kept = #private::lane::rows::<#rows>();
         };
         let start = [Tier::Noise, Tier::State].map(|tier| printer.statements(tier));
@@ -76,12 +80,12 @@ impl Writer<'_> {
                 Solution::Formula(_) => section.extend(after),
                 Solution::System { linear, solved } => {
                     let solved = names(solved, self.symbols);
-                    let solution = self.solution(&linear.matrix, &linear.rhs);
+                    let solution = self.solution(at, &linear.matrix, &linear.rhs);
                     section.extend(quote!(let #solved = #solution; #after));
                 }
                 Solution::Iteration(iteration) => {
                     let (course, guess) = (course(at), self.guess(at, iteration));
-                    let limit = self.limit(iteration);
+                    let limit = self.limit(at, iteration);
                     section.extend(quote!(#course.start(lane, #guess, #limit);));
                     let size = Literal::usize_unsuffixed(iteration.iterates.len());
                     let one = self.one(self.loops.of_block[at], &section);
@@ -154,9 +158,27 @@ impl Writer<'_> {
         }
     }
 
-    /// A solve with a matrix. A block in lanes has no banded matrix.
-    fn solution(&self, matrix: &Matrix<Value>, rhs: &[Value]) -> TokenStream {
+    /// Whether the matrix of the first solves of a block is factored before the loops. In a loop the compiler finds that several
+    /// solves without branches have an elimination in common.
+    fn is_factored(&self, at: usize) -> bool {
+        self.step.scheme.blocks[at].factored(&self.step.program) == Factored::InPrepare
+    }
+
+    /// The statement that factors the matrix of the first solves of a block.
+    fn factors(&self, at: usize) -> Option<TokenStream> {
+        let matrix = self.step.scheme.blocks[at].solution.first_matrix()?;
+        let (private, name) = (self.private, factors(at));
+        let matrix = self.printer.matrix(&matrix.rows);
+        Some(quote!(let #name = #private::lane::factored(&#matrix);))
+    }
+
+    /// A first solve of a block with its matrix. A block in lanes has no banded matrix.
+    fn solution(&self, at: usize, matrix: &Matrix<Value>, rhs: &[Value]) -> TokenStream {
         let (private, rhs) = (self.private, self.printer.array(rhs));
+        if self.is_factored(at) {
+            let factors = factors(at);
+            return quote!(#factors.solve(&#rhs));
+        }
         match matrix.storage {
             Storage::Diagonal => {
                 let diagonal: Vec<Value> = matrix.stored().collect();
@@ -172,13 +194,13 @@ impl Writer<'_> {
 
     fn guess(&self, at: usize, iteration: &Iteration<Value, Residual>) -> TokenStream {
         let guess = &iteration.guess;
-        let first = self.solution(&guess.matrix, &guess.rhs);
+        let first = self.solution(at, &guess.matrix, &guess.rhs);
         let Some(refinement) = &iteration.refinement else {
             return first;
         };
         let names = names(&refinement.first, self.symbols);
         let statements = self.printer.statements(Tier::Guess(at));
-        let more = self.solution(&guess.matrix, &refinement.rhs);
+        let more = self.solution(at, &guess.matrix, &refinement.rhs);
         let sum = sum_of_stages(refinement.first.len());
         quote!({
             let guess = #first;
@@ -190,13 +212,13 @@ impl Writer<'_> {
     }
 
     /// The limit of no noise and h → 0, where it is asked for.
-    fn limit(&self, iteration: &Iteration<Value, Residual>) -> TokenStream {
+    fn limit(&self, at: usize, iteration: &Iteration<Value, Residual>) -> TokenStream {
         let size = Literal::usize_unsuffixed(iteration.iterates.len());
         match &iteration.judge {
             None => quote!([f64::NAN; #size]),
             Some(judge) => {
                 let matrix = iteration.limit.as_ref().unwrap_or(&iteration.guess.matrix);
-                self.solution(matrix, &judge.limit_rhs)
+                self.solution(at, matrix, &judge.limit_rhs)
             }
         }
     }
@@ -301,4 +323,9 @@ impl Writer<'_> {
 /// The iteration of a block.
 fn course(at: usize) -> Ident {
     format_ident!("course_{at}")
+}
+
+/// The factors of the matrix of a block's first solves.
+fn factors(at: usize) -> Ident {
+    format_ident!("factors_{at}")
 }

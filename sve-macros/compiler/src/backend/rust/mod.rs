@@ -2,6 +2,7 @@
 
 mod code;
 mod configuration;
+mod factors;
 mod gauss;
 mod identity;
 mod lanes;

@@ -39,7 +39,6 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
         body,
         work,
     } = code(derived, &private, context);
-    let prepared = Literal::usize_unsuffixed(prepared);
     let (memory, memory_type) = memory(carried);
     let plan = plan(&private, context, derived, texts, &work);
     let returns = match scheme.returns {
@@ -60,12 +59,12 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
         impl #private::StepEquations<#rule_type> for #self_ty {
             type Increments = [f64; #m];
             type Memory = #memory_type;
-            type Prepared = [f64; #prepared];
+            type Prepared = #prepared;
             const PLAN: &'static #private::Plan = &#plan;
             const RETURNS: #private::Returns = #private::Returns::#returns;
             /// What depends on parameters and step size alone.
             #[inline]
-            fn prepare(&self, h: f64) -> [f64; #prepared] {
+            fn prepare(&self, h: f64) -> #prepared {
                 #prepare
             }
             #domain
@@ -82,7 +81,7 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
             #[inline]
             fn increment(
                 &self,
-                prepared: &[f64; #prepared],
+                prepared: &#prepared,
                 #memory: &mut #memory_type,
                 state: &#private::State<[f64; #n]>,
                 h: f64,

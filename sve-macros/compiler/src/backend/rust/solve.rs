@@ -4,6 +4,7 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use super::code::Printer;
+use super::factors::Factors;
 use super::ident;
 use super::rounding::rounding;
 use super::straight::{Printed, Straight, rows};
@@ -18,6 +19,7 @@ pub(super) struct Solver<'a> {
     pub(super) printer: &'a Printer<'a>,
     pub(super) symbols: &'a Symbols,
     pub(super) arena: &'a Arena,
+    pub(super) factors: &'a Factors<'a>,
 }
 
 impl Solver<'_> {
@@ -32,7 +34,7 @@ impl Solver<'_> {
         match solution {
             Solution::Formula(_) => TokenStream::new(),
             Solution::System { linear, solved } => {
-                self.system(linear, &names(solved, self.symbols))
+                self.system(at, linear, &names(solved, self.symbols))
             }
             Solution::Iteration(iteration) => {
                 self.newton((at, first), iteration, degrees_of_freedom)
@@ -40,12 +42,16 @@ impl Solver<'_> {
         }
     }
 
-    fn system(&self, system: &Linear<Value>, solved: &TokenStream) -> TokenStream {
+    fn system(&self, at: usize, system: &Linear<Value>, solved: &TokenStream) -> TokenStream {
         let private = self.private;
         let matrix = self.matrix(&system.matrix);
         let rhs = self.printer.array(&system.rhs);
+        let solution = match self.factors.of(at, &matrix, private) {
+            Some(factors) => quote!(#factors.as_ref().map(|factors| factors.solve(&#rhs))),
+            None => quote!(#private::solve(&#matrix, &#rhs)),
+        };
         quote! {
-            let #solved = match #private::solve(&#matrix, &#rhs) {
+            let #solved = match #solution {
                 ::core::option::Option::Some(solution) => solution,
                 ::core::option::Option::None => {
                     return ::core::result::Result::Err(#private::SolveError::Singular { iteration: 0 });
@@ -70,6 +76,7 @@ impl Solver<'_> {
             printer,
             symbols,
             arena,
+            factors,
         } = self;
         let Iteration {
             guess,
@@ -86,7 +93,13 @@ impl Solver<'_> {
         let equations: Vec<Expr> = residual.iter().map(|r| r.expr).collect();
         let rounding = rounding(&equations, symbols, private, arena);
         let (matrix, rhs) = (self.matrix(&guess.matrix), printer.array(&guess.rhs));
-        let guessed = self.refined(at, iteration, &matrix);
+        let factors = factors.of(at, &matrix, private);
+        let again = Again {
+            matrix: &matrix,
+            is_factored: factors.is_some(),
+            private,
+        };
+        let guessed = self.refined(at, iteration, &again);
         let [residual, magnitude] = residuals(residual, printer);
         let jacobian = self.matrix(jacobian);
         let curvature = curvature.map_or_else(|| quote!(f64::NAN), |c| printer.operand(c));
@@ -94,19 +107,18 @@ impl Solver<'_> {
         let solved = names(&iteration.solved, symbols);
         let statements = printer.statements(Tier::Iterate(at));
         // the matrix of the guess is the one of the limit
-        let (oriented, origin) = match limit {
-            Some(_) => (quote!(origin), quote!(origin)),
-            None => (quote!(_), quote!(#private::DeterminantSign::UNKNOWN)),
+        let (oriented, origin) = match (limit, &factors) {
+            (Some(_), None) => (quote!(origin), quote!(origin)),
+            (Some(_), Some(_)) => (quote!(factors), quote!(factors.sign())),
+            (None, _) => (quote!(_), quote!(#private::DeterminantSign::UNKNOWN)),
         };
         let limit = judge.as_ref().map(|judge| {
             if iteration.limit_is_guess(judge) {
                 return quote!(guess);
             }
             let rhs = printer.array(&judge.limit_rhs);
-            quote!(match #private::solve(&#matrix, &#rhs) {
-                ::core::option::Option::Some(limit) => limit,
-                ::core::option::Option::None => [f64::NAN; #size],
-            })
+            let none = quote!([f64::NAN; #size]);
+            again.solve(&rhs, &quote!(limit), &quote!(limit), &none)
         });
         let limit = limit.unwrap_or_else(|| quote!([f64::NAN; #size]));
         let (first, judged) = (Literal::usize_unsuffixed(first), judge.is_some());
@@ -114,8 +126,14 @@ impl Solver<'_> {
             let names = names(&j.limit, symbols);
             quote!(let #names = limit;)
         });
+        let attempt = match factors {
+            Some(factors) => {
+                quote!(#factors.as_ref().map(|factors| (factors.solve(&#rhs), factors)))
+            }
+            None => quote!(#private::solve_with_sign(&#matrix, &#rhs)),
+        };
         quote! {
-            let (guess, origin, limit) = match #private::solve_with_sign(&#matrix, &#rhs) {
+            let (guess, origin, limit) = match #attempt {
                 ::core::option::Option::Some((guess, #oriented)) => ({ #guessed }, #origin, #limit),
                 ::core::option::Option::None => (#rest, #private::DeterminantSign::UNKNOWN, [f64::NAN; #size]),
             };
@@ -168,6 +186,7 @@ impl Solver<'_> {
             printer: _,
             symbols,
             arena,
+            factors: _,
         } = self;
         let Enclosure {
             middle,
@@ -197,24 +216,55 @@ impl Solver<'_> {
         &self,
         at: usize,
         iteration: &Iteration<Value, Residual>,
-        matrix: &TokenStream,
+        again: &Again<'_>,
     ) -> TokenStream {
         let Some(Refinement { first, rhs }) = &iteration.refinement else {
             return quote!(guess);
         };
-        let private = self.private;
-        let (names, rhs) = (names(first, self.symbols), self.printer.array(rhs));
+        let names = names(first, self.symbols);
         let statements = self.printer.statements(Tier::Guess(at));
         let sum = sum_of_stages(first.len());
+        let rhs = self.printer.array(rhs);
         // within the arm of the first solve, so that its division is done once
+        let refined = again.solve(&rhs, &quote!(refinement), &sum, &quote!(guess));
         quote! {
             let #names = guess;
             #statements
-            match #private::solve(&#matrix, &#rhs) {
-                ::core::option::Option::Some(refinement) => #sum,
-                ::core::option::Option::None => guess,
-            }
+            #refined
         }
+    }
+}
+
+/// A further solve with the matrix of a block's first solve, beside that one.
+struct Again<'a> {
+    matrix: &'a TokenStream,
+    /// Whether `factors` are those of the matrix.
+    is_factored: bool,
+    private: &'a TokenStream,
+}
+
+impl Again<'_> {
+    /// The value of `with`, in which the solution is `name`; or `without` if the matrix is singular.
+    fn solve(
+        &self,
+        rhs: &TokenStream,
+        name: &TokenStream,
+        with: &TokenStream,
+        without: &TokenStream,
+    ) -> TokenStream {
+        let Self {
+            matrix, private, ..
+        } = self;
+        if self.is_factored {
+            return quote!({
+                let #name = factors.solve(&#rhs);
+                #with
+            });
+        }
+        quote!(match #private::solve(&#matrix, &#rhs) {
+            ::core::option::Option::Some(#name) => #with,
+            ::core::option::Option::None => #without,
+        })
     }
 }
 

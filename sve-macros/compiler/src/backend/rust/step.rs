@@ -6,6 +6,7 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use super::code::Printer;
+use super::factors::Factors;
 use super::ident;
 use super::solve::Solver;
 use crate::algebra::{Arena, Expr, Symbol};
@@ -15,8 +16,8 @@ use crate::system::model::{Meaning, Symbols};
 
 /// The code of a step.
 pub(super) struct Code {
-    /// Numbers that `prepare` returns.
-    pub(super) prepared: usize,
+    /// The type that `prepare` returns.
+    pub(super) prepared: TokenStream,
     /// The numbers that a trajectory carries from step to step.
     pub(super) carried: usize,
     /// The body of `prepare`.
@@ -40,12 +41,15 @@ pub(super) fn code(
     let mut printer = Printer::new(&step.program, symbols, &step.labels, private);
     let kept = printer.split_prepared(&results);
     let (prepare, array) = (printer.prepare(), printer.array(&kept));
+    let factors = Factors::new(&step);
     let solver = Solver {
         private,
         printer: &printer,
         symbols,
         arena,
+        factors: &factors,
     };
+    let (kept, array, open) = factors.beside(&kept, &array, &printer, private);
     let load = printer.load(&results);
     let carried = Carried::of(&step, symbols);
     let noise = printer.statements(Tier::Noise);
@@ -75,11 +79,12 @@ pub(super) fn code(
     let unknowns = unknowns.iter().map(|&s| ident(&symbol_name(symbols, s)));
     let time = uses_time(&step.program, symbols).then(|| quote!(let time = state.t;));
     Code {
-        prepared: kept.len(),
+        prepared: kept,
         carried: carried.as_ref().map_or(0, |carried| carried.pairs.len()),
         prepare: quote!(#prepare #array),
         body: quote! {
             #time
+            #open
             #load
             #noise
             #state
@@ -120,13 +125,10 @@ fn with_carried(
     let (here, there): (Vec<Value>, Vec<Value>) = carried.pairs.iter().copied().unzip();
     let (here, there) = (printer.array(&here), printer.array(&there));
     let take = quote! {
-        let #here = match *memory {
-            ::core::option::Option::Some(carried) => carried,
-            ::core::option::Option::None => {
-                #sources
-                #here
-            }
-        };
+        let #here = *memory.get_or_insert_with(|| {
+            #sources
+            #here
+        });
         #others
     };
     (

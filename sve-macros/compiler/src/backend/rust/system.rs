@@ -1,7 +1,7 @@
 //! `impl System`: the derivatives of L and of the noises.
 
-use proc_macro2::{Literal, TokenStream};
-use quote::quote;
+use proc_macro2::{Literal, Span, TokenStream};
+use quote::{quote, quote_spanned};
 
 use super::configuration::written;
 use super::identity::identity;
@@ -48,9 +48,14 @@ pub(crate) fn system(
     let parts = [&block.noises, &block.forces, &block.symmetries];
     let functions = parts.into_iter().flatten().chain([&block.lagrangian]);
     let functions = functions.map(|part| &part.name);
+    let constants = model
+        .constants
+        .iter()
+        .map(|(path, value)| constant_check(path, *value));
     quote! {
         #attributes
         const _: () = { #(let _ = <#self_ty>::#functions;)* };
+        #(#constants)*
         #doc
         #attributes
         impl #private::System for #self_ty {
@@ -207,4 +212,22 @@ fn noise_jets(
         }}
     });
     quote!(#statements [#(#jets),*])
+}
+
+/// A check, when the user's program is compiled, that a path leads to the constant of the standard library that it is read as.
+fn constant_check(path: &TokenStream, value: f64) -> TokenStream {
+    let at = path.clone().into_iter().next();
+    let at = at.map_or_else(Span::call_site, |token| token.span());
+    let written = path.to_string().replace(' ', "");
+    let name = written.rsplit("::").next().unwrap_or_default();
+    let message = format!(
+        "`{written}` is read as `std::f64::consts::{name}`, and it has another value here: write the full path of the constant, as in `crate::{written}`"
+    );
+    let bits = Literal::u64_suffixed(value.to_bits());
+    quote_spanned!(at=>
+        const _: () = {
+            let value: f64 = #path;
+            ::core::assert!(value.to_bits() == #bits, #message);
+        };
+    )
 }

@@ -12,7 +12,7 @@ use super::solve::{names, start};
 use super::step::Code;
 use super::straight::{Printed, Straight, rows};
 use crate::algebra::{Arena, Expr};
-use crate::program::{Operations, Work};
+use crate::program::{Factored, Operations, Work};
 use crate::structure::{Iteration, Scheme};
 use crate::system::model::Symbols;
 
@@ -39,7 +39,7 @@ pub(super) fn code(
         iteration: of_evaluation,
     };
     Code {
-        prepared: 0,
+        prepared: quote!([f64; 0]),
         carried: 0,
         prepare: quote!([]),
         body: quote! {
@@ -52,7 +52,7 @@ pub(super) fn code(
             })?;
             #results
         },
-        work: work.with_solves(scheme),
+        work: work.with_solves(scheme, |_| Factored::Nowhere),
     }
 }
 

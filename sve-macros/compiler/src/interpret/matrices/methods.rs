@@ -4,8 +4,9 @@ use proc_macro2::Span;
 use syn::ExprMethodCall;
 
 use super::formulas::MAX_DETERMINANT;
+use super::refused::unknown_type;
 use super::table::{ArgumentKind, CallArguments, METHODS, Method, MethodResult, Receiver};
-use super::{Kind, Matrix, MatrixType, refused, unknown_type};
+use super::{Kind, Matrix, MatrixType, refused, views};
 use crate::algebra::Expr;
 use crate::interpret::Lowering;
 use crate::interpret::calls::Argument;
@@ -161,6 +162,10 @@ impl Lowering<'_> {
         at: Span,
     ) -> Option<Value> {
         let name = call.method.to_string();
+        if views::is_method(&name, call.turbofish.is_some()) {
+            let example = self.example_of_part(&name);
+            return Some(self.refuse(&at, unknown_type(path, &example)));
+        }
         let is_of_numbers = floats::is_method(&name) || floats::other_name(&name).is_some();
         if refused::is_listed(&name) && !is_of_numbers {
             return Some(self.refuse(&at, refused::refusal(&name)));
@@ -184,6 +189,21 @@ impl Lowering<'_> {
         };
         let receiver = Matrix::of_field(path, ty);
         self.tabled_method(call, &receiver, &arguments, at)
+    }
+
+    /// Returns the type of a vector that a parameter may have, for messages.
+    pub(in crate::interpret) fn example_of_vector(&mut self) -> String {
+        self.example_of_type(None)
+    }
+
+    /// Returns a type that a parameter may have whose part, entries or size are asked for.
+    fn example_of_part(&mut self, name: &str) -> String {
+        let example = self.example_of_vector();
+        if views::is_of_matrices(name) {
+            example.replacen("Vector", "Matrix", 1)
+        } else {
+            example
+        }
     }
 
     /// Returns the message for a method of vectors that is called on a number.

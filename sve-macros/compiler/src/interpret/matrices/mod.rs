@@ -210,9 +210,13 @@ pub(super) fn entry_of_field(
     column: usize,
 ) -> FieldPath {
     let is_row_or_column = ty.rows.min(ty.columns) == 1 && ty.kind != Kind::Rotation;
-    if is_row_or_column && path.is_converted() {
-        // arrays have no `.x`
-        return path.index(row + column);
+    if path.is_converted() {
+        // arrays have neither `.x` nor `[(row, column)]`
+        return if is_row_or_column {
+            path.index(row + column)
+        } else {
+            path.pair(row, column)
+        };
     }
     let entry = match COMPONENTS.get(row + column) {
         Some(name) if is_row_or_column && ty.len() <= COMPONENTS.len() => path.component(name),
@@ -386,13 +390,4 @@ fn sum(arena: &mut Arena, terms: &[Expr]) -> Expr {
         return arena.constant(0.0);
     };
     terms.fold(first, |sum, term| arena.add(sum, term))
-}
-
-/// Returns the message for a parameter whose type is needed and not known.
-pub(super) fn unknown_type(path: &FieldPath, example: &str) -> String {
-    let name = super::readable(&path.access());
-    format!(
-        "the type of `{name}` is not known to the macro: name it, `let {}: {example} = {name};`",
-        path.name()
-    )
 }

@@ -6,7 +6,8 @@
 use syn::spanned::Spanned;
 use syn::{BinOp, Expr as Syntax};
 
-use super::{Kind, Matrix, MatrixType, unknown_type};
+use super::refused::unknown_type;
+use super::{Kind, Matrix, MatrixType};
 use crate::algebra::Expr;
 use crate::interpret::operators::{DIVISION_BY_ZERO, REMAINDER};
 use crate::interpret::value::Value;

@@ -2,6 +2,7 @@
 
 use super::methods;
 use crate::errors::nearest;
+use crate::interpret::fields::FieldPath;
 use crate::interpret::floats;
 
 const NOT_SMOOTH: &str =
@@ -145,4 +146,13 @@ pub(super) fn refusal(name: &str) -> String {
         },
     };
     format!("`{name}` of a vector or matrix is not understood: {instead}")
+}
+
+/// What to say of a parameter whose type is needed and not known.
+pub(in crate::interpret) fn unknown_type(path: &FieldPath, example: &str) -> String {
+    let name = crate::interpret::readable(&path.access());
+    format!(
+        "the type of `{name}` is not known to the macro: name it, `let {}: {example} = {name};`",
+        path.name()
+    )
 }

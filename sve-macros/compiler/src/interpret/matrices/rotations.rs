@@ -138,7 +138,10 @@ impl Lowering<'_> {
         let ty = match &vector.value {
             Value::Matrix(matrix) => matrix.ty,
             Value::Field(path) => {
-                return Err(super::unknown_type(path, &self.example_of_type(None)));
+                return Err(super::refused::unknown_type(
+                    path,
+                    &self.example_of_type(None),
+                ));
             }
             other => {
                 return Err(format!(

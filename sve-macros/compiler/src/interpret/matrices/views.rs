@@ -11,6 +11,24 @@ use crate::syntax::nalgebra::length;
 /// The first row or column of a submatrix, and the number of rows or columns.
 type Range<'e> = (&'e Syntax, &'e Syntax);
 
+/// Whether a method gives a part of a vector or matrix, or runs a closure for each entry, and arrays have no such method. Those whose
+/// size is a generic argument have it written, if `has_generics`.
+pub(super) fn is_method(name: &str, has_generics: bool) -> bool {
+    match name {
+        "fixed_rows" | "fixed_columns" | "fixed_view" => has_generics,
+        "rows" | "columns" | "nrows" | "ncols" | "column_iter" | "row_iter" | "zip_map" => true,
+        _ => false,
+    }
+}
+
+/// Whether a method makes sense for matrices more than for vectors.
+pub(super) fn is_of_matrices(name: &str) -> bool {
+    matches!(
+        name,
+        "fixed_columns" | "fixed_view" | "columns" | "ncols" | "column_iter" | "row_iter"
+    )
+}
+
 impl Lowering<'_> {
     /// Calls a method that returns a submatrix, an iterator or a size; `None` for other methods.
     pub(super) fn view_method(

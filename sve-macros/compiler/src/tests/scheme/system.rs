@@ -107,6 +107,7 @@ impl System {
             });
         }
         Model {
+            constants: Vec::new(),
             symbols,
             time,
             q,

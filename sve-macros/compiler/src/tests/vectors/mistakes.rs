@@ -179,6 +179,31 @@ const MISTAKES: &[(&str, &str, &str)] = &[
         "the type of `self.a` is not known",
     ),
     (
+        "self.g.fixed_rows::<2>(0).norm_squared()",
+        "fixed_rows",
+        "the type of `self.g` is not known to the macro: name it, `let g: Vector3<f64> = self.g;`",
+    ),
+    (
+        "self.g.fixed_view::<2, 2>(0, 0).trace()",
+        "fixed_view",
+        "name it, `let g: Matrix3<f64> = self.g;`",
+    ),
+    (
+        "self.g.zip_map(&q, |a, b| a * b).sum()",
+        "zip_map",
+        "the type of `self.g` is not known",
+    ),
+    (
+        "use physics::consts; q.x",
+        "consts",
+        "imported within this body",
+    ),
+    (
+        "self.g.map(|x| x * x).sum()",
+        "map",
+        "of a vector write `let g: Vector3<f64> = self.g;`",
+    ),
+    (
         "(Rotation2::new(q.x) * self.g).x",
         "self.g",
         "the type of `self.g` is not known",
