@@ -9,7 +9,7 @@ use syn::ItemImpl;
 use crate::algebra::Arena;
 use crate::backend::rust::{self, Context, Derived};
 use crate::discretise::equations;
-use crate::discretise::stages;
+use crate::discretise::stages::{self, Stages};
 use crate::discretise::tangent;
 use crate::errors::Errors;
 use crate::explain;
@@ -144,9 +144,10 @@ fn derive(
         None
     } else {
         arena.grant(work);
-        Some(budget.stage(&mut arena, |arena| {
-            stages::stages(&model, &mechanics, arena)
-        })?)
+        let stages = |arena: &mut Arena| stages::stages(&model, &mechanics, arena);
+        let at_node = budget.stage(&mut arena, stages)?;
+        check_stages(&block, &model, &at_node)?;
+        Some(at_node)
     };
     // what is left to do is in proportion to what has been built
     arena.grant(usize::MAX);
@@ -313,6 +314,38 @@ fn check_size(block: &Annotated, model: &Model) -> syn::Result<()> {
         "this system is too large to unroll: {n} coordinates and {m} noise terms have {entries} second derivatives, and the limit is {ENTRIES}; use fewer of them"
     );
     Err(syn::Error::new(block.lagrangian.name.span(), message))
+}
+
+/// Unknowns of all stages of a step. Newton's method keeps a matrix of this size on the stack, where it is needed.
+const UNKNOWNS_OF_STAGES: usize = 160;
+
+/// Returns an error for each rule whose stages have too many unknowns together.
+fn check_stages(block: &Annotated, model: &Model, at_node: &Stages) -> syn::Result<()> {
+    let mut errors = Errors::new();
+    for listed in &block.arguments.rules {
+        let Some(stages) = listed.rule.stages() else {
+            continue;
+        };
+        let of_one = at_node.unknowns(1, model.dof());
+        let (n, unknowns) = (model.dof(), stages * of_one);
+        if unknowns <= UNKNOWNS_OF_STAGES {
+            continue;
+        }
+        let name = listed.rule.name();
+        let most = UNKNOWNS_OF_STAGES / of_one;
+        let fewer = Rule::all()
+            .into_iter()
+            .filter(|rule| rule.stages().is_some_and(|s| s <= most));
+        let instead = match fewer.last() {
+            Some(rule) => format!("`{}`, or a composition of `midpoint`", rule.name()),
+            None => "a composition of `midpoint`".to_owned(),
+        };
+        errors.push(
+            listed.place,
+            format!("`{name}` has {unknowns} unknowns for {n} coordinates, and the limit is {UNKNOWNS_OF_STAGES}: use {instead} (`Composed`)"),
+        );
+    }
+    errors.finish(())
 }
 
 /// The work that is granted to the derivatives, and then to each rule.
