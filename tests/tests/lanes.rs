@@ -34,7 +34,7 @@ fn step(case: &dyn Case, block: &Block) -> (Vec<Point>, Mask) {
 const UNITS: f64 = 40.0;
 
 /// Steps that are not made in lanes: they are too large, banded, or have more unknowns than the bounds judge, L is not quadratic in
-/// the velocity, or noise moves the momentum that is its own unknown.
+/// the velocity, or, for `Actions`, the bounds accept no step.
 const ONE_BY_ONE: [&str; 18] = [
     "Actions by stormer_verlet",
     "Chain by midpoint",

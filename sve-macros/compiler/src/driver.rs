@@ -211,7 +211,8 @@ fn steps(
     for &is_unstructured in forms {
         for listed in &without {
             // the Gauss rules are derived from one node, and from the whole action for comparison only
-            if listed.rule.stages().is_some() && !is_unstructured {
+            let has_stage_noise = listed.rule.options.contain(RuleOption::StageNoise);
+            if listed.rule.stages().is_some() && (!is_unstructured || has_stage_noise) {
                 continue;
             }
             arena.grant(budget.work);

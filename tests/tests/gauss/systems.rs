@@ -24,7 +24,15 @@ pub(crate) struct DoublePendulum {
     pub(crate) s: f64,
 }
 
-#[variational(gauss(2), gauss(3), gauss(4), gauss(8))]
+#[variational(
+    gauss(2),
+    gauss(3),
+    gauss(4),
+    gauss(8),
+    gauss(2, stage_noise),
+    gauss(3, stage_noise),
+    gauss(8, stage_noise)
+)]
 impl DoublePendulum {
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
         let [m1, m2] = self.m;
@@ -48,7 +56,14 @@ pub(crate) struct Kubo {
     pub(crate) sigma: f64,
 }
 
-#[variational(gauss(2), gauss(3), gauss(8))]
+#[variational(
+    gauss(2),
+    gauss(3),
+    gauss(8),
+    gauss(2, stage_noise),
+    gauss(3, stage_noise),
+    gauss(8, stage_noise)
+)]
 impl Kubo {
     fn lagrangian(&self, q: f64, v: f64) -> f64 {
         v * v / (2.0 * self.a) - self.a / 2.0 * q * q

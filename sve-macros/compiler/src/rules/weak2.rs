@@ -204,20 +204,8 @@ pub(crate) fn weak_order(
     if model.noises.is_empty() {
         return order;
     }
-    let is_free = |entry: &Expr| {
-        let mut state = model.q.iter().chain(&model.v).chain(&model.p);
-        !state.any(|&s| arena.contains(*entry, s))
-    };
-    let gradients = mechanics.noises.iter().flat_map(|noise| &noise.dq);
-    let is_additive = mechanics
-        .lagrangian
-        .dvv
-        .iter()
-        .flatten()
-        .chain(gradients)
-        .all(is_free);
     if rule.options.contain(RuleOption::Weak2)
-        || is_additive && obstacle(model, mechanics, false, arena).is_none()
+        || mechanics.is_additive && obstacle(model, mechanics, false, arena).is_none()
     {
         order.min(2)
     } else {
