@@ -11,7 +11,7 @@
 //!
 //! The derivation is in `docs/mathematics.md`, section 9.
 //!
-//! Input: the model with its derivatives. Output: `Σ_a K_a`, or the reason why the term does not raise the weak order.
+//! Input: the model with its derivatives. Output: `Σ_a K_a`, or the reason why the option is refused.
 
 use super::{Rule, RuleOption};
 use crate::algebra::{Arena, Expr};
@@ -28,7 +28,7 @@ pub(crate) struct Weak2 {
     pub(crate) takes_h1: bool,
 }
 
-/// Why the term does not raise the weak order.
+/// Why the option is refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Obstacle {
     /// Two noises do not commute.
@@ -42,7 +42,7 @@ pub(crate) enum Obstacle {
     NoInverseMass(NoFormula),
 }
 
-/// The reason why no term raises the weak order of a rule for this model, as far as the model alone says.
+/// The reason why the option is refused, as far as it does not concern the inverse of the mass matrix.
 fn obstacle(
     model: &Model,
     mechanics: &Mechanics,
