@@ -92,6 +92,7 @@ mod error;
 mod file;
 #[cfg(feature = "serde")]
 mod floats;
+mod gauss;
 mod integrator;
 mod jets;
 mod lanes;
@@ -128,7 +129,7 @@ pub use method::{Method, OneStepMethod};
 /// Vectors, matrices and rotations, in the version that this crate uses.
 pub use nalgebra;
 pub use plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder, Substeps};
-pub use rules::{Endpoint, InitialPoint, Midpoint, StormerVerlet, Taylor2, Weak2};
+pub use rules::{Endpoint, Gauss, InitialPoint, Midpoint, StormerVerlet, Taylor2, Weak2};
 pub use solve::newton::{BlockSolver, Newton};
 pub use state::State;
 /// A system with time-dependent L, a helper, a constant, a parameter array and two noises:
@@ -263,7 +264,7 @@ pub mod prelude {
         FromRng, NoNoise, Noise, NoiseError, Recorded, Replayable, ThreePoint, Truncated, Wiener,
     };
     pub use crate::{
-        BlanesMoan4, BlanesMoanRkn6, Composed, Endpoint, InitialPoint, Integrator, KahanLi8,
+        BlanesMoan4, BlanesMoanRkn6, Composed, Endpoint, Gauss, InitialPoint, Integrator, KahanLi8,
         Mechanics, Method, Midpoint, Newton, OneStepMethod, Snapshot, Split, State, StepError,
         StormerVerlet, Taylor2, Weak2, variational,
     };
@@ -277,11 +278,15 @@ pub mod prelude {
 #[doc(hidden)]
 pub mod __private {
     pub use crate::angle_addition::sin_cos_of_sum;
+    /// The interface of generated steps of Gauss rules.
+    pub mod gauss {
+        pub use crate::gauss::*;
+    }
     /// The interface of generated steps in lanes.
     pub mod lane {
         pub use crate::lanes::elementary::*;
         pub use crate::lanes::newton::NewtonLanes;
-        pub use crate::lanes::solve::{factored, solve};
+        pub use crate::lanes::solve::{factored, inverse, solve};
         pub use crate::lanes::{LANES, Lane, Mask, StateLanes, needs_scalar_step, rows};
         pub use crate::solve::diagonal::solve_in_lane as solve_diagonal;
     }

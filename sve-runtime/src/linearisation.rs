@@ -47,6 +47,21 @@ impl Linearisation {
         }
     }
 
+    /// Stores these matrices.
+    pub(crate) fn of_matrices(
+        residual_by_unknowns: DMatrix<f64>,
+        residual_by_inputs: DMatrix<f64>,
+        output_by_unknowns: DMatrix<f64>,
+        output_by_inputs: DMatrix<f64>,
+    ) -> Self {
+        Self {
+            residual_by_unknowns,
+            residual_by_inputs,
+            output_by_unknowns,
+            output_by_inputs,
+        }
+    }
+
     /// Returns `dy/dz`. With `increments` the results are differences to the state at the start, whose derivative is added.
     ///
     /// # Errors

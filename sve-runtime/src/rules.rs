@@ -24,6 +24,11 @@ rules! {
     Taylor2
 }
 
+/// The Gauss–Galerkin rule with `S` stages, from 2 to 8: `S_d = Σ h b_i L(t₀ + c_i h, Q_i, V_i) + …` with nodes and weights of Gauss quadrature, self-adjoint.
+/// Deterministic order `2 S`. In the attribute it is `gauss(4)`, as the rule of an integrator `Gauss::<4>`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Gauss<const S: usize>;
+
 /// The rule `R` with the option `weak2`, which the attribute writes `midpoint(weak2)` or `stormer_verlet(weak2)`: weak order 2 with one Gaussian increment a process, where `R` has 1.
 ///
 /// The action gets a potential that removes the leading error of expectations, `S_d −= h|h|/8 Σ ⟨∂γ/∂q, M⁻¹ ∂γ/∂q⟩` at the node of the midpoint rule with M = ∂²L/∂v², and the mean of this term over both ends for

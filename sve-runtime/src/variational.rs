@@ -66,7 +66,7 @@ impl<const K: usize> Memory for Option<[f64; K]> {
     message = "no step of the rule `{R}` has been derived for `{Self}`",
     label = "this rule is not in the attribute of the `impl` block",
     note = "list the rule in the attribute, for example `#[variational(midpoint, endpoint)]`; \
-            the attribute names are `initial_point`, `endpoint`, `midpoint`, `stormer_verlet`, `taylor2`"
+            the attribute names are `initial_point`, `endpoint`, `midpoint`, `stormer_verlet`, `gauss(2)` to `gauss(8)`, `taylor2`"
 )]
 pub trait Discretised<R>: System {
     /// The increments of a step: one number for each process, or for each process and stage.
@@ -75,6 +75,8 @@ pub trait Discretised<R>: System {
     type Prepared: Clone;
     /// What a trajectory carries from step to step.
     type Memory: Memory;
+    /// Increments of a process in a step: 1, or the stages of a rule with stage noise.
+    const STAGES: usize = 1;
     /// The plan of the step.
     const PLAN: &'static Plan;
     /// Whether a step is a sum of the state and an increment, so that its rounding errors can be compensated.
@@ -172,6 +174,7 @@ impl<S: Discretised<R>, R> Discretised<R> for &S {
     type Increments = S::Increments;
     type Prepared = S::Prepared;
     type Memory = S::Memory;
+    const STAGES: usize = S::STAGES;
     const PLAN: &'static Plan = S::PLAN;
     const HAS_INCREMENTS: bool = S::HAS_INCREMENTS;
 

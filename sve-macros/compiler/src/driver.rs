@@ -9,12 +9,13 @@ use syn::ItemImpl;
 use crate::algebra::Arena;
 use crate::backend::rust::{self, Context, Derived};
 use crate::discretise::equations;
+use crate::discretise::stages;
 use crate::discretise::tangent;
 use crate::errors::Errors;
 use crate::explain;
 use crate::interpret;
 use crate::rules::weak2::{self, Potential};
-use crate::rules::{self, Rule, RuleOption, action};
+use crate::rules::{Rule, RuleOption, action, applicable};
 use crate::structure::{self, Degenerate};
 use crate::syntax::arguments::ListedRule;
 use crate::syntax::nesting;
@@ -121,7 +122,7 @@ fn derive(
             "this block cannot be read",
         ));
     };
-    check_rules(&block, &model)?;
+    applicable::check(&block, &model)?;
     check_size(&block, &model)?;
     let budget = Budget {
         block: &block,
@@ -135,12 +136,26 @@ fn derive(
     })??;
     let momenta = budget.stage(&mut arena, |arena| symmetry::check(&block, &model, arena))??;
     let steps = steps(&budget, &mechanics, &mut arena)?;
+    let rules = block.arguments.rules.iter();
+    let of_stages: Vec<(Rule, usize)> = rules
+        .filter_map(|listed| Some((listed.rule, listed.rule.stages()?)))
+        .collect();
+    let at_node = if of_stages.is_empty() {
+        None
+    } else {
+        arena.grant(work);
+        Some(budget.stage(&mut arena, |arena| {
+            stages::stages(&model, &mechanics, arena)
+        })?)
+    };
     // what is left to do is in proportion to what has been built
     arena.grant(usize::MAX);
     let about = explain::system(&model, &mechanics, &momenta, &arena);
-    let mut weak_order =
-        |derived: &Derived| weak2::weak_order(derived.rule, &model, &mechanics, &mut arena);
-    let weak_orders: Vec<u32> = steps.iter().map(&mut weak_order).collect();
+    let mut weak_orders = Vec::new();
+    for listed in &block.arguments.rules {
+        let order = weak2::weak_order(listed.rule, &model, &mechanics, &mut arena);
+        weak_orders.push((listed.rule, order));
+    }
     mechanics.stabilise(&mut arena);
     let mut output = rust::system(&block, &model, &mechanics, &about, &arena);
     output.extend(rust::momenta(&block, &model, &momenta, &arena));
@@ -150,10 +165,19 @@ fn derive(
         model: &model,
         mechanics: &mechanics,
         momenta: &momenta,
+        weak_orders: &weak_orders,
         about: &about,
         arena: &arena,
     };
-    for (derived, weak_order) in steps.iter().zip(weak_orders) {
+    if let Some(at_node) = &at_node {
+        let code = rust::stages(&context, at_node);
+        for (rule, count) in of_stages {
+            let texts = explain::gauss(rule, count, at_node, &model, &mechanics, &arena);
+            output.extend(rust::gauss(&context, rule, count, at_node, &code, &texts));
+        }
+        output.extend(code.tokens);
+    }
+    for derived in &steps {
         let Derived {
             rule,
             symbols,
@@ -162,7 +186,7 @@ fn derive(
             ..
         } = derived;
         let texts = explain::step(*rule, &model, &mechanics, action, scheme, symbols, &arena);
-        output.extend(rust::rule(&context, derived, weak_order, &texts));
+        output.extend(rust::rule(&context, derived, &texts));
     }
     Ok(output)
 }
@@ -184,6 +208,10 @@ fn steps(
     let mut steps = Vec::new();
     for &is_unstructured in forms {
         for listed in &without {
+            // the runtime has the step of stages
+            if listed.rule.stages().is_some() && !is_unstructured {
+                continue;
+            }
             arena.grant(budget.work);
             steps.push(step(listed.rule, None, is_unstructured, budget, arena)?);
         }
@@ -308,50 +336,6 @@ impl Budget<'_> {
         );
         let place = self.block.lagrangian.name.span();
         Err(syn::Error::new(place, message))
-    }
-}
-
-/// Returns an error for each rule that is not for this system.
-fn check_rules(block: &Annotated, model: &Model) -> syn::Result<()> {
-    let mut errors = Errors::new();
-    for listed in &block.arguments.rules {
-        let (rule, name) = (listed.rule, listed.rule.name());
-        if !model.noises.is_empty() && !rule.takes_noise() {
-            let others = listed_where(|rule| rule.takes_noise());
-            errors.push(
-                listed.place,
-                format!("`{name}` is a rule for systems without noise, and this block has noise terms: use {others}"),
-            );
-        }
-        if model.noises.is_empty() {
-            for &(option, place) in &listed.options {
-                let (option, without) = (option.name(), rule.without(option).name());
-                let message = format!(
-                    "`{option}` is an option for systems with noise, and this block has no noise terms: write `{without}`"
-                );
-                errors.push(place, message);
-            }
-        }
-        if model.force.is_some() && !rule.takes_force() {
-            let others = listed_where(|rule| rule.takes_force());
-            errors.push(
-                listed.place,
-                format!("`{name}` is a rule for systems without forces, and this block has a force: use {others}"),
-            );
-        }
-    }
-    errors.finish(())
-}
-
-/// The names of some rules: `a`, `b` or `c`.
-fn listed_where(wanted: impl Fn(&Rule) -> bool) -> String {
-    let mut rules = Rule::all();
-    rules.retain(wanted);
-    let mut names = rules::names(&rules);
-    names.reverse();
-    match names.split_last() {
-        Some((last, first)) if !first.is_empty() => format!("{} or {last}", first.join(", ")),
-        _ => names.concat(),
     }
 }
 

@@ -6,7 +6,7 @@ use super::sequence::{Sequence, Shared, plan_of};
 use crate::error::StepError;
 use crate::lanes::Mask;
 use crate::plan::Plan;
-use crate::rules::{Midpoint, StormerVerlet};
+use crate::rules::{Gauss, Midpoint, StormerVerlet};
 use crate::system::{FlatStateOf, IncrementLanesOf, StateLanesOf};
 use crate::variational::Discretised;
 
@@ -19,6 +19,7 @@ pub trait Symmetric {}
 
 impl Symmetric for Midpoint {}
 impl Symmetric for StormerVerlet {}
+impl<const S: usize> Symmetric for Gauss<S> {}
 
 /// The fractions of the step in a composition of a symmetric rule.
 pub trait Composition {
@@ -91,6 +92,7 @@ where
     type Increments = S::Increments;
     type Prepared = C::Each<S::Prepared>;
     type Memory = S::Memory;
+    const STAGES: usize = S::STAGES;
     const PLAN: &'static Plan = &plan_of(
         [S::PLAN],
         S::PLAN.rule,

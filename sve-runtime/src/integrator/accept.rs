@@ -37,7 +37,7 @@ pub(crate) fn advance<const N: usize, const M: usize>(
 }
 
 /// Adds the increments to the state if the result is finite. Returns whether it is.
-#[inline]
+#[inline(always)]
 pub(super) fn add<const N: usize>(
     state: &mut State<[f64; N]>,
     h: f64,
@@ -53,7 +53,7 @@ pub(super) fn add<const N: usize>(
 }
 
 /// Replaces the state if the new one is finite and its time changes. Returns whether this is so.
-#[inline]
+#[inline(always)]
 pub(super) fn replace<const N: usize>(
     state: &mut State<[f64; N]>,
     h: f64,

@@ -3,7 +3,6 @@
 //! Invariant: the result of a lane depends on that lane only, and operations are not fused. A path has
 //! the same bits in any lane, beside any neighbours, with vectors of any width.
 
-#[cfg(feature = "ensemble")]
 pub(crate) mod dispatch;
 pub(crate) mod elementary;
 pub(crate) mod newton;

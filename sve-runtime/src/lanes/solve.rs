@@ -98,9 +98,36 @@ impl<const K: usize> Factors<K> {
     }
 }
 
+/// Returns the inverse of `a`; NaN or infinite if `a` is singular.
+#[inline(always)]
+pub fn inverse<const K: usize>(a: &[[f64; K]; K]) -> [[f64; K]; K] {
+    let mut inverse = [[0.0; K]; K];
+    match K {
+        1 => inverse[0][0] = 1.0 / a[0][0],
+        2 => {
+            let scale = 1.0 / (a[0][0] * a[1][1] - a[0][1] * a[1][0]);
+            inverse[0][0] = a[1][1] * scale;
+            inverse[0][1] = -a[0][1] * scale;
+            inverse[1][0] = -a[1][0] * scale;
+            inverse[1][1] = a[0][0] * scale;
+        }
+        _ => {
+            for column in 0..K {
+                let mut unit = [0.0; K];
+                unit[column] = 1.0;
+                let solution = solve(a, &unit);
+                for row in 0..K {
+                    inverse[row][column] = solution[row];
+                }
+            }
+        }
+    }
+    inverse
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{factored, solve};
+    use super::{factored, inverse, solve};
     use crate::solve::dense::{self, tests::Random};
 
     fn compare_with_the_scalar_solve<const K: usize>(random: &mut Random, tolerance: f64) {
@@ -137,6 +164,31 @@ mod tests {
         compare_with_the_scalar_solve::<2>(&mut random, 0.0);
         compare_with_the_scalar_solve::<3>(&mut random, 1.0);
         compare_with_the_scalar_solve::<6>(&mut random, 1.0);
+    }
+
+    fn compare_with_the_identity<const K: usize>(random: &mut Random) {
+        let mut a: [[f64; K]; K] =
+            core::array::from_fn(|_| core::array::from_fn(|_| 0.5 * random.next()));
+        for (i, row) in a.iter_mut().enumerate() {
+            row[i] += 2.0;
+        }
+        let inverse = inverse(&a);
+        for (i, row) in a.iter().enumerate() {
+            for j in 0..K {
+                let entry: f64 = (0..K).map(|k| row[k] * inverse[k][j]).sum();
+                let expected = f64::from(u8::from(i == j));
+                assert!((entry - expected).abs() < 1e-14, "{K} rows: {entry}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_matrix_times_its_inverse_is_the_identity() {
+        let mut random = Random(11);
+        compare_with_the_identity::<1>(&mut random);
+        compare_with_the_identity::<2>(&mut random);
+        compare_with_the_identity::<3>(&mut random);
+        compare_with_the_identity::<5>(&mut random);
     }
 
     #[test]

@@ -1,4 +1,5 @@
 //! Discrete action → equations of the step, and their linearisation around a solution.
 
 pub(crate) mod equations;
+pub(crate) mod stages;
 pub(crate) mod tangent;

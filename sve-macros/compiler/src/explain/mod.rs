@@ -13,11 +13,13 @@
 //! - Parameters are called like their fields; `self.` stands in front of those that are called like something else here.
 //! - `s1`, `c1`, `r1`, `f1`, `u1`, …: sines, cosines, roots, other functions and sums that occur more than once in long formulas.
 
+mod gauss;
 mod names;
 mod page;
 mod step;
 mod system;
 
+pub(crate) use gauss::{STAGES_OF_FIXED_POINT, gauss};
 pub(crate) use names::unknown;
 pub(crate) use step::{StepTexts, step};
 pub(crate) use system::{SystemTexts, symmetry_caveat, system};

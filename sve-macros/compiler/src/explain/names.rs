@@ -97,6 +97,7 @@ pub(crate) fn unknown(symbols: &Symbols, symbol: Symbol) -> String {
     let letter = match family {
         Family::Displacement => "Δq",
         Family::Velocity => "v",
+        Family::StageVelocity => "U",
         Family::Momentum => "p",
         Family::Acceleration => "a",
         Family::VelocityMultiplier => "μ",

@@ -34,7 +34,7 @@ pub(crate) fn step(
         action: textbook,
         mut notation,
         work,
-    } = rule.textbook(&features(model, mechanics, action, arena));
+    } = rule.textbook(&features(model, mechanics, action.half_factor, arena));
     let mut lines = vec![textbook];
     if let Some((text, parts)) = written_out(rule, action, symbols, arena) {
         lines.push(text);
@@ -76,7 +76,12 @@ fn domain(rule: Rule, scheme: &Scheme<Expr>, symbols: &Symbols, arena: &Arena) -
 }
 
 /// What of the system shows in the textbook form of an action.
-fn features(model: &Model, mechanics: &Mechanics, action: &Action, arena: &Arena) -> Features {
+pub(super) fn features(
+    model: &Model,
+    mechanics: &Mechanics,
+    half_factor: Option<f64>,
+    arena: &Arena,
+) -> Features {
     let timed = |e: Expr| arena.contains(e, model.time);
     let noises = &model.noises;
     let gammas = noises.iter().filter(|g| g.is_gamma).count();
@@ -87,7 +92,7 @@ fn features(model: &Model, mechanics: &Mechanics, action: &Action, arena: &Arena
         degrees_of_freedom: model.dof(),
         is_timed: timed(model.lagrangian) || noises.iter().any(|g| timed(g.hamiltonian)),
         force_is_timed: model.force.as_ref().map(|f| f.iter().any(|&e| timed(e))),
-        potential: action.half_factor,
+        potential: half_factor,
         gammas,
         hamiltonians: noises.len() - gammas,
         moves_both: moves_q && moves_p,

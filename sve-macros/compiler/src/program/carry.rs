@@ -7,11 +7,16 @@ use std::collections::{HashMap, HashSet};
 
 use super::instructions::{Operation, Program, Tier, Value, operands};
 use super::step::Step;
+use crate::algebra::Function;
 use crate::structure::{Returns, Solution};
 use crate::system::model::{Meaning, Quantity, Symbols};
 
-/// Number of operations from which on carrying is worth a branch. A call counts as that many.
-const WORTH: usize = 6;
+/// Work that a carried value has to save, in additions: it is stored and loaded between two steps.
+const WORTH: usize = 3;
+
+/// Work of a call, and of a division or a root, in additions.
+const CALL: usize = 30;
+const DIVISION: usize = 4;
 
 /// The values that a trajectory carries from a step to the next.
 pub(crate) struct Carried {
@@ -51,14 +56,15 @@ impl Carried {
             return None;
         }
         let work: usize = sources.iter().map(|&v| weight(program, v)).sum();
-        (work >= WORTH).then_some(Self { pairs, sources })
+        (work >= WORTH * pairs.len()).then_some(Self { pairs, sources })
     }
 }
 
-/// Returns the work of an instruction.
+/// Returns the work of an instruction, in additions.
 fn weight(program: &Program, value: Value) -> usize {
     match program.get(value).operation {
-        Operation::Call(..) | Operation::Call2(..) | Operation::SinCos(_) => WORTH,
+        Operation::Call(Function::Sqrt, _) | Operation::Div(..) | Operation::Recip(_) => DIVISION,
+        Operation::Call(..) | Operation::Call2(..) | Operation::SinCos(_) => CALL,
         Operation::SinOf(_) | Operation::CosOf(_) => 0,
         _ => 1,
     }

@@ -4,7 +4,9 @@
 //! options if its file says so; rules that differ in these are different rules.
 
 pub(crate) mod action;
+pub(crate) mod applicable;
 mod endpoint;
+pub(crate) mod gauss;
 mod initial_point;
 mod midpoint;
 mod one_node;
@@ -35,14 +37,16 @@ impl Rule {
     /// All rules without options, in the order in which messages list them. A family of rules stands here with each number of stages, in
     /// ascending order.
     pub(crate) fn all() -> Vec<Self> {
-        let rules: [Base; 5] = [
+        let first: [Base; 4] = [
             &initial_point::INITIAL_POINT,
             &endpoint::ENDPOINT,
             &midpoint::MIDPOINT,
             &stormer_verlet::StormerVerlet,
-            &taylor2::Taylor2,
         ];
-        rules.into_iter().map(Self::plain).collect()
+        let gauss = gauss::GAUSS.iter().map(|rule| rule as Base);
+        let last: [Base; 1] = [&taylor2::Taylor2];
+        let rules = first.into_iter().chain(gauss).chain(last);
+        rules.map(Self::plain).collect()
     }
 
     /// All rules with all sets of options that they take.

@@ -210,7 +210,7 @@ pub(super) fn kept_unknowns(equations: &Equations, symbols: &Symbols) -> Vec<Has
             of.family == Family::AccelerationMultiplier,
         );
         match family {
-            Family::Velocity => is_motion || !is_own,
+            Family::Velocity | Family::StageVelocity => is_motion || !is_own,
             Family::Acceleration | Family::AccelerationMultiplier => !is_own,
             Family::Displacement | Family::Momentum | Family::VelocityMultiplier => false,
         }

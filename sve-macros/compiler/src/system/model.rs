@@ -105,6 +105,8 @@ pub(crate) enum Family {
     /// `q₁ − q₀`.
     Displacement,
     Velocity,
+    /// The velocity of a path at a stage, beside that at which L is evaluated.
+    StageVelocity,
     Momentum,
     Acceleration,
     /// The multiplier of the equation that defines the velocity of `taylor2`, a momentum.
@@ -125,6 +127,7 @@ impl std::fmt::Display for Unknown {
         let letter = match self.family {
             Family::Displacement => "d",
             Family::Velocity => "v",
+            Family::StageVelocity => "u",
             Family::Momentum => "p",
             Family::Acceleration => "a",
             Family::VelocityMultiplier => "mu",

@@ -65,10 +65,16 @@ impl<'a> BlockSolver<'a> {
         }
     }
 
+    /// Returns whether the step is solved on its own, from its own guesses and with its own tests of the root.
+    #[inline(always)]
+    pub(crate) fn is_fast_path(&self) -> bool {
+        matches!(self.mode, Mode::FastPath)
+    }
+
     /// Returns whether the step has to test roots by the bounds of their blocks.
     #[inline(always)]
     pub fn tests_bounds(&self) -> bool {
-        matches!(self.mode, Mode::FastPath)
+        self.is_fast_path()
     }
 
     /// Solves a block. Starts from `guess`, then from what `fallback` returns; `rounding` bounds the rounding errors of the residual.

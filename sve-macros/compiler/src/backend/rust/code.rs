@@ -17,7 +17,7 @@ const LARGE: usize = 7;
 const SPARSE: usize = 4;
 
 /// Variables of emitted code that are no values of the program.
-const DECLARED: [&str; 34] = [
+const DECLARED: [&str; 43] = [
     "q",
     "v",
     "p",
@@ -50,9 +50,29 @@ const DECLARED: [&str; 34] = [
     "unknowns",
     "rhs",
     "solution",
+    "stage",
+    "stages",
+    "poison",
+    "impulses",
+    "inverse",
+    "masses",
+    "offset",
+    "motion",
+    "p_rows",
     "memory",
     "carried",
 ];
+
+/// What printed statements are part of.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Place {
+    /// A step of a single state.
+    Single,
+    /// A loop over states.
+    Lanes,
+    /// A loop over the stages of a step. Inputs are those of a single state, bound before the statements.
+    Stages,
+}
 
 /// Prints a program.
 pub(super) struct Printer<'a> {
@@ -63,8 +83,8 @@ pub(super) struct Printer<'a> {
     names: Names,
     /// Values that the step reads from what `prepare` returned, with their place there.
     prepared: HashMap<Value, usize>,
-    /// Whether it prints a loop over lanes.
-    lanes: bool,
+    /// What the statements are part of.
+    place: Place,
 }
 
 impl<'a> Printer<'a> {
@@ -80,7 +100,7 @@ impl<'a> Printer<'a> {
             private: private.clone(),
             names: Names::new(program, symbols, labels, &DECLARED),
             prepared: HashMap::new(),
-            lanes: false,
+            place: Place::Single,
         }
     }
 
@@ -92,9 +112,27 @@ impl<'a> Printer<'a> {
         private: &TokenStream,
     ) -> Self {
         Self {
-            lanes: true,
+            place: Place::Lanes,
             ..Self::new(program, symbols, labels, private)
         }
+    }
+
+    /// A printer of loops over stages.
+    pub(super) fn of_stages(
+        program: &'a Program,
+        symbols: &'a Symbols,
+        labels: &Labels,
+        private: &TokenStream,
+    ) -> Self {
+        Self {
+            place: Place::Stages,
+            ..Self::new(program, symbols, labels, private)
+        }
+    }
+
+    /// Whether functions are those without branches, for vectors.
+    fn is_vector(&self) -> bool {
+        self.place != Place::Single
     }
 
     /// Chooses what `prepare` returns: values of its tier that anything later, or `roots`, uses.
@@ -212,17 +250,19 @@ impl<'a> Printer<'a> {
             Operation::Constant(_) | Operation::SinOf(_) | Operation::CosOf(_) => {
                 return TokenStream::new();
             }
-            Operation::Input(symbol) => match input(self.symbols.meaning(symbol), self.lanes) {
-                Some(access) => {
-                    let name = self.name(value);
-                    let access = match self.symbols.meaning(symbol) {
-                        Meaning::Parameter { .. } => number(&access, &self.private),
-                        _ => access,
-                    };
-                    return quote!(let #name: f64 = #access;);
+            Operation::Input(symbol) => {
+                match input(self.symbols.meaning(symbol), self.place == Place::Lanes) {
+                    Some(access) => {
+                        let name = self.name(value);
+                        let access = match self.symbols.meaning(symbol) {
+                            Meaning::Parameter { .. } => number(&access, &self.private),
+                            _ => access,
+                        };
+                        return quote!(let #name: f64 = #access;);
+                    }
+                    None => return TokenStream::new(),
                 }
-                None => return TokenStream::new(),
-            },
+            }
             Operation::Add(a, b) => infix(a, &quote!(+), b),
             Operation::Sub(a, b) => infix(a, &quote!(-), b),
             Operation::Mul(a, b) => infix(a, &quote!(*), b),
@@ -239,24 +279,24 @@ impl<'a> Printer<'a> {
                 let a = of(a);
                 quote!(1f64 / #a)
             }
-            Operation::Call(function, a) if self.lanes => {
+            Operation::Call(function, a) if self.is_vector() => {
                 call_in_lane(function, &of(a), &self.private)
             }
             Operation::Call(function, a) => call(function, &of(a)),
-            Operation::Call2(function, a, b) if self.lanes => {
+            Operation::Call2(function, a, b) if self.is_vector() => {
                 call2_in_lane(function, &of(a), &of(b), &self.private)
             }
             Operation::Call2(function, a, b) => call2(function, &of(a), &of(b), &self.private),
             Operation::AngleAddition(sin, cos, by) => {
                 let [sin_name, cos_name] = self.names.pair(value).map(|name| ident(&name));
                 let (sin, cos, by, private) = (of(sin), of(cos), of(by), &self.private);
-                let module = self.lanes.then(|| quote!(lane::));
+                let module = self.is_vector().then(|| quote!(lane::));
                 return quote!(let (#sin_name, #cos_name) = #private::#module sin_cos_of_sum(#sin, #cos, #by););
             }
             Operation::SinCos(a) => {
                 let [sin, cos] = self.names.pair(value).map(|name| ident(&name));
                 let (a, private) = (of(a), &self.private);
-                if self.lanes {
+                if self.is_vector() {
                     return quote!(let (#sin, #cos) = #private::lane::sin_cos(#a););
                 }
                 return quote!(let (#sin, #cos) = f64::sin_cos(#a););

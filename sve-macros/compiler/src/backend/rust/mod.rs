@@ -3,6 +3,7 @@
 mod code;
 mod configuration;
 mod factors;
+mod gauss;
 mod identity;
 mod lanes;
 mod linearise;
@@ -12,14 +13,17 @@ mod plan;
 mod rounding;
 mod rule;
 mod solve;
+mod stages;
 mod step;
 mod straight;
 mod system;
 mod unstructured;
 
+pub(crate) use gauss::gauss;
 pub(crate) use momenta::momenta;
 pub(crate) use placeholders::placeholders;
 pub(crate) use rule::rule;
+pub(crate) use stages::stages;
 pub(crate) use system::system;
 
 use proc_macro2::{Ident, Literal, Span, TokenStream, TokenTree};
@@ -44,6 +48,8 @@ pub(crate) struct Context<'a> {
     pub(crate) model: &'a Model,
     pub(crate) mechanics: &'a Mechanics,
     pub(crate) momenta: &'a [MomentumMap],
+    /// The weak orders of the rules in the attribute.
+    pub(crate) weak_orders: &'a [(Rule, u32)],
     pub(crate) about: &'a SystemTexts,
     pub(crate) arena: &'a Arena,
 }

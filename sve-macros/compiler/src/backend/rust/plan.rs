@@ -16,8 +16,54 @@ pub(super) fn plan(
     private: &TokenStream,
     context: &Context<'_>,
     derived: &Derived,
-    weak_order: u32,
     texts: &StepTexts,
+    work: &Work,
+) -> TokenStream {
+    let blocks = derived.scheme.blocks.iter();
+    let blocks = blocks.map(|b| self::block(private, b, &derived.symbols));
+    plan_with(
+        private,
+        context,
+        derived.rule,
+        texts,
+        &quote!(#(#blocks),*),
+        work,
+    )
+}
+
+/// The unknowns of a step that is solved in one block, and what it costs.
+pub(super) struct Cost<'a> {
+    pub(super) unknowns: &'a [String],
+    pub(super) work: Work,
+}
+
+/// The plan of a step that is solved in one block, with a full Jacobian.
+pub(super) fn plan_of(
+    private: &TokenStream,
+    context: &Context<'_>,
+    rule: Rule,
+    texts: &StepTexts,
+    cost: &Cost<'_>,
+) -> TokenStream {
+    let Cost { unknowns, work } = cost;
+    let nonzeros = unknowns.len() * unknowns.len();
+    let block = quote! {
+        #private::Block {
+            kind: #private::BlockKind::Newton,
+            unknowns: &[#(#unknowns),*],
+            nonzeros: #nonzeros,
+            band: ::core::option::Option::None,
+        }
+    };
+    plan_with(private, context, rule, texts, &block, work)
+}
+
+fn plan_with(
+    private: &TokenStream,
+    context: &Context<'_>,
+    rule: Rule,
+    texts: &StepTexts,
+    blocks: &TokenStream,
     work: &Work,
 ) -> TokenStream {
     let Context {
@@ -26,17 +72,10 @@ pub(super) fn plan(
         model,
         mechanics,
         momenta,
+        weak_orders,
         about,
         arena: _,
     } = context;
-    let Derived {
-        rule,
-        is_unstructured: _,
-        symbols,
-        action: _,
-        scheme,
-        linearisation: _,
-    } = derived;
     let StepTexts {
         action,
         step: equations,
@@ -50,13 +89,11 @@ pub(super) fn plan(
     let (n, m) = (model.dof(), model.noises.len());
     let strong = match &mechanics.commutation {
         _ if m == 0 => quote!(Deterministic),
-        Commutation::All(_) => strong_order(*rule, None),
-        Commutation::NonCommuting(a, b) => strong_order(*rule, Some((a, b))),
+        Commutation::All(_) => strong_order(rule, None),
+        Commutation::NonCommuting(a, b) => strong_order(rule, Some((a, b))),
     };
-    let blocks = scheme
-        .blocks
-        .iter()
-        .map(|b| self::block(private, b, symbols));
+    let of_rule = weak_orders.iter().filter(|(other, _)| *other == rule);
+    let weak_order = of_rule.map(|(_, order)| order);
     let conserved = momenta.iter().filter(|map| map.is_affine);
     let conserved = conserved.map(|map| format!("{}_momentum", map.name));
     let Work {
@@ -74,10 +111,10 @@ pub(super) fn plan(
             substeps: ::core::option::Option::None,
             degrees_of_freedom: #n,
             noises: #m,
-            blocks: &[#(#blocks),*],
+            blocks: &[#blocks],
             deterministic_order: #order,
             strong_order: #private::StrongOrder::#strong,
-            weak_order: #weak_order,
+            weak_order: #(#weak_order)*,
             conserved: &[#(#conserved),*],
             prepare: #prepare,
             step: #step,

@@ -13,12 +13,7 @@ use crate::explain::StepTexts;
 use crate::structure::{Block, Returns, Solution};
 use crate::system::model::{Family, Meaning, Symbols, Unknown};
 
-pub(crate) fn rule(
-    context: &Context<'_>,
-    derived: &Derived,
-    weak_order: u32,
-    texts: &StepTexts,
-) -> TokenStream {
+pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) -> TokenStream {
     let (private, attributes) = (private(context.block), attributes());
     let (model, arena) = (context.model, context.arena);
     let Derived {
@@ -45,7 +40,7 @@ pub(crate) fn rule(
         work,
     } = code(derived, &private, context);
     let (memory, memory_type) = memory(carried);
-    let plan = plan(&private, context, derived, weak_order, texts, &work);
+    let plan = plan(&private, context, derived, texts, &work);
     let returns = match scheme.returns {
         Returns::Increment => quote!(Increment),
         Returns::State => quote!(State),
@@ -56,7 +51,7 @@ pub(crate) fn rule(
         .then(|| lanes(scheme, model.noises.len(), symbols, &private, arena))
         .flatten();
     let [doc, increment_doc] = documentation(texts);
-    let start = start(&linearisation.unknowns, symbols);
+    let start = start(&linearisation.unknowns, model.dof(), symbols);
     let domain = domain(texts);
     quote! {
         #doc
@@ -125,15 +120,16 @@ fn domain(texts: &StepTexts) -> Option<TokenStream> {
 }
 
 /// What unknowns are in the limit of no noise and h → 0, where nothing moves and the acceleration is that of the motion.
-fn start(unknowns: &[Symbol], symbols: &Symbols) -> TokenStream {
+/// Those of later stages have the indices after those of the first.
+fn start(unknowns: &[Symbol], coordinates: usize, symbols: &Symbols) -> TokenStream {
     let entries = unknowns.iter().map(|&symbol| {
         let Meaning::Unknown(Unknown { family, index }) = *symbols.meaning(symbol) else {
             return quote!(0f64);
         };
-        let i = Literal::usize_unsuffixed(index);
+        let i = Literal::usize_unsuffixed(index % coordinates);
         match family {
             Family::Displacement | Family::AccelerationMultiplier => quote!(0f64),
-            Family::Velocity => quote!(velocity[#i]),
+            Family::Velocity | Family::StageVelocity => quote!(velocity[#i]),
             Family::Acceleration => quote!(acceleration[#i]),
             // the multiplier of the velocity is the momentum
             Family::Momentum | Family::VelocityMultiplier => quote!(state.p[#i]),

@@ -125,13 +125,10 @@ fn with_carried(
     let (here, there): (Vec<Value>, Vec<Value>) = carried.pairs.iter().copied().unzip();
     let (here, there) = (printer.array(&here), printer.array(&there));
     let take = quote! {
-        let #here = match *memory {
-            ::core::option::Option::Some(carried) => carried,
-            ::core::option::Option::None => {
-                #sources
-                #here
-            }
-        };
+        let #here = *memory.get_or_insert_with(|| {
+            #sources
+            #here
+        });
         #others
     };
     (

@@ -1,0 +1,169 @@
+//! `impl Variational<Gauss<S>>`: a thin layer over the runtime's functions for steps of many stages.
+
+use proc_macro2::{Literal, TokenStream};
+use quote::{ToTokens, quote};
+
+use super::plan::{Cost, plan_of};
+use super::stages::StageCode;
+use super::{Context, attributes, documented, private};
+use crate::discretise::stages::{Form, Stages};
+use crate::explain::{STAGES_OF_FIXED_POINT, StepTexts};
+use crate::program::{Operations, Work};
+use crate::rules::Rule;
+
+pub(crate) fn gauss(
+    context: &Context<'_>,
+    rule: Rule,
+    count: usize,
+    stages: &Stages,
+    code: &StageCode,
+    texts: &StepTexts,
+) -> TokenStream {
+    let (private, attributes) = (private(context.block), attributes());
+    let self_ty = &context.block.item.self_ty;
+    let runtime = context.block.arguments.runtime.to_token_stream();
+    let rule_type = super::rule_type(rule, &runtime);
+    let dof = context.model.dof();
+    let unknowns = if stages.moves_position { 2 } else { 1 } * count * dof;
+    let [n, m, s, k] =
+        [dof, context.model.noises.len(), count, unknowns].map(Literal::usize_unsuffixed);
+    let rows = match stages.form {
+        Form::General => 0,
+        Form::SecondOrder { .. } => 1,
+        Form::Partitioned { .. } => 2,
+    };
+    // with noise, stages say nothing of those of the next step; with few stages none are iterated
+    let carries = context.model.noises.is_empty() && count >= STAGES_OF_FIXED_POINT && rows > 0;
+    let l = Literal::usize_unsuffixed(1 + rows * dof * count);
+    let (memory_type, memory) = if carries {
+        (quote!(::core::option::Option<[f64; #l]>), quote!(memory))
+    } else {
+        (quote!(()), quote!(&mut ::core::option::Option::None))
+    };
+    let (prepared, prepare, increment) = match stages.form {
+        Form::General => (
+            quote!(()),
+            quote!(),
+            quote!(#private::gauss::newton_increment::<Self, _, #s, #n, #m, #k>(self, state, h, dw, newton)),
+        ),
+        Form::SecondOrder { .. } => (
+            quote!(#private::gauss::InverseMass<#n>),
+            quote!(#private::gauss::InverseMass::of(self)),
+            quote!(#private::gauss::second_order_increment::<Self, _, #s, #n, #m, #k, #l>(self, prepared, #memory, state, h, dw, newton)),
+        ),
+        Form::Partitioned { .. } => (
+            quote!(()),
+            quote!(),
+            quote!(#private::gauss::partitioned_increment::<Self, _, #s, #n, #m, #k, #l>(self, #memory, state, h, dw, newton)),
+        ),
+    };
+    let names = names(count, dof, stages.moves_position);
+    let plan = plan_of(
+        &private,
+        context,
+        rule,
+        texts,
+        &cost(&names, code, count, dof),
+    );
+    let StepTexts { action, step, .. } = texts;
+    let doc = documented(&[
+        (
+            "Discrete action, of which `p₀ = −∂S/∂q₀`, `p₁ = ∂S/∂q₁`, `0 = ∂S/∂(each internal variable)`:",
+            action,
+        ),
+        ("Equations of the step:", step),
+    ]);
+    quote! {
+        #doc
+        #attributes
+        impl #private::StepEquations<#rule_type> for #self_ty {
+            type Prepared = #prepared;
+            type Increments = [f64; #m];
+            type Memory = #memory_type;
+            type Unknowns = [f64; #k];
+            const PLAN: &'static #private::Plan = &#plan;
+            const RETURNS: #private::Returns = #private::Returns::Increment;
+            #[inline]
+            fn prepare(&self, h: f64) -> #prepared {
+                #prepare
+            }
+            fn start(
+                &self,
+                state: &#private::State<[f64; #n]>,
+                velocity: &[f64; #n],
+                acceleration: &[f64; #n],
+            ) -> [f64; #k] {
+                #private::gauss::start::<#s, #n, #k>(velocity)
+            }
+            #[inline]
+            fn increment(
+                &self,
+                prepared: &#prepared,
+                memory: &mut #memory_type,
+                state: &#private::State<[f64; #n]>,
+                h: f64,
+                dw: &[f64; #m],
+                newton: &#private::BlockSolver<'_>,
+            ) -> ::core::result::Result<([f64; #n], [f64; #n], [f64; #k]), #private::SolveError> {
+                #increment
+            }
+            fn linearise(
+                &self,
+                state: &#private::State<[f64; #n]>,
+                h: f64,
+                dw: &[f64; #m],
+                unknowns: &[f64; #k],
+            ) -> #private::Linearisation {
+                #private::gauss::linearise::<Self, _, #s, #n, #m, #k>(self, state, h, dw, unknowns)
+            }
+        }
+        #private::derived_rule! { #self_ty, #rule_type }
+    }
+}
+
+/// Names of the unknowns: velocities of the stages, then displacements.
+fn names(stages: usize, dof: usize, moves_position: bool) -> Vec<String> {
+    const DIGITS: [&str; 9] = ["", "₁", "₂", "₃", "₄", "₅", "₆", "₇", "₈"];
+    let letters = if moves_position {
+        &["V", "Y"][..]
+    } else {
+        &["V"]
+    };
+    let mut names = Vec::new();
+    for letter in letters {
+        for stage in 1..=stages {
+            for i in 0..dof {
+                let component = if dof == 1 {
+                    String::new()
+                } else {
+                    format!("[{i}]")
+                };
+                names.push(format!("{letter}{}{component}", DIGITS[stage]));
+            }
+        }
+    }
+    names
+}
+
+/// What the plan says of the cost: an iteration is a sweep over the stages, with the products with the matrix of the rule.
+fn cost<'a>(names: &'a [String], code: &StageCode, stages: usize, dof: usize) -> Cost<'a> {
+    let Operations {
+        arithmetic,
+        transcendental,
+        angle_additions,
+    } = code.operations;
+    let iteration = Operations {
+        arithmetic: stages * (arithmetic + 2 * stages * dof),
+        transcendental: stages * transcendental,
+        angle_additions: stages * angle_additions,
+    };
+    Cost {
+        unknowns: names,
+        work: Work {
+            prepare: Operations::default(),
+            carried: Operations::default(),
+            step: iteration,
+            iteration,
+        },
+    }
+}

@@ -1,0 +1,452 @@
+//! What the Gauss rules need of a system, once for all of them: the node's function as a loop over the stages, and derivatives by the parameters.
+//!
+//! Input: the equations at a node. Output: implementations of traits in the runtime's `gauss`. Invariant: no branches and no calls within a loop over the
+//! stages, so that the compiler turns it into vector instructions.
+
+use proc_macro2::{Literal, TokenStream};
+use quote::quote;
+
+use super::code::Printer;
+use super::step::inside;
+use super::straight::Straight;
+use super::{Context, attributes, private};
+use crate::algebra::{Arena, Expr};
+use crate::discretise::stages::{Form, Impulse, ParameterJet, Stages};
+use crate::program::{Labels, Operations, Program, Scheduler, Tier, Tiers, Value};
+use crate::structure::domain::Condition;
+use crate::system::model::Model;
+
+/// The implementations, and the operations of a sweep at one stage.
+pub(crate) struct StageCode {
+    pub(crate) tokens: TokenStream,
+    pub(crate) operations: Operations,
+}
+
+pub(crate) fn stages(context: &Context<'_>, stages: &Stages) -> StageCode {
+    let (private, attributes) = (private(context.block), attributes());
+    let self_ty = &context.block.item.self_ty;
+    let parameters = parameter_jets(context, stages, &private);
+    let writer = Writer {
+        private: &private,
+        model: context.model,
+        stages,
+        arena: context.arena,
+    };
+    let sizes = writer.sizes();
+    let (kernel, operations) = match &stages.form {
+        Form::General => (TokenStream::new(), Operations::default()),
+        Form::SecondOrder {
+            has_diagonal_mass,
+            impulse,
+        } => {
+            let (body, operations) = writer.impulses(impulse);
+            let tokens = quote! {
+                #attributes
+                impl #private::gauss::SecondOrder<#sizes> for #self_ty {
+                    const HAS_DIAGONAL_MASS: bool = #has_diagonal_mass;
+                    #body
+                }
+            };
+            (tokens, operations)
+        }
+        Form::Partitioned {
+            mass,
+            is_diagonal,
+            offset,
+            impulse,
+            shift,
+        } => {
+            let (body, operations) = writer.sweep(mass, *is_diagonal, offset, impulse, shift);
+            let tokens = quote! {
+                #attributes
+                impl #private::gauss::Partitioned<#sizes> for #self_ty {
+                    #body
+                }
+            };
+            (tokens, operations)
+        }
+    };
+    StageCode {
+        tokens: quote! {
+            #attributes
+            impl #private::gauss::ByParameters<#sizes> for #self_ty {
+                #parameters
+            }
+            #kernel
+        },
+        operations,
+    }
+}
+
+/// `fn parameter_jets`.
+fn parameter_jets(context: &Context<'_>, stages: &Stages, private: &TokenStream) -> TokenStream {
+    let (n, m) = (context.model.dof(), context.model.noises.len());
+    let visits = stages.parameters.iter().map(|jet| {
+        let ParameterJet {
+            dq,
+            dv,
+            force,
+            noise_dq,
+            noise_dp,
+        } = jet;
+        let vectors = [dq.clone(), dv.clone()];
+        let force = [force.clone()];
+        let roots: Vec<Expr> = [&vectors[..], &force, noise_dq, noise_dp].concat().concat();
+        let row = |name: &str, count: usize| vec![name.to_owned(); count];
+        let matrices: [(&[Vec<Expr>], Vec<String>); 4] = [
+            (&vectors, ["dq", "dv"].map(ToOwned::to_owned).to_vec()),
+            (&force, row("force", 1)),
+            (noise_dq, row("noise_dq", m)),
+            (noise_dp, row("noise_dp", m)),
+        ];
+        let straight = Straight::new(context.arena, &stages.symbols, &roots);
+        let (statements, arrays) = straight.finish(private, &matrices);
+        let [vectors, force, noise_dq, noise_dp] = arrays.as_slice() else {
+            return TokenStream::new();
+        };
+        let force = if jet.force.is_empty() {
+            let n = Literal::usize_unsuffixed(n);
+            quote!([[0f64; #n]])
+        } else {
+            force.clone()
+        };
+        quote! {{
+            #statements
+            let [dq, dv] = #vectors;
+            let [force] = #force;
+            visit(#private::gauss::ParameterJet { dq, dv, force, noise_dq: #noise_dq, noise_dp: #noise_dp });
+        }}
+    });
+    let [n, m] = [n, m].map(Literal::usize_unsuffixed);
+    quote! {
+        fn parameter_jets(
+            &self,
+            time: f64,
+            q: &[f64; #n],
+            v: &[f64; #n],
+            p: &[f64; #n],
+            visit: &mut dyn ::core::ops::FnMut(#private::gauss::ParameterJet<#n, #m>),
+        ) {
+            #(#visits)*
+        }
+    }
+}
+
+/// Writes the loops over the stages.
+struct Writer<'a> {
+    private: &'a TokenStream,
+    model: &'a Model,
+    stages: &'a Stages,
+    arena: &'a Arena,
+}
+
+/// A program of one loop: what does not depend on the stage, what is known with its position, and what waits for its velocity.
+struct Body {
+    before: TokenStream,
+    known: TokenStream,
+    late: TokenStream,
+    results: Vec<TokenStream>,
+    operations: Operations,
+}
+
+impl Writer<'_> {
+    /// `N, M`.
+    fn sizes(&self) -> TokenStream {
+        let sizes = [self.model.dof(), self.model.noises.len()];
+        let [n, m] = sizes.map(Literal::usize_unsuffixed);
+        quote!(#n, #m)
+    }
+
+    /// The program of some expressions.
+    fn body(&self, roots: &[Expr]) -> Body {
+        let Stages {
+            symbols,
+            weight,
+            dw,
+            ..
+        } = self.stages;
+        let mut tiers = Tiers::new();
+        let early = [self.model.time, *weight];
+        let early = early
+            .iter()
+            .chain(&self.model.q)
+            .chain(&self.model.p)
+            .chain(dw);
+        tiers.extend(early.map(|&s| (s, Tier::State)));
+        tiers.extend(self.model.v.iter().map(|&s| (s, Tier::Iterate(0))));
+        let mut scheduler = Scheduler::new(self.arena, symbols, tiers, roots);
+        let values = scheduler.values(roots);
+        let mut labels = Labels::default();
+        labels.expressions(&scheduler, self.arena, symbols, &[], roots);
+        let program: Program = scheduler.finish(&values);
+        let printer = Printer::of_stages(&program, symbols, &labels, self.private);
+        let print = |tier| printer.statements(tier);
+        let result = |&value: &Value| printer.operand(value);
+        Body {
+            before: print(Tier::Prepare),
+            known: print(Tier::State),
+            late: print(Tier::Iterate(0)),
+            results: values.iter().map(result).collect(),
+            operations: Operations::of(&program, |tier| tier != Tier::Prepare),
+        }
+    }
+
+    /// Reads what belongs to a stage. Momenta are in `p_rows`, where there are some.
+    fn inputs(&self, has_momenta: bool) -> TokenStream {
+        let row = |rows: TokenStream, count: usize| {
+            let entries = (0..count).map(|i| {
+                let i = Literal::usize_unsuffixed(i);
+                quote!(#rows[#i][stage])
+            });
+            quote!([#(#entries),*])
+        };
+        let (n, m) = (self.model.dof(), self.model.noises.len());
+        let q = row(quote!(stages.q), n);
+        let dw = row(quote!(stages.noise), m);
+        let p = has_momenta.then(|| {
+            let p = row(quote!(p_rows), n);
+            quote!(let p = #p;)
+        });
+        quote! {
+            let time: f64 = stages.times[stage];
+            let h: f64 = stages.weights[stage];
+            let q = #q;
+            let dw: [f64; #m] = #dw;
+            #p
+        }
+    }
+
+    /// `fn impulses`.
+    fn impulses(&self, impulse: &Impulse) -> (TokenStream, Operations) {
+        let n = self.model.dof();
+        let domain = impulse.domain.iter().map(|c| c.value);
+        let roots: Vec<Expr> = impulse.value.iter().copied().chain(domain).collect();
+        let Body {
+            before,
+            known,
+            late,
+            results,
+            operations,
+        } = self.body(&roots);
+        let inputs = self.inputs(false);
+        let [poison, poisoned] = poison(&impulse.domain, &results[n..]);
+        let stores = stores(&quote!(impulses), &results[..n], &poisoned);
+        let sizes = self.sizes();
+        let n = Literal::usize_unsuffixed(n);
+        let private = self.private;
+        let tokens = quote! {
+            #[inline(always)]
+            fn impulses<const S: usize>(
+                &self,
+                stages: &#private::gauss::StageLanes<'_, S, #sizes>,
+            ) -> [[f64; S]; #n] {
+                #before
+                let mut impulses = [[0f64; S]; #n];
+                for stage in 0..S {
+                    #inputs
+                    #known
+                    #late
+                    #poison
+                    #stores
+                }
+                impulses
+            }
+        };
+        (tokens, operations)
+    }
+
+    /// `fn impulses` and `fn displacements` of a system with masses that depend on the position.
+    fn sweep(
+        &self,
+        mass: &[Vec<Expr>],
+        is_diagonal: bool,
+        offset: &[Expr],
+        impulse: &Impulse,
+        shift: &[Expr],
+    ) -> (TokenStream, Operations) {
+        let n = self.model.dof();
+        let mut roots = impulse.value.clone();
+        roots.extend(impulse.domain.iter().map(|c| c.value));
+        let first_of_mass = roots.len();
+        roots.extend(mass.iter().flatten().chain(offset));
+        let first = self.body(&roots);
+        let second = self.body(shift);
+        let (matrix, offsets) = first.results[first_of_mass..].split_at(n * n);
+        let inverse = self.inverse(matrix, is_diagonal);
+        let [poison, poisoned] = poison(&impulse.domain, &first.results[n..first_of_mass]);
+        let stores_of_impulses = stores(&quote!(impulses), &first.results[..n], &poisoned);
+        let [keep_inverse, kept_inverse] = self.kept_inverse(is_diagonal);
+        let velocity = self.velocity(is_diagonal);
+        let inputs = self.inputs(true);
+        let keep_offsets = stores(&quote!(masses.offset), offsets, &TokenStream::new());
+        let kept_offsets = (0..n).map(|i| {
+            let i = Literal::usize_unsuffixed(i);
+            quote!(masses.offset[#i][stage])
+        });
+        let displacements = second.results.iter().enumerate().map(|(i, shift)| {
+            let i = Literal::usize_unsuffixed(i);
+            quote!(motion.displacements[#i][stage] = h * v[#i] + #shift; motion.velocities[#i][stage] = v[#i];)
+        });
+        let Body {
+            before,
+            known,
+            late,
+            ..
+        } = &first;
+        let Body {
+            before: before_shift,
+            known: known_shift,
+            late: late_shift,
+            ..
+        } = &second;
+        let sizes = self.sizes();
+        let size = Literal::usize_unsuffixed(n);
+        let private = self.private;
+        let tokens = quote! {
+            #[inline(always)]
+            fn impulses<const S: usize>(
+                &self,
+                stages: &#private::gauss::StageLanes<'_, S, #sizes>,
+                p_rows: &[[f64; S]; #size],
+            ) -> ([[f64; S]; #size], #private::gauss::Masses<S, #size>) {
+                let mut masses = #private::gauss::Masses {
+                    inverse: [[[0f64; S]; #size]; #size],
+                    offset: [[0f64; S]; #size],
+                };
+                let mut impulses = [[0f64; S]; #size];
+                #before
+                for stage in 0..S {
+                    #inputs
+                    #known
+                    #inverse
+                    #keep_inverse
+                    #keep_offsets
+                    let offset: [f64; #size] = [#(#offsets),*];
+                    let v: [f64; #size] = #velocity;
+                    #late
+                    #poison
+                    #stores_of_impulses
+                }
+                (impulses, masses)
+            }
+            #[inline(always)]
+            fn displacements<const S: usize>(
+                &self,
+                stages: &#private::gauss::StageLanes<'_, S, #sizes>,
+                p_rows: &[[f64; S]; #size],
+                masses: &#private::gauss::Masses<S, #size>,
+            ) -> #private::gauss::Motion<S, #size> {
+                let mut motion = #private::gauss::Motion {
+                    velocities: [[0f64; S]; #size],
+                    displacements: [[0f64; S]; #size],
+                };
+                #before_shift
+                for stage in 0..S {
+                    #inputs
+                    #kept_inverse
+                    let offset: [f64; #size] = [#(#kept_offsets),*];
+                    let v: [f64; #size] = #velocity;
+                    #known_shift
+                    #late_shift
+                    #(#displacements)*
+                }
+                motion
+            }
+        };
+        let solves = Operations {
+            arithmetic: 2 * n * (2 * n + 1),
+            ..Operations::default()
+        };
+        (tokens, first.operations + second.operations + solves)
+    }
+
+    /// The inverse of the mass matrix at a stage; of a diagonal one the diagonal.
+    fn inverse(&self, matrix: &[TokenStream], is_diagonal: bool) -> TokenStream {
+        let n = self.model.dof();
+        if is_diagonal {
+            let diagonal = (0..n).map(|i| &matrix[i * n + i]);
+            return quote!(let inverse = [#(1f64 / #diagonal),*];);
+        }
+        let rows = matrix.chunks(n).map(|row| quote!([#(#row),*]));
+        let private = self.private;
+        quote!(let inverse = #private::lane::inverse(&[#(#rows),*]);)
+    }
+
+    /// Writes the inverse to `masses`, and reads it from there.
+    fn kept_inverse(&self, is_diagonal: bool) -> [TokenStream; 2] {
+        let n = self.model.dof();
+        let index = Literal::usize_unsuffixed;
+        let places = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+        let keep = places
+            .filter(|(i, j)| !is_diagonal || i == j)
+            .map(|(i, j)| {
+                let entry = if is_diagonal {
+                    let i = index(i);
+                    quote!(inverse[#i])
+                } else {
+                    let (i, j) = (index(i), index(j));
+                    quote!(inverse[#i][#j])
+                };
+                let (i, j) = (index(i), index(j));
+                quote!(masses.inverse[#i][#j][stage] = #entry;)
+            });
+        let entry = |i: usize, j: usize| {
+            let (i, j) = (index(i), index(j));
+            quote!(masses.inverse[#i][#j][stage])
+        };
+        let rows = (0..n).map(|i| {
+            if is_diagonal {
+                return entry(i, i);
+            }
+            let row = (0..n).map(|j| entry(i, j));
+            quote!([#(#row),*])
+        });
+        [quote!(#(#keep)*), quote!(let inverse = [#(#rows),*];)]
+    }
+
+    /// The velocity of the momentum `p` at a stage.
+    fn velocity(&self, is_diagonal: bool) -> TokenStream {
+        let n = self.model.dof();
+        let index = Literal::usize_unsuffixed;
+        let components = (0..n).map(|i| {
+            let terms = (0..n).filter(|&j| !is_diagonal || i == j).map(|j| {
+                let (i, j) = (index(i), index(j));
+                let entry = if is_diagonal {
+                    quote!(inverse[#i])
+                } else {
+                    quote!(inverse[#i][#j])
+                };
+                quote!(#entry * (p[#j] - offset[#j]))
+            });
+            let mut sum = TokenStream::new();
+            for (at, term) in terms.enumerate() {
+                let plus = (at > 0).then(|| quote!(+));
+                sum.extend(quote!(#plus #term));
+            }
+            sum
+        });
+        quote!([#(#components),*])
+    }
+}
+
+/// Writes values to the rows of an array.
+fn stores(rows: &TokenStream, values: &[TokenStream], more: &TokenStream) -> TokenStream {
+    let stores = values.iter().enumerate().map(|(i, value)| {
+        let i = Literal::usize_unsuffixed(i);
+        quote!(#rows[#i][stage] = #value #more;)
+    });
+    quote!(#(#stores)*)
+}
+
+/// `+ 0`, or `+ NaN` where a function is not defined.
+fn poison(domain: &[Condition<Expr>], values: &[TokenStream]) -> [TokenStream; 2] {
+    if domain.is_empty() {
+        return [TokenStream::new(), TokenStream::new()];
+    }
+    let conditions = domain.iter().zip(values);
+    let conditions = conditions.map(|(c, value)| inside(value, c.is_closed));
+    let poison = quote! {
+        let poison = if true #(& (#conditions))* { 0f64 } else { f64::NAN };
+    };
+    [poison, quote!(+ poison)]
+}

@@ -1,0 +1,204 @@
+//! What the Gauss rules need of a system: its force at a node, as functions of the node's position and momentum, and its derivatives by the parameters.
+//!
+//! Input: the derivatives of the model. Output: expressions in the model's own time, positions, velocities and momenta. Nothing here knows the number of
+//! stages; the runtime solves their equations.
+
+use std::collections::HashMap;
+
+use crate::algebra::{Arena, Expr, Purpose, Symbol};
+use crate::structure::domain::{self, Condition};
+use crate::system::mechanics::Mechanics;
+use crate::system::model::{Meaning, Model, Symbols};
+
+/// The equations at a node.
+pub(crate) struct Stages {
+    /// The model's symbols with those of a node: weight in time and parts of the increments.
+    pub(crate) symbols: Symbols,
+    pub(crate) weight: Symbol,
+    pub(crate) dw: Vec<Symbol>,
+    /// How stages can be solved by fixed-point iteration.
+    pub(crate) form: Form,
+    /// Whether a noise moves positions: displacements are then unknowns of their own.
+    pub(crate) moves_position: bool,
+    /// The derivatives by each parameter.
+    pub(crate) parameters: Vec<ParameterJet>,
+}
+
+/// The form of a system for the fixed-point iteration of its stages.
+pub(crate) enum Form {
+    /// L = ½⟨v, Mv⟩ − V(t, q) with constant M; force and noises depend on time and position alone.
+    SecondOrder {
+        has_diagonal_mass: bool,
+        impulse: Impulse,
+    },
+    /// ∂L/∂v = M(t, q) v + a(t, q).
+    Partitioned {
+        mass: Vec<Vec<Expr>>,
+        is_diagonal: bool,
+        /// a.
+        offset: Vec<Expr>,
+        impulse: Impulse,
+        /// `Σ ∂G/∂p ω`, what noises add to the displacement.
+        shift: Vec<Expr>,
+    },
+    /// ∂L/∂v is not affine in v: Newton's method only.
+    General,
+}
+
+/// `w (∂L/∂q + F) − Σ ∂G/∂q ω`, and where it is defined.
+pub(crate) struct Impulse {
+    pub(crate) value: Vec<Expr>,
+    pub(crate) domain: Vec<Condition<Expr>>,
+}
+
+/// Derivatives by a parameter, in the order of the runtime's `ParameterJet`.
+pub(crate) struct ParameterJet {
+    pub(crate) dq: Vec<Expr>,
+    pub(crate) dv: Vec<Expr>,
+    pub(crate) force: Vec<Expr>,
+    pub(crate) noise_dq: Vec<Vec<Expr>>,
+    pub(crate) noise_dp: Vec<Vec<Expr>>,
+}
+
+/// Derives the equations at a node.
+pub(crate) fn stages(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> Stages {
+    let mut symbols = model.symbols.clone();
+    let weight = symbols.declare(Meaning::StepSize);
+    let dw = symbols.declare_all(model.noises.len(), Meaning::Wiener);
+    let parameters: Vec<Symbol> = symbols.parameters().collect();
+    let jet = |&parameter| parameter_jet(parameter, model, mechanics, arena);
+    let parameters = parameters.iter().map(jet).collect();
+    let is_given = |e: &Expr| arena.constant_value(*e) != Some(0.0);
+    let moves_position = mechanics.noises.iter().any(|g| g.dp.iter().any(is_given));
+    Stages {
+        form: form(model, mechanics, weight, &dw, arena),
+        symbols,
+        weight,
+        dw,
+        moves_position,
+        parameters,
+    }
+}
+
+fn parameter_jet(
+    parameter: Symbol,
+    model: &Model,
+    mechanics: &Mechanics,
+    arena: &mut Arena,
+) -> ParameterJet {
+    let mut by = |list: &[Expr]| -> Vec<Expr> {
+        let derivatives = list.iter().map(|&e| arena.diff(e, parameter));
+        let mut derivatives: Vec<Expr> = derivatives.collect();
+        arena.stabilise(Purpose::Values, derivatives.iter_mut().collect());
+        derivatives
+    };
+    ParameterJet {
+        dq: by(&mechanics.lagrangian.dq),
+        dv: by(&mechanics.lagrangian.dv),
+        force: by(model.force.as_deref().unwrap_or_default()),
+        noise_dq: mechanics.noises.iter().map(|g| by(&g.dq)).collect(),
+        noise_dp: mechanics.noises.iter().map(|g| by(&g.dp)).collect(),
+    }
+}
+
+fn form(
+    model: &Model,
+    mechanics: &Mechanics,
+    weight: Symbol,
+    dw: &[Symbol],
+    arena: &mut Arena,
+) -> Form {
+    if !mechanics.affine_momentum {
+        return Form::General;
+    }
+    let rest: HashMap<Symbol, Expr> = {
+        let zero = arena.constant(0.0);
+        model.v.iter().map(|&v| (v, zero)).collect()
+    };
+    let at_rest = |list: &[Expr], arena: &mut Arena| -> Vec<Expr> {
+        list.iter().map(|&e| arena.substitute(e, &rest)).collect()
+    };
+    let lagrangian = &mechanics.lagrangian;
+    let mut mass: Vec<Vec<Expr>> = lagrangian
+        .dvv
+        .iter()
+        .map(|row| at_rest(row, arena))
+        .collect();
+    let mut offset = at_rest(&lagrangian.dv, arena);
+    let mut impulse = impulse(model, mechanics, weight, dw, arena);
+    let mut shift: Vec<Expr> = (0..model.dof())
+        .map(|k| {
+            let terms = mechanics.noises.iter().zip(dw).map(|(noise, &dw)| {
+                let dw = arena.symbol(dw);
+                (1.0, arena.mul(noise.dp[k], dw))
+            });
+            let terms: Vec<(f64, Expr)> = terms.collect();
+            arena.sum(0.0, &terms)
+        })
+        .collect();
+    let is_zero = |e: Expr, arena: &Arena| arena.constant_value(e) == Some(0.0);
+    let is_diagonal =
+        (0..model.dof()).all(|i| (0..model.dof()).all(|j| i == j || is_zero(mass[i][j], arena)));
+    let contains_any = |list: &[Expr], of: &[Symbol], arena: &Arena| {
+        list.iter()
+            .any(|&e| of.iter().any(|&s| arena.contains(e, s)))
+    };
+    let moving = [&[model.time], model.q.as_slice()].concat();
+    let has_constant_mass =
+        !contains_any(&mass.concat(), &moving, arena) && offset.iter().all(|&e| is_zero(e, arena));
+    let conditions: Vec<Expr> = impulse.domain.iter().map(|c| c.value).collect();
+    let depends_on_motion = [&impulse.value[..], &conditions]
+        .iter()
+        .any(|list| contains_any(list, &model.v, arena) || contains_any(list, &model.p, arena));
+    let has_shift = shift.iter().any(|&e| !is_zero(e, arena));
+    let exprs = impulse.value.iter_mut();
+    let exprs = exprs.chain(impulse.domain.iter_mut().map(|c| &mut c.value));
+    if has_constant_mass && !depends_on_motion && !has_shift {
+        arena.stabilise(Purpose::Step, exprs.collect());
+        return Form::SecondOrder {
+            has_diagonal_mass: is_diagonal,
+            impulse,
+        };
+    }
+    let exprs = exprs.chain(mass.iter_mut().flatten()).chain(&mut offset);
+    arena.stabilise(Purpose::Step, exprs.chain(&mut shift).collect());
+    Form::Partitioned {
+        mass,
+        is_diagonal,
+        offset,
+        impulse,
+        shift,
+    }
+}
+
+fn impulse(
+    model: &Model,
+    mechanics: &Mechanics,
+    weight: Symbol,
+    dw: &[Symbol],
+    arena: &mut Arena,
+) -> Impulse {
+    let value = (0..model.dof()).map(|k| {
+        let force = model.force.as_ref().map(|force| force[k]);
+        let forces: Vec<(f64, Expr)> = [Some(mechanics.lagrangian.dq[k]), force]
+            .into_iter()
+            .flatten()
+            .map(|e| (1.0, e))
+            .collect();
+        let (force, weight) = (arena.sum(0.0, &forces), arena.symbol(weight));
+        let mut terms = vec![(1.0, arena.mul(weight, force))];
+        for (noise, &dw) in mechanics.noises.iter().zip(dw) {
+            let dw = arena.symbol(dw);
+            terms.push((-1.0, arena.mul(noise.dq[k], dw)));
+        }
+        arena.sum(0.0, &terms)
+    });
+    let value = value.collect();
+    let noises = model.noises.iter().map(|noise| noise.hamiltonian);
+    let mut roots: Vec<Expr> = noises.chain([model.lagrangian]).collect();
+    roots.extend(model.force.iter().flatten());
+    Impulse {
+        value,
+        domain: domain::conditions(&roots, arena),
+    }
+}

@@ -1,0 +1,128 @@
+//! When a fixed-point iteration of stages has converged, and when Newton's method has to take over.
+//!
+//! Input: the change of each sweep, relative to the sizes of the coordinates. Output: whether to go on. The iteration starts from the limit of no noise and
+//! h → 0 or from the stages of the step before. Changes that fall by the contraction factor from the first on keep the iterates within a ball around
+//! the start, in which Banach's theorem has one fixed point only; the contraction is sampled along the iterates, as Newton's method samples its
+//! Jacobian.
+//!
+//! Source of the test: Hairer, `McLachlan`, Razakarivony, *Achieving Brouwer's law with implicit Runge–Kutta methods*, BIT 48 (2008).
+
+/// Largest contraction factor. A slower iteration costs more than Newton's method, and its limit is less surely the connected root.
+const LARGEST_FACTOR: f64 = 0.6;
+
+/// Largest number of sweeps.
+const MOST_SWEEPS: u32 = 30;
+
+/// Size of the predicted next change, relative to the coordinates, at which the iteration ends: below half a unit of rounding, so that what is left over does not
+/// add up to more than the random walk of rounding errors.
+const NEGLIGIBLE: f64 = 1e-16;
+
+/// Changes that no longer fall below this size are rounding errors.
+const STAGNATION: f64 = 1e-14;
+
+/// The course of an iteration.
+#[derive(Clone, Copy)]
+pub(super) struct Course {
+    /// The last change.
+    last: f64,
+    sweeps: u32,
+}
+
+/// What follows from a sweep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Verdict {
+    Continue,
+    Converged,
+    /// The iteration does not contract, or is not finite: Newton's method is to solve the step.
+    Leave,
+}
+
+impl Course {
+    pub(super) const fn new() -> Self {
+        Self {
+            last: f64::INFINITY,
+            sweeps: 0,
+        }
+    }
+
+    /// Returns whether no sweep has been judged.
+    #[inline(always)]
+    pub(super) const fn is_new(&self) -> bool {
+        self.sweeps == 0
+    }
+
+    /// Judges a sweep by its change. Convergence is linear: the next change is about `change² / last`. The first sweep says nothing about the rate, unless it
+    /// changes nothing.
+    #[inline(always)]
+    pub(super) fn judge(&mut self, change: f64) -> Verdict {
+        let last = self.last;
+        self.last = change;
+        self.sweeps += 1;
+        if change * change <= NEGLIGIBLE * last && self.sweeps > 1 || change == 0.0 {
+            // `last` is infinite on the first sweep alone
+            return Verdict::Converged;
+        }
+        if change <= LARGEST_FACTOR * last && self.sweeps < MOST_SWEEPS {
+            return Verdict::Continue;
+        }
+        if change < STAGNATION && last < STAGNATION / LARGEST_FACTOR {
+            Verdict::Converged
+        } else {
+            Verdict::Leave
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Course, Verdict};
+
+    /// The verdict on changes that fall by a factor down to a level, with the number of sweeps.
+    fn run(factor: f64, level: f64) -> (Verdict, u32) {
+        let (mut course, mut change) = (Course::new(), 0.1_f64);
+        loop {
+            let verdict = course.judge(change.max(level));
+            if verdict != Verdict::Continue {
+                return (verdict, course.sweeps);
+            }
+            change *= factor;
+        }
+    }
+
+    #[test]
+    fn contracting_iterations_converge() {
+        // 0.1 · 0.01^k: the change after the eighth would be 1e-17
+        assert_eq!(run(0.01, 0.0), (Verdict::Converged, 8));
+        assert_eq!(run(0.1, 0.0).0, Verdict::Converged);
+    }
+
+    #[test]
+    fn slow_iterations_are_left() {
+        assert_eq!(run(0.7, 0.0), (Verdict::Leave, 2));
+        // it would take more sweeps than Newton's method costs
+        assert_eq!(run(0.55, 0.0), (Verdict::Leave, 30));
+    }
+
+    #[test]
+    fn rounding_errors_end_an_iteration() {
+        assert_eq!(run(0.1, 2e-16).0, Verdict::Converged);
+        assert_eq!(run(0.1, 1e-12).0, Verdict::Leave);
+    }
+
+    #[test]
+    fn the_first_sweep_does_not_converge_unless_nothing_changes() {
+        assert_eq!(Course::new().judge(1e-300), Verdict::Continue);
+        assert_eq!(Course::new().judge(0.0), Verdict::Converged);
+    }
+
+    #[test]
+    fn what_is_not_finite_is_left() {
+        assert_eq!(Course::new().judge(f64::NAN), Verdict::Leave);
+        let mut course = Course::new();
+        assert_eq!(course.judge(0.1), Verdict::Continue);
+        assert_eq!(course.judge(f64::NAN), Verdict::Leave);
+        let mut course = Course::new();
+        course.judge(0.1);
+        assert_eq!(course.judge(f64::INFINITY), Verdict::Leave);
+    }
+}

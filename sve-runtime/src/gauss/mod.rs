@@ -1,0 +1,197 @@
+//! The Gauss rules, of any number of stages and for any Lagrangian: what generated implementations of a step call.
+//!
+//! | file | part |
+//! | --- | --- |
+//! | `nodes.rs`, `double_double.rs`, `tableau.rs` | the coefficients, computed by the compiler |
+//! | `step.rs` | a step: its equations, and the forces at a stage |
+//! | `newton.rs` | Newton's method for the equations of all stages |
+//! | `fixed_point.rs`, `stages.rs`, `convergence.rs` | fixed-point iteration with the stages in lanes |
+//! | `stage_noise.rs` | increments at the stages |
+//! | `memory.rs` | what a trajectory carries from step to step |
+//! | `linearise.rs` | the linearised step |
+//!
+//! A step with four stages or more is first solved by fixed-point iteration if its Lagrangian allows that. Where the iteration does not contract, and with fewer
+//! stages, Newton's method solves it with the tests of any step.
+
+mod convergence;
+mod double_double;
+mod fixed_point;
+mod linearise;
+mod memory;
+mod newton;
+mod nodes;
+pub(crate) mod stage_noise;
+mod stages;
+mod step;
+mod tableau;
+
+pub use fixed_point::{InverseMass, Masses, Motion, Partitioned, SecondOrder, StageLanes};
+pub use linearise::{ByParameters, ParameterJet};
+
+use crate::configuration::Coordinates;
+use crate::linearisation::Linearisation;
+use crate::solve::SolveError;
+use crate::solve::dense;
+use crate::solve::newton::BlockSolver;
+use crate::state::State;
+use crate::system::{Dims, System};
+use memory::solve_from_memory;
+use newton::Solved;
+use step::Step;
+
+/// Fewest stages with which a step is first solved by fixed-point iteration: with fewer stages Newton's systems are small.
+const STAGES_OF_FIXED_POINT: usize = 4;
+
+/// Solves a step by Newton's method.
+///
+/// # Errors
+/// A [`SolveError`] if the equations cannot be solved.
+pub fn newton_increment<Sys, Q, const S: usize, const N: usize, const M: usize, const K: usize>(
+    system: &Sys,
+    state: &State<[f64; N]>,
+    h: f64,
+    dw: &[f64; M],
+    solver: &BlockSolver<'_>,
+) -> Result<Solved<N, K>, SolveError>
+where
+    Sys: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    Step::<_, S, N, M>::new(system, state, h, dw).solve(solver)
+}
+
+/// Solves a step of a system of second order. `memory` has what the step before left: its impulses.
+///
+/// # Errors
+/// As [`newton_increment`].
+#[inline]
+pub fn second_order_increment<
+    Sys,
+    Q,
+    const S: usize,
+    const N: usize,
+    const M: usize,
+    const K: usize,
+    const L: usize,
+>(
+    system: &Sys,
+    inverse_mass: &InverseMass<N>,
+    memory: &mut Option<[f64; L]>,
+    state: &State<[f64; N]>,
+    h: f64,
+    dw: &[f64; M],
+    solver: &BlockSolver<'_>,
+) -> Result<Solved<N, K>, SolveError>
+where
+    Sys: System<Dims = Dims<N, M, Q>> + SecondOrder<N, M>,
+    Q: Coordinates<N>,
+{
+    let step = Step::<_, S, N, M>::new(system, state, h, dw);
+    if S >= STAGES_OF_FIXED_POINT && solver.is_fast_path() {
+        let solve = |before: Option<&[_; 1]>| {
+            let before = before.map(|[impulses]| impulses);
+            let (solved, impulses) = fixed_point::solve_second_order(&step, inverse_mass, before)?;
+            Some((solved, [impulses]))
+        };
+        if let Some(solved) = solve_from_memory(memory, h, solve) {
+            return Ok(solved);
+        }
+    }
+    solve_by_newton(&step, solver)
+}
+
+/// Solves a step of a system with ∂L/∂v affine in v. `memory` has what the step before left: its displacements and impulses.
+///
+/// # Errors
+/// As [`newton_increment`].
+#[inline]
+pub fn partitioned_increment<
+    Sys,
+    Q,
+    const S: usize,
+    const N: usize,
+    const M: usize,
+    const K: usize,
+    const L: usize,
+>(
+    system: &Sys,
+    memory: &mut Option<[f64; L]>,
+    state: &State<[f64; N]>,
+    h: f64,
+    dw: &[f64; M],
+    solver: &BlockSolver<'_>,
+) -> Result<Solved<N, K>, SolveError>
+where
+    Sys: System<Dims = Dims<N, M, Q>> + Partitioned<N, M>,
+    Q: Coordinates<N>,
+{
+    let step = Step::<_, S, N, M>::new(system, state, h, dw);
+    if S >= STAGES_OF_FIXED_POINT && solver.is_fast_path() {
+        let solve = |before: Option<&_>| fixed_point::solve_partitioned(&step, before);
+        if let Some(solved) = solve_from_memory(memory, h, solve) {
+            return Ok(solved);
+        }
+    }
+    solve_by_newton(&step, solver)
+}
+
+/// Solves a step whose fixed-point iteration does not contract.
+#[cold]
+#[inline(never)]
+fn solve_by_newton<Sys, Q, const S: usize, const N: usize, const M: usize, const K: usize>(
+    step: &Step<'_, Sys, S, N, M>,
+    solver: &BlockSolver<'_>,
+) -> Result<Solved<N, K>, SolveError>
+where
+    Sys: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    step.solve(solver)
+}
+
+/// Returns the unknowns in the limit of no noise and h → 0.
+#[must_use]
+pub fn start<const S: usize, const N: usize, const K: usize>(velocity: &[f64; N]) -> [f64; K] {
+    let mut x = [0.0; K];
+    for (at, x) in x.iter_mut().enumerate().take(S * N) {
+        *x = velocity[at % N];
+    }
+    x
+}
+
+/// Linearises a solved step.
+pub fn linearise<Sys, Q, const S: usize, const N: usize, const M: usize, const K: usize>(
+    system: &Sys,
+    state: &State<[f64; N]>,
+    h: f64,
+    dw: &[f64; M],
+    unknowns: &[f64; K],
+) -> Linearisation
+where
+    Sys: System<Dims = Dims<N, M, Q>> + ByParameters<N, M>,
+    Q: Coordinates<N>,
+{
+    Step::<_, S, N, M>::new(system, state, h, dw).linearise(unknowns)
+}
+
+impl<const N: usize> InverseMass<N> {
+    /// The inverse of the constant mass matrix of a system.
+    pub fn of<Sys, Q, const M: usize>(system: &Sys) -> Self
+    where
+        Sys: System<Dims = Dims<N, M, Q>>,
+        Q: Coordinates<N>,
+    {
+        let mass = system.lagrangian_jet(0.0, &[0.0; N], &[0.0; N]).dvv;
+        let mut inverse = [[f64::NAN; N]; N];
+        for column in 0..N {
+            let mut unit = [0.0; N];
+            unit[column] = 1.0;
+            if let Some(solution) = dense::solve(&mass, &unit) {
+                for row in 0..N {
+                    inverse[row][column] = solution[row];
+                }
+            }
+        }
+        Self(inverse)
+    }
+}

@@ -1,0 +1,323 @@
+//! The equations of a step of a Gauss rule, solved by Newton's method with their analytic Jacobian.
+//!
+//! Unknowns are the velocities `V_i` of the stages, one after the other, and behind them the displacements `Y_i` if a noise moves positions. Without such
+//! a noise `Y_i = h b_i V_i` is no unknown. Residuals, with the notation of `step.rs`:
+//!
+//! ```text
+//! L_v(Q_i, V_i) − p₀ − Σ_j μ_ij F_j          Y_i − h b_i V_i − Σ_a ∂G_a/∂p ω_ai
+//! ```
+
+use super::step::{Stage, Step, at_stage, total};
+use super::tableau::Tableau;
+use crate::configuration::Coordinates;
+use crate::legendre;
+use crate::solve::SolveError;
+use crate::solve::dense::{self, DeterminantSign};
+use crate::solve::newton::{BlockProperties, BlockSolver, Evaluation};
+use crate::system::{Dims, System};
+
+/// Increments of a step, and its unknowns.
+pub(super) type Solved<const N: usize, const K: usize> = ([f64; N], [f64; N], [f64; K]);
+
+/// The unknowns of a step as velocities and displacements.
+pub(super) struct Unknowns<const S: usize, const N: usize> {
+    pub(super) velocities: [[f64; N]; S],
+    pub(super) displacements: [[f64; N]; S],
+    /// Positions relative to the start.
+    pub(super) moves: [[f64; N]; S],
+}
+
+impl<Sys, Q, const S: usize, const N: usize, const M: usize> Step<'_, Sys, S, N, M>
+where
+    Sys: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    /// Solves the step.
+    ///
+    /// # Errors
+    /// As [`BlockSolver::solve_block`].
+    pub(super) fn solve<const K: usize>(
+        &self,
+        solver: &BlockSolver<'_>,
+    ) -> Result<Solved<N, K>, SolveError> {
+        let start = self.velocity_at_start();
+        let (guess, sign) = match start {
+            Ok(start) => start,
+            Err(error) if solver.is_fast_path() => return Err(error),
+            Err(_) => ([0.0; N], DeterminantSign::UNKNOWN),
+        };
+        let block = BlockProperties {
+            first: 0,
+            has_bounds: false,
+            limit_sign: sign,
+        };
+        let x = solver.solve_block(
+            block,
+            self.guess(&guess),
+            || self.constant_velocity(&guess),
+            |x| self.rounding(x),
+            |x| self.evaluate(x),
+        )?;
+        Ok(self.increments(x))
+    }
+
+    /// Returns the velocity at the start, and the sign of the Jacobian's determinant in the limit of no noise and h → 0: there it is that of the mass
+    /// matrix, once for each stage.
+    fn velocity_at_start(&self) -> Result<([f64; N], DeterminantSign), SolveError> {
+        let v = legendre::velocity(self.system, self.state)?;
+        let mass = self
+            .system
+            .lagrangian_jet(self.state.t, &self.state.q, &v)
+            .dvv;
+        let (_, sign) = dense::solve_with_sign(&mass, &[0.0; N])
+            .ok_or(SolveError::Singular { iteration: 0 })?;
+        let even = DeterminantSign::of(1.0);
+        Ok((v, if S.is_multiple_of(2) { even } else { sign }))
+    }
+
+    /// Returns the unknowns with the velocity `v` at all stages.
+    fn constant_velocity<const K: usize>(&self, v: &[f64; N]) -> [f64; K] {
+        let mut x = [0.0; K];
+        for i in 0..S {
+            for n in 0..N {
+                x[i * N + n] = v[n];
+                if moves_position::<S, N, K>() {
+                    x[(S + i) * N + n] = self.weights[i] * v[n];
+                }
+            }
+        }
+        x
+    }
+
+    /// Returns the unknowns for a velocity that changes linearly in time, with acceleration and noise of the start.
+    fn guess<const K: usize>(&self, v: &[f64; N]) -> [f64; K] {
+        let mut x = self.constant_velocity(v);
+        let Step { system, state, .. } = *self;
+        let jet = system.lagrangian_jet(state.t, &state.q, v);
+        let mut kick = [0.0; N];
+        for m in 0..N {
+            let mut force = jet.dq[m] - jet.dvt[m];
+            for n in 0..N {
+                force -= jet.dqv[n][m] * v[n];
+            }
+            kick[m] = self.h * force;
+        }
+        if Sys::FORCED {
+            let force = system.force_jet(state.t, &state.q, v);
+            for m in 0..N {
+                kick[m] += self.h * force.value[m];
+            }
+        }
+        let noises = system.noise_jets(state.t, &state.q, &state.p);
+        for (jet, parts) in noises.iter().zip(&self.noise) {
+            let dw: f64 = parts.iter().sum();
+            for m in 0..N {
+                kick[m] -= dw * jet.dq[m];
+            }
+            for i in 0..S {
+                for n in 0..N {
+                    if moves_position::<S, N, K>() {
+                        x[(S + i) * N + n] += parts[i] * jet.dp[n];
+                    }
+                }
+            }
+        }
+        let Some(change) = dense::solve(&jet.dvv, &kick) else {
+            return x;
+        };
+        let c = const { &Tableau::<S>::VALUES.c };
+        for i in 0..S {
+            for n in 0..N {
+                x[i * N + n] += c[i] * change[n];
+            }
+        }
+        x
+    }
+
+    /// Returns what the unknowns stand for.
+    #[inline]
+    pub(super) fn unknowns<const K: usize>(&self, x: &[f64; K]) -> Unknowns<S, N> {
+        let mut all = Unknowns {
+            velocities: [[0.0; N]; S],
+            displacements: [[0.0; N]; S],
+            moves: [[0.0; N]; S],
+        };
+        for i in 0..S {
+            for n in 0..N {
+                all.velocities[i][n] = x[i * N + n];
+                all.displacements[i][n] = if moves_position::<S, N, K>() {
+                    x[(S + i) * N + n]
+                } else {
+                    self.weights[i] * x[i * N + n]
+                };
+            }
+        }
+        for i in 0..S {
+            all.moves[i] = at_stage(i, &all.displacements);
+        }
+        all
+    }
+
+    /// Evaluates the jets at all stages.
+    #[inline]
+    pub(super) fn stages(&self, unknowns: &Unknowns<S, N>) -> [Stage<N>; S] {
+        core::array::from_fn(|i| {
+            let mut q = self.state.q;
+            for n in 0..N {
+                q[n] += unknowns.moves[i][n];
+            }
+            self.stage(i, &q, &unknowns.velocities[i])
+        })
+    }
+
+    /// Returns the increments of the solved step.
+    fn increments<const K: usize>(&self, x: [f64; K]) -> Solved<N, K> {
+        let unknowns = self.unknowns(&x);
+        let impulses = self.stages(&unknowns).map(|stage| stage.impulse.value);
+        (total(&unknowns.displacements), total(&impulses), x)
+    }
+
+    /// Evaluates the residuals, the magnitudes of their terms and the Jacobian.
+    fn evaluate<const K: usize>(&self, x: &[f64; K]) -> Evaluation<K> {
+        let unknowns = self.unknowns(x);
+        let stages = self.stages(&unknowns);
+        let mut at = Evaluation {
+            residual: [0.0; K],
+            magnitude: [0.0; K],
+            jacobian: [[0.0; K]; K],
+            curvature: f64::NAN,
+        };
+        for i in 0..S {
+            self.momentum_equation(i, &unknowns, &stages, &mut at);
+            if moves_position::<S, N, K>() {
+                self.displacement_equation(i, &unknowns, &stages[i], &mut at);
+            }
+        }
+        jacobian(&self.weights, &stages, &mut at.jacobian);
+        at
+    }
+
+    /// `L_v(Q_i, V_i) − p₀ − Σ_j μ_ij F_j`.
+    #[inline]
+    fn momentum_equation<const K: usize>(
+        &self,
+        i: usize,
+        unknowns: &Unknowns<S, N>,
+        stages: &[Stage<N>; S],
+        at: &mut Evaluation<K>,
+    ) {
+        let ratio = const { &Tableau::<S>::VALUES.ratio };
+        let lagrangian = &stages[i].lagrangian;
+        for n in 0..N {
+            let (mut sum, mut size) = (0.0, 0.0);
+            for j in 0..S {
+                let term = ratio[j][i] * stages[j].impulse.value[n];
+                sum += term;
+                size += term.abs();
+            }
+            for k in 0..N {
+                size += (lagrangian.dvv[n][k] * unknowns.velocities[i][k]).abs();
+            }
+            let (p, p0) = (lagrangian.dv[n], self.state.p[n]);
+            at.residual[i * N + n] = (p - p0) - sum;
+            at.magnitude[i * N + n] = size + p.abs() + p0.abs();
+        }
+    }
+
+    /// `Y_i − h b_i V_i − Σ_a ∂G_a/∂p ω_ai`.
+    #[inline]
+    fn displacement_equation<const K: usize>(
+        &self,
+        i: usize,
+        unknowns: &Unknowns<S, N>,
+        stage: &Stage<N>,
+        at: &mut Evaluation<K>,
+    ) {
+        for n in 0..N {
+            let moved = unknowns.displacements[i][n];
+            let flow = self.weights[i] * unknowns.velocities[i][n];
+            let shift = stage.shift.value[n];
+            let row = (S + i) * N + n;
+            at.residual[row] = moved - flow - shift;
+            at.magnitude[row] = moved.abs() + flow.abs() + shift.abs();
+        }
+    }
+
+    /// Bounds the rounding errors of the residuals.
+    #[cold]
+    fn rounding<const K: usize>(&self, x: &[f64; K]) -> [f64; K] {
+        let ratio = const { &Tableau::<S>::VALUES.ratio };
+        let stages = self.stages(&self.unknowns(x));
+        let mut bounds = [0.0; K];
+        for i in 0..S {
+            for n in 0..N {
+                for j in 0..S {
+                    bounds[i * N + n] += (ratio[j][i] * stages[j].rounding[n]).abs();
+                }
+            }
+        }
+        bounds
+    }
+}
+
+/// Returns whether a noise moves positions: displacements are then unknowns beside the velocities.
+pub(super) const fn moves_position<const S: usize, const N: usize, const K: usize>() -> bool {
+    assert!(
+        K == S * N || K == 2 * S * N,
+        "one or two unknowns a stage and coordinate"
+    );
+    K == 2 * S * N
+}
+
+/// The derivatives of the residuals in the unknowns.
+pub(super) fn jacobian<const S: usize, const N: usize, const K: usize>(
+    weights: &[f64; S],
+    stages: &[Stage<N>; S],
+    jacobian: &mut [[f64; K]; K],
+) {
+    let moves_position = moves_position::<S, N, K>();
+    let ratio = const { &Tableau::<S>::VALUES.ratio };
+    for i in 0..S {
+        for k in 0..S {
+            // what stage k does to stage i through all stages between them
+            let mut through = [[0.0; N]; N];
+            for j in 0..S {
+                let factor = ratio[j][i] * ratio[k][j];
+                for m in 0..N {
+                    for n in 0..N {
+                        through[m][n] += factor * stages[j].impulse.by_position[m][n];
+                    }
+                }
+            }
+            let (r, weight) = (ratio[k][i], weights[k]);
+            for m in 0..N {
+                for n in 0..N {
+                    let by_position = r * stages[i].lagrangian.dqv[n][m] - through[m][n];
+                    let mut by_velocity = -r * stages[k].impulse.by_velocity[m][n];
+                    if i == k {
+                        by_velocity += stages[i].lagrangian.dvv[m][n];
+                    }
+                    let row = i * N + m;
+                    if moves_position {
+                        jacobian[row][k * N + n] = by_velocity;
+                        jacobian[row][(S + k) * N + n] = by_position;
+                    } else {
+                        jacobian[row][k * N + n] = by_velocity + weight * by_position;
+                    }
+                }
+            }
+            if moves_position {
+                let shift = &stages[i].shift;
+                for m in 0..N {
+                    let row = (S + i) * N + m;
+                    for n in 0..N {
+                        let same = f64::from(u8::from(i == k && m == n));
+                        let by_velocity = if i == k { shift.by_velocity[m][n] } else { 0.0 };
+                        jacobian[row][k * N + n] = -same * weight - by_velocity;
+                        jacobian[row][(S + k) * N + n] = same - r * shift.by_position[m][n];
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! What a step of a Gauss rule consists of: its data, and the forces at its stages.
+//!
+//! With velocities `V_i`, positions `Q_i` and momenta `P_i = L_v(Q_i, V_i)` of the stages,
+//!
+//! ```text
+//! Y_i = h b_i V_i + Σ_a ∂G_a/∂p ω_ai          F_i = h b_i (L_q + F) − Σ_a ∂G_a/∂q ω_ai          (at stage i)
+//! Q_i = q₀ + Σ_j μ_ij Y_j                     P_i = p₀ + Σ_j μ_ij F_j
+//! q₁ = q₀ + Σ Y_j                             p₁ = p₀ + Σ F_j
+//! ```
+//!
+//! where `μ_ij = a_ij / b_j`, and `ω_ai` is the part of the increment of process a at stage i, `b_i ΔW_a`. The equations are those of the action in
+//! `docs/mathematics.md`; the momenta need `1 − μ_ji`, which is `μ_ij`.
+
+use super::tableau::Tableau;
+use crate::configuration::Coordinates;
+use crate::state::State;
+use crate::system::{Dims, LagrangianJet, System};
+
+/// A step of the rule with `S` stages.
+#[derive(Clone, Copy)]
+pub(super) struct Step<'a, Sys, const S: usize, const N: usize, const M: usize> {
+    pub(super) system: &'a Sys,
+    pub(super) state: &'a State<[f64; N]>,
+    pub(super) h: f64,
+    /// The coefficients of the rule. Behind a reference they are data and no constants: the compiler then multiplies with whole rows.
+    pub(super) tableau: &'static Tableau<S>,
+    /// Times of the stages.
+    pub(super) times: [f64; S],
+    /// `h b_i`.
+    pub(super) weights: [f64; S],
+    /// `ω_ai`, the parts of the increments at the stages.
+    pub(super) noise: [[f64; S]; M],
+}
+
+/// Jets at a stage, with the impulses and what they depend on.
+pub(super) struct Stage<const N: usize> {
+    pub(super) lagrangian: LagrangianJet<N>,
+    /// `F_i`.
+    pub(super) impulse: Response<N>,
+    /// `Σ_a ∂G_a/∂p ω_ai`, the displacement by noise.
+    pub(super) shift: Response<N>,
+    /// A bound of the rounding error of the impulse, from those of position and velocity.
+    pub(super) rounding: [f64; N],
+}
+
+/// A vector with its derivatives by position and velocity of the stage.
+#[derive(Clone, Copy)]
+pub(super) struct Response<const N: usize> {
+    pub(super) value: [f64; N],
+    /// Rows by component.
+    pub(super) by_position: [[f64; N]; N],
+    /// Rows by component.
+    pub(super) by_velocity: [[f64; N]; N],
+}
+
+impl<const N: usize> Response<N> {
+    const ZERO: Self = Self {
+        value: [0.0; N],
+        by_position: [[0.0; N]; N],
+        by_velocity: [[0.0; N]; N],
+    };
+}
+
+impl<'a, Sys, Q, const S: usize, const N: usize, const M: usize> Step<'a, Sys, S, N, M>
+where
+    Sys: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    /// The step with these increments, of which each stage gets the part of its weight.
+    #[inline(always)]
+    pub(super) fn new(system: &'a Sys, state: &'a State<[f64; N]>, h: f64, dw: &[f64; M]) -> Self {
+        let tableau = const { &Tableau::<S>::VALUES };
+        let Tableau { c, b, .. } = tableau;
+        Self {
+            tableau,
+            system,
+            state,
+            h,
+            times: c.map(|c| state.t + c * h),
+            weights: b.map(|b| h * b),
+            noise: dw.map(|dw| b.map(|b| b * dw)),
+        }
+    }
+
+    /// Evaluates the jets at stage `i`.
+    #[inline]
+    pub(super) fn stage(&self, i: usize, q: &[f64; N], v: &[f64; N]) -> Stage<N> {
+        let (t, weight) = (self.times[i], self.weights[i]);
+        let lagrangian = self.system.lagrangian_jet(t, q, v);
+        let mut impulse = Response::ZERO;
+        // Outside of its domain L is NaN, while its derivatives may be finite.
+        let undefined = 0.0 * lagrangian.value;
+        for m in 0..N {
+            impulse.value[m] = weight * lagrangian.dq[m] + undefined;
+            for n in 0..N {
+                impulse.by_position[m][n] = weight * lagrangian.dqq[m][n];
+                impulse.by_velocity[m][n] = weight * lagrangian.dqv[m][n];
+            }
+        }
+        if Sys::FORCED {
+            let force = self.system.force_jet(t, q, v);
+            for m in 0..N {
+                impulse.value[m] += weight * force.value[m];
+                for n in 0..N {
+                    impulse.by_position[m][n] += weight * force.dq[m][n];
+                    impulse.by_velocity[m][n] += weight * force.dv[m][n];
+                }
+            }
+        }
+        let mut shift = Response::ZERO;
+        self.add_noise(i, q, &lagrangian, &mut impulse, &mut shift);
+        let mut rounding = [0.0; N];
+        for m in 0..N {
+            for n in 0..N {
+                rounding[m] += (impulse.by_position[m][n] * q[n]).abs()
+                    + (impulse.by_velocity[m][n] * v[n]).abs();
+            }
+            rounding[m] *= f64::EPSILON;
+        }
+        Stage {
+            lagrangian,
+            impulse,
+            shift,
+            rounding,
+        }
+    }
+
+    /// Adds what the noises do at stage `i`. The momentum at which they are evaluated is that of the stage, which depends on position and velocity.
+    #[inline]
+    fn add_noise(
+        &self,
+        i: usize,
+        q: &[f64; N],
+        lagrangian: &LagrangianJet<N>,
+        impulse: &mut Response<N>,
+        shift: &mut Response<N>,
+    ) {
+        if M == 0 {
+            return;
+        }
+        let jets = self.system.noise_jets(self.times[i], q, &lagrangian.dv);
+        for (jet, part) in jets.iter().zip(&self.noise) {
+            let part = part[i];
+            for m in 0..N {
+                impulse.value[m] -= part * jet.dq[m];
+                shift.value[m] += part * jet.dp[m];
+                for n in 0..N {
+                    let (mut qq, mut qv) = (jet.dqq[m][n], 0.0);
+                    let (mut pq, mut pv) = (jet.dqp[n][m], 0.0);
+                    for k in 0..N {
+                        // ∂p_k/∂q_n and ∂p_k/∂v_n
+                        let (by_q, by_v) = (lagrangian.dqv[n][k], lagrangian.dvv[k][n]);
+                        qq += jet.dqp[m][k] * by_q;
+                        qv += jet.dqp[m][k] * by_v;
+                        pq += jet.dpp[m][k] * by_q;
+                        pv += jet.dpp[m][k] * by_v;
+                    }
+                    impulse.by_position[m][n] -= part * qq;
+                    impulse.by_velocity[m][n] -= part * qv;
+                    shift.by_position[m][n] += part * pq;
+                    shift.by_velocity[m][n] += part * pv;
+                }
+            }
+        }
+    }
+}
+
+/// Returns `Σ_j μ_ij z_j` at stage `i`.
+#[inline]
+pub(super) fn at_stage<const S: usize, const N: usize>(i: usize, z: &[[f64; N]; S]) -> [f64; N] {
+    let ratio = const { &Tableau::<S>::VALUES.ratio };
+    let mut sum = [0.0; N];
+    for j in 0..S {
+        for n in 0..N {
+            sum[n] += ratio[j][i] * z[j][n];
+        }
+    }
+    sum
+}
+
+/// Returns `Σ_j z_j`, from both ends to the middle: the order is that of the step backwards.
+#[inline]
+pub(super) fn total<const S: usize, const N: usize>(z: &[[f64; N]; S]) -> [f64; N] {
+    let mut sum = [0.0; N];
+    for n in 0..N {
+        for j in 0..S / 2 {
+            sum[n] += z[j][n] + z[S - 1 - j][n];
+        }
+        if S % 2 == 1 {
+            sum[n] += z[S / 2][n];
+        }
+    }
+    sum
+}

@@ -1,0 +1,9 @@
+//! The Gauss rules: reference steps, orders, symplecticity, momenta, solvers, failures.
+
+mod action;
+mod derivatives;
+mod failures;
+mod orders;
+mod reference;
+mod solvers;
+mod systems;

@@ -1,0 +1,80 @@
+//! How stages are solved: by fixed-point iteration where it contracts, by Newton's method elsewhere.
+
+use sve_runtime::prelude::*;
+use sve_runtime::{Dims, System, Variational};
+
+use crate::systems::{Pendulum, Relativistic, double_pendulum, pendulum};
+
+/// Makes a step, and returns whether the fixed-point iteration solved it: then no iteration of Newton's method is needed.
+fn is_fixed_point<S, R, const N: usize, const M: usize>(
+    integrator: &Integrator<S, R>,
+    state: State<[f64; N]>,
+    h: f64,
+) -> bool
+where
+    S: Variational<R> + System<Dims = Dims<N, M>>,
+{
+    integrator.step(&mut { state }, h, &[0.0; M]).unwrap();
+    let prepared = integrator.prepare(h).unwrap();
+    // none where Newton's method was followed by continuation
+    integrator.newton_iterations(&prepared, &state, h, &[0.0; M]) == Some(0)
+}
+
+#[test]
+fn newton_takes_over_where_the_fixed_point_contracts_badly() {
+    let start = State::new([2.0], [0.3]);
+    let of_pendulum = |h| is_fixed_point(&Integrator::new(pendulum(), Gauss::<4>), start, h);
+    assert!([0.1, 0.5, 2.0].into_iter().all(of_pendulum));
+    assert!(![3.0, 4.0].into_iter().any(of_pendulum));
+    // a stiff pendulum
+    let stiff = |h| is_fixed_point(&Integrator::new(Pendulum { g: 1e4 }, Gauss::<8>), start, h);
+    assert!(stiff(0.005));
+    assert!(!stiff(0.1));
+    let start = State::new([1.0, 0.5], [0.1, -0.2]);
+    let of_two = |h| is_fixed_point(&Integrator::new(double_pendulum(), Gauss::<8>), start, h);
+    assert!(of_two(0.1));
+    assert!(!of_two(2.0));
+}
+
+#[test]
+fn few_stages_and_other_kinetic_energies_are_for_newton() {
+    let start = State::new([1.0], [0.3]);
+    assert!(!is_fixed_point(
+        &Integrator::new(pendulum(), Gauss::<2>),
+        start,
+        0.1
+    ));
+    assert!(!is_fixed_point(
+        &Integrator::new(pendulum(), Gauss::<3>),
+        start,
+        0.1
+    ));
+    let relativistic = Relativistic {
+        m: 1.1,
+        c: 1.5,
+        k: 0.7,
+    };
+    assert!(!is_fixed_point(
+        &Integrator::new(&relativistic, Gauss::<4>),
+        start,
+        0.1
+    ));
+}
+
+#[test]
+fn the_plan_says_stages_and_orders() {
+    let integrator = Integrator::new(double_pendulum(), Gauss::<4>);
+    let plan = integrator.plan();
+    assert_eq!((plan.rule, plan.deterministic_order), ("gauss(4)", 8));
+    assert_eq!(plan.unknowns(), 8);
+    let text = plan.to_string();
+    for part in [
+        "S = Σᵢ { h·bᵢ·(L(Qᵢ, Vᵢ) + ⟨Pᵢ, Uᵢ − Vᵢ⟩) + bᵢ·Σ γ(Qᵢ)·ΔW } + ⟨λ, q₁ − q₀ − h·Σⱼ bⱼ·Uⱼ⟩",
+        "fixed-point iteration, Newton's method where it does not contract, for Vᵢ at 4 stages",
+        "c = 0.069432, 0.330009, 0.669991, 0.930568",
+        "b = 0.173927, 0.326073, 0.326073, 0.173927",
+        "deterministic order 8, strong order 1",
+    ] {
+        assert!(text.contains(part), "{part} in\n{text}");
+    }
+}
