@@ -304,6 +304,16 @@ mod parse_doubled_rule_with_an_option;
 mod parse_foreign_function;
 #[path = "parse/four_arguments.rs"]
 mod parse_four_arguments;
+#[path = "parse/gauss_by_its_order.rs"]
+mod parse_gauss_by_its_order;
+#[path = "parse/gauss_with_a_fraction.rs"]
+mod parse_gauss_with_a_fraction;
+#[path = "parse/gauss_with_one_stage.rs"]
+mod parse_gauss_with_one_stage;
+#[path = "parse/gauss_with_two_numbers.rs"]
+mod parse_gauss_with_two_numbers;
+#[path = "parse/gauss_without_stages.rs"]
+mod parse_gauss_without_stages;
 #[path = "parse/generic_lagrangian.rs"]
 mod parse_generic_lagrangian;
 #[path = "parse/generic_length.rs"]
