@@ -70,10 +70,8 @@ fn example(family: &[Rule]) -> Rule {
 
 /// The member of a family whose number is among the arguments, if there is one.
 fn meant(family: &[Rule], arguments: &[Argument]) -> Rule {
-    let numbers = arguments.iter().enumerate().filter_map(number);
-    let stages = numbers
-        .filter_map(|(_, number)| number.base10_parse().ok())
-        .next();
+    let mut numbers = arguments.iter().enumerate().filter_map(number);
+    let stages = numbers.find_map(|(_, number)| number.base10_parse().ok());
     let member = family
         .iter()
         .find(|rule| stages.is_some() && rule.stages() == stages);
