@@ -9,7 +9,7 @@ use syn::ItemImpl;
 use crate::algebra::Arena;
 use crate::backend::rust::{self, Context, Derived};
 use crate::discretise::equations;
-use crate::discretise::stages;
+use crate::discretise::stages::{self, Stages};
 use crate::discretise::tangent;
 use crate::errors::Errors;
 use crate::explain;
@@ -144,18 +144,20 @@ fn derive(
         None
     } else {
         arena.grant(work);
-        Some(budget.stage(&mut arena, |arena| {
-            stages::stages(&model, &mechanics, arena)
-        })?)
+        let stages = |arena: &mut Arena| stages::stages(&model, &mechanics, arena);
+        let at_node = budget.stage(&mut arena, stages)?;
+        check_stages(&block, &model, &at_node)?;
+        Some(at_node)
     };
     // what is left to do is in proportion to what has been built
     arena.grant(usize::MAX);
     let about = explain::system(&model, &mechanics, &momenta, &arena);
-    let mut weak_orders = Vec::new();
-    for listed in &block.arguments.rules {
-        let order = weak2::weak_order(listed.rule, &model, &mechanics, &mut arena);
-        weak_orders.push((listed.rule, order));
-    }
+    let mut weak_order = |rule| weak2::weak_order(rule, &model, &mechanics, &mut arena);
+    let weak_orders: Vec<u32> = steps.iter().map(|step| weak_order(step.rule)).collect();
+    let of_stages: Vec<(Rule, u32, usize)> = of_stages
+        .into_iter()
+        .map(|(rule, count)| (rule, weak_order(rule), count))
+        .collect();
     mechanics.stabilise(&mut arena);
     let mut output = rust::system(&block, &model, &mechanics, &about, &arena);
     output.extend(rust::momenta(&block, &model, &momenta, &arena));
@@ -165,19 +167,19 @@ fn derive(
         model: &model,
         mechanics: &mechanics,
         momenta: &momenta,
-        weak_orders: &weak_orders,
         about: &about,
         arena: &arena,
     };
     if let Some(at_node) = &at_node {
         let code = rust::stages(&context, at_node);
-        for (rule, count) in of_stages {
+        for (rule, weak_order, count) in of_stages {
             let texts = explain::gauss(rule, count, at_node, &model, &mechanics, &arena);
+            let rule = (rule, weak_order);
             output.extend(rust::gauss(&context, rule, count, at_node, &code, &texts));
         }
         output.extend(code.tokens);
     }
-    for derived in &steps {
+    for (derived, weak_order) in steps.iter().zip(weak_orders) {
         let Derived {
             rule,
             symbols,
@@ -186,7 +188,7 @@ fn derive(
             ..
         } = derived;
         let texts = explain::step(*rule, &model, &mechanics, action, scheme, symbols, &arena);
-        output.extend(rust::rule(&context, derived, &texts));
+        output.extend(rust::rule(&context, derived, weak_order, &texts));
     }
     Ok(output)
 }
@@ -208,7 +210,7 @@ fn steps(
     let mut steps = Vec::new();
     for &is_unstructured in forms {
         for listed in &without {
-            // the runtime has the step of stages
+            // the Gauss rules are derived from one node, and from the whole action for comparison only
             if listed.rule.stages().is_some() && !is_unstructured {
                 continue;
             }
@@ -312,6 +314,38 @@ fn check_size(block: &Annotated, model: &Model) -> syn::Result<()> {
         "this system is too large to unroll: {n} coordinates and {m} noise terms have {entries} second derivatives, and the limit is {ENTRIES}; use fewer of them"
     );
     Err(syn::Error::new(block.lagrangian.name.span(), message))
+}
+
+/// Unknowns of all stages of a step. Newton's method keeps a matrix of this size on the stack, where it is needed.
+const UNKNOWNS_OF_STAGES: usize = 160;
+
+/// Returns an error for each rule whose stages have too many unknowns together.
+fn check_stages(block: &Annotated, model: &Model, at_node: &Stages) -> syn::Result<()> {
+    let mut errors = Errors::new();
+    for listed in &block.arguments.rules {
+        let Some(stages) = listed.rule.stages() else {
+            continue;
+        };
+        let of_one = at_node.unknowns(1, model.dof());
+        let (n, unknowns) = (model.dof(), stages * of_one);
+        if unknowns <= UNKNOWNS_OF_STAGES {
+            continue;
+        }
+        let name = listed.rule.name();
+        let most = UNKNOWNS_OF_STAGES / of_one;
+        let fewer = Rule::all()
+            .into_iter()
+            .filter(|rule| rule.stages().is_some_and(|s| s <= most));
+        let instead = match fewer.last() {
+            Some(rule) => format!("`{}`, or a composition of `midpoint`", rule.name()),
+            None => "a composition of `midpoint`".to_owned(),
+        };
+        errors.push(
+            listed.place,
+            format!("`{name}` has {unknowns} unknowns for {n} coordinates, and the limit is {UNKNOWNS_OF_STAGES}: use {instead} (`Composed`)"),
+        );
+    }
+    errors.finish(())
 }
 
 /// The work that is granted to the derivatives, and then to each rule.

@@ -12,8 +12,8 @@
 //! the increments as unknowns; Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006), section VIII.6.
 
 use super::convergence::{Course, Verdict};
-use super::newton::{Solved, moves_position};
-use super::stages::{Change, Rows, at_stages, inverse_size, product, sum};
+use super::newton::{Solved, displacement, moves_position, velocity};
+use super::stages::{Rows, at_stages, inverse_size, larger, product, relative_change, sum};
 use super::step::Step;
 use super::tableau::Tableau;
 use crate::lanes::dispatch::{Kernel, dispatch};
@@ -154,16 +154,15 @@ where
         loop {
             let changes = self.velocity(&self.impulses(&moves));
             let mut next = [[0.0; S]; N];
-            let mut change = Change::NONE;
             for n in 0..N {
-                next[n] = product(&tableau.second_order, &changes[n]);
+                let moved = product(&tableau.second_order, &changes[n]);
                 for i in 0..S {
-                    next[n][i] = h * (free[n][i] + next[n][i]);
+                    next[n][i] = h * (free[n][i] + moved[i]);
                 }
-                change.include(&moves[n], &next[n], inverse_sizes[n]);
             }
+            let change = relative_change(&mut moves, &next, &inverse_sizes);
             moves = next;
-            match course.judge(change.largest()) {
+            match course.judge(change) {
                 Verdict::Continue => {}
                 Verdict::Converged => break,
                 Verdict::Leave => return None,
@@ -177,7 +176,7 @@ where
             let mut late = [0.0; S];
             for i in 0..S {
                 late[i] = rest[i] * changes[n][i];
-                x[i * N + n] = start[n][0] + velocities[n][i];
+                x[velocity::<S>(i, n)] = start[n][0] + velocities[n][i];
             }
             dq[n] = h * (start[n][0] + sum(&late));
             dp[n] = sum(&impulses[n]);
@@ -267,7 +266,7 @@ where
                 kicks[n] = product(&tableau.ratio_ahead, &impulses[n]);
             }
         }
-        let mut inverse_sizes = [[0.0; 2]; N];
+        let mut inverse_sizes = [[0.0; N]; 2];
         let mut course = Course::new();
         let mut has_converged = false;
         loop {
@@ -294,20 +293,16 @@ where
             let new_moves = at_stages(tableau, &motion.displacements);
             if course.is_new() {
                 for n in 0..N {
-                    inverse_sizes[n] = [
-                        inverse_size(state.q[n], &new_moves[n]),
-                        inverse_size(state.p[n], &new_kicks[n]),
-                    ];
+                    inverse_sizes[0][n] = inverse_size(state.q[n], &new_moves[n]);
+                    inverse_sizes[1][n] = inverse_size(state.p[n], &new_kicks[n]);
                 }
             }
-            let mut change = Change::NONE;
-            for n in 0..N {
-                let [of_q, of_p] = inverse_sizes[n];
-                change.include(&moves[n], &new_moves[n], of_q);
-                change.include(&kicks[n], &new_kicks[n], of_p);
-            }
+            let [of_q, of_p] = &inverse_sizes;
+            let moved = relative_change(&mut moves, &new_moves, of_q);
+            let kicked = relative_change(&mut kicks, &new_kicks, of_p);
+            let change = larger(moved, kicked);
             (moves, kicks) = (new_moves, new_kicks);
-            match course.judge(change.largest()) {
+            match course.judge(change) {
                 Verdict::Continue => {}
                 Verdict::Converged => has_converged = true,
                 Verdict::Leave => return None,
@@ -327,9 +322,9 @@ fn increments<const S: usize, const N: usize, const K: usize>(
         dq[n] = sum(&motion.displacements[n]);
         dp[n] = sum(&impulses[n]);
         for i in 0..S {
-            x[i * N + n] = motion.velocities[n][i];
+            x[velocity::<S>(i, n)] = motion.velocities[n][i];
             if moves_position::<S, N, K>() {
-                x[(S + i) * N + n] = motion.displacements[n][i];
+                x[displacement::<S, N>(i, n)] = motion.displacements[n][i];
             }
         }
     }

@@ -154,7 +154,7 @@ where
 pub fn start<const S: usize, const N: usize, const K: usize>(velocity: &[f64; N]) -> [f64; K] {
     let mut x = [0.0; K];
     for (at, x) in x.iter_mut().enumerate().take(S * N) {
-        *x = velocity[at % N];
+        *x = velocity[at / S];
     }
     x
 }

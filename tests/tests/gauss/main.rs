@@ -7,3 +7,4 @@ mod orders;
 mod reference;
 mod solvers;
 mod systems;
+mod trajectories;

@@ -79,7 +79,7 @@ fn domain(rule: Rule, scheme: &Scheme<Expr>, symbols: &Symbols, arena: &Arena) -
 pub(super) fn features(
     model: &Model,
     mechanics: &Mechanics,
-    half_factor: Option<f64>,
+    potential: Option<f64>,
     arena: &Arena,
 ) -> Features {
     let timed = |e: Expr| arena.contains(e, model.time);
@@ -92,7 +92,7 @@ pub(super) fn features(
         degrees_of_freedom: model.dof(),
         is_timed: timed(model.lagrangian) || noises.iter().any(|g| timed(g.hamiltonian)),
         force_is_timed: model.force.as_ref().map(|f| f.iter().any(|&e| timed(e))),
-        potential: half_factor,
+        potential,
         gammas,
         hamiltonians: noises.len() - gammas,
         moves_both: moves_q && moves_p,

@@ -13,7 +13,7 @@ use crate::rules::Rule;
 
 pub(crate) fn gauss(
     context: &Context<'_>,
-    rule: Rule,
+    (rule, weak_order): (Rule, u32),
     count: usize,
     stages: &Stages,
     code: &StageCode,
@@ -24,7 +24,7 @@ pub(crate) fn gauss(
     let runtime = context.block.arguments.runtime.to_token_stream();
     let rule_type = super::rule_type(rule, &runtime);
     let dof = context.model.dof();
-    let unknowns = if stages.moves_position { 2 } else { 1 } * count * dof;
+    let unknowns = stages.unknowns(count, dof);
     let [n, m, s, k] =
         [dof, context.model.noises.len(), count, unknowns].map(Literal::usize_unsuffixed);
     let rows = match stages.form {
@@ -61,7 +61,7 @@ pub(crate) fn gauss(
     let plan = plan_of(
         &private,
         context,
-        rule,
+        (rule, weak_order),
         texts,
         &cost(&names, code, count, dof),
     );
@@ -121,7 +121,7 @@ pub(crate) fn gauss(
     }
 }
 
-/// Names of the unknowns: velocities of the stages, then displacements.
+/// Names of the unknowns: velocities of the stages, component by component, then displacements.
 fn names(stages: usize, dof: usize, moves_position: bool) -> Vec<String> {
     const DIGITS: [&str; 9] = ["", "₁", "₂", "₃", "₄", "₅", "₆", "₇", "₈"];
     let letters = if moves_position {
@@ -131,14 +131,14 @@ fn names(stages: usize, dof: usize, moves_position: bool) -> Vec<String> {
     };
     let mut names = Vec::new();
     for letter in letters {
-        for stage in 1..=stages {
-            for i in 0..dof {
-                let component = if dof == 1 {
-                    String::new()
-                } else {
-                    format!("[{i}]")
-                };
-                names.push(format!("{letter}{}{component}", DIGITS[stage]));
+        for i in 0..dof {
+            let component = if dof == 1 {
+                String::new()
+            } else {
+                format!("[{i}]")
+            };
+            for digit in &DIGITS[1..=stages] {
+                names.push(format!("{letter}{digit}{component}"));
             }
         }
     }

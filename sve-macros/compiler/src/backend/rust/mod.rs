@@ -48,8 +48,6 @@ pub(crate) struct Context<'a> {
     pub(crate) model: &'a Model,
     pub(crate) mechanics: &'a Mechanics,
     pub(crate) momenta: &'a [MomentumMap],
-    /// The weak orders of the rules in the attribute.
-    pub(crate) weak_orders: &'a [(Rule, u32)],
     pub(crate) about: &'a SystemTexts,
     pub(crate) arena: &'a Arena,
 }

@@ -175,6 +175,7 @@ impl Writer<'_> {
         tiers.extend(early.map(|&s| (s, Tier::State)));
         tiers.extend(self.model.v.iter().map(|&s| (s, Tier::Iterate(0))));
         let mut scheduler = Scheduler::new(self.arena, symbols, tiers, roots);
+        scheduler.join_reciprocals();
         let values = scheduler.values(roots);
         let mut labels = Labels::default();
         labels.expressions(&scheduler, self.arena, symbols, &[], roots);

@@ -4,10 +4,10 @@ struct Pendulum {
     g: f64,
 }
 
-#[variational(midpoint, gauss(16))]
+#[variational(midpoint, gauss(1))]
 impl Pendulum {
     fn lagrangian(&self, q: [f64; 1], v: [f64; 1]) -> f64 {
-        v[0] * v[0] - self.g * q[0]
+        v[0] * v[0] + self.g * q[0].cos()
     }
 }
 
