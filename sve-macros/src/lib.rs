@@ -133,7 +133,8 @@ use sve_compiler::Settings;
 /// | a noise with derivative zero | it would move nothing |
 /// | a Lagrangian whose `∂²L/∂v²` is singular everywhere, to 106 bits or to the rounding of its constants | the momenta do not determine the velocities |
 /// | `taylor2` with noise | the rule is defined for deterministic systems |
-/// | `weak2` with noises that do not commute, an H₁ that depends on p, ∂²L/∂v² that depends on v, a force that is not affine in v, no noise | the term would not raise the weak order |
+/// | `weak2` with noises that do not commute, an H₁ that depends on p, a force that is not affine in v, no noise | the term would not raise the weak order |
+/// | `weak2` with ∂²L/∂v² that depends on v | the term would not be a function of time and configuration |
 /// | `weak2` with more than three coordinates coupled by masses that depend on the configuration | the inverse of the mass matrix is a formula, which would grow too long |
 /// | a `#[symmetry]` that changes L, a noise, or on which a force does work | its momentum would not be conserved |
 /// | `#[constraint]` | reserved, not supported yet |

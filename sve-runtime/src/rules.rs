@@ -64,7 +64,7 @@ pub struct StageNoise<R>(pub R);
 ///
 /// The action gets a potential that removes the leading error of expectations, `S_d −= h|h|/8 Σ ⟨∂γ/∂q, M⁻¹ ∂γ/∂q⟩` at the node of the midpoint rule with M = ∂²L/∂v², and the mean of this term over both ends for
 /// the rule of Störmer and Verlet. The step stays variational and symmetric, and its strong order does not change. The term is that of increments of variance |h|, so the rule
-/// is no part of compositions. The macro refuses the option, with the reason, where the term does not raise the weak order:
+/// is no part of compositions. The macro refuses the option, with the reason, where the term does not raise the weak order or is not a function of time and configuration:
 /// noises that do not commute, noise that moves the position, ∂²L/∂v² that depends on v, a force that is not affine in v.
 ///
 /// ```

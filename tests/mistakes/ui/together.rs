@@ -310,6 +310,10 @@ mod parse_four_arguments;
 mod parse_gauss_of_one_stage;
 #[path = "parse/gauss_of_sixteen_stages.rs"]
 mod parse_gauss_of_sixteen_stages;
+#[path = "parse/gauss_with_a_fraction.rs"]
+mod parse_gauss_with_a_fraction;
+#[path = "parse/gauss_with_two_numbers.rs"]
+mod parse_gauss_with_two_numbers;
 #[path = "parse/gauss_without_stages.rs"]
 mod parse_gauss_without_stages;
 #[path = "parse/generic_lagrangian.rs"]
