@@ -10,7 +10,8 @@ use sve_compiler::Settings;
 ///
 /// # Arguments
 ///
-/// `#[variational(rule, …)]` lists the rules to derive, each once; `crate = path` may stand among them.
+/// `#[variational(rule, …)]` lists the rules to derive, each once; `crate = path` may stand among them. Options of a rule stand in parentheses; a rule with
+/// an option is another rule, which may stand beside that without: `#[variational(midpoint, midpoint(weak2))]`.
 ///
 /// | argument | type in the runtime | node of the discrete action | deterministic order |
 /// | --- | --- | --- | --- |
@@ -19,6 +20,7 @@ use sve_compiler::Settings;
 /// | `midpoint` | `Midpoint` | middle of the step | 2 |
 /// | `stormer_verlet` | `StormerVerlet` | start and end, with one velocity | 2 |
 /// | `taylor2` | `Taylor2` | start and end, with the Taylor expansion of the flow; for blocks without noise | 2 |
+/// | `midpoint(weak2)`, `stormer_verlet(weak2)` | `Weak2<Midpoint>`, `Weak2<StormerVerlet>` | as without the option, with a potential that makes the weak order 2; for commuting noises in q alone | 2 |
 /// | `crate = path` | | path of the runtime crate; `::sve_runtime` if not given | |
 ///
 /// # Items of the block
@@ -131,6 +133,8 @@ use sve_compiler::Settings;
 /// | a noise with derivative zero | it would move nothing |
 /// | a Lagrangian whose `∂²L/∂v²` is singular everywhere, to 106 bits or to the rounding of its constants | the momenta do not determine the velocities |
 /// | `taylor2` with noise | the rule is defined for deterministic systems |
+/// | `weak2` with noises that do not commute, an H₁ that depends on p, ∂²L/∂v² that depends on v, a force that is not affine in v, no noise | the term would not raise the weak order |
+/// | `weak2` with more than three coordinates coupled by masses that depend on the configuration | the inverse of the mass matrix is a formula, which would grow too long |
 /// | a `#[symmetry]` that changes L, a noise, or on which a force does work | its momentum would not be conserved |
 /// | `#[constraint]` | reserved, not supported yet |
 /// | bodies that unroll to more than 30 000 expressions or 2 000 000 steps of evaluation; more than 200 000 second derivatives; derivatives that take the macro too much work | compile time: accepted are 48 coordinates of bodies that all attract one another, and 33 of an n-pendulum, whose mass matrix couples all coordinates |

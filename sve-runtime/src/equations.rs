@@ -43,6 +43,8 @@ pub trait StepEquations<R>: System {
     type Unknowns: Copy + AsRef<[f64]> + AsMut<[f64]>;
     /// The conditions of the domain: where the functions in L and in the noises are defined, as text.
     const DOMAIN: &'static [&'static str] = &[];
+    /// Increments of a process in a step: 1, or the stages of a rule with stage noise.
+    const STAGES: usize = 1;
     /// The plan of the step.
     const PLAN: &'static Plan;
     /// What [`increment`](Self::increment) returns.

@@ -39,6 +39,13 @@ pub trait OneStepMethod {
         dw: &Self::Increments,
     ) -> Result<(), StepError>;
 
+    /// Returns the number of increments of a process in a step: 1, or the stages of a rule with stage noise.
+    #[doc(hidden)]
+    #[inline]
+    fn stages(&self) -> usize {
+        1
+    }
+
     /// Makes the next step of a trajectory, which keeps in `prepared` what the step after it can use. The same as
     /// [`step_prepared`](Self::step_prepared) for a method that carries nothing.
     ///

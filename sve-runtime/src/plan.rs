@@ -134,6 +134,10 @@ pub struct Plan {
     pub deterministic_order: u32,
     /// Strong order of convergence with noise.
     pub strong_order: StrongOrder,
+    /// Weak order of convergence: errors of expectations are of the order of h to this power. Without noise it is the deterministic order. With noise it is 1; it is 2 for rules
+    /// of deterministic order 2 with the option `weak2`, and without it where the term of the option would be constant: additive noise in position alone, with
+    /// constant masses.
+    pub weak_order: u32,
     /// The momenta of symmetries, by their functions, that every step conserves to rounding.
     pub conserved: &'static [&'static str],
     /// Operations for each step size.
@@ -301,6 +305,9 @@ impl fmt::Display for Structure<'_> {
             StrongOrder::Half { pair: (a, b) } => {
                 write!(f, ", strong order 1/2 ({a} and {b} do not commute)")?;
             }
+        }
+        if plan.noises > 0 {
+            write!(f, ", weak order {}", plan.weak_order)?;
         }
         if !plan.conserved.is_empty() {
             write!(f, "\n  conserves {}", plan.conserved.join(", "))?;

@@ -75,6 +75,8 @@ pub trait Discretised<R>: System {
     type Prepared: Clone;
     /// What a trajectory carries from step to step.
     type Memory: Memory;
+    /// Increments of a process in a step: 1, or the stages of a rule with stage noise.
+    const STAGES: usize = 1;
     /// The plan of the step.
     const PLAN: &'static Plan;
     /// Whether a step is a sum of the state and an increment, so that its rounding errors can be compensated.
@@ -172,6 +174,7 @@ impl<S: Discretised<R>, R> Discretised<R> for &S {
     type Increments = S::Increments;
     type Prepared = S::Prepared;
     type Memory = S::Memory;
+    const STAGES: usize = S::STAGES;
     const PLAN: &'static Plan = S::PLAN;
     const HAS_INCREMENTS: bool = S::HAS_INCREMENTS;
 

@@ -14,13 +14,15 @@ use crate::discretise::tangent;
 use crate::errors::Errors;
 use crate::explain;
 use crate::interpret;
-use crate::rules::{self, Rule, action};
+use crate::rules::weak2::{self, Potential};
+use crate::rules::{self, Rule, RuleOption, action};
 use crate::structure::{self, Degenerate};
+use crate::syntax::arguments::ListedRule;
 use crate::syntax::nesting;
 use crate::syntax::parse::{self, Annotated};
 use crate::syntax::recovery;
 use crate::syntax::roles;
-use crate::system::mechanics;
+use crate::system::mechanics::{self, Mechanics};
 use crate::system::model::{Meaning, Model};
 use crate::system::regular;
 use crate::system::symmetry;
@@ -133,20 +135,7 @@ fn derive(
         regular::check(&block, &model, &mechanics, arena)
     })??;
     let momenta = budget.stage(&mut arena, |arena| symmetry::check(&block, &model, arena))??;
-    let mut steps = Vec::new();
-    for &is_unstructured in if block.arguments.derives_unstructured {
-        &[false, true][..]
-    } else {
-        &[false]
-    } {
-        for listed in &block.arguments.rules {
-            if listed.rule.stages().is_some() && !is_unstructured {
-                continue;
-            }
-            arena.grant(work);
-            steps.push(step(listed.rule, is_unstructured, &budget, &mut arena)?);
-        }
-    }
+    let steps = steps(&budget, &mechanics, &mut arena)?;
     let rules = block.arguments.rules.iter();
     let of_stages: Vec<(Rule, usize)> = rules
         .filter_map(|listed| Some((listed.rule, listed.rule.stages()?)))
@@ -163,6 +152,12 @@ fn derive(
     // what is left to do is in proportion to what has been built
     arena.grant(usize::MAX);
     let about = explain::system(&model, &mechanics, &momenta, &arena);
+    let mut weak_order = |rule| weak2::weak_order(rule, &model, &mechanics, &mut arena);
+    let weak_orders: Vec<u32> = steps.iter().map(|step| weak_order(step.rule)).collect();
+    let of_stages: Vec<(Rule, u32, usize)> = of_stages
+        .into_iter()
+        .map(|(rule, count)| (rule, weak_order(rule), count))
+        .collect();
     mechanics.stabilise(&mut arena);
     let mut output = rust::system(&block, &model, &mechanics, &about, &arena);
     output.extend(rust::momenta(&block, &model, &momenta, &arena));
@@ -177,13 +172,14 @@ fn derive(
     };
     if let Some(at_node) = &at_node {
         let code = rust::stages(&context, at_node);
-        for (rule, count) in of_stages {
+        for (rule, weak_order, count) in of_stages {
             let texts = explain::gauss(rule, count, at_node, &model, &mechanics, &arena);
+            let rule = (rule, weak_order);
             output.extend(rust::gauss(&context, rule, count, at_node, &code, &texts));
         }
         output.extend(code.tokens);
     }
-    for derived in &steps {
+    for (derived, weak_order) in steps.iter().zip(weak_orders) {
         let Derived {
             rule,
             symbols,
@@ -192,21 +188,92 @@ fn derive(
             ..
         } = derived;
         let texts = explain::step(*rule, &model, &mechanics, action, scheme, symbols, &arena);
-        output.extend(rust::rule(&context, derived, &texts));
+        output.extend(rust::rule(&context, derived, weak_order, &texts));
     }
     Ok(output)
 }
 
-/// Derives the step of a rule.
+/// Derives the steps of all rules. Those with a potential come last: what is made for it must not change the order of terms in others, and so their rounding.
+fn steps(
+    budget: &Budget<'_>,
+    mechanics: &Mechanics,
+    arena: &mut Arena,
+) -> syn::Result<Vec<Derived>> {
+    let arguments = &budget.block.arguments;
+    let forms = if arguments.derives_unstructured {
+        &[false, true][..]
+    } else {
+        &[false]
+    };
+    let has_potential = |listed: &&ListedRule| listed.rule.options.contain(RuleOption::Weak2);
+    let (with, without): (Vec<_>, Vec<_>) = arguments.rules.iter().partition(has_potential);
+    let mut steps = Vec::new();
+    for &is_unstructured in forms {
+        for listed in &without {
+            // the Gauss rules are derived from one node, and from the whole action for comparison only
+            if listed.rule.stages().is_some() && !is_unstructured {
+                continue;
+            }
+            arena.grant(budget.work);
+            steps.push(step(listed.rule, None, is_unstructured, budget, arena)?);
+        }
+    }
+    let potentials = potentials(&with, budget, mechanics, arena)?;
+    for &is_unstructured in forms {
+        for (listed, potential) in with.iter().zip(&potentials) {
+            arena.grant(budget.work);
+            steps.push(step(
+                listed.rule,
+                potential.as_ref(),
+                is_unstructured,
+                budget,
+                arena,
+            )?);
+        }
+    }
+    Ok(steps)
+}
+
+/// The potentials of rules with the option `weak2`, or an error at each option that is of no use.
+fn potentials(
+    rules: &[&ListedRule],
+    budget: &Budget<'_>,
+    mechanics: &Mechanics,
+    arena: &mut Arena,
+) -> syn::Result<Vec<Option<Potential>>> {
+    let mut errors = Errors::new();
+    let mut potentials = Vec::new();
+    for listed in rules {
+        arena.grant(budget.work);
+        let takes_h1 = listed
+            .rule
+            .weak2(listed.rule.options)
+            .is_some_and(|w| w.takes_h1);
+        let potential = budget.stage(arena, |arena| {
+            weak2::potential(budget.model, mechanics, takes_h1, arena)
+        })?;
+        match potential {
+            Ok(potential) => potentials.push(potential),
+            Err(obstacle) => errors.push(
+                listed.place_of(RuleOption::Weak2),
+                obstacle.message(listed.rule),
+            ),
+        }
+    }
+    errors.finish(potentials)
+}
+
+/// Derives the step of a rule, with the potential of the option `weak2`.
 fn step(
     rule: Rule,
+    potential: Option<&Potential>,
     is_unstructured: bool,
     budget: &Budget<'_>,
     arena: &mut Arena,
 ) -> syn::Result<Derived> {
     let mut symbols = budget.model.symbols.clone();
     let (action, scheme) = budget.stage(arena, |arena| {
-        let action = action::discretise(rule, budget.model, &mut symbols, arena);
+        let action = action::discretise(rule, budget.model, potential, &mut symbols, arena);
         let equations = equations::equations(&action, arena);
         let scheme = if is_unstructured {
             Ok(structure::unstructured(equations, &mut symbols, arena))

@@ -11,7 +11,7 @@ use crate::discretise::equations;
 use crate::errors::Errors;
 use crate::interpret;
 use crate::program::{Operation, Scheduler, Tier};
-use crate::rules::action;
+use crate::rules::{Options, action};
 use crate::structure::{self, Solution};
 use crate::syntax::parse;
 use crate::system::model::Symbols;
@@ -51,7 +51,11 @@ fn count(attribute: TokenStream, block: ItemImpl) -> syn::Result<Operations> {
     let (block, model) = errors.finish(read)?.ok_or_else(no_system)?;
     let mut symbols = model.symbols.clone();
     let rule = block.arguments.rules[0].rule;
-    let action = action::discretise(rule, &model, &mut symbols, &mut arena);
+    if rule.options != Options::NONE {
+        let message = "operations are counted for rules without options";
+        return Err(syn::Error::new(block.arguments.rules[0].place, message));
+    }
+    let action = action::discretise(rule, &model, None, &mut symbols, &mut arena);
     let equations = equations::equations(&action, &mut arena);
     let Ok(scheme) = structure::analyse(equations, &action, &mut symbols, &mut arena) else {
         return Err(syn::Error::new(

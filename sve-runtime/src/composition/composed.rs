@@ -92,6 +92,7 @@ where
     type Increments = S::Increments;
     type Prepared = C::Each<S::Prepared>;
     type Memory = S::Memory;
+    const STAGES: usize = S::STAGES;
     const PLAN: &'static Plan = &plan_of(
         [S::PLAN],
         S::PLAN.rule,

@@ -21,6 +21,8 @@ pub trait Sequence<S: System> {
     type Prepared: Clone;
     /// What a trajectory, and a step from substep to substep, carries.
     type Memory: Memory;
+    /// Increments of a process in a step.
+    const STAGES: usize;
     /// The plan of the step.
     const PLAN: &'static Plan;
     /// Whether the rounding errors of every substep can be compensated.
@@ -136,6 +138,11 @@ pub(super) const fn plan_of<const K: usize>(
         rule,
         substeps: Some(Substeps { composition, count }),
         deterministic_order: order,
+        weak_order: if plans[0].noises == 0 {
+            order
+        } else {
+            plans[0].weak_order
+        },
         prepare,
         step,
         carried,
@@ -303,6 +310,8 @@ macro_rules! __compositions {
             type Increments = <$rule as $crate::__private::sequence::Sequence<$system>>::Increments;
             type Prepared = <$rule as $crate::__private::sequence::Sequence<$system>>::Prepared;
             type Memory = <$rule as $crate::__private::sequence::Sequence<$system>>::Memory;
+            const STAGES: usize =
+                <$rule as $crate::__private::sequence::Sequence<$system>>::STAGES;
             const PLAN: &'static $crate::Plan =
                 <$rule as $crate::__private::sequence::Sequence<$system>>::PLAN;
             const HAS_INCREMENTS: bool =

@@ -104,6 +104,7 @@ where
     type Increments = IncrementsOf<S>;
     type Prepared = C::Each<Prepared<S>>;
     type Memory = ();
+    const STAGES: usize = 1;
     const PLAN: &'static Plan = &plan_of(
         [
             <S as Discretised<InitialPoint>>::PLAN,

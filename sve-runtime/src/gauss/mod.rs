@@ -6,6 +6,7 @@
 //! | `step.rs` | a step: its equations, and the forces at a stage |
 //! | `newton.rs` | Newton's method for the equations of all stages |
 //! | `fixed_point.rs`, `stages.rs`, `convergence.rs` | fixed-point iteration with the stages in lanes |
+//! | `stage_noise.rs` | increments at the stages |
 //! | `memory.rs` | what a trajectory carries from step to step |
 //! | `linearise.rs` | the linearised step |
 //!
@@ -19,6 +20,7 @@ mod linearise;
 mod memory;
 mod newton;
 mod nodes;
+pub(crate) mod stage_noise;
 mod stages;
 mod step;
 mod tableau;

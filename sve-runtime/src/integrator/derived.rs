@@ -84,6 +84,7 @@ macro_rules! __derived_rule {
             type Increments = <Self as $crate::__private::StepEquations<$rule>>::Increments;
             type Prepared = <Self as $crate::__private::StepEquations<$rule>>::Prepared;
             type Memory = <Self as $crate::__private::StepEquations<$rule>>::Memory;
+            const STAGES: usize = <Self as $crate::__private::StepEquations<$rule>>::STAGES;
             const PLAN: &'static $crate::Plan =
                 <Self as $crate::__private::StepEquations<$rule>>::PLAN;
             const HAS_INCREMENTS: bool = !::core::matches!(

@@ -59,6 +59,11 @@ where
     }
 
     #[inline]
+    fn stages(&self) -> usize {
+        S::STAGES
+    }
+
+    #[inline]
     fn next_step(
         &self,
         prepared: &mut Self::Prepared,

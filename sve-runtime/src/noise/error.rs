@@ -111,6 +111,25 @@ pub enum NoiseError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         value: f64,
     },
+    /// The source draws no increments for stages.
+    #[error(
+        "this source has no increments of stages, for which the rule with {stages} stages asks: \
+         use `Wiener`, `Truncated`, `FromRng`, or a path of `Recorded::record_stages`"
+    )]
+    NoStages {
+        /// The stages of the rule.
+        stages: usize,
+    },
+    /// A path was recorded with another number of stages.
+    #[error(
+        "the path was recorded with {recorded} stages a step, and the rule has {asked}; record {asked}"
+    )]
+    Stages {
+        /// The stages of the rule.
+        asked: usize,
+        /// The stages of the path, 1 where it has an increment for each process only.
+        recorded: usize,
+    },
     /// The steps of a recorded path cannot be grouped by that factor.
     #[error(
         "a path of {recorded} steps cannot be coarsened by {factor}; \

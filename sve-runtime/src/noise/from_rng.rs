@@ -5,6 +5,7 @@
 
 use super::error::check_step;
 use super::{Noise, NoiseError, box_muller};
+use crate::gauss::stage_noise;
 
 /// Increments drawn one after another from a generator of the `rand` crates (`rand_core` 0.10).
 ///
@@ -56,6 +57,21 @@ impl<R: rand_core::Rng> Noise for FromRng<R> {
         let scale = h.abs().sqrt();
         for dw in dw {
             *dw = scale * self.normal();
+        }
+        Ok(())
+    }
+
+    fn stage_increments(
+        &mut self,
+        step: u64,
+        h: f64,
+        stages: usize,
+        dw: &mut [f64],
+    ) -> Result<(), NoiseError> {
+        let weights = stage_noise::weights(stages).ok_or(NoiseError::NoStages { stages })?;
+        self.increments(step, h, dw)?;
+        for (dw, weight) in dw.iter_mut().zip(weights.iter().cycle()) {
+            *dw *= weight.sqrt();
         }
         Ok(())
     }

@@ -81,6 +81,20 @@ impl<W: Noise> Noise for FromStep<W> {
             None => Err(NoiseError::StepNumber { step, first }),
         }
     }
+
+    fn stage_increments(
+        &mut self,
+        step: u64,
+        h: f64,
+        stages: usize,
+        dw: &mut [f64],
+    ) -> Result<(), NoiseError> {
+        let first = self.first;
+        match first.checked_add(step) {
+            Some(of_source) => self.noise.stage_increments(of_source, h, stages, dw),
+            None => Err(NoiseError::StepNumber { step, first }),
+        }
+    }
 }
 
 impl<W: Halves> Halves for FromStep<W> {

@@ -3,15 +3,18 @@
 //! Input: a step number, a step size `h`, and the number of processes. Output: one increment for each process, normal
 //! with mean 0 and variance `h` (its unit is that of √t), independent between steps and processes.
 //!
-//! | source | increments | replayable |
-//! | --- | --- | --- |
-//! | [`Wiener`] | from a seed, counter-based | any step, in any order |
-//! | [`Refined`] | a `Wiener` path in smaller steps | any step, in any order |
-//! | [`ThreePoint`] | of three values, for weak solutions; counter-based | any step, in any order |
-//! | [`Recorded`] | given, or taken from another source; can be coarsened | any step, in any order |
-//! | [`Truncated`] | of another source, clipped for implicit steps | as the other source |
-//! | [`FromRng`] | from a random generator of the `rand` crates | no: draws follow one another |
-//! | [`NoNoise`] | zero | trivially |
+//! | source | increments | replayable | with stage noise |
+//! | --- | --- | --- | --- |
+//! | [`Wiener`] | from a seed, counter-based | any step, in any order | yes; the same path for every number of stages |
+//! | [`Refined`] | a `Wiener` path in smaller steps | any step, in any order | no |
+//! | [`ThreePoint`] | of three values, for weak solutions; counter-based | any step, in any order | no: the law of the stages would be another one |
+//! | [`Recorded`] | given, or taken from another source; can be coarsened | any step, in any order | a path of [`Recorded::record_stages`] |
+//! | [`Truncated`] | of another source, clipped for implicit steps | as the other source | as the other source |
+//! | [`FromRng`] | from a random generator of the `rand` crates | no: draws follow one another | yes |
+//! | [`NoNoise`] | zero | trivially | yes |
+//!
+//! All sources go with all rules that take one increment a process. Rules with [stage noise](crate::StageNoise) ask for an increment for each process and stage: where the table says no, the first step is an
+//! error that says so. Steps that fail cannot be [refined](crate::Trajectory::refine) with stage noise, and ensembles and studies do not take it: both are compile errors.
 //!
 //! [`Replayable::from_step`] enters a replayable path at a step.
 //!
@@ -39,6 +42,7 @@ pub(crate) mod lanes;
 mod many_paths;
 mod none;
 mod recorded;
+mod stages;
 mod three_point;
 pub(crate) mod threefry;
 mod truncated;
@@ -93,6 +97,24 @@ pub trait Noise {
     /// # Errors
     /// When this source cannot serve that step.
     fn increments(&mut self, step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError>;
+
+    /// Fills `dw` with the increments of every process at every stage of a Gauss rule, process by process, with nodes ascending: independent, of
+    /// variance `b_i h` at the node with weight `b_i`.
+    ///
+    /// The increments of a process add up to the one that [`increments`](Self::increments) returns. The default has none.
+    ///
+    /// # Errors
+    /// When this source cannot serve that step; [`NoiseError::NoStages`] if it draws no increments for stages.
+    fn stage_increments(
+        &mut self,
+        step: u64,
+        h: f64,
+        stages: usize,
+        dw: &mut [f64],
+    ) -> Result<(), NoiseError> {
+        let _ = (step, h, dw);
+        Err(NoiseError::NoStages { stages })
+    }
 }
 
 impl<W: Noise + ?Sized> Noise for &mut W {
@@ -100,11 +122,33 @@ impl<W: Noise + ?Sized> Noise for &mut W {
     fn increments(&mut self, step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
         (**self).increments(step, h, dw)
     }
+
+    #[inline]
+    fn stage_increments(
+        &mut self,
+        step: u64,
+        h: f64,
+        stages: usize,
+        dw: &mut [f64],
+    ) -> Result<(), NoiseError> {
+        (**self).stage_increments(step, h, stages, dw)
+    }
 }
 
 impl<W: Noise + ?Sized> Noise for Box<W> {
     #[inline]
     fn increments(&mut self, step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
         (**self).increments(step, h, dw)
+    }
+
+    #[inline]
+    fn stage_increments(
+        &mut self,
+        step: u64,
+        h: f64,
+        stages: usize,
+        dw: &mut [f64],
+    ) -> Result<(), NoiseError> {
+        (**self).stage_increments(step, h, stages, dw)
     }
 }

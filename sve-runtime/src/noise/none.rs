@@ -21,4 +21,15 @@ impl Noise for NoNoise {
         dw.fill(0.0);
         Ok(())
     }
+
+    #[inline]
+    fn stage_increments(
+        &mut self,
+        step: u64,
+        h: f64,
+        _stages: usize,
+        dw: &mut [f64],
+    ) -> Result<(), NoiseError> {
+        self.increments(step, h, dw)
+    }
 }

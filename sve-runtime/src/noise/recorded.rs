@@ -5,6 +5,7 @@
 
 use super::error::check_step;
 use super::{Noise, NoiseError};
+use crate::gauss::stage_noise;
 
 /// Largest relative difference between a step size and the recorded one: `k * h` and `T / n` have one or two rounding errors each. Step
 /// sizes that are meant to differ differ by more.
@@ -36,8 +37,10 @@ const STEP_TOLERANCE: f64 = 4.0 * f64::EPSILON;
 pub struct Recorded {
     h: f64,
     processes: usize,
+    /// Increments of a process in a step, one for each stage.
+    stages: usize,
     steps: usize,
-    /// Step by step.
+    /// Step by step, process by process.
     increments: Vec<f64>,
 }
 
@@ -57,7 +60,7 @@ impl Recorded {
             .inspect(|_| steps += 1)
             .flatten()
             .collect();
-        Self::checked(h, M, steps, flat)
+        Self::checked(h, [M, 1, steps], flat)
     }
 
     /// Records the first `steps` steps of length `h` of another source.
@@ -70,13 +73,45 @@ impl Recorded {
         processes: usize,
         steps: usize,
     ) -> Result<Self, NoiseError> {
+        Self::record_rows(h, [processes, 1, steps], |step, dw| {
+            noise.increments(step, h, dw)
+        })
+    }
+
+    /// Records the first `steps` steps of length `h` of another source, for rules with [stage noise](crate::StageNoise) of so many stages. A rule
+    /// with one increment a process takes the path too.
+    ///
+    /// # Errors
+    /// As [`record`](Self::record); [`NoiseError::NoStages`] if the source has no increments for so many stages.
+    pub fn record_stages(
+        mut noise: impl Noise,
+        h: f64,
+        processes: usize,
+        stages: usize,
+        steps: usize,
+    ) -> Result<Self, NoiseError> {
+        if stage_noise::weights(stages).is_none() {
+            return Err(NoiseError::NoStages { stages });
+        }
+        Self::record_rows(h, [processes, stages, steps], |step, dw| {
+            noise.stage_increments(step, h, stages, dw)
+        })
+    }
+
+    /// Records rows of so many processes and stages, for so many steps.
+    fn record_rows(
+        h: f64,
+        [processes, stages, steps]: [usize; 3],
+        mut draw: impl FnMut(u64, &mut [f64]) -> Result<(), NoiseError>,
+    ) -> Result<Self, NoiseError> {
         check_step(h)?;
         let too_long = NoiseError::TooLong {
             steps: steps as u64,
             processes,
         };
         let mut increments = Vec::new();
-        let Some(length) = steps.checked_mul(processes) else {
+        let row = processes * stages;
+        let Some(length) = steps.checked_mul(row) else {
             return Err(too_long);
         };
         if increments.try_reserve_exact(length).is_err() {
@@ -84,13 +119,41 @@ impl Recorded {
         }
         increments.resize(length, 0.0);
         for step in 0..steps {
-            let dw = &mut increments[step * processes..][..processes];
-            noise.increments(step as u64, h, dw)?;
+            draw(step as u64, &mut increments[step * row..][..row])?;
         }
-        Self::checked(h, processes, steps, increments)
+        Self::checked(h, [processes, stages, steps], increments)
     }
 
-    /// Returns the same path with larger steps: the increments of each `k` steps are summed, the step size is `k h`.
+    /// The path whose rows have the increments of so many stages, process by process, with nodes ascending.
+    ///
+    /// # Errors
+    /// [`NoiseError::NoStages`] for a number that no rule has; [`NoiseError::Stages`] if the rows cannot be divided into so many stages.
+    pub fn with_stages(self, stages: usize) -> Result<Self, NoiseError> {
+        let row = self.row();
+        if stage_noise::weights(stages).is_none() {
+            return Err(NoiseError::NoStages { stages });
+        }
+        if !row.is_multiple_of(stages) {
+            return Err(NoiseError::Stages {
+                asked: stages,
+                recorded: row,
+            });
+        }
+        let processes = row / stages;
+        Ok(Self {
+            processes,
+            stages,
+            ..self
+        })
+    }
+
+    /// Numbers of a step.
+    fn row(&self) -> usize {
+        self.processes * self.stages
+    }
+
+    /// Returns the same path with larger steps: the increments of each `k` steps are summed, the step size is `k h`. Increments of stages become those of the stages of the larger
+    /// step, exactly.
     ///
     /// # Errors
     /// [`NoiseError::Coarsen`] unless `k` divides the number of steps.
@@ -102,14 +165,17 @@ impl Recorded {
             });
         }
         let steps = self.steps / k;
-        let mut sums = vec![0.0; steps * self.processes];
+        let mut sums = vec![0.0; steps * self.row()];
         for step in 0..self.steps {
             for process in 0..self.processes {
-                sums[step / k * self.processes + process] +=
-                    self.increments[step * self.processes + process];
+                let at = |step: usize| (step * self.processes + process) * self.stages;
+                let parts = &self.increments[at(step)..][..self.stages];
+                let longer = &mut sums[at(step / k)..][..self.stages];
+                stage_noise::add_to_longer_step(parts, [step % k, k], longer);
             }
         }
-        Self::checked(k as f64 * self.h, self.processes, steps, sums)
+        let sizes = [self.processes, self.stages, steps];
+        Self::checked(k as f64 * self.h, sizes, sums)
     }
 
     /// Number of steps.
@@ -132,29 +198,34 @@ impl Recorded {
         self.processes
     }
 
-    /// The increments over a step (from 0), one a process; `None` past the last step.
+    /// Number of stages, 1 for a path with an increment a process.
+    pub fn stages(&self) -> usize {
+        self.stages
+    }
+
+    /// The increments over a step (from 0), one for each process and stage; `None` past the last step.
     #[inline]
     pub fn get(&self, step: usize) -> Option<&[f64]> {
         // the comparison keeps the products in range
-        (step < self.steps).then(|| &self.increments[step * self.processes..][..self.processes])
+        (step < self.steps).then(|| &self.increments[step * self.row()..][..self.row()])
     }
 
     fn checked(
         h: f64,
-        processes: usize,
-        steps: usize,
+        [processes, stages, steps]: [usize; 3],
         increments: Vec<f64>,
     ) -> Result<Self, NoiseError> {
         check_step(h)?;
         match increments.iter().position(|dw| !dw.is_finite()) {
             Some(at) => Err(NoiseError::NonFinite {
-                step: (at / processes) as u64,
-                process: at % processes,
+                step: (at / (processes * stages)) as u64,
+                process: at / stages % processes,
                 value: increments[at],
             }),
             None => Ok(Self {
                 h,
                 processes,
+                stages,
                 steps,
                 increments,
             }),
@@ -162,26 +233,23 @@ impl Recorded {
     }
 }
 
-impl Noise for &Recorded {
+impl Recorded {
+    /// Returns the row of a step, after checking the number of processes and the step size.
     #[inline]
-    fn increments(&mut self, step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
-        if dw.len() != self.processes {
+    fn checked_row(&self, step: u64, h: f64, asked: usize) -> Result<&[f64], NoiseError> {
+        if asked != self.processes {
             return Err(NoiseError::Processes {
-                asked: dw.len(),
+                asked,
                 recorded: self.processes,
             });
         }
         // a NaN fails as well
         if (h.abs() - self.h.abs()).abs() <= STEP_TOLERANCE * self.h.abs() {
             let recorded = usize::try_from(step).ok().and_then(|step| self.get(step));
-            let Some(recorded) = recorded else {
-                return Err(NoiseError::Exhausted {
-                    step,
-                    recorded: self.steps as u64,
-                });
-            };
-            dw.copy_from_slice(recorded);
-            Ok(())
+            recorded.ok_or(NoiseError::Exhausted {
+                step,
+                recorded: self.steps as u64,
+            })
         } else {
             Err(NoiseError::StepSize {
                 h,
@@ -191,9 +259,54 @@ impl Noise for &Recorded {
     }
 }
 
+impl Noise for &Recorded {
+    #[inline]
+    fn increments(&mut self, step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
+        let row = self.checked_row(step, h, dw.len())?;
+        if self.stages == 1 {
+            dw.copy_from_slice(row);
+            return Ok(());
+        }
+        for (dw, parts) in dw.iter_mut().zip(row.chunks_exact(self.stages)) {
+            *dw = parts.iter().sum();
+        }
+        Ok(())
+    }
+
+    #[inline]
+    fn stage_increments(
+        &mut self,
+        step: u64,
+        h: f64,
+        stages: usize,
+        dw: &mut [f64],
+    ) -> Result<(), NoiseError> {
+        if stages != self.stages {
+            return Err(NoiseError::Stages {
+                asked: stages,
+                recorded: self.stages,
+            });
+        }
+        let row = self.checked_row(step, h, dw.len() / stages)?;
+        dw.copy_from_slice(row);
+        Ok(())
+    }
+}
+
 impl Noise for Recorded {
     #[inline]
     fn increments(&mut self, step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
         (&*self).increments(step, h, dw)
+    }
+
+    #[inline]
+    fn stage_increments(
+        &mut self,
+        step: u64,
+        h: f64,
+        stages: usize,
+        dw: &mut [f64],
+    ) -> Result<(), NoiseError> {
+        (&*self).stage_increments(step, h, stages, dw)
     }
 }

@@ -7,6 +7,7 @@
 
 use super::error::check_step;
 use super::{Noise, NoiseError};
+use crate::gauss::stage_noise;
 
 /// Default bound, in standard deviations.
 const DEVIATIONS: f64 = 6.0;
@@ -144,6 +145,24 @@ impl<W: Noise> Noise for Truncated<W> {
         let largest = self.largest(h)?;
         self.noise.increments(step, h, dw)?;
         for dw in dw {
+            *dw = dw.clamp(-largest, largest);
+        }
+        Ok(())
+    }
+
+    /// Clips the increment at a stage to as many of its own standard deviations.
+    fn stage_increments(
+        &mut self,
+        step: u64,
+        h: f64,
+        stages: usize,
+        dw: &mut [f64],
+    ) -> Result<(), NoiseError> {
+        let largest = self.largest(h)?;
+        let weights = stage_noise::weights(stages).ok_or(NoiseError::NoStages { stages })?;
+        self.noise.stage_increments(step, h, stages, dw)?;
+        for (dw, weight) in dw.iter_mut().zip(weights.iter().cycle()) {
+            let largest = largest * weight.sqrt();
             *dw = dw.clamp(-largest, largest);
         }
         Ok(())

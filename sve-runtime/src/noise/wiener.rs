@@ -5,6 +5,7 @@
 
 use super::counter_path::CounterPath;
 use super::distribution::Normal;
+use super::stages::StagePath;
 use super::{Noise, NoiseError};
 
 /// Wiener paths from a seed: any step of any path, in any order, always the same.
@@ -39,20 +40,26 @@ use super::{Noise, NoiseError};
 ///
 /// [`refine`](Self::refine) gives the same path in smaller steps.
 ///
+/// For rules with [stage noise](crate::StageNoise) it draws the same path in more detail: the increments at the stages add up to these.
+///
 /// Generator: Threefry4x64-13 of Salmon, Moraes, Dror and Shaw (2011); normals by Box and Muller (1958).
 #[derive(Clone, Debug)]
-pub struct Wiener(pub(super) CounterPath<Normal>);
+pub struct Wiener(
+    pub(super) CounterPath<Normal>,
+    /// For the stages of Gauss rules.
+    StagePath,
+);
 
 impl Wiener {
     /// Path 0 of a seed. All seeds are equally good.
     pub fn new(seed: u64) -> Self {
-        Self(CounterPath::new(seed))
+        Self(CounterPath::new(seed), StagePath::new(seed))
     }
 
     /// Path number `path` of the same seed.
     #[must_use]
     pub fn path(self, path: u64) -> Self {
-        Self(self.0.path(path))
+        Self(self.0.path(path), self.1.path(path))
     }
 
     /// Returns the increment of a process (from 0) over step number `step` (from 0) of length `h`.
@@ -69,5 +76,16 @@ impl Noise for Wiener {
     #[inline]
     fn increments(&mut self, step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
         self.0.increments(step, h, dw)
+    }
+
+    fn stage_increments(
+        &mut self,
+        step: u64,
+        h: f64,
+        stages: usize,
+        dw: &mut [f64],
+    ) -> Result<(), NoiseError> {
+        let Self(whole, higher) = self;
+        higher.increments(whole, step, h, stages, dw)
     }
 }

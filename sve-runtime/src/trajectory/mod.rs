@@ -158,7 +158,14 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
             self.prepare()?;
         }
         let mut dw = I::Increments::NONE;
-        match self.noise.increments(self.step, self.h, dw.as_mut()) {
+        let drawn = match self.method.stages() {
+            1 => self.noise.increments(self.step, self.h, dw.as_mut()),
+            stages => {
+                let Self { step, h, noise, .. } = self;
+                noise.stage_increments(*step, *h, stages, dw.as_mut())
+            }
+        };
+        match drawn {
             Ok(()) => {}
             Err(NoiseError::Exhausted { .. }) => return Ok(None),
             Err(source) => {

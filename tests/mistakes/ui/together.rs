@@ -252,6 +252,18 @@ mod model_velocity_cancels;
 mod model_velocity_linear;
 #[path = "model/velocity_missing.rs"]
 mod model_velocity_missing;
+#[path = "model/weak2_of_a_relativistic_particle.rs"]
+mod model_weak2_of_a_relativistic_particle;
+#[path = "model/weak2_of_noise_in_momentum.rs"]
+mod model_weak2_of_noise_in_momentum;
+#[path = "model/weak2_of_noises_that_do_not_commute.rs"]
+mod model_weak2_of_noises_that_do_not_commute;
+#[path = "model/weak2_with_cubic_friction.rs"]
+mod model_weak2_with_cubic_friction;
+#[path = "model/weak2_with_four_coupled_masses.rs"]
+mod model_weak2_with_four_coupled_masses;
+#[path = "model/weak2_without_noise.rs"]
+mod model_weak2_without_noise;
 #[path = "model/wrong_result.rs"]
 mod model_wrong_result;
 #[path = "noise/array_of_arrays.rs"]
@@ -280,12 +292,16 @@ mod noise_scalar_gamma_with_momentum;
 mod noise_wrong_result;
 #[path = "parse/async_function.rs"]
 mod parse_async_function;
+#[path = "parse/comma_between_rules_missing.rs"]
+mod parse_comma_between_rules_missing;
 #[path = "parse/conditional_function.rs"]
 mod parse_conditional_function;
 #[path = "parse/constraint_is_not_supported.rs"]
 mod parse_constraint_is_not_supported;
 #[path = "parse/doubled_rule.rs"]
 mod parse_doubled_rule;
+#[path = "parse/doubled_rule_with_an_option.rs"]
+mod parse_doubled_rule_with_an_option;
 #[path = "parse/foreign_function.rs"]
 mod parse_foreign_function;
 #[path = "parse/four_arguments.rs"]
@@ -326,6 +342,20 @@ mod parse_no_receiver;
 mod parse_no_result;
 #[path = "parse/one_argument.rs"]
 mod parse_one_argument;
+#[path = "parse/option_as_text.rs"]
+mod parse_option_as_text;
+#[path = "parse/option_misspelt.rs"]
+mod parse_option_misspelt;
+#[path = "parse/option_of_a_rule_without_options.rs"]
+mod parse_option_of_a_rule_without_options;
+#[path = "parse/option_of_other_rules.rs"]
+mod parse_option_of_other_rules;
+#[path = "parse/option_twice.rs"]
+mod parse_option_twice;
+#[path = "parse/option_unknown.rs"]
+mod parse_option_unknown;
+#[path = "parse/option_without_a_comma.rs"]
+mod parse_option_without_a_comma;
 #[path = "parse/path_of_the_runtime_as_text.rs"]
 mod parse_path_of_the_runtime_as_text;
 #[path = "parse/receiver_by_value.rs"]

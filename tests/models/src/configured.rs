@@ -80,6 +80,7 @@ where
     type Increments = S::Increments;
     type Prepared = S::Prepared;
     type Memory = S::Memory;
+    const STAGES: usize = S::STAGES;
     const PLAN: &'static Plan = S::PLAN;
     const HAS_INCREMENTS: bool = S::HAS_INCREMENTS;
 

@@ -17,4 +17,5 @@ mod units;
 mod unresolved;
 mod vanishing_mass;
 mod verlet;
+mod weak2;
 mod weak_coupling;

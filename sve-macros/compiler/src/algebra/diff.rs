@@ -20,6 +20,11 @@ impl Arena {
         self.known(expr, symbol)
     }
 
+    /// Records a derivative in a form that is shorter than the one that the rules give. It must be equal to that one.
+    pub(crate) fn record_derivative(&mut self, expr: Expr, symbol: Symbol, derivative: Expr) {
+        self.derivatives.insert((expr, symbol), derivative);
+    }
+
     /// The derivative of an operand: zero where the symbol does not occur.
     fn known(&mut self, expr: Expr, symbol: Symbol) -> Expr {
         match self.derivatives.get(&(expr, symbol)) {

@@ -22,7 +22,7 @@ pub(crate) fn gauss(
     mechanics: &Mechanics,
     arena: &Arena,
 ) -> StepTexts {
-    let features = features(model, mechanics, arena);
+    let features = features(model, mechanics, None, arena);
     let Textbook {
         action,
         notation,

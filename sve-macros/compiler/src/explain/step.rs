@@ -34,12 +34,15 @@ pub(crate) fn step(
         action: textbook,
         mut notation,
         work,
-    } = rule.textbook(&features(model, mechanics, arena));
+    } = rule.textbook(&features(model, mechanics, action.half_factor, arena));
     let mut lines = vec![textbook];
     if let Some((text, parts)) = written_out(rule, action, symbols, arena) {
         lines.push(text);
         lines.extend(parts);
         notation.push("Δq = q₁ − q₀".to_owned());
+    }
+    if action.half_factor.is_some() {
+        notation.push(potential(model).to_owned());
     }
     if model.force.is_some() {
         lines.push(format!("with the virtual work h·{work} beside δS"));
@@ -73,7 +76,12 @@ fn domain(rule: Rule, scheme: &Scheme<Expr>, symbols: &Symbols, arena: &Arena) -
 }
 
 /// What of the system shows in the textbook form of an action.
-pub(super) fn features(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Features {
+pub(super) fn features(
+    model: &Model,
+    mechanics: &Mechanics,
+    potential: Option<f64>,
+    arena: &Arena,
+) -> Features {
     let timed = |e: Expr| arena.contains(e, model.time);
     let noises = &model.noises;
     let gammas = noises.iter().filter(|g| g.is_gamma).count();
@@ -84,9 +92,22 @@ pub(super) fn features(model: &Model, mechanics: &Mechanics, arena: &Arena) -> F
         degrees_of_freedom: model.dof(),
         is_timed: timed(model.lagrangian) || noises.iter().any(|g| timed(g.hamiltonian)),
         force_is_timed: model.force.as_ref().map(|f| f.iter().any(|&e| timed(e))),
+        potential,
         gammas,
         hamiltonians: noises.len() - gammas,
         moves_both: moves_q && moves_p,
+    }
+}
+
+/// What K of the option `weak2` stands for.
+fn potential(model: &Model) -> &'static str {
+    let is_gamma = model.noises.iter().all(|noise| noise.is_gamma);
+    match (is_gamma, model.noises.len(), model.dof()) {
+        (true, 1, 1) => "K = (∂γ/∂q)²/(∂²L/∂v²)",
+        (true, _, 1) => "K = Σ (∂γ/∂q)²/(∂²L/∂v²)",
+        (true, 1, _) => "K = ⟨∂γ/∂q, M⁻¹·∂γ/∂q⟩ with M = ∂²L/∂v²",
+        (true, _, _) => "K = Σ ⟨∂γ/∂q, M⁻¹·∂γ/∂q⟩ with M = ∂²L/∂v²",
+        (false, _, _) => "K = Σ {G, {G, H} + ∂G/∂t} with G = −γ or H₁",
     }
 }
 

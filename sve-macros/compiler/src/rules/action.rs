@@ -4,9 +4,10 @@
 //! of the rule, the step size and the Wiener increments (`docs/mathematics.md`, section 2). The displacement is the variable, not q₁,
 //! so that a small step does not cancel: `∂S_d/∂q₁ = ∂S/∂d` and `∂S_d/∂q₀ = ∂S/∂q₀ − ∂S/∂d`.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
-use super::Rule;
+use super::weak2::Potential;
+use super::{Rule, RuleOption};
 use crate::algebra::{Arena, Expr, Symbol};
 use crate::system::model::{
     AtNode, Family, Meaning, Model, NodeQuantity, Quantity, Symbols, Unknown,
@@ -22,6 +23,8 @@ pub(crate) struct Action {
     /// Variables in which the action is stationary.
     pub(crate) internal: Vec<Symbol>,
     pub(crate) work: Vec<Work>,
+    /// `½ κ` of the option `weak2`, if the action has its term.
+    pub(crate) half_factor: Option<f64>,
 }
 
 /// Virtual work of a component of the force, Lagrange–d'Alembert: `impulse · δ place` joins δS.
@@ -49,12 +52,15 @@ pub(crate) struct Variables<'a> {
     pub(super) start_q: Vec<Symbol>,
     pub(super) displacement: Vec<Symbol>,
     pub(super) dw: Vec<Symbol>,
+    /// `½ κ` and `Σ_a K_a` of the option `weak2`.
+    potential: Option<(f64, &'a Potential)>,
 }
 
-/// The discrete action of `rule`.
+/// The discrete action of `rule`, with the potential that the option `weak2` adds (`weak2::potential`).
 pub(crate) fn discretise(
     rule: Rule,
     model: &Model,
+    potential: Option<&Potential>,
     symbols: &mut Symbols,
     arena: &mut Arena,
 ) -> Action {
@@ -64,6 +70,10 @@ pub(crate) fn discretise(
     let start_p = symbols.declare_all(n, |i| Meaning::Start(Quantity::Momentum, i));
     let displacement = symbols.declare_all(n, Unknown::of(Family::Displacement));
     let dw = symbols.declare_all(model.noises.len(), Meaning::Wiener);
+    let term = rule
+        .weak2(rule.options)
+        .filter(|_| rule.options.contain(RuleOption::Weak2));
+    let potential = term.map(|term| 0.5 * term.factor).zip(potential);
     let mut variables = Variables {
         arena,
         model,
@@ -72,6 +82,7 @@ pub(crate) fn discretise(
         start_q,
         displacement,
         dw,
+        potential,
     };
     let Discrete {
         value,
@@ -81,6 +92,7 @@ pub(crate) fn discretise(
     let Variables {
         start_q,
         displacement,
+        potential,
         ..
     } = variables;
     Action {
@@ -91,6 +103,7 @@ pub(crate) fn discretise(
         displacement,
         internal,
         work,
+        half_factor: potential.map(|(half_factor, _)| half_factor),
     }
 }
 
@@ -99,6 +112,48 @@ impl Variables<'_> {
     pub(super) fn at_node(&mut self, node: usize, quantity: NodeQuantity, value: Expr) -> Expr {
         let identity = AtNode { node, quantity }.identity();
         self.arena.intermediate(value, Some(identity))
+    }
+
+    /// `h L` at a node, less `½ κ h |h| Σ_a K_a` with the option `weak2`. Every rule sums it over its nodes.
+    pub(super) fn lagrangian(&mut self, node: &HashMap<Symbol, Expr>) -> Expr {
+        let h = self.arena.symbol(self.h);
+        let lagrangian = self.arena.substitute(self.model.lagrangian, node);
+        let action = self.arena.mul(h, lagrangian);
+        let Some((half_factor, potential)) = self.potential else {
+            return action;
+        };
+        let potential = self.potential_at(potential, node);
+        let size = self.arena.abs(h);
+        let term = self.arena.product(&[(h, 1), (size, 1), (potential, 1)]);
+        self.arena.sum(0.0, &[(1.0, action), (-half_factor, term)])
+    }
+
+    /// `Σ_a K_a` at a node, with its derivatives by the chain rule.
+    fn potential_at(&mut self, potential: &Potential, node: &HashMap<Symbol, Expr>) -> Expr {
+        let value = self.arena.substitute(potential.value, node);
+        let value = self.arena.opaque(value);
+        let Some(gradient) = &potential.gradient else {
+            return value;
+        };
+        let gradient = self.arena.substitute_all(gradient, node);
+        let time = node.get(&self.model.time).copied();
+        let positions: Vec<Expr> = self.model.q.iter().map(|q| node[q]).collect();
+        let symbols = positions.iter().flat_map(|&q| self.arena.symbols_of(q));
+        let moves_only_positions = |&symbol: &Symbol| {
+            let others = time.into_iter().chain([potential.value]);
+            others.into_iter().all(|e| !self.arena.contains(e, symbol))
+        };
+        let symbols: BTreeSet<Symbol> = symbols.filter(moves_only_positions).collect();
+        for symbol in symbols {
+            let mut terms = Vec::new();
+            for (&slope, &q) in gradient.iter().zip(&positions) {
+                let rate = self.arena.diff(q, symbol);
+                terms.push((1.0, self.arena.mul(slope, rate)));
+            }
+            let derivative = self.arena.sum(0.0, &terms);
+            self.arena.record_derivative(value, symbol, derivative);
+        }
+        value
     }
 
     /// The work of the force at a node, for a part of the step.

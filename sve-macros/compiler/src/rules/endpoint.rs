@@ -6,6 +6,7 @@ pub(super) static ENDPOINT: OneNode = OneNode {
     attribute_name: "endpoint",
     type_name: "Endpoint",
     deterministic_order: 1,
+    weak2: None,
     place: 1.0,
     time: "t₁",
     position: "q₁",

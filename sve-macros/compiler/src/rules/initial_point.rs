@@ -6,6 +6,7 @@ pub(super) static INITIAL_POINT: OneNode = OneNode {
     attribute_name: "initial_point",
     type_name: "InitialPoint",
     deterministic_order: 1,
+    weak2: None,
     place: 0.0,
     time: "t₀",
     position: "q₀",

@@ -12,6 +12,7 @@ mod one_node;
 mod options;
 mod stormer_verlet;
 mod taylor2;
+pub(crate) mod weak2;
 
 use std::fmt;
 use std::ops::Deref;
@@ -19,6 +20,7 @@ use std::ops::Deref;
 use crate::system::model::NodeQuantity;
 use action::{Discrete, Variables};
 pub(crate) use options::{Options, RuleOption};
+pub(crate) use weak2::Weak2;
 
 /// A rule without its options, as its file defines it.
 type Base = &'static (dyn Discretisation + Sync);
@@ -125,6 +127,10 @@ pub(crate) trait Discretisation {
     fn options(&self) -> &'static [RuleOption] {
         &[]
     }
+    /// What the rule says of the option `weak2`, beside other options; nothing if the rule does not take it.
+    fn weak2(&self, _: Options) -> Option<Weak2> {
+        None
+    }
     /// The rule's type in the runtime, which is generic in the number of stages of a family.
     fn type_name(&self) -> &'static str;
     /// Order of convergence without noise.
@@ -161,6 +167,8 @@ pub(crate) struct Features {
     pub(crate) is_timed: bool,
     /// Whether the force depends on time, where there is one.
     pub(crate) force_is_timed: Option<bool>,
+    /// ½κ of the option `weak2`, if the action has its term.
+    pub(crate) potential: Option<f64>,
     /// Numbers of γ and of H₁.
     pub(crate) gammas: usize,
     pub(crate) hamiltonians: usize,
@@ -185,6 +193,14 @@ impl Features {
             format!("{p}·({x})")
         } else {
             format!("⟨{p}, {x}⟩")
+        }
+    }
+
+    /// The term of the option `weak2` in an action, ` − h·|h|·(K(q₀) + K(q₁))/16` for the sum `K(q₀) + K(q₁)` over two nodes of equal weight.
+    fn potential(&self, sum: &str, nodes: u32) -> String {
+        match self.potential {
+            Some(half) => format!(" − h·|h|·{sum}/{}", f64::from(nodes) / half),
+            None => String::new(),
         }
     }
 

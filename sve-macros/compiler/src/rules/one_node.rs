@@ -9,7 +9,7 @@
 use std::collections::HashMap;
 
 use super::action::{Discrete, Variables};
-use super::{Discretisation, Features, StrongOrder, Textbook};
+use super::{Discretisation, Features, Options, RuleOption, StrongOrder, Textbook, Weak2};
 use crate::algebra::{Expr, Symbol};
 use crate::system::model::{Family, NodeQuantity, Unknown};
 
@@ -18,6 +18,8 @@ pub(super) struct OneNode {
     pub(super) attribute_name: &'static str,
     pub(super) type_name: &'static str,
     pub(super) deterministic_order: u32,
+    /// What the rule says of the option `weak2`, if it takes the option.
+    pub(super) weak2: Option<Weak2>,
     /// c.
     pub(super) place: f64,
     /// How the node's time and position are written.
@@ -39,6 +41,17 @@ impl Discretisation for OneNode {
 
     fn deterministic_order(&self) -> u32 {
         self.deterministic_order
+    }
+
+    fn options(&self) -> &'static [RuleOption] {
+        match self.weak2 {
+            Some(_) => &[RuleOption::Weak2],
+            None => &[],
+        }
+    }
+
+    fn weak2(&self, _: Options) -> Option<Weak2> {
+        self.weak2
     }
 
     fn strong_order(&self, noises_commute: bool) -> StrongOrder {
@@ -78,8 +91,7 @@ impl Discretisation for OneNode {
             node.insert(x.model.p[i], x.arena.symbol(p[i]));
         }
 
-        let lagrangian = x.arena.substitute(x.model.lagrangian, &node);
-        let mut terms = vec![(1.0, x.arena.mul(h, lagrangian))];
+        let mut terms = vec![(1.0, x.lagrangian(&node))];
         for i in 0..n {
             let [d, v, p] = [x.displacement[i], v[i], p[i]].map(|s| x.arena.symbol(s));
             let hv = x.arena.mul(h, v);
@@ -131,7 +143,8 @@ impl Discretisation for OneNode {
         let mut notation: Vec<&str> = self.position_is.into_iter().collect();
         notation.extend(self.time_is.filter(|_| system.is_timed));
         let constraint = system.pairing("p", "q₁ − q₀ − h·v");
-        let mut terms = vec![format!("S = h·L({t}{q}, v) + {constraint}")];
+        let potential = system.potential(&format!("K({t}{q})"), 1);
+        let mut terms = vec![format!("S = h·L({t}{q}, v){potential} + {constraint}")];
         let sum = |count: usize| if count > 1 { "Σ " } else { "" };
         if system.gammas > 0 {
             terms.push(format!(" + {}γ({t}{q})·ΔW", sum(system.gammas)));

@@ -11,7 +11,7 @@
 use std::collections::HashMap;
 
 use super::action::{Discrete, Variables};
-use super::{Discretisation, Features, StrongOrder, Textbook};
+use super::{Discretisation, Features, Options, RuleOption, StrongOrder, Textbook, Weak2};
 use crate::algebra::{Expr, Symbol};
 use crate::system::model::{Family, NodeQuantity, Unknown};
 
@@ -31,6 +31,17 @@ impl Discretisation for StormerVerlet {
 
     fn deterministic_order(&self) -> u32 {
         2
+    }
+
+    fn options(&self) -> &'static [RuleOption] {
+        &[RuleOption::Weak2]
+    }
+
+    fn weak2(&self, _: Options) -> Option<Weak2> {
+        Some(Weak2 {
+            factor: 0.25,
+            takes_h1: false,
+        })
     }
 
     fn strong_order(&self, noises_commute: bool) -> StrongOrder {
@@ -57,8 +68,7 @@ impl Discretisation for StormerVerlet {
         let h = x.arena.symbol(x.h);
         let mut terms = Vec::new();
         for node in &nodes {
-            let lagrangian = x.arena.substitute(x.model.lagrangian, node);
-            terms.push((0.5, x.arena.mul(h, lagrangian)));
+            terms.push((0.5, x.lagrangian(node)));
             for (noise, &dw) in x.model.noises.iter().zip(&x.dw) {
                 let g = x.arena.substitute(noise.hamiltonian, node);
                 let dw = x.arena.symbol(dw);
@@ -103,8 +113,9 @@ impl Discretisation for StormerVerlet {
             ("", "")
         };
         let constraint = system.pairing("p", "q₁ − q₀ − h·v");
+        let potential = system.potential(&format!("(K({t0}q₀) + K({t1}q₁))"), 2);
         let mut terms = vec![format!(
-            "S = h·(L({t0}q₀, v) + L({t1}q₁, v))/2 + {constraint}"
+            "S = h·(L({t0}q₀, v) + L({t1}q₁, v))/2{potential} + {constraint}"
         )];
         let sum = |count: usize| if count > 1 { "Σ " } else { "" };
         if system.gammas > 0 {

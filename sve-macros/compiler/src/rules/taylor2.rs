@@ -78,8 +78,7 @@ impl Discretisation for Taylor2 {
         let accelerations: Vec<Expr> = a.iter().map(|&s| x.arena.symbol(s)).collect();
         let mut terms = Vec::new();
         for node in [&start, &end] {
-            let lagrangian = x.arena.substitute(x.model.lagrangian, node);
-            terms.push((0.5, x.arena.mul(h, lagrangian)));
+            terms.push((0.5, x.lagrangian(node)));
         }
         for i in 0..n {
             let [d, v, a, mu, nu] =

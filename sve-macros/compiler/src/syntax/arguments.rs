@@ -29,6 +29,14 @@ pub(crate) struct ListedRule {
     pub(crate) options: Vec<(RuleOption, Span)>,
 }
 
+impl ListedRule {
+    /// Where an option stands.
+    pub(crate) fn place_of(&self, option: RuleOption) -> Span {
+        let found = self.options.iter().find(|(other, _)| *other == option);
+        found.map_or(self.place, |&(_, place)| place)
+    }
+}
+
 impl Arguments {
     /// Reads the attribute; what is wrong in it is left out.
     pub(crate) fn read(attribute: TokenStream, errors: &mut Errors) -> Self {

@@ -303,16 +303,17 @@ fn not_taken(name: &Ident, option: RuleOption, rule: Rule, all: &[Rule]) -> Stri
     let others: Vec<Rule> = all.iter().copied().filter(takes).collect();
     let others = crate::rules::names(&others).join(", ");
     let option = option.name();
-    let of_others = if others.is_empty() {
-        String::new()
-    } else {
-        format!(", which is one of {others}")
-    };
-    match taken(rule) {
-        Some(taken) => format!(
-            "`{name}` does not take the option `{option}`{of_others}; the options of `{name}` are {taken}"
+    match (taken(rule), others.is_empty()) {
+        (Some(taken), true) => format!(
+            "`{name}` does not take the option `{option}`; the options of `{name}` are {taken}"
         ),
-        None => format!("`{name}` takes no options, so not `{option}`{of_others}"),
+        (Some(taken), false) => format!(
+            "`{name}` does not take the option `{option}`, which is one of {others}; the options of `{name}` are {taken}"
+        ),
+        (None, true) => format!("`{name}` takes no options: write `{name}`"),
+        (None, false) => format!(
+            "`{name}` takes no options: write `{name}`; `{option}` is an option of {others}"
+        ),
     }
 }
 

@@ -3,3 +3,4 @@
 mod kubo;
 mod moments;
 mod strong_order;
+mod weak_order;

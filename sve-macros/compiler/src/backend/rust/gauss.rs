@@ -13,7 +13,7 @@ use crate::rules::Rule;
 
 pub(crate) fn gauss(
     context: &Context<'_>,
-    rule: Rule,
+    (rule, weak_order): (Rule, u32),
     count: usize,
     stages: &Stages,
     code: &StageCode,
@@ -61,7 +61,7 @@ pub(crate) fn gauss(
     let plan = plan_of(
         &private,
         context,
-        rule,
+        (rule, weak_order),
         texts,
         &cost(&names, code, count, dof),
     );

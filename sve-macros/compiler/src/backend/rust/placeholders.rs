@@ -141,6 +141,7 @@ fn plan(private: &TokenStream) -> TokenStream {
             blocks: &[],
             deterministic_order: 0,
             strong_order: #private::StrongOrder::Deterministic,
+            weak_order: 0,
             conserved: &[],
             prepare: #operations,
             step: #operations,

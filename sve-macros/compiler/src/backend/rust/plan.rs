@@ -16,6 +16,7 @@ pub(super) fn plan(
     private: &TokenStream,
     context: &Context<'_>,
     derived: &Derived,
+    weak_order: u32,
     texts: &StepTexts,
     work: &Work,
 ) -> TokenStream {
@@ -24,7 +25,7 @@ pub(super) fn plan(
     plan_with(
         private,
         context,
-        derived.rule,
+        (derived.rule, weak_order),
         texts,
         &quote!(#(#blocks),*),
         work,
@@ -37,11 +38,11 @@ pub(super) struct Cost<'a> {
     pub(super) work: Work,
 }
 
-/// The plan of a step that is solved in one block, with a full Jacobian.
+/// The plan of a step by a rule, whose weak order stands beside it, that is solved in one block with a full Jacobian.
 pub(super) fn plan_of(
     private: &TokenStream,
     context: &Context<'_>,
-    rule: Rule,
+    rule: (Rule, u32),
     texts: &StepTexts,
     cost: &Cost<'_>,
 ) -> TokenStream {
@@ -61,7 +62,7 @@ pub(super) fn plan_of(
 fn plan_with(
     private: &TokenStream,
     context: &Context<'_>,
-    rule: Rule,
+    (rule, weak_order): (Rule, u32),
     texts: &StepTexts,
     blocks: &TokenStream,
     work: &Work,
@@ -111,6 +112,7 @@ fn plan_with(
             blocks: &[#blocks],
             deterministic_order: #order,
             strong_order: #private::StrongOrder::#strong,
+            weak_order: #weak_order,
             conserved: &[#(#conserved),*],
             prepare: #prepare,
             step: #step,

@@ -13,7 +13,12 @@ use crate::explain::StepTexts;
 use crate::structure::{Block, Returns, Solution};
 use crate::system::model::{Family, Meaning, Symbols, Unknown};
 
-pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) -> TokenStream {
+pub(crate) fn rule(
+    context: &Context<'_>,
+    derived: &Derived,
+    weak_order: u32,
+    texts: &StepTexts,
+) -> TokenStream {
     let (private, attributes) = (private(context.block), attributes());
     let (model, arena) = (context.model, context.arena);
     let Derived {
@@ -40,7 +45,7 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
         work,
     } = code(derived, &private, context);
     let (memory, memory_type) = memory(carried);
-    let plan = plan(&private, context, derived, texts, &work);
+    let plan = plan(&private, context, derived, weak_order, texts, &work);
     let returns = match scheme.returns {
         Returns::Increment => quote!(Increment),
         Returns::State => quote!(State),

@@ -265,7 +265,7 @@ const MISTAKES: &[(&str, &str, &str)] = &[
     (
         "start(weak2)",
         "weak2",
-        "`start` takes no options, so not `weak2`, which is one of `middle`, `stages(2)` to `stages(5)`",
+        "`start` takes no options: write `start`; `weak2` is an option of `middle`, `stages(2)` to `stages(5)`",
     ),
     (
         "middle(weak2, weak2)",

@@ -1,0 +1,266 @@
+//! The option `weak2`: a potential that removes the leading error of expectations, so that the weak order is 2 with one Gaussian increment a process.
+//!
+//! The noise Hamiltonians are `G_a = −γ` or `H₁`. The action of a rule with weights `bᵢ` of its nodes gets
+//!
+//! ```text
+//! S_d −= ½ κ h |h| Σᵢ bᵢ Σ_a K_a(node i)        K_a = {G_a, {G_a, H} + ∂G_a/∂t}        {f, g} = ⟨f_q, g_p⟩ − ⟨f_p, g_q⟩
+//! ```
+//!
+//! so that L becomes `L − ½ κ |h| Σ_a K_a` at each node: the variance of an increment is `|h|`, so a symmetric rule stays symmetric. A step of order 3 or above with frozen increments has κ = ⅙. The error of the midpoint rule, and of that of Störmer and Verlet,
+//! adds `1/24 h ΔW² K_a` to the Hamiltonian if `G_a` is a γ, which makes κ = ¼. For a γ, `K_a = ⟨γ_q, M⁻¹ γ_q⟩` with `M = ∂²L/∂v²`.
+//!
+//! The derivation is in `docs/mathematics.md`, section 9.
+//!
+//! Input: the model with its derivatives. Output: `Σ_a K_a`, or the reason why the term does not raise the weak order.
+
+use super::{Rule, RuleOption};
+use crate::algebra::{Arena, Expr};
+use crate::system::inverse_mass::{self, NoFormula};
+use crate::system::mechanics::{Commutation, Mechanics, NoiseJet};
+use crate::system::model::Model;
+
+/// What a rule says of the option.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Weak2 {
+    /// κ.
+    pub(crate) factor: f64,
+    /// Whether the term raises the weak order with noise that moves the position too.
+    pub(crate) takes_h1: bool,
+}
+
+/// Why the term does not raise the weak order.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Obstacle {
+    /// Two noises do not commute.
+    NonCommuting(String, String),
+    /// A noise moves the position, and the rule is not for such noises.
+    MovesPosition(String),
+    /// ∂²L/∂v² depends on v.
+    MomentumNotAffine,
+    /// A force is not affine in v.
+    ForceNotAffine,
+    NoInverseMass(NoFormula),
+}
+
+/// The reason why no term raises the weak order of a rule for this model, as far as the model alone says.
+fn obstacle(
+    model: &Model,
+    mechanics: &Mechanics,
+    takes_h1: bool,
+    arena: &mut Arena,
+) -> Option<Obstacle> {
+    if let Commutation::NonCommuting(a, b) = &mechanics.commutation {
+        return Some(Obstacle::NonCommuting(a.clone(), b.clone()));
+    }
+    if !takes_h1 {
+        let moves_position = |at: &usize| {
+            let dp = &mechanics.noises[*at].dp;
+            dp.iter()
+                .any(|&e| arena.constant_value(e) != Some(0.0) && !arena.is_zero(e))
+        };
+        if let Some(at) = (0..model.noises.len()).find(moves_position) {
+            return Some(Obstacle::MovesPosition(model.noises[at].name.clone()));
+        }
+    }
+    if !mechanics.affine_momentum {
+        return Some(Obstacle::MomentumNotAffine);
+    }
+    let force = mechanics.force.iter().flat_map(|force| &force.dv).flatten();
+    for &entry in force {
+        for &v in &model.v {
+            if arena.contains(entry, v) {
+                let change = arena.diff(entry, v);
+                if !arena.is_zero(change) {
+                    return Some(Obstacle::ForceNotAffine);
+                }
+            }
+        }
+    }
+    None
+}
+
+/// `Σ_a K_a` in the variables of the model.
+pub(crate) struct Potential {
+    pub(crate) value: Expr,
+    /// The derivatives in q, if they are all that differ from zero.
+    pub(crate) gradient: Option<Vec<Expr>>,
+}
+
+/// Returns `Σ_a K_a`; nothing if it does not depend on the state, so that it would not change a step.
+pub(crate) fn potential(
+    model: &Model,
+    mechanics: &Mechanics,
+    takes_h1: bool,
+    arena: &mut Arena,
+) -> Result<Option<Potential>, Obstacle> {
+    if let Some(obstacle) = obstacle(model, mechanics, takes_h1, arena) {
+        return Err(obstacle);
+    }
+    let n = model.dof();
+    let mut values = Vec::new();
+    let mut gradients = vec![Vec::new(); n];
+    for at in 0..model.noises.len() {
+        let bracket = double_bracket(at, model, mechanics, arena);
+        let (value, w) = bracket.map_err(Obstacle::NoInverseMass)?;
+        values.push((1.0, value));
+        for (k, gradient) in gradients.iter_mut().enumerate() {
+            gradient.extend(slope(at, k, &w, mechanics, model, arena));
+        }
+    }
+    let value = arena.sum(0.0, &values);
+    let gradient: Vec<Expr> = gradients
+        .iter()
+        .map(|terms| arena.sum(0.0, terms))
+        .collect();
+    let is_of_q = |noise: &NoiseJet| {
+        noise
+            .dp
+            .iter()
+            .all(|&e| arena.constant_value(e) == Some(0.0))
+    };
+    if mechanics.noises.iter().all(is_of_q) {
+        let is_constant = arena.zeros(&gradient).into_iter().all(|zero| zero);
+        let gradient = Some(gradient);
+        return Ok((!is_constant).then_some(Potential { value, gradient }));
+    }
+    Ok(Some(Potential {
+        value,
+        gradient: None,
+    }))
+}
+
+/// The terms of `∂K/∂q_k = 2 ⟨∂G_q/∂q_k, w⟩ − ⟨w, ∂M/∂q_k w⟩` for a γ, with `K = ⟨G_q, w⟩` and `w = M⁻¹ G_q`. No derivative of w is in them.
+fn slope(
+    at: usize,
+    k: usize,
+    w: &[Expr],
+    mechanics: &Mechanics,
+    model: &Model,
+    arena: &mut Arena,
+) -> Vec<(f64, Expr)> {
+    let mut terms = Vec::new();
+    for (i, &w_i) in w.iter().enumerate() {
+        terms.push((2.0, arena.mul(mechanics.noises[at].dqq[i][k], w_i)));
+        for (j, &w_j) in w.iter().enumerate() {
+            let change = arena.diff(mechanics.lagrangian.dvv[i][j], model.q[k]);
+            terms.push((-1.0, arena.product(&[(change, 1), (w_i, 1), (w_j, 1)])));
+        }
+    }
+    terms
+}
+
+/// `K = {G, X}` with `X = {G, H} + ∂G/∂t`, in q, p and the velocity v that belongs to p. For `H(q, p) = ⟨p, v⟩ − L` the derivatives are
+/// `H_p = v`, `H_q = −L_q`, `∂v/∂p = M⁻¹` and `∂v/∂q = −M⁻¹ L_vq`, so that
+///
+/// ```text
+/// X = ⟨G_q, v⟩ + ⟨G_p, L_q⟩ + G_t        K = ⟨G_q, X_p⟩ − ⟨G_p, X_q⟩ + ⟨X_v, M⁻¹ (G_q + L_vq G_p)⟩
+/// ```
+fn double_bracket(
+    at: usize,
+    model: &Model,
+    mechanics: &Mechanics,
+    arena: &mut Arena,
+) -> Result<(Expr, Vec<Expr>), NoFormula> {
+    let n = model.dof();
+    let (lagrangian, noise) = (&mechanics.lagrangian, &mechanics.noises[at]);
+    let mut terms = vec![(1.0, arena.diff(model.noises[at].hamiltonian, model.time))];
+    for i in 0..n {
+        let v = arena.symbol(model.v[i]);
+        terms.push((1.0, arena.mul(noise.dq[i], v)));
+        terms.push((1.0, arena.mul(noise.dp[i], lagrangian.dq[i])));
+    }
+    let rate = arena.sum(0.0, &terms);
+    let mut b = Vec::with_capacity(n);
+    for i in 0..n {
+        let mut terms = vec![(1.0, noise.dq[i])];
+        for j in 0..n {
+            terms.push((1.0, arena.mul(lagrangian.dqv[j][i], noise.dp[j])));
+        }
+        b.push(arena.sum(0.0, &terms));
+    }
+    let w = inverse_mass::solve(&lagrangian.dvv, &b, &model.q, arena)?;
+    let mut terms = Vec::with_capacity(3 * n);
+    for i in 0..n {
+        let [by_q, by_v, by_p] = [model.q[i], model.v[i], model.p[i]].map(|s| arena.diff(rate, s));
+        for (sign, a, b) in [
+            (1.0, noise.dq[i], by_p),
+            (-1.0, noise.dp[i], by_q),
+            (1.0, by_v, w[i]),
+        ] {
+            terms.push((sign, arena.mul(a, b)));
+        }
+    }
+    Ok((arena.sum(0.0, &terms), w))
+}
+
+/// The weak order of a rule: that without noise, at most 1 with noise, and 2 with the option or where K is a constant, which needs no term.
+pub(crate) fn weak_order(
+    rule: Rule,
+    model: &Model,
+    mechanics: &Mechanics,
+    arena: &mut Arena,
+) -> u32 {
+    let order = rule.deterministic_order();
+    if model.noises.is_empty() {
+        return order;
+    }
+    let is_free = |entry: &Expr| {
+        let mut state = model.q.iter().chain(&model.v).chain(&model.p);
+        !state.any(|&s| arena.contains(*entry, s))
+    };
+    let gradients = mechanics.noises.iter().flat_map(|noise| &noise.dq);
+    let is_additive = mechanics
+        .lagrangian
+        .dvv
+        .iter()
+        .flatten()
+        .chain(gradients)
+        .all(is_free);
+    if rule.options.contain(RuleOption::Weak2)
+        || is_additive && obstacle(model, mechanics, false, arena).is_none()
+    {
+        order.min(2)
+    } else {
+        1
+    }
+}
+
+impl Obstacle {
+    /// What to say at the option in the attribute.
+    pub(crate) fn message(&self, rule: Rule) -> String {
+        let without = rule.without(RuleOption::Weak2).name();
+        match self {
+            Self::NonCommuting(a, b) => format!(
+                "`weak2` is for noises that commute, and `{a}` and `{b}` do not: write `{without}`"
+            ),
+            Self::MovesPosition(name) => {
+                let others = Rule::all().into_iter();
+                let mut others = others.map(|rule| rule.with(RuleOption::Weak2));
+                let other =
+                    others.find(|rule| rule.weak2(rule.options).is_some_and(|w| w.takes_h1));
+                let other =
+                    other.map_or_else(String::new, |rule| format!(", or `{}`", rule.name()));
+                format!(
+                    "the noise `{name}` moves the position, and with such noise `{}` has weak order 1 as without the option: write `{without}`{other}",
+                    rule.name()
+                )
+            }
+            Self::MomentumNotAffine => format!(
+                "`weak2` is for momenta ∂L/∂v that are affine in the velocities, and here ∂²L/∂v² depends on them: write `{without}`"
+            ),
+            Self::ForceNotAffine => format!(
+                "`weak2` is for forces that are affine in the velocities, and with others `{}` has weak order 1 as without the option: write `{without}`",
+                rule.name()
+            ),
+            Self::NoInverseMass(NoFormula::TooManyCoupled(coupled)) => format!(
+                "`weak2` needs the inverse of the mass matrix as a formula, and ∂²L/∂v² couples {coupled} coordinates by entries that depend on the configuration; the limit is 3 coordinates: write `{without}`"
+            ),
+            Self::NoInverseMass(NoFormula::NoPivot(coupled)) => format!(
+                "`weak2` needs the inverse of the mass matrix as a formula, and ∂²L/∂v² of {coupled} coupled coordinates has only zeros on its diagonal: write `{without}`"
+            ),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,70 @@
+//! Increments of a Wiener path at the stages of a Gauss rule.
+//!
+//! Input: the increment of each process over a step, and words of a domain of their own for the higher coefficients of the path in Legendre polynomials. Output: the
+//! increments at the stages. Invariant: a pure function of seed, path, step and process; coefficient `k ≥ 1` of process `a` of `M` has number `(k − 1) M + a`, whatever the number of stages.
+
+use super::NoiseError;
+use super::counter_path::CounterPath;
+use super::distribution::{Distribution, Normal};
+use crate::gauss::stage_noise;
+
+/// Normals of the higher coefficients.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HigherCoefficients;
+
+impl Distribution for HigherCoefficients {
+    const DOMAIN: u64 = u64::from_le_bytes(*b"legendre");
+
+    #[inline(always)]
+    fn four(words: [u64; 4], scale: f64) -> [f64; 4] {
+        Normal::four(words, scale)
+    }
+}
+
+/// The higher coefficients of a path.
+#[derive(Clone, Debug)]
+pub(super) struct StagePath {
+    higher: CounterPath<HigherCoefficients>,
+    /// The coefficients of a step, so that a step allocates nothing.
+    coefficients: Vec<f64>,
+}
+
+impl StagePath {
+    pub(super) fn new(seed: u64) -> Self {
+        Self {
+            higher: CounterPath::new(seed),
+            coefficients: Vec::new(),
+        }
+    }
+
+    pub(super) fn path(self, path: u64) -> Self {
+        Self {
+            higher: self.higher.path(path),
+            ..self
+        }
+    }
+
+    /// Fills `dw` with the increments at the stages of a step. `whole` gives the increments over the step.
+    pub(super) fn increments(
+        &mut self,
+        whole: &mut CounterPath<Normal>,
+        step: u64,
+        h: f64,
+        stages: usize,
+        dw: &mut [f64],
+    ) -> Result<(), NoiseError> {
+        if stage_noise::weights(stages).is_none() {
+            return Err(NoiseError::NoStages { stages });
+        }
+        let processes = dw.len() / stages;
+        self.coefficients.resize(dw.len(), 0.0);
+        let (first, higher) = self.coefficients.split_at_mut(processes);
+        whole.increments(step, h, first)?;
+        self.higher.increments(step, h, higher)?;
+        for (process, parts) in dw.chunks_exact_mut(stages).enumerate() {
+            let coefficient = |k: usize| self.coefficients[k * processes + process];
+            stage_noise::from_coefficients(coefficient, parts);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,21 @@
+use sve_runtime::prelude::*;
+
+struct Pendulum {
+    g: f64,
+}
+
+#[variational(midpoint, stormer_verlet(weak2))]
+impl Pendulum {
+    fn lagrangian(&self, q: [f64; 1], v: [f64; 1]) -> f64 {
+        v[0] * v[0] + self.g * q[0].cos()
+    }
+
+    #[h1]
+    fn drag(&self, q: [f64; 1], p: [f64; 1]) -> f64 {
+        self.g * q[0] * p[0]
+    }
+}
+
+fn main() {
+    let _ = Integrator::new(Pendulum { g: 1.0 }, Midpoint);
+}

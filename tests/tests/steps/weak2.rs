@@ -1,0 +1,361 @@
+//! The option `weak2`: its step is that of the Lagrangian L − |h| K/8, which is written by hand here for steps of one size; with everything that steps have:
+//! tangent maps, sensitivities, symmetry, lanes, what a trajectory carries.
+
+use sve_models::random::Random;
+use sve_runtime::prelude::*;
+use sve_runtime::{BlockKind, Dims, System, Variational};
+
+/// Two systems with the same functions: one with the option, and one whose Lagrangian has the potential of steps of the size `h`.
+macro_rules! both {
+    ($system:ident $by_hand:ident $size:literal { $($functions:tt)* }) => {
+        #[derive(Clone)]
+        struct $system {
+            s: [f64; 2],
+            m: f64,
+        }
+
+        #[variational(midpoint, midpoint(weak2), stormer_verlet, stormer_verlet(weak2))]
+        impl $system {
+            fn lagrangian(&self, t: f64, q: [f64; $size], v: [f64; $size]) -> f64 {
+                self.l(t, q, v)
+            }
+
+            $($functions)*
+        }
+
+        #[derive(Clone)]
+        struct $by_hand {
+            s: [f64; 2],
+            m: f64,
+            h: f64,
+        }
+
+        #[variational(midpoint, stormer_verlet)]
+        impl $by_hand {
+            fn lagrangian(&self, t: f64, q: [f64; $size], v: [f64; $size]) -> f64 {
+                self.l(t, q, v) - self.h / 8.0 * self.k(t, q)
+            }
+
+            $($functions)*
+        }
+    };
+}
+
+both!(Well WellByHand 1 {
+    fn l(&self, _t: f64, q: [f64; 1], v: [f64; 1]) -> f64 {
+        0.5 * self.m * v[0] * v[0] - 0.25 * (q[0] * q[0] - 1.0).powi(2)
+    }
+
+    #[allow(dead_code)]
+    fn k(&self, _t: f64, q: [f64; 1]) -> f64 {
+        ((2.0 * self.s[0] * (2.0 * q[0]).cos()).powi(2) + (self.s[1] * q[0] * q[0]).powi(2)) / self.m
+    }
+
+    #[gamma]
+    fn kicks(&self, q: [f64; 1]) -> [f64; 2] {
+        [self.s[0] * (2.0 * q[0]).sin(), self.s[1] * q[0].powi(3) / 3.0]
+    }
+});
+
+both!(Heavy HeavyByHand 1 {
+    fn l(&self, _t: f64, q: [f64; 1], v: [f64; 1]) -> f64 {
+        0.5 * (self.m + 0.25 * q[0] * q[0]) * v[0] * v[0] + q[0].cos()
+    }
+
+    #[allow(dead_code)]
+    fn k(&self, _t: f64, q: [f64; 1]) -> f64 {
+        (self.s[0] * q[0].cos()).powi(2) / (self.m + 0.25 * q[0] * q[0])
+    }
+
+    #[gamma]
+    fn kicks(&self, q: [f64; 1]) -> f64 {
+        self.s[0] * q[0].sin()
+    }
+
+    #[force]
+    fn drag(&self, _q: [f64; 1], v: [f64; 1]) -> [f64; 1] {
+        [-self.s[1] * v[0]]
+    }
+});
+
+// both angles of a double pendulum, shaken by noise that changes with time
+both!(Pendulums PendulumsByHand 2 {
+    fn l(&self, _t: f64, q: [f64; 2], v: [f64; 2]) -> f64 {
+        self.m * v[0] * v[0] + 0.5 * v[1] * v[1] + (q[0] - q[1]).cos() * v[0] * v[1]
+            + 2.0 * q[0].cos() + q[1].cos()
+    }
+
+    #[allow(dead_code)]
+    fn k(&self, t: f64, q: [f64; 2]) -> f64 {
+        let c = (q[0] - q[1]).cos();
+        let (a, b) = (self.s[0] * t.cos() * q[0].cos(), -self.s[1] * q[1].sin());
+        // M = (2m, c; c, 1)
+        (a * a + 2.0 * self.m * b * b) / (2.0 * self.m - c * c)
+    }
+
+    #[gamma]
+    fn shake(&self, t: f64, q: [f64; 2]) -> [f64; 2] {
+        [self.s[0] * t.cos() * q[0].sin(), self.s[1] * q[1].cos()]
+    }
+});
+
+/// Inverse of the matrix with 3 on the diagonal and 1 beside it, of size 4: the numerators over 55.
+const INVERSE: [[f64; 4]; 4] = [
+    [21.0, -8.0, 3.0, -1.0],
+    [-8.0, 24.0, -9.0, 3.0],
+    [3.0, -9.0, 24.0, -8.0],
+    [-1.0, 3.0, -8.0, 21.0],
+];
+
+both!(Chain ChainByHand 4 {
+    fn l(&self, _t: f64, q: [f64; 4], v: [f64; 4]) -> f64 {
+        let mut l = 0.0;
+        for i in 0..4 {
+            l += self.m * 1.5 * v[i] * v[i] + q[i].cos();
+        }
+        for i in 1..4 {
+            l += self.m * v[i] * v[i - 1] - 0.5 * (q[i] - q[i - 1]).powi(2);
+        }
+        l
+    }
+
+    #[allow(dead_code)]
+    fn k(&self, _t: f64, q: [f64; 4]) -> f64 {
+        let slopes = [self.s[0] * q[1], self.s[0] * q[0], self.s[1] * q[2].cos(), 0.0];
+        let mut k = 0.0;
+        for i in 0..4 {
+            for j in 0..4 {
+                k += slopes[i] * INVERSE[i][j] * slopes[j] / (55.0 * self.m);
+            }
+        }
+        k
+    }
+
+    #[gamma]
+    fn shake(&self, q: [f64; 4]) -> f64 {
+        self.s[0] * q[0] * q[1] + self.s[1] * q[2].sin()
+    }
+});
+
+const H: f64 = 0.1;
+
+/// Rounding of steps whose equations are solved to rounding, with condition numbers below 10 and some 100 operations.
+const ROUNDING: f64 = 1e-13;
+
+/// Rounding of derivatives of these.
+const DERIVATIVES: f64 = 1e-11;
+
+#[track_caller]
+fn close(found: &[f64], expected: &[f64], bound: f64, what: &str) {
+    let size = expected.iter().fold(1.0f64, |m, x| m.max(x.abs()));
+    for (x, y) in found.iter().zip(expected) {
+        assert!(
+            (x - y).abs() <= bound * size,
+            "{what}: {found:?} for {expected:?}"
+        );
+    }
+}
+
+fn point<const N: usize>(random: &mut Random) -> State<[f64; N]> {
+    State::at(
+        random.uniform(0.2, 1.0),
+        random.array(-1.0, 1.0),
+        random.array(-1.0, 1.0),
+    )
+}
+
+/// Compares steps and their derivatives.
+fn agree<S, T, R, const N: usize, const M: usize>(system: &S, by_hand: &T, rule: R)
+where
+    S: Variational<Weak2<R>> + Variational<R> + System<Dims = Dims<N, M>> + Clone,
+    T: Variational<R> + System<Dims = Dims<N, M>> + Clone,
+    R: Copy,
+{
+    let corrected = Integrator::new(system.clone(), Weak2(rule));
+    let by_hand = Integrator::new(by_hand.clone(), rule);
+    let plain = Integrator::new(system.clone(), rule);
+    let name = corrected.plan().rule;
+    let mut random = Random::new(4);
+    let mut differs = false;
+    for _ in 0..20 {
+        let start: State<[f64; N]> = point(&mut random);
+        let dw: [f64; M] = random.array(-0.3, 0.3);
+        let (mut found, mut expected, mut other) = (start, start, start);
+        let (tangent, sensitivity) = corrected.step_with_derivatives(&mut found, H, &dw).unwrap();
+        let (tangent_by_hand, sensitivity_by_hand) = by_hand
+            .step_with_derivatives(&mut expected, H, &dw)
+            .unwrap();
+        plain.step(&mut other, H, &dw).unwrap();
+        let entries = |state: &State<[f64; N]>| [state.q, state.p].concat();
+        close(&entries(&found), &entries(&expected), ROUNDING, name);
+        differs |= (0..N).any(|i| (found.p[i] - other.p[i]).abs() > 1e-5);
+        let (a, b) = (tangent.to_dmatrix(), tangent_by_hand.to_dmatrix());
+        close(a.as_slice(), b.as_slice(), DERIVATIVES, name);
+        for parameter in ["s[0]", "s[1]", "m"] {
+            let of = |field: &sve_runtime::Field<[f64; N]>| [field.q, field.p].concat();
+            let (a, b) = (
+                sensitivity.get(parameter),
+                sensitivity_by_hand.get(parameter),
+            );
+            close(&of(a.unwrap()), &of(b.unwrap()), DERIVATIVES, parameter);
+        }
+        // back along the same increments
+        let back = dw.map(|dw| -dw);
+        corrected.step(&mut found, -H, &back).unwrap();
+        close(&entries(&found), &entries(&start), 10.0 * ROUNDING, name);
+    }
+    assert!(differs, "{name}: no term");
+}
+
+const S: [f64; 2] = [0.6, 0.4];
+
+macro_rules! compare {
+    ($system:ident $by_hand:ident) => {
+        let (system, by_hand) = ($system { s: S, m: 1.3 }, $by_hand { s: S, m: 1.3, h: H });
+        agree(&system, &by_hand, Midpoint);
+        agree(&system, &by_hand, StormerVerlet);
+    };
+}
+
+#[test]
+fn steps_are_those_of_the_lagrangian_with_the_potential() {
+    compare!(Well WellByHand);
+    compare!(Heavy HeavyByHand);
+    compare!(Pendulums PendulumsByHand);
+    compare!(Chain ChainByHand);
+}
+
+#[test]
+fn tangent_maps_are_symplectic() {
+    let pendulums = Pendulums { s: S, m: 1.3 };
+    let mut random = Random::new(9);
+    for _ in 0..20 {
+        let (start, dw) = (point(&mut random), random.array(-0.3, 0.3));
+        let midpoint = Integrator::new(pendulums.clone(), Weak2(Midpoint));
+        let verlet = Integrator::new(pendulums.clone(), Weak2(StormerVerlet));
+        for tangent in [
+            midpoint.tangent(&start, H, &dw),
+            verlet.tangent(&start, H, &dw),
+        ] {
+            let defect = tangent.unwrap().symplectic_defect();
+            assert!(defect < 1e-12, "{defect:e}");
+        }
+    }
+}
+
+#[test]
+fn the_structure_is_that_of_the_plain_rule() {
+    let well = Well { s: S, m: 1.3 };
+    let verlet = Integrator::new(well.clone(), Weak2(StormerVerlet)).plan();
+    assert_eq!(verlet.kind(), BlockKind::Explicit);
+    assert_eq!(verlet.rule, "stormer_verlet(weak2)");
+    assert!(
+        verlet
+            .formulas
+            .action
+            .contains(" − h·|h|·(K(q₀) + K(q₁))/16")
+    );
+    let plain = Integrator::new(well.clone(), StormerVerlet).plan();
+    assert_eq!([plain.weak_order, verlet.weak_order], [1, 2]);
+    assert_eq!(plain.strong_order, verlet.strong_order);
+    assert!(
+        verlet
+            .to_string()
+            .contains(", strong order 1 (all noises commute), weak order 2\n")
+    );
+    let midpoint = Integrator::new(Pendulums { s: S, m: 1.3 }, Weak2(Midpoint)).plan();
+    assert!(midpoint.formulas.action.contains(" − h·|h|·K(t̄, q̄)/8"));
+    assert_eq!(midpoint.unknowns(), 2);
+}
+
+/// Additive noise: K is a constant, and the step has the bits of the plain one.
+struct Additive;
+
+#[variational(midpoint, midpoint(weak2), stormer_verlet, stormer_verlet(weak2))]
+impl Additive {
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        v[0] * v[0] + v[0] * v[1] + v[1] * v[1] + q[0].cos() * q[1].cos()
+    }
+
+    #[gamma]
+    fn push(&self, t: f64, q: [f64; 2]) -> f64 {
+        q[0] - 0.5 * t.sin() * q[1]
+    }
+}
+
+#[test]
+fn additive_noise_has_no_term() {
+    let (plain, corrected) = (
+        Integrator::new(Additive, Midpoint),
+        Integrator::new(Additive, Weak2(Midpoint)),
+    );
+    let verlets = (
+        Integrator::new(Additive, StormerVerlet),
+        Integrator::new(Additive, Weak2(StormerVerlet)),
+    );
+    assert_eq!(plain.plan().weak_order, 2);
+    assert_eq!(corrected.plan().weak_order, 2);
+    assert!(!corrected.plan().formulas.action.contains('K'));
+    let mut random = Random::new(2);
+    for _ in 0..20 {
+        let (start, dw) = (point(&mut random), random.array(-0.3, 0.3));
+        let (mut a, mut b, mut c, mut d) = (start, start, start, start);
+        plain.step(&mut a, H, &dw).unwrap();
+        corrected.step(&mut b, H, &dw).unwrap();
+        verlets.0.step(&mut c, H, &dw).unwrap();
+        verlets.1.step(&mut d, H, &dw).unwrap();
+        assert_eq!((a, c), (b, d));
+    }
+}
+
+/// Paths in lanes, single trajectories and repeated steps.
+fn follow<S, R, const N: usize, const M: usize>(system: S, rule: R)
+where
+    S: Variational<R> + System<Dims = Dims<N, M>> + Sync,
+    R: Sync,
+{
+    let integrator = Integrator::new(system, rule);
+    let start = State::new([0.6; N], [0.3; N]);
+    let steps = 40;
+    let summary = Ensemble::new(&integrator)
+        .paths(30)
+        .seed(8)
+        .steps(0.05, steps)
+        .start(start)
+        .keep_final_states(true)
+        .run()
+        .expect("an ensemble");
+    assert_eq!(summary.failed(), 0);
+    for (path, end) in summary.final_states() {
+        let noise = Wiener::new(8).path(path);
+        let states = integrator.trajectory(start, 0.05, noise);
+        let last = states.take(steps as usize).last().unwrap().unwrap();
+        close(
+            &[end.q, end.p].concat(),
+            &[last.q, last.p].concat(),
+            1e-12,
+            "a path in a lane",
+        );
+        let mut state = start;
+        let mut source = Wiener::new(8).path(path);
+        for step in 0..steps {
+            let mut dw = [0.0; M];
+            source.increments(step, 0.05, &mut dw).unwrap();
+            integrator.step(&mut state, 0.05, &dw).unwrap();
+        }
+        close(
+            &[state.q, state.p].concat(),
+            &[last.q, last.p].concat(),
+            1e-14,
+            "repeated steps",
+        );
+    }
+}
+
+#[test]
+fn ensembles_and_trajectories() {
+    follow(Well { s: S, m: 1.3 }, Weak2(StormerVerlet));
+    follow(Well { s: S, m: 1.3 }, Weak2(Midpoint));
+    follow(Pendulums { s: S, m: 1.3 }, Weak2(Midpoint));
+    follow(Pendulums { s: S, m: 1.3 }, Weak2(StormerVerlet));
+}
