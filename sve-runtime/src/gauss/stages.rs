@@ -107,8 +107,9 @@ fn largest<const S: usize>(mut numbers: [f64; S]) -> f64 {
 /// Returns the larger of two numbers without a sign, or NaN. Such numbers are in the order of their bits, and NaN is behind them.
 #[inline(always)]
 pub(super) fn larger(a: f64, b: f64) -> f64 {
-    let (a, b) = (a.to_bits() as i64, b.to_bits() as i64);
-    f64::from_bits(if a > b { a } else { b } as u64)
+    // Signed numbers, which more vector units compare.
+    let (a, b) = (a.to_bits().cast_signed(), b.to_bits().cast_signed());
+    f64::from_bits(if a > b { a } else { b }.cast_unsigned())
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! where `μ_ij = a_ij / b_j`, and `ω_ai` is the increment of process a at stage i: `b_i ΔW_a`, or with stage noise that of `stage_noise.rs`. The equations are those of the action in
-//! `docs/mathematics.md`; the momenta need `1 − μ_ji`, which is `μ_ij`.
+//! `docs/mathematics.md`, section 2; the momenta need `1 − μ_ji`, which is `μ_ij`.
 
 use super::tableau::Tableau;
 use crate::configuration::Coordinates;
