@@ -1,6 +1,6 @@
 //! Calls of functions in printed code: of the standard library for a single state, of the runtime's functions without branches in loops over lanes.
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use super::code::constant;
