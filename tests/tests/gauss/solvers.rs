@@ -78,3 +78,33 @@ fn the_plan_says_stages_and_orders() {
         assert!(text.contains(part), "{part} in\n{text}");
     }
 }
+
+/// A composition of a rule of order 4 has order 8, and lowers no order.
+#[test]
+fn compositions_of_gauss_rules_have_the_higher_order() {
+    let pendulum = Pendulum { g: 1.0 };
+    let composed = Integrator::new(&pendulum, Composed::new(Gauss::<2>, KahanLi8));
+    assert_eq!(composed.plan().deterministic_order, 8);
+    let highest = Integrator::new(&pendulum, Composed::new(Gauss::<8>, KahanLi8));
+    assert_eq!(highest.plan().deterministic_order, 16);
+    let exact = Integrator::new(&pendulum, Gauss::<8>);
+    let end = |steps: u32| {
+        let (mut state, h) = (State::new([1.0], [0.3]), 2.0 / f64::from(steps));
+        for _ in 0..steps {
+            composed.step(&mut state, h, &[]).unwrap();
+        }
+        state
+    };
+    let mut expected = State::new([1.0], [0.3]);
+    for _ in 0..20 {
+        exact.step(&mut expected, 0.1, &[]).unwrap();
+    }
+    let error = |steps| {
+        let found = end(steps);
+        (found.q[0] - expected.q[0]).hypot(found.p[0] - expected.p[0])
+    };
+    // the leading terms nearly cancel at the longest step, so the slope is too large rather than too small
+    let order = (error(2) / error(4)).log2();
+    assert!(order > 7.0, "{order}: {:e} {:e}", error(2), error(4));
+    assert!(error(4) < 1e-9, "{:e}", error(4));
+}
