@@ -12,8 +12,8 @@ use crate::variational::Discretised;
 
 /// A symmetric rule: a step of length −h leads back. Compositions of substeps raise its order.
 #[diagnostic::on_unimplemented(
-    message = "`{Self}` is not a symmetric rule, so that a composition does not raise its order",
-    note = "symmetric rules are `Midpoint`, `StormerVerlet` and `Gauss::<S>`; `Split::new` composes the initial-point and the endpoint rule"
+    message = "a composition does not raise the order of `{Self}`",
+    note = "it raises that of the symmetric rules without options: `Midpoint`, `StormerVerlet` and `Gauss::<S>`; `Split::new` composes the initial-point and the endpoint rule"
 )]
 pub trait Symmetric {}
 

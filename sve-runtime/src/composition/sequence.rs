@@ -152,6 +152,9 @@ pub(super) const fn plan_of<const K: usize>(
 }
 
 /// Makes the substeps one after the other. After an error the state is unchanged and nothing is carried.
+///
+/// # Errors
+/// As [`Discretised::advance`](crate::Discretised::advance).
 #[inline]
 pub fn advance<K, S, Q, const N: usize, const M: usize>(
     shared: Shared<'_, S, K::Prepared>,
@@ -180,6 +183,9 @@ where
 }
 
 /// Makes the substeps with compensated sums.
+///
+/// # Errors
+/// As [`Discretised::advance_compensated`](crate::Discretised::advance_compensated).
 #[inline]
 pub fn advance_compensated<K, S, Q, const N: usize, const M: usize>(
     shared: Shared<'_, S, K::Prepared>,
@@ -241,6 +247,9 @@ where
 }
 
 /// Makes the substeps and returns the derivatives of the result of all of them, by the chain rule.
+///
+/// # Errors
+/// As [`Discretised::advance_with_derivatives`](crate::Discretised::advance_with_derivatives).
 pub fn advance_with_derivatives<K, S, Q, const N: usize, const M: usize>(
     shared: Shared<'_, S, ()>,
     state: &mut State<[f64; N]>,

@@ -26,20 +26,12 @@ pub(crate) fn gauss(
     let dof = context.model.dof();
     let unknowns = stages.unknowns(count, dof);
     let processes = context.model.noises.len();
-    let has_stage_noise = rule.options.contain(RuleOption::StageNoise);
-    let increments = if has_stage_noise {
-        count * processes
-    } else {
-        processes
-    };
-    let [n, m, s, k, increments] =
-        [dof, processes, count, unknowns, increments].map(Literal::usize_unsuffixed);
-    let (noise, stages_of_noise) = if has_stage_noise {
-        let noise = quote!(#private::gauss::by_stage::<#s, #m, #increments>(dw));
-        (noise, quote!(const STAGES: usize = #s;))
-    } else {
-        (quote!(#private::gauss::shares::<#s, #m>(dw)), quote!())
-    };
+    let [n, m, s, k] = [dof, processes, count, unknowns].map(Literal::usize_unsuffixed);
+    let Noise {
+        increments,
+        at_stages: noise,
+        stages_constant,
+    } = noise(rule, count, processes, &private);
     let Solve {
         prepared,
         prepare,
@@ -54,21 +46,14 @@ pub(crate) fn gauss(
         texts,
         &cost(&names, code, count, dof),
     );
-    let StepTexts { action, step, .. } = texts;
-    let doc = documented(&[
-        (
-            "Discrete action, of which `p₀ = −∂S/∂q₀`, `p₁ = ∂S/∂q₁`, `0 = ∂S/∂(each internal variable)`:",
-            action,
-        ),
-        ("Equations of the step:", step),
-    ]);
+    let doc = documentation(texts);
     quote! {
         #doc
         #attributes
         impl #private::StepEquations<#rule_type> for #self_ty {
             type Prepared = #prepared;
             type Increments = [f64; #increments];
-            #stages_of_noise
+            #stages_constant
             type Memory = #memory_type;
             type Unknowns = [f64; #k];
             const PLAN: &'static #private::Plan = &#plan;
@@ -172,6 +157,45 @@ fn solve(
         prepare,
         memory: memory_type,
         increment,
+    }
+}
+
+fn documentation(texts: &StepTexts) -> TokenStream {
+    let StepTexts { action, step, .. } = texts;
+    documented(&[
+        (
+            "Discrete action, of which `p₀ = −∂S/∂q₀`, `p₁ = ∂S/∂q₁`, `0 = ∂S/∂(each internal variable)`:",
+            action,
+        ),
+        ("Equations of the step:", step),
+    ])
+}
+
+/// The increments of a step.
+struct Noise {
+    /// How many there are.
+    increments: Literal,
+    /// The increments of each process at the stages.
+    at_stages: TokenStream,
+    /// The number of stages, for a rule with stage noise.
+    stages_constant: Option<TokenStream>,
+}
+
+fn noise(rule: Rule, count: usize, processes: usize, private: &TokenStream) -> Noise {
+    let [s, m] = [count, processes].map(Literal::usize_unsuffixed);
+    if rule.options.contain(RuleOption::StageNoise) {
+        let increments = Literal::usize_unsuffixed(count * processes);
+        Noise {
+            at_stages: quote!(#private::gauss::by_stage::<#s, #m, #increments>(dw)),
+            stages_constant: Some(quote!(const STAGES: usize = #s;)),
+            increments,
+        }
+    } else {
+        Noise {
+            at_stages: quote!(#private::gauss::shares::<#s, #m>(dw)),
+            stages_constant: None,
+            increments: m,
+        }
     }
 }
 

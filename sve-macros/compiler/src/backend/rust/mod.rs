@@ -1,5 +1,6 @@
 //! Plans and instructions → tokens. Infallible, and the only place that knows it prints Rust.
 
+mod calls;
 mod code;
 mod configuration;
 mod factors;
