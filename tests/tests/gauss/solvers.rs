@@ -3,7 +3,7 @@
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
 
-use crate::systems::{Pendulum, Relativistic, double_pendulum, pendulum};
+use crate::systems::{Pendulum, Relativistic, Ring, double_pendulum, pendulum};
 
 /// Makes a step, and returns whether the fixed-point iteration solved it: then no iteration of Newton's method is needed.
 fn is_fixed_point<S, R, const N: usize, const M: usize>(
@@ -59,6 +59,18 @@ fn few_stages_and_other_kinetic_energies_are_for_newton() {
         start,
         0.1
     ));
+}
+
+/// Newton's matrix of the largest step has room on the stack of a thread.
+#[test]
+fn the_largest_step_is_solved_by_both() {
+    let ring = Integrator::new(Ring, Gauss::<8>);
+    assert_eq!(ring.plan().unknowns(), 160);
+    let start = State::new(core::array::from_fn(|i| 0.05 * i as f64), [0.1; 20]);
+    assert!(is_fixed_point(&ring, start, 0.1));
+    let mut state = start;
+    ring.step(&mut state, 2.5, &[]).unwrap();
+    assert!(!is_fixed_point(&ring, start, 2.5));
 }
 
 #[test]

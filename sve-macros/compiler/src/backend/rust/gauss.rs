@@ -1,4 +1,4 @@
-//! `impl Variational<Gauss<S>>`: a thin layer over the runtime's functions for steps of many stages.
+//! `impl StepEquations<Gauss<S>>`: a thin layer over the runtime's functions for steps of many stages.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::{ToTokens, quote};
@@ -32,36 +32,12 @@ pub(crate) fn gauss(
         at_stages: noise,
         stages_constant,
     } = noise(rule, count, processes, &private);
-    let rows = match stages.form {
-        Form::General => 0,
-        Form::SecondOrder { .. } => 1,
-        Form::Partitioned { .. } => 2,
-    };
-    // with noise, stages say nothing of those of the next step; with few stages none are iterated
-    let carries = context.model.noises.is_empty() && count >= STAGES_OF_FIXED_POINT && rows > 0;
-    let l = Literal::usize_unsuffixed(1 + rows * dof * count);
-    let (memory_type, memory) = if carries {
-        (quote!(::core::option::Option<[f64; #l]>), quote!(memory))
-    } else {
-        (quote!(()), quote!(&mut ::core::option::Option::None))
-    };
-    let (prepared, prepare, increment) = match stages.form {
-        Form::General => (
-            quote!(()),
-            quote!(),
-            quote!(#private::gauss::newton_increment::<Self, _, #s, #n, #m, #k>(self, state, h, #noise, newton)),
-        ),
-        Form::SecondOrder { .. } => (
-            quote!(#private::gauss::InverseMass<#n>),
-            quote!(#private::gauss::InverseMass::of(self)),
-            quote!(#private::gauss::second_order_increment::<Self, _, #s, #n, #m, #k, #l>(self, prepared, #memory, state, h, #noise, newton)),
-        ),
-        Form::Partitioned { .. } => (
-            quote!(()),
-            quote!(),
-            quote!(#private::gauss::partitioned_increment::<Self, _, #s, #n, #m, #k, #l>(self, #memory, state, h, #noise, newton)),
-        ),
-    };
+    let Solve {
+        prepared,
+        prepare,
+        memory: memory_type,
+        increment,
+    } = solve(&private, context, count, stages, &noise);
     let names = names(count, dof, stages.moves_position);
     let plan = plan_of(
         &private,
@@ -117,6 +93,70 @@ pub(crate) fn gauss(
             }
         }
         #private::derived_rule! { #self_ty, #rule_type }
+    }
+}
+
+/// What depends on the form of the system: types and bodies of the step.
+struct Solve {
+    /// The type of what `prepare` returns, and its body.
+    prepared: TokenStream,
+    prepare: TokenStream,
+    /// The type of what a trajectory carries.
+    memory: TokenStream,
+    /// The body of `increment`.
+    increment: TokenStream,
+}
+
+fn solve(
+    private: &TokenStream,
+    context: &Context<'_>,
+    count: usize,
+    stages: &Stages,
+    noise: &TokenStream,
+) -> Solve {
+    let (dof, processes) = (context.model.dof(), context.model.noises.len());
+    let rows = match stages.form {
+        Form::General => 0,
+        Form::SecondOrder { .. } => 1,
+        Form::Partitioned { .. } => 2,
+    };
+    let sizes = [
+        count,
+        dof,
+        processes,
+        stages.unknowns(count, dof),
+        1 + rows * dof * count,
+    ];
+    let [s, n, m, k, l] = sizes.map(Literal::usize_unsuffixed);
+    // with noise, stages say nothing of those of the next step; with few stages none are iterated
+    let carries = processes == 0 && count >= STAGES_OF_FIXED_POINT && rows > 0;
+    let (memory_type, memory) = if carries {
+        (quote!(::core::option::Option<[f64; #l]>), quote!(memory))
+    } else {
+        (quote!(()), quote!(&mut ::core::option::Option::None))
+    };
+    let (prepared, prepare, increment) = match stages.form {
+        Form::General => (
+            quote!(()),
+            quote!(),
+            quote!(#private::gauss::newton_increment::<Self, _, #s, #n, #m, #k>(self, state, h, #noise, newton)),
+        ),
+        Form::SecondOrder { .. } => (
+            quote!(#private::gauss::InverseMass<#n>),
+            quote!(#private::gauss::InverseMass::of(self)),
+            quote!(#private::gauss::second_order_increment::<Self, _, #s, #n, #m, #k, #l>(self, prepared, #memory, state, h, #noise, newton)),
+        ),
+        Form::Partitioned { .. } => (
+            quote!(()),
+            quote!(),
+            quote!(#private::gauss::partitioned_increment::<Self, _, #s, #n, #m, #k, #l>(self, #memory, state, h, #noise, newton)),
+        ),
+    };
+    Solve {
+        prepared,
+        prepare,
+        memory: memory_type,
+        increment,
     }
 }
 
