@@ -11,10 +11,12 @@ use crate::explain::{STAGES_OF_FIXED_POINT, StepTexts};
 use crate::program::{Operations, Work};
 use crate::rules::{Rule, RuleOption};
 
+/// Prints the step of a rule; `half_factor` is ½κ of the option `weak2`, if the action has its term.
 pub(crate) fn gauss(
     context: &Context<'_>,
     (rule, weak_order): (Rule, u32),
     count: usize,
+    half_factor: Option<f64>,
     stages: &Stages,
     code: &StageCode,
     texts: &StepTexts,
@@ -34,12 +36,21 @@ pub(crate) fn gauss(
     };
     let [n, m, s, k, increments] =
         [dof, processes, count, unknowns, increments].map(Literal::usize_unsuffixed);
-    let (noise, stages_of_noise) = if has_stage_noise {
+    let (mut noise, stages_of_noise) = if has_stage_noise {
         let noise = quote!(#private::gauss::by_stage::<#s, #m, #increments>(dw));
         (noise, quote!(const STAGES: usize = #s;))
     } else {
         (quote!(#private::gauss::shares::<#s, #m>(dw)), quote!())
     };
+    // the potential is one more noise, which has its place behind the others
+    let mut m_of_stages = m.clone();
+    let mut system = quote!(self);
+    if let Some(half_factor) = half_factor {
+        m_of_stages = Literal::usize_unsuffixed(processes + 1);
+        noise = quote!(#private::gauss::with_potential::<#s, #m, #m_of_stages>(#noise, h, #half_factor));
+        system = quote!(&#private::gauss::Corrected::<Self, #m_of_stages>(self));
+    }
+    let m = m_of_stages;
     let rows = match stages.form {
         Form::General => 0,
         Form::SecondOrder { .. } => 1,
@@ -57,17 +68,17 @@ pub(crate) fn gauss(
         Form::General => (
             quote!(()),
             quote!(),
-            quote!(#private::gauss::newton_increment::<Self, _, #s, #n, #m, #k>(self, state, h, #noise, newton)),
+            quote!(#private::gauss::newton_increment::<_, _, #s, #n, #m, #k>(#system, state, h, #noise, newton)),
         ),
         Form::SecondOrder { .. } => (
             quote!(#private::gauss::InverseMass<#n>),
             quote!(#private::gauss::InverseMass::of(self)),
-            quote!(#private::gauss::second_order_increment::<Self, _, #s, #n, #m, #k, #l>(self, prepared, #memory, state, h, #noise, newton)),
+            quote!(#private::gauss::second_order_increment::<_, _, #s, #n, #m, #k, #l>(#system, prepared, #memory, state, h, #noise, newton)),
         ),
         Form::Partitioned { .. } => (
             quote!(()),
             quote!(),
-            quote!(#private::gauss::partitioned_increment::<Self, _, #s, #n, #m, #k, #l>(self, #memory, state, h, #noise, newton)),
+            quote!(#private::gauss::partitioned_increment::<_, _, #s, #n, #m, #k, #l>(#system, #memory, state, h, #noise, newton)),
         ),
     };
     let names = names(count, dof, stages.moves_position);
@@ -128,7 +139,7 @@ pub(crate) fn gauss(
                 dw: &[f64; #increments],
                 unknowns: &[f64; #k],
             ) -> #private::Linearisation {
-                #private::gauss::linearise::<Self, _, #s, #n, #m, #k>(self, state, h, #noise, unknowns)
+                #private::gauss::linearise::<_, _, #s, #n, #m, #k>(#system, state, h, #noise, unknowns)
             }
         }
         #private::derived_rule! { #self_ty, #rule_type }
