@@ -413,7 +413,8 @@ fn trajectories_are_repeated_steps() {
         noise.increments(step, 0.05, &mut dw).unwrap();
         integrator.step(&mut state, 0.05, &dw).unwrap();
         let next = next.unwrap();
-        assert_eq!((state.q, state.p), (next.q, next.p));
+        // times of trajectories are rounded once
+        close(&entries(&state), &entries(&next), 1e-15, "repeated steps");
     }
 }
 

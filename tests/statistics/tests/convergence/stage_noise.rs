@@ -1,17 +1,23 @@
-//! Strong orders with stage noise: min(S, 3) where the noise is additive, otherwise 1. The reference is a finer step on the same path.
+//! Strong orders with stage noise: min(S, 3) where the noise is additive, otherwise 1, and 1.5 with the option `weak2`. The reference is a finer step on the same path.
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, Discretised, StrongOrder, System};
 
 macro_rules! systems {
-    ($($(#[$doc:meta])* $name:ident, $q:ident, $lagrangian:expr, $gamma:expr;)*) => {$(
+    ($($(#[$doc:meta])* $name:ident, $q:ident, $v:ident, $lagrangian:expr, $gamma:expr;)*) => {$(
         $(#[$doc])*
         struct $name;
 
-        #[variational(gauss(2, stage_noise), gauss(3, stage_noise), gauss(4, stage_noise))]
+        #[variational(
+            gauss(2, stage_noise),
+            gauss(3, stage_noise),
+            gauss(4, stage_noise),
+            gauss(2, stage_noise, weak2),
+            gauss(3, stage_noise, weak2)
+        )]
         impl $name {
-            fn lagrangian(&self, $q: f64, v: f64) -> f64 {
-                0.5 * v * v + $lagrangian
+            fn lagrangian(&self, $q: f64, $v: f64) -> f64 {
+                $lagrangian
             }
             #[gamma]
             fn push(&self, $q: f64) -> f64 {
@@ -23,11 +29,13 @@ macro_rules! systems {
 
 systems! {
     /// A pendulum that is pushed.
-    Pendulum, q, 2.0 * q.cos(), 0.7 * q;
+    Pendulum, q, v, 0.5 * v * v + 2.0 * q.cos(), 0.7 * q;
     /// A double well that is pushed.
-    DoubleWell, q, -0.25 * (q * q - 1.0).powi(2), 0.7 * q;
+    DoubleWell, q, v, 0.5 * v * v - 0.25 * (q * q - 1.0).powi(2), 0.7 * q;
     /// A pendulum with noise that depends on its place.
-    Shaken, q, 2.0 * q.cos(), 0.7 * (2.0 * q).sin();
+    Shaken, q, v, 0.5 * v * v + 2.0 * q.cos(), 0.7 * (2.0 * q).sin();
+    /// The same with a mass that depends on its place.
+    Heavy, q, v, 0.5 * (1.0 + 0.25 * q * q) * v * v + 2.0 * q.cos(), 0.7 * (2.0 * q).sin();
 }
 
 const PATHS: u64 = 64;
@@ -103,4 +111,13 @@ fn additive_noise_has_the_order_of_the_stages_up_to_three() {
 fn other_noise_has_order_one() {
     check::<_, _, 2>(Shaken, StageNoise(Gauss::<2>), 32, 0.1);
     check::<_, _, 3>(Shaken, StageNoise(Gauss::<3>), 32, 0.1);
+    check::<_, _, 2>(Heavy, StageNoise(Gauss::<2>), 32, 0.1);
+}
+
+#[test]
+fn the_option_weak2_makes_it_one_and_a_half() {
+    check::<_, _, 2>(Shaken, Weak2(StageNoise(Gauss::<2>)), 32, 0.1);
+    check::<_, _, 3>(Shaken, Weak2(StageNoise(Gauss::<3>)), 32, 0.1);
+    check::<_, _, 2>(Heavy, Weak2(StageNoise(Gauss::<2>)), 32, 0.1);
+    check::<_, _, 3>(Heavy, Weak2(StageNoise(Gauss::<3>)), 32, 0.1);
 }

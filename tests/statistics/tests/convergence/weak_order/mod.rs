@@ -10,11 +10,13 @@ mod systems;
 
 use sve_models::models::Oscillator;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::{Dims, Discretised, System, Variational};
 
-use moments::{Matrix, distance, exact, matrix, moments, plus};
+use moments::{Matrix, distance, exact, matrix, moments, moments_with, plus};
 use quadrature::{expectations, gauss_hermite, tensor};
-use systems::{Bent, Coupled, CubicFriction, Heavy, Parametric, Quadratic, products};
+use systems::{
+    Bent, Coupled, CubicFriction, Damped, Heavy, Parametric, Quadratic, Squeezed, products,
+};
 
 /// What a slope may be off: at the larger steps the next term of the error still counts.
 const BIAS: f64 = 0.12;
@@ -129,7 +131,34 @@ fn noisy_stiffness() {
             (rules.3, Weak2(rules.3)),
             (noise, start, &exact)
         );
+        for_each_rule!(
+            linear,
+            system.clone(),
+            (Gauss::<2>, Weak2(Gauss::<2>), Weak2(Gauss::<4>)),
+            (noise, start, &exact)
+        );
+        for_each_rule!(
+            of_two_stages,
+            system.clone(),
+            (StageNoise(Gauss::<2>), Weak2(StageNoise(Gauss::<2>))),
+            (noise, start, &exact)
+        );
     }
+}
+
+/// One line for a rule with the noise of two stages, each with half of the variance.
+fn of_two_stages<S, R>(
+    integrator: &Integrator<S, R>,
+    noise: &str,
+    start: State<[f64; 1]>,
+    exact: &Matrix,
+) where
+    S: Discretised<R, Increments = [f64; 2]> + System<Dims = Dims<1, 1>>,
+{
+    let error = |level| distance(&moments_with(integrator, start, level, [0.5; 2]), exact);
+    let errors: Vec<f64> = (4..=7).map(error).collect();
+    let plan = integrator.plan();
+    line(plan.system, plan.rule, noise, plan.weak_order, &errors);
 }
 
 #[test]
@@ -172,7 +201,9 @@ fn two_noises_with_coupled_masses() {
             Midpoint,
             Weak2(Midpoint),
             StormerVerlet,
-            Weak2(StormerVerlet)
+            Weak2(StormerVerlet),
+            Gauss::<2>,
+            Weak2(Gauss::<2>)
         ),
         ("two γ", start, &exact)
     );
@@ -233,6 +264,80 @@ fn quadratic_noise_in_momentum() {
         };
         let errors: Vec<f64> = (4..=7).map(error).collect();
         line("Quadratic", "midpoint with the term", text, 1, &errors);
+    }
+}
+
+/// The term with noise in momentum needs two stages.
+#[test]
+fn commuting_noises_in_momentum() {
+    let start = State::new([1.0], [0.3]);
+    let drift = matrix([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0; 3]]);
+    for (system, text) in [
+        (
+            Squeezed {
+                sigma: [0.5, 0.0],
+                a: 1.0,
+                b: 0.4,
+                beat: 0.0,
+            },
+            "H₁ = ½(aq² + bp²)",
+        ),
+        (
+            Squeezed {
+                sigma: [0.5, 0.3],
+                a: 1.0,
+                b: -0.5,
+                beat: 0.7,
+            },
+            "two H₁, one of time",
+        ),
+    ] {
+        let (a, b) = (system.a, system.b);
+        let exact = exact(start, &drift, |t| {
+            let strengths = system.strengths(t).into_iter();
+            strengths
+                .map(|s| matrix([[0.0, s * b, 0.0], [-s * a, 0.0, 0.0], [0.0; 3]]))
+                .collect()
+        });
+        for_each_rule!(
+            linear,
+            system.clone(),
+            (
+                Midpoint,
+                Gauss::<2>,
+                Weak2(Gauss::<2>),
+                Weak2(Gauss::<3>),
+                Weak2(Gauss::<4>)
+            ),
+            (text, start, &exact)
+        );
+    }
+}
+
+/// Noise in momentum beside a force has weak order 1 with the term `h K/12` in H too, which is why the attribute refuses the option.
+#[test]
+fn noise_in_momentum_with_friction() {
+    let start = State::new([1.0], [0.3]);
+    let (a, b, nu) = (0.5, 0.2, 0.6);
+    let drift = matrix([[0.0, 1.0, 0.0], [-1.0, -nu, 0.0], [0.0; 3]]);
+    let noise = matrix([[0.0, b, 0.0], [-a, 0.0, 0.0], [0.0; 3]]);
+    let exact = exact(start, &drift, |_| vec![noise.clone()]);
+    // K = (a − b)(aq² − bp²)
+    let with_term = |h: f64| Damped {
+        w: 1.0 - h / 6.0 * (a - b) * b,
+        k: 1.0 + h / 6.0 * (a - b) * a,
+        a,
+        b,
+        nu,
+    };
+    for (term, rule) in [(0.0, "gauss(2)"), (1.0, "gauss(2) with the term")] {
+        let error = |level: u32| {
+            let system = with_term(term * 0.5_f64.powi(level as i32));
+            let found = moments(&Integrator::new(system, Gauss::<2>), start, level);
+            distance(&found, &exact)
+        };
+        let errors: Vec<f64> = (4..=7).map(error).collect();
+        line("Damped", rule, "H₁ = ½(aq² + bp²), friction", 1, &errors);
     }
 }
 
@@ -312,7 +417,9 @@ fn masses_that_depend_on_the_configuration() {
             Midpoint,
             Weak2(Midpoint),
             StormerVerlet,
-            Weak2(StormerVerlet)
+            Weak2(StormerVerlet),
+            Gauss::<2>,
+            Weak2(Gauss::<2>)
         ),
         ("mass 1 + q²/4", start, &exact, &observe)
     );
@@ -341,7 +448,9 @@ fn masses_that_depend_on_the_configuration() {
             Midpoint,
             Weak2(Midpoint),
             StormerVerlet,
-            Weak2(StormerVerlet)
+            Weak2(StormerVerlet),
+            Gauss::<2>,
+            Weak2(Gauss::<2>)
         ),
         ("full mass matrix of q", start, &exact, &observe)
     );
