@@ -169,7 +169,9 @@ struct Moved {
 impl Moved {
     fn lagrangian(&self, t: f64, q: [f64; 2], v: [f64; 2]) -> f64 {
         let mass = self.m + 0.5 * q[0].sin();
-        0.5 * mass * v[0] * v[0] + 0.5 * v[1] * v[1] + 0.3 * v[0] * v[1]
+        0.5 * mass * v[0] * v[0]
+            + 0.5 * v[1] * v[1]
+            + 0.3 * v[0] * v[1]
             + self.m * q[1] * v[0]
             + q[0].cos() * (1.0 + 0.2 * t.sin())
             - 0.5 * q[1] * q[1]
@@ -440,7 +442,12 @@ fn plans_state_the_orders_and_the_term() {
     assert!(texts[2].action.contains(" + Σ γ(Qᵢ)·ωᵢ"));
     let moved = Integrator::new(Moved { s: S, m: 1.3 }, Weak2(Gauss::<3>)).plan();
     assert!(moved.formulas.action.contains(" − |h|·K(tᵢ, Qᵢ, Pᵢ)/12 + "));
-    assert!(moved.formulas.step.contains(" + h·|h|·bᵢ·∂K/∂p(tᵢ, Qᵢ, Pᵢ)/12\n"));
+    assert!(
+        moved
+            .formulas
+            .step
+            .contains(" + h·|h|·bᵢ·∂K/∂p(tᵢ, Qᵢ, Pᵢ)/12\n")
+    );
     assert_eq!(moved.weak_order, 2);
 }
 

@@ -182,4 +182,3 @@ fn check(block: &Annotated, model: &Model, at_node: &Stages) -> syn::Result<()> 
     }
     errors.finish(())
 }
-

@@ -93,7 +93,11 @@ fn equations(count: usize, stages: &Stages, features: &Features) -> Vec<String> 
     if features.hamiltonians > 0 {
         let _ = write!(impulse, " − {b}Σ ∂H₁/∂q({}Qᵢ, Pᵢ)·{dw}", t("tᵢ"));
     }
-    let p = if features.hamiltonians > 0 { ", Pᵢ" } else { "" };
+    let p = if features.hamiltonians > 0 {
+        ", Pᵢ"
+    } else {
+        ""
+    };
     let slope = format!("∂K/∂q({}Qᵢ{p})", t("tᵢ"));
     impulse.push_str(&features.potential("h·|h|·bᵢ", &slope, 1));
     lines.push(format!("  Fᵢ = {impulse}"));

@@ -166,7 +166,11 @@ impl Discretisation for Gauss {
     fn textbook(&self, system: &Features) -> Textbook {
         let t = if system.is_timed { "tᵢ, " } else { "" };
         let constraint = system.pairing("Pᵢ", "Uᵢ − Vᵢ");
-        let p = if system.hamiltonians > 0 { ", Pᵢ" } else { "" };
+        let p = if system.hamiltonians > 0 {
+            ", Pᵢ"
+        } else {
+            ""
+        };
         let potential = system.potential("|h|", &format!("K({t}Qᵢ{p})"), 1);
         let mut terms = vec![format!(
             "S = Σᵢ {{ h·bᵢ·(L({t}Qᵢ, Vᵢ){potential} + {constraint})"

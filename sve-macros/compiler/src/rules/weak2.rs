@@ -38,7 +38,10 @@ pub(crate) enum Obstacle {
     /// Two noises do not commute.
     NonCommuting(String, String),
     /// A noise moves the position, and the rule is not for such noises.
-    MovesPosition { noise: String, is_forced: bool },
+    MovesPosition {
+        noise: String,
+        is_forced: bool,
+    },
     /// A noise moves the position, and there is a force.
     MovesPositionWithForce(String),
     /// ∂²L/∂v² depends on v.

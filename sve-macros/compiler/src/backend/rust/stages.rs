@@ -24,11 +24,7 @@ pub(crate) struct StageCode {
 }
 
 /// Prints the equations at a node. The last noise of the context may be the potential of the option `weak2`.
-pub(crate) fn stages(
-    context: &Context<'_>,
-    stages: &Stages,
-    has_potential: bool,
-) -> StageCode {
+pub(crate) fn stages(context: &Context<'_>, stages: &Stages, has_potential: bool) -> StageCode {
     let (private, attributes) = (private(context.block), attributes());
     let self_ty = &context.block.item.self_ty;
     let parameters = parameter_jets(context, stages, &private);

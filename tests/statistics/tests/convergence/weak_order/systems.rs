@@ -163,7 +163,9 @@ pub(crate) struct Heavy {
     stormer_verlet,
     stormer_verlet(weak2),
     gauss(2),
-    gauss(2, weak2)
+    gauss(2, weak2),
+    gauss(2, stage_noise),
+    gauss(2, stage_noise, weak2)
 )]
 impl Heavy {
     fn lagrangian(&self, q: f64, v: f64) -> f64 {
