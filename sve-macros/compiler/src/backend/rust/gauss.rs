@@ -11,10 +11,12 @@ use crate::explain::{STAGES_OF_FIXED_POINT, StepTexts};
 use crate::program::{Operations, Work};
 use crate::rules::{Rule, RuleOption};
 
+/// Prints the step of a rule; `half_factor` is ½κ of the option `weak2`, if the action has its term.
 pub(crate) fn gauss(
     context: &Context<'_>,
     (rule, weak_order): (Rule, u32),
     count: usize,
+    half_factor: Option<f64>,
     stages: &Stages,
     code: &StageCode,
     texts: &StepTexts,
@@ -26,18 +28,21 @@ pub(crate) fn gauss(
     let dof = context.model.dof();
     let unknowns = stages.unknowns(count, dof);
     let processes = context.model.noises.len();
-    let [n, m, s, k] = [dof, processes, count, unknowns].map(Literal::usize_unsuffixed);
-    let Noise {
-        increments,
-        at_stages: noise,
-        stages_constant,
-    } = noise(rule, count, processes, &private);
+    let [n, s, k] = [dof, count, unknowns].map(Literal::usize_unsuffixed);
+    let noise = noise(rule, count, processes, half_factor, &private);
     let Solve {
         prepared,
         prepare,
         memory: memory_type,
         increment,
     } = solve(&private, context, count, stages, &noise);
+    let Noise {
+        increments,
+        at_stages,
+        processes: m,
+        system,
+        stages_constant,
+    } = &noise;
     let names = names(count, dof, stages.moves_position);
     let plan = plan_of(
         &private,
@@ -89,7 +94,7 @@ pub(crate) fn gauss(
                 dw: &[f64; #increments],
                 unknowns: &[f64; #k],
             ) -> #private::Linearisation {
-                #private::gauss::linearise::<Self, _, #s, #n, #m, #k>(self, state, h, #noise, unknowns)
+                #private::gauss::linearise::<_, _, #s, #n, #m, #k>(#system, state, h, #at_stages, unknowns)
             }
         }
         #private::derived_rule! { #self_ty, #rule_type }
@@ -112,8 +117,14 @@ fn solve(
     context: &Context<'_>,
     count: usize,
     stages: &Stages,
-    noise: &TokenStream,
+    noise: &Noise,
 ) -> Solve {
+    let Noise {
+        at_stages: noise,
+        processes: m,
+        system,
+        ..
+    } = noise;
     let (dof, processes) = (context.model.dof(), context.model.noises.len());
     let rows = match stages.form {
         Form::General => 0,
@@ -123,11 +134,10 @@ fn solve(
     let sizes = [
         count,
         dof,
-        processes,
         stages.unknowns(count, dof),
         1 + rows * dof * count,
     ];
-    let [s, n, m, k, l] = sizes.map(Literal::usize_unsuffixed);
+    let [s, n, k, l] = sizes.map(Literal::usize_unsuffixed);
     // with noise, stages say nothing of those of the next step; with few stages none are iterated
     let carries = processes == 0 && count >= STAGES_OF_FIXED_POINT && rows > 0;
     let (memory_type, memory) = if carries {
@@ -139,17 +149,17 @@ fn solve(
         Form::General => (
             quote!(()),
             quote!(),
-            quote!(#private::gauss::newton_increment::<Self, _, #s, #n, #m, #k>(self, state, h, #noise, newton)),
+            quote!(#private::gauss::newton_increment::<_, _, #s, #n, #m, #k>(#system, state, h, #noise, newton)),
         ),
         Form::SecondOrder { .. } => (
             quote!(#private::gauss::InverseMass<#n>),
             quote!(#private::gauss::InverseMass::of(self)),
-            quote!(#private::gauss::second_order_increment::<Self, _, #s, #n, #m, #k, #l>(self, prepared, #memory, state, h, #noise, newton)),
+            quote!(#private::gauss::second_order_increment::<_, _, #s, #n, #m, #k, #l>(#system, prepared, #memory, state, h, #noise, newton)),
         ),
         Form::Partitioned { .. } => (
             quote!(()),
             quote!(),
-            quote!(#private::gauss::partitioned_increment::<Self, _, #s, #n, #m, #k, #l>(self, #memory, state, h, #noise, newton)),
+            quote!(#private::gauss::partitioned_increment::<_, _, #s, #n, #m, #k, #l>(#system, #memory, state, h, #noise, newton)),
         ),
     };
     Solve {
@@ -177,25 +187,52 @@ struct Noise {
     increments: Literal,
     /// The increments of each process at the stages.
     at_stages: TokenStream,
+    /// The number of processes at the stages.
+    processes: Literal,
+    /// The system with these processes.
+    system: TokenStream,
     /// The number of stages, for a rule with stage noise.
     stages_constant: Option<TokenStream>,
 }
 
-fn noise(rule: Rule, count: usize, processes: usize, private: &TokenStream) -> Noise {
+fn noise(
+    rule: Rule,
+    count: usize,
+    processes: usize,
+    half_factor: Option<f64>,
+    private: &TokenStream,
+) -> Noise {
     let [s, m] = [count, processes].map(Literal::usize_unsuffixed);
-    if rule.options.contain(RuleOption::StageNoise) {
-        let increments = Literal::usize_unsuffixed(count * processes);
-        Noise {
-            at_stages: quote!(#private::gauss::by_stage::<#s, #m, #increments>(dw)),
-            stages_constant: Some(quote!(const STAGES: usize = #s;)),
-            increments,
-        }
+    let has_stage_noise = rule.options.contain(RuleOption::StageNoise);
+    let increments = if has_stage_noise {
+        count * processes
     } else {
-        Noise {
-            at_stages: quote!(#private::gauss::shares::<#s, #m>(dw)),
-            stages_constant: None,
-            increments: m,
-        }
+        processes
+    };
+    let increments = Literal::usize_unsuffixed(increments);
+    let at_stages = if has_stage_noise {
+        quote!(#private::gauss::by_stage::<#s, #m, #increments>(dw))
+    } else {
+        quote!(#private::gauss::shares::<#s, #m>(dw))
+    };
+    let stages_constant = has_stage_noise.then(|| quote!(const STAGES: usize = #s;));
+    let Some(half_factor) = half_factor else {
+        return Noise {
+            increments,
+            at_stages,
+            processes: m,
+            system: quote!(self),
+            stages_constant,
+        };
+    };
+    // the potential is one more noise, which has its place behind the others
+    let more = Literal::usize_unsuffixed(processes + 1);
+    Noise {
+        at_stages: quote!(#private::gauss::with_potential::<#s, #m, #more>(#at_stages, h, #half_factor)),
+        system: quote!(&#private::gauss::Corrected::<Self, #more>(self)),
+        processes: more,
+        increments,
+        stages_constant,
     }
 }
 
