@@ -27,30 +27,14 @@ pub(crate) fn gauss(
     let rule_type = super::rule_type(rule, &runtime);
     let dof = context.model.dof();
     let unknowns = stages.unknowns(count, dof);
-    let processes = context.model.noises.len();
-    let has_stage_noise = rule.options.contain(RuleOption::StageNoise);
-    let increments = if has_stage_noise {
-        count * processes
-    } else {
-        processes
-    };
-    let [n, m, s, k, increments] =
-        [dof, processes, count, unknowns, increments].map(Literal::usize_unsuffixed);
-    let (mut noise, stages_of_noise) = if has_stage_noise {
-        let noise = quote!(#private::gauss::by_stage::<#s, #m, #increments>(dw));
-        (noise, quote!(const STAGES: usize = #s;))
-    } else {
-        (quote!(#private::gauss::shares::<#s, #m>(dw)), quote!())
-    };
-    // the potential is one more noise, which has its place behind the others
-    let mut m_of_stages = m.clone();
-    let mut system = quote!(self);
-    if let Some(half_factor) = half_factor {
-        m_of_stages = Literal::usize_unsuffixed(processes + 1);
-        noise = quote!(#private::gauss::with_potential::<#s, #m, #m_of_stages>(#noise, h, #half_factor));
-        system = quote!(&#private::gauss::Corrected::<Self, #m_of_stages>(self));
-    }
-    let m = m_of_stages;
+    let Increments {
+        count: increments,
+        noises: m,
+        at_stages: noise,
+        declaration: stages_of_noise,
+        system,
+    } = increments(&private, context, rule, count, half_factor);
+    let [n, s, k] = [dof, count, unknowns].map(Literal::usize_unsuffixed);
     let rows = match stages.form {
         Form::General => 0,
         Form::SecondOrder { .. } => 1,
@@ -89,14 +73,7 @@ pub(crate) fn gauss(
         texts,
         &cost(&names, code, count, dof),
     );
-    let StepTexts { action, step, .. } = texts;
-    let doc = documented(&[
-        (
-            "Discrete action, of which `p₀ = −∂S/∂q₀`, `p₁ = ∂S/∂q₁`, `0 = ∂S/∂(each internal variable)`:",
-            action,
-        ),
-        ("Equations of the step:", step),
-    ]);
+    let doc = documentation(texts);
     quote! {
         #doc
         #attributes
@@ -143,6 +120,69 @@ pub(crate) fn gauss(
             }
         }
         #private::derived_rule! { #self_ty, #rule_type }
+    }
+}
+
+/// Of the implementation.
+fn documentation(texts: &StepTexts) -> TokenStream {
+    let of_action = "Discrete action, of which `p₀ = −∂S/∂q₀`, `p₁ = ∂S/∂q₁`, `0 = ∂S/∂(each internal variable)`:";
+    documented(&[
+        (of_action, &texts.action),
+        ("Equations of the step:", &texts.step),
+    ])
+}
+
+/// The increments of a step, and the system whose noises they are of.
+struct Increments {
+    /// Their number.
+    count: Literal,
+    /// The number of noises at a stage.
+    noises: Literal,
+    /// What belongs to each noise and stage.
+    at_stages: TokenStream,
+    /// `STAGES`, if each process has an increment for each stage.
+    declaration: TokenStream,
+    system: TokenStream,
+}
+
+fn increments(
+    private: &TokenStream,
+    context: &Context<'_>,
+    rule: Rule,
+    count: usize,
+    half_factor: Option<f64>,
+) -> Increments {
+    let processes = context.model.noises.len();
+    let [s, m] = [count, processes].map(Literal::usize_unsuffixed);
+    let plain = if rule.options.contain(RuleOption::StageNoise) {
+        let increments = Literal::usize_unsuffixed(count * processes);
+        Increments {
+            at_stages: quote!(#private::gauss::by_stage::<#s, #m, #increments>(dw)),
+            declaration: quote!(const STAGES: usize = #s;),
+            count: increments,
+            noises: m.clone(),
+            system: quote!(self),
+        }
+    } else {
+        Increments {
+            at_stages: quote!(#private::gauss::shares::<#s, #m>(dw)),
+            declaration: TokenStream::new(),
+            count: m.clone(),
+            noises: m.clone(),
+            system: quote!(self),
+        }
+    };
+    let Some(half_factor) = half_factor else {
+        return plain;
+    };
+    // the potential is one more noise, which has its place behind the others
+    let noises = Literal::usize_unsuffixed(processes + 1);
+    let given = plain.at_stages;
+    Increments {
+        at_stages: quote!(#private::gauss::with_potential::<#s, #m, #noises>(#given, h, #half_factor)),
+        system: quote!(&#private::gauss::Corrected::<Self, #noises>(self)),
+        noises,
+        ..plain
     }
 }
 
