@@ -45,7 +45,7 @@
 //! | to | use |
 //! | --- | --- |
 //! | describe a system | [`#[variational(…)]`](macro@variational) |
-//! | choose a rule | [`InitialPoint`], [`Endpoint`], [`Midpoint`], [`StormerVerlet`], [`Taylor2`], with the option [`Weak2`] |
+//! | choose a rule | [`InitialPoint`], [`Endpoint`], [`Midpoint`], [`StormerVerlet`], [`Gauss`], [`Taylor2`], with the option [`Weak2`] |
 //! | compose steps of rules to a rule of a higher order | [`Composed`], [`Split`] |
 //! | make steps | [`Integrator`] with `step` and `trajectory`, [`State`]; [`Method`] is common to integrators and baselines |
 //! | know what the `q` of a state may be | [`Configuration`]; vectors, matrices and rotations are those of [`nalgebra`] |
@@ -129,7 +129,9 @@ pub use method::{Method, OneStepMethod};
 /// Vectors, matrices and rotations, in the version that this crate uses.
 pub use nalgebra;
 pub use plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder, Substeps};
-pub use rules::{Endpoint, Gauss, InitialPoint, Midpoint, StormerVerlet, Taylor2, Weak2};
+pub use rules::{
+    Endpoint, Gauss, InitialPoint, Midpoint, StageNoise, StormerVerlet, Taylor2, Weak2,
+};
 pub use solve::newton::{BlockSolver, Newton};
 pub use state::State;
 /// A system with time-dependent L, a helper, a constant, a parameter array and two noises:
@@ -265,8 +267,8 @@ pub mod prelude {
     };
     pub use crate::{
         BlanesMoan4, BlanesMoanRkn6, Composed, Endpoint, Gauss, InitialPoint, Integrator, KahanLi8,
-        Mechanics, Method, Midpoint, Newton, OneStepMethod, Snapshot, Split, State, StepError,
-        StormerVerlet, Taylor2, Weak2, variational,
+        Mechanics, Method, Midpoint, Newton, OneStepMethod, Snapshot, Split, StageNoise, State,
+        StepError, StormerVerlet, Taylor2, Weak2, variational,
     };
     pub use nalgebra::{
         Matrix2, Matrix3, Matrix4, Rotation2, Rotation3, SMatrix, SVector, UnitQuaternion, Vector1,

@@ -45,6 +45,12 @@ pub enum StrongOrder {
     Deterministic,
     /// All noises commute: order 1. [`Formulas::system`] says if this is checked numerically and not proved.
     One,
+    /// Stage noise with γ alone, and the term of the option `weak2`: order 3/2.
+    OneAndAHalf,
+    /// Stage noise of two stages, with additive noise: order 2.
+    Two,
+    /// Stage noise of three stages or more, with additive noise: order 3.
+    Three,
     /// The named pair of noises does not commute: order ½.
     Half {
         /// Source names of a pair whose Poisson bracket does not vanish.
@@ -302,6 +308,9 @@ impl fmt::Display for Structure<'_> {
         match plan.strong_order {
             StrongOrder::Deterministic => {}
             StrongOrder::One => write!(f, ", strong order 1 (all noises commute)")?,
+            StrongOrder::OneAndAHalf => write!(f, ", strong order 3/2 (stage noise)")?,
+            StrongOrder::Two => write!(f, ", strong order 2 (stage noise, additive)")?,
+            StrongOrder::Three => write!(f, ", strong order 3 (stage noise, additive)")?,
             StrongOrder::Half { pair: (a, b) } => {
                 write!(f, ", strong order 1/2 ({a} and {b} do not commute)")?;
             }

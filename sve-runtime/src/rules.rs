@@ -29,11 +29,42 @@ rules! {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Gauss<const S: usize>;
 
+/// The rule `R`, a [`Gauss`] rule, with an increment of each process for each stage. In the attribute it is `gauss(3, stage_noise)`, as the rule of an integrator `StageNoise(Gauss::<3>)`.
+///
+/// The increment of process a at stage i is `∫ ℓ_i dW_a`, where ℓ is the Lagrange basis of the nodes. The `dw` of a step has `S M` entries, process by process, with nodes ascending; each is independent
+/// with variance `b_i h`. [`Wiener`](crate::noise::Wiener) draws them as details of one path, which serves every number of stages and the other rules; [`noise`](crate::noise) says which other sources do.
+///
+/// For additive noise, γ linear in q with constant masses, the strong order is min(S, 3). For other noise it is 1 as without the option.
+///
+/// ```
+/// use sve_runtime::prelude::*;
+/// struct Pendulum { sigma: f64 }
+/// #[variational(gauss(3, stage_noise), midpoint)]
+/// impl Pendulum {
+///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + q.cos() }
+///     #[gamma]
+///     fn push(&self, q: f64) -> f64 { self.sigma * q }
+/// }
+/// # fn main() -> Result<(), StepError> {
+/// let pendulum = Integrator::new(Pendulum { sigma: 0.1 }, StageNoise(Gauss::<3>));
+/// let mut state = State::new([1.0], [0.0]);
+/// pendulum.step(&mut state, 0.1, &[0.01, -0.02, 0.03])?;
+/// // along the path that the midpoint rule takes too
+/// let end = pendulum.trajectory(state, 0.1, Wiener::new(42)).take(100).last().unwrap()?;
+/// let plain = Integrator::new(Pendulum { sigma: 0.1 }, Midpoint);
+/// let coarse = plain.trajectory(state, 0.1, Wiener::new(42)).take(100).last().unwrap()?;
+/// assert!((end.q[0] - coarse.q[0]).abs() < 0.05);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StageNoise<R>(pub R);
+
 /// The rule `R` with the option `weak2`, which the attribute writes `midpoint(weak2)` or `stormer_verlet(weak2)`: weak order 2 with one Gaussian increment a process, where `R` has 1.
 ///
 /// The action gets a potential that removes the leading error of expectations, `S_d −= h|h|/8 Σ ⟨∂γ/∂q, M⁻¹ ∂γ/∂q⟩` at the node of the midpoint rule with M = ∂²L/∂v², and the mean of this term over both ends for
 /// the rule of Störmer and Verlet. The step stays variational and symmetric, and its strong order does not change. The term is that of increments of variance |h|, so the rule
-/// is no part of compositions. The macro refuses the option, with the reason, where the term does not raise the weak order:
+/// is no part of compositions. The macro refuses the option, with the reason, where the term does not raise the weak order or is not a function of time and configuration:
 /// noises that do not commute, noise that moves the position, ∂²L/∂v² that depends on v, a force that is not affine in v.
 ///
 /// ```

@@ -107,3 +107,37 @@ fn in_a_trajectory() {
         start,
     );
 }
+
+struct Wells {
+    sigma: f64,
+}
+
+#[variational(gauss(3), gauss(4))]
+impl Wells {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v - 0.25 * (q * q - 1.0).powi(2)
+    }
+
+    #[gamma]
+    fn push(&self, q: f64) -> f64 {
+        self.sigma * q
+    }
+}
+
+/// Newton's method, fixed-point iteration, and the change from one to the other.
+#[test]
+fn no_step_of_many_stages_allocates() {
+    let wells = &Wells { sigma: 0.3 };
+    for h in [0.01, 2.0] {
+        let count = allocations(|| {
+            let mut ends = [State::new([1.2], [0.3]); 2];
+            Integrator::new(wells, Gauss::<3>)
+                .step(&mut ends[0], h, &[0.1])
+                .unwrap();
+            Integrator::new(wells, Gauss::<4>)
+                .step(&mut ends[1], h, &[0.1])
+                .unwrap();
+        });
+        assert_eq!(count, 0, "h = {h}");
+    }
+}

@@ -33,9 +33,10 @@ fn step(case: &dyn Case, block: &Block) -> (Vec<Point>, Mask) {
 /// ends within a few units, and the Jacobians of the models amplify both at most ten times.
 const UNITS: f64 = 40.0;
 
-/// Steps that are not made in lanes: they are too large, banded, or have more unknowns than the bounds judge, or L is not quadratic in
-/// the velocity.
-const ONE_BY_ONE: [&str; 15] = [
+/// Steps that are not made in lanes: they are too large, banded, or have more unknowns than the bounds judge, L is not quadratic in
+/// the velocity, or, for `Actions`, the bounds accept no step.
+const ONE_BY_ONE: [&str; 18] = [
+    "Actions by stormer_verlet",
     "Chain by midpoint",
     "Charges by endpoint",
     "Charges by midpoint",
@@ -44,9 +45,11 @@ const ONE_BY_ONE: [&str; 15] = [
     "Rails by initial_point",
     "Rails by endpoint",
     "Rails by midpoint",
+    "Rails by stormer_verlet",
     "Relativistic by initial_point",
     "Relativistic by endpoint",
     "Relativistic by midpoint",
+    "Relativistic by stormer_verlet",
     "Relativistic by taylor2",
     "SphericalPendulum by taylor2",
     "Stirred by taylor2",

@@ -9,13 +9,13 @@ use syn::ItemImpl;
 use crate::algebra::Arena;
 use crate::backend::rust::{self, Context, Derived};
 use crate::discretise::equations;
-use crate::discretise::stages;
+use crate::discretise::stages::{self, Stages};
 use crate::discretise::tangent;
 use crate::errors::Errors;
 use crate::explain;
 use crate::interpret;
 use crate::rules::weak2::{self, Potential};
-use crate::rules::{self, Rule, RuleOption, action};
+use crate::rules::{Rule, RuleOption, action, applicable};
 use crate::structure::{self, Degenerate};
 use crate::syntax::arguments::ListedRule;
 use crate::syntax::nesting;
@@ -122,7 +122,7 @@ fn derive(
             "this block cannot be read",
         ));
     };
-    check_rules(&block, &model)?;
+    applicable::check(&block, &model)?;
     check_size(&block, &model)?;
     let budget = Budget {
         block: &block,
@@ -144,9 +144,10 @@ fn derive(
         None
     } else {
         arena.grant(work);
-        Some(budget.stage(&mut arena, |arena| {
-            stages::stages(&model, &mechanics, arena)
-        })?)
+        let stages = |arena: &mut Arena| stages::stages(&model, &mechanics, arena);
+        let at_node = budget.stage(&mut arena, stages)?;
+        check_stages(&block, &model, &at_node)?;
+        Some(at_node)
     };
     // what is left to do is in proportion to what has been built
     arena.grant(usize::MAX);
@@ -210,7 +211,8 @@ fn steps(
     for &is_unstructured in forms {
         for listed in &without {
             // the Gauss rules are derived from one node, and from the whole action for comparison only
-            if listed.rule.stages().is_some() && !is_unstructured {
+            let has_stage_noise = listed.rule.options.contain(RuleOption::StageNoise);
+            if listed.rule.stages().is_some() && (!is_unstructured || has_stage_noise) {
                 continue;
             }
             arena.grant(budget.work);
@@ -315,6 +317,38 @@ fn check_size(block: &Annotated, model: &Model) -> syn::Result<()> {
     Err(syn::Error::new(block.lagrangian.name.span(), message))
 }
 
+/// Unknowns of all stages of a step. Newton's method keeps a matrix of this size on the stack, where it is needed.
+const UNKNOWNS_OF_STAGES: usize = 160;
+
+/// Returns an error for each rule whose stages have too many unknowns together.
+fn check_stages(block: &Annotated, model: &Model, at_node: &Stages) -> syn::Result<()> {
+    let mut errors = Errors::new();
+    for listed in &block.arguments.rules {
+        let Some(stages) = listed.rule.stages() else {
+            continue;
+        };
+        let of_one = at_node.unknowns(1, model.dof());
+        let (n, unknowns) = (model.dof(), stages * of_one);
+        if unknowns <= UNKNOWNS_OF_STAGES {
+            continue;
+        }
+        let name = listed.rule.name();
+        let most = UNKNOWNS_OF_STAGES / of_one;
+        let fewer = Rule::all()
+            .into_iter()
+            .filter(|rule| rule.stages().is_some_and(|s| s <= most));
+        let instead = match fewer.last() {
+            Some(rule) => format!("`{}`, or a composition of `midpoint`", rule.name()),
+            None => "a composition of `midpoint`".to_owned(),
+        };
+        errors.push(
+            listed.place,
+            format!("`{name}` has {unknowns} unknowns for {n} coordinates, and the limit is {UNKNOWNS_OF_STAGES}: use {instead} (`Composed`)"),
+        );
+    }
+    errors.finish(())
+}
+
 /// The work that is granted to the derivatives, and then to each rule.
 struct Budget<'a> {
     block: &'a Annotated,
@@ -337,50 +371,6 @@ impl Budget<'_> {
         );
         let place = self.block.lagrangian.name.span();
         Err(syn::Error::new(place, message))
-    }
-}
-
-/// Returns an error for each rule that is not for this system.
-fn check_rules(block: &Annotated, model: &Model) -> syn::Result<()> {
-    let mut errors = Errors::new();
-    for listed in &block.arguments.rules {
-        let (rule, name) = (listed.rule, listed.rule.name());
-        if !model.noises.is_empty() && !rule.takes_noise() {
-            let others = listed_where(|rule| rule.takes_noise());
-            errors.push(
-                listed.place,
-                format!("`{name}` is a rule for systems without noise, and this block has noise terms: use {others}"),
-            );
-        }
-        if model.noises.is_empty() {
-            for &(option, place) in &listed.options {
-                let (option, without) = (option.name(), rule.without(option).name());
-                let message = format!(
-                    "`{option}` is an option for systems with noise, and this block has no noise terms: write `{without}`"
-                );
-                errors.push(place, message);
-            }
-        }
-        if model.force.is_some() && !rule.takes_force() {
-            let others = listed_where(|rule| rule.takes_force());
-            errors.push(
-                listed.place,
-                format!("`{name}` is a rule for systems without forces, and this block has a force: use {others}"),
-            );
-        }
-    }
-    errors.finish(())
-}
-
-/// The names of some rules: `a`, `b` or `c`.
-fn listed_where(wanted: impl Fn(&Rule) -> bool) -> String {
-    let mut rules = Rule::all();
-    rules.retain(wanted);
-    let mut names = rules::names(&rules);
-    names.reverse();
-    match names.split_last() {
-        Some((last, first)) if !first.is_empty() => format!("{} or {last}", first.join(", ")),
-        _ => names.concat(),
     }
 }
 

@@ -12,8 +12,8 @@
 //! the increments as unknowns; Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006), section VIII.6.
 
 use super::convergence::{Course, Verdict};
-use super::newton::{Solved, moves_position};
-use super::stages::{Change, Rows, at_stages, inverse_size, product, sum};
+use super::newton::{Solved, displacement, moves_position, velocity};
+use super::stages::{Rows, at_stages, inverse_size, larger, product, relative_change, sum};
 use super::step::Step;
 use super::tableau::Tableau;
 use crate::lanes::dispatch::{Kernel, dispatch};
@@ -26,8 +26,12 @@ pub struct StageLanes<'a, const S: usize, const N: usize, const M: usize> {
     pub weights: &'a [f64; S],
     /// Times.
     pub times: &'a [f64; S],
-    /// Positions, a row for each coordinate.
-    pub q: &'a [[f64; S]; N],
+    /// The position at the start.
+    pub q: &'a [f64; N],
+    /// Positions of the stages relative to the start, a row for each coordinate.
+    pub moves: &'a [[f64; S]; N],
+    /// The momentum at the start.
+    pub p: &'a [f64; N],
     /// The parts of the increments, a row for each process.
     pub noise: &'a [[f64; S]; M],
 }
@@ -42,17 +46,17 @@ pub trait SecondOrder<const N: usize, const M: usize>: System {
 
 /// A system with ∂L/∂v = M(t, q) v + a(t, q).
 pub trait Partitioned<const N: usize, const M: usize>: System {
-    /// Computes the impulses `h b_i (∂L/∂q + F) − Σ ∂G_a/∂q ω_ai` of the stages from positions and momenta, with the masses. NaN where L is not defined.
+    /// Computes the impulses `h b_i (∂L/∂q + F) − Σ ∂G_a/∂q ω_ai` of the stages from positions and momenta, with the masses. `kicks` are momenta relative to the start. NaN where L is not defined.
     fn impulses<const S: usize>(
         &self,
         stages: &StageLanes<'_, S, N, M>,
-        p: &[[f64; S]; N],
+        kicks: &[[f64; S]; N],
     ) -> ([[f64; S]; N], Masses<S, N>);
     /// Computes velocities and displacements of the stages from the masses and new momenta.
     fn displacements<const S: usize>(
         &self,
         stages: &StageLanes<'_, S, N, M>,
-        p: &[[f64; S]; N],
+        kicks: &[[f64; S]; N],
         masses: &Masses<S, N>,
     ) -> Motion<S, N>;
 }
@@ -124,62 +128,51 @@ where
         } = *self.step;
         let Tableau { c, rest, .. } = tableau;
         let start = self.velocity(&state.p.map(|p| [p]));
-        // Positions relative to the start, of a motion with constant velocity, in units of the step.
+        // The motion with constant velocity, relative to the start and in units of the step.
         let mut free = [[0.0; S]; N];
         for n in 0..N {
             for i in 0..S {
                 free[n][i] = c[i] * start[n][0];
             }
         }
-        let mut moves = free;
-        if let Some(impulses) = self.before {
-            let changes = self.velocity(impulses);
-            for n in 0..N {
-                let ahead = product(&tableau.second_order_ahead, &changes[n]);
-                for i in 0..S {
-                    moves[n][i] += ahead[i];
-                }
-            }
-        }
-        for n in 0..N {
-            for i in 0..S {
-                moves[n][i] *= h;
-            }
-        }
+        let none = [[0.0; S]; N];
+        let mut moves = match self.before {
+            Some(impulses) => self.moves(&free, &tableau.second_order_ahead, impulses),
+            None => self.moves(&free, &tableau.second_order, &none),
+        };
         let mut inverse_sizes = [0.0; N];
         for n in 0..N {
             inverse_sizes[n] = inverse_size(state.q[n], &moves[n]);
         }
         let mut course = Course::new();
         loop {
-            let changes = self.velocity(&self.impulses(&moves));
-            let mut next = [[0.0; S]; N];
-            let mut change = Change::NONE;
-            for n in 0..N {
-                next[n] = product(&tableau.second_order, &changes[n]);
-                for i in 0..S {
-                    next[n][i] = h * (free[n][i] + next[n][i]);
-                }
-                change.include(&moves[n], &next[n], inverse_sizes[n]);
-            }
+            let impulses = self.step.system.impulses(&self.step.lanes(&moves));
+            let next = self.moves(&free, &tableau.second_order, &impulses);
+            let change = relative_change(&mut moves, &next, &inverse_sizes);
             moves = next;
-            match course.judge(change.largest()) {
+            match course.judge(change) {
                 Verdict::Continue => {}
                 Verdict::Converged => break,
                 Verdict::Leave => return None,
             }
         }
-        let impulses = self.impulses(&moves);
-        let changes = self.velocity(&impulses);
-        let velocities = at_stages(tableau, &changes);
+        let impulses = self.step.system.impulses(&self.step.lanes(&moves));
+        let velocities = self.velocity(&at_stages(tableau, &impulses));
+        let mut late = [[0.0]; N];
+        for n in 0..N {
+            let mut terms = [0.0; S];
+            for i in 0..S {
+                terms[i] = rest[i] * impulses[n][i];
+            }
+            late[n][0] = sum(&terms);
+        }
+        let late = self.velocity(&late);
         let (mut dq, mut dp, mut x) = ([0.0; N], [0.0; N], [0.0; K]);
         for n in 0..N {
-            let mut late = [0.0; S];
             for i in 0..S {
-                late[i] = rest[i] * changes[n][i];
-                x[i * N + n] = start[n][0] + velocities[n][i];
+                x[velocity::<S>(i, n)] = start[n][0] + velocities[n][i];
             }
-            dq[n] = h * (start[n][0] + sum(&late));
+            dq[n] = h * (start[n][0] + late[n][0]);
             dp[n] = sum(&impulses[n]);
         }
         Some(((dq, dp, x), impulses))
@@ -191,16 +184,35 @@ impl<Sys, const S: usize, const N: usize, const M: usize, const K: usize>
 where
     Sys: SecondOrder<N, M>,
 {
-    /// The impulses at positions relative to the start.
+    /// Positions relative to the start, `h (free + M⁻¹ Σ_j η_ij F_j)`, for the columns of η.
     #[inline(always)]
-    fn impulses(&self, moves: &Rows<S, N>) -> Rows<S, N> {
-        let mut q = [[0.0; S]; N];
+    fn moves(
+        &self,
+        free: &Rows<S, N>,
+        second_order: &[[f64; S]; S],
+        impulses: &Rows<S, N>,
+    ) -> Rows<S, N> {
+        let h = self.step.h;
+        let mut moves = [[0.0; S]; N];
+        if Sys::HAS_DIAGONAL_MASS {
+            for n in 0..N {
+                let pushed = product(second_order, &impulses[n]);
+                for i in 0..S {
+                    moves[n][i] = h * (free[n][i] + self.inverse_mass[n][n] * pushed[i]);
+                }
+            }
+            return moves;
+        }
+        for n in 0..N {
+            moves[n] = product(second_order, &impulses[n]);
+        }
+        let mut moves = self.velocity(&moves);
         for n in 0..N {
             for i in 0..S {
-                q[n][i] = self.step.state.q[n] + moves[n][i];
+                moves[n][i] = h * (free[n][i] + moves[n][i]);
             }
         }
-        self.step.system.impulses(&self.step.lanes(&q))
+        moves
     }
 
     /// The velocities of some momenta.
@@ -267,26 +279,14 @@ where
                 kicks[n] = product(&tableau.ratio_ahead, &impulses[n]);
             }
         }
-        let mut inverse_sizes = [[0.0; 2]; N];
+        let mut inverse_sizes = [[0.0; N]; 2];
         let mut course = Course::new();
         let mut has_converged = false;
         loop {
-            let (mut q, mut p) = ([[0.0; S]; N], [[0.0; S]; N]);
-            for n in 0..N {
-                for i in 0..S {
-                    q[n][i] = state.q[n] + moves[n][i];
-                    p[n][i] = state.p[n] + kicks[n][i];
-                }
-            }
-            let stages = self.step.lanes(&q);
-            let (impulses, masses) = self.step.system.impulses(&stages, &p);
+            let stages = self.step.lanes(&moves);
+            let (impulses, masses) = self.step.system.impulses(&stages, &kicks);
             let new_kicks = at_stages(tableau, &impulses);
-            for n in 0..N {
-                for i in 0..S {
-                    p[n][i] = state.p[n] + new_kicks[n][i];
-                }
-            }
-            let motion = self.step.system.displacements(&stages, &p, &masses);
+            let motion = self.step.system.displacements(&stages, &new_kicks, &masses);
             if has_converged {
                 let stages = [motion.displacements, impulses];
                 return Some((increments(&motion, &impulses), stages));
@@ -294,20 +294,16 @@ where
             let new_moves = at_stages(tableau, &motion.displacements);
             if course.is_new() {
                 for n in 0..N {
-                    inverse_sizes[n] = [
-                        inverse_size(state.q[n], &new_moves[n]),
-                        inverse_size(state.p[n], &new_kicks[n]),
-                    ];
+                    inverse_sizes[0][n] = inverse_size(state.q[n], &new_moves[n]);
+                    inverse_sizes[1][n] = inverse_size(state.p[n], &new_kicks[n]);
                 }
             }
-            let mut change = Change::NONE;
-            for n in 0..N {
-                let [of_q, of_p] = inverse_sizes[n];
-                change.include(&moves[n], &new_moves[n], of_q);
-                change.include(&kicks[n], &new_kicks[n], of_p);
-            }
+            let [of_q, of_p] = &inverse_sizes;
+            let moved = relative_change(&mut moves, &new_moves, of_q);
+            let kicked = relative_change(&mut kicks, &new_kicks, of_p);
+            let change = larger(moved, kicked);
             (moves, kicks) = (new_moves, new_kicks);
-            match course.judge(change.largest()) {
+            match course.judge(change) {
                 Verdict::Continue => {}
                 Verdict::Converged => has_converged = true,
                 Verdict::Leave => return None,
@@ -327,9 +323,9 @@ fn increments<const S: usize, const N: usize, const K: usize>(
         dq[n] = sum(&motion.displacements[n]);
         dp[n] = sum(&impulses[n]);
         for i in 0..S {
-            x[i * N + n] = motion.velocities[n][i];
+            x[velocity::<S>(i, n)] = motion.velocities[n][i];
             if moves_position::<S, N, K>() {
-                x[(S + i) * N + n] = motion.displacements[n][i];
+                x[displacement::<S, N>(i, n)] = motion.displacements[n][i];
             }
         }
     }
@@ -337,13 +333,15 @@ fn increments<const S: usize, const N: usize, const K: usize>(
 }
 
 impl<Sys, const S: usize, const N: usize, const M: usize> Step<'_, Sys, S, N, M> {
-    /// The stages at these positions.
+    /// The stages at these positions relative to the start.
     #[inline(always)]
-    fn lanes<'a>(&'a self, q: &'a Rows<S, N>) -> StageLanes<'a, S, N, M> {
+    fn lanes<'a>(&'a self, moves: &'a Rows<S, N>) -> StageLanes<'a, S, N, M> {
         StageLanes {
             weights: &self.weights,
             times: &self.times,
-            q,
+            q: &self.state.q,
+            moves,
+            p: &self.state.p,
             noise: &self.noise,
         }
     }

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::newton::{jacobian, moves_position};
+use super::newton::{displacement, jacobian, moves_position, velocity};
 use super::step::{Stage, Step};
 use super::tableau::Tableau;
 use crate::configuration::Coordinates;
@@ -82,19 +82,19 @@ where
                     through += ratio[k][j] * stages[j].impulse.by_position[m][n];
                 }
                 let by_velocity = stages[k].impulse.by_velocity[m][n];
-                let velocity = k * N + n;
+                let velocity = velocity::<S>(k, n);
                 if moves_position::<S, N, K>() {
                     all.output_by_unknowns[(N + m, velocity)] = by_velocity;
-                    all.output_by_unknowns[(N + m, (S + k) * N + n)] = through;
+                    all.output_by_unknowns[(N + m, displacement::<S, N>(k, n))] = through;
                 } else {
                     all.output_by_unknowns[(N + m, velocity)] =
                         by_velocity + self.weights[k] * through;
                 }
             }
             if moves_position::<S, N, K>() {
-                all.output_by_unknowns[(m, (S + k) * N + m)] = 1.0;
+                all.output_by_unknowns[(m, displacement::<S, N>(k, m))] = 1.0;
             } else {
-                all.output_by_unknowns[(m, k * N + m)] = self.weights[k];
+                all.output_by_unknowns[(m, velocity::<S>(k, m))] = self.weights[k];
             }
         }
     }
@@ -108,15 +108,15 @@ where
                 for j in 0..S {
                     impulses += ratio[j][i] * stages[j].impulse.by_position[m][n];
                 }
-                let row = i * N + m;
+                let row = velocity::<S>(i, m);
                 all.residual_by_inputs[(row, n)] = stages[i].lagrangian.dqv[n][m] - impulses;
                 if moves_position::<S, N, K>() {
-                    let row = (S + i) * N + m;
+                    let row = displacement::<S, N>(i, m);
                     all.residual_by_inputs[(row, n)] = -stages[i].shift.by_position[m][n];
                 }
                 all.output_by_inputs[(N + m, n)] += stages[i].impulse.by_position[m][n];
             }
-            all.residual_by_inputs[(i * N + m, N + m)] = -1.0;
+            all.residual_by_inputs[(velocity::<S>(i, m), N + m)] = -1.0;
         }
     }
 
@@ -151,11 +151,11 @@ where
                     }
                 }
                 for i in 0..S {
-                    all.residual_by_inputs[(i * N + m, column)] -= ratio[j][i] * impulse;
+                    all.residual_by_inputs[(velocity::<S>(i, m), column)] -= ratio[j][i] * impulse;
                 }
-                all.residual_by_inputs[(j * N + m, column)] += jet.dv[m];
+                all.residual_by_inputs[(velocity::<S>(j, m), column)] += jet.dv[m];
                 if moves_position::<S, N, K>() {
-                    all.residual_by_inputs[((S + j) * N + m, column)] = -shift;
+                    all.residual_by_inputs[(displacement::<S, N>(j, m), column)] = -shift;
                 }
                 all.output_by_inputs[(N + m, column)] += impulse;
             }

@@ -23,7 +23,7 @@ pub(super) fn solve_from_memory<
         assert!(
             L == 1 + R * N * S,
             "the step size and the rows of the stages"
-        )
+        );
     };
     let before = memory
         .as_ref()

@@ -38,6 +38,7 @@ use crate::system::{Dims, System};
 use memory::solve_from_memory;
 use newton::Solved;
 use step::Step;
+use tableau::Tableau;
 
 /// Fewest stages with which a step is first solved by fixed-point iteration: with fewer stages Newton's systems are small.
 const STAGES_OF_FIXED_POINT: usize = 4;
@@ -50,14 +51,14 @@ pub fn newton_increment<Sys, Q, const S: usize, const N: usize, const M: usize, 
     system: &Sys,
     state: &State<[f64; N]>,
     h: f64,
-    dw: &[f64; M],
+    noise: [[f64; S]; M],
     solver: &BlockSolver<'_>,
 ) -> Result<Solved<N, K>, SolveError>
 where
     Sys: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    Step::<_, S, N, M>::new(system, state, h, dw).solve(solver)
+    Step::<_, S, N, M>::new(system, state, h, noise).solve(solver)
 }
 
 /// Solves a step of a system of second order. `memory` has what the step before left: its impulses.
@@ -79,14 +80,14 @@ pub fn second_order_increment<
     memory: &mut Option<[f64; L]>,
     state: &State<[f64; N]>,
     h: f64,
-    dw: &[f64; M],
+    noise: [[f64; S]; M],
     solver: &BlockSolver<'_>,
 ) -> Result<Solved<N, K>, SolveError>
 where
     Sys: System<Dims = Dims<N, M, Q>> + SecondOrder<N, M>,
     Q: Coordinates<N>,
 {
-    let step = Step::<_, S, N, M>::new(system, state, h, dw);
+    let step = Step::<_, S, N, M>::new(system, state, h, noise);
     if S >= STAGES_OF_FIXED_POINT && solver.is_fast_path() {
         let solve = |before: Option<&[_; 1]>| {
             let before = before.map(|[impulses]| impulses);
@@ -118,14 +119,14 @@ pub fn partitioned_increment<
     memory: &mut Option<[f64; L]>,
     state: &State<[f64; N]>,
     h: f64,
-    dw: &[f64; M],
+    noise: [[f64; S]; M],
     solver: &BlockSolver<'_>,
 ) -> Result<Solved<N, K>, SolveError>
 where
     Sys: System<Dims = Dims<N, M, Q>> + Partitioned<N, M>,
     Q: Coordinates<N>,
 {
-    let step = Step::<_, S, N, M>::new(system, state, h, dw);
+    let step = Step::<_, S, N, M>::new(system, state, h, noise);
     if S >= STAGES_OF_FIXED_POINT && solver.is_fast_path() {
         let solve = |before: Option<&_>| fixed_point::solve_partitioned(&step, before);
         if let Some(solved) = solve_from_memory(memory, h, solve) {
@@ -149,12 +150,28 @@ where
     step.solve(solver)
 }
 
+/// Returns the parts of the increments at the stages, in proportion to the weights.
+#[inline(always)]
+#[must_use]
+pub fn shares<const S: usize, const M: usize>(dw: &[f64; M]) -> [[f64; S]; M] {
+    let b = const { &Tableau::<S>::VALUES.b };
+    dw.map(|dw| b.map(|b| b * dw))
+}
+
+/// Returns the increments at the stages, which are given process by process.
+#[inline(always)]
+#[must_use]
+pub fn by_stage<const S: usize, const M: usize, const L: usize>(dw: &[f64; L]) -> [[f64; S]; M] {
+    const { assert!(L == S * M, "an increment for each process and stage") }
+    core::array::from_fn(|process| core::array::from_fn(|i| dw[process * S + i]))
+}
+
 /// Returns the unknowns in the limit of no noise and h → 0.
 #[must_use]
 pub fn start<const S: usize, const N: usize, const K: usize>(velocity: &[f64; N]) -> [f64; K] {
     let mut x = [0.0; K];
     for (at, x) in x.iter_mut().enumerate().take(S * N) {
-        *x = velocity[at % N];
+        *x = velocity[at / S];
     }
     x
 }
@@ -164,14 +181,14 @@ pub fn linearise<Sys, Q, const S: usize, const N: usize, const M: usize, const K
     system: &Sys,
     state: &State<[f64; N]>,
     h: f64,
-    dw: &[f64; M],
+    noise: [[f64; S]; M],
     unknowns: &[f64; K],
 ) -> Linearisation
 where
     Sys: System<Dims = Dims<N, M, Q>> + ByParameters<N, M>,
     Q: Coordinates<N>,
 {
-    Step::<_, S, N, M>::new(system, state, h, dw).linearise(unknowns)
+    Step::<_, S, N, M>::new(system, state, h, noise).linearise(unknowns)
 }
 
 impl<const N: usize> InverseMass<N> {

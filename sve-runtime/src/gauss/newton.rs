@@ -1,6 +1,6 @@
 //! The equations of a step of a Gauss rule, solved by Newton's method with their analytic Jacobian.
 //!
-//! Unknowns are the velocities `V_i` of the stages, one after the other, and behind them the displacements `Y_i` if a noise moves positions. Without such
+//! Unknowns are the velocities `V_i` of the stages, component by component, and behind them the displacements `Y_i` if a noise moves positions. Without such
 //! a noise `Y_i = h b_i V_i` is no unknown. Residuals, with the notation of `step.rs`:
 //!
 //! ```text
@@ -80,9 +80,9 @@ where
         let mut x = [0.0; K];
         for i in 0..S {
             for n in 0..N {
-                x[i * N + n] = v[n];
+                x[velocity::<S>(i, n)] = v[n];
                 if moves_position::<S, N, K>() {
-                    x[(S + i) * N + n] = self.weights[i] * v[n];
+                    x[displacement::<S, N>(i, n)] = self.weights[i] * v[n];
                 }
             }
         }
@@ -117,7 +117,7 @@ where
             for i in 0..S {
                 for n in 0..N {
                     if moves_position::<S, N, K>() {
-                        x[(S + i) * N + n] += parts[i] * jet.dp[n];
+                        x[displacement::<S, N>(i, n)] += parts[i] * jet.dp[n];
                     }
                 }
             }
@@ -128,7 +128,7 @@ where
         let c = const { &Tableau::<S>::VALUES.c };
         for i in 0..S {
             for n in 0..N {
-                x[i * N + n] += c[i] * change[n];
+                x[velocity::<S>(i, n)] += c[i] * change[n];
             }
         }
         x
@@ -144,11 +144,11 @@ where
         };
         for i in 0..S {
             for n in 0..N {
-                all.velocities[i][n] = x[i * N + n];
+                all.velocities[i][n] = x[velocity::<S>(i, n)];
                 all.displacements[i][n] = if moves_position::<S, N, K>() {
-                    x[(S + i) * N + n]
+                    x[displacement::<S, N>(i, n)]
                 } else {
-                    self.weights[i] * x[i * N + n]
+                    self.weights[i] * x[velocity::<S>(i, n)]
                 };
             }
         }
@@ -219,8 +219,8 @@ where
                 size += (lagrangian.dvv[n][k] * unknowns.velocities[i][k]).abs();
             }
             let (p, p0) = (lagrangian.dv[n], self.state.p[n]);
-            at.residual[i * N + n] = (p - p0) - sum;
-            at.magnitude[i * N + n] = size + p.abs() + p0.abs();
+            at.residual[velocity::<S>(i, n)] = (p - p0) - sum;
+            at.magnitude[velocity::<S>(i, n)] = size + p.abs() + p0.abs();
         }
     }
 
@@ -237,7 +237,7 @@ where
             let moved = unknowns.displacements[i][n];
             let flow = self.weights[i] * unknowns.velocities[i][n];
             let shift = stage.shift.value[n];
-            let row = (S + i) * N + n;
+            let row = displacement::<S, N>(i, n);
             at.residual[row] = moved - flow - shift;
             at.magnitude[row] = moved.abs() + flow.abs() + shift.abs();
         }
@@ -252,12 +252,27 @@ where
         for i in 0..S {
             for n in 0..N {
                 for j in 0..S {
-                    bounds[i * N + n] += (ratio[j][i] * stages[j].rounding[n]).abs();
+                    bounds[velocity::<S>(i, n)] += (ratio[j][i] * stages[j].rounding[n]).abs();
                 }
             }
         }
         bounds
     }
+}
+
+/// Place of a component of the velocity of stage `i` among the unknowns. Those of all stages stand together, as in the lanes of the fixed-point iteration.
+#[inline(always)]
+pub(super) const fn velocity<const S: usize>(i: usize, component: usize) -> usize {
+    component * S + i
+}
+
+/// Place of a component of the displacement of stage `i` among the unknowns.
+#[inline(always)]
+pub(super) const fn displacement<const S: usize, const N: usize>(
+    i: usize,
+    component: usize,
+) -> usize {
+    (N + component) * S + i
 }
 
 /// Returns whether a noise moves positions: displacements are then unknowns beside the velocities.
@@ -297,24 +312,25 @@ pub(super) fn jacobian<const S: usize, const N: usize, const K: usize>(
                     if i == k {
                         by_velocity += stages[i].lagrangian.dvv[m][n];
                     }
-                    let row = i * N + m;
+                    let row = velocity::<S>(i, m);
                     if moves_position {
-                        jacobian[row][k * N + n] = by_velocity;
-                        jacobian[row][(S + k) * N + n] = by_position;
+                        jacobian[row][velocity::<S>(k, n)] = by_velocity;
+                        jacobian[row][displacement::<S, N>(k, n)] = by_position;
                     } else {
-                        jacobian[row][k * N + n] = by_velocity + weight * by_position;
+                        jacobian[row][velocity::<S>(k, n)] = by_velocity + weight * by_position;
                     }
                 }
             }
             if moves_position {
                 let shift = &stages[i].shift;
                 for m in 0..N {
-                    let row = (S + i) * N + m;
+                    let row = displacement::<S, N>(i, m);
                     for n in 0..N {
                         let same = f64::from(u8::from(i == k && m == n));
                         let by_velocity = if i == k { shift.by_velocity[m][n] } else { 0.0 };
-                        jacobian[row][k * N + n] = -same * weight - by_velocity;
-                        jacobian[row][(S + k) * N + n] = same - r * shift.by_position[m][n];
+                        jacobian[row][velocity::<S>(k, n)] = -same * weight - by_velocity;
+                        jacobian[row][displacement::<S, N>(k, n)] =
+                            same - r * shift.by_position[m][n];
                     }
                 }
             }

@@ -63,60 +63,58 @@ pub(super) fn inverse_size<const S: usize>(start: f64, moves: &[f64; S]) -> f64 
     1.0 / (start.abs() + largest(sizes) + f64::MIN_POSITIVE)
 }
 
-/// The change of a sweep, relative to the sizes of the coordinates: the largest one at each stage.
-#[derive(Clone, Copy)]
-pub(super) struct Change<const S: usize> {
-    largest: [f64; S],
-    /// The sum, which is NaN if a change is; comparisons would drop it.
-    sum: [f64; S],
-}
-
-impl<const S: usize> Change<S> {
-    pub(super) const NONE: Self = Self {
-        largest: [0.0; S],
-        sum: [0.0; S],
-    };
-
-    /// Includes the change of a coordinate.
-    #[inline(always)]
-    pub(super) fn include(&mut self, old: &[f64; S], new: &[f64; S], inverse_size: f64) {
+/// Returns the largest change of a coordinate at a stage, relative to the sizes of the coordinates; NaN if a change is not a number. Overwrites `old`.
+///
+/// Rows are combined in memory: variables that a loop over coordinates carries for each stage would not be put into vectors.
+#[inline(always)]
+pub(super) fn relative_change<const S: usize, const N: usize>(
+    old: &mut Rows<S, N>,
+    new: &Rows<S, N>,
+    inverse_sizes: &[f64; N],
+) -> f64 {
+    for n in 0..N {
         for i in 0..S {
-            let change = (new[i] - old[i]).abs() * inverse_size;
-            let largest = self.largest[i];
-            self.largest[i] = if change > largest { change } else { largest };
-            self.sum[i] += change;
+            old[n][i] = ((new[n][i] - old[n][i]) * inverse_sizes[n]).abs();
         }
     }
-
-    /// Returns the largest change of all coordinates and stages; NaN if one of them is.
-    #[inline(always)]
-    pub(super) fn largest(&self) -> f64 {
-        let mut sum = 0.0;
-        for i in 0..S {
-            sum += self.sum[i];
+    let mut width = N;
+    while width > 1 {
+        let half = width.div_ceil(2);
+        for n in 0..width / 2 {
+            for i in 0..S {
+                old[n][i] = larger(old[n][i], old[n + half][i]);
+            }
         }
-        largest(self.largest) + 0.0 * sum
+        width = half;
     }
+    largest(old[0])
 }
 
-/// Returns the largest of numbers that are not negative.
+/// Returns the largest of numbers that are not negative; NaN if one of them is.
 #[inline(always)]
 fn largest<const S: usize>(mut numbers: [f64; S]) -> f64 {
     let mut width = S;
     while width > 1 {
         let half = width.div_ceil(2);
         for j in 0..width / 2 {
-            let (a, b) = (numbers[j], numbers[j + half]);
-            numbers[j] = if a > b { a } else { b };
+            numbers[j] = larger(numbers[j], numbers[j + half]);
         }
         width = half;
     }
     numbers[0]
 }
 
+/// Returns the larger of two numbers without a sign, or NaN. Such numbers are in the order of their bits, and NaN is behind them.
+#[inline(always)]
+pub(super) fn larger(a: f64, b: f64) -> f64 {
+    // Signed numbers, which more vector units compare.
+    let (a, b) = (a.to_bits().cast_signed(), b.to_bits().cast_signed());
+    f64::from_bits(if a > b { a } else { b }.cast_unsigned())
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{Change, inverse_size, product, sum};
+    use super::{inverse_size, product, relative_change, sum};
 
     #[test]
     fn products_and_sums_are_those_of_all_stages() {
@@ -140,12 +138,12 @@ mod tests {
     fn a_change_is_relative_and_nan_is_not_lost() {
         let inverse = inverse_size(-1.0, &[0.5, -3.0, 1.0]);
         assert_eq!(inverse, 0.25);
-        let mut change = Change::NONE;
-        change.include(&[0.0, 1.0, 2.0], &[0.5, 1.0, 0.0], inverse);
-        change.include(&[0.0; 3], &[0.0, 0.0, 0.1], 1.0);
-        assert_eq!(change.largest(), 0.5);
-        change.include(&[0.0; 3], &[f64::NAN, 0.0, 0.0], 1.0);
-        change.include(&[0.0; 3], &[1.0; 3], 1.0);
-        assert!(change.largest().is_nan());
+        let change = |new: [[f64; 3]; 2]| {
+            let mut old = [[0.0, 1.0, 2.0], [0.0; 3]];
+            relative_change(&mut old, &new, &[inverse, 1.0])
+        };
+        assert_eq!(change([[0.5, 1.0, 0.0], [0.0, 0.0, 0.1]]), 0.5);
+        assert_eq!(change([[0.5, 1.0, 2.0], [0.0, -0.7, 0.1]]), 0.7);
+        assert!(change([[f64::NAN, 1.0, 2.0], [1.0; 3]]).is_nan());
     }
 }

@@ -8,8 +8,8 @@
 //! q₁ = q₀ + Σ Y_j                             p₁ = p₀ + Σ F_j
 //! ```
 //!
-//! where `μ_ij = a_ij / b_j`, and `ω_ai` is the part of the increment of process a at stage i, `b_i ΔW_a`. The equations are those of the action in
-//! `docs/mathematics.md`; the momenta need `1 − μ_ji`, which is `μ_ij`.
+//! where `μ_ij = a_ij / b_j`, and `ω_ai` is the increment of process a at stage i: `b_i ΔW_a`, or with stage noise that of `stage_noise.rs`. The equations are those of the action in
+//! `docs/mathematics.md`, section 2; the momenta need `1 − μ_ji`, which is `μ_ij`.
 
 use super::tableau::Tableau;
 use crate::configuration::Coordinates;
@@ -66,9 +66,14 @@ where
     Sys: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    /// The step with these increments, of which each stage gets the part of its weight.
+    /// The step with these increments at the stages.
     #[inline(always)]
-    pub(super) fn new(system: &'a Sys, state: &'a State<[f64; N]>, h: f64, dw: &[f64; M]) -> Self {
+    pub(super) fn new(
+        system: &'a Sys,
+        state: &'a State<[f64; N]>,
+        h: f64,
+        noise: [[f64; S]; M],
+    ) -> Self {
         let tableau = const { &Tableau::<S>::VALUES };
         let Tableau { c, b, .. } = tableau;
         Self {
@@ -78,7 +83,7 @@ where
             h,
             times: c.map(|c| state.t + c * h),
             weights: b.map(|b| h * b),
-            noise: dw.map(|dw| b.map(|b| b * dw)),
+            noise,
         }
     }
 

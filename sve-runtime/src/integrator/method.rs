@@ -147,6 +147,9 @@ where
         Some(match plan.strong_order {
             StrongOrder::Deterministic => f64::from(plan.deterministic_order),
             StrongOrder::One => 1.0,
+            StrongOrder::OneAndAHalf => 1.5,
+            StrongOrder::Two => 2.0,
+            StrongOrder::Three => 3.0,
             StrongOrder::Half { .. } => 0.5,
         })
     }

@@ -112,10 +112,11 @@ pub fn inverse<const K: usize>(a: &[[f64; K]; K]) -> [[f64; K]; K] {
             inverse[1][1] = a[0][0] * scale;
         }
         _ => {
+            let factors = factored(a);
             for column in 0..K {
                 let mut unit = [0.0; K];
                 unit[column] = 1.0;
-                let solution = solve(a, &unit);
+                let solution = factors.solve(&unit);
                 for row in 0..K {
                     inverse[row][column] = solution[row];
                 }

@@ -240,6 +240,8 @@ mod model_slices_of_coordinates;
 mod model_taylor2_with_noise;
 #[path = "model/too_many_coordinates.rs"]
 mod model_too_many_coordinates;
+#[path = "model/too_many_stages.rs"]
+mod model_too_many_stages;
 #[path = "model/vector_of_coordinates.rs"]
 mod model_vector_of_coordinates;
 #[path = "model/velocities_as_a_sum.rs"]
@@ -304,6 +306,16 @@ mod parse_doubled_rule_with_an_option;
 mod parse_foreign_function;
 #[path = "parse/four_arguments.rs"]
 mod parse_four_arguments;
+#[path = "parse/gauss_of_one_stage.rs"]
+mod parse_gauss_of_one_stage;
+#[path = "parse/gauss_of_sixteen_stages.rs"]
+mod parse_gauss_of_sixteen_stages;
+#[path = "parse/gauss_with_a_fraction.rs"]
+mod parse_gauss_with_a_fraction;
+#[path = "parse/gauss_with_two_numbers.rs"]
+mod parse_gauss_with_two_numbers;
+#[path = "parse/gauss_without_stages.rs"]
+mod parse_gauss_without_stages;
 #[path = "parse/generic_lagrangian.rs"]
 mod parse_generic_lagrangian;
 #[path = "parse/generic_length.rs"]

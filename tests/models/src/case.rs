@@ -7,7 +7,7 @@ use sve_runtime::prelude::*;
 use sve_runtime::{Discretised, LANES, Lane, Mask, Plan, StateLanes, Variational};
 
 use crate::functions::{Functions, Matrix, Point, TypedModel, Vector, array};
-use crate::oracle::{Model, Rule};
+use crate::oracle::{Model, Nodes, Rule};
 
 /// The derivatives of a step.
 pub struct Derivatives {
@@ -36,8 +36,8 @@ pub trait Case {
     fn plan_without_structure(&self) -> &'static Plan;
     /// The name of the rule in the attribute.
     fn rule(&self) -> &'static str;
-    /// The node of a one-node rule.
-    fn node(&self) -> Option<f64>;
+    /// The nodes of the rule.
+    fn nodes(&self) -> Nodes;
     /// Numbers of coordinates and of noises.
     fn dimensions(&self) -> (usize, usize);
     /// The model.
@@ -145,8 +145,8 @@ where
         R::NAME
     }
 
-    fn node(&self) -> Option<f64> {
-        R::NODE
+    fn nodes(&self) -> Nodes {
+        R::NODES
     }
 
     fn dimensions(&self) -> (usize, usize) {

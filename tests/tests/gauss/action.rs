@@ -1,23 +1,20 @@
-//! The step against the equations that the symbolic pipeline derives from the rule's unrolled action, without any structure.
+//! The step against the equations that the symbolic pipeline derives from the rule's unrolled action, solved by Newton's method without any structure.
 
 use sve_models::random::Random;
 use sve_runtime::__private::Unstructured;
-use sve_runtime::Variational;
 use sve_runtime::prelude::*;
+use sve_runtime::{Dims, System, Variational};
 
-use crate::systems::{Everything, everything};
+use crate::systems::{everything, wells};
 
 /// Compares steps, tangent maps and sensitivities at random states.
-fn check<R>(rule: R)
+fn check<S, R, const M: usize>(system: &S, rule: R)
 where
     R: Copy,
-    Everything: Variational<R> + Variational<Unstructured<R>>,
+    S: Variational<R> + Variational<Unstructured<R>> + System<Dims = Dims<2, M>>,
 {
-    let system = everything();
-    let [step, unrolled] = [
-        &Integrator::new(&system, rule) as &dyn Stepped,
-        &Integrator::new(&system, Unstructured(rule)),
-    ];
+    let step = Integrator::new(system, rule);
+    let unrolled = Integrator::new(system, Unstructured(rule));
     let mut random = Random::new(5);
     for _ in 0..40 {
         let start = State::at(
@@ -26,39 +23,50 @@ where
             random.array(-0.5, 0.5),
         );
         let dw = random.array(-0.3, 0.3);
-        let [state, expected] = [step, unrolled].map(|s| s.numbers(&start, &dw));
-        for (x, y) in state.iter().zip(&expected) {
+        let (found, expected) = (numbers(&step, &start, &dw), numbers(&unrolled, &start, &dw));
+        for (x, y) in found.iter().zip(&expected) {
             assert!((x - y).abs() < 2e-14 * (1.0 + y.abs()), "{x} for {y}");
         }
-        assert_eq!(state.len(), expected.len());
-    }
-}
-
-/// A step of either form.
-trait Stepped {
-    /// The state after a step, its tangent map, and its sensitivities.
-    fn numbers(&self, start: &State<[f64; 2]>, dw: &[f64; 2]) -> Vec<f64>;
-}
-
-impl<R> Stepped for Integrator<&Everything, R>
-where
-    Everything: Variational<R>,
-{
-    fn numbers(&self, start: &State<[f64; 2]>, dw: &[f64; 2]) -> Vec<f64> {
-        let mut state = *start;
-        let (tangent, sensitivity) = self.step_with_derivatives(&mut state, 0.15, dw).unwrap();
-        let mut numbers = [state.q, state.p].concat();
-        numbers.extend((0..4).flat_map(|row| tangent[row].to_vec()));
-        for (_, field) in sensitivity.iter() {
-            numbers.extend(field.q);
-            numbers.extend(field.p);
+        // the state itself
+        for (x, y) in found.iter().zip(&expected).take(4) {
+            assert!((x - y).abs() < 2e-15 * (1.0 + y.abs()), "{x} for {y}");
         }
-        numbers
+        assert_eq!(found.len(), expected.len());
     }
+}
+
+/// The state after a step, its tangent map, and its sensitivities.
+fn numbers<S, R, const M: usize>(
+    integrator: &Integrator<&S, R>,
+    start: &State<[f64; 2]>,
+    dw: &[f64; M],
+) -> Vec<f64>
+where
+    S: Variational<R> + System<Dims = Dims<2, M>>,
+{
+    let mut state = *start;
+    let derivatives = integrator.step_with_derivatives(&mut state, 0.15, dw);
+    let (tangent, sensitivity) = derivatives.unwrap();
+    let mut numbers = [state.q, state.p].concat();
+    numbers.extend((0..4).flat_map(|row| tangent[row].to_vec()));
+    for (_, field) in sensitivity.iter() {
+        numbers.extend(field.q);
+        numbers.extend(field.p);
+    }
+    numbers
 }
 
 #[test]
-fn steps_are_those_of_the_unrolled_action() {
-    check(Gauss::<2>);
-    check(Gauss::<4>);
+fn newton_solves_the_equations_of_the_unrolled_action() {
+    check(&everything(), Gauss::<2>);
+}
+
+#[test]
+fn partitioned_fixed_points_solve_the_equations_of_the_unrolled_action() {
+    check(&everything(), Gauss::<4>);
+}
+
+#[test]
+fn fixed_points_of_second_order_solve_the_equations_of_the_unrolled_action() {
+    check(&wells(), Gauss::<4>);
 }

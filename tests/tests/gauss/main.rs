@@ -6,4 +6,6 @@ mod failures;
 mod orders;
 mod reference;
 mod solvers;
+mod stage_noise;
 mod systems;
+mod trajectories;

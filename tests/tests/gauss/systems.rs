@@ -24,7 +24,15 @@ pub(crate) struct DoublePendulum {
     pub(crate) s: f64,
 }
 
-#[variational(gauss(2), gauss(3), gauss(4), gauss(8))]
+#[variational(
+    gauss(2),
+    gauss(3),
+    gauss(4),
+    gauss(8),
+    gauss(2, stage_noise),
+    gauss(3, stage_noise),
+    gauss(8, stage_noise)
+)]
 impl DoublePendulum {
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
         let [m1, m2] = self.m;
@@ -48,7 +56,14 @@ pub(crate) struct Kubo {
     pub(crate) sigma: f64,
 }
 
-#[variational(gauss(2), gauss(3), gauss(8))]
+#[variational(
+    gauss(2),
+    gauss(3),
+    gauss(8),
+    gauss(2, stage_noise),
+    gauss(3, stage_noise),
+    gauss(8, stage_noise)
+)]
 impl Kubo {
     fn lagrangian(&self, q: f64, v: f64) -> f64 {
         v * v / (2.0 * self.a) - self.a / 2.0 * q * q
@@ -152,6 +167,33 @@ impl Central {
     }
 }
 
+/// Two coupled wells with a force and a noise of the position alone: of second order, with a mass matrix that is not diagonal.
+#[derive(Clone, Debug)]
+pub(crate) struct Wells {
+    pub(crate) m: [f64; 3],
+    pub(crate) sigma: f64,
+}
+
+#[variational(gauss(4), structure = both)]
+impl Wells {
+    fn lagrangian(&self, t: f64, q: [f64; 2], v: [f64; 2]) -> f64 {
+        let [m0, m1, m2] = self.m;
+        0.5 * m0 * v[0] * v[0] + 0.5 * m1 * v[1] * v[1] + m2 * v[0] * v[1]
+            - 0.25 * (q[0] * q[0] - 1.0).powi(2)
+            - (1.0 + 0.1 * t) * (q[0] - q[1]).cosh()
+    }
+
+    #[force]
+    fn wind(&self, t: f64, q: [f64; 2], _v: [f64; 2]) -> [f64; 2] {
+        [0.2 * t.cos(), -0.1 * q[0]]
+    }
+
+    #[gamma]
+    fn push(&self, q: [f64; 2]) -> f64 {
+        self.sigma * q[0].sin() * q[1]
+    }
+}
+
 /// L = v²/2 + ln q: defined for q > 0 only.
 #[derive(Clone, Debug)]
 pub(crate) struct Logarithmic;
@@ -180,6 +222,13 @@ pub(crate) fn double_pendulum() -> DoublePendulum {
         l: [1.0, 0.7],
         g: 1.0,
         s: 0.3,
+    }
+}
+
+pub(crate) fn wells() -> Wells {
+    Wells {
+        m: [1.2, 0.8, 0.3],
+        sigma: 0.4,
     }
 }
 

@@ -6,7 +6,7 @@
 use sve_models::case::Case;
 use sve_models::differences::{derivatives, gradient, moved};
 use sve_models::functions::{Force, Functions, Lagrangian, NoiseDerivatives, Point};
-use sve_models::oracle::cases;
+use sve_models::oracle::{Nodes, cases};
 use sve_models::random::Random;
 
 /// First differences are good to 1e-12 times the values (see `differences`); differences of differences divide that error by
@@ -272,6 +272,43 @@ fn one_node_equations(
     vanishes(&sum(&at_end, -c * step.h, &impulse), what, "p₁ − ∂S/∂q₁");
 }
 
+/// The action of the rule of Störmer and Verlet.
+fn verlet(model: &dyn Functions, step: &Step, [q0, q1]: [&[f64]; 2], [v, p]: [&[f64]; 2]) -> f64 {
+    let end = step.t + step.h;
+    let mut action = 0.5 * step.h * (model.l(step.t, q0, v) + model.l(end, q1, v));
+    action += product(p, &sum(&sum(q1, -1.0, q0), -step.h, v));
+    let (g0, g1) = (model.g(step.t, q0, p), model.g(end, q1, p));
+    for (a, dw) in step.dw.iter().enumerate() {
+        action -= 0.5 * (g0[a] + g1[a]) * dw;
+    }
+    action
+}
+
+fn verlet_equations(
+    model: &dyn Functions,
+    step: &Step,
+    [start, end]: [&Point; 2],
+    what: &dyn Fn(&str) -> String,
+) {
+    let (q0, q1, h) = (&start.q, &end.q, step.h);
+    let action =
+        |q0: &[f64], q1: &[f64], v: &[f64], p: &[f64]| verlet(model, step, [q0, q1], [v, p]);
+    let (mut v, mut p) = (vec![0.0; q0.len()], start.p.clone());
+    for _ in 0..60 {
+        // ∂S/∂p = 0 is affine in v, with the coefficient −h
+        let at_rest = gradient(&p, |p| action(q0, q1, &vec![0.0; q0.len()], p));
+        v = at_rest.iter().map(|defect| defect / h).collect();
+        // p₀ + ∂S/∂q₀ = 0 is affine in its first p, with the coefficient −1
+        let defect = sum(&start.p, 1.0, &gradient(q0, |q| action(q, q1, &v, &p)));
+        let defect = sum(&defect, 0.5 * h, &model.f(step.t, q0, &v));
+        p = sum(&p, 1.0, &defect);
+    }
+    vanishes(&gradient(&v, |v| action(q0, q1, v, &p)), what, "∂S/∂v");
+    let at_end = sum(&end.p, -1.0, &gradient(q1, |q| action(q0, q, &v, &p)));
+    let at_end = sum(&at_end, -0.5 * h, &model.f(step.t + h, q1, &v));
+    vanishes(&at_end, what, "p₁ − ∂S/∂q₁");
+}
+
 fn taylor_equations(
     model: &dyn Functions,
     step: &Step,
@@ -299,9 +336,10 @@ fn satisfies_the_discrete_equations(case: &dyn Case, random: &mut Random) {
         let step = Step { t: start.t, h, dw };
         let what =
             |equation: &str| format!("{}: {equation} in {step:?} from {start:?}", case.name());
-        match case.node() {
-            Some(c) => one_node_equations(&*model, c, &step, [&start, &end], &what),
-            None => taylor_equations(&*model, &step, [&start, &end], &what),
+        match case.nodes() {
+            Nodes::One(c) => one_node_equations(&*model, c, &step, [&start, &end], &what),
+            Nodes::Ends => verlet_equations(&*model, &step, [&start, &end], &what),
+            Nodes::Predicted => taylor_equations(&*model, &step, [&start, &end], &what),
         }
     }
 }

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 
 use sve_models::case::Case;
 use sve_models::functions::{Functions, Point};
-use sve_models::oracle::cases;
+use sve_models::oracle::{Nodes, cases};
 use sve_models::random::Random;
 use sve_runtime::Plan;
 
@@ -324,7 +324,7 @@ fn printed_actions_are_the_actions(case: &dyn Case, random: &mut Random) -> bool
     let lines = equations(plan.formulas.action);
     // below the textbook form, where it is short enough
     let actions: Vec<_> = lines.iter().filter(|line| line.0 == "S").collect();
-    let (Some(c), [_, (_, text)]) = (case.node(), actions.as_slice()) else {
+    let (Nodes::One(c), [_, (_, text)]) = (case.nodes(), actions.as_slice()) else {
         return false;
     };
     for _ in 0..3 {

@@ -2,7 +2,7 @@
 
 use sve_models::case::Case;
 use sve_models::oracle::{
-    cases, charges, damped, kubo, oscillator, planar_double_pendulum, rails, stretched,
+    Nodes, cases, charges, damped, kubo, oscillator, planar_double_pendulum, rails, stretched,
 };
 use sve_runtime::prelude::*;
 use sve_runtime::{BlockKind, Plan, StrongOrder};
@@ -27,9 +27,9 @@ fn check_plan(case: &dyn Case) {
     let plan = case.plan();
     assert_eq!(plan.rule, case.rule());
     assert_eq!((plan.degrees_of_freedom, plan.noises), case.dimensions());
-    let order = match case.node() {
-        Some(0.5) | None => 2,
-        Some(_) => 1,
+    let order = match case.nodes() {
+        Nodes::One(0.5) | Nodes::Ends | Nodes::Predicted => 2,
+        Nodes::One(_) => 1,
     };
     assert_eq!(plan.deterministic_order, order, "{plan}");
     let strong = match plan.strong_order {
@@ -56,10 +56,12 @@ fn check_plan(case: &dyn Case) {
         assert_eq!(block.band, expected, "{plan}");
     }
 
-    if SEPARABLE.contains(&plan.system) && matches!(case.node(), Some(0.0 | 1.0)) {
+    if SEPARABLE.contains(&plan.system)
+        && matches!(case.nodes(), Nodes::One(0.0 | 1.0) | Nodes::Ends)
+    {
         assert_eq!(plan.kind(), BlockKind::Explicit, "{plan}");
     }
-    if QUADRATIC.contains(&plan.system) && case.node() == Some(0.5) {
+    if QUADRATIC.contains(&plan.system) && case.nodes() == Nodes::One(0.5) {
         assert_eq!(plan.kind(), BlockKind::Linear, "{plan}");
     }
     for block in plan.blocks {

@@ -24,6 +24,13 @@ pub(crate) struct Stages {
     pub(crate) parameters: Vec<ParameterJet>,
 }
 
+impl Stages {
+    /// The number of unknowns of so many stages: velocities, and displacements if they are unknowns of their own.
+    pub(crate) fn unknowns(&self, stages: usize, coordinates: usize) -> usize {
+        stages * coordinates * if self.moves_position { 2 } else { 1 }
+    }
+}
+
 /// The form of a system for the fixed-point iteration of its stages.
 pub(crate) enum Form {
     /// L = ½⟨v, Mv⟩ − V(t, q) with constant M; force and noises depend on time and position alone.

@@ -22,6 +22,8 @@ pub(crate) struct Scheduler<'a> {
     pub(super) angles: Angles,
     /// Bases that are denominators of more than one product.
     pub(super) shared_denominators: HashSet<Expr>,
+    /// Whether the denominators of a product that are shared have one reciprocal together. A division in vectors takes as long as many multiplications.
+    joins_reciprocals: bool,
 }
 
 /// Largest number of factors of a product that is multiplied in two ways to choose the cheaper one.
@@ -60,12 +62,18 @@ impl<'a> Scheduler<'a> {
                 .filter(|d| d.1 > 1)
                 .map(|d| d.0)
                 .collect(),
+            joins_reciprocals: false,
         }
     }
 
     /// Disables the computation of sines and cosines by angle addition.
     pub(crate) fn disable_angle_addition(&mut self) {
         self.angles.disable_addition();
+    }
+
+    /// Has the shared denominators of a product computed as one reciprocal.
+    pub(crate) fn join_reciprocals(&mut self) {
+        self.joins_reciprocals = true;
     }
 
     /// Returns the program that computes `results`.
@@ -179,7 +187,20 @@ impl<'a> Scheduler<'a> {
     /// Computes the values of factors. A negative power is a power of the reciprocal.
     pub(super) fn factors(&mut self, factors: &[(Expr, i32)]) -> Vec<Value> {
         let mut values = Vec::with_capacity(factors.len());
-        for &(base, k) in factors {
+        let last = factors.iter().map(|f| self.rank(f.0)).max().unwrap_or(0);
+        let is_joined = |this: &Self, f: &(Expr, i32)| {
+            this.joins_reciprocals && f.1 < 0 && this.rank(f.0) == last
+        };
+        let (joined, factors): (Factors, Factors) =
+            factors.iter().partition(|f| is_joined(self, f));
+        if !joined.is_empty() {
+            let powers = joined.iter();
+            let powers = powers.map(|&(base, k)| self.power(self.done[&base], k.unsigned_abs()));
+            let powers: Vec<Value> = powers.collect();
+            let divisor = self.multiply(powers);
+            values.push(self.push(Operation::Recip(divisor)));
+        }
+        for (base, k) in factors {
             let value = self.done[&base];
             let value = if k < 0 {
                 self.push(Operation::Recip(value))

@@ -17,7 +17,7 @@
 use std::collections::HashMap;
 
 use super::action::{Discrete, Variables};
-use super::{Discretisation, Features, StrongOrder, Textbook};
+use super::{Discretisation, Features, RuleOption, StrongOrder, Textbook};
 use crate::algebra::{Expr, Symbol};
 use crate::system::model::{Family, NodeQuantity, Unknown};
 
@@ -52,6 +52,10 @@ impl Discretisation for Gauss {
 
     fn with_one_stage(&self) -> Option<&'static str> {
         Some("midpoint")
+    }
+
+    fn options(&self) -> &'static [RuleOption] {
+        &[RuleOption::StageNoise]
     }
 
     fn deterministic_order(&self) -> u32 {

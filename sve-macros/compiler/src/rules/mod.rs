@@ -4,6 +4,7 @@
 //! options if its file says so; rules that differ in these are different rules.
 
 pub(crate) mod action;
+pub(crate) mod applicable;
 mod endpoint;
 pub(crate) mod gauss;
 mod initial_point;

@@ -6,12 +6,13 @@
 //! S_d −= ½ κ h |h| Σᵢ bᵢ Σ_a K_a(node i)        K_a = {G_a, {G_a, H} + ∂G_a/∂t}        {f, g} = ⟨f_q, g_p⟩ − ⟨f_p, g_q⟩
 //! ```
 //!
-//! so that L becomes `L − ½ κ |h| Σ_a K_a` at each node: the variance of an increment is `|h|`, so a symmetric rule stays symmetric. A step of order 3 or above with frozen increments has κ = ⅙. The error of the midpoint rule, and of that of Störmer and Verlet,
-//! adds `1/24 h ΔW² K_a` to the Hamiltonian if `G_a` is a γ, which makes κ = ¼. For a γ, `K_a = ⟨γ_q, M⁻¹ γ_q⟩` with `M = ∂²L/∂v²`.
+//! so that L becomes `L − ½ κ |h| Σ_a K_a` at each node. The variance of an increment is `|h|`, so a symmetric rule stays symmetric. A step of order 3 or above with frozen
+//! increments has κ = ⅙. The midpoint rule, and that of Störmer and Verlet, are flows of Hamiltonians that lack another `h ΔW² K_a/24` if `G_a` is a γ, which makes κ = ¼.
+//! For a γ, `K_a = ⟨γ_q, M⁻¹ γ_q⟩` with `M = ∂²L/∂v²`.
 //!
 //! The derivation is in `docs/mathematics.md`, section 9.
 //!
-//! Input: the model with its derivatives. Output: `Σ_a K_a`, or the reason why the term does not raise the weak order.
+//! Input: the model with its derivatives. Output: `Σ_a K_a`, or the reason why the option is refused.
 
 use super::{Rule, RuleOption};
 use crate::algebra::{Arena, Expr};
@@ -28,7 +29,7 @@ pub(crate) struct Weak2 {
     pub(crate) takes_h1: bool,
 }
 
-/// Why the term does not raise the weak order.
+/// Why the option is refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Obstacle {
     /// Two noises do not commute.
@@ -42,7 +43,7 @@ pub(crate) enum Obstacle {
     NoInverseMass(NoFormula),
 }
 
-/// The reason why no term raises the weak order of a rule for this model, as far as the model alone says.
+/// The reason why the option is refused, as far as it does not concern the inverse of the mass matrix.
 fn obstacle(
     model: &Model,
     mechanics: &Mechanics,
@@ -204,20 +205,8 @@ pub(crate) fn weak_order(
     if model.noises.is_empty() {
         return order;
     }
-    let is_free = |entry: &Expr| {
-        let mut state = model.q.iter().chain(&model.v).chain(&model.p);
-        !state.any(|&s| arena.contains(*entry, s))
-    };
-    let gradients = mechanics.noises.iter().flat_map(|noise| &noise.dq);
-    let is_additive = mechanics
-        .lagrangian
-        .dvv
-        .iter()
-        .flatten()
-        .chain(gradients)
-        .all(is_free);
     if rule.options.contain(RuleOption::Weak2)
-        || is_additive && obstacle(model, mechanics, false, arena).is_none()
+        || mechanics.is_additive && obstacle(model, mechanics, false, arena).is_none()
     {
         order.min(2)
     } else {

@@ -68,13 +68,23 @@ fn example(family: &[Rule]) -> Rule {
     family[2.min(family.len() - 1)]
 }
 
+/// The member of a family whose number is among the arguments, if there is one.
+fn meant(family: &[Rule], arguments: &[Argument]) -> Rule {
+    let mut numbers = arguments.iter().enumerate().filter_map(number);
+    let stages = numbers.find_map(|(_, number)| number.base10_parse().ok());
+    let member = family
+        .iter()
+        .find(|rule| stages.is_some() && rule.stages() == stages);
+    member.copied().unwrap_or_else(|| example(family))
+}
+
 /// What to say of a token that is neither a number nor a word.
 fn expected(name: &Ident, all: &[Rule]) -> String {
     let members = members(name, all);
     let rule = example(&members);
     let with_options = rule.options().iter().fold(rule, |rule, &o| rule.with(o));
     match (rule.stages(), rule.options()) {
-        (None, []) => format!("`{name}` takes no arguments: write `{name}`"),
+        (None, []) => format!("`{name}` takes no arguments: write `{}`", rule.name()),
         (None, _) => format!(
             "expected options, separated by commas, as in `{}`",
             with_options.name()
@@ -98,7 +108,7 @@ pub(super) fn resolve(
     let members = members(name, all);
     let before = errors.count();
     let given = arguments.map_or(&[][..], |a| &a.arguments);
-    let options = options(name, given, example(&members), all, errors);
+    let options = options(name, given, meant(&members, given), all, errors);
     let base = if members[0].stages().is_some() {
         member(name, arguments, &members, errors)
     } else {
@@ -293,7 +303,7 @@ fn unknown_option(name: &Ident, word: &str, rule: Rule) -> String {
         (None, Some(taken)) => {
             format!("there is no option `{word}`; the options of `{name}` are {taken}")
         }
-        (None, None) => format!("`{name}` takes no options: write `{name}`"),
+        (None, None) => format!("`{name}` takes no options: write `{}`", rule.name()),
     }
 }
 
@@ -310,9 +320,10 @@ fn not_taken(name: &Ident, option: RuleOption, rule: Rule, all: &[Rule]) -> Stri
         (Some(taken), false) => format!(
             "`{name}` does not take the option `{option}`, which is one of {others}; the options of `{name}` are {taken}"
         ),
-        (None, true) => format!("`{name}` takes no options: write `{name}`"),
+        (None, true) => format!("`{name}` takes no options: write `{}`", rule.name()),
         (None, false) => format!(
-            "`{name}` takes no options: write `{name}`; `{option}` is an option of {others}"
+            "`{name}` takes no options: write `{}`; `{option}` is an option of {others}",
+            rule.name()
         ),
     }
 }

@@ -84,6 +84,8 @@ pub(crate) struct Mechanics {
     pub(crate) affine_momentum: bool,
     /// Whether L = T(v) − V(t, q).
     pub(crate) is_separable: bool,
+    /// Whether the noises are additive: γ's that are linear in q, with constant masses. They may depend on time.
+    pub(crate) is_additive: bool,
     /// Whether the noises commute.
     pub(crate) commutation: Commutation,
 }
@@ -131,6 +133,15 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
         .iter()
         .map(|noise| noise_jet(noise, model, arena))
         .collect::<Vec<_>>();
+    let is_free = |entry: Expr| {
+        let mut state = model.q.iter().chain(&model.v).chain(&model.p);
+        !state.any(|&s| arena.contains(entry, s))
+    };
+    let masses = lagrangian.dvv.iter().flatten().copied();
+    let kicks = noises.iter().flat_map(|noise| noise.dq.iter().copied());
+    let mut shifts = noises.iter().flat_map(|noise| noise.dp.iter().copied());
+    let is_additive = masses.chain(kicks).all(is_free)
+        && shifts.all(|shift| arena.constant_value(shift) == Some(0.0));
     let commutation = commutation(model, &noises, arena);
     let force = model.force.as_ref().map(|force| ForceJet {
         dq: hessian(arena, force, &model.q),
@@ -144,6 +155,7 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
         force,
         affine_momentum,
         is_separable,
+        is_additive,
         commutation,
     }
 }

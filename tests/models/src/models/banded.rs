@@ -16,7 +16,7 @@ pub struct Rails {
     pub s: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
 impl Rails {
     /// L.
     pub fn lagrangian(&self, q: [f64; 8], v: [f64; 8]) -> f64 {

@@ -13,7 +13,7 @@ pub struct PlanarDoublePendulum {
     pub g: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, taylor2, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, taylor2, structure = both)]
 impl PlanarDoublePendulum {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
@@ -39,7 +39,7 @@ pub struct Magnetic {
     pub k: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, taylor2, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, taylor2, structure = both)]
 impl Magnetic {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
@@ -61,7 +61,7 @@ pub struct SphericalPendulum {
     pub g: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, taylor2, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, taylor2, structure = both)]
 impl SphericalPendulum {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
@@ -82,7 +82,7 @@ pub struct Relativistic {
     pub k: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, taylor2, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, taylor2, structure = both)]
 impl Relativistic {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
@@ -97,7 +97,7 @@ impl Relativistic {
 #[derive(Clone, Debug)]
 pub struct HenonHeiles;
 
-#[variational(initial_point, endpoint, midpoint, taylor2, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, taylor2, structure = both)]
 impl HenonHeiles {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
@@ -115,7 +115,7 @@ pub struct Quartic {
     pub k: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, taylor2, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, taylor2, structure = both)]
 impl Quartic {
     /// L.
     pub fn lagrangian(&self, q: f64, v: f64) -> f64 {

@@ -44,7 +44,7 @@ pub struct Stirred {
     pub w: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, taylor2, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, taylor2, structure = both)]
 impl Stirred {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
@@ -77,7 +77,7 @@ pub struct Towed {
     pub s: [f64; 2],
 }
 
-#[variational(initial_point, endpoint, midpoint, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
 impl Towed {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {

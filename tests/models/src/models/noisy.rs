@@ -198,7 +198,7 @@ pub struct Chain {
     pub s: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
 impl Chain {
     const LENGTH: usize = 6;
     const HARDENING: f64 = 0.3;
@@ -239,7 +239,7 @@ pub struct OneMomentum {
     pub s: [f64; 2],
 }
 
-#[variational(initial_point, endpoint, midpoint, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
 impl OneMomentum {
     /// L.
     pub fn lagrangian(&self, q: [f64; 3], v: [f64; 3]) -> f64 {

@@ -11,7 +11,7 @@ pub struct Central {
     pub s: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
 impl Central {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
@@ -44,7 +44,7 @@ pub struct Charges {
     pub s: [f64; 3],
 }
 
-#[variational(initial_point, endpoint, midpoint, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
 impl Charges {
     /// L.
     pub fn lagrangian(&self, q: [[f64; 3]; 2], v: [[f64; 3]; 2]) -> f64 {
@@ -107,7 +107,7 @@ pub struct Stretched {
     pub m: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, taylor2, structure = both)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, taylor2, structure = both)]
 impl Stretched {
     /// L.
     pub fn lagrangian(&self, q: f64, v: f64) -> f64 {

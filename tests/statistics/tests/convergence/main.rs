@@ -2,5 +2,6 @@
 
 mod kubo;
 mod moments;
+mod stage_noise;
 mod strong_order;
 mod weak_order;

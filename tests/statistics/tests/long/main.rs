@@ -1,4 +1,5 @@
 //! Long paths: energies and momenta wander by rounding and do not drift.
 
+mod gauss;
 mod paths;
 mod walks;

@@ -5,7 +5,7 @@ use sve_runtime::{Dims, LANES, StateLanes, System, Variational};
 
 struct CurvedMass;
 
-#[variational(midpoint, endpoint, initial_point, taylor2)]
+#[variational(midpoint, endpoint, initial_point, taylor2, gauss(3), gauss(8))]
 impl CurvedMass {
     fn lagrangian(&self, q: f64, v: f64) -> f64 {
         0.5 * v * v * (1.0 + 0.5 * q.sin()) - 0.5 * q * q
@@ -70,6 +70,8 @@ fn energies_walk_at_random_by_every_rule() {
     check(Quartic, Endpoint);
     check(Quartic, InitialPoint);
     check(Quartic, Taylor2);
+    check(CurvedMass, Gauss::<3>);
+    check(CurvedMass, Gauss::<8>);
 }
 
 /// The same in lanes, whose starts differ: the mean over the lanes of the change, which walks less by the root of their number.

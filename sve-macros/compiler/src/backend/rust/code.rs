@@ -58,7 +58,7 @@ const DECLARED: [&str; 43] = [
     "masses",
     "offset",
     "motion",
-    "p_rows",
+    "kicks",
     "memory",
     "carried",
 ];

@@ -9,7 +9,7 @@ use super::{Context, attributes, documented, private};
 use crate::discretise::stages::{Form, Stages};
 use crate::explain::{STAGES_OF_FIXED_POINT, StepTexts};
 use crate::program::{Operations, Work};
-use crate::rules::Rule;
+use crate::rules::{Rule, RuleOption};
 
 pub(crate) fn gauss(
     context: &Context<'_>,
@@ -24,9 +24,22 @@ pub(crate) fn gauss(
     let runtime = context.block.arguments.runtime.to_token_stream();
     let rule_type = super::rule_type(rule, &runtime);
     let dof = context.model.dof();
-    let unknowns = if stages.moves_position { 2 } else { 1 } * count * dof;
-    let [n, m, s, k] =
-        [dof, context.model.noises.len(), count, unknowns].map(Literal::usize_unsuffixed);
+    let unknowns = stages.unknowns(count, dof);
+    let processes = context.model.noises.len();
+    let has_stage_noise = rule.options.contain(RuleOption::StageNoise);
+    let increments = if has_stage_noise {
+        count * processes
+    } else {
+        processes
+    };
+    let [n, m, s, k, increments] =
+        [dof, processes, count, unknowns, increments].map(Literal::usize_unsuffixed);
+    let (noise, stages_of_noise) = if has_stage_noise {
+        let noise = quote!(#private::gauss::by_stage::<#s, #m, #increments>(dw));
+        (noise, quote!(const STAGES: usize = #s;))
+    } else {
+        (quote!(#private::gauss::shares::<#s, #m>(dw)), quote!())
+    };
     let rows = match stages.form {
         Form::General => 0,
         Form::SecondOrder { .. } => 1,
@@ -44,17 +57,17 @@ pub(crate) fn gauss(
         Form::General => (
             quote!(()),
             quote!(),
-            quote!(#private::gauss::newton_increment::<Self, _, #s, #n, #m, #k>(self, state, h, dw, newton)),
+            quote!(#private::gauss::newton_increment::<Self, _, #s, #n, #m, #k>(self, state, h, #noise, newton)),
         ),
         Form::SecondOrder { .. } => (
             quote!(#private::gauss::InverseMass<#n>),
             quote!(#private::gauss::InverseMass::of(self)),
-            quote!(#private::gauss::second_order_increment::<Self, _, #s, #n, #m, #k, #l>(self, prepared, #memory, state, h, dw, newton)),
+            quote!(#private::gauss::second_order_increment::<Self, _, #s, #n, #m, #k, #l>(self, prepared, #memory, state, h, #noise, newton)),
         ),
         Form::Partitioned { .. } => (
             quote!(()),
             quote!(),
-            quote!(#private::gauss::partitioned_increment::<Self, _, #s, #n, #m, #k, #l>(self, #memory, state, h, dw, newton)),
+            quote!(#private::gauss::partitioned_increment::<Self, _, #s, #n, #m, #k, #l>(self, #memory, state, h, #noise, newton)),
         ),
     };
     let names = names(count, dof, stages.moves_position);
@@ -78,7 +91,8 @@ pub(crate) fn gauss(
         #attributes
         impl #private::StepEquations<#rule_type> for #self_ty {
             type Prepared = #prepared;
-            type Increments = [f64; #m];
+            type Increments = [f64; #increments];
+            #stages_of_noise
             type Memory = #memory_type;
             type Unknowns = [f64; #k];
             const PLAN: &'static #private::Plan = &#plan;
@@ -102,7 +116,7 @@ pub(crate) fn gauss(
                 memory: &mut #memory_type,
                 state: &#private::State<[f64; #n]>,
                 h: f64,
-                dw: &[f64; #m],
+                dw: &[f64; #increments],
                 newton: &#private::BlockSolver<'_>,
             ) -> ::core::result::Result<([f64; #n], [f64; #n], [f64; #k]), #private::SolveError> {
                 #increment
@@ -111,17 +125,17 @@ pub(crate) fn gauss(
                 &self,
                 state: &#private::State<[f64; #n]>,
                 h: f64,
-                dw: &[f64; #m],
+                dw: &[f64; #increments],
                 unknowns: &[f64; #k],
             ) -> #private::Linearisation {
-                #private::gauss::linearise::<Self, _, #s, #n, #m, #k>(self, state, h, dw, unknowns)
+                #private::gauss::linearise::<Self, _, #s, #n, #m, #k>(self, state, h, #noise, unknowns)
             }
         }
         #private::derived_rule! { #self_ty, #rule_type }
     }
 }
 
-/// Names of the unknowns: velocities of the stages, then displacements.
+/// Names of the unknowns: velocities of the stages, component by component, then displacements.
 fn names(stages: usize, dof: usize, moves_position: bool) -> Vec<String> {
     const DIGITS: [&str; 9] = ["", "₁", "₂", "₃", "₄", "₅", "₆", "₇", "₈"];
     let letters = if moves_position {
@@ -131,14 +145,14 @@ fn names(stages: usize, dof: usize, moves_position: bool) -> Vec<String> {
     };
     let mut names = Vec::new();
     for letter in letters {
-        for stage in 1..=stages {
-            for i in 0..dof {
-                let component = if dof == 1 {
-                    String::new()
-                } else {
-                    format!("[{i}]")
-                };
-                names.push(format!("{letter}{}{component}", DIGITS[stage]));
+        for i in 0..dof {
+            let component = if dof == 1 {
+                String::new()
+            } else {
+                format!("[{i}]")
+            };
+            for digit in &DIGITS[1..=stages] {
+                names.push(format!("{letter}{digit}{component}"));
             }
         }
     }

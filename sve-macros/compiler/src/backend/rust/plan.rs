@@ -7,9 +7,9 @@ use super::{Context, Derived, verbatim};
 use crate::algebra::Expr;
 use crate::explain::{self, StepTexts};
 use crate::program::{Operations, Work};
-use crate::rules::{Rule, StrongOrder};
+use crate::rules::{Rule, RuleOption, StrongOrder};
 use crate::structure::{Block, Kind};
-use crate::system::mechanics::Commutation;
+use crate::system::mechanics::{Commutation, Mechanics};
 use crate::system::model::Symbols;
 
 pub(super) fn plan(
@@ -89,6 +89,9 @@ fn plan_with(
     let (n, m) = (model.dof(), model.noises.len());
     let strong = match &mechanics.commutation {
         _ if m == 0 => quote!(Deterministic),
+        Commutation::All(_) if rule.options.contain(RuleOption::StageNoise) => {
+            of_stage_noise(rule, mechanics)
+        }
         Commutation::All(_) => strong_order(rule, None),
         Commutation::NonCommuting(a, b) => strong_order(rule, Some((a, b))),
     };
@@ -160,6 +163,16 @@ fn operations(private: &TokenStream, operations: &Operations) -> TokenStream {
 }
 
 /// The strong order of a rule, with the pair of noises that does not commute.
+/// The strong order of a rule with stage noise, for noises that commute. With a force it is not claimed to be above 1.
+fn of_stage_noise(rule: Rule, mechanics: &Mechanics) -> TokenStream {
+    match rule.stages() {
+        _ if mechanics.force.is_some() => quote!(One),
+        Some(2) if mechanics.is_additive => quote!(Two),
+        Some(3..) if mechanics.is_additive => quote!(Three),
+        _ => quote!(One),
+    }
+}
+
 fn strong_order(rule: Rule, pair: Option<(&String, &String)>) -> TokenStream {
     match (rule.strong_order(pair.is_none()), pair) {
         (StrongOrder::Half, Some((a, b))) => quote!(Half { pair: (#a, #b) }),

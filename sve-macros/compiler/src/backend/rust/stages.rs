@@ -175,6 +175,7 @@ impl Writer<'_> {
         tiers.extend(early.map(|&s| (s, Tier::State)));
         tiers.extend(self.model.v.iter().map(|&s| (s, Tier::Iterate(0))));
         let mut scheduler = Scheduler::new(self.arena, symbols, tiers, roots);
+        scheduler.join_reciprocals();
         let values = scheduler.values(roots);
         let mut labels = Labels::default();
         labels.expressions(&scheduler, self.arena, symbols, &[], roots);
@@ -191,22 +192,23 @@ impl Writer<'_> {
         }
     }
 
-    /// Reads what belongs to a stage. Momenta are in `p_rows`, where there are some.
+    /// Reads what belongs to a stage. Momenta relative to the start are in `kicks`, where there are some.
     fn inputs(&self, has_momenta: bool) -> TokenStream {
-        let row = |rows: TokenStream, count: usize| {
-            let entries = (0..count).map(|i| {
-                let i = Literal::usize_unsuffixed(i);
-                quote!(#rows[#i][stage])
-            });
+        let index = Literal::usize_unsuffixed;
+        let (n, m) = (self.model.dof(), self.model.noises.len());
+        let moved = |start: &TokenStream, rows: &TokenStream| {
+            let entries = (0..n)
+                .map(index)
+                .map(|i| quote!(#start[#i] + #rows[#i][stage]));
             quote!([#(#entries),*])
         };
-        let (n, m) = (self.model.dof(), self.model.noises.len());
-        let q = row(quote!(stages.q), n);
-        let dw = row(quote!(stages.noise), m);
+        let q = moved(&quote!(stages.q), &quote!(stages.moves));
         let p = has_momenta.then(|| {
-            let p = row(quote!(p_rows), n);
+            let p = moved(&quote!(stages.p), &quote!(kicks));
             quote!(let p = #p;)
         });
+        let dw = (0..m).map(index).map(|i| quote!(stages.noise[#i][stage]));
+        let dw = quote!([#(#dw),*]);
         quote! {
             let time: f64 = stages.times[stage];
             let h: f64 = stages.weights[stage];
@@ -307,7 +309,7 @@ impl Writer<'_> {
             fn impulses<const S: usize>(
                 &self,
                 stages: &#private::gauss::StageLanes<'_, S, #sizes>,
-                p_rows: &[[f64; S]; #size],
+                kicks: &[[f64; S]; #size],
             ) -> ([[f64; S]; #size], #private::gauss::Masses<S, #size>) {
                 let mut masses = #private::gauss::Masses {
                     inverse: [[[0f64; S]; #size]; #size],
@@ -333,7 +335,7 @@ impl Writer<'_> {
             fn displacements<const S: usize>(
                 &self,
                 stages: &#private::gauss::StageLanes<'_, S, #sizes>,
-                p_rows: &[[f64; S]; #size],
+                kicks: &[[f64; S]; #size],
                 masses: &#private::gauss::Masses<S, #size>,
             ) -> #private::gauss::Motion<S, #size> {
                 let mut motion = #private::gauss::Motion {

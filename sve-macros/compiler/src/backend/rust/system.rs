@@ -30,6 +30,7 @@ pub(crate) fn system(
         force,
         affine_momentum,
         is_separable,
+        is_additive: _,
         commutation: _,
     } = mechanics;
     let separable = is_separable.then(|| quote!(impl #private::Separable for #self_ty {}));

@@ -69,6 +69,14 @@ const fn member(stages: usize) -> Named {
     }
 }
 
+const fn bare(stages: usize) -> Named {
+    Named {
+        name: "bare",
+        stages: Some(stages),
+        options: &[],
+    }
+}
+
 const fn single(name: &'static str, options: &'static [RuleOption]) -> Named {
     Named {
         name,
@@ -79,11 +87,12 @@ const fn single(name: &'static str, options: &'static [RuleOption]) -> Named {
 
 static START: Named = single("start", &[]);
 static MIDDLE: Named = single("middle", &[RuleOption::Weak2]);
+static BARE: [Named; 2] = [bare(2), bare(3)];
 static FAMILY: [Named; 4] = [member(2), member(3), member(4), member(5)];
 
 /// The rules that an attribute names, or the first error with the columns of its token.
 fn read(attribute: &str) -> Result<Vec<String>, (String, usize, usize)> {
-    let family = FAMILY.iter().map(|rule| Rule::plain(rule));
+    let family = FAMILY.iter().chain(&BARE).map(|rule| Rule::plain(rule));
     let all: Vec<Rule> = [Rule::plain(&START), Rule::plain(&MIDDLE)]
         .into_iter()
         .chain(family)
@@ -278,6 +287,22 @@ const MISTAKES: &[(&str, &str, &str)] = &[
         "expected a comma between rules, as in `#[variational(midpoint, endpoint)]`",
     ),
     (
+        "bare(2, fast)",
+        "fast",
+        "`bare` takes no options: write `bare(2)`",
+    ),
+    (
+        "bare(2, weak2)",
+        "weak2",
+        "`bare` takes no options: write `bare(2)`; `weak2` is an option of `middle`, `stages(2)` to `stages(5)`",
+    ),
+    ("bare(x)", "x", "`bare` takes no options: write `bare(3)`"),
+    (
+        "bare(\"x\")",
+        "\"x\"",
+        "expected the number of stages, as in `bare(3)`",
+    ),
+    (
         "middle(weak2) start",
         "start",
         "expected a comma between rules, as in `#[variational(midpoint, endpoint)]`",
@@ -285,12 +310,12 @@ const MISTAKES: &[(&str, &str, &str)] = &[
     (
         "middel(weak2)",
         "middel",
-        "there is no rule `middel`; did you mean `middle`? The rules are `start`, `middle`, `stages(2)` to `stages(5)`",
+        "there is no rule `middel`; did you mean `middle`? The rules are `start`, `middle`, `stages(2)` to `stages(5)`, `bare(2)` to `bare(3)`",
     ),
     (
         "order = 2",
         "order",
-        "there is no argument `order`: the arguments are rules (`start`, `middle`, `stages(2)` to `stages(5)`) and `crate = path`",
+        "there is no argument `order`: the arguments are rules (`start`, `middle`, `stages(2)` to `stages(5)`, `bare(2)` to `bare(3)`) and `crate = path`",
     ),
 ];
 

@@ -193,7 +193,7 @@ fn additive_noise() {
     );
 }
 
-/// H₁ and noises that do not commute have weak order 1; so they have with the term ⅛hΣK in H, which is why the attribute refuses the option.
+/// H₁ and noises that do not commute have weak order 1; so they have with the term `⅛ h ΣK` in H, which is why the attribute refuses the option.
 #[test]
 fn quadratic_noise_in_momentum() {
     let start = State::new([1.0], [0.3]);
