@@ -13,8 +13,8 @@ use crate::planets;
 use crate::problem::Problem;
 use crate::systems::{DoublePendulum, Kepler, OuterSolarSystem, Pendulum, QuietHenonHeiles};
 
-/// Repeats of each time.
-const REPEATS: u32 = 7;
+/// Repeats of each time, for the shorter problems and for the longer ones.
+const REPEATS: [u32; 2] = [15, 5];
 
 type KahanLi<R> = Composed<R, KahanLi8>;
 type Gauss8<S> = Integrator<S, Gauss<8>>;
@@ -66,7 +66,6 @@ where
     /// A study of all of them, which watches the energy. `coarsest` is the smallest number of steps of the rule with 8 stages.
     fn study<'a>(&'a self, name: &'static str, coarsest: usize, longest: u32) -> Study<'a, S> {
         Study::new(name)
-            .repeats(REPEATS)
             .invariant(Mechanics::hamiltonian)
             .distance(|a: &State<Q>, b: &State<Q>| distance(&a.q.coordinates(), &b.q.coordinates()))
             .method_with_steps("Gauss 8", &self.gauss_8, doublings(coarsest, 2, 4))
@@ -76,7 +75,7 @@ where
                 doublings(coarsest, 2, 4),
             )
             .method_with_steps("Gauss 6", &self.gauss_6, doublings(coarsest, 3, 2))
-            .method_with_steps("Gauss 4", &self.gauss_4, doublings(2 * coarsest, 4, 2))
+            .method_with_steps("Gauss 4", &self.gauss_4, doublings(coarsest, 5, 2))
             .method_with_steps(
                 "Störmer–Verlet",
                 &self.verlet,
@@ -85,7 +84,7 @@ where
             .method_with_steps(
                 "Störmer–Verlet, Kahan–Li 8",
                 &self.verlet_8,
-                doublings(2 * coarsest, 4, 2),
+                doublings(coarsest, 5, 2),
             )
             .method_with_steps(
                 "Runge–Kutta 4",
@@ -130,12 +129,12 @@ where
             .method_with_steps(
                 "Blanes–Moan 4",
                 &self.order_4,
-                doublings(4 * coarsest, 5, 1),
+                doublings(2 * coarsest, 6, 1),
             )
             .method_with_steps(
                 "Blanes–Moan RKN 6",
                 &self.order_6,
-                doublings(2 * coarsest, 4, 2),
+                doublings(coarsest, 5, 2),
             )
     }
 }
@@ -177,7 +176,7 @@ where
     }
 
     fn add_to<'a>(&'a self, study: Study<'a, S>, coarsest: usize, longest: u32) -> Study<'a, S> {
-        let few = || doublings(8 * coarsest << (longest - 4), 2, 1);
+        let few = || doublings((8 * coarsest) << (longest - 4), 2, 1);
         study
             .method_with_steps(
                 "midpoint",
@@ -187,7 +186,7 @@ where
             .method_with_steps(
                 "midpoint, Kahan–Li 8",
                 &self.midpoint_8,
-                doublings(2 * coarsest, 3, 1),
+                doublings(2 * coarsest, 2, 1),
             )
             .method_with_steps("endpoint", &self.endpoint, few())
             .method_with_steps("initial point", &self.initial_point, few())
@@ -201,7 +200,7 @@ where
 /// L = v²/2 + g cos q.
 pub(crate) fn pendulum() -> Result<Problem, StudyError> {
     let system = Pendulum { g: 9.8 };
-    let (horizon, coarsest, longest) = (2000.0, 3000, 8);
+    let (horizon, coarsest, longest) = (2000.0, 3000, 6);
     let (common, splittings, others) = (
         Common::new(system),
         Splittings::new(system),
@@ -211,6 +210,7 @@ pub(crate) fn pendulum() -> Result<Problem, StudyError> {
     let report = others
         .add_to(splittings.add_to(study, coarsest), coarsest, longest)
         .start(State::new([2.0], [0.0]))
+        .repeats(REPEATS[1])
         .horizon(horizon)
         .exact(|_| {
             State::at(
@@ -231,12 +231,13 @@ pub(crate) fn pendulum() -> Result<Problem, StudyError> {
 /// Two pendula of unit masses and lengths.
 pub(crate) fn double_pendulum() -> Result<Problem, StudyError> {
     let system = DoublePendulum { g: 9.8 };
-    let (horizon, coarsest, longest) = (10.0, 40, 8);
+    let (horizon, coarsest, longest) = (10.0, 68, 7);
     let (common, others) = (Common::new(system), Others::new(system));
     let study = common.study("double_pendulum", coarsest, longest);
     let report = others
         .add_to(study, coarsest, longest)
         .start(State::new([2.0, 1.0], [0.0, 0.0]))
+        .repeats(REPEATS[0])
         .horizon(horizon)
         .exact(|_| {
             let q = [0.947_369_524_416_772_2, -6.683_622_982_164_892];
@@ -256,7 +257,8 @@ pub(crate) fn kepler() -> Result<Problem, StudyError> {
     let system = Kepler { k: 1.0 };
     let e: f64 = 0.6;
     let start = State::new([1.0 - e, 0.0], [0.0, ((1.0 + e) / (1.0 - e)).sqrt()]);
-    let (horizon, coarsest, longest) = (2000.0 * std::f64::consts::PI, 12_000, 7);
+    // no number of steps divides that of revolutions: errors of such steps cancel after each
+    let (horizon, coarsest, longest) = (2000.0 * std::f64::consts::PI, 12_345, 4);
     let (common, splittings, others) = (
         Common::new(system),
         Splittings::new(system),
@@ -266,6 +268,7 @@ pub(crate) fn kepler() -> Result<Problem, StudyError> {
     let report = others
         .add_to(splittings.add_to(study, coarsest), coarsest, longest)
         .start(start)
+        .repeats(REPEATS[1])
         .horizon(horizon)
         // after whole revolutions it is where it was
         .exact(move |_| State::at(horizon, start.q, start.p))
@@ -281,7 +284,7 @@ pub(crate) fn kepler() -> Result<Problem, StudyError> {
 /// Hénon–Heiles without noise.
 pub(crate) fn quiet_henon_heiles() -> Result<Problem, StudyError> {
     let system = QuietHenonHeiles;
-    let (horizon, coarsest, longest) = (1000.0, 300, 9);
+    let (horizon, coarsest, longest) = (1000.0, 430, 8);
     let (common, splittings, others) = (
         Common::new(system),
         Splittings::new(system),
@@ -291,6 +294,7 @@ pub(crate) fn quiet_henon_heiles() -> Result<Problem, StudyError> {
     let report = others
         .add_to(splittings.add_to(study, coarsest), coarsest, longest)
         .start(State::new([0.0, 0.1], [0.35, 0.1]))
+        .repeats(REPEATS[0])
         .horizon(horizon)
         .exact(|_| {
             let q = [0.144_551_119_447_938_83, -0.124_130_644_914_021_57];
@@ -315,12 +319,13 @@ pub(crate) fn outer_solar_system() -> Result<Problem, StudyError> {
         gravity: planets::GRAVITY,
         masses: planets::MASSES,
     };
-    let (coarsest, longest) = (300, 7);
+    let (coarsest, longest) = (550, 5);
     let (common, splittings) = (Common::new(system), Splittings::new(system));
     let study = common.study("outer_solar_system", coarsest, longest);
     let report = splittings
         .add_to(study, coarsest)
         .start(planets::start())
+        .repeats(REPEATS[0])
         .horizon(planets::HORIZON)
         .exact(|_| planets::end())
         .run()?;

@@ -163,6 +163,16 @@ fn section(
 /// Whether a method's error falls with the step size; of other programs it is taken for granted.
 fn converges(problem: &Problem, series: &plots::Series) -> bool {
     const LEAST: f64 = 0.25;
+    // errors that reached the rounding of the problem fall no further
+    const FAR: f64 = 1e-4;
+    let errors = || series.records.iter().filter_map(|record| record.error);
+    let (largest, smallest) = (
+        errors().fold(0.0, f64::max),
+        errors().fold(f64::INFINITY, f64::min),
+    );
+    if smallest < FAR * largest {
+        return true;
+    }
     let report = &problem.report;
     let mut orders = report.orders().iter();
     if let Some(order) = orders.find(|order| order.method == series.name) {

@@ -168,14 +168,14 @@ pub(crate) fn synchrotron() -> Result<Problem, StudyError> {
         .start(State::new([0.5], [0.0]))
         .horizon(8.0)
         .steps(powers(4..=10))
-        .paths(2000)
+        .paths(600)
         .fine(&methods.verlet, 16)
         .observe("energy", Mechanics::hamiltonian)
         .run()?;
     Ok(Problem {
         title: "Synchrotron, two noises in q",
         setting: "L = v²/2 + ω² cos q, γ = (−σ₁ cos q, −σ₂ sin q), ω = 1, σ₁ = σ₂ = 0.1, from q = 0.5 at rest to t = 8. Errors against the rule \
-                  of Störmer and Verlet with 16 times shorter steps on each of 2000 paths.",
+                  of Störmer and Verlet with 16 times shorter steps on each of 600 paths.",
         invariant: None,
         report,
     })
@@ -190,14 +190,14 @@ pub(crate) fn henon_heiles() -> Result<Problem, StudyError> {
         .start(State::new([0.0, 0.1], [0.35, 0.1]))
         .horizon(16.0)
         .steps(powers(6..=11))
-        .paths(500)
+        .paths(200)
         .fine(&methods.verlet, 16)
         .observe("energy", Mechanics::hamiltonian)
         .run()?;
     Ok(Problem {
         title: "Hénon–Heiles, additive noise",
         setting: "L = (v² − q²)/2 − x²y + y³/3, γ = (σx, σy), σ = 0.02, from q = (0, 0.1), p = (0.35, 0.1) to t = 16. Errors against the rule \
-                  of Störmer and Verlet with 16 times shorter steps on each of 500 paths.",
+                  of Störmer and Verlet with 16 times shorter steps on each of 200 paths.",
         invariant: None,
         report,
     })
