@@ -363,7 +363,11 @@ fn euclidean<Q: Coordinates<N>, const N: usize>(a: &State<Q>, b: &State<Q>) -> f
 
 impl<S: System> fmt::Debug for Study<'_, S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names: Vec<_> = self.methods.iter().map(|candidate| &candidate.name).collect();
+        let names: Vec<_> = self
+            .methods
+            .iter()
+            .map(|candidate| &candidate.name)
+            .collect();
         f.debug_struct("Study")
             .field("problem", &self.problem)
             .field("methods", &names)

@@ -41,7 +41,10 @@ impl<'a, S: System> Settings<'a, S> {
             return Err(missing("methods", ".method(\"midpoint\", &integrator)"));
         }
         let methods = 0..study.methods.len();
-        let finest = methods.clone().flat_map(|method| study.steps_of(method)).max();
+        let finest = methods
+            .clone()
+            .flat_map(|method| study.steps_of(method))
+            .max();
         let finest = *finest.ok_or(missing("numbers of steps", ".steps([64, 128, 256])"))?;
         for method in methods {
             check_steps(study.steps_of(method), finest, M)?;
