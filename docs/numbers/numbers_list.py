@@ -167,7 +167,7 @@ def strong_error(row: dict[str, str]) -> float | None:
 
 def weak_error(row: dict[str, str]) -> float | None:
     """The error of the mean, or two standard errors where they are more."""
-    return max(abs(float(row["weak_error"])), 2.0 * float(row["weak_error_se"])) if row["weak_error"] else None
+    return max(abs(float(row["weak_error"])), 2.0 * float(row["weak_error_se"])) if row["weak_error"] and row["weak_error_se"] else None
 
 
 def curves(output: Output, problem: str, error: Callable = strong_error) -> dict[tuple[str, str], Points]:

@@ -1,4 +1,4 @@
-//! A method whose trajectories compensate the rounding errors of the state, as a method of a study.
+//! Methods as a study takes them: one whose trajectories compensate the rounding errors of the state, and one whose iterations are not counted.
 
 use core::hash::Hasher;
 
@@ -67,5 +67,53 @@ where
 
     fn order(&self) -> Option<f64> {
         self.method.order()
+    }
+}
+
+/// A method whose iterations are not counted: a Gauss rule with many unknowns is solved by fixed-point iteration in a trajectory, and counting the iterations of
+/// Newton's method from a cold start takes longer than all measurements.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Uncounted<I>(pub(crate) I);
+
+impl<I: OneStepMethod> OneStepMethod for Uncounted<I> {
+    type System = I::System;
+    type Increments = I::Increments;
+    type Prepared = I::Prepared;
+
+    fn system(&self) -> &I::System {
+        self.0.system()
+    }
+
+    fn prepare(&self, h: f64) -> Result<I::Prepared, StepError> {
+        self.0.prepare(h)
+    }
+
+    fn step_prepared(
+        &self,
+        prepared: &I::Prepared,
+        state: &mut StateOf<I::System>,
+        h: f64,
+        dw: &I::Increments,
+    ) -> Result<(), StepError> {
+        self.0.step_prepared(prepared, state, h, dw)
+    }
+
+    #[inline]
+    fn next_step(
+        &self,
+        prepared: &mut I::Prepared,
+        state: &mut StateOf<I::System>,
+        h: f64,
+        dw: &I::Increments,
+    ) -> Result<(), StepError> {
+        self.0.next_step(prepared, state, h, dw)
+    }
+
+    fn identify(&self, to: &mut dyn Hasher) {
+        self.0.identify(to);
+    }
+
+    fn order(&self) -> Option<f64> {
+        self.0.order()
     }
 }
