@@ -20,8 +20,12 @@ use sve_compiler::Settings;
 /// | `midpoint` | `Midpoint` | middle of the step | 2 |
 /// | `stormer_verlet` | `StormerVerlet` | start and end, with one velocity | 2 |
 /// | `gauss(2)` … `gauss(8)` | `Gauss::<2>` … `Gauss::<8>` | 2 to 8 nodes of Gauss quadrature | 4, 6, …, 16 |
+/// | `gauss(2, stage_noise)` … | `StageNoise<Gauss<2>>` … | as without the option, with an increment of each process for each node | 4, 6, …, 16 |
 /// | `taylor2` | `Taylor2` | start and end, with the Taylor expansion of the flow; for blocks without noise | 2 |
 /// | `midpoint(weak2)`, `stormer_verlet(weak2)` | `Weak2<Midpoint>`, `Weak2<StormerVerlet>` | as without the option, with a potential that makes the weak order 2; for commuting noises in q alone | 2 |
+/// | `gauss(2, weak2)` … | `Weak2<Gauss<2>>` … | as without the option, with a term that makes the weak order 2; for commuting noises, which may move the position where no force acts | 4, 6, …, 16 |
+/// | `gauss(2, stage_noise)` … | `StageNoise<Gauss<2>>` … | as without the option, with an increment of each process for each stage | 4, 6, …, 16 |
+/// | `gauss(2, stage_noise, weak2)` … | `Weak2<StageNoise<Gauss<2>>>` … | both; strong order 1.5 and weak order 2; for noises in q alone | 4, 6, …, 16 |
 /// | `crate = path` | | path of the runtime crate; `::sve_runtime` if not given | |
 ///
 /// # Items of the block
@@ -134,7 +138,7 @@ use sve_compiler::Settings;
 /// | a noise with derivative zero | it would move nothing |
 /// | a Lagrangian whose `∂²L/∂v²` is singular everywhere, to 106 bits or to the rounding of its constants | the momenta do not determine the velocities |
 /// | `taylor2` with noise | the rule is defined for deterministic systems |
-/// | `weak2` with noises that do not commute, an H₁ that depends on p, a force that is not affine in v, no noise | the term would not raise the weak order |
+/// | `weak2` with noises that do not commute, an H₁ that depends on p, a force that is not affine in v, no noise; `gauss(s, weak2)` takes an H₁ that depends on p where there is no force | the term would not raise the weak order |
 /// | `weak2` with ∂²L/∂v² that depends on v | the term would not be a function of time and configuration |
 /// | `weak2` with more than three coordinates coupled by masses that depend on the configuration | the inverse of the mass matrix is a formula, which would grow too long |
 /// | a `#[symmetry]` that changes L, a noise, or on which a force does work | its momentum would not be conserved |

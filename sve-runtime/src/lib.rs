@@ -45,7 +45,7 @@
 //! | to | use |
 //! | --- | --- |
 //! | describe a system | [`#[variational(…)]`](macro@variational) |
-//! | choose a rule | [`InitialPoint`], [`Endpoint`], [`Midpoint`], [`StormerVerlet`], [`Gauss`], [`Taylor2`], with the option [`Weak2`] |
+//! | choose a rule | [`InitialPoint`], [`Endpoint`], [`Midpoint`], [`StormerVerlet`], [`Gauss`], [`Taylor2`], with the options [`StageNoise`] and [`Weak2`] |
 //! | compose steps of rules to a rule of a higher order | [`Composed`], [`Split`] |
 //! | make steps | [`Integrator`] with `step` and `trajectory`, [`State`]; [`Method`] is common to integrators and baselines |
 //! | know what the `q` of a state may be | [`Configuration`]; vectors, matrices and rotations are those of [`nalgebra`] |

@@ -21,7 +21,7 @@ impl Number for f64 {
     }
 }
 
-/// Returns the value of a parameter. If the parameter is not an `f64`, the compile error of [`Number`] says how to name its type.
+/// Returns the value of a parameter. If the parameter is not an `f64`, the compile error of `Number` says how to name its type.
 #[inline(always)]
 pub fn number<T: Number>(parameter: T) -> f64 {
     parameter.value()

@@ -141,7 +141,7 @@ pub struct Plan {
     /// Strong order of convergence with noise.
     pub strong_order: StrongOrder,
     /// Weak order of convergence: errors of expectations are of the order of h to this power. Without noise it is the deterministic order. With noise it is 1; it is 2 for rules
-    /// of deterministic order 2 with the option `weak2`, and without it where the term of the option would be constant: additive noise in position alone, with
+    /// of deterministic order 2 or above with the option `weak2`, and without it where the term of the option would be constant: additive noise in position alone, with
     /// constant masses.
     pub weak_order: u32,
     /// The momenta of symmetries, by their functions, that every step conserves to rounding.

@@ -60,12 +60,19 @@ pub struct Gauss<const S: usize>;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StageNoise<R>(pub R);
 
-/// The rule `R` with the option `weak2`, which the attribute writes `midpoint(weak2)` or `stormer_verlet(weak2)`: weak order 2 with one Gaussian increment a process, where `R` has 1.
+/// The rule `R` with the option `weak2`, which the attribute writes `midpoint(weak2)`, `stormer_verlet(weak2)` or `gauss(3, weak2)`: weak order 2 with one Gaussian increment a process, where
+/// `R` has 1.
 ///
 /// The action gets a potential that removes the leading error of expectations, `S_d −= h|h|/8 Σ ⟨∂γ/∂q, M⁻¹ ∂γ/∂q⟩` at the node of the midpoint rule with M = ∂²L/∂v², and the mean of this term over both ends for
-/// the rule of Störmer and Verlet. The step stays variational and symmetric, and its strong order does not change. The term is that of increments of variance |h|, so the rule
-/// is no part of compositions. The macro refuses the option, with the reason, where the term does not raise the weak order or is not a function of time and configuration:
-/// noises that do not commute, noise that moves the position, ∂²L/∂v² that depends on v, a force that is not affine in v.
+/// the rule of Störmer and Verlet. A [`Gauss`] rule has `S_d −= h|h|/12 Σ_i b_i K(node i)` with the K of `docs/mathematics.md`, section 9, which is the same for a γ; for noise that moves the position it depends
+/// on the momentum too. The step stays variational and symmetric, and its strong order does not change. The term is that of increments of variance |h|, so the rule
+/// is no part of compositions.
+///
+/// `Weak2(StageNoise(Gauss::<3>))`, in the attribute `gauss(3, stage_noise, weak2)`, has the strong order 1.5 with γ's that commute, as those of q always do, where no force acts, and the weak order 2. Its
+/// term is `h|h|/(8(2S − 1)) Σ_i b_i K(node i)` with S stages.
+///
+/// The macro refuses the option, with the reason, where the term does not raise the weak order or is not a function of time, configuration and momentum:
+/// noises that do not commute; noise that moves the position, except for `gauss(s, weak2)` of systems without a force; ∂²L/∂v² that depends on v; a force that is not affine in v.
 ///
 /// ```
 /// use sve_runtime::prelude::*;

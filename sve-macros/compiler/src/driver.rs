@@ -1,15 +1,17 @@
 //! The whole pipeline, a line a stage: attribute → block → model → action → equations → scheme → tokens.
 
+mod nodes;
+
 use std::collections::BTreeSet;
 
 use proc_macro2::{Span, TokenStream, TokenTree};
 use quote::quote;
 use syn::ItemImpl;
 
+use self::nodes::Nodes;
 use crate::algebra::Arena;
 use crate::backend::rust::{self, Context, Derived};
 use crate::discretise::equations;
-use crate::discretise::stages::{self, Stages};
 use crate::discretise::tangent;
 use crate::errors::Errors;
 use crate::explain;
@@ -135,30 +137,24 @@ fn derive(
         regular::check(&block, &model, &mechanics, arena)
     })??;
     let momenta = budget.stage(&mut arena, |arena| symmetry::check(&block, &model, arena))??;
-    let steps = steps(&budget, &mechanics, &mut arena)?;
-    let rules = block.arguments.rules.iter();
-    let of_stages: Vec<(Rule, usize)> = rules
-        .filter_map(|listed| Some((listed.rule, listed.rule.stages()?)))
-        .collect();
-    let at_node = if of_stages.is_empty() {
-        None
-    } else {
-        arena.grant(work);
-        let stages = |arena: &mut Arena| stages::stages(&model, &mechanics, arena);
-        let at_node = budget.stage(&mut arena, stages)?;
-        check_stages(&block, &model, &at_node)?;
-        Some(at_node)
-    };
+    // Rules with a potential come last: what is made for it must not change the order of terms in others, and so their rounding.
+    let has_potential = |listed: &&ListedRule| listed.rule.options.contain(RuleOption::Weak2);
+    let (with, without): (Vec<_>, Vec<_>) = block.arguments.rules.iter().partition(has_potential);
+    let mut steps = steps(&without, &vec![None; without.len()], &budget, &mut arena)?;
+    let mut nodes = Nodes::new(&budget, &mechanics, &mut arena)?;
+    let potentials = potentials(&with, &budget, &mechanics, &mut arena)?;
+    steps.extend(self::steps(&with, &potentials, &budget, &mut arena)?);
+    nodes.correct(&with, &potentials, &budget, &mechanics, &mut arena)?;
     // what is left to do is in proportion to what has been built
     arena.grant(usize::MAX);
     let about = explain::system(&model, &mechanics, &momenta, &arena);
     let mut weak_order = |rule| weak2::weak_order(rule, &model, &mechanics, &mut arena);
     let weak_orders: Vec<u32> = steps.iter().map(|step| weak_order(step.rule)).collect();
-    let of_stages: Vec<(Rule, u32, usize)> = of_stages
-        .into_iter()
-        .map(|(rule, count)| (rule, weak_order(rule), count))
-        .collect();
+    let rules = block.arguments.rules.iter().map(|listed| listed.rule);
+    let of_stages = rules.filter(|rule| rule.stages().is_some());
+    let of_stages: Vec<(Rule, u32)> = of_stages.map(|rule| (rule, weak_order(rule))).collect();
     mechanics.stabilise(&mut arena);
+    nodes.stabilise(&mut arena);
     let mut output = rust::system(&block, &model, &mechanics, &about, &arena);
     output.extend(rust::momenta(&block, &model, &momenta, &arena));
     let context = Context {
@@ -170,15 +166,7 @@ fn derive(
         about: &about,
         arena: &arena,
     };
-    if let Some(at_node) = &at_node {
-        let code = rust::stages(&context, at_node);
-        for (rule, weak_order, count) in of_stages {
-            let texts = explain::gauss(rule, count, at_node, &model, &mechanics, &arena);
-            let rule = (rule, weak_order);
-            output.extend(rust::gauss(&context, rule, count, at_node, &code, &texts));
-        }
-        output.extend(code.tokens);
-    }
+    output.extend(nodes.output(&of_stages, &context));
     for (derived, weak_order) in steps.iter().zip(weak_orders) {
         let Derived {
             rule,
@@ -193,35 +181,26 @@ fn derive(
     Ok(output)
 }
 
-/// Derives the steps of all rules. Those with a potential come last: what is made for it must not change the order of terms in others, and so their rounding.
+/// Derives the steps of some rules, with the potentials of the option `weak2`.
 fn steps(
+    rules: &[&ListedRule],
+    potentials: &[Option<Potential>],
     budget: &Budget<'_>,
-    mechanics: &Mechanics,
     arena: &mut Arena,
 ) -> syn::Result<Vec<Derived>> {
-    let arguments = &budget.block.arguments;
-    let forms = if arguments.derives_unstructured {
+    let forms = if budget.block.arguments.derives_unstructured {
         &[false, true][..]
     } else {
         &[false]
     };
-    let has_potential = |listed: &&ListedRule| listed.rule.options.contain(RuleOption::Weak2);
-    let (with, without): (Vec<_>, Vec<_>) = arguments.rules.iter().partition(has_potential);
     let mut steps = Vec::new();
     for &is_unstructured in forms {
-        for listed in &without {
+        for (listed, potential) in rules.iter().zip(potentials) {
             // the Gauss rules are derived from one node, and from the whole action for comparison only
             let has_stage_noise = listed.rule.options.contain(RuleOption::StageNoise);
             if listed.rule.stages().is_some() && (!is_unstructured || has_stage_noise) {
                 continue;
             }
-            arena.grant(budget.work);
-            steps.push(step(listed.rule, None, is_unstructured, budget, arena)?);
-        }
-    }
-    let potentials = potentials(&with, budget, mechanics, arena)?;
-    for &is_unstructured in forms {
-        for (listed, potential) in with.iter().zip(&potentials) {
             arena.grant(budget.work);
             steps.push(step(
                 listed.rule,
@@ -315,38 +294,6 @@ fn check_size(block: &Annotated, model: &Model) -> syn::Result<()> {
         "this system is too large to unroll: {n} coordinates and {m} noise terms have {entries} second derivatives, and the limit is {ENTRIES}; use fewer of them"
     );
     Err(syn::Error::new(block.lagrangian.name.span(), message))
-}
-
-/// Unknowns of all stages of a step. Newton's method keeps a matrix of this size on the stack, where it is needed.
-const UNKNOWNS_OF_STAGES: usize = 160;
-
-/// Returns an error for each rule whose stages have too many unknowns together.
-fn check_stages(block: &Annotated, model: &Model, at_node: &Stages) -> syn::Result<()> {
-    let mut errors = Errors::new();
-    for listed in &block.arguments.rules {
-        let Some(stages) = listed.rule.stages() else {
-            continue;
-        };
-        let of_one = at_node.unknowns(1, model.dof());
-        let (n, unknowns) = (model.dof(), stages * of_one);
-        if unknowns <= UNKNOWNS_OF_STAGES {
-            continue;
-        }
-        let name = listed.rule.name();
-        let most = UNKNOWNS_OF_STAGES / of_one;
-        let fewer = Rule::all()
-            .into_iter()
-            .filter(|rule| rule.stages().is_some_and(|s| s <= most));
-        let instead = match fewer.last() {
-            Some(rule) => format!("`{}`, or a composition of `midpoint`", rule.name()),
-            None => "a composition of `midpoint`".to_owned(),
-        };
-        errors.push(
-            listed.place,
-            format!("`{name}` has {unknowns} unknowns for {n} coordinates, and the limit is {UNKNOWNS_OF_STAGES}: use {instead} (`Composed`)"),
-        );
-    }
-    errors.finish(())
 }
 
 /// The work that is granted to the derivatives, and then to each rule.

@@ -128,7 +128,7 @@ impl Coefficients for BlanesMoanRkn6 {
 /// Returns the fractions α₁, β₁, α₂, … of a splitting that begins and ends with a kick.
 ///
 /// The initial-point rule kicks and then drifts, each by α; the endpoint rule drifts and then kicks, each by β. So the kicks are
-/// α₁, β₁ + α₂, …, β_K, and the drifts α₁ + β₁, α₂ + β₂, ….
+/// α₁, β₁ + α₂, …, `β_K`, and the drifts α₁ + β₁, α₂ + β₂, ….
 const fn alternating<const K: usize, const KICKS: usize, const ALL: usize>(
     drifts: [f64; K],
     kicks: [f64; KICKS],

@@ -12,8 +12,8 @@ use crate::variational::Discretised;
 
 /// A symmetric rule: a step of length −h leads back. Compositions of substeps raise its order.
 #[diagnostic::on_unimplemented(
-    message = "`{Self}` is not a symmetric rule, so that a composition does not raise its order",
-    note = "symmetric rules are `Midpoint`, `StormerVerlet` and `Gauss::<S>`; `Split::new` composes the initial-point and the endpoint rule"
+    message = "a composition does not raise the order of `{Self}`",
+    note = "it raises that of the symmetric rules without options: `Midpoint`, `StormerVerlet` and `Gauss::<S>`; `Split::new` composes the initial-point and the endpoint rule"
 )]
 pub trait Symmetric {}
 
@@ -83,6 +83,11 @@ impl<R: Symmetric, C: Composition> Composed<R, C> {
 /// A composition of symmetric substeps that reads the same from both ends is symmetric.
 impl<R: Symmetric, C> Symmetric for Composed<R, C> {}
 
+/// Returns the higher of two orders: a composition lowers the order of no rule.
+const fn higher(a: u32, b: u32) -> u32 {
+    if a > b { a } else { b }
+}
+
 impl<S, R, C> Sequence<S> for Composed<R, C>
 where
     S: Discretised<R>,
@@ -97,7 +102,7 @@ where
         [S::PLAN],
         S::PLAN.rule,
         C::NAME,
-        C::ORDER,
+        higher(C::ORDER, S::PLAN.deterministic_order),
         C::FRACTIONS.len(),
     );
     const HAS_INCREMENTS: bool = S::HAS_INCREMENTS;

@@ -5,12 +5,13 @@
 //! | `coefficients.rs` | the fractions, with their sources |
 //! | `composed.rs` | [`Composed`]: substeps of one symmetric rule |
 //! | `split.rs` | [`Split`]: substeps that alternate between the initial-point and the endpoint rule |
-//! | `sequence.rs` | a step as a sequence of substeps, common to both |
+//! | `sequence.rs`, `implement.rs` | a step as a sequence of substeps, common to both |
 //!
 //! Invariant: a step that fails at a substep leaves the state unchanged.
 
 mod coefficients;
 mod composed;
+mod implement;
 pub mod sequence;
 mod split;
 

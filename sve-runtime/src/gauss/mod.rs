@@ -9,6 +9,7 @@
 //! | `stage_noise.rs` | increments at the stages |
 //! | `memory.rs` | what a trajectory carries from step to step |
 //! | `linearise.rs` | the linearised step |
+//! | `potential.rs` | the term of the option `weak2` |
 //!
 //! A step with four stages or more is first solved by fixed-point iteration if its Lagrangian allows that. Where the iteration does not contract, and with fewer
 //! stages, Newton's method solves it with the tests of any step.
@@ -20,6 +21,7 @@ mod linearise;
 mod memory;
 mod newton;
 mod nodes;
+mod potential;
 pub(crate) mod stage_noise;
 mod stages;
 mod step;
@@ -27,6 +29,7 @@ mod tableau;
 
 pub use fixed_point::{InverseMass, Masses, Motion, Partitioned, SecondOrder, StageLanes};
 pub use linearise::{ByParameters, ParameterJet};
+pub use potential::{Corrected, WithPotential, with_potential};
 
 use crate::configuration::Coordinates;
 use crate::linearisation::Linearisation;

@@ -18,6 +18,9 @@ use crate::trajectory::{RefinedTrajectory, Trajectory};
 use crate::variational::Discretised;
 
 /// Makes one step. Adds the low parts `low` of the state, and writes its new rounding errors to `low`.
+///
+/// # Errors
+/// As [`Discretised::advance_compensated`](crate::Discretised::advance_compensated).
 #[inline]
 pub fn solve_compensated_step<S, R, Q, const N: usize, const M: usize>(
     derived: DerivedStep<'_, S, R>,

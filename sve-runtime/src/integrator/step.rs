@@ -17,6 +17,9 @@ use crate::system::{Dims, System};
 use crate::variational::Memory;
 
 /// Makes one step. Returns the unknowns of its blocks.
+///
+/// # Errors
+/// As [`Discretised::advance`](crate::Discretised::advance).
 #[inline]
 pub fn solve_step<S, R, Q, const N: usize, const M: usize>(
     derived: DerivedStep<'_, S, R>,

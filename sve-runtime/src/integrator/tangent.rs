@@ -227,6 +227,9 @@ where
 
 /// Makes a derived step and returns the derivatives of its result, see
 /// [`Discretised::advance_with_derivatives`].
+///
+/// # Errors
+/// As that function.
 pub fn solve_with_derivatives<S, R, Q, const N: usize, const M: usize>(
     derived: DerivedStep<'_, S, R>,
     state: &mut State<[f64; N]>,

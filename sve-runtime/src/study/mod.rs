@@ -184,7 +184,7 @@ where
         self
     }
 
-    /// Adds a method: an [`Integrator`](crate::Integrator), a [`baseline`](crate::baseline), or any other [`OneStepMethod`].
+    /// Adds a method: an [`Integrator`](crate::Integrator), a [`baseline`](crate::baseline), or any other [`Method`].
     #[must_use]
     pub fn method<I>(mut self, name: impl Into<Cow<'a, str>>, method: &'a I) -> Self
     where

@@ -16,7 +16,7 @@ use crate::noise::{Noise, NoiseError};
 use crate::system::{Increments, StateOf};
 use crate::time::{is_next_time, time_after};
 
-/// The states after each step, from [`Method::trajectory`].
+/// The states after each step, from [`Method::trajectory`](crate::Method::trajectory).
 ///
 /// Ends after an error, and at the end of a recorded path; otherwise it has no end: `take` as many as needed.
 #[derive(Debug)]
@@ -83,7 +83,7 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         })
     }
 
-    /// Returns what is needed to continue from here with [`Method::resume`], with the bits of this trajectory.
+    /// Returns what is needed to continue from here with [`Method::resume`](crate::Method::resume), with the bits of this trajectory.
     pub fn snapshot(&self) -> Snapshot<StateOf<I::System>> {
         Snapshot {
             start: self.start,

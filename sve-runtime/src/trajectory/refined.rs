@@ -5,7 +5,7 @@ use core::ops::Deref;
 
 use super::Trajectory;
 use crate::error::StepError;
-use crate::method::OneStepMethod;
+use crate::method::{Method, OneStepMethod};
 use crate::noise::{DyadicInterval, Halves};
 use crate::system::StateOf;
 
@@ -27,7 +27,7 @@ pub struct RefinedTrajectory<'a, I: OneStepMethod, W> {
     depth: u32,
 }
 
-impl<'a, I: OneStepMethod, W: Halves> Trajectory<'a, I, W> {
+impl<'a, I: Method, W: Halves> Trajectory<'a, I, W> {
     /// Refines steps that fail: divides such a step into two halves on the same path, and each half that fails likewise, up to `depth` times.
     ///
     /// The increments of the halves are those of a Brownian bridge, a pure function of seed, path, step and interval, so a
@@ -154,7 +154,7 @@ where
     }
 }
 
-impl<I: OneStepMethod, W: Halves> Iterator for RefinedTrajectory<'_, I, W> {
+impl<I: Method, W: Halves> Iterator for RefinedTrajectory<'_, I, W> {
     type Item = Result<StateOf<I::System>, StepError>;
 
     #[inline]

@@ -9,3 +9,4 @@ mod solvers;
 mod stage_noise;
 mod systems;
 mod trajectories;
+mod weak2;

@@ -3,7 +3,7 @@
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
 
-use crate::systems::{Pendulum, Relativistic, double_pendulum, pendulum};
+use crate::systems::{Pendulum, Relativistic, Ring, double_pendulum, pendulum};
 
 /// Makes a step, and returns whether the fixed-point iteration solved it: then no iteration of Newton's method is needed.
 fn is_fixed_point<S, R, const N: usize, const M: usize>(
@@ -61,6 +61,18 @@ fn few_stages_and_other_kinetic_energies_are_for_newton() {
     ));
 }
 
+/// Newton's matrix of the largest step has room on the stack of a thread.
+#[test]
+fn the_largest_step_is_solved_by_both() {
+    let ring = Integrator::new(Ring, Gauss::<8>);
+    assert_eq!(ring.plan().unknowns(), 160);
+    let start = State::new(core::array::from_fn(|i| 0.05 * i as f64), [0.1; 20]);
+    assert!(is_fixed_point(&ring, start, 0.1));
+    let mut state = start;
+    ring.step(&mut state, 2.5, &[]).unwrap();
+    assert!(!is_fixed_point(&ring, start, 2.5));
+}
+
 #[test]
 fn the_plan_says_stages_and_orders() {
     let integrator = Integrator::new(double_pendulum(), Gauss::<4>);
@@ -77,4 +89,34 @@ fn the_plan_says_stages_and_orders() {
     ] {
         assert!(text.contains(part), "{part} in\n{text}");
     }
+}
+
+/// A composition of a rule of order 4 has order 8, and lowers no order.
+#[test]
+fn compositions_of_gauss_rules_have_the_higher_order() {
+    let pendulum = Pendulum { g: 1.0 };
+    let composed = Integrator::new(&pendulum, Composed::new(Gauss::<2>, KahanLi8));
+    assert_eq!(composed.plan().deterministic_order, 8);
+    let highest = Integrator::new(&pendulum, Composed::new(Gauss::<8>, KahanLi8));
+    assert_eq!(highest.plan().deterministic_order, 16);
+    let exact = Integrator::new(&pendulum, Gauss::<8>);
+    let end = |steps: u32| {
+        let (mut state, h) = (State::new([1.0], [0.3]), 2.0 / f64::from(steps));
+        for _ in 0..steps {
+            composed.step(&mut state, h, &[]).unwrap();
+        }
+        state
+    };
+    let mut expected = State::new([1.0], [0.3]);
+    for _ in 0..20 {
+        exact.step(&mut expected, 0.1, &[]).unwrap();
+    }
+    let error = |steps| {
+        let found = end(steps);
+        (found.q[0] - expected.q[0]).hypot(found.p[0] - expected.p[0])
+    };
+    // the leading terms nearly cancel at the longest step, so the slope is too large rather than too small
+    let order = (error(2) / error(4)).log2();
+    assert!(order > 7.0, "{order}: {:e} {:e}", error(2), error(4));
+    assert!(error(4) < 1e-9, "{:e}", error(4));
 }

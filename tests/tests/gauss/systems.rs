@@ -194,6 +194,21 @@ impl Wells {
     }
 }
 
+/// A ring of 20 coupled pendulums: as many unknowns as the stages of a rule may have.
+#[derive(Clone, Debug)]
+pub(crate) struct Ring;
+
+#[variational(gauss(8))]
+impl Ring {
+    fn lagrangian(&self, q: [f64; 20], v: [f64; 20]) -> f64 {
+        let mut sum = 0.0;
+        for i in 0..20 {
+            sum += 0.5 * v[i] * v[i] + q[i].cos() + (q[i] - q[(i + 1) % 20]).cos();
+        }
+        sum
+    }
+}
+
 /// L = v²/2 + ln q: defined for q > 0 only.
 #[derive(Clone, Debug)]
 pub(crate) struct Logarithmic;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::step::{StepTexts, features};
+use super::step::{StepTexts, features, potential};
 use crate::algebra::Arena;
 use crate::discretise::stages::{Form, Stages};
 use crate::rules::gauss::Quadrature;
@@ -13,24 +13,28 @@ use crate::system::model::Model;
 /// Fewest stages with which the runtime begins by fixed-point iteration.
 pub(crate) const STAGES_OF_FIXED_POINT: usize = 4;
 
-/// Writes down a step of so many stages.
+/// Writes down a step of so many stages; `half_factor` is ½κ of the option `weak2`, if the action has its term.
 pub(crate) fn gauss(
     rule: Rule,
     count: usize,
+    half_factor: Option<f64>,
     stages: &Stages,
     model: &Model,
     mechanics: &Mechanics,
     arena: &Arena,
 ) -> StepTexts {
-    let features = features(model, mechanics, None, arena);
+    let features = features(rule, model, mechanics, half_factor, arena);
     let Textbook {
         action,
-        notation,
+        mut notation,
         work,
     } = rule.textbook(&features);
     let mut lines = vec![action];
     if model.force.is_some() {
         lines.push(format!("with the virtual work h·{work} beside δS"));
+    }
+    if half_factor.is_some() {
+        notation.push(potential(model).to_owned());
     }
     lines.push(notation.join(", "));
     StepTexts {
@@ -63,10 +67,14 @@ fn equations(count: usize, stages: &Stages, features: &Features) -> Vec<String> 
     };
     let mut lines = vec![format!("{solver} for {unknowns} at {count} stages")];
     lines.push(format!("  ∂L/∂v({}) = p₀ + Σⱼ (aᵢⱼ/bⱼ)·Fⱼ", point("ᵢ")));
+    let (b, dw) = features.increment_at_stage();
     // writing to a string does not fail
     let mut displacement = "h·bᵢ·Vᵢ".to_owned();
     if stages.moves_position {
-        let _ = write!(displacement, " + bᵢ·Σ ∂H₁/∂p({}Qᵢ, Pᵢ)·ΔW", t("tᵢ"));
+        let _ = write!(displacement, " + {b}Σ ∂H₁/∂p({}Qᵢ, Pᵢ)·{dw}", t("tᵢ"));
+        let slope = format!("∂K/∂p({}Qᵢ, Pᵢ)", t("tᵢ"));
+        let term = features.potential("h·|h|·bᵢ", &slope, 1);
+        displacement.push_str(&term.replacen('−', "+", 1));
     }
     lines.push(format!("  Yᵢ = {displacement}"));
     lines.push("then".to_owned());
@@ -80,11 +88,18 @@ fn equations(count: usize, stages: &Stages, features: &Features) -> Vec<String> 
         format!("h·bᵢ·∂L/∂q({})", point("ᵢ"))
     };
     if features.gammas > 0 {
-        let _ = write!(impulse, " + bᵢ·Σ ∂γ/∂q({}Qᵢ)·ΔW", t("tᵢ"));
+        let _ = write!(impulse, " + {b}Σ ∂γ/∂q({}Qᵢ)·{dw}", t("tᵢ"));
     }
     if features.hamiltonians > 0 {
-        let _ = write!(impulse, " − bᵢ·Σ ∂H₁/∂q({}Qᵢ, Pᵢ)·ΔW", t("tᵢ"));
+        let _ = write!(impulse, " − {b}Σ ∂H₁/∂q({}Qᵢ, Pᵢ)·{dw}", t("tᵢ"));
     }
+    let p = if features.hamiltonians > 0 {
+        ", Pᵢ"
+    } else {
+        ""
+    };
+    let slope = format!("∂K/∂q({}Qᵢ{p})", t("tᵢ"));
+    impulse.push_str(&features.potential("h·|h|·bᵢ", &slope, 1));
     lines.push(format!("  Fᵢ = {impulse}"));
     if features.hamiltonians > 0 {
         lines.push(format!("  Pᵢ = ∂L/∂v({})", point("ᵢ")));

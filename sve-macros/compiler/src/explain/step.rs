@@ -5,7 +5,7 @@ use super::page::Page;
 use super::shown;
 use crate::algebra::{Arena, Expr, Notation, Sum, Symbol};
 use crate::rules::action::Action;
-use crate::rules::{Features, Rule, Textbook};
+use crate::rules::{Features, Rule, RuleOption, Textbook};
 use crate::structure::{Block, Kind, Matrix, Scheme, Solution};
 use crate::system::mechanics::Mechanics;
 use crate::system::model::{AtNode, Meaning, Model, NodeQuantity, Symbols};
@@ -34,7 +34,7 @@ pub(crate) fn step(
         action: textbook,
         mut notation,
         work,
-    } = rule.textbook(&features(model, mechanics, action.half_factor, arena));
+    } = rule.textbook(&features(rule, model, mechanics, action.half_factor, arena));
     let mut lines = vec![textbook];
     if let Some((text, parts)) = written_out(rule, action, symbols, arena) {
         lines.push(text);
@@ -77,6 +77,7 @@ fn domain(rule: Rule, scheme: &Scheme<Expr>, symbols: &Symbols, arena: &Arena) -
 
 /// What of the system shows in the textbook form of an action.
 pub(super) fn features(
+    rule: Rule,
     model: &Model,
     mechanics: &Mechanics,
     potential: Option<f64>,
@@ -93,6 +94,7 @@ pub(super) fn features(
         is_timed: timed(model.lagrangian) || noises.iter().any(|g| timed(g.hamiltonian)),
         force_is_timed: model.force.as_ref().map(|f| f.iter().any(|&e| timed(e))),
         potential,
+        has_stage_noise: rule.options.contain(RuleOption::StageNoise),
         gammas,
         hamiltonians: noises.len() - gammas,
         moves_both: moves_q && moves_p,
@@ -100,7 +102,7 @@ pub(super) fn features(
 }
 
 /// What K of the option `weak2` stands for.
-fn potential(model: &Model) -> &'static str {
+pub(super) fn potential(model: &Model) -> &'static str {
     let is_gamma = model.noises.iter().all(|noise| noise.is_gamma);
     match (is_gamma, model.noises.len(), model.dof()) {
         (true, 1, 1) => "K = (∂γ/∂q)²/(∂²L/∂v²)",

@@ -119,13 +119,20 @@ impl Variables<'_> {
         let h = self.arena.symbol(self.h);
         let lagrangian = self.arena.substitute(self.model.lagrangian, node);
         let action = self.arena.mul(h, lagrangian);
-        let Some((half_factor, potential)) = self.potential else {
-            return action;
-        };
+        match self.weak2(node) {
+            Some(term) => self.arena.sum(0.0, &[(1.0, action), term]),
+            None => action,
+        }
+    }
+
+    /// The term `− ½ κ h |h| Σ_a K_a` at a node with the option `weak2`, as a factor and an expression.
+    pub(super) fn weak2(&mut self, node: &HashMap<Symbol, Expr>) -> Option<(f64, Expr)> {
+        let (half_factor, potential) = self.potential?;
         let potential = self.potential_at(potential, node);
+        let h = self.arena.symbol(self.h);
         let size = self.arena.abs(h);
         let term = self.arena.product(&[(h, 1), (size, 1), (potential, 1)]);
-        self.arena.sum(0.0, &[(1.0, action), (-half_factor, term)])
+        Some((-half_factor, term))
     }
 
     /// `Σ_a K_a` at a node, with its derivatives by the chain rule.

@@ -17,7 +17,7 @@
 use std::collections::HashMap;
 
 use super::action::{Discrete, Variables};
-use super::{Discretisation, Features, RuleOption, StrongOrder, Textbook};
+use super::{Discretisation, Features, Options, RuleOption, StrongOrder, Textbook, Weak2};
 use crate::algebra::{Expr, Symbol};
 use crate::system::model::{Family, NodeQuantity, Unknown};
 
@@ -55,7 +55,20 @@ impl Discretisation for Gauss {
     }
 
     fn options(&self) -> &'static [RuleOption] {
-        &[RuleOption::StageNoise]
+        &[RuleOption::StageNoise, RuleOption::Weak2]
+    }
+
+    fn weak2(&self, options: Options) -> Option<Weak2> {
+        let has_stage_noise = options.contain(RuleOption::StageNoise);
+        let divisor = if has_stage_noise {
+            4 * (2 * self.stages - 1)
+        } else {
+            6
+        };
+        Some(Weak2 {
+            factor: 1.0 / divisor as f64,
+            takes_h1: !has_stage_noise,
+        })
     }
 
     fn deterministic_order(&self) -> u32 {
@@ -109,6 +122,9 @@ impl Discretisation for Gauss {
                 let dw = x.arena.symbol(dw);
                 terms.push((-weight, x.arena.mul(g, dw)));
             }
+            if let Some((factor, term)) = x.weak2(&node) {
+                terms.push((weight * factor, term));
+            }
             work.extend(x.work(weight, &node));
         }
         for k in 0..n {
@@ -150,14 +166,23 @@ impl Discretisation for Gauss {
     fn textbook(&self, system: &Features) -> Textbook {
         let t = if system.is_timed { "tᵢ, " } else { "" };
         let constraint = system.pairing("Pᵢ", "Uᵢ − Vᵢ");
-        let mut terms = vec![format!("S = Σᵢ {{ h·bᵢ·(L({t}Qᵢ, Vᵢ) + {constraint})")];
+        let p = if system.hamiltonians > 0 {
+            ", Pᵢ"
+        } else {
+            ""
+        };
+        let potential = system.potential("|h|", &format!("K({t}Qᵢ{p})"), 1);
+        let mut terms = vec![format!(
+            "S = Σᵢ {{ h·bᵢ·(L({t}Qᵢ, Vᵢ){potential} + {constraint})"
+        )];
         let sum = |count: usize| if count > 1 { "Σ " } else { "" };
+        let (b, dw) = system.increment_at_stage();
         if system.gammas > 0 {
-            terms.push(format!(" + bᵢ·{}γ({t}Qᵢ)·ΔW", sum(system.gammas)));
+            terms.push(format!(" + {b}{}γ({t}Qᵢ)·{dw}", sum(system.gammas)));
         }
         if system.hamiltonians > 0 {
             terms.push(format!(
-                " − bᵢ·{}H₁({t}Qᵢ, Pᵢ)·ΔW",
+                " − {b}{}H₁({t}Qᵢ, Pᵢ)·{dw}",
                 sum(system.hamiltonians)
             ));
         }
@@ -166,6 +191,9 @@ impl Discretisation for Gauss {
         let mut notation = vec!["Qᵢ = q₀ + h·Σⱼ aᵢⱼ·Uⱼ".to_owned()];
         if system.is_timed {
             notation.push("tᵢ = t₀ + cᵢ·h".to_owned());
+        }
+        if system.has_stage_noise {
+            notation.push("ωᵢ = ∫ ℓᵢ dW with the Lagrange basis ℓ of the nodes".to_owned());
         }
         let stages = self.stages;
         notation.push(format!("a, b, c of Gauss quadrature with {stages} nodes"));

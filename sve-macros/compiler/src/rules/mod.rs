@@ -170,6 +170,8 @@ pub(crate) struct Features {
     pub(crate) force_is_timed: Option<bool>,
     /// ½κ of the option `weak2`, if the action has its term.
     pub(crate) potential: Option<f64>,
+    /// Whether each process has an increment for each stage.
+    pub(crate) has_stage_noise: bool,
     /// Numbers of γ and of H₁.
     pub(crate) gammas: usize,
     pub(crate) hamiltonians: usize,
@@ -197,11 +199,21 @@ impl Features {
         }
     }
 
-    /// The term of the option `weak2` in an action, ` − h·|h|·(K(q₀) + K(q₁))/16` for the sum `K(q₀) + K(q₁)` over two nodes of equal weight.
-    fn potential(&self, sum: &str, nodes: u32) -> String {
+    /// The term of the option `weak2` in an action, ` − h·|h|·(K(q₀) + K(q₁))/16` for the factor `h·|h|` and the sum `K(q₀) + K(q₁)` over two nodes of equal weight.
+    pub(crate) fn potential(&self, factor: &str, sum: &str, nodes: u32) -> String {
         match self.potential {
-            Some(half) => format!(" − h·|h|·{sum}/{}", f64::from(nodes) / half),
+            // κ is one over an integer
+            Some(half) => format!(" − {factor}·{sum}/{}", (f64::from(nodes) / half).round()),
             None => String::new(),
+        }
+    }
+
+    /// The weight of a stage and the increment, whose product is the increment at the stage.
+    pub(crate) fn increment_at_stage(&self) -> (&'static str, &'static str) {
+        if self.has_stage_noise {
+            ("", "ωᵢ")
+        } else {
+            ("bᵢ·", "ΔW")
         }
     }
 

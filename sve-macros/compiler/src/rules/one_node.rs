@@ -143,7 +143,7 @@ impl Discretisation for OneNode {
         let mut notation: Vec<&str> = self.position_is.into_iter().collect();
         notation.extend(self.time_is.filter(|_| system.is_timed));
         let constraint = system.pairing("p", "q₁ − q₀ − h·v");
-        let potential = system.potential(&format!("K({t}{q})"), 1);
+        let potential = system.potential("h·|h|", &format!("K({t}{q})"), 1);
         let mut terms = vec![format!("S = h·L({t}{q}, v){potential} + {constraint}")];
         let sum = |count: usize| if count > 1 { "Σ " } else { "" };
         if system.gammas > 0 {

@@ -113,7 +113,7 @@ impl Discretisation for StormerVerlet {
             ("", "")
         };
         let constraint = system.pairing("p", "q₁ − q₀ − h·v");
-        let potential = system.potential(&format!("(K({t0}q₀) + K({t1}q₁))"), 2);
+        let potential = system.potential("h·|h|", &format!("(K({t0}q₀) + K({t1}q₁))"), 2);
         let mut terms = vec![format!(
             "S = h·(L({t0}q₀, v) + L({t1}q₁, v))/2{potential} + {constraint}"
         )];

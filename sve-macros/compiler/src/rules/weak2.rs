@@ -8,17 +8,20 @@
 //!
 //! so that L becomes `L − ½ κ |h| Σ_a K_a` at each node. The variance of an increment is `|h|`, so a symmetric rule stays symmetric. A step of order 3 or above with frozen
 //! increments has κ = ⅙. The midpoint rule, and that of Störmer and Verlet, are flows of Hamiltonians that lack another `h ΔW² K_a/24` if `G_a` is a γ, which makes κ = ¼.
-//! For a γ, `K_a = ⟨γ_q, M⁻¹ γ_q⟩` with `M = ∂²L/∂v²`.
+//! For a γ, `K_a = ⟨γ_q, M⁻¹ γ_q⟩` with `M = ∂²L/∂v²`. For an H₁, K depends on the momentum too, and takes the place of a noise Hamiltonian with the increment `½ κ h |h| bᵢ`
+//! at node i; a force is then refused, since the leading error has the double bracket with the force too. A Gauss rule with stage noise has `κ = 1/(4(2S − 1))`.
 //!
 //! The derivation is in `docs/mathematics.md`, section 9.
 //!
 //! Input: the model with its derivatives. Output: `Σ_a K_a`, or the reason why the option is refused.
 
+use std::collections::HashMap;
+
 use super::{Rule, RuleOption};
-use crate::algebra::{Arena, Expr};
+use crate::algebra::{Arena, Expr, Symbol};
 use crate::system::inverse_mass::{self, NoFormula};
-use crate::system::mechanics::{Commutation, Mechanics, NoiseJet};
-use crate::system::model::Model;
+use crate::system::mechanics::{self, Commutation, Mechanics, NoiseJet};
+use crate::system::model::{Model, NoiseTerm};
 
 /// What a rule says of the option.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,7 +38,12 @@ pub(crate) enum Obstacle {
     /// Two noises do not commute.
     NonCommuting(String, String),
     /// A noise moves the position, and the rule is not for such noises.
-    MovesPosition(String),
+    MovesPosition {
+        noise: String,
+        is_forced: bool,
+    },
+    /// A noise moves the position, and there is a force.
+    MovesPositionWithForce(String),
     /// ∂²L/∂v² depends on v.
     MomentumNotAffine,
     /// A force is not affine in v.
@@ -53,14 +61,20 @@ fn obstacle(
     if let Commutation::NonCommuting(a, b) = &mechanics.commutation {
         return Some(Obstacle::NonCommuting(a.clone(), b.clone()));
     }
-    if !takes_h1 {
+    let is_forced = model.force.is_some();
+    if !takes_h1 || is_forced {
         let moves_position = |at: &usize| {
             let dp = &mechanics.noises[*at].dp;
             dp.iter()
                 .any(|&e| arena.constant_value(e) != Some(0.0) && !arena.is_zero(e))
         };
         if let Some(at) = (0..model.noises.len()).find(moves_position) {
-            return Some(Obstacle::MovesPosition(model.noises[at].name.clone()));
+            let noise = model.noises[at].name.clone();
+            return Some(if takes_h1 {
+                Obstacle::MovesPositionWithForce(noise)
+            } else {
+                Obstacle::MovesPosition { noise, is_forced }
+            });
         }
     }
     if !mechanics.affine_momentum {
@@ -80,7 +94,8 @@ fn obstacle(
     None
 }
 
-/// `Σ_a K_a` in the variables of the model.
+/// `Σ_a K_a` as a function of time, position and momentum.
+#[derive(Clone)]
 pub(crate) struct Potential {
     pub(crate) value: Expr,
     /// The derivatives in q, if they are all that differ from zero.
@@ -124,10 +139,52 @@ pub(crate) fn potential(
         let gradient = Some(gradient);
         return Ok((!is_constant).then_some(Potential { value, gradient }));
     }
+    let velocities = velocities(model, mechanics, arena).map_err(Obstacle::NoInverseMass)?;
     Ok(Some(Potential {
-        value,
+        value: arena.substitute(value, &velocities),
         gradient: None,
     }))
+}
+
+/// The velocity that belongs to a momentum, `M⁻¹ (p − a)` for `∂L/∂v = M v + a`.
+fn velocities(
+    model: &Model,
+    mechanics: &Mechanics,
+    arena: &mut Arena,
+) -> Result<HashMap<Symbol, Expr>, NoFormula> {
+    let zero = arena.constant(0.0);
+    let rest = model.v.iter().map(|&v| (v, zero)).collect();
+    let rows = mechanics.lagrangian.dvv.iter();
+    let mass: Vec<Vec<Expr>> = rows.map(|row| arena.substitute_all(row, &rest)).collect();
+    let offset = arena.substitute_all(&mechanics.lagrangian.dv, &rest);
+    let mut momenta = Vec::with_capacity(model.dof());
+    for (&p, &a) in model.p.iter().zip(&offset) {
+        let p = arena.symbol(p);
+        momenta.push(arena.sub(p, a));
+    }
+    let velocities = inverse_mass::solve(&mass, &momenta, &model.q, arena)?;
+    Ok(model.v.iter().copied().zip(velocities).collect())
+}
+
+impl Potential {
+    /// `½ Σ_a K_a` as a noise Hamiltonian, with its derivatives.
+    pub(crate) fn noise(&self, model: &Model, arena: &mut Arena) -> (NoiseTerm, NoiseJet) {
+        let noise = NoiseTerm {
+            name: "K".to_owned(),
+            is_gamma: false,
+            hamiltonian: arena.scale(0.5, self.value),
+        };
+        let jet = match &self.gradient {
+            Some(gradient) => {
+                let dq = gradient.iter().map(|&slope| arena.scale(0.5, slope));
+                let dq = dq.collect();
+                let dp = vec![arena.constant(0.0); model.dof()];
+                mechanics::noise_jet_of(dq, dp, model, arena)
+            }
+            None => mechanics::noise_jet(&noise, model, arena),
+        };
+        (noise, jet)
+    }
 }
 
 /// The terms of `∂K/∂q_k = 2 ⟨∂G_q/∂q_k, w⟩ − ⟨w, ∂M/∂q_k w⟩` for a γ, with `K = ⟨G_q, w⟩` and `w = M⁻¹ G_q`. No derivative of w is in them.
@@ -222,11 +279,19 @@ impl Obstacle {
             Self::NonCommuting(a, b) => format!(
                 "`weak2` is for noises that commute, and `{a}` and `{b}` do not: write `{without}`"
             ),
-            Self::MovesPosition(name) => {
+            Self::MovesPositionWithForce(name) => format!(
+                "the noise `{name}` moves the position, and with such noise and a force `{}` has weak order 1 as without the option: write `{without}`",
+                rule.name()
+            ),
+            Self::MovesPosition {
+                noise: name,
+                is_forced,
+            } => {
                 let others = Rule::all().into_iter();
                 let mut others = others.map(|rule| rule.with(RuleOption::Weak2));
                 let other =
                     others.find(|rule| rule.weak2(rule.options).is_some_and(|w| w.takes_h1));
+                let other = other.filter(|_| !is_forced);
                 let other =
                     other.map_or_else(String::new, |rule| format!(", or `{}`", rule.name()));
                 format!(

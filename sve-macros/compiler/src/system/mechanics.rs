@@ -4,6 +4,7 @@ use crate::algebra::{Arena, Expr, Purpose, Symbol, Vanishing};
 use crate::system::model::{Model, NoiseTerm};
 
 /// Derivatives of the Lagrangian, in the order of the runtime's `LagrangianJet`.
+#[derive(Clone)]
 pub(crate) struct LagrangianJet {
     pub(crate) value: Expr,
     pub(crate) dq: Vec<Expr>,
@@ -16,6 +17,7 @@ pub(crate) struct LagrangianJet {
 }
 
 /// Derivatives of a noise Hamiltonian, in the order of the runtime's `NoiseJet`.
+#[derive(Clone)]
 pub(crate) struct NoiseJet {
     pub(crate) dq: Vec<Expr>,
     pub(crate) dp: Vec<Expr>,
@@ -25,6 +27,7 @@ pub(crate) struct NoiseJet {
 }
 
 /// A force with its derivatives, in the order of the runtime's `ForceJet`.
+#[derive(Clone)]
 pub(crate) struct ForceJet {
     pub(crate) value: Vec<Expr>,
     pub(crate) dq: Vec<Vec<Expr>>,
@@ -76,6 +79,7 @@ impl ForceJet {
 }
 
 /// The derivatives and properties of a model.
+#[derive(Clone)]
 pub(crate) struct Mechanics {
     pub(crate) lagrangian: LagrangianJet,
     pub(crate) noises: Vec<NoiseJet>,
@@ -91,6 +95,7 @@ pub(crate) struct Mechanics {
 }
 
 /// Whether the noises of a model commute.
+#[derive(Clone)]
 pub(crate) enum Commutation {
     /// All pairs of noises commute, as proved or as found at random points.
     All(Vanishing),
@@ -161,6 +166,13 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
 }
 
 impl Mechanics {
+    /// The derivatives with those of one more noise Hamiltonian.
+    pub(crate) fn with_noise(&self, noise: NoiseJet) -> Self {
+        let mut mechanics = self.clone();
+        mechanics.noises.push(noise);
+        mechanics
+    }
+
     /// Replaces all expressions by forms that are stable in floating-point arithmetic.
     pub(crate) fn stabilise(&mut self, arena: &mut Arena) {
         let jets = self.noises.iter_mut().flat_map(NoiseJet::exprs);
@@ -170,9 +182,20 @@ impl Mechanics {
     }
 }
 
-fn noise_jet(noise: &NoiseTerm, model: &Model, arena: &mut Arena) -> NoiseJet {
+/// Differentiates a noise Hamiltonian.
+pub(crate) fn noise_jet(noise: &NoiseTerm, model: &Model, arena: &mut Arena) -> NoiseJet {
     let dq = gradient(arena, noise.hamiltonian, &model.q);
     let dp = gradient(arena, noise.hamiltonian, &model.p);
+    noise_jet_of(dq, dp, model, arena)
+}
+
+/// The derivatives of a noise Hamiltonian from its gradient.
+pub(crate) fn noise_jet_of(
+    dq: Vec<Expr>,
+    dp: Vec<Expr>,
+    model: &Model,
+    arena: &mut Arena,
+) -> NoiseJet {
     NoiseJet {
         dqq: hessian(arena, &dq, &model.q),
         dqp: hessian(arena, &dq, &model.p),

@@ -145,6 +145,7 @@ pub(crate) enum Quantity {
 }
 
 /// A noise Hamiltonian: `−γ` or `H₁`.
+#[derive(Clone)]
 pub(crate) struct NoiseTerm {
     /// Source name, with an index if the function returns an array.
     pub(crate) name: String,
@@ -154,6 +155,7 @@ pub(crate) struct NoiseTerm {
 }
 
 /// A generator ξ of a symmetry.
+#[derive(Clone)]
 pub(crate) struct Generator {
     /// Source name.
     pub(crate) name: String,
@@ -226,6 +228,7 @@ impl Symbols {
 }
 
 /// The mechanical system.
+#[derive(Clone)]
 pub(crate) struct Model {
     pub(crate) symbols: Symbols,
     pub(crate) time: Symbol,
@@ -244,5 +247,12 @@ pub(crate) struct Model {
 impl Model {
     pub(crate) fn dof(&self) -> usize {
         self.q.len()
+    }
+
+    /// The model with one more noise Hamiltonian.
+    pub(crate) fn with_noise(&self, noise: NoiseTerm) -> Self {
+        let mut model = self.clone();
+        model.noises.push(noise);
+        model
     }
 }

@@ -7,7 +7,7 @@ use super::{Evaluation, Newton};
 use crate::solve::SolveError;
 use crate::solve::dense::{DeterminantSign, Matrix};
 
-/// Solves the blocks of a step: what [`Variational::increment`](crate::Variational::increment) is called with.
+/// Solves the blocks of a step: what [`StepEquations::increment`](crate::StepEquations::increment) is called with.
 #[derive(Clone, Copy, Debug)]
 pub struct BlockSolver<'a> {
     newton: &'a Newton,

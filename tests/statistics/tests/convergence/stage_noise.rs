@@ -1,17 +1,23 @@
-//! Strong orders with stage noise: min(S, 3) where the noise is additive, otherwise 1. The reference is a finer step on the same path.
+//! Strong orders with stage noise: min(S, 3) where the noise is additive, otherwise 1, and 1.5 with the option `weak2`. The reference is a finer step on the same path.
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, Discretised, StrongOrder, System};
 
 macro_rules! systems {
-    ($($(#[$doc:meta])* $name:ident, $q:ident, $lagrangian:expr, $gamma:expr;)*) => {$(
+    ($($(#[$doc:meta])* $name:ident, $q:ident, $v:ident, $lagrangian:expr, $gamma:expr;)*) => {$(
         $(#[$doc])*
         struct $name;
 
-        #[variational(gauss(2, stage_noise), gauss(3, stage_noise), gauss(4, stage_noise))]
+        #[variational(
+            gauss(2, stage_noise),
+            gauss(3, stage_noise),
+            gauss(4, stage_noise),
+            gauss(2, stage_noise, weak2),
+            gauss(3, stage_noise, weak2)
+        )]
         impl $name {
-            fn lagrangian(&self, $q: f64, v: f64) -> f64 {
-                0.5 * v * v + $lagrangian
+            fn lagrangian(&self, $q: f64, $v: f64) -> f64 {
+                $lagrangian
             }
             #[gamma]
             fn push(&self, $q: f64) -> f64 {
@@ -23,14 +29,20 @@ macro_rules! systems {
 
 systems! {
     /// A pendulum that is pushed.
-    Pendulum, q, 2.0 * q.cos(), 0.7 * q;
+    Pendulum, q, v, 0.5 * v * v + 2.0 * q.cos(), 0.7 * q;
     /// A double well that is pushed.
-    DoubleWell, q, -0.25 * (q * q - 1.0).powi(2), 0.7 * q;
+    DoubleWell, q, v, 0.5 * v * v - 0.25 * (q * q - 1.0).powi(2), 0.7 * q;
     /// A pendulum with noise that depends on its place.
-    Shaken, q, 2.0 * q.cos(), 0.7 * (2.0 * q).sin();
+    Shaken, q, v, 0.5 * v * v + 2.0 * q.cos(), 0.7 * (2.0 * q).sin();
+    /// The same with a mass that depends on its place.
+    Heavy, q, v, 0.5 * (1.0 + 0.25 * q * q) * v * v + 2.0 * q.cos(), 0.7 * (2.0 * q).sin();
 }
 
-const PATHS: u64 = 64;
+/// Paths that tell order 1 from 2 and from 3.
+const FEW: u64 = 64;
+
+/// Paths that tell order 1 from 1.5.
+const MANY: u64 = 512;
 
 /// Steps that are measured, in units of the fewest.
 const STEPS: [usize; 4] = [1, 2, 4, 8];
@@ -38,8 +50,8 @@ const STEPS: [usize; 4] = [1, 2, 4, 8];
 /// Steps of the reference, in these units.
 const FINE: usize = 64;
 
-/// Slope of the RMS error at time 1 against the step, on all paths.
-fn order<S, R, const K: usize>(method: &Integrator<S, R>, fewest: usize) -> f64
+/// Slope of the RMS error at time 1 against the step, for numbers of paths and of fewest steps.
+fn order<S, R, const K: usize>(method: &Integrator<S, R>, [paths, fewest]: [u64; 2]) -> f64
 where
     S: Discretised<R> + System<Dims = Dims<1, 1>>,
 {
@@ -48,9 +60,9 @@ where
         let end = method.trajectory(start, path.h(), path).last();
         end.expect("a step").expect("a solution")
     };
-    let finest = FINE * fewest;
+    let finest = FINE * fewest as usize;
     let mut squares = [0.0; STEPS.len()];
-    for number in 0..PATHS {
+    for number in 0..paths {
         let noise = Wiener::new(17).path(number);
         let fine = Recorded::record_stages(noise, 1.0 / finest as f64, 1, K, finest).unwrap();
         let exact = end(&fine);
@@ -64,7 +76,7 @@ where
 }
 
 /// Checks the order that the plan states.
-fn check<S, R, const K: usize>(system: S, rule: R, fewest: usize, bias: f64)
+fn check<S, R, const K: usize>(system: S, rule: R, numbers: [u64; 2], bias: f64)
 where
     S: Discretised<R> + System<Dims = Dims<1, 1>>,
 {
@@ -77,7 +89,7 @@ where
         StrongOrder::Three => 3.0,
         other => panic!("{other:?}"),
     };
-    let order = order::<S, R, K>(&method, fewest);
+    let order = order::<S, R, K>(&method, numbers);
     println!(
         "{} by {}: {order:.3} for {expected}",
         plan.system, plan.rule
@@ -92,15 +104,24 @@ where
 
 #[test]
 fn additive_noise_has_the_order_of_the_stages_up_to_three() {
-    check::<_, _, 2>(Pendulum, StageNoise(Gauss::<2>), 4, 0.15);
-    check::<_, _, 3>(Pendulum, StageNoise(Gauss::<3>), 4, 0.15);
-    check::<_, _, 2>(DoubleWell, StageNoise(Gauss::<2>), 4, 0.15);
-    check::<_, _, 3>(DoubleWell, StageNoise(Gauss::<3>), 4, 0.15);
-    check::<_, _, 4>(DoubleWell, StageNoise(Gauss::<4>), 4, 0.4);
+    check::<_, _, 2>(Pendulum, StageNoise(Gauss::<2>), [FEW, 4], 0.15);
+    check::<_, _, 3>(Pendulum, StageNoise(Gauss::<3>), [FEW, 4], 0.15);
+    check::<_, _, 2>(DoubleWell, StageNoise(Gauss::<2>), [FEW, 4], 0.15);
+    check::<_, _, 3>(DoubleWell, StageNoise(Gauss::<3>), [FEW, 4], 0.15);
+    check::<_, _, 4>(DoubleWell, StageNoise(Gauss::<4>), [FEW, 4], 0.4);
 }
 
 #[test]
 fn other_noise_has_order_one() {
-    check::<_, _, 2>(Shaken, StageNoise(Gauss::<2>), 32, 0.1);
-    check::<_, _, 3>(Shaken, StageNoise(Gauss::<3>), 32, 0.1);
+    check::<_, _, 2>(Shaken, StageNoise(Gauss::<2>), [MANY, 32], 0.1);
+    check::<_, _, 3>(Shaken, StageNoise(Gauss::<3>), [MANY, 32], 0.1);
+    check::<_, _, 2>(Heavy, StageNoise(Gauss::<2>), [MANY, 32], 0.1);
+}
+
+#[test]
+fn the_option_weak2_makes_it_one_and_a_half() {
+    check::<_, _, 2>(Shaken, Weak2(StageNoise(Gauss::<2>)), [MANY, 32], 0.1);
+    check::<_, _, 3>(Shaken, Weak2(StageNoise(Gauss::<3>)), [MANY, 32], 0.1);
+    check::<_, _, 2>(Heavy, Weak2(StageNoise(Gauss::<2>)), [MANY, 32], 0.1);
+    check::<_, _, 3>(Heavy, Weak2(StageNoise(Gauss::<3>)), [MANY, 32], 0.1);
 }

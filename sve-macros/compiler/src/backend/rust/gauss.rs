@@ -1,4 +1,4 @@
-//! `impl Variational<Gauss<S>>`: a thin layer over the runtime's functions for steps of many stages.
+//! `impl StepEquations<Gauss<S>>`: a thin layer over the runtime's functions for steps of many stages.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::{ToTokens, quote};
@@ -11,10 +11,12 @@ use crate::explain::{STAGES_OF_FIXED_POINT, StepTexts};
 use crate::program::{Operations, Work};
 use crate::rules::{Rule, RuleOption};
 
+/// Prints the step of a rule; `half_factor` is ½κ of the option `weak2`, if the action has its term.
 pub(crate) fn gauss(
     context: &Context<'_>,
     (rule, weak_order): (Rule, u32),
     count: usize,
+    half_factor: Option<f64>,
     stages: &Stages,
     code: &StageCode,
     texts: &StepTexts,
@@ -26,50 +28,21 @@ pub(crate) fn gauss(
     let dof = context.model.dof();
     let unknowns = stages.unknowns(count, dof);
     let processes = context.model.noises.len();
-    let has_stage_noise = rule.options.contain(RuleOption::StageNoise);
-    let increments = if has_stage_noise {
-        count * processes
-    } else {
-        processes
-    };
-    let [n, m, s, k, increments] =
-        [dof, processes, count, unknowns, increments].map(Literal::usize_unsuffixed);
-    let (noise, stages_of_noise) = if has_stage_noise {
-        let noise = quote!(#private::gauss::by_stage::<#s, #m, #increments>(dw));
-        (noise, quote!(const STAGES: usize = #s;))
-    } else {
-        (quote!(#private::gauss::shares::<#s, #m>(dw)), quote!())
-    };
-    let rows = match stages.form {
-        Form::General => 0,
-        Form::SecondOrder { .. } => 1,
-        Form::Partitioned { .. } => 2,
-    };
-    // with noise, stages say nothing of those of the next step; with few stages none are iterated
-    let carries = context.model.noises.is_empty() && count >= STAGES_OF_FIXED_POINT && rows > 0;
-    let l = Literal::usize_unsuffixed(1 + rows * dof * count);
-    let (memory_type, memory) = if carries {
-        (quote!(::core::option::Option<[f64; #l]>), quote!(memory))
-    } else {
-        (quote!(()), quote!(&mut ::core::option::Option::None))
-    };
-    let (prepared, prepare, increment) = match stages.form {
-        Form::General => (
-            quote!(()),
-            quote!(),
-            quote!(#private::gauss::newton_increment::<Self, _, #s, #n, #m, #k>(self, state, h, #noise, newton)),
-        ),
-        Form::SecondOrder { .. } => (
-            quote!(#private::gauss::InverseMass<#n>),
-            quote!(#private::gauss::InverseMass::of(self)),
-            quote!(#private::gauss::second_order_increment::<Self, _, #s, #n, #m, #k, #l>(self, prepared, #memory, state, h, #noise, newton)),
-        ),
-        Form::Partitioned { .. } => (
-            quote!(()),
-            quote!(),
-            quote!(#private::gauss::partitioned_increment::<Self, _, #s, #n, #m, #k, #l>(self, #memory, state, h, #noise, newton)),
-        ),
-    };
+    let [n, s, k] = [dof, count, unknowns].map(Literal::usize_unsuffixed);
+    let noise = noise(rule, count, processes, half_factor, &private);
+    let Solve {
+        prepared,
+        prepare,
+        memory: memory_type,
+        increment,
+    } = solve(&private, context, count, stages, &noise);
+    let Noise {
+        increments,
+        at_stages,
+        processes: m,
+        system,
+        stages_constant,
+    } = &noise;
     let names = names(count, dof, stages.moves_position);
     let plan = plan_of(
         &private,
@@ -78,21 +51,14 @@ pub(crate) fn gauss(
         texts,
         &cost(&names, code, count, dof),
     );
-    let StepTexts { action, step, .. } = texts;
-    let doc = documented(&[
-        (
-            "Discrete action, of which `p₀ = −∂S/∂q₀`, `p₁ = ∂S/∂q₁`, `0 = ∂S/∂(each internal variable)`:",
-            action,
-        ),
-        ("Equations of the step:", step),
-    ]);
+    let doc = documentation(texts);
     quote! {
         #doc
         #attributes
         impl #private::StepEquations<#rule_type> for #self_ty {
             type Prepared = #prepared;
             type Increments = [f64; #increments];
-            #stages_of_noise
+            #stages_constant
             type Memory = #memory_type;
             type Unknowns = [f64; #k];
             const PLAN: &'static #private::Plan = &#plan;
@@ -128,10 +94,145 @@ pub(crate) fn gauss(
                 dw: &[f64; #increments],
                 unknowns: &[f64; #k],
             ) -> #private::Linearisation {
-                #private::gauss::linearise::<Self, _, #s, #n, #m, #k>(self, state, h, #noise, unknowns)
+                #private::gauss::linearise::<_, _, #s, #n, #m, #k>(#system, state, h, #at_stages, unknowns)
             }
         }
         #private::derived_rule! { #self_ty, #rule_type }
+    }
+}
+
+/// What depends on the form of the system: types and bodies of the step.
+struct Solve {
+    /// The type of what `prepare` returns, and its body.
+    prepared: TokenStream,
+    prepare: TokenStream,
+    /// The type of what a trajectory carries.
+    memory: TokenStream,
+    /// The body of `increment`.
+    increment: TokenStream,
+}
+
+fn solve(
+    private: &TokenStream,
+    context: &Context<'_>,
+    count: usize,
+    stages: &Stages,
+    noise: &Noise,
+) -> Solve {
+    let Noise {
+        at_stages: noise,
+        processes: m,
+        system,
+        ..
+    } = noise;
+    let (dof, processes) = (context.model.dof(), context.model.noises.len());
+    let rows = match stages.form {
+        Form::General => 0,
+        Form::SecondOrder { .. } => 1,
+        Form::Partitioned { .. } => 2,
+    };
+    let sizes = [
+        count,
+        dof,
+        stages.unknowns(count, dof),
+        1 + rows * dof * count,
+    ];
+    let [s, n, k, l] = sizes.map(Literal::usize_unsuffixed);
+    // with noise, stages say nothing of those of the next step; with few stages none are iterated
+    let carries = processes == 0 && count >= STAGES_OF_FIXED_POINT && rows > 0;
+    let (memory_type, memory) = if carries {
+        (quote!(::core::option::Option<[f64; #l]>), quote!(memory))
+    } else {
+        (quote!(()), quote!(&mut ::core::option::Option::None))
+    };
+    let (prepared, prepare, increment) = match stages.form {
+        Form::General => (
+            quote!(()),
+            quote!(),
+            quote!(#private::gauss::newton_increment::<_, _, #s, #n, #m, #k>(#system, state, h, #noise, newton)),
+        ),
+        Form::SecondOrder { .. } => (
+            quote!(#private::gauss::InverseMass<#n>),
+            quote!(#private::gauss::InverseMass::of(self)),
+            quote!(#private::gauss::second_order_increment::<_, _, #s, #n, #m, #k, #l>(#system, prepared, #memory, state, h, #noise, newton)),
+        ),
+        Form::Partitioned { .. } => (
+            quote!(()),
+            quote!(),
+            quote!(#private::gauss::partitioned_increment::<_, _, #s, #n, #m, #k, #l>(#system, #memory, state, h, #noise, newton)),
+        ),
+    };
+    Solve {
+        prepared,
+        prepare,
+        memory: memory_type,
+        increment,
+    }
+}
+
+fn documentation(texts: &StepTexts) -> TokenStream {
+    let StepTexts { action, step, .. } = texts;
+    documented(&[
+        (
+            "Discrete action, of which `p₀ = −∂S/∂q₀`, `p₁ = ∂S/∂q₁`, `0 = ∂S/∂(each internal variable)`:",
+            action,
+        ),
+        ("Equations of the step:", step),
+    ])
+}
+
+/// The increments of a step.
+struct Noise {
+    /// How many there are.
+    increments: Literal,
+    /// The increments of each process at the stages.
+    at_stages: TokenStream,
+    /// The number of processes at the stages.
+    processes: Literal,
+    /// The system with these processes.
+    system: TokenStream,
+    /// The number of stages, for a rule with stage noise.
+    stages_constant: Option<TokenStream>,
+}
+
+fn noise(
+    rule: Rule,
+    count: usize,
+    processes: usize,
+    half_factor: Option<f64>,
+    private: &TokenStream,
+) -> Noise {
+    let [s, m] = [count, processes].map(Literal::usize_unsuffixed);
+    let has_stage_noise = rule.options.contain(RuleOption::StageNoise);
+    let increments = if has_stage_noise {
+        count * processes
+    } else {
+        processes
+    };
+    let increments = Literal::usize_unsuffixed(increments);
+    let at_stages = if has_stage_noise {
+        quote!(#private::gauss::by_stage::<#s, #m, #increments>(dw))
+    } else {
+        quote!(#private::gauss::shares::<#s, #m>(dw))
+    };
+    let stages_constant = has_stage_noise.then(|| quote!(const STAGES: usize = #s;));
+    let Some(half_factor) = half_factor else {
+        return Noise {
+            increments,
+            at_stages,
+            processes: m,
+            system: quote!(self),
+            stages_constant,
+        };
+    };
+    // the potential is one more noise, which has its place behind the others
+    let more = Literal::usize_unsuffixed(processes + 1);
+    Noise {
+        at_stages: quote!(#private::gauss::with_potential::<#s, #m, #more>(#at_stages, h, #half_factor)),
+        system: quote!(&#private::gauss::Corrected::<Self, #more>(self)),
+        processes: more,
+        increments,
+        stages_constant,
     }
 }
 

@@ -1,5 +1,6 @@
 //! Plans and instructions → tokens. Infallible, and the only place that knows it prints Rust.
 
+mod calls;
 mod code;
 mod configuration;
 mod factors;
@@ -8,6 +9,7 @@ mod identity;
 mod lanes;
 mod linearise;
 mod momenta;
+mod parameters;
 mod placeholders;
 mod plan;
 mod rounding;

@@ -162,17 +162,18 @@ fn operations(private: &TokenStream, operations: &Operations) -> TokenStream {
     }
 }
 
-/// The strong order of a rule, with the pair of noises that does not commute.
 /// The strong order of a rule with stage noise, for noises that commute. With a force it is not claimed to be above 1.
 fn of_stage_noise(rule: Rule, mechanics: &Mechanics) -> TokenStream {
     match rule.stages() {
         _ if mechanics.force.is_some() => quote!(One),
         Some(2) if mechanics.is_additive => quote!(Two),
         Some(3..) if mechanics.is_additive => quote!(Three),
+        Some(2..) if rule.options.contain(RuleOption::Weak2) => quote!(OneAndAHalf),
         _ => quote!(One),
     }
 }
 
+/// The strong order of a rule, with the pair of noises that does not commute.
 fn strong_order(rule: Rule, pair: Option<(&String, &String)>) -> TokenStream {
     match (rule.strong_order(pair.is_none()), pair) {
         (StrongOrder::Half, Some((a, b))) => quote!(Half { pair: (#a, #b) }),

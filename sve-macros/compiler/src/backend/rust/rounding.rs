@@ -7,7 +7,8 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
-use super::code::{Printer, call, call2};
+use super::calls::{call, call2};
+use super::code::Printer;
 use super::straight::Straight;
 use crate::algebra::{Arena, Expr};
 use crate::program::{Labels, Operation, Program, Value};

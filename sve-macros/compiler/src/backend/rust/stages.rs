@@ -7,11 +7,12 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use super::code::Printer;
+use super::parameters::parameter_jets;
 use super::step::inside;
-use super::straight::Straight;
+use super::system::noise_jets;
 use super::{Context, attributes, private};
 use crate::algebra::{Arena, Expr};
-use crate::discretise::stages::{Form, Impulse, ParameterJet, Stages};
+use crate::discretise::stages::{Form, Impulse, Stages};
 use crate::program::{Labels, Operations, Program, Scheduler, Tier, Tiers, Value};
 use crate::structure::domain::Condition;
 use crate::system::model::Model;
@@ -22,10 +23,12 @@ pub(crate) struct StageCode {
     pub(crate) operations: Operations,
 }
 
-pub(crate) fn stages(context: &Context<'_>, stages: &Stages) -> StageCode {
+/// Prints the equations at a node. The last noise of the context may be the potential of the option `weak2`.
+pub(crate) fn stages(context: &Context<'_>, stages: &Stages, has_potential: bool) -> StageCode {
     let (private, attributes) = (private(context.block), attributes());
     let self_ty = &context.block.item.self_ty;
     let parameters = parameter_jets(context, stages, &private);
+    let potential = has_potential.then(|| with_potential(context, &private));
     let writer = Writer {
         private: &private,
         model: context.model,
@@ -73,61 +76,24 @@ pub(crate) fn stages(context: &Context<'_>, stages: &Stages) -> StageCode {
                 #parameters
             }
             #kernel
+            #potential
         },
         operations,
     }
 }
 
-/// `fn parameter_jets`.
-fn parameter_jets(context: &Context<'_>, stages: &Stages, private: &TokenStream) -> TokenStream {
-    let (n, m) = (context.model.dof(), context.model.noises.len());
-    let visits = stages.parameters.iter().map(|jet| {
-        let ParameterJet {
-            dq,
-            dv,
-            force,
-            noise_dq,
-            noise_dp,
-        } = jet;
-        let vectors = [dq.clone(), dv.clone()];
-        let force = [force.clone()];
-        let roots: Vec<Expr> = [&vectors[..], &force, noise_dq, noise_dp].concat().concat();
-        let row = |name: &str, count: usize| vec![name.to_owned(); count];
-        let matrices: [(&[Vec<Expr>], Vec<String>); 4] = [
-            (&vectors, ["dq", "dv"].map(ToOwned::to_owned).to_vec()),
-            (&force, row("force", 1)),
-            (noise_dq, row("noise_dq", m)),
-            (noise_dp, row("noise_dp", m)),
-        ];
-        let straight = Straight::new(context.arena, &stages.symbols, &roots);
-        let (statements, arrays) = straight.finish(private, &matrices);
-        let [vectors, force, noise_dq, noise_dp] = arrays.as_slice() else {
-            return TokenStream::new();
-        };
-        let force = if jet.force.is_empty() {
-            let n = Literal::usize_unsuffixed(n);
-            quote!([[0f64; #n]])
-        } else {
-            force.clone()
-        };
-        quote! {{
-            #statements
-            let [dq, dv] = #vectors;
-            let [force] = #force;
-            visit(#private::gauss::ParameterJet { dq, dv, force, noise_dq: #noise_dq, noise_dp: #noise_dp });
-        }}
-    });
-    let [n, m] = [n, m].map(Literal::usize_unsuffixed);
+/// `impl WithPotential`.
+fn with_potential(context: &Context<'_>, private: &TokenStream) -> TokenStream {
+    let (model, noises, attributes) = (context.model, &context.mechanics.noises, attributes());
+    let self_ty = &context.block.item.self_ty;
+    let [n, m] = [model.dof(), noises.len()].map(Literal::usize_unsuffixed);
+    let jets = noise_jets(private, noises, &model.symbols, context.arena);
     quote! {
-        fn parameter_jets(
-            &self,
-            time: f64,
-            q: &[f64; #n],
-            v: &[f64; #n],
-            p: &[f64; #n],
-            visit: &mut dyn ::core::ops::FnMut(#private::gauss::ParameterJet<#n, #m>),
-        ) {
-            #(#visits)*
+        #attributes
+        impl #private::gauss::WithPotential<#n, #m> for #self_ty {
+            fn noise_jets(&self, time: f64, q: &[f64; #n], p: &[f64; #n]) -> [#private::NoiseJet<#n>; #m] {
+                #jets
+            }
         }
     }
 }

@@ -174,7 +174,8 @@ fn force_jet(
     }
 }
 
-fn noise_jets(
+/// The noise Hamiltonians with their derivatives.
+pub(super) fn noise_jets(
     private: &TokenStream,
     jets: &[NoiseJet],
     symbols: &Symbols,

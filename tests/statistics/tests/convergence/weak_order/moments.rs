@@ -1,7 +1,7 @@
 //! Second moments of linear systems: after steps, by expectations of the matrix of a step, and exact.
 
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::{Dims, Discretised, System, Variational};
 
 use super::quadrature::{gauss_hermite, tensor};
 
@@ -27,13 +27,13 @@ pub(crate) fn plus(a: &Matrix, factor: f64, b: &Matrix) -> Matrix {
 }
 
 /// The matrix of a step on (q, p, 1), for systems whose step is affine.
-fn step_matrix<S, R, const N: usize, const M: usize>(
+fn step_matrix<S, R, const N: usize, const M: usize, const K: usize>(
     integrator: &Integrator<S, R>,
     [t, h]: [f64; 2],
-    dw: &[f64; M],
+    dw: &[f64; K],
 ) -> Matrix
 where
-    S: Variational<R> + System<Dims = Dims<N, M>>,
+    S: Discretised<R, Increments = [f64; K]> + System<Dims = Dims<N, M>>,
 {
     let image = |unit: usize| {
         let mut state = State::at(t, [0.0; N], [0.0; N]);
@@ -69,9 +69,22 @@ pub(crate) fn moments<S, R, const N: usize, const M: usize>(
 where
     S: Variational<R> + System<Dims = Dims<N, M>>,
 {
+    moments_with(integrator, start, level, [1.0; M])
+}
+
+/// The same for increments with these variances in steps of unit length.
+pub(crate) fn moments_with<S, R, const N: usize, const M: usize, const K: usize>(
+    integrator: &Integrator<S, R>,
+    start: State<[f64; N]>,
+    level: u32,
+    variances: [f64; K],
+) -> Matrix
+where
+    S: Discretised<R, Increments = [f64; K]> + System<Dims = Dims<N, M>>,
+{
     let steps = 1_u32 << level;
     let h = 1.0 / f64::from(steps);
-    let nodes = tensor::<M>(&gauss_hermite(24));
+    let nodes = tensor::<K>(&gauss_hermite(24));
     let mut second = second_moments(start);
     for step in 0..steps {
         let mut next = vec![vec![0.0; 2 * N + 1]; 2 * N + 1];
@@ -79,7 +92,7 @@ where
             let a = step_matrix(
                 integrator,
                 [f64::from(step) * h, h],
-                &x.map(|x| x * h.sqrt()),
+                &core::array::from_fn(|at| x[at] * (variances[at] * h).sqrt()),
             );
             next = plus(&next, *weight, &times(&times(&a, &second), &transposed(&a)));
         }

@@ -1,7 +1,7 @@
 //! Gauss–Hermite quadrature over normal variables, and expectations of paths by following all nodes of all steps.
 
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::{Dims, Discretised, System};
 
 /// Nodes and weights of the quadrature over a normal variable: zeros of the Hermite polynomial of degree n by Newton's method, from starts between
 /// those of the zeros of the polynomial of degree n − 1.
@@ -77,15 +77,15 @@ pub(crate) fn tensor<const M: usize>(nodes: &[(f64, f64)]) -> Vec<([f64; M], f64
 }
 
 /// Expectations at T = ½ after some steps, by following all nodes of all steps.
-pub(crate) fn expectations<S, R, const N: usize, const M: usize>(
+pub(crate) fn expectations<S, R, const N: usize, const M: usize, const K: usize>(
     integrator: &Integrator<S, R>,
     state: State<[f64; N]>,
     (left, h): (u32, f64),
-    nodes: &[([f64; M], f64)],
+    nodes: &[([f64; K], f64)],
     observe: &dyn Fn(&State<[f64; N]>) -> Vec<f64>,
 ) -> Vec<f64>
 where
-    S: Variational<R> + System<Dims = Dims<N, M>>,
+    S: Discretised<R, Increments = [f64; K]> + System<Dims = Dims<N, M>>,
 {
     if left == 0 {
         return observe(&state);

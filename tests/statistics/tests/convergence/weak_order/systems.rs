@@ -17,7 +17,12 @@ pub(crate) struct Parametric {
     midpoint,
     midpoint(weak2),
     stormer_verlet,
-    stormer_verlet(weak2)
+    stormer_verlet(weak2),
+    gauss(2),
+    gauss(2, weak2),
+    gauss(4, weak2),
+    gauss(2, stage_noise),
+    gauss(2, stage_noise, weak2)
 )]
 impl Parametric {
     fn lagrangian(&self, q: f64, v: f64) -> f64 {
@@ -47,7 +52,9 @@ pub(crate) struct Coupled {
     midpoint,
     midpoint(weak2),
     stormer_verlet,
-    stormer_verlet(weak2)
+    stormer_verlet(weak2),
+    gauss(2),
+    gauss(2, weak2)
 )]
 impl Coupled {
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
@@ -84,6 +91,64 @@ impl Quadratic {
     }
 }
 
+/// H = ½(p² + q²) with H₁ = σ(t)·½(aq² + bp²) for two σ, which commute with one another and not with H.
+#[derive(Clone)]
+pub(crate) struct Squeezed {
+    pub(crate) sigma: [f64; 2],
+    pub(crate) a: f64,
+    pub(crate) b: f64,
+    /// Part of the first noise that oscillates in time.
+    pub(crate) beat: f64,
+}
+
+#[variational(midpoint, gauss(2), gauss(2, weak2), gauss(3, weak2), gauss(4, weak2))]
+impl Squeezed {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v - 0.5 * q * q
+    }
+
+    #[h1]
+    fn jitter(&self, t: f64, q: f64, p: f64) -> [f64; 2] {
+        let invariant = 0.5 * (self.a * q * q + self.b * p * p);
+        let [first, second] = self.strengths(t);
+        [first * invariant, second * invariant]
+    }
+
+    pub(crate) fn strengths(&self, t: f64) -> [f64; 2] {
+        [
+            self.sigma[0] * (1.0 + self.beat * (2.0 * t).sin()),
+            self.sigma[1],
+        ]
+    }
+}
+
+/// H = ½wp² + ½kq² with H₁ = ½(aq² + bp²) and the friction −νp.
+#[derive(Clone)]
+pub(crate) struct Damped {
+    pub(crate) w: f64,
+    pub(crate) k: f64,
+    pub(crate) a: f64,
+    pub(crate) b: f64,
+    pub(crate) nu: f64,
+}
+
+#[variational(gauss(2))]
+impl Damped {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v / self.w - 0.5 * self.k * q * q
+    }
+
+    #[h1]
+    fn jitter(&self, q: f64, p: f64) -> f64 {
+        0.5 * (self.a * q * q + self.b * p * p)
+    }
+
+    #[force]
+    fn friction(&self, _q: f64, v: f64) -> f64 {
+        -self.nu * v / self.w
+    }
+}
+
 /// The oscillator x with γ = ½σx², in the coordinate q whose mass is 1 + q²/4.
 #[derive(Clone)]
 pub(crate) struct Heavy {
@@ -96,7 +161,11 @@ pub(crate) struct Heavy {
     midpoint,
     midpoint(weak2),
     stormer_verlet,
-    stormer_verlet(weak2)
+    stormer_verlet(weak2),
+    gauss(2),
+    gauss(2, weak2),
+    gauss(2, stage_noise),
+    gauss(2, stage_noise, weak2)
 )]
 impl Heavy {
     fn lagrangian(&self, q: f64, v: f64) -> f64 {
@@ -135,7 +204,9 @@ pub(crate) struct Bent {
     midpoint,
     midpoint(weak2),
     stormer_verlet,
-    stormer_verlet(weak2)
+    stormer_verlet(weak2),
+    gauss(2),
+    gauss(2, weak2)
 )]
 impl Bent {
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {

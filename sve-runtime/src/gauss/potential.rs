@@ -1,0 +1,123 @@
+//! The term of the option `weak2` in the action of a Gauss rule, `− ½ κ h |h| Σ b_i Σ_a K_a` at the stages.
+//!
+//! It is that of one more noise, with the Hamiltonian `½ Σ_a K_a` and the increment `κ h |h| b_i` at stage i. So a step with the term is a step of a system with this noise behind its
+//! own: equations, solvers and derivatives are those of any step.
+
+use super::linearise::{ByParameters, ParameterJet};
+use super::tableau::Tableau;
+use super::{Masses, Motion, Partitioned, SecondOrder, StageLanes};
+use crate::configuration::Coordinates;
+use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System};
+
+/// A system with a potential. `E` is the number of its noises with the potential, which is the last of them.
+pub trait WithPotential<const N: usize, const E: usize>: System {
+    /// Every noise Hamiltonian, and `½ Σ_a K_a`, with its first and second derivatives.
+    fn noise_jets(&self, t: f64, q: &[f64; N], p: &[f64; N]) -> [NoiseJet<N>; E];
+}
+
+/// A system whose last noise is its potential.
+#[derive(Clone, Copy, Debug)]
+pub struct Corrected<'a, Sys, const E: usize>(pub &'a Sys);
+
+/// Returns the increments at the stages with those of the potential, for `½ κ`. The Hamiltonian is `½ Σ_a K_a`, so the increments have κ.
+#[inline(always)]
+#[must_use]
+pub fn with_potential<const S: usize, const M: usize, const E: usize>(
+    noise: [[f64; S]; M],
+    h: f64,
+    half_factor: f64,
+) -> [[f64; S]; E] {
+    const { assert!(E == M + 1, "the potential is one more noise") }
+    let b = const { &Tableau::<S>::VALUES.b };
+    let factor = 2.0 * half_factor * h * h.abs();
+    core::array::from_fn(|process| {
+        let given = noise.get(process);
+        given.copied().unwrap_or_else(|| b.map(|b| factor * b))
+    })
+}
+
+impl<Sys, Q, const N: usize, const M: usize, const E: usize> System for Corrected<'_, Sys, E>
+where
+    Sys: System<Dims = Dims<N, M, Q>> + WithPotential<N, E>,
+    Q: Coordinates<N>,
+{
+    type Dims = Dims<N, E, Q>;
+    const AFFINE_MOMENTUM: bool = Sys::AFFINE_MOMENTUM;
+    const FORCED: bool = Sys::FORCED;
+    const PARAMETERS: &'static [&'static str] = Sys::PARAMETERS;
+    const FORMULAS: u64 = Sys::FORMULAS;
+
+    fn parameters(&self, visit: &mut dyn FnMut(f64)) {
+        self.0.parameters(visit);
+    }
+
+    #[inline]
+    fn lagrangian_jet(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> LagrangianJet<N> {
+        self.0.lagrangian_jet(t, q, v)
+    }
+
+    #[inline]
+    fn noise_jets(&self, t: f64, q: &[f64; N], p: &[f64; N]) -> [NoiseJet<N>; E] {
+        WithPotential::noise_jets(self.0, t, q, p)
+    }
+
+    #[inline]
+    fn force_jet(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> ForceJet<N> {
+        self.0.force_jet(t, q, v)
+    }
+}
+
+impl<Sys, const N: usize, const E: usize> SecondOrder<N, E> for Corrected<'_, Sys, E>
+where
+    Sys: SecondOrder<N, E>,
+    Self: System,
+{
+    const HAS_DIAGONAL_MASS: bool = Sys::HAS_DIAGONAL_MASS;
+
+    #[inline(always)]
+    fn impulses<const S: usize>(&self, stages: &StageLanes<'_, S, N, E>) -> [[f64; S]; N] {
+        self.0.impulses(stages)
+    }
+}
+
+impl<Sys, const N: usize, const E: usize> Partitioned<N, E> for Corrected<'_, Sys, E>
+where
+    Sys: Partitioned<N, E>,
+    Self: System,
+{
+    #[inline(always)]
+    fn impulses<const S: usize>(
+        &self,
+        stages: &StageLanes<'_, S, N, E>,
+        kicks: &[[f64; S]; N],
+    ) -> ([[f64; S]; N], Masses<S, N>) {
+        self.0.impulses(stages, kicks)
+    }
+
+    #[inline(always)]
+    fn displacements<const S: usize>(
+        &self,
+        stages: &StageLanes<'_, S, N, E>,
+        kicks: &[[f64; S]; N],
+        masses: &Masses<S, N>,
+    ) -> Motion<S, N> {
+        self.0.displacements(stages, kicks, masses)
+    }
+}
+
+impl<Sys, const N: usize, const E: usize> ByParameters<N, E> for Corrected<'_, Sys, E>
+where
+    Sys: ByParameters<N, E>,
+    Self: System,
+{
+    fn parameter_jets(
+        &self,
+        t: f64,
+        q: &[f64; N],
+        v: &[f64; N],
+        p: &[f64; N],
+        visit: &mut dyn FnMut(ParameterJet<N, E>),
+    ) {
+        self.0.parameter_jets(t, q, v, p, visit);
+    }
+}
