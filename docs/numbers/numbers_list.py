@@ -138,16 +138,103 @@ def reduced(problem: str, method: str, column: str, reduce: Callable[[list[float
     )
 
 
-def at_steps(method: str, steps: int, column: str) -> Extract:
-    """A column of the pendulum's table with a number of steps to t = 500."""
+Points = list[tuple[float, float]]
+
+BASELINES = ("Heun", "Runge–Kutta 4", "Taylor series 2", "Euler", "Euler–Maruyama", "backward Euler–Maruyama")
+"""The methods of the example that are not derived."""
+PROGRAMS = ("numba", "heyoka", "scipy", "diffrax")
+
+
+def lasting(points: Points) -> Points:
+    """Times, with the larger error of each point and the next finer one: an error that is small by chance does not count."""
+    return [(t, max(e, finer)) for (t, e), (_, finer) in zip(points, points[1:] + points[-1:], strict=True)]
+
+
+def least_time(points: Points, error: float) -> float | None:
+    """The least time to an error, on straight lines in logarithms between the points."""
+    points = lasting(points)
+    times = [t for t, e in points if e <= error]
+    for (t0, e0), (t1, e1) in zip(points, points[1:], strict=False):
+        if min(e0, e1) < error <= max(e0, e1):
+            times.append(exp(log(t0) + log(t1 / t0) * log(error / e0) / log(e1 / e0)))
+    return min(times, default=None)
+
+
+def strong_error(row: dict[str, str]) -> float | None:
+    """The error at the end."""
+    return float(row["error"]) if row["error"] else None
+
+
+def weak_error(row: dict[str, str]) -> float | None:
+    """The error of the mean, or two standard errors where they are more."""
+    return max(abs(float(row["weak_error"])), 2.0 * float(row["weak_error_se"])) if row["weak_error"] and row["weak_error_se"] else None
+
+
+def curves(output: Output, problem: str, error: Callable = strong_error) -> dict[tuple[str, str], Points]:
+    """Times and errors by program and method; of programs that were run."""
+    found: dict[tuple[str, str], Points] = {}
+    for program in ("sve", *PROGRAMS):
+        path = f"{problem}.csv" if program == "sve" else f"peers/{program}_{problem}.csv"
+        try:
+            rows = output.records(path)
+        except (OSError, LookupError):
+            continue
+        for row in rows:
+            if (e := error(row)) is not None and row["time_to_solution_s"]:
+                found.setdefault((program, row["method"]), []).append((float(row["time_to_solution_s"]), e))
+    return found
+
+
+def contest(output: Output, problem: str, at: float, error: Callable = strong_error) -> tuple:
+    """The fastest derived rule and the fastest of all else to an error: (time, program, method) of each, or nothing."""
+    best: list = [None, None]
+    for (program, method), points in curves(output, problem, error).items():
+        is_rule = program == "sve" and method not in BASELINES and not method.endswith("uncorrected")
+        needed = least_time(points, at)
+        place = 0 if is_rule else 1
+        if needed is not None and (best[place] is None or needed < best[place][0]):
+            best[place] = (needed, program, method)
+    return tuple(best)
+
+
+def winner(problem: str, at: float, error: Callable = strong_error) -> Extract:
+    """The fastest rule with its time, and how many times longer the fastest of all else takes, or that nothing else gets there."""
 
     def extract(output: Output) -> str:
-        rows = output.records("pendulum.csv", method=method)
-        row = next(r for r in rows if round(500.0 / float(r["h"])) == steps)
-        x = float(row[column])
-        return time(x) if column == "time_to_solution_s" else short(x)
+        own, other = contest(output, problem, at, error)
+        if own is None:
+            return "–"
+        factor = f"{other[0] / own[0]:.1f}" if other else "–"
+        return f"{own[2]} {time(own[0])} ({factor})"
 
     return extract
+
+
+def rival(problem: str, at: float, error: Callable = strong_error) -> Extract:
+    """The fastest of all else with its time."""
+
+    def extract(output: Output) -> str:
+        _, other = contest(output, problem, at, error)
+        return f"{other[2]} of {other[1]}, {time(other[0])}" if other else "–"
+
+    return extract
+
+
+def ratio_to(problem: str, method: str, program: str, at: float) -> Extract:
+    """The least time of a program over that of a method."""
+
+    def extract(output: Output) -> str:
+        all_curves = curves(output, problem)
+        own = least_time(all_curves["sve", method], at)
+        others = [least_time(points, at) for (by, _), points in all_curves.items() if by == program]
+        return f"{min(t for t in others if t is not None) / own:.1f}"
+
+    return extract
+
+
+def floor(problem: str, method: str) -> Extract:
+    """The smallest error of a method."""
+    return lambda output: short(min(e for _, e in lasting(curves(output, problem)["sve", method])), 1)
 
 
 def against_numba(problem: str) -> Callable[[Output], float]:
@@ -171,18 +258,33 @@ def numba_range(reduce: Callable, output: Output) -> str:
     return f"{reduce(against_numba(problem)(output) for problem in PROBLEMS if problem != 'kubo'):.2f}"
 
 
-def pendulum_rows() -> list[Number]:
-    """Energy errors at about equal work: Runge–Kutta 4 makes twice the steps in about the same time."""
+QUIET = {
+    "pendulum": "pendulum",
+    "double": "double_pendulum",
+    "kepler": "kepler",
+    "henon": "quiet_henon_heiles",
+    "planets": "outer_solar_system",
+}
+"""Problems without noise, by the names of their numbers."""
+NOISY = {"synchrotron": "synchrotron", "henon": "henon_heiles", "langevin": "langevin"}
+
+
+def contests() -> list[Number]:
+    """The fastest rules, and by how much."""
     numbers = []
-    for steps in (1 << 13, 1 << 14, 1 << 15, 1 << 16):
-        for key, method, n in (("midpoint", "midpoint", steps), ("rk4", "Runge–Kutta 4", 2 * steps)):
-            for column, what in (
-                ("time_to_solution_s", "time to t = 500"),
-                ("energy_error", "largest energy error"),
-                ("energy_drift", "slope of the least-squares line through the energy"),
-            ):
-                name = f"wp.pendulum.{key}.{n}.{column.removeprefix('energy_').removesuffix('_to_solution_s')}"
-                numbers.append(Number(name, f"pendulum, {method}, {n} steps: {what}", at_steps(method, n, column)))
+    for key, problem in QUIET.items():
+        for k in (2, 4, 6, 8, 10):
+            at = 10.0**-k
+            what = f"{problem}, error 1e-{k}: the fastest rule"
+            numbers.append(Number(f"wp.{key}.{k}", f"{what}, its time, and the time of the fastest of all else over it", winner(problem, at)))
+            numbers.append(Number(f"wp.{key}.{k}.other", f"{problem}, error 1e-{k}: the fastest of all else", rival(problem, at)))
+        numbers.append(Number(f"wp.{key}.floor", f"{problem}: smallest error of Gauss 8 with compensated sums", floor(problem, "Gauss 8, compensated")))
+    for key, problem in NOISY.items():
+        for name, error, levels in (("strong", strong_error, (2, 3)), ("weak", weak_error, (2, 3))):
+            for k in levels:
+                what = f"{problem}, {name} error 1e-{k}: the fastest"
+                numbers.append(Number(f"wp.noisy.{key}.{name}.{k}", f"{what} rule, likewise", winner(problem, 10.0**-k, error)))
+                numbers.append(Number(f"wp.noisy.{key}.{name}.{k}.other", f"{what} of all else", rival(problem, 10.0**-k, error)))
     return numbers
 
 
@@ -303,7 +405,10 @@ def peer(task: str, program: str, how: str) -> Number:
     return Number(f"peers.{program}.{key}.{task}", f"task {task} by {program}, {how}: ns a trajectory-step", value(pattern))
 
 
-midpoint_pendulum = "a largest error of energy"
+WORK = " && ".join([
+    *(f"target/peers/bin/python examples/peers/run.py --program {program}" for program in ("heyoka", "numba", "scipy")),
+    "cargo run --release --example work_precision",
+])
 
 FIRST = (
     "rm -rf target/first && begin=$(date +%s) && cargo build -q --release --example paper --target-dir target/first"
@@ -329,7 +434,7 @@ COMMANDS = [
         *(truncated(h) for h in ("0.3", "0.1", "0.05", "0.02")),
     ]),
     Command("structure", "cargo run --release --example structure", 15, structure()),
-    Command("work-precision", "cargo run --release --example work_precision", 100, [
+    Command("work-precision", WORK, 400, [
         Number("wp.kubo.low", "Kubo: midpoint is the fastest for strong errors down to", fastest("kubo", "an error at the end", "midpoint", 2)),
         Number("wp.kubo.midpoint", "Kubo: midpoint's time to an error of 2e-3", time_to("kubo", "midpoint", 2e-3)),
         Number("wp.kubo.heun", "Kubo: Heun's time to an error of 2e-3", time_to("kubo", "Heun", 2e-3)),
@@ -337,16 +442,10 @@ COMMANDS = [
         Number("wp.kubo.endpoint", "Kubo, endpoint without the correction: error with the finest step", reduced("kubo", "endpoint, uncorrected", "error", lambda x: x[-1], 2)),
         Number("wp.kubo.initial", "Kubo, initial point without the correction: likewise", reduced("kubo", "initial point, uncorrected", "error", lambda x: x[-1], 2)),
         Number("wp.oscillator.low", "linear oscillator: midpoint is the fastest down to", fastest("linear_oscillator", "an error at the end", "midpoint", 2)),
-        *(
-            Number(f"wp.{key}.low", f"{problem}: endpoint or initial point is the fastest down to", fastest(problem, "an error at the end", "endpoint|initial point", 2))
-            for key, problem in (("synchrotron", "synchrotron"), ("henon", "henon_heiles"), ("langevin", "langevin"))
-        ),
-        Number("wp.langevin.least", "double well, endpoint: ns a step, the least of all step sizes", reduced("langevin", "endpoint", "ns_per_step", min, 2)),
-        Number("wp.langevin.most", "double well, endpoint: ns a step, the most", reduced("langevin", "endpoint", "ns_per_step", max, 2)),
-        Number("wp.pendulum.low", "pendulum: midpoint is the fastest for energy errors down to", fastest("pendulum", midpoint_pendulum, "midpoint", 2)),
-        Number("wp.pendulum.short", "pendulum: midpoint's time for the largest of them", fastest("pendulum", midpoint_pendulum, "midpoint", 3)),
-        Number("wp.pendulum.long", "pendulum: midpoint's time for the smallest", fastest("pendulum", midpoint_pendulum, "midpoint", 4)),
-        *pendulum_rows(),
+        *contests(),
+        Number("peers.steps.least", "midpoint steps over those by hand in numba, problems but Kubo: the least ratio", partial(numba_range, min)),
+        Number("peers.steps.most", "the same: the largest ratio", partial(numba_range, max)),
+        Number("peers.steps.kubo", "Kubo, midpoint step over its closed form by hand in numba", lambda output: f"{against_numba('kubo')(output):.2f}"),
     ]),
     Command("steps", "cargo bench -p sve-runtime --bench steps -- nomatch", 5, [
         Number("steps.oscillator", "linear oscillator, endpoint, over a three-line loop", over("oscillator endpoint", "sve", "three-line loop")),
@@ -381,15 +480,10 @@ COMMANDS = [
         peer("A", "diffrax", "SemiImplicitEuler"),
         peer("B", "diffrax", "Heun"),
     ]),
-    Command("peer-steps", "target/peers/bin/python examples/peers/run.py --program numba", 60, [
-        Number("peers.steps.least", "midpoint steps over those by hand in numba, problems but Kubo: the least ratio", partial(numba_range, min)),
-        Number("peers.steps.most", "the same: the largest ratio", partial(numba_range, max)),
-        Number("peers.steps.kubo", "Kubo, midpoint step over its closed form by hand in numba", lambda output: f"{against_numba('kubo')(output):.2f}"),
-    ]),
 ]
 
 FILES = {
     "paper": [("target/paper/figure4.png", "docs/figure4.png")],
-    "work-precision": [(f"target/work-precision/{name}.svg", f"docs/work-precision-{name}.svg") for name in ("kubo", "pendulum")],
+    "work-precision": [(f"target/work-precision/{name}.svg", f"docs/work-precision-{name}.svg") for name in ("pendulum", "synchrotron")],
 }
 """Figures of the readme: from where a command writes them to where the readme shows them."""

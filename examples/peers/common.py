@@ -64,9 +64,9 @@ def write(path: Path, records: Sequence[Record]) -> None:
 
 
 def set_errors(record: Record, problem: Problem, ends: Array, exact: Array) -> None:
-    """Strong and weak errors from states at the horizon, both of shape (paths, 2N). A path whose error overflows is a failure."""
+    """Strong and weak errors from states at the horizon, both of shape (paths, 2N); errors without noise are those of q. A path whose error overflows is a failure."""
     with np.errstate(over="ignore", invalid="ignore"):
-        squares = ((ends - exact) ** 2).sum(axis=1)
+        squares = ((ends - exact)[:, : problem.compared] ** 2).sum(axis=1)
         differences = np.zeros(len(ends))
         if problem.observable is not None:
             observed = problem.observable(np)

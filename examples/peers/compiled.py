@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 
 import numba
+import numpy as np
 from problems import Problem
 
 jit = numba.njit(error_model="numpy")
@@ -12,9 +13,14 @@ jit = numba.njit(error_model="numpy")
 
 def plus(dimension: int) -> Callable:
     """A compiled function of tuples z, k and a number a: z + a k. Numba has no loop over the components of a tuple that makes a tuple."""
-    if dimension == 2:
-        return jit(lambda z, a, k: (z[0] + a * k[0], z[1] + a * k[1]))
-    return jit(lambda z, a, k: (z[0] + a * k[0], z[1] + a * k[1], z[2] + a * k[2], z[3] + a * k[3]))
+    components = ", ".join(f"z[{i}] + a * k[{i}]" for i in range(dimension))
+    return jit(eval(f"lambda z, a, k: ({components})"))  # noqa: S307
+
+
+def as_array(drift: Callable, dimension: int) -> Callable:
+    """A compiled function of time and an array z that returns the rate as an array."""
+    components = ", ".join(f"z[{i}]" for i in range(dimension))
+    return jit(eval(f"lambda t, z: array(drift(({components})))", {"array": np.array, "drift": drift}))  # noqa: S307
 
 
 def rate(problem: Problem) -> Callable:

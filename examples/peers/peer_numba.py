@@ -247,6 +247,18 @@ def _henon_heiles() -> tuple[Callable, Callable]:
     return jit(impulse), jit(slopes)
 
 
+def _quiet_henon_heiles() -> tuple[Callable, Callable]:
+    def impulse(q, h, dw):
+        x, y = q
+        return -h * x * (1.0 + 2.0 * y), h * (y * y - y - x * x)
+
+    def slopes(q, h, dw):
+        x, y = q
+        return -h * (1.0 + 2.0 * y), -h * 2.0 * x, -h * (1.0 - 2.0 * y)
+
+    return jit(impulse), jit(slopes)
+
+
 def _kepler() -> tuple[Callable, Callable]:
     def impulse(q, h, dw):
         x, y = q
@@ -274,8 +286,11 @@ def methods(problem: Problem) -> dict[str, Step]:
             chosen = {"midpoint": kubo_midpoint}
         case "double_pendulum":
             chosen = {"midpoint": midpoint_fixed_point_4(problem)}
-        case "kepler" | "henon_heiles":
-            impulse, slopes = _kepler() if problem.name == "kepler" else _henon_heiles()
+        case "outer_solar_system":
+            chosen = {}
+        case "kepler" | "henon_heiles" | "quiet_henon_heiles":
+            fields = {"kepler": _kepler, "henon_heiles": _henon_heiles, "quiet_henon_heiles": _quiet_henon_heiles}
+            impulse, slopes = fields[problem.name]()
             chosen = {"midpoint": midpoint_newton_2(impulse, slopes), "symplectic Euler": symplectic_euler(impulse, 2)}
         case "langevin":
             impulse, slope = _langevin()

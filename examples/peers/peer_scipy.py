@@ -1,12 +1,11 @@
-"""scipy: `solve_ivp` with DOP853 and Radau on the problems without noise, the equations compiled by numba."""
+"""scipy: `solve_ivp` with DOP853 on the problems without noise, the equations compiled by numba."""
 
 import math
 from collections.abc import Callable
 from functools import partial
 
-import numba
-import numpy as np
 import scipy
+from compiled import as_array, jit
 from common import Record, Walk, set_errors, set_invariant, set_times
 from problems import Problem
 from references import paths
@@ -14,17 +13,12 @@ from scipy.integrate import solve_ivp
 
 SOURCE = f"scipy {scipy.__version__}"
 TOLERANCES = {
-    "DOP853": (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13),
-    # of order 5, and slow in Python: what is more precise takes seconds
-    "Radau": (1e-3, 1e-5),
+    "DOP853": (1e-5, 1e-8, 1e-11, 1e-13),
 }
 
 
 def _rate(problem: Problem) -> Callable:
-    drift = numba.njit(problem.drift(math))
-    pair = numba.njit(lambda t, z: np.array(drift((z[0], z[1]))))
-    four = numba.njit(lambda t, z: np.array(drift((z[0], z[1], z[2], z[3]))))
-    return pair if problem.dimension == 2 else four
+    return as_array(jit(problem.drift(math)), problem.dimension)
 
 
 def records(problem: Problem) -> tuple[list[Record], list[Record]]:

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from math import pi, sqrt
 from typing import Any
 
+import planets
+
 State = tuple[Any, ...]
 Field = Callable[[State], State]
 
@@ -46,11 +48,18 @@ class Problem:
     """Whether dq/dt depends on p alone and dp/dt on q alone."""
     additive: bool = False
     """Whether the noise does not depend on the state."""
+    extrapolations: int = 0
+    """Steps of the extrapolation that computes the end of a problem without noise; 0 where it ends at its start."""
 
     @property
     def dimension(self) -> int:
         """Number of components of z, 2N."""
         return len(self.start)
+
+    @property
+    def compared(self) -> int:
+        """Number of components whose errors are measured: without noise those of q."""
+        return self.dimension if self.processes > 0 else self.dimension // 2
 
     @property
     def batch_steps(self) -> tuple[int, ...]:
@@ -61,6 +70,11 @@ class Problem:
 def powers(first: int, last: int) -> tuple[int, ...]:
     """Powers of two."""
     return tuple(1 << k for k in range(first, last + 1))
+
+
+def doublings(first: int, times: int) -> tuple[int, ...]:
+    """A number and its doubles."""
+    return tuple(first << k for k in range(times + 1))
 
 
 def _pendulum(f: Any) -> Field:
@@ -263,27 +277,47 @@ PROBLEMS = (
     ),
     Problem(
         "pendulum",
-        start=(1.0, 0.0),
-        horizon=500.0,
-        steps=powers(11, 18),
+        start=(2.0, 0.0),
+        horizon=2000.0,
+        steps=doublings(24_000, 5),
         drift=_pendulum,
         invariant=_pendulum_energy,
+        extrapolations=24_000,
     ),
     Problem(
         "double_pendulum",
         start=(2.0, 1.0, 0.0, 0.0),
-        horizon=4.0,
-        steps=powers(6, 13),
+        horizon=10.0,
+        steps=doublings(544, 5),
         drift=_double_pendulum,
         invariant=_double_pendulum_energy,
         separable=False,
+        extrapolations=400,
     ),
     Problem(
         "kepler",
         start=(1.0 - ECCENTRICITY, 0.0, 0.0, sqrt((1.0 + ECCENTRICITY) / (1.0 - ECCENTRICITY))),
-        horizon=20.0 * pi,
-        steps=powers(10, 17),
+        horizon=2000.0 * pi,
+        steps=doublings(98_760, 3),
         drift=_kepler,
         invariant=_kepler_energy,
+    ),
+    Problem(
+        "quiet_henon_heiles",
+        start=(0.0, 0.1, 0.35, 0.1),
+        horizon=1000.0,
+        steps=doublings(3440, 6),
+        drift=_henon_heiles,
+        invariant=_henon_heiles_energy,
+        extrapolations=2000,
+    ),
+    Problem(
+        "outer_solar_system",
+        start=planets.POSITIONS + planets.MOMENTA,
+        horizon=1e6,
+        steps=doublings(4400, 4),
+        drift=planets.drift,
+        invariant=planets.energy,
+        extrapolations=5000,
     ),
 )

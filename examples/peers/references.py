@@ -17,8 +17,6 @@ from problems import KUBO_A, KUBO_SIGMA, OSCILLATOR_SIGMA, Problem
 SEED = 42
 FINER = 8
 """Steps of a reference in one of the finest steps."""
-EXTRAPOLATIONS = 3000
-"""Steps of the extrapolation over a horizon."""
 
 Array = np.ndarray
 
@@ -134,6 +132,8 @@ def along_parabolas(problem: Problem) -> Callable:
 
 def deterministic_end(problem: Problem) -> Array:
     """The state at the horizon, shape (2N,), by Gragg's method with extrapolation to order 16 in 80-bit numbers."""
+    if problem.extrapolations == 0:
+        return np.array(problem.start)
     drift = problem.drift(np)
     numbers = range(2, 18, 2)
     z = np.array(problem.start, dtype=np.longdouble)
@@ -148,8 +148,8 @@ def deterministic_end(problem: Problem) -> Array:
             before, now = now, before + 2 * h * rate(now)
         return (before + now + h * rate(now)) / 2
 
-    length = np.longdouble(problem.horizon) / EXTRAPOLATIONS
-    for _ in range(EXTRAPOLATIONS):
+    length = np.longdouble(problem.horizon) / problem.extrapolations
+    for _ in range(problem.extrapolations):
         table: list[Array] = []
         for i, number in enumerate(numbers):
             new = [midpoints(z, length, number)]

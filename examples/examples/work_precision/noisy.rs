@@ -16,6 +16,8 @@ struct Methods<S> {
     initial_point: Integrator<S, InitialPoint>,
     endpoint: Integrator<S, Endpoint>,
     midpoint: Integrator<S, Midpoint>,
+    verlet: Integrator<S, StormerVerlet>,
+    gauss_2: Integrator<S, Gauss<2>>,
     heun: Heun<S>,
     euler: EulerMaruyama<S>,
     backward: BackwardEulerMaruyama<S>,
@@ -28,7 +30,9 @@ where
         + Sync
         + Variational<InitialPoint>
         + Variational<Endpoint>
-        + Variational<Midpoint>,
+        + Variational<Midpoint>
+        + Variational<StormerVerlet>
+        + Variational<Gauss<2>>,
     InitialPoint: DerivedFor<S>,
 {
     fn new(system: S) -> Self {
@@ -36,6 +40,8 @@ where
             initial_point: Integrator::new(system, InitialPoint),
             endpoint: Integrator::new(system, Endpoint),
             midpoint: Integrator::new(system, Midpoint),
+            verlet: Integrator::new(system, StormerVerlet),
+            gauss_2: Integrator::new(system, Gauss::<2>),
             heun: Heun::new(system),
             euler: EulerMaruyama::new(system),
             backward: BackwardEulerMaruyama::new(system),
@@ -46,7 +52,9 @@ where
     fn study<'a>(&'a self, name: &'static str) -> Study<'a, S> {
         Study::new(name)
             .seed(SEED)
+            .method("Störmer–Verlet", &self.verlet)
             .method("midpoint", &self.midpoint)
+            .method("Gauss 2", &self.gauss_2)
             .method("endpoint", &self.endpoint)
             .method("initial point", &self.initial_point)
             .method("Heun", &self.heun)
@@ -153,19 +161,21 @@ pub(crate) fn synchrotron() -> Result<Problem, StudyError> {
         sigma: [0.1, 0.1],
     };
     let methods = Methods::new(system);
+    let weak2 = Integrator::new(system, Weak2(StormerVerlet));
     let report = methods
         .study("synchrotron")
+        .method("Störmer–Verlet, weak2", &weak2)
         .start(State::new([0.5], [0.0]))
         .horizon(8.0)
         .steps(powers(4..=10))
-        .paths(300)
-        .fine(&methods.midpoint, 16)
+        .paths(600)
+        .fine(&methods.verlet, 16)
         .observe("energy", Mechanics::hamiltonian)
         .run()?;
     Ok(Problem {
         title: "Synchrotron, two noises in q",
-        setting: "L = v²/2 + ω² cos q, γ = (−σ₁ cos q, −σ₂ sin q), ω = 1, σ₁ = σ₂ = 0.1, from q = 0.5 at rest to t = 8. Errors against the midpoint \
-                  rule with 16 times shorter steps on each of 300 paths.",
+        setting: "L = v²/2 + ω² cos q, γ = (−σ₁ cos q, −σ₂ sin q), ω = 1, σ₁ = σ₂ = 0.1, from q = 0.5 at rest to t = 8. Errors against the rule \
+                  of Störmer and Verlet with 16 times shorter steps on each of 600 paths.",
         invariant: None,
         report,
     })
@@ -181,13 +191,13 @@ pub(crate) fn henon_heiles() -> Result<Problem, StudyError> {
         .horizon(16.0)
         .steps(powers(6..=11))
         .paths(200)
-        .fine(&methods.midpoint, 16)
+        .fine(&methods.verlet, 16)
         .observe("energy", Mechanics::hamiltonian)
         .run()?;
     Ok(Problem {
         title: "Hénon–Heiles, additive noise",
-        setting: "L = (v² − q²)/2 − x²y + y³/3, γ = (σx, σy), σ = 0.02, from q = (0, 0.1), p = (0.35, 0.1) to t = 16. Errors against the midpoint \
-                  rule with 16 times shorter steps on each of 200 paths.",
+        setting: "L = (v² − q²)/2 − x²y + y³/3, γ = (σx, σy), σ = 0.02, from q = (0, 0.1), p = (0.35, 0.1) to t = 16. Errors against the rule \
+                  of Störmer and Verlet with 16 times shorter steps on each of 200 paths.",
         invariant: None,
         report,
     })
@@ -207,12 +217,12 @@ pub(crate) fn langevin() -> Result<Problem, StudyError> {
         .horizon(2.0)
         .steps(powers(3..=9))
         .paths(2000)
-        .fine(&methods.midpoint, 16)
+        .fine(&methods.verlet, 16)
         .observe("q²", |_, state| state.q[0].powi(2))
         .run()?;
     Ok(Problem {
         title: "Langevin dynamics in a double well, friction and additive noise",
-        setting: "L = v²/2 − a(q² − 1)², F = −νv, γ = √(2νkT) q, a = ν = 1, kT = 0.4, from q = −1 at rest to t = 2. Errors against the midpoint rule with \
+        setting: "L = v²/2 − a(q² − 1)², F = −νv, γ = √(2νkT) q, a = ν = 1, kT = 0.4, from q = −1 at rest to t = 2. Errors against the rule of Störmer and Verlet with \
                   16 times shorter steps on each of 2000 paths.",
         invariant: None,
         report,

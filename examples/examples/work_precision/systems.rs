@@ -8,7 +8,16 @@ pub(crate) struct Pendulum {
     pub(crate) g: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, taylor2)]
+#[variational(
+    initial_point,
+    endpoint,
+    midpoint,
+    stormer_verlet,
+    gauss(4),
+    gauss(6),
+    gauss(8),
+    taylor2
+)]
 impl Pendulum {
     fn lagrangian(&self, q: f64, v: f64) -> f64 {
         0.5 * v * v + self.g * q.cos()
@@ -21,7 +30,7 @@ pub(crate) struct Oscillator {
     pub(crate) sigma: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, gauss(2))]
 impl Oscillator {
     fn lagrangian(&self, q: f64, v: f64) -> f64 {
         0.5 * v * v - 0.5 * q * q
@@ -40,7 +49,7 @@ pub(crate) struct Kubo {
     pub(crate) sigma: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, gauss(2))]
 impl Kubo {
     fn lagrangian(&self, q: f64, v: f64) -> f64 {
         v * v / (2.0 * self.a) - self.a / 2.0 * q * q
@@ -59,7 +68,14 @@ pub(crate) struct Synchrotron {
     pub(crate) sigma: [f64; 2],
 }
 
-#[variational(initial_point, endpoint, midpoint)]
+#[variational(
+    initial_point,
+    endpoint,
+    midpoint,
+    stormer_verlet,
+    stormer_verlet(weak2),
+    gauss(2)
+)]
 impl Synchrotron {
     fn lagrangian(&self, q: f64, v: f64) -> f64 {
         0.5 * v * v + self.omega.powi(2) * q.cos()
@@ -77,7 +93,7 @@ pub(crate) struct HenonHeiles {
     pub(crate) sigma: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, gauss(2))]
 impl HenonHeiles {
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
         let [x, y] = q;
@@ -96,7 +112,16 @@ pub(crate) struct DoublePendulum {
     pub(crate) g: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, taylor2)]
+#[variational(
+    initial_point,
+    endpoint,
+    midpoint,
+    stormer_verlet,
+    gauss(4),
+    gauss(6),
+    gauss(8),
+    taylor2
+)]
 impl DoublePendulum {
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
         let kinetic = v[0].powi(2) + 0.5 * v[1].powi(2) + v[0] * v[1] * (q[0] - q[1]).cos();
@@ -110,10 +135,65 @@ pub(crate) struct Kepler {
     pub(crate) k: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, taylor2)]
+#[variational(
+    initial_point,
+    endpoint,
+    midpoint,
+    stormer_verlet,
+    gauss(4),
+    gauss(6),
+    gauss(8),
+    taylor2
+)]
 impl Kepler {
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
         0.5 * (v[0] * v[0] + v[1] * v[1]) + self.k / (q[0] * q[0] + q[1] * q[1]).sqrt()
+    }
+}
+
+/// Hénon–Heiles without noise.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct QuietHenonHeiles;
+
+#[variational(
+    initial_point,
+    endpoint,
+    midpoint,
+    stormer_verlet,
+    gauss(4),
+    gauss(6),
+    gauss(8),
+    taylor2
+)]
+impl QuietHenonHeiles {
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        let [x, y] = q;
+        0.5 * (v[0] * v[0] + v[1] * v[1]) - 0.5 * (x * x + y * y) - x * x * y + y.powi(3) / 3.0
+    }
+}
+
+/// The Sun with the inner planets, Jupiter, Saturn, Uranus, Neptune and Pluto: astronomical units, days, solar masses.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct OuterSolarSystem {
+    /// The constant of gravitation.
+    pub(crate) gravity: f64,
+    pub(crate) masses: [f64; 6],
+}
+
+#[variational(initial_point, endpoint, stormer_verlet, gauss(4), gauss(6), gauss(8))]
+impl OuterSolarSystem {
+    fn lagrangian(&self, q: [[f64; 3]; 6], v: [[f64; 3]; 6]) -> f64 {
+        let mut value = 0.0;
+        for i in 0..6 {
+            value +=
+                0.5 * self.masses[i] * (v[i][0] * v[i][0] + v[i][1] * v[i][1] + v[i][2] * v[i][2]);
+            for j in 0..i {
+                let [x, y, z] = [q[i][0] - q[j][0], q[i][1] - q[j][1], q[i][2] - q[j][2]];
+                value +=
+                    self.gravity * self.masses[i] * self.masses[j] / (x * x + y * y + z * z).sqrt();
+            }
+        }
+        value
     }
 }
 
@@ -128,7 +208,7 @@ pub(crate) struct Langevin {
     pub(crate) kt: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, gauss(2))]
 impl Langevin {
     fn lagrangian(&self, q: f64, v: f64) -> f64 {
         0.5 * v * v - self.a * (q * q - 1.0).powi(2)

@@ -1,7 +1,7 @@
 //! Which method reaches an error in the least time.
 //!
 //! Input: times and errors of methods. Output: the range of errors divided among the fastest ones. Between two measured points a method is taken to
-//! lie on the straight line through them, in logarithms; beyond its points nothing is claimed.
+//! lie on the straight line through them, in logarithms; beyond its points nothing is claimed. An error counts as reached if the next finer step has it too.
 
 /// A method's measured points, times in seconds.
 pub(crate) struct Curve {
@@ -32,8 +32,19 @@ const IN_A_DECADE: i32 = 8;
 /// A method replaces the previous winner only if its time is below this fraction; smaller differences are scatter of the times.
 const CLEARLY: f64 = 0.9;
 
+/// The points with the larger error of each and the next finer one: an error that is small by chance, where its sign changes, does not count.
+fn lasting(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let next = points.iter().skip(1).chain(points.last());
+    points
+        .iter()
+        .zip(next)
+        .map(|(&(time, error), &(_, finer))| (time, error.max(finer)))
+        .collect()
+}
+
 /// The least time in which a method reaches an error.
 fn time_to(points: &[(f64, f64)], error: f64) -> Option<f64> {
+    let points = &lasting(points)[..];
     let coarse = points
         .iter()
         .filter(|(_, e)| *e <= error)

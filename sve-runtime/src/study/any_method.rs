@@ -38,7 +38,7 @@ pub(super) trait AnyMethod<S: System>: Sync {
     /// Mean number of Newton iterations of a step along the path; `None` if the method does not count them.
     fn iterations(&self, start: &StateOf<S>, path: &Recorded) -> Option<f64>;
 
-    /// Measures the time of `repeats` passes along a path whose increments are precomputed. Returns one duration for each section
+    /// Measures the time of `repeats` passes along a path whose increments are precomputed, each step with what a trajectory carries to it. Returns one duration for each section
     /// of the path.
     fn measure(
         &self,
@@ -110,11 +110,11 @@ impl<S: System, I: Method<System = S> + Sync> AnyMethod<S> for I {
         let mut sums = vec![Duration::ZERO; sections.len()];
         let mut begin = Instant::now();
         for _ in 0..repeats {
-            let prepared = self.prepare(black_box(h))?;
+            let mut prepared = self.prepare(black_box(h))?;
             let mut state = black_box(*start);
             for (sum, section) in sums.iter_mut().zip(sections) {
                 for dw in *section {
-                    self.step_prepared(&prepared, &mut state, h, dw)?;
+                    self.next_step(&mut prepared, &mut state, h, dw)?;
                 }
                 black_box(&state);
                 // reading the clock takes as long as a few steps

@@ -54,6 +54,14 @@ struct Observable<'a, S: System> {
     mean: Option<f64>,
 }
 
+/// A method of a study.
+struct Candidate<'a, S: System> {
+    name: Cow<'a, str>,
+    method: &'a dyn AnyMethod<S>,
+    /// Numbers of steps; `None` for those of the study.
+    steps: Option<Vec<usize>>,
+}
+
 /// One problem, solved by several methods with several step sizes.
 ///
 /// A start, a horizon, numbers of steps, a method and a reference have to be given. The seed is 0 and the number of paths 1
@@ -105,7 +113,7 @@ struct Observable<'a, S: System> {
 /// ```
 pub struct Study<'a, S: System> {
     problem: Cow<'a, str>,
-    methods: Vec<(Cow<'a, str>, &'a dyn AnyMethod<S>)>,
+    methods: Vec<Candidate<'a, S>>,
     start: Option<StateOf<S>>,
     horizon: Option<f64>,
     steps: Vec<usize>,
@@ -155,7 +163,7 @@ where
         self
     }
 
-    /// Sets the numbers of steps to the horizon. Each has to divide the largest, so that all step sizes share their paths.
+    /// Sets the numbers of steps to the horizon. With noise each has to divide the largest, so that all step sizes share their paths.
     #[must_use]
     pub fn steps(mut self, numbers: impl IntoIterator<Item = usize>) -> Self {
         self.steps = numbers.into_iter().collect();
@@ -182,8 +190,67 @@ where
     where
         I: Method<System = S> + Sync,
     {
-        self.methods.push((name.into(), method));
+        self.methods.push(Candidate {
+            name: name.into(),
+            method,
+            steps: None,
+        });
         self
+    }
+
+    /// Adds a method with its own numbers of steps to the horizon, in place of those that [`steps`](Self::steps) sets: a method of high order needs fewer steps.
+    ///
+    /// ```
+    /// use sve_runtime::baseline::RungeKutta4;
+    /// use sve_runtime::prelude::*;
+    /// use sve_runtime::study::{Study, StudyError};
+    ///
+    /// #[derive(Clone, Copy)]
+    /// struct Oscillator;
+    ///
+    /// #[variational(midpoint)]
+    /// impl Oscillator {
+    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v - 0.5 * q * q }
+    /// }
+    ///
+    /// # fn main() -> Result<(), StudyError> {
+    /// let midpoint = Integrator::new(Oscillator, Midpoint);
+    /// let runge_kutta = RungeKutta4::new(Oscillator);
+    /// let report = Study::new("oscillator")
+    ///     .start(State::new([1.0], [0.0]))
+    ///     .horizon(1.0)
+    ///     .steps([100, 200, 400])
+    ///     .method("midpoint", &midpoint)
+    ///     .method_with_steps("Runge–Kutta 4", &runge_kutta, [7, 15])
+    ///     .exact(|_| State::at(1.0, [1.0_f64.cos()], [-1.0_f64.sin()]))
+    ///     .repeats(0) // no times
+    ///     .run()?;
+    /// assert_eq!(report.rows().len(), 5);
+    /// assert!(report.row("Runge–Kutta 4", 15).is_some());
+    /// # Ok(())
+    /// # }
+    /// ```
+    #[must_use]
+    pub fn method_with_steps<I>(
+        mut self,
+        name: impl Into<Cow<'a, str>>,
+        method: &'a I,
+        numbers: impl IntoIterator<Item = usize>,
+    ) -> Self
+    where
+        I: Method<System = S> + Sync,
+    {
+        self.methods.push(Candidate {
+            name: name.into(),
+            method,
+            steps: Some(numbers.into_iter().collect()),
+        });
+        self
+    }
+
+    /// Returns the numbers of steps of a method.
+    fn steps_of(&self, method: usize) -> &[usize] {
+        self.methods[method].steps.as_ref().unwrap_or(&self.steps)
     }
 
     /// Compares with the exact state at the horizon, a function of the increments over the finest steps.
@@ -296,7 +363,11 @@ fn euclidean<Q: Coordinates<N>, const N: usize>(a: &State<Q>, b: &State<Q>) -> f
 
 impl<S: System> fmt::Debug for Study<'_, S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names: Vec<_> = self.methods.iter().map(|(name, _)| name).collect();
+        let names: Vec<_> = self
+            .methods
+            .iter()
+            .map(|candidate| &candidate.name)
+            .collect();
         f.debug_struct("Study")
             .field("problem", &self.problem)
             .field("methods", &names)

@@ -12,7 +12,7 @@ use super::stopwatch::Stopwatch;
 use super::{Study, StudyError};
 use crate::configuration::Coordinates;
 use crate::error::StepError;
-use crate::noise::Recorded;
+use crate::noise::{NoNoise, Recorded};
 use crate::state::State;
 use crate::system::{Dims, System};
 
@@ -77,13 +77,14 @@ where
 {
     /// Returns every method with every number of steps.
     fn cases(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let steps = &self.study.steps;
-        (0..self.study.methods.len())
-            .flat_map(move |method| steps.iter().map(move |&steps| (method, steps)))
+        (0..self.study.methods.len()).flat_map(|method| {
+            let steps = self.study.steps_of(method);
+            steps.iter().map(move |&steps| (method, steps))
+        })
     }
 
     fn subject(&self, method: usize) -> &'a dyn AnyMethod<S> {
-        self.study.methods[method].1
+        self.study.methods[method].method
     }
 
     /// The system of the first method; the other methods have equal ones.
@@ -119,7 +120,7 @@ where
         }
         let mut samples = Vec::new();
         for (method, steps) in self.cases() {
-            let coarse = coarsened(&fine, steps, path)?;
+            let coarse = self.coarsened(&fine, steps, path)?;
             samples.push(self.sample(method, &coarse, &exact));
         }
         Ok(Outcome {
@@ -127,6 +128,16 @@ where
             observed,
             samples,
         })
+    }
+
+    /// Returns the path in `steps` steps.
+    fn coarsened(&self, fine: &Recorded, steps: usize, path: u64) -> Result<Recorded, StudyError> {
+        if self.processes == 0 {
+            Recorded::record(NoNoise, self.horizon / steps as f64, 0, steps)
+        } else {
+            fine.coarsen(fine.len() / steps)
+        }
+        .map_err(|source| StudyError::Noise { path, source })
     }
 
     /// Solves a path by a method; `None` if it fails or overflows.
@@ -182,7 +193,7 @@ where
                 .collect()
         };
         let mut row = Row {
-            method: self.study.methods[method].0.to_string(),
+            method: self.study.methods[method].name.to_string(),
             h: self.horizon / steps as f64,
             steps,
             error: None,
@@ -215,9 +226,9 @@ where
     fn orders(&self, outcomes: &[Outcome]) -> (Vec<Order>, Vec<NotAsymptotic>) {
         let size = outcomes.iter().map(|o| o.size).sum::<f64>() / outcomes.len() as f64;
         let (mut orders, mut others) = (Vec::new(), Vec::new());
-        for (method, (name, subject)) in self.study.methods.iter().enumerate() {
+        for (method, candidate) in self.study.methods.iter().enumerate() {
             let levels = self.levels(outcomes, method);
-            let method = name.to_string();
+            let (method, subject) = (candidate.name.to_string(), candidate.method);
             match order::fit(levels, size.sqrt(), self.processes > 0) {
                 Convergence::Asymptotic(order, points) => orders.push(Order {
                     method,
@@ -260,7 +271,7 @@ where
                 continue;
             };
             let (fine, _) = self.reference(path as u64)?;
-            let coarse = coarsened(&fine, steps, path as u64)?;
+            let coarse = self.coarsened(&fine, steps, path as u64)?;
             let subject = self.subject(method);
             rows[case].newton_iterations = subject.iterations(self.start, &coarse);
             if self.study.repeats > 0 {
@@ -285,9 +296,4 @@ where
         }
         Ok(())
     }
-}
-
-fn coarsened(fine: &Recorded, steps: usize, path: u64) -> Result<Recorded, StudyError> {
-    fine.coarsen(fine.len() / steps)
-        .map_err(|source| StudyError::Noise { path, source })
 }

@@ -29,11 +29,10 @@ impl<'a, S: System> Settings<'a, S> {
         Q: Coordinates<N>,
     {
         let missing = |what, write| StudyError::Missing { what, write };
-        let names = study.methods.iter().map(|(name, _)| name.to_string());
+        let names = study.methods.iter().map(|m| m.name.to_string());
         refuse_duplicates("methods", names)?;
         let names = study.observables.iter().map(|o| o.name.to_string());
         refuse_duplicates("observables", names)?;
-        refuse_duplicates("steps", study.steps.iter().map(usize::to_string))?;
         let horizon = study.horizon.ok_or(missing("horizon", ".horizon(10.0)"))?;
         if !(horizon > 0.0 && horizon.is_finite()) {
             return Err(StudyError::Horizon { horizon });
@@ -41,18 +40,14 @@ impl<'a, S: System> Settings<'a, S> {
         if study.methods.is_empty() {
             return Err(missing("methods", ".method(\"midpoint\", &integrator)"));
         }
-        let finest = *study
-            .steps
-            .iter()
-            .max()
-            .ok_or(missing("numbers of steps", ".steps([64, 128, 256])"))?;
-        for &steps in &study.steps {
-            if steps == 0 {
-                return Err(StudyError::Zero { setting: "steps" });
-            }
-            if !finest.is_multiple_of(steps) {
-                return Err(StudyError::Steps { steps, finest });
-            }
+        let methods = 0..study.methods.len();
+        let finest = methods
+            .clone()
+            .flat_map(|method| study.steps_of(method))
+            .max();
+        let finest = *finest.ok_or(missing("numbers of steps", ".steps([64, 128, 256])"))?;
+        for method in methods {
+            check_steps(study.steps_of(method), finest, M)?;
         }
         if study.paths == 0 {
             return Err(StudyError::Zero { setting: "paths" });
@@ -79,6 +74,20 @@ impl<'a, S: System> Settings<'a, S> {
     }
 }
 
+/// Checks the numbers of steps of a method. With noise they divide the largest number of all methods.
+fn check_steps(numbers: &[usize], finest: usize, processes: usize) -> Result<(), StudyError> {
+    refuse_duplicates("steps", numbers.iter().map(usize::to_string))?;
+    for &steps in numbers {
+        if steps == 0 {
+            return Err(StudyError::Zero { setting: "steps" });
+        }
+        if processes > 0 && !finest.is_multiple_of(steps) {
+            return Err(StudyError::Steps { steps, finest });
+        }
+    }
+    Ok(())
+}
+
 /// Checks that the steps of a fine reference can be counted, and that the reference is none of the methods with the same steps: the error of that method would be 0,
 /// and those of the others too small.
 fn check_fine<S: System>(
@@ -93,13 +102,14 @@ fn check_fine<S: System>(
     if finest.checked_mul(factor).is_none() {
         return Err(StudyError::TooFine { finest, factor });
     }
-    let is_reference = |&&(_, method): &&(_, &dyn AnyMethod<S>)| {
-        factor == 1 && method.identity() == reference.identity()
-    };
-    match study.methods.iter().find(is_reference) {
+    let own = study
+        .methods
+        .iter()
+        .find(|candidate| factor == 1 && candidate.method.identity() == reference.identity());
+    match own {
         None => Ok(()),
-        Some((name, _)) => Err(StudyError::OwnReference {
-            method: name.to_string(),
+        Some(candidate) => Err(StudyError::OwnReference {
+            method: candidate.name.to_string(),
             steps: finest,
         }),
     }

@@ -16,8 +16,11 @@ const SHORTEST: Duration = Duration::from_micros(50);
 /// Largest number of passes in a measurement.
 const MAX_PASSES: u32 = 1 << 20;
 
-/// Steps of a section.
+/// Largest number of steps of a section.
 const SECTION: usize = 2048;
+
+/// Longest time of a section: shorter than the time slices of a scheduler, so that most sections run without an interruption on a loaded machine.
+const LONGEST: Duration = Duration::from_micros(200);
 
 /// The times of a method with a step size.
 pub(super) struct Stopwatch<'a, S: System> {
@@ -25,6 +28,8 @@ pub(super) struct Stopwatch<'a, S: System> {
     method: &'a dyn AnyMethod<S>,
     h: f64,
     increments: Vec<IncrementsOf<S>>,
+    /// Steps of a section.
+    section: usize,
     /// Passes along the path in a measurement.
     passes: u32,
     /// Seconds of each section, one for each measurement.
@@ -39,15 +44,23 @@ impl<'a, S: System> Stopwatch<'a, S> {
         h: f64,
         increments: Vec<IncrementsOf<S>>,
     ) -> Self {
-        let seconds = vec![Vec::new(); increments.len().div_ceil(SECTION)];
         let mut stopwatch = Self {
             case,
             method,
             h,
             increments,
+            section: SECTION,
             passes: 1,
-            seconds,
+            seconds: Vec::new(),
         };
+        if let Ok(elapsed) = stopwatch.durations(start) {
+            let total = elapsed.iter().sum::<Duration>().as_secs_f64();
+            let steps = stopwatch.increments.len() as f64 * LONGEST.as_secs_f64() / total;
+            // a quotient that is not a number becomes 0
+            stopwatch.section = (steps as usize).clamp(1, SECTION);
+        }
+        let sections = stopwatch.increments.len().div_ceil(stopwatch.section);
+        stopwatch.seconds = vec![Vec::new(); sections];
         // these passes also warm the caches
         while let Ok(elapsed) = stopwatch.durations(start)
             && elapsed.iter().sum::<Duration>() < SHORTEST
@@ -59,7 +72,7 @@ impl<'a, S: System> Stopwatch<'a, S> {
     }
 
     fn durations(&self, start: &StateOf<S>) -> Result<Vec<Duration>, StepError> {
-        let sections: Vec<&[IncrementsOf<S>]> = self.increments.chunks(SECTION).collect();
+        let sections: Vec<&[IncrementsOf<S>]> = self.increments.chunks(self.section).collect();
         self.method.measure(start, self.h, &sections, self.passes)
     }
 
