@@ -56,8 +56,11 @@ impl<'a, S: System> Stopwatch<'a, S> {
         if let Ok(elapsed) = stopwatch.durations(start) {
             let total = elapsed.iter().sum::<Duration>().as_secs_f64();
             let steps = stopwatch.increments.len() as f64 * LONGEST.as_secs_f64() / total;
-            // a quotient that is not a number becomes 0
-            stopwatch.section = (steps as usize).clamp(1, SECTION);
+            // a quotient that is not a number counts as 1
+            let steps = steps.max(1.0).min(SECTION as f64);
+            #[allow(clippy::cast_sign_loss)] // at least 1
+            let section = steps as usize;
+            stopwatch.section = section;
         }
         let sections = stopwatch.increments.len().div_ceil(stopwatch.section);
         stopwatch.seconds = vec![Vec::new(); sections];
