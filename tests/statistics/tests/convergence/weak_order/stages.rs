@@ -50,10 +50,13 @@ fn noisy_stiffness() {
     }
 }
 
+/// Increments of two stages, and their weight in an expectation.
+type Node = ([f64; 2], f64);
+
 /// Errors of second moments with the noise of two stages.
 fn errors<R>(
     rule: R,
-    (heavy, start, nodes): (&Heavy, State<[f64; 1]>, &[([f64; 2], f64)]),
+    (heavy, start, nodes): (&Heavy, State<[f64; 1]>, &[Node]),
     exact: &[f64],
     observe: &dyn Fn(&State<[f64; 1]>) -> Vec<f64>,
 ) -> Vec<f64>
