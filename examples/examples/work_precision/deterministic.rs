@@ -20,6 +20,7 @@ type KahanLi<R> = Composed<R, KahanLi8>;
 type Gauss8<S> = Integrator<S, Gauss<8>>;
 
 /// Returns numbers of steps, from `first` by so many doublings, with so many numbers in each.
+#[allow(clippy::cast_sign_loss)] // a number of steps is positive
 fn doublings(first: usize, doublings: u32, in_each: u32) -> impl Iterator<Item = usize> {
     (0..=doublings * in_each).map(move |k| {
         let factor = (f64::from(k) / f64::from(in_each)).exp2();

@@ -54,10 +54,9 @@ impl<'a, S: System> Stopwatch<'a, S> {
             seconds: Vec::new(),
         };
         if let Ok(elapsed) = stopwatch.durations(start) {
-            let total = elapsed.iter().sum::<Duration>().as_secs_f64();
-            let steps = stopwatch.increments.len() as f64 * LONGEST.as_secs_f64() / total;
-            // a quotient that is not a number becomes 0
-            stopwatch.section = (steps as usize).clamp(1, SECTION);
+            let total = elapsed.iter().sum::<Duration>().as_nanos().max(1);
+            let steps = stopwatch.increments.len() as u128 * LONGEST.as_nanos() / total;
+            stopwatch.section = usize::try_from(steps).map_or(SECTION, |n| n.clamp(1, SECTION));
         }
         let sections = stopwatch.increments.len().div_ceil(stopwatch.section);
         stopwatch.seconds = vec![Vec::new(); sections];
