@@ -434,7 +434,7 @@ COMMANDS = [
         *(truncated(h) for h in ("0.3", "0.1", "0.05", "0.02")),
     ]),
     Command("structure", "cargo run --release --example structure", 15, structure()),
-    Command("work-precision", WORK, 400, [
+    Command("work-precision", WORK, 600, [
         Number("wp.kubo.low", "Kubo: midpoint is the fastest for strong errors down to", fastest("kubo", "an error at the end", "midpoint", 2)),
         Number("wp.kubo.midpoint", "Kubo: midpoint's time to an error of 2e-3", time_to("kubo", "midpoint", 2e-3)),
         Number("wp.kubo.heun", "Kubo: Heun's time to an error of 2e-3", time_to("kubo", "Heun", 2e-3)),
