@@ -24,7 +24,9 @@ type Gauss8<S> = Integrator<S, Gauss<8>>;
 fn doublings(first: usize, doublings: u32, in_each: u32) -> impl Iterator<Item = usize> {
     (0..=doublings * in_each).map(move |k| {
         let factor = (f64::from(k) / f64::from(in_each)).exp2();
-        (first as f64 * factor).round() as usize
+        #[allow(clippy::cast_sign_loss)] // both factors are positive
+        let steps = (first as f64 * factor).round() as usize;
+        steps
     })
 }
 

@@ -140,7 +140,8 @@ impl Series {
     }
 }
 
-/// The look of a method, the same in all figures; of other programs by their number.
+/// The look of a method, the same in all figures; of other programs by their number. Methods that share a look are in no figure together.
+#[allow(clippy::match_same_arms)] // a line for each method
 fn pen(series: &Series, number: usize) -> Pen {
     let (color, shape) = match series.name.as_str() {
         "midpoint" => (palette::BLUE, Shape::Disc),

@@ -9,7 +9,7 @@ use quote::quote;
 use super::code::Printer;
 use super::parameters::parameter_jets;
 use super::step::inside;
-use super::system::noise_jets;
+use super::system::with_potential;
 use super::{Context, attributes, private};
 use crate::algebra::{Arena, Expr};
 use crate::discretise::stages::{Form, Impulse, Stages};
@@ -79,22 +79,6 @@ pub(crate) fn stages(context: &Context<'_>, stages: &Stages, has_potential: bool
             #potential
         },
         operations,
-    }
-}
-
-/// `impl WithPotential`.
-fn with_potential(context: &Context<'_>, private: &TokenStream) -> TokenStream {
-    let (model, noises, attributes) = (context.model, &context.mechanics.noises, attributes());
-    let self_ty = &context.block.item.self_ty;
-    let [n, m] = [model.dof(), noises.len()].map(Literal::usize_unsuffixed);
-    let jets = noise_jets(private, noises, &model.symbols, context.arena);
-    quote! {
-        #attributes
-        impl #private::gauss::WithPotential<#n, #m> for #self_ty {
-            fn noise_jets(&self, time: f64, q: &[f64; #n], p: &[f64; #n]) -> [#private::NoiseJet<#n>; #m] {
-                #jets
-            }
-        }
     }
 }
 

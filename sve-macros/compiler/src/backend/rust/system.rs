@@ -6,7 +6,7 @@ use quote::{quote, quote_spanned};
 use super::configuration::written;
 use super::identity::identity;
 use super::straight::{Straight, rows};
-use super::{attributes, documented, private};
+use super::{Context, attributes, documented, private};
 use crate::algebra::{Arena, Expr};
 use crate::explain::SystemTexts;
 use crate::syntax::parse::Annotated;
@@ -174,8 +174,7 @@ fn force_jet(
     }
 }
 
-/// The noise Hamiltonians with their derivatives.
-pub(super) fn noise_jets(
+fn noise_jets(
     private: &TokenStream,
     jets: &[NoiseJet],
     symbols: &Symbols,
@@ -214,6 +213,22 @@ pub(super) fn noise_jets(
         }}
     });
     quote!(#statements [#(#jets),*])
+}
+
+/// `impl WithPotential`, of a context whose last noise is the potential of the option `weak2`.
+pub(super) fn with_potential(context: &Context<'_>, private: &TokenStream) -> TokenStream {
+    let (model, noises, attributes) = (context.model, &context.mechanics.noises, attributes());
+    let self_ty = &context.block.item.self_ty;
+    let [n, m] = [model.dof(), noises.len()].map(Literal::usize_unsuffixed);
+    let jets = noise_jets(private, noises, &model.symbols, context.arena);
+    quote! {
+        #attributes
+        impl #private::gauss::WithPotential<#n, #m> for #self_ty {
+            fn noise_jets(&self, time: f64, q: &[f64; #n], p: &[f64; #n]) -> [#private::NoiseJet<#n>; #m] {
+                #jets
+            }
+        }
+    }
 }
 
 /// A check, when the user's program is compiled, that a path leads to the constant of the standard library that it is read as.

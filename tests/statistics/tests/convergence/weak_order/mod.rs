@@ -5,18 +5,18 @@
 //! follows all nodes of all steps. The order is the slope of the logarithms.
 
 mod moments;
+mod momentum;
 mod quadrature;
+mod stages;
 mod systems;
 
 use sve_models::models::Oscillator;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, Discretised, System, Variational};
+use sve_runtime::{Dims, System, Variational};
 
-use moments::{Matrix, distance, exact, matrix, moments, moments_with, plus};
+use moments::{Matrix, distance, exact, matrix, moments, plus};
 use quadrature::{expectations, gauss_hermite, tensor};
-use systems::{
-    Bent, Coupled, CubicFriction, Damped, Heavy, Parametric, Quadratic, Squeezed, products,
-};
+use systems::{Bent, Coupled, CubicFriction, Heavy, Parametric, Quadratic, products};
 
 /// What a slope may be off: at the larger steps the next term of the error still counts.
 const BIAS: f64 = 0.12;
@@ -69,6 +69,7 @@ macro_rules! for_each_rule {
         $check(&Integrator::new($system, $rule), $($argument),*);
     };
 }
+use for_each_rule;
 
 #[test]
 fn noisy_stiffness() {
@@ -137,36 +138,7 @@ fn noisy_stiffness() {
             (Gauss::<2>, Weak2(Gauss::<2>), Weak2(Gauss::<4>)),
             (noise, start, &exact)
         );
-        of_two_stages(
-            &Integrator::new(system.clone(), StageNoise(Gauss::<2>)),
-            (noise, 1),
-            start,
-            &exact,
-        );
-        // above the order 2 that the plan states
-        of_two_stages(
-            &Integrator::new(system.clone(), Weak2(StageNoise(Gauss::<2>))),
-            (noise, 3),
-            start,
-            &exact,
-        );
     }
-}
-
-/// One line for a rule with the noise of two stages, each with half of the variance.
-fn of_two_stages<S, R>(
-    integrator: &Integrator<S, R>,
-    (noise, expected): (&str, u32),
-    start: State<[f64; 1]>,
-    exact: &Matrix,
-) where
-    S: Discretised<R, Increments = [f64; 2]> + System<Dims = Dims<1, 1>>,
-{
-    let error = |level| distance(&moments_with(integrator, start, level, [0.5; 2]), exact);
-    let errors: Vec<f64> = (4..=7).map(error).collect();
-    let plan = integrator.plan();
-    assert!(plan.weak_order <= expected);
-    line(plan.system, plan.rule, noise, expected, &errors);
 }
 
 #[test]
@@ -275,80 +247,6 @@ fn quadratic_noise_in_momentum() {
     }
 }
 
-/// The term with noise in momentum needs two stages.
-#[test]
-fn commuting_noises_in_momentum() {
-    let start = State::new([1.0], [0.3]);
-    let drift = matrix([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0; 3]]);
-    for (system, text) in [
-        (
-            Squeezed {
-                sigma: [0.5, 0.0],
-                a: 1.0,
-                b: 0.4,
-                beat: 0.0,
-            },
-            "H₁ = ½(aq² + bp²)",
-        ),
-        (
-            Squeezed {
-                sigma: [0.5, 0.3],
-                a: 1.0,
-                b: -0.5,
-                beat: 0.7,
-            },
-            "two H₁, one of time",
-        ),
-    ] {
-        let (a, b) = (system.a, system.b);
-        let exact = exact(start, &drift, |t| {
-            let strengths = system.strengths(t).into_iter();
-            strengths
-                .map(|s| matrix([[0.0, s * b, 0.0], [-s * a, 0.0, 0.0], [0.0; 3]]))
-                .collect()
-        });
-        for_each_rule!(
-            linear,
-            system.clone(),
-            (
-                Midpoint,
-                Gauss::<2>,
-                Weak2(Gauss::<2>),
-                Weak2(Gauss::<3>),
-                Weak2(Gauss::<4>)
-            ),
-            (text, start, &exact)
-        );
-    }
-}
-
-/// Noise in momentum beside a force has weak order 1 with the term `h K/12` in H too, which is why the attribute refuses the option.
-#[test]
-fn noise_in_momentum_with_friction() {
-    let start = State::new([1.0], [0.3]);
-    let (a, b, nu) = (0.5, 0.2, 0.6);
-    let drift = matrix([[0.0, 1.0, 0.0], [-1.0, -nu, 0.0], [0.0; 3]]);
-    let noise = matrix([[0.0, b, 0.0], [-a, 0.0, 0.0], [0.0; 3]]);
-    let exact = exact(start, &drift, |_| vec![noise.clone()]);
-    // K = (a − b)(aq² − bp²)
-    let with_term = |h: f64| Damped {
-        w: 1.0 - h / 6.0 * (a - b) * b,
-        k: 1.0 + h / 6.0 * (a - b) * a,
-        a,
-        b,
-        nu,
-    };
-    for (term, rule) in [(0.0, "gauss(2)"), (1.0, "gauss(2) with the term")] {
-        let error = |level: u32| {
-            let system = with_term(term * 0.5_f64.powi(level as i32));
-            let found = moments(&Integrator::new(system, Gauss::<2>), start, level);
-            distance(&found, &exact)
-        };
-        let errors: Vec<f64> = (4..=7).map(error).collect();
-        line("Damped", rule, "H₁ = ½(aq² + bp²), friction", 1, &errors);
-    }
-}
-
 /// One line for a rule: 2, 4 and 8 steps to T = ½.
 fn nonlinear<S, R, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
@@ -402,52 +300,6 @@ fn halved(start: &[f64], drift: &Matrix, noise: &Matrix) -> Vec<f64> {
         .iter()
         .flat_map(|row| row[..2 * n].to_vec())
         .collect()
-}
-
-/// Errors of second moments with the noise of two stages.
-fn errors<R>(
-    rule: R,
-    (heavy, start, nodes): (&Heavy, State<[f64; 1]>, &[([f64; 2], f64)]),
-    exact: &[f64],
-    observe: &dyn Fn(&State<[f64; 1]>) -> Vec<f64>,
-) -> Vec<f64>
-where
-    Heavy: Discretised<R, Increments = [f64; 2]> + System<Dims = Dims<1, 1>>,
-{
-    let integrator = Integrator::new(heavy.clone(), rule);
-    let error = |steps: u32| {
-        let h = 0.5 / f64::from(steps);
-        let found = expectations(&integrator, start, (steps, h), nodes, observe);
-        let squares = found.iter().zip(exact).map(|(x, y)| (x - y).powi(2));
-        squares.sum::<f64>().sqrt()
-    };
-    [1, 2, 4].map(error).to_vec()
-}
-
-/// With stage noise the steps are 1, 2 and 4 to T = ½, since each has two increments.
-#[test]
-fn stage_noise_with_a_mass_that_depends_on_the_configuration() {
-    let heavy = Heavy { sigma: 0.8 };
-    let start = State::new([1.2], [0.4]);
-    let square = heavy.moments(&start);
-    let at = [square[0].sqrt(), square[3].sqrt()];
-    let drift = matrix([[0.0, 1.0], [-1.0, 0.0]]);
-    let noise = matrix([[0.0, 0.0], [heavy.sigma, 0.0]]);
-    let exact = halved(&at, &drift, &noise);
-    let observe = |state: &State<[f64; 1]>| heavy.moments(state);
-    let mut nodes = tensor::<2>(&gauss_hermite(5));
-    for (x, _) in &mut nodes {
-        *x = x.map(|x| x * 0.5_f64.sqrt());
-    }
-    let of = "mass 1 + q²/4";
-    let all = (&heavy, start, nodes.as_slice());
-    let plain = errors(StageNoise(Gauss::<2>), all, &exact, &observe);
-    line("Heavy", "gauss(2, stage_noise)", of, 1, &plain);
-    let rule = Weak2(StageNoise(Gauss::<2>));
-    let corrected = errors(rule, all, &exact, &observe);
-    let order = slope(&corrected);
-    println!("| Heavy | gauss(2, stage_noise, weak2) | {of} | 2 or above | {order:.3} |");
-    assert!(order > 2.0 - BIAS, "{order}");
 }
 
 #[test]

@@ -1,0 +1,100 @@
+//! Weak orders with stage noise.
+
+use sve_runtime::prelude::*;
+use sve_runtime::{Dims, Discretised, System};
+
+use super::moments::{Matrix, distance, exact, matrix, moments_with};
+use super::quadrature::{expectations, gauss_hermite, tensor};
+use super::systems::{Heavy, Parametric};
+use super::{BIAS, halved, line, slope};
+
+/// One line for a rule with the noise of two stages, each with half of the variance.
+fn of_two_stages<S, R>(
+    integrator: &Integrator<S, R>,
+    (noise, expected): (&str, u32),
+    start: State<[f64; 1]>,
+    exact: &Matrix,
+) where
+    S: Discretised<R, Increments = [f64; 2]> + System<Dims = Dims<1, 1>>,
+{
+    let error = |level| distance(&moments_with(integrator, start, level, [0.5; 2]), exact);
+    let errors: Vec<f64> = (4..=7).map(error).collect();
+    let plan = integrator.plan();
+    assert!(plan.weak_order <= expected);
+    line(plan.system, plan.rule, noise, expected, &errors);
+}
+
+#[test]
+fn noisy_stiffness() {
+    let start = State::new([1.0], [0.0]);
+    for (beat, friction, noise) in [
+        (0.0, 0.0, "γ = ½σq²"),
+        (0.7, 0.0, "γ = ½σ(t)q²"),
+        (0.0, 0.4, "γ = ½σq², friction"),
+    ] {
+        let system = Parametric {
+            sigma: 0.5,
+            beat,
+            friction,
+        };
+        let drift = matrix([[0.0, 1.0, 0.0], [-1.0, -friction, 0.0], [0.0; 3]]);
+        let exact = exact(start, &drift, |t| {
+            let sigma = 2.0 * system.stiffness(t, 1.0);
+            vec![matrix([[0.0; 3], [sigma, 0.0, 0.0], [0.0; 3]])]
+        });
+        let plain = Integrator::new(system.clone(), StageNoise(Gauss::<2>));
+        of_two_stages(&plain, (noise, 1), start, &exact);
+        // above the order 2 that the plan states
+        let corrected = Integrator::new(system, Weak2(StageNoise(Gauss::<2>)));
+        of_two_stages(&corrected, (noise, 3), start, &exact);
+    }
+}
+
+/// Increments of two stages, and their weight in an expectation.
+type Node = ([f64; 2], f64);
+
+/// Errors of second moments with the noise of two stages.
+fn errors<R>(
+    rule: R,
+    (heavy, start, nodes): (&Heavy, State<[f64; 1]>, &[Node]),
+    exact: &[f64],
+    observe: &dyn Fn(&State<[f64; 1]>) -> Vec<f64>,
+) -> Vec<f64>
+where
+    Heavy: Discretised<R, Increments = [f64; 2]> + System<Dims = Dims<1, 1>>,
+{
+    let integrator = Integrator::new(heavy.clone(), rule);
+    let error = |steps: u32| {
+        let h = 0.5 / f64::from(steps);
+        let found = expectations(&integrator, start, (steps, h), nodes, observe);
+        let squares = found.iter().zip(exact).map(|(x, y)| (x - y).powi(2));
+        squares.sum::<f64>().sqrt()
+    };
+    [1, 2, 4].map(error).to_vec()
+}
+
+/// With stage noise the steps are 1, 2 and 4 to T = ½, since each has two increments.
+#[test]
+fn stage_noise_with_a_mass_that_depends_on_the_configuration() {
+    let heavy = Heavy { sigma: 0.8 };
+    let start = State::new([1.2], [0.4]);
+    let square = heavy.moments(&start);
+    let at = [square[0].sqrt(), square[3].sqrt()];
+    let drift = matrix([[0.0, 1.0], [-1.0, 0.0]]);
+    let noise = matrix([[0.0, 0.0], [heavy.sigma, 0.0]]);
+    let exact = halved(&at, &drift, &noise);
+    let observe = |state: &State<[f64; 1]>| heavy.moments(state);
+    let mut nodes = tensor::<2>(&gauss_hermite(5));
+    for (x, _) in &mut nodes {
+        *x = x.map(|x| x * 0.5_f64.sqrt());
+    }
+    let of = "mass 1 + q²/4";
+    let all = (&heavy, start, nodes.as_slice());
+    let plain = errors(StageNoise(Gauss::<2>), all, &exact, &observe);
+    line("Heavy", "gauss(2, stage_noise)", of, 1, &plain);
+    let rule = Weak2(StageNoise(Gauss::<2>));
+    let corrected = errors(rule, all, &exact, &observe);
+    let order = slope(&corrected);
+    println!("| Heavy | gauss(2, stage_noise, weak2) | {of} | 2 or above | {order:.3} |");
+    assert!(order > 2.0 - BIAS, "{order}");
+}
