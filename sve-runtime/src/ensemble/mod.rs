@@ -10,6 +10,8 @@
 #[cfg(feature = "checkpoint")]
 mod checkpoint;
 mod csv;
+#[cfg(feature = "distributed")]
+mod distribution;
 mod edges;
 mod error;
 mod execution;
@@ -39,6 +41,8 @@ mod stored;
 mod summary;
 mod warning;
 
+#[cfg(feature = "distributed")]
+pub use distribution::{Checkpoint, Distribution, PartialResults, SharedResults};
 #[cfg(feature = "checkpoint")]
 pub use error::Damage;
 pub use error::{Difference, EnsembleError};
