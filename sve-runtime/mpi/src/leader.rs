@@ -16,8 +16,11 @@ use super::progress::Progress;
 /// The time between two looks for messages. It is short beside the blocks that a rank has in reserve.
 const LOOK: Duration = Duration::from_millis(1);
 
-/// The time between two looks for messages while rank 0 has no blocks.
-const IDLE_LOOK: Duration = Duration::from_micros(50);
+/// The time between two looks for messages near the end, when ranks have no blocks in reserve.
+const SHORT_LOOK: Duration = Duration::from_micros(50);
+
+/// The end is near if the blocks that are left take less than this time, in seconds.
+const NEAR_END: f64 = 10e-3;
 
 /// Rank 0 during a run.
 pub(crate) struct Leader<'r, I: Method> {
@@ -89,7 +92,9 @@ where
                     self.link.send(rank as i32, &answer);
                 }
             }
-            self.pool.wait(if is_idle { IDLE_LOOK } else { LOOK });
+            let is_near_end = self.pool.is_short(coordinator.left_per_rank(), NEAR_END);
+            let looks_often = is_idle || is_near_end;
+            self.pool.wait(if looks_often { SHORT_LOOK } else { LOOK });
         }
         let last = coordinator.last_answer();
         for rank in 1..self.link.size() {

@@ -231,7 +231,9 @@ where
         pool.end();
         ended
     });
-    let mut results = gathered.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let mut results = gathered
+        .into_inner()
+        .unwrap_or_else(PoisonError::into_inner);
     results.merge(pool.results.take());
     Ended {
         results,
@@ -308,7 +310,10 @@ where
     if results.is_empty() {
         return Err(SentError::NothingRun);
     }
-    let found = results.blocks().map(|blocks| distribution.paths_of(blocks)).sum();
+    let found = results
+        .blocks()
+        .map(|blocks| distribution.paths_of(blocks))
+        .sum();
     let expected = distribution.paths_of(distribution.blocks());
     if found != expected && !is_stopped {
         return Err(SentError::Lost { found, expected });

@@ -13,7 +13,9 @@ use mpi::Tag;
 use mpi::collective::SystemOperation;
 use mpi::point_to_point::MatchedReceiveVec as _;
 use mpi::topology::SimpleCommunicator;
-use mpi::traits::{Communicator, CommunicatorCollectives as _, Destination as _, Root as _, Source as _};
+use mpi::traits::{
+    Communicator, CommunicatorCollectives as _, Destination as _, Root as _, Source as _,
+};
 use serde::{Serialize, de::DeserializeOwned};
 
 /// Largest number of bytes of a piece.

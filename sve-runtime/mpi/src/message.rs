@@ -11,10 +11,12 @@ use sve_runtime::ensemble::Failure;
 /// The state of a rank, since its last report.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Report {
-    /// Number of blocks that the rank wants.
+    /// Number of blocks that the rank wants to have waiting.
     pub(crate) wanted: u64,
     /// Number of blocks below which a message is not worth its time.
     pub(crate) least: u64,
+    /// Number of blocks that were handed to the rank and have not begun.
+    pub(crate) waiting: u64,
     /// Number of blocks that were handed to the rank and have not ended.
     pub(crate) unfinished: u64,
     /// Number of paths that have ended since the last report.
@@ -106,7 +108,14 @@ mod tests {
             cause: None,
         };
         let reasons = [asked, error(2), error(1)];
-        for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
+        for order in [
+            [0, 1, 2],
+            [0, 2, 1],
+            [1, 0, 2],
+            [1, 2, 0],
+            [2, 0, 1],
+            [2, 1, 0],
+        ] {
             let mut stop = None;
             for k in order {
                 add_stop(&mut stop, reasons[k].clone());

@@ -10,8 +10,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use sve_runtime::ensemble::{BLOCK_PATHS, Distribution, EnsembleError, PartialResults};
 use sve_runtime::ensemble::SharedResults;
+use sve_runtime::ensemble::{BLOCK_PATHS, Distribution, EnsembleError, PartialResults};
 use sve_runtime::{Coordinates, Dims, Method, System};
 
 use super::message::{Answer, Cause, Report, Stop, add_stop};
@@ -46,6 +46,8 @@ struct State {
     waiting_blocks: u64,
     /// Number of blocks that run.
     running: u64,
+    /// Half of the blocks that waited after the last answer. Toward the end rank 0 hands out fewer blocks than a rank wants.
+    half: u64,
     /// Whether rank 0 has more blocks.
     has_more: bool,
     /// Whether rank 0 knows that this rank has no block.
@@ -64,9 +66,15 @@ struct State {
 }
 
 impl Pool {
-    pub(crate) fn new(rank: i32, threads: usize, interval: Duration, results: SharedResults) -> Self {
+    pub(crate) fn new(
+        rank: i32,
+        threads: usize,
+        interval: Duration,
+        results: SharedResults,
+    ) -> Self {
         let state = State {
             has_more: true,
+            half: 1,
             ..State::default()
         };
         Self {
@@ -87,10 +95,12 @@ impl Pool {
         state.is_known_idle = unfinished == 0;
         let blocks_in = |time: f64| self.blocks_in(&state, time);
         let threads = self.threads as u64;
-        let many = blocks_in(self.interval.as_secs_f64()).map_or(threads, |blocks| blocks.max(threads));
-        let wanted = (many + self.reserve(&state)).saturating_sub(state.waiting_blocks);
+        let many =
+            blocks_in(self.interval.as_secs_f64()).map_or(threads, |blocks| blocks.max(threads));
+        let wanted = many + self.reserve(&state);
         Report {
             wanted,
+            waiting: state.waiting_blocks,
             least: blocks_in(LEAST).unwrap_or(1).max(1),
             unfinished,
             paths: core::mem::take(&mut state.paths),
@@ -119,6 +129,7 @@ impl Pool {
             state.waiting.push_back(answer.blocks.clone());
         }
         state.drop_from(answer.limit);
+        state.half = state.waiting_blocks.div_ceil(2).max(1);
         drop(state);
         self.has_blocks.notify_all();
     }
@@ -131,9 +142,15 @@ impl Pool {
     }
 
     fn has_to_report(&self, state: &State) -> bool {
-        let is_low = state.has_more && state.waiting_blocks < self.reserve(state);
+        let is_low = state.has_more && state.waiting_blocks < self.reserve(state).min(state.half);
         let is_idle = state.waiting_blocks + state.running == 0 && !state.is_known_idle;
         is_low || is_idle || state.stop.is_some()
+    }
+
+    /// Returns whether so many blocks take this rank less than a time.
+    pub(crate) fn is_short(&self, blocks: u64, time: f64) -> bool {
+        self.blocks_in(&self.state(), time)
+            .is_some_and(|many| blocks < many)
     }
 
     /// Ends the threads.
@@ -265,13 +282,17 @@ impl State {
             range.end = range.end.min(limit);
         }
         self.waiting.retain(|range| !range.is_empty());
-        self.waiting_blocks = (self.waiting.iter()).map(|range| range.end - range.start).sum();
+        self.waiting_blocks = (self.waiting.iter())
+            .map(|range| range.end - range.start)
+            .sum();
     }
 }
 
 /// Returns the message of a panic.
 pub(crate) fn panic_message(payload: &(dyn Any + Send)) -> String {
-    let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
+    let text = payload
+        .downcast_ref::<&str>()
+        .map(|text| (*text).to_owned());
     let text = text.or_else(|| payload.downcast_ref::<String>().cloned());
     text.unwrap_or_else(|| "a panic without a message".to_owned())
 }

@@ -14,8 +14,22 @@ use std::collections::{BTreeSet, VecDeque};
 /// A range has at most one of so many parts of a rank's share of the blocks that are left.
 const PARTS: u64 = 4;
 
+/// A range of the rank's own region has at least one of so many parts of the blocks that are worth a message.
+const LEAST_PARTS: u64 = 8;
+
 /// Borders of regions are multiples of a power of two of about this part of a region.
 const BORDER: u64 = 16;
+
+/// What a rank asks for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wish {
+    /// Number of blocks that wait at the rank.
+    pub(crate) waiting: u64,
+    /// Number of blocks below which a message is not worth its time.
+    pub(crate) least: u64,
+    /// Number of blocks that are to wait at the rank.
+    pub(crate) wanted: u64,
+}
 
 /// The blocks that no rank has.
 #[derive(Debug)]
@@ -95,15 +109,31 @@ impl Schedule {
         self.left == 0
     }
 
-    /// Removes and returns up to `wanted` consecutive blocks for a rank, fewer toward the end but then up to `least`; an empty range if
-    /// there are none left.
-    pub(crate) fn take(&mut self, rank: usize, least: u64, wanted: u64) -> Range<u64> {
+    /// Returns how many blocks per rank are left.
+    pub(crate) fn left_per_rank(&self) -> u64 {
+        self.left / self.regions.len() as u64
+    }
+
+    /// Removes and returns consecutive blocks for a rank, so that up to `wanted` blocks wait there; `waiting` of them do already. Toward the
+    /// end the number is less, but of its own region it is up to `least`. An empty range if the rank has enough, or if there are none left.
+    pub(crate) fn take(
+        &mut self,
+        rank: usize,
+        Wish {
+            waiting,
+            least,
+            wanted,
+        }: Wish,
+    ) -> Range<u64> {
+        let share = self.left_per_rank() / PARTS;
+        let own = self.size(rank);
+        // Blocks may take longer than those that the rank has seen, so that even `least` blocks are only a part of a region.
+        let least = least.min(own.div_ceil(2).max(least / LEAST_PARTS));
+        let least = if own > 0 { least.max(1) } else { 1 };
+        let wanted = wanted.min(share.max(least)).saturating_sub(waiting);
         if wanted == 0 || self.left == 0 {
             return 0..0;
         }
-        let share = self.left / (PARTS * self.regions.len() as u64);
-        let wanted = wanted.min(share.max(least).max(1));
-        let own = self.size(rank);
         let (victim, size) = if own > 0 {
             (rank, own)
         } else {
@@ -185,7 +215,15 @@ fn back(range: &Range<u64>, wanted: u64) -> u64 {
 mod tests {
     use core::ops::Range;
 
-    use super::{Schedule, power_of_two};
+    use super::{Schedule, Wish, power_of_two};
+
+    fn wish(least: u64, wanted: u64) -> Wish {
+        Wish {
+            waiting: 0,
+            least,
+            wanted,
+        }
+    }
 
     /// A generator of small numbers, the same on every run.
     fn numbers(mut seed: u64) -> impl FnMut(u64) -> u64 {
@@ -202,7 +240,7 @@ mod tests {
         let mut blocks = Vec::new();
         while !schedule.is_empty() {
             let rank = random(ranks as u64) as usize;
-            let range = schedule.take(rank, random(4), random(20));
+            let range = schedule.take(rank, wish(random(4), random(20)));
             blocks.extend(range);
         }
         blocks.sort_unstable();
@@ -215,15 +253,15 @@ mod tests {
         for ranks in [1, 2, 3, 4, 7, 100] {
             for (seed, blocks) in [(1, 0..1), (2, 0..1000), (3, 17..333), (4, 0..64)] {
                 for done in done {
-                    let done = done.iter().filter(|range| {
-                        blocks.contains(&range.start) && range.end <= blocks.end
-                    });
+                    let done = done
+                        .iter()
+                        .filter(|range| blocks.contains(&range.start) && range.end <= blocks.end);
                     let done: Vec<_> = done.cloned().collect();
                     let missing = |block: &u64| !done.iter().any(|range| range.contains(block));
                     let expected: Vec<u64> = blocks.clone().filter(missing).collect();
                     let mut schedule = Schedule::new(blocks.clone(), done.iter().cloned(), ranks);
                     assert_eq!(handed_out(&mut schedule, ranks, seed), expected);
-                    assert_eq!(schedule.take(0, 1, 5), 0..0);
+                    assert_eq!(schedule.take(0, wish(1, 5)), 0..0);
                 }
             }
         }
@@ -246,8 +284,9 @@ mod tests {
         for limit in [0, 1, 50, 99, 200] {
             let mut schedule = Schedule::new(0..100, core::iter::once(40..45), 3);
             schedule.cut(limit);
-            let expected: Vec<u64> =
-                (0..limit.min(100)).filter(|block| !(40..45).contains(block)).collect();
+            let expected: Vec<u64> = (0..limit.min(100))
+                .filter(|block| !(40..45).contains(block))
+                .collect();
             assert_eq!(handed_out(&mut schedule, 3, 9), expected);
         }
     }
@@ -258,17 +297,34 @@ mod tests {
         let mut schedule = Schedule::new(0..4096, core::iter::empty(), 2);
         let (mut end, mut last) = (0, u64::MAX);
         for _ in 0..8 {
-            let range = schedule.take(0, 1, 300);
+            let range = schedule.take(0, wish(1, 300));
             assert_eq!(range.start, end);
             let length = range.end - range.start;
             assert!(length <= 300 && length <= last.max(256), "{range:?}");
             (end, last) = (range.end, length);
         }
         while !schedule.is_empty() {
-            let range = schedule.take(1, 1, 300);
+            let range = schedule.take(1, wish(1, 300));
             last = range.end - range.start;
         }
         assert_eq!(last, 1);
+    }
+
+    /// A rank whose first blocks were fast does not take the slow blocks of others away, however often it asks.
+    #[test]
+    fn a_rank_with_blocks_gets_no_more_than_its_share() {
+        let mut schedule = Schedule::new(0..256, core::iter::empty(), 2);
+        let mut held = 0;
+        for _ in 0..1000 {
+            let wish = Wish {
+                waiting: held,
+                least: 100,
+                wanted: 5000,
+            };
+            let range = schedule.take(0, wish);
+            held += range.end - range.start;
+        }
+        assert!((32..=100).contains(&held), "{held}");
     }
 
     #[test]

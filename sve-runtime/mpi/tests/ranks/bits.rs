@@ -76,7 +76,7 @@ pub(crate) fn unequal_times(given: &World) {
     let summary = sve_mpi::run(&slow_ensemble, &given.world).unwrap();
     assert_eq!(bits(&summary), bits(&alone));
     let own = own.load(Ordering::Relaxed);
-    let mut most = 0;
+    let mut most = 0_u64;
     (given.world).all_reduce_into(&own, &mut most, SystemOperation::max());
     let all = BLOCKS / (given.last as u64 + 1);
     // an equal share is all / ranks; each rank also draws up to 17 starts for the fingerprint
@@ -86,7 +86,10 @@ pub(crate) fn unequal_times(given: &World) {
 /// Two runs at the same time, each on some of the ranks, while a message of the program is under way.
 pub(crate) fn divided_communicators(given: &World) {
     let color = given.rank % 2;
-    let half = given.world.split_by_color(Color::with_value(color)).unwrap();
+    let half = given
+        .world
+        .split_by_color(Color::with_value(color))
+        .unwrap();
     let method = kubo();
     let ensemble = with_all(&method, 2000).seed(color as u64);
     let summary = sve_mpi::run(&ensemble, &half).unwrap();

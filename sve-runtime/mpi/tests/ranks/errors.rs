@@ -17,7 +17,10 @@ fn error(ensemble: &Ensemble<'_, Method>, given: &World) -> Error {
 pub(crate) fn failing_paths(given: &World) {
     let method = kubo();
     let ensemble = with_all(&method, 6400).bound("energy", ..=1.5);
-    let (summary, alone) = (sve_mpi::run(&ensemble, &given.world).unwrap(), ensemble.run().unwrap());
+    let (summary, alone) = (
+        sve_mpi::run(&ensemble, &given.world).unwrap(),
+        ensemble.run().unwrap(),
+    );
     assert!(alone.failed() > 300 && alone.failures().len() == 256);
     assert_eq!(summary.failures(), alone.failures());
     assert_eq!(summary.failed(), alone.failed());
@@ -52,7 +55,10 @@ pub(crate) fn panics(given: &World) {
             assert!(!(is_last && is_path), "no start for the test");
             State::new([rng.normal()], [0.0])
         };
-        Ensemble::new(&method).paths(64_000).steps(0.1, 50).start_with(draw)
+        Ensemble::new(&method)
+            .paths(64_000)
+            .steps(0.1, 50)
+            .start_with(draw)
     };
     for first in [0, 40] {
         match error(&panicking(first), given) {
@@ -69,9 +75,17 @@ pub(crate) fn wrong_settings(given: &World) {
     let method = kubo();
     for wrong in 0..=given.last {
         let ensemble = with_all(&method, 500);
-        let ensemble = if given.rank == wrong { ensemble.record_every(0) } else { ensemble };
+        let ensemble = if given.rank == wrong {
+            ensemble.record_every(0)
+        } else {
+            ensemble
+        };
         match error(&ensemble, given) {
-            Error::OnRank { rank, message, source } => {
+            Error::OnRank {
+                rank,
+                message,
+                source,
+            } => {
                 assert_eq!(rank, wrong);
                 assert!(message.contains("`record_every` was given 0"), "{message}");
                 let is_source = matches!(source, Some(EnsembleError::Zero { .. }));
@@ -102,7 +116,15 @@ pub(crate) fn differing_settings(given: &World) {
             _ => ensemble,
         }
     };
-    let names = ["number of paths", "seed", "observables", "settings", "shard", "times", "starts"];
+    let names = [
+        "number of paths",
+        "seed",
+        "observables",
+        "settings",
+        "shard",
+        "times",
+        "starts",
+    ];
     for (k, expected) in (0..).zip(names) {
         let ensemble = settings(&method, if is_last { k } else { 99 });
         differs(&error(&ensemble, given), given.last, expected);
@@ -134,9 +156,15 @@ pub(crate) fn bad_files(given: &World) {
     }
     for (path, resume) in paths {
         for interval in [Duration::ZERO, Duration::from_secs(600)] {
-            let ensemble = with_all(&method, 3000).checkpoint(&path, interval).resume(resume);
+            let ensemble = with_all(&method, 3000)
+                .checkpoint(&path, interval)
+                .resume(resume);
             match error(&ensemble, given) {
-                Error::OnRank { rank, message, source } => {
+                Error::OnRank {
+                    rank,
+                    message,
+                    source,
+                } => {
                     assert_eq!(rank, 0);
                     assert!(message.contains(path.to_str().unwrap()), "{message}");
                     assert_eq!(source.is_some(), given.rank == 0);
@@ -151,7 +179,10 @@ pub(crate) fn thread_level(given: &World) {
     let method = kubo();
     match error(&with_all(&method, 500), given) {
         error @ Error::ThreadLevel { rank: 0 } => {
-            assert!(error.to_string().contains("initialize_with_threading"), "{error}");
+            assert!(
+                error.to_string().contains("initialize_with_threading"),
+                "{error}"
+            );
         }
         other => panic!("{other:?}"),
     }

@@ -28,9 +28,14 @@ pub(crate) fn stopped(given: &World) {
         .checkpoint(&file, Duration::from_millis(1))
         .stop_when(|| is_last && asked.fetch_add(1, Ordering::Relaxed) >= 9);
     let summary = sve_mpi::run(&ensemble, &given.world).unwrap();
-    assert!(summary.paths() >= 9 * 64 && summary.paths() < PATHS, "{summary:?}");
+    assert!(
+        summary.paths() >= 9 * 64 && summary.paths() < PATHS,
+        "{summary:?}"
+    );
     same_on_all(given, &bits(&summary));
-    let whole = with_all(&method, PATHS).checkpoint(&file, Duration::from_secs(60)).resume(true);
+    let whole = with_all(&method, PATHS)
+        .checkpoint(&file, Duration::from_secs(60))
+        .resume(true);
     let alone = bits(&with_all(&method, PATHS).run().unwrap());
     assert_eq!(bits(&sve_mpi::run(&whole, &given.world).unwrap()), alone);
     // a run that is stopped at once
@@ -41,10 +46,16 @@ pub(crate) fn stopped(given: &World) {
 
 /// Asserts that bytes are the same on all ranks.
 fn same_on_all(given: &World, bytes: &[u8]) {
-    let sum = bytes.iter().fold(0_u64, |sum, &byte| sum.wrapping_mul(31).wrapping_add(byte.into()));
-    let (mut least, mut most) = (0, 0);
-    given.world.all_reduce_into(&sum, &mut least, SystemOperation::min());
-    given.world.all_reduce_into(&sum, &mut most, SystemOperation::max());
+    let sum = bytes.iter().fold(0_u64, |sum, &byte| {
+        sum.wrapping_mul(31).wrapping_add(byte.into())
+    });
+    let (mut least, mut most) = (0_u64, 0_u64);
+    given
+        .world
+        .all_reduce_into(&sum, &mut least, SystemOperation::min());
+    given
+        .world
+        .all_reduce_into(&sum, &mut most, SystemOperation::max());
     assert_eq!(least, most);
 }
 
@@ -93,6 +104,8 @@ pub(crate) fn killed(given: &World) {
     if given.rank == 0 {
         let _ = std::fs::remove_file(&file);
     }
+    // no file of an earlier run is mistaken for one of this run
+    given.world.barrier();
     let (is_last, watched) = (given.rank == given.last, file.clone());
     if is_last {
         thread::spawn(move || {
@@ -101,10 +114,14 @@ pub(crate) fn killed(given: &World) {
             }
             // as the system ends a process that takes too much memory
             let own = std::process::id().to_string();
-            let _ = std::process::Command::new("kill").args(["-9", &own]).status();
+            let _ = std::process::Command::new("kill")
+                .args(["-9", &own])
+                .status();
         });
     }
-    let ensemble = slow(&method, &ran).threads(1).checkpoint(&file, Duration::from_millis(20));
+    let ensemble = slow(&method, &ran)
+        .threads(1)
+        .checkpoint(&file, Duration::from_millis(20));
     let ended = sve_mpi::run(&ensemble, &given.world);
     panic!("{ended:?} without the last rank");
 }
@@ -114,16 +131,23 @@ pub(crate) fn continued(given: &World) {
     let (method, ran) = (kubo(), AtomicU64::new(0));
     let alone = bits(&slow(&method, &ran).run().unwrap());
     for number in 2..=4 {
-        let (from, file) = (killed_file(number), scratch(&format!("continued-{}.sve", given.last)));
+        let (from, file) = (
+            killed_file(number),
+            scratch(&format!("continued-{}.sve", given.last)),
+        );
         if given.rank == 0 {
             std::fs::copy(&from, &file).expect("the case `killed` has run");
         }
         let ran = AtomicU64::new(0);
-        let ensemble = slow(&method, &ran).checkpoint(&file, Duration::from_secs(60)).resume(true);
+        let ensemble = slow(&method, &ran)
+            .checkpoint(&file, Duration::from_secs(60))
+            .resume(true);
         let summary = sve_mpi::run(&ensemble, &given.world).unwrap();
         assert_eq!(bits(&summary), alone);
-        let (ran, mut sum) = (ran.load(Ordering::Relaxed), 0);
-        given.world.all_reduce_into(&ran, &mut sum, SystemOperation::sum());
+        let (ran, mut sum) = (ran.load(Ordering::Relaxed), 0_u64);
+        given
+            .world
+            .all_reduce_into(&ran, &mut sum, SystemOperation::sum());
         // without a checkpoint there would be a start for each of 200 blocks, and those of the fingerprints
         assert!(sum < 200, "{sum}");
     }
