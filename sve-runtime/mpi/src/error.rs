@@ -20,7 +20,7 @@ pub enum Error {
         message: String,
         /// The error itself, on the rank that it comes from.
         #[source]
-        source: Option<EnsembleError>,
+        source: Option<Box<EnsembleError>>,
     },
     /// A closure or a function of the system panicked.
     #[error("rank {rank} panicked: {message}")]
@@ -51,10 +51,10 @@ pub enum Error {
     },
     /// A path failed, and `stop_on_failure` was asked for. It is the failing path with the lowest number, as on one machine.
     #[error("{0}")]
-    Failed(#[source] Failure),
+    Failed(#[source] Box<Failure>),
     /// The run was stopped before a path ended.
     #[error("{0}")]
-    NothingRun(#[source] EnsembleError),
+    NothingRun(#[source] Box<EnsembleError>),
     /// Results of some paths are missing, which is a mistake of this package.
     #[error("the ranks returned {found} of {expected} paths: report this as an error of sve-mpi")]
     Lost {
@@ -82,13 +82,13 @@ impl SentError {
             Self::Cause(Cause::Error { rank, message }) => Error::OnRank {
                 rank,
                 message,
-                source: known.filter(|_| rank == here),
+                source: known.filter(|_| rank == here).map(Box::new),
             },
             Self::Cause(Cause::Panic { rank, message }) => Error::Panicked { rank, message },
-            Self::Cause(Cause::Failed(failure)) => Error::Failed(failure),
+            Self::Cause(Cause::Failed(failure)) => Error::Failed(Box::new(failure)),
             Self::Differs { rank, what } => Error::Differs { rank, what },
             Self::ThreadLevel { rank } => Error::ThreadLevel { rank },
-            Self::NothingRun => Error::NothingRun(EnsembleError::NothingRun),
+            Self::NothingRun => Error::NothingRun(Box::new(EnsembleError::NothingRun)),
             Self::Lost { found, expected } => Error::Lost { found, expected },
         }
     }

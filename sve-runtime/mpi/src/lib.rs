@@ -158,7 +158,9 @@ where
         Err(error) => Err(error.received(rank, known)),
         Ok(bytes) => {
             let results = received_results(distribution, &bytes);
-            distribution.summary(results).map_err(Error::NothingRun)
+            distribution
+                .summary(results)
+                .map_err(|error| Error::NothingRun(Box::new(error)))
         }
     }
 }

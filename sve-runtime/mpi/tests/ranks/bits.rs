@@ -21,9 +21,9 @@ pub(crate) fn same_bits(given: &World) {
         let alone = with_all(&method, paths).threads(1).run().unwrap();
         for threads in [1, 2] {
             // another number of threads on each rank
-            let threads = threads + given.rank as usize % 2;
+            let threads = threads + usize::from(given.rank % 2 == 1);
             let ensemble = with_all(&method, paths).threads(threads);
-            let summary = sve_mpi::run(&ensemble, &given.world).unwrap();
+            let summary = sve_mpi::run(&ensemble, &given.communicator).unwrap();
             assert!(summary.is_complete());
             assert_eq!(bits(&summary), bits(&alone), "{paths} paths");
         }
@@ -35,7 +35,7 @@ pub(crate) fn same_bits(given: &World) {
         .steps(0.02, 200)
         .start(State::new([1.0], [0.0]))
         .observe("q", |_, s| s.q[0]);
-    let summary = sve_mpi::run(&ensemble, &given.world).unwrap();
+    let summary = sve_mpi::run(&ensemble, &given.communicator).unwrap();
     assert_eq!(bits(&summary), bits(&ensemble.run().unwrap()));
 }
 
@@ -45,7 +45,7 @@ pub(crate) fn messages_in_pieces(given: &World) {
     let ensemble = with_all(&method, 3000).threads(1);
     let alone = bits(&ensemble.run().unwrap());
     for piece in [8, 61, 1000] {
-        let summary = sve_mpi::run_in_pieces(&ensemble, &given.world, piece).unwrap();
+        let summary = sve_mpi::run_in_pieces(&ensemble, &given.communicator, piece).unwrap();
         assert_eq!(bits(&summary), alone);
     }
 }
@@ -53,7 +53,7 @@ pub(crate) fn messages_in_pieces(given: &World) {
 /// The paths of the last rank's region take long. Other ranks take some of its blocks.
 pub(crate) fn unequal_times(given: &World) {
     const BLOCKS: u64 = 256;
-    let slow = 64 * BLOCKS * given.last as u64 / (given.last as u64 + 1);
+    let slow = 64 * BLOCKS * given.others() / (given.others() + 1);
     let (method, own) = (kubo(), AtomicU64::new(0));
     let ensemble = |delay: Duration| {
         let own = &own;
@@ -73,12 +73,14 @@ pub(crate) fn unequal_times(given: &World) {
     };
     let alone = ensemble(Duration::ZERO).run().unwrap();
     let slow_ensemble = ensemble(Duration::from_millis(10));
-    let summary = sve_mpi::run(&slow_ensemble, &given.world).unwrap();
+    let summary = sve_mpi::run(&slow_ensemble, &given.communicator).unwrap();
     assert_eq!(bits(&summary), bits(&alone));
     let own = own.load(Ordering::Relaxed);
     let mut most = 0_u64;
-    (given.world).all_reduce_into(&own, &mut most, SystemOperation::max());
-    let all = BLOCKS / (given.last as u64 + 1);
+    given
+        .communicator
+        .all_reduce_into(&own, &mut most, SystemOperation::max());
+    let all = BLOCKS / (given.others() + 1);
     // an equal share is all / ranks; each rank also draws up to 17 starts for the fingerprint
     assert!(most < all * 3 / 4 + 17, "{most} of {all}");
 }
@@ -87,18 +89,19 @@ pub(crate) fn unequal_times(given: &World) {
 pub(crate) fn divided_communicators(given: &World) {
     let color = given.rank % 2;
     let half = given
-        .world
+        .communicator
         .split_by_color(Color::with_value(color))
         .unwrap();
     let method = kubo();
-    let ensemble = with_all(&method, 2000).seed(color as u64);
+    let ensemble = with_all(&method, 2000).seed(color.unsigned_abs().into());
     let summary = sve_mpi::run(&ensemble, &half).unwrap();
     assert_eq!(bits(&summary), bits(&ensemble.run().unwrap()));
 }
 
 pub(crate) fn shards(given: &World) {
     let method = kubo();
-    let shard = |k| sve_mpi::run(&with_all(&method, 1500).shard(k, 3), &given.world).unwrap();
+    let shard =
+        |k| sve_mpi::run(&with_all(&method, 1500).shard(k, 3), &given.communicator).unwrap();
     let mut whole = shard(2);
     assert!(!whole.is_complete());
     whole.merge(shard(0)).unwrap();
@@ -110,5 +113,5 @@ pub(crate) fn shards(given: &World) {
 pub(crate) fn progress(given: &World) {
     let method = kubo();
     let ensemble = with_all(&method, 640).progress(true);
-    sve_mpi::run(&ensemble, &given.world).unwrap();
+    sve_mpi::run(&ensemble, &given.communicator).unwrap();
 }

@@ -10,7 +10,7 @@ use super::World;
 use super::models::{Kubo, Method, bits, kubo, scratch, with_all};
 
 fn error(ensemble: &Ensemble<'_, Method>, given: &World) -> Error {
-    sve_mpi::run(ensemble, &given.world).expect_err("an error")
+    sve_mpi::run(ensemble, &given.communicator).expect_err("an error")
 }
 
 /// More paths fail than a summary keeps.
@@ -18,7 +18,7 @@ pub(crate) fn failing_paths(given: &World) {
     let method = kubo();
     let ensemble = with_all(&method, 6400).bound("energy", ..=1.5);
     let (summary, alone) = (
-        sve_mpi::run(&ensemble, &given.world).unwrap(),
+        sve_mpi::run(&ensemble, &given.communicator).unwrap(),
         ensemble.run().unwrap(),
     );
     assert!(alone.failed() > 300 && alone.failures().len() == 256);
@@ -40,7 +40,7 @@ pub(crate) fn stop_on_failure(given: &World) {
             other => panic!("{other:?}"),
         };
         match error(&ensemble, given) {
-            Error::Failed(failure) => assert_eq!(failure, alone),
+            Error::Failed(failure) => assert_eq!(*failure, alone),
             other => panic!("{other:?}"),
         }
     }
@@ -88,7 +88,7 @@ pub(crate) fn wrong_settings(given: &World) {
             } => {
                 assert_eq!(rank, wrong);
                 assert!(message.contains("`record_every` was given 0"), "{message}");
-                let is_source = matches!(source, Some(EnsembleError::Zero { .. }));
+                let is_source = matches!(source.as_deref(), Some(EnsembleError::Zero { .. }));
                 assert_eq!(is_source, given.rank == wrong);
             }
             other => panic!("{other:?}"),

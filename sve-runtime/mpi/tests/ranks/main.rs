@@ -4,7 +4,6 @@
 //! runs. The names of cases can be given as arguments.
 
 #![allow(clippy::redundant_closure_for_method_calls)] // closures are written as users write them
-#![allow(unused_crate_dependencies)]
 
 mod bits;
 mod errors;
@@ -18,9 +17,16 @@ use mpi::traits::Communicator as _;
 
 /// What a case is given.
 pub(crate) struct World {
-    pub(crate) world: SimpleCommunicator,
+    pub(crate) communicator: SimpleCommunicator,
     pub(crate) rank: i32,
     pub(crate) last: i32,
+}
+
+impl World {
+    /// Returns the number of ranks below the last.
+    pub(crate) fn others(&self) -> u64 {
+        self.last.unsigned_abs().into()
+    }
 }
 
 /// What is expected of a case.
@@ -95,7 +101,7 @@ fn rank(name: &str) {
     let given = World {
         rank: world.rank(),
         last: world.size() - 1,
-        world: universe.world(),
+        communicator: universe.world(),
     };
     let ran = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| (case.run)(&given)));
     if ran.is_err() {

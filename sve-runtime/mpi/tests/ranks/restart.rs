@@ -27,7 +27,7 @@ pub(crate) fn stopped(given: &World) {
         .threads(1)
         .checkpoint(&file, Duration::from_millis(1))
         .stop_when(|| is_last && asked.fetch_add(1, Ordering::Relaxed) >= 9);
-    let summary = sve_mpi::run(&ensemble, &given.world).unwrap();
+    let summary = sve_mpi::run(&ensemble, &given.communicator).unwrap();
     assert!(
         summary.paths() >= 9 * 64 && summary.paths() < PATHS,
         "{summary:?}"
@@ -37,10 +37,13 @@ pub(crate) fn stopped(given: &World) {
         .checkpoint(&file, Duration::from_secs(60))
         .resume(true);
     let alone = bits(&with_all(&method, PATHS).run().unwrap());
-    assert_eq!(bits(&sve_mpi::run(&whole, &given.world).unwrap()), alone);
+    assert_eq!(
+        bits(&sve_mpi::run(&whole, &given.communicator).unwrap()),
+        alone
+    );
     // a run that is stopped at once
     let ensemble = with_all(&method, PATHS).stop_when(move || true);
-    let nothing = sve_mpi::run(&ensemble, &given.world);
+    let nothing = sve_mpi::run(&ensemble, &given.communicator);
     assert!(matches!(nothing, Err(Error::NothingRun(_))), "{nothing:?}");
 }
 
@@ -51,10 +54,10 @@ fn same_on_all(given: &World, bytes: &[u8]) {
     });
     let (mut least, mut most) = (0_u64, 0_u64);
     given
-        .world
+        .communicator
         .all_reduce_into(&sum, &mut least, SystemOperation::min());
     given
-        .world
+        .communicator
         .all_reduce_into(&sum, &mut most, SystemOperation::max());
     assert_eq!(least, most);
 }
@@ -73,7 +76,7 @@ pub(crate) fn restarted_alone(given: &World) {
     if given.rank == 0 {
         part(50).run().unwrap();
     }
-    let more = sve_mpi::run(&part(20).resume(true), &given.world).unwrap();
+    let more = sve_mpi::run(&part(20).resume(true), &given.communicator).unwrap();
     assert!(more.paths() > 50 * 64 && more.paths() < PATHS);
     if given.rank == 0 {
         let whole = with_all(&method, PATHS).checkpoint(&file, Duration::from_secs(60));
@@ -105,7 +108,7 @@ pub(crate) fn killed(given: &World) {
         let _ = std::fs::remove_file(&file);
     }
     // no file of an earlier run is mistaken for one of this run
-    given.world.barrier();
+    given.communicator.barrier();
     let (is_last, watched) = (given.rank == given.last, file.clone());
     if is_last {
         thread::spawn(move || {
@@ -122,7 +125,7 @@ pub(crate) fn killed(given: &World) {
     let ensemble = slow(&method, &ran)
         .threads(1)
         .checkpoint(&file, Duration::from_millis(20));
-    let ended = sve_mpi::run(&ensemble, &given.world);
+    let ended = sve_mpi::run(&ensemble, &given.communicator);
     panic!("{ended:?} without the last rank");
 }
 
@@ -142,11 +145,11 @@ pub(crate) fn continued(given: &World) {
         let ensemble = slow(&method, &ran)
             .checkpoint(&file, Duration::from_secs(60))
             .resume(true);
-        let summary = sve_mpi::run(&ensemble, &given.world).unwrap();
+        let summary = sve_mpi::run(&ensemble, &given.communicator).unwrap();
         assert_eq!(bits(&summary), alone);
         let (ran, mut sum) = (ran.load(Ordering::Relaxed), 0_u64);
         given
-            .world
+            .communicator
             .all_reduce_into(&ran, &mut sum, SystemOperation::sum());
         // without a checkpoint there would be a start for each of 200 blocks, and those of the fingerprints
         assert!(sum < 200, "{sum}");
