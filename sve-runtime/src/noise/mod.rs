@@ -53,6 +53,7 @@ pub use error::NoiseError;
 pub use from_rng::FromRng;
 pub use from_step::{FromStep, Replayable};
 pub use halves::Halves;
+pub(crate) use halves::increments_until;
 #[cfg(feature = "ensemble")]
 pub use many_paths::ManyPaths;
 #[cfg(feature = "ensemble")]
