@@ -145,7 +145,10 @@ where
                 // runs without integrals have the hashes that they always had
                 let are_plain = ensemble.kinds.iter().all(|&kind| kind == Kind::Value);
                 if !are_plain || ensemble.weight.is_some() {
-                    ensemble.kinds.iter().for_each(|&kind| hash.add(kind as u64));
+                    ensemble
+                        .kinds
+                        .iter()
+                        .for_each(|&kind| hash.add(kind as u64));
                     hash.add(ensemble.settle);
                     hash.add(u64::from(ensemble.weight.is_some()));
                 }

@@ -41,12 +41,12 @@ mod stored;
 mod summary;
 mod warning;
 
+pub use crate::observed::Observed;
 #[cfg(feature = "checkpoint")]
 pub use error::Damage;
 pub use error::{Difference, EnsembleError};
 pub use failure::{Cause, FAILURES_KEPT, Failure};
 pub use final_state::FinalState;
-pub use crate::observed::Observed;
 pub use starts::StartRng;
 pub use statistics::{Histogram, Statistics};
 pub use summary::Summary;

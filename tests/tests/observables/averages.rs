@@ -54,13 +54,19 @@ fn the_bias_of_the_temperature_of_each_rule() {
             assert!((pp - expected).abs() < 1e-13, "Verlet {nu} {h}: {pp}");
             // measured: −½νh + ½h² and +½νh + ½h² up to the next order, and ±½h for ⟨qp⟩
             let one_sided = [
-                (stationary(&Integrator::new(langevin, InitialPoint), h), -1.0),
+                (
+                    stationary(&Integrator::new(langevin, InitialPoint), h),
+                    -1.0,
+                ),
                 (stationary(&Integrator::new(langevin, Endpoint), h), 1.0),
             ];
             for ([qq, qp, pp], sign) in one_sided {
                 let error = pp - 1.0 - 0.5 * h * (sign * nu + 0.5 * h);
                 assert!(error.abs() < 0.5 * h * h * (1.0 + nu * nu), "{nu} {h} {pp}");
-                assert!((qp + 0.5 * sign * h).abs() < 0.5 * h * h * (1.0 + nu), "{nu} {h} {qp}");
+                assert!(
+                    (qp + 0.5 * sign * h).abs() < 0.5 * h * h * (1.0 + nu),
+                    "{nu} {h} {qp}"
+                );
                 assert!((qq - 1.0).abs() < 0.6 * h * h, "{nu} {h} {qq}");
             }
         }
@@ -214,8 +220,16 @@ fn averages_keep_their_bits() {
     let often = averages(&motion, 50).run().unwrap();
     assert_eq!(often["kT"].mean()[8], whole["kT"].mean()[4]);
     let mut first = shard(0);
-    assert!(first.merge(averages(&motion, 100).settle(41).shard(1, 3).run().unwrap()).is_err());
-    let other = averages(&motion, 100).weight(|_, _| 0.0).shard(1, 3).run().unwrap();
+    assert!(
+        first
+            .merge(averages(&motion, 100).settle(41).shard(1, 3).run().unwrap())
+            .is_err()
+    );
+    let other = averages(&motion, 100)
+        .weight(|_, _| 0.0)
+        .shard(1, 3)
+        .run()
+        .unwrap();
     assert!(first.merge(other).is_err());
 
     let folder = std::env::temp_dir().join(format!("sve-averages-{}", std::process::id()));
@@ -230,7 +244,11 @@ fn averages_keep_their_bits() {
         .run()
         .unwrap();
     assert!(!stopped.is_complete());
-    let continued = averages(&motion, 100).checkpoint(&file, every).resume(true).run().unwrap();
+    let continued = averages(&motion, 100)
+        .checkpoint(&file, every)
+        .resume(true)
+        .run()
+        .unwrap();
     std::fs::remove_dir_all(&folder).unwrap();
     assert_eq!(continued, whole);
 }
@@ -258,5 +276,9 @@ fn integrands_that_are_not_finite_fail_the_path() {
         .run()
         .unwrap();
     assert_eq!((summary.failed(), summary.failures()[0].step), (10, 0));
-    assert!(summary.failures()[0].to_string().contains("`weight` is NaN"));
+    assert!(
+        summary.failures()[0]
+            .to_string()
+            .contains("`weight` is NaN")
+    );
 }

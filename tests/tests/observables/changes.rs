@@ -118,7 +118,12 @@ fn a_change_begins_a_new_trajectory() {
     turn(&mut state);
     let h = made as f64 * 0.1 - state.t;
     motion.step(&mut state, h, &[]).unwrap();
-    for (a, b) in state.q.iter().chain(&state.p).zip(states[made - 1].q.iter().chain(&states[made - 1].p)) {
+    for (a, b) in state
+        .q
+        .iter()
+        .chain(&state.p)
+        .zip(states[made - 1].q.iter().chain(&states[made - 1].p))
+    {
         assert!((a - b).abs() < 1e-15);
     }
     let again = motion.trajectory(states[made - 1], 0.1, NoNoise);
@@ -144,9 +149,13 @@ fn a_section_at_a_change() {
         let path = ball.trajectory(State::new([0.5], [0.0]), 0.3, NoNoise);
         let bounce = |_: &Ball, s: &mut State<[f64; 1]>| s.p[0] = -s.p[0];
         let events = if is_first {
-            path.change_at(|_, s| s.q[0], bounce).falling().crossings(|_, s| s.q[0])
+            path.change_at(|_, s| s.q[0], bounce)
+                .falling()
+                .crossings(|_, s| s.q[0])
         } else {
-            path.crossings(|_, s| s.q[0]).change_at(|_, s| s.q[0], bounce).falling()
+            path.crossings(|_, s| s.q[0])
+                .change_at(|_, s| s.q[0], bounce)
+                .falling()
         };
         for (k, state) in (0..20_u32).zip(events) {
             let state = state.unwrap();
@@ -174,7 +183,10 @@ fn changes_at_the_end_of_a_step() {
         .falling();
     // the second bounce is 1/16 later, within the next step, the third 1/512 after it
     let states: Vec<_> = path.take(9).collect();
-    assert_eq!(states[7].as_ref().unwrap(), &State::at(1.0, [0.0], [0.03125]));
+    assert_eq!(
+        states[7].as_ref().unwrap(),
+        &State::at(1.0, [0.0], [0.03125])
+    );
     assert!(matches!(states[8], Err(StepError::EventsAccumulate { .. })));
     assert!(bounces >= 3, "{bounces}");
 }
@@ -195,7 +207,13 @@ fn the_rest_of_a_step_has_the_rest_of_the_noise() {
     }
     assert!(changes > 3, "{changes}");
     // a step of a rule with a force and additive noise is nearly the composition of its parts
-    let motion = Integrator::new(Langevin { nu: 0.3, sigma: 0.5 }, Midpoint);
+    let motion = Integrator::new(
+        Langevin {
+            nu: 0.3,
+            sigma: 0.5,
+        },
+        Midpoint,
+    );
     let plain = motion.trajectory(start, 1e-3, Wiener::new(5));
     let events = motion
         .trajectory(start, 1e-3, Wiener::new(5))

@@ -50,7 +50,11 @@ where
         };
         let next = [entry(0, 0), entry(0, 1), entry(1, 1)];
         c += 0.5 * variance.ln();
-        let weight = if step == 0 { weights[0] } else { weights[0] + weights[1] };
+        let weight = if step == 0 {
+            weights[0]
+        } else {
+            weights[0] + weights[1]
+        };
         a = [next[0] + KAPPA * h * weight, next[1], next[2]];
     }
     let [q, p] = POINT;
@@ -62,7 +66,10 @@ const TRAPEZOID: [f64; 2] = [0.5, 0.5];
 fn order(name: &str, expected: f64, errors: [f64; 3]) {
     let order = (errors[0] / errors[2]).log2() / 2.0;
     println!("| {name} | {expected} | {order:.3} | {:.1e} |", errors[2]);
-    assert!((order - expected).abs() < 0.12, "{name}: {order} {errors:?}");
+    assert!(
+        (order - expected).abs() < 0.12,
+        "{name}: {order} {errors:?}"
+    );
 }
 
 #[test]
@@ -73,8 +80,16 @@ fn weak_orders_of_the_quadratic_problem() {
     let endpoint = Integrator::new(system, Endpoint);
     let midpoint = Integrator::new(system, Midpoint);
     let verlet = Integrator::new(system, StormerVerlet);
-    order("initial point", 1.0, errors(&|n| quadratic(&initial, n, TRAPEZOID)));
-    order("endpoint", 1.0, errors(&|n| quadratic(&endpoint, n, TRAPEZOID)));
+    order(
+        "initial point",
+        1.0,
+        errors(&|n| quadratic(&initial, n, TRAPEZOID)),
+    );
+    order(
+        "endpoint",
+        1.0,
+        errors(&|n| quadratic(&endpoint, n, TRAPEZOID)),
+    );
     let found = errors(&|n| quadratic(&midpoint, n, TRAPEZOID));
     order("midpoint", 2.0, found);
     assert!(found[2] < 4e-6, "{found:?}");
@@ -82,12 +97,21 @@ fn weak_orders_of_the_quadratic_problem() {
     order("Verlet", 2.0, found);
     assert!(found[2] < 2e-5, "{found:?}");
     let euler = EulerMaruyama::new(system);
-    order("Euler–Maruyama", 1.0, errors(&|n| quadratic(&euler, n, TRAPEZOID)));
+    order(
+        "Euler–Maruyama",
+        1.0,
+        errors(&|n| quadratic(&euler, n, TRAPEZOID)),
+    );
     // the left ends of the steps in place of the trapezoid
-    order("midpoint, left", 1.0, errors(&|n| quadratic(&midpoint, n, [1.0, 0.0])));
+    order(
+        "midpoint, left",
+        1.0,
+        errors(&|n| quadratic(&midpoint, n, [1.0, 0.0])),
+    );
 }
 
-fn gauss_hermite_24() -> Vec<(f64, f64)> {
+/// Nodes and weights for the mean over a normal variable.
+fn normal_nodes() -> Vec<(f64, f64)> {
     // the trapezoidal rule for a normal density is exact to rounding with this spacing
     let spacing = 0.25;
     let density = |x: f64| (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt();
@@ -103,7 +127,7 @@ where
     Kubo: Variational<R> + System<Dims = Dims<1, 1>>,
 {
     let h = 1.0 / f64::from(steps);
-    let nodes = gauss_hermite_24();
+    let nodes = normal_nodes();
     let mean = |z: [f64; 2]| {
         let mut sum = [0.0; 2];
         for (x, weight) in &nodes {
@@ -130,11 +154,15 @@ fn weak_orders_of_the_kubo_problem() {
     let midpoint = Integrator::new(system, Midpoint);
     order("Kubo, midpoint", 1.0, errors(&|n| kubo(&midpoint, 4 * n)));
     let gauss = Integrator::new(system, Gauss::<2>);
-    order("Kubo, Gauss 2", 2.0, errors(&|n| kubo(&gauss, n)));
+    order("Kubo, Gauss 2", 2.0, errors(&|n| kubo(&gauss, 8 * n)));
     let gauss = Integrator::new(system, Gauss::<3>);
-    order("Kubo, Gauss 3", 3.0, errors(&|n| kubo(&gauss, n)));
+    order("Kubo, Gauss 3", 3.0, errors(&|n| kubo(&gauss, 4 * n)));
     let initial = Integrator::new(system, InitialPoint);
-    order("Kubo, initial point", 1.0, errors(&|n| kubo(&initial, 8 * n)));
+    order(
+        "Kubo, initial point",
+        1.0,
+        errors(&|n| kubo(&initial, 8 * n)),
+    );
     let endpoint = Integrator::new(system, Endpoint);
     order("Kubo, endpoint", 1.0, errors(&|n| kubo(&endpoint, 8 * n)));
 }
@@ -191,22 +219,29 @@ where
 #[test]
 fn weak_order_two_with_the_option() {
     let system = Stiffness { sigma: 1.5 };
-    let differences = |found: &dyn Fn(u32) -> f64| {
-        let values = [1, 2, 4, 8].map(found);
-        [0, 1, 2].map(|k| (values[k] - values[k + 1]).abs())
-    };
-    let errors = |n: &dyn Fn(u32) -> f64| differences(n);
-    let (plain, term) = (
-        Integrator::new(system, StormerVerlet),
-        Integrator::new(system, Weak2(StormerVerlet)),
-    );
-    let found = [
-        errors(&|n| followed(&plain, n)),
-        errors(&|n| followed(&term, n)),
-        errors(&|n| followed(&Integrator::new(system, Midpoint), n)),
-        errors(&|n| followed(&Integrator::new(system, Weak2(Midpoint)), n)),
+    let values = [
+        (
+            "Verlet",
+            [1, 2, 4, 8].map(|n| followed(&Integrator::new(system, Weak2(StormerVerlet)), n)),
+        ),
+        (
+            "midpoint",
+            [1, 2, 4, 8].map(|n| followed(&Integrator::new(system, Weak2(Midpoint)), n)),
+        ),
     ];
-    println!("{found:?}");
+    let mut limits = [0.0; 2];
+    for ((name, values), limit) in values.iter().zip(&mut limits) {
+        // the exact value is not known: differences between steps and steps of half the size
+        let differences = [0, 1, 2].map(|k| values[k] - values[k + 1]);
+        let order = (differences[1] / differences[2]).log2();
+        println!("| {name} with `weak2` | 2 | {order:.2} |");
+        assert!(
+            (order - 2.0).abs() < 0.15,
+            "{name}: {order} {differences:?}"
+        );
+        *limit = values[3] - differences[2] / 3.0;
+    }
+    assert!((limits[0] - limits[1]).abs() < 1e-4, "{limits:?}");
 }
 
 fn ensemble<I: Method<System = Langevin>>(method: &I, paths: u64) -> Ensemble<'_, I> {
@@ -282,11 +317,16 @@ fn several_points() {
     let motion = Integrator::new(oscillator(), Midpoint);
     let points = [[0.7, -0.4], [0.7001, -0.4], [0.0, 1.0]].map(|[q, p]| State::new([q], [p]));
     let apart = ensemble(&motion, 200).run_from(&points).unwrap();
-    let shared = ensemble(&motion, 200).share_paths(true).run_from(&points).unwrap();
+    let shared = ensemble(&motion, 200)
+        .share_paths(true)
+        .run_from(&points)
+        .unwrap();
     assert_eq!((apart.len(), shared.len()), (3, 3));
     let alone = ensemble(&motion, 200).start(points[2]).run().unwrap();
     assert_eq!(shared[2]["u"].mean(), alone["u"].mean());
-    let own = ensemble(&motion, 200).noise(Wiener::new(3).path(400)).start(points[2]);
+    let own = ensemble(&motion, 200)
+        .noise(Wiener::new(3).path(400))
+        .start(points[2]);
     assert_eq!(apart[2]["u"].mean(), own.run().unwrap()["u"].mean());
     // at near points shared paths give nearly the same error
     let at = |summaries: &[Summary], k: usize| summaries[k]["u"].mean()[2];
@@ -294,7 +334,12 @@ fn several_points() {
     assert!((at(&shared, 0) - at(&shared, 1)).abs() < 1e-3 * error.sqrt());
     assert!((at(&apart, 0) - at(&apart, 1)).abs() > 0.1 * error);
     // the shards of a start merge
-    let half = |k| ensemble(&motion, 200).shard(k, 2).run_from(&points).unwrap();
+    let half = |k| {
+        ensemble(&motion, 200)
+            .shard(k, 2)
+            .run_from(&points)
+            .unwrap()
+    };
     let (first, second) = (half(0), half(1));
     for ((mut first, second), whole) in first.into_iter().zip(second).zip(&apart) {
         first.merge(second).unwrap();
@@ -302,7 +347,9 @@ fn several_points() {
     }
     let file = std::env::temp_dir().join("never-written");
     let every = std::time::Duration::from_secs(60);
-    let refused = ensemble(&motion, 200).checkpoint(file, every).run_from(&points);
+    let refused = ensemble(&motion, 200)
+        .checkpoint(file, every)
+        .run_from(&points);
     assert!(matches!(refused, Err(EnsembleError::PointsInOneFile)));
 }
 
@@ -314,5 +361,8 @@ fn the_closed_form() {
     let (u, error) = (summary["u"].mean()[2], summary["u"].standard_error()[2]);
     let bias = quadratic(&motion, 16, TRAPEZOID) - QUADRATIC;
     assert!((u - QUADRATIC - bias).abs() < 4.0 * error, "{u} {error}");
-    assert!((error * 200.0 / 0.043_548_f64.sqrt() - 1.0).abs() < 0.03, "{error}");
+    assert!(
+        (error * 200.0 / 0.043_548_f64.sqrt() - 1.0).abs() < 0.03,
+        "{error}"
+    );
 }

@@ -16,7 +16,10 @@ fn sections_can_be_replayed() {
         section.stop_at(|_, s| s.t - 150.0).map(Result::unwrap)
     };
     let all: Vec<_> = section(noise.clone()).collect();
-    assert!(all.iter().eq(section(noise.clone()).collect::<Vec<_>>().iter()));
+    assert!(
+        all.iter()
+            .eq(section(noise.clone()).collect::<Vec<_>>().iter())
+    );
     assert_ne!(all, section(Wiener::new(11).path(4)).collect::<Vec<_>>());
     // another function beside it does not move the path
     let beside = motion
@@ -119,7 +122,13 @@ fn the_law_of_the_path_within_a_step() {
 /// A function that the noise itself moves is zero at the state that is found, although it has zeros everywhere near.
 #[test]
 fn rough_functions_are_zero_where_they_are_found() {
-    let motion = Integrator::new(Langevin { nu: 0.5, sigma: 1.0 }, Midpoint);
+    let motion = Integrator::new(
+        Langevin {
+            nu: 0.5,
+            sigma: 1.0,
+        },
+        Midpoint,
+    );
     let path = motion.trajectory(State::new([0.0], [0.5]), 0.1, Wiener::new(2));
     for state in path.crossings(|_, s| s.p[0]).take(500) {
         assert!(state.unwrap().p[0].abs() < 1e-10);

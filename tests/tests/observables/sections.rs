@@ -12,7 +12,9 @@ type Point = State<[f64; 2]>;
 
 fn distance(a: &Point, b: &Point) -> f64 {
     let pairs = a.q.iter().chain(&a.p).zip(b.q.iter().chain(&b.p));
-    pairs.map(|(x, y)| (x - y).abs()).fold((a.t - b.t).abs(), f64::max)
+    pairs
+        .map(|(x, y)| (x - y).abs())
+        .fold((a.t - b.t).abs(), f64::max)
 }
 
 /// The error of the first crossing of x = 0, which lies at 0.6 of a step of the exact motion.
@@ -38,7 +40,10 @@ fn order<I: Method<System = HenonHeiles>>(name: &str, method: &I, expected: f64,
     println!("| {name} | {expected} | {order:.2} | {:.1e} |", errors[2]);
     // the next term of the error still counts at the larger steps of the higher orders
     let bias = 0.04 * expected;
-    assert!((order - expected).abs() < bias, "{name}: {order} {errors:?}");
+    assert!(
+        (order - expected).abs() < bias,
+        "{name}: {order} {errors:?}"
+    );
 }
 
 /// The step is solved anew: the state at a crossing has the local error of the rule.
@@ -89,7 +94,9 @@ fn directions() {
         (Some(true), 1.5 * PI, TAU),
         (Some(false), 0.5 * PI, TAU),
     ] {
-        let all = motion.trajectory(start, h, NoNoise).crossings(|_, s| s.q[0]);
+        let all = motion
+            .trajectory(start, h, NoNoise)
+            .crossings(|_, s| s.q[0]);
         let chosen = match choose {
             None => all,
             Some(true) => all.rising(),
@@ -168,7 +175,9 @@ fn angles_that_wrap_are_no_crossings() {
     let start = State::new([1.0], [-1.0]);
     let path = || wheel.trajectory(start, 0.3, NoNoise);
     let counted = path().crossings(|_, s| s.q[0]).angle();
-    let reduced = path().crossings(|_, s| s.q[0].sin().atan2(s.q[0].cos())).angle();
+    let reduced = path()
+        .crossings(|_, s| s.q[0].sin().atan2(s.q[0].cos()))
+        .angle();
     for (k, (a, b)) in (0..30_u32).zip(counted.zip(reduced)) {
         let expected = 1.0 + TAU * f64::from(k);
         assert!((a.unwrap().t - expected).abs() < 1e-11);
@@ -180,7 +189,13 @@ fn angles_that_wrap_are_no_crossings() {
     // without the word the jump is an error that shows it
     let jump = path().crossings(|_, s| s.q[0].sin().atan2(s.q[0].cos()));
     let error = jump.last().unwrap().unwrap_err();
-    let StepError::EventJump { t, number, before, after } = error else {
+    let StepError::EventJump {
+        t,
+        number,
+        before,
+        after,
+    } = error
+    else {
         panic!("{error}");
     };
     assert!((t - 1.0 - PI).abs() < 1e-12 && number == 0);
@@ -196,7 +211,9 @@ fn what_is_seen() {
     let dips = |_: &Oscillator, s: &State<[f64; 1]>| 0.995 + s.q[0];
     let path = |samples| {
         let path = motion.trajectory(start, 1.0, NoNoise);
-        path.crossings(dips).samples(samples).stop_at(|_, s| s.t - 5.0)
+        path.crossings(dips)
+            .samples(samples)
+            .stop_at(|_, s| s.t - 5.0)
     };
     assert_eq!(path(1).count(), 0);
     let seen: Vec<f64> = path(8).map(|state| state.unwrap().t).collect();
@@ -228,7 +245,10 @@ fn zeros_at_steps() {
         .map(|state| state.unwrap().q[0])
         .collect();
     assert_eq!(touched.len(), 2);
-    assert!(touched[0] == 1.0 && (touched[1] - 1.1).abs() < 1e-15, "{touched:?}");
+    assert!(
+        touched[0] == 1.0 && (touched[1] - 1.1).abs() < 1e-15,
+        "{touched:?}"
+    );
 }
 
 #[test]

@@ -33,7 +33,11 @@ pub(super) fn zero_between<E>(
     let (mut other, mut new) = (first, second);
     let mut fraction = new.1 / (new.1 - other.1);
     for _ in 0..EVALUATIONS {
-        let best = if new.1.abs() < other.1.abs() { new } else { other };
+        let best = if new.1.abs() < other.1.abs() {
+            new
+        } else {
+            other
+        };
         let limit = WIDTH / (other.0 - new.0).abs();
         if best.1 == 0.0 || limit > 0.5 {
             break;
@@ -49,7 +53,11 @@ pub(super) fn zero_between<E>(
         new = point;
         fraction = next_fraction(new, other, before);
     }
-    let best = if new.1.abs() < other.1.abs() { new } else { other };
+    let best = if new.1.abs() < other.1.abs() {
+        new
+    } else {
+        other
+    };
     Ok(Zero {
         at: best.0,
         values: [new.1, other.1],
