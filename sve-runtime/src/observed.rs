@@ -6,9 +6,9 @@ use crate::error::StepError;
 
 /// The result of an observable: a number, or a number or an error.
 #[diagnostic::on_unimplemented(
-    message = "an observable returns `f64` or `Result<f64, StepError>`, not `{Self}`",
-    label = "the closure of this observable has another result",
-    note = "end it with a number, or with what `system.hamiltonian(state)` returns"
+    message = "an observable or another function of a state returns `f64` or `Result<f64, StepError>`, not `{Self}`",
+    label = "the closure given here has another result",
+    note = "end it with a number, or with what `system.hamiltonian(state)` returns; an event is at the zero of a number, `state.q[0] - 1.0` for q[0] = 1"
 )]
 pub trait Observed {
     /// Returns the value.

@@ -14,8 +14,8 @@ use sve_runtime::prelude::*;
 
 use crate::quadratic::{KAPPA, Oscillator, POINT, TIME, exact, mean_of_steps, potential};
 
-/// Numbers of steps of the rules of weak order 2, and of the others.
-const STEPS: [&[u32]; 2] = [&[4, 8, 16, 32, 64, 128], &[4, 8, 16, 32, 64, 128, 256, 512]];
+/// Numbers of steps of the rules of weak order 2, and of the others. With fewer steps the bias of Euler–Maruyama changes its sign.
+const STEPS: [&[u32]; 2] = [&[4, 8, 16, 32, 64, 128], &[16, 32, 64, 128, 256, 512]];
 /// Path-steps of a measurement: enough that the threads are busy and the preparation of a run does not count.
 const PATH_STEPS: u64 = 1 << 23;
 
@@ -161,8 +161,8 @@ pub(crate) fn measure() -> Result<(Panel, Vec<Check>), Box<dyn Error>> {
     ];
     let mut panel = Panel::new(
         "Time to error, u at (0.7, −0.4), t = 2",
-        Axis::powers("error", -6.2..-0.8),
-        Axis::powers("seconds of all paths", -6.0..6.0),
+        Axis::powers("error", -5.8..-1.6),
+        Axis::powers("seconds of all paths", -5.0..5.0),
     )
     .legend(Corner::TopRight);
     let mut checks = Vec::new();
@@ -198,7 +198,7 @@ pub(crate) fn measure() -> Result<(Panel, Vec<Check>), Box<dyn Error>> {
             (pair[0].1 + slope * (error.ln() - pair[0].0)).exp()
         })
     };
-    for error in [1e-2, 1e-3] {
+    for error in [2e-3, 1e-3] {
         let ratio = at(&all[3], error) / at(&all[0], error);
         checks.push(Check::reported(
             format!("1: time of naive Euler–Maruyama over `midpoint` for an error of {error:e}"),
