@@ -19,7 +19,7 @@ const MOST_SWEEPS: u32 = 30;
 
 /// Size of the predicted next change, relative to the coordinates, at which the iteration ends: below half a unit of rounding, so that what is left over does not
 /// add up to more than the random walk of rounding errors.
-const NEGLIGIBLE: f64 = 1e-16;
+const NEGLIGIBLE: f64 = 5e-17;
 
 /// Changes that no longer fall below this size are rounding errors.
 const STAGNATION: f64 = 1e-14;
