@@ -58,7 +58,7 @@ fn starts(energy: f64) -> Vec<Point> {
     on_axis.chain(off_axis).collect()
 }
 
-/// The points (y, p_y) of a section, and the largest relative change of the energy.
+/// The points (y, `p_y`) of a section, and the largest relative change of the energy.
 fn section(sigma: f64, start: Point, path: u64) -> Result<(Vec<(f64, f64)>, f64), StepError> {
     let system = HenonHeiles { sigma };
     let motion = Integrator::new(system, Gauss::<4>);

@@ -112,7 +112,7 @@ where
     /// Gives each path the weight exp(−∫V dt) of a function V of the system and the state, integrated from the start by the trapezoidal rule over all steps.
     /// The weight multiplies the [`terminal`](Self::terminal) functions. The V that was given last counts.
     ///
-    /// By the formula of Feynman and Kac the mean of f(X_t) exp(−∫V dt) over paths from x is the solution u(t, x) of ∂u/∂t = 𝓛u − Vu with u(0, x) = f(x), where 𝓛 is the generator
+    /// By the formula of Feynman and Kac the mean of `f(X_t)` exp(−∫V dt) over paths from x is the solution u(t, x) of ∂u/∂t = 𝓛u − Vu with u(0, x) = f(x), where 𝓛 is the generator
     /// of the motion. The weak order of a rule is that of u: 2 for `midpoint` and `stormer_verlet` with additive noise and constant masses, and for the rules with the
     /// option [`Weak2`](crate::Weak2); 1 for `initial_point`, `endpoint` and Euler–Maruyama. [`run_from`](Self::run_from) has an example.
     #[must_use]

@@ -355,33 +355,6 @@ where
         self
     }
 
-    /// Writes the results of finished blocks to a file, at this interval and at the end, for [`resume`](Self::resume).
-    ///
-    /// The file is always complete: a new file is written, synchronised with the disk and renamed. A run without `resume`
-    /// replaces an existing file once a block of paths has ended.
-    #[cfg(feature = "checkpoint")]
-    #[must_use]
-    pub fn checkpoint(
-        mut self,
-        path: impl Into<std::path::PathBuf>,
-        every: core::time::Duration,
-    ) -> Self {
-        self.checkpoint = Some((path.into(), every));
-        self
-    }
-
-    /// Continues from the file of [`checkpoint`](Self::checkpoint) if it exists, with the bits of a run that was not stopped.
-    ///
-    /// The file has to be undamaged, which its length and a checksum show, and of the same run: settings, formulas and parameters
-    /// of the system, method and starts. [`run`](Self::run) returns an error otherwise, which says whether the file is damaged or in what
-    /// the runs differ. Closures are compared by samples only, see [`Summary::merge`].
-    #[cfg(feature = "checkpoint")]
-    #[must_use]
-    pub fn resume(mut self, resume: bool) -> Self {
-        self.resume = resume;
-        self
-    }
-
     /// Ends the run early when a function returns `true`, for example after a signal or before the time limit of a batch system. No further block
     /// is begun, and the summary has the paths that were run.
     #[must_use]

@@ -89,6 +89,7 @@ pub(crate) fn increments_until<W: Halves, D: Increments>(
     }
     let (mut interval, mut length) = (DyadicInterval::whole(step), h);
     let scaled = fraction * (1_u64 << LEVELS) as f64;
+    #[allow(clippy::cast_sign_loss)] // fractions are not negative
     let cell = scaled as u64;
     for level in (0..LEVELS).rev() {
         let Some([first, second]) = interval.halves() else {

@@ -67,7 +67,7 @@ use crate::system::StateOf;
 /// **With noise** the increment of the part is that of the Brownian bridge: the path within a step is a function of seed, path and step, the same whatever is looked
 /// for, down to 2⁻³² of the step. A function whose value moves with the noise itself, such as a momentum that the noise pushes, has infinitely many zeros near each of its zeros.
 /// One of them is found. The source has to know its path within steps, as [`Wiener`](crate::noise::Wiener) and [`NoNoise`](crate::noise::NoNoise) do; a rule with
-/// [stage noise](crate::StageNoise) is a compile error.
+/// [stage noise](crate::StageNoise) is a compile error. A [refined](Trajectory::refine) trajectory has no events: of a step that fails there is no part.
 ///
 /// **After a change** the trajectory makes the rest of the step from the changed state, with the rest of the increment, and then whole steps at the times that it would have had. What the method
 /// carries from step to step is dropped, and so are the low parts of [compensated](Trajectory::compensated) sums. The side on which the motion goes on is that of the function a little later, after

@@ -81,6 +81,8 @@ fn next_fraction(new: Point, other: Point, before: Point) -> f64 {
 mod tests {
     use super::zero_between;
 
+    type Function<'a> = &'a dyn Fn(f64) -> f64;
+
     fn search(function: impl Fn(f64) -> f64) -> (f64, u32) {
         let mut count = 0;
         let ends = [0.0, 1.0].map(|x| (x, function(x)));
@@ -94,7 +96,7 @@ mod tests {
 
     #[test]
     fn zeros_are_found_to_the_last_bits() {
-        let cases: [(&dyn Fn(f64) -> f64, f64, u32); 6] = [
+        let cases: [(Function<'_>, f64, u32); 6] = [
             (&|x| x - 0.3, 0.3, 3),
             (&|x| (x - 0.7) * (1.0 + x * x), 0.7, 9),
             (&|x| x.sin() - 0.5, 0.5_f64.asin(), 9),
