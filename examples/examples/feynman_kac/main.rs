@@ -6,7 +6,7 @@
 //!                                                                           u = exp(−κIt − ½σ²t) (q cos at + p sin at)
 //! ```
 //!
-//! u(t, x) is the mean of u(0, X_t) exp(−∫V dt) over paths from x. The first is solved at many points and several times at once, the second at one point; both against
+//! u(t, x) is the mean of `u(0, X_t) exp(−∫V dt)` over paths from x. The first is solved at many points and several times at once, the second at one point; both against
 //! the closed form, within the sampling error and the bias of the rule. The picture has the time that an error costs, by derived rules and by Euler–Maruyama, as it is
 //! usually written. Status 1 if a number is off. Writes `target/feynman_kac/`.
 

@@ -1,7 +1,12 @@
 //! The first problem: its closed form, the exact mean of a rule without sampling, and its solution at many points.
 //!
-//! A function exp(−½zᵀAz − c) keeps its form under the equation, with A' = BᵀA + AB − σ²A e_p e_pᵀA + κ e_q e_qᵀ, c' = ½σ²A_pp, B = (0, 1; −1, 0), and under a linear step with the trapezoidal
-//! weight.
+//! A function exp(−½zᵀAz − c) keeps its form under the equation,
+//!
+//! ```text
+//! A' = BᵀA + AB − σ²A e_p e_pᵀA + κ e_q e_qᵀ,   c' = ½σ²A_pp,   B = (0, 1; −1, 0)
+//! ```
+//!
+//! and under a linear step with the trapezoidal weight.
 
 use std::error::Error;
 

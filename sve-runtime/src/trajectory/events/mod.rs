@@ -48,11 +48,11 @@ use crate::system::StateOf;
 ///     .trajectory(State::new([1.0], [0.0]), 0.01, NoNoise)
 ///     .change_at(|_, ball| ball.q[0], |_, ball| { ball.p[0] *= -0.9; bounces += 1; })
 ///     .falling()
-///     .stop_at(|_, ball| ball.t - 2.0);
+///     .stop_at(|_, ball| ball.t - 2.5);
 /// let states = path.collect::<Result<Vec<_>, _>>()?;
 /// let end = states.last().unwrap();
-/// assert!((end.t - 2.0).abs() < 1e-15 && states.iter().all(|ball| ball.q[0] > -1e-12));
-/// assert_eq!(bounces, 2);
+/// assert!((end.t - 2.5).abs() < 1e-15 && states.iter().all(|ball| ball.q[0] > -1e-12));
+/// assert_eq!(bounces, 3);
 /// # Ok(())
 /// # }
 /// ```
