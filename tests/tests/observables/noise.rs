@@ -79,6 +79,12 @@ fn the_path_within_a_step_is_the_refined_path() {
             let at = path.stop_at(|_, s| s.t - k as f64 * fine_h).last();
             let at = at.unwrap().unwrap();
             assert!((at.q[0] - fine[k]).abs() < 1e-14, "{at:?} {}", fine[k]);
+            // the refined source knows the same path within its shorter steps
+            let refined = noise.clone().refine(3).unwrap();
+            let path = motion.trajectory(start, h / 8.0, refined);
+            let at = path.stop_at(|_, s| s.t - k as f64 * fine_h).last();
+            let at = at.unwrap().unwrap();
+            assert!((at.q[0] - fine[k]).abs() < 1e-14, "{at:?} {}", fine[k]);
         }
         let path = motion.trajectory(start, h, noise);
         let section = path.crossings(|_, s| s.q[0] - 0.1);
