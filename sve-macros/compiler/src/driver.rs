@@ -254,7 +254,7 @@ fn step(
     let mut symbols = budget.model.symbols.clone();
     let (action, scheme) = budget.stage(arena, |arena| {
         let action = action::discretise(rule, budget.model, potential, &mut symbols, arena);
-        let equations = equations::equations(&action, arena);
+        let equations = equations::equations(&action, &symbols, arena);
         let scheme = if is_unstructured {
             Ok(structure::unstructured(equations, &mut symbols, arena))
         } else {

@@ -1,6 +1,7 @@
 //! The systems under test: those of the paper and some that stress one feature each.
 
 mod banded;
+mod constrained;
 mod deterministic;
 mod forced;
 mod noisy;
@@ -9,6 +10,7 @@ mod symmetric;
 use sve_runtime::prelude::*;
 
 pub use banded::Rails;
+pub use constrained::{OnSphere, TurnedSphere, TwoRods};
 pub use deterministic::{
     HenonHeiles, Magnetic, PlanarDoublePendulum, Quartic, Relativistic, SphericalPendulum,
 };

@@ -102,8 +102,16 @@ pub(crate) fn unknown(symbols: &Symbols, symbol: Symbol) -> String {
         Family::Acceleration => "a",
         Family::VelocityMultiplier => "μ",
         Family::AccelerationMultiplier => "ν",
+        Family::StartMultiplier => "λ",
+        Family::EndMultiplier => "μ",
+        Family::EndVelocity => "v₁",
     };
-    component(letter, index, coordinates(symbols))
+    let of = if family.is_multiplier_of_constraint() {
+        multipliers(symbols, family)
+    } else {
+        coordinates(symbols)
+    };
+    component(letter, index, of)
 }
 
 fn component(letter: &str, i: usize, of: usize) -> String {
@@ -117,6 +125,15 @@ fn component(letter: &str, i: usize, of: usize) -> String {
 fn coordinates(symbols: &Symbols) -> usize {
     let is_position = |m: &&Meaning| matches!(m, Meaning::Position(_));
     symbols.meanings().iter().filter(is_position).count()
+}
+
+/// The number of constraints, which is at least the number of the largest multiplier.
+fn multipliers(symbols: &Symbols, of: Family) -> usize {
+    let indices = symbols.meanings().iter().filter_map(|m| match m {
+        Meaning::Unknown(Unknown { family, index }) if *family == of => Some(index + 1),
+        _ => None,
+    });
+    indices.max().unwrap_or(1)
 }
 
 fn processes(symbols: &Symbols) -> usize {

@@ -69,6 +69,7 @@ fn noises(model: &Model, commutation: &Commutation, page: &mut Page<'_>) -> Vec<
         let NoiseTerm {
             name,
             is_gamma,
+            is_tangent: _,
             hamiltonian,
         } = noise;
         let (letter, sign) = if *is_gamma {

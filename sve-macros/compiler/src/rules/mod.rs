@@ -5,6 +5,7 @@
 
 pub(crate) mod action;
 pub(crate) mod applicable;
+pub(crate) mod constraints;
 mod endpoint;
 pub(crate) mod gauss;
 mod initial_point;

@@ -1,0 +1,3 @@
+//! Holonomic constraints.
+
+mod reference;
