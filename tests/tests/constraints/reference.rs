@@ -71,8 +71,8 @@ fn check<S, const N: usize, const M: usize>(
             "endpoint" => errors(&Integrator::new(system, Endpoint), path),
             other => panic!("unknown rule {other}"),
         };
-        println!("{file} {}: {errors:e?}", path.rule);
-        assert!(errors.iter().all(|&e| e < 1e-12), "{file} {}: {errors:e?}", path.rule);
+        println!("{file} {}: {errors:?}", path.rule);
+        assert!(errors.iter().all(|&e| e < 1e-12), "{file} {}: {errors:?}", path.rule);
     }
 }
 
