@@ -5,6 +5,7 @@ mod constrained;
 mod deterministic;
 mod forced;
 mod noisy;
+mod surfaces;
 mod symmetric;
 
 use sve_runtime::prelude::*;
@@ -16,6 +17,7 @@ pub use deterministic::{
 };
 pub use forced::{Damped, Stirred, Towed};
 pub use noisy::{Actions, Chain, Clashing, Driven, Mixed, OneMomentum, Polar, Synchrotron};
+pub use surfaces::{Breathing, Curved, Ellipsoid, Saddle, Thermal, Torus};
 pub use symmetric::{Central, Charges, Kepler, Stretched};
 
 /// L = v²/2 + g cos q.

@@ -1,3 +1,4 @@
 //! Holonomic constraints.
 
 mod reference;
+mod plan;

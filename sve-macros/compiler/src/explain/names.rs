@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use crate::algebra::{self, Arena, Expr, Notation, Symbol};
 use crate::rules::Rule;
+use crate::rules::constraints::END;
 use crate::system::model::{AtNode, Family, Meaning, NodeQuantity, Quantity, Symbols, Unknown};
 
 /// Letters that have a meaning of their own.
@@ -75,7 +76,11 @@ impl<'a> Names<'a> {
         let Some(AtNode { node, quantity }) = AtNode::of(expr, arena) else {
             return;
         };
-        let letter = rule.notation(node, quantity);
+        let letter = match quantity {
+            NodeQuantity::Time if node == END => "t₁",
+            NodeQuantity::Position(_) if node == END => "q₁",
+            _ => rule.notation(node, quantity),
+        };
         let name = match quantity {
             NodeQuantity::Time => letter.to_owned(),
             NodeQuantity::Position(i) | NodeQuantity::Velocity(i) => self.component(letter, i),

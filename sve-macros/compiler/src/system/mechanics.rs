@@ -170,7 +170,9 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
     let kicks = noises.iter().flat_map(|noise| noise.dq.iter().copied());
     let mut shifts = noises.iter().flat_map(|noise| noise.dp.iter().copied());
     let is_additive = masses.chain(kicks).all(is_free)
-        && shifts.all(|shift| arena.constant_value(shift) == Some(0.0));
+        && shifts.all(|shift| arena.constant_value(shift) == Some(0.0))
+        // the constraint force of an additive noise depends on the configuration
+        && model.constraints.is_empty();
     let commutation = commutation(model, &noises, arena);
     let force = model.force.as_ref().map(|force| ForceJet {
         dq: hessian(arena, force, &model.q),

@@ -35,7 +35,8 @@ pub(crate) fn system(
         commutation: _,
     } = mechanics;
     let separable = is_separable.then(|| quote!(impl #private::Separable for #self_ty {}));
-    let quadratic = (*is_separable && *affine_momentum)
+    // conditions of order for the splitting of a quadratic kinetic energy do not hold for steps that constraints couple
+    let quadratic = (*is_separable && *affine_momentum && constraints.is_empty())
         .then(|| quote!(impl #private::QuadraticKineticEnergy for #self_ty {}));
     let [doc, jet_doc, noise_doc] = documentation(about, !noises.is_empty());
     let configuration = written(block).map(|ty| quote!(, #ty));
