@@ -253,13 +253,13 @@ pub use state::State;
 /// ```
 pub use sve_macros::variational;
 pub use system::{
-    ConfigurationOf, ConstraintJet, Dimensions, Dims, FlatStateOf, ForceJet, Increments, IncrementsOf,
-    LagrangianJet, MomentumOf, NoiseJet, StateOf, System, VectorOf,
+    ConfigurationOf, ConstraintJet, Dimensions, Dims, FlatStateOf, ForceJet, Increments,
+    IncrementsOf, LagrangianJet, MomentumOf, NoiseJet, StateOf, System, VectorOf,
 };
 #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
 pub use system::{IncrementLanesOf, StateLanesOf};
 pub use trajectory::{RefinedTrajectory, Refinements, Snapshot, Trajectory};
-pub use variational::{DerivedFor, Discretised, Memory, Variational};
+pub use variational::{ConstraintImpulses, DerivedFor, Discretised, Memory, Variational};
 
 /// The items that a program imports to integrate a system: `use sve_runtime::prelude::*;`.
 pub mod prelude {
@@ -303,6 +303,7 @@ pub mod __private {
     pub use crate::error::StepError;
     pub use crate::integrator::derived::{
         DerivedStep, count_iterations, solve_compensated_step, solve_step, solve_with_derivatives,
+        solve_with_impulses,
     };
     pub use crate::lanes::Mask;
     pub use crate::linearisation::{Entries, Linearisation};

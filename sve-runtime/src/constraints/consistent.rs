@@ -144,7 +144,12 @@ where
     // the second pass removes the rounding errors of the first
     for _ in 0..2 {
         let relative = DVector::from_fn(N, |i, _| p[i] - here.rest[i]);
-        let velocity = here.mass.clone().lu().solve(&relative).ok_or_else(|| singular(&q))?;
+        let velocity = here
+            .mass
+            .clone()
+            .lu()
+            .solve(&relative)
+            .ok_or_else(|| singular(&q))?;
         let rates = here.jets.iter().map(|jet| {
             let along = jet.dq.iter().zip(velocity.iter());
             jet.dt + along.map(|(a, v)| a * v).sum::<f64>()

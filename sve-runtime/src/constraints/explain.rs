@@ -4,8 +4,8 @@ use super::Linearised;
 use super::consistent::rank_error;
 use crate::configuration::Coordinates;
 use crate::error::StepError;
-use crate::mechanics::noise_of;
 use crate::legendre;
+use crate::mechanics::noise_of;
 use crate::state::State;
 use crate::system::{Dims, System};
 

@@ -1,14 +1,12 @@
 //! The forces of the constraints in a step, from the multipliers of its equations.
 
 use crate::configuration::Coordinates;
-use crate::equations::StepEquations;
 use crate::error::StepError;
 use crate::integrator::Integrator;
 use crate::integrator::accept::check_step_size;
-use crate::integrator::derived::{DerivedStep, solve_step};
 use crate::state::State;
 use crate::system::{Dims, System};
-use crate::variational::{Discretised, Memory};
+use crate::variational::ConstraintImpulses;
 
 /// The forces of all constraints in a step. `P` is the type of momenta.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,8 +44,7 @@ impl<P> ConstraintForces<P> {
 
 impl<S, R, Q, const N: usize, const M: usize> Integrator<S, R>
 where
-    S: StepEquations<R> + Discretised<R, Increments = <S as StepEquations<R>>::Increments>,
-    S: System<Dims = Dims<N, M, Q>>,
+    S: ConstraintImpulses<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
     /// Returns the forces of the constraints in the step of length `h` from `state`: the impulses at both ends, and their mean force, in the units of the
@@ -91,19 +88,15 @@ where
         &self,
         state: &State<Q>,
         h: f64,
-        dw: &<S as StepEquations<R>>::Increments,
+        dw: &S::Increments,
     ) -> Result<ConstraintForces<Q::Momentum>, StepError> {
         check_step_size(h)?;
         let system = self.system();
         let start = state.to_coordinates();
         let mut end = start;
-        let derived = DerivedStep::<S, R>::new(system, self.newton());
-        let prepared = StepEquations::<R>::prepare(system, h);
-        let memory = &mut <S as StepEquations<R>>::Memory::none();
-        let unknowns = solve_step(derived, &prepared, memory, &mut end, h, dw)?;
         let mut multipliers = Vec::new();
         let report = &mut |multiplier| multipliers.push(multiplier);
-        StepEquations::<R>::multipliers(system, &start, h, dw, &unknowns, report);
+        system.advance_with_impulses(self.newton(), &mut end, h, dw, report)?;
         let slopes = |state: &State<[f64; N]>| {
             let mut slopes: Vec<[f64; N]> = Vec::new();
             system.constraint_jets(state.t, &state.q, &mut |jet| slopes.push(jet.dq));

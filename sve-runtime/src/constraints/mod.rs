@@ -102,8 +102,12 @@ impl<const N: usize> Linearised<N> {
 
     /// The constraint that is violated most, with its violation relative to its terms.
     fn worst(&self) -> (usize, f64) {
-        let relative = |jet: &ConstraintJet<N>| jet.value.abs() / (jet.magnitude + f64::MIN_POSITIVE);
+        let relative =
+            |jet: &ConstraintJet<N>| jet.value.abs() / (jet.magnitude + f64::MIN_POSITIVE);
         let each = self.jets.iter().map(relative).enumerate();
-        each.fold((0, 0.0), |worst, next| if next.1 > worst.1 { next } else { worst })
+        each.fold(
+            (0, 0.0),
+            |worst, next| if next.1 > worst.1 { next } else { worst },
+        )
     }
 }

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use serde::Deserialize;
 use sve_models::models::{OnSphere, TurnedSphere, TwoRods};
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, StepEquations, System, Variational};
+use sve_runtime::{ConstraintImpulses, Dims, System, Variational};
 
 #[derive(Deserialize)]
 struct Path {
@@ -24,7 +24,7 @@ fn errors<S, R, const N: usize, const M: usize>(
     path: &Path,
 ) -> [f64; 2]
 where
-    S: Variational<R> + StepEquations<R, Increments = [f64; M]> + System<Dims = Dims<N, M>>,
+    S: Variational<R> + ConstraintImpulses<R> + System<Dims = Dims<N, M>>,
 {
     let start = &path.states[0];
     let part = |z: &[f64]| -> [f64; N] { z.try_into().unwrap() };
@@ -40,24 +40,24 @@ where
         }
         let multipliers = path.lambda[k].iter().zip(&path.mu[k]);
         for (force, (lambda, mu)) in forces.constraints.iter().zip(multipliers) {
-            let error = (force.at_start - lambda).abs().max((force.at_end - mu).abs());
+            let error = (force.at_start - lambda)
+                .abs()
+                .max((force.at_end - mu).abs());
             of_multipliers = of_multipliers.max(error / size);
         }
     }
     [of_states, of_multipliers]
 }
 
-fn check<S, const N: usize, const M: usize>(
-    file: &str,
-    system: impl Fn(&HashMap<String, f64>) -> S,
-) where
+fn check<S, const N: usize, const M: usize>(file: &str, system: impl Fn(&HashMap<String, f64>) -> S)
+where
     S: System<Dims = Dims<N, M>>
         + Variational<InitialPoint>
         + Variational<Midpoint>
         + Variational<Endpoint>
-        + StepEquations<InitialPoint, Increments = [f64; M]>
-        + StepEquations<Midpoint, Increments = [f64; M]>
-        + StepEquations<Endpoint, Increments = [f64; M]>,
+        + ConstraintImpulses<InitialPoint>
+        + ConstraintImpulses<Midpoint>
+        + ConstraintImpulses<Endpoint>,
 {
     let at = format!("{}/data/{file}.json", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(&at).unwrap_or_else(|e| panic!("{at}: {e}"));
@@ -72,7 +72,11 @@ fn check<S, const N: usize, const M: usize>(
             other => panic!("unknown rule {other}"),
         };
         println!("{file} {}: {errors:?}", path.rule);
-        assert!(errors.iter().all(|&e| e < 1e-12), "{file} {}: {errors:?}", path.rule);
+        assert!(
+            errors.iter().all(|&e| e < 1e-12),
+            "{file} {}: {errors:?}",
+            path.rule
+        );
     }
 }
 

@@ -28,11 +28,15 @@ pub(super) fn extend(
 ) -> Equations {
     let rows: Vec<(Expr, Symbol)> = {
         let residuals = equations.residuals.iter().copied();
-        residuals.zip(equations.variations.iter().copied()).collect()
+        residuals
+            .zip(equations.variations.iter().copied())
+            .collect()
     };
     let mut order: Vec<Expr> = Vec::new();
     for (residual, variation) in rows {
-        order.push(of_variation(residual, variation, enforced, action, symbols, arena));
+        order.push(of_variation(
+            residual, variation, enforced, action, symbols, arena,
+        ));
     }
     let Enforced {
         start_multipliers,
@@ -103,8 +107,8 @@ fn of_variation(
             leading(residual, linear, action, symbols, arena)
         }
         Family::Momentum => {
-            let [d, h, v] = [action.displacement[i], action.h, own(Family::Velocity)]
-                .map(|s| arena.symbol(s));
+            let [d, h, v] =
+                [action.displacement[i], action.h, own(Family::Velocity)].map(|s| arena.symbol(s));
             let hv = arena.mul(h, v);
             let linear = arena.sub(d, hv);
             leading(residual, linear, action, symbols, arena)

@@ -8,8 +8,8 @@
 //!
 //! If there is a force, its work under a variation of x is added to each ∂S/∂x (Lagrange–d'Alembert principle).
 
-use crate::algebra::{Arena, Expr, Node, Symbol};
 use super::constrained;
+use crate::algebra::{Arena, Expr, Node, Symbol};
 use crate::rules::action::{Action, Work};
 use crate::structure::Condition;
 use crate::system::model::Symbols;
@@ -94,9 +94,7 @@ pub(crate) fn equations(action: &Action, symbols: &Symbols, arena: &mut Arena) -
         reported: Vec::new(),
     };
     match &action.enforced {
-        Some(enforced) => {
-            constrained::extend(equations, &ends, enforced, action, symbols, arena)
-        }
+        Some(enforced) => constrained::extend(equations, &ends, enforced, action, symbols, arena),
         None => equations,
     }
 }

@@ -103,9 +103,9 @@ fn constraints(model: &Model, page: &mut Page<'_>) -> Vec<String> {
     let some = &model.constraints[..count];
     let roots: Vec<Expr> = some.iter().map(|constraint| constraint.value).collect();
     page.name_parts(&roots);
-    let lines = some.iter().map(|Constraint { name, value }| {
-        format!("φ {name} = {} = 0", page.formula(*value))
-    });
+    let lines = some
+        .iter()
+        .map(|Constraint { name, value }| format!("φ {name} = {} = 0", page.formula(*value)));
     let lines = lines.collect();
     let mut lines = Page::list(lines, model.constraints.len(), "constraints");
     lines.extend(page.explanations(|_| false));

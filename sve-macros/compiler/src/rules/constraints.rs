@@ -67,9 +67,14 @@ pub(crate) fn enforce(
     let start_multipliers = family(Family::StartMultiplier, count);
     let end_multipliers = family(Family::EndMultiplier, count);
     let end_velocity = family(Family::EndVelocity, n);
-    let velocity: Vec<Symbol> = action.internal.iter().copied().filter(|&s| {
-        matches!(symbols.meaning(s), Meaning::Unknown(u) if u.family == Family::Velocity)
-    }).collect();
+    let velocity: Vec<Symbol> = action
+        .internal
+        .iter()
+        .copied()
+        .filter(
+            |&s| matches!(symbols.meaning(s), Meaning::Unknown(u) if u.family == Family::Velocity),
+        )
+        .collect();
     let start = at_start(&action, model, &velocity, arena);
     let end = at_end(&action, model, &end_velocity, arena);
     let mut terms = vec![(1.0, action.value)];
@@ -139,7 +144,15 @@ fn at_end(
 ) -> HashMap<Symbol, Expr> {
     let mut end = HashMap::new();
     let (t, h) = (arena.symbol(model.time), arena.symbol(action.h));
-    let at = |quantity| Some(AtNode { node: END, quantity }.identity());
+    let at = |quantity| {
+        Some(
+            AtNode {
+                node: END,
+                quantity,
+            }
+            .identity(),
+        )
+    };
     let time = arena.add(t, h);
     end.insert(model.time, arena.intermediate(time, at(NodeQuantity::Time)));
     for i in 0..model.dof() {

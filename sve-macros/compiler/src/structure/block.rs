@@ -173,7 +173,9 @@ impl Reduced<'_> {
         columns: &[usize],
         known: &Replacement,
     ) -> Option<(Vec<Expr>, bool)> {
-        columns.iter().find(|&&c| self.torn.contains(&self.unknowns[c]))?;
+        columns
+            .iter()
+            .find(|&&c| self.torn.contains(&self.unknowns[c]))?;
         let leading = self.leading.as_ref()?;
         let (has_sign, list) = (leading.has_sign, leading.residuals.clone());
         let list = rows.iter().map(|&r| self.arena.substitute(list[r], known));

@@ -92,7 +92,10 @@ impl Reduced<'_> {
                     candidates[row] = self.candidate(row);
                 }
             }
-            let leading = self.leading.iter_mut().map(|leading| &mut leading.residuals);
+            let leading = self
+                .leading
+                .iter_mut()
+                .map(|leading| &mut leading.residuals);
             let lists = [&mut self.dq, &mut self.reported].into_iter();
             for list in lists.chain(&mut self.dp).chain(leading) {
                 for expr in list {

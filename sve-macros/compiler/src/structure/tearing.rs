@@ -30,7 +30,9 @@ impl Reduced<'_> {
         known: &Replacement,
     ) -> Torn {
         let mut formulas: Vec<(Symbol, Expr)> = Vec::new();
-        let has_torn = columns.iter().any(|&c| self.torn.contains(&self.unknowns[c]));
+        let has_torn = columns
+            .iter()
+            .any(|&c| self.torn.contains(&self.unknowns[c]));
         if has_torn {
             for &row in &rows {
                 self.replace(row, known);

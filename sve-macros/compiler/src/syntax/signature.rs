@@ -31,7 +31,9 @@ pub(crate) fn is_timed(
     let timed = count == role.vectors() + 1;
     if !timed && count != role.vectors() {
         let hint = match role {
-            Role::H1 | Role::TangentH1 if count == 1 => "; a noise that depends on q alone is `#[gamma]`",
+            Role::H1 | Role::TangentH1 if count == 1 => {
+                "; a noise that depends on q alone is `#[gamma]`"
+            }
             _ => "",
         };
         let count = match count {

@@ -59,7 +59,9 @@ pub(crate) fn check(
     errors.finish(())?;
     check_correction(block, model, &quantities, &values, arena)?;
     if let Commutation::NonCommuting(..) = mechanics.commutation
-        && values.iter().all(|at| at.brackets.iter().all(Sum::vanishes))
+        && values
+            .iter()
+            .all(|at| at.brackets.iter().all(Sum::vanishes))
     {
         mechanics.commutation = Commutation::All(Vanishing::Evaluated);
     }
@@ -118,7 +120,10 @@ impl Quantities {
         let slopes: Vec<&Vec<Expr>> = mechanics.constraints.iter().map(|c| &c.dq).collect();
         let noises = &mechanics.noises;
         let drift = noises.iter().map(|g| {
-            slopes.iter().map(|slope| along(slope, &g.dp, arena)).collect()
+            slopes
+                .iter()
+                .map(|slope| along(slope, &g.dp, arena))
+                .collect()
         });
         let drift = drift.collect();
         let (mut correction, mut brackets) = (Vec::new(), Vec::new());
@@ -221,7 +226,9 @@ fn check_correction(
     let is_one_sided = |rule: &Rule| rule.has_correction();
     let mut errors = Errors::new();
     for (at, &(a, b, _)) in quantities.correction.iter().enumerate() {
-        let leaves = values.iter().any(|v| v.correction[at].iter().any(|s| !s.vanishes()));
+        let leaves = values
+            .iter()
+            .any(|v| v.correction[at].iter().any(|s| !s.vanishes()));
         if !leaves {
             continue;
         }
@@ -236,7 +243,12 @@ fn check_correction(
             continue;
         }
         let noise = &model.noises[b].name;
-        for listed in block.arguments.rules.iter().filter(|l| is_one_sided(&l.rule)) {
+        for listed in block
+            .arguments
+            .rules
+            .iter()
+            .filter(|l| is_one_sided(&l.rule))
+        {
             let message = format!(
                 "`{}` has no solution with the noise `{noise}`: its Stratonovich correction moves q off the constraints; write `#[h1(tangent)]` on the noise, or use `midpoint` or `stormer_verlet`",
                 listed.rule.name()

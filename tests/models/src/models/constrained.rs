@@ -50,7 +50,11 @@ impl TurnedSphere {
     #[h1]
     pub fn turn(&self, q: [f64; 3], p: [f64; 3]) -> f64 {
         let [x, y, z] = q;
-        let moment = [y * p[2] - z * p[1], z * p[0] - x * p[2], x * p[1] - y * p[0]];
+        let moment = [
+            y * p[2] - z * p[1],
+            z * p[0] - x * p[2],
+            x * p[1] - y * p[0],
+        ];
         self.s * (moment[0] - 2.0 * moment[1] + 2.0 * moment[2]) / 3.0
     }
 

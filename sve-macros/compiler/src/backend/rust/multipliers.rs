@@ -25,8 +25,12 @@ pub(super) fn multipliers(
     let parts: [(&[Vec<Expr>], Vec<String>); 1] = [(&rows, vec!["multiplier".to_owned()])];
     let (statements, arrays) = Straight::new(arena, symbols, reported).finish(private, &parts);
     let values = arrays.first()?;
-    let [n, m, size] = [model.dof(), model.noises.len(), linearisation.unknowns.len()]
-        .map(Literal::usize_unsuffixed);
+    let [n, m, size] = [
+        model.dof(),
+        model.noises.len(),
+        linearisation.unknowns.len(),
+    ]
+    .map(Literal::usize_unsuffixed);
     let unknowns = pattern(&linearisation.unknowns, symbols);
     Some(quote! {
         fn multipliers(

@@ -4,8 +4,8 @@ use proc_macro2::{Literal, TokenStream};
 use quote::{ToTokens, quote};
 
 use super::lanes::lanes;
-use super::multipliers::multipliers;
 use super::linearise::linearise;
+use super::multipliers::multipliers;
 use super::plan::plan;
 use super::step::{self, Code};
 use super::{Context, Derived, attributes, documented, private, unstructured, verbatim};
@@ -53,7 +53,14 @@ pub(crate) fn rule(
         Returns::MatrixTimesState => quote!(MatrixTimesState),
     };
     let linearise = linearise(&private, model, linearisation, symbols, arena);
-    let multipliers = multipliers(&private, model, &scheme.reported, linearisation, symbols, arena);
+    let multipliers = multipliers(
+        &private,
+        model,
+        &scheme.reported,
+        linearisation,
+        symbols,
+        arena,
+    );
     let lanes = (context.settings.lanes && !is_unstructured)
         .then(|| lanes(scheme, model.noises.len(), symbols, &private, arena))
         .flatten();

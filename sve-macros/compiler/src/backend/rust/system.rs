@@ -198,7 +198,10 @@ fn constraint_jets(
     let slopes: Vec<Vec<Expr>> = jets.iter().map(|jet| jet.dq.clone()).collect();
     let roots: Vec<Expr> = [&vectors[..], &slopes[..]].concat().concat();
     let parts: [(&[Vec<Expr>], Vec<String>); 2] = [
-        (&vectors, ["value", "magnitude", "dt"].map(ToOwned::to_owned).to_vec()),
+        (
+            &vectors,
+            ["value", "magnitude", "dt"].map(ToOwned::to_owned).to_vec(),
+        ),
         (&slopes, rows("dq", jets.len())),
     ];
     let (statements, arrays) = Straight::new(arena, &model.symbols, &roots).finish(private, &parts);

@@ -54,7 +54,10 @@ pub(super) fn points(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Vec
         mechanics,
         arena,
     };
-    (0..attempts).filter_map(|attempt| seek.point(attempt)).take(POINTS).collect()
+    (0..attempts)
+        .filter_map(|attempt| seek.point(attempt))
+        .take(POINTS)
+        .collect()
 }
 
 struct Seek<'a> {
@@ -78,10 +81,17 @@ impl Seek<'_> {
             mechanics.constraints.iter().map(of).collect()
         };
         let (values, magnitudes, rates) = (of(|c| c.value), of(|c| c.magnitude), of(|c| c.dt));
-        let slopes: Vec<Expr> = mechanics.constraints.iter().flat_map(|c| c.dq.clone()).collect();
+        let slopes: Vec<Expr> = mechanics
+            .constraints
+            .iter()
+            .flat_map(|c| c.dq.clone())
+            .collect();
         let n = model.dof();
         for _ in 0..ITERATIONS {
-            let (phi, scale) = (self.values(&values, &point), self.values(&magnitudes, &point));
+            let (phi, scale) = (
+                self.values(&values, &point),
+                self.values(&magnitudes, &point),
+            );
             let is_on = |k: usize| phi[k].abs() <= ON_CONSTRAINTS * scale[k];
             if !phi.iter().all(|x| x.is_finite()) {
                 return None;
@@ -98,7 +108,10 @@ impl Seek<'_> {
                 point.moved[i].1 -= along;
             }
         }
-        let (phi, scale) = (self.values(&values, &point), self.values(&magnitudes, &point));
+        let (phi, scale) = (
+            self.values(&values, &point),
+            self.values(&magnitudes, &point),
+        );
         let is_on = |k: usize| phi[k].abs() <= ON_CONSTRAINTS.sqrt() * scale[k];
         if !(0..count).all(is_on) {
             return None;
@@ -131,9 +144,10 @@ impl Seek<'_> {
         point.pivots = pivots(matrix.clone());
         let mut v: Vec<f64> = model.v.iter().map(|&s| point.value(s)).collect();
         for _ in 0..2 {
-            let psi = rows.iter().zip(rates).map(|(row, rate)| {
-                rate + row.iter().zip(&v).map(|(a, b)| a * b).sum::<f64>()
-            });
+            let psi = rows
+                .iter()
+                .zip(rates)
+                .map(|(row, rate)| rate + row.iter().zip(&v).map(|(a, b)| a * b).sum::<f64>());
             let nu = solve(matrix.clone(), psi.collect())?;
             for (direction, nu) in directions.iter().zip(nu) {
                 for i in 0..n {

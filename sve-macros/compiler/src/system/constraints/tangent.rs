@@ -28,9 +28,14 @@ pub(crate) fn with_tangent_noises(
     }
     let mut errors = Errors::new();
     let mut functions = block.noises.iter().filter(|f| f.role == Role::TangentH1);
-    let place = functions.next().map_or_else(proc_macro2::Span::call_site, |f| f.name.span());
+    let place = functions
+        .next()
+        .map_or_else(proc_macro2::Span::call_site, |f| f.name.span());
     if model.constraints.is_empty() {
-        errors.push(place, "`tangent` is for systems with constraints, and this block has none: write `#[h1]`");
+        errors.push(
+            place,
+            "`tangent` is for systems with constraints, and this block has none: write `#[h1]`",
+        );
         return errors.finish(true);
     }
     match projected(model, mechanics, arena) {
@@ -65,9 +70,8 @@ fn projected(
             arena.sub(p, offset)
         })
         .collect();
-    let solve = |b: &[Expr], arena: &mut Arena| {
-        inverse_mass::solve(&lagrangian.dvv, b, &model.q, arena)
-    };
+    let solve =
+        |b: &[Expr], arena: &mut Arena| inverse_mass::solve(&lagrangian.dvv, b, &model.q, arena);
     let velocity = solve(&relative, arena)?;
     let mut directions = Vec::new();
     for constraint in &mechanics.constraints {
@@ -82,7 +86,9 @@ fn projected(
     };
     let (mut matrix, mut rates) = (Vec::new(), Vec::new());
     for constraint in &mechanics.constraints {
-        let row = directions.iter().map(|d| product(&constraint.dq, d, zero, arena));
+        let row = directions
+            .iter()
+            .map(|d| product(&constraint.dq, d, zero, arena));
         matrix.push(row.collect::<Vec<Expr>>());
         rates.push(product(&constraint.dq, &velocity, constraint.dt, arena));
     }
