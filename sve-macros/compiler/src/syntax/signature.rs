@@ -142,12 +142,13 @@ mod tests {
     use crate::tests::expand;
 
     /// A role: its attribute, the name of a function, the arguments in order, and what such a function returns.
-    const ROLES: [(&str, &str, &[&str], &str); 5] = [
+    const ROLES: [(&str, &str, &[&str], &str); 6] = [
         ("", "lagrangian", &["q", "v"], "{ x * x + y * y }"),
         ("#[gamma]", "push", &["q"], "{ x }"),
         ("#[h1]", "kick", &["q", "p"], "{ y }"),
         ("#[force]", "drag", &["q", "v"], "{ -y }"),
         ("#[symmetry]", "shift", &["q"], "{ 1.0 }"),
+        ("#[constraint]", "rod", &["q"], "{ x }"),
     ];
 
     /// The errors of a block in which one function has arguments of these names.

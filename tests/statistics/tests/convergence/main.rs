@@ -1,5 +1,6 @@
 //! Orders of convergence, and moments of paths with noise.
 
+mod constrained;
 mod kubo;
 mod moments;
 mod stage_noise;
