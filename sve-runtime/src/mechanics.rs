@@ -102,7 +102,8 @@ pub trait Mechanics: System {
     /// As [`velocity`](Self::velocity).
     fn hamiltonian(&self, state: &StateOf<Self>) -> Result<f64, StepError>;
 
-    /// The instantaneous temperature `⟨p, v⟩/n` of `n` degrees of freedom, in the units of L (kT, with Boltzmann's constant). For a quadratic kinetic energy K it is 2K/n.
+    /// The instantaneous temperature `⟨p, v⟩/n` of `n` degrees of freedom, in the units of L (kT, with Boltzmann's constant). For a quadratic kinetic energy K it is 2K/n. Each
+    /// constraint takes one degree of freedom; the momentum then has to have no part across the constraints, as it has after a step.
     ///
     /// Its mean over the distribution exp(−H/kT) is kT, for any Lagrangian (equipartition). The mean along the steps of a rule has the error of the rule. For a force of friction −νp
     /// and γ = σq with σ² = 2νkT, in a harmonic potential of frequency ω:
@@ -178,8 +179,10 @@ where
         let state = &state.to_coordinates();
         let v = velocity(self, state)?;
         let twice_kinetic: f64 = state.p.iter().zip(&v).map(|(p, v)| p * v).sum();
-        if twice_kinetic.is_finite() {
-            Ok(twice_kinetic / N as f64)
+        let degrees_of_freedom = N.saturating_sub(Self::CONSTRAINTS.len());
+        let temperature = twice_kinetic / degrees_of_freedom as f64;
+        if temperature.is_finite() {
+            Ok(temperature)
         } else {
             Err(outside_a_step(SolveError::NonFinite, state))
         }

@@ -2,6 +2,7 @@
 
 mod averages;
 mod changes;
+mod constrained;
 mod feynman_kac;
 mod noise;
 mod sections;

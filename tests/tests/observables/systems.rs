@@ -144,3 +144,33 @@ impl Stiffness {
         0.5 * self.sigma * q * q
     }
 }
+
+/// A heavy particle on the unit sphere, in a bath: kT = σ²/2ν.
+#[derive(Clone, Copy)]
+pub(crate) struct Sphere {
+    pub(crate) g: f64,
+    pub(crate) nu: f64,
+    pub(crate) sigma: f64,
+}
+
+#[variational(midpoint, stormer_verlet)]
+impl Sphere {
+    fn lagrangian(&self, q: Vector3<f64>, v: Vector3<f64>) -> f64 {
+        0.5 * v.norm_squared() - self.g * q.z
+    }
+
+    #[constraint]
+    fn sphere(&self, q: Vector3<f64>) -> f64 {
+        0.5 * (q.norm_squared() - 1.0)
+    }
+
+    #[gamma]
+    fn push(&self, q: Vector3<f64>) -> [f64; 3] {
+        [self.sigma * q.x, self.sigma * q.y, self.sigma * q.z]
+    }
+
+    #[force]
+    fn friction(&self, _q: Vector3<f64>, v: Vector3<f64>) -> Vector3<f64> {
+        -self.nu * v
+    }
+}
