@@ -8,8 +8,11 @@
 //!
 //! If there is a force, its work under a variation of x is added to each ∂S/∂x (Lagrange–d'Alembert principle).
 
+use super::constrained;
 use crate::algebra::{Arena, Expr, Node, Symbol};
 use crate::rules::action::{Action, Work};
+use crate::structure::Condition;
+use crate::system::model::Symbols;
 
 /// The equations of a step.
 pub(crate) struct Equations {
@@ -23,22 +26,40 @@ pub(crate) struct Equations {
     pub(crate) dq: Vec<Expr>,
     /// `p₁ − p₀`: for each component, expressions that are equal at a solution.
     pub(crate) dp: Vec<Vec<Expr>>,
+    /// The equations to leading order in the step size, where the first guess is solved from these.
+    pub(crate) leading: Option<Leading>,
+    /// Unknowns that are taken as known where this makes the others of their block explicit.
+    pub(crate) torn: Vec<Symbol>,
+    /// What has to hold beside the equations.
+    pub(crate) conditions: Vec<Condition<Expr>>,
+    /// What a step can tell beside its result.
+    pub(crate) reported: Vec<Expr>,
+}
+
+/// The equations to leading order in the step size.
+pub(crate) struct Leading {
+    /// One for each residual.
+    pub(crate) residuals: Vec<Expr>,
+    /// Whether the determinant of their Jacobian has the sign that it has at the solution.
+    pub(crate) has_sign: bool,
 }
 
 /// Derives the equations of a step from its action.
-pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
+pub(crate) fn equations(action: &Action, symbols: &Symbols, arena: &mut Arena) -> Equations {
     let mut residuals = Vec::new();
     for &x in &action.internal {
         let stationary = variation(action, x, arena);
         residuals.push(divide_out(arena, stationary, action.h));
     }
     let mut dp = Vec::new();
+    let mut ends = Vec::new();
     for i in 0..action.start_q.len() {
         let end = variation(action, action.displacement[i], arena);
         let kick = variation(action, action.start_q[i], arena);
         let p0 = arena.symbol(action.start_p[i]);
         let balance = arena.sum(0.0, &[(1.0, end), (-1.0, kick), (-1.0, p0)]);
         residuals.push(balance);
+        ends.push(end);
         // ∂S/∂q₀ plus a multiple of a residual. Once the residual gives ∂S/∂d − p₀. Twice the residual eliminates the force from
         // the midpoint rule, p₁ = 2p − p₀.
         dp.push(
@@ -61,12 +82,20 @@ pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
         .iter()
         .map(|&d| arena.symbol(d))
         .collect();
-    Equations {
+    let equations = Equations {
         unknowns,
         residuals,
         variations,
         dq,
         dp,
+        leading: None,
+        torn: Vec::new(),
+        conditions: Vec::new(),
+        reported: Vec::new(),
+    };
+    match &action.enforced {
+        Some(enforced) => constrained::extend(equations, &ends, enforced, action, symbols, arena),
+        None => equations,
     }
 }
 

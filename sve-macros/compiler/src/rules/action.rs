@@ -6,6 +6,7 @@
 
 use std::collections::{BTreeSet, HashMap};
 
+use super::constraints::{self, Enforced};
 use super::weak2::Potential;
 use super::{Rule, RuleOption};
 use crate::algebra::{Arena, Expr, Symbol};
@@ -25,6 +26,8 @@ pub(crate) struct Action {
     pub(crate) work: Vec<Work>,
     /// `½ κ` of the option `weak2`, if the action has its term.
     pub(crate) half_factor: Option<f64>,
+    /// What constraints added, if there are some.
+    pub(crate) enforced: Option<Enforced>,
 }
 
 /// Virtual work of a component of the force, Lagrange–d'Alembert: `impulse · δ place` joins δS.
@@ -95,7 +98,7 @@ pub(crate) fn discretise(
         potential,
         ..
     } = variables;
-    Action {
+    let action = Action {
         value,
         h,
         start_q,
@@ -104,7 +107,9 @@ pub(crate) fn discretise(
         internal,
         work,
         half_factor: potential.map(|(half_factor, _)| half_factor),
-    }
+        enforced: None,
+    };
+    constraints::enforce(action, model, symbols, arena)
 }
 
 impl Variables<'_> {

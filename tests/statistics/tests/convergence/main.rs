@@ -2,6 +2,7 @@
 
 mod commuting;
 mod compositions;
+mod constrained;
 mod kubo;
 mod moments;
 mod stage_noise;
