@@ -122,7 +122,7 @@ fn the_energy_of_the_outer_solar_system_walks() {
         masses: MASSES,
     };
     let (days, count) = LENGTH;
-    // Other starts have slightly other velocities: with others by a part in a thousand, Pluto meets a planet within a hundred million days.
+    // Other starts have slightly other velocities, so that their orbits are still those of the planets.
     let scaled = |k: usize| {
         let State { q, p, .. } = start();
         let factor = 1.0 + 1e-6 * k as f64;
