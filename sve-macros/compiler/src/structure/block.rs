@@ -83,7 +83,9 @@ impl Reduced<'_> {
             };
         }
         let needs_guess = leading.is_some();
-        let scales = leading.as_ref().map_or_else(Vec::new, |leading| leading.scales.clone());
+        let scales = leading
+            .as_ref()
+            .map_or_else(Vec::new, |leading| leading.scales.clone());
         let (judge, explicit, has_sign) = match leading {
             Some(leading) => {
                 let guess = self.guess_from(&leading.residuals, &unknowns);

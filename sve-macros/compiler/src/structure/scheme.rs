@@ -295,7 +295,9 @@ impl Iteration<Expr> {
         let linear = guess.exprs_mut().chain(limit).chain(fallback.exprs_mut());
         let judged = judge.iter_mut().flat_map(Judge::exprs_mut);
         let all = linear.chain(refined).chain(entries);
-        all.chain(curvature).chain(judged).chain(scales.iter_mut().flatten())
+        all.chain(curvature)
+            .chain(judged)
+            .chain(scales.iter_mut().flatten())
     }
 
     fn lowered_residual<L: Lower>(&self, by: &mut L) -> Vec<L::Residual> {
