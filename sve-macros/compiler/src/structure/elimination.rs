@@ -78,6 +78,7 @@ impl Reduced<'_> {
             let equation = self.residuals.remove(row);
             if let Some(leading) = &mut self.leading {
                 leading.residuals.remove(row);
+                leading.scales.remove(row);
             }
             let zero = self.arena.constant(0.0);
             let rest = self

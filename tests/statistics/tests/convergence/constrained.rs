@@ -142,7 +142,10 @@ fn line(system: &str, rule: &str, noise: &str, expected: f64, batches: &[Vec<f64
     let variance = slopes.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (count - 1.0);
     let error = (variance / count).sqrt();
     println!("| {system} | {rule} | {noise} | {expected} | {order:.3} ± {error:.3} |");
-    assert!(error <= STANDARD_ERROR, "{system} by {rule}: standard error {error}");
+    assert!(
+        error <= STANDARD_ERROR,
+        "{system} by {rule}: standard error {error}"
+    );
     assert!(
         (order - expected).abs() <= 2.0 * error,
         "{system} by {rule}: order {order} ± {error}, expected {expected}"
@@ -162,7 +165,11 @@ where
     S: Variational<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    integrator.trajectory(start, path.h(), path).last().expect("a step").unwrap()
+    integrator
+        .trajectory(start, path.h(), path)
+        .last()
+        .expect("a step")
+        .unwrap()
 }
 
 /// A line for each rule. `exact` gives the end of a path with increments for the finest steps.
@@ -224,7 +231,9 @@ fn all_rules<S, Q, const N: usize, const M: usize>(
 }
 
 /// The end by the midpoint rule with the finest steps.
-fn fine<S, Q, const N: usize, const M: usize>(system: &S) -> impl Fn(State<Q>, &Recorded) -> Vec<f64>
+fn fine<S, Q, const N: usize, const M: usize>(
+    system: &S,
+) -> impl Fn(State<Q>, &Recorded) -> Vec<f64>
 where
     S: Clone + System<Dims = Dims<N, M, Q>> + Variational<Midpoint>,
     Q: Coordinates<N>,
@@ -266,7 +275,13 @@ fn a_fluctuating_time_has_its_exact_path() {
         let [q, p] = great_circle(start.q.into(), start.p.into(), 1.0 + 0.5 * total(path));
         [q.as_slice(), p.as_slice()].concat()
     };
-    all_rules(&system, "H₁ = s|p|²/2, exact path", State::new(Q, P), 10, exact);
+    all_rules(
+        &system,
+        "H₁ = s|p|²/2, exact path",
+        State::new(Q, P),
+        10,
+        exact,
+    );
 }
 
 #[test]
@@ -277,7 +292,12 @@ fn position_noises_on_the_sphere() {
 
 #[test]
 fn rods_against_angles() {
-    let rods = TwoRods { m: [1.0, 0.5], l: [1.0, 0.7], g: 2.0, s: 0.4 };
+    let rods = TwoRods {
+        m: [1.0, 0.5],
+        l: [1.0, 0.7],
+        g: 2.0,
+        s: 0.4,
+    };
     let angles = Integrator::new(Angles { rods: rods.clone() }, Midpoint);
     let [a, b] = [0.8f64, -0.3f64];
     let rates = [0.5, -0.4];
@@ -301,7 +321,11 @@ fn rods_against_angles() {
 
 #[test]
 fn tangent_noise_on_an_ellipsoid() {
-    let system = Ellipsoid { axes: [1.0, 2.0, 0.5], g: 1.0, s: 0.4 };
+    let system = Ellipsoid {
+        axes: [1.0, 2.0, 0.5],
+        g: 1.0,
+        s: 0.4,
+    };
     let start = State::new(Vector3::from(Q), Vector3::from(P));
     all_rules(&system, "tangent H₁", start, FINE, fine(&system));
 }
@@ -317,11 +341,23 @@ fn curved_noise_with_the_momentum_along_the_sphere() {
 #[test]
 fn curved_noise_whose_correction_is_tangent() {
     let system = Homogeneous { s: 0.3 };
-    all_rules(&system, "f(q/|q|)|p|²/2", State::new(Q, P), FINE, fine(&system));
+    all_rules(
+        &system,
+        "f(q/|q|)|p|²/2",
+        State::new(Q, P),
+        FINE,
+        fine(&system),
+    );
 }
 
 #[test]
 fn rotations_that_do_not_commute() {
     let system = Tumbling { s: 0.5 };
-    all_rules(&system, "three rotations", State::new(Q, P), FINE, fine(&system));
+    all_rules(
+        &system,
+        "three rotations",
+        State::new(Q, P),
+        FINE,
+        fine(&system),
+    );
 }
