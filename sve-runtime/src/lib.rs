@@ -84,6 +84,7 @@ mod angle_addition;
 pub mod baseline;
 mod composition;
 mod configuration;
+mod degenerate;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 mod equations;
@@ -119,6 +120,7 @@ pub use composition::{
     QuadraticKineticEnergy, Separable, Split, Splitting, Symmetric,
 };
 pub use configuration::{Configuration, Coordinates, FixedSize};
+pub use degenerate::CoordinateRole;
 pub use equations::{StepEquations, StepOf};
 pub use error::StepError;
 pub use integrator::{Integrator, Sensitivity, Tangent};
@@ -296,6 +298,7 @@ pub mod __private {
     pub use crate::__derived_rule as derived_rule;
     pub use crate::composition::sequence;
     pub use crate::composition::{QuadraticKineticEnergy, Separable};
+    pub use crate::degenerate::CoordinateRole;
     pub use crate::equations::{Returns, StepEquations};
     pub use crate::error::StepError;
     pub use crate::integrator::derived::{

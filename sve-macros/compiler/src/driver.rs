@@ -24,9 +24,9 @@ use crate::syntax::nesting;
 use crate::syntax::parse::{self, Annotated};
 use crate::syntax::recovery;
 use crate::syntax::roles;
+use crate::system::degeneracy::{self, brackets};
 use crate::system::mechanics::{self, Mechanics};
 use crate::system::model::{Meaning, Model};
-use crate::system::regular;
 use crate::system::symmetry;
 
 /// What an expansion is made for.
@@ -118,7 +118,7 @@ fn derive(
         Some((block, model))
     });
     mistaken.clone_from(errors.places());
-    let Some((block, model)) = errors.finish(read)? else {
+    let Some((block, mut model)) = errors.finish(read)? else {
         return Err(syn::Error::new(
             Span::call_site(),
             "this block cannot be read",
@@ -133,9 +133,21 @@ fn derive(
     };
     arena.grant(work);
     let mut mechanics = budget.stage(&mut arena, |arena| mechanics::mechanics(&model, arena))?;
-    budget.stage(&mut arena, |arena| {
-        regular::check(&block, &model, &mechanics, arena)
+    let degeneracy = budget.stage(&mut arena, |arena| {
+        degeneracy::classify(&block, &model, &mechanics, arena)
     })??;
+    if let Some(degeneracy) = degeneracy {
+        applicable::check_degenerate(&block, &degeneracy)?;
+        mechanics.commutation = budget.stage(&mut arena, |arena| {
+            brackets::commutation(&degeneracy, &model, &mechanics, arena)
+        })?;
+        model.degeneracy = Some(degeneracy);
+    }
+    let budget = Budget {
+        block: &block,
+        model: &model,
+        work,
+    };
     let momenta = budget.stage(&mut arena, |arena| symmetry::check(&block, &model, arena))??;
     // Rules with a potential come last: what is made for it must not change the order of terms in others, and so their rounding.
     let has_potential = |listed: &&ListedRule| listed.rule.options.contain(RuleOption::Weak2);

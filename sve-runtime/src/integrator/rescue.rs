@@ -6,6 +6,7 @@ use super::DerivedStep;
 use super::accept::{add, replace};
 use super::continuation::{self, ContinuationError};
 use crate::configuration::Coordinates;
+use crate::degenerate::{self, is_degenerate};
 use crate::equations::StepEquations;
 use crate::error::{StepError, step_error};
 use crate::solve::SolveError;
@@ -34,6 +35,12 @@ where
     Q: Coordinates<N>,
 {
     let system = derived.system;
+    let explained = |error| {
+        if const { is_degenerate::<S>() } {
+            return degenerate::explained(system, state, error);
+        }
+        error
+    };
     let found = match continuation::follow(derived, state, h, dw) {
         Ok(found) => Ok(found),
         // The path ends at once: the failure of the fast path says more.
@@ -43,15 +50,17 @@ where
             Err(failure)
         }
         Err(ContinuationError::PathEnds { step, noise }) => {
-            return Err(StepError::BranchLost {
+            return Err(explained(StepError::BranchLost {
                 t: state.t,
                 h,
                 dw: dw.as_ref().to_vec(),
                 step,
                 reached: noise,
-            });
+            }));
         }
-        Err(ContinuationError::NoStart(SolveError::Singular { .. })) => {
+        Err(ContinuationError::NoStart(SolveError::Singular { .. }))
+            if !const { is_degenerate::<S>() } =>
+        {
             let solver = BlockSolver::unchecked(derived.newton);
             let memory = &mut S::Memory::none();
             system.increment(&system.prepare(h), memory, state, h, dw, &solver)
@@ -84,6 +93,12 @@ where
     Q: Coordinates<N>,
 {
     let plain = step_error(error, state, h, dw.as_ref());
+    if const { is_degenerate::<S>() } {
+        let explained = degenerate::explained(derived.system, state, plain.clone());
+        if explained != plain {
+            return explained;
+        }
+    }
     match (error, plain) {
         (SolveError::OutsideDomain { condition }, StepError::NonFiniteResult { t, h, q, .. }) => {
             let condition = S::DOMAIN.get(condition).copied().unwrap_or("L is defined");
@@ -94,6 +109,7 @@ where
                 condition: condition.into(),
             }
         }
+        (_, plain) if const { is_degenerate::<S>() } => plain,
         (_, plain) => check_mass_matrix(derived.system, plain),
     }
 }

@@ -102,6 +102,8 @@ pub(crate) fn unknown(symbols: &Symbols, symbol: Symbol) -> String {
         Family::Acceleration => "a",
         Family::VelocityMultiplier => "μ",
         Family::AccelerationMultiplier => "ν",
+        Family::NodeDisplacement => "Δq̄",
+        Family::Projection => "λ",
     };
     component(letter, index, coordinates(symbols))
 }
@@ -153,6 +155,7 @@ impl Notation for Names<'_> {
             Meaning::Start(Quantity::Position, i) => self.component("q₀", *i),
             Meaning::Start(Quantity::Momentum, i) => self.component("p₀", *i),
             Meaning::Wiener(i) => component("ΔW", *i, processes(self.symbols)),
+            Meaning::End(i) => self.component("p₁", *i),
             Meaning::Unknown(_) | Meaning::Limit(_) => unknown(self.symbols, symbol),
         }
     }

@@ -5,6 +5,7 @@ use super::page::Page;
 use super::shown;
 use crate::algebra::{Arena, Expr, Notation, Sum, Symbol};
 use crate::rules::action::Action;
+use crate::rules::degenerate;
 use crate::rules::{Features, Rule, RuleOption, Textbook};
 use crate::structure::{Block, Kind, Matrix, Scheme, Solution};
 use crate::system::mechanics::Mechanics;
@@ -34,7 +35,7 @@ pub(crate) fn step(
         action: textbook,
         mut notation,
         work,
-    } = rule.textbook(&features(rule, model, mechanics, action.half_factor, arena));
+    } = textbook(rule, model, &features(rule, model, mechanics, action.half_factor, arena));
     let mut lines = vec![textbook];
     if let Some((text, parts)) = written_out(rule, action, symbols, arena) {
         lines.push(text);
@@ -54,6 +55,15 @@ pub(crate) fn step(
         action: lines.join("\n"),
         step: equations(rule, action, scheme, symbols, arena).join("\n"),
         domain: domain(rule, scheme, symbols, arena),
+    }
+}
+
+/// The action in its textbook form.
+fn textbook(rule: Rule, model: &Model, features: &Features) -> Textbook {
+    let plain = rule.textbook(features);
+    match (&model.degeneracy, rule.node()) {
+        (Some(degeneracy), Some(node)) => degenerate::textbook(degeneracy, node, plain, features),
+        _ => plain,
     }
 }
 

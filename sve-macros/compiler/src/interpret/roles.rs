@@ -73,6 +73,7 @@ impl Lowering<'_> {
             v,
             p,
             lagrangian: lagrangian?,
+            degeneracy: None,
             noises,
             force,
             symmetries,

@@ -56,6 +56,9 @@ pub(crate) fn analyse(
         domain: Vec::new(),
     };
     system.domain = domain::conditions(&roots(action), system.arena);
+    if !action.ends.momentum.is_empty() {
+        system.keep_coupled();
+    }
     system.eliminate();
     let order = system.blocks()?;
     let mut blocks = Vec::new();
@@ -87,7 +90,9 @@ pub(crate) fn analyse(
         returns: Returns::Increment,
         dq,
         dp,
-        domain: system.domain_at(&known),
+        domain: domain::at_start(&action.ends)
+            .chain(system.domain_at(&known))
+            .collect(),
     };
     let mut scheme = linear_map(increments, action, symbols, arena);
     arena.stabilise(Purpose::Step, scheme.exprs_mut());
@@ -130,7 +135,8 @@ pub(crate) fn unstructured(
 /// What the functions of a step are called in: the action and the force.
 fn roots(action: &Action) -> Vec<Expr> {
     let impulses = action.work.iter().map(|w| w.impulse);
-    std::iter::once(action.value).chain(impulses).collect()
+    let ends = action.ends.end.iter().flatten().copied();
+    std::iter::once(action.value).chain(impulses).chain(ends).collect()
 }
 
 /// Whether a symbol is part of the state at the start of the step.

@@ -4,7 +4,7 @@
 //! found by elimination at random points; one point of full rank is enough. Plain `f64` finds most regular matrices; only a
 //! matrix that it takes for singular is eliminated again in 106 bits, with bounds of the errors.
 
-use syn::Pat;
+use syn::{Pat, Type};
 
 use crate::algebra::{Arena, Sharp, Verdict};
 use crate::syntax::parse::Annotated;
@@ -68,14 +68,24 @@ pub(crate) fn check(
 }
 
 /// Returns the user's name of a velocity.
-fn velocity(block: &Annotated, i: usize, n: usize) -> String {
-    let argument = block.lagrangian.arguments.last();
+pub(super) fn velocity(block: &Annotated, i: usize, n: usize) -> String {
+    component(block.lagrangian.arguments.last(), "v", i, n)
+}
+
+/// Returns the user's name of a coordinate.
+pub(super) fn coordinate(block: &Annotated, i: usize, n: usize) -> String {
+    let first = usize::from(block.lagrangian.is_timed);
+    component(block.lagrangian.arguments.get(first), "q", i, n)
+}
+
+/// Returns the user's name of a component of an argument.
+fn component(argument: Option<&(Pat, Type)>, otherwise: &str, i: usize, n: usize) -> String {
     let name = match argument.map(|a| &a.0) {
         Some(Pat::Ident(ident)) => ident.ident.to_string(),
-        _ => "v".to_owned(),
+        _ => otherwise.to_owned(),
     };
     match argument.map(|a| &a.1) {
-        Some(syn::Type::Array(array)) if !matches!(&*array.elem, syn::Type::Array(_)) => {
+        Some(Type::Array(array)) if !matches!(&*array.elem, Type::Array(_)) => {
             format!("{name}[{i}]")
         }
         _ if n == 1 => name,
@@ -103,7 +113,7 @@ fn largest_from(row: &[f64], first: usize) -> usize {
 }
 
 /// Returns whether an elimination in `f64` finds every pivot.
-fn is_regular(mut matrix: Vec<Vec<f64>>) -> bool {
+pub(super) fn is_regular(mut matrix: Vec<Vec<f64>>) -> bool {
     let n = matrix.len();
     scale_rows(&mut matrix);
     // the column of each row's largest entry right of the eliminated columns; most rows of a large matrix do not change in a step
@@ -139,15 +149,15 @@ fn is_regular(mut matrix: Vec<Vec<f64>>) -> bool {
 }
 
 /// The result of an elimination in 106 bits.
-struct Nullity {
+pub(super) struct Nullity {
     /// Columns that occur in a null vector; empty if the matrix is regular.
-    columns: Vec<usize>,
+    pub(super) columns: Vec<usize>,
     /// Whether all entries that remain are zero. Otherwise they are as small as the uncertainty of constants.
     is_singular: bool,
 }
 
 /// Returns the columns that occur in a null vector of a matrix whose entries have error bounds.
-fn null_columns(mut matrix: Vec<Vec<Sharp>>) -> Nullity {
+pub(super) fn null_columns(mut matrix: Vec<Vec<Sharp>>) -> Nullity {
     let n = matrix.len();
     for row in &mut matrix {
         let largest = row.iter().fold(0.0f64, |m, x| m.max(x.size()));

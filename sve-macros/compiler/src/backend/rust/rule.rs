@@ -133,7 +133,10 @@ fn start(unknowns: &[Symbol], coordinates: usize, symbols: &Symbols) -> TokenStr
         };
         let i = Literal::usize_unsuffixed(index % coordinates);
         match family {
-            Family::Displacement | Family::AccelerationMultiplier => quote!(0f64),
+            Family::Displacement
+            | Family::NodeDisplacement
+            | Family::Projection
+            | Family::AccelerationMultiplier => quote!(0f64),
             Family::Velocity | Family::StageVelocity => quote!(velocity[#i]),
             Family::Acceleration => quote!(acceleration[#i]),
             // the multiplier of the velocity is the momentum

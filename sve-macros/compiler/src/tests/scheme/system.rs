@@ -107,6 +107,7 @@ impl System {
             });
         }
         Model {
+            degeneracy: None,
             constants: Vec::new(),
             symbols,
             time,
