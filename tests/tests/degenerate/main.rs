@@ -1,0 +1,4 @@
+//! Lagrangians that do not determine every velocity.
+
+mod reference;
+mod systems;
