@@ -264,7 +264,10 @@ where
         if is::<S>(i, Algebraic) {
             equations.residual[i] = jet.dq[i];
             equations.jacobian[i] = jet.dqq[i];
-            let terms = jet.dqq[i].iter().zip(at).map(|(slope, q)| (slope * q).abs());
+            let terms = jet.dqq[i]
+                .iter()
+                .zip(at)
+                .map(|(slope, q)| (slope * q).abs());
             equations.magnitude[i] = jet.dq[i].abs() + terms.sum::<f64>();
         } else {
             equations.residual[i] = at[i] - q[i];

@@ -130,7 +130,9 @@ pub use mechanics::{Field, Mechanics};
 pub use method::{Method, OneStepMethod};
 /// Vectors, matrices and rotations, in the version that this crate uses.
 pub use nalgebra;
-pub use plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder, Substeps};
+pub use plan::{
+    Block, BlockKind, DegenerateStep, Formulas, Operations, Plan, StrongOrder, Substeps,
+};
 pub use rules::{
     Endpoint, Gauss, InitialPoint, Midpoint, StageNoise, StormerVerlet, Taylor2, Weak2,
 };
@@ -307,7 +309,9 @@ pub mod __private {
     pub use crate::lanes::Mask;
     pub use crate::linearisation::{Entries, Linearisation};
     pub use crate::parameter::{entry, number};
-    pub use crate::plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
+    pub use crate::plan::{
+        Block, BlockKind, DegenerateStep, Formulas, Operations, Plan, StrongOrder,
+    };
     pub use crate::power::power_log;
     pub use crate::rules::Unstructured;
     pub use crate::solve::SolveError;

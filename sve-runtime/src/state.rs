@@ -103,14 +103,14 @@ impl<Q: Configuration> State<Q> {
     ///     fn lagrangian(&self, q: [[f64; 2]; 2], v: [[f64; 2]; 2]) -> f64 {
     ///         let [a, b] = self.gamma;
     ///         let distance = (q[0][0] - q[1][0]).powi(2) + (q[0][1] - q[1][1]).powi(2);
-    ///         a * q[0][0] * v[0][1] + b * q[1][0] * v[1][1] + a * b * distance.ln() / 2.0
+    ///         a * q[0][1] * v[0][0] + b * q[1][1] * v[1][0] + a * b * distance.ln() / 2.0
     ///     }
     /// }
     ///
     /// # fn main() -> Result<(), StepError> {
     /// let vortices = Integrator::new(Vortices { gamma: [1.0, 2.0] }, Midpoint);
-    /// let mut state = State::from_configuration(vortices.system(), [[1.0, 0.0], [-0.5, 0.0]])?;
-    /// assert_eq!(state.p, [[0.0, 1.0], [0.0, -1.0]]);
+    /// let mut state = State::from_configuration(vortices.system(), [[0.0, 1.0], [0.0, -0.5]])?;
+    /// assert_eq!(state.p, [[1.0, 0.0], [-1.0, 0.0]]);
     /// vortices.step(&mut state, 0.1, &[])?;
     /// # Ok(())
     /// # }

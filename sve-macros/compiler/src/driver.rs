@@ -148,7 +148,21 @@ fn derive(
         model: &model,
         work,
     };
-    let momenta = budget.stage(&mut arena, |arena| symmetry::check(&block, &model, arena))??;
+    let mut momenta =
+        budget.stage(&mut arena, |arena| symmetry::check(&block, &model, arena))??;
+    if let Some(degeneracy) = &model.degeneracy {
+        let nodes = block
+            .arguments
+            .rules
+            .iter()
+            .filter_map(|listed| listed.rule.node());
+        for (map, generator) in momenta.iter_mut().zip(&model.symmetries) {
+            let mut nodes = nodes.clone();
+            let is_kept =
+                |node| degeneracy.keeps_momentum(&generator.field, node == 0.5, &model, &arena);
+            map.is_affine &= nodes.all(is_kept);
+        }
+    }
     // Rules with a potential come last: what is made for it must not change the order of terms in others, and so their rounding.
     let has_potential = |listed: &&ListedRule| listed.rule.options.contain(RuleOption::Weak2);
     let (with, without): (Vec<_>, Vec<_>) = block.arguments.rules.iter().partition(has_potential);

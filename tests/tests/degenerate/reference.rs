@@ -19,7 +19,8 @@ fn path(file: &str, rule: &str) -> ReferencePath {
     let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
     let all: Vec<ReferencePath> = serde_json::from_str(&text).expect("reference data");
     let mut all = all.into_iter();
-    all.find(|run| run.rule == rule).unwrap_or_else(|| panic!("{file}: {rule}"))
+    all.find(|run| run.rule == rule)
+        .unwrap_or_else(|| panic!("{file}: {rule}"))
 }
 
 /// Largest error of the states along a run, relative to the largest of their components: of the configuration, and of p.

@@ -35,7 +35,11 @@ pub(crate) fn step(
         action: textbook,
         mut notation,
         work,
-    } = textbook(rule, model, &features(rule, model, mechanics, action.half_factor, arena));
+    } = textbook(
+        rule,
+        model,
+        &features(rule, model, mechanics, action.half_factor, arena),
+    );
     let mut lines = vec![textbook];
     if let Some((text, parts)) = written_out(rule, action, symbols, arena) {
         lines.push(text);

@@ -2,9 +2,9 @@
 
 use super::{Rule, names};
 use crate::errors::Errors;
+use crate::syntax::parse::Annotated;
 use crate::syntax::roles::Role as FunctionRole;
 use crate::system::degeneracy::{Degeneracy, Role};
-use crate::syntax::parse::Annotated;
 use crate::system::model::Model;
 
 /// Returns an error for each rule that is not for this system.
@@ -93,7 +93,9 @@ pub(crate) fn check_degenerate(block: &Annotated, degeneracy: &Degeneracy) -> sy
         }
     }
     for force in &block.forces {
-        let message = format!("{what}, and steps with a force are not derived there: write the force as a part of L, or give each velocity a kinetic term");
+        let message = format!(
+            "{what}, and steps with a force are not derived there: write the force as a part of L, or give each velocity a kinetic term"
+        );
         errors.push(force.name.span(), message);
     }
     errors.finish(())

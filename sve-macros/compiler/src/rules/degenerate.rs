@@ -46,7 +46,10 @@ struct Parts<'a> {
 pub(super) fn action(c: f64, degeneracy: &Degeneracy, x: &mut Variables<'_>) -> (Discrete, Ends) {
     let n = x.model.dof();
     let form = degeneracy.form(c == 0.5);
-    let internal = degeneracy.internal.as_ref().filter(|_| form == Form::Internal);
+    let internal = degeneracy
+        .internal
+        .as_ref()
+        .filter(|_| form == Form::Internal);
     let is_inner = |i: usize| {
         let is_one = internal.is_some_and(|form| form.inner.contains(&i));
         is_one || degeneracy.is(i, Role::Algebraic)
@@ -369,7 +372,10 @@ pub(crate) fn textbook(
     let t = if system.is_timed { "t̄, " } else { "" };
     let (place, node) = match form {
         Form::Projected => ("q*", "q* = (q₀ + q₁)/2 + λ"),
-        Form::Internal => ("x̄, ȳ", "x̄ is the node of the coordinates whose velocities occur, ȳ that of the others, a variable"),
+        Form::Internal => (
+            "x̄, ȳ",
+            "x̄ is the node of the coordinates whose velocities occur, ȳ that of the others, a variable",
+        ),
         Form::Eliminated => ("q̄", "the nodes of the algebraic coordinates are variables"),
         Form::Plain => ("q̄", ""),
     };
@@ -383,7 +389,9 @@ pub(crate) fn textbook(
     }
     let mut terms = vec!["S = ".to_owned()];
     if has_mass {
-        terms.push(format!("h·L₀({t}{place}, v) + ⟨p, x₁ − x₀ − h·v⟩ + ⟨α({place}), y₁ − y₀⟩"));
+        terms.push(format!(
+            "h·L₀({t}{place}, v) + ⟨p, x₁ − x₀ − h·v⟩ + ⟨α({place}), y₁ − y₀⟩"
+        ));
         notation.push("L = L₀(q, dx/dt) + ⟨α(q), dy/dt⟩".to_owned());
     } else {
         let (one_form, moved) = match form {
@@ -410,7 +418,9 @@ pub(crate) fn textbook(
             notation.push(format!("{node}, and y₁ such that ∂S/∂x₁ = ϑ(x₁, y₁)"));
             if c != 0.5 && system.gammas > 0 {
                 let sign = if c > 0.5 { '+' } else { '−' };
-                terms.push(format!(" {sign} ½·Σ ⟨w[i], ∂G[j]/∂x − ϑ_xᵀ·w[j]⟩·ΔW[i]·ΔW[j]"));
+                terms.push(format!(
+                    " {sign} ½·Σ ⟨w[i], ∂G[j]/∂x − ϑ_xᵀ·w[j]⟩·ΔW[i]·ΔW[j]"
+                ));
                 notation.push("G = −γ, ϑ_yᵀ·w = ∂G/∂y".to_owned());
             }
         }

@@ -136,7 +136,10 @@ pub(crate) fn unstructured(
 fn roots(action: &Action) -> Vec<Expr> {
     let impulses = action.work.iter().map(|w| w.impulse);
     let ends = action.ends.end.iter().flatten().copied();
-    std::iter::once(action.value).chain(impulses).chain(ends).collect()
+    std::iter::once(action.value)
+        .chain(impulses)
+        .chain(ends)
+        .collect()
 }
 
 /// Whether a symbol is part of the state at the start of the step.

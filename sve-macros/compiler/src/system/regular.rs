@@ -1,6 +1,6 @@
 //! Whether the Lagrangian determines every velocity: `det ∂²L/∂v²` must not vanish identically.
 //!
-//! Input: the model with its derivatives. Output: nothing, or an error that names the velocities in question. The rank is
+//! Input: the model with its derivatives. Output: nothing, or the velocities in question. The rank is
 //! found by elimination at random points; one point of full rank is enough. Plain `f64` finds most regular matrices; only a
 //! matrix that it takes for singular is eliminated again in 106 bits, with bounds of the errors.
 
@@ -18,12 +18,11 @@ const SMALLEST_PIVOT: f64 = 1e-11;
 const SMALLEST_COMPONENT: f64 = 1e-6;
 
 /// Checks that the mass matrix ∂²L/∂v² is regular.
-pub(crate) fn check(
-    block: &Annotated,
+pub(super) fn check(
     model: &Model,
     mechanics: &Mechanics,
     arena: &Arena,
-) -> syn::Result<()> {
+) -> Result<(), Undetermined> {
     let n = model.dof();
     let masses = mechanics.lagrangian.dvv.concat();
     let is_regular_at =
@@ -43,28 +42,56 @@ pub(crate) fn check(
     }
     undetermined.sort_unstable();
     undetermined.dedup();
-    let Some(&last) = undetermined.last() else {
+    if undetermined.is_empty() {
         // L is not defined at any of the points; the step reports the domain
         return Ok(());
-    };
-    let names: Vec<String> = undetermined
+    }
+    Err(Undetermined {
+        velocities: undetermined,
+        is_certain: is_singular && !arena.has_lost_constants(),
+    })
+}
+
+/// Velocities that ∂L/∂v does not determine.
+pub(super) struct Undetermined {
+    /// The coordinates in null vectors of ∂²L/∂v², ascending; at least one.
+    pub(super) velocities: Vec<usize>,
+    /// Whether ∂²L/∂v² is singular, and not just too near to a singular matrix to tell.
+    pub(super) is_certain: bool,
+}
+
+impl Undetermined {
+    /// The error, with a remedy beside that of giving each velocity a kinetic term.
+    pub(super) fn error(&self, block: &Annotated, n: usize, remedy: &str) -> syn::Error {
+        let reason = if self.is_certain {
+            "since ∂²L/∂v² is singular everywhere"
+        } else {
+            "since ∂²L/∂v² is as near to a singular matrix as the rounding of its constants, so that whether it is singular cannot be decided"
+        };
+        let message = format!(
+            "this Lagrangian is degenerate: its momenta ∂L/∂v do not determine {}, {reason}; {remedy}{}",
+            names(&self.velocities, |i| velocity(block, i, n)),
+            kinetic_term(block, &self.velocities, n),
+        );
+        syn::Error::new(block.lagrangian.name.span(), message)
+    }
+}
+
+/// The names of components, each in code quotes.
+pub(super) fn names(components: &[usize], name: impl Fn(usize) -> String) -> String {
+    let names: Vec<String> = components
         .iter()
-        .map(|&i| format!("`{}`", velocity(block, i, n)))
+        .map(|&i| format!("`{}`", name(i)))
         .collect();
-    let example = velocity(block, last, n);
-    let reason = if is_singular && !arena.has_lost_constants() {
-        "since ∂²L/∂v² is singular everywhere"
-    } else {
-        "since ∂²L/∂v² is as near to a singular matrix as the rounding of its constants, so that whether it is singular cannot be decided"
-    };
-    Err(syn::Error::new(
-        block.lagrangian.name.span(),
-        format!(
-            "this Lagrangian is degenerate: its momenta ∂L/∂v do not determine {}, {reason}; \
-             give each velocity a kinetic term of its own, such as `0.5 * m * {example} * {example}`",
-            names.join(", "),
-        ),
-    ))
+    names.join(", ")
+}
+
+/// The advice to give some velocities kinetic terms.
+pub(super) fn kinetic_term(block: &Annotated, velocities: &[usize], n: usize) -> String {
+    let example = velocity(block, velocities.last().map_or(0, |&i| i), n);
+    format!(
+        "give each velocity a kinetic term of its own, such as `0.5 * m * {example} * {example}`"
+    )
 }
 
 /// Returns the user's name of a velocity.

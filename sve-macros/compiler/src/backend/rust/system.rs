@@ -35,8 +35,10 @@ pub(crate) fn system(
         commutation: _,
     } = mechanics;
     let is_regular = model.degeneracy.is_none();
-    let separable = (*is_separable && is_regular).then(|| quote!(impl #private::Separable for #self_ty {}));
-    let quadratic = (*is_separable && *affine_momentum && is_regular).then(|| quote!(impl #private::QuadraticKineticEnergy for #self_ty {}));
+    let separable =
+        (*is_separable && is_regular).then(|| quote!(impl #private::Separable for #self_ty {}));
+    let quadratic = (*is_separable && *affine_momentum && is_regular)
+        .then(|| quote!(impl #private::QuadraticKineticEnergy for #self_ty {}));
     let [doc, jet_doc, noise_doc] = documentation(about, !noises.is_empty());
     let configuration = written(block).map(|ty| quote!(, #ty));
     let lagrangian_body = lagrangian_jet(&private, lagrangian, &model.symbols, arena);

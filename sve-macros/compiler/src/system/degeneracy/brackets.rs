@@ -3,7 +3,7 @@
 //! A γ moves massless coordinates, so γ's need not commute. On the extended phase space of a partially degenerate system (positions and momenta of the
 //! massive coordinates, and the massless ones) only the massless coordinates contribute to the bracket of two γ's.
 
-use super::{Degeneracy, Role, two_form};
+use super::{Degeneracy, Role, part};
 use crate::algebra::{Arena, Expr, Sharp, Vanishing, Verdict};
 use crate::system::mechanics::{Commutation, Mechanics};
 use crate::system::model::Model;
@@ -13,22 +13,14 @@ pub(crate) fn commutation(
     degeneracy: &Degeneracy,
     model: &Model,
     mechanics: &Mechanics,
-    arena: &mut Arena,
+    arena: &Arena,
 ) -> Commutation {
     let paired = degeneracy.of(Role::Massless);
     if paired.is_empty() {
         // γ's of the coordinates that are left commute as they always do
         return mechanics.commutation.clone();
     }
-    let slopes: Vec<Vec<Expr>> = model
-        .q
-        .iter()
-        .map(|&q| {
-            let alpha = degeneracy.alpha.iter();
-            alpha.map(|&a| arena.diff(a, q)).collect()
-        })
-        .collect();
-    let omega = two_form(&slopes, &paired, arena);
+    let omega = part(&degeneracy.two_form, &paired);
     let gradients: Vec<Vec<Expr>> = mechanics
         .noises
         .iter()
@@ -51,7 +43,8 @@ pub(crate) fn commutation(
         for a in 0..m {
             for b in a + 1..m {
                 let pairs = gradients[a].iter().zip(&fields[b]);
-                let bracket = pairs.fold(Sharp::exact(0.0), |sum, (&x, &y)| sum.minus_product(x, y));
+                let bracket =
+                    pairs.fold(Sharp::exact(0.0), |sum, (&x, &y)| sum.minus_product(x, y));
                 let found = match bracket.verdict() {
                     Verdict::NotZero => {
                         let [a, b] = [a, b].map(|at| model.noises[at].name.clone());
@@ -99,6 +92,10 @@ fn solved(mut matrix: Vec<Vec<Sharp>>, rhs: &[&[Sharp]]) -> Option<Vec<Vec<Sharp
             }
         }
     }
-    let solution = |b: usize| (0..n).map(|i| matrix[i][n + b].over(matrix[i][i])).collect();
+    let solution = |b: usize| {
+        (0..n)
+            .map(|i| matrix[i][n + b].over(matrix[i][i]))
+            .collect()
+    };
     Some((0..rhs.len()).map(solution).collect())
 }

@@ -92,7 +92,11 @@ fn with_inner(
             }
         }
     }
-    let outer: Vec<usize> = paired.iter().copied().filter(|i| !inner.contains(i)).collect();
+    let outer: Vec<usize> = paired
+        .iter()
+        .copied()
+        .filter(|i| !inner.contains(i))
+        .collect();
     // f = Σ y_j α_j(x, 0) + a quadratic function of y, so ϑ_i = α_i − Σ ∂_iα_j y_j
     let mut theta = Vec::new();
     for &i in &outer {

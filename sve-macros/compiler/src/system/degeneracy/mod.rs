@@ -45,6 +45,12 @@ pub(crate) struct Degeneracy {
     pub(crate) rest: Expr,
     /// The one-form: for each massless coordinate its momentum, a function of q; 0 for the others.
     pub(crate) alpha: Vec<Expr>,
+    /// ∂_iα_j, rows by i.
+    pub(crate) slopes: Vec<Vec<Expr>>,
+    /// ω, `ω_ij = ∂_iα_j − ∂_jα_i`, on all coordinates.
+    pub(crate) two_form: Vec<Vec<Expr>>,
+    /// ∂L₀/∂q.
+    pub(crate) rest_slopes: Vec<Expr>,
     /// Whether α is affine in q.
     pub(crate) is_affine: bool,
     /// The form in which half of the velocities do not occur, if α has it and no coordinate is massive.
@@ -72,7 +78,9 @@ impl Degeneracy {
 
     /// The coordinates of a role, ascending.
     pub(crate) fn of(&self, role: Role) -> Vec<usize> {
-        (0..self.roles.len()).filter(|&i| self.is(i, role)).collect()
+        (0..self.roles.len())
+            .filter(|&i| self.is(i, role))
+            .collect()
     }
 
     /// The form of the step of a one-node rule. Rules whose node is not in the middle need the internal form.
@@ -88,9 +96,34 @@ impl Degeneracy {
         }
     }
 
-    /// Whether the step keeps the two-form ω to rounding.
-    pub(crate) fn keeps_two_form(&self, is_midpoint: bool) -> bool {
-        self.form(is_midpoint) != Form::Projected
+    /// Whether the step keeps the momentum of an affine symmetry to rounding: the action of the step has to have the symmetry.
+    pub(crate) fn keeps_momentum(
+        &self,
+        generator: &[Expr],
+        is_midpoint: bool,
+        model: &Model,
+        arena: &Arena,
+    ) -> bool {
+        // the node of an inner coordinate moves apart from those of the others
+        let is_free = |i: usize, inner: &[usize]| {
+            let mut inner = inner.iter();
+            inner.all(|&j| !arena.contains(generator[i], model.q[j]))
+        };
+        match (self.form(is_midpoint), &self.internal) {
+            (Form::Plain, _) => true,
+            (Form::Internal, Some(form)) => {
+                let has_gauge = form
+                    .inner
+                    .iter()
+                    .any(|&j| arena.constant_value(self.alpha[j]) != Some(0.0));
+                !has_gauge && form.outer.iter().all(|&i| is_free(i, &form.inner))
+            }
+            (Form::Eliminated, _) => {
+                let (massive, inner) = (self.of(Role::Massive), self.of(Role::Algebraic));
+                massive.into_iter().all(|i| is_free(i, &inner))
+            }
+            _ => false,
+        }
     }
 }
 
@@ -101,14 +134,16 @@ pub(crate) fn classify(
     mechanics: &Mechanics,
     arena: &mut Arena,
 ) -> syn::Result<Option<Degeneracy>> {
-    let Err(undetermined) = regular::check(block, model, mechanics, arena) else {
+    let Err(undetermined) = regular::check(model, mechanics, arena) else {
         return Ok(None);
     };
-    match taken_apart(model, mechanics, arena) {
-        Ok(degeneracy) => Ok(Some(degeneracy)),
-        Err(Refused::Undetermined) => Err(undetermined),
-        Err(refused) => Err(refused.error(block, model.dof())),
+    if !undetermined.is_certain {
+        return Err(undetermined.error(block, model.dof(), ""));
     }
+    let taken = taken_apart(model, mechanics, arena);
+    taken
+        .map(Some)
+        .map_err(|refused| refused.error(block, model.dof(), &undetermined))
 }
 
 fn taken_apart(
@@ -160,15 +195,19 @@ fn taken_apart(
     if massive.is_empty() && paired.is_empty() {
         return Err(Refused::Undetermined);
     }
-    if let Some(&i) = paired.iter().find(|&&i| arena.contains(alpha[i], model.time)) {
+    if let Some(&i) = paired
+        .iter()
+        .find(|&&i| arena.contains(alpha[i], model.time))
+    {
         return Err(Refused::TimeDependent(i));
     }
-    let omega = two_form(&slopes, &paired, arena);
-    if let Some(columns) = null_columns(&omega, arena) {
+    let two_form = two_form(&slopes, arena);
+    if let Some(columns) = null_columns(&part(&two_form, &paired), arena) {
         return Err(Refused::SingularForm(
             columns.into_iter().map(|k| paired[k]).collect(),
         ));
     }
+    let rest_slopes = model.q.iter().map(|&q| arena.diff(rest, q)).collect();
     let is_affine = slopes
         .iter()
         .flatten()
@@ -188,6 +227,9 @@ fn taken_apart(
         roles,
         rest,
         alpha,
+        slopes,
+        two_form,
+        rest_slopes,
         is_affine,
         internal,
     })
@@ -227,12 +269,20 @@ fn check_algebraic(
     }
 }
 
-/// Returns ω of some coordinates, `ω_ij = ∂_iα_j − ∂_jα_i`, from the slopes `∂_iα_j`.
-fn two_form(slopes: &[Vec<Expr>], of: &[usize], arena: &mut Arena) -> Vec<Vec<Expr>> {
-    let row = |&i: &usize| -> Vec<Expr> {
-        let entry = |&j: &usize| arena.sub(slopes[i][j], slopes[j][i]);
-        of.iter().map(entry).collect()
-    };
+/// Returns ω, `ω_ij = ∂_iα_j − ∂_jα_i`, from the slopes `∂_iα_j`.
+fn two_form(slopes: &[Vec<Expr>], arena: &mut Arena) -> Vec<Vec<Expr>> {
+    let n = slopes.len();
+    let mut form = Vec::new();
+    for i in 0..n {
+        let entry = |j: usize| arena.sub(slopes[i][j], slopes[j][i]);
+        form.push((0..n).map(entry).collect());
+    }
+    form
+}
+
+/// Returns some rows and columns of a matrix.
+fn part(matrix: &[Vec<Expr>], of: &[usize]) -> Vec<Vec<Expr>> {
+    let row = |&i: &usize| of.iter().map(|&j| matrix[i][j]).collect();
     of.iter().map(row).collect()
 }
 
@@ -248,10 +298,7 @@ fn is_constant(e: Expr, model: &Model, arena: &mut Arena) -> bool {
 
 /// Whether the matrix of some rows and columns is regular at some random point, or nowhere defined.
 fn is_regular(matrix: &[Vec<Expr>], of: &[usize], arena: &Arena) -> bool {
-    let part = of
-        .iter()
-        .map(|&i| of.iter().map(|&j| matrix[i][j]).collect());
-    null_columns(&part.collect::<Vec<_>>(), arena).is_none()
+    null_columns(&part(matrix, of), arena).is_none()
 }
 
 /// The columns that occur in null vectors of a matrix, if it is singular at all random points.
@@ -262,7 +309,10 @@ fn null_columns(matrix: &[Vec<Expr>], arena: &Arena) -> Option<Vec<usize>> {
     }
     let entries = matrix.concat();
     let rows = |point: Vec<f64>| point.chunks(n).map(<[f64]>::to_vec).collect();
-    if arena.samples(&entries).any(|point| regular::is_regular(rows(point))) {
+    if arena
+        .samples(&entries)
+        .any(|point| regular::is_regular(rows(point)))
+    {
         return None;
     }
     let mut columns = Vec::new();

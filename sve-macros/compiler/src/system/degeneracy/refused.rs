@@ -1,11 +1,11 @@
 //! Why a degenerate Lagrangian is refused, and what to write instead.
 
 use crate::syntax::parse::Annotated;
-use crate::system::regular;
+use crate::system::regular::{self, Undetermined, kinetic_term, names};
 
 /// Why a Lagrangian does not determine the motion, or not in a form for which steps are derived.
 pub(super) enum Refused {
-    /// Velocities that nothing determines: the error of the regularity check stands.
+    /// Velocities that nothing determines.
     Undetermined,
     /// ∂²L/∂v² is singular, and the null directions are not coordinates.
     NoSplit,
@@ -21,47 +21,53 @@ pub(super) enum Refused {
 
 impl Refused {
     /// The error at the Lagrangian, or at the noise.
-    pub(super) fn error(&self, block: &Annotated, n: usize) -> syn::Error {
+    pub(super) fn error(
+        &self,
+        block: &Annotated,
+        n: usize,
+        undetermined: &Undetermined,
+    ) -> syn::Error {
         let (q, v) = (
-            |i: usize| format!("`{}`", regular::coordinate(block, i, n)),
-            |i: usize| format!("`{}`", regular::velocity(block, i, n)),
+            |i: usize| regular::coordinate(block, i, n),
+            |i: usize| regular::velocity(block, i, n),
         );
         let mut place = block.lagrangian.name.span();
         let message = match self {
-            Self::Undetermined | Self::NoSplit => {
-                "this Lagrangian is degenerate: ∂²L/∂v² is singular everywhere, and the directions without mass are no coordinates; \
-                 change coordinates so that the massless directions are coordinates, whose velocities occur linearly or not at all"
-                    .to_owned()
+            Self::Undetermined => return undetermined.error(block, n, ""),
+            Self::NoSplit => {
+                let remedy =
+                    "change coordinates so that the directions without mass are coordinates, or ";
+                return undetermined.error(block, n, remedy);
             }
             Self::TimeDependent(i) => format!(
-                "this Lagrangian is affine in {}, and the factor of this velocity depends on time: steps are derived for ∂L/∂v = α(q); \
-                 write L so that time occurs only in the terms without velocities, by adding a total derivative",
+                "this Lagrangian is affine in `{}`, and its factor depends on time: steps are derived for ∂L/∂v = α(q); \
+                 write L so that time occurs only in terms without this velocity, by adding a total derivative",
                 v(*i)
             ),
-            Self::SingularForm(coordinates) => {
-                let names: Vec<String> = coordinates.iter().map(|&i| q(i)).collect();
-                format!(
-                    "this Lagrangian is degenerate: ∂L/∂v = α(q) does not determine the motion, since ω = Dαᵀ − Dα is singular everywhere on the coordinates {}; \
-                     give each of their velocities a kinetic term, or pair them: α must not be a gradient, and as many coordinates as it pairs are needed",
-                    names.join(", ")
-                )
-            }
+            Self::SingularForm(coordinates) => format!(
+                "this Lagrangian is degenerate: it is affine in {}, and ∂L/∂v = α(q) does not determine the motion, \
+                 since ω = Dαᵀ − Dα is singular everywhere on {}; {}, or pair the coordinates, as in `q[0] * v[1]` of two coordinates without kinetic terms",
+                names(coordinates, v),
+                names(coordinates, q),
+                kinetic_term(block, coordinates, n),
+            ),
             Self::WithVelocity(i) => format!(
-                "this Lagrangian is degenerate: {} does not occur in L, and ∂L/∂{} depends on other velocities; \
-                 solve 0 = ∂L/∂{} for the coordinate and insert it into L",
-                v(*i),
-                q(*i).trim_matches('`'),
-                q(*i).trim_matches('`'),
+                "this Lagrangian is degenerate: `{v}` does not occur in it, and the equation of `{q}`, 0 = ∂L/∂{q}, has other velocities; \
+                 solve this equation for `{q}` and insert the solution into L, or {term}",
+                v = v(*i),
+                q = q(*i),
+                term = kinetic_term(block, &[*i], n),
             ),
             Self::NoisyAlgebraic(i, noise) => {
                 let name = noise.split('[').next().unwrap_or(noise);
                 let function = block.noises.iter().find(|f| f.name == name);
                 place = function.map_or(place, |f| f.name.span());
-                let q = q(*i);
-                let bare = q.trim_matches('`');
                 format!(
-                    "the noise `{noise}` depends on {q}, whose velocity does not occur in L: \
-                     the equation of {q}, ∂L/∂{bare} dt + ∂γ/∂{bare} ∘ dW = 0, has no solution; give {q} a kinetic term, or let the noise depend on other coordinates"
+                    "the noise `{noise}` depends on `{q}` or its momentum, and `{v}` does not occur in L: \
+                     the equation of `{q}`, ∂L/∂{q} dt + ∂γ/∂{q} ∘ dW = 0, has no solution; let the noise depend on other coordinates, or {term}",
+                    q = q(*i),
+                    v = v(*i),
+                    term = kinetic_term(block, &[*i], n),
                 )
             }
         };
