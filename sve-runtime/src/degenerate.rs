@@ -234,8 +234,11 @@ where
         let found = Newton::default().solve(*q, |at| algebraic_equations(system, q, at));
         state.q = found.map_err(|error| of(error, &state))?;
     }
-    state.p = system.lagrangian_jet(0.0, &state.q, &[0.0; N]).dv;
-    if state.q.iter().chain(&state.p).all(|x| x.is_finite()) {
+    let jet = system.lagrangian_jet(0.0, &state.q, &[0.0; N]);
+    state.p = jet.dv;
+    // outside of its domain L is NaN, while its derivatives may be finite
+    let numbers = state.q.iter().chain(&state.p).chain([&jet.value]);
+    if numbers.into_iter().all(|x| x.is_finite()) {
         Ok(state)
     } else {
         let state = State::new(*q, [0.0; N]);

@@ -1,9 +1,9 @@
 //! What plans say of degenerate Lagrangians.
 
 use sve_runtime::prelude::*;
-use sve_runtime::{BlockKind, DegenerateStep, Plan, StrongOrder, Variational};
+use sve_runtime::{DegenerateStep, Plan, Variational};
 
-use crate::systems::{
+use sve_models::degenerate::{
     CubicLotkaVolterra, Drift, InternalLotkaVolterra, Joint, Kubo, LotkaVolterra,
     MassWithAffinePair, MassWithPair, Spin, VortexPair, Vortices,
 };
@@ -23,7 +23,10 @@ fn plans_say_what_is_preserved() {
     let (joint, mass) = (Joint { k: 1.0 }, MassWithPair { mass: 1.0 });
     let cases = [
         (plan(LotkaVolterra, Midpoint), DegenerateStep::Internal),
-        (plan(InternalLotkaVolterra, Endpoint), DegenerateStep::Internal),
+        (
+            plan(InternalLotkaVolterra, Endpoint),
+            DegenerateStep::Internal,
+        ),
         (plan(Kubo, Midpoint), DegenerateStep::Affine),
         (plan(Kubo, InitialPoint), DegenerateStep::Internal),
         (plan(vortices, Midpoint), DegenerateStep::Affine),
@@ -32,7 +35,10 @@ fn plans_say_what_is_preserved() {
         (plan(MassWithAffinePair, Midpoint), DegenerateStep::Affine),
         (plan(joint, Endpoint), DegenerateStep::Eliminated),
         (plan(joint, Midpoint), DegenerateStep::Eliminated),
-        (plan(CubicLotkaVolterra, Midpoint), DegenerateStep::Projected),
+        (
+            plan(CubicLotkaVolterra, Midpoint),
+            DegenerateStep::Projected,
+        ),
         (plan(Spin, Midpoint), DegenerateStep::Projected),
         (plan(Drift, Midpoint), DegenerateStep::Projected),
         (plan(mass, Midpoint), DegenerateStep::Projected),

@@ -4,7 +4,7 @@ use serde::Deserialize;
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
 
-use crate::systems::{InternalLotkaVolterra, Kubo, LotkaVolterra, Spin};
+use sve_models::degenerate::{InternalLotkaVolterra, Kubo, LotkaVolterra, Spin};
 
 #[derive(Deserialize)]
 struct ReferencePath {

@@ -3,7 +3,7 @@
 use sve_runtime::prelude::*;
 use sve_runtime::{CoordinateRole, Coordinates, Dims, LagrangianJet, System, Variational};
 
-use crate::systems::{
+use sve_models::degenerate::{
     CubicLotkaVolterra, Drift, InternalLotkaVolterra, Joint, Kubo, LotkaVolterra,
     MassWithAffinePair, MassWithPair, Spin, Vortices,
 };

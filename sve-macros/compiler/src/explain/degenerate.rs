@@ -67,10 +67,7 @@ fn pushed(i: usize, degeneracy: &Degeneracy, mechanics: &Mechanics, page: &mut P
     force.add(1.0, degeneracy.rest_slopes[i], page.arena);
     line.add(page, &force, "dt");
     for (k, &slope) in degeneracy.slopes[i].iter().enumerate() {
-        let mut term = Sum::default();
-        term.add(1.0, slope, page.arena);
-        let differential = format!("∘ {}", page.names.component("dq", k));
-        line.add(page, &term, &differential);
+        moving(&mut line, slope, k, page);
     }
     kicks(&mut line, mechanics, page, |noise| (-1.0, noise.dq[i]));
     line.text
@@ -80,10 +77,7 @@ fn pushed(i: usize, degeneracy: &Degeneracy, mechanics: &Mechanics, page: &mut P
 fn paired(i: usize, degeneracy: &Degeneracy, mechanics: &Mechanics, page: &mut Page<'_>) -> String {
     let mut left = Line::new("");
     for (k, &entry) in degeneracy.two_form[i].iter().enumerate() {
-        let mut term = Sum::default();
-        term.add(1.0, entry, page.arena);
-        let differential = format!("∘ {}", page.names.component("dq", k));
-        left.add(page, &term, &differential);
+        moving(&mut left, entry, k, page);
     }
     let left = left.text;
     let mut line = Line::new(left.strip_prefix(" = ").unwrap_or(&left));
@@ -92,6 +86,21 @@ fn paired(i: usize, degeneracy: &Degeneracy, mechanics: &Mechanics, page: &mut P
     line.add(page, &slope, "dt");
     kicks(&mut line, mechanics, page, |noise| (1.0, noise.dq[i]));
     line.text
+}
+
+/// Adds a coefficient times the differential of a coordinate.
+fn moving(line: &mut Line, coefficient: Expr, of: usize, page: &mut Page<'_>) {
+    let mut term = Sum::default();
+    term.add(1.0, coefficient, page.arena);
+    if term.is_zero() {
+        return;
+    }
+    let (negative, factor) = page.factor(&term);
+    let differential = page.names.component("dq", of);
+    match factor.as_str() {
+        "1" => line.push(negative, &differential),
+        factor => line.push(negative, &format!("{factor} ∘ {differential}")),
+    }
 }
 
 /// Adds the noises to an equation.

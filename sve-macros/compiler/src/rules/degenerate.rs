@@ -24,6 +24,12 @@ use crate::system::model::{Family, Meaning, NodeQuantity, Unknown};
 /// The end of the step as a node.
 pub(super) const END: usize = 1;
 
+/// The node of coordinates that are variables there.
+pub(super) const INNER: usize = 2;
+
+/// The node with its multiplier.
+pub(super) const SHIFTED: usize = 3;
+
 /// Largest difference between p and α(q) at the start of a step, relative to the terms of both. It is far above the rounding errors of a state, and far
 /// below what a wrong configuration makes of it.
 const CONSISTENT: f64 = 1e-8;
@@ -130,7 +136,13 @@ impl Parts<'_> {
             let q = x.arena.symbol(x.start_q[i]);
             let distance = self.distance(i, x);
             let at = x.arena.add(q, distance);
-            node.insert(x.model.q[i], x.at_node(0, NodeQuantity::Position(i), at));
+            let number = match (self.inner[i], self.lambda[i]) {
+                (Some(_), _) => INNER,
+                (None, Some(_)) => SHIFTED,
+                (None, None) => 0,
+            };
+            let at = x.at_node(number, NodeQuantity::Position(i), at);
+            node.insert(x.model.q[i], at);
             for (symbol, own) in [(x.model.v[i], self.v[i]), (x.model.p[i], self.p[i])] {
                 if let Some(own) = own {
                     node.insert(symbol, x.arena.symbol(own));

@@ -9,7 +9,7 @@
 use std::collections::HashMap;
 
 use super::action::{Discrete, Variables};
-use super::degenerate::END;
+use super::degenerate::{END, INNER, SHIFTED};
 use super::{Discretisation, Features, Options, RuleOption, StrongOrder, Textbook, Weak2};
 use crate::algebra::{Expr, Symbol};
 use crate::system::model::{Family, NodeQuantity, Unknown};
@@ -123,6 +123,8 @@ impl Discretisation for OneNode {
     fn notation(&self, node: usize, quantity: NodeQuantity) -> &'static str {
         match quantity {
             NodeQuantity::Position(_) if node == END => "q₁",
+            NodeQuantity::Position(_) if node == INNER => "q̄",
+            NodeQuantity::Position(_) if node == SHIFTED => "q*",
             NodeQuantity::Time => self.time,
             NodeQuantity::Position(_) => self.position,
             NodeQuantity::Velocity(_) => "v",
@@ -130,7 +132,7 @@ impl Discretisation for OneNode {
     }
 
     fn is_end(&self, node: usize) -> bool {
-        self.place == 1.0 || node == END
+        self.place == 1.0 && node == 0 || node == END
     }
 
     fn letters(&self) -> &'static [&'static str] {

@@ -193,7 +193,7 @@ fn taken_apart(
     let rest = arena.substitute(model.lagrangian, &still);
     check_algebraic(&algebraic, &massive, rest, model, arena)?;
     if massive.is_empty() && paired.is_empty() {
-        return Err(Refused::Undetermined);
+        return Err(Refused::Undetermined(light));
     }
     if let Some(&i) = paired
         .iter()
@@ -265,7 +265,7 @@ fn check_algebraic(
     if is_regular(&hessian, &all, arena) {
         Ok(())
     } else {
-        Err(Refused::Undetermined)
+        Err(Refused::Undetermined(algebraic.to_vec()))
     }
 }
 

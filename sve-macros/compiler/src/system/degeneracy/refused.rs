@@ -5,8 +5,8 @@ use crate::system::regular::{self, Undetermined, kinetic_term, names};
 
 /// Why a Lagrangian does not determine the motion, or not in a form for which steps are derived.
 pub(super) enum Refused {
-    /// Velocities that nothing determines.
-    Undetermined,
+    /// These velocities, which nothing determines.
+    Undetermined(Vec<usize>),
     /// ∂²L/∂v² is singular, and the null directions are not coordinates.
     NoSplit,
     /// The momentum of this coordinate depends on time.
@@ -33,7 +33,14 @@ impl Refused {
         );
         let mut place = block.lagrangian.name.span();
         let message = match self {
-            Self::Undetermined => return undetermined.error(block, n, ""),
+            Self::Undetermined(velocities) => {
+                let velocities = velocities.clone();
+                let undetermined = Undetermined {
+                    velocities,
+                    ..*undetermined
+                };
+                return undetermined.error(block, n, "");
+            }
             Self::NoSplit => {
                 let remedy =
                     "change coordinates so that the directions without mass are coordinates, or ";
@@ -41,7 +48,7 @@ impl Refused {
             }
             Self::TimeDependent(i) => format!(
                 "this Lagrangian is affine in `{}`, and its factor depends on time: steps are derived for ∂L/∂v = α(q); \
-                 write L so that time occurs only in terms without this velocity, by adding a total derivative",
+                 choose coordinates in which this factor does not depend on time",
                 v(*i)
             ),
             Self::SingularForm(coordinates) => format!(

@@ -1,10 +1,12 @@
-//! Degenerate systems of the tests, each with what is known of it.
+//! Systems whose Lagrangian does not determine every velocity, each with what is known of it; and steps of them that are wrong.
+
+pub mod wrong;
 
 use sve_runtime::prelude::*;
 
 /// Two species, in a gauge in which both velocities occur; one coordinate can be removed by a quadratic gauge.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LotkaVolterra;
+pub struct LotkaVolterra;
 
 #[variational(midpoint)]
 impl LotkaVolterra {
@@ -21,7 +23,7 @@ impl LotkaVolterra {
 
 /// The same in the gauge without the second velocity.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct InternalLotkaVolterra;
+pub struct InternalLotkaVolterra;
 
 #[variational(initial_point, midpoint, endpoint)]
 impl InternalLotkaVolterra {
@@ -38,7 +40,7 @@ impl InternalLotkaVolterra {
 
 /// The same in a cubic gauge, which has no internal form.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct CubicLotkaVolterra;
+pub struct CubicLotkaVolterra;
 
 #[variational(midpoint)]
 impl CubicLotkaVolterra {
@@ -52,7 +54,7 @@ impl CubicLotkaVolterra {
 
 /// A spin in stereographic coordinates. With γ = −½H the motion is the precession by −(t + ½W) about (0.6, 0, 0.8).
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Spin;
+pub struct Spin;
 
 #[variational(midpoint)]
 impl Spin {
@@ -74,7 +76,7 @@ impl Spin {
 
 /// The oscillator as a system of first order, with α = (−y, 0). With γ = −½H the motion is the rotation by t + ½W.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Kubo;
+pub struct Kubo;
 
 #[variational(initial_point, midpoint, endpoint)]
 impl Kubo {
@@ -90,8 +92,9 @@ impl Kubo {
 
 /// Four point vortices, in the gauge that has no preferred axis; α is affine.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Vortices {
-    pub(crate) strength: [f64; 4],
+pub struct Vortices {
+    /// Circulations.
+    pub strength: [f64; 4],
 }
 
 #[variational(initial_point, midpoint, endpoint)]
@@ -121,9 +124,11 @@ impl Vortices {
 
 /// Two vortices whose noise is a multiple of the energy: they turn about their centre by (Γ₁ + Γ₂)/d² (t + σW).
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct VortexPair {
-    pub(crate) strength: [f64; 2],
-    pub(crate) sigma: f64,
+pub struct VortexPair {
+    /// Circulations.
+    pub strength: [f64; 2],
+    /// The noise relative to the energy.
+    pub sigma: f64,
 }
 
 #[variational(midpoint)]
@@ -146,8 +151,9 @@ impl VortexPair {
         self.sigma * self.logarithm(q)
     }
 
+    /// Turns the plane.
     #[symmetry]
-    fn turn(&self, q: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    pub fn turn(&self, q: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
         [[-q[0][1], q[0][0]], [-q[1][1], q[1][0]]]
     }
 }
@@ -155,7 +161,7 @@ impl VortexPair {
 /// Charged particles drift in a magnetic field along z, of strength B = 1 + x²/2 − xy/4, in a potential; the gauge has no axis, so that both components of α are
 /// not linear.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Drift;
+pub struct Drift;
 
 #[variational(midpoint)]
 impl Drift {
@@ -174,8 +180,9 @@ impl Drift {
 
 /// A particle with mass whose potential depends on a massless pair; α is not affine.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct MassWithPair {
-    pub(crate) mass: f64,
+pub struct MassWithPair {
+    /// Its mass at rest.
+    pub mass: f64,
 }
 
 #[variational(midpoint)]
@@ -200,7 +207,7 @@ impl MassWithPair {
 
 /// The same with a constant two-form: an oscillator coupled to a spin near its pole.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct MassWithAffinePair;
+pub struct MassWithAffinePair;
 
 #[variational(midpoint)]
 impl MassWithAffinePair {
@@ -220,8 +227,9 @@ impl MassWithAffinePair {
 
 /// A spring between a mass and a joint without mass, which a stiffening spring ties to the origin.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Joint {
-    pub(crate) k: f64,
+pub struct Joint {
+    /// Stiffness of the spring.
+    pub k: f64,
 }
 
 #[variational(initial_point, midpoint, endpoint)]
