@@ -59,8 +59,8 @@ impl Tokamak {
 /// A trapped particle on the outer side.
 const START: [f64; 4] = [1.15, 0.0, 0.0, 1.2e-3];
 
-/// Step size: some 100 steps a bounce.
-const H: f64 = 100.0;
+/// Step size: some 30 steps a bounce.
+const H: f64 = 400.0;
 
 /// Steps whose energy error is checked, and that are made.
 const CHECKED: usize = 300_000;
@@ -151,7 +151,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
             0.0,
             "what the plan says",
         ),
-        Check::near("largest |ΔH/H|, 10⁵ steps", tenth, 0.0, 2e-4, "order h²"),
+        Check::near("largest |ΔH/H|, 10⁵ steps", tenth, 0.0, 4e-3, "order h²"),
         Check::near(
             "3·10⁵ steps over 10⁵",
             ours.largest(10 * CHECKED / STEPS) / tenth,
@@ -175,7 +175,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         Check::reported("Runge–Kutta, 10⁶ steps", theirs.largest(10), "drifts"),
     ];
     let figure = figure(&midpoint, start, &ours, &theirs)?;
-    let caption = "Left: a trapped orbit in the poloidal plane for 20 bounces, and the same particle in a fluctuating potential. Right: the relative energy error for 10⁶ steps by the projected midpoint rule and by the Runge–Kutta method of order 4 with the same step.";
+    let caption = "Left: a trapped orbit in the poloidal plane for some 70 bounces, and the same particle in a fluctuating potential. Right: the relative energy error for 10⁶ steps by the projected midpoint rule and by the Runge–Kutta method of order 4 with the same step.";
     report("A guiding centre in a tokamak", &figure, caption, &checks)
 }
 
@@ -205,7 +205,7 @@ fn figure(
     let mut left = Panel::new(
         "poloidal plane",
         Axis::new("R", 0.78..1.22),
-        Axis::new("Z", -0.22..0.22),
+        Axis::new("Z", -0.29..0.22),
     )
     .equal()
     .legend(Corner::BottomLeft);
@@ -230,9 +230,9 @@ fn figure(
     let right = Panel::new(
         "energy error",
         Axis::new("10⁶ steps", 0.0..1.0),
-        Axis::new("10⁴ ΔH/H", least - margin..most + margin),
+        Axis::new("10⁴ ΔH/H", least - margin..most + 3.0 * margin),
     )
-    .legend(Corner::BottomLeft)
+    .legend(Corner::TopRight)
     .with(Layer::new(
         "Runge–Kutta 4",
         theirs.drawn.clone(),

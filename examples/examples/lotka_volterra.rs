@@ -74,7 +74,7 @@ where
             _ => {}
         }
         if at % 50 == 0 {
-            drawn.push((H * at as f64, error));
+            drawn.push((1e-3 * H * at as f64, error));
         }
     }
     Ok((drawn, worst))
@@ -166,7 +166,7 @@ fn figure(
     exact: &[(f64, f64)],
     drifting: &[(f64, f64)],
 ) -> Result<Figure, StepError> {
-    let mut left = Panel::new("orbits", Axis::new("x", 0.0..4.2), Axis::new("y", 0.0..5.8))
+    let mut left = Panel::new("orbits", Axis::new("x", 0.0..4.2), Axis::new("y", 0.0..6.6))
         .legend(Corner::TopRight);
     let noisy = Integrator::new(Written { sigma: 0.15 }, Midpoint);
     let start = State::from_configuration(noisy.system(), START)?;
@@ -182,14 +182,14 @@ fn figure(
     ));
     for (at, x) in [1.2, 1.5, 1.9, 2.4].into_iter().enumerate() {
         let start = State::from_configuration(written.system(), [x, 0.8 + 0.3 * (1.5 - x)])?;
-        let orbit: Result<Vec<_>, _> = written.trajectory(start, 0.05, NoNoise).take(150).collect();
+        let orbit: Result<Vec<_>, _> = written.trajectory(start, 0.02, NoNoise).take(380).collect();
         let layer = Layer::new("no noise", points(orbit?), Pen::line(BLUE, 1.0));
         left = left.with(if at == 0 { layer } else { layer.unlisted() });
     }
     let every = |list: &[(f64, f64)]| list.to_vec();
     let right = Panel::new(
         "energy error",
-        Axis::new("t", 0.0..H * STEPS as f64),
+        Axis::new("t / 1000", 0.0..1e-3 * H * STEPS as f64),
         Axis::new("ΔH", -0.8..0.3),
     )
     .legend(Corner::TopRight)
@@ -206,7 +206,7 @@ fn figure(
     .with(
         Layer::new(
             "0",
-            vec![(0.0, 0.0), (H * STEPS as f64, 0.0)],
+            vec![(0.0, 0.0), (1e-3 * H * STEPS as f64, 0.0)],
             Pen::line(GREY, 0.5),
         )
         .unlisted(),

@@ -315,3 +315,39 @@ fn derivatives_of_steps_are_differences() {
         }
     }
 }
+
+/// Compensated sums keep p = α(q), and the energy error of a long path.
+#[test]
+fn compensated_trajectories_stay_consistent() {
+    for h in [0.1, -0.1] {
+        let start = State::from_configuration(&Drift, [0.6, 0.5]).unwrap();
+        let integrator = Integrator::new(Drift, Midpoint);
+        let energy = Drift.hamiltonian(&start).unwrap();
+        let path = integrator.trajectory(start, h, NoNoise).compensated();
+        for state in path.take(20_000) {
+            let state = state.unwrap();
+            let expected = State::from_configuration(&Drift, state.q).unwrap();
+            for i in 0..2 {
+                assert!((state.p[i] - expected.p[i]).abs() < 1e-15);
+            }
+            assert!((Drift.hamiltonian(&state).unwrap() - energy).abs() < 5e-5);
+        }
+    }
+}
+
+/// A step backwards undoes a step: the rule and its projection are symmetric.
+#[test]
+fn projected_steps_are_symmetric() {
+    let mass = MassWithPair { mass: 1.5 };
+    let mut start = State::from_configuration(&mass, [0.5, 0.3, -0.4]).unwrap();
+    start.p[0] += 0.7;
+    let integrator = Integrator::new(mass, Midpoint);
+    let mut state = start;
+    integrator.step(&mut state, 0.1, &[0.2, -0.1]).unwrap();
+    assert!((state.q[1] - start.q[1]).abs() > 1e-3);
+    integrator.step(&mut state, -0.1, &[-0.2, 0.1]).unwrap();
+    for i in 0..3 {
+        assert!((state.q[i] - start.q[i]).abs() < 1e-14);
+        assert!((state.p[i] - start.p[i]).abs() < 1e-14);
+    }
+}

@@ -38,6 +38,23 @@ impl InternalLotkaVolterra {
     }
 }
 
+/// The same with two noises that do not commute, although both are functions of the configuration.
+#[derive(Clone, Copy, Debug)]
+pub struct StormyLotkaVolterra;
+
+#[variational(initial_point, midpoint, endpoint)]
+impl StormyLotkaVolterra {
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        let energy = q[0] + q[1] - q[0].ln() - 2.0 * q[1].ln();
+        q[1].ln() / q[0] * v[0] - energy
+    }
+
+    #[gamma]
+    fn weather(&self, q: [f64; 2]) -> [f64; 2] {
+        [0.5 * q[0].ln(), 0.5 * q[1]]
+    }
+}
+
 /// The same in a cubic gauge, which has no internal form.
 #[derive(Clone, Copy, Debug)]
 pub struct CubicLotkaVolterra;

@@ -1,5 +1,6 @@
 //! Orders of convergence, and moments of paths with noise.
 
+mod degenerate;
 mod kubo;
 mod moments;
 mod stage_noise;

@@ -28,20 +28,20 @@ const BIAS: f64 = 0.06;
 const SIGMAS: f64 = 4.0;
 
 /// A path: increments for the finest steps, and the exact end point.
-struct Path<const N: usize> {
-    fine: Recorded,
-    end: State<[f64; N]>,
+pub(super) struct Path<const N: usize> {
+    pub(super) fine: Recorded,
+    pub(super) end: State<[f64; N]>,
 }
 
 /// Slope of the least-squares line.
-fn slope(x: &[f64], y: &[f64]) -> f64 {
+pub(super) fn slope(x: &[f64], y: &[f64]) -> f64 {
     let n = x.len() as f64;
     let (mx, my) = (x.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
     let covariance: f64 = x.iter().zip(y).map(|(x, y)| (x - mx) * (y - my)).sum();
     covariance / x.iter().map(|x| (x - mx).powi(2)).sum::<f64>()
 }
 
-fn distance2<const N: usize>(a: &State<[f64; N]>, b: &State<[f64; N]>) -> f64 {
+pub(super) fn distance2<const N: usize>(a: &State<[f64; N]>, b: &State<[f64; N]>) -> f64 {
     (0..N)
         .map(|i| (a.q[i] - b.q[i]).powi(2) + (a.p[i] - b.p[i]).powi(2))
         .sum()
@@ -78,7 +78,13 @@ fn measure<const N: usize>(
 }
 
 /// Prints a line of the table and checks it.
-fn line(system: &str, rule: &str, noise: &str, expected: f64, (order, error): (f64, f64)) {
+pub(super) fn line(
+    system: &str,
+    rule: &str,
+    noise: &str,
+    expected: f64,
+    (order, error): (f64, f64),
+) {
     println!("| {system} | {rule} | {noise} | {expected} | {order:.3} ± {error:.3} |");
     assert!(
         (order - expected).abs() < BIAS + SIGMAS * error,
@@ -87,7 +93,7 @@ fn line(system: &str, rule: &str, noise: &str, expected: f64, (order, error): (f
 }
 
 /// The end point on a recorded path.
-fn run<S, R, const N: usize, const M: usize>(
+pub(super) fn run<S, R, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     start: State<[f64; N]>,
     path: &Recorded,
@@ -156,13 +162,13 @@ fn all_rules<S, const N: usize, const M: usize>(
     );
 }
 
-fn record(path: u64, processes: usize, level: u32) -> Recorded {
+pub(super) fn record(path: u64, processes: usize, level: u32) -> Recorded {
     let h = 0.5_f64.powi(level as i32);
     Recorded::record(Wiener::new(SEED).path(path), h, processes, 1 << level).unwrap()
 }
 
 /// The sum of all increments.
-fn total<const M: usize>(path: &Recorded) -> [f64; M] {
+pub(super) fn total<const M: usize>(path: &Recorded) -> [f64; M] {
     let whole = path.coarsen(path.len()).unwrap();
     whole.get(0).unwrap().try_into().unwrap()
 }
