@@ -1,5 +1,7 @@
 //! Orders of convergence, and moments of paths with noise.
 
+mod commuting;
+mod compositions;
 mod degenerate;
 mod kubo;
 mod moments;
