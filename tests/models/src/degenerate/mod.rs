@@ -38,7 +38,7 @@ impl InternalLotkaVolterra {
     }
 }
 
-/// The same with two noises that do not commute, although both are functions of the configuration.
+/// The same, slowly, with two noises that do not commute, although both are functions of the configuration.
 #[derive(Clone, Copy, Debug)]
 pub struct StormyLotkaVolterra;
 
@@ -46,12 +46,12 @@ pub struct StormyLotkaVolterra;
 impl StormyLotkaVolterra {
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
         let energy = q[0] + q[1] - q[0].ln() - 2.0 * q[1].ln();
-        q[1].ln() / q[0] * v[0] - energy
+        q[1].ln() / q[0] * v[0] - 0.01 * energy
     }
 
     #[gamma]
     fn weather(&self, q: [f64; 2]) -> [f64; 2] {
-        [0.5 * q[0].ln(), 0.5 * q[1]]
+        [0.2 * q[0].ln(), 0.2 * q[1]]
     }
 }
 
@@ -88,6 +88,25 @@ impl Spin {
     #[gamma]
     fn field(&self, q: [f64; 2]) -> f64 {
         -0.5 * self.energy(q)
+    }
+}
+
+/// A slow spin in a field that fluctuates in two directions, whose noises do not commute.
+#[derive(Clone, Copy, Debug)]
+pub struct TumblingSpin;
+
+#[variational(midpoint)]
+impl TumblingSpin {
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        let square = q[0] * q[0] + q[1] * q[1];
+        let height = (1.0 - square) / (1.0 + square);
+        2.0 * (q[0] * v[1] - q[1] * v[0]) / (1.0 + square) - 0.01 * height
+    }
+
+    #[gamma]
+    fn field(&self, q: [f64; 2]) -> [f64; 2] {
+        let square = q[0] * q[0] + q[1] * q[1];
+        [0.4 * q[0] / (1.0 + square), 0.4 * q[1] / (1.0 + square)]
     }
 }
 
