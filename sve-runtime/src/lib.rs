@@ -86,6 +86,7 @@ pub mod baseline;
 mod composition;
 mod configuration;
 mod constraints;
+mod degenerate;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 mod equations;
@@ -122,6 +123,7 @@ pub use composition::{
 };
 pub use configuration::{Configuration, Coordinates, FixedSize};
 pub use constraints::{ConstraintForce, ConstraintForces};
+pub use degenerate::CoordinateRole;
 pub use equations::{StepEquations, StepOf};
 pub use error::StepError;
 pub use integrator::{Integrator, Sensitivity, Tangent};
@@ -131,7 +133,9 @@ pub use mechanics::{Field, Mechanics};
 pub use method::{Method, OneStepMethod};
 /// Vectors, matrices and rotations, in the version that this crate uses.
 pub use nalgebra;
-pub use plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder, Substeps};
+pub use plan::{
+    Block, BlockKind, DegenerateStep, Formulas, Operations, Plan, StrongOrder, Substeps,
+};
 pub use rules::{
     Endpoint, Gauss, InitialPoint, Midpoint, StageNoise, StormerVerlet, Taylor2, Weak2,
 };
@@ -299,6 +303,7 @@ pub mod __private {
     pub use crate::__derived_rule as derived_rule;
     pub use crate::composition::sequence;
     pub use crate::composition::{QuadraticKineticEnergy, Separable};
+    pub use crate::degenerate::CoordinateRole;
     pub use crate::equations::{Returns, StepEquations};
     pub use crate::error::StepError;
     pub use crate::integrator::derived::{
@@ -308,7 +313,9 @@ pub mod __private {
     pub use crate::lanes::Mask;
     pub use crate::linearisation::{Entries, Linearisation};
     pub use crate::parameter::{entry, number};
-    pub use crate::plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
+    pub use crate::plan::{
+        Block, BlockKind, DegenerateStep, Formulas, Operations, Plan, StrongOrder,
+    };
     pub use crate::power::power_log;
     pub use crate::rules::Unstructured;
     pub use crate::solve::SolveError;

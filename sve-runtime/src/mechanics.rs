@@ -5,6 +5,7 @@
 //! `dq = v dt + Σ ∂G_a/∂p ∘ dW_a`, `dp = (∂L/∂q + F) dt − Σ ∂G_a/∂q ∘ dW_a`, `p = ∂L/∂v`, with `G = −γ` or `G = H₁`.
 
 use crate::configuration::Coordinates;
+use crate::degenerate::{self, NEEDS_REGULAR, is_degenerate};
 use crate::error::{StepError, step_error};
 use crate::legendre;
 use crate::solve::SolveError;
@@ -134,13 +135,20 @@ where
 
     #[inline]
     fn velocity_at(&self, t: f64, q: Q, p: Q::Momentum) -> Result<Q::Momentum, StepError> {
-        let v = velocity(self, &State { t, q, p }.to_coordinates())?;
+        let state = State { t, q, p }.to_coordinates();
+        if const { is_degenerate::<S>() } {
+            degenerate::check_consistent(self, &state)?;
+        }
+        let v = velocity(self, &state)?;
         Ok(Q::from_components(&v))
     }
 
     #[inline]
     fn hamiltonian(&self, state: &State<Q>) -> Result<f64, StepError> {
         let state = &state.to_coordinates();
+        if const { is_degenerate::<S>() } {
+            degenerate::check_consistent(self, state)?;
+        }
         let v = velocity(self, state)?;
         let mut energy = -self.lagrangian_jet(state.t, &state.q, &v).value;
         for i in 0..N {
@@ -149,37 +157,48 @@ where
         if energy.is_finite() {
             Ok(energy)
         } else {
-            Err(outside_a_step(SolveError::NonFinite, state))
+            Err(outside_a_step(self, SolveError::NonFinite, state))
         }
     }
 
     #[inline]
     fn drift(&self, state: &State<Q>) -> Result<Field<Q::Momentum>, StepError> {
         let state = &state.to_coordinates();
+        if const { is_degenerate::<S>() } {
+            degenerate::check_consistent(self, state)?;
+        }
         solve_drift(self, state)
             .and_then(finite)
             .map(Field::of::<Q>)
-            .map_err(|error| outside_a_step(error, state))
+            .map_err(|error| outside_a_step(self, error, state))
     }
 
     #[inline]
     fn acceleration(&self, state: &State<Q>) -> Result<Field<Q::Momentum>, StepError> {
         let state = &state.to_coordinates();
+        if const { is_degenerate::<S>() } {
+            return Err(StepError::Degenerate {
+                what: "the acceleration".to_owned(),
+                t: state.t,
+            });
+        }
         legendre::velocity(self, state)
             .and_then(|v| solve_motion(self, state, v))
             .and_then(|motion| finite(motion.second))
             .map(Field::of::<Q>)
-            .map_err(|error| outside_a_step(error, state))
+            .map_err(|error| outside_a_step(self, error, state))
     }
 
     #[inline]
     fn noise(&self, state: &State<Q>, dw: &[f64; M]) -> Field<Q::Momentum> {
+        const { assert!(S::ROLES.is_empty(), "{}", NEEDS_REGULAR) };
         let State { t, q, p } = state.to_coordinates();
         noise_of(&self.noise_jets(t, &q, &p), dw).of::<Q>()
     }
 
     #[inline]
     fn ito_correction(&self, state: &State<Q>) -> Field<Q::Momentum> {
+        const { assert!(S::ROLES.is_empty(), "{}", NEEDS_REGULAR) };
         let State { t, q, p } = state.to_coordinates();
         correction_of(&self.noise_jets(t, &q, &p)).of::<Q>()
     }
@@ -195,7 +214,7 @@ where
     S: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    legendre::velocity(system, state).map_err(|error| outside_a_step(error, state))
+    legendre::velocity(system, state).map_err(|error| outside_a_step(system, error, state))
 }
 
 // The functions below return the errors of solvers: a method reports the error of a whole step, not of one stage.
@@ -314,6 +333,18 @@ fn finite<const N: usize>(field: Field<[f64; N]>) -> Result<Field<[f64; N]>, Sol
 }
 
 #[cold]
-fn outside_a_step<const N: usize>(error: SolveError, state: &State<[f64; N]>) -> StepError {
-    step_error(error, state, 0.0, &[])
+fn outside_a_step<S, Q, const N: usize, const M: usize>(
+    system: &S,
+    error: SolveError,
+    state: &State<[f64; N]>,
+) -> StepError
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    let error = step_error(error, state, 0.0, &[]);
+    if const { is_degenerate::<S>() } {
+        return degenerate::explained(system, state, error);
+    }
+    error
 }
