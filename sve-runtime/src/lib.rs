@@ -89,6 +89,7 @@ mod blocking;
 mod composition;
 mod configuration;
 mod constraints;
+mod degenerate;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 mod equations;
@@ -127,6 +128,7 @@ pub use composition::{
 };
 pub use configuration::{Configuration, Coordinates, FixedSize};
 pub use constraints::{ConstraintForce, ConstraintForces};
+pub use degenerate::CoordinateRole;
 pub use equations::{StepEquations, StepOf};
 pub use error::StepError;
 pub use integrator::{Integrator, Sensitivity, Tangent};
@@ -136,7 +138,9 @@ pub use mechanics::{Field, Mechanics};
 pub use method::{Method, OneStepMethod};
 /// Vectors, matrices and rotations, in the version that this crate uses.
 pub use nalgebra;
-pub use plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder, Substeps};
+pub use plan::{
+    Block, BlockKind, DegenerateStep, Formulas, Operations, Plan, StrongOrder, Substeps,
+};
 pub use rules::{
     Endpoint, Gauss, InitialPoint, Midpoint, StageNoise, StormerVerlet, Taylor2, Weak2,
 };
@@ -304,6 +308,7 @@ pub mod __private {
     pub use crate::__derived_rule as derived_rule;
     pub use crate::composition::sequence;
     pub use crate::composition::{QuadraticKineticEnergy, Separable};
+    pub use crate::degenerate::CoordinateRole;
     pub use crate::equations::{Returns, StepEquations};
     pub use crate::error::StepError;
     pub use crate::integrator::derived::{
@@ -313,7 +318,9 @@ pub mod __private {
     pub use crate::lanes::Mask;
     pub use crate::linearisation::{Entries, Linearisation};
     pub use crate::parameter::{entry, number};
-    pub use crate::plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
+    pub use crate::plan::{
+        Block, BlockKind, DegenerateStep, Formulas, Operations, Plan, StrongOrder,
+    };
     pub use crate::power::power_log;
     pub use crate::rules::Unstructured;
     pub use crate::solve::SolveError;
