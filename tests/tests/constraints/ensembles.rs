@@ -32,7 +32,10 @@ fn an_ensemble_has_the_paths_of_single_trajectories() {
         let single = midpoint.trajectory(start, 0.05, Wiener::new(4).path(path));
         let end = single.take(40).last().unwrap().unwrap();
         let (number, found) = &ends[path as usize];
-        assert_eq!((*number, found.q, found.p), (path, end.q.as_slice(), end.p.as_slice()));
+        assert_eq!(
+            (*number, found.q, found.p),
+            (path, end.q.as_slice(), end.p.as_slice())
+        );
     }
 }
 
