@@ -105,10 +105,9 @@ pub(crate) fn unknown(symbols: &Symbols, symbol: Symbol) -> String {
         Family::StageVelocity => "U",
         Family::Momentum => "p",
         Family::Acceleration => "a",
-        Family::VelocityMultiplier => "μ",
+        Family::VelocityMultiplier | Family::EndMultiplier => "μ",
         Family::AccelerationMultiplier => "ν",
         Family::StartMultiplier => "λ",
-        Family::EndMultiplier => "μ",
         Family::EndVelocity => "v₁",
     };
     let of = if family.is_multiplier_of_constraint() {

@@ -142,10 +142,9 @@ impl std::fmt::Display for Unknown {
             Family::StageVelocity => "u",
             Family::Momentum => "p",
             Family::Acceleration => "a",
-            Family::VelocityMultiplier => "mu",
+            Family::VelocityMultiplier | Family::EndMultiplier => "mu",
             Family::AccelerationMultiplier => "nu",
             Family::StartMultiplier => "lambda",
-            Family::EndMultiplier => "mu",
             Family::EndVelocity => "v1",
         };
         write!(f, "{letter}_{}", self.index)

@@ -21,7 +21,12 @@ impl Rods {
 
     #[force]
     fn friction(&self, _q: [f64; 4], v: [f64; 4]) -> [f64; 4] {
-        [-self.nu * v[0], -self.nu * v[1], -self.nu * v[2], -self.nu * v[3]]
+        [
+            -self.nu * v[0],
+            -self.nu * v[1],
+            -self.nu * v[2],
+            -self.nu * v[3],
+        ]
     }
 
     #[gamma]
@@ -51,7 +56,10 @@ fn mean(of_paths: &[f64]) -> [f64; 2] {
 fn check(what: &str, of_paths: &[f64], expected: f64, bias: f64) {
     let [mean, error] = mean(of_paths);
     println!("{what}: {mean:.4} ± {error:.4}, exact {expected:.4}");
-    assert!((mean - expected).abs() < bias + 3.0 * error, "{what}: {mean} ± {error}, {expected}");
+    assert!(
+        (mean - expected).abs() < bias + 3.0 * error,
+        "{what}: {mean} ± {error}, {expected}"
+    );
 }
 
 /// The height on the sphere: E z = 1/β − coth β; |p|² has two degrees of freedom.
@@ -61,7 +69,11 @@ fn a_particle_on_the_sphere() {
     where
         Thermal: sve_runtime::Variational<R>,
     {
-        let thermal = Thermal { g: 1.0, nu: 1.0, temperature: 1.0 };
+        let thermal = Thermal {
+            g: 1.0,
+            nu: 1.0,
+            temperature: 1.0,
+        };
         let integrator = Integrator::new(thermal, rule);
         let start = State::new(Vector3::new(1.0, 0.0, 0.0), Vector3::zeros());
         let (mut heights, mut squares) = (Vec::new(), Vec::new());
@@ -90,7 +102,11 @@ fn a_particle_on_the_sphere() {
 /// `∫ cos 2x √(1 + 5 sin² x) dx / ∫ √(1 + 5 sin² x) dx`, and 0 without that weight.
 #[test]
 fn the_angle_between_two_rods() {
-    let rods = Rods { m: [1.0, 5.0], nu: 2.0, temperature: 1.0 };
+    let rods = Rods {
+        m: [1.0, 5.0],
+        nu: 2.0,
+        temperature: 1.0,
+    };
     let integrator = Integrator::new(rods, Midpoint);
     let start = State::new([0.0, -1.0, 0.6, -1.8], [0.0; 4]);
     let (mut angles, mut energies) = (Vec::new(), Vec::new());
