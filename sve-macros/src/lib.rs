@@ -58,6 +58,20 @@ use sve_compiler::Settings;
 /// An H₁ must move q along the constraints, `⟨∂φ/∂q, ∂H₁/∂p⟩ = 0` where `φ = 0` and the momentum is along it. `#[h1(tangent)]` takes H₁ at the momentum along the constraints,
 /// `Πp = p − Dφᵀ(Dφ M⁻¹ Dφᵀ)⁻¹ Dφ M⁻¹ p`, which always does; it is for at most three coupled constraints.
 ///
+/// A Lagrangian may be linear in some velocities, or not contain them at all. The macro finds this, and the plan says which case holds:
+///
+/// | L | the step | preserved |
+/// | --- | --- | --- |
+/// | ⟨α(q), v⟩ − H(q) with an affine α | `midpoint`: the implicit midpoint rule | ω = Dαᵀ − Dα, to rounding |
+/// | half of the velocities do not occur, up to the total derivative of a quadratic function | `midpoint`, `initial_point`, `endpoint`; these coordinates are variables of the node | ω, to rounding |
+/// | other α | `midpoint`, with a symmetric projection to p = α(q) | ω, up to O(h⁵) a step |
+/// | linear in some velocities, with mass in the others | `midpoint`, with the projection of the linear ones; none where α is affine | as above |
+/// | without some velocities, whose coordinates 0 = ∂L/∂q determine | `midpoint`, `initial_point`, `endpoint`; the coordinates are eliminated | the symplectic form of the others |
+///
+/// There p = α(q) is no free variable: states start from `State::from_configuration`. A γ moves these coordinates, ω dq = ∇H dt − ∇γ ∘ dW, so that γ's need not commute; an H₁ is
+/// written as γ = −H₁(q, α(q)). Adding a total derivative to L changes no equation of motion but the step of the third case, where energies may drift: write L so that half of the velocities do
+/// not occur if you can.
+///
 /// A symmetry is refused, with the name of the function that it changes, unless these expressions vanish:
 ///
 /// ```text
@@ -144,7 +158,8 @@ use sve_compiler::Settings;
 /// | generic blocks, blocks of a trait, `cfg` on an item of the block | likewise: the types or items are not known |
 /// | `&mut self`, `self`, coordinates by reference | functions of a system have no effects |
 /// | a noise with derivative zero | it would move nothing |
-/// | a Lagrangian whose `∂²L/∂v²` is singular everywhere, to 106 bits or to the rounding of its constants | the momenta do not determine the velocities |
+/// | a Lagrangian whose `∂²L/∂v²` is singular everywhere, to 106 bits or to the rounding of its constants, and which is none of the degenerate ones above: null directions that are no coordinates, singular ω, α(t, q) | nothing determines the velocities, or no step is derived |
+/// | degenerate Lagrangians with an H₁ of massless coordinates, with a force, with a noise of an algebraic coordinate; by other rules; by the one-sided rules without the form with half of the velocities | the equation would have no solution, or the step would integrate another equation |
 /// | `taylor2` with noise | the rule is defined for deterministic systems |
 /// | `weak2` with noises that do not commute, an H₁ that depends on p, a force that is not affine in v, no noise; `gauss(s, weak2)` takes an H₁ that depends on p where there is no force | the term would not raise the weak order |
 /// | `weak2` with ∂²L/∂v² that depends on v | the term would not be a function of time and configuration |

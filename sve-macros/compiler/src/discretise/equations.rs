@@ -6,7 +6,10 @@
 //! 0 = ∂S/∂x   (each internal x)        0 = ∂S/∂d − ∂S/∂q₀ − p₀        p₁ − p₀ = ∂S/∂q₀
 //! ```
 //!
+//! Where a momentum is a function of the configuration, p₀ and p₁ are that function, and equations at the end may be added ([`Ends`](crate::rules::action::Ends)).
 //! If there is a force, its work under a variation of x is added to each ∂S/∂x (Lagrange–d'Alembert principle).
+
+use std::collections::HashMap;
 
 use super::constrained;
 use crate::algebra::{Arena, Expr, Node, Symbol};
@@ -20,7 +23,7 @@ pub(crate) struct Equations {
     pub(crate) unknowns: Vec<Symbol>,
     /// The residuals, which vanish at a solution.
     pub(crate) residuals: Vec<Expr>,
-    /// For each residual, the variable by which the action is varied.
+    /// For each residual, the variable by which the action is varied, or the unknown that an equation at the end is there for.
     pub(crate) variations: Vec<Symbol>,
     /// `q₁ − q₀`.
     pub(crate) dq: Vec<Expr>,
@@ -53,15 +56,29 @@ pub(crate) fn equations(action: &Action, symbols: &Symbols, arena: &mut Arena) -
         let stationary = variation(action, x, arena);
         residuals.push(divide_out(arena, stationary, action.h));
     }
-    let mut dp = Vec::new();
-    let mut ends = Vec::new();
+    let ends = &action.ends;
+    let (mut dp, mut p1, mut balanced) = (Vec::new(), Vec::new(), Vec::new());
     for i in 0..action.start_q.len() {
         let end = variation(action, action.displacement[i], arena);
+        p1.push(end);
+        if let Some(&Some(function)) = ends.end.get(i) {
+            let p0 = arena.symbol(action.start_p[i]);
+            dp.push(vec![arena.sub(function, p0)]);
+        }
+        if ends.unbalanced.get(i) == Some(&true) {
+            continue;
+        }
+        balanced.push(action.displacement[i]);
         let kick = variation(action, action.start_q[i], arena);
-        let p0 = arena.symbol(action.start_p[i]);
+        let p0 = match ends.start.get(i) {
+            Some(&Some(function)) => function,
+            _ => arena.symbol(action.start_p[i]),
+        };
         let balance = arena.sum(0.0, &[(1.0, end), (-1.0, kick), (-1.0, p0)]);
         residuals.push(balance);
-        ends.push(end);
+        if dp.len() > i {
+            continue;
+        }
         // ∂S/∂q₀ plus a multiple of a residual. Once the residual gives ∂S/∂d − p₀. Twice the residual eliminates the force from
         // the midpoint rule, p₁ = 2p − p₀.
         dp.push(
@@ -70,15 +87,22 @@ pub(crate) fn equations(action: &Action, symbols: &Symbols, arena: &mut Arena) -
                 .collect(),
         );
     }
+    let momenta = ends.momentum.iter().copied().zip(p1.iter().copied());
+    let at_end: HashMap<Symbol, Expr> = momenta.collect();
+    for closure in &ends.closures {
+        residuals.push(arena.substitute(closure.residual, &at_end));
+    }
+    let closing = ends.closures.iter().map(|closure| closure.unknown);
+    let variations = action.internal.iter().chain(&balanced);
+    let variations = variations.copied().chain(closing.clone()).collect();
     // elimination is preferred for displacements, then for multipliers, then for velocities
-    let variations = action.internal.iter().chain(&action.displacement);
-    let variations = variations.copied().collect();
-    let unknowns = action
+    let mut unknowns: Vec<Symbol> = action
         .displacement
         .iter()
         .chain(action.internal.iter().rev())
         .copied()
         .collect();
+    unknowns.extend(closing.filter(|unknown| !action.displacement.contains(unknown)));
     let dq = action
         .displacement
         .iter()
@@ -96,7 +120,7 @@ pub(crate) fn equations(action: &Action, symbols: &Symbols, arena: &mut Arena) -
         reported: Vec::new(),
     };
     match &action.enforced {
-        Some(enforced) => constrained::extend(equations, &ends, enforced, action, symbols, arena),
+        Some(enforced) => constrained::extend(equations, &p1, enforced, action, symbols, arena),
         None => equations,
     }
 }

@@ -109,6 +109,8 @@ pub(crate) fn unknown(symbols: &Symbols, symbol: Symbol) -> String {
         Family::AccelerationMultiplier => "ν",
         Family::StartMultiplier => "λ",
         Family::EndVelocity => "v₁",
+        Family::NodeDisplacement => "Δq̄",
+        Family::Projection => "λ",
     };
     let of = if family.is_multiplier_of_constraint() {
         multipliers(symbols, family)
@@ -174,6 +176,7 @@ impl Notation for Names<'_> {
             Meaning::Start(Quantity::Position, i) => self.component("q₀", *i),
             Meaning::Start(Quantity::Momentum, i) => self.component("p₀", *i),
             Meaning::Wiener(i) => component("ΔW", *i, processes(self.symbols)),
+            Meaning::End(i) => self.component("p₁", *i),
             Meaning::Unknown(_) | Meaning::Limit(_) => unknown(self.symbols, symbol),
         }
     }

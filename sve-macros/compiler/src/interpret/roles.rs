@@ -78,6 +78,7 @@ impl Lowering<'_> {
             v,
             p,
             lagrangian: lagrangian?,
+            degeneracy: None,
             noises,
             force,
             symmetries,

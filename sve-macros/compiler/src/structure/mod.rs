@@ -62,6 +62,9 @@ pub(crate) fn analyse(
     };
     system.domain = domain::conditions(&roots(action), system.arena);
     system.domain.extend(equations.conditions);
+    if !action.ends.momentum.is_empty() {
+        system.keep_coupled();
+    }
     system.eliminate();
     let order = system.blocks()?;
     let mut blocks = Vec::new();
@@ -97,7 +100,9 @@ pub(crate) fn analyse(
         returns: Returns::Increment,
         dq,
         dp,
-        domain: system.domain_at(&known),
+        domain: domain::at_start(&action.ends)
+            .chain(system.domain_at(&known))
+            .collect(),
         reported,
     };
     let mut scheme = linear_map(increments, action, symbols, arena);
@@ -145,7 +150,11 @@ pub(crate) fn unstructured(
 /// What the functions of a step are called in: the action and the force.
 fn roots(action: &Action) -> Vec<Expr> {
     let impulses = action.work.iter().map(|w| w.impulse);
-    std::iter::once(action.value).chain(impulses).collect()
+    let ends = action.ends.end.iter().flatten().copied();
+    std::iter::once(action.value)
+        .chain(impulses)
+        .chain(ends)
+        .collect()
 }
 
 /// Whether a symbol is part of the state at the start of the step.

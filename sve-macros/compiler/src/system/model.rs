@@ -6,6 +6,7 @@
 use proc_macro2::TokenStream;
 
 use crate::algebra::{Arena, Expr, Identity, Node, Symbol};
+use crate::system::degeneracy::Degeneracy;
 
 /// The quantity for which a symbol stands.
 #[derive(Clone, Debug)]
@@ -29,6 +30,8 @@ pub(crate) enum Meaning {
     Unknown(Unknown),
     /// The limit of an unknown for h → 0 without noise.
     Limit(Unknown),
+    /// Component of the momentum at the end of the step, which the action gives.
+    End(usize),
 }
 
 /// A quantity at a quadrature node of a rule.
@@ -119,11 +122,23 @@ pub(crate) enum Family {
     EndMultiplier,
     /// The velocity of p₁ at q₁.
     EndVelocity,
+    /// The distance from q₀ of a coordinate that is a variable of the node.
+    NodeDisplacement,
+    /// The multiplier that keeps p = α(q) at the end of the step: a displacement of both ends.
+    Projection,
 }
 
 impl Family {
     pub(crate) fn is_multiplier_of_constraint(self) -> bool {
         matches!(self, Self::StartMultiplier | Self::EndMultiplier)
+    }
+
+    /// Whether the unknown is the distance from a point that it does not leave in the limit of no noise and h → 0.
+    pub(crate) fn is_displacement(self) -> bool {
+        matches!(
+            self,
+            Self::Displacement | Self::NodeDisplacement | Self::Projection
+        )
     }
 }
 
@@ -146,6 +161,8 @@ impl std::fmt::Display for Unknown {
             Family::AccelerationMultiplier => "nu",
             Family::StartMultiplier => "lambda",
             Family::EndVelocity => "v1",
+            Family::NodeDisplacement => "e",
+            Family::Projection => "lambda",
         };
         write!(f, "{letter}_{}", self.index)
     }
@@ -248,6 +265,7 @@ impl Symbols {
             Meaning::Start(Quantity::Position, i) => format!("q0_{i}"),
             Meaning::Start(Quantity::Momentum, i) => format!("p0_{i}"),
             Meaning::Wiener(i) => format!("dw_{i}"),
+            Meaning::End(i) => format!("p1_{i}"),
         }
     }
 }
@@ -261,6 +279,8 @@ pub(crate) struct Model {
     pub(crate) v: Vec<Symbol>,
     pub(crate) p: Vec<Symbol>,
     pub(crate) lagrangian: Expr,
+    /// What L is if it does not determine every velocity; known after the stage `system`.
+    pub(crate) degeneracy: Option<Degeneracy>,
     pub(crate) noises: Vec<NoiseTerm>,
     /// F, if there is a force.
     pub(crate) force: Option<Vec<Expr>>,

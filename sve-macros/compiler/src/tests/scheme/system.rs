@@ -108,6 +108,7 @@ impl System {
             });
         }
         Model {
+            degeneracy: None,
             constants: Vec::new(),
             symbols,
             time,
