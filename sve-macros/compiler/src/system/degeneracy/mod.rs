@@ -45,7 +45,7 @@ pub(crate) struct Degeneracy {
     pub(crate) rest: Expr,
     /// The one-form: for each massless coordinate its momentum, a function of q; 0 for the others.
     pub(crate) alpha: Vec<Expr>,
-    /// ∂_iα_j, rows by i.
+    /// `∂_iα_j`, rows by i.
     pub(crate) slopes: Vec<Vec<Expr>>,
     /// ω, `ω_ij = ∂_iα_j − ∂_jα_i`, on all coordinates.
     pub(crate) two_form: Vec<Vec<Expr>>,
