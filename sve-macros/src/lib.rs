@@ -40,6 +40,7 @@ use sve_compiler::Settings;
 /// | `#[h1] fn …` | `(&self, q: [f64; N], p: [f64; N]) -> f64` or `-> [f64; M]` | H₁: likewise |
 /// | `#[force] fn …` | `(&self, q: [f64; N], v: [f64; N]) -> [f64; N]` | F, a force that no potential has (Lagrange–d'Alembert); several add up |
 /// | `#[symmetry] fn …` | `(&self, q: [f64; N]) -> [f64; N]` | ξ, the generator of a symmetry of everything else in the block |
+/// | `#[constraint] fn …` | `(&self, q: [f64; N]) -> f64` or `-> [f64; K]` | φ, a holonomic constraint φ = 0 a component |
 /// | other `fn` | anything in the language below | helpers, inlined |
 /// | `const` | a number, an array, a vector or a matrix | written `Self::NAME` |
 ///
@@ -49,6 +50,13 @@ use sve_compiler::Settings;
 /// dq =  v dt          + Σ ∂H₁/∂p ∘ dW
 /// dp = (∂L/∂q + F) dt + Σ ∂γ/∂q ∘ dW − Σ ∂H₁/∂q ∘ dW        p = ∂L/∂v
 /// ```
+///
+/// With constraints, `dp` has the term `Σ ∂φ/∂q ∘ dΛ` too, where Λ is such that φ = 0. The rules `initial_point`, `endpoint`, `midpoint` and `stormer_verlet` take constraints: the action gets
+/// `⟨λ, φ(t₀,q₀)⟩ + ⟨μ, φ(t₁,q₁)⟩`, so that the forces of constraints act at both ends of a step, and the momentum ends along the constraints. `stormer_verlet` is then RATTLE.
+/// Where masses are constant and forces explicit, Newton's method has one unknown for each constraint.
+///
+/// An H₁ must move q along the constraints, `⟨∂φ/∂q, ∂H₁/∂p⟩ = 0` where `φ = 0` and the momentum is along it. `#[h1(tangent)]` takes H₁ at the momentum along the constraints,
+/// `Πp = p − Dφᵀ(Dφ M⁻¹ Dφᵀ)⁻¹ Dφ M⁻¹ p`, which always does; it is for at most three coupled constraints.
 ///
 /// A Lagrangian may be linear in some velocities, or not contain them at all. The macro finds this, and the plan says which case holds:
 ///
@@ -67,7 +75,7 @@ use sve_compiler::Settings;
 /// A symmetry is refused, with the name of the function that it changes, unless these expressions vanish:
 ///
 /// ```text
-/// ⟨∂L/∂q, ξ⟩ + ⟨∂L/∂v, Dξ v⟩ = 0     ⟨∂γ/∂q, ξ⟩ = 0     ⟨∂H₁/∂q, ξ⟩ − ⟨p, Dξ ∂H₁/∂p⟩ = 0     ⟨F, ξ⟩ = 0
+/// ⟨∂L/∂q, ξ⟩ + ⟨∂L/∂v, Dξ v⟩ = 0     ⟨∂γ/∂q, ξ⟩ = 0     ⟨∂H₁/∂q, ξ⟩ − ⟨p, Dξ ∂H₁/∂p⟩ = 0     ⟨F, ξ⟩ = 0     ⟨∂φ/∂q, ξ⟩ = 0
 /// ```
 ///
 /// Then ⟨p, ξ⟩ is conserved, with noise too, and by the steps where ξ is affine in q.
@@ -157,7 +165,10 @@ use sve_compiler::Settings;
 /// | `weak2` with ∂²L/∂v² that depends on v | the term would not be a function of time and configuration |
 /// | `weak2` with more than three coordinates coupled by masses that depend on the configuration | the inverse of the mass matrix is a formula, which would grow too long |
 /// | a `#[symmetry]` that changes L, a noise, or on which a force does work | its momentum would not be conserved |
-/// | `#[constraint]` | reserved, not supported yet |
+/// | constraints of which one depends on the others where they hold, or whose gradient vanishes there | their forces would not be determined |
+/// | an H₁ that moves q off the constraints | its constraint force would be infinite |
+/// | an H₁ curved in p with `initial_point` or `endpoint`, whose correction moves q off the constraints | the step has no solution |
+/// | constraints with `gauss(s)`, `taylor2`, `weak2`, or with ∂²L/∂v² that depends on v | not derived: compose a symmetric rule for a higher order |
 /// | bodies that unroll to more than 30 000 expressions or 2 000 000 steps of evaluation; more than 200 000 second derivatives; derivatives that take the macro too much work | compile time: accepted are 48 coordinates of bodies that all attract one another, and 33 of an n-pendulum, whose mass matrix couples all coordinates |
 ///
 /// # What is generated

@@ -103,13 +103,13 @@ pub trait Mechanics: System {
     /// As [`velocity`](Self::velocity).
     fn hamiltonian(&self, state: &StateOf<Self>) -> Result<f64, StepError>;
 
-    /// The drift of the (Stratonovich) first-order form, `(v, ∂L/∂q + F)`.
+    /// The drift of the (Stratonovich) first-order form, `(v, ∂L/∂q + F)`, without the forces of constraints.
     ///
     /// # Errors
     /// As [`velocity`](Self::velocity).
     fn drift(&self, state: &StateOf<Self>) -> Result<Field<MomentumOf<Self>>, StepError>;
 
-    /// The second time derivatives `(q̈, p̈)` of the motion without noise.
+    /// The second time derivatives `(q̈, p̈)` of the motion without noise and constraints.
     ///
     /// # Errors
     /// As [`velocity`](Self::velocity).

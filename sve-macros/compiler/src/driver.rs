@@ -24,6 +24,7 @@ use crate::syntax::nesting;
 use crate::syntax::parse::{self, Annotated};
 use crate::syntax::recovery;
 use crate::syntax::roles;
+use crate::system::constraints;
 use crate::system::degeneracy::{self, brackets};
 use crate::system::mechanics::{self, Mechanics};
 use crate::system::model::{Meaning, Model};
@@ -126,28 +127,32 @@ fn derive(
     };
     applicable::check(&block, &model)?;
     check_size(&block, &model)?;
-    let budget = Budget {
-        block: &block,
-        model: &model,
-        work,
-    };
     arena.grant(work);
-    let mut mechanics = budget.stage(&mut arena, |arena| mechanics::mechanics(&model, arena))?;
-    let degeneracy = budget.stage(&mut arena, |arena| {
-        degeneracy::classify(&block, &model, &mechanics, arena)
-    })??;
-    if let Some(degeneracy) = degeneracy {
-        applicable::check_degenerate(&block, &degeneracy)?;
-        mechanics.commutation = budget.stage(&mut arena, |arena| {
-            brackets::commutation(&degeneracy, &model, &mechanics, arena)
-        })?;
-        model.degeneracy = Some(degeneracy);
-    }
-    let budget = Budget {
-        block: &block,
-        model: &model,
-        work,
+    let mut mechanics = {
+        let budget = Budget::new(&block, &model, work);
+        let mut mechanics =
+            budget.stage(&mut arena, |arena| mechanics::mechanics(&model, arena))?;
+        let degeneracy = budget.stage(&mut arena, |arena| {
+            degeneracy::classify(&block, &model, &mechanics, arena)
+        })??;
+        if let Some(degeneracy) = &degeneracy {
+            applicable::check_degenerate(&block, degeneracy)?;
+            mechanics.commutation = budget.stage(&mut arena, |arena| {
+                brackets::commutation(degeneracy, &model, &mechanics, arena)
+            })?;
+        }
+        model.degeneracy = degeneracy;
+        mechanics
     };
+    constraints::check_momentum(&block, &model, &mechanics)?;
+    if constraints::with_tangent_noises(&block, &mut model, &mechanics, &mut arena)? {
+        let budget = Budget::new(&block, &model, work);
+        mechanics = budget.stage(&mut arena, |arena| mechanics::mechanics(&model, arena))?;
+    }
+    let budget = Budget::new(&block, &model, work);
+    budget.stage(&mut arena, |arena| {
+        constraints::check(&block, &model, &mut mechanics, arena)
+    })??;
     let mut momenta =
         budget.stage(&mut arena, |arena| symmetry::check(&block, &model, arena))??;
     if let Some(degeneracy) = &model.degeneracy {
@@ -280,7 +285,7 @@ fn step(
     let mut symbols = budget.model.symbols.clone();
     let (action, scheme) = budget.stage(arena, |arena| {
         let action = action::discretise(rule, budget.model, potential, &mut symbols, arena);
-        let equations = equations::equations(&action, arena);
+        let equations = equations::equations(&action, &symbols, arena);
         let scheme = if is_unstructured {
             Ok(structure::unstructured(equations, &mut symbols, arena))
         } else {
@@ -329,7 +334,11 @@ struct Budget<'a> {
     work: usize,
 }
 
-impl Budget<'_> {
+impl<'a> Budget<'a> {
+    fn new(block: &'a Annotated, model: &'a Model, work: usize) -> Self {
+        Self { block, model, work }
+    }
+
     /// Runs a stage. Returns an error if the work that was granted is used up.
     fn stage<T>(&self, arena: &mut Arena, run: impl FnOnce(&mut Arena) -> T) -> syn::Result<T> {
         let result = run(arena);

@@ -6,6 +6,7 @@ use super::DerivedStep;
 use super::accept::{add, replace};
 use super::continuation::{self, ContinuationError};
 use crate::configuration::Coordinates;
+use crate::constraints::explain::constraint_error;
 use crate::degenerate::{self, is_degenerate};
 use crate::equations::StepEquations;
 use crate::error::{StepError, step_error};
@@ -50,13 +51,15 @@ where
             Err(failure)
         }
         Err(ContinuationError::PathEnds { step, noise }) => {
-            return Err(explained(StepError::BranchLost {
+            let lost = StepError::BranchLost {
                 t: state.t,
                 h,
                 dw: dw.as_ref().to_vec(),
                 step,
                 reached: noise,
-            }));
+            };
+            let constrained = constraint_error(system, &lost, state, h, dw.as_ref());
+            return Err(constrained.unwrap_or_else(|| explained(lost)));
         }
         Err(ContinuationError::NoStart(SolveError::Singular { .. }))
             if !const { is_degenerate::<S>() } =>
@@ -93,6 +96,9 @@ where
     Q: Coordinates<N>,
 {
     let plain = step_error(error, state, h, dw.as_ref());
+    if let Some(error) = constraint_error(derived.system, &plain, state, h, dw.as_ref()) {
+        return error;
+    }
     if const { is_degenerate::<S>() } {
         let explained = degenerate::explained(derived.system, state, plain.clone());
         if explained != plain {

@@ -11,8 +11,11 @@
 
 use std::collections::HashMap;
 
+use super::constrained;
 use crate::algebra::{Arena, Expr, Node, Symbol};
 use crate::rules::action::{Action, Work};
+use crate::structure::Condition;
+use crate::system::model::Symbols;
 
 /// The equations of a step.
 pub(crate) struct Equations {
@@ -26,30 +29,48 @@ pub(crate) struct Equations {
     pub(crate) dq: Vec<Expr>,
     /// `p₁ − p₀`: for each component, expressions that are equal at a solution.
     pub(crate) dp: Vec<Vec<Expr>>,
+    /// The equations to leading order in the step size, where the first guess is solved from these.
+    pub(crate) leading: Option<Leading>,
+    /// Unknowns that are taken as known where this makes the others of their block explicit.
+    pub(crate) torn: Vec<Symbol>,
+    /// What has to hold beside the equations.
+    pub(crate) conditions: Vec<Condition<Expr>>,
+    /// What a step can tell beside its result.
+    pub(crate) reported: Vec<Expr>,
+}
+
+/// The equations to leading order in the step size.
+pub(crate) struct Leading {
+    /// One for each residual.
+    pub(crate) residuals: Vec<Expr>,
+    /// For each residual what it is small beside, where that is not the sum of the magnitudes of its terms.
+    pub(crate) scales: Vec<Option<Expr>>,
+    /// Whether the determinant of their Jacobian has the sign that it has at the solution.
+    pub(crate) has_sign: bool,
 }
 
 /// Derives the equations of a step from its action.
-pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
+pub(crate) fn equations(action: &Action, symbols: &Symbols, arena: &mut Arena) -> Equations {
     let mut residuals = Vec::new();
     for &x in &action.internal {
         let stationary = variation(action, x, arena);
         residuals.push(divide_out(arena, stationary, action.h));
     }
-    let ends = &action.ends;
-    let (mut dp, mut p1, mut balanced) = (Vec::new(), Vec::new(), Vec::new());
+    let given = &action.ends;
+    let (mut dp, mut ends, mut balanced) = (Vec::new(), Vec::new(), Vec::new());
     for i in 0..action.start_q.len() {
         let end = variation(action, action.displacement[i], arena);
-        p1.push(end);
-        if let Some(&Some(function)) = ends.end.get(i) {
+        ends.push(end);
+        if let Some(&Some(function)) = given.end.get(i) {
             let p0 = arena.symbol(action.start_p[i]);
             dp.push(vec![arena.sub(function, p0)]);
         }
-        if ends.unbalanced.get(i) == Some(&true) {
+        if given.unbalanced.get(i) == Some(&true) {
             continue;
         }
         balanced.push(action.displacement[i]);
         let kick = variation(action, action.start_q[i], arena);
-        let p0 = match ends.start.get(i) {
+        let p0 = match given.start.get(i) {
             Some(&Some(function)) => function,
             _ => arena.symbol(action.start_p[i]),
         };
@@ -66,11 +87,12 @@ pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
                 .collect(),
         );
     }
-    let at_end: HashMap<Symbol, Expr> = ends.momentum.iter().copied().zip(p1).collect();
-    for closure in &ends.closures {
+    let symbols_of_ends = given.momentum.iter().copied();
+    let at_end: HashMap<Symbol, Expr> = symbols_of_ends.zip(ends.iter().copied()).collect();
+    for closure in &given.closures {
         residuals.push(arena.substitute(closure.residual, &at_end));
     }
-    let closing = ends.closures.iter().map(|closure| closure.unknown);
+    let closing = given.closures.iter().map(|closure| closure.unknown);
     let variations = action.internal.iter().chain(&balanced);
     let variations = variations.copied().chain(closing.clone()).collect();
     // elimination is preferred for displacements, then for multipliers, then for velocities
@@ -86,12 +108,20 @@ pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
         .iter()
         .map(|&d| arena.symbol(d))
         .collect();
-    Equations {
+    let equations = Equations {
         unknowns,
         residuals,
         variations,
         dq,
         dp,
+        leading: None,
+        torn: Vec::new(),
+        conditions: Vec::new(),
+        reported: Vec::new(),
+    };
+    match &action.enforced {
+        Some(enforced) => constrained::extend(equations, &ends, enforced, action, symbols, arena),
+        None => equations,
     }
 }
 

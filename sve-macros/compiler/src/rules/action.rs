@@ -6,6 +6,7 @@
 
 use std::collections::{BTreeSet, HashMap};
 
+use super::constraints::{self, Enforced};
 use super::degenerate;
 use super::weak2::Potential;
 use super::{Rule, RuleOption};
@@ -27,6 +28,8 @@ pub(crate) struct Action {
     pub(crate) ends: Ends,
     /// `½ κ` of the option `weak2`, if the action has its term.
     pub(crate) half_factor: Option<f64>,
+    /// What constraints added, if there are some.
+    pub(crate) enforced: Option<Enforced>,
 }
 
 /// Virtual work of a component of the force, Lagrange–d'Alembert: `impulse · δ place` joins δS.
@@ -127,7 +130,7 @@ pub(crate) fn discretise(
         potential,
         ..
     } = variables;
-    Action {
+    let action = Action {
         value,
         h,
         start_q,
@@ -137,7 +140,9 @@ pub(crate) fn discretise(
         work,
         ends,
         half_factor: potential.map(|(half_factor, _)| half_factor),
-    }
+        enforced: None,
+    };
+    constraints::enforce(action, model, symbols, arena)
 }
 
 impl Variables<'_> {

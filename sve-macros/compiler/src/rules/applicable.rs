@@ -1,7 +1,8 @@
-//! Which rules are for a system: errors for those that take no noise or no force, and for options that need noise.
+//! Which rules are for a system: errors for those that take no noise, no force or no constraint, and for options that need noise.
 
-use super::{Rule, names};
+use super::{Rule, RuleOption, names};
 use crate::errors::Errors;
+use crate::syntax::arguments::ListedRule;
 use crate::syntax::parse::Annotated;
 use crate::syntax::roles::Role as FunctionRole;
 use crate::system::degeneracy::{Degeneracy, Role};
@@ -27,6 +28,9 @@ pub(crate) fn check(block: &Annotated, model: &Model) -> syn::Result<()> {
                 );
                 errors.push(place, message);
             }
+        }
+        if !model.constraints.is_empty() {
+            check_constrained(listed, &mut errors);
         }
         if model.force.is_some() && !rule.takes_force() {
             let others = listed_where(|rule| rule.takes_force());
@@ -98,7 +102,39 @@ pub(crate) fn check_degenerate(block: &Annotated, degeneracy: &Degeneracy) -> sy
         );
         errors.push(force.name.span(), message);
     }
+    for constraint in &block.constraints {
+        let message = format!(
+            "{what}, and constraints are not derived there: insert the constraint into L, or give each velocity a kinetic term"
+        );
+        errors.push(constraint.name.span(), message);
+    }
     errors.finish(())
+}
+
+/// Reports a rule or an option that is not for systems with constraints.
+fn check_constrained(listed: &ListedRule, errors: &mut Errors) {
+    let (rule, name) = (listed.rule, listed.rule.name());
+    if rule.takes_constraints() {
+        let weak2 = listed.options.iter().filter(|o| o.0 == RuleOption::Weak2);
+        for &(_, place) in weak2 {
+            let without = rule.without(RuleOption::Weak2).name();
+            let message = format!(
+                "`weak2` is an option for systems without constraints: its potential is that of free motion; write `{without}`"
+            );
+            errors.push(place, message);
+        }
+        return;
+    }
+    let others = listed_where(|rule| rule.takes_constraints());
+    let order = if rule.deterministic_order() > 2 {
+        "; for a higher order compose one of them, as in `Composed::new(Midpoint, KahanLi8)`"
+    } else {
+        ""
+    };
+    let message = format!(
+        "`{name}` is a rule for systems without constraints, and this block has a constraint: use {others}{order}"
+    );
+    errors.push(listed.place, message);
 }
 
 /// The names of some rules: `a`, `b` or `c`.

@@ -5,6 +5,7 @@
 
 pub(crate) mod action;
 pub(crate) mod applicable;
+pub(crate) mod constraints;
 pub(crate) mod degenerate;
 mod endpoint;
 pub(crate) mod gauss;
@@ -147,6 +148,14 @@ pub(crate) trait Discretisation {
     fn takes_noise(&self) -> bool;
     /// Whether the rule is for systems with a force.
     fn takes_force(&self) -> bool;
+    /// Whether the rule is for systems with constraints.
+    fn takes_constraints(&self) -> bool {
+        false
+    }
+    /// Whether the action has a Stratonovich correction.
+    fn has_correction(&self) -> bool {
+        false
+    }
     /// The discrete action, with the variables in which it is stationary and the work of the force.
     fn action(&self, variables: &mut Variables<'_>) -> Discrete;
     /// How a quantity at a node of the rule is written, without its component: `q̄`.

@@ -120,9 +120,19 @@ pub(crate) enum Family {
     NodeDisplacement,
     /// The multiplier that keeps p = α(q) at the end of the step: a displacement of both ends.
     Projection,
+    /// The multiplier of a constraint at the start of the step, an impulse.
+    StartMultiplier,
+    /// The multiplier of a constraint at the end of the step.
+    EndMultiplier,
+    /// The velocity of p₁ at q₁.
+    EndVelocity,
 }
 
 impl Family {
+    pub(crate) fn is_multiplier_of_constraint(self) -> bool {
+        matches!(self, Self::StartMultiplier | Self::EndMultiplier)
+    }
+
     /// Whether the unknown is the distance from a point that it does not leave in the limit of no noise and h → 0.
     pub(crate) fn is_displacement(self) -> bool {
         matches!(
@@ -149,6 +159,9 @@ impl std::fmt::Display for Unknown {
             Family::Acceleration => "a",
             Family::VelocityMultiplier => "mu",
             Family::AccelerationMultiplier => "nu",
+            Family::StartMultiplier => "lambda",
+            Family::EndMultiplier => "mu",
+            Family::EndVelocity => "v1",
             Family::NodeDisplacement => "e",
             Family::Projection => "lambda",
         };
@@ -170,6 +183,8 @@ pub(crate) struct NoiseTerm {
     pub(crate) name: String,
     /// Whether the user wrote γ; the Hamiltonian is then −γ.
     pub(crate) is_gamma: bool,
+    /// Whether the momentum along the constraints is to take the place of p.
+    pub(crate) is_tangent: bool,
     pub(crate) hamiltonian: Expr,
 }
 
@@ -179,6 +194,15 @@ pub(crate) struct Generator {
     /// Source name.
     pub(crate) name: String,
     pub(crate) field: Vec<Expr>,
+}
+
+/// A holonomic constraint, φ = 0.
+#[derive(Clone)]
+pub(crate) struct Constraint {
+    /// Source name, with an index if the function returns an array.
+    pub(crate) name: String,
+    /// φ.
+    pub(crate) value: Expr,
 }
 
 /// The meanings of all symbols, indexed by symbol.
@@ -262,6 +286,7 @@ pub(crate) struct Model {
     /// F, if there is a force.
     pub(crate) force: Option<Vec<Expr>>,
     pub(crate) symmetries: Vec<Generator>,
+    pub(crate) constraints: Vec<Constraint>,
     /// The paths that are read as constants of `std::f64::consts` and may lead elsewhere, each with the value it is read as.
     pub(crate) constants: Vec<(TokenStream, f64)>,
 }

@@ -2,6 +2,7 @@
 
 mod commuting;
 mod compositions;
+mod constrained;
 mod degenerate;
 mod kubo;
 mod moments;

@@ -11,7 +11,7 @@ use crate::algebra::{Arena, Expr};
 use crate::explain::SystemTexts;
 use crate::syntax::parse::Annotated;
 use crate::system::degeneracy::{Degeneracy, Role};
-use crate::system::mechanics::{ForceJet, LagrangianJet, Mechanics, NoiseJet};
+use crate::system::mechanics::{ConstraintJet, ForceJet, LagrangianJet, Mechanics, NoiseJet};
 use crate::system::model::{Model, Symbols};
 
 pub(crate) fn system(
@@ -29,6 +29,7 @@ pub(crate) fn system(
         lagrangian,
         noises,
         force,
+        constraints,
         affine_momentum,
         is_separable,
         is_additive: _,
@@ -37,7 +38,9 @@ pub(crate) fn system(
     let is_regular = model.degeneracy.is_none();
     let separable =
         (*is_separable && is_regular).then(|| quote!(impl #private::Separable for #self_ty {}));
-    let quadratic = (*is_separable && *affine_momentum && is_regular)
+    // conditions of order for the splitting of a quadratic kinetic energy do not hold for steps that constraints couple
+    let is_free = is_regular && constraints.is_empty();
+    let quadratic = (*is_separable && *affine_momentum && is_free)
         .then(|| quote!(impl #private::QuadraticKineticEnergy for #self_ty {}));
     let [doc, jet_doc, noise_doc] = documentation(about, !noises.is_empty());
     let configuration = written(block).map(|ty| quote!(, #ty));
@@ -46,11 +49,17 @@ pub(crate) fn system(
     let force = force
         .as_ref()
         .map(|jet| force_jet(&private, jet, &n, &model.symbols, arena));
+    let constraints = constraint_jets(&private, model, constraints, arena);
     let identity = identity(model, arena, &private);
     let roles = model.degeneracy.as_ref().map(|d| roles(d, &private));
     let parameters = model.symbols.parameters().map(|s| model.symbols.source(s));
     // the user's functions are not called by what is derived from them, and yet are not dead
-    let parts = [&block.noises, &block.forces, &block.symmetries];
+    let parts = [
+        &block.noises,
+        &block.forces,
+        &block.symmetries,
+        &block.constraints,
+    ];
     let functions = parts.into_iter().flatten().chain([&block.lagrangian]);
     let functions = functions.map(|part| &part.name);
     let constants = model
@@ -80,6 +89,7 @@ pub(crate) fn system(
                 #noise_body
             }
             #force
+            #constraints
         }
         #separable
         #quadratic
@@ -187,6 +197,57 @@ fn force_jet(
             #private::ForceJet { value, dq: #dq, dv: #dv, dt }
         }
     }
+}
+
+/// `CONSTRAINTS` and `constraint_jets`; nothing where there are none.
+fn constraint_jets(
+    private: &TokenStream,
+    model: &Model,
+    jets: &[ConstraintJet],
+    arena: &Arena,
+) -> Option<TokenStream> {
+    if jets.is_empty() {
+        return None;
+    }
+    let row = |of: fn(&ConstraintJet) -> Expr| jets.iter().map(of).collect::<Vec<Expr>>();
+    let vectors = [row(|j| j.value), row(|j| j.magnitude), row(|j| j.dt)];
+    let slopes: Vec<Vec<Expr>> = jets.iter().map(|jet| jet.dq.clone()).collect();
+    let roots: Vec<Expr> = [&vectors[..], &slopes[..]].concat().concat();
+    let parts: [(&[Vec<Expr>], Vec<String>); 2] = [
+        (
+            &vectors,
+            ["value", "magnitude", "dt"].map(ToOwned::to_owned).to_vec(),
+        ),
+        (&slopes, rows("dq", jets.len())),
+    ];
+    let (statements, arrays) = Straight::new(arena, &model.symbols, &roots).finish(private, &parts);
+    let [vectors, slopes] = arrays.as_slice() else {
+        return None;
+    };
+    let names = model.constraints.iter().map(|constraint| &constraint.name);
+    let n = Literal::usize_unsuffixed(model.dof());
+    let count = Literal::usize_unsuffixed(jets.len());
+    Some(quote! {
+        const CONSTRAINTS: &'static [&'static str] = &[#(#names),*];
+        fn constraint_jets(
+            &self,
+            time: f64,
+            q: &[f64; #n],
+            visit: &mut dyn ::core::ops::FnMut(#private::ConstraintJet<#n>),
+        ) {
+            #statements
+            let [values, magnitudes, dt] = #vectors;
+            let dq = #slopes;
+            for k in 0..#count {
+                visit(#private::ConstraintJet {
+                    value: values[k],
+                    magnitude: magnitudes[k],
+                    dt: dt[k],
+                    dq: dq[k],
+                });
+            }
+        }
+    })
 }
 
 fn noise_jets(

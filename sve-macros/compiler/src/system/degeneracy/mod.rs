@@ -122,7 +122,11 @@ impl Degeneracy {
                 let (massive, inner) = (self.of(Role::Massive), self.of(Role::Algebraic));
                 massive.into_iter().all(|i| is_free(i, &inner))
             }
-            _ => false,
+            // a translation moves the node and both ends by the same, whatever the multiplier is
+            _ => {
+                let all: Vec<usize> = (0..generator.len()).collect();
+                all.iter().all(|&i| is_free(i, &all))
+            }
         }
     }
 }

@@ -103,6 +103,7 @@ impl System {
             noises.push(NoiseTerm {
                 name,
                 is_gamma: !*momenta,
+                is_tangent: false,
                 hamiltonian,
             });
         }
@@ -118,6 +119,7 @@ impl System {
             noises,
             force: None,
             symmetries: Vec::new(),
+            constraints: Vec::new(),
         }
     }
 
