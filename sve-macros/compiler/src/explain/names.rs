@@ -105,13 +105,11 @@ pub(crate) fn unknown(symbols: &Symbols, symbol: Symbol) -> String {
         Family::StageVelocity => "U",
         Family::Momentum => "p",
         Family::Acceleration => "a",
-        Family::VelocityMultiplier => "μ",
+        Family::VelocityMultiplier | Family::EndMultiplier => "μ",
         Family::AccelerationMultiplier => "ν",
-        Family::StartMultiplier => "λ",
-        Family::EndMultiplier => "μ",
+        Family::StartMultiplier | Family::Projection => "λ",
         Family::EndVelocity => "v₁",
         Family::NodeDisplacement => "Δq̄",
-        Family::Projection => "λ",
     };
     let of = if family.is_multiplier_of_constraint() {
         multipliers(symbols, family)
