@@ -305,6 +305,53 @@ pub enum StepError {
         /// How many numbers the snapshot has.
         numbers: usize,
     },
+    /// A function whose zeros are events is not finite.
+    #[error(
+        "function {number} of the events (from 0) is {value} at t = {t}: its sign is not known there; give a function that is finite wherever the motion leads"
+    )]
+    EventFunction {
+        /// Time of the state.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Number of the function, in the order in which they were given.
+        number: usize,
+        /// Its value.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        value: f64,
+    },
+    /// A function whose zeros are events changes its sign in a jump.
+    #[error(
+        "function {number} of the events (from 0) jumps from {before:e} to {after:e} at t = {t} and has no zero there: \
+         if it is an angle, add `.angle()`; otherwise give a continuous function"
+    )]
+    EventJump {
+        /// Time of the jump.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Number of the function, in the order in which they were given.
+        number: usize,
+        /// Its value before the jump.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        before: f64,
+        /// Its value after the jump.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        after: f64,
+    },
+    /// The changes that a function causes follow one another faster than steps resolve.
+    #[error(
+        "function {number} of the events (from 0) changed the state at t = {t}, {interval:e} after it did so before: the changes accumulate, as the bounces \
+         of a ball that comes to rest; end the trajectory before with `stop_at`, or take a smaller h"
+    )]
+    EventsAccumulate {
+        /// Time of the change.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Number of the function, in the order in which they were given.
+        number: usize,
+        /// Time since the change before.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        interval: f64,
+    },
     /// The noise could not give the increments of this step.
     #[error("no noise for the step from t = {t}: {source}")]
     Noise {

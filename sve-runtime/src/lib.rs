@@ -49,6 +49,8 @@
 //! | compose steps of rules to a rule of a higher order | [`Composed`], [`Split`] |
 //! | make steps | [`Integrator`] with `step` and `trajectory`, [`State`]; [`Method`] is common to integrators and baselines |
 //! | know what the `q` of a state may be | [`Configuration`]; vectors, matrices and rotations are those of [`nalgebra`] |
+//! | find sections and events along a trajectory | [`Trajectory::crossings`], [`Trajectory::stop_at`], [`Trajectory::change_at`] |
+//! | average along a path, with the error of the average | [`Blocking`]; [`Mechanics::temperature`]; of many paths `Ensemble::average` |
 //! | store a trajectory and continue it | [`Trajectory::snapshot`], [`Method::resume`]; [`from_step`](noise::Replayable::from_step) enters a noise at a step |
 //! | see the equations and the cost of a step | [`Integrator::plan`], [`Plan`] |
 //! | differentiate a step with respect to its start and the parameters | [`Integrator::tangent`], [`Integrator::sensitivity`] |
@@ -83,6 +85,7 @@
 
 mod angle_addition;
 pub mod baseline;
+mod blocking;
 mod composition;
 mod configuration;
 mod constraints;
@@ -104,6 +107,7 @@ mod linearisation;
 mod mechanics;
 mod method;
 pub mod noise;
+mod observed;
 mod parameter;
 mod plan;
 mod power;
@@ -117,6 +121,7 @@ mod time;
 mod trajectory;
 mod variational;
 
+pub use blocking::{BlockEstimate, Blocking};
 pub use composition::{
     BlanesMoan4, BlanesMoanRkn6, Coefficients, Composed, Composition, KahanLi8,
     QuadraticKineticEnergy, Separable, Split, Splitting, Symmetric,
@@ -262,7 +267,7 @@ pub use system::{
 };
 #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
 pub use system::{IncrementLanesOf, StateLanesOf};
-pub use trajectory::{RefinedTrajectory, Refinements, Snapshot, Trajectory};
+pub use trajectory::{Events, RefinedTrajectory, Refinements, Snapshot, Trajectory};
 pub use variational::{ConstraintImpulses, DerivedFor, Discretised, Memory, Variational};
 
 /// The items that a program imports to integrate a system: `use sve_runtime::prelude::*;`.

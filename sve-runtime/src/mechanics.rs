@@ -103,6 +103,27 @@ pub trait Mechanics: System {
     /// As [`velocity`](Self::velocity).
     fn hamiltonian(&self, state: &StateOf<Self>) -> Result<f64, StepError>;
 
+    /// The instantaneous temperature `⟨p, v⟩/n` of `n` degrees of freedom, in the units of L (kT, with Boltzmann's constant). For a quadratic kinetic energy K it is 2K/n. Each
+    /// constraint takes one degree of freedom; the momentum then has to have no part across the constraints, as it has after a step.
+    ///
+    /// Its mean over the distribution exp(−H/kT) is kT, for any Lagrangian whose mass matrix is regular (equipartition); where L is linear in velocities it has no meaning. The mean along the steps of a rule has the error of the rule. For a force of friction −νp
+    /// and γ = σq with σ² = 2νkT, in a harmonic potential of frequency ω:
+    ///
+    /// | rule | mean of p² over kT, less 1 | mean of q² |
+    /// | --- | --- | --- |
+    /// | `midpoint` | 0 | exact |
+    /// | `stormer_verlet` | −(hω)²/4 | exact |
+    /// | `initial_point` | −νh/2 + (hω)²/4 + … | kT + O(h²) |
+    /// | `endpoint` | νh/2 + (hω)²/4 + … | kT + O(h²) |
+    ///
+    /// So take the temperature with `midpoint`. With `stormer_verlet` and a harmonic potential divide by 1 − (hω)²/4. The one-sided rules are not for temperatures. Other potentials change the error at order h².
+    ///
+    /// [`Blocking`](crate::Blocking) averages along a path, `Ensemble::average` along many.
+    ///
+    /// # Errors
+    /// As [`velocity`](Self::velocity).
+    fn temperature(&self, state: &StateOf<Self>) -> Result<f64, StepError>;
+
     /// The drift of the (Stratonovich) first-order form, `(v, ∂L/∂q + F)`, without the forces of constraints.
     ///
     /// # Errors
@@ -158,6 +179,20 @@ where
             Ok(energy)
         } else {
             Err(outside_a_step(self, SolveError::NonFinite, state))
+        }
+    }
+
+    #[inline]
+    fn temperature(&self, state: &State<Q>) -> Result<f64, StepError> {
+        let state = &state.to_coordinates();
+        let v = velocity(self, state)?;
+        let twice_kinetic: f64 = state.p.iter().zip(&v).map(|(p, v)| p * v).sum();
+        let degrees_of_freedom = N.saturating_sub(Self::CONSTRAINTS.len());
+        let temperature = twice_kinetic / degrees_of_freedom as f64;
+        if temperature.is_finite() {
+            Ok(temperature)
+        } else {
+            Err(outside_a_step(SolveError::NonFinite, state))
         }
     }
 

@@ -128,22 +128,22 @@ fn derive(
     applicable::check(&block, &model)?;
     check_size(&block, &model)?;
     arena.grant(work);
-    let mut mechanics = {
+    let (mut mechanics, degeneracy) = {
         let budget = Budget::new(&block, &model, work);
-        let mut mechanics =
-            budget.stage(&mut arena, |arena| mechanics::mechanics(&model, arena))?;
+        let mechanics = budget.stage(&mut arena, |arena| mechanics::mechanics(&model, arena))?;
         let degeneracy = budget.stage(&mut arena, |arena| {
             degeneracy::classify(&block, &model, &mechanics, arena)
         })??;
-        if let Some(degeneracy) = &degeneracy {
-            applicable::check_degenerate(&block, degeneracy)?;
-            mechanics.commutation = budget.stage(&mut arena, |arena| {
-                brackets::commutation(degeneracy, &model, &mechanics, arena)
-            })?;
-        }
-        model.degeneracy = degeneracy;
-        mechanics
+        (mechanics, degeneracy)
     };
+    if let Some(degeneracy) = degeneracy {
+        applicable::check_degenerate(&block, &degeneracy)?;
+        let budget = Budget::new(&block, &model, work);
+        mechanics.commutation = budget.stage(&mut arena, |arena| {
+            brackets::commutation(&degeneracy, &model, &mechanics, arena)
+        })?;
+        model.degeneracy = Some(degeneracy);
+    }
     constraints::check_momentum(&block, &model, &mechanics)?;
     if constraints::with_tangent_noises(&block, &mut model, &mechanics, &mut arena)? {
         let budget = Budget::new(&block, &model, work);

@@ -58,8 +58,8 @@ where
                 step,
                 reached: noise,
             };
-            let constrained = constraint_error(system, &lost, state, h, dw.as_ref());
-            return Err(constrained.unwrap_or_else(|| explained(lost)));
+            let lost = explained(lost);
+            return Err(constraint_error(system, &lost, state, h, dw.as_ref()).unwrap_or(lost));
         }
         Err(ContinuationError::NoStart(SolveError::Singular { .. }))
             if !const { is_degenerate::<S>() } =>

@@ -56,21 +56,21 @@ pub(crate) fn equations(action: &Action, symbols: &Symbols, arena: &mut Arena) -
         let stationary = variation(action, x, arena);
         residuals.push(divide_out(arena, stationary, action.h));
     }
-    let given = &action.ends;
-    let (mut dp, mut ends, mut balanced) = (Vec::new(), Vec::new(), Vec::new());
+    let ends = &action.ends;
+    let (mut dp, mut p1, mut balanced) = (Vec::new(), Vec::new(), Vec::new());
     for i in 0..action.start_q.len() {
         let end = variation(action, action.displacement[i], arena);
-        ends.push(end);
-        if let Some(&Some(function)) = given.end.get(i) {
+        p1.push(end);
+        if let Some(&Some(function)) = ends.end.get(i) {
             let p0 = arena.symbol(action.start_p[i]);
             dp.push(vec![arena.sub(function, p0)]);
         }
-        if given.unbalanced.get(i) == Some(&true) {
+        if ends.unbalanced.get(i) == Some(&true) {
             continue;
         }
         balanced.push(action.displacement[i]);
         let kick = variation(action, action.start_q[i], arena);
-        let p0 = match given.start.get(i) {
+        let p0 = match ends.start.get(i) {
             Some(&Some(function)) => function,
             _ => arena.symbol(action.start_p[i]),
         };
@@ -87,12 +87,12 @@ pub(crate) fn equations(action: &Action, symbols: &Symbols, arena: &mut Arena) -
                 .collect(),
         );
     }
-    let symbols_of_ends = given.momentum.iter().copied();
-    let at_end: HashMap<Symbol, Expr> = symbols_of_ends.zip(ends.iter().copied()).collect();
-    for closure in &given.closures {
+    let momenta = ends.momentum.iter().copied().zip(p1.iter().copied());
+    let at_end: HashMap<Symbol, Expr> = momenta.collect();
+    for closure in &ends.closures {
         residuals.push(arena.substitute(closure.residual, &at_end));
     }
-    let closing = given.closures.iter().map(|closure| closure.unknown);
+    let closing = ends.closures.iter().map(|closure| closure.unknown);
     let variations = action.internal.iter().chain(&balanced);
     let variations = variations.copied().chain(closing.clone()).collect();
     // elimination is preferred for displacements, then for multipliers, then for velocities
@@ -120,7 +120,7 @@ pub(crate) fn equations(action: &Action, symbols: &Symbols, arena: &mut Arena) -
         reported: Vec::new(),
     };
     match &action.enforced {
-        Some(enforced) => constrained::extend(equations, &ends, enforced, action, symbols, arena),
+        Some(enforced) => constrained::extend(equations, &p1, enforced, action, symbols, arena),
         None => equations,
     }
 }

@@ -63,15 +63,6 @@ pub(crate) fn step(
     }
 }
 
-/// The action in its textbook form.
-fn textbook(rule: Rule, model: &Model, features: &Features) -> Textbook {
-    let plain = rule.textbook(features);
-    match (&model.degeneracy, rule.node()) {
-        (Some(degeneracy), Some(node)) => degenerate::textbook(degeneracy, node, plain, features),
-        _ => plain,
-    }
-}
-
 /// The constraints in the textbook form of an action.
 fn constraints(model: &Model, arena: &Arena) -> String {
     let is_timed = |c: &Constraint| arena.contains(c.value, model.time);
@@ -84,6 +75,15 @@ fn constraints(model: &Model, arena: &Arena) -> String {
         0 => String::new(),
         1 => format!(" + λ·φ({t0}q₀) + μ·φ({t1}q₁)"),
         _ => format!(" + ⟨λ, φ({t0}q₀)⟩ + ⟨μ, φ({t1}q₁)⟩"),
+    }
+}
+
+/// The action in its textbook form.
+fn textbook(rule: Rule, model: &Model, features: &Features) -> Textbook {
+    let plain = rule.textbook(features);
+    match (&model.degeneracy, rule.node()) {
+        (Some(degeneracy), Some(node)) => degenerate::textbook(degeneracy, node, plain, features),
+        _ => plain,
     }
 }
 

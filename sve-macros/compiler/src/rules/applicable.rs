@@ -43,6 +43,32 @@ pub(crate) fn check(block: &Annotated, model: &Model) -> syn::Result<()> {
     errors.finish(())
 }
 
+/// Reports a rule or an option that is not for systems with constraints.
+fn check_constrained(listed: &ListedRule, errors: &mut Errors) {
+    let (rule, name) = (listed.rule, listed.rule.name());
+    if rule.takes_constraints() {
+        let weak2 = listed.options.iter().filter(|o| o.0 == RuleOption::Weak2);
+        for &(_, place) in weak2 {
+            let without = rule.without(RuleOption::Weak2).name();
+            let message = format!(
+                "`weak2` is an option for systems without constraints: its potential is that of free motion; write `{without}`"
+            );
+            errors.push(place, message);
+        }
+        return;
+    }
+    let others = listed_where(|rule| rule.takes_constraints());
+    let order = if rule.deterministic_order() > 2 {
+        "; for a higher order compose one of them, as in `Composed::new(Midpoint, KahanLi8)`"
+    } else {
+        ""
+    };
+    let message = format!(
+        "`{name}` is a rule for systems without constraints, and this block has a constraint: use {others}{order}"
+    );
+    errors.push(listed.place, message);
+}
+
 /// Returns an error for each rule, option and function that is not for a degenerate Lagrangian.
 pub(crate) fn check_degenerate(block: &Annotated, degeneracy: &Degeneracy) -> syn::Result<()> {
     let mut errors = Errors::new();
@@ -96,45 +122,19 @@ pub(crate) fn check_degenerate(block: &Annotated, degeneracy: &Degeneracy) -> sy
             errors.push(noise.name.span(), message);
         }
     }
+    for constraint in &block.constraints {
+        let message = format!(
+            "{what}, and steps with constraints are not derived there: use coordinates along the constraints, or give each velocity a kinetic term"
+        );
+        errors.push(constraint.name.span(), message);
+    }
     for force in &block.forces {
         let message = format!(
             "{what}, and steps with a force are not derived there: write the force as a part of L, or give each velocity a kinetic term"
         );
         errors.push(force.name.span(), message);
     }
-    for constraint in &block.constraints {
-        let message = format!(
-            "{what}, and constraints are not derived there: insert the constraint into L, or give each velocity a kinetic term"
-        );
-        errors.push(constraint.name.span(), message);
-    }
     errors.finish(())
-}
-
-/// Reports a rule or an option that is not for systems with constraints.
-fn check_constrained(listed: &ListedRule, errors: &mut Errors) {
-    let (rule, name) = (listed.rule, listed.rule.name());
-    if rule.takes_constraints() {
-        let weak2 = listed.options.iter().filter(|o| o.0 == RuleOption::Weak2);
-        for &(_, place) in weak2 {
-            let without = rule.without(RuleOption::Weak2).name();
-            let message = format!(
-                "`weak2` is an option for systems without constraints: its potential is that of free motion; write `{without}`"
-            );
-            errors.push(place, message);
-        }
-        return;
-    }
-    let others = listed_where(|rule| rule.takes_constraints());
-    let order = if rule.deterministic_order() > 2 {
-        "; for a higher order compose one of them, as in `Composed::new(Midpoint, KahanLi8)`"
-    } else {
-        ""
-    };
-    let message = format!(
-        "`{name}` is a rule for systems without constraints, and this block has a constraint: use {others}{order}"
-    );
-    errors.push(listed.place, message);
 }
 
 /// The names of some rules: `a`, `b` or `c`.

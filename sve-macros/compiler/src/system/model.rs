@@ -116,16 +116,16 @@ pub(crate) enum Family {
     VelocityMultiplier,
     /// The multiplier of the equation that defines the acceleration of `taylor2`.
     AccelerationMultiplier,
-    /// The distance from q₀ of a coordinate that is a variable of the node.
-    NodeDisplacement,
-    /// The multiplier that keeps p = α(q) at the end of the step: a displacement of both ends.
-    Projection,
     /// The multiplier of a constraint at the start of the step, an impulse.
     StartMultiplier,
     /// The multiplier of a constraint at the end of the step.
     EndMultiplier,
     /// The velocity of p₁ at q₁.
     EndVelocity,
+    /// The distance from q₀ of a coordinate that is a variable of the node.
+    NodeDisplacement,
+    /// The multiplier that keeps p = α(q) at the end of the step: a displacement of both ends.
+    Projection,
 }
 
 impl Family {
