@@ -107,10 +107,9 @@ pub(crate) fn unknown(symbols: &Symbols, symbol: Symbol) -> String {
         Family::Acceleration => "a",
         Family::VelocityMultiplier | Family::EndMultiplier => "μ",
         Family::AccelerationMultiplier => "ν",
-        Family::StartMultiplier => "λ",
+        Family::StartMultiplier | Family::Projection => "λ",
         Family::EndVelocity => "v₁",
         Family::NodeDisplacement => "Δq̄",
-        Family::Projection => "λ",
     };
     let of = if family.is_multiplier_of_constraint() {
         multipliers(symbols, family)

@@ -159,10 +159,9 @@ impl std::fmt::Display for Unknown {
             Family::Acceleration => "a",
             Family::VelocityMultiplier | Family::EndMultiplier => "mu",
             Family::AccelerationMultiplier => "nu",
-            Family::StartMultiplier => "lambda",
+            Family::StartMultiplier | Family::Projection => "lambda",
             Family::EndVelocity => "v1",
             Family::NodeDisplacement => "e",
-            Family::Projection => "lambda",
         };
         write!(f, "{letter}_{}", self.index)
     }
