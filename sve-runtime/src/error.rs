@@ -73,6 +73,89 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         reached: f64,
     },
+    /// The configuration at the start of a step does not satisfy a constraint.
+    #[error(
+        "the constraint `{constraint}` is {value:e} at t = {t}, and its terms are of size {magnitude:e}: a step starts where the constraints hold; \
+         `integrator.consistent(state)` returns the nearest state where they do"
+    )]
+    InconsistentStart {
+        /// Time.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// The constraint.
+        constraint: Box<str>,
+        /// Its value.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        value: f64,
+        /// The sum of the magnitudes of its terms.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        magnitude: f64,
+    },
+    /// The gradients of the constraints are linearly dependent, as in a linkage that is folded or stretched into a line.
+    #[error(
+        "the constraint `{constraint}` depends on those before it at t = {t}, q = {q:?} (pivot {pivot:e} of ∂φ/∂q M⁻¹ ∂φ/∂q, 1 if it were independent): \
+         the constraint forces are not determined there, as in a folded linkage; remove the constraint if it repeats others, or start elsewhere"
+    )]
+    ConstraintRank {
+        /// Time.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Configuration.
+        q: Vec<f64>,
+        /// Number of the constraint, from 0, in the order of the source.
+        k: usize,
+        /// The constraint.
+        constraint: Box<str>,
+        /// Its pivot in the elimination, relative to its diagonal entry.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        pivot: f64,
+    },
+    /// The step is longer than the curvature of the constraints allows: their solution ends within the step.
+    #[error(
+        "the step from t = {t} with h = {h:e} loses the constraints: its solution was followed to {step:.3} of h without noise and to {noise:.3} of the increments, and ends there; \
+         with the velocity of the start, h |v| = {distance:e}, the constraint `{constraint}` leaves zero by {violation:e} of its terms; take a smaller h"
+    )]
+    ConstraintLost {
+        /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Step size.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        h: f64,
+        /// Fraction of the step size up to which the solution was followed without noise.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        step: f64,
+        /// Fraction of the increments up to which the solution was followed at the whole step size.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        noise: f64,
+        /// Displacement in the step with the velocity of the start and the displacements by noise.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        distance: f64,
+        /// The constraint that is violated most after that displacement.
+        constraint: Box<str>,
+        /// Its value there, relative to the sum of the magnitudes of its terms.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        violation: f64,
+    },
+    /// No configuration near the given one satisfies the constraints.
+    #[error(
+        "no configuration on the constraints was found near q = {q:?} at t = {t}: after {iterations} Gauss–Newton steps `{constraint}` is {value:e}; \
+         start nearer to the constraints, or look at whether their parameters allow a configuration"
+    )]
+    NoConsistentState {
+        /// Time.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Configuration that was given.
+        q: Vec<f64>,
+        /// Gauss–Newton steps made.
+        iterations: u32,
+        /// The constraint that is violated most.
+        constraint: Box<str>,
+        /// Its value.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        value: f64,
+    },
     /// The momentum has no velocity that is connected with the reference velocity of the Legendre transform, rest where L is defined there.
     #[error(
         "no velocity with the momentum p = {p:?} was found at t = {t}: velocities of momenta from that of rest towards it \
@@ -124,6 +207,53 @@ pub enum StepError {
         /// Newton iteration; 0 for a linear step.
         iteration: u32,
     },
+    /// The momentum of a coordinate without mass is not that of its configuration, or an algebraic coordinate does not solve its equation.
+    #[error(
+        "{what} is {value} at t = {t}, and L makes it {expected}: this Lagrangian is degenerate, so this value follows from the configuration; \
+         start from `State::from_configuration`"
+    )]
+    Inconsistent {
+        /// Time of the state.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// What has another value: `p[0]`, or `∂L/∂q[1]` of an algebraic coordinate.
+        what: String,
+        /// Its value.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        value: f64,
+        /// The value that follows from the configuration.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        expected: f64,
+    },
+    /// The two-form of a degenerate Lagrangian has no inverse: nothing determines the velocities there.
+    #[error(
+        "the two-form ω = Dαᵀ − Dα of the degenerate Lagrangian is singular near q = {q:?} at t = {t} (step h = {h:e}, determinant {determinant:e}): \
+         choose coordinates that are regular there, or start elsewhere"
+    )]
+    SingularForm {
+        /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Step size; 0 where no step was involved.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        h: f64,
+        /// Configuration at the start of the step.
+        q: Vec<f64>,
+        /// Determinant of ω on the massless coordinates at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        determinant: f64,
+    },
+    /// A quantity that degenerate Lagrangians do not have.
+    #[error(
+        "{what} of a degenerate Lagrangian at t = {t}: not available, since momenta do not determine the velocities; take differences along a path"
+    )]
+    Degenerate {
+        /// The quantity.
+        what: String,
+        /// Time of the state.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+    },
     /// The step left the numbers: an overflow, or a point where L or its derivatives are not defined.
     #[error(
         "the step from t = {t} with h = {h:e} gave a non-finite result from q = {q:?}, p = {p:?}: \
@@ -174,6 +304,53 @@ pub enum StepError {
         t: f64,
         /// How many numbers the snapshot has.
         numbers: usize,
+    },
+    /// A function whose zeros are events is not finite.
+    #[error(
+        "function {number} of the events (from 0) is {value} at t = {t}: its sign is not known there; give a function that is finite wherever the motion leads"
+    )]
+    EventFunction {
+        /// Time of the state.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Number of the function, in the order in which they were given.
+        number: usize,
+        /// Its value.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        value: f64,
+    },
+    /// A function whose zeros are events changes its sign in a jump.
+    #[error(
+        "function {number} of the events (from 0) jumps from {before:e} to {after:e} at t = {t} and has no zero there: \
+         if it is an angle, add `.angle()`; otherwise give a continuous function"
+    )]
+    EventJump {
+        /// Time of the jump.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Number of the function, in the order in which they were given.
+        number: usize,
+        /// Its value before the jump.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        before: f64,
+        /// Its value after the jump.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        after: f64,
+    },
+    /// The changes that a function causes follow one another faster than steps resolve.
+    #[error(
+        "function {number} of the events (from 0) changed the state at t = {t}, {interval:e} after it did so before: the changes accumulate, as the bounces \
+         of a ball that comes to rest; end the trajectory before with `stop_at`, or take a smaller h"
+    )]
+    EventsAccumulate {
+        /// Time of the change.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Number of the function, in the order in which they were given.
+        number: usize,
+        /// Time since the change before.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        interval: f64,
     },
     /// The noise could not give the increments of this step.
     #[error("no noise for the step from t = {t}: {source}")]

@@ -49,10 +49,13 @@
 //! | compose steps of rules to a rule of a higher order | [`Composed`], [`Split`] |
 //! | make steps | [`Integrator`] with `step` and `trajectory`, [`State`]; [`Method`] is common to integrators and baselines |
 //! | know what the `q` of a state may be | [`Configuration`]; vectors, matrices and rotations are those of [`nalgebra`] |
+//! | find sections and events along a trajectory | [`Trajectory::crossings`], [`Trajectory::stop_at`], [`Trajectory::change_at`] |
+//! | average along a path, with the error of the average | [`Blocking`]; [`Mechanics::temperature`]; of many paths `Ensemble::average` |
 //! | store a trajectory and continue it | [`Trajectory::snapshot`], [`Method::resume`]; [`from_step`](noise::Replayable::from_step) enters a noise at a step |
 //! | see the equations and the cost of a step | [`Integrator::plan`], [`Plan`] |
 //! | differentiate a step with respect to its start and the parameters | [`Integrator::tangent`], [`Integrator::sensitivity`] |
 //! | drive it with noise | [`noise`]: [`Wiener`](noise::Wiener), [`ThreePoint`](noise::ThreePoint), [`Recorded`](noise::Recorded), [`Truncated`](noise::Truncated), [`FromRng`](noise::FromRng), [`NoNoise`](noise::NoNoise) |
+//! | put a start onto the constraints, see their forces | [`Integrator::consistent`], [`Integrator::constraint_forces`] |
 //! | evaluate energy, momentum, velocity, drift | [`Mechanics`] |
 //! | compare with other methods | [`baseline`] |
 //! | measure what an error costs, method by method | `study::Study`, with the feature `study` |
@@ -83,8 +86,11 @@
 
 mod angle_addition;
 pub mod baseline;
+mod blocking;
 mod composition;
 mod configuration;
+mod constraints;
+mod degenerate;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 mod equations;
@@ -102,6 +108,7 @@ mod linearisation;
 mod mechanics;
 mod method;
 pub mod noise;
+mod observed;
 mod parameter;
 mod plan;
 mod power;
@@ -115,11 +122,14 @@ mod time;
 mod trajectory;
 mod variational;
 
+pub use blocking::{BlockEstimate, Blocking};
 pub use composition::{
     BlanesMoan4, BlanesMoanRkn6, Coefficients, Composed, Composition, KahanLi8,
     QuadraticKineticEnergy, Separable, Split, Splitting, Symmetric,
 };
 pub use configuration::{Configuration, Coordinates, FixedSize};
+pub use constraints::{ConstraintForce, ConstraintForces};
+pub use degenerate::CoordinateRole;
 pub use equations::{StepEquations, StepOf};
 pub use error::StepError;
 pub use integrator::{Integrator, Sensitivity, Tangent};
@@ -129,7 +139,9 @@ pub use mechanics::{Field, Mechanics};
 pub use method::{Method, OneStepMethod};
 /// Vectors, matrices and rotations, in the version that this crate uses.
 pub use nalgebra;
-pub use plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder, Substeps};
+pub use plan::{
+    Block, BlockKind, DegenerateStep, Formulas, Operations, Plan, StrongOrder, Substeps,
+};
 pub use rules::{
     Endpoint, Gauss, InitialPoint, Midpoint, StageNoise, StormerVerlet, Taylor2, Weak2,
 };
@@ -251,13 +263,13 @@ pub use state::State;
 /// ```
 pub use sve_macros::variational;
 pub use system::{
-    ConfigurationOf, Dimensions, Dims, FlatStateOf, ForceJet, Increments, IncrementsOf,
-    LagrangianJet, MomentumOf, NoiseJet, StateOf, System, VectorOf,
+    ConfigurationOf, ConstraintJet, Dimensions, Dims, FlatStateOf, ForceJet, Increments,
+    IncrementsOf, LagrangianJet, MomentumOf, NoiseJet, StateOf, System, VectorOf,
 };
 #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
 pub use system::{IncrementLanesOf, StateLanesOf};
-pub use trajectory::{RefinedTrajectory, Refinements, Snapshot, Trajectory};
-pub use variational::{DerivedFor, Discretised, Memory, Variational};
+pub use trajectory::{Events, RefinedTrajectory, Refinements, Snapshot, Trajectory};
+pub use variational::{ConstraintImpulses, DerivedFor, Discretised, Memory, Variational};
 
 /// The items that a program imports to integrate a system: `use sve_runtime::prelude::*;`.
 pub mod prelude {
@@ -297,15 +309,19 @@ pub mod __private {
     pub use crate::__derived_rule as derived_rule;
     pub use crate::composition::sequence;
     pub use crate::composition::{QuadraticKineticEnergy, Separable};
+    pub use crate::degenerate::CoordinateRole;
     pub use crate::equations::{Returns, StepEquations};
     pub use crate::error::StepError;
     pub use crate::integrator::derived::{
         DerivedStep, count_iterations, solve_compensated_step, solve_step, solve_with_derivatives,
+        solve_with_impulses,
     };
     pub use crate::lanes::Mask;
     pub use crate::linearisation::{Entries, Linearisation};
     pub use crate::parameter::{entry, number};
-    pub use crate::plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
+    pub use crate::plan::{
+        Block, BlockKind, DegenerateStep, Formulas, Operations, Plan, StrongOrder,
+    };
     pub use crate::power::power_log;
     pub use crate::rules::Unstructured;
     pub use crate::solve::SolveError;
@@ -317,7 +333,7 @@ pub mod __private {
     };
     pub use crate::solve::regularity::{all_positive, cold, is_regular_within};
     pub use crate::state::{State, in_coordinates};
-    pub use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System};
+    pub use crate::system::{ConstraintJet, Dims, ForceJet, LagrangianJet, NoiseJet, System};
     pub use crate::variational::Discretised;
     /// The derivatives of a step.
     pub type DMatrix = nalgebra::DMatrix<f64>;

@@ -5,9 +5,10 @@
 
 use core::marker::PhantomData;
 
-pub use crate::jets::{ForceJet, LagrangianJet, NoiseJet};
+pub use crate::jets::{ConstraintJet, ForceJet, LagrangianJet, NoiseJet};
 
 use crate::configuration::{Configuration, Coordinates, FixedSize};
+use crate::degenerate::CoordinateRole;
 use crate::lanes::{Lane, StateLanes};
 use crate::state::State;
 
@@ -56,6 +57,8 @@ pub trait Dimensions {
     type NoiseJets;
     /// [`ForceJet<N>`](ForceJet).
     type ForceJet;
+    /// [`ConstraintJet<N>`](ConstraintJet).
+    type ConstraintJet;
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     /// All increments of all lanes zero.
     const NO_INCREMENT_LANES: Self::IncrementLanes;
@@ -85,6 +88,7 @@ impl<const N: usize, const M: usize, Q: Coordinates<N>> Dimensions for Dims<N, M
     type LagrangianJet = LagrangianJet<N>;
     type NoiseJets = [NoiseJet<N>; M];
     type ForceJet = ForceJet<N>;
+    type ConstraintJet = ConstraintJet<N>;
     const NO_FORCE: ForceJet<N> = ForceJet {
         value: [0.0; N],
         dq: [[0.0; N]; N],
@@ -138,10 +142,14 @@ pub trait System {
     type Dims: Dimensions;
     /// Whether `∂L/∂v` is affine in `v`, so that the Legendre transform is inverted by one linear solve.
     const AFFINE_MOMENTUM: bool;
+    /// The role of each coordinate, if L does not determine every velocity; empty for a regular L.
+    const ROLES: &'static [CoordinateRole] = &[];
     /// Whether there is a force.
     const FORCED: bool = false;
     /// The parameters, as the source has them: `m`, `l[0]`, `body.mass`.
     const PARAMETERS: &'static [&'static str] = &[];
+    /// The constraints, by the names of their functions: `rod`, `rods[0]`.
+    const CONSTRAINTS: &'static [&'static str] = &[];
     /// A hash of the formulas of L, the noises and the force, by which shards and checkpoints of ensembles are recognised.
     const FORMULAS: u64 = 0;
     /// Visits the values of the parameters, in the order of [`PARAMETERS`](Self::PARAMETERS).
@@ -173,14 +181,25 @@ pub trait System {
         let _ = (t, q, v);
         <Self::Dims as Dimensions>::NO_FORCE
     }
+    /// Visits the constraints with their first derivatives, in the order of [`CONSTRAINTS`](Self::CONSTRAINTS).
+    fn constraint_jets(
+        &self,
+        t: f64,
+        q: &VectorOf<Self>,
+        visit: &mut dyn FnMut(<Self::Dims as Dimensions>::ConstraintJet),
+    ) {
+        let _ = (t, q, visit);
+    }
 }
 
 #[diagnostic::do_not_recommend]
 impl<S: System> System for &S {
     type Dims = S::Dims;
     const AFFINE_MOMENTUM: bool = S::AFFINE_MOMENTUM;
+    const ROLES: &'static [CoordinateRole] = S::ROLES;
     const FORCED: bool = S::FORCED;
     const PARAMETERS: &'static [&'static str] = S::PARAMETERS;
+    const CONSTRAINTS: &'static [&'static str] = S::CONSTRAINTS;
     const FORMULAS: u64 = S::FORMULAS;
 
     fn parameters(&self, visit: &mut dyn FnMut(f64)) {
@@ -215,5 +234,14 @@ impl<S: System> System for &S {
         v: &VectorOf<S>,
     ) -> <S::Dims as Dimensions>::ForceJet {
         (**self).force_jet(t, q, v)
+    }
+
+    fn constraint_jets(
+        &self,
+        t: f64,
+        q: &VectorOf<S>,
+        visit: &mut dyn FnMut(<S::Dims as Dimensions>::ConstraintJet),
+    ) {
+        (**self).constraint_jets(t, q, visit);
     }
 }

@@ -24,9 +24,10 @@ use crate::syntax::nesting;
 use crate::syntax::parse::{self, Annotated};
 use crate::syntax::recovery;
 use crate::syntax::roles;
+use crate::system::constraints;
+use crate::system::degeneracy::{self, brackets};
 use crate::system::mechanics::{self, Mechanics};
 use crate::system::model::{Meaning, Model};
-use crate::system::regular;
 use crate::system::symmetry;
 
 /// What an expansion is made for.
@@ -118,7 +119,7 @@ fn derive(
         Some((block, model))
     });
     mistaken.clone_from(errors.places());
-    let Some((block, model)) = errors.finish(read)? else {
+    let Some((block, mut model)) = errors.finish(read)? else {
         return Err(syn::Error::new(
             Span::call_site(),
             "this block cannot be read",
@@ -126,17 +127,47 @@ fn derive(
     };
     applicable::check(&block, &model)?;
     check_size(&block, &model)?;
-    let budget = Budget {
-        block: &block,
-        model: &model,
-        work,
-    };
     arena.grant(work);
-    let mut mechanics = budget.stage(&mut arena, |arena| mechanics::mechanics(&model, arena))?;
+    let (mut mechanics, degeneracy) = {
+        let budget = Budget::new(&block, &model, work);
+        let mechanics = budget.stage(&mut arena, |arena| mechanics::mechanics(&model, arena))?;
+        let degeneracy = budget.stage(&mut arena, |arena| {
+            degeneracy::classify(&block, &model, &mechanics, arena)
+        })??;
+        (mechanics, degeneracy)
+    };
+    if let Some(degeneracy) = degeneracy {
+        applicable::check_degenerate(&block, &degeneracy)?;
+        let budget = Budget::new(&block, &model, work);
+        mechanics.commutation = budget.stage(&mut arena, |arena| {
+            brackets::commutation(&degeneracy, &model, &mechanics, arena)
+        })?;
+        model.degeneracy = Some(degeneracy);
+    }
+    constraints::check_momentum(&block, &model, &mechanics)?;
+    if constraints::with_tangent_noises(&block, &mut model, &mechanics, &mut arena)? {
+        let budget = Budget::new(&block, &model, work);
+        mechanics = budget.stage(&mut arena, |arena| mechanics::mechanics(&model, arena))?;
+    }
+    let budget = Budget::new(&block, &model, work);
     budget.stage(&mut arena, |arena| {
-        regular::check(&block, &model, &mechanics, arena)
+        constraints::check(&block, &model, &mut mechanics, arena)
     })??;
-    let momenta = budget.stage(&mut arena, |arena| symmetry::check(&block, &model, arena))??;
+    let mut momenta =
+        budget.stage(&mut arena, |arena| symmetry::check(&block, &model, arena))??;
+    if let Some(degeneracy) = &model.degeneracy {
+        let nodes = block
+            .arguments
+            .rules
+            .iter()
+            .filter_map(|listed| listed.rule.node());
+        for (map, generator) in momenta.iter_mut().zip(&model.symmetries) {
+            let mut nodes = nodes.clone();
+            let is_kept =
+                |node| degeneracy.keeps_momentum(&generator.field, node == 0.5, &model, &arena);
+            map.is_affine &= nodes.all(is_kept);
+        }
+    }
     // Rules with a potential come last: what is made for it must not change the order of terms in others, and so their rounding.
     let has_potential = |listed: &&ListedRule| listed.rule.options.contain(RuleOption::Weak2);
     let (with, without): (Vec<_>, Vec<_>) = block.arguments.rules.iter().partition(has_potential);
@@ -254,7 +285,7 @@ fn step(
     let mut symbols = budget.model.symbols.clone();
     let (action, scheme) = budget.stage(arena, |arena| {
         let action = action::discretise(rule, budget.model, potential, &mut symbols, arena);
-        let equations = equations::equations(&action, arena);
+        let equations = equations::equations(&action, &symbols, arena);
         let scheme = if is_unstructured {
             Ok(structure::unstructured(equations, &mut symbols, arena))
         } else {
@@ -303,7 +334,11 @@ struct Budget<'a> {
     work: usize,
 }
 
-impl Budget<'_> {
+impl<'a> Budget<'a> {
+    fn new(block: &'a Annotated, model: &'a Model, work: usize) -> Self {
+        Self { block, model, work }
+    }
+
     /// Runs a stage. Returns an error if the work that was granted is used up.
     fn stage<T>(&self, arena: &mut Arena, run: impl FnOnce(&mut Arena) -> T) -> syn::Result<T> {
         let result = run(arena);

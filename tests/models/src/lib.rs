@@ -3,6 +3,7 @@
 
 pub mod case;
 pub mod configured;
+pub mod degenerate;
 pub mod differences;
 #[path = "../../../sve-macros/compiler/src/algebra/double_double.rs"]
 pub mod double_double;
@@ -11,4 +12,6 @@ pub mod functions;
 pub mod language;
 pub mod models;
 pub mod oracle;
+pub mod potential;
 pub mod random;
+pub mod reference;

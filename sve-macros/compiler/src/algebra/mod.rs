@@ -26,9 +26,9 @@ pub(crate) mod tests;
 mod zero;
 
 pub(crate) use display::{Notation, Sum, Text};
-pub(crate) use expr::{Arena, Expr, Identity, Node, Symbol};
+pub(crate) use expr::{Arena, Bits, Expr, Identity, Node, Symbol};
 pub(crate) use functions::{Binary, BinaryBound, Bound, Domain, Function, Sign};
 pub(crate) use hash::Map;
 pub(crate) use sharp::{Sharp, Verdict};
 pub(crate) use stable::Purpose;
-pub(crate) use zero::Vanishing;
+pub(crate) use zero::{Vanishing, coordinate as random_coordinate};

@@ -6,10 +6,16 @@
 //! 0 = ∂S/∂x   (each internal x)        0 = ∂S/∂d − ∂S/∂q₀ − p₀        p₁ − p₀ = ∂S/∂q₀
 //! ```
 //!
+//! Where a momentum is a function of the configuration, p₀ and p₁ are that function, and equations at the end may be added ([`Ends`](crate::rules::action::Ends)).
 //! If there is a force, its work under a variation of x is added to each ∂S/∂x (Lagrange–d'Alembert principle).
 
+use std::collections::HashMap;
+
+use super::constrained;
 use crate::algebra::{Arena, Expr, Node, Symbol};
 use crate::rules::action::{Action, Work};
+use crate::structure::Condition;
+use crate::system::model::Symbols;
 
 /// The equations of a step.
 pub(crate) struct Equations {
@@ -17,28 +23,62 @@ pub(crate) struct Equations {
     pub(crate) unknowns: Vec<Symbol>,
     /// The residuals, which vanish at a solution.
     pub(crate) residuals: Vec<Expr>,
-    /// For each residual, the variable by which the action is varied.
+    /// For each residual, the variable by which the action is varied, or the unknown that an equation at the end is there for.
     pub(crate) variations: Vec<Symbol>,
     /// `q₁ − q₀`.
     pub(crate) dq: Vec<Expr>,
     /// `p₁ − p₀`: for each component, expressions that are equal at a solution.
     pub(crate) dp: Vec<Vec<Expr>>,
+    /// The equations to leading order in the step size, where the first guess is solved from these.
+    pub(crate) leading: Option<Leading>,
+    /// Unknowns that are taken as known where this makes the others of their block explicit.
+    pub(crate) torn: Vec<Symbol>,
+    /// What has to hold beside the equations.
+    pub(crate) conditions: Vec<Condition<Expr>>,
+    /// What a step can tell beside its result.
+    pub(crate) reported: Vec<Expr>,
+}
+
+/// The equations to leading order in the step size.
+pub(crate) struct Leading {
+    /// One for each residual.
+    pub(crate) residuals: Vec<Expr>,
+    /// For each residual what it is small beside, where that is not the sum of the magnitudes of its terms.
+    pub(crate) scales: Vec<Option<Expr>>,
+    /// Whether the determinant of their Jacobian has the sign that it has at the solution.
+    pub(crate) has_sign: bool,
 }
 
 /// Derives the equations of a step from its action.
-pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
+pub(crate) fn equations(action: &Action, symbols: &Symbols, arena: &mut Arena) -> Equations {
     let mut residuals = Vec::new();
     for &x in &action.internal {
         let stationary = variation(action, x, arena);
         residuals.push(divide_out(arena, stationary, action.h));
     }
-    let mut dp = Vec::new();
+    let ends = &action.ends;
+    let (mut dp, mut p1, mut balanced) = (Vec::new(), Vec::new(), Vec::new());
     for i in 0..action.start_q.len() {
         let end = variation(action, action.displacement[i], arena);
+        p1.push(end);
+        if let Some(&Some(function)) = ends.end.get(i) {
+            let p0 = arena.symbol(action.start_p[i]);
+            dp.push(vec![arena.sub(function, p0)]);
+        }
+        if ends.unbalanced.get(i) == Some(&true) {
+            continue;
+        }
+        balanced.push(action.displacement[i]);
         let kick = variation(action, action.start_q[i], arena);
-        let p0 = arena.symbol(action.start_p[i]);
+        let p0 = match ends.start.get(i) {
+            Some(&Some(function)) => function,
+            _ => arena.symbol(action.start_p[i]),
+        };
         let balance = arena.sum(0.0, &[(1.0, end), (-1.0, kick), (-1.0, p0)]);
         residuals.push(balance);
+        if dp.len() > i {
+            continue;
+        }
         // ∂S/∂q₀ plus a multiple of a residual. Once the residual gives ∂S/∂d − p₀. Twice the residual eliminates the force from
         // the midpoint rule, p₁ = 2p − p₀.
         dp.push(
@@ -47,26 +87,41 @@ pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
                 .collect(),
         );
     }
+    let momenta = ends.momentum.iter().copied().zip(p1.iter().copied());
+    let at_end: HashMap<Symbol, Expr> = momenta.collect();
+    for closure in &ends.closures {
+        residuals.push(arena.substitute(closure.residual, &at_end));
+    }
+    let closing = ends.closures.iter().map(|closure| closure.unknown);
+    let variations = action.internal.iter().chain(&balanced);
+    let variations = variations.copied().chain(closing.clone()).collect();
     // elimination is preferred for displacements, then for multipliers, then for velocities
-    let variations = action.internal.iter().chain(&action.displacement);
-    let variations = variations.copied().collect();
-    let unknowns = action
+    let mut unknowns: Vec<Symbol> = action
         .displacement
         .iter()
         .chain(action.internal.iter().rev())
         .copied()
         .collect();
+    unknowns.extend(closing.filter(|unknown| !action.displacement.contains(unknown)));
     let dq = action
         .displacement
         .iter()
         .map(|&d| arena.symbol(d))
         .collect();
-    Equations {
+    let equations = Equations {
         unknowns,
         residuals,
         variations,
         dq,
         dp,
+        leading: None,
+        torn: Vec::new(),
+        conditions: Vec::new(),
+        reported: Vec::new(),
+    };
+    match &action.enforced {
+        Some(enforced) => constrained::extend(equations, &p1, enforced, action, symbols, arena),
+        None => equations,
     }
 }
 

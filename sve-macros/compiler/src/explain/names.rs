@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use crate::algebra::{self, Arena, Expr, Notation, Symbol};
 use crate::rules::Rule;
+use crate::rules::constraints::END;
 use crate::system::model::{AtNode, Family, Meaning, NodeQuantity, Quantity, Symbols, Unknown};
 
 /// Letters that have a meaning of their own.
@@ -75,7 +76,11 @@ impl<'a> Names<'a> {
         let Some(AtNode { node, quantity }) = AtNode::of(expr, arena) else {
             return;
         };
-        let letter = rule.notation(node, quantity);
+        let letter = match quantity {
+            NodeQuantity::Time if node == END => "t₁",
+            NodeQuantity::Position(_) if node == END => "q₁",
+            _ => rule.notation(node, quantity),
+        };
         let name = match quantity {
             NodeQuantity::Time => letter.to_owned(),
             NodeQuantity::Position(i) | NodeQuantity::Velocity(i) => self.component(letter, i),
@@ -100,10 +105,18 @@ pub(crate) fn unknown(symbols: &Symbols, symbol: Symbol) -> String {
         Family::StageVelocity => "U",
         Family::Momentum => "p",
         Family::Acceleration => "a",
-        Family::VelocityMultiplier => "μ",
+        Family::VelocityMultiplier | Family::EndMultiplier => "μ",
         Family::AccelerationMultiplier => "ν",
+        Family::StartMultiplier | Family::Projection => "λ",
+        Family::EndVelocity => "v₁",
+        Family::NodeDisplacement => "Δq̄",
     };
-    component(letter, index, coordinates(symbols))
+    let of = if family.is_multiplier_of_constraint() {
+        multipliers(symbols, family)
+    } else {
+        coordinates(symbols)
+    };
+    component(letter, index, of)
 }
 
 fn component(letter: &str, i: usize, of: usize) -> String {
@@ -117,6 +130,15 @@ fn component(letter: &str, i: usize, of: usize) -> String {
 fn coordinates(symbols: &Symbols) -> usize {
     let is_position = |m: &&Meaning| matches!(m, Meaning::Position(_));
     symbols.meanings().iter().filter(is_position).count()
+}
+
+/// The number of constraints, which is at least the number of the largest multiplier.
+fn multipliers(symbols: &Symbols, of: Family) -> usize {
+    let indices = symbols.meanings().iter().filter_map(|m| match m {
+        Meaning::Unknown(Unknown { family, index }) if *family == of => Some(index + 1),
+        _ => None,
+    });
+    indices.max().unwrap_or(1)
 }
 
 fn processes(symbols: &Symbols) -> usize {
@@ -153,6 +175,7 @@ impl Notation for Names<'_> {
             Meaning::Start(Quantity::Position, i) => self.component("q₀", *i),
             Meaning::Start(Quantity::Momentum, i) => self.component("p₀", *i),
             Meaning::Wiener(i) => component("ΔW", *i, processes(self.symbols)),
+            Meaning::End(i) => self.component("p₁", *i),
             Meaning::Unknown(_) | Meaning::Limit(_) => unknown(self.symbols, symbol),
         }
     }

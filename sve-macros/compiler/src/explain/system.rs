@@ -1,11 +1,12 @@
 //! The system and its equations of motion, in the first-order Stratonovich form.
 
+use super::degenerate;
 use super::names::Names;
 use super::page::Page;
 use super::shown;
 use crate::algebra::{Arena, Expr, Sum, Vanishing};
 use crate::system::mechanics::{Commutation, Mechanics};
-use crate::system::model::{Model, NoiseTerm};
+use crate::system::model::{Constraint, Model, NoiseTerm};
 use crate::system::symmetry::MomentumMap;
 
 /// Texts that no rule changes.
@@ -16,6 +17,8 @@ pub(crate) struct SystemTexts {
     pub(crate) noises: String,
     /// F. Empty where there is none.
     pub(crate) force: String,
+    /// The constraints. Empty where there are none.
+    pub(crate) constraints: String,
     /// The conserved momenta. Empty where there are none.
     pub(crate) momenta: String,
     /// `dq = …`, `dp = …`, `p = ∂L/∂v`.
@@ -25,7 +28,15 @@ pub(crate) struct SystemTexts {
 impl SystemTexts {
     /// L, the noise terms, the force and what is conserved.
     pub(crate) fn system(&self) -> String {
-        let parts = [&self.lagrangian, &self.noises, &self.force, &self.momenta];
+        let Self {
+            lagrangian,
+            noises,
+            force,
+            constraints,
+            momenta,
+            motion: _,
+        } = self;
+        let parts = [lagrangian, noises, force, constraints, momenta];
         let parts: Vec<&str> = parts
             .into_iter()
             .map(String::as_str)
@@ -47,6 +58,7 @@ pub(crate) fn system(
         lagrangian: lagrangian(model, &mut page).join("\n"),
         noises: noises(model, &mechanics.commutation, &mut page).join("\n"),
         force: force(model, &mut page).join("\n"),
+        constraints: constraints(model, &mut page).join("\n"),
         momenta: conserved(momenta, &mut page).join("\n"),
         motion: motion(model, mechanics, arena).join("\n"),
     }
@@ -69,6 +81,7 @@ fn noises(model: &Model, commutation: &Commutation, page: &mut Page<'_>) -> Vec<
         let NoiseTerm {
             name,
             is_gamma,
+            is_tangent: _,
             hamiltonian,
         } = noise;
         let (letter, sign) = if *is_gamma {
@@ -83,6 +96,20 @@ fn noises(model: &Model, commutation: &Commutation, page: &mut Page<'_>) -> Vec<
     let mut lines = Page::list(lines, model.noises.len(), "noises");
     lines.extend(page.explanations(|_| false));
     lines.extend(commutation_caveat(commutation).map(ToOwned::to_owned));
+    lines
+}
+
+fn constraints(model: &Model, page: &mut Page<'_>) -> Vec<String> {
+    let count = shown(model.constraints.len());
+    let some = &model.constraints[..count];
+    let roots: Vec<Expr> = some.iter().map(|constraint| constraint.value).collect();
+    page.name_parts(&roots);
+    let lines = some
+        .iter()
+        .map(|Constraint { name, value }| format!("φ {name} = {} = 0", page.formula(*value)));
+    let lines = lines.collect();
+    let mut lines = Page::list(lines, model.constraints.len(), "constraints");
+    lines.extend(page.explanations(|_| false));
     lines
 }
 
@@ -155,7 +182,25 @@ fn conserved(momenta: &[MomentumMap], page: &mut Page<'_>) -> Vec<String> {
 }
 
 /// The equations of motion.
+/// The force of the constraints on a coordinate, `Σ ∂φ/∂q dΛ`.
+fn constraint_force(i: usize, mechanics: &Mechanics, page: &mut Page<'_>, line: &mut Line) {
+    let count = mechanics.constraints.len();
+    for (k, constraint) in mechanics.constraints.iter().enumerate() {
+        let mut slope = Sum::default();
+        slope.add(1.0, constraint.dq[i], page.arena);
+        let name = if count == 1 {
+            "∘ dΛ".to_owned()
+        } else {
+            format!("∘ dΛ[{k}]")
+        };
+        line.add(page, &slope, &name);
+    }
+}
+
 fn motion(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Vec<String> {
+    if let Some(degeneracy) = &model.degeneracy {
+        return degenerate::motion(degeneracy, model, mechanics, arena);
+    }
     let n = model.dof();
     let count = shown(n);
     let mut page = Page::new(arena, Names::new(&model.symbols, None));
@@ -166,6 +211,9 @@ fn motion(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Vec<String> {
     }
     if let Some(force) = &mechanics.force {
         roots.extend(&force.value[..count]);
+    }
+    for constraint in &mechanics.constraints {
+        roots.extend(&constraint.dq[..count]);
     }
     page.name_parts(&roots);
     let mut lines = Vec::new();
@@ -195,6 +243,7 @@ fn motion(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Vec<String> {
                 force.add(1.0, other.value[i], arena);
             }
             line.add(&mut page, &force, "dt");
+            constraint_force(i, mechanics, &mut page, &mut line);
             kicks(&mut page, &mut line, &|a| noises[a].dq[i], -1.0);
             line.text
         })
@@ -212,7 +261,7 @@ fn motion(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Vec<String> {
 }
 
 /// The differential of a process.
-fn increment(process: usize, of: usize) -> String {
+pub(super) fn increment(process: usize, of: usize) -> String {
     if of == 1 {
         "∘ dW".to_owned()
     } else {
@@ -221,13 +270,13 @@ fn increment(process: usize, of: usize) -> String {
 }
 
 /// `dx = a dt + b ∘ dW`, in the making.
-struct Line {
-    text: String,
+pub(super) struct Line {
+    pub(super) text: String,
     empty: bool,
 }
 
 impl Line {
-    fn new(left: &str) -> Self {
+    pub(super) fn new(left: &str) -> Self {
         Self {
             text: format!("{left} = 0"),
             empty: true,
@@ -235,14 +284,14 @@ impl Line {
     }
 
     /// Adds a coefficient times a differential.
-    fn add(&mut self, page: &mut Page<'_>, coefficient: &Sum, differential: &str) {
+    pub(super) fn add(&mut self, page: &mut Page<'_>, coefficient: &Sum, differential: &str) {
         if !coefficient.is_zero() {
             let (negative, factor) = page.factor(coefficient);
             self.push(negative, &format!("{factor} {differential}"));
         }
     }
 
-    fn push(&mut self, negative: bool, term: &str) {
+    pub(super) fn push(&mut self, negative: bool, term: &str) {
         let sign = match (self.empty, negative) {
             (true, true) => "−",
             (true, false) => "",

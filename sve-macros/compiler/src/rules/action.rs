@@ -6,6 +6,8 @@
 
 use std::collections::{BTreeSet, HashMap};
 
+use super::constraints::{self, Enforced};
+use super::degenerate;
 use super::weak2::Potential;
 use super::{Rule, RuleOption};
 use crate::algebra::{Arena, Expr, Symbol};
@@ -23,8 +25,11 @@ pub(crate) struct Action {
     /// Variables in which the action is stationary.
     pub(crate) internal: Vec<Symbol>,
     pub(crate) work: Vec<Work>,
+    pub(crate) ends: Ends,
     /// `½ κ` of the option `weak2`, if the action has its term.
     pub(crate) half_factor: Option<f64>,
+    /// What constraints added, if there are some.
+    pub(crate) enforced: Option<Enforced>,
 }
 
 /// Virtual work of a component of the force, Lagrange–d'Alembert: `impulse · δ place` joins δS.
@@ -33,6 +38,29 @@ pub(crate) struct Work {
     pub(crate) impulse: Expr,
     /// The coordinate of the node.
     pub(crate) place: Expr,
+}
+
+/// What holds at the two ends of a step beside the momentum balance of each coordinate, `p₀ = −∂S_d/∂q₀`. Empty for regular Lagrangians.
+#[derive(Default)]
+pub(crate) struct Ends {
+    /// For each coordinate whether its momentum balance is left out: the action does not contain its displacement.
+    pub(crate) unbalanced: Vec<bool>,
+    /// For each coordinate p₀ as its balance has it, if that is not the state's: a function of q₀.
+    pub(crate) start: Vec<Option<Expr>>,
+    /// For each coordinate p₁, if it is a function of q₁.
+    pub(crate) end: Vec<Option<Expr>>,
+    /// The symbols in `closures` that stand for `∂S_d/∂q₁`.
+    pub(crate) momentum: Vec<Symbol>,
+    /// Further equations.
+    pub(crate) closures: Vec<Closure>,
+    /// What must not be negative at the start of the step.
+    pub(crate) conditions: Vec<Expr>,
+}
+
+/// An equation at the end of the step, with the unknown that it is there for.
+pub(crate) struct Closure {
+    pub(crate) unknown: Symbol,
+    pub(crate) residual: Expr,
 }
 
 /// What a rule makes of the variables.
@@ -50,6 +78,7 @@ pub(crate) struct Variables<'a> {
     pub(super) symbols: &'a mut Symbols,
     pub(super) h: Symbol,
     pub(super) start_q: Vec<Symbol>,
+    pub(super) start_p: Vec<Symbol>,
     pub(super) displacement: Vec<Symbol>,
     pub(super) dw: Vec<Symbol>,
     /// `½ κ` and `Σ_a K_a` of the option `weak2`.
@@ -80,22 +109,28 @@ pub(crate) fn discretise(
         symbols,
         h,
         start_q,
+        start_p,
         displacement,
         dw,
         potential,
+    };
+    let (discrete, ends) = match (&model.degeneracy, rule.node()) {
+        (Some(degeneracy), Some(node)) => degenerate::action(node, degeneracy, &mut variables),
+        _ => (rule.action(&mut variables), Ends::default()),
     };
     let Discrete {
         value,
         internal,
         work,
-    } = rule.action(&mut variables);
+    } = discrete;
     let Variables {
         start_q,
+        start_p,
         displacement,
         potential,
         ..
     } = variables;
-    Action {
+    let action = Action {
         value,
         h,
         start_q,
@@ -103,8 +138,11 @@ pub(crate) fn discretise(
         displacement,
         internal,
         work,
+        ends,
         half_factor: potential.map(|(half_factor, _)| half_factor),
-    }
+        enforced: None,
+    };
+    constraints::enforce(action, model, symbols, arena)
 }
 
 impl Variables<'_> {

@@ -5,6 +5,8 @@
 
 pub(crate) mod action;
 pub(crate) mod applicable;
+pub(crate) mod constraints;
+pub(crate) mod degenerate;
 mod endpoint;
 pub(crate) mod gauss;
 mod initial_point;
@@ -116,6 +118,10 @@ pub(crate) fn names(rules: &[Rule]) -> Vec<String> {
 pub(crate) trait Discretisation {
     /// The rule's name in the attribute, without arguments.
     fn attribute_name(&self) -> &'static str;
+    /// The place c of the node `q₀ + c (q₁ − q₀)` of a rule with one node.
+    fn node(&self) -> Option<f64> {
+        None
+    }
     /// Number of stages of a member of a family, which the attribute writes after the name: `gauss(4)`. The order is twice this number.
     fn stages(&self) -> Option<usize> {
         None
@@ -142,6 +148,14 @@ pub(crate) trait Discretisation {
     fn takes_noise(&self) -> bool;
     /// Whether the rule is for systems with a force.
     fn takes_force(&self) -> bool;
+    /// Whether the rule is for systems with constraints.
+    fn takes_constraints(&self) -> bool {
+        false
+    }
+    /// Whether the action has a Stratonovich correction.
+    fn has_correction(&self) -> bool {
+        false
+    }
     /// The discrete action, with the variables in which it is stationary and the work of the force.
     fn action(&self, variables: &mut Variables<'_>) -> Discrete;
     /// How a quantity at a node of the rule is written, without its component: `q̄`.

@@ -9,6 +9,7 @@
 use std::collections::HashMap;
 
 use super::action::{Discrete, Variables};
+use super::degenerate::{END, INNER, SHIFTED};
 use super::{Discretisation, Features, Options, RuleOption, StrongOrder, Textbook, Weak2};
 use crate::algebra::{Expr, Symbol};
 use crate::system::model::{Family, NodeQuantity, Unknown};
@@ -37,6 +38,10 @@ impl Discretisation for OneNode {
 
     fn type_name(&self) -> &'static str {
         self.type_name
+    }
+
+    fn node(&self) -> Option<f64> {
+        Some(self.place)
     }
 
     fn deterministic_order(&self) -> u32 {
@@ -68,6 +73,14 @@ impl Discretisation for OneNode {
 
     fn takes_force(&self) -> bool {
         true
+    }
+
+    fn takes_constraints(&self) -> bool {
+        true
+    }
+
+    fn has_correction(&self) -> bool {
+        self.place != 0.5
     }
 
     fn action(&self, x: &mut Variables<'_>) -> Discrete {
@@ -103,7 +116,7 @@ impl Discretisation for OneNode {
             let dw = x.arena.symbol(dw);
             terms.push((-1.0, x.arena.mul(g, dw)));
         }
-        if c != 0.5 {
+        if self.has_correction() {
             let correction = stratonovich(x, &node);
             terms.push((c - 0.5, correction));
         }
@@ -115,16 +128,19 @@ impl Discretisation for OneNode {
         }
     }
 
-    fn notation(&self, _: usize, quantity: NodeQuantity) -> &'static str {
+    fn notation(&self, node: usize, quantity: NodeQuantity) -> &'static str {
         match quantity {
+            NodeQuantity::Position(_) if node == END => "q₁",
+            NodeQuantity::Position(_) if node == INNER => "q̄",
+            NodeQuantity::Position(_) if node == SHIFTED => "q*",
             NodeQuantity::Time => self.time,
             NodeQuantity::Position(_) => self.position,
             NodeQuantity::Velocity(_) => "v",
         }
     }
 
-    fn is_end(&self, _: usize) -> bool {
-        self.place == 1.0
+    fn is_end(&self, node: usize) -> bool {
+        self.place == 1.0 && node == 0 || node == END
     }
 
     fn letters(&self) -> &'static [&'static str] {

@@ -172,6 +172,7 @@ impl Potential {
         let noise = NoiseTerm {
             name: "K".to_owned(),
             is_gamma: false,
+            is_tangent: false,
             hamiltonian: arena.scale(0.5, self.value),
         };
         let jet = match &self.gradient {
@@ -263,7 +264,9 @@ pub(crate) fn weak_order(
         return order;
     }
     if rule.options.contain(RuleOption::Weak2)
-        || mechanics.is_additive && obstacle(model, mechanics, false, arena).is_none()
+        || mechanics.is_additive
+            && model.degeneracy.is_none()
+            && obstacle(model, mechanics, false, arena).is_none()
     {
         order.min(2)
     } else {

@@ -16,6 +16,7 @@ mod judge;
 mod matrix;
 mod outputs;
 mod scheme;
+mod tearing;
 
 use std::collections::HashMap;
 
@@ -24,6 +25,7 @@ use crate::discretise::equations::Equations;
 use crate::rules::action::Action;
 use crate::system::model::{Meaning, Quantity, Symbols};
 pub(crate) use band::Band;
+pub(crate) use domain::Condition;
 use elimination::Reduced;
 pub(crate) use enclosure::Enclosure;
 pub(crate) use matrix::{Matrix, Storage};
@@ -54,16 +56,27 @@ pub(crate) fn analyse(
         dq: equations.dq,
         dp: equations.dp,
         domain: Vec::new(),
+        leading: equations.leading,
+        torn: equations.torn,
+        reported: equations.reported,
     };
     system.domain = domain::conditions(&roots(action), system.arena);
+    system.domain.extend(equations.conditions);
+    if !action.ends.momentum.is_empty() {
+        system.keep_coupled();
+    }
     system.eliminate();
     let order = system.blocks()?;
     let mut blocks = Vec::new();
     let mut known = HashMap::new();
     for (rows, columns) in order {
-        let block = system.solve(&rows, &columns, &mut known);
+        let torn = system.tear(rows, columns, &known);
+        let block = system.solve(&torn.rows, &torn.columns, &mut known);
         blocks.push(block);
+        blocks.extend(system.explicit_blocks(torn.formulas, &mut known));
     }
+    let reported = system.reported.clone();
+    let reported = system.arena.substitute_all(&reported, &known);
     let dq: Vec<Expr> = system
         .dq
         .clone()
@@ -87,7 +100,10 @@ pub(crate) fn analyse(
         returns: Returns::Increment,
         dq,
         dp,
-        domain: system.domain_at(&known),
+        domain: domain::at_start(&action.ends)
+            .chain(system.domain_at(&known))
+            .collect(),
+        reported,
     };
     let mut scheme = linear_map(increments, action, symbols, arena);
     arena.stabilise(Purpose::Step, scheme.exprs_mut());
@@ -109,6 +125,9 @@ pub(crate) fn unstructured(
         dq: equations.dq,
         dp: equations.dp,
         domain: Vec::new(),
+        leading: None,
+        torn: Vec::new(),
+        reported: equations.reported,
     };
     let mut known = HashMap::new();
     let block = system.unstructured(&mut known);
@@ -122,6 +141,7 @@ pub(crate) fn unstructured(
         dq,
         dp,
         domain: Vec::new(),
+        reported: system.arena.substitute_all(&system.reported, &known),
     };
     arena.stabilise(Purpose::Step, scheme.exprs_mut());
     scheme
@@ -130,7 +150,11 @@ pub(crate) fn unstructured(
 /// What the functions of a step are called in: the action and the force.
 fn roots(action: &Action) -> Vec<Expr> {
     let impulses = action.work.iter().map(|w| w.impulse);
-    std::iter::once(action.value).chain(impulses).collect()
+    let ends = action.ends.end.iter().flatten().copied();
+    std::iter::once(action.value)
+        .chain(impulses)
+        .chain(ends)
+        .collect()
 }
 
 /// Whether a symbol is part of the state at the start of the step.

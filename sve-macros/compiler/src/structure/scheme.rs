@@ -22,6 +22,8 @@ pub(crate) struct Scheme<T, R = T> {
     pub(crate) domain: Vec<Condition<T>>,
     /// `q₁ − q₀` and `p₁ − p₀` as the equations give them, for readers.
     pub(crate) increments: [Vec<Expr>; 2],
+    /// What a step can tell beside its result, in the names of the solution: the multipliers of constraints, at the start and at the end.
+    pub(crate) reported: Vec<Expr>,
 }
 
 /// What a step returns.
@@ -102,12 +104,16 @@ pub(crate) struct Iteration<T, R = T> {
     pub(crate) refinement: Option<Refinement<T>>,
     pub(crate) jacobian: Matrix<T>,
     pub(crate) residual: Vec<R>,
+    /// What joins the magnitude of each residual, where its own terms may all be small. Empty if no equation has it.
+    pub(crate) scales: Vec<Option<Expr>>,
     /// Second derivative of a single equation in a single unknown.
     pub(crate) curvature: Option<T>,
     /// What decides whether a solution is connected with its limit, where that can be bounded.
     pub(crate) judge: Option<Judge<T>>,
     /// The guess after a failure: the Newton step from zero, which is the linearly implicit step.
     pub(crate) fallback: Linear<Expr>,
+    /// Whether the step fails where the matrix of the guess is singular: no other guess replaces it.
+    pub(crate) needs_guess: bool,
     /// Names of the iterates in `residual`, `jacobian` and `curvature`.
     pub(crate) iterates: Vec<Symbol>,
     pub(crate) solved: Vec<Symbol>,
@@ -118,7 +124,8 @@ pub(crate) trait Lower {
     type Value;
     type Residual;
     fn value(&mut self, expr: Expr) -> Self::Value;
-    fn residual(&mut self, expr: Expr) -> Self::Residual;
+    /// A residual, and what joins the sum of the magnitudes of its terms.
+    fn residual(&mut self, expr: Expr, scale: Option<Expr>) -> Self::Residual;
 
     fn values(&mut self, exprs: &[Expr]) -> Vec<Self::Value> {
         exprs.iter().map(|&e| self.value(e)).collect()
@@ -138,6 +145,7 @@ impl Scheme<Expr> {
             dp: by.values(&self.dp),
             domain: self.domain.iter().map(|c| c.lower(by)).collect(),
             increments: self.increments.clone(),
+            reported: self.reported.clone(),
         }
     }
 
@@ -150,8 +158,9 @@ impl Scheme<Expr> {
             fn value(&mut self, expr: Expr) {
                 self.0.push(expr);
             }
-            fn residual(&mut self, expr: Expr) {
+            fn residual(&mut self, expr: Expr, scale: Option<Expr>) {
                 self.0.push(expr);
+                self.0.extend(scale);
             }
         }
         let mut roots = Roots(Vec::new());
@@ -168,8 +177,9 @@ impl Scheme<Expr> {
             dp,
             domain,
             increments: _,
+            reported,
         } = self;
-        let mut exprs: Vec<&mut Expr> = dq.iter_mut().chain(dp).collect();
+        let mut exprs: Vec<&mut Expr> = dq.iter_mut().chain(dp).chain(reported).collect();
         exprs.extend(domain.iter_mut().map(|condition| &mut condition.value));
         for block in blocks {
             match &mut block.solution {
@@ -269,9 +279,11 @@ impl Iteration<Expr> {
             refinement,
             jacobian,
             residual,
+            scales,
             curvature,
             judge,
             fallback,
+            needs_guess: _,
             iterates: _,
             solved: _,
         } = self;
@@ -283,7 +295,16 @@ impl Iteration<Expr> {
         let linear = guess.exprs_mut().chain(limit).chain(fallback.exprs_mut());
         let judged = judge.iter_mut().flat_map(Judge::exprs_mut);
         let all = linear.chain(refined).chain(entries);
-        all.chain(curvature).chain(judged)
+        all.chain(curvature)
+            .chain(judged)
+            .chain(scales.iter_mut().flatten())
+    }
+
+    fn lowered_residual<L: Lower>(&self, by: &mut L) -> Vec<L::Residual> {
+        let residuals = self.residual.iter().enumerate();
+        residuals
+            .map(|(i, &r)| by.residual(r, self.scales.get(i).copied().flatten()))
+            .collect()
     }
 
     fn lower<L: Lower>(&self, by: &mut L) -> Iteration<L::Value, L::Residual> {
@@ -292,10 +313,12 @@ impl Iteration<Expr> {
             limit: self.limit.as_ref().map(|m| m.map(|e| by.value(e))),
             refinement: self.refinement.as_ref().map(|r| r.lower(by)),
             jacobian: self.jacobian.map(|e| by.value(e)),
-            residual: self.residual.iter().map(|&r| by.residual(r)).collect(),
+            residual: self.lowered_residual(by),
+            scales: self.scales.clone(),
             curvature: self.curvature.map(|c| by.value(c)),
             judge: self.judge.as_ref().map(|j| j.lower(by)),
             fallback: self.fallback.clone(),
+            needs_guess: self.needs_guess,
             iterates: self.iterates.clone(),
             solved: self.solved.clone(),
         }

@@ -6,6 +6,7 @@
 use proc_macro2::TokenStream;
 
 use crate::algebra::{Arena, Expr, Identity, Node, Symbol};
+use crate::system::degeneracy::Degeneracy;
 
 /// The quantity for which a symbol stands.
 #[derive(Clone, Debug)]
@@ -29,6 +30,8 @@ pub(crate) enum Meaning {
     Unknown(Unknown),
     /// The limit of an unknown for h → 0 without noise.
     Limit(Unknown),
+    /// Component of the momentum at the end of the step, which the action gives.
+    End(usize),
 }
 
 /// A quantity at a quadrature node of a rule.
@@ -113,6 +116,30 @@ pub(crate) enum Family {
     VelocityMultiplier,
     /// The multiplier of the equation that defines the acceleration of `taylor2`.
     AccelerationMultiplier,
+    /// The multiplier of a constraint at the start of the step, an impulse.
+    StartMultiplier,
+    /// The multiplier of a constraint at the end of the step.
+    EndMultiplier,
+    /// The velocity of p₁ at q₁.
+    EndVelocity,
+    /// The distance from q₀ of a coordinate that is a variable of the node.
+    NodeDisplacement,
+    /// The multiplier that keeps p = α(q) at the end of the step: a displacement of both ends.
+    Projection,
+}
+
+impl Family {
+    pub(crate) fn is_multiplier_of_constraint(self) -> bool {
+        matches!(self, Self::StartMultiplier | Self::EndMultiplier)
+    }
+
+    /// Whether the unknown is the distance from a point that it does not leave in the limit of no noise and h → 0.
+    pub(crate) fn is_displacement(self) -> bool {
+        matches!(
+            self,
+            Self::Displacement | Self::NodeDisplacement | Self::Projection
+        )
+    }
 }
 
 impl Unknown {
@@ -130,8 +157,11 @@ impl std::fmt::Display for Unknown {
             Family::StageVelocity => "u",
             Family::Momentum => "p",
             Family::Acceleration => "a",
-            Family::VelocityMultiplier => "mu",
+            Family::VelocityMultiplier | Family::EndMultiplier => "mu",
             Family::AccelerationMultiplier => "nu",
+            Family::StartMultiplier | Family::Projection => "lambda",
+            Family::EndVelocity => "v1",
+            Family::NodeDisplacement => "e",
         };
         write!(f, "{letter}_{}", self.index)
     }
@@ -151,6 +181,8 @@ pub(crate) struct NoiseTerm {
     pub(crate) name: String,
     /// Whether the user wrote γ; the Hamiltonian is then −γ.
     pub(crate) is_gamma: bool,
+    /// Whether the momentum along the constraints is to take the place of p.
+    pub(crate) is_tangent: bool,
     pub(crate) hamiltonian: Expr,
 }
 
@@ -160,6 +192,15 @@ pub(crate) struct Generator {
     /// Source name.
     pub(crate) name: String,
     pub(crate) field: Vec<Expr>,
+}
+
+/// A holonomic constraint, φ = 0.
+#[derive(Clone)]
+pub(crate) struct Constraint {
+    /// Source name, with an index if the function returns an array.
+    pub(crate) name: String,
+    /// φ.
+    pub(crate) value: Expr,
 }
 
 /// The meanings of all symbols, indexed by symbol.
@@ -223,6 +264,7 @@ impl Symbols {
             Meaning::Start(Quantity::Position, i) => format!("q0_{i}"),
             Meaning::Start(Quantity::Momentum, i) => format!("p0_{i}"),
             Meaning::Wiener(i) => format!("dw_{i}"),
+            Meaning::End(i) => format!("p1_{i}"),
         }
     }
 }
@@ -236,10 +278,13 @@ pub(crate) struct Model {
     pub(crate) v: Vec<Symbol>,
     pub(crate) p: Vec<Symbol>,
     pub(crate) lagrangian: Expr,
+    /// What L is if it does not determine every velocity; known after the stage `system`.
+    pub(crate) degeneracy: Option<Degeneracy>,
     pub(crate) noises: Vec<NoiseTerm>,
     /// F, if there is a force.
     pub(crate) force: Option<Vec<Expr>>,
     pub(crate) symmetries: Vec<Generator>,
+    pub(crate) constraints: Vec<Constraint>,
     /// The paths that are read as constants of `std::f64::consts` and may lead elsewhere, each with the value it is read as.
     pub(crate) constants: Vec<(TokenStream, f64)>,
 }

@@ -1,5 +1,9 @@
 //! Orders of convergence, and moments of paths with noise.
 
+mod commuting;
+mod compositions;
+mod constrained;
+mod degenerate;
 mod kubo;
 mod moments;
 mod stage_noise;

@@ -2,4 +2,6 @@
 
 mod gauss;
 mod paths;
+mod planets;
+mod thermal;
 mod walks;

@@ -5,6 +5,7 @@ use quote::{ToTokens, quote};
 
 use super::lanes::lanes;
 use super::linearise::linearise;
+use super::multipliers::multipliers;
 use super::plan::plan;
 use super::step::{self, Code};
 use super::{Context, Derived, attributes, documented, private, unstructured, verbatim};
@@ -52,6 +53,14 @@ pub(crate) fn rule(
         Returns::MatrixTimesState => quote!(MatrixTimesState),
     };
     let linearise = linearise(&private, model, linearisation, symbols, arena);
+    let multipliers = multipliers(
+        &private,
+        model,
+        &scheme.reported,
+        linearisation,
+        symbols,
+        arena,
+    );
     let lanes = (context.settings.lanes && !is_unstructured)
         .then(|| lanes(scheme, model.noises.len(), symbols, &private, arena))
         .flatten();
@@ -97,6 +106,7 @@ pub(crate) fn rule(
             }
             #lanes
             #linearise
+            #multipliers
         }
         #private::derived_rule! { #self_ty, #rule_type }
     }
@@ -133,8 +143,13 @@ fn start(unknowns: &[Symbol], coordinates: usize, symbols: &Symbols) -> TokenStr
         };
         let i = Literal::usize_unsuffixed(index % coordinates);
         match family {
-            Family::Displacement | Family::AccelerationMultiplier => quote!(0f64),
-            Family::Velocity | Family::StageVelocity => quote!(velocity[#i]),
+            Family::Displacement
+            | Family::NodeDisplacement
+            | Family::Projection
+            | Family::AccelerationMultiplier
+            | Family::StartMultiplier
+            | Family::EndMultiplier => quote!(0f64),
+            Family::Velocity | Family::StageVelocity | Family::EndVelocity => quote!(velocity[#i]),
             Family::Acceleration => quote!(acceleration[#i]),
             // the multiplier of the velocity is the momentum
             Family::Momentum | Family::VelocityMultiplier => quote!(state.p[#i]),

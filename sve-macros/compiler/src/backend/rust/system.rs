@@ -10,7 +10,8 @@ use super::{Context, attributes, documented, private};
 use crate::algebra::{Arena, Expr};
 use crate::explain::SystemTexts;
 use crate::syntax::parse::Annotated;
-use crate::system::mechanics::{ForceJet, LagrangianJet, Mechanics, NoiseJet};
+use crate::system::degeneracy::{Degeneracy, Role};
+use crate::system::mechanics::{ConstraintJet, ForceJet, LagrangianJet, Mechanics, NoiseJet};
 use crate::system::model::{Model, Symbols};
 
 pub(crate) fn system(
@@ -28,13 +29,18 @@ pub(crate) fn system(
         lagrangian,
         noises,
         force,
+        constraints,
         affine_momentum,
         is_separable,
         is_additive: _,
         commutation: _,
     } = mechanics;
-    let separable = is_separable.then(|| quote!(impl #private::Separable for #self_ty {}));
-    let quadratic = (*is_separable && *affine_momentum)
+    let is_regular = model.degeneracy.is_none();
+    let separable =
+        (*is_separable && is_regular).then(|| quote!(impl #private::Separable for #self_ty {}));
+    // conditions of order for the splitting of a quadratic kinetic energy do not hold for steps that constraints couple
+    let is_free = is_regular && constraints.is_empty();
+    let quadratic = (*is_separable && *affine_momentum && is_free)
         .then(|| quote!(impl #private::QuadraticKineticEnergy for #self_ty {}));
     let [doc, jet_doc, noise_doc] = documentation(about, !noises.is_empty());
     let configuration = written(block).map(|ty| quote!(, #ty));
@@ -43,10 +49,17 @@ pub(crate) fn system(
     let force = force
         .as_ref()
         .map(|jet| force_jet(&private, jet, &n, &model.symbols, arena));
+    let constraints = constraint_jets(&private, model, constraints, arena);
     let identity = identity(model, arena, &private);
+    let roles = model.degeneracy.as_ref().map(|d| roles(d, &private));
     let parameters = model.symbols.parameters().map(|s| model.symbols.source(s));
     // the user's functions are not called by what is derived from them, and yet are not dead
-    let parts = [&block.noises, &block.forces, &block.symmetries];
+    let parts = [
+        &block.noises,
+        &block.forces,
+        &block.symmetries,
+        &block.constraints,
+    ];
     let functions = parts.into_iter().flatten().chain([&block.lagrangian]);
     let functions = functions.map(|part| &part.name);
     let constants = model
@@ -62,6 +75,7 @@ pub(crate) fn system(
         impl #private::System for #self_ty {
             type Dims = #private::Dims<#n, #m #configuration>;
             const AFFINE_MOMENTUM: bool = #affine_momentum;
+            #roles
             const PARAMETERS: &'static [&'static str] = &[#(#parameters),*];
             #identity
             #jet_doc
@@ -75,11 +89,22 @@ pub(crate) fn system(
                 #noise_body
             }
             #force
+            #constraints
         }
         #separable
         #quadratic
         #private::compositions! { #self_ty }
     }
+}
+
+/// `ROLES`, how the velocity of each coordinate occurs in a degenerate L.
+fn roles(degeneracy: &Degeneracy, private: &TokenStream) -> TokenStream {
+    let roles = degeneracy.roles.iter().map(|role| match role {
+        Role::Massive => quote!(#private::CoordinateRole::Massive),
+        Role::Massless => quote!(#private::CoordinateRole::Massless),
+        Role::Algebraic => quote!(#private::CoordinateRole::Algebraic),
+    });
+    quote!(const ROLES: &'static [#private::CoordinateRole] = &[#(#roles),*];)
 }
 
 /// Of the implementation, and of its functions for L and the noises.
@@ -172,6 +197,57 @@ fn force_jet(
             #private::ForceJet { value, dq: #dq, dv: #dv, dt }
         }
     }
+}
+
+/// `CONSTRAINTS` and `constraint_jets`; nothing where there are none.
+fn constraint_jets(
+    private: &TokenStream,
+    model: &Model,
+    jets: &[ConstraintJet],
+    arena: &Arena,
+) -> Option<TokenStream> {
+    if jets.is_empty() {
+        return None;
+    }
+    let row = |of: fn(&ConstraintJet) -> Expr| jets.iter().map(of).collect::<Vec<Expr>>();
+    let vectors = [row(|j| j.value), row(|j| j.magnitude), row(|j| j.dt)];
+    let slopes: Vec<Vec<Expr>> = jets.iter().map(|jet| jet.dq.clone()).collect();
+    let roots: Vec<Expr> = [&vectors[..], &slopes[..]].concat().concat();
+    let parts: [(&[Vec<Expr>], Vec<String>); 2] = [
+        (
+            &vectors,
+            ["value", "magnitude", "dt"].map(ToOwned::to_owned).to_vec(),
+        ),
+        (&slopes, rows("dq", jets.len())),
+    ];
+    let (statements, arrays) = Straight::new(arena, &model.symbols, &roots).finish(private, &parts);
+    let [vectors, slopes] = arrays.as_slice() else {
+        return None;
+    };
+    let names = model.constraints.iter().map(|constraint| &constraint.name);
+    let n = Literal::usize_unsuffixed(model.dof());
+    let count = Literal::usize_unsuffixed(jets.len());
+    Some(quote! {
+        const CONSTRAINTS: &'static [&'static str] = &[#(#names),*];
+        fn constraint_jets(
+            &self,
+            time: f64,
+            q: &[f64; #n],
+            visit: &mut dyn ::core::ops::FnMut(#private::ConstraintJet<#n>),
+        ) {
+            #statements
+            let [values, magnitudes, dt] = #vectors;
+            let dq = #slopes;
+            for k in 0..#count {
+                visit(#private::ConstraintJet {
+                    value: values[k],
+                    magnitude: magnitudes[k],
+                    dt: dt[k],
+                    dq: dq[k],
+                });
+            }
+        }
+    })
 }
 
 fn noise_jets(

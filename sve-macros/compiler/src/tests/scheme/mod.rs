@@ -59,7 +59,7 @@ impl Case {
     }
 
     fn scheme(&mut self) -> Scheme<Expr> {
-        let equations = equations(&self.action, &mut self.arena);
+        let equations = equations(&self.action, &self.symbols, &mut self.arena);
         let scheme = analyse(equations, &self.action, &mut self.symbols, &mut self.arena);
         scheme.unwrap_or_else(|_| panic!("{:?} is degenerate", self.system))
     }
@@ -77,7 +77,8 @@ impl Case {
             Meaning::Position(_)
             | Meaning::Velocity(_)
             | Meaning::Momentum(_)
-            | Meaning::Limit(_) => f64::NAN,
+            | Meaning::Limit(_)
+            | Meaning::End(_) => f64::NAN,
             Meaning::Unknown(unknown) => {
                 let (list, symbols) = (&self.action.internal, &self.symbols);
                 let same = |s: &&Symbol| matches!(symbols.meaning(**s), Meaning::Unknown(u) if u == unknown);
@@ -111,7 +112,7 @@ fn equations_are_derivatives_of_the_action() {
     for seed in 0..400 {
         let mut case = Case::new(seed, true);
         let n = case.system.n;
-        let mut found = equations(&case.action, &mut case.arena);
+        let mut found = equations(&case.action, &case.symbols, &mut case.arena);
         let exprs = found
             .residuals
             .iter_mut()

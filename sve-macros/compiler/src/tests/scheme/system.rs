@@ -103,10 +103,12 @@ impl System {
             noises.push(NoiseTerm {
                 name,
                 is_gamma: !*momenta,
+                is_tangent: false,
                 hamiltonian,
             });
         }
         Model {
+            degeneracy: None,
             constants: Vec::new(),
             symbols,
             time,
@@ -117,6 +119,7 @@ impl System {
             noises,
             force: None,
             symmetries: Vec::new(),
+            constraints: Vec::new(),
         }
     }
 

@@ -1,0 +1,19 @@
+use sve_runtime::prelude::*;
+
+struct System;
+
+#[variational(midpoint)]
+impl System {
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        q[1] * v[0] - q[0].powi(2) - q[1].powi(4)
+    }
+
+    #[constraint]
+    fn circle(&self, q: [f64; 2]) -> f64 {
+        q[0].powi(2) + q[1].powi(2) - 1.0
+    }
+}
+
+fn main() {
+    let _ = Integrator::new(System, Midpoint);
+}
