@@ -185,6 +185,12 @@ where
     #[inline]
     fn temperature(&self, state: &State<Q>) -> Result<f64, StepError> {
         let state = &state.to_coordinates();
+        if const { is_degenerate::<S>() } {
+            return Err(StepError::Degenerate {
+                what: "the temperature".to_owned(),
+                t: state.t,
+            });
+        }
         let v = velocity(self, state)?;
         let twice_kinetic: f64 = state.p.iter().zip(&v).map(|(p, v)| p * v).sum();
         let degrees_of_freedom = N.saturating_sub(Self::CONSTRAINTS.len());
@@ -192,7 +198,7 @@ where
         if temperature.is_finite() {
             Ok(temperature)
         } else {
-            Err(outside_a_step(SolveError::NonFinite, state))
+            Err(outside_a_step(self, SolveError::NonFinite, state))
         }
     }
 
