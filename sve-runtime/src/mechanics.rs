@@ -121,7 +121,7 @@ pub trait Mechanics: System {
     /// [`Blocking`](crate::Blocking) averages along a path, `Ensemble::average` along many.
     ///
     /// # Errors
-    /// As [`velocity`](Self::velocity).
+    /// As [`velocity`](Self::velocity); [`StepError::Degenerate`] if L is degenerate.
     fn temperature(&self, state: &StateOf<Self>) -> Result<f64, StepError>;
 
     /// The drift of the (Stratonovich) first-order form, `(v, ∂L/∂q + F)`, without the forces of constraints.

@@ -4,6 +4,8 @@
 mod constraint_breaks_a_symmetry;
 #[path = "constraint/curved_with_endpoint.rs"]
 mod constraint_curved_with_endpoint;
+#[path = "constraint/degenerate.rs"]
+mod constraint_degenerate;
 #[path = "constraint/depends_on_velocity.rs"]
 mod constraint_depends_on_velocity;
 #[path = "constraint/duplicated.rs"]

@@ -68,16 +68,21 @@ pub(crate) fn check(
     Ok(())
 }
 
-/// Checks that the momentum of a system with constraints is affine in the velocity: then the projection of the momentum is a linear equation.
+/// Checks that the momentum of a system with constraints is affine in the velocity and determines it: then the projection of the momentum is a linear equation.
 pub(crate) fn check_momentum(
     block: &Annotated,
     model: &Model,
     mechanics: &Mechanics,
 ) -> syn::Result<()> {
-    if model.constraints.is_empty() || mechanics.affine_momentum {
+    let message = if model.constraints.is_empty() {
         return Ok(());
-    }
-    let message = "constraints are for Lagrangians that are quadratic in the velocities, and ∂²L/∂v² of this one depends on v: use coordinates along the constraints";
+    } else if model.degeneracy.is_some() {
+        "constraints are for Lagrangians that determine every velocity, and ∂²L/∂v² of this one is singular: give each velocity a kinetic term, or use coordinates along the constraints"
+    } else if !mechanics.affine_momentum {
+        "constraints are for Lagrangians that are quadratic in the velocities, and ∂²L/∂v² of this one depends on v: use coordinates along the constraints"
+    } else {
+        return Ok(());
+    };
     Err(syn::Error::new(block.lagrangian.name.span(), message))
 }
 
@@ -100,7 +105,8 @@ struct Sum {
 impl Sum {
     fn vanishes(&self) -> bool {
         // an undefined value says nothing
-        !(self.value.abs() > NOT_ZERO * self.magnitude)
+        let is_undefined = self.value.is_nan() || self.magnitude.is_nan();
+        is_undefined || self.value.abs() <= NOT_ZERO * self.magnitude
     }
 }
 
