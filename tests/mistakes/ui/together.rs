@@ -40,8 +40,6 @@ mod constraint_weak2;
 mod constraint_with_arguments;
 #[path = "constraint/without_position.rs"]
 mod constraint_without_position;
-#[path = "degenerate/constraint.rs"]
-mod degenerate_constraint;
 #[path = "degenerate/coordinate_that_does_not_occur.rs"]
 mod degenerate_coordinate_that_does_not_occur;
 #[path = "degenerate/force.rs"]
