@@ -29,7 +29,7 @@ const NOT_ZERO: f64 = 1e-7;
 /// Smallest pivot of independent gradients, relative to the diagonal entry. Rounding errors of a repeated constraint are some 1e-15.
 const SMALLEST_PIVOT: f64 = 1e-10;
 
-/// Largest gradient, relative to the terms of φ over the coordinates, that counts as zero: a squared constraint has one of the size of the root of rounding.
+/// Largest gradient of φ where it vanishes, relative to that where it does not, that counts as zero: the gradient of a squared constraint has the size of the root of rounding.
 const NO_GRADIENT: f64 = 1e-5;
 
 /// Checks the constraints of a block, and corrects whether its noises commute: on the constraints.

@@ -26,7 +26,7 @@ pub(super) struct Point {
     moved: Vec<(Symbol, f64)>,
     /// For each constraint, its pivot in the elimination of `∂φ/∂q M⁻¹ ∂φ/∂qᵀ` in the order of the source, relative to the diagonal entry.
     pivots: Vec<f64>,
-    /// For each constraint, the size of its gradient relative to that of its terms over the coordinates.
+    /// For each constraint, the size of its gradient relative to that at the random start, where it does not hold.
     gradients: Vec<f64>,
 }
 
@@ -87,6 +87,7 @@ impl Seek<'_> {
             .flat_map(|c| c.dq.clone())
             .collect();
         let n = model.dof();
+        let at_start = self.values(&slopes, &point);
         for _ in 0..ITERATIONS {
             let (phi, scale) = (
                 self.values(&values, &point),
@@ -118,10 +119,9 @@ impl Seek<'_> {
         }
         let rows = self.values(&slopes, &point);
         let rows: Vec<&[f64]> = rows.chunks(n).collect();
-        let size = |list: &mut dyn Iterator<Item = f64>| list.map(|x| x * x).sum::<f64>().sqrt();
-        let of_q = size(&mut point.moved.iter().map(|m| m.1));
+        let size = |row: &[f64]| row.iter().map(|x| x * x).sum::<f64>().sqrt();
         point.gradients = (0..count)
-            .map(|k| size(&mut rows[k].iter().copied()) * of_q / scale[k].max(f64::MIN_POSITIVE))
+            .map(|k| size(rows[k]) / size(&at_start[k * n..(k + 1) * n]))
             .collect();
         let rates = self.values(&rates, &point);
         self.move_along(&mut point, &rows, &rates)?;
