@@ -251,7 +251,7 @@ fn noises_of_positions_that_do_not_commute() {
         (spin, Midpoint),
         "γ = 0.2 (S_x, S_y)",
         start,
-        20,
+        8,
         None,
     );
     table.check();
