@@ -118,7 +118,10 @@ pub use composition::{
     BlanesMoan4, BlanesMoanRkn6, Coefficients, Composed, Composition, KahanLi8,
     QuadraticKineticEnergy, Separable, Split, Splitting, Symmetric,
 };
-pub use configuration::{Configuration, Coordinates, FixedSize};
+pub use configuration::{
+    Configuration, Coordinates, FixedSize, FlatConfiguration, Flatten, VectorCoordinates,
+    VectorSpace, WithRotations,
+};
 pub use equations::{StepEquations, StepOf};
 pub use error::StepError;
 pub use integrator::{Integrator, Sensitivity, Tangent};
@@ -250,7 +253,7 @@ pub use state::State;
 /// ```
 pub use sve_macros::variational;
 pub use system::{
-    ConfigurationOf, Dimensions, Dims, FlatStateOf, ForceJet, Increments, IncrementsOf,
+    ConfigurationOf, Dimensions, Dims, FlatOf, FlatStateOf, ForceJet, Increments, IncrementsOf,
     LagrangianJet, MomentumOf, NoiseJet, StateOf, System, VectorOf,
 };
 #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
@@ -315,7 +318,9 @@ pub mod __private {
         BlockProperties, BlockSolver, Evaluation, Newton, propagated_error,
     };
     pub use crate::solve::regularity::{all_positive, cold, is_regular_within};
-    pub use crate::state::{State, in_coordinates};
+    pub use crate::configuration::WithRotations;
+    pub use crate::state::{State, in_coordinates, with_entries};
+    pub use nalgebra::UnitQuaternion;
     pub use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System};
     pub use crate::variational::Discretised;
     /// The derivatives of a step.

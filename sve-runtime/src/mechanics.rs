@@ -4,7 +4,7 @@
 //! The equations of motion are those of a stochastic Hamilton–Pontryagin system (`docs/mathematics.md`, sections 1 and 4),
 //! `dq = v dt + Σ ∂G_a/∂p ∘ dW_a`, `dp = (∂L/∂q + F) dt − Σ ∂G_a/∂q ∘ dW_a`, `p = ∂L/∂v`, with `G = −γ` or `G = H₁`.
 
-use crate::configuration::Coordinates;
+use crate::configuration::{Coordinates, FlatConfiguration, VectorSpace};
 use crate::error::{StepError, step_error};
 use crate::legendre;
 use crate::solve::SolveError;
@@ -118,7 +118,9 @@ pub trait Mechanics: System {
     fn noise(&self, state: &StateOf<Self>, dw: &IncrementsOf<Self>) -> Field<MomentumOf<Self>>;
 
     /// The Itô correction `½ Σ_a (Dg_a) g_a`: the Itô drift minus the Stratonovich drift.
-    fn ito_correction(&self, state: &StateOf<Self>) -> Field<MomentumOf<Self>>;
+    fn ito_correction(&self, state: &StateOf<Self>) -> Field<MomentumOf<Self>>
+    where
+        ConfigurationOf<Self>: VectorSpace;
 }
 
 impl<S, Q, const N: usize, const M: usize> Mechanics for S
@@ -175,11 +177,16 @@ where
     #[inline]
     fn noise(&self, state: &State<Q>, dw: &[f64; M]) -> Field<Q::Momentum> {
         let State { t, q, p } = state.to_coordinates();
-        noise_of(&self.noise_jets(t, &q, &p), dw).of::<Q>()
+        let mut noise = noise_of(&self.noise_jets(t, &q, &p), dw);
+        Q::Flat::add_transport(&p, &noise.q, &mut noise.p);
+        noise.of::<Q>()
     }
 
     #[inline]
-    fn ito_correction(&self, state: &State<Q>) -> Field<Q::Momentum> {
+    fn ito_correction(&self, state: &State<Q>) -> Field<Q::Momentum>
+    where
+        Q: VectorSpace,
+    {
         let State { t, q, p } = state.to_coordinates();
         correction_of(&self.noise_jets(t, &q, &p)).of::<Q>()
     }
@@ -189,7 +196,7 @@ where
 #[inline]
 fn velocity<S, Q, const N: usize, const M: usize>(
     system: &S,
-    state: &State<[f64; N]>,
+    state: &State<Q::Flat>,
 ) -> Result<[f64; N], StepError>
 where
     S: System<Dims = Dims<N, M, Q>>,
@@ -204,7 +211,7 @@ where
 #[inline]
 pub(crate) fn solve_drift<S, Q, const N: usize, const M: usize>(
     system: &S,
-    state: &State<[f64; N]>,
+    state: &State<Q::Flat>,
 ) -> Result<Field<[f64; N]>, SolveError>
 where
     S: System<Dims = Dims<N, M, Q>> + ?Sized,
@@ -218,6 +225,7 @@ where
             p[i] += force[i];
         }
     }
+    Q::Flat::add_transport(&state.p, &q, &mut p);
     Ok(Field { q, p })
 }
 
@@ -231,7 +239,7 @@ pub(crate) struct Motion<const N: usize> {
 #[inline]
 pub(crate) fn solve_motion<S, Q, const N: usize, const M: usize>(
     system: &S,
-    state: &State<[f64; N]>,
+    state: &State<Q::Flat>,
     v: [f64; N],
 ) -> Result<Motion<N>, SolveError>
 where
@@ -243,6 +251,7 @@ where
     // d/dt ∂L/∂v = ∂L/∂q + F:  L_vv a = L_q + F − L_vq v − L_vt
     let mut total = jet.dq;
     let mut rhs = [0.0; N];
+    Q::Flat::add_transport(&jet.dv, &v, &mut total);
     for i in 0..N {
         total[i] += force.value[i];
         rhs[i] = total[i] - jet.dvt[i];
@@ -260,6 +269,8 @@ where
             p[i] += (jet.dqv[i][j] + force.dv[i][j]) * a[j];
         }
     }
+    Q::Flat::add_transport(&total, &v, &mut p);
+    Q::Flat::add_transport(&jet.dv, &a, &mut p);
     Ok(Motion {
         first: Field { q: v, p: total },
         second: Field { q: a, p },
@@ -314,6 +325,9 @@ fn finite<const N: usize>(field: Field<[f64; N]>) -> Result<Field<[f64; N]>, Sol
 }
 
 #[cold]
-fn outside_a_step<const N: usize>(error: SolveError, state: &State<[f64; N]>) -> StepError {
+fn outside_a_step<F: FlatConfiguration<N>, const N: usize>(
+    error: SolveError,
+    state: &State<F>,
+) -> StepError {
     step_error(error, state, 0.0, &[])
 }

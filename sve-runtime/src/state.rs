@@ -2,7 +2,7 @@
 //!
 //! A state can have any numbers: every step checks that they are finite.
 
-use crate::configuration::{Configuration, Coordinates};
+use crate::configuration::{Configuration, Coordinates, FixedSize, WithRotations};
 
 /// Time, configuration and momentum of a system.
 ///
@@ -86,7 +86,7 @@ impl<Q: Configuration> State<Q> {
     /// The same state in coordinates.
     #[allow(clippy::wrong_self_convention)] // a state can be large
     #[inline(always)]
-    pub(crate) fn to_coordinates<const N: usize>(&self) -> State<[f64; N]>
+    pub(crate) fn to_coordinates<const N: usize>(&self) -> State<Q::Flat>
     where
         Q: Coordinates<N>,
     {
@@ -99,7 +99,7 @@ impl<Q: Configuration> State<Q> {
 
     /// The state with these coordinates.
     #[inline(always)]
-    pub(crate) fn from_coordinates<const N: usize>(flat: &State<[f64; N]>) -> Self
+    pub(crate) fn from_coordinates<const N: usize>(flat: &State<Q::Flat>) -> Self
     where
         Q: Coordinates<N>,
     {
@@ -113,6 +113,18 @@ impl<Q: Configuration> State<Q> {
 
 /// A state in coordinates, for generated functions.
 #[inline(always)]
-pub fn in_coordinates<Q: Coordinates<N>, const N: usize>(state: &State<Q>) -> State<[f64; N]> {
+pub fn in_coordinates<Q: Coordinates<N>, const N: usize>(state: &State<Q>) -> State<Q::Flat> {
     state.to_coordinates()
+}
+
+/// A state with the entries of its configuration in place of the configuration, for generated functions of systems with rotations.
+#[inline(always)]
+pub fn with_entries<Q: FixedSize, const E: usize, const N: usize>(
+    state: &State<WithRotations<Q, N>>,
+) -> State<[f64; E], [f64; N]> {
+    State {
+        t: state.t,
+        q: state.q.entries(),
+        p: state.p,
+    }
 }

@@ -27,7 +27,7 @@ use super::summary::Info;
 const MAGIC: &[u8; 8] = b"sve run\0";
 
 /// Version of the content.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// Bytes before the content.
 const HEADER_LENGTH: usize = MAGIC.len() + 4 + 8 + 8;

@@ -31,7 +31,7 @@ pub use fixed_point::{InverseMass, Masses, Motion, Partitioned, SecondOrder, Sta
 pub use linearise::{ByParameters, ParameterJet};
 pub use potential::{Corrected, WithPotential, with_potential};
 
-use crate::configuration::Coordinates;
+use crate::configuration::VectorCoordinates;
 use crate::linearisation::Linearisation;
 use crate::solve::SolveError;
 use crate::solve::dense;
@@ -59,7 +59,7 @@ pub fn newton_increment<Sys, Q, const S: usize, const N: usize, const M: usize, 
 ) -> Result<Solved<N, K>, SolveError>
 where
     Sys: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     Step::<_, S, N, M>::new(system, state, h, noise).solve(solver)
 }
@@ -88,7 +88,7 @@ pub fn second_order_increment<
 ) -> Result<Solved<N, K>, SolveError>
 where
     Sys: System<Dims = Dims<N, M, Q>> + SecondOrder<N, M>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     let step = Step::<_, S, N, M>::new(system, state, h, noise);
     if S >= STAGES_OF_FIXED_POINT && solver.is_fast_path() {
@@ -127,7 +127,7 @@ pub fn partitioned_increment<
 ) -> Result<Solved<N, K>, SolveError>
 where
     Sys: System<Dims = Dims<N, M, Q>> + Partitioned<N, M>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     let step = Step::<_, S, N, M>::new(system, state, h, noise);
     if S >= STAGES_OF_FIXED_POINT && solver.is_fast_path() {
@@ -148,7 +148,7 @@ fn solve_by_newton<Sys, Q, const S: usize, const N: usize, const M: usize, const
 ) -> Result<Solved<N, K>, SolveError>
 where
     Sys: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     step.solve(solver)
 }
@@ -189,7 +189,7 @@ pub fn linearise<Sys, Q, const S: usize, const N: usize, const M: usize, const K
 ) -> Linearisation
 where
     Sys: System<Dims = Dims<N, M, Q>> + ByParameters<N, M>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     Step::<_, S, N, M>::new(system, state, h, noise).linearise(unknowns)
 }
@@ -199,7 +199,7 @@ impl<const N: usize> InverseMass<N> {
     pub fn of<Sys, Q, const M: usize>(system: &Sys) -> Self
     where
         Sys: System<Dims = Dims<N, M, Q>>,
-        Q: Coordinates<N>,
+        Q: VectorCoordinates<N>,
     {
         let mass = system.lagrangian_jet(0.0, &[0.0; N], &[0.0; N]).dvv;
         let mut inverse = [[f64::NAN; N]; N];

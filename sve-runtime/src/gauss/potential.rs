@@ -6,7 +6,7 @@
 use super::linearise::{ByParameters, ParameterJet};
 use super::tableau::Tableau;
 use super::{Masses, Motion, Partitioned, SecondOrder, StageLanes};
-use crate::configuration::Coordinates;
+use crate::configuration::VectorCoordinates;
 use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System};
 
 /// A system with a potential. `E` is the number of its noises with the potential, which is the last of them.
@@ -39,7 +39,7 @@ pub fn with_potential<const S: usize, const M: usize, const E: usize>(
 impl<Sys, Q, const N: usize, const M: usize, const E: usize> System for Corrected<'_, Sys, E>
 where
     Sys: System<Dims = Dims<N, M, Q>> + WithPotential<N, E>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     type Dims = Dims<N, E, Q>;
     const AFFINE_MOMENTUM: bool = Sys::AFFINE_MOMENTUM;

@@ -4,13 +4,12 @@
 //! unchanged. Invariant: nothing is allocated except in errors, and a state that is not finite is never written.
 
 use super::DerivedStep;
-use super::accept::{add, replace};
+use super::accept::{add, refusal, replace};
 use super::rescue::{explain_step, solve_by_continuation};
-use crate::configuration::Coordinates;
+use crate::configuration::{Coordinates, FlatConfiguration};
 use crate::equations::StepEquations;
 use crate::error::StepError;
 use crate::plan::{BlockKind, Plan};
-use crate::solve::SolveError;
 use crate::solve::newton::BlockSolver;
 use crate::state::State;
 use crate::system::{Dims, System};
@@ -25,7 +24,7 @@ pub fn solve_step<S, R, Q, const N: usize, const M: usize>(
     derived: DerivedStep<'_, S, R>,
     prepared: &S::Prepared,
     memory: &mut S::Memory,
-    state: &mut State<[f64; N]>,
+    state: &mut State<Q::Flat>,
     h: f64,
     dw: &S::Increments,
 ) -> Result<S::Unknowns, StepError>
@@ -38,9 +37,11 @@ where
         .system
         .increment(prepared, memory, state, h, dw, &solver)
     {
-        Ok((q, p, x)) if S::RETURNS.is_state() && replace(state, h, &q, &p) => return Ok(x),
+        Ok((q, p, x)) if S::RETURNS.is_state() && replace(state, h, &Q::Flat::of_row(&q), &p) => {
+            return Ok(x);
+        }
         Ok((dq, dp, x)) if !S::RETURNS.is_state() && add(state, h, &dq, &dp) => return Ok(x),
-        Ok(_) => SolveError::NonFinite,
+        Ok((dq, ..)) => refusal::<Q::Flat, N>(&dq),
         Err(error) => error,
     };
     // Decided at compile time: a step without iterations keeps its state in registers.

@@ -6,10 +6,12 @@
 //! 0 = ∂S/∂x   (each internal x)        0 = ∂S/∂d − ∂S/∂q₀ − p₀        p₁ − p₀ = ∂S/∂q₀
 //! ```
 //!
+//! These are the equations of a vector; those of a rotation are in [`configuration`](crate::system::configuration).
 //! If there is a force, its work under a variation of x is added to each ∂S/∂x (Lagrange–d'Alembert principle).
 
 use crate::algebra::{Arena, Expr, Node, Symbol};
 use crate::rules::action::{Action, Work};
+use crate::system::configuration::{Block, Factor, cross, momentum_of_rotation};
 
 /// The equations of a step.
 pub(crate) struct Equations {
@@ -33,19 +35,30 @@ pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
         residuals.push(divide_out(arena, stationary, action.h));
     }
     let mut dp = Vec::new();
-    for i in 0..action.start_q.len() {
-        let end = variation(action, action.displacement[i], arena);
-        let kick = variation(action, action.start_q[i], arena);
-        let p0 = arena.symbol(action.start_p[i]);
-        let balance = arena.sum(0.0, &[(1.0, end), (-1.0, kick), (-1.0, p0)]);
-        residuals.push(balance);
-        // ∂S/∂q₀ plus a multiple of a residual. Once the residual gives ∂S/∂d − p₀. Twice the residual eliminates the force from
-        // the midpoint rule, p₁ = 2p − p₀.
-        dp.push(
-            (0..3)
-                .map(|k| arena.sum(0.0, &[(1.0, kick), (f64::from(k), balance)]))
-                .collect(),
-        );
+    for block in action.configuration.blocks() {
+        match block.factor {
+            Factor::Vector(_) => {
+                for (entry, i) in block.entries.zip(block.directions) {
+                    let end = variation(action, action.displacement[i], arena);
+                    let kick = variation(action, action.start_q[entry], arena);
+                    let p0 = arena.symbol(action.start_p[i]);
+                    let balance = arena.sum(0.0, &[(1.0, end), (-1.0, kick), (-1.0, p0)]);
+                    residuals.push(balance);
+                    // ∂S/∂q₀ plus a multiple of a residual. Once the residual gives ∂S/∂d − p₀. Twice the residual eliminates the
+                    // force from the midpoint rule, p₁ = 2p − p₀.
+                    dp.push(
+                        (0..3)
+                            .map(|k| arena.sum(0.0, &[(1.0, kick), (f64::from(k), balance)]))
+                            .collect(),
+                    );
+                }
+            }
+            Factor::Rotation => {
+                let momenta = momenta_of_rotation(action, &block, arena);
+                residuals.extend(momenta.balance);
+                dp.extend(momenta.change.into_iter().map(|change| vec![change]));
+            }
+        }
     }
     // elimination is preferred for displacements, then for multipliers, then for velocities
     let variations = action.internal.iter().chain(&action.displacement);
@@ -68,6 +81,45 @@ pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
         dq,
         dp,
     }
+}
+
+/// The equations of the momentum of a rotation.
+struct MomentaOfRotation {
+    /// Vanishes at a solution.
+    balance: Vec<Expr>,
+    /// Π₁ − Π₀.
+    change: Vec<Expr>,
+}
+
+/// Derives the momenta of a rotation from `g = ∂S/∂x` and `e`, the left-trivialised derivative by the start
+/// ([`configuration`](crate::system::configuration)): `Π₁ − Π₀ = e − x × g`.
+fn momenta_of_rotation(action: &Action, block: &Block, arena: &mut Arena) -> MomentaOfRotation {
+    let displacement = &action.displacement[block.directions.clone()];
+    let x: Vec<Expr> = displacement.iter().map(|&s| arena.symbol(s)).collect();
+    let g: Vec<Expr> = displacement
+        .iter()
+        .map(|&s| variation(action, s, arena))
+        .collect();
+    let entries: Vec<Expr> = action.start_q[block.entries.clone()]
+        .iter()
+        .map(|&s| variation(action, s, arena))
+        .collect();
+    let e = action.configuration.directions_of(block, &entries, &action.start_q, arena);
+    let start = momentum_of_rotation(1.0, &x, &g, arena);
+    let turned = cross(&x, &g, arena);
+    let mut momenta = MomentaOfRotation {
+        balance: Vec::new(),
+        change: Vec::new(),
+    };
+    for (k, i) in block.directions.clone().enumerate() {
+        let p0 = arena.symbol(action.start_p[i]);
+        let terms = [(1.0, start[k]), (-1.0, e[k]), (-1.0, p0)];
+        momenta.balance.push(arena.sum(0.0, &terms));
+        momenta
+            .change
+            .push(arena.sum(0.0, &[(1.0, e[k]), (-1.0, turned[k])]));
+    }
+    momenta
 }
 
 /// Returns `∂S/∂x` plus the work of the force.

@@ -9,6 +9,7 @@ use std::collections::{BTreeSet, HashMap};
 use super::weak2::Potential;
 use super::{Rule, RuleOption};
 use crate::algebra::{Arena, Expr, Symbol};
+use crate::system::configuration::{Configuration, Factor};
 use crate::system::model::{
     AtNode, Family, Meaning, Model, NodeQuantity, Quantity, Symbols, Unknown,
 };
@@ -23,6 +24,8 @@ pub(crate) struct Action {
     /// Variables in which the action is stationary.
     pub(crate) internal: Vec<Symbol>,
     pub(crate) work: Vec<Work>,
+    /// What the entries of the start and the components of the displacement are.
+    pub(crate) configuration: Configuration,
     /// `½ κ` of the option `weak2`, if the action has its term.
     pub(crate) half_factor: Option<f64>,
 }
@@ -66,7 +69,8 @@ pub(crate) fn discretise(
 ) -> Action {
     let n = model.dof();
     let h = symbols.declare(Meaning::StepSize);
-    let start_q = symbols.declare_all(n, |i| Meaning::Start(Quantity::Position, i));
+    let entries = model.configuration().entries();
+    let start_q = symbols.declare_all(entries, |i| Meaning::Start(Quantity::Position, i));
     let start_p = symbols.declare_all(n, |i| Meaning::Start(Quantity::Momentum, i));
     let displacement = symbols.declare_all(n, Unknown::of(Family::Displacement));
     let dw = symbols.declare_all(model.noises.len(), Meaning::Wiener);
@@ -103,6 +107,7 @@ pub(crate) fn discretise(
         displacement,
         internal,
         work,
+        configuration: model.configuration().clone(),
         half_factor: potential.map(|(half_factor, _)| half_factor),
     }
 }
@@ -166,15 +171,36 @@ impl Variables<'_> {
     /// The work of the force at a node, for a part of the step.
     pub(super) fn work(&mut self, part: f64, node: &HashMap<Symbol, Expr>) -> Vec<Work> {
         let h = self.arena.symbol(self.h);
-        let components = self.model.force.iter().flatten().zip(&self.model.q);
-        let work = components.map(|(&f, q)| {
-            let f = self.arena.substitute(f, node);
-            let impulse = self.arena.mul(h, f);
-            Work {
-                impulse: self.arena.scale(part, impulse),
-                place: node[q],
+        let Some(force) = &self.model.force else {
+            return Vec::new();
+        };
+        let mut work = Vec::new();
+        for block in self.model.configuration().blocks() {
+            let places: Vec<Expr> = self.model.q[block.entries].iter().map(|q| node[q]).collect();
+            for (k, &f) in force[block.directions].iter().enumerate() {
+                let f = self.arena.substitute(f, node);
+                let impulse = self.arena.mul(h, f);
+                let impulse = self.arena.scale(part, impulse);
+                match block.factor {
+                    Factor::Vector(_) => work.push(Work {
+                        impulse,
+                        place: places[k],
+                    }),
+                    Factor::Rotation => work.extend(self.work_of_torque(impulse, k, &places)),
+                }
             }
+        }
+        work
+    }
+
+    /// The work of a component of a torque in the body frame: with R the rotation at the node, its angle in the direction k is
+    /// `Σᵢ Rᵢₘ δRᵢₗ`, with `e_k × e_l = e_m`.
+    fn work_of_torque(&mut self, impulse: Expr, k: usize, rotation: &[Expr]) -> Vec<Work> {
+        let (l, m) = ((k + 1) % 3, (k + 2) % 3);
+        let parts = (0..3).map(|row| Work {
+            impulse: self.arena.mul(impulse, rotation[3 * m + row]),
+            place: rotation[3 * l + row],
         });
-        work.collect()
+        parts.collect()
     }
 }

@@ -1,4 +1,4 @@
-//! Which rules are for a system: errors for those that take no noise or no force, and for options that need noise.
+//! Which rules are for a system: errors for those that take no noise, no force or no rotations, and for options that need noise.
 
 use super::{Rule, names};
 use crate::errors::Errors;
@@ -25,6 +25,12 @@ pub(crate) fn check(block: &Annotated, model: &Model) -> syn::Result<()> {
                 );
                 errors.push(place, message);
             }
+        }
+        if model.configuration().has_rotations() && !rule.takes_rotations(rule.options) {
+            errors.push(
+                listed.place,
+                format!("`{name}` is not for rotations, and the configuration of this block has one: use `midpoint`, or a composition of it (`Composed::new(Midpoint, KahanLi8)`)"),
+            );
         }
         if model.force.is_some() && !rule.takes_force() {
             let others = listed_where(|rule| rule.takes_force());

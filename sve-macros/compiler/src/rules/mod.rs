@@ -142,6 +142,10 @@ pub(crate) trait Discretisation {
     fn takes_noise(&self) -> bool;
     /// Whether the rule is for systems with a force.
     fn takes_force(&self) -> bool;
+    /// Whether the rule, with these options, is for configurations with rotations.
+    fn takes_rotations(&self, _: Options) -> bool {
+        false
+    }
     /// The discrete action, with the variables in which it is stationary and the work of the force.
     fn action(&self, variables: &mut Variables<'_>) -> Discrete;
     /// How a quantity at a node of the rule is written, without its component: `q̄`.

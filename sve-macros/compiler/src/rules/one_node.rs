@@ -11,6 +11,7 @@ use std::collections::HashMap;
 use super::action::{Discrete, Variables};
 use super::{Discretisation, Features, Options, RuleOption, StrongOrder, Textbook, Weak2};
 use crate::algebra::{Expr, Symbol};
+use crate::system::configuration::{Block, Factor, midpoint_of_rotation};
 use crate::system::model::{Family, NodeQuantity, Unknown};
 
 /// A rule with one node.
@@ -70,6 +71,11 @@ impl Discretisation for OneNode {
         true
     }
 
+    fn takes_rotations(&self, options: Options) -> bool {
+        // the node in the middle is the half of the way along a geodesic; others need the Stratonovich correction on a group
+        self.place == 0.5 && !options.contain(RuleOption::Weak2)
+    }
+
     fn action(&self, x: &mut Variables<'_>) -> Discrete {
         let c = self.place;
         let n = x.model.dof();
@@ -80,15 +86,23 @@ impl Discretisation for OneNode {
         let t = x.arena.symbol(x.model.time);
         let t_node = x.arena.sum(0.0, &[(1.0, t), (c, h)]);
         node.insert(x.model.time, x.at_node(0, NodeQuantity::Time, t_node));
-        for i in 0..n {
-            let (q, d) = (
-                x.arena.symbol(x.start_q[i]),
-                x.arena.symbol(x.displacement[i]),
-            );
-            let at = x.arena.sum(0.0, &[(1.0, q), (c, d)]);
-            node.insert(x.model.q[i], x.at_node(0, NodeQuantity::Position(i), at));
-            node.insert(x.model.v[i], x.arena.symbol(v[i]));
-            node.insert(x.model.p[i], x.arena.symbol(p[i]));
+        for block in x.model.configuration().blocks() {
+            if block.factor == Factor::Rotation {
+                rotation_at_midpoint(x, &block, &mut node);
+            }
+            for (entry, i) in block.entries.zip(block.directions) {
+                if block.factor != Factor::Rotation {
+                    let (q, d) = (
+                        x.arena.symbol(x.start_q[entry]),
+                        x.arena.symbol(x.displacement[i]),
+                    );
+                    let at = x.arena.sum(0.0, &[(1.0, q), (c, d)]);
+                    let at = x.at_node(0, NodeQuantity::Position(entry), at);
+                    node.insert(x.model.q[entry], at);
+                }
+                node.insert(x.model.v[i], x.arena.symbol(v[i]));
+                node.insert(x.model.p[i], x.arena.symbol(p[i]));
+            }
         }
 
         let mut terms = vec![(1.0, x.lagrangian(&node))];
@@ -167,6 +181,24 @@ impl Discretisation for OneNode {
             notation: notation.into_iter().map(ToOwned::to_owned).collect(),
             work: system.work(time, q, "v"),
         }
+    }
+}
+
+/// Adds the entries of a rotation at the node of the midpoint rule, half of the way along the geodesic. The other rules are not for rotations
+/// ([`applicable`](super::applicable)).
+fn rotation_at_midpoint(x: &mut Variables<'_>, block: &Block, node: &mut HashMap<Symbol, Expr>) {
+    let start: Vec<Expr> = x.start_q[block.entries.clone()]
+        .iter()
+        .map(|&s| x.arena.symbol(s))
+        .collect();
+    let increment: Vec<Expr> = x.displacement[block.directions.clone()]
+        .iter()
+        .map(|&s| x.arena.symbol(s))
+        .collect();
+    let entries = midpoint_of_rotation(&start, &increment, x.arena);
+    for (entry, at) in block.entries.clone().zip(entries) {
+        let at = x.at_node(0, NodeQuantity::Position(entry), at);
+        node.insert(x.model.q[entry], at);
     }
 }
 

@@ -22,6 +22,8 @@ pub(crate) struct RoleFunction {
     pub(crate) arguments: Vec<(Pat, Type)>,
     /// Whether the first argument is the time.
     pub(crate) is_timed: bool,
+    /// Arguments of each quantity: two where a rotation stands beside a vector, otherwise one.
+    pub(crate) parts: usize,
     pub(crate) output: Type,
     /// The function as it is written.
     pub(crate) item: Rc<ImplItemFn>,
@@ -47,6 +49,13 @@ impl Annotated {
     /// The type of the coordinates, as the Lagrangian's first vector argument has it.
     pub(crate) fn coordinates(&self) -> &Type {
         &self.lagrangian.arguments[usize::from(self.lagrangian.is_timed)].1
+    }
+
+    /// The types of the configuration: one, or two where a rotation stands beside a vector.
+    pub(crate) fn configuration(&self) -> impl Iterator<Item = &Type> {
+        let lagrangian = &self.lagrangian;
+        let arguments = &lagrangian.arguments[usize::from(lagrangian.is_timed)..];
+        arguments[..lagrangian.parts].iter().map(|(_, ty)| ty)
     }
 }
 
@@ -190,7 +199,8 @@ fn role_function(function: &Rc<ImplItemFn>, role: Role) -> syn::Result<RoleFunct
             FnArg::Receiver(_) => None,
         })
         .collect();
-    let is_timed = signature::is_timed(&sig.ident, role, &arguments, &expected)?;
+    let parts = signature::parts(role, &arguments)?;
+    let is_timed = signature::is_timed(&sig.ident, role, parts, &arguments, &expected)?;
     let ReturnType::Type(_, output) = &sig.output else {
         let message = format!("`{}` returns nothing: {expected}", sig.ident);
         return Err(syn::Error::new(sig.ident.span(), message));
@@ -200,6 +210,7 @@ fn role_function(function: &Rc<ImplItemFn>, role: Role) -> syn::Result<RoleFunct
         role,
         arguments,
         is_timed,
+        parts,
         output: (**output).clone(),
         item: Rc::clone(function),
     })

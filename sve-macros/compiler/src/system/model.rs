@@ -6,6 +6,7 @@
 use proc_macro2::TokenStream;
 
 use crate::algebra::{Arena, Expr, Identity, Node, Symbol};
+use crate::system::configuration::Configuration;
 
 /// The quantity for which a symbol stands.
 #[derive(Clone, Debug)]
@@ -17,7 +18,7 @@ pub(crate) enum Meaning {
     },
     Time,
     StepSize,
-    /// Component of the configuration, velocity or momentum of the continuous system.
+    /// Entry of the configuration, component of the velocity or of the momentum of the continuous system.
     Position(usize),
     Velocity(usize),
     Momentum(usize),
@@ -29,6 +30,8 @@ pub(crate) enum Meaning {
     Unknown(Unknown),
     /// The limit of an unknown for h → 0 without noise.
     Limit(Unknown),
+    /// A parameter of rotations, on which only tests of identities depend (`Configuration::parametrised`).
+    Attitude(usize),
 }
 
 /// A quantity at a quadrature node of a rule.
@@ -166,6 +169,8 @@ pub(crate) struct Generator {
 #[derive(Clone, Default)]
 pub(crate) struct Symbols {
     meanings: Vec<Meaning>,
+    /// What the entries of the configuration and the components of velocity and momentum are.
+    pub(crate) configuration: Configuration,
 }
 
 impl Symbols {
@@ -223,6 +228,7 @@ impl Symbols {
             Meaning::Start(Quantity::Position, i) => format!("q0_{i}"),
             Meaning::Start(Quantity::Momentum, i) => format!("p0_{i}"),
             Meaning::Wiener(i) => format!("dw_{i}"),
+            Meaning::Attitude(i) => format!("attitude_{i}"),
         }
     }
 }
@@ -232,9 +238,12 @@ impl Symbols {
 pub(crate) struct Model {
     pub(crate) symbols: Symbols,
     pub(crate) time: Symbol,
+    /// The entries of the configuration.
     pub(crate) q: Vec<Symbol>,
     pub(crate) v: Vec<Symbol>,
     pub(crate) p: Vec<Symbol>,
+    /// The parameters of rotations, see [`on_rotations`](Self::on_rotations).
+    pub(crate) attitude: Vec<Symbol>,
     pub(crate) lagrangian: Expr,
     pub(crate) noises: Vec<NoiseTerm>,
     /// F, if there is a force.
@@ -246,7 +255,27 @@ pub(crate) struct Model {
 
 impl Model {
     pub(crate) fn dof(&self) -> usize {
-        self.q.len()
+        self.v.len()
+    }
+
+    pub(crate) fn configuration(&self) -> &Configuration {
+        &self.symbols.configuration
+    }
+
+    /// Returns the derivative of an expression in each direction of the configuration.
+    pub(crate) fn gradient(&self, expr: Expr, arena: &mut Arena) -> Vec<Expr> {
+        self.configuration().gradient(expr, &self.q, arena)
+    }
+
+    /// Returns an expression as a function of free parameters of the rotations. It vanishes identically if the expression vanishes for all rotations.
+    pub(crate) fn on_rotations(&self, expr: Expr, arena: &mut Arena) -> Expr {
+        if !self.configuration().has_rotations() {
+            return expr;
+        }
+        let entries = self
+            .configuration()
+            .parametrised(&self.q, &self.attitude, arena);
+        arena.substitute(expr, &entries)
     }
 
     /// The model with one more noise Hamiltonian.

@@ -1,0 +1,4 @@
+//! Rotations as configurations: rigid bodies, alone, several, and beside vectors.
+
+mod reference;
+mod systems;
