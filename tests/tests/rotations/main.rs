@@ -1,4 +1,8 @@
 //! Rotations as configurations: rigid bodies, alone, several, and beside vectors.
 
+mod charts;
+mod motion;
 mod reference;
+mod starts;
+mod symplectic;
 mod systems;

@@ -10,12 +10,12 @@ pub(crate) struct FreeBody {
 
 #[variational(midpoint)]
 impl FreeBody {
-    fn lagrangian(&self, _r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
+    pub(crate) fn lagrangian(&self, _r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
         0.5 * w.dot(&self.i.component_mul(&w))
     }
     /// Turns space about an axis.
     #[symmetry]
-    fn third_axis(&self, r: Rotation3<f64>) -> Vector3<f64> {
+    pub(crate) fn third_axis(&self, r: Rotation3<f64>) -> Vector3<f64> {
         r.inverse() * Vector3::new(0.0, 0.0, 1.0)
     }
 }
@@ -30,7 +30,7 @@ pub(crate) struct NoisyBody {
 
 #[variational(midpoint)]
 impl NoisyBody {
-    fn lagrangian(&self, _r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
+    pub(crate) fn lagrangian(&self, _r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
         0.5 * w.dot(&self.i.component_mul(&w))
     }
     #[h1]
@@ -52,7 +52,7 @@ pub(crate) struct HeavyTop {
 
 #[variational(midpoint)]
 impl HeavyTop {
-    fn lagrangian(&self, r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
+    pub(crate) fn lagrangian(&self, r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
         let axis = r * Vector3::z();
         0.5 * w.dot(&self.i.component_mul(&w)) - self.weight * axis.z
     }
@@ -72,7 +72,7 @@ pub(crate) struct SymmetricTop {
 
 #[variational(midpoint)]
 impl SymmetricTop {
-    fn lagrangian(&self, r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
+    pub(crate) fn lagrangian(&self, r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
         0.5 * (self.i.x * (w.x * w.x + w.y * w.y) + self.i.z * w.z * w.z)
             - self.weight * r.matrix()[(2, 2)]
     }
@@ -86,12 +86,12 @@ impl SymmetricTop {
     }
     /// Turns space about the vertical.
     #[symmetry]
-    fn vertical(&self, r: Rotation3<f64>) -> Vector3<f64> {
+    pub(crate) fn vertical(&self, r: Rotation3<f64>) -> Vector3<f64> {
         r.transpose() * Vector3::z()
     }
     /// Turns the body about its axis.
     #[symmetry]
-    fn figure_axis(&self, _r: Rotation3<f64>) -> Vector3<f64> {
+    pub(crate) fn figure_axis(&self, _r: Rotation3<f64>) -> Vector3<f64> {
         Vector3::new(0.0, 0.0, 1.0)
     }
 }
@@ -108,14 +108,15 @@ pub(crate) struct Tethered {
 
 #[variational(midpoint)]
 impl Tethered {
-    fn lagrangian(
+    pub(crate) fn lagrangian(
         &self,
         q: Vector3<f64>,
         r: Rotation3<f64>,
         v: Vector3<f64>,
         w: Vector3<f64>,
     ) -> f64 {
-        let end = q + r * self.at;
+        let at: Vector3<f64> = self.at;
+        let end = q + r * at;
         0.5 * self.m * v.norm_squared() + 0.5 * w.dot(&self.i.component_mul(&w))
             - 0.5 * self.k * end.norm_squared()
     }
@@ -145,7 +146,7 @@ pub(crate) struct Three {
 
 #[variational(midpoint)]
 impl Three {
-    fn lagrangian(&self, r: [Rotation3<f64>; 3], w: [Vector3<f64>; 3]) -> f64 {
+    pub(crate) fn lagrangian(&self, r: [Rotation3<f64>; 3], w: [Vector3<f64>; 3]) -> f64 {
         let mut l = 0.0;
         for b in 0..3 {
             l += 0.5 * w[b].dot(&self.i.component_mul(&w[b]));
@@ -160,7 +161,7 @@ impl Three {
     }
     /// Turns all bodies about the first axis of space.
     #[symmetry]
-    fn together(&self, r: [Rotation3<f64>; 3]) -> [Vector3<f64>; 3] {
+    pub(crate) fn together(&self, r: [Rotation3<f64>; 3]) -> [Vector3<f64>; 3] {
         r.map(|r| r.inverse() * Vector3::x())
     }
 }
@@ -176,7 +177,7 @@ pub(crate) struct Driven {
 
 #[variational(midpoint)]
 impl Driven {
-    fn lagrangian(&self, r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
+    pub(crate) fn lagrangian(&self, r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
         0.5 * w.dot(&self.i.component_mul(&w)) - self.weight * r[(2, 2)]
     }
     #[force]
