@@ -318,7 +318,7 @@ pub mod __private {
         BlockProperties, BlockSolver, Evaluation, Newton, propagated_error,
     };
     pub use crate::solve::regularity::{all_positive, cold, is_regular_within};
-    pub use crate::configuration::WithRotations;
+    pub use crate::configuration::{FixedSize, WithRotations};
     pub use crate::state::{State, in_coordinates, with_entries};
     pub use nalgebra::UnitQuaternion;
     pub use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System};

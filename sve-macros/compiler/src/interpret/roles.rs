@@ -259,11 +259,12 @@ impl Lowering<'_> {
         let [shape] = space.velocities.as_slice() else {
             return self.pair_result(function, value, space);
         };
-        if self.shape(&function.output)? != *shape {
-            if self.symbols.configuration.has_rotations() {
+        if self.symbols.configuration.has_rotations() {
+            if self.configuration_shape(&function.output)? != *shape {
                 self.report_other_result(function);
                 return None;
             }
+        } else if self.shape(&function.output)? != *shape {
             let coordinates = self.block.coordinates();
             self.errors.push(
                 function.output.span(),

@@ -166,13 +166,15 @@ impl Lowering<'_> {
                 if let Some(written) = Written::of_type(ty) {
                     return self.vector_shape(ty, &written);
                 }
-                self.errors.push(
-                    ty.span(),
-                    format!(
-                        "`{}` is not a type of coordinates: write `f64`, `[f64; N]` or a vector such as `Vector3<f64>`, by value",
-                        readable(ty)
-                    ),
-                );
+                let written = readable(ty);
+                let meant_rotation = ["Rotation", "Quaternion"].iter().any(|word| written.contains(word));
+                let expected = if meant_rotation {
+                    "a rotation is written `Rotation3<f64>`, by value, and its velocity and momentum `Vector3<f64>`"
+                } else {
+                    "write `f64`, `[f64; N]` or a vector such as `Vector3<f64>`, by value"
+                };
+                let message = format!("`{written}` is not a type of coordinates: {expected}");
+                self.errors.push(ty.span(), message);
                 None
             }
         }

@@ -77,12 +77,15 @@ pub(crate) fn parts(role: Role, arguments: &[(Pat, Type)]) -> syn::Result<usize>
     };
     let is_time = |at: usize| at == 0 && is_f64(&arguments[at].1);
     let before = (0..at).filter(|&at| !is_time(at)).count();
-    if before == 0 && arguments.len() >= at + 2 * role.quantities().len() {
+    let is_single = role.quantities().len() == 1;
+    let is_reversed = arguments.len() >= at + 4
+        || is_single && arguments.get(at + 1).is_some_and(|next| named(&next.0, "q"));
+    if before == 0 && is_reversed {
         let message = "a rotation stands behind the vector beside it: write `q: Vector3<f64>, r: Rotation3<f64>`";
         return Err(syn::Error::new(arguments[at].1.span(), message));
     }
-    let is_single = role.quantities().len() == 1 || arguments.len() < at + 3;
-    if at == 1 && is_time(0) && (!is_single || named(&arguments[0].0, "q")) {
+    let has_parts = !is_single && arguments.len() >= at + 3;
+    if at == 1 && is_time(0) && (has_parts || named(&arguments[0].0, "q")) {
         let message = "one coordinate beside a rotation is written `q: [f64; 1]`";
         return Err(syn::Error::new(arguments[0].1.span(), message));
     }
@@ -109,8 +112,17 @@ fn is_timed_with_rotations(
             1 => "one argument".to_owned(),
             n => format!("{n} arguments"),
         };
+        let hint = match role {
+            Role::Gamma if arguments.len() == 2 * parts => {
+                "; a noise that depends on the momentum is `#[h1]`"
+            }
+            Role::H1 if arguments.len() == parts => {
+                "; a noise that depends on the configuration alone is `#[gamma]`"
+            }
+            _ => "",
+        };
         let message = format!(
-            "`{name}` has {count} after `&self`: expected `{expected}` (`t: f64` may come first)"
+            "`{name}` has {count} after `&self`: expected `{expected}` (`t: f64` may come first){hint}"
         );
         return Err(syn::Error::new(name.span(), message));
     }

@@ -3,5 +3,6 @@
 mod kubo;
 mod moments;
 mod stage_noise;
+mod rotations;
 mod strong_order;
 mod weak_order;

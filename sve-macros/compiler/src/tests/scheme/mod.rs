@@ -77,7 +77,8 @@ impl Case {
             Meaning::Position(_)
             | Meaning::Velocity(_)
             | Meaning::Momentum(_)
-            | Meaning::Limit(_) => f64::NAN,
+            | Meaning::Limit(_)
+            | Meaning::Attitude(_) => f64::NAN,
             Meaning::Unknown(unknown) => {
                 let (list, symbols) = (&self.action.internal, &self.symbols);
                 let same = |s: &&Symbol| matches!(symbols.meaning(**s), Meaning::Unknown(u) if u == unknown);
