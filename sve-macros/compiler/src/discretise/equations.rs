@@ -10,8 +10,10 @@
 //! If there is a force, its work under a variation of x is added to each ∂S/∂x (Lagrange–d'Alembert principle).
 
 use crate::algebra::{Arena, Expr, Node, Symbol};
-use crate::rules::action::{Action, Work};
-use crate::system::configuration::{Block, Factor, cross, momentum_of_rotation};
+use crate::rules::action::{Action, Work, values_at_nodes};
+use crate::system::configuration::{
+    Block, Factor, cross, directions_of_rotation, momentum_at_start,
+};
 
 /// The equations of a step.
 pub(crate) struct Equations {
@@ -32,6 +34,7 @@ pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
     let mut residuals = Vec::new();
     for &x in &action.internal {
         let stationary = variation(action, x, arena);
+        let stationary = at_nodes(action, stationary, arena);
         residuals.push(divide_out(arena, stationary, action.h));
     }
     let mut dp = Vec::new();
@@ -40,7 +43,9 @@ pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
             Factor::Vector(_) => {
                 for (entry, i) in block.entries.zip(block.directions) {
                     let end = variation(action, action.displacement[i], arena);
+                    let end = at_nodes(action, end, arena);
                     let kick = variation(action, action.start_q[entry], arena);
+                    let kick = at_nodes(action, kick, arena);
                     let p0 = arena.symbol(action.start_p[i]);
                     let balance = arena.sum(0.0, &[(1.0, end), (-1.0, kick), (-1.0, p0)]);
                     residuals.push(balance);
@@ -91,8 +96,8 @@ struct MomentaOfRotation {
     change: Vec<Expr>,
 }
 
-/// Derives the momenta of a rotation from `g = ∂S/∂x` and `e`, the left-trivialised derivative by the start
-/// ([`configuration`](crate::system::configuration)): `Π₁ − Π₀ = e − x × g`.
+/// Derives the momenta of a rotation from `g = ∂S/∂x` and τ, the derivative by the rotation at the node
+/// ([`configuration`](crate::system::configuration)): `Π₁ − Π₀ = τ − x × g`.
 fn momenta_of_rotation(action: &Action, block: &Block, arena: &mut Arena) -> MomentaOfRotation {
     let displacement = &action.displacement[block.directions.clone()];
     let x: Vec<Expr> = displacement.iter().map(|&s| arena.symbol(s)).collect();
@@ -100,31 +105,54 @@ fn momenta_of_rotation(action: &Action, block: &Block, arena: &mut Arena) -> Mom
         .iter()
         .map(|&s| variation(action, s, arena))
         .collect();
-    let entries: Vec<Expr> = action.start_q[block.entries.clone()]
-        .iter()
-        .map(|&s| variation(action, s, arena))
-        .collect();
-    let e = action.configuration.directions_of(block, &entries, &action.start_q, arena);
-    let start = momentum_of_rotation(1.0, &x, &g, arena);
+    let start = momentum_at_start(&x, &g, arena);
     let turned = cross(&x, &g, arena);
-    let mut momenta = MomentaOfRotation {
-        balance: Vec::new(),
-        change: Vec::new(),
-    };
+    let mut balance: Vec<Vec<(f64, Expr)>> = Vec::new();
+    let mut change = Vec::new();
     for (k, i) in block.directions.clone().enumerate() {
         let p0 = arena.symbol(action.start_p[i]);
-        let terms = [(1.0, start[k]), (-1.0, e[k]), (-1.0, p0)];
-        momenta.balance.push(arena.sum(0.0, &terms));
-        momenta
-            .change
-            .push(arena.sum(0.0, &[(1.0, e[k]), (-1.0, turned[k])]));
+        balance.push(vec![(1.0, start[k]), (-1.0, p0)]);
+        change.push(vec![(-1.0, turned[k])]);
     }
-    momenta
+    let at_nodes = action.rotations.iter();
+    for node in at_nodes.filter(|node| node.first == block.entries.start) {
+        let slopes: Vec<Expr> = node
+            .entries
+            .iter()
+            .map(|&s| variation(action, s, arena))
+            .collect();
+        let torque = directions_of_rotation(&slopes, &node.entries, arena);
+        let across = cross(&node.half, &torque, arena);
+        for k in 0..torque.len() {
+            balance[k].extend([(-0.5, torque[k]), (-0.25, across[k])]);
+            change[k].push((1.0, torque[k]));
+        }
+    }
+    let values = values_at_nodes(&action.rotations);
+    let mut sums = |rows: Vec<Vec<(f64, Expr)>>| -> Vec<Expr> {
+        let sums = rows.into_iter().map(|terms| {
+            let sum = arena.sum(0.0, &terms);
+            arena.substitute(sum, &values)
+        });
+        sums.collect()
+    };
+    MomentaOfRotation {
+        balance: sums(balance),
+        change: sums(change),
+    }
+}
+
+/// Puts the values of the rotations at the nodes in the place of their entries.
+fn at_nodes(action: &Action, expr: Expr, arena: &mut Arena) -> Expr {
+    if action.rotations.is_empty() {
+        return expr;
+    }
+    arena.substitute(expr, &values_at_nodes(&action.rotations))
 }
 
 /// Returns `∂S/∂x` plus the work of the force.
 fn variation(action: &Action, x: Symbol, arena: &mut Arena) -> Expr {
-    let mut terms = vec![(1.0, arena.diff(action.value, x))];
+    let mut terms = vec![(1.0, arena.diff(action.varied, x))];
     for Work { impulse, place } in &action.work {
         let displacement = arena.diff(*place, x);
         terms.push((1.0, arena.mul(*impulse, displacement)));

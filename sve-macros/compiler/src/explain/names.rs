@@ -203,6 +203,7 @@ impl Notation for Names<'_> {
             Meaning::Start(Quantity::Position, i) => self.entry("q₀", "R₀", *i),
             Meaning::Start(Quantity::Momentum, i) => self.component("p₀", *i),
             Meaning::Wiener(i) => indexed("ΔW", *i, processes(self.symbols)),
+            Meaning::NodeEntry(i) => self.entry("q̄", "R̄", *i),
             Meaning::Attitude(i) => format!("attitude[{i}]"),
             Meaning::Unknown(_) | Meaning::Limit(_) => unknown(self.symbols, symbol),
         }

@@ -17,6 +17,10 @@ use crate::system::model::{
 /// A discrete action with its variables.
 pub(crate) struct Action {
     pub(crate) value: Expr,
+    /// The action as it is differentiated: a function of the entries of rotations at the nodes too, for which `value` has their values.
+    pub(crate) varied: Expr,
+    /// The rotations at the nodes.
+    pub(crate) rotations: Vec<RotationAtNode>,
     pub(crate) h: Symbol,
     pub(crate) start_q: Vec<Symbol>,
     pub(crate) start_p: Vec<Symbol>,
@@ -28,6 +32,16 @@ pub(crate) struct Action {
     pub(crate) configuration: Configuration,
     /// `½ κ` of the option `weak2`, if the action has its term.
     pub(crate) half_factor: Option<f64>,
+}
+
+/// A rotation at the node in the middle of a step.
+pub(crate) struct RotationAtNode {
+    /// Number of its first entry in the configuration.
+    pub(crate) first: usize,
+    pub(crate) entries: Vec<Symbol>,
+    pub(crate) values: Vec<Expr>,
+    /// The Cayley vector of half of the step.
+    pub(crate) half: Vec<Expr>,
 }
 
 /// Virtual work of a component of the force, Lagrange–d'Alembert: `impulse · δ place` joins δS.
@@ -44,6 +58,7 @@ pub(crate) struct Discrete {
     /// Variables in which the action is stationary.
     pub(super) internal: Vec<Symbol>,
     pub(super) work: Vec<Work>,
+    pub(super) rotations: Vec<RotationAtNode>,
 }
 
 /// The variables that every rule has.
@@ -92,15 +107,24 @@ pub(crate) fn discretise(
         value,
         internal,
         work,
+        rotations,
     } = rule.action(&mut variables);
     let Variables {
         start_q,
         displacement,
         potential,
+        arena,
         ..
     } = variables;
+    let at_nodes = if rotations.is_empty() {
+        value
+    } else {
+        arena.substitute(value, &values_at_nodes(&rotations))
+    };
     Action {
-        value,
+        value: at_nodes,
+        varied: value,
+        rotations,
         h,
         start_q,
         start_p,
@@ -110,6 +134,14 @@ pub(crate) fn discretise(
         configuration: model.configuration().clone(),
         half_factor: potential.map(|(half_factor, _)| half_factor),
     }
+}
+
+/// Returns the values of the entries of rotations at the nodes.
+pub(crate) fn values_at_nodes(rotations: &[RotationAtNode]) -> HashMap<Symbol, Expr> {
+    let pairs = rotations
+        .iter()
+        .flat_map(|r| r.entries.iter().zip(&r.values));
+    pairs.map(|(&entry, &value)| (entry, value)).collect()
 }
 
 impl Variables<'_> {

@@ -8,11 +8,11 @@
 
 use std::collections::HashMap;
 
-use super::action::{Discrete, Variables};
+use super::action::{Discrete, RotationAtNode, Variables};
 use super::{Discretisation, Features, Options, RuleOption, StrongOrder, Textbook, Weak2};
 use crate::algebra::{Expr, Symbol};
-use crate::system::configuration::{Block, Factor, midpoint_of_rotation};
-use crate::system::model::{Family, NodeQuantity, Unknown};
+use crate::system::configuration::{Block, Factor, Midpoint, midpoint_of_rotation};
+use crate::system::model::{Family, Meaning, NodeQuantity, Unknown};
 
 /// A rule with one node.
 pub(super) struct OneNode {
@@ -86,9 +86,10 @@ impl Discretisation for OneNode {
         let t = x.arena.symbol(x.model.time);
         let t_node = x.arena.sum(0.0, &[(1.0, t), (c, h)]);
         node.insert(x.model.time, x.at_node(0, NodeQuantity::Time, t_node));
+        let mut rotations = Vec::new();
         for block in x.model.configuration().blocks() {
             if block.factor == Factor::Rotation {
-                rotation_at_midpoint(x, &block, &mut node);
+                rotations.push(rotation_at_midpoint(x, &block, &mut node));
             }
             for (entry, i) in block.entries.zip(block.directions) {
                 if block.factor != Factor::Rotation {
@@ -126,6 +127,7 @@ impl Discretisation for OneNode {
             value,
             internal: v.into_iter().chain(p).collect(),
             work: x.work(1.0, &node),
+            rotations,
         }
     }
 
@@ -186,7 +188,11 @@ impl Discretisation for OneNode {
 
 /// Adds the entries of a rotation at the node of the midpoint rule, half of the way along the geodesic. The other rules are not for rotations
 /// ([`applicable`](super::applicable)).
-fn rotation_at_midpoint(x: &mut Variables<'_>, block: &Block, node: &mut HashMap<Symbol, Expr>) {
+fn rotation_at_midpoint(
+    x: &mut Variables<'_>,
+    block: &Block,
+    node: &mut HashMap<Symbol, Expr>,
+) -> RotationAtNode {
     let start: Vec<Expr> = x.start_q[block.entries.clone()]
         .iter()
         .map(|&s| x.arena.symbol(s))
@@ -195,11 +201,21 @@ fn rotation_at_midpoint(x: &mut Variables<'_>, block: &Block, node: &mut HashMap
         .iter()
         .map(|&s| x.arena.symbol(s))
         .collect();
-    let entries = midpoint_of_rotation(&start, &increment, x.arena);
+    let Midpoint { entries, half } = midpoint_of_rotation(&start, &increment, x.arena);
+    let mut rotation = RotationAtNode {
+        first: block.entries.start,
+        entries: Vec::new(),
+        values: Vec::new(),
+        half,
+    };
     for (entry, at) in block.entries.clone().zip(entries) {
-        let at = x.at_node(0, NodeQuantity::Position(entry), at);
-        node.insert(x.model.q[entry], at);
+        let symbol = x.symbols.declare(Meaning::NodeEntry(entry));
+        node.insert(x.model.q[entry], x.arena.symbol(symbol));
+        rotation.entries.push(symbol);
+        let value = x.at_node(0, NodeQuantity::Position(entry), at);
+        rotation.values.push(value);
     }
+    rotation
 }
 
 /// `Σ_a Σ_b ⟨∂G_a/∂p, ∂G_b/∂q⟩ ΔW_a ΔW_b` at a node.

@@ -21,7 +21,7 @@ use std::collections::HashMap;
 
 use crate::algebra::{Arena, Expr, Purpose, Symbol};
 use crate::discretise::equations::Equations;
-use crate::rules::action::Action;
+use crate::rules::action::{Action, values_at_nodes};
 use crate::system::model::{Meaning, Quantity, Symbols};
 pub(crate) use band::Band;
 use elimination::Reduced;
@@ -55,7 +55,8 @@ pub(crate) fn analyse(
         dp: equations.dp,
         domain: Vec::new(),
     };
-    system.domain = domain::conditions(&roots(action), system.arena);
+    let roots = roots(action, system.arena);
+    system.domain = domain::conditions(&roots, system.arena);
     system.eliminate();
     let order = system.blocks()?;
     let mut blocks = Vec::new();
@@ -128,8 +129,13 @@ pub(crate) fn unstructured(
 }
 
 /// What the functions of a step are called in: the action and the force.
-fn roots(action: &Action) -> Vec<Expr> {
-    let impulses = action.work.iter().map(|w| w.impulse);
+fn roots(action: &Action, arena: &mut Arena) -> Vec<Expr> {
+    let impulses: Vec<Expr> = action.work.iter().map(|w| w.impulse).collect();
+    let impulses = if action.rotations.is_empty() {
+        impulses
+    } else {
+        arena.substitute_all(&impulses, &values_at_nodes(&action.rotations))
+    };
     std::iter::once(action.value).chain(impulses).collect()
 }
 

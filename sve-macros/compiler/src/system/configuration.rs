@@ -4,14 +4,22 @@
 //! a vector, and the nine entries of the matrix R of a rotation, by columns. Its *directions* are its degrees of freedom: one for each
 //! coordinate, and three for a rotation, in which R moves by R ξ̂ (left trivialisation; ξ̂ a = ξ × a).
 //!
-//! The increment of a rotation is the Cayley vector x of R₀ᵀR₁, with cay(x) = 1 + (x̂ + ½ x̂²)/(1 + ¼|x|²). The chart moves with R₀, so that
-//! the derivative of an action S(R₀; x) by R₀ occurs in the momenta. With g = ∂S/∂x and e the left-trivialised derivative by R₀,
+//! The increment of a rotation is the Cayley vector x of R₀ᵀR₁, with cay(x) = 1 + (x̂ + ½ x̂²)/(1 + ¼|x|²). The chart moves with R₀. An action
+//! S(x, R̄) depends on the ends through x and the middle R̄ of the geodesic between them, R̄ = R₀ cay(y), R₁ = R̄ cay(y). If the start turns by ε₀
+//! and the end by ε₁,
 //!
 //! ```text
-//! Π₀ = g + ½ x × g + ¼ x (x·g) − e        Π₁ = g − ½ x × g + ¼ x (x·g)
+//! δx = (1 + ½ x̂ + ¼ x xᵀ) ε₁ − (1 − ½ x̂ + ¼ x xᵀ) ε₀        (R̄ᵀδR̄)^∨ = ½ (1 + ½ ŷ) ε₁ + ½ (1 − ½ ŷ) ε₀
 //! ```
 //!
-//! For a vector these are p₀ = g − e and p₁ = g. Source: Bou-Rabee, Marsden, *Hamilton–Pontryagin integrators on Lie groups* (2009).
+//! so that with g = ∂S/∂x and the left-trivialised derivative τ of S by R̄ the momenta −∂S/∂ε₀ and ∂S/∂ε₁ are
+//!
+//! ```text
+//! Π₀ = g + ½ x × g + ¼ x (x·g) − ½ τ − ¼ y × τ        Π₁ = g − ½ x × g + ¼ x (x·g) + ½ τ − ¼ y × τ
+//! ```
+//!
+//! Source: Bou-Rabee, Marsden, *Hamilton–Pontryagin integrators on Lie groups* (2009). The second variation is that of a Jacobi field on a
+//! group with a bi-invariant metric, at the middle of its geodesic.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -112,23 +120,11 @@ impl Configuration {
                 Factor::Vector(_) => gradient.extend(symbols.iter().map(|&s| arena.diff(expr, s))),
                 Factor::Rotation => {
                     let slopes: Vec<Expr> = symbols.iter().map(|&s| arena.diff(expr, s)).collect();
-                    gradient.extend((0..DIRECTIONS).map(|k| turned(&slopes, symbols, k, arena)));
+                    gradient.extend(directions_of_rotation(&slopes, symbols, arena));
                 }
             }
         }
         gradient
-    }
-
-    /// Returns the derivative in the directions of a rotation, from the derivatives by its entries.
-    pub(crate) fn directions_of(
-        &self,
-        block: &Block,
-        slopes: &[Expr],
-        entries: &[Symbol],
-        arena: &mut Arena,
-    ) -> Vec<Expr> {
-        let entries = &entries[block.entries.clone()];
-        (0..DIRECTIONS).map(|k| turned(slopes, entries, k, arena)).collect()
     }
 
     /// Returns the bracket `Σ Π·(a × b)` of the rotations, by which the Poisson bracket differs from that of a vector space.
@@ -197,44 +193,48 @@ pub(crate) struct RotationEntry {
     pub(crate) column: usize,
 }
 
-/// Returns the entries of the midpoint R₀ N of a rotation, with N² = cay(x), half of the way along a geodesic:
-/// `N = 1 + x̂/(2s) + x̂²/(4s(1 + s))` with `s = √(1 + ¼|x|²)`.
-pub(crate) fn midpoint_of_rotation(start: &[Expr], x: &[Expr], arena: &mut Arena) -> Vec<Expr> {
+/// The middle of the geodesic between two rotations.
+pub(crate) struct Midpoint {
+    /// The entries of the matrix.
+    pub(crate) entries: Vec<Expr>,
+    /// The Cayley vector of the way from the start to the middle.
+    pub(crate) half: Vec<Expr>,
+}
+
+/// Returns the midpoint R₀ cay(y) of a rotation, half of the way along a geodesic: `y = x/(1 + s)` with `s = √(1 + ¼|x|²)`, and
+/// `cay(y) = 1 + x̂/(2s) + x̂²/(4s(1 + s))`.
+pub(crate) fn midpoint_of_rotation(start: &[Expr], x: &[Expr], arena: &mut Arena) -> Midpoint {
     let squares: Vec<(f64, Expr)> = x.iter().map(|&x| (0.25, arena.pow(x, 2))).collect();
     let square = arena.sum(1.0, &squares);
     let s = arena.call(Function::Sqrt, square);
     let s = arena.opaque(s);
     let sum = arena.sum(1.0, &[(1.0, s)]);
-    let first = arena.product(&[(s, -1)]);
-    let first = arena.scale(0.5, first);
-    let second = arena.product(&[(s, -1), (sum, -1)]);
-    let second = arena.scale(0.25, second);
-    let (first, second) = (arena.opaque(first), arena.opaque(second));
-    // row by row: (N a) for each row a of R₀ is a + first (a × x) + second (a × x) × x, since a N = Nᵀ a
+    let ratio = arena.pow(sum, -1);
+    let ratio = arena.opaque(ratio);
+    let half: Vec<Expr> = x.iter().map(|&x| arena.mul(x, ratio)).collect();
+    let half: Vec<Expr> = half.into_iter().map(|y| arena.opaque(y)).collect();
+    // 1/(1 + ¼|y|²)
+    let scale = arena.product(&[(sum, 1), (s, -1)]);
+    let scale = arena.scale(0.5, scale);
+    let scale = arena.opaque(scale);
+    // row by row: cay(y)ᵀ a for each row a of R₀ is a + scale (a × y + ½ (a × y) × y)
     let mut entries = vec![arena.constant(0.0); ENTRIES];
     for row in 0..3 {
         let a: Vec<Expr> = (0..3).map(|column| start[3 * column + row]).collect();
-        let once = cross(&a, x, arena);
-        let twice = cross(&once, x, arena);
+        let once = cross(&a, &half, arena);
+        let once: Vec<Expr> = once.into_iter().map(|e| arena.opaque(e)).collect();
+        let twice = cross(&once, &half, arena);
         for column in 0..3 {
-            let terms = [
-                (1.0, a[column]),
-                (1.0, arena.mul(first, once[column])),
-                (1.0, arena.mul(second, twice[column])),
-            ];
-            entries[3 * column + row] = arena.sum(0.0, &terms);
+            let change = arena.sum(0.0, &[(1.0, once[column]), (0.5, twice[column])]);
+            let change = arena.mul(scale, change);
+            entries[3 * column + row] = arena.add(a[column], change);
         }
     }
-    entries
+    Midpoint { entries, half }
 }
 
-/// Returns `g ± ½ x × g + ¼ x (x·g)`: the momentum at the end (−) or, without the derivative by the start, at the start (+) of an increment.
-pub(crate) fn momentum_of_rotation(
-    sign: f64,
-    x: &[Expr],
-    g: &[Expr],
-    arena: &mut Arena,
-) -> Vec<Expr> {
+/// Returns `g + ½ x × g + ¼ x (x·g)`, the part of the momentum at the start that the derivative g by the increment gives.
+pub(crate) fn momentum_at_start(x: &[Expr], g: &[Expr], arena: &mut Arena) -> Vec<Expr> {
     let products: Vec<(f64, Expr)> = x
         .iter()
         .zip(g)
@@ -245,7 +245,7 @@ pub(crate) fn momentum_of_rotation(
     let across = cross(x, g, arena);
     let momentum = (0..DIRECTIONS).map(|k| {
         let along = arena.mul(x[k], along);
-        arena.sum(0.0, &[(1.0, g[k]), (0.5 * sign, across[k]), (0.25, along)])
+        arena.sum(0.0, &[(1.0, g[k]), (0.5, across[k]), (0.25, along)])
     });
     momentum.collect()
 }
@@ -294,6 +294,17 @@ fn shortening(x: &[Expr], arena: &mut Arena) -> Expr {
     let square = arena.sum(1.0, &squares);
     let scale = arena.pow(square, -1);
     arena.opaque(scale)
+}
+
+/// Returns the derivative of an expression in the directions of a rotation, from the derivatives by its entries.
+pub(crate) fn directions_of_rotation(
+    slopes: &[Expr],
+    entries: &[Symbol],
+    arena: &mut Arena,
+) -> Vec<Expr> {
+    (0..DIRECTIONS)
+        .map(|k| turned(slopes, entries, k, arena))
+        .collect()
 }
 
 /// Returns a × b.

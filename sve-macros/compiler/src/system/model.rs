@@ -30,6 +30,8 @@ pub(crate) enum Meaning {
     Unknown(Unknown),
     /// The limit of an unknown for h → 0 without noise.
     Limit(Unknown),
+    /// Entry of a rotation at a node of a rule, for which its value is substituted once the action is differentiated.
+    NodeEntry(usize),
     /// A parameter of rotations, on which only tests of identities depend (`Configuration::parametrised`).
     Attitude(usize),
 }
@@ -228,6 +230,7 @@ impl Symbols {
             Meaning::Start(Quantity::Position, i) => format!("q0_{i}"),
             Meaning::Start(Quantity::Momentum, i) => format!("p0_{i}"),
             Meaning::Wiener(i) => format!("dw_{i}"),
+            Meaning::NodeEntry(i) => format!("node_{i}"),
             Meaning::Attitude(i) => format!("attitude_{i}"),
         }
     }
