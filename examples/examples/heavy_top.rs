@@ -136,7 +136,7 @@ fn figure(motions: [&Motion; 3]) -> Figure {
         Axis::new("t", 0.0..DRAWN as f64 * H),
         Axis::new("θ", 0.0..1.6),
     )
-    .legend(Corner::TopRight);
+    .legend(Corner::TopLeft);
     for ((title, motion), color) in titles.iter().zip(motions).zip(colors) {
         let points = motion.axis.iter().enumerate();
         let points = points.map(|(k, a)| ((k + 1) as f64 * H, a.z.clamp(-1.0, 1.0).acos()));

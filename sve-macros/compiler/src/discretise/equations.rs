@@ -37,6 +37,7 @@ pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
         let stationary = at_nodes(action, stationary, arena);
         residuals.push(divide_out(arena, stationary, action.h));
     }
+    let mut variations = action.internal.clone();
     let mut dp = Vec::new();
     for block in action.configuration.blocks() {
         match block.factor {
@@ -49,6 +50,7 @@ pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
                     let p0 = arena.symbol(action.start_p[i]);
                     let balance = arena.sum(0.0, &[(1.0, end), (-1.0, kick), (-1.0, p0)]);
                     residuals.push(balance);
+                    variations.push(action.displacement[i]);
                     // ∂S/∂q₀ plus a multiple of a residual. Once the residual gives ∂S/∂d − p₀. Twice the residual eliminates the
                     // force from the midpoint rule, p₁ = 2p − p₀.
                     dp.push(
@@ -60,14 +62,15 @@ pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
             }
             Factor::Rotation => {
                 let momenta = momenta_of_rotation(action, &block, arena);
-                residuals.extend(momenta.balance);
+                // the unknowns are in descending order too, so that pivots are on the diagonal
+                residuals.extend(momenta.balance.into_iter().rev());
+                let turned = action.displacement[block.directions].iter();
+                variations.extend(turned.rev());
                 dp.extend(momenta.change.into_iter().map(|change| vec![change]));
             }
         }
     }
     // elimination is preferred for displacements, then for multipliers, then for velocities
-    let variations = action.internal.iter().chain(&action.displacement);
-    let variations = variations.copied().collect();
     let unknowns = action
         .displacement
         .iter()
