@@ -81,7 +81,11 @@ fn run(top: Top, start: State<UnitQuaternion<f64>>) -> Result<Motion, StepError>
         precession: 0.0,
     };
     let mut before = start.q * Vector3::z();
-    for (step, state) in integrator.trajectory(start, H, Wiener::new(5)).take(STEPS).enumerate() {
+    for (step, state) in integrator
+        .trajectory(start, H, Wiener::new(5))
+        .take(STEPS)
+        .enumerate()
+    {
         let state = state?;
         let axis = state.q * Vector3::z();
         if step < DRAWN {
@@ -92,9 +96,11 @@ fn run(top: Top, start: State<UnitQuaternion<f64>>) -> Result<Motion, StepError>
             *worst = worst.max((now - start).abs());
         }
         motion.energy = motion.energy.max((top.hamiltonian(&state)? - energy).abs());
-        motion.tilt = motion.tilt.max((axis.z.clamp(-1.0, 1.0).acos() - TILT).abs());
-        motion.precession += (before.x * axis.y - before.y * axis.x)
-            .atan2(before.x * axis.x + before.y * axis.y);
+        motion.tilt = motion
+            .tilt
+            .max((axis.z.clamp(-1.0, 1.0).acos() - TILT).abs());
+        motion.precession +=
+            (before.x * axis.y - before.y * axis.x).atan2(before.x * axis.x + before.y * axis.y);
         before = axis;
     }
     Ok(motion)
@@ -119,7 +125,9 @@ fn steady_precession(top: Top) -> f64 {
 fn view(title: &str, axis: &[Vector3<f64>], color: palette::Color) -> Panel {
     let points = axis.iter().map(|a| (a.x, a.y)).collect();
     let circle = (0..=200).map(|k| f64::from(k) * core::f64::consts::TAU / 200.0);
-    let start = circle.map(|a| (TILT.sin() * a.cos(), TILT.sin() * a.sin())).collect();
+    let start = circle
+        .map(|a| (TILT.sin() * a.cos(), TILT.sin() * a.sin()))
+        .collect();
     Panel::new(title, Axis::new("x", -1.0..1.0), Axis::new("y", -1.0..1.0))
         .equal()
         .with(Layer::new("start", start, Pen::dashed(palette::GREY, 1.0, (4.0, 4.0))).unlisted())
@@ -128,7 +136,11 @@ fn view(title: &str, axis: &[Vector3<f64>], color: palette::Color) -> Panel {
 
 fn figure(motions: [&Motion; 3]) -> Figure {
     let colors = [palette::BLUE, palette::GREEN, palette::VERMILION];
-    let titles = ["steady precession", "released at rest: nutation", "support shaken"];
+    let titles = [
+        "steady precession",
+        "released at rest: nutation",
+        "support shaken",
+    ];
     let views = titles.iter().zip(motions).zip(colors);
     let views = views.map(|((title, motion), color)| view(title, &motion.axis, color));
     let mut tilt = Panel::new(
@@ -176,16 +188,67 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let kept = "kept by every step, to rounding over 10⁵ steps";
     let second_order = "bounded, of the order h²";
     let checks = [
-        Check::near("steady: rate of precession", steady.precession / time, rate, 1e-3 * rate, "closed form; the error is of the order h²"),
-        Check::near("steady: change of the angle", steady.tilt, 0.0, 2e-3, second_order),
-        Check::near("momentum about the vertical, change", nutating.momenta[0], 0.0, 1e-11, kept),
-        Check::near("momentum about the axis, change", nutating.momenta[1], 0.0, 1e-11, kept),
-        Check::near("nutation: energy, change", nutating.energy, 0.0, 1e-2, second_order),
-        Check::near("shaken: momentum about the vertical, change", noisy.momenta[0], 0.0, 1e-11, kept),
-        Check::near("shaken: momentum about the axis, change", noisy.momenta[1], 0.0, 1e-11, kept),
-        Check::near("shaken: energy, change", noisy.energy, 400.0, 399.0, "the noise changes the energy"),
+        Check::near(
+            "steady: rate of precession",
+            steady.precession / time,
+            rate,
+            1e-3 * rate,
+            "closed form; the error is of the order h²",
+        ),
+        Check::near(
+            "steady: change of the angle",
+            steady.tilt,
+            0.0,
+            2e-3,
+            second_order,
+        ),
+        Check::near(
+            "momentum about the vertical, change",
+            nutating.momenta[0],
+            0.0,
+            1e-11,
+            kept,
+        ),
+        Check::near(
+            "momentum about the axis, change",
+            nutating.momenta[1],
+            0.0,
+            1e-11,
+            kept,
+        ),
+        Check::near(
+            "nutation: energy, change",
+            nutating.energy,
+            0.0,
+            1e-2,
+            second_order,
+        ),
+        Check::near(
+            "shaken: momentum about the vertical, change",
+            noisy.momenta[0],
+            0.0,
+            1e-11,
+            kept,
+        ),
+        Check::near(
+            "shaken: momentum about the axis, change",
+            noisy.momenta[1],
+            0.0,
+            1e-11,
+            kept,
+        ),
+        Check::near(
+            "shaken: energy, change",
+            noisy.energy,
+            400.0,
+            399.0,
+            "the noise changes the energy",
+        ),
     ];
-    println!("{}", check::table("heavy top, h = 0.01, 10⁵ steps", &checks));
+    println!(
+        "{}",
+        check::table("heavy top, h = 0.01, 10⁵ steps", &checks)
+    );
 
     let figure = figure([&steady, &nutating, &noisy]);
     let folder = Path::new("target/heavy_top");
@@ -194,5 +257,9 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     fs::write(folder.join("heavy_top.png"), render::png(&figure)?)?;
     println!("picture: {}", folder.join("heavy_top.svg").display());
     let is_off = checks.iter().any(Check::failed);
-    Ok(if is_off { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+    Ok(if is_off {
+        ExitCode::FAILURE
+    } else {
+        ExitCode::SUCCESS
+    })
 }

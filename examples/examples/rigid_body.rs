@@ -99,9 +99,14 @@ fn time_between_flips(i: Vector3<f64>, pi: Vector3<f64>) -> f64 {
     let twice_energy = pi.dot(&pi.component_div(&i));
     let square = pi.norm_squared();
     // the axis about which the momentum runs: that of the largest moment if |Π|² > 2 E I₂, otherwise that of the smallest
-    let (low, high) = if square > twice_energy * i.y { (i.x, i.z) } else { (i.z, i.x) };
+    let (low, high) = if square > twice_energy * i.y {
+        (i.x, i.z)
+    } else {
+        (i.z, i.x)
+    };
     let rate = ((high - i.y) * (square - twice_energy * low) / (i.x * i.y * i.z)).sqrt();
-    let m = (i.y - low) * (twice_energy * high - square) / ((high - i.y) * (square - twice_energy * low));
+    let m = (i.y - low) * (twice_energy * high - square)
+        / ((high - i.y) * (square - twice_energy * low));
     2.0 * elliptic(m) / rate
 }
 
@@ -126,11 +131,19 @@ fn curve(momenta: &[Vector3<f64>], is_front: bool) -> Vec<(f64, f64)> {
     points.collect()
 }
 
-fn sphere(title: &str, radius: f64, levels: &[Vec<Vector3<f64>>], path: &[Vector3<f64>], color: palette::Color) -> Panel {
+fn sphere(
+    title: &str,
+    radius: f64,
+    levels: &[Vec<Vector3<f64>>],
+    path: &[Vector3<f64>],
+    color: palette::Color,
+) -> Panel {
     let range = -1.08 * radius..1.08 * radius;
     let mut panel = Panel::new(title, Axis::new("", range.clone()), Axis::new("", range)).equal();
     let circle = (0..=200).map(|k| f64::from(k) * core::f64::consts::TAU / 200.0);
-    let circle = circle.map(|a| (radius * a.cos(), radius * a.sin())).collect();
+    let circle = circle
+        .map(|a| (radius * a.cos(), radius * a.sin()))
+        .collect();
     panel = panel.with(Layer::new("sphere", circle, Pen::line(palette::GREY, 1.0)).unlisted());
     for level in levels {
         let front = Layer::new("level", curve(level, true), Pen::line((205, 205, 205), 0.8));
@@ -155,8 +168,16 @@ fn figure(quiet: &Spin, noisy: &Spin, levels: &[Vec<Vector3<f64>>]) -> Figure {
         Axis::new("Π₂", -1.2 * radius..2.2 * radius),
     )
     .legend(Corner::TopRight)
-    .with(Layer::new("without noise", time(quiet), Pen::line(blue, 1.3)))
-    .with(Layer::new("with noise χ·Π", time(noisy), Pen::line(red, 1.3)));
+    .with(Layer::new(
+        "without noise",
+        time(quiet),
+        Pen::line(blue, 1.3),
+    ))
+    .with(Layer::new(
+        "with noise χ·Π",
+        time(noisy),
+        Pen::line(red, 1.3),
+    ));
     Figure {
         name: "rigid_body",
         width: 900,
@@ -206,13 +227,30 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let between = without.flips.windows(2).map(|pair| pair[1] - pair[0]);
     let between = between.sum::<f64>() / (without.flips.len() - 1) as f64;
     let exact = time_between_flips(quiet.i, start.p);
-    let gaps: Vec<f64> = with.flips.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let spread = gaps.iter().fold(0.0f64, |m, &g| m.max(g)) / gaps.iter().fold(f64::MAX, |m, &g| m.min(g));
+    let gaps: Vec<f64> = with
+        .flips
+        .windows(2)
+        .map(|pair| pair[1] - pair[0])
+        .collect();
+    let spread =
+        gaps.iter().fold(0.0f64, |m, &g| m.max(g)) / gaps.iter().fold(f64::MAX, |m, &g| m.min(g));
     let kept = "kept by every step, to rounding over 10⁵ steps";
     let checks = [
-        Check::near("Casimir |Π|², relative change", without.casimir, 0.0, 1e-12, kept),
+        Check::near(
+            "Casimir |Π|², relative change",
+            without.casimir,
+            0.0,
+            1e-12,
+            kept,
+        ),
         Check::near("… with noise", with.casimir, 0.0, 1e-12, kept),
-        Check::near("momentum in space RΠ, relative change", without.spatial, 0.0, 1e-12, kept),
+        Check::near(
+            "momentum in space RΠ, relative change",
+            without.spatial,
+            0.0,
+            1e-12,
+            kept,
+        ),
         Check::near("… with noise", with.spatial, 0.0, 1e-12, kept),
         Check::near(
             "energy, relative change",
@@ -243,7 +281,10 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
             "flips at random times",
         ),
     ];
-    println!("{}", check::table("rigid body, h = 0.01, 10⁵ steps", &checks));
+    println!(
+        "{}",
+        check::table("rigid body, h = 0.01, 10⁵ steps", &checks)
+    );
 
     let levels = levels(quiet, start.p.norm())?;
     let figure = figure(&without, &with, &levels);
@@ -253,7 +294,11 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     fs::write(folder.join("rigid_body.png"), render::png(&figure)?)?;
     println!("picture: {}", folder.join("rigid_body.svg").display());
     let is_off = checks.iter().any(Check::failed);
-    Ok(if is_off { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+    Ok(if is_off {
+        ExitCode::FAILURE
+    } else {
+        ExitCode::SUCCESS
+    })
 }
 
 /// Curves in which energy ellipsoids cut the sphere, as paths of the body without noise.

@@ -1,7 +1,7 @@
 //! Errors of steps, and the conversion of solver errors. Each message has the numbers in question and what to change.
 
-use crate::noise::NoiseError;
 use crate::configuration::FlatConfiguration;
+use crate::noise::NoiseError;
 use crate::solve::SolveError;
 use crate::state::State;
 use crate::time::is_next_time;
@@ -307,12 +307,7 @@ pub(crate) fn step_error<F: FlatConfiguration<N>, const N: usize>(
             reached,
         },
         SolveError::LargeRotation { angle } => StepError::LargeRotation { t, h, angle },
-        SolveError::Singular { iteration } => StepError::Singular {
-            t,
-            h,
-            q,
-            iteration,
-        },
+        SolveError::Singular { iteration } => StepError::Singular { t, h, q, iteration },
         // Configuration and momentum are finite, and the new time is not, or does not change. Outside of a step h is 0.
         SolveError::NonFinite if h != 0.0 && !is_next_time(t, t + h) => {
             StepError::Time { t, h, end: t + h }

@@ -299,6 +299,7 @@ pub mod __private {
     pub use crate::__derived_rule as derived_rule;
     pub use crate::composition::sequence;
     pub use crate::composition::{QuadraticKineticEnergy, Separable};
+    pub use crate::configuration::{FixedSize, WithRotations};
     pub use crate::equations::{Returns, StepEquations};
     pub use crate::error::StepError;
     pub use crate::integrator::derived::{
@@ -318,11 +319,10 @@ pub mod __private {
         BlockProperties, BlockSolver, Evaluation, Newton, propagated_error,
     };
     pub use crate::solve::regularity::{all_positive, cold, is_regular_within};
-    pub use crate::configuration::{FixedSize, WithRotations};
     pub use crate::state::{State, in_coordinates, with_entries};
-    pub use nalgebra::UnitQuaternion;
     pub use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System};
     pub use crate::variational::Discretised;
+    pub use nalgebra::UnitQuaternion;
     /// The derivatives of a step.
     pub type DMatrix = nalgebra::DMatrix<f64>;
 }

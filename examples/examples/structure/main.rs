@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 use scenes::{Facts, Scene, Visitor, every_scene};
 use sve_runtime::__private::Unstructured;
 use sve_runtime::prelude::*;
-use sve_runtime::{VectorCoordinates, Dims, StateOf, System, Variational};
+use sve_runtime::{Dims, StateOf, System, Variational, VectorCoordinates};
 
 /// Steps of a run, all from the scene's start.
 const STEPS: usize = 512;

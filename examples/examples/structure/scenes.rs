@@ -3,7 +3,9 @@
 
 use sve_runtime::__private::Unstructured;
 use sve_runtime::prelude::*;
-use sve_runtime::{BlockKind, VectorCoordinates, Dims, Operations, Plan, StateOf, System, Variational};
+use sve_runtime::{
+    BlockKind, Dims, Operations, Plan, StateOf, System, Variational, VectorCoordinates,
+};
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pendulum {

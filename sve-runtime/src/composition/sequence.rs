@@ -10,7 +10,9 @@ use crate::lanes::{LANES, Mask};
 use crate::plan::{Operations, Plan, Substeps};
 use crate::solve::newton::Newton;
 use crate::state::State;
-use crate::system::{Dimensions, Dims, FlatStateOf, IncrementLanesOf, Increments, StateLanesOf, System};
+use crate::system::{
+    Dimensions, Dims, FlatStateOf, IncrementLanesOf, Increments, StateLanesOf, System,
+};
 use crate::variational::Memory;
 
 /// A rule whose step is a sequence of steps of other rules.
@@ -233,7 +235,10 @@ where
             *w *= part;
         }
         unsolved |= K::advance_lanes(shared, number, &here, next, part * h, &dw);
-        for (t, start) in S::Dims::times(next).iter_mut().zip(S::Dims::times(&mut here)) {
+        for (t, start) in S::Dims::times(next)
+            .iter_mut()
+            .zip(S::Dims::times(&mut here))
+        {
             *t = *start + part * h;
         }
         here = *next;

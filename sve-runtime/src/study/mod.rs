@@ -363,8 +363,16 @@ fn euclidean<Q: Coordinates<N>, const N: usize>(a: &State<Q>, b: &State<Q>) -> f
     let mut sum = 0.0;
     // each coordinate with its momentum, so that the order of a vector space stays
     for i in 0..Q::ENTRIES.max(N) {
-        let q = if i < Q::ENTRIES { (a_q[i] - b_q[i]).powi(2) } else { 0.0 };
-        let p = if i < N { (a_p[i] - b_p[i]).powi(2) } else { 0.0 };
+        let q = if i < Q::ENTRIES {
+            (a_q[i] - b_q[i]).powi(2)
+        } else {
+            0.0
+        };
+        let p = if i < N {
+            (a_p[i] - b_p[i]).powi(2)
+        } else {
+            0.0
+        };
         sum += q + p;
     }
     sum.sqrt()

@@ -5,8 +5,8 @@ use std::marker::PhantomData;
 use sve_runtime::__private::Mask;
 use sve_runtime::nalgebra::DMatrix;
 use sve_runtime::{
-    VectorCoordinates, Dimensions, Dims, Discretised, IncrementLanesOf, Newton, Plan, State,
-    StateLanesOf, StepError, System, VectorOf,
+    Dimensions, Dims, Discretised, IncrementLanesOf, Newton, Plan, State, StateLanesOf, StepError,
+    System, VectorCoordinates, VectorOf,
 };
 
 /// The system `S` with configurations of the type `Q`.

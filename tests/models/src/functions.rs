@@ -3,7 +3,7 @@
 use core::fmt::Debug;
 
 use sve_runtime::prelude::*;
-use sve_runtime::{VectorCoordinates, Dims, ForceJet, LagrangianJet, NoiseJet, System};
+use sve_runtime::{Dims, ForceJet, LagrangianJet, NoiseJet, System, VectorCoordinates};
 
 use crate::oracle::Model;
 use crate::random::Random;

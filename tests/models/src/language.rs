@@ -1,6 +1,6 @@
 //! Comparison of a derived Lagrangian with the user's own function: values, and derivatives by differences.
 
-use sve_runtime::{VectorCoordinates, Dims, System};
+use sve_runtime::{Dims, System, VectorCoordinates};
 
 use crate::functions::{Lagrangian, array, lagrangian};
 use crate::random::Random;

@@ -5,7 +5,7 @@ use sve_models::models::Stirred;
 use sve_models::oracle::{charges, stirred};
 use sve_runtime::nalgebra::DMatrix;
 use sve_runtime::prelude::*;
-use sve_runtime::{VectorCoordinates, Dims, StateOf, System};
+use sve_runtime::{Dims, StateOf, System, VectorCoordinates};
 
 use crate::{DW, H, START, Six, every_type, flat, flat_field, state, system};
 

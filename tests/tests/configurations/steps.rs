@@ -8,7 +8,7 @@ use sve_models::oracle::stirred;
 use sve_runtime::baseline::{BackwardEulerMaruyama, EulerMaruyama, Heun};
 use sve_runtime::baseline::{RungeKutta4, TaylorSeries2};
 use sve_runtime::prelude::*;
-use sve_runtime::{VectorCoordinates, Dims, System};
+use sve_runtime::{Dims, System, VectorCoordinates};
 
 use crate::{DW, H, START, Six, every_type, flat, flat_field, state, system};
 

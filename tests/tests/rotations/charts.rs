@@ -38,7 +38,10 @@ impl Chart for (UnitQuaternion<f64>, Vector3<f64>) {
     const N: usize = 3;
 
     fn moved(&self, z: &[f64]) -> Self {
-        let (e, dy) = (Vector3::from_column_slice(&z[..3]), Vector3::from_column_slice(&z[3..]));
+        let (e, dy) = (
+            Vector3::from_column_slice(&z[..3]),
+            Vector3::from_column_slice(&z[3..]),
+        );
         (self.0 * cayley(e), body(e, self.1 + dy))
     }
 

@@ -3,6 +3,7 @@
 mod charts;
 mod motion;
 mod reference;
+mod runs;
 mod starts;
 mod symplectic;
 mod systems;

@@ -90,7 +90,10 @@ fn a_free_body_keeps_its_casimir_and_its_spatial_momentum() {
         errors[2] = errors[2].max((state.q.norm() - 1.0).abs());
         change = change.max((system.hamiltonian(&state).unwrap() - energy).abs());
     }
-    println!("Casimir {:e}, spatial momentum {:e}, length {:e}, energy {change}", errors[0], errors[1], errors[2]);
+    println!(
+        "Casimir {:e}, spatial momentum {:e}, length {:e}, energy {change}",
+        errors[0], errors[1], errors[2]
+    );
     assert!(errors.iter().all(|&e| e < 1e-12), "{errors:?}");
     assert!(change > 0.1, "the noise works");
 }
@@ -108,7 +111,10 @@ fn momenta_of_symmetries_are_kept() {
     assert!((system.vertical_momentum(&start) - spatial).abs() < 1e-15);
     assert!((system.figure_axis_momentum(&start) - start.p.z).abs() < 1e-15);
     let mut worst: f64 = 0.0;
-    for state in integrator.trajectory(start, 0.05, Wiener::new(3)).take(3000) {
+    for state in integrator
+        .trajectory(start, 0.05, Wiener::new(3))
+        .take(3000)
+    {
         let state = state.unwrap();
         worst = worst.max((system.vertical_momentum(&state) - spatial).abs());
         worst = worst.max((state.p.z - start.p.z).abs());
@@ -181,7 +187,10 @@ fn mechanics_of_a_body() {
     };
     let h = 1e-3;
     let (ahead, behind) = (field(h), field(-h));
-    let slope = [(ahead.q - behind.q) / (2.0 * h), (ahead.p - behind.p) / (2.0 * h)];
+    let slope = [
+        (ahead.q - behind.q) / (2.0 * h),
+        (ahead.p - behind.p) / (2.0 * h),
+    ];
     assert!((slope[0] - acceleration.q).norm() < 1e-5 && (slope[1] - acceleration.p).norm() < 1e-5);
 }
 
@@ -213,12 +222,16 @@ fn a_composition_has_order_eight() {
     let end = |steps: u32| {
         let mut state = body();
         for _ in 0..steps {
-            integrator.step(&mut state, 1.0 / f64::from(steps), &[0.0]).unwrap();
+            integrator
+                .step(&mut state, 1.0 / f64::from(steps), &[0.0])
+                .unwrap();
         }
         state
     };
     let exact = end(64);
-    let error = |steps: u32| (end(steps).q.coords - exact.q.coords).norm() + (end(steps).p - exact.p).norm();
+    let error = |steps: u32| {
+        (end(steps).q.coords - exact.q.coords).norm() + (end(steps).p - exact.p).norm()
+    };
     let errors = [error(2), error(4), error(8)];
     println!("{errors:?}");
     let order = (errors[1] / errors[2]).log2();
@@ -247,7 +260,9 @@ fn friction_takes_energy_and_a_torque_gives_it() {
     };
     let (start, h) = (body(), 1e-6);
     let mut state = start;
-    Integrator::new(driven, Midpoint).step(&mut state, h, &[]).unwrap();
+    Integrator::new(driven, Midpoint)
+        .step(&mut state, h, &[])
+        .unwrap();
     let rate = (state.p - start.p) / h;
     assert!((rate - driven.drift(&start).unwrap().p).norm() < 1e-5);
 }
@@ -260,7 +275,10 @@ fn a_step_that_turns_too_far_is_an_error() {
     let error = integrator.step(&mut state, 0.75, &[]).unwrap_err();
     assert!(matches!(error, StepError::LargeRotation { .. }), "{error}");
     let text = error.to_string();
-    assert!(text.contains("h = 7.5e-1") && text.contains("smaller h"), "{text}");
+    assert!(
+        text.contains("h = 7.5e-1") && text.contains("smaller h"),
+        "{text}"
+    );
     assert_eq!(state, start);
     integrator.step(&mut state, 0.1, &[]).unwrap();
     assert!((state.q.norm() - 1.0).abs() < 1e-15);

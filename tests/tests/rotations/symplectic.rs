@@ -11,11 +11,7 @@ use crate::systems::{Driven, FreeBody, HeavyTop, NoisyBody, SymmetricTop, Tether
 const I: Vector3<f64> = Vector3::new(1.0, 2.0, 3.0);
 
 /// Compares the tangent map of a step with differences. Returns the symplectic defects of both.
-fn check<S, Q, const N: usize, const M: usize>(
-    system: S,
-    start: State<Q>,
-    dw: [f64; M],
-) -> [f64; 2]
+fn check<S, Q, const N: usize, const M: usize>(system: S, start: State<Q>, dw: [f64; M]) -> [f64; 2]
 where
     S: Variational<Midpoint> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,

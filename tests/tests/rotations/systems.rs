@@ -35,10 +35,7 @@ impl NoisyBody {
     }
     #[h1]
     fn kicks(&self, _r: Rotation3<f64>, pi: Vector3<f64>) -> [f64; 2] {
-        [
-            self.chi.dot(&pi),
-            0.5 * pi.dot(&self.k.component_mul(&pi)),
-        ]
+        [self.chi.dot(&pi), 0.5 * pi.dot(&self.k.component_mul(&pi))]
     }
 }
 
@@ -125,13 +122,7 @@ impl Tethered {
         self.s * (q.x + q.y * r[(1, 2)])
     }
     #[h1]
-    fn kicks(
-        &self,
-        q: Vector3<f64>,
-        r: Rotation3<f64>,
-        p: Vector3<f64>,
-        pi: Vector3<f64>,
-    ) -> f64 {
+    fn kicks(&self, q: Vector3<f64>, r: Rotation3<f64>, p: Vector3<f64>, pi: Vector3<f64>) -> f64 {
         self.s * (r.inverse_transform_vector(&p).dot(&pi) + q.z * pi.x)
     }
 }

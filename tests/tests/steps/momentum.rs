@@ -8,7 +8,7 @@
 use sve_models::models::{Central, Chain, Charges, Mixed, Stretched};
 use sve_models::oracle::{central, chain, charges, mixed, stretched};
 use sve_runtime::prelude::*;
-use sve_runtime::{VectorCoordinates, Dims, System, Variational};
+use sve_runtime::{Dims, System, Variational, VectorCoordinates};
 
 const STEPS: u32 = 5000;
 

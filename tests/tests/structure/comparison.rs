@@ -65,7 +65,7 @@ mod table {
     use super::scenes::{Facts, Scene, Visitor, every_scene};
     use sve_runtime::__private::Unstructured;
     use sve_runtime::prelude::*;
-    use sve_runtime::{VectorCoordinates, Dims, System, Variational};
+    use sve_runtime::{Dims, System, Variational, VectorCoordinates};
 
     /// Scene and rule; then without structure and with it: blocks, operations, calls, additions, bytes beside the state.
     const TABLE: &[[&str; 3]] = &[

@@ -135,7 +135,9 @@ pub(crate) fn unknown(symbols: &Symbols, symbol: Symbol) -> String {
 /// A component in a direction: `v[i]`, or of a rotation `ω[i]`, with the letter for rotations in place of the letter for vectors.
 fn component(letter: &str, i: usize, symbols: &Symbols) -> String {
     let blocks = symbols.configuration.blocks();
-    let rotations = blocks.iter().filter(|block| block.factor == Factor::Rotation);
+    let rotations = blocks
+        .iter()
+        .filter(|block| block.factor == Factor::Rotation);
     let rotations: Vec<&Block> = rotations.collect();
     if let Some(number) = rotations.iter().position(|b| b.directions.contains(&i)) {
         let letter = ROTATION.iter().find(|pair| pair.0 == letter);

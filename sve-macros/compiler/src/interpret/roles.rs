@@ -28,7 +28,11 @@ impl Space {
         quantity: usize,
         symbols: &'a [Symbol],
     ) -> impl Iterator<Item = (&'a Shape, usize, &'a [Symbol])> {
-        let shapes = if quantity == 0 { &self.shapes } else { &self.velocities };
+        let shapes = if quantity == 0 {
+            &self.shapes
+        } else {
+            &self.velocities
+        };
         let mut first = 0;
         shapes.iter().enumerate().map(move |(number, shape)| {
             let from = first;

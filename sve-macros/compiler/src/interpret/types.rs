@@ -167,7 +167,9 @@ impl Lowering<'_> {
                     return self.vector_shape(ty, &written);
                 }
                 let written = readable(ty);
-                let meant_rotation = ["Rotation", "Quaternion"].iter().any(|word| written.contains(word));
+                let meant_rotation = ["Rotation", "Quaternion"]
+                    .iter()
+                    .any(|word| written.contains(word));
                 let expected = if meant_rotation {
                     "a rotation is written `Rotation3<f64>`, by value, and its velocity and momentum `Vector3<f64>`"
                 } else {

@@ -87,9 +87,7 @@ fn images(program: &Program, symbols: &Symbols, dq: &[Value]) -> HashMap<Value, 
                     None
                 }
                 // entries of a rotation are not added to
-                Meaning::Start(Quantity::Position, _)
-                    if symbols.configuration.has_rotations() =>
-                {
+                Meaning::Start(Quantity::Position, _) if symbols.configuration.has_rotations() => {
                     None
                 }
                 Meaning::Start(Quantity::Position, i) => {

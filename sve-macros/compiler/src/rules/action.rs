@@ -208,7 +208,10 @@ impl Variables<'_> {
         };
         let mut work = Vec::new();
         for block in self.model.configuration().blocks() {
-            let places: Vec<Expr> = self.model.q[block.entries].iter().map(|q| node[q]).collect();
+            let places: Vec<Expr> = self.model.q[block.entries]
+                .iter()
+                .map(|q| node[q])
+                .collect();
             for (k, &f) in force[block.directions].iter().enumerate() {
                 let f = self.arena.substitute(f, node);
                 let impulse = self.arena.mul(h, f);

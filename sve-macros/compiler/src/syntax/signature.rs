@@ -79,7 +79,10 @@ pub(crate) fn parts(role: Role, arguments: &[(Pat, Type)]) -> syn::Result<usize>
     let before = (0..at).filter(|&at| !is_time(at)).count();
     let is_single = role.quantities().len() == 1;
     let is_reversed = arguments.len() >= at + 4
-        || is_single && arguments.get(at + 1).is_some_and(|next| named(&next.0, "q"));
+        || is_single
+            && arguments
+                .get(at + 1)
+                .is_some_and(|next| named(&next.0, "q"));
     if before == 0 && is_reversed {
         let message = "a rotation stands behind the vector beside it: write `q: Vector3<f64>, r: Rotation3<f64>`";
         return Err(syn::Error::new(arguments[at].1.span(), message));
@@ -131,7 +134,9 @@ fn is_timed_with_rotations(
     let places: Vec<&str> = role
         .quantities()
         .iter()
-        .flat_map(|&quantity| &PARTS[QUANTITIES.iter().position(|q| q.0 == quantity).unwrap_or(1)][2 - parts..])
+        .flat_map(|&quantity| {
+            &PARTS[QUANTITIES.iter().position(|q| q.0 == quantity).unwrap_or(1)][2 - parts..]
+        })
         .copied()
         .collect();
     for ((pattern, _), place) in arguments.iter().zip(places) {

@@ -132,8 +132,8 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
             })
     });
     let mixed = lagrangian.dqv.iter().flatten().chain(&lagrangian.dvt);
-    let is_separable = mixed.copied().all(|entry| arena.is_zero(entry))
-        && !model.configuration().has_rotations();
+    let is_separable =
+        mixed.copied().all(|entry| arena.is_zero(entry)) && !model.configuration().has_rotations();
     let noises = model
         .noises
         .iter()

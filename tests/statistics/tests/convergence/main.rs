@@ -2,7 +2,7 @@
 
 mod kubo;
 mod moments;
-mod stage_noise;
 mod rotations;
+mod stage_noise;
 mod strong_order;
 mod weak_order;

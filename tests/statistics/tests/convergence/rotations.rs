@@ -141,13 +141,7 @@ impl Tethered {
             - 0.6 * end.norm_squared()
     }
     #[h1]
-    fn kick(
-        &self,
-        q: Vector3<f64>,
-        r: Rotation3<f64>,
-        p: Vector3<f64>,
-        pi: Vector3<f64>,
-    ) -> f64 {
+    fn kick(&self, q: Vector3<f64>, r: Rotation3<f64>, p: Vector3<f64>, pi: Vector3<f64>) -> f64 {
         self.s * (r.inverse_transform_vector(&p).dot(&pi) + q.z * pi.x)
     }
 }
@@ -223,9 +217,15 @@ fn row<S, Q, const N: usize, const M: usize>(
     let mean = slopes.iter().sum::<f64>() / BATCHES as f64;
     let variance = slopes.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (BATCHES - 1) as f64;
     let error = (variance / BATCHES as f64).sqrt();
-    println!("| {} | midpoint | {noise} | {expected} | {order:.3} ± {error:.3} |", plan.system);
+    println!(
+        "| {} | midpoint | {noise} | {expected} | {order:.3} ± {error:.3} |",
+        plan.system
+    );
     assert!(error <= LARGEST_ERROR, "{noise}: {error}");
-    assert!((order - expected).abs() <= SIGMAS * error, "{noise}: {order} ± {error}");
+    assert!(
+        (order - expected).abs() <= SIGMAS * error,
+        "{noise}: {order} ± {error}"
+    );
 }
 
 fn body() -> State<UnitQuaternion<f64>> {
@@ -265,12 +265,17 @@ fn noises_of_the_attitude() {
 fn without_noise() {
     let integrator = Integrator::new(QuietTop, Midpoint);
     let plan = integrator.plan();
-    assert_eq!((plan.strong_order, plan.deterministic_order), (StrongOrder::Deterministic, 2));
+    assert_eq!(
+        (plan.strong_order, plan.deterministic_order),
+        (StrongOrder::Deterministic, 2)
+    );
     let end = |level: u32| {
         let steps = 1_u32 << level;
         let mut state = body();
         for _ in 0..steps {
-            integrator.step(&mut state, 1.0 / f64::from(steps), &[]).unwrap();
+            integrator
+                .step(&mut state, 1.0 / f64::from(steps), &[])
+                .unwrap();
         }
         state
     };
