@@ -90,6 +90,17 @@ pub trait StepEquations<R>: System {
         next.clone_from(states);
         ALL
     }
+    /// Visits the multipliers of the constraints of a solved step: the impulses at the start of the step, then those at its end.
+    fn multipliers(
+        &self,
+        state: &FlatStateOf<Self>,
+        h: f64,
+        dw: &Self::Increments,
+        unknowns: &Self::Unknowns,
+        visit: &mut dyn FnMut(f64),
+    ) {
+        let _ = (state, h, dw, unknowns, visit);
+    }
     /// Linearises the step's equations and results around a solved step.
     fn linearise(
         &self,

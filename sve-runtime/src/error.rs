@@ -74,6 +74,89 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         reached: f64,
     },
+    /// The configuration at the start of a step does not satisfy a constraint.
+    #[error(
+        "the constraint `{constraint}` is {value:e} at t = {t}, and its terms are of size {magnitude:e}: a step starts where the constraints hold; \
+         `integrator.consistent(state)` returns the nearest state where they do"
+    )]
+    InconsistentStart {
+        /// Time.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// The constraint.
+        constraint: Box<str>,
+        /// Its value.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        value: f64,
+        /// The sum of the magnitudes of its terms.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        magnitude: f64,
+    },
+    /// The gradients of the constraints are linearly dependent, as in a linkage that is folded or stretched into a line.
+    #[error(
+        "the constraint `{constraint}` depends on those before it at t = {t}, q = {q:?} (pivot {pivot:e} of ∂φ/∂q M⁻¹ ∂φ/∂q, 1 if it were independent): \
+         the constraint forces are not determined there, as in a folded linkage; remove the constraint if it repeats others, or start elsewhere"
+    )]
+    ConstraintRank {
+        /// Time.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Configuration.
+        q: Vec<f64>,
+        /// Number of the constraint, from 0, in the order of the source.
+        k: usize,
+        /// The constraint.
+        constraint: Box<str>,
+        /// Its pivot in the elimination, relative to its diagonal entry.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        pivot: f64,
+    },
+    /// The step is longer than the curvature of the constraints allows: their solution ends within the step.
+    #[error(
+        "the step from t = {t} with h = {h:e} loses the constraints: its solution was followed to {step:.3} of h without noise and to {noise:.3} of the increments, and ends there; \
+         with the velocity of the start, h |v| = {distance:e}, the constraint `{constraint}` leaves zero by {violation:e} of its terms; take a smaller h"
+    )]
+    ConstraintLost {
+        /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Step size.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        h: f64,
+        /// Fraction of the step size up to which the solution was followed without noise.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        step: f64,
+        /// Fraction of the increments up to which the solution was followed at the whole step size.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        noise: f64,
+        /// Displacement in the step with the velocity of the start and the displacements by noise.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        distance: f64,
+        /// The constraint that is violated most after that displacement.
+        constraint: Box<str>,
+        /// Its value there, relative to the sum of the magnitudes of its terms.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        violation: f64,
+    },
+    /// No configuration near the given one satisfies the constraints.
+    #[error(
+        "no configuration on the constraints was found near q = {q:?} at t = {t}: after {iterations} Gauss–Newton steps `{constraint}` is {value:e}; \
+         start nearer to the constraints, or look at whether their parameters allow a configuration"
+    )]
+    NoConsistentState {
+        /// Time.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Configuration that was given.
+        q: Vec<f64>,
+        /// Gauss–Newton steps made.
+        iterations: u32,
+        /// The constraint that is violated most.
+        constraint: Box<str>,
+        /// Its value.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        value: f64,
+    },
     /// The momentum has no velocity that is connected with the reference velocity of the Legendre transform, rest where L is defined there.
     #[error(
         "no velocity with the momentum p = {p:?} was found at t = {t}: velocities of momenta from that of rest towards it \

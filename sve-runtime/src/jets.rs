@@ -36,6 +36,19 @@ pub struct NoiseJet<const N: usize> {
     pub dpp: [[f64; N]; N],
 }
 
+/// A holonomic constraint `φ(t, q) = 0` with its first derivatives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConstraintJet<const N: usize> {
+    /// `φ`, zero where the constraint holds.
+    pub value: f64,
+    /// The sum of the magnitudes of the terms of `φ`, to which rounding errors of `φ` are relative.
+    pub magnitude: f64,
+    /// `∂φ/∂t`.
+    pub dt: f64,
+    /// `∂φ/∂q`.
+    pub dq: [f64; N],
+}
+
 /// A force `F(t, q, v)` with its first derivatives; `dv[i][j] = ∂Fᵢ/∂vⱼ`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceJet<const N: usize> {

@@ -53,6 +53,7 @@
 //! | see the equations and the cost of a step | [`Integrator::plan`], [`Plan`] |
 //! | differentiate a step with respect to its start and the parameters | [`Integrator::tangent`], [`Integrator::sensitivity`] |
 //! | drive it with noise | [`noise`]: [`Wiener`](noise::Wiener), [`ThreePoint`](noise::ThreePoint), [`Recorded`](noise::Recorded), [`Truncated`](noise::Truncated), [`FromRng`](noise::FromRng), [`NoNoise`](noise::NoNoise) |
+//! | put a start onto the constraints, see their forces | [`Integrator::consistent`], [`Integrator::constraint_forces`] |
 //! | evaluate energy, momentum, velocity, drift | [`Mechanics`] |
 //! | compare with other methods | [`baseline`] |
 //! | measure what an error costs, method by method | `study::Study`, with the feature `study` |
@@ -84,6 +85,7 @@ mod angle_addition;
 pub mod baseline;
 mod composition;
 mod configuration;
+mod constraints;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 mod equations;
@@ -122,6 +124,7 @@ pub use configuration::{
     Configuration, Coordinates, FixedSize, FlatConfiguration, Flatten, VectorCoordinates,
     VectorSpace, WithRotations,
 };
+pub use constraints::{ConstraintForce, ConstraintForces};
 pub use equations::{StepEquations, StepOf};
 pub use error::StepError;
 pub use integrator::{Integrator, Sensitivity, Tangent};
@@ -253,13 +256,13 @@ pub use state::State;
 /// ```
 pub use sve_macros::variational;
 pub use system::{
-    ConfigurationOf, Dimensions, Dims, FlatOf, FlatStateOf, ForceJet, Increments, IncrementsOf,
-    LagrangianJet, MomentumOf, NoiseJet, StateOf, System, VectorOf,
+    ConfigurationOf, ConstraintJet, Dimensions, Dims, FlatOf, FlatStateOf, ForceJet, Increments,
+    IncrementsOf, LagrangianJet, MomentumOf, NoiseJet, StateOf, System, VectorOf,
 };
 #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
 pub use system::{IncrementLanesOf, StateLanesOf};
 pub use trajectory::{RefinedTrajectory, Refinements, Snapshot, Trajectory};
-pub use variational::{DerivedFor, Discretised, Memory, Variational};
+pub use variational::{ConstraintImpulses, DerivedFor, Discretised, Memory, Variational};
 
 /// The items that a program imports to integrate a system: `use sve_runtime::prelude::*;`.
 pub mod prelude {
@@ -304,6 +307,7 @@ pub mod __private {
     pub use crate::error::StepError;
     pub use crate::integrator::derived::{
         DerivedStep, count_iterations, solve_compensated_step, solve_step, solve_with_derivatives,
+        solve_with_impulses,
     };
     pub use crate::lanes::Mask;
     pub use crate::linearisation::{Entries, Linearisation};
@@ -320,7 +324,7 @@ pub mod __private {
     };
     pub use crate::solve::regularity::{all_positive, cold, is_regular_within};
     pub use crate::state::{State, in_coordinates, with_entries};
-    pub use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System};
+    pub use crate::system::{ConstraintJet, Dims, ForceJet, LagrangianJet, NoiseJet, System};
     pub use crate::variational::Discretised;
     pub use nalgebra::UnitQuaternion;
     /// The derivatives of a step.

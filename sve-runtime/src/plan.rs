@@ -153,7 +153,8 @@ pub struct Plan {
     /// Operations of a step that a trajectory does not repeat, since it carries their results from the step before: the force at the end of a step is
     /// that at the start of the next.
     pub carried: Operations,
-    /// Operations for each iteration of all Newton blocks, with the linear solves.
+    /// Operations for each iteration of all Newton blocks, with the linear solves. For a [`Gauss`](crate::Gauss) rule those of a sweep over the stages: an iteration of its fixed point, or the
+    /// residuals of Newton's method without the Jacobian and the linear solve.
     pub iteration: Operations,
     /// The mathematics of the step.
     pub formulas: Formulas,

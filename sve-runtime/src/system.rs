@@ -5,7 +5,7 @@
 
 use core::marker::PhantomData;
 
-pub use crate::jets::{ForceJet, LagrangianJet, NoiseJet};
+pub use crate::jets::{ConstraintJet, ForceJet, LagrangianJet, NoiseJet};
 
 use crate::configuration::{Configuration, Coordinates, FixedSize, FlatConfiguration};
 use crate::lanes::{Lane, LaneStates};
@@ -58,6 +58,8 @@ pub trait Dimensions {
     type NoiseJets;
     /// [`ForceJet<N>`](ForceJet).
     type ForceJet;
+    /// [`ConstraintJet<N>`](ConstraintJet).
+    type ConstraintJet;
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     /// All increments of all lanes zero.
     const NO_INCREMENT_LANES: Self::IncrementLanes;
@@ -88,6 +90,7 @@ impl<const N: usize, const M: usize, Q: Coordinates<N>> Dimensions for Dims<N, M
     type LagrangianJet = LagrangianJet<N>;
     type NoiseJets = [NoiseJet<N>; M];
     type ForceJet = ForceJet<N>;
+    type ConstraintJet = ConstraintJet<N>;
     const NO_FORCE: ForceJet<N> = ForceJet {
         value: [0.0; N],
         dq: [[0.0; N]; N],
@@ -147,6 +150,8 @@ pub trait System {
     const FORCED: bool = false;
     /// The parameters, as the source has them: `m`, `l[0]`, `body.mass`.
     const PARAMETERS: &'static [&'static str] = &[];
+    /// The constraints, by the names of their functions: `rod`, `rods[0]`.
+    const CONSTRAINTS: &'static [&'static str] = &[];
     /// A hash of the formulas of L, the noises and the force, by which shards and checkpoints of ensembles are recognised.
     const FORMULAS: u64 = 0;
     /// Visits the values of the parameters, in the order of [`PARAMETERS`](Self::PARAMETERS).
@@ -178,6 +183,15 @@ pub trait System {
         let _ = (t, q, v);
         <Self::Dims as Dimensions>::NO_FORCE
     }
+    /// Visits the constraints with their first derivatives, in the order of [`CONSTRAINTS`](Self::CONSTRAINTS).
+    fn constraint_jets(
+        &self,
+        t: f64,
+        q: &FlatOf<Self>,
+        visit: &mut dyn FnMut(<Self::Dims as Dimensions>::ConstraintJet),
+    ) {
+        let _ = (t, q, visit);
+    }
 }
 
 #[diagnostic::do_not_recommend]
@@ -186,6 +200,7 @@ impl<S: System> System for &S {
     const AFFINE_MOMENTUM: bool = S::AFFINE_MOMENTUM;
     const FORCED: bool = S::FORCED;
     const PARAMETERS: &'static [&'static str] = S::PARAMETERS;
+    const CONSTRAINTS: &'static [&'static str] = S::CONSTRAINTS;
     const FORMULAS: u64 = S::FORMULAS;
 
     fn parameters(&self, visit: &mut dyn FnMut(f64)) {
@@ -220,5 +235,14 @@ impl<S: System> System for &S {
         v: &VectorOf<S>,
     ) -> <S::Dims as Dimensions>::ForceJet {
         (**self).force_jet(t, q, v)
+    }
+
+    fn constraint_jets(
+        &self,
+        t: f64,
+        q: &FlatOf<S>,
+        visit: &mut dyn FnMut(<S::Dims as Dimensions>::ConstraintJet),
+    ) {
+        (**self).constraint_jets(t, q, visit);
     }
 }

@@ -161,6 +161,41 @@ pub trait Variational<R>: Discretised<R, Increments = IncrementsOf<Self>> {}
 
 impl<S: Discretised<R, Increments = IncrementsOf<S>>, R> Variational<R> for S {}
 
+/// A system with a step of the rule `R` that tells the impulses of its constraints: every derived rule, and no composition.
+#[diagnostic::on_unimplemented(
+    message = "the step of the rule `{R}` tells no forces of constraints",
+    label = "a composition has forces in each of its substeps",
+    note = "ask an integrator with one of the rules of the attribute"
+)]
+pub trait ConstraintImpulses<R>: Discretised<R> {
+    /// Makes one step and visits the multipliers of the constraints: all at the start of the step, then all at its end.
+    ///
+    /// # Errors
+    /// As [`advance`](Discretised::advance).
+    fn advance_with_impulses(
+        &self,
+        newton: &Newton,
+        state: &mut FlatStateOf<Self>,
+        h: f64,
+        dw: &Self::Increments,
+        visit: &mut dyn FnMut(f64),
+    ) -> Result<(), StepError>;
+}
+
+#[diagnostic::do_not_recommend]
+impl<S: ConstraintImpulses<R>, R> ConstraintImpulses<R> for &S {
+    fn advance_with_impulses(
+        &self,
+        newton: &Newton,
+        state: &mut FlatStateOf<S>,
+        h: f64,
+        dw: &S::Increments,
+        visit: &mut dyn FnMut(f64),
+    ) -> Result<(), StepError> {
+        (**self).advance_with_impulses(newton, state, h, dw, visit)
+    }
+}
+
 /// A rule that has been derived for the system `S`.
 ///
 /// [`Integrator::new`](crate::Integrator::new) requires this trait and not `S: Discretised<R>`: with a single derived rule the compiler would

@@ -24,6 +24,7 @@ use crate::syntax::nesting;
 use crate::syntax::parse::{self, Annotated};
 use crate::syntax::recovery;
 use crate::syntax::roles;
+use crate::system::constraints;
 use crate::system::mechanics::{self, Mechanics};
 use crate::system::model::{Meaning, Model};
 use crate::system::regular;
@@ -118,7 +119,7 @@ fn derive(
         Some((block, model))
     });
     mistaken.clone_from(errors.places());
-    let Some((block, model)) = errors.finish(read)? else {
+    let Some((block, mut model)) = errors.finish(read)? else {
         return Err(syn::Error::new(
             Span::call_site(),
             "this block cannot be read",
@@ -126,15 +127,23 @@ fn derive(
     };
     applicable::check(&block, &model)?;
     check_size(&block, &model)?;
-    let budget = Budget {
-        block: &block,
-        model: &model,
-        work,
-    };
     arena.grant(work);
-    let mut mechanics = budget.stage(&mut arena, |arena| mechanics::mechanics(&model, arena))?;
+    let mut mechanics = {
+        let budget = Budget::new(&block, &model, work);
+        let mechanics = budget.stage(&mut arena, |arena| mechanics::mechanics(&model, arena))?;
+        budget.stage(&mut arena, |arena| {
+            regular::check(&block, &model, &mechanics, arena)
+        })??;
+        mechanics
+    };
+    constraints::check_momentum(&block, &model, &mechanics)?;
+    if constraints::with_tangent_noises(&block, &mut model, &mechanics, &mut arena)? {
+        let budget = Budget::new(&block, &model, work);
+        mechanics = budget.stage(&mut arena, |arena| mechanics::mechanics(&model, arena))?;
+    }
+    let budget = Budget::new(&block, &model, work);
     budget.stage(&mut arena, |arena| {
-        regular::check(&block, &model, &mechanics, arena)
+        constraints::check(&block, &model, &mut mechanics, arena)
     })??;
     let momenta = budget.stage(&mut arena, |arena| symmetry::check(&block, &model, arena))??;
     // Rules with a potential come last: what is made for it must not change the order of terms in others, and so their rounding.
@@ -254,7 +263,7 @@ fn step(
     let mut symbols = budget.model.symbols.clone();
     let (action, scheme) = budget.stage(arena, |arena| {
         let action = action::discretise(rule, budget.model, potential, &mut symbols, arena);
-        let equations = equations::equations(&action, arena);
+        let equations = equations::equations(&action, &symbols, arena);
         let scheme = if is_unstructured {
             Ok(structure::unstructured(equations, &mut symbols, arena))
         } else {
@@ -303,7 +312,11 @@ struct Budget<'a> {
     work: usize,
 }
 
-impl Budget<'_> {
+impl<'a> Budget<'a> {
+    fn new(block: &'a Annotated, model: &'a Model, work: usize) -> Self {
+        Self { block, model, work }
+    }
+
     /// Runs a stage. Returns an error if the work that was granted is used up.
     fn stage<T>(&self, arena: &mut Arena, run: impl FnOnce(&mut Arena) -> T) -> syn::Result<T> {
         let result = run(arena);

@@ -45,6 +45,7 @@ macro_rules! method_by_increment {
 
             #[inline]
             fn prepare(&self, h: f64) -> Result<(), crate::error::StepError> {
+                const { crate::constraints::assert_unconstrained::<S>() }
                 crate::integrator::accept::check_step_size(h)
             }
 

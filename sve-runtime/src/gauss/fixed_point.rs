@@ -4,7 +4,7 @@
 //! contract. A sweep is partitioned (Gauss–Seidel): impulses and momenta from the positions, then positions from the new momenta.
 //!
 //! - [`solve_second_order`]: L = ½⟨v, Mv⟩ − V(t, q) with constant M, a force and noises of the position alone. Only impulses are iterated,
-//!   `Q_i = q₀ + h (c_i M⁻¹p₀ + Σ_j η_ij M⁻¹F_j)`.
+//!   `Q_i = q₀ + h c_i M⁻¹p₀ + Σ_j h η_ij M⁻¹F_j`.
 //! - [`solve_partitioned`]: ∂L/∂v affine in v; masses, force and noises of any form.
 //!
 //! Both run with the widest vectors of the machine. Their loops have no branches, and their functions are those for lanes.
@@ -13,9 +13,9 @@
 
 use super::convergence::{Course, Verdict};
 use super::newton::{Solved, displacement, moves_position, velocity};
+use super::scaled::{Scaled, SecondOrderCoefficients};
 use super::stages::{Rows, at_stages, inverse_size, larger, product, relative_change, sum};
 use super::step::Step;
-use super::tableau::Tableau;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::system::System;
 
@@ -79,10 +79,6 @@ pub struct Motion<const S: usize, const N: usize> {
     pub displacements: [[f64; S]; N],
 }
 
-/// The inverse of a constant mass matrix; NaN if it has none.
-#[derive(Clone, Copy, Debug)]
-pub struct InverseMass<const N: usize>(pub(super) [[f64; N]; N]);
-
 /// Solves a step of a system of second order from the impulses of the step before, or from the motion with constant velocity. Returns the impulses
 /// beside the solution, or nothing if the iteration does not contract.
 pub(super) fn solve_second_order<
@@ -93,7 +89,7 @@ pub(super) fn solve_second_order<
     const K: usize,
 >(
     step: &Step<'_, Sys, S, N, M>,
-    inverse_mass: &InverseMass<N>,
+    coefficients: &SecondOrderCoefficients<S, N>,
     before: Option<&Rows<S, N>>,
 ) -> Option<(Solved<N, K>, Rows<S, N>)>
 where
@@ -101,7 +97,7 @@ where
 {
     dispatch(SecondOrderIteration::<_, S, N, M, K> {
         step,
-        inverse_mass: &inverse_mass.0,
+        coefficients,
         before,
     })
 }
@@ -109,7 +105,7 @@ where
 struct SecondOrderIteration<'a, Sys, const S: usize, const N: usize, const M: usize, const K: usize>
 {
     step: &'a Step<'a, Sys, S, N, M>,
-    inverse_mass: &'a [[f64; N]; N],
+    coefficients: &'a SecondOrderCoefficients<S, N>,
     /// The impulses of the step before.
     before: Option<&'a Rows<S, N>>,
 }
@@ -123,22 +119,25 @@ where
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let Step {
-            state, h, tableau, ..
-        } = *self.step;
-        let Tableau { c, rest, .. } = tableau;
+        let Step { state, tableau, .. } = *self.step;
+        let Scaled {
+            nodes,
+            rest,
+            second_order,
+            second_order_ahead,
+        } = &self.coefficients.scaled;
         let start = self.velocity(&state.p.map(|p| [p]));
-        // The motion with constant velocity, relative to the start and in units of the step.
+        // The motion with constant velocity, relative to the start.
         let mut free = [[0.0; S]; N];
         for n in 0..N {
             for i in 0..S {
-                free[n][i] = c[i] * start[n][0];
+                free[n][i] = nodes[i] * start[n][0];
             }
         }
         let none = [[0.0; S]; N];
         let mut moves = match self.before {
-            Some(impulses) => self.moves(&free, &tableau.second_order_ahead, impulses),
-            None => self.moves(&free, &tableau.second_order, &none),
+            Some(impulses) => self.moves(&free, second_order_ahead, impulses),
+            None => self.moves(&free, second_order, &none),
         };
         let mut inverse_sizes = [0.0; N];
         for n in 0..N {
@@ -147,7 +146,7 @@ where
         let mut course = Course::new();
         loop {
             let impulses = self.step.system.impulses(&self.step.lanes(&moves));
-            let next = self.moves(&free, &tableau.second_order, &impulses);
+            let next = self.moves(&free, second_order, &impulses);
             let change = relative_change(&mut moves, &next, &inverse_sizes);
             moves = next;
             match course.judge(change) {
@@ -172,7 +171,8 @@ where
             for i in 0..S {
                 x[velocity::<S>(i, n)] = start[n][0] + velocities[n][i];
             }
-            dq[n] = h * (start[n][0] + late[n][0]);
+            // h = h c₁ + h (1 − c₁): what is added to the position has more digits than the momentum
+            dq[n] = nodes[0] * start[n][0] + (rest[0] * start[n][0] + late[n][0]);
             dp[n] = sum(&impulses[n]);
         }
         Some(((dq, dp, x), impulses))
@@ -184,7 +184,7 @@ impl<Sys, const S: usize, const N: usize, const M: usize, const K: usize>
 where
     Sys: SecondOrder<N, M>,
 {
-    /// Positions relative to the start, `h (free + M⁻¹ Σ_j η_ij F_j)`, for the columns of η.
+    /// Positions relative to the start, `free + M⁻¹ Σ_j h η_ij F_j`, for the columns of `h η`.
     #[inline(always)]
     fn moves(
         &self,
@@ -192,13 +192,12 @@ where
         second_order: &[[f64; S]; S],
         impulses: &Rows<S, N>,
     ) -> Rows<S, N> {
-        let h = self.step.h;
         let mut moves = [[0.0; S]; N];
         if Sys::HAS_DIAGONAL_MASS {
             for n in 0..N {
                 let pushed = product(second_order, &impulses[n]);
                 for i in 0..S {
-                    moves[n][i] = h * (free[n][i] + self.inverse_mass[n][n] * pushed[i]);
+                    moves[n][i] = free[n][i] + self.coefficients.inverse_mass[n][n] * pushed[i];
                 }
             }
             return moves;
@@ -209,7 +208,7 @@ where
         let mut moves = self.velocity(&moves);
         for n in 0..N {
             for i in 0..S {
-                moves[n][i] = h * (free[n][i] + moves[n][i]);
+                moves[n][i] += free[n][i];
             }
         }
         moves
@@ -218,16 +217,17 @@ where
     /// The velocities of some momenta.
     #[inline(always)]
     fn velocity<const L: usize>(&self, momenta: &Rows<L, N>) -> Rows<L, N> {
+        let inverse_mass = &self.coefficients.inverse_mass;
         let mut velocities = [[0.0; L]; N];
         for n in 0..N {
             if Sys::HAS_DIAGONAL_MASS {
                 for i in 0..L {
-                    velocities[n][i] = self.inverse_mass[n][n] * momenta[n][i];
+                    velocities[n][i] = inverse_mass[n][n] * momenta[n][i];
                 }
             } else {
                 for m in 0..N {
                     for i in 0..L {
-                        velocities[n][i] += self.inverse_mass[n][m] * momenta[m][i];
+                        velocities[n][i] += inverse_mass[n][m] * momenta[m][i];
                     }
                 }
             }

@@ -5,7 +5,7 @@
 //! | `nodes.rs`, `double_double.rs`, `tableau.rs` | the coefficients, computed by the compiler |
 //! | `step.rs` | a step: its equations, and the forces at a stage |
 //! | `newton.rs` | Newton's method for the equations of all stages |
-//! | `fixed_point.rs`, `stages.rs`, `convergence.rs` | fixed-point iteration with the stages in lanes |
+//! | `fixed_point.rs`, `scaled.rs`, `stages.rs`, `convergence.rs` | fixed-point iteration with the stages in lanes |
 //! | `stage_noise.rs` | increments at the stages |
 //! | `memory.rs` | what a trajectory carries from step to step |
 //! | `linearise.rs` | the linearised step |
@@ -22,19 +22,20 @@ mod memory;
 mod newton;
 mod nodes;
 mod potential;
+mod scaled;
 pub(crate) mod stage_noise;
 mod stages;
 mod step;
 mod tableau;
 
-pub use fixed_point::{InverseMass, Masses, Motion, Partitioned, SecondOrder, StageLanes};
+pub use fixed_point::{Masses, Motion, Partitioned, SecondOrder, StageLanes};
 pub use linearise::{ByParameters, ParameterJet};
 pub use potential::{Corrected, WithPotential, with_potential};
+pub use scaled::SecondOrderCoefficients;
 
 use crate::configuration::VectorCoordinates;
 use crate::linearisation::Linearisation;
 use crate::solve::SolveError;
-use crate::solve::dense;
 use crate::solve::newton::BlockSolver;
 use crate::state::State;
 use crate::system::{Dims, System};
@@ -79,7 +80,7 @@ pub fn second_order_increment<
     const L: usize,
 >(
     system: &Sys,
-    inverse_mass: &InverseMass<N>,
+    coefficients: &SecondOrderCoefficients<S, N>,
     memory: &mut Option<[f64; L]>,
     state: &State<[f64; N]>,
     h: f64,
@@ -94,7 +95,7 @@ where
     if S >= STAGES_OF_FIXED_POINT && solver.is_fast_path() {
         let solve = |before: Option<&[_; 1]>| {
             let before = before.map(|[impulses]| impulses);
-            let (solved, impulses) = fixed_point::solve_second_order(&step, inverse_mass, before)?;
+            let (solved, impulses) = fixed_point::solve_second_order(&step, coefficients, before)?;
             Some((solved, [impulses]))
         };
         if let Some(solved) = solve_from_memory(memory, h, solve) {
@@ -192,26 +193,4 @@ where
     Q: VectorCoordinates<N>,
 {
     Step::<_, S, N, M>::new(system, state, h, noise).linearise(unknowns)
-}
-
-impl<const N: usize> InverseMass<N> {
-    /// The inverse of the constant mass matrix of a system.
-    pub fn of<Sys, Q, const M: usize>(system: &Sys) -> Self
-    where
-        Sys: System<Dims = Dims<N, M, Q>>,
-        Q: VectorCoordinates<N>,
-    {
-        let mass = system.lagrangian_jet(0.0, &[0.0; N], &[0.0; N]).dvv;
-        let mut inverse = [[f64::NAN; N]; N];
-        for column in 0..N {
-            let mut unit = [0.0; N];
-            unit[column] = 1.0;
-            if let Some(solution) = dense::solve(&mass, &unit) {
-                for row in 0..N {
-                    inverse[row][column] = solution[row];
-                }
-            }
-        }
-        Self(inverse)
-    }
 }

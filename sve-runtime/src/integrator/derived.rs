@@ -75,11 +75,48 @@ where
     (0..=max_iterations).find(|&limit| increment(limit) == Some(step))
 }
 
+/// Makes one step and visits the multipliers of the constraints.
+///
+/// # Errors
+/// As [`Discretised::advance`](crate::Discretised::advance).
+pub fn solve_with_impulses<S, R, Q, const N: usize, const M: usize>(
+    derived: DerivedStep<'_, S, R>,
+    state: &mut State<Q::Flat>,
+    h: f64,
+    dw: &S::Increments,
+    visit: &mut dyn FnMut(f64),
+) -> Result<(), crate::error::StepError>
+where
+    S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    let system = derived.system;
+    let start = *state;
+    let memory = &mut S::Memory::none();
+    let unknowns = solve_step(derived, &system.prepare(h), memory, state, h, dw)?;
+    system.multipliers(&start, h, dw, &unknowns, visit);
+    Ok(())
+}
+
 /// Implements [`Discretised`](crate::Discretised) for a system with the [`StepEquations`] of a rule.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __derived_rule {
     ($system:ty, $rule:ty) => {
+        impl $crate::ConstraintImpulses<$rule> for $system {
+            fn advance_with_impulses(
+                &self,
+                newton: &$crate::Newton,
+                state: &mut $crate::FlatStateOf<Self>,
+                h: f64,
+                dw: &<Self as $crate::Discretised<$rule>>::Increments,
+                visit: &mut dyn ::core::ops::FnMut(f64),
+            ) -> ::core::result::Result<(), $crate::StepError> {
+                let derived = $crate::__private::DerivedStep::<Self, $rule>::new(self, newton);
+                $crate::__private::solve_with_impulses(derived, state, h, dw, visit)
+            }
+        }
+
         impl $crate::Discretised<$rule> for $system {
             type Increments = <Self as $crate::__private::StepEquations<$rule>>::Increments;
             type Prepared = <Self as $crate::__private::StepEquations<$rule>>::Prepared;

@@ -6,6 +6,7 @@ use super::DerivedStep;
 use super::accept::{add, refusal, replace};
 use super::continuation::{self, ContinuationError};
 use crate::configuration::{Coordinates, FlatConfiguration};
+use crate::constraints::explain::constraint_error;
 use crate::equations::StepEquations;
 use crate::error::{StepError, step_error};
 use crate::solve::SolveError;
@@ -43,13 +44,14 @@ where
             Err(failure)
         }
         Err(ContinuationError::PathEnds { step, noise }) => {
-            return Err(StepError::BranchLost {
+            let lost = StepError::BranchLost {
                 t: state.t,
                 h,
                 dw: dw.as_ref().to_vec(),
                 step,
                 reached: noise,
-            });
+            };
+            return Err(constraint_error(system, &lost, state, h, dw.as_ref()).unwrap_or(lost));
         }
         Err(ContinuationError::NoStart(SolveError::Singular { .. })) => {
             let solver = BlockSolver::unchecked(derived.newton);
@@ -86,6 +88,9 @@ where
     Q: Coordinates<N>,
 {
     let plain = step_error(error, state, h, dw.as_ref());
+    if let Some(error) = constraint_error(derived.system, &plain, state, h, dw.as_ref()) {
+        return error;
+    }
     match (error, plain) {
         (SolveError::OutsideDomain { condition }, StepError::NonFiniteResult { t, h, q, .. }) => {
             let condition = S::DOMAIN.get(condition).copied().unwrap_or("L is defined");

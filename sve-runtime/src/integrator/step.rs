@@ -10,6 +10,7 @@ use crate::configuration::{Coordinates, FlatConfiguration};
 use crate::equations::StepEquations;
 use crate::error::StepError;
 use crate::plan::{BlockKind, Plan};
+use crate::solve::SolveError;
 use crate::solve::newton::BlockSolver;
 use crate::state::State;
 use crate::system::{Dims, System};
@@ -17,9 +18,11 @@ use crate::variational::Memory;
 
 /// Makes one step. Returns the unknowns of its blocks.
 ///
+/// A step without iterations is short: where it is called it becomes part of the loop, which then keeps state and memory in registers.
+///
 /// # Errors
 /// As [`Discretised::advance`](crate::Discretised::advance).
-#[inline]
+#[inline(always)]
 pub fn solve_step<S, R, Q, const N: usize, const M: usize>(
     derived: DerivedStep<'_, S, R>,
     prepared: &S::Prepared,
@@ -32,26 +35,68 @@ where
     S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    let solver = BlockSolver::new(derived.newton);
-    let error = match derived
-        .system
-        .increment(prepared, memory, state, h, dw, &solver)
-    {
-        Ok((q, p, x)) if S::RETURNS.is_state() && replace(state, h, &Q::Flat::of_row(&q), &p) => {
-            return Ok(x);
-        }
-        Ok((dq, dp, x)) if !S::RETURNS.is_state() && add(state, h, &dq, &dp) => return Ok(x),
-        Ok((dq, ..)) => refusal::<Q::Flat, N>(&dq),
-        Err(error) => error,
-    };
-    // Decided at compile time: a step without iterations keeps its state in registers.
     if const { iterates(S::PLAN) } {
-        let (end, x) = solve_by_continuation(derived, error, &{ *state }, h, &{ *dw })?;
-        *state = end;
-        *memory = S::Memory::none();
-        return Ok(x);
+        return solve_iterating_step(derived, prepared, memory, state, h, dw);
     }
-    Err(explain_step(derived, error, &{ *state }, h, &{ *dw }))
+    match fast_step(derived, prepared, memory, state, h, dw) {
+        Ok(x) => Ok(x),
+        Err(error) => Err(explain_step(derived, error, &{ *state }, h, &{ *dw })),
+    }
+}
+
+/// Makes one step with iterations, which are followed from the limit of no noise and h → 0 where they fail.
+#[inline]
+fn solve_iterating_step<S, R, Q, const N: usize, const M: usize>(
+    derived: DerivedStep<'_, S, R>,
+    prepared: &S::Prepared,
+    memory: &mut S::Memory,
+    state: &mut State<Q::Flat>,
+    h: f64,
+    dw: &S::Increments,
+) -> Result<S::Unknowns, StepError>
+where
+    S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    match fast_step(derived, prepared, memory, state, h, dw) {
+        Ok(x) => Ok(x),
+        Err(error) => {
+            let (end, x) = solve_by_continuation(derived, error, &{ *state }, h, &{ *dw })?;
+            *state = end;
+            *memory = S::Memory::none();
+            Ok(x)
+        }
+    }
+}
+
+/// Solves the equations and changes the state, if the result is finite.
+#[inline(always)]
+fn fast_step<S, R, Q, const N: usize, const M: usize>(
+    derived: DerivedStep<'_, S, R>,
+    prepared: &S::Prepared,
+    memory: &mut S::Memory,
+    state: &mut State<Q::Flat>,
+    h: f64,
+    dw: &S::Increments,
+) -> Result<S::Unknowns, SolveError>
+where
+    S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    let solver = BlockSolver::new(derived.newton);
+    let (q, p, x) = derived
+        .system
+        .increment(prepared, memory, state, h, dw, &solver)?;
+    let is_accepted = if S::RETURNS.is_state() {
+        replace(state, h, &Q::Flat::of_row(&q), &p)
+    } else {
+        add(state, h, &q, &p)
+    };
+    if is_accepted {
+        Ok(x)
+    } else {
+        Err(refusal::<Q::Flat, N>(&q))
+    }
 }
 
 /// Returns whether a block of the step is solved by Newton's method.

@@ -89,7 +89,7 @@ impl DyadicInterval {
 impl Wiener {
     /// Returns the increments over the two halves of an interval of length `h`, for a process whose increment over the interval is `whole`.
     ///
-    /// They sum to `whole` up to rounding, and have the conditional distribution of a Brownian path. If `h` is negative or NaN, returns NaN.
+    /// They sum to `whole` up to rounding, and have the conditional distribution of a Brownian path with variance |h|. If `h` is NaN, returns NaN.
     ///
     /// ```
     /// use sve_runtime::noise::{DyadicInterval, Wiener};

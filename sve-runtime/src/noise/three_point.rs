@@ -44,7 +44,7 @@ impl ThreePoint {
         Self(self.0.path(path))
     }
 
-    /// Returns the increment of a process (from 0) over step number `step` (from 0) of length `h`. If `h` is negative or NaN, returns NaN or 0.
+    /// Returns the increment of a process (from 0) over step number `step` (from 0) of length `h`. Its variance is |h|. If `h` is NaN, returns NaN or 0.
     #[inline]
     pub fn increment(&self, step: u64, process: usize, h: f64) -> f64 {
         self.0.increment(step, process, h)

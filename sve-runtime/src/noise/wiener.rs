@@ -65,7 +65,7 @@ impl Wiener {
     /// Returns the increment of a process (from 0) over step number `step` (from 0) of length `h`.
     ///
     /// It equals the one from [`Noise::increments`], and costs four times as much in a sequence of steps.
-    /// If `h` is negative or NaN, returns NaN.
+    /// Its variance is |h|. If `h` is NaN, returns NaN.
     #[inline]
     pub fn increment(&self, step: u64, process: usize, h: f64) -> f64 {
         self.0.increment(step, process, h)

@@ -37,7 +37,14 @@ fn every_other_file_is_compiled_with_the_rest() {
     let together = fs::read_to_string(root.join("together.rs")).expect("a file");
     let mut count = 0;
     for stage in [
-        "force", "language", "model", "noise", "parse", "rotation", "symmetry",
+        "constraint",
+        "force",
+        "language",
+        "model",
+        "noise",
+        "parse",
+        "rotation",
+        "symmetry",
     ] {
         for entry in fs::read_dir(root.join(stage)).expect("a folder") {
             let path = entry.expect("an entry").path();

@@ -1,5 +1,45 @@
 //! Files with one mistake or a few each, compiled at once: each error is the one of its file, and no other follows.
 
+#[path = "constraint/breaks_a_symmetry.rs"]
+mod constraint_breaks_a_symmetry;
+#[path = "constraint/curved_with_endpoint.rs"]
+mod constraint_curved_with_endpoint;
+#[path = "constraint/depends_on_velocity.rs"]
+mod constraint_depends_on_velocity;
+#[path = "constraint/duplicated.rs"]
+mod constraint_duplicated;
+#[path = "constraint/gauss.rs"]
+mod constraint_gauss;
+#[path = "constraint/misspelt.rs"]
+mod constraint_misspelt;
+#[path = "constraint/no_configuration.rs"]
+mod constraint_no_configuration;
+#[path = "constraint/not_smooth.rs"]
+mod constraint_not_smooth;
+#[path = "constraint/not_tangent.rs"]
+mod constraint_not_tangent;
+#[path = "constraint/other_argument_of_h1.rs"]
+mod constraint_other_argument_of_h1;
+#[path = "constraint/other_length.rs"]
+mod constraint_other_length;
+#[path = "constraint/relativistic.rs"]
+mod constraint_relativistic;
+#[path = "constraint/returns_a_matrix.rs"]
+mod constraint_returns_a_matrix;
+#[path = "constraint/squared.rs"]
+mod constraint_squared;
+#[path = "constraint/sum_of_others.rs"]
+mod constraint_sum_of_others;
+#[path = "constraint/tangent_without_constraint.rs"]
+mod constraint_tangent_without_constraint;
+#[path = "constraint/taylor2.rs"]
+mod constraint_taylor2;
+#[path = "constraint/weak2.rs"]
+mod constraint_weak2;
+#[path = "constraint/with_arguments.rs"]
+mod constraint_with_arguments;
+#[path = "constraint/without_position.rs"]
+mod constraint_without_position;
 #[path = "force/also_a_noise.rs"]
 mod force_also_a_noise;
 #[path = "force/not_smooth.rs"]
@@ -296,8 +336,6 @@ mod parse_async_function;
 mod parse_comma_between_rules_missing;
 #[path = "parse/conditional_function.rs"]
 mod parse_conditional_function;
-#[path = "parse/constraint_is_not_supported.rs"]
-mod parse_constraint_is_not_supported;
 #[path = "parse/doubled_rule.rs"]
 mod parse_doubled_rule;
 #[path = "parse/doubled_rule_with_an_option.rs"]
@@ -436,6 +474,8 @@ mod rotation_velocity_before_rotation;
 mod rotation_velocity_of_a_vector;
 #[path = "rotation/weak2.rs"]
 mod rotation_weak2;
+#[path = "rotation/with_a_constraint.rs"]
+mod rotation_with_a_constraint;
 #[path = "symmetry/broken_by_little.rs"]
 mod symmetry_broken_by_little;
 #[path = "symmetry/broken_twice.rs"]

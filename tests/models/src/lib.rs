@@ -11,4 +11,6 @@ pub mod functions;
 pub mod language;
 pub mod models;
 pub mod oracle;
+pub mod potential;
 pub mod random;
+pub mod reference;

@@ -1,19 +1,23 @@
 //! The systems under test: those of the paper and some that stress one feature each.
 
 mod banded;
+mod constrained;
 mod deterministic;
 mod forced;
 mod noisy;
+mod surfaces;
 mod symmetric;
 
 use sve_runtime::prelude::*;
 
 pub use banded::Rails;
+pub use constrained::{OnSphere, TurnedSphere, TwoRods};
 pub use deterministic::{
     HenonHeiles, Magnetic, PlanarDoublePendulum, Quartic, Relativistic, SphericalPendulum,
 };
 pub use forced::{Damped, Stirred, Towed};
 pub use noisy::{Actions, Chain, Clashing, Driven, Mixed, OneMomentum, Polar, Synchrotron};
+pub use surfaces::{Breathing, Curved, Ellipsoid, Saddle, Thermal, Torus};
 pub use symmetric::{Central, Charges, Kepler, Stretched};
 
 /// L = v²/2 + g cos q.

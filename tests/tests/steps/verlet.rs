@@ -1,11 +1,11 @@
 //! The rule of Störmer and Verlet: steps to 40 digits, closed forms, symmetry, symplecticity.
 
-use serde::Deserialize;
 use std::collections::HashMap;
 
 use sve_models::models::{Damped, DoublePendulum, Driven, Kubo, Mixed, Pendulum, Polar};
 use sve_models::oracle::{damped, double_pendulum, driven, kubo, mixed, pendulum, polar};
 use sve_models::random::Random;
+use sve_models::reference::ReferenceRun;
 use sve_runtime::prelude::*;
 use sve_runtime::{BlockKind, Dims, System, Variational, baseline};
 
@@ -26,15 +26,7 @@ impl DoubleWell {
     }
 }
 
-#[derive(Deserialize)]
-struct ReferencePath {
-    params: HashMap<String, f64>,
-    h: f64,
-    dw: Vec<Vec<f64>>,
-    states: Vec<Vec<f64>>,
-}
-
-/// Follows the runs of a file of steps that were computed with 40 digits, independently of this project.
+/// Follows the runs of a file of reference steps.
 fn follow<S, const N: usize, const M: usize>(
     file: &str,
     bound: f64,
@@ -42,23 +34,9 @@ fn follow<S, const N: usize, const M: usize>(
 ) where
     S: Variational<StormerVerlet> + System<Dims = Dims<N, M>>,
 {
-    let path = format!("{}/data/{file}.json", env!("CARGO_MANIFEST_DIR"));
-    let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
-    let runs: Vec<ReferencePath> = serde_json::from_str(&text).expect("reference data");
-    for run in &runs {
-        let integrator = Integrator::new(system(&run.params), StormerVerlet);
-        let array = |x: &[f64]| -> [f64; N] { x.try_into().unwrap() };
-        let (q, p) = run.states[0].split_at(N);
-        let mut state = State::new(array(q), array(p));
-        for (dw, expected) in run.dw.iter().zip(&run.states[1..]) {
-            let dw: &[f64; M] = dw.as_slice().try_into().unwrap();
-            integrator.step(&mut state, run.h, dw).unwrap();
-            let size = expected.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-            for (x, y) in state.q.iter().chain(&state.p).zip(expected) {
-                assert!((x - y).abs() < bound * size, "{file}: {x} for {y}");
-            }
-        }
-        assert!(run.dw.len() >= 10);
+    for run in ReferenceRun::read(file) {
+        let worst = run.error(&Integrator::new(system(&run.params), StormerVerlet));
+        assert!(worst < bound, "{file}: {worst:e}");
     }
 }
 

@@ -1,141 +1,12 @@
 //! The option `weak2`: its step is that of the Lagrangian L − |h| K/8, which is written by hand here for steps of one size; with everything that steps have:
 //! tangent maps, sensitivities, symmetry, lanes, what a trajectory carries.
 
+use sve_models::potential::{
+    Additive, Chain, ChainByHand, Heavy, HeavyByHand, Pendulums, PendulumsByHand, Well, WellByHand,
+};
 use sve_models::random::Random;
 use sve_runtime::prelude::*;
 use sve_runtime::{BlockKind, Dims, System, Variational};
-
-/// Two systems with the same functions: one with the option, and one whose Lagrangian has the potential of steps of the size `h`.
-macro_rules! both {
-    ($system:ident $by_hand:ident $size:literal { $($functions:tt)* }) => {
-        #[derive(Clone)]
-        struct $system {
-            s: [f64; 2],
-            m: f64,
-        }
-
-        #[variational(midpoint, midpoint(weak2), stormer_verlet, stormer_verlet(weak2))]
-        impl $system {
-            fn lagrangian(&self, t: f64, q: [f64; $size], v: [f64; $size]) -> f64 {
-                self.l(t, q, v)
-            }
-
-            $($functions)*
-        }
-
-        #[derive(Clone)]
-        struct $by_hand {
-            s: [f64; 2],
-            m: f64,
-            h: f64,
-        }
-
-        #[variational(midpoint, stormer_verlet)]
-        impl $by_hand {
-            fn lagrangian(&self, t: f64, q: [f64; $size], v: [f64; $size]) -> f64 {
-                self.l(t, q, v) - self.h / 8.0 * self.k(t, q)
-            }
-
-            $($functions)*
-        }
-    };
-}
-
-both!(Well WellByHand 1 {
-    fn l(&self, _t: f64, q: [f64; 1], v: [f64; 1]) -> f64 {
-        0.5 * self.m * v[0] * v[0] - 0.25 * (q[0] * q[0] - 1.0).powi(2)
-    }
-
-    #[allow(dead_code)]
-    fn k(&self, _t: f64, q: [f64; 1]) -> f64 {
-        ((2.0 * self.s[0] * (2.0 * q[0]).cos()).powi(2) + (self.s[1] * q[0] * q[0]).powi(2)) / self.m
-    }
-
-    #[gamma]
-    fn kicks(&self, q: [f64; 1]) -> [f64; 2] {
-        [self.s[0] * (2.0 * q[0]).sin(), self.s[1] * q[0].powi(3) / 3.0]
-    }
-});
-
-both!(Heavy HeavyByHand 1 {
-    fn l(&self, _t: f64, q: [f64; 1], v: [f64; 1]) -> f64 {
-        0.5 * (self.m + 0.25 * q[0] * q[0]) * v[0] * v[0] + q[0].cos()
-    }
-
-    #[allow(dead_code)]
-    fn k(&self, _t: f64, q: [f64; 1]) -> f64 {
-        (self.s[0] * q[0].cos()).powi(2) / (self.m + 0.25 * q[0] * q[0])
-    }
-
-    #[gamma]
-    fn kicks(&self, q: [f64; 1]) -> f64 {
-        self.s[0] * q[0].sin()
-    }
-
-    #[force]
-    fn drag(&self, _q: [f64; 1], v: [f64; 1]) -> [f64; 1] {
-        [-self.s[1] * v[0]]
-    }
-});
-
-// both angles of a double pendulum, shaken by noise that changes with time
-both!(Pendulums PendulumsByHand 2 {
-    fn l(&self, _t: f64, q: [f64; 2], v: [f64; 2]) -> f64 {
-        self.m * v[0] * v[0] + 0.5 * v[1] * v[1] + (q[0] - q[1]).cos() * v[0] * v[1]
-            + 2.0 * q[0].cos() + q[1].cos()
-    }
-
-    #[allow(dead_code)]
-    fn k(&self, t: f64, q: [f64; 2]) -> f64 {
-        let c = (q[0] - q[1]).cos();
-        let (a, b) = (self.s[0] * t.cos() * q[0].cos(), -self.s[1] * q[1].sin());
-        // M = (2m, c; c, 1)
-        (a * a + 2.0 * self.m * b * b) / (2.0 * self.m - c * c)
-    }
-
-    #[gamma]
-    fn shake(&self, t: f64, q: [f64; 2]) -> [f64; 2] {
-        [self.s[0] * t.cos() * q[0].sin(), self.s[1] * q[1].cos()]
-    }
-});
-
-/// Inverse of the matrix with 3 on the diagonal and 1 beside it, of size 4: the numerators over 55.
-const INVERSE: [[f64; 4]; 4] = [
-    [21.0, -8.0, 3.0, -1.0],
-    [-8.0, 24.0, -9.0, 3.0],
-    [3.0, -9.0, 24.0, -8.0],
-    [-1.0, 3.0, -8.0, 21.0],
-];
-
-both!(Chain ChainByHand 4 {
-    fn l(&self, _t: f64, q: [f64; 4], v: [f64; 4]) -> f64 {
-        let mut l = 0.0;
-        for i in 0..4 {
-            l += self.m * 1.5 * v[i] * v[i] + q[i].cos();
-        }
-        for i in 1..4 {
-            l += self.m * v[i] * v[i - 1] - 0.5 * (q[i] - q[i - 1]).powi(2);
-        }
-        l
-    }
-
-    #[allow(dead_code)]
-    fn k(&self, _t: f64, q: [f64; 4]) -> f64 {
-        let slopes = [self.s[0] * q[1], self.s[0] * q[0], self.s[1] * q[2].cos(), 0.0];
-        let mut k = 0.0;
-        for i in 0..4 {
-            for j in 0..4 {
-                k += slopes[i] * INVERSE[i][j] * slopes[j] / (55.0 * self.m);
-            }
-        }
-        k
-    }
-
-    #[gamma]
-    fn shake(&self, q: [f64; 4]) -> f64 {
-        self.s[0] * q[0] * q[1] + self.s[1] * q[2].sin()
-    }
-});
 
 const H: f64 = 0.1;
 
@@ -211,7 +82,14 @@ const S: [f64; 2] = [0.6, 0.4];
 
 macro_rules! compare {
     ($system:ident $by_hand:ident) => {
-        let (system, by_hand) = ($system { s: S, m: 1.3 }, $by_hand { s: S, m: 1.3, h: H });
+        let (system, by_hand) = (
+            $system { s: S, m: 1.3 },
+            $by_hand {
+                s: S,
+                m: 1.3,
+                part: H / 8.0,
+            },
+        );
         agree(&system, &by_hand, Midpoint);
         agree(&system, &by_hand, StormerVerlet);
     };
@@ -266,21 +144,6 @@ fn the_structure_is_that_of_the_plain_rule() {
     let midpoint = Integrator::new(Pendulums { s: S, m: 1.3 }, Weak2(Midpoint)).plan();
     assert!(midpoint.formulas.action.contains(" − h·|h|·K(t̄, q̄)/8"));
     assert_eq!(midpoint.unknowns(), 2);
-}
-
-/// Additive noise: K is a constant, and the step has the bits of the plain one.
-struct Additive;
-
-#[variational(midpoint, midpoint(weak2), stormer_verlet, stormer_verlet(weak2))]
-impl Additive {
-    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
-        v[0] * v[0] + v[0] * v[1] + v[1] * v[1] + q[0].cos() * q[1].cos()
-    }
-
-    #[gamma]
-    fn push(&self, t: f64, q: [f64; 2]) -> f64 {
-        q[0] - 0.5 * t.sin() * q[1]
-    }
 }
 
 #[test]

@@ -31,4 +31,4 @@ pub(crate) use functions::{Binary, BinaryBound, Bound, Domain, Function, Sign};
 pub(crate) use hash::Map;
 pub(crate) use sharp::{Sharp, Verdict};
 pub(crate) use stable::Purpose;
-pub(crate) use zero::Vanishing;
+pub(crate) use zero::{Vanishing, coordinate as random_coordinate};

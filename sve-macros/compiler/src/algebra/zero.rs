@@ -195,6 +195,12 @@ impl Arena {
         }
     }
 
+    /// The values of expressions at a point.
+    pub(crate) fn values(&self, exprs: &[Expr], at: impl Fn(Symbol) -> f64) -> Vec<f64> {
+        let values = self.evaluate_nodes(&self.reachable(exprs, |_| true), at);
+        exprs.iter().map(|e| values[e].value).collect()
+    }
+
     /// The value of `expr` at a point.
     #[cfg(test)]
     pub(crate) fn evaluate(&self, expr: Expr, at: impl Fn(Symbol) -> f64) -> f64 {
@@ -277,7 +283,7 @@ fn sharp_attempts() -> impl Iterator<Item = u64> {
 
 /// A coordinate of a random point: near and inside the unit interval first, where most functions are defined, then of either
 /// sign; after [`NEAR_ONE`] attempts of other scales.
-fn coordinate(attempt: u64, symbol: Symbol) -> f64 {
+pub(crate) fn coordinate(attempt: u64, symbol: Symbol) -> f64 {
     let unit = uniform(attempt, u64::from(symbol.0));
     let scale = match attempt.checked_sub(NEAR_ONE) {
         None => 1.0,

@@ -9,11 +9,14 @@
 //! These are the equations of a vector; those of a rotation are in [`configuration`](crate::system::configuration).
 //! If there is a force, its work under a variation of x is added to each ∂S/∂x (Lagrange–d'Alembert principle).
 
+use super::constrained;
 use crate::algebra::{Arena, Expr, Node, Symbol};
 use crate::rules::action::{Action, Work, values_at_nodes};
+use crate::structure::Condition;
 use crate::system::configuration::{
     Block, Factor, cross, directions_of_rotation, momentum_at_start,
 };
+use crate::system::model::Symbols;
 
 /// The equations of a step.
 pub(crate) struct Equations {
@@ -27,10 +30,26 @@ pub(crate) struct Equations {
     pub(crate) dq: Vec<Expr>,
     /// `p₁ − p₀`: for each component, expressions that are equal at a solution.
     pub(crate) dp: Vec<Vec<Expr>>,
+    /// The equations to leading order in the step size, where the first guess is solved from these.
+    pub(crate) leading: Option<Leading>,
+    /// Unknowns that are taken as known where this makes the others of their block explicit.
+    pub(crate) torn: Vec<Symbol>,
+    /// What has to hold beside the equations.
+    pub(crate) conditions: Vec<Condition<Expr>>,
+    /// What a step can tell beside its result.
+    pub(crate) reported: Vec<Expr>,
+}
+
+/// The equations to leading order in the step size.
+pub(crate) struct Leading {
+    /// One for each residual.
+    pub(crate) residuals: Vec<Expr>,
+    /// Whether the determinant of their Jacobian has the sign that it has at the solution.
+    pub(crate) has_sign: bool,
 }
 
 /// Derives the equations of a step from its action.
-pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
+pub(crate) fn equations(action: &Action, symbols: &Symbols, arena: &mut Arena) -> Equations {
     let mut residuals = Vec::new();
     for &x in &action.internal {
         let stationary = variation(action, x, arena);
@@ -39,6 +58,7 @@ pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
     }
     let mut variations = action.internal.clone();
     let mut dp = Vec::new();
+    let mut ends = Vec::new();
     for block in action.configuration.blocks() {
         match block.factor {
             Factor::Vector(_) => {
@@ -50,6 +70,7 @@ pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
                     let p0 = arena.symbol(action.start_p[i]);
                     let balance = arena.sum(0.0, &[(1.0, end), (-1.0, kick), (-1.0, p0)]);
                     residuals.push(balance);
+                    ends.push(end);
                     variations.push(action.displacement[i]);
                     // ∂S/∂q₀ plus a multiple of a residual. Once the residual gives ∂S/∂d − p₀. Twice the residual eliminates the
                     // force from the midpoint rule, p₁ = 2p − p₀.
@@ -82,12 +103,20 @@ pub(crate) fn equations(action: &Action, arena: &mut Arena) -> Equations {
         .iter()
         .map(|&d| arena.symbol(d))
         .collect();
-    Equations {
+    let equations = Equations {
         unknowns,
         residuals,
         variations,
         dq,
         dp,
+        leading: None,
+        torn: Vec::new(),
+        conditions: Vec::new(),
+        reported: Vec::new(),
+    };
+    match &action.enforced {
+        Some(enforced) => constrained::extend(equations, &ends, enforced, action, symbols, arena),
+        None => equations,
     }
 }
 

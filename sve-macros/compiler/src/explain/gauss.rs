@@ -109,5 +109,9 @@ fn equations(count: usize, stages: &Stages, features: &Features) -> Vec<String> 
         let list: Vec<String> = list.iter().map(|x| format!("{x:.6}")).collect();
         lines.push(format!("  {name} = {}", list.join(", ")));
     }
+    lines.push(
+        "an iteration is counted as a sweep over the stages, without Jacobian and linear solve"
+            .to_owned(),
+    );
     lines
 }

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use crate::algebra::{self, Arena, Expr, Notation, Symbol};
 use crate::rules::Rule;
+use crate::rules::constraints::END;
 use crate::system::configuration::{Block, Factor, RotationEntry};
 use crate::system::model::{AtNode, Family, Meaning, NodeQuantity, Quantity, Symbols, Unknown};
 
@@ -76,7 +77,11 @@ impl<'a> Names<'a> {
         let Some(AtNode { node, quantity }) = AtNode::of(expr, arena) else {
             return;
         };
-        let letter = rule.notation(node, quantity);
+        let letter = match quantity {
+            NodeQuantity::Time if node == END => "t₁",
+            NodeQuantity::Position(_) if node == END => "q₁",
+            _ => rule.notation(node, quantity),
+        };
         let name = match quantity {
             NodeQuantity::Time => letter.to_owned(),
             NodeQuantity::Position(i) => self.entry(letter, "R̄", i),
@@ -128,7 +133,13 @@ pub(crate) fn unknown(symbols: &Symbols, symbol: Symbol) -> String {
         Family::Acceleration => "a",
         Family::VelocityMultiplier => "μ",
         Family::AccelerationMultiplier => "ν",
+        Family::StartMultiplier => "λ",
+        Family::EndMultiplier => "μ",
+        Family::EndVelocity => "v₁",
     };
+    if family.is_multiplier_of_constraint() {
+        return indexed(letter, index, multipliers(symbols, family));
+    }
     component(letter, index, symbols)
 }
 
@@ -169,6 +180,15 @@ fn indexed(letter: &str, i: usize, of: usize) -> String {
     } else {
         format!("{letter}[{i}]")
     }
+}
+
+/// The number of constraints, which is at least the number of the largest multiplier.
+fn multipliers(symbols: &Symbols, of: Family) -> usize {
+    let indices = symbols.meanings().iter().filter_map(|m| match m {
+        Meaning::Unknown(Unknown { family, index }) if *family == of => Some(index + 1),
+        _ => None,
+    });
+    indices.max().unwrap_or(1)
 }
 
 fn processes(symbols: &Symbols) -> usize {

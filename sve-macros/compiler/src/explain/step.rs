@@ -5,11 +5,12 @@ use super::page::Page;
 use super::shown;
 use crate::algebra::{Arena, Expr, Node, Notation, Sum, Symbol};
 use crate::rules::action::Action;
+use crate::rules::constraints::END;
 use crate::rules::{Features, Rule, RuleOption, Textbook};
 use crate::structure::{Block, Kind, Matrix, Scheme, Solution};
 use crate::system::configuration::Factor;
 use crate::system::mechanics::Mechanics;
-use crate::system::model::{AtNode, Meaning, Model, NodeQuantity, Symbols};
+use crate::system::model::{AtNode, Constraint, Meaning, Model, NodeQuantity, Symbols};
 
 /// Texts of a rule.
 pub(crate) struct StepTexts {
@@ -36,7 +37,7 @@ pub(crate) fn step(
         mut notation,
         work,
     } = rule.textbook(&features(rule, model, mechanics, action.half_factor, arena));
-    let mut lines = vec![textbook];
+    let mut lines = vec![format!("{textbook}{}", constraints(model, arena))];
     if let Some((text, parts)) = written_out(rule, action, symbols, arena) {
         lines.push(text);
         lines.extend(parts);
@@ -55,6 +56,21 @@ pub(crate) fn step(
         action: lines.join("\n"),
         step: equations(rule, action, scheme, symbols, arena).join("\n"),
         domain: domain(rule, scheme, symbols, arena),
+    }
+}
+
+/// The constraints in the textbook form of an action.
+fn constraints(model: &Model, arena: &Arena) -> String {
+    let is_timed = |c: &Constraint| arena.contains(c.value, model.time);
+    let [t0, t1] = if model.constraints.iter().any(is_timed) {
+        ["t₀, ", "t₁, "]
+    } else {
+        ["", ""]
+    };
+    match model.constraints.len() {
+        0 => String::new(),
+        1 => format!(" + λ·φ({t0}q₀) + μ·φ({t1}q₁)"),
+        _ => format!(" + ⟨λ, φ({t0}q₀)⟩ + ⟨μ, φ({t1}q₁)⟩"),
     }
 }
 
@@ -214,7 +230,8 @@ fn equations(
     let explained = page.explanations(|e| {
         let node = AtNode::of(e, arena);
         let is_end = node.is_some_and(|at| {
-            matches!(at.quantity, NodeQuantity::Position(_)) && rule.is_end(at.node)
+            matches!(at.quantity, NodeQuantity::Position(_))
+                && (at.node == END || rule.is_end(at.node))
         });
         is_end || is_formula(e, scheme)
     });

@@ -5,7 +5,7 @@ use super::page::Page;
 use super::shown;
 use crate::algebra::{Arena, Expr, Sum, Vanishing};
 use crate::system::mechanics::{Commutation, Mechanics};
-use crate::system::model::{Model, NoiseTerm};
+use crate::system::model::{Constraint, Model, NoiseTerm};
 use crate::system::symmetry::MomentumMap;
 
 /// Texts that no rule changes.
@@ -16,6 +16,8 @@ pub(crate) struct SystemTexts {
     pub(crate) noises: String,
     /// F. Empty where there is none.
     pub(crate) force: String,
+    /// The constraints. Empty where there are none.
+    pub(crate) constraints: String,
     /// The conserved momenta. Empty where there are none.
     pub(crate) momenta: String,
     /// `dq = …`, `dp = …`, `p = ∂L/∂v`.
@@ -25,7 +27,15 @@ pub(crate) struct SystemTexts {
 impl SystemTexts {
     /// L, the noise terms, the force and what is conserved.
     pub(crate) fn system(&self) -> String {
-        let parts = [&self.lagrangian, &self.noises, &self.force, &self.momenta];
+        let Self {
+            lagrangian,
+            noises,
+            force,
+            constraints,
+            momenta,
+            motion: _,
+        } = self;
+        let parts = [lagrangian, noises, force, constraints, momenta];
         let parts: Vec<&str> = parts
             .into_iter()
             .map(String::as_str)
@@ -47,6 +57,7 @@ pub(crate) fn system(
         lagrangian: lagrangian(model, &mut page).join("\n"),
         noises: noises(model, &mechanics.commutation, &mut page).join("\n"),
         force: force(model, &mut page).join("\n"),
+        constraints: constraints(model, &mut page).join("\n"),
         momenta: conserved(momenta, &mut page).join("\n"),
         motion: motion(model, mechanics, arena).join("\n"),
     }
@@ -69,6 +80,7 @@ fn noises(model: &Model, commutation: &Commutation, page: &mut Page<'_>) -> Vec<
         let NoiseTerm {
             name,
             is_gamma,
+            is_tangent: _,
             hamiltonian,
         } = noise;
         let (letter, sign) = if *is_gamma {
@@ -83,6 +95,20 @@ fn noises(model: &Model, commutation: &Commutation, page: &mut Page<'_>) -> Vec<
     let mut lines = Page::list(lines, model.noises.len(), "noises");
     lines.extend(page.explanations(|_| false));
     lines.extend(commutation_caveat(commutation).map(ToOwned::to_owned));
+    lines
+}
+
+fn constraints(model: &Model, page: &mut Page<'_>) -> Vec<String> {
+    let count = shown(model.constraints.len());
+    let some = &model.constraints[..count];
+    let roots: Vec<Expr> = some.iter().map(|constraint| constraint.value).collect();
+    page.name_parts(&roots);
+    let lines = some
+        .iter()
+        .map(|Constraint { name, value }| format!("φ {name} = {} = 0", page.formula(*value)));
+    let lines = lines.collect();
+    let mut lines = Page::list(lines, model.constraints.len(), "constraints");
+    lines.extend(page.explanations(|_| false));
     lines
 }
 
@@ -155,6 +181,21 @@ fn conserved(momenta: &[MomentumMap], page: &mut Page<'_>) -> Vec<String> {
 }
 
 /// The equations of motion.
+/// The force of the constraints on a coordinate, `Σ ∂φ/∂q dΛ`.
+fn constraint_force(i: usize, mechanics: &Mechanics, page: &mut Page<'_>, line: &mut Line) {
+    let count = mechanics.constraints.len();
+    for (k, constraint) in mechanics.constraints.iter().enumerate() {
+        let mut slope = Sum::default();
+        slope.add(1.0, constraint.dq[i], page.arena);
+        let name = if count == 1 {
+            "∘ dΛ".to_owned()
+        } else {
+            format!("∘ dΛ[{k}]")
+        };
+        line.add(page, &slope, &name);
+    }
+}
+
 fn motion(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Vec<String> {
     let n = model.dof();
     let count = shown(n);
@@ -166,6 +207,9 @@ fn motion(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Vec<String> {
     }
     if let Some(force) = &mechanics.force {
         roots.extend(&force.value[..count]);
+    }
+    for constraint in &mechanics.constraints {
+        roots.extend(&constraint.dq[..count]);
     }
     page.name_parts(&roots);
     let mut lines = Vec::new();
@@ -199,6 +243,7 @@ fn motion(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Vec<String> {
                 force.add(1.0, other.value[i], arena);
             }
             line.add(&mut page, &force, "dt");
+            constraint_force(i, mechanics, &mut page, &mut line);
             kicks(&mut page, &mut line, &|a| noises[a].dq[i], -1.0);
             line.text
         })

@@ -13,7 +13,7 @@ use crate::algebra::{Expr, Symbol};
 use crate::syntax::parse::RoleFunction;
 use crate::syntax::roles::Role;
 use crate::system::configuration::Configuration;
-use crate::system::model::{Generator, Meaning, Model, NoiseTerm, Symbols};
+use crate::system::model::{Constraint, Generator, Meaning, Model, NoiseTerm, Symbols};
 
 /// The shapes of the parts of the configuration, and those of their velocities and momenta.
 struct Space {
@@ -108,6 +108,11 @@ impl Lowering<'_> {
                 symmetries.push(Generator { name, field });
             }
         }
+        let mut constraints = Vec::new();
+        for function in &block.constraints {
+            let result = self.run(function, &space, time, &[&q]);
+            self.constraint_terms(function, result, &mut constraints);
+        }
         Some(Model {
             symbols: Symbols::default(),
             time,
@@ -119,6 +124,7 @@ impl Lowering<'_> {
             noises,
             force,
             symmetries,
+            constraints,
             constants: std::mem::take(&mut self.constants),
         })
     }
@@ -388,24 +394,17 @@ impl Lowering<'_> {
         let Some(shape) = self.shape(&function.output) else {
             return;
         };
-        let indexed = |values: Vec<Value>| {
-            let named = |(i, value)| (format!("{}[{i}]", function.name), value);
-            values.into_iter().enumerate().map(named).collect()
-        };
-        let components: Vec<(String, Value)> = match (shape, value) {
-            (_, Value::Poison) => return,
-            (Shape::Array(..) | Shape::Vector(_), Value::Field(_)) => {
-                self.report_constant_noise(function, &function.name.to_string());
-                return;
-            }
-            (Shape::Scalar, value) => vec![(function.name.to_string(), value)],
-            (Shape::Array(_, inner), Value::Array(values)) if *inner == Shape::Scalar => {
-                indexed(values)
-            }
-            (Shape::Vector(ty), Value::Matrix(matrix)) if matrix.ty == ty => {
-                indexed(matrix.entries)
-            }
-            _ => {
+        if matches!(
+            (&shape, &value),
+            (Shape::Array(..) | Shape::Vector(_), Value::Field(_))
+        ) {
+            self.report_constant_noise(function, &function.name.to_string());
+            return;
+        }
+        let components = match components(function, &shape, value) {
+            Ok(components) => components,
+            Err(Mismatch::Reported) => return,
+            Err(Mismatch::Shape) => {
                 self.errors.push(
                     function.output.span(),
                     format!(
@@ -438,8 +437,46 @@ impl Lowering<'_> {
             noises.push(NoiseTerm {
                 name,
                 is_gamma,
+                is_tangent: function.role == Role::TangentH1,
                 hamiltonian,
             });
+        }
+    }
+
+    /// Appends the constraints that a function returns.
+    fn constraint_terms(
+        &mut self,
+        function: &RoleFunction,
+        value: Value,
+        constraints: &mut Vec<Constraint>,
+    ) {
+        let Some(shape) = self.shape(&function.output) else {
+            return;
+        };
+        let components = match components(function, &shape, value) {
+            Ok(components) => components,
+            Err(Mismatch::Reported) => return,
+            Err(Mismatch::Shape) => {
+                let message = format!(
+                    "`{}` must return `f64` or `[f64; K]`, one entry a constraint",
+                    function.name
+                );
+                self.errors.push(function.output.span(), message);
+                return;
+            }
+        };
+        for (name, value) in components {
+            let Some(value) = self.result(function, &value) else {
+                continue;
+            };
+            let is_position = |s| matches!(self.symbols.meaning(s), Meaning::Position(_));
+            if !self.arena.symbols_of(value).any(is_position) {
+                let message = format!(
+                    "the constraint `{name}` does not depend on q, so it restricts no motion: remove it, or write what shall vanish along the motion, such as a length less its value"
+                );
+                self.errors.push(function.name.span(), message);
+            }
+            constraints.push(Constraint { name, value });
         }
     }
 
@@ -448,5 +485,36 @@ impl Lowering<'_> {
             function.name.span(),
             format!("the noise `{name}` depends on neither q nor p, so it moves nothing: its derivative is zero; did you mean to multiply by a coordinate?"),
         );
+    }
+}
+
+/// Why a value has no components.
+enum Mismatch {
+    /// A mistake in it has been reported.
+    Reported,
+    /// It is not a number or a row of numbers.
+    Shape,
+}
+
+/// Returns the numbers that a function returns, each with its name: `f`, or `f[0]`, `f[1]`, ….
+fn components(
+    function: &RoleFunction,
+    shape: &Shape,
+    value: Value,
+) -> Result<Vec<(String, Value)>, Mismatch> {
+    let indexed = |values: Vec<Value>| {
+        let named = |(i, value)| (format!("{}[{i}]", function.name), value);
+        values.into_iter().enumerate().map(named).collect()
+    };
+    match (shape, value) {
+        (_, Value::Poison) => Err(Mismatch::Reported),
+        (Shape::Scalar, value) => Ok(vec![(function.name.to_string(), value)]),
+        (Shape::Array(_, inner), Value::Array(values)) if **inner == Shape::Scalar => {
+            Ok(indexed(values))
+        }
+        (Shape::Vector(ty), Value::Matrix(matrix)) if matrix.ty == *ty => {
+            Ok(indexed(matrix.entries))
+        }
+        _ => Err(Mismatch::Shape),
     }
 }

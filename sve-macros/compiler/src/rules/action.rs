@@ -6,6 +6,7 @@
 
 use std::collections::{BTreeSet, HashMap};
 
+use super::constraints::{self, Enforced};
 use super::weak2::Potential;
 use super::{Rule, RuleOption};
 use crate::algebra::{Arena, Expr, Symbol};
@@ -32,6 +33,8 @@ pub(crate) struct Action {
     pub(crate) configuration: Configuration,
     /// `½ κ` of the option `weak2`, if the action has its term.
     pub(crate) half_factor: Option<f64>,
+    /// What constraints added, if there are some.
+    pub(crate) enforced: Option<Enforced>,
 }
 
 /// A rotation at the node in the middle of a step.
@@ -114,6 +117,7 @@ pub(crate) fn discretise(
         displacement,
         potential,
         arena,
+        symbols,
         ..
     } = variables;
     let at_nodes = if rotations.is_empty() {
@@ -121,7 +125,7 @@ pub(crate) fn discretise(
     } else {
         arena.substitute(value, &values_at_nodes(&rotations))
     };
-    Action {
+    let action = Action {
         value: at_nodes,
         varied: value,
         rotations,
@@ -133,7 +137,9 @@ pub(crate) fn discretise(
         work,
         configuration: model.configuration().clone(),
         half_factor: potential.map(|(half_factor, _)| half_factor),
-    }
+        enforced: None,
+    };
+    constraints::enforce(action, model, symbols, arena)
 }
 
 /// Returns the values of the entries of rotations at the nodes.

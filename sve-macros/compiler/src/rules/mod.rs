@@ -5,6 +5,7 @@
 
 pub(crate) mod action;
 pub(crate) mod applicable;
+pub(crate) mod constraints;
 mod endpoint;
 pub(crate) mod gauss;
 mod initial_point;
@@ -144,6 +145,14 @@ pub(crate) trait Discretisation {
     fn takes_force(&self) -> bool;
     /// Whether the rule, with these options, is for configurations with rotations.
     fn takes_rotations(&self, _: Options) -> bool {
+        false
+    }
+    /// Whether the rule is for systems with constraints.
+    fn takes_constraints(&self) -> bool {
+        false
+    }
+    /// Whether the action has a Stratonovich correction.
+    fn has_correction(&self) -> bool {
         false
     }
     /// The discrete action, with the variables in which it is stationary and the work of the force.

@@ -76,6 +76,14 @@ impl Discretisation for OneNode {
         self.place == 0.5 && !options.contain(RuleOption::Weak2)
     }
 
+    fn takes_constraints(&self) -> bool {
+        true
+    }
+
+    fn has_correction(&self) -> bool {
+        self.place != 0.5
+    }
+
     fn action(&self, x: &mut Variables<'_>) -> Discrete {
         let c = self.place;
         let n = x.model.dof();
@@ -118,7 +126,7 @@ impl Discretisation for OneNode {
             let dw = x.arena.symbol(dw);
             terms.push((-1.0, x.arena.mul(g, dw)));
         }
-        if c != 0.5 {
+        if self.has_correction() {
             let correction = stratonovich(x, &node);
             terms.push((c - 0.5, correction));
         }

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! It is symmetric, so it needs no Stratonovich correction. For L = T(v) − V(q) with constant masses and noise in q alone the step is explicit: kick,
-//! drift, kick. A force does half of its work at each end.
+//! drift, kick. With constraints the step is RATTLE (Andersen 1983). A force does half of its work at each end.
 //! Source: Hairer, Lubich, Wanner, *Geometric numerical integration illustrated by the Störmer–Verlet method*, Acta Numerica 12 (2003).
 
 use std::collections::HashMap;
@@ -57,6 +57,10 @@ impl Discretisation for StormerVerlet {
     }
 
     fn takes_force(&self) -> bool {
+        true
+    }
+
+    fn takes_constraints(&self) -> bool {
         true
     }
 

@@ -172,6 +172,7 @@ impl Potential {
         let noise = NoiseTerm {
             name: "K".to_owned(),
             is_gamma: false,
+            is_tangent: false,
             hamiltonian: arena.scale(0.5, self.value),
         };
         let jet = match &self.gradient {

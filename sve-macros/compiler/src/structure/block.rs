@@ -28,7 +28,8 @@ impl Reduced<'_> {
             .iter()
             .map(|&r| self.arena.substitute(self.residuals[r], known))
             .collect();
-        let (residual, unknowns) = self.ordered(residual, unknowns);
+        let leading = self.leading_of(rows, columns, known);
+        let (residual, unknowns, leading) = self.ordered(residual, unknowns, leading);
         let jacobian = self.jacobian(&residual, &unknowns);
         let zero = self.arena.constant(0.0);
         let nonzeros = jacobian.iter().flatten().filter(|&&e| e != zero).count();
@@ -63,10 +64,20 @@ impl Reduced<'_> {
                 solution: Solution::System { linear, solved },
             };
         }
-        let judge = self.judge(&residual, &jacobian, &unknowns, known);
+        let needs_guess = leading.is_some();
+        let (judge, explicit, has_sign) = match leading {
+            Some((leading, has_sign)) => {
+                let guess = self.guess_from(&leading, &unknowns);
+                (None, Some((guess, None)), has_sign)
+            }
+            None => {
+                let judge = self.judge(&residual, &jacobian, &unknowns, known);
+                (judge, self.guess(&residual, &jacobian, &unknowns), true)
+            }
+        };
         let fallback = self.linear(at_zero);
-        let explicit = self.guess(&residual, &jacobian, &unknowns);
         let limit = explicit.as_ref().map(|(guess, _)| guess.matrix.clone());
+        let limit = limit.filter(|_| has_sign);
         let (guess, refinement) = explicit.unwrap_or_else(|| (fallback.clone(), None));
         let curvature = match unknowns.as_slice() {
             [unknown] => Some(self.arena.diff(jacobian[0][0], *unknown)),
@@ -81,6 +92,7 @@ impl Reduced<'_> {
             residual,
             curvature,
             fallback,
+            needs_guess,
             iterates: unknowns.clone(),
             solved,
         };
@@ -113,6 +125,7 @@ impl Reduced<'_> {
             curvature: None,
             judge: None,
             fallback: at_zero,
+            needs_guess: false,
             iterates: unknowns.clone(),
             solved: self.solved(&unknowns, known),
         };
@@ -132,7 +145,12 @@ impl Reduced<'_> {
     }
 
     /// Equations and unknowns in an order that makes their Jacobian banded, if there is one.
-    fn ordered(&self, residual: Vec<Expr>, unknowns: Vec<Symbol>) -> (Vec<Expr>, Vec<Symbol>) {
+    fn ordered(
+        &self,
+        residual: Vec<Expr>,
+        unknowns: Vec<Symbol>,
+        leading: Option<(Vec<Expr>, bool)>,
+    ) -> (Vec<Expr>, Vec<Symbol>, Option<(Vec<Expr>, bool)>) {
         let contained = |&r: &Expr| {
             let present = (0..unknowns.len()).filter(|&c| self.arena.contains(r, unknowns[c]));
             present.collect()
@@ -142,9 +160,35 @@ impl Reduced<'_> {
             Some(Order { rows, columns }) => (
                 rows.iter().map(|&r| residual[r]).collect(),
                 columns.iter().map(|&c| unknowns[c]).collect(),
+                leading.map(|(list, sign)| (rows.iter().map(|&r| list[r]).collect(), sign)),
             ),
-            None => (residual, unknowns),
+            None => (residual, unknowns, leading),
         }
+    }
+
+    /// The equations of a block to leading order, where its guess is solved from these, and whether they have the sign of its determinant.
+    fn leading_of(
+        &mut self,
+        rows: &[usize],
+        columns: &[usize],
+        known: &Replacement,
+    ) -> Option<(Vec<Expr>, bool)> {
+        columns
+            .iter()
+            .find(|&&c| self.torn.contains(&self.unknowns[c]))?;
+        let leading = self.leading.as_ref()?;
+        let (has_sign, list) = (leading.has_sign, leading.residuals.clone());
+        let list = rows.iter().map(|&r| self.arena.substitute(list[r], known));
+        Some((list.collect(), has_sign))
+    }
+
+    /// The Newton step from zero of the equations to leading order.
+    fn guess_from(&mut self, leading: &[Expr], unknowns: &[Symbol]) -> Linear<Expr> {
+        let zero = self.arena.constant(0.0);
+        let origin: Replacement = unknowns.iter().map(|&u| (u, zero)).collect();
+        let jacobian = self.jacobian(leading, unknowns);
+        let step = self.newton_step(leading, &jacobian, &origin);
+        self.linear(step)
     }
 
     fn jacobian(&mut self, residual: &[Expr], unknowns: &[Symbol]) -> Vec<Vec<Expr>> {
@@ -302,7 +346,7 @@ impl Reduced<'_> {
     }
 
     /// Whether only parameters occur: with the step size in it, a coefficient comes from an implicit equation.
-    fn is_parameter(&self, expr: Expr) -> bool {
+    pub(super) fn is_parameter(&self, expr: Expr) -> bool {
         self.arena
             .symbols_of(expr)
             .all(|s| matches!(self.symbols.meaning(s), Meaning::Parameter { .. }))

@@ -6,7 +6,7 @@ use super::Degenerate;
 use super::domain::Condition;
 use super::graph::{match_columns, strong_components};
 use crate::algebra::{Arena, Expr, Node, Symbol};
-use crate::discretise::equations::Equations;
+use crate::discretise::equations::{Equations, Leading};
 use crate::system::model::{Family, Meaning, Symbols, Unknown};
 
 /// Equations and the unknowns that they determine.
@@ -23,6 +23,12 @@ pub(super) struct Reduced<'a> {
     pub(super) dq: Vec<Expr>,
     pub(super) dp: Vec<Vec<Expr>>,
     pub(super) domain: Vec<Condition<Expr>>,
+    /// The equations to leading order, where the first guess is solved from these.
+    pub(super) leading: Option<Leading>,
+    /// Unknowns that are taken as known where this makes the others explicit.
+    pub(super) torn: Vec<Symbol>,
+    /// What a step can tell beside its result.
+    pub(super) reported: Vec<Expr>,
 }
 
 /// An unknown that an equation gives as `x = f(others)`.
@@ -70,6 +76,9 @@ impl Reduced<'_> {
             candidates.remove(row);
             self.kept.remove(row);
             let equation = self.residuals.remove(row);
+            if let Some(leading) = &mut self.leading {
+                leading.residuals.remove(row);
+            }
             let zero = self.arena.constant(0.0);
             let rest = self
                 .arena
@@ -83,7 +92,12 @@ impl Reduced<'_> {
                     candidates[row] = self.candidate(row);
                 }
             }
-            for list in std::iter::once(&mut self.dq).chain(&mut self.dp) {
+            let leading = self
+                .leading
+                .iter_mut()
+                .map(|leading| &mut leading.residuals);
+            let lists = [&mut self.dq, &mut self.reported].into_iter();
+            for list in lists.chain(&mut self.dp).chain(leading) {
                 for expr in list {
                     if self.arena.contains(*expr, unknown) {
                         *expr = self.arena.substitute(*expr, &by);
@@ -152,7 +166,7 @@ impl Reduced<'_> {
     /// Whether an unknown occurs within a named intermediate result, `q₀ + c d`. There it stands beside something much larger
     /// when the step is small, so that the equation gives it with the rounding of that: `m v − B (q₀ + d) = p₀` is no
     /// equation for d.
-    fn moves_node(&self, residual: Expr, unknown: Symbol) -> bool {
+    pub(super) fn moves_node(&self, residual: Expr, unknown: Symbol) -> bool {
         let mut nodes = self
             .arena
             .reachable(&[residual], |e| self.arena.contains(e, unknown))
@@ -193,7 +207,7 @@ impl Reduced<'_> {
 /// may be small beside the masses, as that of a weak coupling or of friction is. A velocity, an acceleration or its
 /// multiplier may come from the equation of its own coordinate, and a velocity not from the equation of motion: elimination
 /// along the diagonal of a mass matrix, which is positive definite, needs no pivoting (Higham, Accuracy and Stability of
-/// Numerical Algorithms, section 10.1).
+/// Numerical Algorithms, section 10.1). The equations of constraints eliminate nothing, and their multipliers stay.
 pub(super) fn kept_unknowns(equations: &Equations, symbols: &Symbols) -> Vec<HashSet<Symbol>> {
     let as_unknown = |symbol: Symbol| match symbols.meaning(symbol) {
         Meaning::Unknown(unknown) => Some(*unknown),
@@ -205,13 +219,17 @@ pub(super) fn kept_unknowns(equations: &Equations, symbols: &Symbols) -> Vec<Has
         else {
             return false;
         };
+        if of.family.is_multiplier_of_constraint() {
+            return true;
+        }
         let (is_own, is_motion) = (
             index == of.index,
             of.family == Family::AccelerationMultiplier,
         );
         match family {
             Family::Velocity | Family::StageVelocity => is_motion || !is_own,
-            Family::Acceleration | Family::AccelerationMultiplier => !is_own,
+            Family::Acceleration | Family::AccelerationMultiplier | Family::EndVelocity => !is_own,
+            Family::StartMultiplier | Family::EndMultiplier => true,
             Family::Displacement | Family::Momentum | Family::VelocityMultiplier => false,
         }
     };

@@ -16,6 +16,7 @@ mod judge;
 mod matrix;
 mod outputs;
 mod scheme;
+mod tearing;
 
 use std::collections::HashMap;
 
@@ -24,6 +25,7 @@ use crate::discretise::equations::Equations;
 use crate::rules::action::{Action, values_at_nodes};
 use crate::system::model::{Meaning, Quantity, Symbols};
 pub(crate) use band::Band;
+pub(crate) use domain::Condition;
 use elimination::Reduced;
 pub(crate) use enclosure::Enclosure;
 pub(crate) use matrix::{Matrix, Storage};
@@ -54,17 +56,25 @@ pub(crate) fn analyse(
         dq: equations.dq,
         dp: equations.dp,
         domain: Vec::new(),
+        leading: equations.leading,
+        torn: equations.torn,
+        reported: equations.reported,
     };
     let roots = roots(action, system.arena);
     system.domain = domain::conditions(&roots, system.arena);
+    system.domain.extend(equations.conditions);
     system.eliminate();
     let order = system.blocks()?;
     let mut blocks = Vec::new();
     let mut known = HashMap::new();
     for (rows, columns) in order {
-        let block = system.solve(&rows, &columns, &mut known);
+        let torn = system.tear(rows, columns, &known);
+        let block = system.solve(&torn.rows, &torn.columns, &mut known);
         blocks.push(block);
+        blocks.extend(system.explicit_blocks(torn.formulas, &mut known));
     }
+    let reported = system.reported.clone();
+    let reported = system.arena.substitute_all(&reported, &known);
     let dq: Vec<Expr> = system
         .dq
         .clone()
@@ -89,6 +99,7 @@ pub(crate) fn analyse(
         dq,
         dp,
         domain: system.domain_at(&known),
+        reported,
     };
     let mut scheme = linear_map(increments, action, symbols, arena);
     arena.stabilise(Purpose::Step, scheme.exprs_mut());
@@ -110,6 +121,9 @@ pub(crate) fn unstructured(
         dq: equations.dq,
         dp: equations.dp,
         domain: Vec::new(),
+        leading: None,
+        torn: Vec::new(),
+        reported: equations.reported,
     };
     let mut known = HashMap::new();
     let block = system.unstructured(&mut known);
@@ -123,6 +137,7 @@ pub(crate) fn unstructured(
         dq,
         dp,
         domain: Vec::new(),
+        reported: system.arena.substitute_all(&system.reported, &known),
     };
     arena.stabilise(Purpose::Step, scheme.exprs_mut());
     scheme

@@ -22,6 +22,8 @@ pub(crate) struct Scheme<T, R = T> {
     pub(crate) domain: Vec<Condition<T>>,
     /// `q₁ − q₀` and `p₁ − p₀` as the equations give them, for readers.
     pub(crate) increments: [Vec<Expr>; 2],
+    /// What a step can tell beside its result, in the names of the solution: the multipliers of constraints, at the start and at the end.
+    pub(crate) reported: Vec<Expr>,
 }
 
 /// What a step returns.
@@ -108,6 +110,8 @@ pub(crate) struct Iteration<T, R = T> {
     pub(crate) judge: Option<Judge<T>>,
     /// The guess after a failure: the Newton step from zero, which is the linearly implicit step.
     pub(crate) fallback: Linear<Expr>,
+    /// Whether the step fails where the matrix of the guess is singular: no other guess replaces it.
+    pub(crate) needs_guess: bool,
     /// Names of the iterates in `residual`, `jacobian` and `curvature`.
     pub(crate) iterates: Vec<Symbol>,
     pub(crate) solved: Vec<Symbol>,
@@ -138,6 +142,7 @@ impl Scheme<Expr> {
             dp: by.values(&self.dp),
             domain: self.domain.iter().map(|c| c.lower(by)).collect(),
             increments: self.increments.clone(),
+            reported: self.reported.clone(),
         }
     }
 
@@ -168,8 +173,9 @@ impl Scheme<Expr> {
             dp,
             domain,
             increments: _,
+            reported,
         } = self;
-        let mut exprs: Vec<&mut Expr> = dq.iter_mut().chain(dp).collect();
+        let mut exprs: Vec<&mut Expr> = dq.iter_mut().chain(dp).chain(reported).collect();
         exprs.extend(domain.iter_mut().map(|condition| &mut condition.value));
         for block in blocks {
             match &mut block.solution {
@@ -272,6 +278,7 @@ impl Iteration<Expr> {
             curvature,
             judge,
             fallback,
+            needs_guess: _,
             iterates: _,
             solved: _,
         } = self;
@@ -296,6 +303,7 @@ impl Iteration<Expr> {
             curvature: self.curvature.map(|c| by.value(c)),
             judge: self.judge.as_ref().map(|j| j.lower(by)),
             fallback: self.fallback.clone(),
+            needs_guess: self.needs_guess,
             iterates: self.iterates.clone(),
             solved: self.solved.clone(),
         }

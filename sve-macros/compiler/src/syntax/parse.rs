@@ -40,6 +40,7 @@ pub(crate) struct Annotated {
     /// `#[force]` functions, which add up.
     pub(crate) forces: Vec<RoleFunction>,
     pub(crate) symmetries: Vec<RoleFunction>,
+    pub(crate) constraints: Vec<RoleFunction>,
     /// All functions, for any can be called from another.
     pub(crate) functions: Vec<Rc<ImplItemFn>>,
     pub(crate) constants: Vec<ImplItemConst>,
@@ -75,6 +76,7 @@ pub(crate) fn annotated(
     let mut noises = Vec::new();
     let mut forces = Vec::new();
     let mut symmetries = Vec::new();
+    let mut constraints = Vec::new();
     let mut functions = Vec::new();
     let mut constants = Vec::new();
     for (member, role) in std::mem::take(&mut item.items).into_iter().zip(roles) {
@@ -88,12 +90,15 @@ pub(crate) fn annotated(
                     Role::Lagrangian => {
                         lagrangians.push(errors.keep(role_function(&function, role)));
                     }
-                    Role::Gamma | Role::H1 => {
+                    Role::Gamma | Role::H1 | Role::TangentH1 => {
                         noises.extend(errors.keep(role_function(&function, role)));
                     }
                     Role::Force => forces.extend(errors.keep(role_function(&function, role))),
                     Role::Symmetry => {
                         symmetries.extend(errors.keep(role_function(&function, role)));
+                    }
+                    Role::Constraint => {
+                        constraints.extend(errors.keep(role_function(&function, role)));
                     }
                 }
                 errors.leave(outer);
@@ -127,6 +132,7 @@ pub(crate) fn annotated(
         noises,
         forces,
         symmetries,
+        constraints,
         functions,
         constants,
     })

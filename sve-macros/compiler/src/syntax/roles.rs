@@ -14,13 +14,16 @@ pub(crate) enum Role {
     Lagrangian,
     Gamma,
     H1,
+    /// An H₁ that is taken with the momentum projected onto the constraints, `#[h1(tangent)]`.
+    TangentH1,
     Force,
     Symmetry,
+    Constraint,
     Helper,
 }
 
-/// The attribute of a role that does not exist yet.
-const LATER: &str = "constraint";
+/// The argument of `#[h1(tangent)]`.
+const TANGENT: &str = "tangent";
 
 /// The role of each member; the attributes that say so are removed.
 pub(crate) fn take_roles(item: &mut ItemImpl, errors: &mut Errors) -> Vec<Option<Role>> {
@@ -57,13 +60,6 @@ fn take_attributes(
         let Some(name) = attribute.path().get_ident().map(ToString::to_string) else {
             return true;
         };
-        if name == LATER {
-            errors.push(
-                attribute.span(),
-                format!("`#[{LATER}]` is not supported yet: remove the function or the attribute"),
-            );
-            return false;
-        }
         let Some(role) = Role::of_attribute(&name) else {
             let meant = Role::meant(&name);
             if let Some(role) = meant {
@@ -77,12 +73,14 @@ fn take_attributes(
                 format!("`#[{name}]` belongs on a function"),
             );
         }
-        if attribute.meta.require_path_only().is_err() {
-            errors.push(
-                attribute.span(),
-                format!("`#[{name}]` takes no arguments: the signature says all"),
-            );
-        }
+        let role = role.with_arguments(attribute).unwrap_or_else(|| {
+            let message = match role {
+                Role::H1 => format!("`#[{name}]` takes no argument but `{TANGENT}`, which puts the momentum along the constraints in the place of p: `#[{name}({TANGENT})]`"),
+                _ => format!("`#[{name}]` takes no arguments: the signature says all"),
+            };
+            errors.push(attribute.span(), message);
+            role
+        });
         found.push(role);
         false
     });
@@ -126,7 +124,22 @@ fn no_role(name: &str, meant: Role) -> String {
 
 impl Role {
     /// The roles that an attribute gives.
-    const MARKED: [Self; 4] = [Self::Gamma, Self::H1, Self::Force, Self::Symmetry];
+    const MARKED: [Self; 5] = [
+        Self::Gamma,
+        Self::H1,
+        Self::Force,
+        Self::Symmetry,
+        Self::Constraint,
+    ];
+
+    /// The role with the arguments of its attribute; nothing if they have no meaning.
+    fn with_arguments(self, attribute: &Attribute) -> Option<Self> {
+        if attribute.meta.require_path_only().is_ok() {
+            return Some(self);
+        }
+        let argument = attribute.parse_args::<Ident>().ok()?;
+        (self == Self::H1 && argument == TANGENT).then_some(Self::TangentH1)
+    }
 
     fn of_attribute(name: &str) -> Option<Self> {
         Self::MARKED
@@ -156,9 +169,10 @@ impl Role {
     pub(crate) fn attribute(self) -> &'static str {
         match self {
             Self::Gamma => "gamma",
-            Self::H1 => "h1",
+            Self::H1 | Self::TangentH1 => "h1",
             Self::Force => "force",
             Self::Symmetry => "symmetry",
+            Self::Constraint => "constraint",
             Self::Lagrangian | Self::Helper => "",
         }
     }
@@ -168,7 +182,10 @@ impl Role {
         match self {
             Self::Lagrangian => "fn lagrangian(&self, q: [f64; N], v: [f64; N]) -> f64",
             Self::Gamma => "fn name(&self, q: [f64; N]) -> f64` or `-> [f64; M]",
-            Self::H1 => "fn name(&self, q: [f64; N], p: [f64; N]) -> f64` or `-> [f64; M]",
+            Self::H1 | Self::TangentH1 => {
+                "fn name(&self, q: [f64; N], p: [f64; N]) -> f64` or `-> [f64; M]"
+            }
+            Self::Constraint => "fn name(&self, q: [f64; N]) -> f64` or `-> [f64; K]",
             Self::Force => "fn name(&self, q: [f64; N], v: [f64; N]) -> [f64; N]",
             Self::Symmetry => "fn name(&self, q: [f64; N]) -> [f64; N]",
             Self::Helper => "",
@@ -186,8 +203,12 @@ impl Role {
             }
             (Self::Gamma, 1) => "fn name(&self, r: Rotation3<f64>) -> f64",
             (Self::Gamma, _) => "fn name(&self, q: Vector3<f64>, r: Rotation3<f64>) -> f64",
-            (Self::H1, 1) => "fn name(&self, r: Rotation3<f64>, pi: Vector3<f64>) -> f64",
-            (Self::H1, _) => {
+            (Self::Constraint, 1) => "fn name(&self, r: Rotation3<f64>) -> f64",
+            (Self::Constraint, _) => "fn name(&self, q: Vector3<f64>, r: Rotation3<f64>) -> f64",
+            (Self::H1 | Self::TangentH1, 1) => {
+                "fn name(&self, r: Rotation3<f64>, pi: Vector3<f64>) -> f64"
+            }
+            (Self::H1 | Self::TangentH1, _) => {
                 "fn name(&self, q: Vector3<f64>, r: Rotation3<f64>, p: Vector3<f64>, pi: Vector3<f64>) -> f64"
             }
             (Self::Force, 1) => {
@@ -206,9 +227,9 @@ impl Role {
     /// Names of the vector arguments after `&self` and the optional time, in their order.
     pub(crate) fn quantities(self) -> &'static [&'static str] {
         match self {
-            Self::Gamma | Self::Symmetry => &["q"],
+            Self::Gamma | Self::Symmetry | Self::Constraint => &["q"],
             Self::Lagrangian | Self::Force | Self::Helper => &["q", "v"],
-            Self::H1 => &["q", "p"],
+            Self::H1 | Self::TangentH1 => &["q", "p"],
         }
     }
 
@@ -247,7 +268,7 @@ fn members_without_roles(members: TokenStream) -> TokenStream {
 
 /// Whether an attribute of this name gives a role.
 pub(crate) fn is_role_name(name: &str) -> bool {
-    name == LATER || Role::of_attribute(name).is_some() || Role::meant(name).is_some()
+    Role::of_attribute(name).is_some() || Role::meant(name).is_some()
 }
 
 /// Whether `[…]` is an attribute of this macro.

@@ -36,7 +36,9 @@ pub(crate) fn is_timed(
     let timed = count == role.vectors() + 1;
     if !timed && count != role.vectors() {
         let hint = match role {
-            Role::H1 if count == 1 => "; a noise that depends on q alone is `#[gamma]`",
+            Role::H1 | Role::TangentH1 if count == 1 => {
+                "; a noise that depends on q alone is `#[gamma]`"
+            }
             _ => "",
         };
         let count = match count {
@@ -253,12 +255,13 @@ mod tests {
     use crate::tests::expand;
 
     /// A role: its attribute, the name of a function, the arguments in order, and what such a function returns.
-    const ROLES: [(&str, &str, &[&str], &str); 5] = [
+    const ROLES: [(&str, &str, &[&str], &str); 6] = [
         ("", "lagrangian", &["q", "v"], "{ x * x + y * y }"),
         ("#[gamma]", "push", &["q"], "{ x }"),
         ("#[h1]", "kick", &["q", "p"], "{ y }"),
         ("#[force]", "drag", &["q", "v"], "{ -y }"),
         ("#[symmetry]", "shift", &["q"], "{ 1.0 }"),
+        ("#[constraint]", "rod", &["q"], "{ x }"),
     ];
 
     /// The errors of a block in which one function has arguments of these names.

@@ -1,7 +1,8 @@
 //! Model → the derivatives of L, the noises and the force, and whether the noises commute. The runtime needs them beside the steps.
 
 use crate::algebra::{Arena, Expr, Purpose, Symbol, Vanishing};
-use crate::system::model::{Model, NoiseTerm};
+use crate::rules::constraints;
+use crate::system::model::{Constraint, Model, NoiseTerm};
 
 /// Derivatives of the Lagrangian, in the order of the runtime's `LagrangianJet`.
 #[derive(Clone)]
@@ -33,6 +34,16 @@ pub(crate) struct ForceJet {
     pub(crate) dq: Vec<Vec<Expr>>,
     pub(crate) dv: Vec<Vec<Expr>>,
     pub(crate) dt: Vec<Expr>,
+}
+
+/// A constraint with its derivatives, in the order of the runtime's `ConstraintJet`.
+#[derive(Clone)]
+pub(crate) struct ConstraintJet {
+    pub(crate) value: Expr,
+    /// The sum of the magnitudes of the terms of φ.
+    pub(crate) magnitude: Expr,
+    pub(crate) dt: Expr,
+    pub(crate) dq: Vec<Expr>,
 }
 
 impl LagrangianJet {
@@ -70,6 +81,18 @@ impl NoiseJet {
     }
 }
 
+impl ConstraintJet {
+    fn exprs(&mut self) -> Vec<&mut Expr> {
+        let Self {
+            value,
+            magnitude,
+            dt,
+            dq,
+        } = self;
+        [value, magnitude, dt].into_iter().chain(dq).collect()
+    }
+}
+
 impl ForceJet {
     fn exprs(&mut self) -> Vec<&mut Expr> {
         let Self { value, dq, dv, dt } = self;
@@ -84,6 +107,7 @@ pub(crate) struct Mechanics {
     pub(crate) lagrangian: LagrangianJet,
     pub(crate) noises: Vec<NoiseJet>,
     pub(crate) force: Option<ForceJet>,
+    pub(crate) constraints: Vec<ConstraintJet>,
     /// Whether `∂L/∂v` is affine in v.
     pub(crate) affine_momentum: bool,
     /// Whether L = T(v) − V(t, q).
@@ -147,7 +171,9 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
     let kicks = noises.iter().flat_map(|noise| noise.dq.iter().copied());
     let mut shifts = noises.iter().flat_map(|noise| noise.dp.iter().copied());
     let is_additive = masses.chain(kicks).all(is_free)
-        && shifts.all(|shift| arena.constant_value(shift) == Some(0.0));
+        && shifts.all(|shift| arena.constant_value(shift) == Some(0.0))
+        // the constraint force of an additive noise depends on the configuration
+        && model.constraints.is_empty();
     let commutation = commutation(model, &noises, arena);
     let force = model.force.as_ref().map(|force| ForceJet {
         dq: gradients(arena, force, model),
@@ -155,10 +181,16 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
         dt: gradient_in(arena, force, model.time),
         value: force.clone(),
     });
+    let constraints = model
+        .constraints
+        .iter()
+        .map(|constraint| constraint_jet(constraint, model, arena))
+        .collect();
     Mechanics {
         lagrangian,
         noises,
         force,
+        constraints,
         affine_momentum,
         is_separable,
         is_additive,
@@ -178,7 +210,9 @@ impl Mechanics {
     pub(crate) fn stabilise(&mut self, arena: &mut Arena) {
         let jets = self.noises.iter_mut().flat_map(NoiseJet::exprs);
         let force = self.force.iter_mut().flat_map(ForceJet::exprs);
+        let constraints = self.constraints.iter_mut().flat_map(ConstraintJet::exprs);
         let exprs = self.lagrangian.exprs().into_iter().chain(jets).chain(force);
+        let exprs = exprs.chain(constraints);
         arena.stabilise(Purpose::Values, exprs.collect());
     }
 }
@@ -242,6 +276,15 @@ fn commutation(model: &Model, jets: &[NoiseJet], arena: &mut Arena) -> Commutati
         }
     }
     Commutation::All(evidence)
+}
+
+fn constraint_jet(constraint: &Constraint, model: &Model, arena: &mut Arena) -> ConstraintJet {
+    ConstraintJet {
+        value: constraint.value,
+        magnitude: constraints::magnitude(constraint.value, arena),
+        dt: arena.diff(constraint.value, model.time),
+        dq: gradient(arena, constraint.value, &model.q),
+    }
 }
 
 /// Returns the gradients of a noise by q and p. If a product of two components might underflow or overflow, the gradients are

@@ -1,6 +1,7 @@
 //! The mechanical system: its symbols and formulas, their derivatives, and the checks that do not depend on a rule.
 
 pub(crate) mod configuration;
+pub(crate) mod constraints;
 pub(crate) mod inverse_mass;
 pub(crate) mod mechanics;
 pub(crate) mod model;

@@ -118,6 +118,18 @@ pub(crate) enum Family {
     VelocityMultiplier,
     /// The multiplier of the equation that defines the acceleration of `taylor2`.
     AccelerationMultiplier,
+    /// The multiplier of a constraint at the start of the step, an impulse.
+    StartMultiplier,
+    /// The multiplier of a constraint at the end of the step.
+    EndMultiplier,
+    /// The velocity of p₁ at q₁.
+    EndVelocity,
+}
+
+impl Family {
+    pub(crate) fn is_multiplier_of_constraint(self) -> bool {
+        matches!(self, Self::StartMultiplier | Self::EndMultiplier)
+    }
 }
 
 impl Unknown {
@@ -137,6 +149,9 @@ impl std::fmt::Display for Unknown {
             Family::Acceleration => "a",
             Family::VelocityMultiplier => "mu",
             Family::AccelerationMultiplier => "nu",
+            Family::StartMultiplier => "lambda",
+            Family::EndMultiplier => "mu",
+            Family::EndVelocity => "v1",
         };
         write!(f, "{letter}_{}", self.index)
     }
@@ -156,6 +171,8 @@ pub(crate) struct NoiseTerm {
     pub(crate) name: String,
     /// Whether the user wrote γ; the Hamiltonian is then −γ.
     pub(crate) is_gamma: bool,
+    /// Whether the momentum along the constraints is to take the place of p.
+    pub(crate) is_tangent: bool,
     pub(crate) hamiltonian: Expr,
 }
 
@@ -165,6 +182,15 @@ pub(crate) struct Generator {
     /// Source name.
     pub(crate) name: String,
     pub(crate) field: Vec<Expr>,
+}
+
+/// A holonomic constraint, φ = 0.
+#[derive(Clone)]
+pub(crate) struct Constraint {
+    /// Source name, with an index if the function returns an array.
+    pub(crate) name: String,
+    /// φ.
+    pub(crate) value: Expr,
 }
 
 /// The meanings of all symbols, indexed by symbol.
@@ -252,6 +278,7 @@ pub(crate) struct Model {
     /// F, if there is a force.
     pub(crate) force: Option<Vec<Expr>>,
     pub(crate) symmetries: Vec<Generator>,
+    pub(crate) constraints: Vec<Constraint>,
     /// The paths that are read as constants of `std::f64::consts` and may lead elsewhere, each with the value it is read as.
     pub(crate) constants: Vec<(TokenStream, f64)>,
 }

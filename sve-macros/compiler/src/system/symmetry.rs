@@ -189,6 +189,14 @@ fn changes(
             scale: scale * unit,
         });
     }
+    for constraint in &model.constraints {
+        let (value, scale) = scaled(constraint.value, arena);
+        changes.push(Change {
+            of: Changed::Function(format!("the constraint `{}`", constraint.name)),
+            rate: pairing(value, &model.q, xi, arena),
+            scale: scale * unit,
+        });
+    }
     if let Some(force) = &model.force {
         let names: Vec<String> = block
             .forces

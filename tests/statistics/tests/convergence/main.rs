@@ -1,5 +1,8 @@
 //! Orders of convergence, and moments of paths with noise.
 
+mod commuting;
+mod compositions;
+mod constrained;
 mod kubo;
 mod moments;
 mod rotations;

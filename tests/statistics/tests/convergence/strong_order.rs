@@ -28,9 +28,9 @@ const BIAS: f64 = 0.06;
 const SIGMAS: f64 = 4.0;
 
 /// A path: increments for the finest steps, and the exact end point.
-struct Path<const N: usize> {
-    fine: Recorded,
-    end: State<[f64; N]>,
+pub(crate) struct Path<const N: usize> {
+    pub(crate) fine: Recorded,
+    pub(crate) end: State<[f64; N]>,
 }
 
 /// Slope of the least-squares line.
@@ -41,14 +41,14 @@ fn slope(x: &[f64], y: &[f64]) -> f64 {
     covariance / x.iter().map(|x| (x - mx).powi(2)).sum::<f64>()
 }
 
-fn distance2<const N: usize>(a: &State<[f64; N]>, b: &State<[f64; N]>) -> f64 {
+pub(crate) fn distance2<const N: usize>(a: &State<[f64; N]>, b: &State<[f64; N]>) -> f64 {
     (0..N)
         .map(|i| (a.q[i] - b.q[i]).powi(2) + (a.p[i] - b.p[i]).powi(2))
         .sum()
 }
 
 /// Measures the order of `end(path, k)`, the end points with 2ᵏ steps, and returns it with its standard error.
-fn measure<const N: usize>(
+pub(crate) fn measure<const N: usize>(
     path: impl Fn(u64) -> Path<N>,
     end: impl Fn(&Recorded) -> State<[f64; N]>,
 ) -> (f64, f64) {
@@ -78,7 +78,13 @@ fn measure<const N: usize>(
 }
 
 /// Prints a line of the table and checks it.
-fn line(system: &str, rule: &str, noise: &str, expected: f64, (order, error): (f64, f64)) {
+pub(crate) fn line(
+    system: &str,
+    rule: &str,
+    noise: &str,
+    expected: f64,
+    (order, error): (f64, f64),
+) {
     println!("| {system} | {rule} | {noise} | {expected} | {order:.3} ± {error:.3} |");
     assert!(
         (order - expected).abs() < BIAS + SIGMAS * error,
@@ -87,7 +93,7 @@ fn line(system: &str, rule: &str, noise: &str, expected: f64, (order, error): (f
 }
 
 /// The end point on a recorded path.
-fn run<S, R, const N: usize, const M: usize>(
+pub(crate) fn run<S, R, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     start: State<[f64; N]>,
     path: &Recorded,
@@ -156,18 +162,18 @@ fn all_rules<S, const N: usize, const M: usize>(
     );
 }
 
-fn record(path: u64, processes: usize, level: u32) -> Recorded {
+pub(crate) fn record(path: u64, processes: usize, level: u32) -> Recorded {
     let h = 0.5_f64.powi(level as i32);
     Recorded::record(Wiener::new(SEED).path(path), h, processes, 1 << level).unwrap()
 }
 
 /// The sum of all increments.
-fn total<const M: usize>(path: &Recorded) -> [f64; M] {
+pub(crate) fn total<const M: usize>(path: &Recorded) -> [f64; M] {
     let whole = path.coarsen(path.len()).unwrap();
     whole.get(0).unwrap().try_into().unwrap()
 }
 
-fn rotated(start: State<[f64; 1]>, angle: f64) -> State<[f64; 1]> {
+pub(crate) fn rotated(start: State<[f64; 1]>, angle: f64) -> State<[f64; 1]> {
     let ([q], [p]) = (start.q, start.p);
     let (s, c) = angle.sin_cos();
     State::at(1.0, [q * c + p * s], [p * c - q * s])
@@ -175,7 +181,7 @@ fn rotated(start: State<[f64; 1]>, angle: f64) -> State<[f64; 1]> {
 
 /// The reference is the midpoint rule with steps of 2⁻¹⁴ on the same path: its error has the same order, so that it is
 /// smaller by 2⁻⁴ (order 1) or 2⁻² (order ½, 3 % of the mean square) than that of the finest step measured.
-fn with_fine_reference<S, const N: usize, const M: usize>(
+pub(crate) fn with_fine_reference<S, const N: usize, const M: usize>(
     system: &S,
     start: State<[f64; N]>,
 ) -> impl Fn(u64) -> Path<N>

@@ -2,4 +2,5 @@
 
 mod gauss;
 mod paths;
+mod planets;
 mod walks;

@@ -2,15 +2,15 @@
 
 mod systems;
 
+use sve_models::potential::{
+    Additive, Heavy, HeavyByHand, Pendulums, PendulumsByHand, Well, WellByHand,
+};
 use sve_models::random::Random;
 use sve_runtime::__private::Unstructured;
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, Discretised, StrongOrder, System, Variational};
 
-use systems::{
-    Additive, Heavy, HeavyByHand, Moved, Pendulums, PendulumsByHand, Quadratic, Stretched, Well,
-    WellByHand,
-};
+use systems::{Moved, Quadratic, Stretched};
 
 const H: f64 = 0.1;
 

@@ -152,8 +152,8 @@ fn solve(
             quote!(#private::gauss::newton_increment::<_, _, #s, #n, #m, #k>(#system, state, h, #noise, newton)),
         ),
         Form::SecondOrder { .. } => (
-            quote!(#private::gauss::InverseMass<#n>),
-            quote!(#private::gauss::InverseMass::of(self)),
+            quote!(#private::gauss::SecondOrderCoefficients<#s, #n>),
+            quote!(#private::gauss::SecondOrderCoefficients::new(self, h)),
             quote!(#private::gauss::second_order_increment::<_, _, #s, #n, #m, #k, #l>(#system, prepared, #memory, state, h, #noise, newton)),
         ),
         Form::Partitioned { .. } => (

@@ -49,6 +49,8 @@ fn hash(model: &Model, arena: &Arena) -> u64 {
     );
     let force = model.force.iter().flatten();
     roots.extend(force.map(|&component| ("force", component)));
+    let constraints = model.constraints.iter().map(|constraint| constraint.value);
+    roots.extend(constraints.map(|value| ("constraint", value)));
     let expressions: Vec<Expr> = roots.iter().map(|&(_, expr)| expr).collect();
     let mut places = HashMap::new();
     let mut text = String::new();

@@ -9,6 +9,7 @@ mod identity;
 mod lanes;
 mod linearise;
 mod momenta;
+mod multipliers;
 mod parameters;
 mod placeholders;
 mod plan;

@@ -6,6 +6,7 @@ use quote::{ToTokens, quote};
 use super::configuration::{Received, received};
 use super::lanes::lanes;
 use super::linearise::linearise;
+use super::multipliers::multipliers;
 use super::plan::plan;
 use super::step::{self, Code};
 use super::{Context, Derived, attributes, documented, private, unstructured, verbatim};
@@ -59,6 +60,14 @@ pub(crate) fn rule(
         open: _,
         open_state,
     } = &received;
+    let multipliers = multipliers(
+        &private,
+        model,
+        &scheme.reported,
+        linearisation,
+        symbols,
+        arena,
+    );
     // rotations are stepped lane by lane
     let has_lanes = context.settings.lanes && !model.configuration().has_rotations();
     let lanes = (has_lanes && !is_unstructured)
@@ -107,6 +116,7 @@ pub(crate) fn rule(
             }
             #lanes
             #linearise
+            #multipliers
         }
         #private::derived_rule! { #self_ty, #rule_type }
     }
@@ -143,8 +153,11 @@ fn start(unknowns: &[Symbol], coordinates: usize, symbols: &Symbols) -> TokenStr
         };
         let i = Literal::usize_unsuffixed(index % coordinates);
         match family {
-            Family::Displacement | Family::AccelerationMultiplier => quote!(0f64),
-            Family::Velocity | Family::StageVelocity => quote!(velocity[#i]),
+            Family::Displacement
+            | Family::AccelerationMultiplier
+            | Family::StartMultiplier
+            | Family::EndMultiplier => quote!(0f64),
+            Family::Velocity | Family::StageVelocity | Family::EndVelocity => quote!(velocity[#i]),
             Family::Acceleration => quote!(acceleration[#i]),
             // the multiplier of the velocity is the momentum
             Family::Momentum | Family::VelocityMultiplier => quote!(state.p[#i]),

@@ -132,10 +132,15 @@ impl Solver<'_> {
             }
             None => quote!(#private::solve_with_sign(&#matrix, &#rhs)),
         };
+        let without_guess = if iteration.needs_guess {
+            quote!(return ::core::result::Result::Err(#private::SolveError::Singular { iteration: 0 }))
+        } else {
+            quote!((#rest, #private::DeterminantSign::UNKNOWN, [f64::NAN; #size]))
+        };
         quote! {
             let (guess, origin, limit) = match #attempt {
                 ::core::option::Option::Some((guess, #oriented)) => ({ #guessed }, #origin, #limit),
-                ::core::option::Option::None => (#rest, #private::DeterminantSign::UNKNOWN, [f64::NAN; #size]),
+                ::core::option::Option::None => #without_guess,
             };
             let fallback = || { #fallback };
             let rounding = |&#iterates: &[f64; #size]| { #rounding };

@@ -222,7 +222,7 @@ impl Writer<'_> {
         let first_of_mass = roots.len();
         roots.extend(mass.iter().flatten().chain(offset));
         let first = self.body(&roots);
-        let second = self.body(shift);
+        let shift = self.body(shift);
         let (matrix, offsets) = first.results[first_of_mass..].split_at(n * n);
         let inverse = self.inverse(matrix, is_diagonal);
         let [poison, poisoned] = poison(&impulse.domain, &first.results[n..first_of_mass]);
@@ -235,7 +235,7 @@ impl Writer<'_> {
             let i = Literal::usize_unsuffixed(i);
             quote!(masses.offset[#i][stage])
         });
-        let displacements = second.results.iter().enumerate().map(|(i, shift)| {
+        let displacements = shift.results.iter().enumerate().map(|(i, shift)| {
             let i = Literal::usize_unsuffixed(i);
             quote!(motion.displacements[#i][stage] = h * v[#i] + #shift; motion.velocities[#i][stage] = v[#i];)
         });
@@ -245,12 +245,7 @@ impl Writer<'_> {
             late,
             ..
         } = &first;
-        let Body {
-            before: before_shift,
-            known: known_shift,
-            late: late_shift,
-            ..
-        } = &second;
+        let (before_shift, known_shift, late_shift) = (&shift.before, &shift.known, &shift.late);
         let sizes = self.sizes();
         let size = Literal::usize_unsuffixed(n);
         let private = self.private;
@@ -309,7 +304,7 @@ impl Writer<'_> {
             arithmetic: 2 * n * (2 * n + 1),
             ..Operations::default()
         };
-        (tokens, first.operations + second.operations + solves)
+        (tokens, first.operations + shift.operations + solves)
     }
 
     /// The inverse of the mass matrix at a stage; of a diagonal one the diagonal.
@@ -327,25 +322,17 @@ impl Writer<'_> {
     /// Writes the inverse to `masses`, and reads it from there.
     fn kept_inverse(&self, is_diagonal: bool) -> [TokenStream; 2] {
         let n = self.model.dof();
-        let index = Literal::usize_unsuffixed;
         let places = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+        let entry = |i: usize, j: usize| {
+            let [i, j] = [i, j].map(Literal::usize_unsuffixed);
+            quote!(masses.inverse[#i][#j][stage])
+        };
         let keep = places
             .filter(|(i, j)| !is_diagonal || i == j)
             .map(|(i, j)| {
-                let entry = if is_diagonal {
-                    let i = index(i);
-                    quote!(inverse[#i])
-                } else {
-                    let (i, j) = (index(i), index(j));
-                    quote!(inverse[#i][#j])
-                };
-                let (i, j) = (index(i), index(j));
-                quote!(masses.inverse[#i][#j][stage] = #entry;)
+                let (kept, entry) = (entry(i, j), inverse_entry(is_diagonal, i, j));
+                quote!(#kept = #entry;)
             });
-        let entry = |i: usize, j: usize| {
-            let (i, j) = (index(i), index(j));
-            quote!(masses.inverse[#i][#j][stage])
-        };
         let rows = (0..n).map(|i| {
             if is_diagonal {
                 return entry(i, i);
@@ -359,15 +346,10 @@ impl Writer<'_> {
     /// The velocity of the momentum `p` at a stage.
     fn velocity(&self, is_diagonal: bool) -> TokenStream {
         let n = self.model.dof();
-        let index = Literal::usize_unsuffixed;
         let components = (0..n).map(|i| {
             let terms = (0..n).filter(|&j| !is_diagonal || i == j).map(|j| {
-                let (i, j) = (index(i), index(j));
-                let entry = if is_diagonal {
-                    quote!(inverse[#i])
-                } else {
-                    quote!(inverse[#i][#j])
-                };
+                let entry = inverse_entry(is_diagonal, i, j);
+                let j = Literal::usize_unsuffixed(j);
                 quote!(#entry * (p[#j] - offset[#j]))
             });
             let mut sum = TokenStream::new();
@@ -378,6 +360,16 @@ impl Writer<'_> {
             sum
         });
         quote!([#(#components),*])
+    }
+}
+
+/// An entry of the inverse of the mass matrix; of a diagonal one the diagonal alone is stored.
+fn inverse_entry(is_diagonal: bool, row: usize, column: usize) -> TokenStream {
+    let [row, column] = [row, column].map(Literal::usize_unsuffixed);
+    if is_diagonal {
+        quote!(inverse[#row])
+    } else {
+        quote!(inverse[#row][#column])
     }
 }
 

@@ -10,7 +10,7 @@ use super::{Context, attributes, documented, private};
 use crate::algebra::{Arena, Expr};
 use crate::explain::SystemTexts;
 use crate::syntax::parse::Annotated;
-use crate::system::mechanics::{ForceJet, LagrangianJet, Mechanics, NoiseJet};
+use crate::system::mechanics::{ConstraintJet, ForceJet, LagrangianJet, Mechanics, NoiseJet};
 use crate::system::model::{Model, Symbols};
 
 pub(crate) fn system(
@@ -28,13 +28,15 @@ pub(crate) fn system(
         lagrangian,
         noises,
         force,
+        constraints,
         affine_momentum,
         is_separable,
         is_additive: _,
         commutation: _,
     } = mechanics;
     let separable = is_separable.then(|| quote!(impl #private::Separable for #self_ty {}));
-    let quadratic = (*is_separable && *affine_momentum)
+    // conditions of order for the splitting of a quadratic kinetic energy do not hold for steps that constraints couple
+    let quadratic = (*is_separable && *affine_momentum && constraints.is_empty())
         .then(|| quote!(impl #private::QuadraticKineticEnergy for #self_ty {}));
     let [doc, jet_doc, noise_doc] = documentation(about, !noises.is_empty());
     let configuration = written(block, &private).map(|ty| quote!(, #ty));
@@ -49,10 +51,16 @@ pub(crate) fn system(
     let force = force
         .as_ref()
         .map(|jet| force_jet(&private, jet, &received, &model.symbols, arena));
+    let constraints = constraint_jets(&private, model, constraints, arena);
     let identity = identity(model, arena, &private);
     let parameters = model.symbols.parameters().map(|s| model.symbols.source(s));
     // the user's functions are not called by what is derived from them, and yet are not dead
-    let parts = [&block.noises, &block.forces, &block.symmetries];
+    let parts = [
+        &block.noises,
+        &block.forces,
+        &block.symmetries,
+        &block.constraints,
+    ];
     let functions = parts.into_iter().flatten().chain([&block.lagrangian]);
     let functions = functions.map(|part| &part.name);
     let constants = model
@@ -83,6 +91,7 @@ pub(crate) fn system(
                 #noise_body
             }
             #force
+            #constraints
         }
         #separable
         #quadratic
@@ -187,6 +196,57 @@ fn force_jet(
             #private::ForceJet { value, dq: #dq, dv: #dv, dt }
         }
     }
+}
+
+/// `CONSTRAINTS` and `constraint_jets`; nothing where there are none.
+fn constraint_jets(
+    private: &TokenStream,
+    model: &Model,
+    jets: &[ConstraintJet],
+    arena: &Arena,
+) -> Option<TokenStream> {
+    if jets.is_empty() {
+        return None;
+    }
+    let row = |of: fn(&ConstraintJet) -> Expr| jets.iter().map(of).collect::<Vec<Expr>>();
+    let vectors = [row(|j| j.value), row(|j| j.magnitude), row(|j| j.dt)];
+    let slopes: Vec<Vec<Expr>> = jets.iter().map(|jet| jet.dq.clone()).collect();
+    let roots: Vec<Expr> = [&vectors[..], &slopes[..]].concat().concat();
+    let parts: [(&[Vec<Expr>], Vec<String>); 2] = [
+        (
+            &vectors,
+            ["value", "magnitude", "dt"].map(ToOwned::to_owned).to_vec(),
+        ),
+        (&slopes, rows("dq", jets.len())),
+    ];
+    let (statements, arrays) = Straight::new(arena, &model.symbols, &roots).finish(private, &parts);
+    let [vectors, slopes] = arrays.as_slice() else {
+        return None;
+    };
+    let names = model.constraints.iter().map(|constraint| &constraint.name);
+    let n = Literal::usize_unsuffixed(model.dof());
+    let count = Literal::usize_unsuffixed(jets.len());
+    Some(quote! {
+        const CONSTRAINTS: &'static [&'static str] = &[#(#names),*];
+        fn constraint_jets(
+            &self,
+            time: f64,
+            q: &[f64; #n],
+            visit: &mut dyn ::core::ops::FnMut(#private::ConstraintJet<#n>),
+        ) {
+            #statements
+            let [values, magnitudes, dt] = #vectors;
+            let dq = #slopes;
+            for k in 0..#count {
+                visit(#private::ConstraintJet {
+                    value: values[k],
+                    magnitude: magnitudes[k],
+                    dt: dt[k],
+                    dq: dq[k],
+                });
+            }
+        }
+    })
 }
 
 fn noise_jets(

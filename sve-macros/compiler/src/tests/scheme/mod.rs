@@ -59,7 +59,7 @@ impl Case {
     }
 
     fn scheme(&mut self) -> Scheme<Expr> {
-        let equations = equations(&self.action, &mut self.arena);
+        let equations = equations(&self.action, &self.symbols, &mut self.arena);
         let scheme = analyse(equations, &self.action, &mut self.symbols, &mut self.arena);
         scheme.unwrap_or_else(|_| panic!("{:?} is degenerate", self.system))
     }
@@ -113,7 +113,7 @@ fn equations_are_derivatives_of_the_action() {
     for seed in 0..400 {
         let mut case = Case::new(seed, true);
         let n = case.system.n;
-        let mut found = equations(&case.action, &mut case.arena);
+        let mut found = equations(&case.action, &case.symbols, &mut case.arena);
         let exprs = found
             .residuals
             .iter_mut()

@@ -105,6 +105,7 @@ impl System {
             noises.push(NoiseTerm {
                 name,
                 is_gamma: !*momenta,
+                is_tangent: false,
                 hamiltonian,
             });
         }
@@ -120,6 +121,7 @@ impl System {
             noises,
             force: None,
             symmetries: Vec::new(),
+            constraints: Vec::new(),
         }
     }
 

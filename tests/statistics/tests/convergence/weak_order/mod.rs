@@ -143,7 +143,6 @@ fn noisy_stiffness() {
 
 #[test]
 fn two_noises_with_coupled_masses() {
-    let system = Coupled { sigma: [0.6, 0.4] };
     let start = State::new([1.0, -0.5], [0.2, 0.3]);
     // M⁻¹ of M = (1, ½; ½, 2)
     let (a, b, c) = (2.0 / 1.75, -0.5 / 1.75, 1.0 / 1.75);
@@ -154,39 +153,39 @@ fn two_noises_with_coupled_masses() {
         [0.0, -2.0, 0.0, 0.0, 0.0],
         [0.0; 5],
     ]);
-    let [s0, s1] = system.sigma;
-    let noises = vec![
-        matrix([
-            [0.0; 5],
-            [0.0; 5],
+    for (sigma, noise) in [
+        ([0.6, 0.4], "two γ"),
+        ([0.8, 0.1], "a strong γ and a weak one"),
+    ] {
+        let system = Coupled { sigma };
+        let [s0, s1] = system.sigma;
+        let zero = [0.0; 5];
+        let (first, second, third) = (
             [s0, 0.0, 0.0, 0.0, 0.0],
-            [0.0; 5],
-            [0.0; 5],
-        ]),
-        matrix([
-            [0.0; 5],
-            [0.0; 5],
             [0.0, s1, 0.0, 0.0, 0.0],
             [s1, -s1, 0.0, 0.0, 0.0],
-            [0.0; 5],
-        ]),
-    ];
-    let exact = exact(start, &drift, |_| noises.clone());
-    for_each_rule!(
-        linear,
-        system.clone(),
-        (
-            InitialPoint,
-            Endpoint,
-            Midpoint,
-            Weak2(Midpoint),
-            StormerVerlet,
-            Weak2(StormerVerlet),
-            Gauss::<2>,
-            Weak2(Gauss::<2>)
-        ),
-        ("two γ", start, &exact)
-    );
+        );
+        let noises = vec![
+            matrix([zero, zero, first, zero, zero]),
+            matrix([zero, zero, second, third, zero]),
+        ];
+        let exact = exact(start, &drift, |_| noises.clone());
+        for_each_rule!(
+            linear,
+            system.clone(),
+            (
+                InitialPoint,
+                Endpoint,
+                Midpoint,
+                Weak2(Midpoint),
+                StormerVerlet,
+                Weak2(StormerVerlet),
+                Gauss::<2>,
+                Weak2(Gauss::<2>)
+            ),
+            (noise, start, &exact)
+        );
+    }
 }
 
 /// Additive noise needs no term: K is a constant.

@@ -1,0 +1,298 @@
+//! Holonomic constraints φ(t, q) = 0: what they add to the action of any rule.
+//!
+//! ```text
+//! S_d + ⟨λ, φ(t₀,q₀)⟩ + ⟨μ, φ(t₁,q₁)⟩
+//! ```
+//!
+//! The forces of the constraints act at the two ends of the step, never at a node: with Dφᵀλ at a node the step is not symplectic on the manifold of the
+//! constraints. λ enters the momentum balance at the start, μ the momentum at the end. The further equations are
+//!
+//! ```text
+//! 0 = φ(t₁,q₁)      p₁ = ∂L/∂v(t₁,q₁,v₁)      0 = ∂φ/∂t + Dφ(t₁,q₁) v₁
+//! ```
+//!
+//! The first one determines λ, the others project p₁. With the rule of Störmer and Verlet this is RATTLE.
+//!
+//! Sources: Marsden, West, *Discrete mechanics and variational integrators*, Acta Numerica 10 (2001), section 3; Leimkuhler, Reich, *Simulating Hamiltonian
+//! Dynamics* (2004), chapter 7; Bou-Rabee, Owhadi, *Stochastic variational integrators*, IMA J. Numer. Anal. 29 (2009).
+
+use std::collections::HashMap;
+
+use super::action::Action;
+use crate::algebra::{Arena, Expr, Symbol};
+use crate::structure::Condition;
+use crate::system::model::{AtNode, Family, Meaning, Model, NodeQuantity, Symbols, Unknown};
+
+/// What constraints add to an action.
+pub(crate) struct Enforced {
+    /// λ and μ, one for each constraint.
+    pub(crate) start_multipliers: Vec<Symbol>,
+    pub(crate) end_multipliers: Vec<Symbol>,
+    /// v₁.
+    pub(crate) end_velocity: Vec<Symbol>,
+    /// φ(t₁,q₁)/h, in a form that does not cancel where φ is of second degree.
+    pub(crate) end_values: Vec<Expr>,
+    /// ∂φ/∂t + Dφ(t₁,q₁) v₁.
+    pub(crate) end_rates: Vec<Expr>,
+    /// ∂φ/∂t + Dφ(t₀,q₀) v with the velocity of the rule: φ(t₁,q₁)/h to leading order.
+    pub(crate) start_rates: Vec<Expr>,
+    /// ∂L/∂v(t₁,q₁,v₁).
+    pub(crate) end_momentum: Vec<Expr>,
+    /// `Dφ(t₀,q₀)ᵀ λ`.
+    pub(crate) start_impulse: Vec<Expr>,
+    /// Whether the sign of the Jacobian's determinant is that of a small step, whatever the increments are: no noise is curved in p.
+    pub(crate) has_sign: bool,
+    /// That φ(t₀,q₀) vanishes to rounding.
+    pub(crate) at_start: Vec<Condition<Expr>>,
+}
+
+/// Largest φ at the start of a step, relative to the sum of the magnitudes of its terms. Steps leave some rounding errors.
+pub(crate) const INCONSISTENT: f64 = 1e-8;
+
+/// The node at the end of the step, whose number no rule uses.
+pub(crate) const END: usize = 1 << 20;
+
+/// Adds the constraints of the model to an action.
+pub(crate) fn enforce(
+    mut action: Action,
+    model: &Model,
+    symbols: &mut Symbols,
+    arena: &mut Arena,
+) -> Action {
+    if model.constraints.is_empty() {
+        return action;
+    }
+    let (n, count) = (model.dof(), model.constraints.len());
+    let mut family = |family, size| symbols.declare_all(size, Unknown::of(family));
+    let start_multipliers = family(Family::StartMultiplier, count);
+    let end_multipliers = family(Family::EndMultiplier, count);
+    let end_velocity = family(Family::EndVelocity, n);
+    let velocity: Vec<Symbol> = action
+        .internal
+        .iter()
+        .copied()
+        .filter(
+            |&s| matches!(symbols.meaning(s), Meaning::Unknown(u) if u.family == Family::Velocity),
+        )
+        .collect();
+    let start = at_start(&action, model, &velocity, arena);
+    let end = at_end(&action, model, &end_velocity, arena);
+    let mut terms = vec![(1.0, action.value)];
+    let mut enforced = Enforced {
+        end_values: Vec::new(),
+        end_rates: Vec::new(),
+        start_rates: Vec::new(),
+        end_momentum: Vec::new(),
+        start_impulse: vec![arena.constant(0.0); n],
+        has_sign: !is_curved(model, arena),
+        at_start: Vec::new(),
+        start_multipliers,
+        end_multipliers,
+        end_velocity,
+    };
+    for (k, constraint) in model.constraints.iter().enumerate() {
+        let [lambda, mu] = [enforced.start_multipliers[k], enforced.end_multipliers[k]];
+        let [lambda, mu] = [lambda, mu].map(|s| arena.symbol(s));
+        let [first, last] = [&start, &end].map(|at| arena.substitute(constraint.value, at));
+        terms.push((1.0, arena.mul(lambda, first)));
+        terms.push((1.0, arena.mul(mu, last)));
+        for i in 0..n {
+            let slope = arena.diff(constraint.value, model.q[i]);
+            let slope = arena.substitute(slope, &start);
+            let impulse = arena.mul(slope, lambda);
+            enforced.start_impulse[i] = arena.add(enforced.start_impulse[i], impulse);
+        }
+        let rate = rate(constraint.value, model, arena);
+        let [start_rate, end_rate] = [&start, &end].map(|at| arena.substitute(rate, at));
+        enforced.start_rates.push(start_rate);
+        enforced.end_rates.push(end_rate);
+        let value = end_value(constraint.value, &start, last, &action, model, arena);
+        enforced.end_values.push(value);
+        enforced.at_start.push(consistency(first, arena));
+    }
+    for &v in &model.v {
+        let momentum = arena.diff(model.lagrangian, v);
+        enforced.end_momentum.push(arena.substitute(momentum, &end));
+    }
+    action.value = arena.sum(0.0, &terms);
+    action.varied = action.value;
+    action.enforced = Some(enforced);
+    action
+}
+
+/// What the model's variables are at the start, with the velocity of the rule.
+fn at_start(
+    action: &Action,
+    model: &Model,
+    velocity: &[Symbol],
+    arena: &mut Arena,
+) -> HashMap<Symbol, Expr> {
+    let mut start = HashMap::new();
+    for i in 0..model.dof() {
+        start.insert(model.q[i], arena.symbol(action.start_q[i]));
+        start.insert(model.v[i], arena.symbol(velocity[i]));
+        start.insert(model.p[i], arena.symbol(action.start_p[i]));
+    }
+    start
+}
+
+/// What the model's variables are at the end.
+fn at_end(
+    action: &Action,
+    model: &Model,
+    velocity: &[Symbol],
+    arena: &mut Arena,
+) -> HashMap<Symbol, Expr> {
+    let mut end = HashMap::new();
+    let (t, h) = (arena.symbol(model.time), arena.symbol(action.h));
+    let at = |quantity| {
+        Some(
+            AtNode {
+                node: END,
+                quantity,
+            }
+            .identity(),
+        )
+    };
+    let time = arena.add(t, h);
+    end.insert(model.time, arena.intermediate(time, at(NodeQuantity::Time)));
+    for i in 0..model.dof() {
+        let [q, d] = [action.start_q[i], action.displacement[i]].map(|s| arena.symbol(s));
+        let position = arena.add(q, d);
+        let position = arena.intermediate(position, at(NodeQuantity::Position(i)));
+        end.insert(model.q[i], position);
+        end.insert(model.v[i], arena.symbol(velocity[i]));
+    }
+    end
+}
+
+/// `∂φ/∂t + Dφ v` in the model's variables.
+pub(crate) fn rate(value: Expr, model: &Model, arena: &mut Arena) -> Expr {
+    let mut terms = vec![(1.0, arena.diff(value, model.time))];
+    for (&q, &v) in model.q.iter().zip(&model.v) {
+        let slope = arena.diff(value, q);
+        let v = arena.symbol(v);
+        terms.push((1.0, arena.mul(slope, v)));
+    }
+    arena.sum(0.0, &terms)
+}
+
+/// φ(t₁,q₁)/h. A φ(q) of second degree is written as `φ(q₀)/h + ⟨Dφ(q₀) + ½ D²φ d, d/h⟩`: the difference of φ at the ends has no rounding errors of the
+/// size of φ's terms, so that the velocity of a small step keeps its digits.
+fn end_value(
+    value: Expr,
+    start: &HashMap<Symbol, Expr>,
+    last: Expr,
+    action: &Action,
+    model: &Model,
+    arena: &mut Arena,
+) -> Expr {
+    let h = arena.symbol(action.h);
+    if !is_quadratic(value, model, arena) {
+        return arena.product(&[(last, 1), (h, -1)]);
+    }
+    let first = arena.substitute(value, start);
+    let first = arena.opaque(first);
+    let mut terms = vec![(1.0, arena.product(&[(first, 1), (h, -1)]))];
+    for (i, &d) in action.displacement.iter().enumerate() {
+        let slope = arena.diff(value, model.q[i]);
+        let mut along = vec![(1.0, arena.substitute(slope, start))];
+        for (j, &e) in action.displacement.iter().enumerate() {
+            let curvature = arena.diff(slope, model.q[j]);
+            let curvature = arena.substitute(curvature, start);
+            let e = arena.symbol(e);
+            along.push((0.5, arena.mul(curvature, e)));
+        }
+        let along = arena.sum(0.0, &along);
+        let d = arena.symbol(d);
+        terms.push((1.0, arena.product(&[(along, 1), (d, 1), (h, -1)])));
+    }
+    arena.sum(0.0, &terms)
+}
+
+/// Whether φ depends on q alone, with constant second derivatives.
+fn is_quadratic(value: Expr, model: &Model, arena: &mut Arena) -> bool {
+    let depends = |arena: &Arena, e: Expr| {
+        let mut moving = model.q.iter().chain([&model.time]);
+        moving.any(|&s| arena.contains(e, s))
+    };
+    if arena.contains(value, model.time) {
+        return false;
+    }
+    for &a in &model.q {
+        let slope = arena.diff(value, a);
+        for &b in &model.q {
+            let curvature = arena.diff(slope, b);
+            if depends(arena, curvature) {
+                return false;
+            }
+        }
+    }
+    true
+}
+
+/// The condition that φ is small beside its terms.
+fn consistency(value: Expr, arena: &mut Arena) -> Condition<Expr> {
+    let size = magnitude(value, arena);
+    let size = arena.scale(INCONSISTENT, size);
+    let rest = arena.abs(value);
+    let value = arena.sub(size, rest);
+    Condition {
+        value,
+        is_closed: true,
+        text: value,
+    }
+}
+
+/// The sum of the magnitudes of the terms of an expression.
+pub(crate) fn magnitude(value: Expr, arena: &mut Arena) -> Expr {
+    let (constant, terms) = match arena.node(value) {
+        crate::algebra::Node::Sum(constant, terms) => (constant.get(), terms.clone()),
+        _ => return arena.abs(value),
+    };
+    let sizes: Vec<(f64, Expr)> = terms
+        .iter()
+        .map(|&(term, c)| (c.get().abs(), arena.abs(term)))
+        .collect();
+    arena.sum(constant.abs(), &sizes)
+}
+
+/// Whether some noise has second derivatives by the momentum.
+fn is_curved(model: &Model, arena: &mut Arena) -> bool {
+    model.noises.iter().any(|noise| {
+        model.p.iter().any(|&a| {
+            let slope = arena.diff(noise.hamiltonian, a);
+            model.p.iter().any(|&b| {
+                let curvature = arena.diff(slope, b);
+                !arena.is_zero(curvature)
+            })
+        })
+    })
+}
+
+/// The equation of a variation to leading order in the step size: with no step, displacement and velocity but in its `linear` part, and with p₀ in the
+/// place of the momentum. The noise keeps its place.
+pub(crate) fn leading(
+    residual: Expr,
+    linear: Expr,
+    action: &Action,
+    symbols: &Symbols,
+    arena: &mut Arena,
+) -> Expr {
+    let rest = arena.sub(residual, linear);
+    let zero = arena.constant(0.0);
+    let mut by = HashMap::from([(action.h, zero)]);
+    by.extend(action.displacement.iter().map(|&d| (d, zero)));
+    for &x in &action.internal {
+        let Meaning::Unknown(unknown) = *symbols.meaning(x) else {
+            continue;
+        };
+        let value = match unknown.family {
+            Family::Momentum => arena.symbol(action.start_p[unknown.index]),
+            _ => zero,
+        };
+        by.insert(x, value);
+    }
+    let rest = arena.substitute(rest, &by);
+    arena.add(linear, rest)
+}

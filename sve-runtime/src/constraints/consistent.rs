@@ -1,0 +1,186 @@
+//! Projection of a state onto the constraints: φ(q) = 0, then ∂φ/∂t + ∂φ/∂q v = 0.
+//!
+//! The configuration moves along `M⁻¹ ∂φ/∂qᵀ` (Gauss–Newton, mass-orthogonal), the momentum along `∂φ/∂qᵀ`.
+
+use nalgebra::DVector;
+
+use super::{Dependent, Linearised};
+use crate::configuration::{Coordinates, FlatConfiguration, VectorCoordinates};
+use crate::error::StepError;
+use crate::integrator::Integrator;
+use crate::state::State;
+use crate::system::{Dims, System};
+use crate::variational::Discretised;
+
+/// Gauss–Newton steps. From a start within reach some 5 are made.
+const MAX_ITERATIONS: u32 = 60;
+
+/// Violation of a constraint, relative to its terms, that is only rounding error.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Largest violation at which the last iterations may stop: rounding errors of φ can be larger than those of its terms.
+const ROUNDING_OF_FUNCTIONS: f64 = 1e-12;
+
+impl<S, R, Q, const N: usize, const M: usize> Integrator<S, R>
+where
+    S: Discretised<R> + System<Dims = Dims<N, M, Q>>,
+    Q: VectorCoordinates<N>,
+{
+    /// Returns the state on the constraints that is nearest to `state` in the metric of the masses: first the configuration, then the momentum, whose part across
+    /// the constraints is removed. Without constraints it is the state itself.
+    ///
+    /// A step refuses a start whose configuration does not satisfy the constraints. It takes any momentum: the part across the constraints has no effect on
+    /// the motion.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// /// A particle on the unit sphere.
+    /// struct Sphere { g: f64 }
+    ///
+    /// #[variational(midpoint)]
+    /// impl Sphere {
+    ///     fn lagrangian(&self, q: Vector3<f64>, v: Vector3<f64>) -> f64 {
+    ///         0.5 * v.norm_squared() - self.g * q.z
+    ///     }
+    ///     #[constraint]
+    ///     fn sphere(&self, q: Vector3<f64>) -> f64 {
+    ///         0.5 * (q.norm_squared() - 1.0)
+    ///     }
+    /// }
+    ///
+    /// # fn main() -> Result<(), StepError> {
+    /// let sphere = Integrator::new(Sphere { g: 9.8 }, Midpoint);
+    /// let near = State::new(Vector3::new(0.6, 0.0, 0.81), Vector3::new(0.1, 0.5, 0.0));
+    /// assert!(matches!(sphere.step(&mut near.clone(), 0.01, &[]), Err(StepError::InconsistentStart { .. })));
+    /// let mut state = sphere.consistent(near)?;
+    /// assert!((state.q.norm() - 1.0).abs() < 1e-15 && state.q.dot(&state.p).abs() < 1e-15);
+    /// sphere.step(&mut state, 0.01, &[])?;
+    /// assert!((state.q.norm() - 1.0).abs() < 1e-15 && state.q.dot(&state.p).abs() < 1e-15);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// [`StepError::NoConsistentState`] if no such configuration is found near the given one; [`StepError::ConstraintRank`] where the constraints are
+    /// dependent; [`StepError::Singular`]; [`StepError::NonFiniteInput`].
+    pub fn consistent(&self, state: State<Q>) -> Result<State<Q>, StepError> {
+        if S::CONSTRAINTS.is_empty() {
+            return Ok(state);
+        }
+        let flat = state.to_coordinates();
+        project(self.system(), &flat).map(|flat| State::from_coordinates(&flat))
+    }
+}
+
+fn project<S, Q, const N: usize, const M: usize>(
+    system: &S,
+    given: &State<[f64; N]>,
+) -> Result<State<[f64; N]>, StepError>
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: VectorCoordinates<N>,
+{
+    let t = given.t;
+    let numbers = [("q", &given.q), ("p", &given.p)];
+    for (name, values) in numbers {
+        if let Some(i) = values.iter().position(|x| !x.is_finite()) {
+            let (what, value) = (format!("{name}[{i}]"), values[i]);
+            return Err(StepError::NonFiniteInput { what, value, t });
+        }
+    }
+    let singular = |q: &[f64; N]| StepError::Singular {
+        t,
+        h: 0.0,
+        q: q.to_vec(),
+        iteration: 0,
+    };
+    let mut q = given.q;
+    let mut here = Linearised::at(system, t, &q).ok_or_else(|| singular(&q))?;
+    let mut iterations = 0;
+    loop {
+        let (worst, violation) = here.worst();
+        if violation <= ROUNDING {
+            break;
+        }
+        let lost = || StepError::NoConsistentState {
+            t,
+            q: given.q.to_vec(),
+            iterations,
+            constraint: S::CONSTRAINTS[worst].into(),
+            value: here.jets[worst].value,
+        };
+        if iterations == MAX_ITERATIONS || !violation.is_finite() {
+            return Err(lost());
+        }
+        if let Some(error) = rank_error::<S, Q, N, M>(&here, t, &q) {
+            return Err(error);
+        }
+        let values = DVector::from_iterator(here.jets.len(), here.jets.iter().map(|j| j.value));
+        let step = here.solve(values).ok_or_else(lost)?;
+        let step = &here.directions * step;
+        // a step that increases the violation is halved
+        let (mut part, mut next) = (1.0, None);
+        while part > 1e-4 {
+            let to: [f64; N] = core::array::from_fn(|i| q[i] - part * step[i]);
+            let there = Linearised::at(system, t, &to).ok_or_else(|| singular(&to))?;
+            if there.worst().1 < violation {
+                next = Some((to, there));
+                break;
+            }
+            part *= 0.5;
+        }
+        match next {
+            Some((to, there)) => (q, here) = (to, there),
+            None if violation <= ROUNDING_OF_FUNCTIONS => break,
+            None => return Err(lost()),
+        }
+        iterations += 1;
+    }
+    if let Some(error) = rank_error::<S, Q, N, M>(&here, t, &q) {
+        return Err(error);
+    }
+    let mut p = given.p;
+    // the second pass removes the rounding errors of the first
+    for _ in 0..2 {
+        let relative = DVector::from_fn(N, |i, _| p[i] - here.rest[i]);
+        let velocity = here
+            .mass
+            .clone()
+            .lu()
+            .solve(&relative)
+            .ok_or_else(|| singular(&q))?;
+        let rates = here.jets.iter().map(|jet| {
+            let along = jet.dq.iter().zip(velocity.iter());
+            jet.dt + along.map(|(a, v)| a * v).sum::<f64>()
+        });
+        let rates = DVector::from_iterator(here.jets.len(), rates);
+        let multipliers = here.solve(rates).ok_or_else(|| singular(&q))?;
+        for (jet, &multiplier) in here.jets.iter().zip(multipliers.iter()) {
+            for i in 0..N {
+                p[i] -= multiplier * jet.dq[i];
+            }
+        }
+    }
+    Ok(State { t, q, p })
+}
+
+/// The error of dependent constraints.
+pub(super) fn rank_error<S, Q, const N: usize, const M: usize>(
+    here: &Linearised<N>,
+    t: f64,
+    q: &Q::Flat,
+) -> Option<StepError>
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    let Dependent { k, pivot } = here.dependent()?;
+    Some(StepError::ConstraintRank {
+        t,
+        q: q.values(),
+        k,
+        constraint: S::CONSTRAINTS[k].into(),
+        pivot,
+    })
+}

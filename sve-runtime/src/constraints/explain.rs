@@ -1,0 +1,69 @@
+//! The error of a step that lost the constraints. Called off the fast path, when a step has failed.
+
+use super::Linearised;
+use super::consistent::rank_error;
+use crate::configuration::{Coordinates, FlatConfiguration};
+use crate::error::StepError;
+use crate::legendre;
+use crate::mechanics::noise_of;
+use crate::state::State;
+use crate::system::{Dims, System};
+
+/// Largest violation of a constraint at the start of a step, relative to its terms; the macro has the same number in the conditions of a step.
+const INCONSISTENT: f64 = 1e-8;
+
+/// Returns the error in the terms of the constraints, if they are the reason; `None` otherwise, and for systems without constraints.
+#[cold]
+pub(crate) fn constraint_error<S, Q, const N: usize, const M: usize>(
+    system: &S,
+    error: &StepError,
+    state: &State<Q::Flat>,
+    h: f64,
+    dw: &[f64],
+) -> Option<StepError>
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    let is_input = matches!(
+        error,
+        StepError::NonFiniteInput { .. } | StepError::StepSize { .. } | StepError::Time { .. }
+    );
+    if S::CONSTRAINTS.is_empty() || is_input {
+        return None;
+    }
+    let here = Linearised::at(system, state.t, &state.q)?;
+    let (k, violation) = here.worst();
+    if violation > INCONSISTENT {
+        return Some(StepError::InconsistentStart {
+            t: state.t,
+            constraint: S::CONSTRAINTS[k].into(),
+            value: here.jets[k].value,
+            magnitude: here.jets[k].magnitude,
+        });
+    }
+    if let Some(error) = rank_error::<S, Q, N, M>(&here, state.t, &state.q) {
+        return Some(error);
+    }
+    let (step, noise) = match *error {
+        StepError::BranchLost { step, reached, .. } => (step, reached),
+        StepError::NotConverged { .. } | StepError::Singular { .. } => (0.0, 0.0),
+        _ => return None,
+    };
+    let velocity = legendre::velocity(system, state).ok()?;
+    let jets = system.noise_jets(state.t, &state.q, &state.p);
+    let shift = noise_of(&jets, dw.try_into().ok()?).q;
+    let moved: [f64; N] = core::array::from_fn(|i| h * velocity[i] + shift[i]);
+    let (end, _) = Q::Flat::moved(state, &moved, &[0.0; N]);
+    let there = Linearised::at(system, state.t + h, &end)?;
+    let (k, violation) = there.worst();
+    Some(StepError::ConstraintLost {
+        t: state.t,
+        h,
+        step,
+        noise,
+        distance: moved.iter().map(|d| d * d).sum::<f64>().sqrt(),
+        constraint: S::CONSTRAINTS[k].into(),
+        violation,
+    })
+}

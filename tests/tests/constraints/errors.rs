@@ -1,0 +1,130 @@
+//! Steps that lose the constraints are errors with numbers, and leave the state.
+
+use sve_models::models::OnSphere;
+use sve_runtime::prelude::*;
+
+/// A four-bar linkage: a parallelogram of cranks of length 1 and a coupler of length 2.
+struct FourBars;
+
+#[variational(midpoint, stormer_verlet)]
+impl FourBars {
+    fn lagrangian(&self, q: [Vector2<f64>; 2], v: [Vector2<f64>; 2]) -> f64 {
+        0.5 * (v[0].norm_squared() + v[1].norm_squared()) - q[0].y
+    }
+
+    #[constraint]
+    fn cranks(&self, q: [Vector2<f64>; 2]) -> [f64; 2] {
+        let second = q[1] - Vector2::new(2.0, 0.0);
+        [
+            0.5 * (q[0].norm_squared() - 1.0),
+            0.5 * (second.norm_squared() - 1.0),
+        ]
+    }
+
+    #[constraint]
+    fn coupler(&self, q: [Vector2<f64>; 2]) -> f64 {
+        0.5 * ((q[1] - q[0]).norm_squared() - 4.0)
+    }
+}
+
+#[test]
+fn a_folded_linkage_is_an_error() {
+    let folded = State::new(
+        [Vector2::new(1.0, 0.0), Vector2::new(3.0, 0.0)],
+        [Vector2::new(0.0, 1.0), Vector2::new(0.0, 1.0)],
+    );
+    let midpoint = Integrator::new(FourBars, Midpoint);
+    let verlet = Integrator::new(FourBars, StormerVerlet);
+    let mut state = folded;
+    let errors = [
+        midpoint.step(&mut state, 0.01, &[]).unwrap_err(),
+        verlet.step(&mut state, 0.01, &[]).unwrap_err(),
+        midpoint.consistent(state).unwrap_err(),
+    ];
+    assert_eq!(state, folded);
+    for error in errors {
+        let StepError::ConstraintRank {
+            k,
+            constraint,
+            pivot,
+            t,
+            ..
+        } = &error
+        else {
+            panic!("{error}");
+        };
+        assert_eq!((*k, &**constraint, *t), (2, "coupler", 0.0));
+        assert!(pivot.abs() < 1e-14, "{error}");
+    }
+    // and it moves elsewhere
+    let angle = 1.0_f64;
+    let arm = Vector2::new(angle.cos(), angle.sin());
+    let across = Vector2::new(-angle.sin(), angle.cos());
+    let mut open = State::new([arm, arm + Vector2::new(2.0, 0.0)], [across; 2]);
+    for _ in 0..50 {
+        midpoint.step(&mut open, 0.01, &[]).unwrap();
+    }
+}
+
+#[test]
+fn a_step_beyond_the_curvature_is_an_error() {
+    let start = State::new([0.0, 0.0, -1.0], [3.0, 0.0, 0.0]);
+    let integrator = Integrator::new(OnSphere { g: 1.0, s: 0.5 }, StormerVerlet);
+    let mut state = start;
+    // h |v| is longer than the radius: SHAKE finds no point on the sphere along the normal
+    let error = integrator.step(&mut state, 0.5, &[0.0, 0.0]).unwrap_err();
+    assert_eq!(state, start);
+    let StepError::ConstraintLost {
+        step,
+        distance,
+        constraint,
+        violation,
+        ..
+    } = &error
+    else {
+        panic!("{error}");
+    };
+    assert_eq!(&**constraint, "sphere");
+    assert!((distance - 1.5).abs() < 1e-12, "{error}");
+    // it ends where h |v| = 1
+    assert!((step - 2.0 / 3.0).abs() < 0.02, "{error}");
+    assert!(*violation > 0.3, "{error}");
+    // a smaller step succeeds
+    integrator.step(&mut state, 0.25, &[0.0, 0.0]).unwrap();
+}
+
+/// With increments of five standard deviations each step is that of the continuation in the increments: no other root is taken.
+#[test]
+fn large_increments_lead_to_no_other_root() {
+    let system = OnSphere { g: 1.0, s: 1.0 };
+    fn check<R>(system: &OnSphere, rule: R)
+    where
+        OnSphere: sve_runtime::Variational<R>,
+    {
+        let integrator = Integrator::new(system, rule);
+        let h = 0.01;
+        let mut failed = 0;
+        for k in 0..400 {
+            let angle = 0.1 * f64::from(k);
+            let start = State::new([angle.cos(), angle.sin(), 0.0], [0.0, 0.0, 1.0]);
+            let dw = [0.5 * (0.7 * angle).cos(), 0.5 * (1.3 * angle).sin()];
+            let mut state = start;
+            match integrator.step(&mut state, h, &dw) {
+                Ok(()) => {}
+                Err(StepError::ConstraintLost { .. } | StepError::BranchLost { .. }) => {
+                    failed += 1;
+                    continue;
+                }
+                Err(error) => panic!("{error}"),
+            }
+            let moved: f64 = (0..3).map(|i| (state.q[i] - start.q[i]).powi(2)).sum();
+            // |p| is at most 1 + √2 · 0.5 or so
+            assert!(moved.sqrt() < 2.5 * h, "step {k}: {}", moved.sqrt());
+        }
+        assert_eq!(failed, 0);
+    }
+    check(&system, InitialPoint);
+    check(&system, Endpoint);
+    check(&system, Midpoint);
+    check(&system, StormerVerlet);
+}

@@ -1,0 +1,13 @@
+//! Holonomic constraints: steps, what they preserve, what they refuse, and their forces.
+
+mod compositions;
+mod errors;
+mod forces;
+mod plan;
+mod preserved;
+mod rattle;
+mod reference;
+mod starts;
+mod symplectic;
+mod systems;
+mod timed;
