@@ -22,7 +22,8 @@ mod rotations;
 ///
 /// Implemented for `[f64; N]`, for the vectors of nalgebra (`Vector2<f64>`, `Vector3<f64>`, `SVector<f64, N>`), and for arrays of
 /// configurations, such as `[[f64; 3]; 4]` or `[Vector3<f64>; 4]`. In a vector space, momenta have the type of the configuration, and
-/// increments are added.
+/// increments are added. A `UnitQuaternion<f64>` is a rotation, whose increments are Cayley vectors in the body frame; `(Q, R)` is a
+/// configuration beside another one.
 ///
 /// ```
 /// use sve_runtime::Configuration;
@@ -39,7 +40,7 @@ mod rotations;
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a configuration",
     label = "a state does not consist of this type",
-    note = "a configuration is `[f64; N]`, a vector such as `Vector3<f64>`, or an array of those; a single coordinate is `[f64; 1]`"
+    note = "a configuration is `[f64; N]`, a vector such as `Vector3<f64>`, a rotation `UnitQuaternion<f64>`, an array of those, or a pair; a single coordinate is `[f64; 1]`"
 )]
 pub trait Configuration: Clone + Debug + PartialEq + Send + Sync + 'static {
     /// The type of momenta, and of velocities: elements of a vector space.

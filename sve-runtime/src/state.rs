@@ -47,6 +47,37 @@ use crate::configuration::{Configuration, Coordinates, FixedSize, WithRotations}
 /// # Ok(())
 /// # }
 /// ```
+///
+/// For a rotation `r: Rotation3<f64>` of the Lagrangian `q` is a [`UnitQuaternion`](nalgebra::UnitQuaternion), and `p` the angular momentum in the body frame. A body
+/// that moves in space has a position beside its attitude, `State::new((q, r), (p, pi))`, with the parts `.q.0`, `.q.1`, `.p.0` and `.p.1`:
+///
+/// ```
+/// use sve_runtime::prelude::*;
+///
+/// /// A falling body.
+/// struct Body { m: f64, i: Vector3<f64>, g: f64 }
+///
+/// #[variational(midpoint)]
+/// impl Body {
+///     fn lagrangian(&self, q: Vector3<f64>, _r: Rotation3<f64>, v: Vector3<f64>, w: Vector3<f64>) -> f64 {
+///         0.5 * self.m * v.norm_squared() + 0.5 * w.dot(&self.i.component_mul(&w)) - self.m * self.g * q.z
+///     }
+/// }
+///
+/// # fn main() -> Result<(), StepError> {
+/// let body = Integrator::new(Body { m: 2.0, i: Vector3::new(1.0, 2.0, 3.0), g: 9.8 }, Midpoint);
+/// let (at, attitude) = (Vector3::zeros(), UnitQuaternion::identity());
+/// let start = State::new((at, attitude), (Vector3::zeros(), Vector3::new(0.1, 2.0, 0.1)));
+/// let mut state = start;
+/// for _ in 0..100 {
+///     body.step(&mut state, 0.01, &[])?;
+/// }
+/// assert!((state.q.0.z + 4.9).abs() < 1e-12);
+/// // the angular momentum in space stays
+/// assert!((state.q.1 * state.p.1 - start.p.1).norm() < 1e-13);
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",

@@ -20,6 +20,9 @@ use crate::variational::{Discretised, Memory};
 
 /// The tangent map of a step, `∂(q₁,p₁)/∂(q₀,p₀)`: a matrix of `2N` rows and columns, first the coordinates, then the momenta.
 ///
+/// A rotation has canonical coordinates near each of its states: the Cayley vector ε of a small rotation R cay(ε), in the body frame, and the
+/// conjugate momentum y, with `δy = δΠ + ½ ε × Π` to first order. They are also those of a [`Sensitivity`].
+///
 /// `tangent[row][column]` is an entry, and [`qq`](Self::qq), [`qp`](Self::qp), [`pq`](Self::pq) and [`pp`](Self::pp) are the four blocks. The product of the maps of successive steps, the later one on the left, is that of all.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tangent<const N: usize> {
