@@ -85,6 +85,10 @@ use sve_compiler::Settings;
 /// `⟨f_R, g_Π⟩ − ⟨g_R, f_Π⟩ − Π·(f_Π × g_Π)` with left-trivialised `f_R`. Only `midpoint` and its compositions are for rotations; constraints,
 /// baselines, compensated sums and lanes are not.
 ///
+/// If L does not depend on the attitude, `#[variational(midpoint, reduced)]` leaves it out: `lagrangian(&self, w: Vector3<f64>)`, `#[h1]` of
+/// `(&self, pi: Vector3<f64>)`, `#[force]` of `(&self, w: Vector3<f64>)`. The state, `State<Reduced>`, is the body momentum alone (Euler–Poincaré, Lie–Poisson);
+/// `Integrator::step_with_attitude` gives the attitude along a path.
+///
 /// # Parameters
 ///
 /// What the functions read of `self` are the parameters: fields `f64`, arrays `[f64; K]`, vectors, matrices and rotations of nalgebra and

@@ -11,11 +11,13 @@ use core::fmt::Debug;
 use nalgebra::SVector;
 
 pub use flat::{FlatConfiguration, Flatten};
+pub use reduced::Reduced;
 pub use rotations::WithRotations;
 
 use crate::state::State;
 
 mod flat;
+mod reduced;
 mod rotations;
 
 /// A point of a configuration space, the `q` of a [`State`].

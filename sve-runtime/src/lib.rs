@@ -121,7 +121,7 @@ pub use composition::{
     QuadraticKineticEnergy, Separable, Split, Splitting, Symmetric,
 };
 pub use configuration::{
-    Configuration, Coordinates, FixedSize, FlatConfiguration, Flatten, VectorCoordinates,
+    Configuration, Coordinates, FixedSize, FlatConfiguration, Flatten, Reduced, VectorCoordinates,
     VectorSpace, WithRotations,
 };
 pub use constraints::{ConstraintForce, ConstraintForces};
@@ -302,7 +302,7 @@ pub mod __private {
     pub use crate::__derived_rule as derived_rule;
     pub use crate::composition::sequence;
     pub use crate::composition::{QuadraticKineticEnergy, Separable};
-    pub use crate::configuration::{FixedSize, WithRotations};
+    pub use crate::configuration::{FixedSize, Reduced, WithRotations};
     pub use crate::equations::{Returns, StepEquations};
     pub use crate::error::StepError;
     pub use crate::integrator::derived::{

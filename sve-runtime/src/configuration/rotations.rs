@@ -219,6 +219,12 @@ impl<Q: FixedSize, R: FixedSize, const N: usize> Coordinates<N> for (Q, R) {
 pub struct WithRotations<Q, const N: usize>(Q);
 
 impl<Q: FixedSize, const N: usize> WithRotations<Q, N> {
+    /// The form of a configuration.
+    #[inline(always)]
+    pub(super) const fn at(configuration: Q) -> Self {
+        Self(configuration)
+    }
+
     /// Returns the entries that a Lagrangian reads, see [`FixedSize::entries`].
     #[inline(always)]
     pub fn entries<const E: usize>(&self) -> [f64; E] {

@@ -456,6 +456,12 @@ mod rotation_other_rules;
 mod rotation_part_missing;
 #[path = "rotation/quaternion.rs"]
 mod rotation_quaternion;
+#[path = "rotation/reduced_with_a_gamma.rs"]
+mod rotation_reduced_with_a_gamma;
+#[path = "rotation/reduced_with_a_number.rs"]
+mod rotation_reduced_with_a_number;
+#[path = "rotation/reduced_with_a_rotation.rs"]
+mod rotation_reduced_with_a_rotation;
 #[path = "rotation/rotation_before_vector.rs"]
 mod rotation_rotation_before_vector;
 #[path = "rotation/rotation_in_the_plane.rs"]

@@ -2,6 +2,7 @@
 
 mod charts;
 mod motion;
+mod reduced;
 mod reference;
 mod runs;
 mod starts;

@@ -11,6 +11,7 @@ use syn::{FnArg, Ident, ImplItem, ImplItemConst, ImplItemFn, ItemImpl, Pat, Retu
 
 use crate::errors::{Errors, nearest};
 use crate::syntax::arguments::Arguments;
+use crate::syntax::reduced;
 use crate::syntax::roles::{Role, take_roles};
 use crate::syntax::signature;
 
@@ -71,6 +72,13 @@ pub(crate) fn annotated(
     check_block(&item, errors);
     let is_plain = errors.count() == before;
     let roles = take_roles(&mut item, errors);
+    let read = |function: &Rc<ImplItemFn>, role: Role| {
+        if arguments.is_reduced {
+            reduced::role_function_of(function, role)
+        } else {
+            role_function(function, role)
+        }
+    };
 
     let mut lagrangians = Vec::new();
     let mut noises = Vec::new();
@@ -88,17 +96,17 @@ pub(crate) fn annotated(
                     Role::Helper => {}
                     // one that cannot be read is there nevertheless
                     Role::Lagrangian => {
-                        lagrangians.push(errors.keep(role_function(&function, role)));
+                        lagrangians.push(errors.keep(read(&function, role)));
                     }
                     Role::Gamma | Role::H1 | Role::TangentH1 => {
-                        noises.extend(errors.keep(role_function(&function, role)));
+                        noises.extend(errors.keep(read(&function, role)));
                     }
-                    Role::Force => forces.extend(errors.keep(role_function(&function, role))),
+                    Role::Force => forces.extend(errors.keep(read(&function, role))),
                     Role::Symmetry => {
-                        symmetries.extend(errors.keep(role_function(&function, role)));
+                        symmetries.extend(errors.keep(read(&function, role)));
                     }
                     Role::Constraint => {
-                        constraints.extend(errors.keep(role_function(&function, role)));
+                        constraints.extend(errors.keep(read(&function, role)));
                     }
                 }
                 errors.leave(outer);
@@ -181,7 +189,7 @@ fn check_block(item: &ItemImpl, errors: &mut Errors) {
 }
 
 /// Parses a function with a role. The error says what its signature should be.
-fn role_function(function: &Rc<ImplItemFn>, role: Role) -> syn::Result<RoleFunction> {
+pub(super) fn role_function(function: &Rc<ImplItemFn>, role: Role) -> syn::Result<RoleFunction> {
     let sig = &function.sig;
     let expected = format!("expected `{}` (`t: f64` may come first)", role.signature());
     if !sig.generics.params.is_empty() {

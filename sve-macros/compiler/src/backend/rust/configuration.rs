@@ -15,6 +15,10 @@ use crate::system::model::Model;
 /// rotation, and a tuple where a rotation stands beside a vector.
 pub(super) fn written(block: &Annotated, private: &TokenStream) -> Option<TokenStream> {
     let types: Vec<&Type> = block.configuration().collect();
+    if block.arguments.is_reduced {
+        let attitude = attitude(block, private);
+        return Some(quote!(#private::Reduced<#attitude>));
+    }
     match types.as_slice() {
         [ty] if is_row(ty) => None,
         [ty] => Some(stored(ty, private)),
@@ -23,6 +27,11 @@ pub(super) fn written(block: &Annotated, private: &TokenStream) -> Option<TokenS
             Some(quote!((#(#types),*)))
         }
     }
+}
+
+/// The type of the attitude that a reduced system leaves out of its states.
+fn attitude(block: &Annotated, private: &TokenStream) -> TokenStream {
+    stored(block.coordinates(), private)
 }
 
 /// The type in the state for a type in a signature: a quaternion for a rotation.
@@ -66,7 +75,11 @@ pub(super) fn received(block: &Annotated, model: &Model, private: &TokenStream) 
             open_state: TokenStream::new(),
         };
     }
-    let whole = configuration(block, &n, private);
+    let whole = if block.arguments.is_reduced {
+        attitude(block, private)
+    } else {
+        configuration(block, &n, private)
+    };
     let entries = Literal::usize_unsuffixed(model.configuration().entries());
     Received {
         flat: quote!(#private::WithRotations<#whole, #n>),
