@@ -14,6 +14,7 @@ pub mod page;
 pub mod palette;
 mod raster;
 pub mod render;
+pub mod report;
 
 #[cfg(test)]
 mod documents;

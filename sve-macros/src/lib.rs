@@ -40,6 +40,7 @@ use sve_compiler::Settings;
 /// | `#[h1] fn …` | `(&self, q: [f64; N], p: [f64; N]) -> f64` or `-> [f64; M]` | H₁: likewise |
 /// | `#[force] fn …` | `(&self, q: [f64; N], v: [f64; N]) -> [f64; N]` | F, a force that no potential has (Lagrange–d'Alembert); several add up |
 /// | `#[symmetry] fn …` | `(&self, q: [f64; N]) -> [f64; N]` | ξ, the generator of a symmetry of everything else in the block |
+/// | `#[constraint] fn …` | `(&self, q: [f64; N]) -> f64` or `-> [f64; K]` | φ, a holonomic constraint φ = 0 a component |
 /// | other `fn` | anything in the language below | helpers, inlined |
 /// | `const` | a number, an array, a vector or a matrix | written `Self::NAME` |
 ///
@@ -50,10 +51,31 @@ use sve_compiler::Settings;
 /// dp = (∂L/∂q + F) dt + Σ ∂γ/∂q ∘ dW − Σ ∂H₁/∂q ∘ dW        p = ∂L/∂v
 /// ```
 ///
+/// With constraints, `dp` has the term `Σ ∂φ/∂q ∘ dΛ` too, where Λ is such that φ = 0. The rules `initial_point`, `endpoint`, `midpoint` and `stormer_verlet` take constraints: the action gets
+/// `⟨λ, φ(t₀,q₀)⟩ + ⟨μ, φ(t₁,q₁)⟩`, so that the forces of constraints act at both ends of a step, and the momentum ends along the constraints. `stormer_verlet` is then RATTLE.
+/// Where masses are constant and forces explicit, Newton's method has one unknown for each constraint.
+///
+/// An H₁ must move q along the constraints, `⟨∂φ/∂q, ∂H₁/∂p⟩ = 0` where `φ = 0` and the momentum is along it. `#[h1(tangent)]` takes H₁ at the momentum along the constraints,
+/// `Πp = p − Dφᵀ(Dφ M⁻¹ Dφᵀ)⁻¹ Dφ M⁻¹ p`, which always does; it is for at most three coupled constraints.
+///
+/// A Lagrangian may be linear in some velocities, or not contain them at all. The macro finds this, and the plan says which case holds:
+///
+/// | L | the step | preserved |
+/// | --- | --- | --- |
+/// | ⟨α(q), v⟩ − H(q) with an affine α | `midpoint`: the implicit midpoint rule | ω = Dαᵀ − Dα, to rounding |
+/// | half of the velocities do not occur, up to the total derivative of a quadratic function | `midpoint`, `initial_point`, `endpoint`; these coordinates are variables of the node | ω, to rounding |
+/// | other α | `midpoint`, with a symmetric projection to p = α(q) | ω, up to O(h⁵) a step |
+/// | linear in some velocities, with mass in the others | `midpoint`, with the projection of the linear ones; none where α is affine | as above |
+/// | without some velocities, whose coordinates 0 = ∂L/∂q determine | `midpoint`, `initial_point`, `endpoint`; the coordinates are eliminated | the symplectic form of the others |
+///
+/// There p = α(q) is no free variable: states start from `State::from_configuration`. A γ moves these coordinates, ω dq = ∇H dt − ∇γ ∘ dW, so that γ's need not commute; an H₁ is
+/// written as γ = −H₁(q, α(q)). Adding a total derivative to L changes no equation of motion but the step of the third case, where energies may drift: write L so that half of the velocities do
+/// not occur if you can.
+///
 /// A symmetry is refused, with the name of the function that it changes, unless these expressions vanish:
 ///
 /// ```text
-/// ⟨∂L/∂q, ξ⟩ + ⟨∂L/∂v, Dξ v⟩ = 0     ⟨∂γ/∂q, ξ⟩ = 0     ⟨∂H₁/∂q, ξ⟩ − ⟨p, Dξ ∂H₁/∂p⟩ = 0     ⟨F, ξ⟩ = 0
+/// ⟨∂L/∂q, ξ⟩ + ⟨∂L/∂v, Dξ v⟩ = 0     ⟨∂γ/∂q, ξ⟩ = 0     ⟨∂H₁/∂q, ξ⟩ − ⟨p, Dξ ∂H₁/∂p⟩ = 0     ⟨F, ξ⟩ = 0     ⟨∂φ/∂q, ξ⟩ = 0
 /// ```
 ///
 /// Then ⟨p, ξ⟩ is conserved, with noise too, and by the steps where ξ is affine in q.
@@ -155,13 +177,17 @@ use sve_compiler::Settings;
 /// | generic blocks, blocks of a trait, `cfg` on an item of the block | likewise: the types or items are not known |
 /// | `&mut self`, `self`, coordinates by reference | functions of a system have no effects |
 /// | a noise with derivative zero | it would move nothing |
-/// | a Lagrangian whose `∂²L/∂v²` is singular everywhere, to 106 bits or to the rounding of its constants | the momenta do not determine the velocities |
+/// | a Lagrangian whose `∂²L/∂v²` is singular everywhere, to 106 bits or to the rounding of its constants, and which is none of the degenerate ones above: null directions that are no coordinates, singular ω, α(t, q) | nothing determines the velocities, or no step is derived |
+/// | degenerate Lagrangians with an H₁ of massless coordinates, with a force, with a noise of an algebraic coordinate; by other rules; by the one-sided rules without the form with half of the velocities | the equation would have no solution, or the step would integrate another equation |
 /// | `taylor2` with noise | the rule is defined for deterministic systems |
 /// | `weak2` with noises that do not commute, an H₁ that depends on p, a force that is not affine in v, no noise; `gauss(s, weak2)` takes an H₁ that depends on p where there is no force | the term would not raise the weak order |
 /// | `weak2` with ∂²L/∂v² that depends on v | the term would not be a function of time and configuration |
 /// | `weak2` with more than three coordinates coupled by masses that depend on the configuration | the inverse of the mass matrix is a formula, which would grow too long |
 /// | a `#[symmetry]` that changes L, a noise, or on which a force does work | its momentum would not be conserved |
-/// | `#[constraint]` | reserved, not supported yet |
+/// | constraints of which one depends on the others where they hold, or whose gradient vanishes there | their forces would not be determined |
+/// | an H₁ that moves q off the constraints | its constraint force would be infinite |
+/// | an H₁ curved in p with `initial_point` or `endpoint`, whose correction moves q off the constraints | the step has no solution |
+/// | constraints with `gauss(s)`, `taylor2`, `weak2`, or with ∂²L/∂v² that depends on v | not derived: compose a symmetric rule for a higher order |
 /// | bodies that unroll to more than 30 000 expressions or 2 000 000 steps of evaluation; more than 200 000 second derivatives; derivatives that take the macro too much work | compile time: accepted are 48 coordinates of bodies that all attract one another, and 33 of an n-pendulum, whose mass matrix couples all coordinates |
 ///
 /// # What is generated

@@ -225,6 +225,53 @@ pub enum StepError {
         /// Newton iteration; 0 for a linear step.
         iteration: u32,
     },
+    /// The momentum of a coordinate without mass is not that of its configuration, or an algebraic coordinate does not solve its equation.
+    #[error(
+        "{what} is {value} at t = {t}, and L makes it {expected}: this Lagrangian is degenerate, so this value follows from the configuration; \
+         start from `State::from_configuration`"
+    )]
+    Inconsistent {
+        /// Time of the state.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// What has another value: `p[0]`, or `∂L/∂q[1]` of an algebraic coordinate.
+        what: String,
+        /// Its value.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        value: f64,
+        /// The value that follows from the configuration.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        expected: f64,
+    },
+    /// The two-form of a degenerate Lagrangian has no inverse: nothing determines the velocities there.
+    #[error(
+        "the two-form ω = Dαᵀ − Dα of the degenerate Lagrangian is singular near q = {q:?} at t = {t} (step h = {h:e}, determinant {determinant:e}): \
+         choose coordinates that are regular there, or start elsewhere"
+    )]
+    SingularForm {
+        /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Step size; 0 where no step was involved.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        h: f64,
+        /// Configuration at the start of the step.
+        q: Vec<f64>,
+        /// Determinant of ω on the massless coordinates at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        determinant: f64,
+    },
+    /// A quantity that degenerate Lagrangians do not have.
+    #[error(
+        "{what} of a degenerate Lagrangian at t = {t}: not available, since momenta do not determine the velocities; take differences along a path"
+    )]
+    Degenerate {
+        /// The quantity.
+        what: String,
+        /// Time of the state.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+    },
     /// The step left the numbers: an overflow, or a point where L or its derivatives are not defined.
     #[error(
         "the step from t = {t} with h = {h:e} gave a non-finite result from q = {q:?}, p = {p:?}: \
@@ -275,6 +322,53 @@ pub enum StepError {
         t: f64,
         /// How many numbers the snapshot has.
         numbers: usize,
+    },
+    /// A function whose zeros are events is not finite.
+    #[error(
+        "function {number} of the events (from 0) is {value} at t = {t}: its sign is not known there; give a function that is finite wherever the motion leads"
+    )]
+    EventFunction {
+        /// Time of the state.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Number of the function, in the order in which they were given.
+        number: usize,
+        /// Its value.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        value: f64,
+    },
+    /// A function whose zeros are events changes its sign in a jump.
+    #[error(
+        "function {number} of the events (from 0) jumps from {before:e} to {after:e} at t = {t} and has no zero there: \
+         if it is an angle, add `.angle()`; otherwise give a continuous function"
+    )]
+    EventJump {
+        /// Time of the jump.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Number of the function, in the order in which they were given.
+        number: usize,
+        /// Its value before the jump.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        before: f64,
+        /// Its value after the jump.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        after: f64,
+    },
+    /// The changes that a function causes follow one another faster than steps resolve.
+    #[error(
+        "function {number} of the events (from 0) changed the state at t = {t}, {interval:e} after it did so before: the changes accumulate, as the bounces \
+         of a ball that comes to rest; end the trajectory before with `stop_at`, or take a smaller h"
+    )]
+    EventsAccumulate {
+        /// Time of the change.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Number of the function, in the order in which they were given.
+        number: usize,
+        /// Time since the change before.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        interval: f64,
     },
     /// The noise could not give the increments of this step.
     #[error("no noise for the step from t = {t}: {source}")]

@@ -10,6 +10,8 @@
 //! Source: Allgower, Georg, *Introduction to Numerical Continuation Methods* (2003), chapter 2.
 
 use crate::configuration::{Coordinates, FlatConfiguration};
+use crate::degenerate::{self, is_degenerate};
+use crate::jets::LagrangianJet;
 use crate::solve::SolveError;
 use crate::solve::dense::{self, DeterminantSign};
 use crate::solve::newton::{Evaluation, Newton};
@@ -54,11 +56,61 @@ where
     S: System<Dims = Dims<N, M, Q>> + ?Sized,
     Q: Coordinates<N>,
 {
+    if const { is_degenerate::<S>() } {
+        return velocity_of_degenerate(system, state);
+    }
+    solve(system, state)
+}
+
+/// Returns the velocity of a system whose momenta do not determine it: first the velocities of the massive coordinates, then the others.
+#[cold]
+fn velocity_of_degenerate<S, Q, const N: usize, const M: usize>(
+    system: &S,
+    state: &State<Q::Flat>,
+) -> Result<[f64; N], SolveError>
+where
+    S: System<Dims = Dims<N, M, Q>> + ?Sized,
+    Q: Coordinates<N>,
+{
+    let p = degenerate::massive_momenta::<S, N>(&state.p);
+    let massive = solve(system, &State { p, ..*state })?;
+    finite(degenerate::complete_velocity(system, state, massive)?)
+}
+
+/// Returns the jet of L at a velocity, with unit masses for coordinates that have none.
+#[inline(always)]
+fn jet<S, Q, const N: usize, const M: usize>(
+    system: &S,
+    t: f64,
+    q: &Q::Flat,
+    v: &[f64; N],
+) -> LagrangianJet<N>
+where
+    S: System<Dims = Dims<N, M, Q>> + ?Sized,
+    Q: Coordinates<N>,
+{
+    let jet = system.lagrangian_jet(t, q, v);
+    if const { is_degenerate::<S>() } {
+        return degenerate::with_unit_masses::<S, N>(jet, v);
+    }
+    jet
+}
+
+/// Solves the Legendre transform for the velocity.
+#[inline]
+fn solve<S, Q, const N: usize, const M: usize>(
+    system: &S,
+    state: &State<Q::Flat>,
+) -> Result<[f64; N], SolveError>
+where
+    S: System<Dims = Dims<N, M, Q>> + ?Sized,
+    Q: Coordinates<N>,
+{
     let State { t, q, p } = state;
     if !S::AFFINE_MOMENTUM {
         return velocity_by_continuation(system, state);
     }
-    let at_rest = system.lagrangian_jet(*t, q, &[0.0; N]);
+    let at_rest = jet(system, *t, q, &[0.0; N]);
     let mut rhs = *p;
     for i in 0..N {
         rhs[i] -= at_rest.dv[i];
@@ -83,7 +135,7 @@ where
         return Err(SolveError::NonFinite);
     }
     let at = |v: &[f64; N], target: &[f64; N]| {
-        let jet = system.lagrangian_jet(*t, q, v);
+        let jet = jet(system, *t, q, v);
         let mut at = Evaluation {
             residual: jet.dv,
             magnitude: *target,

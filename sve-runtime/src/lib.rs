@@ -49,6 +49,8 @@
 //! | compose steps of rules to a rule of a higher order | [`Composed`], [`Split`] |
 //! | make steps | [`Integrator`] with `step` and `trajectory`, [`State`]; [`Method`] is common to integrators and baselines |
 //! | know what the `q` of a state may be | [`Configuration`]; vectors, matrices and rotations are those of [`nalgebra`] |
+//! | find sections and events along a trajectory | [`Trajectory::crossings`], [`Trajectory::stop_at`], [`Trajectory::change_at`] |
+//! | average along a path, with the error of the average | [`Blocking`]; [`Mechanics::temperature`]; of many paths `Ensemble::average` |
 //! | store a trajectory and continue it | [`Trajectory::snapshot`], [`Method::resume`]; [`from_step`](noise::Replayable::from_step) enters a noise at a step |
 //! | see the equations and the cost of a step | [`Integrator::plan`], [`Plan`] |
 //! | differentiate a step with respect to its start and the parameters | [`Integrator::tangent`], [`Integrator::sensitivity`] |
@@ -83,9 +85,11 @@
 
 mod angle_addition;
 pub mod baseline;
+mod blocking;
 mod composition;
 mod configuration;
 mod constraints;
+mod degenerate;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 mod equations;
@@ -103,6 +107,7 @@ mod linearisation;
 mod mechanics;
 mod method;
 pub mod noise;
+mod observed;
 mod parameter;
 mod plan;
 mod power;
@@ -116,6 +121,7 @@ mod time;
 mod trajectory;
 mod variational;
 
+pub use blocking::{BlockEstimate, Blocking};
 pub use composition::{
     BlanesMoan4, BlanesMoanRkn6, Coefficients, Composed, Composition, KahanLi8,
     QuadraticKineticEnergy, Separable, Split, Splitting, Symmetric,
@@ -125,6 +131,7 @@ pub use configuration::{
     VectorSpace, WithRotations,
 };
 pub use constraints::{ConstraintForce, ConstraintForces};
+pub use degenerate::CoordinateRole;
 pub use equations::{StepEquations, StepOf};
 pub use error::StepError;
 pub use integrator::{Integrator, Sensitivity, Tangent};
@@ -134,7 +141,9 @@ pub use mechanics::{Field, Mechanics};
 pub use method::{Method, OneStepMethod};
 /// Vectors, matrices and rotations, in the version that this crate uses.
 pub use nalgebra;
-pub use plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder, Substeps};
+pub use plan::{
+    Block, BlockKind, DegenerateStep, Formulas, Operations, Plan, StrongOrder, Substeps,
+};
 pub use rules::{
     Endpoint, Gauss, InitialPoint, Midpoint, StageNoise, StormerVerlet, Taylor2, Weak2,
 };
@@ -261,7 +270,7 @@ pub use system::{
 };
 #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
 pub use system::{IncrementLanesOf, StateLanesOf};
-pub use trajectory::{RefinedTrajectory, Refinements, Snapshot, Trajectory};
+pub use trajectory::{Events, RefinedTrajectory, Refinements, Snapshot, Trajectory};
 pub use variational::{ConstraintImpulses, DerivedFor, Discretised, Memory, Variational};
 
 /// The items that a program imports to integrate a system: `use sve_runtime::prelude::*;`.
@@ -303,6 +312,7 @@ pub mod __private {
     pub use crate::composition::sequence;
     pub use crate::composition::{QuadraticKineticEnergy, Separable};
     pub use crate::configuration::{FixedSize, Reduced, WithRotations};
+    pub use crate::degenerate::CoordinateRole;
     pub use crate::equations::{Returns, StepEquations};
     pub use crate::error::StepError;
     pub use crate::integrator::derived::{
@@ -312,7 +322,9 @@ pub mod __private {
     pub use crate::lanes::Mask;
     pub use crate::linearisation::{Entries, Linearisation};
     pub use crate::parameter::{entry, number};
-    pub use crate::plan::{Block, BlockKind, Formulas, Operations, Plan, StrongOrder};
+    pub use crate::plan::{
+        Block, BlockKind, DegenerateStep, Formulas, Operations, Plan, StrongOrder,
+    };
     pub use crate::power::power_log;
     pub use crate::rules::Unstructured;
     pub use crate::solve::SolveError;

@@ -5,6 +5,7 @@
 //! `dq = v dt + Σ ∂G_a/∂p ∘ dW_a`, `dp = (∂L/∂q + F) dt − Σ ∂G_a/∂q ∘ dW_a`, `p = ∂L/∂v`, with `G = −γ` or `G = H₁`.
 
 use crate::configuration::{Coordinates, FlatConfiguration, VectorSpace};
+use crate::degenerate::{self, NEEDS_REGULAR, is_degenerate};
 use crate::error::{StepError, step_error};
 use crate::legendre;
 use crate::solve::SolveError;
@@ -102,13 +103,34 @@ pub trait Mechanics: System {
     /// As [`velocity`](Self::velocity).
     fn hamiltonian(&self, state: &StateOf<Self>) -> Result<f64, StepError>;
 
-    /// The drift of the (Stratonovich) first-order form, `(v, ∂L/∂q + F)`.
+    /// The instantaneous temperature `⟨p, v⟩/n` of `n` degrees of freedom, in the units of L (kT, with Boltzmann's constant). For a quadratic kinetic energy K it is 2K/n. Each
+    /// constraint takes one degree of freedom; the momentum then has to have no part across the constraints, as it has after a step.
+    ///
+    /// Its mean over the distribution exp(−H/kT) is kT, for any Lagrangian whose mass matrix is regular (equipartition); where L is linear in velocities it has no meaning. The mean along the steps of a rule has the error of the rule. For a force of friction −νp
+    /// and γ = σq with σ² = 2νkT, in a harmonic potential of frequency ω:
+    ///
+    /// | rule | mean of p² over kT, less 1 | mean of q² |
+    /// | --- | --- | --- |
+    /// | `midpoint` | 0 | exact |
+    /// | `stormer_verlet` | −(hω)²/4 | exact |
+    /// | `initial_point` | −νh/2 + (hω)²/4 + … | kT + O(h²) |
+    /// | `endpoint` | νh/2 + (hω)²/4 + … | kT + O(h²) |
+    ///
+    /// So take the temperature with `midpoint`. With `stormer_verlet` and a harmonic potential divide by 1 − (hω)²/4. The one-sided rules are not for temperatures. Other potentials change the error at order h².
+    ///
+    /// [`Blocking`](crate::Blocking) averages along a path, `Ensemble::average` along many.
+    ///
+    /// # Errors
+    /// As [`velocity`](Self::velocity).
+    fn temperature(&self, state: &StateOf<Self>) -> Result<f64, StepError>;
+
+    /// The drift of the (Stratonovich) first-order form, `(v, ∂L/∂q + F)`, without the forces of constraints.
     ///
     /// # Errors
     /// As [`velocity`](Self::velocity).
     fn drift(&self, state: &StateOf<Self>) -> Result<Field<MomentumOf<Self>>, StepError>;
 
-    /// The second time derivatives `(q̈, p̈)` of the motion without noise.
+    /// The second time derivatives `(q̈, p̈)` of the motion without noise and constraints.
     ///
     /// # Errors
     /// As [`velocity`](Self::velocity).
@@ -136,13 +158,20 @@ where
 
     #[inline]
     fn velocity_at(&self, t: f64, q: Q, p: Q::Momentum) -> Result<Q::Momentum, StepError> {
-        let v = velocity(self, &State { t, q, p }.to_coordinates())?;
+        let state = State { t, q, p }.to_coordinates();
+        if const { is_degenerate::<S>() } {
+            degenerate::check_consistent(self, &state)?;
+        }
+        let v = velocity(self, &state)?;
         Ok(Q::from_components(&v))
     }
 
     #[inline]
     fn hamiltonian(&self, state: &State<Q>) -> Result<f64, StepError> {
         let state = &state.to_coordinates();
+        if const { is_degenerate::<S>() } {
+            degenerate::check_consistent(self, state)?;
+        }
         let v = velocity(self, state)?;
         let mut energy = -self.lagrangian_jet(state.t, &state.q, &v).value;
         for i in 0..N {
@@ -151,31 +180,55 @@ where
         if energy.is_finite() {
             Ok(energy)
         } else {
-            Err(outside_a_step(SolveError::NonFinite, state))
+            Err(outside_a_step(self, SolveError::NonFinite, state))
+        }
+    }
+
+    #[inline]
+    fn temperature(&self, state: &State<Q>) -> Result<f64, StepError> {
+        let state = &state.to_coordinates();
+        let v = velocity(self, state)?;
+        let twice_kinetic: f64 = state.p.iter().zip(&v).map(|(p, v)| p * v).sum();
+        let degrees_of_freedom = N.saturating_sub(Self::CONSTRAINTS.len());
+        let temperature = twice_kinetic / degrees_of_freedom as f64;
+        if temperature.is_finite() {
+            Ok(temperature)
+        } else {
+            Err(outside_a_step(self, SolveError::NonFinite, state))
         }
     }
 
     #[inline]
     fn drift(&self, state: &State<Q>) -> Result<Field<Q::Momentum>, StepError> {
         let state = &state.to_coordinates();
+        if const { is_degenerate::<S>() } {
+            degenerate::check_consistent(self, state)?;
+        }
         solve_drift(self, state)
             .and_then(finite)
             .map(Field::of::<Q>)
-            .map_err(|error| outside_a_step(error, state))
+            .map_err(|error| outside_a_step(self, error, state))
     }
 
     #[inline]
     fn acceleration(&self, state: &State<Q>) -> Result<Field<Q::Momentum>, StepError> {
         let state = &state.to_coordinates();
+        if const { is_degenerate::<S>() } {
+            return Err(StepError::Degenerate {
+                what: "the acceleration".to_owned(),
+                t: state.t,
+            });
+        }
         legendre::velocity(self, state)
             .and_then(|v| solve_motion(self, state, v))
             .and_then(|motion| finite(motion.second))
             .map(Field::of::<Q>)
-            .map_err(|error| outside_a_step(error, state))
+            .map_err(|error| outside_a_step(self, error, state))
     }
 
     #[inline]
     fn noise(&self, state: &State<Q>, dw: &[f64; M]) -> Field<Q::Momentum> {
+        const { assert!(S::ROLES.is_empty(), "{}", NEEDS_REGULAR) };
         let State { t, q, p } = state.to_coordinates();
         let mut noise = noise_of(&self.noise_jets(t, &q, &p), dw);
         Q::Flat::add_transport(&p, &noise.q, &mut noise.p);
@@ -187,6 +240,7 @@ where
     where
         Q: VectorSpace,
     {
+        const { assert!(S::ROLES.is_empty(), "{}", NEEDS_REGULAR) };
         let State { t, q, p } = state.to_coordinates();
         correction_of(&self.noise_jets(t, &q, &p)).of::<Q>()
     }
@@ -202,7 +256,7 @@ where
     S: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    legendre::velocity(system, state).map_err(|error| outside_a_step(error, state))
+    legendre::velocity(system, state).map_err(|error| outside_a_step(system, error, state))
 }
 
 // The functions below return the errors of solvers: a method reports the error of a whole step, not of one stage.
@@ -325,9 +379,18 @@ fn finite<const N: usize>(field: Field<[f64; N]>) -> Result<Field<[f64; N]>, Sol
 }
 
 #[cold]
-fn outside_a_step<F: FlatConfiguration<N>, const N: usize>(
+fn outside_a_step<S, Q, const N: usize, const M: usize>(
+    system: &S,
     error: SolveError,
-    state: &State<F>,
-) -> StepError {
-    step_error(error, state, 0.0, &[])
+    state: &State<Q::Flat>,
+) -> StepError
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    let error = step_error(error, state, 0.0, &[]);
+    if const { is_degenerate::<S>() } {
+        return degenerate::explained(system, state, error);
+    }
+    error
 }

@@ -155,7 +155,7 @@ pub trait OneStepMethod {
 /// All methods do, except rules with stage noise.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no method with one increment for each Wiener process",
-    note = "ensembles and studies draw one increment for each process: use the rule without stage noise"
+    note = "ensembles and studies draw one increment for each process, and so do steps that are divided, at an event or where they fail: use the rule without stage noise"
 )]
 pub trait Method:
     OneStepMethod<Increments = IncrementsOf<<Self as OneStepMethod>::System>>

@@ -58,6 +58,42 @@ pub enum StrongOrder {
     },
 }
 
+/// How a step treats a Lagrangian that does not determine every velocity, and what the step preserves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum DegenerateStep {
+    /// The degenerate coordinates occur in L without their velocities: the step is that of the Lagrangian that is left when `0 = ∂L/∂q` eliminates them, and symplectic.
+    Eliminated,
+    /// α = ∂L/∂v is affine in q: the discrete equations are the implicit midpoint rule. The two-form ω = Dαᵀ − Dα is preserved to rounding.
+    Affine,
+    /// Half of the velocities do not occur in L, up to a total derivative of a quadratic function: these coordinates are variables of the node.
+    /// The two-form ω is preserved to rounding.
+    Internal,
+    /// Both ends are projected to p = α(q) by the same multiplier. The two-form ω is preserved up to O(h⁵) a step, and how far depends on the total derivatives in L;
+    /// L written without half of the velocities gives [`Internal`](Self::Internal).
+    Projected,
+}
+
+impl DegenerateStep {
+    /// Whether the two-form is preserved to rounding.
+    pub fn keeps_two_form(self) -> bool {
+        self != Self::Projected
+    }
+}
+
+impl fmt::Display for DegenerateStep {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Eliminated => "coordinates without velocities are eliminated by 0 = ∂L/∂q; the step is symplectic",
+            Self::Affine => "p = α(q) with an affine α: the implicit midpoint rule, which preserves ω = Dαᵀ − Dα to rounding",
+            Self::Internal => "p = α(q), half of the velocities removed: preserves ω = Dαᵀ − Dα to rounding",
+            Self::Projected => {
+                "p = α(q) by symmetric projection: preserves ω = Dαᵀ − Dα up to O(h⁵) a step; to rounding if L is written without half of the velocities"
+            }
+        })
+    }
+}
+
 /// Numbers of floating-point operations. Comparisons, the choice of pivots and the tests of Newton's method are not counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Operations {
@@ -146,6 +182,8 @@ pub struct Plan {
     pub weak_order: u32,
     /// The momenta of symmetries, by their functions, that every step conserves to rounding.
     pub conserved: &'static [&'static str],
+    /// How the step treats a degenerate Lagrangian; `None` if L determines every velocity.
+    pub degenerate: Option<DegenerateStep>,
     /// Operations for each step size.
     pub prepare: Operations,
     /// Operations for each step, with the linear solves and without the iterations.
@@ -304,6 +342,9 @@ impl fmt::Display for Structure<'_> {
                 write!(f, " (banded, {before} + 1 + {behind})")?;
             }
             writeln!(f)?;
+        }
+        if let Some(degenerate) = plan.degenerate {
+            writeln!(f, "  {degenerate}")?;
         }
         write!(f, "  deterministic order {}", plan.deterministic_order)?;
         match plan.strong_order {

@@ -2,7 +2,12 @@
 //!
 //! A state can have any numbers: every step checks that they are finite.
 
-use crate::configuration::{Configuration, Coordinates, FixedSize, WithRotations};
+use crate::configuration::{
+    Configuration, Coordinates, FixedSize, VectorCoordinates, WithRotations,
+};
+use crate::degenerate;
+use crate::error::StepError;
+use crate::system::{Dims, System};
 
 /// Time, configuration and momentum of a system.
 ///
@@ -112,6 +117,50 @@ impl<Q: Configuration> State<Q> {
     /// The state `(q, p)` at time `t`.
     pub const fn at(t: f64, q: Q, p: Q::Momentum) -> Self {
         Self { t, q, p }
+    }
+
+    /// The state of a configuration at rest, at `t = 0`.
+    ///
+    /// For a degenerate Lagrangian momenta are functions of the configuration, p = α(q), so the configuration is the whole state. Coordinates that have a kinetic
+    /// energy of their own are at rest, p = ∂L/∂v(q, 0); this is so for all coordinates of a regular Lagrangian. Coordinates whose velocities do not occur in L at
+    /// all are solved for, ∂L/∂q = 0, from their values in `q`.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// /// Point vortices in a plane: the coordinates of each are conjugate to each other.
+    /// struct Vortices { gamma: [f64; 2] }
+    ///
+    /// #[variational(midpoint)]
+    /// impl Vortices {
+    ///     fn lagrangian(&self, q: [[f64; 2]; 2], v: [[f64; 2]; 2]) -> f64 {
+    ///         let [a, b] = self.gamma;
+    ///         let distance = (q[0][0] - q[1][0]).powi(2) + (q[0][1] - q[1][1]).powi(2);
+    ///         a * q[0][1] * v[0][0] + b * q[1][1] * v[1][0] + a * b * distance.ln() / 2.0
+    ///     }
+    /// }
+    ///
+    /// # fn main() -> Result<(), StepError> {
+    /// let vortices = Integrator::new(Vortices { gamma: [1.0, 2.0] }, Midpoint);
+    /// let mut state = State::from_configuration(vortices.system(), [[0.0, 1.0], [0.0, -0.5]])?;
+    /// assert_eq!(state.p, [[1.0, 0.0], [-1.0, 0.0]]);
+    /// vortices.step(&mut state, 0.1, &[])?;
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// A [`StepError`] if L is not defined at `q`, or no value of an algebraic coordinate is found.
+    pub fn from_configuration<S, const N: usize, const M: usize>(
+        system: &S,
+        q: Q,
+    ) -> Result<Self, StepError>
+    where
+        S: System<Dims = Dims<N, M, Q>> + ?Sized,
+        Q: VectorCoordinates<N>,
+    {
+        let state = degenerate::state_at_rest(system, &q.coordinates())?;
+        Ok(Self::from_coordinates(&state))
     }
 
     /// The same state in coordinates.

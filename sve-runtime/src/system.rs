@@ -8,6 +8,7 @@ use core::marker::PhantomData;
 pub use crate::jets::{ConstraintJet, ForceJet, LagrangianJet, NoiseJet};
 
 use crate::configuration::{Configuration, Coordinates, FixedSize, FlatConfiguration};
+use crate::degenerate::CoordinateRole;
 use crate::lanes::{Lane, LaneStates};
 use crate::state::State;
 
@@ -146,6 +147,8 @@ pub trait System {
     type Dims: Dimensions;
     /// Whether `∂L/∂v` is affine in `v`, so that the Legendre transform is inverted by one linear solve.
     const AFFINE_MOMENTUM: bool;
+    /// The role of each coordinate, if L does not determine every velocity; empty for a regular L.
+    const ROLES: &'static [CoordinateRole] = &[];
     /// Whether there is a force.
     const FORCED: bool = false;
     /// The parameters, as the source has them: `m`, `l[0]`, `body.mass`.
@@ -198,6 +201,7 @@ pub trait System {
 impl<S: System> System for &S {
     type Dims = S::Dims;
     const AFFINE_MOMENTUM: bool = S::AFFINE_MOMENTUM;
+    const ROLES: &'static [CoordinateRole] = S::ROLES;
     const FORCED: bool = S::FORCED;
     const PARAMETERS: &'static [&'static str] = S::PARAMETERS;
     const CONSTRAINTS: &'static [&'static str] = S::CONSTRAINTS;

@@ -25,9 +25,9 @@ use crate::syntax::parse::{self, Annotated};
 use crate::syntax::recovery;
 use crate::syntax::roles;
 use crate::system::constraints;
+use crate::system::degeneracy::{self, brackets};
 use crate::system::mechanics::{self, Mechanics};
 use crate::system::model::{Meaning, Model};
-use crate::system::regular;
 use crate::system::symmetry;
 
 /// What an expansion is made for.
@@ -128,14 +128,22 @@ fn derive(
     applicable::check(&block, &model)?;
     check_size(&block, &model)?;
     arena.grant(work);
-    let mut mechanics = {
+    let (mut mechanics, degeneracy) = {
         let budget = Budget::new(&block, &model, work);
         let mechanics = budget.stage(&mut arena, |arena| mechanics::mechanics(&model, arena))?;
-        budget.stage(&mut arena, |arena| {
-            regular::check(&block, &model, &mechanics, arena)
+        let degeneracy = budget.stage(&mut arena, |arena| {
+            degeneracy::classify(&block, &model, &mechanics, arena)
         })??;
-        mechanics
+        (mechanics, degeneracy)
     };
+    if let Some(degeneracy) = degeneracy {
+        applicable::check_degenerate(&block, &degeneracy)?;
+        let budget = Budget::new(&block, &model, work);
+        mechanics.commutation = budget.stage(&mut arena, |arena| {
+            brackets::commutation(&degeneracy, &model, &mechanics, arena)
+        })?;
+        model.degeneracy = Some(degeneracy);
+    }
     constraints::check_momentum(&block, &model, &mechanics)?;
     if constraints::with_tangent_noises(&block, &mut model, &mechanics, &mut arena)? {
         let budget = Budget::new(&block, &model, work);
@@ -145,7 +153,21 @@ fn derive(
     budget.stage(&mut arena, |arena| {
         constraints::check(&block, &model, &mut mechanics, arena)
     })??;
-    let momenta = budget.stage(&mut arena, |arena| symmetry::check(&block, &model, arena))??;
+    let mut momenta =
+        budget.stage(&mut arena, |arena| symmetry::check(&block, &model, arena))??;
+    if let Some(degeneracy) = &model.degeneracy {
+        let nodes = block
+            .arguments
+            .rules
+            .iter()
+            .filter_map(|listed| listed.rule.node());
+        for (map, generator) in momenta.iter_mut().zip(&model.symmetries) {
+            let mut nodes = nodes.clone();
+            let is_kept =
+                |node| degeneracy.keeps_momentum(&generator.field, node == 0.5, &model, &arena);
+            map.is_affine &= nodes.all(is_kept);
+        }
+    }
     // Rules with a potential come last: what is made for it must not change the order of terms in others, and so their rounding.
     let has_potential = |listed: &&ListedRule| listed.rule.options.contain(RuleOption::Weak2);
     let (with, without): (Vec<_>, Vec<_>) = block.arguments.rules.iter().partition(has_potential);

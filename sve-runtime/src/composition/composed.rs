@@ -66,7 +66,8 @@ pub trait Composition {
 /// With noise the increments are divided like the step. The error is then O(h⁸ + σh) for noise of strength σ: the strong order is that of the rule, and the
 /// higher order shows where noise is weak.
 ///
-/// A force of friction is amplified in the substeps of negative length. The composition is correct, and loses digits where friction is strong.
+/// A force of friction is amplified in the substeps of negative length. The composition is correct, and its steps have to resolve the friction: with [`KahanLi8`](crate::KahanLi8) of the midpoint rule the error of a momentum that
+/// decays at the rate ν is 10⁻⁹ of it for hν = ½, 4·10⁻⁷ for hν = 1, and a tenth for hν = 3; at hν = 3.3 a substep is singular.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Composed<R, C> {
     rule: R,

@@ -17,11 +17,14 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 use twox_hash::XxHash64;
 
-use super::EnsembleError;
 use super::error::{Damage, Difference};
 use super::merge_tree::MergeTree;
 use super::stored::{LoadedSummary, StoredSummary};
 use super::summary::Info;
+use super::{Ensemble, EnsembleError};
+use crate::configuration::Coordinates;
+use crate::method::Method;
+use crate::system::{Dims, System};
 
 /// The first bytes of a file of any version.
 const MAGIC: &[u8; 8] = b"sve run\0";
@@ -31,6 +34,34 @@ const VERSION: u32 = 3;
 
 /// Bytes before the content.
 const HEADER_LENGTH: usize = MAGIC.len() + 4 + 8 + 8;
+
+impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
+where
+    I: Method<System = S>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    /// Writes the results of finished blocks to a file, at this interval and at the end, for [`resume`](Self::resume).
+    ///
+    /// The file is always complete: a new file is written, synchronised with the disk and renamed. A run without `resume`
+    /// replaces an existing file once a block of paths has ended.
+    #[must_use]
+    pub fn checkpoint(mut self, path: impl Into<PathBuf>, every: Duration) -> Self {
+        self.checkpoint = Some((path.into(), every));
+        self
+    }
+
+    /// Continues from the file of [`checkpoint`](Self::checkpoint) if it exists, with the bits of a run that was not stopped.
+    ///
+    /// The file has to be undamaged, which its length and a checksum show, and of the same run: settings, formulas and parameters
+    /// of the system, method and starts. [`run`](Self::run) returns an error otherwise, which says whether the file is damaged or in what
+    /// the runs differ. Closures are compared by samples only, see [`Summary::merge`](super::Summary::merge).
+    #[must_use]
+    pub fn resume(mut self, resume: bool) -> Self {
+        self.resume = resume;
+        self
+    }
+}
 
 /// The content of a file, as it is written.
 #[derive(Serialize)]

@@ -113,6 +113,11 @@ pub enum EnsembleError {
         /// Upper bound.
         high: f64,
     },
+    /// A run from several starts with a checkpoint.
+    #[error(
+        "`run_from` has a run for each start, and a checkpoint is the file of one: leave `checkpoint` out, or give each start a run and a file of its own"
+    )]
+    PointsInOneFile,
     /// A shard that does not exist.
     #[error("`shard({index}, {of})`: of {of} shards the numbers are 0 to {of} − 1")]
     Shard {

@@ -14,6 +14,7 @@ use std::collections::BTreeSet;
 use twox_hash::XxHash64;
 
 use super::error::Difference;
+use super::integral::Kind;
 use super::path_noise::PathNoise;
 use super::settings::Settings;
 use super::starts::{StartRng, Starts};
@@ -145,6 +146,16 @@ where
                 hash.add_number(self.h);
                 hash.add(self.steps);
                 hash.add(u64::from(ensemble.keep_final_states));
+                // runs without integrals have the hashes that they always had
+                let are_plain = ensemble.kinds.iter().all(|&kind| kind == Kind::Value);
+                if !are_plain || ensemble.weight.is_some() {
+                    ensemble
+                        .kinds
+                        .iter()
+                        .for_each(|&kind| hash.add(kind as u64));
+                    hash.add(ensemble.settle);
+                    hash.add(u64::from(ensemble.weight.is_some()));
+                }
                 for (name, range) in &ensemble.bounds {
                     let column = ensemble.names.iter().position(|known| known == name);
                     hash.add(column.unwrap_or(usize::MAX) as u64);
@@ -223,6 +234,9 @@ where
             if recorded {
                 for observable in &self.ensemble.observables {
                     hash.add_number(observable.value(system, &state).unwrap_or(f64::NAN));
+                }
+                if let Some(weight) = &self.ensemble.weight {
+                    hash.add_number(weight.value(system, &state).unwrap_or(f64::NAN));
                 }
             }
         }

@@ -18,6 +18,7 @@ mod final_state;
 pub(crate) mod fingerprint;
 mod histogram;
 mod increment_buffer;
+mod integral;
 mod merge_tree;
 mod moments;
 #[cfg(feature = "npy")]
@@ -27,6 +28,7 @@ mod observe;
 mod parquet;
 mod path_block;
 mod path_noise;
+mod points;
 mod progress;
 mod record;
 mod replay;
@@ -39,12 +41,12 @@ mod stored;
 mod summary;
 mod warning;
 
+pub use crate::observed::Observed;
 #[cfg(feature = "checkpoint")]
 pub use error::Damage;
 pub use error::{Difference, EnsembleError};
 pub use failure::{Cause, FAILURES_KEPT, Failure};
 pub use final_state::FinalState;
-pub use observe::Observed;
 pub use starts::StartRng;
 pub use statistics::{Histogram, Statistics};
 pub use summary::Summary;
@@ -54,6 +56,7 @@ use core::fmt;
 use core::ops::{Bound, Range, RangeBounds};
 
 use self::histogram::HistogramRequest;
+use self::integral::Kind;
 use self::observe::{Closure, Observable};
 use self::settings::Settings;
 use self::starts::Starts;
@@ -122,6 +125,13 @@ pub struct Ensemble<'a, I: Method> {
     start: Option<Starts<'a, StateOf<I::System>>>,
     names: Vec<String>,
     observables: Vec<Box<dyn Observable<I::System> + 'a>>,
+    /// What becomes of each observable at a recorded time.
+    kinds: Vec<Kind>,
+    /// The rate at which the logarithm of the weight of a path decreases.
+    weight: Option<Box<dyn Observable<I::System> + 'a>>,
+    /// The step at which averages begin.
+    settle: u64,
+    share_paths: bool,
     histograms: Vec<HistogramRequest>,
     /// Observables with their least and greatest values.
     bounds: Vec<(String, [f64; 2])>,
@@ -155,6 +165,10 @@ where
             start: None,
             names: Vec::new(),
             observables: Vec::new(),
+            kinds: Vec::new(),
+            weight: None,
+            settle: 0,
+            share_paths: false,
             histograms: Vec::new(),
             bounds: Vec::new(),
             keep_final_states: false,
@@ -251,13 +265,18 @@ where
     ///
     /// Its value may depend on its arguments only. A path on which it fails or is not finite fails.
     #[must_use]
-    pub fn observe<F, O>(mut self, name: impl Into<String>, observable: F) -> Self
+    pub fn observe<F, O>(self, name: impl Into<String>, observable: F) -> Self
     where
         F: Fn(&S, &State<Q>) -> O + Sync + 'a,
         O: Observed + 'a,
     {
-        self.names.push(name.into());
-        self.observables.push(Box::new(Closure::new(observable)));
+        self.add(name.into(), Closure::new(observable), Kind::Value)
+    }
+
+    fn add(mut self, name: String, observable: impl Observable<S> + 'a, kind: Kind) -> Self {
+        self.names.push(name);
+        self.observables.push(Box::new(observable));
+        self.kinds.push(kind);
         self
     }
 
@@ -333,33 +352,6 @@ where
     #[must_use]
     pub fn progress(mut self, shown: bool) -> Self {
         self.progress = shown;
-        self
-    }
-
-    /// Writes the results of finished blocks to a file, at this interval and at the end, for [`resume`](Self::resume).
-    ///
-    /// The file is always complete: a new file is written, synchronised with the disk and renamed. A run without `resume`
-    /// replaces an existing file once a block of paths has ended.
-    #[cfg(feature = "checkpoint")]
-    #[must_use]
-    pub fn checkpoint(
-        mut self,
-        path: impl Into<std::path::PathBuf>,
-        every: core::time::Duration,
-    ) -> Self {
-        self.checkpoint = Some((path.into(), every));
-        self
-    }
-
-    /// Continues from the file of [`checkpoint`](Self::checkpoint) if it exists, with the bits of a run that was not stopped.
-    ///
-    /// The file has to be undamaged, which its length and a checksum show, and of the same run: settings, formulas and parameters
-    /// of the system, method and starts. [`run`](Self::run) returns an error otherwise, which says whether the file is damaged or in what
-    /// the runs differ. Closures are compared by samples only, see [`Summary::merge`].
-    #[cfg(feature = "checkpoint")]
-    #[must_use]
-    pub fn resume(mut self, resume: bool) -> Self {
-        self.resume = resume;
         self
     }
 

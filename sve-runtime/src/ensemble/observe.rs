@@ -8,35 +8,8 @@ use core::marker::PhantomData;
 use crate::error::StepError;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::lanes::{LANES, Lane, Mask};
+use crate::observed::Observed;
 use crate::system::{Dimensions, StateLanesOf, StateOf, System};
-
-/// The result of an observable: a number, or a number or an error.
-#[diagnostic::on_unimplemented(
-    message = "an observable returns `f64` or `Result<f64, StepError>`, not `{Self}`",
-    label = "the closure of this observable has another result",
-    note = "end it with a number, or with what `system.hamiltonian(state)` returns"
-)]
-pub trait Observed {
-    /// Returns the value.
-    ///
-    /// # Errors
-    /// The error of the observable.
-    fn observed(self) -> Result<f64, StepError>;
-}
-
-impl Observed for f64 {
-    #[inline(always)]
-    fn observed(self) -> Result<f64, StepError> {
-        Ok(self)
-    }
-}
-
-impl Observed for Result<f64, StepError> {
-    #[inline(always)]
-    fn observed(self) -> Result<f64, StepError> {
-        self
-    }
-}
 
 /// An observable of a system with a closure of any type.
 pub(super) trait Observable<S: System>: Sync {

@@ -6,6 +6,7 @@
 
 use super::failure::{Cause, Failure};
 use super::increment_buffer::{BATCH, IncrementBuffer};
+use super::integral::Integral;
 use super::settings::Settings;
 use super::starts::{StartRng, Starts};
 use super::{BLOCK_PATHS, BLOCK_TILES, EnsembleError, path_at};
@@ -28,6 +29,8 @@ pub(super) struct PathBlock<'a, I: Method, const N: usize, const M: usize> {
     pub(super) step: u64,
     pub(super) tiles: Vec<Tile<StateLanesOf<I::System>>>,
     pub(super) failures: Vec<Failure>,
+    /// The integrals along the paths, by integrand and tile.
+    pub(super) integrals: Vec<Integral>,
     /// Work space: the observables of a tile.
     pub(super) values: Vec<Lane>,
 }
@@ -92,6 +95,7 @@ where
             step: 0,
             tiles: Vec::with_capacity(BLOCK_TILES),
             failures: Vec::new(),
+            integrals: Vec::new(),
             values: vec![[0.0; LANES]; settings.ensemble.names.len()],
         };
         let paths = first_path..path_at(block + 1, settings.paths);
@@ -101,6 +105,9 @@ where
             let is_wanted = |path| paths.contains(&path) && only.is_none_or(|only| only == path);
             block_of_paths.start_tile(first, is_wanted);
         }
+        let integrals = settings.ensemble.integrands().count() * block_of_paths.tiles.len();
+        block_of_paths.integrals = vec![Integral::ZERO; integrals];
+        block_of_paths.integrate();
         Ok(block_of_paths)
     }
 
@@ -161,8 +168,19 @@ where
             .or_else(|| p.find_map(|(i, p)| not_finite(format!("p[{i}]"), p)))
     }
 
-    /// Steps every active path until it has made so many steps.
+    /// Steps every active path until it has made so many steps, and integrates along it.
     pub(super) fn advance(&mut self, until: u64) {
+        if self.integrals.is_empty() {
+            return self.advance_states(until);
+        }
+        while self.step < until {
+            self.advance_states(self.step + 1);
+            self.integrate();
+        }
+    }
+
+    /// Steps every active path until it has made so many steps.
+    fn advance_states(&mut self, until: u64) {
         while self.step < until && self.tiles.iter().any(|tile| tile.active != 0) {
             let batch = self.step / BATCH;
             let end = until.min((batch + 1) * BATCH);

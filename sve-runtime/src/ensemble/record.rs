@@ -64,10 +64,16 @@ where
         }
         for (k, observable) in ensemble.observables.iter().enumerate() {
             observable.tile(system, self.tiles[tile].states(), &mut values[k]);
+            self.convert(k, tile, &mut values[k]);
             for lane in lanes(not_finite(&values[k]) & self.tiles[tile].active) {
                 let name = ensemble.names[k].clone();
                 let state = S::Dims::get(self.tiles[tile].states(), lane);
                 let cause = match observable.value(system, &state) {
+                    // the weight of the path may not be finite where the value is
+                    Ok(value) if value.is_finite() => Cause::NotFinite {
+                        name,
+                        value: values[k][lane],
+                    },
                     Ok(value) => Cause::NotFinite { name, value },
                     Err(error) => Cause::Observable { name, error },
                 };

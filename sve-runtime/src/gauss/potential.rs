@@ -7,6 +7,7 @@ use super::linearise::{ByParameters, ParameterJet};
 use super::tableau::Tableau;
 use super::{Masses, Motion, Partitioned, SecondOrder, StageLanes};
 use crate::configuration::VectorCoordinates;
+use crate::degenerate::CoordinateRole;
 use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System};
 
 /// A system with a potential. `E` is the number of its noises with the potential, which is the last of them.
@@ -43,6 +44,7 @@ where
 {
     type Dims = Dims<N, E, Q>;
     const AFFINE_MOMENTUM: bool = Sys::AFFINE_MOMENTUM;
+    const ROLES: &'static [CoordinateRole] = Sys::ROLES;
     const FORCED: bool = Sys::FORCED;
     const PARAMETERS: &'static [&'static str] = Sys::PARAMETERS;
     const FORMULAS: u64 = Sys::FORMULAS;

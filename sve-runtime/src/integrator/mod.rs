@@ -126,7 +126,8 @@ where
 
     /// Returns the tangent map of one step, `∂(q₁,p₁)/∂(q₀,p₀)` at fixed increments: a symplectic matrix, if no force acts.
     ///
-    /// The implicit-function theorem gives it from the derivatives of the step's own equations, exact to rounding.
+    /// The implicit-function theorem gives it from the derivatives of the step's own equations, exact to rounding. Momenta of massless coordinates of a degenerate
+    /// Lagrangian are functions of the configuration: their columns are zero, and the map preserves the two-form on consistent states.
     ///
     /// ```
     /// use sve_runtime::prelude::*;

@@ -7,6 +7,7 @@ use super::accept::{add, refusal, replace};
 use super::continuation::{self, ContinuationError};
 use crate::configuration::{Coordinates, FlatConfiguration};
 use crate::constraints::explain::constraint_error;
+use crate::degenerate::{self, is_degenerate};
 use crate::equations::StepEquations;
 use crate::error::{StepError, step_error};
 use crate::solve::SolveError;
@@ -35,6 +36,12 @@ where
     Q: Coordinates<N>,
 {
     let system = derived.system;
+    let explained = |error| {
+        if const { is_degenerate::<S>() } {
+            return degenerate::explained(system, state, error);
+        }
+        error
+    };
     let found = match continuation::follow(derived, state, h, dw) {
         Ok(found) => Ok(found),
         // The path ends at once: the failure of the fast path says more.
@@ -51,9 +58,12 @@ where
                 step,
                 reached: noise,
             };
+            let lost = explained(lost);
             return Err(constraint_error(system, &lost, state, h, dw.as_ref()).unwrap_or(lost));
         }
-        Err(ContinuationError::NoStart(SolveError::Singular { .. })) => {
+        Err(ContinuationError::NoStart(SolveError::Singular { .. }))
+            if !const { is_degenerate::<S>() } =>
+        {
             let solver = BlockSolver::unchecked(derived.newton);
             let memory = &mut S::Memory::none();
             system.increment(&system.prepare(h), memory, state, h, dw, &solver)
@@ -91,6 +101,12 @@ where
     if let Some(error) = constraint_error(derived.system, &plain, state, h, dw.as_ref()) {
         return error;
     }
+    if const { is_degenerate::<S>() } {
+        let explained = degenerate::explained(derived.system, state, plain.clone());
+        if explained != plain {
+            return explained;
+        }
+    }
     match (error, plain) {
         (SolveError::OutsideDomain { condition }, StepError::NonFiniteResult { t, h, q, .. }) => {
             let condition = S::DOMAIN.get(condition).copied().unwrap_or("L is defined");
@@ -101,6 +117,7 @@ where
                 condition: condition.into(),
             }
         }
+        (_, plain) if const { is_degenerate::<S>() } => plain,
         (_, plain) => check_mass_matrix(derived.system, plain),
     }
 }

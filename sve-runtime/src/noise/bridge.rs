@@ -10,7 +10,7 @@
 //! Source: Lévy's construction; Karatzas, Shreve, *Brownian Motion and Stochastic Calculus*, 2nd ed., Springer (1991), section 2.3.
 
 use super::error::check_step;
-use super::{Noise, NoiseError, Wiener, box_muller, threefry};
+use super::{Halves, Noise, NoiseError, Wiener, box_muller, threefry};
 
 /// Separates these draws from the increments of the path itself.
 const DOMAIN: u64 = u64::from_le_bytes(*b"bridge  ");
@@ -234,6 +234,31 @@ impl Noise for Refined {
         let leaf = self.depth as usize * self.processes;
         dw.copy_from_slice(&self.increments[leaf..][..self.processes]);
         Ok(())
+    }
+}
+
+/// An interval of a step of `h / 2^depth` is one of the path itself. Below intervals of level 63 the path is linear.
+impl Halves for Refined {
+    fn halves_of(
+        &self,
+        interval: DyadicInterval,
+        h: f64,
+        whole: &[f64],
+        left: &mut [f64],
+        right: &mut [f64],
+    ) {
+        let level = self.depth + interval.level;
+        if level >= DEEPEST {
+            for (process, whole) in whole.iter().enumerate() {
+                (left[process], right[process]) = (0.5 * whole, 0.5 * whole);
+            }
+            return;
+        }
+        let step = interval.step >> self.depth;
+        let place = interval.step - (step << self.depth);
+        let index = (place << interval.level) + interval.index;
+        let of_path = DyadicInterval { step, level, index };
+        self.path.halves_of(of_path, h, whole, left, right);
     }
 }
 

@@ -4,6 +4,10 @@
 //! a pure function of the source, the interval and its increments.
 
 use super::{DyadicInterval, NoNoise, Noise, Wiener};
+use crate::system::Increments;
+
+/// Number of halvings of a step within which the path is known. Between two neighbouring points it is linear.
+const LEVELS: u32 = 32;
 
 /// A source that knows its path within steps, so that a step can be divided into smaller steps on the same path.
 ///
@@ -19,8 +23,8 @@ use super::{DyadicInterval, NoNoise, Noise, Wiener};
 /// ```
 #[diagnostic::on_unimplemented(
     message = "`{Self}` does not know its path within a step",
-    label = "steps of this source cannot be halved",
-    note = "`Wiener` and `NoNoise` know theirs; increments that are recorded, clipped or drawn one after another belong to whole steps"
+    label = "steps of this source cannot be divided",
+    note = "`Wiener`, also refined, and `NoNoise` know theirs; increments that are recorded, clipped or drawn one after another belong to whole steps"
 )]
 pub trait Halves: Noise {
     /// Computes the increments of every process over the two halves of an interval of length `h`; `whole` are those over the interval.
@@ -66,5 +70,49 @@ impl<W: Halves + ?Sized> Halves for &mut W {
         right: &mut [f64],
     ) {
         (**self).halves_of(interval, h, whole, left, right);
+    }
+}
+
+/// Returns the increments over the first `fraction` of a step of length `h`; `whole` are those over the step.
+///
+/// The path within a step is a function of seed, path, step and process: its values at the multiples of 2⁻³² of the step are those of the halved intervals.
+pub(crate) fn increments_until<W: Halves, D: Increments>(
+    noise: &W,
+    step: u64,
+    h: f64,
+    fraction: f64,
+    whole: &D,
+) -> D {
+    let (mut sum, mut part) = (D::NONE, *whole);
+    if fraction >= 1.0 || part.as_ref().is_empty() {
+        return part;
+    }
+    let (mut interval, mut length) = (DyadicInterval::whole(step), h);
+    let scaled = fraction * (1_u64 << LEVELS) as f64;
+    #[allow(clippy::cast_sign_loss)] // fractions are not negative
+    let cell = scaled as u64;
+    for level in (0..LEVELS).rev() {
+        let Some([first, second]) = interval.halves() else {
+            break;
+        };
+        let (mut left, mut right) = (D::NONE, D::NONE);
+        let (of_left, of_right) = (left.as_mut(), right.as_mut());
+        noise.halves_of(interval, length, part.as_ref(), of_left, of_right);
+        length *= 0.5;
+        if cell >> level & 1 == 1 {
+            add(&mut sum, 1.0, &left);
+            (interval, part) = (second, right);
+        } else {
+            (interval, part) = (first, left);
+        }
+    }
+    add(&mut sum, scaled - cell as f64, &part);
+    sum
+}
+
+/// Adds a multiple of increments.
+fn add<D: Increments>(sum: &mut D, factor: f64, part: &D) {
+    for (sum, part) in sum.as_mut().iter_mut().zip(part.as_ref()) {
+        *sum += factor * part;
     }
 }

@@ -13,6 +13,8 @@
 //! | [`FromRng`] | from a random generator of the `rand` crates | no: draws follow one another | yes |
 //! | [`NoNoise`] | zero | trivially | yes |
 //!
+//! [`Wiener`], [`Refined`] and [`NoNoise`] know their path within a step ([`Halves`]): steps that fail can be [refined](crate::Trajectory::refine), and steps can be cut at [events](crate::Events).
+//!
 //! All sources go with all rules that take one increment a process. Rules with [stage noise](crate::StageNoise) ask for an increment for each process and stage: where the table says no, the first step is an
 //! error that says so. Steps that fail cannot be [refined](crate::Trajectory::refine) with stage noise, and ensembles and studies do not take it: both are compile errors.
 //!
@@ -53,6 +55,7 @@ pub use error::NoiseError;
 pub use from_rng::FromRng;
 pub use from_step::{FromStep, Replayable};
 pub use halves::Halves;
+pub(crate) use halves::increments_until;
 #[cfg(feature = "ensemble")]
 pub use many_paths::ManyPaths;
 #[cfg(feature = "ensemble")]

@@ -1,12 +1,15 @@
 //! States along a path, one for each step.
 //!
 //! Input: a method, a start, a step size and a noise. Output: an iterator over the states. Two options change how a step is made: [`refine`](Trajectory::refine)
-//! wraps the trajectory into an adapter that divides failing steps; [`compensated`](Trajectory::compensated) carries the low parts of the state.
+//! wraps the trajectory into an adapter that divides failing steps; [`compensated`](Trajectory::compensated) carries the low parts of the state. The adapter
+//! [`Events`] yields the states at zeros of functions, and ends or changes the trajectory there.
 
 mod compensated;
+mod events;
 mod refined;
 mod snapshot;
 
+pub use events::Events;
 pub use refined::{RefinedTrajectory, Refinements};
 pub use snapshot::Snapshot;
 

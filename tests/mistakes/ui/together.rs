@@ -40,6 +40,36 @@ mod constraint_weak2;
 mod constraint_with_arguments;
 #[path = "constraint/without_position.rs"]
 mod constraint_without_position;
+#[path = "degenerate/coordinate_that_does_not_occur.rs"]
+mod degenerate_coordinate_that_does_not_occur;
+#[path = "degenerate/force.rs"]
+mod degenerate_force;
+#[path = "degenerate/gauss.rs"]
+mod degenerate_gauss;
+#[path = "degenerate/gradient.rs"]
+mod degenerate_gradient;
+#[path = "degenerate/mass_without_velocity.rs"]
+mod degenerate_mass_without_velocity;
+#[path = "degenerate/masses_of_a_sum.rs"]
+mod degenerate_masses_of_a_sum;
+#[path = "degenerate/noise_of_momenta.rs"]
+mod degenerate_noise_of_momenta;
+#[path = "degenerate/noise_without_inertia.rs"]
+mod degenerate_noise_without_inertia;
+#[path = "degenerate/odd_number_of_coordinates.rs"]
+mod degenerate_odd_number_of_coordinates;
+#[path = "degenerate/one_sided.rs"]
+mod degenerate_one_sided;
+#[path = "degenerate/one_sided_with_masses.rs"]
+mod degenerate_one_sided_with_masses;
+#[path = "degenerate/stormer_verlet.rs"]
+mod degenerate_stormer_verlet;
+#[path = "degenerate/taylor2.rs"]
+mod degenerate_taylor2;
+#[path = "degenerate/time_dependent.rs"]
+mod degenerate_time_dependent;
+#[path = "degenerate/weak2.rs"]
+mod degenerate_weak2;
 #[path = "force/also_a_noise.rs"]
 mod force_also_a_noise;
 #[path = "force/not_smooth.rs"]

@@ -3,6 +3,7 @@
 
 pub mod case;
 pub mod configured;
+pub mod degenerate;
 pub mod differences;
 #[path = "../../../sve-macros/compiler/src/algebra/double_double.rs"]
 pub mod double_double;

@@ -78,7 +78,7 @@ fn an_inconsistent_configuration_is_refused_with_its_value() {
         panic!("{error}");
     };
     assert_eq!(&**constraint, "sphere");
-    assert!((value + 8e-7).abs() < 1e-12 && (magnitude - 1.0).abs() < 1e-5);
+    assert!((value + 8e-7).abs() < 1e-12 && (magnitude - 2.0).abs() < 1e-5);
     assert!(
         error.to_string().contains("integrator.consistent(state)"),
         "{error}"

@@ -14,7 +14,7 @@ where
     S: Variational<R> + System<Dims = Dims<N, 0>>,
 {
     let path = || integrator.trajectory(start, H, NoNoise);
-    let states: Vec<State<[f64; N]>> = path().take(60).collect::<Result<_, _>>().unwrap();
+    let states: Vec<State<[f64; N]>> = path().take(600).collect::<Result<_, _>>().unwrap();
     let mut differs = false;
     for pair in states.windows(2) {
         let mut state = pair[0];
@@ -33,7 +33,7 @@ where
         first.next().unwrap().unwrap();
     }
     let continued = integrator.resume(first.snapshot(), NoNoise).unwrap();
-    let continued: Vec<State<[f64; N]>> = continued.take(40).collect::<Result<_, _>>().unwrap();
+    let continued: Vec<State<[f64; N]>> = continued.take(580).collect::<Result<_, _>>().unwrap();
     assert_eq!(continued, states[20..]);
     differs
 }

@@ -156,6 +156,36 @@ fn compositions_have_their_orders() {
     );
 }
 
+/// A free particle with friction.
+struct Damped {
+    nu: f64,
+}
+
+#[variational(midpoint)]
+impl Damped {
+    fn lagrangian(&self, _q: f64, v: f64) -> f64 {
+        0.5 * v * v
+    }
+
+    #[force]
+    fn friction(&self, _q: f64, v: f64) -> f64 {
+        -self.nu * v
+    }
+}
+
+#[test]
+fn steps_of_a_composition_have_to_resolve_friction() {
+    let error = |nu: f64| {
+        let method = Integrator::new(Damped { nu }, Composed::new(Midpoint, KahanLi8));
+        let mut state = State::new([0.0], [1.0]);
+        method.step(&mut state, 1.0, &[]).unwrap();
+        (state.p[0] * nu.exp() - 1.0).abs()
+    };
+    assert!(error(0.5) < 1e-9, "{}", error(0.5));
+    assert!(error(1.0) < 5e-7, "{}", error(1.0));
+    assert!((0.05..0.2).contains(&error(3.0)), "{}", error(3.0));
+}
+
 /// A step and its reverse, with noise.
 fn returns<R>(rule: R)
 where

@@ -26,7 +26,7 @@ pub(crate) mod tests;
 mod zero;
 
 pub(crate) use display::{Notation, Sum, Text};
-pub(crate) use expr::{Arena, Expr, Identity, Node, Symbol};
+pub(crate) use expr::{Arena, Bits, Expr, Identity, Node, Symbol};
 pub(crate) use functions::{Binary, BinaryBound, Bound, Domain, Function, Sign};
 pub(crate) use hash::Map;
 pub(crate) use sharp::{Sharp, Verdict};

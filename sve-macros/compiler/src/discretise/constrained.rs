@@ -32,7 +32,7 @@ pub(super) fn extend(
             .zip(equations.variations.iter().copied())
             .collect()
     };
-    let mut order: Vec<Expr> = Vec::new();
+    let (mut order, mut beside) = (Vec::new(), vec![None; rows.len()]);
     for (residual, variation) in rows {
         order.push(of_variation(
             residual, variation, enforced, action, symbols, arena,
@@ -47,12 +47,14 @@ pub(super) fn extend(
         start_rates,
         end_momentum,
         start_impulse: _,
+        scales,
         has_sign,
         at_start,
     } = enforced;
     equations.residuals.extend(end_values);
     equations.variations.extend(end_multipliers);
     order.extend(start_rates);
+    beside.extend(scales.iter().copied().map(Some));
     for (i, &momentum) in end_momentum.iter().enumerate() {
         let row = arena.sub(momentum, ends[i]);
         equations.residuals.push(row);
@@ -71,8 +73,10 @@ pub(super) fn extend(
         pairs.map(|&s| arena.symbol(s)).collect()
     };
     equations.conditions.clone_from(at_start);
+    beside.resize(order.len(), None);
     equations.leading = Some(Leading {
         residuals: order,
+        scales: beside,
         has_sign: *has_sign,
     });
     equations

@@ -7,7 +7,10 @@
 //! ```
 //!
 //! These are the equations of a vector; those of a rotation are in [`configuration`](crate::system::configuration).
+//! Where a momentum is a function of the configuration, p₀ and p₁ are that function, and equations at the end may be added ([`Ends`](crate::rules::action::Ends)).
 //! If there is a force, its work under a variation of x is added to each ∂S/∂x (Lagrange–d'Alembert principle).
+
+use std::collections::HashMap;
 
 use super::constrained;
 use crate::algebra::{Arena, Expr, Node, Symbol};
@@ -24,7 +27,7 @@ pub(crate) struct Equations {
     pub(crate) unknowns: Vec<Symbol>,
     /// The residuals, which vanish at a solution.
     pub(crate) residuals: Vec<Expr>,
-    /// For each residual, the variable by which the action is varied.
+    /// For each residual, the variable by which the action is varied, or the unknown that an equation at the end is there for.
     pub(crate) variations: Vec<Symbol>,
     /// `q₁ − q₀`.
     pub(crate) dq: Vec<Expr>,
@@ -44,6 +47,8 @@ pub(crate) struct Equations {
 pub(crate) struct Leading {
     /// One for each residual.
     pub(crate) residuals: Vec<Expr>,
+    /// For each residual what it is small beside, where that is not the sum of the magnitudes of its terms.
+    pub(crate) scales: Vec<Option<Expr>>,
     /// Whether the determinant of their Jacobian has the sign that it has at the solution.
     pub(crate) has_sign: bool,
 }
@@ -56,48 +61,66 @@ pub(crate) fn equations(action: &Action, symbols: &Symbols, arena: &mut Arena) -
         let stationary = at_nodes(action, stationary, arena);
         residuals.push(divide_out(arena, stationary, action.h));
     }
+    let ends = &action.ends;
     let mut variations = action.internal.clone();
-    let mut dp = Vec::new();
-    let mut ends = Vec::new();
+    let (mut dp, mut p1) = (Vec::new(), Vec::new());
     for block in action.configuration.blocks() {
-        match block.factor {
-            Factor::Vector(_) => {
-                for (entry, i) in block.entries.zip(block.directions) {
-                    let end = variation(action, action.displacement[i], arena);
-                    let end = at_nodes(action, end, arena);
-                    let kick = variation(action, action.start_q[entry], arena);
-                    let kick = at_nodes(action, kick, arena);
-                    let p0 = arena.symbol(action.start_p[i]);
-                    let balance = arena.sum(0.0, &[(1.0, end), (-1.0, kick), (-1.0, p0)]);
-                    residuals.push(balance);
-                    ends.push(end);
-                    variations.push(action.displacement[i]);
-                    // ∂S/∂q₀ plus a multiple of a residual. Once the residual gives ∂S/∂d − p₀. Twice the residual eliminates the
-                    // force from the midpoint rule, p₁ = 2p − p₀.
-                    dp.push(
-                        (0..3)
-                            .map(|k| arena.sum(0.0, &[(1.0, kick), (f64::from(k), balance)]))
-                            .collect(),
-                    );
-                }
+        let Factor::Vector(_) = block.factor else {
+            let momenta = momenta_of_rotation(action, &block, arena);
+            // the unknowns are in descending order too, so that pivots are on the diagonal
+            residuals.extend(momenta.balance.into_iter().rev());
+            let turned = action.displacement[block.directions].iter();
+            variations.extend(turned.rev());
+            dp.extend(momenta.change.into_iter().map(|change| vec![change]));
+            continue;
+        };
+        for (entry, i) in block.entries.zip(block.directions) {
+            let end = variation(action, action.displacement[i], arena);
+            let end = at_nodes(action, end, arena);
+            p1.push(end);
+            if let Some(&Some(function)) = ends.end.get(i) {
+                let p0 = arena.symbol(action.start_p[i]);
+                dp.push(vec![arena.sub(function, p0)]);
             }
-            Factor::Rotation => {
-                let momenta = momenta_of_rotation(action, &block, arena);
-                // the unknowns are in descending order too, so that pivots are on the diagonal
-                residuals.extend(momenta.balance.into_iter().rev());
-                let turned = action.displacement[block.directions].iter();
-                variations.extend(turned.rev());
-                dp.extend(momenta.change.into_iter().map(|change| vec![change]));
+            if ends.unbalanced.get(i) == Some(&true) {
+                continue;
             }
+            variations.push(action.displacement[i]);
+            let kick = variation(action, action.start_q[entry], arena);
+            let kick = at_nodes(action, kick, arena);
+            let p0 = match ends.start.get(i) {
+                Some(&Some(function)) => function,
+                _ => arena.symbol(action.start_p[i]),
+            };
+            let balance = arena.sum(0.0, &[(1.0, end), (-1.0, kick), (-1.0, p0)]);
+            residuals.push(balance);
+            if dp.len() > i {
+                continue;
+            }
+            // ∂S/∂q₀ plus a multiple of a residual. Once the residual gives ∂S/∂d − p₀. Twice the residual eliminates the force from
+            // the midpoint rule, p₁ = 2p − p₀.
+            dp.push(
+                (0..3)
+                    .map(|k| arena.sum(0.0, &[(1.0, kick), (f64::from(k), balance)]))
+                    .collect(),
+            );
         }
     }
+    let momenta = ends.momentum.iter().copied().zip(p1.iter().copied());
+    let at_end: HashMap<Symbol, Expr> = momenta.collect();
+    for closure in &ends.closures {
+        residuals.push(arena.substitute(closure.residual, &at_end));
+    }
+    let closing = ends.closures.iter().map(|closure| closure.unknown);
+    variations.extend(closing.clone());
     // elimination is preferred for displacements, then for multipliers, then for velocities
-    let unknowns = action
+    let mut unknowns: Vec<Symbol> = action
         .displacement
         .iter()
         .chain(action.internal.iter().rev())
         .copied()
         .collect();
+    unknowns.extend(closing.filter(|unknown| !action.displacement.contains(unknown)));
     let dq = action
         .displacement
         .iter()
@@ -115,7 +138,7 @@ pub(crate) fn equations(action: &Action, symbols: &Symbols, arena: &mut Arena) -
         reported: Vec::new(),
     };
     match &action.enforced {
-        Some(enforced) => constrained::extend(equations, &ends, enforced, action, symbols, arena),
+        Some(enforced) => constrained::extend(equations, &p1, enforced, action, symbols, arena),
         None => equations,
     }
 }

@@ -136,6 +136,8 @@ pub(crate) fn unknown(symbols: &Symbols, symbol: Symbol) -> String {
         Family::StartMultiplier => "λ",
         Family::EndMultiplier => "μ",
         Family::EndVelocity => "v₁",
+        Family::NodeDisplacement => "Δq̄",
+        Family::Projection => "λ",
     };
     if family.is_multiplier_of_constraint() {
         return indexed(letter, index, multipliers(symbols, family));
@@ -227,6 +229,7 @@ impl Notation for Names<'_> {
             Meaning::Wiener(i) => indexed("ΔW", *i, processes(self.symbols)),
             Meaning::NodeEntry(i) => self.entry("q̄", "R̄", *i),
             Meaning::Attitude(i) => format!("attitude[{i}]"),
+            Meaning::End(i) => self.component("p₁", *i),
             Meaning::Unknown(_) | Meaning::Limit(_) => unknown(self.symbols, symbol),
         }
     }

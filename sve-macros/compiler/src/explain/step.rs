@@ -6,6 +6,7 @@ use super::shown;
 use crate::algebra::{Arena, Expr, Node, Notation, Sum, Symbol};
 use crate::rules::action::Action;
 use crate::rules::constraints::END;
+use crate::rules::degenerate;
 use crate::rules::{Features, Rule, RuleOption, Textbook};
 use crate::structure::{Block, Kind, Matrix, Scheme, Solution};
 use crate::system::configuration::Factor;
@@ -36,7 +37,11 @@ pub(crate) fn step(
         action: textbook,
         mut notation,
         work,
-    } = rule.textbook(&features(rule, model, mechanics, action.half_factor, arena));
+    } = textbook(
+        rule,
+        model,
+        &features(rule, model, mechanics, action.half_factor, arena),
+    );
     let mut lines = vec![format!("{textbook}{}", constraints(model, arena))];
     if let Some((text, parts)) = written_out(rule, action, symbols, arena) {
         lines.push(text);
@@ -71,6 +76,15 @@ fn constraints(model: &Model, arena: &Arena) -> String {
         0 => String::new(),
         1 => format!(" + λ·φ({t0}q₀) + μ·φ({t1}q₁)"),
         _ => format!(" + ⟨λ, φ({t0}q₀)⟩ + ⟨μ, φ({t1}q₁)⟩"),
+    }
+}
+
+/// The action in its textbook form.
+fn textbook(rule: Rule, model: &Model, features: &Features) -> Textbook {
+    let plain = rule.textbook(features);
+    match (&model.degeneracy, rule.node()) {
+        (Some(degeneracy), Some(node)) => degenerate::textbook(degeneracy, node, plain, features),
+        _ => plain,
     }
 }
 

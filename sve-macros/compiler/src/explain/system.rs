@@ -1,5 +1,6 @@
 //! The system and its equations of motion, in the first-order Stratonovich form.
 
+use super::degenerate;
 use super::names::Names;
 use super::page::Page;
 use super::shown;
@@ -197,6 +198,9 @@ fn constraint_force(i: usize, mechanics: &Mechanics, page: &mut Page<'_>, line: 
 }
 
 fn motion(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Vec<String> {
+    if let Some(degeneracy) = &model.degeneracy {
+        return degenerate::motion(degeneracy, model, mechanics, arena);
+    }
     let n = model.dof();
     let count = shown(n);
     let mut page = Page::new(arena, Names::new(&model.symbols, None));
@@ -261,7 +265,7 @@ fn motion(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Vec<String> {
 }
 
 /// The differential of a process.
-fn increment(process: usize, of: usize) -> String {
+pub(super) fn increment(process: usize, of: usize) -> String {
     if of == 1 {
         "∘ dW".to_owned()
     } else {
@@ -270,13 +274,13 @@ fn increment(process: usize, of: usize) -> String {
 }
 
 /// `dx = a dt + b ∘ dW`, in the making.
-struct Line {
-    text: String,
+pub(super) struct Line {
+    pub(super) text: String,
     empty: bool,
 }
 
 impl Line {
-    fn new(left: &str) -> Self {
+    pub(super) fn new(left: &str) -> Self {
         Self {
             text: format!("{left} = 0"),
             empty: true,
@@ -284,14 +288,14 @@ impl Line {
     }
 
     /// Adds a coefficient times a differential.
-    fn add(&mut self, page: &mut Page<'_>, coefficient: &Sum, differential: &str) {
+    pub(super) fn add(&mut self, page: &mut Page<'_>, coefficient: &Sum, differential: &str) {
         if !coefficient.is_zero() {
             let (negative, factor) = page.factor(coefficient);
             self.push(negative, &format!("{factor} {differential}"));
         }
     }
 
-    fn push(&mut self, negative: bool, term: &str) {
+    pub(super) fn push(&mut self, negative: bool, term: &str) {
         let sign = match (self.empty, negative) {
             (true, true) => "−",
             (true, false) => "",

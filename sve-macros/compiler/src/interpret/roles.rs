@@ -121,6 +121,7 @@ impl Lowering<'_> {
             p,
             attitude,
             lagrangian: lagrangian?,
+            degeneracy: None,
             noises,
             force,
             symmetries,

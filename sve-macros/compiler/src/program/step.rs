@@ -3,7 +3,7 @@
 //! Input: a scheme. Output: one program in tiers, the scheme with values in place of its expressions, and labels of the values.
 
 use super::labels::Labels;
-use super::{Factored, Program, Scheduler, Tier, Tiers, Value};
+use super::{Factored, Operation, Program, Scheduler, Tier, Tiers, Value};
 use crate::algebra::{Arena, Expr};
 use crate::structure::{Block, Iteration, Lower, Matrix, Returns, Scheme, Solution};
 use crate::system::model::Symbols;
@@ -31,8 +31,15 @@ impl Lower for Scheduler<'_> {
         Scheduler::value(self, expr)
     }
 
-    fn residual(&mut self, expr: Expr) -> Residual {
+    fn residual(&mut self, expr: Expr, scale: Option<Expr>) -> Residual {
         let (value, magnitude) = Scheduler::residual(self, expr);
+        let magnitude = match scale {
+            Some(more) => {
+                let more = Scheduler::value(self, more);
+                self.push(Operation::Add(magnitude, more))
+            }
+            None => magnitude,
+        };
         Residual {
             expr,
             value,

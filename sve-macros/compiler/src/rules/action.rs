@@ -7,6 +7,7 @@
 use std::collections::{BTreeSet, HashMap};
 
 use super::constraints::{self, Enforced};
+use super::degenerate;
 use super::weak2::Potential;
 use super::{Rule, RuleOption};
 use crate::algebra::{Arena, Expr, Symbol};
@@ -31,6 +32,7 @@ pub(crate) struct Action {
     pub(crate) work: Vec<Work>,
     /// What the entries of the start and the components of the displacement are.
     pub(crate) configuration: Configuration,
+    pub(crate) ends: Ends,
     /// `½ κ` of the option `weak2`, if the action has its term.
     pub(crate) half_factor: Option<f64>,
     /// What constraints added, if there are some.
@@ -55,6 +57,29 @@ pub(crate) struct Work {
     pub(crate) place: Expr,
 }
 
+/// What holds at the two ends of a step beside the momentum balance of each coordinate, `p₀ = −∂S_d/∂q₀`. Empty for regular Lagrangians.
+#[derive(Default)]
+pub(crate) struct Ends {
+    /// For each coordinate whether its momentum balance is left out: the action does not contain its displacement.
+    pub(crate) unbalanced: Vec<bool>,
+    /// For each coordinate p₀ as its balance has it, if that is not the state's: a function of q₀.
+    pub(crate) start: Vec<Option<Expr>>,
+    /// For each coordinate p₁, if it is a function of q₁.
+    pub(crate) end: Vec<Option<Expr>>,
+    /// The symbols in `closures` that stand for `∂S_d/∂q₁`.
+    pub(crate) momentum: Vec<Symbol>,
+    /// Further equations.
+    pub(crate) closures: Vec<Closure>,
+    /// What must not be negative at the start of the step.
+    pub(crate) conditions: Vec<Expr>,
+}
+
+/// An equation at the end of the step, with the unknown that it is there for.
+pub(crate) struct Closure {
+    pub(crate) unknown: Symbol,
+    pub(crate) residual: Expr,
+}
+
 /// What a rule makes of the variables.
 pub(crate) struct Discrete {
     pub(super) value: Expr,
@@ -71,6 +96,7 @@ pub(crate) struct Variables<'a> {
     pub(super) symbols: &'a mut Symbols,
     pub(super) h: Symbol,
     pub(super) start_q: Vec<Symbol>,
+    pub(super) start_p: Vec<Symbol>,
     pub(super) displacement: Vec<Symbol>,
     pub(super) dw: Vec<Symbol>,
     /// `½ κ` and `Σ_a K_a` of the option `weak2`.
@@ -102,18 +128,24 @@ pub(crate) fn discretise(
         symbols,
         h,
         start_q,
+        start_p,
         displacement,
         dw,
         potential,
+    };
+    let (discrete, ends) = match (&model.degeneracy, rule.node()) {
+        (Some(degeneracy), Some(node)) => degenerate::action(node, degeneracy, &mut variables),
+        _ => (rule.action(&mut variables), Ends::default()),
     };
     let Discrete {
         value,
         internal,
         work,
         rotations,
-    } = rule.action(&mut variables);
+    } = discrete;
     let Variables {
         start_q,
+        start_p,
         displacement,
         potential,
         arena,
@@ -136,6 +168,7 @@ pub(crate) fn discretise(
         internal,
         work,
         configuration: model.configuration().clone(),
+        ends,
         half_factor: potential.map(|(half_factor, _)| half_factor),
         enforced: None,
     };

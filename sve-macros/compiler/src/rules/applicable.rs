@@ -4,6 +4,8 @@ use super::{Rule, RuleOption, names};
 use crate::errors::Errors;
 use crate::syntax::arguments::ListedRule;
 use crate::syntax::parse::Annotated;
+use crate::syntax::roles::Role as FunctionRole;
+use crate::system::degeneracy::{Degeneracy, Role};
 use crate::system::model::Model;
 
 /// Returns an error for each rule that is not for this system.
@@ -79,6 +81,74 @@ fn check_constrained(listed: &ListedRule, errors: &mut Errors) {
         "`{name}` is a rule for systems without constraints, and this block has a constraint: use {others}{order}"
     );
     errors.push(listed.place, message);
+}
+
+/// Returns an error for each rule, option and function that is not for a degenerate Lagrangian.
+pub(crate) fn check_degenerate(block: &Annotated, degeneracy: &Degeneracy) -> syn::Result<()> {
+    let mut errors = Errors::new();
+    let is_linear = !degeneracy.of(Role::Massless).is_empty();
+    let is_partial = !degeneracy.of(Role::Massive).is_empty();
+    let what = if is_linear {
+        "L is affine in velocities"
+    } else {
+        "some velocities do not occur in L"
+    };
+    for listed in &block.arguments.rules {
+        let (rule, name) = (listed.rule, listed.rule.name());
+        for &(option, place) in &listed.options {
+            let (option, without) = (option.name(), rule.without(option).name());
+            let message = format!("`{option}` is no option where {what}: write `{without}`");
+            errors.push(place, message);
+        }
+        let Some(node) = rule.node() else {
+            let message = format!(
+                "`{name}` is a rule for Lagrangians that determine every velocity, and {what}: use `midpoint`"
+            );
+            errors.push(listed.place, message);
+            continue;
+        };
+        if node == 0.5 || !is_linear {
+            continue;
+        }
+        match &degeneracy.internal {
+            None if is_partial => errors.push(
+                listed.place,
+                format!("{what}, and some coordinates have a kinetic energy: `{name}` would integrate another equation; use `midpoint`"),
+            ),
+            None => errors.push(
+                listed.place,
+                format!("{what}: `{name}` would integrate another equation; use `midpoint`, or remove the velocities of half of the coordinates from L by adding a total derivative"),
+            ),
+            Some(form) if form.shifts.is_none() => errors.push(
+                listed.place,
+                format!("the correction of `{name}` for the noises has no formula, since more than three coordinates are coupled by ∂²L/∂q∂v: use `midpoint`"),
+            ),
+            Some(_) => {}
+        }
+    }
+    for noise in &block.noises {
+        if is_linear && noise.role == FunctionRole::H1 {
+            let message = if is_partial {
+                "this noise moves momenta, and ∂L/∂v of some coordinates is a function α(q): steps with both are not derived; write the noise as `#[gamma]`, a function of q alone"
+            } else {
+                "p = α(q) here: write this noise as `#[gamma]`, −H₁(q, α(q))"
+            };
+            errors.push(noise.name.span(), message);
+        }
+    }
+    for constraint in &block.constraints {
+        let message = format!(
+            "{what}, and steps with constraints are not derived there: use coordinates along the constraints, or give each velocity a kinetic term"
+        );
+        errors.push(constraint.name.span(), message);
+    }
+    for force in &block.forces {
+        let message = format!(
+            "{what}, and steps with a force are not derived there: write the force as a part of L, or give each velocity a kinetic term"
+        );
+        errors.push(force.name.span(), message);
+    }
+    errors.finish(())
 }
 
 /// The names of some rules: `a`, `b` or `c`.

@@ -19,7 +19,7 @@
 use std::collections::HashMap;
 
 use super::action::Action;
-use crate::algebra::{Arena, Expr, Symbol};
+use crate::algebra::{Arena, Bits, Expr, Function, Node, Symbol};
 use crate::structure::Condition;
 use crate::system::model::{AtNode, Family, Meaning, Model, NodeQuantity, Symbols, Unknown};
 
@@ -38,6 +38,8 @@ pub(crate) struct Enforced {
     pub(crate) start_rates: Vec<Expr>,
     /// ∂L/∂v(t₁,q₁,v₁).
     pub(crate) end_momentum: Vec<Expr>,
+    /// What φ(t₁,q₁)/h is small beside: see [`velocity_scales`].
+    pub(crate) scales: Vec<Expr>,
     /// `Dφ(t₀,q₀)ᵀ λ`.
     pub(crate) start_impulse: Vec<Expr>,
     /// Whether the sign of the Jacobian's determinant is that of a small step, whatever the increments are: no noise is curved in p.
@@ -82,6 +84,7 @@ pub(crate) fn enforce(
         end_values: Vec::new(),
         end_rates: Vec::new(),
         start_rates: Vec::new(),
+        scales: velocity_scales(&action, model, symbols, &start, arena),
         end_momentum: Vec::new(),
         start_impulse: vec![arena.constant(0.0); n],
         has_sign: !is_curved(model, arena),
@@ -108,7 +111,9 @@ pub(crate) fn enforce(
         enforced.end_rates.push(end_rate);
         let value = end_value(constraint.value, &start, last, &action, model, arena);
         enforced.end_values.push(value);
-        enforced.at_start.push(consistency(first, arena));
+        let size = magnitude(constraint.value, model, arena);
+        let size = arena.substitute(size, &start);
+        enforced.at_start.push(consistency(first, size, arena));
     }
     for &v in &model.v {
         let momentum = arena.diff(model.lagrangian, v);
@@ -232,8 +237,7 @@ fn is_quadratic(value: Expr, model: &Model, arena: &mut Arena) -> bool {
 }
 
 /// The condition that φ is small beside its terms.
-fn consistency(value: Expr, arena: &mut Arena) -> Condition<Expr> {
-    let size = magnitude(value, arena);
+fn consistency(value: Expr, size: Expr, arena: &mut Arena) -> Condition<Expr> {
     let size = arena.scale(INCONSISTENT, size);
     let rest = arena.abs(value);
     let value = arena.sub(size, rest);
@@ -244,17 +248,91 @@ fn consistency(value: Expr, arena: &mut Arena) -> Condition<Expr> {
     }
 }
 
-/// The sum of the magnitudes of the terms of an expression.
-pub(crate) fn magnitude(value: Expr, arena: &mut Arena) -> Expr {
+/// What rounding errors of φ are relative to: the sum of the magnitudes of its terms, and `Σ |∂φ/∂q| |q|` for the rounding of the coordinates.
+pub(crate) fn magnitude(value: Expr, model: &Model, arena: &mut Arena) -> Expr {
     let (constant, terms) = match arena.node(value) {
-        crate::algebra::Node::Sum(constant, terms) => (constant.get(), terms.clone()),
-        _ => return arena.abs(value),
+        Node::Sum(constant, terms) => (constant.get(), terms.clone()),
+        _ => (0.0, vec![(value, Bits::new(1.0))]),
     };
-    let sizes: Vec<(f64, Expr)> = terms
-        .iter()
-        .map(|&(term, c)| (c.get().abs(), arena.abs(term)))
-        .collect();
+    let mut sizes = Vec::new();
+    for (term, c) in terms {
+        sizes.push((c.get().abs(), arena.abs(term)));
+    }
+    for &q in &model.q {
+        let slope = arena.diff(value, q);
+        let q = arena.symbol(q);
+        let moved = arena.mul(slope, q);
+        sizes.push((1.0, arena.abs(moved)));
+    }
     arena.sum(constant.abs(), &sizes)
+}
+
+/// For each constraint the rate of φ at which a velocity of the size of that in the step crosses it, `√E Σ |∂φ/∂q_i| M_ii^(−½)` with
+///
+/// ```text
+/// E = Σ_i [ (|p₀ − a| + |h ∂L/∂q| + Σ |∂G/∂q ΔW|)_i² / M_ii + M_ii (Σ |∂G/∂p_i ΔW|)² / h² ]
+/// ```
+///
+/// at q₀. The residual φ(t₁,q₁)/h has no terms of that size where the motion is along the constraints.
+fn velocity_scales(
+    action: &Action,
+    model: &Model,
+    symbols: &Symbols,
+    start: &HashMap<Symbol, Expr>,
+    arena: &mut Arena,
+) -> Vec<Expr> {
+    let zero = arena.constant(0.0);
+    let mut at = start.clone();
+    at.extend(model.v.iter().map(|&v| (v, zero)));
+    let increments = |m: &Meaning| matches!(m, Meaning::Wiener(_));
+    let dw: Vec<Symbol> = (0..symbols.meanings().len() as u32)
+        .map(Symbol)
+        .filter(|&s| increments(symbols.meaning(s)))
+        .collect();
+    let h = arena.symbol(action.h);
+    let (mut energy, mut inverse_roots) = (Vec::new(), Vec::new());
+    for i in 0..model.dof() {
+        let momentum = arena.diff(model.lagrangian, model.v[i]);
+        let mass = arena.diff(momentum, model.v[i]);
+        let mass = arena.substitute(mass, &at);
+        let mass = arena.abs(mass);
+        let root = arena.call(Function::Sqrt, mass);
+        inverse_roots.push(arena.pow(root, -1));
+        let rest = arena.substitute(momentum, &at);
+        let p = arena.symbol(action.start_p[i]);
+        let relative = arena.sub(p, rest);
+        let force = arena.diff(model.lagrangian, model.q[i]);
+        let force = arena.substitute(force, &at);
+        let kick = arena.mul(h, force);
+        let mut sizes = vec![(1.0, arena.abs(relative)), (1.0, arena.abs(kick))];
+        let mut shifts = Vec::new();
+        for (noise, &dw) in model.noises.iter().zip(&dw) {
+            let dw = arena.symbol(dw);
+            let [dq, dp] = [model.q[i], model.p[i]].map(|s| arena.diff(noise.hamiltonian, s));
+            let [dq, dp] = [dq, dp].map(|e| arena.substitute(e, &at));
+            let [dq, dp] = [dq, dp].map(|e| arena.mul(e, dw));
+            sizes.push((1.0, arena.abs(dq)));
+            shifts.push((1.0, arena.abs(dp)));
+        }
+        let (size, shift) = (arena.sum(0.0, &sizes), arena.sum(0.0, &shifts));
+        energy.push((1.0, arena.product(&[(size, 2), (mass, -1)])));
+        energy.push((1.0, arena.product(&[(shift, 2), (mass, 1), (h, -2)])));
+    }
+    let energy = arena.sum(0.0, &energy);
+    let speed = arena.call(Function::Sqrt, energy);
+    let mut scales = Vec::new();
+    for constraint in &model.constraints {
+        let mut terms = Vec::new();
+        for (i, &inverse_root) in inverse_roots.iter().enumerate() {
+            let slope = arena.diff(constraint.value, model.q[i]);
+            let slope = arena.substitute(slope, &at);
+            let slope = arena.abs(slope);
+            terms.push((1.0, arena.mul(slope, inverse_root)));
+        }
+        let sum = arena.sum(0.0, &terms);
+        scales.push(arena.mul(speed, sum));
+    }
+    scales
 }
 
 /// Whether some noise has second derivatives by the momentum.

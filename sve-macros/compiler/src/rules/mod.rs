@@ -6,6 +6,7 @@
 pub(crate) mod action;
 pub(crate) mod applicable;
 pub(crate) mod constraints;
+pub(crate) mod degenerate;
 mod endpoint;
 pub(crate) mod gauss;
 mod initial_point;
@@ -117,6 +118,10 @@ pub(crate) fn names(rules: &[Rule]) -> Vec<String> {
 pub(crate) trait Discretisation {
     /// The rule's name in the attribute, without arguments.
     fn attribute_name(&self) -> &'static str;
+    /// The place c of the node `q₀ + c (q₁ − q₀)` of a rule with one node.
+    fn node(&self) -> Option<f64> {
+        None
+    }
     /// Number of stages of a member of a family, which the attribute writes after the name: `gauss(4)`. The order is twice this number.
     fn stages(&self) -> Option<usize> {
         None

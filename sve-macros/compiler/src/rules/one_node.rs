@@ -9,6 +9,7 @@
 use std::collections::HashMap;
 
 use super::action::{Discrete, RotationAtNode, Variables};
+use super::degenerate::{END, INNER, SHIFTED};
 use super::{Discretisation, Features, Options, RuleOption, StrongOrder, Textbook, Weak2};
 use crate::algebra::{Expr, Symbol};
 use crate::system::configuration::{Block, Factor, Midpoint, midpoint_of_rotation};
@@ -38,6 +39,10 @@ impl Discretisation for OneNode {
 
     fn type_name(&self) -> &'static str {
         self.type_name
+    }
+
+    fn node(&self) -> Option<f64> {
+        Some(self.place)
     }
 
     fn deterministic_order(&self) -> u32 {
@@ -139,16 +144,19 @@ impl Discretisation for OneNode {
         }
     }
 
-    fn notation(&self, _: usize, quantity: NodeQuantity) -> &'static str {
+    fn notation(&self, node: usize, quantity: NodeQuantity) -> &'static str {
         match quantity {
+            NodeQuantity::Position(_) if node == END => "q₁",
+            NodeQuantity::Position(_) if node == INNER => "q̄",
+            NodeQuantity::Position(_) if node == SHIFTED => "q*",
             NodeQuantity::Time => self.time,
             NodeQuantity::Position(_) => self.position,
             NodeQuantity::Velocity(_) => "v",
         }
     }
 
-    fn is_end(&self, _: usize) -> bool {
-        self.place == 1.0
+    fn is_end(&self, node: usize) -> bool {
+        self.place == 1.0 && node == 0 || node == END
     }
 
     fn letters(&self) -> &'static [&'static str] {

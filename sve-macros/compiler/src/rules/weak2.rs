@@ -264,7 +264,9 @@ pub(crate) fn weak_order(
         return order;
     }
     if rule.options.contain(RuleOption::Weak2)
-        || mechanics.is_additive && obstacle(model, mechanics, false, arena).is_none()
+        || mechanics.is_additive
+            && model.degeneracy.is_none()
+            && obstacle(model, mechanics, false, arena).is_none()
     {
         order.min(2)
     } else {

@@ -15,6 +15,24 @@ pub(super) type Replacement = HashMap<Symbol, Expr>;
 /// Rows of a matrix, and a right-hand side.
 type Rows = (Vec<Vec<Expr>>, Vec<Expr>);
 
+/// The equations of a block to leading order.
+struct LeadingRows {
+    residuals: Vec<Expr>,
+    scales: Vec<Option<Expr>>,
+    has_sign: bool,
+}
+
+impl LeadingRows {
+    /// The equations in another order.
+    fn in_order(&self, rows: &[usize]) -> Self {
+        Self {
+            residuals: rows.iter().map(|&r| self.residuals[r]).collect(),
+            scales: rows.iter().map(|&r| self.scales[r]).collect(),
+            has_sign: self.has_sign,
+        }
+    }
+}
+
 impl Reduced<'_> {
     /// Classifies a block and writes down what solves it; `known` gets what its unknowns are called afterwards.
     pub(super) fn solve(
@@ -65,10 +83,13 @@ impl Reduced<'_> {
             };
         }
         let needs_guess = leading.is_some();
+        let scales = leading
+            .as_ref()
+            .map_or_else(Vec::new, |leading| leading.scales.clone());
         let (judge, explicit, has_sign) = match leading {
-            Some((leading, has_sign)) => {
-                let guess = self.guess_from(&leading, &unknowns);
-                (None, Some((guess, None)), has_sign)
+            Some(leading) => {
+                let guess = self.guess_from(&leading.residuals, &unknowns);
+                (None, Some((guess, None)), leading.has_sign)
             }
             None => {
                 let judge = self.judge(&residual, &jacobian, &unknowns, known);
@@ -85,6 +106,7 @@ impl Reduced<'_> {
         };
         let iteration = Iteration {
             guess,
+            scales,
             judge: judge.filter(|_| limit.is_some()),
             limit,
             refinement,
@@ -122,6 +144,7 @@ impl Reduced<'_> {
             refinement: None,
             jacobian: Matrix::dense(jacobian),
             residual,
+            scales: Vec::new(),
             curvature: None,
             judge: None,
             fallback: at_zero,
@@ -149,8 +172,8 @@ impl Reduced<'_> {
         &self,
         residual: Vec<Expr>,
         unknowns: Vec<Symbol>,
-        leading: Option<(Vec<Expr>, bool)>,
-    ) -> (Vec<Expr>, Vec<Symbol>, Option<(Vec<Expr>, bool)>) {
+        leading: Option<LeadingRows>,
+    ) -> (Vec<Expr>, Vec<Symbol>, Option<LeadingRows>) {
         let contained = |&r: &Expr| {
             let present = (0..unknowns.len()).filter(|&c| self.arena.contains(r, unknowns[c]));
             present.collect()
@@ -160,7 +183,7 @@ impl Reduced<'_> {
             Some(Order { rows, columns }) => (
                 rows.iter().map(|&r| residual[r]).collect(),
                 columns.iter().map(|&c| unknowns[c]).collect(),
-                leading.map(|(list, sign)| (rows.iter().map(|&r| list[r]).collect(), sign)),
+                leading.map(|leading| leading.in_order(&rows)),
             ),
             None => (residual, unknowns, leading),
         }
@@ -172,14 +195,19 @@ impl Reduced<'_> {
         rows: &[usize],
         columns: &[usize],
         known: &Replacement,
-    ) -> Option<(Vec<Expr>, bool)> {
+    ) -> Option<LeadingRows> {
         columns
             .iter()
             .find(|&&c| self.torn.contains(&self.unknowns[c]))?;
         let leading = self.leading.as_ref()?;
         let (has_sign, list) = (leading.has_sign, leading.residuals.clone());
-        let list = rows.iter().map(|&r| self.arena.substitute(list[r], known));
-        Some((list.collect(), has_sign))
+        let scales = rows.iter().map(|&r| leading.scales[r]).collect();
+        let residuals = rows.iter().map(|&r| self.arena.substitute(list[r], known));
+        Some(LeadingRows {
+            residuals: residuals.collect(),
+            scales,
+            has_sign,
+        })
     }
 
     /// The Newton step from zero of the equations to leading order.

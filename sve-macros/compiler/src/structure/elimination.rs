@@ -78,6 +78,7 @@ impl Reduced<'_> {
             let equation = self.residuals.remove(row);
             if let Some(leading) = &mut self.leading {
                 leading.residuals.remove(row);
+                leading.scales.remove(row);
             }
             let zero = self.arena.constant(0.0);
             let rest = self
@@ -106,6 +107,31 @@ impl Reduced<'_> {
             }
             for condition in &mut self.domain {
                 condition.value = self.arena.substitute(condition.value, &by);
+            }
+        }
+    }
+
+    /// Keeps displacements in the equations that couple several of them in the limit of no noise and h → 0: there the two-form couples them, and which of its
+    /// entries is large is not known.
+    pub(super) fn keep_coupled(&mut self) {
+        for row in 0..self.residuals.len() {
+            let residual = self.residuals[row];
+            let zero = self.arena.constant(0.0);
+            let small = self.small(&[residual]).into_iter();
+            let limit: HashMap<Symbol, Expr> = small.map(|s| (s, zero)).collect();
+            let mut coupled = HashSet::new();
+            for unknown in self.unknowns.clone() {
+                let meaning = self.symbols.meaning(unknown);
+                if !matches!(meaning, Meaning::Unknown(u) if u.family.is_displacement()) {
+                    continue;
+                }
+                let slope = self.arena.diff(residual, unknown);
+                if self.arena.substitute(slope, &limit) != zero {
+                    coupled.insert(unknown);
+                }
+            }
+            if coupled.len() > 1 {
+                self.kept[row].extend(coupled);
             }
         }
     }
@@ -230,7 +256,11 @@ pub(super) fn kept_unknowns(equations: &Equations, symbols: &Symbols) -> Vec<Has
             Family::Velocity | Family::StageVelocity => is_motion || !is_own,
             Family::Acceleration | Family::AccelerationMultiplier | Family::EndVelocity => !is_own,
             Family::StartMultiplier | Family::EndMultiplier => true,
-            Family::Displacement | Family::Momentum | Family::VelocityMultiplier => false,
+            Family::Displacement
+            | Family::NodeDisplacement
+            | Family::Projection
+            | Family::Momentum
+            | Family::VelocityMultiplier => false,
         }
     };
     let rows = equations.variations.iter().map(|&variation| {

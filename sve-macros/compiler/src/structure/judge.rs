@@ -10,7 +10,7 @@ use super::block::Replacement;
 use super::elimination::Reduced;
 use super::enclosure::{Enclosure, Flavour, Range, enclose};
 use crate::algebra::{Expr, Node, Symbol};
-use crate::system::model::{Family, Meaning};
+use crate::system::model::Meaning;
 
 /// Unknowns of a block up to which its solutions are judged by bounds of its Jacobian, which take about as long to compute as the
 /// Jacobian itself, and a product of matrices.
@@ -141,7 +141,7 @@ impl Reduced<'_> {
 
     fn is_displacement(&self, symbol: Symbol) -> bool {
         let meaning = self.symbols.meaning(symbol);
-        matches!(meaning, Meaning::Unknown(u) if u.family == Family::Displacement)
+        matches!(meaning, Meaning::Unknown(u) if u.family.is_displacement())
     }
 
     /// What several small quantities do to a single unknown beyond their common effect, to first order: the sum of the sizes of

@@ -63,6 +63,9 @@ pub(crate) fn analyse(
     let roots = roots(action, system.arena);
     system.domain = domain::conditions(&roots, system.arena);
     system.domain.extend(equations.conditions);
+    if !action.ends.momentum.is_empty() {
+        system.keep_coupled();
+    }
     system.eliminate();
     let order = system.blocks()?;
     let mut blocks = Vec::new();
@@ -98,7 +101,9 @@ pub(crate) fn analyse(
         returns: Returns::Increment,
         dq,
         dp,
-        domain: system.domain_at(&known),
+        domain: domain::at_start(&action.ends)
+            .chain(system.domain_at(&known))
+            .collect(),
         reported,
     };
     let mut scheme = linear_map(increments, action, symbols, arena);
@@ -151,7 +156,11 @@ fn roots(action: &Action, arena: &mut Arena) -> Vec<Expr> {
     } else {
         arena.substitute_all(&impulses, &values_at_nodes(&action.rotations))
     };
-    std::iter::once(action.value).chain(impulses).collect()
+    let ends = action.ends.end.iter().flatten().copied();
+    std::iter::once(action.value)
+        .chain(impulses)
+        .chain(ends)
+        .collect()
 }
 
 /// Whether a symbol is part of the state at the start of the step.

@@ -104,6 +104,8 @@ pub(crate) struct Iteration<T, R = T> {
     pub(crate) refinement: Option<Refinement<T>>,
     pub(crate) jacobian: Matrix<T>,
     pub(crate) residual: Vec<R>,
+    /// What joins the magnitude of each residual, where its own terms may all be small. Empty if no equation has it.
+    pub(crate) scales: Vec<Option<Expr>>,
     /// Second derivative of a single equation in a single unknown.
     pub(crate) curvature: Option<T>,
     /// What decides whether a solution is connected with its limit, where that can be bounded.
@@ -122,7 +124,8 @@ pub(crate) trait Lower {
     type Value;
     type Residual;
     fn value(&mut self, expr: Expr) -> Self::Value;
-    fn residual(&mut self, expr: Expr) -> Self::Residual;
+    /// A residual, and what joins the sum of the magnitudes of its terms.
+    fn residual(&mut self, expr: Expr, scale: Option<Expr>) -> Self::Residual;
 
     fn values(&mut self, exprs: &[Expr]) -> Vec<Self::Value> {
         exprs.iter().map(|&e| self.value(e)).collect()
@@ -155,8 +158,9 @@ impl Scheme<Expr> {
             fn value(&mut self, expr: Expr) {
                 self.0.push(expr);
             }
-            fn residual(&mut self, expr: Expr) {
+            fn residual(&mut self, expr: Expr, scale: Option<Expr>) {
                 self.0.push(expr);
+                self.0.extend(scale);
             }
         }
         let mut roots = Roots(Vec::new());
@@ -275,6 +279,7 @@ impl Iteration<Expr> {
             refinement,
             jacobian,
             residual,
+            scales,
             curvature,
             judge,
             fallback,
@@ -290,7 +295,16 @@ impl Iteration<Expr> {
         let linear = guess.exprs_mut().chain(limit).chain(fallback.exprs_mut());
         let judged = judge.iter_mut().flat_map(Judge::exprs_mut);
         let all = linear.chain(refined).chain(entries);
-        all.chain(curvature).chain(judged)
+        all.chain(curvature)
+            .chain(judged)
+            .chain(scales.iter_mut().flatten())
+    }
+
+    fn lowered_residual<L: Lower>(&self, by: &mut L) -> Vec<L::Residual> {
+        let residuals = self.residual.iter().enumerate();
+        residuals
+            .map(|(i, &r)| by.residual(r, self.scales.get(i).copied().flatten()))
+            .collect()
     }
 
     fn lower<L: Lower>(&self, by: &mut L) -> Iteration<L::Value, L::Residual> {
@@ -299,7 +313,8 @@ impl Iteration<Expr> {
             limit: self.limit.as_ref().map(|m| m.map(|e| by.value(e))),
             refinement: self.refinement.as_ref().map(|r| r.lower(by)),
             jacobian: self.jacobian.map(|e| by.value(e)),
-            residual: self.residual.iter().map(|&r| by.residual(r)).collect(),
+            residual: self.lowered_residual(by),
+            scales: self.scales.clone(),
             curvature: self.curvature.map(|c| by.value(c)),
             judge: self.judge.as_ref().map(|j| j.lower(by)),
             fallback: self.fallback.clone(),

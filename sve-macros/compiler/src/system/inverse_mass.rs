@@ -1,6 +1,6 @@
 //! Solves with the mass matrix M = ∂²L/∂v² in the algebra, M w = b.
 //!
-//! Coordinates that M couples form a block; each block is solved alone. A block of up to three coordinates is solved by Cramer's rule, whose only
+//! The matrix ϑ_yᵀ of a degenerate Lagrangian, which need not be symmetric, is solved with in the same way. Coordinates that M couples form a block; each block is solved alone. A block of up to three coordinates is solved by Cramer's rule, whose only
 //! denominator is the block's determinant. A larger block is eliminated, if its entries do not depend on the configuration. Otherwise it is refused: the
 //! derivatives of the elimination enter each iteration, and for four coupled coordinates the straight-line code is so long that rustc overflows its stack
 //! when it writes debug information.
@@ -64,7 +64,7 @@ fn blocks(mass: &[Vec<Expr>], arena: &Arena) -> Vec<Vec<usize>> {
     for i in 0..n {
         for j in 0..i {
             let (a, b) = (block_of[i], block_of[j]);
-            if a != b && !is_zero[i * n + j] {
+            if a != b && !(is_zero[i * n + j] && is_zero[j * n + i]) {
                 for block in &mut block_of {
                     if *block == a.max(b) {
                         *block = a.min(b);
@@ -115,7 +115,7 @@ fn determinant(matrix: &[Vec<Expr>], rows: &[usize], columns: &[usize], arena: &
     arena.sum(0.0, &terms)
 }
 
-/// Gaussian elimination of a symmetric matrix, with pivots on the diagonal that do not vanish identically.
+/// Gaussian elimination, with pivots on the diagonal that do not vanish identically.
 fn eliminated(
     mut matrix: Vec<Vec<Expr>>,
     mut b: Vec<Expr>,

@@ -40,7 +40,7 @@ pub(crate) struct ForceJet {
 #[derive(Clone)]
 pub(crate) struct ConstraintJet {
     pub(crate) value: Expr,
-    /// The sum of the magnitudes of the terms of φ.
+    /// What rounding errors of φ are relative to.
     pub(crate) magnitude: Expr,
     pub(crate) dt: Expr,
     pub(crate) dq: Vec<Expr>,
@@ -281,7 +281,7 @@ fn commutation(model: &Model, jets: &[NoiseJet], arena: &mut Arena) -> Commutati
 fn constraint_jet(constraint: &Constraint, model: &Model, arena: &mut Arena) -> ConstraintJet {
     ConstraintJet {
         value: constraint.value,
-        magnitude: constraints::magnitude(constraint.value, arena),
+        magnitude: constraints::magnitude(constraint.value, model, arena),
         dt: arena.diff(constraint.value, model.time),
         dq: gradient(arena, constraint.value, &model.q),
     }

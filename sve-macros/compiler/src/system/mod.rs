@@ -2,6 +2,7 @@
 
 pub(crate) mod configuration;
 pub(crate) mod constraints;
+pub(crate) mod degeneracy;
 pub(crate) mod inverse_mass;
 pub(crate) mod mechanics;
 pub(crate) mod model;

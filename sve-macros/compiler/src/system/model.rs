@@ -7,6 +7,7 @@ use proc_macro2::TokenStream;
 
 use crate::algebra::{Arena, Expr, Identity, Node, Symbol};
 use crate::system::configuration::Configuration;
+use crate::system::degeneracy::Degeneracy;
 
 /// The quantity for which a symbol stands.
 #[derive(Clone, Debug)]
@@ -34,6 +35,8 @@ pub(crate) enum Meaning {
     NodeEntry(usize),
     /// A parameter of rotations, on which only tests of identities depend (`Configuration::parametrised`).
     Attitude(usize),
+    /// Component of the momentum at the end of the step, which the action gives.
+    End(usize),
 }
 
 /// A quantity at a quadrature node of a rule.
@@ -124,11 +127,23 @@ pub(crate) enum Family {
     EndMultiplier,
     /// The velocity of p₁ at q₁.
     EndVelocity,
+    /// The distance from q₀ of a coordinate that is a variable of the node.
+    NodeDisplacement,
+    /// The multiplier that keeps p = α(q) at the end of the step: a displacement of both ends.
+    Projection,
 }
 
 impl Family {
     pub(crate) fn is_multiplier_of_constraint(self) -> bool {
         matches!(self, Self::StartMultiplier | Self::EndMultiplier)
+    }
+
+    /// Whether the unknown is the distance from a point that it does not leave in the limit of no noise and h → 0.
+    pub(crate) fn is_displacement(self) -> bool {
+        matches!(
+            self,
+            Self::Displacement | Self::NodeDisplacement | Self::Projection
+        )
     }
 }
 
@@ -152,6 +167,8 @@ impl std::fmt::Display for Unknown {
             Family::StartMultiplier => "lambda",
             Family::EndMultiplier => "mu",
             Family::EndVelocity => "v1",
+            Family::NodeDisplacement => "e",
+            Family::Projection => "lambda",
         };
         write!(f, "{letter}_{}", self.index)
     }
@@ -258,6 +275,7 @@ impl Symbols {
             Meaning::Wiener(i) => format!("dw_{i}"),
             Meaning::NodeEntry(i) => format!("node_{i}"),
             Meaning::Attitude(i) => format!("attitude_{i}"),
+            Meaning::End(i) => format!("p1_{i}"),
         }
     }
 }
@@ -274,6 +292,8 @@ pub(crate) struct Model {
     /// The parameters of rotations, see [`on_rotations`](Self::on_rotations).
     pub(crate) attitude: Vec<Symbol>,
     pub(crate) lagrangian: Expr,
+    /// What L is if it does not determine every velocity; known after the stage `system`.
+    pub(crate) degeneracy: Option<Degeneracy>,
     pub(crate) noises: Vec<NoiseTerm>,
     /// F, if there is a force.
     pub(crate) force: Option<Vec<Expr>>,

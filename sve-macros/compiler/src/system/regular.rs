@@ -1,10 +1,10 @@
 //! Whether the Lagrangian determines every velocity: `det ∂²L/∂v²` must not vanish identically.
 //!
-//! Input: the model with its derivatives. Output: nothing, or an error that names the velocities in question. The rank is
+//! Input: the model with its derivatives. Output: nothing, or the velocities in question. The rank is
 //! found by elimination at random points; one point of full rank is enough. Plain `f64` finds most regular matrices; only a
 //! matrix that it takes for singular is eliminated again in 106 bits, with bounds of the errors.
 
-use syn::Pat;
+use syn::{Pat, Type};
 
 use crate::algebra::{Arena, Sharp, Verdict};
 use crate::syntax::parse::Annotated;
@@ -18,12 +18,11 @@ const SMALLEST_PIVOT: f64 = 1e-11;
 const SMALLEST_COMPONENT: f64 = 1e-6;
 
 /// Checks that the mass matrix ∂²L/∂v² is regular.
-pub(crate) fn check(
-    block: &Annotated,
+pub(super) fn check(
     model: &Model,
     mechanics: &Mechanics,
     arena: &Arena,
-) -> syn::Result<()> {
+) -> Result<(), Undetermined> {
     let n = model.dof();
     let masses = mechanics.lagrangian.dvv.concat();
     let is_regular_at =
@@ -43,39 +42,77 @@ pub(crate) fn check(
     }
     undetermined.sort_unstable();
     undetermined.dedup();
-    let Some(&last) = undetermined.last() else {
+    if undetermined.is_empty() {
         // L is not defined at any of the points; the step reports the domain
         return Ok(());
-    };
-    let names: Vec<String> = undetermined
+    }
+    Err(Undetermined {
+        velocities: undetermined,
+        is_certain: is_singular && !arena.has_lost_constants(),
+    })
+}
+
+/// Velocities that ∂L/∂v does not determine.
+pub(super) struct Undetermined {
+    /// The coordinates in null vectors of ∂²L/∂v², ascending; at least one.
+    pub(super) velocities: Vec<usize>,
+    /// Whether ∂²L/∂v² is singular, and not just too near to a singular matrix to tell.
+    pub(super) is_certain: bool,
+}
+
+impl Undetermined {
+    /// The error, with a remedy beside that of giving each velocity a kinetic term.
+    pub(super) fn error(&self, block: &Annotated, n: usize, remedy: &str) -> syn::Error {
+        let reason = if self.is_certain {
+            "since ∂²L/∂v² is singular everywhere"
+        } else {
+            "since ∂²L/∂v² is as near to a singular matrix as the rounding of its constants, so that whether it is singular cannot be decided"
+        };
+        let message = format!(
+            "this Lagrangian is degenerate: its momenta ∂L/∂v do not determine {}, {reason}; {remedy}{}",
+            names(&self.velocities, |i| velocity(block, i, n)),
+            kinetic_term(block, &self.velocities, n),
+        );
+        syn::Error::new(block.lagrangian.name.span(), message)
+    }
+}
+
+/// The names of components, each in code quotes.
+pub(super) fn names(components: &[usize], name: impl Fn(usize) -> String) -> String {
+    let names: Vec<String> = components
         .iter()
-        .map(|&i| format!("`{}`", velocity(block, i, n)))
+        .map(|&i| format!("`{}`", name(i)))
         .collect();
-    let example = velocity(block, last, n);
-    let reason = if is_singular && !arena.has_lost_constants() {
-        "since ∂²L/∂v² is singular everywhere"
-    } else {
-        "since ∂²L/∂v² is as near to a singular matrix as the rounding of its constants, so that whether it is singular cannot be decided"
-    };
-    Err(syn::Error::new(
-        block.lagrangian.name.span(),
-        format!(
-            "this Lagrangian is degenerate: its momenta ∂L/∂v do not determine {}, {reason}; \
-             give each velocity a kinetic term of its own, such as `0.5 * m * {example} * {example}`",
-            names.join(", "),
-        ),
-    ))
+    names.join(", ")
+}
+
+/// The advice to give some velocities kinetic terms.
+pub(super) fn kinetic_term(block: &Annotated, velocities: &[usize], n: usize) -> String {
+    let example = velocity(block, velocities.last().map_or(0, |&i| i), n);
+    format!(
+        "give each velocity a kinetic term of its own, such as `0.5 * m * {example} * {example}`"
+    )
 }
 
 /// Returns the user's name of a velocity.
-fn velocity(block: &Annotated, i: usize, n: usize) -> String {
-    let argument = block.lagrangian.arguments.last();
+pub(super) fn velocity(block: &Annotated, i: usize, n: usize) -> String {
+    component(block.lagrangian.arguments.last(), "v", i, n)
+}
+
+/// Returns the user's name of a coordinate.
+pub(super) fn coordinate(block: &Annotated, i: usize, n: usize) -> String {
+    let first = usize::from(block.lagrangian.is_timed);
+    component(block.lagrangian.arguments.get(first), "q", i, n)
+}
+
+/// Returns the user's name of a component of an argument.
+fn component(argument: Option<&(Pat, Type)>, otherwise: &str, i: usize, n: usize) -> String {
     let name = match argument.map(|a| &a.0) {
         Some(Pat::Ident(ident)) => ident.ident.to_string(),
-        _ => "v".to_owned(),
+        _ => otherwise.to_owned(),
     };
     match argument.map(|a| &a.1) {
-        Some(syn::Type::Array(array)) if !matches!(&*array.elem, syn::Type::Array(_)) => {
+        Some(Type::Array(array)) if !matches!(&*array.elem, Type::Array(_)) => {
             format!("{name}[{i}]")
         }
         _ if n == 1 => name,
@@ -103,7 +140,7 @@ fn largest_from(row: &[f64], first: usize) -> usize {
 }
 
 /// Returns whether an elimination in `f64` finds every pivot.
-fn is_regular(mut matrix: Vec<Vec<f64>>) -> bool {
+pub(super) fn is_regular(mut matrix: Vec<Vec<f64>>) -> bool {
     let n = matrix.len();
     scale_rows(&mut matrix);
     // the column of each row's largest entry right of the eliminated columns; most rows of a large matrix do not change in a step
@@ -139,15 +176,15 @@ fn is_regular(mut matrix: Vec<Vec<f64>>) -> bool {
 }
 
 /// The result of an elimination in 106 bits.
-struct Nullity {
+pub(super) struct Nullity {
     /// Columns that occur in a null vector; empty if the matrix is regular.
-    columns: Vec<usize>,
+    pub(super) columns: Vec<usize>,
     /// Whether all entries that remain are zero. Otherwise they are as small as the uncertainty of constants.
     is_singular: bool,
 }
 
 /// Returns the columns that occur in a null vector of a matrix whose entries have error bounds.
-fn null_columns(mut matrix: Vec<Vec<Sharp>>) -> Nullity {
+pub(super) fn null_columns(mut matrix: Vec<Vec<Sharp>>) -> Nullity {
     let n = matrix.len();
     for row in &mut matrix {
         let largest = row.iter().fold(0.0f64, |m, x| m.max(x.size()));

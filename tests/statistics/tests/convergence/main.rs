@@ -3,6 +3,7 @@
 mod commuting;
 mod compositions;
 mod constrained;
+mod degenerate;
 mod kubo;
 mod moments;
 mod rotations;

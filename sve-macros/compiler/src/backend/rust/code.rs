@@ -348,6 +348,7 @@ fn input(meaning: &Meaning, lanes: bool) -> Option<TokenStream> {
         Meaning::StepSize
         | Meaning::Unknown(_)
         | Meaning::Limit(_)
+        | Meaning::End(_)
         | Meaning::NodeEntry(_)
         | Meaning::Attitude(_) => None,
         Meaning::Position(i) => entry(quote!(q), i),

@@ -152,7 +152,7 @@ impl Writer<'_> {
         match self.step.program.get(value).operation {
             Operation::Input(symbol) => !matches!(
                 self.symbols.meaning(symbol),
-                Meaning::Unknown(_) | Meaning::Limit(_)
+                Meaning::Unknown(_) | Meaning::Limit(_) | Meaning::End(_)
             ),
             _ => false,
         }

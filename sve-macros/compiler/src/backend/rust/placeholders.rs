@@ -146,6 +146,7 @@ fn plan(private: &TokenStream) -> TokenStream {
             strong_order: #private::StrongOrder::Deterministic,
             weak_order: 0,
             conserved: &[],
+            degenerate: ::core::option::Option::None,
             prepare: #operations,
             step: #operations,
             carried: #operations,

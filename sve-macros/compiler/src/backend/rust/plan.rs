@@ -9,8 +9,9 @@ use crate::explain::{self, StepTexts};
 use crate::program::{Operations, Work};
 use crate::rules::{Rule, RuleOption, StrongOrder};
 use crate::structure::{Block, Kind};
+use crate::system::degeneracy::Form;
 use crate::system::mechanics::{Commutation, Mechanics};
-use crate::system::model::Symbols;
+use crate::system::model::{Model, Symbols};
 
 pub(super) fn plan(
     private: &TokenStream,
@@ -97,6 +98,7 @@ fn plan_with(
     };
     let conserved = momenta.iter().filter(|map| map.is_affine);
     let conserved = conserved.map(|map| format!("{}_momentum", map.name));
+    let degenerate = degenerate(private, rule, model);
     let Work {
         prepare,
         step,
@@ -117,6 +119,7 @@ fn plan_with(
             strong_order: #private::StrongOrder::#strong,
             weak_order: #weak_order,
             conserved: &[#(#conserved),*],
+            degenerate: #degenerate,
             prepare: #prepare,
             step: #step,
             carried: #carried,
@@ -129,6 +132,20 @@ fn plan_with(
             },
         }
     }
+}
+
+/// How the step treats a degenerate Lagrangian.
+fn degenerate(private: &TokenStream, rule: Rule, model: &Model) -> TokenStream {
+    let Some(degeneracy) = &model.degeneracy else {
+        return quote!(::core::option::Option::None);
+    };
+    let form = match degeneracy.form(rule.node() == Some(0.5)) {
+        Form::Eliminated => quote!(Eliminated),
+        Form::Plain => quote!(Affine),
+        Form::Internal => quote!(Internal),
+        Form::Projected => quote!(Projected),
+    };
+    quote!(::core::option::Option::Some(#private::DegenerateStep::#form))
 }
 
 fn block(private: &TokenStream, block: &Block<Expr>, symbols: &Symbols) -> TokenStream {

@@ -154,6 +154,8 @@ fn start(unknowns: &[Symbol], coordinates: usize, symbols: &Symbols) -> TokenStr
         let i = Literal::usize_unsuffixed(index % coordinates);
         match family {
             Family::Displacement
+            | Family::NodeDisplacement
+            | Family::Projection
             | Family::AccelerationMultiplier
             | Family::StartMultiplier
             | Family::EndMultiplier => quote!(0f64),

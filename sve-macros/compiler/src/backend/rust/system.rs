@@ -10,6 +10,7 @@ use super::{Context, attributes, documented, private};
 use crate::algebra::{Arena, Expr};
 use crate::explain::SystemTexts;
 use crate::syntax::parse::Annotated;
+use crate::system::degeneracy::{Degeneracy, Role};
 use crate::system::mechanics::{ConstraintJet, ForceJet, LagrangianJet, Mechanics, NoiseJet};
 use crate::system::model::{Model, Symbols};
 
@@ -34,9 +35,12 @@ pub(crate) fn system(
         is_additive: _,
         commutation: _,
     } = mechanics;
-    let separable = is_separable.then(|| quote!(impl #private::Separable for #self_ty {}));
+    let is_regular = model.degeneracy.is_none();
+    let separable =
+        (*is_separable && is_regular).then(|| quote!(impl #private::Separable for #self_ty {}));
     // conditions of order for the splitting of a quadratic kinetic energy do not hold for steps that constraints couple
-    let quadratic = (*is_separable && *affine_momentum && constraints.is_empty())
+    let is_free = is_regular && constraints.is_empty();
+    let quadratic = (*is_separable && *affine_momentum && is_free)
         .then(|| quote!(impl #private::QuadraticKineticEnergy for #self_ty {}));
     let [doc, jet_doc, noise_doc] = documentation(about, !noises.is_empty());
     let configuration = written(block, &private).map(|ty| quote!(, #ty));
@@ -53,6 +57,7 @@ pub(crate) fn system(
         .map(|jet| force_jet(&private, jet, &received, &model.symbols, arena));
     let constraints = constraint_jets(&private, model, constraints, arena);
     let identity = identity(model, arena, &private);
+    let roles = model.degeneracy.as_ref().map(|d| roles(d, &private));
     let parameters = model.symbols.parameters().map(|s| model.symbols.source(s));
     // the user's functions are not called by what is derived from them, and yet are not dead
     let parts = [
@@ -76,6 +81,7 @@ pub(crate) fn system(
         impl #private::System for #self_ty {
             type Dims = #private::Dims<#n, #m #configuration>;
             const AFFINE_MOMENTUM: bool = #affine_momentum;
+            #roles
             const PARAMETERS: &'static [&'static str] = &[#(#parameters),*];
             #identity
             #jet_doc
@@ -97,6 +103,16 @@ pub(crate) fn system(
         #quadratic
         #private::compositions! { #self_ty }
     }
+}
+
+/// `ROLES`, how the velocity of each coordinate occurs in a degenerate L.
+fn roles(degeneracy: &Degeneracy, private: &TokenStream) -> TokenStream {
+    let roles = degeneracy.roles.iter().map(|role| match role {
+        Role::Massive => quote!(#private::CoordinateRole::Massive),
+        Role::Massless => quote!(#private::CoordinateRole::Massless),
+        Role::Algebraic => quote!(#private::CoordinateRole::Algebraic),
+    });
+    quote!(const ROLES: &'static [#private::CoordinateRole] = &[#(#roles),*];)
 }
 
 /// Of the implementation, and of its functions for L and the noises.

@@ -78,6 +78,7 @@ impl Case {
             | Meaning::Velocity(_)
             | Meaning::Momentum(_)
             | Meaning::Limit(_)
+            | Meaning::End(_)
             | Meaning::NodeEntry(_)
             | Meaning::Attitude(_) => f64::NAN,
             Meaning::Unknown(unknown) => {

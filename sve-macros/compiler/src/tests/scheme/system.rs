@@ -110,6 +110,7 @@ impl System {
             });
         }
         Model {
+            degeneracy: None,
             constants: Vec::new(),
             symbols,
             time,

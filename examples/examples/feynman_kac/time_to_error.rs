@@ -1,0 +1,210 @@
+//! What an error costs: rules with weak order 2 and the trapezoid, and Euler–Maruyama with the sum over the left ends of steps.
+//!
+//! An error e of the mean over P paths of steps h has e² = bias² + variance/P. The bias is computed without sampling, the variance too; the time of a path is measured. For each h the
+//! paths are those with which both parts are equal, and the time is theirs.
+
+use std::error::Error;
+use std::time::Instant;
+
+use sve_examples::check::Check;
+use sve_examples::figure::{Axis, Corner, Layer, Panel, Pen, Shape};
+use sve_examples::palette::{self, Color};
+use sve_runtime::baseline::EulerMaruyama;
+use sve_runtime::prelude::*;
+
+use crate::quadratic::{KAPPA, Oscillator, POINT, TIME, exact, mean_of_steps, potential};
+
+/// Numbers of steps of the rules of weak order 2, and of the others. With fewer steps the bias of Euler–Maruyama changes its sign.
+const STEPS: [&[u32]; 2] = [&[4, 8, 16, 32, 64, 128], &[16, 32, 64, 128, 256, 512]];
+/// Path-steps of a measurement: enough that the threads are busy and the preparation of a run does not count.
+const PATH_STEPS: u64 = 1 << 23;
+
+/// Times of all paths that an error needs, for each number of steps.
+struct Series {
+    name: &'static str,
+    color: Color,
+    shape: Shape,
+    /// Error, seconds.
+    points: Vec<(f64, f64)>,
+    /// Slope of the logarithm of the bias.
+    order: f64,
+    expected: f64,
+    /// Seconds of a path of 64 steps, per step.
+    step: f64,
+}
+
+fn measured<I>(
+    name: &'static str,
+    (color, shape): (Color, Shape),
+    method: &I,
+    (ends, expected): ([f64; 2], f64),
+    mut seconds: impl FnMut(u32) -> Result<f64, Box<dyn Error>>,
+) -> Result<Series, Box<dyn Error>>
+where
+    I: Method<System = Oscillator>,
+{
+    let value = exact(TIME, POINT);
+    let mut points = Vec::new();
+    let mut biases = Vec::new();
+    let mut step = f64::NAN;
+    for &steps in STEPS[usize::from(expected < 2.0)] {
+        let mean = mean_of_steps(method, steps, ends, KAPPA)?;
+        let square = mean_of_steps(method, steps, ends, 2.0 * KAPPA)?;
+        let bias = mean - value;
+        let paths = (square - mean * mean) / (bias * bias);
+        let time = seconds(steps)?;
+        if steps == 64 {
+            step = time / 64.0;
+        }
+        points.push((bias.abs() * 2.0_f64.sqrt(), paths * time));
+        biases.push(bias.abs());
+    }
+    let last = biases.len() - 1;
+    let order = (biases[last - 2] / biases[last]).log2() / 2.0;
+    Ok(Series {
+        name,
+        color,
+        shape,
+        points,
+        order,
+        expected,
+        step,
+    })
+}
+
+/// Seconds of a path in an ensemble of a derived rule.
+fn of_ensemble<I>(method: &I, steps: u32) -> Result<f64, Box<dyn Error>>
+where
+    I: Method<System = Oscillator> + Sync,
+{
+    let paths = PATH_STEPS / u64::from(steps);
+    let ensemble = Ensemble::new(method)
+        .paths(paths)
+        .seed(4)
+        .steps(TIME / f64::from(steps), steps.into())
+        .start(State::new([POINT[0]], [POINT[1]]))
+        .weight(|_, state| potential(state))
+        .terminal("u", |_, _| 1.0);
+    let mut best = f64::INFINITY;
+    for _ in 0..3 {
+        let start = Instant::now();
+        let summary = ensemble.run()?;
+        best = best.min(start.elapsed().as_secs_f64());
+        if summary.failed() > 0 {
+            return Err("a path failed".into());
+        }
+    }
+    Ok(best / paths as f64)
+}
+
+/// Seconds of a path of an ensemble as it is usually written: a loop over paths and steps on one thread.
+fn naive(steps: u32) -> f64 {
+    let h = TIME / f64::from(steps);
+    let paths = PATH_STEPS / 16 / u64::from(steps);
+    let start = Instant::now();
+    let mut sum = 0.0;
+    for path in 0..paths {
+        let mut noise = Wiener::new(5).path(path);
+        let ([mut q, mut p], mut exponent) = (POINT, 0.0);
+        let mut dw = [0.0];
+        for step in 0..u64::from(steps) {
+            // the only error is that of a step size of zero
+            if noise.increments(step, h, &mut dw).is_err() {
+                return f64::NAN;
+            }
+            exponent += h * 0.5 * KAPPA * q * q;
+            (q, p) = (q + h * p, p - h * q + crate::quadratic::SIGMA * dw[0]);
+        }
+        sum += (-exponent).exp();
+    }
+    let seconds = start.elapsed().as_secs_f64() / paths as f64;
+    // the result is used, so that the loop is not removed
+    if sum > 0.0 { seconds } else { f64::NAN }
+}
+
+/// Measures all methods. Returns the panel and the checks of the orders.
+pub(crate) fn measure() -> Result<(Panel, Vec<Check>), Box<dyn Error>> {
+    let endpoint = Integrator::new(Oscillator, Endpoint);
+    let midpoint = Integrator::new(Oscillator, Midpoint);
+    let verlet = Integrator::new(Oscillator, StormerVerlet);
+    let euler = EulerMaruyama::new(Oscillator);
+    let trapezoid = [0.5, 0.5];
+    let all = [
+        measured(
+            "`midpoint`",
+            (palette::BLUE, Shape::Circle),
+            &midpoint,
+            (trapezoid, 2.0),
+            |steps| of_ensemble(&midpoint, steps),
+        )?,
+        measured(
+            "`stormer_verlet`",
+            (palette::GREEN, Shape::Square),
+            &verlet,
+            (trapezoid, 2.0),
+            |steps| of_ensemble(&verlet, steps),
+        )?,
+        measured(
+            "`endpoint`",
+            (palette::ORANGE, Shape::Triangle),
+            &endpoint,
+            (trapezoid, 1.0),
+            |steps| of_ensemble(&endpoint, steps),
+        )?,
+        measured(
+            "Euler–Maruyama, naive",
+            (palette::VERMILION, Shape::Cross),
+            &euler,
+            ([1.0, 0.0], 1.0),
+            |steps| Ok(naive(steps)),
+        )?,
+    ];
+    let mut panel = Panel::new(
+        "Time to error, u at (0.7, −0.4), t = 2",
+        Axis::powers("error", -5.8..-1.6),
+        Axis::powers("seconds of all paths", -5.0..5.0),
+    )
+    .legend(Corner::TopRight);
+    let mut checks = Vec::new();
+    for series in &all {
+        let points = series.points.iter().map(|(x, y)| (x.log10(), y.log10()));
+        let pen = Pen::line(series.color, 1.5).symbols(series.shape, series.points.len());
+        let name = series.name.replace('`', "");
+        panel = panel.with(Layer::new(name, points.collect(), pen));
+        checks.push(Check::near(
+            format!("1: weak order, {}", series.name),
+            series.order,
+            series.expected,
+            0.12,
+            "the slope between the finest steps; the next term of the error still counts",
+        ));
+    }
+    for series in &all {
+        checks.push(Check::reported(
+            format!("1: nanoseconds a path and step, {}", series.name),
+            1e9 * series.step,
+            "measured in this run",
+        ));
+    }
+    let at = |series: &Series, error: f64| {
+        let logs: Vec<_> = series
+            .points
+            .iter()
+            .map(|(x, y)| (x.ln(), y.ln()))
+            .collect();
+        let pair = logs.windows(2).find(|pair| pair[1].0 <= error.ln());
+        pair.map_or(f64::NAN, |pair| {
+            let slope = (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0);
+            (pair[0].1 + slope * (error.ln() - pair[0].0)).exp()
+        })
+    };
+    for error in [2e-3, 1e-3] {
+        let ratio = at(&all[3], error) / at(&all[0], error);
+        checks.push(Check::reported(
+            format!("1: time of naive Euler–Maruyama over `midpoint` for an error of {error:e}"),
+            ratio,
+            "both measured in this run; the ensemble on all cores, the naive loop on one",
+        ));
+    }
+    Ok((panel, checks))
+}

@@ -1,0 +1,46 @@
+//! What a program leaves behind: a page with its figure and numbers, the figure alone, and the exit status.
+
+use std::error::Error;
+use std::path::Path;
+use std::process::ExitCode;
+
+use crate::check::{self, Check};
+use crate::figure::Figure;
+use crate::page::{self, Section};
+use crate::render;
+
+/// Writes `target/NAME/index.html`, `NAME.svg` and `NAME.png`, where NAME is that of the figure, and prints the numbers. Returns the exit status: failure
+/// if a number is off.
+///
+/// # Errors
+/// If a file cannot be written.
+pub fn report(
+    title: &str,
+    figure: &Figure,
+    caption: &str,
+    checks: &[Check],
+) -> Result<ExitCode, Box<dyn Error>> {
+    let folder = Path::new("target").join(figure.name);
+    std::fs::create_dir_all(&folder)?;
+    let svg = render::svg(figure)?;
+    let section = Section {
+        title,
+        svg: &svg,
+        caption,
+        checks,
+    };
+    let page = folder.join("index.html");
+    std::fs::write(&page, page::html(title, "", &[section], ""))?;
+    std::fs::write(folder.join(format!("{}.svg", figure.name)), &svg)?;
+    std::fs::write(
+        folder.join(format!("{}.png", figure.name)),
+        render::png(figure)?,
+    )?;
+    println!("{}", check::table(title, checks));
+    println!("page: {}", page.display());
+    Ok(if checks.iter().any(Check::failed) {
+        ExitCode::FAILURE
+    } else {
+        ExitCode::SUCCESS
+    })
+}

@@ -1,0 +1,330 @@
+//! What ∂L/∂v determines, where it does not determine every velocity.
+//!
+//! Input: the model with its derivatives. Output: nothing for a regular L; for a degenerate one the role of each coordinate and the one-form α of
+//! those whose velocities are linear in L; or an error that says why L does not determine the motion.
+//!
+//! ```text
+//! L = L₀(t, q, v_massive) + ⟨α(q), v_massless⟩        ω = Dαᵀ − Dα,  ω_ij = ∂_iα_j − ∂_jα_i
+//! ```
+//!
+//! A massless coordinate is part of a pair where ω is regular; its momentum is a function of the configuration, p = α(q). A coordinate whose velocity is
+//! absent and on which α does not depend is algebraic: it follows from 0 = ∂L/∂q. Vanishing of derivatives and regularity of matrices are tested as
+//! everywhere else, by the algebra and at random points.
+
+pub(crate) mod brackets;
+mod internal;
+mod refused;
+
+use std::collections::HashMap;
+
+use crate::algebra::{Arena, Expr, Sharp, Symbol, Vanishing};
+use crate::syntax::parse::Annotated;
+use crate::system::mechanics::Mechanics;
+use crate::system::model::Model;
+use crate::system::regular;
+pub(crate) use internal::Internal;
+use refused::Refused;
+
+/// How a coordinate's velocity occurs in L.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Role {
+    /// The momentum determines the velocity.
+    Massive,
+    /// Linearly: the momentum is a function of the configuration, and the coordinate one of those on which ω is regular.
+    Massless,
+    /// Not at all: the coordinate follows from the others by 0 = ∂L/∂q.
+    Algebraic,
+}
+
+/// A degenerate Lagrangian, taken apart.
+#[derive(Clone)]
+pub(crate) struct Degeneracy {
+    /// The role of each coordinate.
+    pub(crate) roles: Vec<Role>,
+    /// L₀: the Lagrangian with the velocities of all coordinates at rest that are not massive.
+    pub(crate) rest: Expr,
+    /// The one-form: for each massless coordinate its momentum, a function of q; 0 for the others.
+    pub(crate) alpha: Vec<Expr>,
+    /// ∂_iα_j, rows by i.
+    pub(crate) slopes: Vec<Vec<Expr>>,
+    /// ω, `ω_ij = ∂_iα_j − ∂_jα_i`, on all coordinates.
+    pub(crate) two_form: Vec<Vec<Expr>>,
+    /// ∂L₀/∂q.
+    pub(crate) rest_slopes: Vec<Expr>,
+    /// Whether α is affine in q.
+    pub(crate) is_affine: bool,
+    /// The form in which half of the velocities do not occur, if α has it and no coordinate is massive.
+    pub(crate) internal: Option<Internal>,
+}
+
+/// What a midpoint step of a degenerate system is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Form {
+    /// All degenerate coordinates are algebraic: the step of the Lagrangian that is left when they are eliminated.
+    Eliminated,
+    /// α is affine: the discrete Euler–Lagrange equations keep p = α(q).
+    Plain,
+    /// Half of the coordinates are variables of the node.
+    Internal,
+    /// Both ends are shifted by the same multiplier along the field of p − α(q).
+    Projected,
+}
+
+impl Degeneracy {
+    /// Whether a coordinate has this role.
+    pub(crate) fn is(&self, i: usize, role: Role) -> bool {
+        self.roles[i] == role
+    }
+
+    /// The coordinates of a role, ascending.
+    pub(crate) fn of(&self, role: Role) -> Vec<usize> {
+        (0..self.roles.len())
+            .filter(|&i| self.is(i, role))
+            .collect()
+    }
+
+    /// The form of the step of a one-node rule. Rules whose node is not in the middle need the internal form.
+    pub(crate) fn form(&self, is_midpoint: bool) -> Form {
+        if self.of(Role::Massless).is_empty() {
+            Form::Eliminated
+        } else if self.is_affine && is_midpoint {
+            Form::Plain
+        } else if self.internal.is_some() {
+            Form::Internal
+        } else {
+            Form::Projected
+        }
+    }
+
+    /// Whether the step keeps the momentum of an affine symmetry to rounding: the action of the step has to have the symmetry.
+    pub(crate) fn keeps_momentum(
+        &self,
+        generator: &[Expr],
+        is_midpoint: bool,
+        model: &Model,
+        arena: &Arena,
+    ) -> bool {
+        // the node of an inner coordinate moves apart from those of the others
+        let is_free = |i: usize, inner: &[usize]| {
+            let mut inner = inner.iter();
+            inner.all(|&j| !arena.contains(generator[i], model.q[j]))
+        };
+        match (self.form(is_midpoint), &self.internal) {
+            (Form::Plain, _) => true,
+            (Form::Internal, Some(form)) => {
+                let has_gauge = form
+                    .inner
+                    .iter()
+                    .any(|&j| arena.constant_value(self.alpha[j]) != Some(0.0));
+                !has_gauge && form.outer.iter().all(|&i| is_free(i, &form.inner))
+            }
+            (Form::Eliminated, _) => {
+                let (massive, inner) = (self.of(Role::Massive), self.of(Role::Algebraic));
+                massive.into_iter().all(|i| is_free(i, &inner))
+            }
+            _ => false,
+        }
+    }
+}
+
+/// Classifies the Lagrangian. Returns `None` if it is regular.
+pub(crate) fn classify(
+    block: &Annotated,
+    model: &Model,
+    mechanics: &Mechanics,
+    arena: &mut Arena,
+) -> syn::Result<Option<Degeneracy>> {
+    let Err(undetermined) = regular::check(model, mechanics, arena) else {
+        return Ok(None);
+    };
+    // the velocities of a rotation have kinetic energy, all of them
+    if !undetermined.is_certain || model.configuration().has_rotations() {
+        return Err(undetermined.error(block, model.dof(), ""));
+    }
+    let taken = taken_apart(model, mechanics, arena);
+    taken
+        .map(Some)
+        .map_err(|refused| refused.error(block, model.dof(), &undetermined))
+}
+
+fn taken_apart(
+    model: &Model,
+    mechanics: &Mechanics,
+    arena: &mut Arena,
+) -> Result<Degeneracy, Refused> {
+    let n = model.dof();
+    let jet = &mechanics.lagrangian;
+    let vanishes = |e: Expr, arena: &Arena| {
+        matches!(
+            arena.vanishing(e),
+            Some(Vanishing::Proved | Vanishing::Evaluated)
+        )
+    };
+    let is_massless = |i: usize, arena: &Arena| jet.dvv[i].iter().all(|&e| vanishes(e, arena));
+    let (light, massive): (Vec<usize>, Vec<usize>) = (0..n).partition(|&i| is_massless(i, arena));
+    if light.is_empty() {
+        return Err(Refused::NoSplit);
+    }
+    if !is_regular(&jet.dvv, &massive, arena) {
+        return Err(Refused::NoSplit);
+    }
+    let zero = arena.constant(0.0);
+    let at_rest = |list: &[usize]| -> HashMap<Symbol, Expr> {
+        list.iter().map(|&i| (model.v[i], zero)).collect()
+    };
+    let (still, all_still) = (at_rest(&light), at_rest(&(0..n).collect::<Vec<_>>()));
+    let mut alpha = vec![zero; n];
+    for &i in &light {
+        let momentum = arena.substitute(jet.dv[i], &all_still);
+        if !arena.is_zero(momentum) {
+            alpha[i] = momentum;
+        }
+    }
+    // ∂_iα_j
+    let slopes: Vec<Vec<Expr>> = model
+        .q
+        .iter()
+        .map(|&q| alpha.iter().map(|&a| arena.diff(a, q)).collect())
+        .collect();
+    let is_free = |i: &usize, arena: &Arena| {
+        alpha[*i] == zero && light.iter().all(|&j| arena.is_zero(slopes[*i][j]))
+    };
+    let (algebraic, paired): (Vec<usize>, Vec<usize>) =
+        light.iter().partition(|&i| is_free(i, arena));
+    let rest = arena.substitute(model.lagrangian, &still);
+    check_algebraic(&algebraic, &massive, rest, model, arena)?;
+    if massive.is_empty() && paired.is_empty() {
+        return Err(Refused::Undetermined(light));
+    }
+    if let Some(&i) = paired
+        .iter()
+        .find(|&&i| arena.contains(alpha[i], model.time))
+    {
+        return Err(Refused::TimeDependent(i));
+    }
+    let two_form = two_form(&slopes, arena);
+    if let Some(columns) = null_columns(&part(&two_form, &paired), arena) {
+        return Err(Refused::SingularForm(
+            columns.into_iter().map(|k| paired[k]).collect(),
+        ));
+    }
+    let rest_slopes = model.q.iter().map(|&q| arena.diff(rest, q)).collect();
+    let is_affine = slopes
+        .iter()
+        .flatten()
+        .all(|&e| is_constant(e, model, arena));
+    let internal = massive
+        .is_empty()
+        .then(|| internal::find(&alpha, &paired, model, arena))
+        .flatten();
+    let mut roles = vec![Role::Massive; n];
+    for &i in &paired {
+        roles[i] = Role::Massless;
+    }
+    for &i in &algebraic {
+        roles[i] = Role::Algebraic;
+    }
+    Ok(Degeneracy {
+        roles,
+        rest,
+        alpha,
+        slopes,
+        two_form,
+        rest_slopes,
+        is_affine,
+        internal,
+    })
+}
+
+/// Checks that the algebraic coordinates follow from the others, without their velocities.
+fn check_algebraic(
+    algebraic: &[usize],
+    massive: &[usize],
+    rest: Expr,
+    model: &Model,
+    arena: &mut Arena,
+) -> Result<(), Refused> {
+    let mut hessian = Vec::new();
+    for &i in algebraic {
+        let slope = arena.diff(rest, model.q[i]);
+        for &j in massive {
+            let mixed = arena.diff(slope, model.v[j]);
+            if !arena.is_zero(mixed) {
+                return Err(Refused::WithVelocity(i));
+            }
+        }
+        let row = algebraic.iter().map(|&j| arena.diff(slope, model.q[j]));
+        hessian.push(row.collect::<Vec<_>>());
+        for noise in &model.noises {
+            let slopes = [model.q[i], model.p[i]].map(|s| arena.diff(noise.hamiltonian, s));
+            if !slopes.iter().all(|&slope| arena.is_zero(slope)) {
+                return Err(Refused::NoisyAlgebraic(i, noise.name.clone()));
+            }
+        }
+    }
+    let all: Vec<usize> = (0..algebraic.len()).collect();
+    if is_regular(&hessian, &all, arena) {
+        Ok(())
+    } else {
+        Err(Refused::Undetermined(algebraic.to_vec()))
+    }
+}
+
+/// Returns ω, `ω_ij = ∂_iα_j − ∂_jα_i`, from the slopes `∂_iα_j`.
+fn two_form(slopes: &[Vec<Expr>], arena: &mut Arena) -> Vec<Vec<Expr>> {
+    let n = slopes.len();
+    let mut form = Vec::new();
+    for i in 0..n {
+        let entry = |j: usize| arena.sub(slopes[i][j], slopes[j][i]);
+        form.push((0..n).map(entry).collect());
+    }
+    form
+}
+
+/// Returns some rows and columns of a matrix.
+fn part(matrix: &[Vec<Expr>], of: &[usize]) -> Vec<Vec<Expr>> {
+    let row = |&i: &usize| of.iter().map(|&j| matrix[i][j]).collect();
+    of.iter().map(row).collect()
+}
+
+/// Whether an expression does not change with the configuration.
+fn is_constant(e: Expr, model: &Model, arena: &mut Arena) -> bool {
+    model.q.iter().all(|&q| {
+        !arena.contains(e, q) || {
+            let change = arena.diff(e, q);
+            arena.is_zero(change)
+        }
+    })
+}
+
+/// Whether the matrix of some rows and columns is regular at some random point, or nowhere defined.
+fn is_regular(matrix: &[Vec<Expr>], of: &[usize], arena: &Arena) -> bool {
+    null_columns(&part(matrix, of), arena).is_none()
+}
+
+/// The columns that occur in null vectors of a matrix, if it is singular at all random points.
+fn null_columns(matrix: &[Vec<Expr>], arena: &Arena) -> Option<Vec<usize>> {
+    let n = matrix.len();
+    if n == 0 {
+        return None;
+    }
+    let entries = matrix.concat();
+    let rows = |point: Vec<f64>| point.chunks(n).map(<[f64]>::to_vec).collect();
+    if arena
+        .samples(&entries)
+        .any(|point| regular::is_regular(rows(point)))
+    {
+        return None;
+    }
+    let mut columns = Vec::new();
+    for point in arena.sharp_samples(&entries) {
+        let found = regular::null_columns(point.chunks(n).map(<[Sharp]>::to_vec).collect());
+        if found.columns.is_empty() {
+            return None;
+        }
+        columns.extend(found.columns);
+    }
+    columns.sort_unstable();
+    columns.dedup();
+    (!columns.is_empty()).then_some(columns)
+}

@@ -1,0 +1,353 @@
+//! Sections and events: the states along a trajectory at which a function of the state is zero.
+//!
+//! Input: a trajectory and functions of the system and a state. Output: the states at which a function changes its sign, or the states of a trajectory that
+//! ends or is changed there. Invariant: a state within a step is the step solved anew with a part of its length, on the same path of the noise; the states
+//! after whole steps keep their bits until a change.
+//!
+//! Source: the idea of M. Hénon, *On the numerical computation of Poincaré maps*, Physica D 5 (1982) 412–414, with the step itself in place of a
+//! second method: the state has the accuracy of the rule, and the part of the step is symplectic as the whole.
+
+mod function;
+mod rest;
+mod root;
+mod search;
+
+use core::fmt;
+use core::ops::Deref;
+use std::collections::VecDeque;
+
+use self::function::{Action, Direction, EventFunction, Function};
+use super::Trajectory;
+use crate::error::StepError;
+use crate::method::{Method, OneStepMethod};
+use crate::noise::{Halves, Noise};
+use crate::observed::Observed;
+use crate::system::StateOf;
+
+/// The events along a trajectory, from [`Trajectory::crossings`], [`Trajectory::stop_at`] and [`Trajectory::change_at`].
+///
+/// An iterator over states. After [`crossings`](Self::crossings) they are the states at the zeros of these functions, else the states after each step and the
+/// one at a stop. Several functions are added one after another; [`rising`](Self::rising), [`falling`](Self::falling) and [`angle`](Self::angle) are about the one
+/// that was added last, and [`event`](Self::event) tells which of them the last state belongs to.
+///
+/// ```
+/// use sve_runtime::prelude::*;
+///
+/// /// A ball above a floor.
+/// struct Ball { g: f64 }
+///
+/// #[variational(stormer_verlet)]
+/// impl Ball {
+///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v - self.g * q }
+/// }
+///
+/// # fn main() -> Result<(), StepError> {
+/// let ball = Integrator::new(Ball { g: 9.8 }, StormerVerlet);
+/// let mut bounces = 0;
+/// let path = ball
+///     .trajectory(State::new([1.0], [0.0]), 0.01, NoNoise)
+///     .change_at(|_, ball| ball.q[0], |_, ball| { ball.p[0] *= -0.9; bounces += 1; })
+///     .falling()
+///     .stop_at(|_, ball| ball.t - 2.5);
+/// let states = path.collect::<Result<Vec<_>, _>>()?;
+/// let end = states.last().unwrap();
+/// assert!((end.t - 2.5).abs() < 1e-15 && states.iter().all(|ball| ball.q[0] > -1e-12));
+/// assert_eq!(bounces, 3);
+/// # Ok(())
+/// # }
+/// ```
+///
+/// **What is seen.** A function is evaluated after each step, or at more points of each step with [`samples`](Self::samples). A zero between two of these points is
+/// found if the function has different signs there. Two zeros between them are not seen, and of three one is found: take smaller steps or more samples if a function
+/// returns so fast. A function that is 0 at the start is not at a crossing there; a value of exactly 0 after a step is a crossing at that step.
+///
+/// **How accurate.** The step is solved anew with a part θh of its length until the function is zero to rounding. So the state is as accurate as a step of the rule: its
+/// error at an event in the first step is of order 3 for `midpoint` and `stormer_verlet`, of order 2s + 1 for `gauss(s)`. An event costs about five steps.
+///
+/// **With noise** the increment of the part is that of the Brownian bridge: the path within a step is a function of seed, path and step, the same whatever is looked
+/// for, down to 2⁻³² of the step. A function whose value moves with the noise itself, such as a momentum that the noise pushes, has infinitely many zeros near each of its zeros.
+/// One of them is found. The source has to know its path within steps, as [`Wiener`](crate::noise::Wiener) and [`NoNoise`](crate::noise::NoNoise) do; a rule with
+/// [stage noise](crate::StageNoise) is a compile error. A [refined](Trajectory::refine) trajectory has no events: of a step that fails there is no part.
+///
+/// **After a change** the trajectory makes the rest of the step from the changed state, with the rest of the increment, and then whole steps at the times that it would have had. What the method
+/// carries from step to step is dropped, and so are the low parts of [compensated](Trajectory::compensated) sums. The side on which the motion goes on is that of the function a little later, after
+/// 2⁻²⁴ of the step. Changes by one function within 2⁻¹² of a step are an error: a ball that comes to rest on a floor has to be stopped before.
+///
+/// It dereferences to the [`Trajectory`], which is after the last whole step. A [snapshot](Trajectory::snapshot) knows nothing of the functions: give them again.
+pub struct Events<'a, I: OneStepMethod, W> {
+    trajectory: Trajectory<'a, I, W>,
+    functions: Vec<EventFunction<'a, I::System>>,
+    /// Whether the states after whole steps are yielded, and not those at crossings alone.
+    yields_steps: bool,
+    /// Parts of a step at whose ends the functions are evaluated.
+    samples: u32,
+    /// States found in the last step, with the number of the function.
+    found: VecDeque<(StateOf<I::System>, Option<usize>)>,
+    event: Option<usize>,
+    /// The error of the last step, until what was found in it has been yielded.
+    failure: Option<StepError>,
+    has_begun: bool,
+    has_ended: bool,
+}
+
+impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
+    /// Returns the states at which a function of the system and a state changes its sign, in place of the states after each step: a Poincaré section, for example.
+    ///
+    /// The function returns `f64` or `Result<f64, StepError>`. A value that is not finite is an error.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// struct HenonHeiles;
+    ///
+    /// #[variational(midpoint)]
+    /// impl HenonHeiles {
+    ///     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+    ///         let [x, y] = q;
+    ///         0.5 * (v[0] * v[0] + v[1] * v[1]) - 0.5 * (x * x + y * y) - x * x * y + y * y * y / 3.0
+    ///     }
+    /// }
+    ///
+    /// # fn main() -> Result<(), StepError> {
+    /// let motion = Integrator::new(HenonHeiles, Midpoint);
+    /// let start = State::new([0.0, 0.1], [0.4, 0.0]);
+    /// let section = motion.trajectory(start, 0.1, NoNoise).crossings(|_, state| state.q[0]).rising();
+    /// for state in section.take(10) {
+    ///     let state = state?;
+    ///     assert!(state.q[0].abs() < 1e-15 && state.p[0] > 0.0);
+    ///     println!("{} {}", state.q[1], state.p[1]);
+    /// }
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// [`Events`] tells what is seen and how accurate it is.
+    #[must_use]
+    pub fn crossings<F, O>(self, function: F) -> Events<'a, I, W>
+    where
+        I: Method,
+        W: Halves,
+        F: Fn(&I::System, &StateOf<I::System>) -> O + 'a,
+        O: Observed,
+    {
+        Events::new(self).crossings(function)
+    }
+
+    /// Ends the trajectory at the first zero of a function, with the state there as its last one; see [`Events`].
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// struct Pendulum { g: f64, sigma: f64 }
+    ///
+    /// #[variational(midpoint)]
+    /// impl Pendulum {
+    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + self.g * q.cos() }
+    ///     #[gamma]
+    ///     fn push(&self, q: f64) -> f64 { self.sigma * q }
+    /// }
+    ///
+    /// # fn main() -> Result<(), StepError> {
+    /// // the time at which a noisy pendulum first is at half a radian
+    /// let pendulum = Integrator::new(Pendulum { g: 1.0, sigma: 0.3 }, Midpoint);
+    /// let path = pendulum.trajectory(State::new([0.0], [0.0]), 0.05, Wiener::new(1));
+    /// let passage = path.stop_at(|_, state| state.q[0].abs() - 0.5).last().unwrap()?;
+    /// assert!((passage.q[0].abs() - 0.5).abs() < 1e-12);
+    /// # Ok(())
+    /// # }
+    /// ```
+    #[must_use]
+    pub fn stop_at<F, O>(self, function: F) -> Events<'a, I, W>
+    where
+        I: Method,
+        W: Halves,
+        F: Fn(&I::System, &StateOf<I::System>) -> O + 'a,
+        O: Observed,
+    {
+        Events::new(self).stop_at(function)
+    }
+
+    /// Changes the state at each zero of a function: a ball that bounces, a kick at a place. The trajectory goes on from the changed state; see [`Events`].
+    ///
+    /// The time of the state stays as it is. The change may lead back to the side from which the motion came, as a bounce, or let it pass, as a kick.
+    #[must_use]
+    pub fn change_at<F, O, C>(self, function: F, change: C) -> Events<'a, I, W>
+    where
+        I: Method,
+        W: Halves,
+        F: Fn(&I::System, &StateOf<I::System>) -> O + 'a,
+        O: Observed,
+        C: FnMut(&I::System, &mut StateOf<I::System>) + 'a,
+    {
+        Events::new(self).change_at(function, change)
+    }
+}
+
+impl<'a, I: Method, W: Halves> Events<'a, I, W> {
+    fn new(trajectory: Trajectory<'a, I, W>) -> Self {
+        Self {
+            trajectory,
+            functions: Vec::new(),
+            yields_steps: true,
+            samples: 1,
+            found: VecDeque::new(),
+            event: None,
+            failure: None,
+            has_begun: false,
+            has_ended: false,
+        }
+    }
+
+    fn with<F, O>(mut self, function: F, action: Action<'a, I::System>) -> Self
+    where
+        F: Fn(&I::System, &StateOf<I::System>) -> O + 'a,
+        O: Observed,
+    {
+        let function: Function<'a, I::System> =
+            Box::new(move |system, state| function(system, state).observed());
+        self.functions.push(EventFunction::new(function, action));
+        self
+    }
+
+    /// Yields the states at the zeros of one more function, and no more those after whole steps; see [`Trajectory::crossings`].
+    #[must_use]
+    pub fn crossings<F, O>(mut self, function: F) -> Self
+    where
+        F: Fn(&I::System, &StateOf<I::System>) -> O + 'a,
+        O: Observed,
+    {
+        self.yields_steps = false;
+        self.with(function, Action::Yield)
+    }
+
+    /// Ends at the first zero of one more function; see [`Trajectory::stop_at`]. Beside [`crossings`](Self::crossings) the state at the end is not yielded.
+    #[must_use]
+    pub fn stop_at<F, O>(self, function: F) -> Self
+    where
+        F: Fn(&I::System, &StateOf<I::System>) -> O + 'a,
+        O: Observed,
+    {
+        self.with(function, Action::Stop)
+    }
+
+    /// Changes the state at each zero of one more function; see [`Trajectory::change_at`].
+    #[must_use]
+    pub fn change_at<F, O, C>(self, function: F, change: C) -> Self
+    where
+        F: Fn(&I::System, &StateOf<I::System>) -> O + 'a,
+        O: Observed,
+        C: FnMut(&I::System, &mut StateOf<I::System>) + 'a,
+    {
+        self.with(function, Action::Change(Box::new(change)))
+    }
+
+    /// Counts only zeros at which the last function goes from negative to positive along the trajectory.
+    #[must_use]
+    pub fn rising(mut self) -> Self {
+        self.newest().direction = Direction::Rising;
+        self
+    }
+
+    /// Counts only zeros at which the last function goes from positive to negative along the trajectory.
+    #[must_use]
+    pub fn falling(mut self) -> Self {
+        self.newest().direction = Direction::Falling;
+        self
+    }
+
+    /// Takes the last function for an angle in radians: it is zero at every multiple of 2π, and a jump from near π to near −π is no zero.
+    ///
+    /// The angle may be reduced to a turn or count turns. It has to change by less than π between two points at which it is evaluated. Without this,
+    /// a function that jumps is an error.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// struct Rotor;
+    ///
+    /// #[variational(midpoint)]
+    /// impl Rotor {
+    ///     fn lagrangian(&self, _q: f64, v: f64) -> f64 { 0.5 * v * v }
+    /// }
+    ///
+    /// # fn main() -> Result<(), StepError> {
+    /// let rotor = Integrator::new(Rotor, Midpoint);
+    /// let turns = rotor.trajectory(State::new([1.0], [1.0]), 0.1, NoNoise).crossings(|_, state| state.q[0]).angle();
+    /// for (k, state) in (1..=5).zip(turns) {
+    ///     assert!((state?.q[0] - f64::from(k) * std::f64::consts::TAU).abs() < 1e-13);
+    /// }
+    /// # Ok(())
+    /// # }
+    /// ```
+    #[must_use]
+    pub fn angle(mut self) -> Self {
+        self.newest().is_angle = true;
+        self
+    }
+
+    /// Evaluates the functions at the ends of so many equal parts of each step, to see zeros that lie close together. Each further part costs a step.
+    #[must_use]
+    pub fn samples(mut self, samples: u32) -> Self {
+        self.samples = samples.max(1);
+        self
+    }
+
+    fn newest(&mut self) -> &mut EventFunction<'a, I::System> {
+        self.functions
+            .last_mut()
+            .expect("events begin with a function")
+    }
+
+    /// The number of the function, in the order in which they were given, at whose zero the last state is; `None` if it is the state after a whole step.
+    pub fn event(&self) -> Option<usize> {
+        self.event
+    }
+}
+
+impl<'a, I: OneStepMethod, W> Deref for Events<'a, I, W> {
+    type Target = Trajectory<'a, I, W>;
+
+    fn deref(&self) -> &Trajectory<'a, I, W> {
+        &self.trajectory
+    }
+}
+
+impl<'a, I: OneStepMethod, W> fmt::Debug for Events<'a, I, W>
+where
+    Trajectory<'a, I, W>: fmt::Debug,
+{
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Events")
+            .field("trajectory", &self.trajectory)
+            .field("functions", &self.functions.len())
+            .field("event", &self.event)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<I: Method, W: Halves> Iterator for Events<'_, I, W> {
+    type Item = Result<StateOf<I::System>, StepError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            if let Some((state, event)) = self.found.pop_front() {
+                self.event = event;
+                return Some(Ok(state));
+            }
+            // what was found before an error comes before it
+            if let Some(error) = self.failure.take() {
+                return Some(Err(error));
+            }
+            if self.has_ended {
+                return None;
+            }
+            match self.advance() {
+                Ok(goes_on) => self.has_ended |= !goes_on,
+                Err(error) => {
+                    self.has_ended = true;
+                    self.failure = Some(error);
+                }
+            }
+        }
+    }
+}

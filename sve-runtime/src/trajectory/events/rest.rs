@@ -1,0 +1,83 @@
+//! A step, or what an event left of it, and the states within.
+//!
+//! Input: the state at the beginning, and the path of the noise within the step. Output: the state at any fraction of the step. Invariant: a state is a function of
+//! the state at the beginning, the fraction and the path, so the same fraction gives the same bits.
+
+use crate::error::StepError;
+use crate::method::Method;
+use crate::noise::{Halves, increments_until};
+use crate::system::{IncrementsOf, StateOf, System};
+use crate::time::is_next_time;
+
+/// The fraction of a step after an event at which the function says on which side the motion goes on.
+pub(super) const PROBE: f64 = 1.0 / (1_u64 << 24) as f64;
+
+/// The part of a step from a fraction to its end.
+pub(super) struct Rest<S: System> {
+    /// Number of the step.
+    pub(super) step: u64,
+    /// Length of the whole step.
+    pub(super) h: f64,
+    /// Times at both ends of the whole step.
+    pub(super) times: [f64; 2],
+    /// The fraction of the step at which this part begins.
+    pub(super) from: f64,
+    /// The state there.
+    pub(super) state: StateOf<S>,
+    /// Increments over the whole step.
+    pub(super) whole: IncrementsOf<S>,
+    /// Increments up to the beginning of this part.
+    pub(super) before: IncrementsOf<S>,
+}
+
+impl<S: System> Rest<S> {
+    /// Returns the part from a fraction on, with this state there.
+    pub(super) fn after<W: Halves>(&self, from: f64, state: StateOf<S>, noise: &W) -> Self {
+        Self {
+            from,
+            state,
+            before: increments_until(noise, self.step, self.h, from, &self.whole),
+            ..*self
+        }
+    }
+
+    /// Returns whether the part ends before a function can say on which side the motion goes on.
+    pub(super) fn is_short(&self) -> bool {
+        1.0 - self.from <= PROBE
+    }
+
+    /// Returns the time at a fraction of the whole step.
+    pub(super) fn time_at(&self, fraction: f64) -> f64 {
+        if fraction == 1.0 {
+            self.times[1]
+        } else {
+            fraction.mul_add(self.h, self.times[0])
+        }
+    }
+
+    /// Solves the step anew from the beginning of this part to a fraction of the whole step. Returns the state there.
+    pub(super) fn state_at<I, W>(
+        &self,
+        method: &I,
+        noise: &W,
+        fraction: f64,
+    ) -> Result<StateOf<S>, StepError>
+    where
+        I: Method<System = S>,
+        W: Halves,
+    {
+        let mut state = self.state;
+        let h = (fraction - self.from) * self.h;
+        // A part that is too short to change the time changes nothing else.
+        if h != 0.0 && is_next_time(state.t, state.t + h) {
+            let mut dw = increments_until(noise, self.step, self.h, fraction, &self.whole);
+            for (dw, before) in dw.as_mut().iter_mut().zip(self.before.as_ref()) {
+                *dw -= before;
+            }
+            let prepared = method.prepare(h)?;
+            method.step_prepared(&prepared, &mut state, h, &dw)?;
+        }
+        state.t = self.time_at(fraction);
+        Ok(state)
+    }
+}

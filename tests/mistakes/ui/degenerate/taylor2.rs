@@ -1,0 +1,14 @@
+use sve_runtime::prelude::*;
+
+struct System;
+
+#[variational(midpoint, taylor2)]
+impl System {
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        q[1] * v[0] - q[0].powi(2) - q[1].powi(4)
+    }
+}
+
+fn main() {
+    let _ = Integrator::new(System, Midpoint);
+}
