@@ -164,8 +164,8 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
             "change of the toroidal momentum",
             apart,
             0.0,
-            1e-9,
-            "conserved up to powers of λ",
+            1e-13,
+            "a translation: conserved to rounding",
         ),
         Check::reported(
             "Runge–Kutta, largest |ΔH/H|, 10⁵ steps",

@@ -51,10 +51,13 @@ const START: [f64; 2] = [1.5, 0.8];
 const H: f64 = 0.1;
 const STEPS: usize = 100_000;
 
+/// Points of a curve.
+type Curve = Vec<(f64, f64)>;
+
 /// Energy errors along a path: those that are drawn, and the largest in the first and the last tenth.
 fn energies<S, R, const M: usize>(
     integrator: &Integrator<S, R>,
-) -> Result<(Vec<(f64, f64)>, [f64; 2]), StepError>
+) -> Result<(Curve, [f64; 2]), StepError>
 where
     S: Variational<R> + System<Dims = Dims<2, M>>,
 {

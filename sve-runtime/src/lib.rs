@@ -79,6 +79,7 @@
 //! | `ensemble` | `Ensemble`: many paths, on all cores; statistics as CSV |
 //! | `progress` | a bar that shows how far an ensemble is |
 //! | `checkpoint` | ensembles that are stopped and continued |
+//! | `distributed` | ensembles whose blocks another program distributes over processes, as the package `sve-mpi` does |
 //! | `npy`, `parquet` | statistics of ensembles in these formats |
 //! | `serde` | states, snapshots of trajectories, errors and summaries can be serialised |
 //! | `study` | `study::Study`: errors, orders and times of several methods on one problem; with `ensemble` |

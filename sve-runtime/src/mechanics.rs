@@ -121,7 +121,7 @@ pub trait Mechanics: System {
     /// [`Blocking`](crate::Blocking) averages along a path, `Ensemble::average` along many.
     ///
     /// # Errors
-    /// As [`velocity`](Self::velocity).
+    /// As [`velocity`](Self::velocity); [`StepError::Degenerate`] if L is degenerate.
     fn temperature(&self, state: &StateOf<Self>) -> Result<f64, StepError>;
 
     /// The drift of the (Stratonovich) first-order form, `(v, ∂L/∂q + F)`, without the forces of constraints.
@@ -187,6 +187,12 @@ where
     #[inline]
     fn temperature(&self, state: &State<Q>) -> Result<f64, StepError> {
         let state = &state.to_coordinates();
+        if const { is_degenerate::<S>() } {
+            return Err(StepError::Degenerate {
+                what: "the temperature".to_owned(),
+                t: state.t,
+            });
+        }
         let v = velocity(self, state)?;
         let twice_kinetic: f64 = state.p.iter().zip(&v).map(|(p, v)| p * v).sum();
         let degrees_of_freedom = N.saturating_sub(Self::CONSTRAINTS.len());

@@ -91,6 +91,32 @@ impl RigidBody {
     }
 }
 
+/// The double pendulum in Cartesian coordinates, with its rods as constraints.
+#[derive(Clone, Copy)]
+struct Rods {
+    m: [f64; 2],
+    l: [f64; 2],
+    g: f64,
+}
+
+#[variational(midpoint, stormer_verlet)]
+impl Rods {
+    fn lagrangian(&self, q: [f64; 4], v: [f64; 4]) -> f64 {
+        let [m1, m2] = self.m;
+        0.5 * m1 * (v[0].powi(2) + v[1].powi(2)) + 0.5 * m2 * (v[2].powi(2) + v[3].powi(2))
+            - self.g * (m1 * q[1] + m2 * q[3])
+    }
+
+    #[constraint]
+    fn rods(&self, q: [f64; 4]) -> [f64; 2] {
+        let [x, y] = [q[2] - q[0], q[3] - q[1]];
+        [
+            0.5 * (q[0].powi(2) + q[1].powi(2) - self.l[0].powi(2)),
+            0.5 * (x.powi(2) + y.powi(2) - self.l[1].powi(2)),
+        ]
+    }
+}
+
 fn increments() -> Vec<f64> {
     let wiener = Wiener::new(1);
     (0..STEPS)
@@ -272,6 +298,33 @@ fn rigid_body() -> Comparison<'static> {
     }
 }
 
+/// The double pendulum in angles and with constraints, from the same start.
+fn rods() -> Comparison<'static> {
+    let (m, l, g) = ([1.0, 0.5], [1.0, 0.7], 9.8);
+    let angles = Integrator::new(DoublePendulum { m, l, g }, Midpoint);
+    let midpoint = Integrator::new(Rods { m, l, g }, Midpoint);
+    let verlet = Integrator::new(Rods { m, l, g }, StormerVerlet);
+    let [a, b]: [f64; 2] = [1.0, 0.5];
+    let start = State::new([a, b], [0.0, 0.0]);
+    let [x, y] = [l[0] * a.sin(), -l[0] * a.cos()];
+    let ends = [x, y, x + l[1] * b.sin(), y - l[1] * b.cos()];
+    let cartesian = State::new(ends, [0.0; 4]);
+    Comparison {
+        name: "double pendulum of rods",
+        sides: vec![
+            side("angles, midpoint", move || {
+                derived(&angles, start, 0.01, quiet())
+            }),
+            side("rods, midpoint", move || {
+                derived(&midpoint, cartesian, 0.01, quiet())
+            }),
+            side("rods, Verlet", move || {
+                derived(&verlet, cartesian, 0.01, quiet())
+            }),
+        ],
+    }
+}
+
 /// Alternating runs of a comparison.
 const ROUNDS: usize = 401;
 
@@ -309,6 +362,7 @@ fn main() {
         pendulum(),
         double_pendulum(),
         rigid_body(),
+        rods(),
     ];
     let mut criterion = Criterion::default().configure_from_args();
     for Comparison { name, sides } in &comparisons {

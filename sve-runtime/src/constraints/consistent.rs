@@ -117,7 +117,7 @@ where
             return Err(error);
         }
         let values = DVector::from_iterator(here.jets.len(), here.jets.iter().map(|j| j.value));
-        let step = here.solve(values).ok_or_else(lost)?;
+        let step = here.solve(&values).ok_or_else(lost)?;
         let step = &here.directions * step;
         // a step that increases the violation is halved
         let (mut part, mut next) = (1.0, None);
@@ -155,7 +155,7 @@ where
             jet.dt + along.map(|(a, v)| a * v).sum::<f64>()
         });
         let rates = DVector::from_iterator(here.jets.len(), rates);
-        let multipliers = here.solve(rates).ok_or_else(|| singular(&q))?;
+        let multipliers = here.solve(&rates).ok_or_else(|| singular(&q))?;
         for (jet, &multiplier) in here.jets.iter().zip(multipliers.iter()) {
             for i in 0..N {
                 p[i] -= multiplier * jet.dq[i];

@@ -96,8 +96,8 @@ impl<const N: usize> Linearised<N> {
     }
 
     /// Returns `A⁻¹ b`.
-    fn solve(&self, b: DVector<f64>) -> Option<DVector<f64>> {
-        self.matrix.clone().lu().solve(&b)
+    fn solve(&self, b: &DVector<f64>) -> Option<DVector<f64>> {
+        self.matrix.clone().lu().solve(b)
     }
 
     /// The constraint that is violated most, with its violation relative to its terms.

@@ -9,7 +9,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 #[cfg(feature = "checkpoint")]
 use super::checkpoint::CheckpointFile;
-use super::merge_tree::{MergeTree, PartialResult, merged};
+use super::merge_tree::{MergeTree, PartialResult, insert_shared};
 use super::path_block::PathBlock;
 use super::progress::Progress;
 use super::settings::Settings;
@@ -78,7 +78,7 @@ where
     }
 
     /// Runs the paths of a block from start to end.
-    fn run_block(&self, block: u64) -> Result<PartialResult, EnsembleError> {
+    pub(super) fn run_block(&self, block: u64) -> Result<PartialResult, EnsembleError> {
         let mut paths = PathBlock::new(*self, block, None)?;
         let ensemble = self.ensemble;
         let mut result = PartialResult::new(
@@ -143,14 +143,8 @@ impl Shared {
                 Ok(())
             };
         }
-        let mut result = Some(result);
-        loop {
-            let other = locked(&self.tree).place(&mut result);
-            match (result.take(), other) {
-                (Some(new), Some(other)) => result = Some(merged(new, other)),
-                _ => return Ok(()),
-            }
-        }
+        insert_shared(&self.tree, result);
+        Ok(())
     }
 
     /// Returns the results, after all threads have ended.
@@ -219,6 +213,6 @@ fn path(error: &EnsembleError) -> u64 {
 }
 
 /// Locks a mutex. A panic of another thread ends the whole run, so the state that it left does not matter.
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -6,7 +6,9 @@
 //! consecutive blocks without gaps, at most twice as many nodes are kept as the tree has levels.
 
 use std::collections::BTreeMap;
+use std::sync::Mutex;
 
+use super::execution::locked;
 use super::failure::{FAILURES_KEPT, Failure};
 use super::histogram::{Bins, HistogramRequest};
 use super::moments::Column;
@@ -141,6 +143,18 @@ impl MergeTree {
             .range(..=block)
             .next_back()
             .is_some_and(|(first, node)| block < first + node.blocks)
+    }
+}
+
+/// Inserts a node into a tree that threads share, and merges all nodes that can be merged. Nodes are merged outside of the lock.
+pub(super) fn insert_shared(tree: &Mutex<MergeTree>, node: PartialResult) {
+    let mut node = Some(node);
+    loop {
+        let other = locked(tree).place(&mut node);
+        match (node.take(), other) {
+            (Some(new), Some(other)) => node = Some(merged(new, other)),
+            _ => return,
+        }
     }
 }
 

@@ -10,6 +10,8 @@
 #[cfg(feature = "checkpoint")]
 mod checkpoint;
 mod csv;
+#[cfg(feature = "distributed")]
+mod distribution;
 mod edges;
 mod error;
 mod execution;
@@ -42,6 +44,8 @@ mod summary;
 mod warning;
 
 pub use crate::observed::Observed;
+#[cfg(feature = "distributed")]
+pub use distribution::{Checkpoint, Distribution, PartialResults, SharedResults};
 #[cfg(feature = "checkpoint")]
 pub use error::Damage;
 pub use error::{Difference, EnsembleError};

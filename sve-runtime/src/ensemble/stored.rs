@@ -39,15 +39,21 @@ impl LoadedSummary {
         if !is_valid(&run) || nodes.is_empty() {
             return None;
         }
-        let mut tree = MergeTree::new(run.paths.div_ceil(BLOCK_PATHS));
-        for node in nodes {
-            if !fits(&run, &tree, &node) {
-                return None;
-            }
-            tree.nodes.insert(node.first, node);
-        }
+        let tree = checked_tree(&run, nodes)?;
         Some((run, tree))
     }
+}
+
+/// Returns the tree of nodes of a run, if they are consistent with it.
+pub(super) fn checked_tree(run: &Info, nodes: Vec<PartialResult>) -> Option<MergeTree> {
+    let mut tree = MergeTree::new(run.paths.div_ceil(BLOCK_PATHS));
+    for node in nodes {
+        if !fits(run, &tree, &node) {
+            return None;
+        }
+        tree.nodes.insert(node.first, node);
+    }
+    Some(tree)
 }
 
 impl Serialize for Summary {

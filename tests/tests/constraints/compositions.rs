@@ -83,15 +83,11 @@ fn steps_lead_back() {
         for i in 0..4 {
             assert!(
                 (state.q[i] - start.q[i]).abs() < 1e-14,
-                "{:?} {:?}",
-                state,
-                start
+                "{state:?} {start:?}"
             );
             assert!(
                 (state.p[i] - start.p[i]).abs() < 1e-13,
-                "{:?} {:?}",
-                state,
-                start
+                "{state:?} {start:?}"
             );
         }
     }

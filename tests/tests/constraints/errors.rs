@@ -94,36 +94,38 @@ fn a_step_beyond_the_curvature_is_an_error() {
     integrator.step(&mut state, 0.25, &[0.0, 0.0]).unwrap();
 }
 
+/// Checks steps with large increments from points all around the equator.
+fn check<R>(system: &OnSphere, rule: R)
+where
+    OnSphere: sve_runtime::Variational<R>,
+{
+    let integrator = Integrator::new(system, rule);
+    let h = 0.01;
+    let mut failed = 0;
+    for k in 0..400 {
+        let angle = 0.1 * f64::from(k);
+        let start = State::new([angle.cos(), angle.sin(), 0.0], [0.0, 0.0, 1.0]);
+        let dw = [0.5 * (0.7 * angle).cos(), 0.5 * (1.3 * angle).sin()];
+        let mut state = start;
+        match integrator.step(&mut state, h, &dw) {
+            Ok(()) => {}
+            Err(StepError::ConstraintLost { .. } | StepError::BranchLost { .. }) => {
+                failed += 1;
+                continue;
+            }
+            Err(error) => panic!("{error}"),
+        }
+        let moved: f64 = (0..3).map(|i| (state.q[i] - start.q[i]).powi(2)).sum();
+        // |p| is at most 1 + √2 · 0.5 or so
+        assert!(moved.sqrt() < 2.5 * h, "step {k}: {}", moved.sqrt());
+    }
+    assert_eq!(failed, 0);
+}
+
 /// With increments of five standard deviations each step is that of the continuation in the increments: no other root is taken.
 #[test]
 fn large_increments_lead_to_no_other_root() {
     let system = OnSphere { g: 1.0, s: 1.0 };
-    fn check<R>(system: &OnSphere, rule: R)
-    where
-        OnSphere: sve_runtime::Variational<R>,
-    {
-        let integrator = Integrator::new(system, rule);
-        let h = 0.01;
-        let mut failed = 0;
-        for k in 0..400 {
-            let angle = 0.1 * f64::from(k);
-            let start = State::new([angle.cos(), angle.sin(), 0.0], [0.0, 0.0, 1.0]);
-            let dw = [0.5 * (0.7 * angle).cos(), 0.5 * (1.3 * angle).sin()];
-            let mut state = start;
-            match integrator.step(&mut state, h, &dw) {
-                Ok(()) => {}
-                Err(StepError::ConstraintLost { .. } | StepError::BranchLost { .. }) => {
-                    failed += 1;
-                    continue;
-                }
-                Err(error) => panic!("{error}"),
-            }
-            let moved: f64 = (0..3).map(|i| (state.q[i] - start.q[i]).powi(2)).sum();
-            // |p| is at most 1 + √2 · 0.5 or so
-            assert!(moved.sqrt() < 2.5 * h, "step {k}: {}", moved.sqrt());
-        }
-        assert_eq!(failed, 0);
-    }
     check(&system, InitialPoint);
     check(&system, Endpoint);
     check(&system, Midpoint);

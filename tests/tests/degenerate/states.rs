@@ -51,6 +51,10 @@ fn energies_and_velocities_follow_from_the_two_form() {
         LotkaVolterra.acceleration(&state),
         StepError::Degenerate { .. }
     );
+    error!(
+        LotkaVolterra.temperature(&state),
+        StepError::Degenerate { .. }
+    );
 }
 
 /// Velocities of systems with massive, massless and algebraic coordinates, against a short step.

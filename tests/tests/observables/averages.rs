@@ -135,10 +135,10 @@ fn exact_correlation_time(nu: f64) -> f64 {
         .sum()
 }
 
-fn averages<'a>(
-    motion: &'a Integrator<Langevin, Midpoint>,
+fn averages(
+    motion: &Integrator<Langevin, Midpoint>,
     record: u64,
-) -> Ensemble<'a, Integrator<Langevin, Midpoint>> {
+) -> Ensemble<'_, Integrator<Langevin, Midpoint>> {
     Ensemble::new(motion)
         .paths(200)
         .seed(5)
@@ -146,7 +146,7 @@ fn averages<'a>(
         .record_every(record)
         .settle(40)
         .start(State::new([1.0], [0.5]))
-        .average("kT", |system, state| system.temperature(state))
+        .average("kT", Langevin::temperature)
         .observe("q", |_, state| state.q[0])
         .average("q²", |_, state| state.q[0].powi(2))
 }

@@ -1,4 +1,4 @@
-//! Sections, bounces and temperatures on a manifold.
+//! Sections, bounces and temperatures on a manifold; sections of a degenerate Lagrangian.
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Blocking, Discretised};
@@ -121,4 +121,34 @@ fn the_temperature_on_a_sphere() {
     let mean = temperature.mean();
     println!("{mean} {error}");
     assert!((mean - 0.5).abs() < 4.0 * error + 2e-3, "{mean} {error}");
+}
+
+/// Two conjugate coordinates: L is linear in the velocities.
+struct Planar;
+
+#[variational(midpoint)]
+impl Planar {
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        0.5 * (q[0] * v[1] - q[1] * v[0]) - 0.5 * (q[0] * q[0] + q[1] * q[1])
+    }
+}
+
+/// The motion is a turn with unit rate. The section of its circle is a point, at times that are a turn apart up to the phase error h²/12 of the rule.
+#[test]
+fn a_section_of_a_degenerate_lagrangian() {
+    let motion = Integrator::new(Planar, Midpoint);
+    let begin = State::from_configuration(&Planar, [1.0, 0.5]).unwrap();
+    let h = 0.1;
+    let section = motion
+        .trajectory(begin, h, NoNoise)
+        .crossings(|_, s| s.q[1])
+        .rising();
+    let states: Vec<_> = section.take(5).map(Result::unwrap).collect();
+    let turn = std::f64::consts::TAU;
+    for pair in states.windows(2) {
+        assert!((pair[1].t - pair[0].t - turn * (1.0 + h * h / 12.0)).abs() < 1e-3);
+        assert!((pair[1].q[0].abs() - 1.25_f64.sqrt()).abs() < 1e-12);
+    }
+    let error = Planar.temperature(&begin).unwrap_err();
+    assert!(matches!(error, StepError::Degenerate { .. }), "{error}");
 }

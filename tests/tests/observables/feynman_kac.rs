@@ -9,7 +9,7 @@ use sve_runtime::{Dims, System, Variational};
 
 use super::systems::{Kubo, Langevin, Stiffness};
 
-/// u_t = p u_q − q u_p + ½σ²u_pp − ½κq²u with u(0) = 1, σ = 0.8, κ = 1.3, at t = 2 and (q, p) = (0.7, −0.4).
+/// `u_t = p u_q − q u_p + ½σ²u_pp − ½κq²u` with u(0) = 1, σ = 0.8, κ = 1.3, at t = 2 and (q, p) = (0.7, −0.4).
 const QUADRATIC: f64 = 0.627_173_387_859;
 const SIGMA: f64 = 0.8;
 const KAPPA: f64 = 1.3;
@@ -123,7 +123,7 @@ fn normal_nodes() -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// u_t = a Du + ½σ²D²u − κIu with u(0) = q: u = exp(−κIt − σ²t/2) (q cos at + p sin at). Where a rule keeps I, the weight is a number, and u the mean of q.
+/// `u_t = a Du + ½σ²D²u − κIu` with u(0) = q: u = exp(−κIt − σ²t/2) (q cos at + p sin at). Where a rule keeps I, the weight is a number, and u the mean of q.
 fn kubo<R>(integrator: &Integrator<Kubo, R>, steps: u32) -> f64
 where
     Kubo: Variational<R> + System<Dims = Dims<1, 1>>,

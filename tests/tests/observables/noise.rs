@@ -74,21 +74,30 @@ fn the_path_within_a_step_is_the_refined_path() {
     for number in 0..50 {
         let noise = Wiener::new(8).path(number);
         let fine = refined_path(&noise, h, depth, steps);
-        for k in [1, 37, 512, 1500, 3071] {
+        for k in [1_u16, 37, 512, 1500, 3071] {
             let path = motion.trajectory(start, h, noise.clone());
-            let at = path.stop_at(|_, s| s.t - k as f64 * fine_h).last();
+            let at = path.stop_at(|_, s| s.t - f64::from(k) * fine_h).last();
             let at = at.unwrap().unwrap();
-            assert!((at.q[0] - fine[k]).abs() < 1e-14, "{at:?} {}", fine[k]);
+            assert!(
+                (at.q[0] - fine[usize::from(k)]).abs() < 1e-14,
+                "{at:?} {}",
+                fine[usize::from(k)]
+            );
             // the refined source knows the same path within its shorter steps
             let refined = noise.clone().refine(3).unwrap();
             let path = motion.trajectory(start, h / 8.0, refined);
-            let at = path.stop_at(|_, s| s.t - k as f64 * fine_h).last();
+            let at = path.stop_at(|_, s| s.t - f64::from(k) * fine_h).last();
             let at = at.unwrap().unwrap();
-            assert!((at.q[0] - fine[k]).abs() < 1e-14, "{at:?} {}", fine[k]);
+            assert!(
+                (at.q[0] - fine[usize::from(k)]).abs() < 1e-14,
+                "{at:?} {}",
+                fine[usize::from(k)]
+            );
         }
         let path = motion.trajectory(start, h, noise);
         let section = path.crossings(|_, s| s.q[0] - 0.1);
         for state in section.stop_at(|_, s| s.t - 2.9) {
+            #[allow(clippy::cast_sign_loss)] // times are positive
             let cell = (state.unwrap().t / fine_h) as usize;
             // within a fine step the path moves by a few √h
             let away = (fine[cell] - 0.1).abs();
@@ -99,7 +108,7 @@ fn the_path_within_a_step_is_the_refined_path() {
     assert!(count > 30, "{count}");
 }
 
-/// At a fixed fraction θ of a step the state is that of the bridge: mean θΔW, variance θ(1 − θ)h.
+/// At a fixed fraction θ of a step the state is that of the bridge: mean `θΔW`, variance `θ(1 − θ)h`.
 #[test]
 fn the_law_of_the_path_within_a_step() {
     let motion = Integrator::new(Drifting { sigma: 1.0 }, Midpoint);

@@ -100,7 +100,8 @@ struct Sum {
 impl Sum {
     fn vanishes(&self) -> bool {
         // an undefined value says nothing
-        !(self.value.abs() > NOT_ZERO * self.magnitude)
+        let is_undefined = self.value.is_nan() || self.magnitude.is_nan();
+        is_undefined || self.value.abs() <= NOT_ZERO * self.magnitude
     }
 }
 

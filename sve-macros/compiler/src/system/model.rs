@@ -162,13 +162,11 @@ impl std::fmt::Display for Unknown {
             Family::StageVelocity => "u",
             Family::Momentum => "p",
             Family::Acceleration => "a",
-            Family::VelocityMultiplier => "mu",
+            Family::VelocityMultiplier | Family::EndMultiplier => "mu",
             Family::AccelerationMultiplier => "nu",
-            Family::StartMultiplier => "lambda",
-            Family::EndMultiplier => "mu",
+            Family::StartMultiplier | Family::Projection => "lambda",
             Family::EndVelocity => "v1",
             Family::NodeDisplacement => "e",
-            Family::Projection => "lambda",
         };
         write!(f, "{letter}_{}", self.index)
     }

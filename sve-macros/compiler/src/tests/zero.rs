@@ -227,7 +227,7 @@ fn kinetic(terms: &str) -> Option<String> {
         "fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {{ let (v, w) = (v[0], v[1]); {terms} - q[0] * q[1] }}"
     ));
     output
-        .split_once("degenerate")
+        .split_once("Lagrangian is degenerate")
         .map(|(_, rest)| rest.chars().take(400).collect())
 }
 

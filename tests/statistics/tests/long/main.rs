@@ -3,4 +3,5 @@
 mod gauss;
 mod paths;
 mod planets;
+mod thermal;
 mod walks;

@@ -1,4 +1,5 @@
-//! The rules with one node for degenerate Lagrangians, L = L₀(t, q, v_massive) + ⟨α(q), v_massless⟩ with p = α(q) at both ends.
+//! The rules with one node for degenerate Lagrangians, with p = α(q) at both ends: L is L₀ of time, configuration and the velocities v of
+//! massive coordinates, plus ⟨α(q), velocities of massless coordinates⟩.
 //!
 //! ```text
 //! S_d = h L₀(t̄,q*,v) + ⟨p, d − h v⟩ + ⟨α(q*), d⟩ − Σ G_a(t̄,q*,p) ΔW_a + ⟨λ, α(q₀) − α(q₁)⟩        q* = q₀ + c d + λ
@@ -8,7 +9,7 @@
 //! symmetric projection of Kraus (arXiv:1708.07356) with its multiplier as a displacement of both ends. It becomes shorter by itself, and is written shorter:
 //!
 //! - α affine, midpoint: λ = 0, and p₁ = α(q₁) holds without being asked for.
-//! - α = (ϑ(x, y), 0) + ∇f with a quadratic f: ȳ is internal, S_d = ⟨ϑ(x̄,ȳ), d_x⟩ + …, and y₁ follows from `∂S_d/∂x₁ = ϑ(x₁, y₁)` (Ellison et al., 2018).
+//! - α = (ϑ(x, y), 0) + ∇f with a quadratic f: ȳ is internal, `S_d = ⟨ϑ(x̄,ȳ), d_x⟩ + …`, and y₁ follows from `∂S_d/∂x₁ = ϑ(x₁, y₁)` (Ellison et al., 2018).
 //!   Here the node may be anywhere, with the Stratonovich correction `(c − ½) Σ ⟨w_a, ∂G_b/∂x − ϑ_xᵀ w_b⟩ ΔW_a ΔW_b`, `ϑ_yᵀ w = ∂G/∂y`.
 //!
 //! The node of an algebraic coordinate is internal too, and the coordinate itself follows from `0 = ∂L₀/∂q` at the end. All in `docs/mathematics.md`.
@@ -351,7 +352,7 @@ fn massive_field(degeneracy: &Degeneracy, noise: usize, x: &mut Variables<'_>) -
         .collect()
 }
 
-/// By which a noise moves each coordinate x, w, and its slope along the coordinate at fixed ϑ, ∂G/∂x − ϑ_xᵀ w.
+/// By which a noise moves each coordinate x, w, and its slope along the coordinate at fixed ϑ, `∂G/∂x − ϑ_xᵀ w`.
 fn internal_field(form: &Internal, noise: usize, x: &mut Variables<'_>) -> Vec<[Expr; 2]> {
     let g = x.model.noises[noise].hamiltonian;
     let zeros = vec![x.arena.constant(0.0); form.outer.len()];

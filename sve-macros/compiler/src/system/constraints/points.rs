@@ -220,7 +220,7 @@ fn general_solve(mut matrix: Vec<Vec<f64>>, mut b: Vec<f64>) -> Option<Vec<f64>>
     for k in 0..n {
         let size = |i: &usize| matrix[*i][k].abs();
         let pivot = (k..n).max_by(|i, j| size(i).total_cmp(&size(j)))?;
-        if !(size(&pivot) > 0.0) {
+        if size(&pivot) == 0.0 || size(&pivot).is_nan() {
             return None;
         }
         matrix.swap(k, pivot);

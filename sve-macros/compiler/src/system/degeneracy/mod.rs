@@ -45,7 +45,7 @@ pub(crate) struct Degeneracy {
     pub(crate) rest: Expr,
     /// The one-form: for each massless coordinate its momentum, a function of q; 0 for the others.
     pub(crate) alpha: Vec<Expr>,
-    /// ∂_iα_j, rows by i.
+    /// `∂_iα_j`, rows by i.
     pub(crate) slopes: Vec<Vec<Expr>>,
     /// ω, `ω_ij = ∂_iα_j − ∂_jα_i`, on all coordinates.
     pub(crate) two_form: Vec<Vec<Expr>>,
@@ -122,7 +122,11 @@ impl Degeneracy {
                 let (massive, inner) = (self.of(Role::Massive), self.of(Role::Algebraic));
                 massive.into_iter().all(|i| is_free(i, &inner))
             }
-            _ => false,
+            // a translation moves the node and both ends by the same, whatever the multiplier is
+            _ => {
+                let all: Vec<usize> = (0..generator.len()).collect();
+                all.iter().all(|&i| is_free(i, &all))
+            }
         }
     }
 }

@@ -1,0 +1,145 @@
+//! What rank 0 does during a run: it answers the ranks, runs blocks itself, shows the progress and writes checkpoints.
+
+use std::sync::{Mutex, PoisonError};
+use std::thread::{Scope, ScopedJoinHandle};
+use std::time::Duration;
+
+use sve_runtime::ensemble::{Checkpoint, Distribution, EnsembleError, PartialResults};
+use sve_runtime::{Coordinates, Dims, Method, System};
+
+use super::coordinator::Coordinator;
+use super::link::Link;
+use super::message::{Cause, Report, Stop};
+use super::pool::{Pool, panic_message};
+use super::progress::Progress;
+
+/// The time between two looks for messages. It is short beside the blocks that a rank has in reserve.
+const LOOK: Duration = Duration::from_millis(1);
+
+/// The time between two looks for messages near the end, when ranks have no blocks in reserve.
+const SHORT_LOOK: Duration = Duration::from_micros(50);
+
+/// The end is near if the blocks that are left take less than this time, in seconds.
+const NEAR_END: f64 = 10e-3;
+
+/// Rank 0 during a run.
+pub(crate) struct Leader<'r, I: Method> {
+    pub(crate) link: &'r Link,
+    pub(crate) pool: &'r Pool,
+    pub(crate) distribution: &'r Distribution<'r, I>,
+    pub(crate) progress: &'r Progress,
+    pub(crate) checkpoint: Option<&'r Checkpoint>,
+    /// The results that a checkpoint has: all that ranks have sent.
+    pub(crate) gathered: &'r Mutex<PartialResults>,
+}
+
+/// A checkpoint that is being written. It returns its outcome.
+type Writing<'s> = ScopedJoinHandle<'s, Result<(), EnsembleError>>;
+
+impl<'r, I, S, Q, const N: usize, const M: usize> Leader<'r, I>
+where
+    I: Method<System = S> + Sync,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    /// Leads the run until all blocks have ended. Returns why it ended early, and the error of a checkpoint.
+    pub(crate) fn lead<'s>(
+        &self,
+        scope: &'s Scope<'s, '_>,
+        mut coordinator: Coordinator,
+    ) -> (Option<Stop>, Option<EnsembleError>)
+    where
+        'r: 's,
+    {
+        let mut writing: Option<Writing<'s>> = None;
+        let mut is_collecting = false;
+        let mut error = None;
+        loop {
+            while let Some((rank, report)) = self.link.try_receive::<Report>() {
+                self.progress.add(report.paths);
+                if let Some(answer) = coordinator.answer(rank.unsigned_abs() as usize, report) {
+                    self.link.send(rank, &answer);
+                }
+            }
+            let report = self.pool.report();
+            self.progress.add(report.paths);
+            let answer = coordinator.answer(0, report);
+            let is_idle = answer.is_none();
+            if let Some(answer) = answer {
+                self.pool.accept(&answer);
+            }
+            if writing.as_ref().is_some_and(ScopedJoinHandle::is_finished)
+                && let Some(ended) = writing.take()
+                && let Err(failed) = joined(ended)
+            {
+                let cause = Some(Cause::Error {
+                    rank: 0,
+                    message: failed.to_string(),
+                });
+                coordinator.stop(Stop { limit: 0, cause });
+                error = Some(failed);
+            }
+            if is_collecting && !coordinator.is_collecting() {
+                is_collecting = false;
+                writing = self.write(scope, coordinator.take_received());
+            } else if coordinator.has_ended() && !is_collecting && writing.is_none() {
+                break;
+            }
+            let may_collect = !is_collecting && writing.is_none() && error.is_none();
+            if may_collect && self.checkpoint.is_some_and(Checkpoint::is_due) {
+                is_collecting = true;
+                for (rank, answer) in coordinator.collect() {
+                    self.link.send(rank as i32, &answer);
+                }
+            }
+            let is_near_end = self.pool.is_short(coordinator.left_per_rank(), NEAR_END);
+            let looks_often = is_idle || is_near_end;
+            self.pool.wait(if looks_often { SHORT_LOOK } else { LOOK });
+        }
+        let last = coordinator.last_answer();
+        for rank in 1..self.link.size() {
+            self.link.send(rank, &last);
+        }
+        (coordinator.into_stop(), error)
+    }
+
+    /// Writes a checkpoint with all results that ranks have sent and those of rank 0, in a thread of its own: disks are slow.
+    fn write<'s>(&self, scope: &'s Scope<'s, '_>, received: Vec<Vec<u8>>) -> Option<Writing<'s>>
+    where
+        'r: 's,
+    {
+        let checkpoint = self.checkpoint?;
+        let (pool, distribution, gathered) = (self.pool, self.distribution, self.gathered);
+        Some(scope.spawn(move || {
+            let mut gathered = gathered.lock().unwrap_or_else(PoisonError::into_inner);
+            for bytes in received {
+                gathered.merge(received_results(distribution, &bytes));
+            }
+            gathered.merge(pool.results.take());
+            checkpoint.save(&gathered)
+        }))
+    }
+}
+
+/// Reads the results that a rank has sent.
+pub(crate) fn received_results<I, S, Q, const N: usize, const M: usize>(
+    distribution: &Distribution<'_, I>,
+    bytes: &[u8],
+) -> PartialResults
+where
+    I: Method<System = S> + Sync,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    match distribution.results_from(bytes) {
+        Some(results) => results,
+        None => panic!("a rank sent results that are not of this run"),
+    }
+}
+
+fn joined(writing: Writing<'_>) -> Result<(), EnsembleError> {
+    match writing.join() {
+        Ok(written) => written,
+        Err(payload) => panic!("{}", panic_message(payload.as_ref())),
+    }
+}

@@ -1,0 +1,335 @@
+//! Ensembles of [`sve_runtime`] on clusters, by MPI.
+//!
+//! [`run`] takes the same [`Ensemble`] on every rank and gives every rank the same [`Summary`], with the bits of
+//! [`Ensemble::run`] on one machine, for any number of ranks and of threads on each rank.
+//!
+//! ```no_run
+//! use sve_runtime::prelude::*;
+//!
+//! struct Oscillator { sigma: f64 }
+//!
+//! #[variational(endpoint)]
+//! impl Oscillator {
+//!     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v - 0.5 * q * q }
+//!     #[gamma]
+//!     fn push(&self, q: f64) -> f64 { self.sigma * q }
+//! }
+//!
+//! fn main() -> Result<(), Box<dyn std::error::Error>> {
+//!     let threading = mpi::Threading::Funneled;
+//!     let (universe, _) = mpi::initialize_with_threading(threading).ok_or("MPI runs already")?;
+//!     let world = universe.world();
+//!     let integrator = Integrator::new(Oscillator { sigma: 1.0 }, Endpoint);
+//!     let ensemble = Ensemble::new(&integrator)
+//!         .paths(1_000_000).seed(7)
+//!         .steps(0.1, 200).record_every(50)
+//!         .start(State::new([1.0], [0.0]))
+//!         .observe("energy", |system, state| system.hamiltonian(state));
+//!     let summary = sve_mpi::run(&ensemble, &world)?;
+//!     if mpi::traits::Communicator::rank(&world) == 0 {
+//!         println!("{summary}");
+//!     }
+//!     Ok(())
+//! }
+//! ```
+//!
+//! # What each setting of the ensemble means on several ranks
+//!
+//! | setting | on several ranks |
+//! | --- | --- |
+//! | `threads` | the threads of each rank; may differ between ranks. By default as many as the cores that the rank may use |
+//! | `checkpoint`, `resume` | of rank 0, which writes one file for all ranks. [`Ensemble::run`] reads and writes the same file, and so does a run on another number of ranks |
+//! | `progress` | of rank 0, which shows the paths of all ranks |
+//! | `stop_when` | each rank asks its own function; the first `true` ends the run on all ranks |
+//! | `stop_on_failure` | the error is that of the failing path with the lowest number, as on one machine |
+//! | `shard` | the same on all ranks, which run the blocks of this shard |
+//! | all others | the same on all ranks; another value on one rank is an [`Error::Differs`] |
+//!
+//! Errors are the same on all ranks. A rank that dies, by a signal or by `exit`, ends the run through `mpirun`; the file of the last checkpoint
+//! stays complete. A rank that returns before it calls [`run`] lets the others wait for it: let it call
+//! [`abort`](mpi::traits::Communicator::abort).
+//!
+//! # How it works
+//!
+//! The paths of an ensemble are blocks, whose results merge in a fixed tree. Each rank has a region of consecutive blocks and merges their
+//! results where it computes them. Rank 0 hands out ranges of blocks, long ones first. A rank with nothing left gets blocks of the rank that has
+//! most left, so paths may take unequal time. At the end results merge along a binomial tree of ranks. `docs/cluster.md` says how many
+//! messages this takes.
+
+mod agreement;
+mod coordinator;
+mod error;
+mod leader;
+mod link;
+mod message;
+mod pool;
+mod progress;
+mod schedule;
+
+use std::sync::{Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+use mpi::traits::Communicator;
+use sve_runtime::ensemble::{Distribution, Ensemble, EnsembleError, PartialResults, Summary};
+use sve_runtime::{Coordinates, Dims, Method, System};
+
+pub use self::error::Error;
+
+use self::agreement::{Beginning, agree};
+use self::coordinator::Coordinator;
+use self::error::SentError;
+use self::leader::{Leader, received_results};
+use self::link::Link;
+use self::message::{Answer, Cause, Stop};
+use self::pool::Pool;
+use self::progress::Progress;
+use self::schedule::Schedule;
+
+/// A rank asks for blocks for about this time, so long as many are left.
+const INTERVAL: Duration = Duration::from_millis(50);
+
+/// With many ranks the time is longer: so much for each rank. Rank 0 then gets at most 20,000 messages in a second.
+const INTERVAL_OF_RANK: Duration = Duration::from_micros(50);
+
+/// A rank that needs nothing reports after so many intervals: its progress, and to hear of errors.
+const QUIET_INTERVALS: u32 = 5;
+
+/// Runs an ensemble on all ranks of a communicator. Every rank has to call this function with the same ensemble, on the thread that
+/// initialised MPI.
+///
+/// # Errors
+/// An [`Error`], the same on all ranks. A path that fails is not an error of the run, see [`Summary::failures`].
+pub fn run<'a, I, S, Q, const N: usize, const M: usize>(
+    ensemble: &'a Ensemble<'a, I>,
+    world: &impl Communicator,
+) -> Result<Summary, Error>
+where
+    I: Method<System = S> + Sync,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    run_in_pieces(ensemble, world, link::PIECE)
+}
+
+/// Runs an ensemble with messages that are cut into pieces of so many bytes, at least 8, for tests.
+///
+/// # Errors
+/// As [`run`].
+#[doc(hidden)]
+pub fn run_in_pieces<'a, I, S, Q, const N: usize, const M: usize>(
+    ensemble: &'a Ensemble<'a, I>,
+    world: &impl Communicator,
+    piece: usize,
+) -> Result<Summary, Error>
+where
+    I: Method<System = S> + Sync,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    let link = Link::new(world, piece);
+    let _guard = AbortOnPanic(&link);
+    let beginning = agree(ensemble, &link)?;
+    let distribution = &beginning.distribution;
+    let rank = link.rank();
+    let interval = INTERVAL.max(INTERVAL_OF_RANK * link.size().unsigned_abs());
+    let threads = distribution.threads();
+    let pool = Pool::new(rank, threads, interval, distribution.no_results());
+    let ended = run_blocks(&link, &pool, &beginning, interval);
+    let results = gather(&link, distribution, ended.results);
+    let mut known = ended.error.or_else(|| pool.take_error());
+    let outcome = (rank == 0).then(|| {
+        let checkpoint = beginning.checkpoint.as_ref();
+        let saved = checkpoint.map_or(Ok(()), |checkpoint| checkpoint.save(&results));
+        let stop = match saved {
+            // the first error is reported
+            Err(error) if known.is_none() => {
+                let message = error.to_string();
+                known = Some(error);
+                let cause = Some(Cause::Error { rank, message });
+                Some(Stop { limit: 0, cause })
+            }
+            _ => ended.stop,
+        };
+        outcome(distribution, &results, stop)
+    });
+    let outcome: Result<Vec<u8>, SentError> = link.broadcast(0, outcome);
+    match outcome {
+        Err(error) => Err(error.received(rank, known)),
+        Ok(bytes) => {
+            let results = received_results(distribution, &bytes);
+            distribution
+                .summary(results)
+                .map_err(|error| Error::NothingRun(Box::new(error)))
+        }
+    }
+}
+
+/// What a rank has at the end of its blocks.
+struct Ended {
+    results: PartialResults,
+    /// Why the run ended early, on rank 0.
+    stop: Option<Stop>,
+    /// The error of a checkpoint, on rank 0.
+    error: Option<EnsembleError>,
+}
+
+/// Runs blocks until none is left on any rank.
+fn run_blocks<I, S, Q, const N: usize, const M: usize>(
+    link: &Link,
+    pool: &Pool,
+    beginning: &Beginning<'_, I>,
+    interval: Duration,
+) -> Ended
+where
+    I: Method<System = S> + Sync,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    let distribution = &beginning.distribution;
+    let threads = distribution.threads();
+    let gathered = match &beginning.loaded {
+        Some(loaded) => loaded.clone(),
+        None => distribution.no_results().take(),
+    };
+    if link.rank() > 0 {
+        thread::scope(|scope| {
+            let _guard = AbortOnPanic(link);
+            for _ in 0..threads {
+                scope.spawn(|| pool.run(distribution));
+            }
+            follow(link, pool, QUIET_INTERVALS * interval);
+            pool.end();
+        });
+        let (results, stop, error) = (pool.results.take(), None, None);
+        return Ended {
+            results,
+            stop,
+            error,
+        };
+    }
+    let ranks = link.size().unsigned_abs() as usize;
+    let schedule = Schedule::new(distribution.blocks(), gathered.blocks(), ranks);
+    let paths = distribution.paths_of(distribution.blocks());
+    let progress = Progress::new(distribution.shows_progress(), paths);
+    for blocks in gathered.blocks() {
+        progress.add(distribution.paths_of(blocks));
+    }
+    let gathered = Mutex::new(gathered);
+    let leader = Leader {
+        link,
+        pool,
+        distribution,
+        progress: &progress,
+        checkpoint: beginning.checkpoint.as_ref(),
+        gathered: &gathered,
+    };
+    let (stop, error) = thread::scope(|scope| {
+        let _guard = AbortOnPanic(link);
+        for _ in 0..threads {
+            scope.spawn(|| pool.run(distribution));
+        }
+        let ended = leader.lead(scope, Coordinator::new(schedule, ranks));
+        pool.end();
+        ended
+    });
+    let mut results = gathered
+        .into_inner()
+        .unwrap_or_else(PoisonError::into_inner);
+    results.merge(pool.results.take());
+    Ended {
+        results,
+        stop,
+        error,
+    }
+}
+
+/// Asks rank 0 for blocks until the run has ended.
+fn follow(link: &Link, pool: &Pool, quiet: Duration) {
+    let mut wants_results = false;
+    loop {
+        if !wants_results {
+            pool.wait(quiet);
+        }
+        let mut report = pool.report();
+        if wants_results {
+            report.results = Some(pool.results.take().to_bytes());
+        }
+        link.send(0, &report);
+        let answer: Answer = link.receive(0);
+        if answer.has_ended {
+            return;
+        }
+        pool.accept(&answer);
+        wants_results = answer.wants_results;
+    }
+}
+
+/// Merges the results of all ranks along a binomial tree: rank `r` receives from `r + 1`, `r + 2`, `r + 4`, …, and sends to `r` less its
+/// lowest bit. The ranks below one another have neighbouring regions, so what is sent are few nodes of the tree of blocks. Returns all
+/// results on rank 0.
+fn gather<I, S, Q, const N: usize, const M: usize>(
+    link: &Link,
+    distribution: &Distribution<'_, I>,
+    mut results: PartialResults,
+) -> PartialResults
+where
+    I: Method<System = S> + Sync,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    let (rank, size) = (link.rank(), link.size());
+    let mut bit = 1;
+    while bit < size {
+        if rank & bit != 0 {
+            link.send(rank - bit, &results.to_bytes());
+            break;
+        }
+        if rank + bit < size {
+            let bytes: Vec<u8> = link.receive(rank + bit);
+            results.merge(received_results(distribution, &bytes));
+        }
+        bit *= 2;
+    }
+    results
+}
+
+/// Returns the results as they are sent to all ranks, or why there are none.
+fn outcome<I, S, Q, const N: usize, const M: usize>(
+    distribution: &Distribution<'_, I>,
+    results: &PartialResults,
+    stop: Option<Stop>,
+) -> Result<Vec<u8>, SentError>
+where
+    I: Method<System = S> + Sync,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    let is_stopped = stop.is_some();
+    if let Some(cause) = stop.and_then(|stop| stop.cause) {
+        return Err(SentError::Cause(cause));
+    }
+    if results.is_empty() {
+        return Err(SentError::NothingRun);
+    }
+    let found = results
+        .blocks()
+        .map(|blocks| distribution.paths_of(blocks))
+        .sum();
+    let expected = distribution.paths_of(distribution.blocks());
+    if found != expected && !is_stopped {
+        return Err(SentError::Lost { found, expected });
+    }
+    Ok(results.to_bytes())
+}
+
+/// Ends the program on all ranks when a panic outside of the paths would leave the others waiting.
+struct AbortOnPanic<'l>(&'l Link);
+
+impl Drop for AbortOnPanic<'_> {
+    fn drop(&mut self) {
+        if thread::panicking() {
+            self.0.abort();
+        }
+    }
+}
