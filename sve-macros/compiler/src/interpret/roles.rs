@@ -52,7 +52,9 @@ impl Lowering<'_> {
             shapes.push(self.configuration_shape(ty)?);
         }
         let mut factors = Vec::new();
-        shapes.iter().for_each(|shape| shape.factors(&mut factors));
+        for shape in &shapes {
+            shape.factors(&mut factors);
+        }
         let configuration = Configuration::new(factors);
         let n = configuration.directions();
         if n == 0 {
@@ -258,7 +260,7 @@ impl Lowering<'_> {
     ) -> Option<Vec<Expr>> {
         let arguments = &function.arguments[usize::from(function.is_timed)..];
         let shapes = space.shapes.iter().chain(&space.velocities);
-        if arguments.len() % space.shapes.len() != 0
+        if !arguments.len().is_multiple_of(space.shapes.len())
             || arguments
                 .iter()
                 .zip(shapes)
@@ -338,7 +340,7 @@ impl Lowering<'_> {
 
     /// Reports an argument of another type than its place has in a system with rotations.
     fn report_other_part(&mut self, ty: &Type) {
-        let parts: Vec<String> = self.block.configuration().map(|ty| readable(ty)).collect();
+        let parts: Vec<String> = self.block.configuration().map(readable).collect();
         let parts = parts.join("`, `");
         let message = format!(
             "`{}` does not fit the configuration `{parts}` of `lagrangian`: the velocity and the momentum of a `Rotation3<f64>` are a `Vector3<f64>` in the body frame, those of a vector are of its type, and all functions have the arguments of all parts",

@@ -201,10 +201,10 @@ impl Role {
             (Self::Lagrangian | Self::Helper, _) => {
                 "fn lagrangian(&self, q: Vector3<f64>, r: Rotation3<f64>, v: Vector3<f64>, w: Vector3<f64>) -> f64"
             }
-            (Self::Gamma, 1) => "fn name(&self, r: Rotation3<f64>) -> f64",
-            (Self::Gamma, _) => "fn name(&self, q: Vector3<f64>, r: Rotation3<f64>) -> f64",
-            (Self::Constraint, 1) => "fn name(&self, r: Rotation3<f64>) -> f64",
-            (Self::Constraint, _) => "fn name(&self, q: Vector3<f64>, r: Rotation3<f64>) -> f64",
+            (Self::Gamma | Self::Constraint, 1) => "fn name(&self, r: Rotation3<f64>) -> f64",
+            (Self::Gamma | Self::Constraint, _) => {
+                "fn name(&self, q: Vector3<f64>, r: Rotation3<f64>) -> f64"
+            }
             (Self::H1 | Self::TangentH1, 1) => {
                 "fn name(&self, r: Rotation3<f64>, pi: Vector3<f64>) -> f64"
             }

@@ -4,7 +4,7 @@
 //! a vector, and the nine entries of the matrix R of a rotation, by columns. Its *directions* are its degrees of freedom: one for each
 //! coordinate, and three for a rotation, in which R moves by R ξ̂ (left trivialisation; ξ̂ a = ξ × a).
 //!
-//! The increment of a rotation is the Cayley vector x of R₀ᵀR₁, with cay(x) = 1 + (x̂ + ½ x̂²)/(1 + ¼|x|²). The chart moves with R₀. An action
+//! The increment of a rotation is the Cayley vector x of `R₀ᵀR₁`, with `cay(x) = 1 + (x̂ + ½ x̂²)/(1 + ¼|x|²)`. The chart moves with R₀. An action
 //! S(x, R̄) depends on the ends through x and the middle R̄ of the geodesic between them, R̄ = R₀ cay(y), R₁ = R̄ cay(y). If the start turns by ε₀
 //! and the end by ε₁,
 //!
@@ -317,7 +317,7 @@ pub(crate) fn cross(a: &[Expr], b: &[Expr], arena: &mut Arena) -> Vec<Expr> {
     (0..DIRECTIONS).map(component).collect()
 }
 
-/// Returns the derivative of an expression with these derivatives by the entries where R moves by R ê, with e the unit vector of a direction: column j moves by R (e × e_j).
+/// Returns the derivative of an expression with these derivatives by the entries where R moves by R ê, with e the unit vector of a direction: column j moves by `R (e × e_j)`.
 fn turned(slopes: &[Expr], entries: &[Symbol], direction: usize, arena: &mut Arena) -> Expr {
     let (next, last) = ((direction + 1) % 3, (direction + 2) % 3);
     let mut terms = Vec::new();

@@ -32,24 +32,20 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
     let (generics, _, clause) = block.generics.split_for_impl();
     // lengths that are generic have no place in constants
     let is_generic = !block.generics.params.is_empty();
-    let one = || quote!(1);
     let with_rotations = configuration_with_rotations(block, &private).filter(|_| !is_generic);
     let n = match &with_rotations {
         Some(ty) => quote!({ <#ty as #private::FixedSize>::DEGREES_OF_FREEDOM }),
-        None if is_generic => one(),
+        None if is_generic => quote!(1),
         None => coordinates(block),
     };
-    let m = if is_generic { one() } else { processes(block) };
+    let m = processes(block, is_generic);
     let fail = quote!(::core::unreachable!("the macro reported an error"));
     let written = coordinates_type(block).filter(|ty| !is_generic && is_vector_or_nested(ty));
     let written = with_rotations.or_else(|| written.map(|ty| quote!(#ty)));
     let configuration = written.as_ref().map(|ty| quote!(, #ty));
     let plan = plan(&private);
-    let momenta = momenta(
-        block,
-        &private,
-        &written.unwrap_or_else(|| quote!([f64; #n])),
-    );
+    let whole = written.unwrap_or_else(|| quote!([f64; #n]));
+    let momenta = momenta(block, &private, &whole);
     let rules = rules.iter().map(|rule| {
         let rule = super::rule_type(*rule, &runtime);
         quote! {
@@ -257,7 +253,10 @@ fn coordinates_type(block: &ItemImpl) -> Option<&Type> {
     }
 }
 
-fn processes(block: &ItemImpl) -> TokenStream {
+fn processes(block: &ItemImpl, is_generic: bool) -> TokenStream {
+    if is_generic {
+        return quote!(1);
+    }
     let is_noise = |f: &&ImplItemFn| {
         f.attrs
             .iter()
