@@ -102,7 +102,7 @@ use sve_compiler::Settings;
 /// `#[force]` is a torque in the body frame, a `#[symmetry]` the body vector ξ with `δR = R ξ̂`. In the language: `r * a`, `r.inverse() * a`,
 /// `r.transpose()`, `r.inverse_transform_vector(&a)`, `r * s`, `r.matrix()`, `r[(i, j)]`.
 ///
-/// The increment of a rotation is the Cayley vector of R₀ᵀR₁, the node the middle of the geodesic. Momenta are those of the
+/// The increment of a rotation is the Cayley vector of `R₀ᵀR₁`, the node the middle of the geodesic. Momenta are those of the
 /// discrete action on the group, so that steps are symplectic on T*SO(3). Noises commute by the bracket
 /// `⟨f_R, g_Π⟩ − ⟨g_R, f_Π⟩ − Π·(f_Π × g_Π)` with left-trivialised `f_R`. Only `midpoint` and its compositions are for rotations; constraints,
 /// baselines, compensated sums and lanes are not.
