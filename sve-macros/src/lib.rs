@@ -89,8 +89,27 @@ use sve_compiler::Settings;
 ///
 /// `N = 1` may be written `q: f64`. Instead of `[f64; N]` the coordinates may be `[[f64; D]; B]`, a vector of nalgebra, `Vector1<f64>` to
 /// `Vector6<f64>` or `SVector<f64, N>`, or an array of these, `[Vector3<f64>; B]`; the paths of these types may be written out, as in
-/// `na::Vector3<f64>`. All coordinates, velocities and momenta of a block have the same type, and so have forces and generators. `M` noises may be returned as a
+/// `na::Vector3<f64>`. All coordinates, velocities and momenta of a block have the same type, and so have forces and generators, unless there is a
+/// rotation. `M` noises may be returned as a
 /// vector too. `N` and `M` are literals or constants of the block, `Self::N`, and `{ Self::N }` among generic arguments.
+///
+/// # Rotations
+///
+/// A rotation `r: Rotation3<f64>` has its angular velocity in the body frame, `w: Vector3<f64>`, in the place of the velocity, and its
+/// angular momentum in the body frame, `pi: Vector3<f64>`, in that of the momentum: `lagrangian(&self, r, w)`, `#[gamma]` of `(&self, r)`,
+/// `#[h1]` of `(&self, r, pi)`. Several are `[Rotation3<f64>; K]` with `[Vector3<f64>; K]`. Beside a vector there are two arguments a
+/// quantity, `lagrangian(&self, q, r, v, w)`, `(&self, q, r)`, `(&self, q, r, p, pi)`; forces and symmetries then return a tuple. A
+/// `#[force]` is a torque in the body frame, a `#[symmetry]` the body vector ξ with `δR = R ξ̂`. In the language: `r * a`, `r.inverse() * a`,
+/// `r.transpose()`, `r.inverse_transform_vector(&a)`, `r * s`, `r.matrix()`, `r[(i, j)]`.
+///
+/// The increment of a rotation is the Cayley vector of `R₀ᵀR₁`, the node the middle of the geodesic. Momenta are those of the
+/// discrete action on the group, so that steps are symplectic on T*SO(3). Noises commute by the bracket
+/// `⟨f_R, g_Π⟩ − ⟨g_R, f_Π⟩ − Π·(f_Π × g_Π)` with left-trivialised `f_R`. Only `midpoint` and its compositions are for rotations; constraints,
+/// baselines, compensated sums and lanes are not.
+///
+/// If L does not depend on the attitude, `#[variational(midpoint, reduced)]` leaves it out: `lagrangian(&self, w: Vector3<f64>)`, `#[h1]` of
+/// `(&self, pi: Vector3<f64>)`, `#[force]` of `(&self, w: Vector3<f64>)`. The state, `State<Reduced>`, is the body momentum alone (Euler–Poincaré, Lie–Poisson);
+/// `Integrator::step_with_attitude` gives the attitude along a path.
 ///
 /// # Parameters
 ///

@@ -10,13 +10,22 @@ use core::fmt::Debug;
 
 use nalgebra::SVector;
 
+pub use flat::{FlatConfiguration, Flatten};
+pub use reduced::Reduced;
+pub use rotations::WithRotations;
+
 use crate::state::State;
+
+mod flat;
+mod reduced;
+mod rotations;
 
 /// A point of a configuration space, the `q` of a [`State`].
 ///
 /// Implemented for `[f64; N]`, for the vectors of nalgebra (`Vector2<f64>`, `Vector3<f64>`, `SVector<f64, N>`), and for arrays of
 /// configurations, such as `[[f64; 3]; 4]` or `[Vector3<f64>; 4]`. In a vector space, momenta have the type of the configuration, and
-/// increments are added.
+/// increments are added. A `UnitQuaternion<f64>` is a rotation, whose increments are Cayley vectors in the body frame; `(Q, R)` is a
+/// configuration beside another one.
 ///
 /// ```
 /// use sve_runtime::Configuration;
@@ -33,7 +42,7 @@ use crate::state::State;
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a configuration",
     label = "a state does not consist of this type",
-    note = "a configuration is `[f64; N]`, a vector such as `Vector3<f64>`, or an array of those; a single coordinate is `[f64; 1]`"
+    note = "a configuration is `[f64; N]`, a vector such as `Vector3<f64>`, a rotation `UnitQuaternion<f64>`, an array of those, or a pair; a single coordinate is `[f64; 1]`"
 )]
 pub trait Configuration: Clone + Debug + PartialEq + Send + Sync + 'static {
     /// The type of momenta, and of velocities: elements of a vector space.
@@ -67,28 +76,55 @@ pub trait FixedSize: Configuration<Momentum: Copy> + Copy {
     const STORED_VALUES: usize;
     /// Returns the configuration from which others are measured: zero in a vector space.
     fn origin() -> Self;
+    /// Number of entries of every value, see [`entries`](Self::entries).
+    const ENTRIES: usize = Self::STORED_VALUES;
+    /// Whether the configuration has rotations, so that an increment is not added to the stored values.
+    const HAS_ROTATIONS: bool = false;
+    /// The form in which a step computes with the configuration `Whole`, if all parts of it are of this type: a row of coordinates in a
+    /// vector space.
+    type FlatForm<Whole: FixedSize, const N: usize>: FlatConfiguration<N> + Flatten<Whole, N>;
     /// Returns the momentum zero.
     fn no_momentum() -> Self::Momentum;
+    /// Writes the entries that a Lagrangian reads to `values`, which has the length [`ENTRIES`](Self::ENTRIES): the coordinates in a vector space,
+    /// and the nine entries of the matrix of a rotation, by columns.
+    ///
+    /// # Panics
+    /// If `values` has another length.
+    #[inline(always)]
+    fn entries(&self, values: &mut [f64]) {
+        self.store(values);
+    }
+    /// Adds what the momentum gains by its transport with a velocity: nothing in a vector space, and `Π × ω` for the body momentum of a rotation.
+    #[inline(always)]
+    fn add_transport(momentum: &[f64], velocity: &[f64], to: &mut [f64]) {
+        let _ = (momentum, velocity, to);
+    }
+    /// Returns the square of the longest Cayley vector in an increment; 0 in a vector space. A rotation by the angle θ has a Cayley vector of the
+    /// length 2 tan(θ/2).
+    #[inline(always)]
+    fn cayley_square(increment: &[f64]) -> f64 {
+        let _ = increment;
+        0.0
+    }
+    /// Returns the sum of the stored values, which is finite only if all of them are.
+    fn sum_of_stored_values(&self) -> f64;
 }
 
-/// A configuration that is described by `N` coordinates; generated code computes with the array of these coordinates.
+/// A configuration with `N` degrees of freedom, in the form in which generated code computes with it.
 pub trait Coordinates<const N: usize>: FixedSize {
+    /// The form in which generated code computes with the configuration: `[f64; N]` in a vector space.
+    type Flat: FlatConfiguration<N> + Flatten<Self, N>;
+
     /// Returns the coordinates of this configuration.
     #[inline(always)]
-    fn coordinates(&self) -> [f64; N] {
-        const { assert!(Self::STORED_VALUES == N, "another number of coordinates") }
-        let mut coordinates = [0.0; N];
-        self.store(&mut coordinates);
-        coordinates
+    fn coordinates(&self) -> Self::Flat {
+        Self::Flat::of(self)
     }
 
     /// Returns the configuration with these coordinates.
     #[inline(always)]
-    fn from_coordinates(coordinates: &[f64; N]) -> Self {
-        const { assert!(Self::STORED_VALUES == N, "another number of coordinates") }
-        let mut configuration = Self::origin();
-        configuration.restore(coordinates);
-        configuration
+    fn from_coordinates(coordinates: &Self::Flat) -> Self {
+        coordinates.whole()
     }
 
     /// Returns the components of a momentum or a velocity.
@@ -124,7 +160,7 @@ pub trait Coordinates<const N: usize>: FixedSize {
     #[inline(always)]
     fn in_coordinates<T>(
         state: &mut State<Self>,
-        change: impl FnOnce(&mut State<[f64; N]>) -> T,
+        change: impl FnOnce(&mut State<Self::Flat>) -> T,
     ) -> T {
         let mut flat = state.to_coordinates();
         let result = change(&mut flat);
@@ -132,6 +168,28 @@ pub trait Coordinates<const N: usize>: FixedSize {
         result
     }
 }
+
+/// A configuration in a vector space: an increment is added to its coordinates. Implemented for all configurations without rotations.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` has rotations, and this is only for systems without them",
+    note = "rotations are for `Integrator::new(system, Midpoint)` and its compositions"
+)]
+pub trait VectorSpace: FixedSize {}
+
+impl<const N: usize> VectorSpace for [f64; N] {}
+
+impl<const N: usize> VectorSpace for SVector<f64, N> {}
+
+impl<Q: VectorSpace, const B: usize> VectorSpace for [Q; B] {}
+
+/// A configuration in a vector space of `N` dimensions. Implemented for every [`VectorSpace`].
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` has rotations, and this is only for systems without them",
+    note = "rotations are for `Integrator::new(system, Midpoint)` and its compositions"
+)]
+pub trait VectorCoordinates<const N: usize>: VectorSpace + Coordinates<N, Flat = [f64; N]> {}
+
+impl<Q: VectorSpace + Coordinates<N, Flat = [f64; N]>, const N: usize> VectorCoordinates<N> for Q {}
 
 impl<const N: usize> Configuration for [f64; N] {
     type Momentum = Self;
@@ -163,6 +221,7 @@ impl<const N: usize> Configuration for [f64; N] {
 impl<const N: usize> FixedSize for [f64; N] {
     const DEGREES_OF_FREEDOM: usize = N;
     const STORED_VALUES: usize = N;
+    type FlatForm<Whole: FixedSize, const D: usize> = [f64; D];
 
     #[inline(always)]
     fn origin() -> Self {
@@ -173,9 +232,16 @@ impl<const N: usize> FixedSize for [f64; N] {
     fn no_momentum() -> Self {
         [0.0; N]
     }
+
+    #[inline(always)]
+    fn sum_of_stored_values(&self) -> f64 {
+        self.iter().sum()
+    }
 }
 
 impl<const N: usize> Coordinates<N> for [f64; N] {
+    type Flat = Self;
+
     #[inline(always)]
     fn coordinates(&self) -> [f64; N] {
         *self
@@ -235,6 +301,7 @@ impl<const N: usize> Configuration for SVector<f64, N> {
 impl<const N: usize> FixedSize for SVector<f64, N> {
     const DEGREES_OF_FREEDOM: usize = N;
     const STORED_VALUES: usize = N;
+    type FlatForm<Whole: FixedSize, const D: usize> = [f64; D];
 
     #[inline(always)]
     fn origin() -> Self {
@@ -245,9 +312,16 @@ impl<const N: usize> FixedSize for SVector<f64, N> {
     fn no_momentum() -> Self {
         Self::zeros()
     }
+
+    #[inline(always)]
+    fn sum_of_stored_values(&self) -> f64 {
+        self.iter().sum()
+    }
 }
 
 impl<const N: usize> Coordinates<N> for SVector<f64, N> {
+    type Flat = [f64; N];
+
     #[inline(always)]
     fn coordinates(&self) -> [f64; N] {
         self.data.0[0]
@@ -321,6 +395,9 @@ impl<Q: Configuration, const B: usize> Configuration for [Q; B] {
 impl<Q: FixedSize, const B: usize> FixedSize for [Q; B] {
     const DEGREES_OF_FREEDOM: usize = B * Q::DEGREES_OF_FREEDOM;
     const STORED_VALUES: usize = B * Q::STORED_VALUES;
+    const ENTRIES: usize = B * Q::ENTRIES;
+    const HAS_ROTATIONS: bool = Q::HAS_ROTATIONS;
+    type FlatForm<Whole: FixedSize, const N: usize> = Q::FlatForm<Whole, N>;
 
     #[inline(always)]
     fn origin() -> Self {
@@ -331,9 +408,47 @@ impl<Q: FixedSize, const B: usize> FixedSize for [Q; B] {
     fn no_momentum() -> [Q::Momentum; B] {
         [Q::no_momentum(); B]
     }
+
+    #[inline(always)]
+    fn entries(&self, values: &mut [f64]) {
+        let mut rest = values;
+        for body in self {
+            let (own, others) = rest.split_at_mut(Q::ENTRIES);
+            body.entries(own);
+            rest = others;
+        }
+        assert!(rest.is_empty(), "more values than the configuration has");
+    }
+
+    #[inline(always)]
+    fn add_transport(momentum: &[f64], velocity: &[f64], to: &mut [f64]) {
+        if Q::HAS_ROTATIONS {
+            let n = Q::DEGREES_OF_FREEDOM;
+            let bodies = momentum.chunks(n).zip(velocity.chunks(n));
+            for ((momentum, velocity), to) in bodies.zip(to.chunks_mut(n)) {
+                Q::add_transport(momentum, velocity, to);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn cayley_square(increment: &[f64]) -> f64 {
+        if !Q::HAS_ROTATIONS {
+            return 0.0;
+        }
+        let bodies = increment.chunks(Q::DEGREES_OF_FREEDOM);
+        bodies.map(Q::cayley_square).fold(0.0, f64::max)
+    }
+
+    #[inline(always)]
+    fn sum_of_stored_values(&self) -> f64 {
+        self.iter().map(Q::sum_of_stored_values).sum()
+    }
 }
 
-impl<Q: FixedSize, const B: usize, const N: usize> Coordinates<N> for [Q; B] {}
+impl<Q: FixedSize, const B: usize, const N: usize> Coordinates<N> for [Q; B] {
+    type Flat = Q::FlatForm<Self, N>;
+}
 
 /// Adds an increment to the coordinates in a vector space.
 #[inline(always)]

@@ -11,7 +11,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::configuration::Coordinates;
+use crate::configuration::{Coordinates, FlatConfiguration, VectorCoordinates};
 use crate::error::{StepError, step_error};
 use crate::jets::LagrangianJet;
 use crate::solve::SolveError;
@@ -79,7 +79,7 @@ pub(crate) fn massive_momenta<S: System + ?Sized, const N: usize>(p: &[f64; N]) 
 /// [`SolveError::Singular`] if ω or ∂²L/∂q² of the algebraic coordinates has no inverse.
 pub(crate) fn complete_velocity<S, Q, const N: usize, const M: usize>(
     system: &S,
-    state: &State<[f64; N]>,
+    state: &State<Q::Flat>,
     mut v: [f64; N],
 ) -> Result<[f64; N], SolveError>
 where
@@ -143,7 +143,7 @@ fn form_matrix<S: System + ?Sized, const N: usize>(jet: &LagrangianJet<N>) -> [[
 /// [`StepError::Inconsistent`] with the two values of the first one that does not.
 pub(crate) fn check_consistent<S, Q, const N: usize, const M: usize>(
     system: &S,
-    state: &State<[f64; N]>,
+    state: &State<Q::Flat>,
 ) -> Result<(), StepError>
 where
     S: System<Dims = Dims<N, M, Q>> + ?Sized,
@@ -152,7 +152,11 @@ where
     let State { t, q, p } = state;
     let jet = system.lagrangian_jet(*t, q, &[0.0; N]);
     let is_far = |value: f64, expected: f64, slopes: [f64; N]| {
-        let terms = slopes.iter().zip(q).map(|(slope, q)| (slope * q).abs());
+        let values = q.values();
+        let terms = slopes
+            .iter()
+            .zip(&values)
+            .map(|(slope, q)| (slope * q).abs());
         let scale = value.abs() + expected.abs() + terms.sum::<f64>();
         (value - expected).abs() > CONSISTENT * scale
     };
@@ -182,7 +186,7 @@ where
 #[cold]
 pub(crate) fn explained<S, Q, const N: usize, const M: usize>(
     system: &S,
-    state: &State<[f64; N]>,
+    state: &State<Q::Flat>,
     error: StepError,
 ) -> StepError
 where
@@ -209,7 +213,7 @@ where
         return StepError::SingularForm {
             t: state.t,
             h,
-            q: state.q.to_vec(),
+            q: state.q.values(),
             determinant: DMatrix::from_fn(N, N, |i, j| form[i][j]).determinant(),
         };
     }
@@ -223,13 +227,13 @@ where
 pub(crate) fn state_at_rest<S, Q, const N: usize, const M: usize>(
     system: &S,
     q: &[f64; N],
-) -> Result<State<[f64; N]>, StepError>
+) -> Result<State<Q::Flat>, StepError>
 where
     S: System<Dims = Dims<N, M, Q>> + ?Sized,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     let mut state = State::new(*q, [0.0; N]);
-    let of = |error, state: &State<[f64; N]>| step_error(error, state, 0.0, &[]);
+    let of = |error, state: &State<Q::Flat>| step_error(error, state, 0.0, &[]);
     if const { is_degenerate::<S>() } && S::ROLES.contains(&Algebraic) {
         let found = Newton::default().solve(*q, |at| algebraic_equations(system, q, at));
         state.q = found.map_err(|error| of(error, &state))?;
@@ -254,7 +258,7 @@ fn algebraic_equations<S, Q, const N: usize, const M: usize>(
 ) -> Evaluation<N>
 where
     S: System<Dims = Dims<N, M, Q>> + ?Sized,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     let jet = system.lagrangian_jet(0.0, at, &[0.0; N]);
     let mut equations = Evaluation {

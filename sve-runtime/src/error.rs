@@ -1,5 +1,6 @@
 //! Errors of steps, and the conversion of solver errors. Each message has the numbers in question and what to change.
 
+use crate::configuration::FlatConfiguration;
 use crate::noise::NoiseError;
 use crate::solve::SolveError;
 use crate::state::State;
@@ -188,6 +189,23 @@ pub enum StepError {
         q: Vec<f64>,
         /// The condition that does not hold.
         condition: Box<str>,
+    },
+    /// A body turns by more than 127 degrees in the step.
+    #[error(
+        "a body would turn by {:.0} degrees in the step from t = {t} with h = {h:e}, and the limit is 127: take a smaller h, \
+         or truncated increments if noise turned it (`Truncated`)",
+        angle.to_degrees()
+    )]
+    LargeRotation {
+        /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Step size.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        h: f64,
+        /// The angle in radians.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        angle: f64,
     },
     /// The equations of the step have a singular Jacobian.
     #[error(
@@ -409,9 +427,9 @@ fn branch_lost(t: f64, h: f64, dw: &[f64], step: f64, reached: f64) -> String {
 ///
 /// The caller passes copies of state and increments, so that its own can stay in registers.
 #[cold]
-pub(crate) fn step_error<const N: usize>(
+pub(crate) fn step_error<F: FlatConfiguration<N>, const N: usize>(
     error: SolveError,
-    state: &State<[f64; N]>,
+    state: &State<F>,
     h: f64,
     dw: &[f64],
 ) -> StepError {
@@ -434,7 +452,8 @@ pub(crate) fn step_error<const N: usize>(
             t,
         };
     }
-    if let Some(bad) = not_finite("q", &state.q)
+    let q = state.q.values();
+    if let Some(bad) = not_finite("q", &q)
         .or_else(|| not_finite("p", &state.p))
         .or_else(|| not_finite("dw", dw))
     {
@@ -464,12 +483,8 @@ pub(crate) fn step_error<const N: usize>(
             p: state.p.to_vec(),
             reached,
         },
-        SolveError::Singular { iteration } => StepError::Singular {
-            t,
-            h,
-            q: state.q.to_vec(),
-            iteration,
-        },
+        SolveError::LargeRotation { angle } => StepError::LargeRotation { t, h, angle },
+        SolveError::Singular { iteration } => StepError::Singular { t, h, q, iteration },
         // Configuration and momentum are finite, and the new time is not, or does not change. Outside of a step h is 0.
         SolveError::NonFinite if h != 0.0 && !is_next_time(t, t + h) => {
             StepError::Time { t, h, end: t + h }
@@ -477,7 +492,7 @@ pub(crate) fn step_error<const N: usize>(
         SolveError::NonFinite | SolveError::OutsideDomain { .. } => StepError::NonFiniteResult {
             t,
             h,
-            q: state.q.to_vec(),
+            q,
             p: state.p.to_vec(),
         },
     }

@@ -9,7 +9,7 @@
 //!
 //! Source: Allgower, Georg, *Introduction to Numerical Continuation Methods* (2003), chapter 2.
 
-use crate::configuration::Coordinates;
+use crate::configuration::{Coordinates, FlatConfiguration};
 use crate::degenerate::{self, is_degenerate};
 use crate::jets::LagrangianJet;
 use crate::solve::SolveError;
@@ -50,7 +50,7 @@ const SCALES: i32 = 40;
 #[inline]
 pub(crate) fn velocity<S, Q, const N: usize, const M: usize>(
     system: &S,
-    state: &State<[f64; N]>,
+    state: &State<Q::Flat>,
 ) -> Result<[f64; N], SolveError>
 where
     S: System<Dims = Dims<N, M, Q>> + ?Sized,
@@ -66,7 +66,7 @@ where
 #[cold]
 fn velocity_of_degenerate<S, Q, const N: usize, const M: usize>(
     system: &S,
-    state: &State<[f64; N]>,
+    state: &State<Q::Flat>,
 ) -> Result<[f64; N], SolveError>
 where
     S: System<Dims = Dims<N, M, Q>> + ?Sized,
@@ -82,7 +82,7 @@ where
 fn jet<S, Q, const N: usize, const M: usize>(
     system: &S,
     t: f64,
-    q: &[f64; N],
+    q: &Q::Flat,
     v: &[f64; N],
 ) -> LagrangianJet<N>
 where
@@ -100,7 +100,7 @@ where
 #[inline]
 fn solve<S, Q, const N: usize, const M: usize>(
     system: &S,
-    state: &State<[f64; N]>,
+    state: &State<Q::Flat>,
 ) -> Result<[f64; N], SolveError>
 where
     S: System<Dims = Dims<N, M, Q>> + ?Sized,
@@ -122,14 +122,16 @@ where
 /// Returns the velocity if the momentum is not affine in it, by continuation from the reference velocity.
 fn velocity_by_continuation<S, Q, const N: usize, const M: usize>(
     system: &S,
-    state: &State<[f64; N]>,
+    state: &State<Q::Flat>,
 ) -> Result<[f64; N], SolveError>
 where
     S: System<Dims = Dims<N, M, Q>> + ?Sized,
     Q: Coordinates<N>,
 {
     let State { t, q, p } = state;
-    if !p.iter().chain(q).chain([t]).all(|x| x.is_finite()) {
+    if !q.sum_with(p).is_finite() && !q.values().iter().chain(p).all(|x| x.is_finite())
+        || !t.is_finite()
+    {
         return Err(SolveError::NonFinite);
     }
     let at = |v: &[f64; N], target: &[f64; N]| {
@@ -152,7 +154,7 @@ where
         mut v,
         p: from,
         mut sign,
-    } = reference(state, &at)?;
+    } = reference(p, &at)?;
     let newton = Newton::default();
     let (mut here, mut stride) = (0.0, 1.0);
     for _ in 0..MAX_STRIDES {
@@ -192,13 +194,13 @@ struct Reference<const N: usize> {
 /// Finds a velocity at which L is defined and its mass matrix is regular: rest, otherwise the momentum or a diagonal direction
 /// times a power of two.
 fn reference<const N: usize>(
-    state: &State<[f64; N]>,
+    p: &[f64; N],
     at: &impl Fn(&[f64; N], &[f64; N]) -> Evaluation<N>,
 ) -> Result<Reference<N>, SolveError> {
     let mut undefined = SolveError::NonFinite;
     let scales = (0..=SCALES).flat_map(|k| [f64::from(k).exp2(), f64::from(-k).exp2()]);
     let candidates = scales.flat_map(|scale| {
-        let along = state.p.map(|p| scale * p);
+        let along = p.map(|p| scale * p);
         [along, [scale; N], [-scale; N]]
     });
     for v in [[0.0; N]].into_iter().chain(candidates) {

@@ -127,7 +127,10 @@ pub use composition::{
     BlanesMoan4, BlanesMoanRkn6, Coefficients, Composed, Composition, KahanLi8,
     QuadraticKineticEnergy, Separable, Split, Splitting, Symmetric,
 };
-pub use configuration::{Configuration, Coordinates, FixedSize};
+pub use configuration::{
+    Configuration, Coordinates, FixedSize, FlatConfiguration, Flatten, Reduced, VectorCoordinates,
+    VectorSpace, WithRotations,
+};
 pub use constraints::{ConstraintForce, ConstraintForces};
 pub use degenerate::CoordinateRole;
 pub use equations::{StepEquations, StepOf};
@@ -263,7 +266,7 @@ pub use state::State;
 /// ```
 pub use sve_macros::variational;
 pub use system::{
-    ConfigurationOf, ConstraintJet, Dimensions, Dims, FlatStateOf, ForceJet, Increments,
+    ConfigurationOf, ConstraintJet, Dimensions, Dims, FlatOf, FlatStateOf, ForceJet, Increments,
     IncrementsOf, LagrangianJet, MomentumOf, NoiseJet, StateOf, System, VectorOf,
 };
 #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
@@ -309,6 +312,7 @@ pub mod __private {
     pub use crate::__derived_rule as derived_rule;
     pub use crate::composition::sequence;
     pub use crate::composition::{QuadraticKineticEnergy, Separable};
+    pub use crate::configuration::{FixedSize, Reduced, WithRotations};
     pub use crate::degenerate::CoordinateRole;
     pub use crate::equations::{Returns, StepEquations};
     pub use crate::error::StepError;
@@ -332,9 +336,10 @@ pub mod __private {
         BlockProperties, BlockSolver, Evaluation, Newton, propagated_error,
     };
     pub use crate::solve::regularity::{all_positive, cold, is_regular_within};
-    pub use crate::state::{State, in_coordinates};
+    pub use crate::state::{State, in_coordinates, with_entries};
     pub use crate::system::{ConstraintJet, Dims, ForceJet, LagrangianJet, NoiseJet, System};
     pub use crate::variational::Discretised;
+    pub use nalgebra::UnitQuaternion;
     /// The derivatives of a step.
     pub type DMatrix = nalgebra::DMatrix<f64>;
 }

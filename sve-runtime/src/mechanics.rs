@@ -4,7 +4,7 @@
 //! The equations of motion are those of a stochastic Hamilton–Pontryagin system (`docs/mathematics.md`, sections 1 and 4),
 //! `dq = v dt + Σ ∂G_a/∂p ∘ dW_a`, `dp = (∂L/∂q + F) dt − Σ ∂G_a/∂q ∘ dW_a`, `p = ∂L/∂v`, with `G = −γ` or `G = H₁`.
 
-use crate::configuration::Coordinates;
+use crate::configuration::{Coordinates, FlatConfiguration, VectorSpace};
 use crate::degenerate::{self, NEEDS_REGULAR, is_degenerate};
 use crate::error::{StepError, step_error};
 use crate::legendre;
@@ -140,7 +140,9 @@ pub trait Mechanics: System {
     fn noise(&self, state: &StateOf<Self>, dw: &IncrementsOf<Self>) -> Field<MomentumOf<Self>>;
 
     /// The Itô correction `½ Σ_a (Dg_a) g_a`: the Itô drift minus the Stratonovich drift.
-    fn ito_correction(&self, state: &StateOf<Self>) -> Field<MomentumOf<Self>>;
+    fn ito_correction(&self, state: &StateOf<Self>) -> Field<MomentumOf<Self>>
+    where
+        ConfigurationOf<Self>: VectorSpace;
 }
 
 impl<S, Q, const N: usize, const M: usize> Mechanics for S
@@ -234,11 +236,16 @@ where
     fn noise(&self, state: &State<Q>, dw: &[f64; M]) -> Field<Q::Momentum> {
         const { assert!(S::ROLES.is_empty(), "{}", NEEDS_REGULAR) };
         let State { t, q, p } = state.to_coordinates();
-        noise_of(&self.noise_jets(t, &q, &p), dw).of::<Q>()
+        let mut noise = noise_of(&self.noise_jets(t, &q, &p), dw);
+        Q::Flat::add_transport(&p, &noise.q, &mut noise.p);
+        noise.of::<Q>()
     }
 
     #[inline]
-    fn ito_correction(&self, state: &State<Q>) -> Field<Q::Momentum> {
+    fn ito_correction(&self, state: &State<Q>) -> Field<Q::Momentum>
+    where
+        Q: VectorSpace,
+    {
         const { assert!(S::ROLES.is_empty(), "{}", NEEDS_REGULAR) };
         let State { t, q, p } = state.to_coordinates();
         correction_of(&self.noise_jets(t, &q, &p)).of::<Q>()
@@ -249,7 +256,7 @@ where
 #[inline]
 fn velocity<S, Q, const N: usize, const M: usize>(
     system: &S,
-    state: &State<[f64; N]>,
+    state: &State<Q::Flat>,
 ) -> Result<[f64; N], StepError>
 where
     S: System<Dims = Dims<N, M, Q>>,
@@ -264,7 +271,7 @@ where
 #[inline]
 pub(crate) fn solve_drift<S, Q, const N: usize, const M: usize>(
     system: &S,
-    state: &State<[f64; N]>,
+    state: &State<Q::Flat>,
 ) -> Result<Field<[f64; N]>, SolveError>
 where
     S: System<Dims = Dims<N, M, Q>> + ?Sized,
@@ -278,6 +285,7 @@ where
             p[i] += force[i];
         }
     }
+    Q::Flat::add_transport(&state.p, &q, &mut p);
     Ok(Field { q, p })
 }
 
@@ -291,7 +299,7 @@ pub(crate) struct Motion<const N: usize> {
 #[inline]
 pub(crate) fn solve_motion<S, Q, const N: usize, const M: usize>(
     system: &S,
-    state: &State<[f64; N]>,
+    state: &State<Q::Flat>,
     v: [f64; N],
 ) -> Result<Motion<N>, SolveError>
 where
@@ -303,6 +311,7 @@ where
     // d/dt ∂L/∂v = ∂L/∂q + F:  L_vv a = L_q + F − L_vq v − L_vt
     let mut total = jet.dq;
     let mut rhs = [0.0; N];
+    Q::Flat::add_transport(&jet.dv, &v, &mut total);
     for i in 0..N {
         total[i] += force.value[i];
         rhs[i] = total[i] - jet.dvt[i];
@@ -320,6 +329,8 @@ where
             p[i] += (jet.dqv[i][j] + force.dv[i][j]) * a[j];
         }
     }
+    Q::Flat::add_transport(&total, &v, &mut p);
+    Q::Flat::add_transport(&jet.dv, &a, &mut p);
     Ok(Motion {
         first: Field { q: v, p: total },
         second: Field { q: a, p },
@@ -377,7 +388,7 @@ fn finite<const N: usize>(field: Field<[f64; N]>) -> Result<Field<[f64; N]>, Sol
 fn outside_a_step<S, Q, const N: usize, const M: usize>(
     system: &S,
     error: SolveError,
-    state: &State<[f64; N]>,
+    state: &State<Q::Flat>,
 ) -> StepError
 where
     S: System<Dims = Dims<N, M, Q>>,

@@ -2,7 +2,9 @@
 //!
 //! A state can have any numbers: every step checks that they are finite.
 
-use crate::configuration::{Configuration, Coordinates};
+use crate::configuration::{
+    Configuration, Coordinates, FixedSize, VectorCoordinates, WithRotations,
+};
 use crate::degenerate;
 use crate::error::StepError;
 use crate::system::{Dims, System};
@@ -47,6 +49,37 @@ use crate::system::{Dims, System};
 /// assert!((first[0] + second[0] - 1.0).abs() < 1e-15);
 /// let start: State<[[f64; 2]; 2]> = State::at(1.0, [[0.0, 0.0], [1.0, 0.0]], [[0.0; 2]; 2]);
 /// assert_eq!(pair.system().drift(&start)?.p, [[4.0, 0.0], [-4.0, 0.0]]);
+/// # Ok(())
+/// # }
+/// ```
+///
+/// For a rotation `r: Rotation3<f64>` of the Lagrangian `q` is a [`UnitQuaternion`](nalgebra::UnitQuaternion), and `p` the angular momentum in the body frame. A body
+/// that moves in space has a position beside its attitude, `State::new((q, r), (p, pi))`, with the parts `.q.0`, `.q.1`, `.p.0` and `.p.1`:
+///
+/// ```
+/// use sve_runtime::prelude::*;
+///
+/// /// A falling body.
+/// struct Body { m: f64, i: Vector3<f64>, g: f64 }
+///
+/// #[variational(midpoint)]
+/// impl Body {
+///     fn lagrangian(&self, q: Vector3<f64>, _r: Rotation3<f64>, v: Vector3<f64>, w: Vector3<f64>) -> f64 {
+///         0.5 * self.m * v.norm_squared() + 0.5 * w.dot(&self.i.component_mul(&w)) - self.m * self.g * q.z
+///     }
+/// }
+///
+/// # fn main() -> Result<(), StepError> {
+/// let body = Integrator::new(Body { m: 2.0, i: Vector3::new(1.0, 2.0, 3.0), g: 9.8 }, Midpoint);
+/// let (at, attitude) = (Vector3::zeros(), UnitQuaternion::identity());
+/// let start = State::new((at, attitude), (Vector3::zeros(), Vector3::new(0.1, 2.0, 0.1)));
+/// let mut state = start;
+/// for _ in 0..100 {
+///     body.step(&mut state, 0.01, &[])?;
+/// }
+/// assert!((state.q.0.z + 4.9).abs() < 1e-12);
+/// // the angular momentum in space stays
+/// assert!((state.q.1 * state.p.1 - start.p.1).norm() < 1e-13);
 /// # Ok(())
 /// # }
 /// ```
@@ -124,7 +157,7 @@ impl<Q: Configuration> State<Q> {
     ) -> Result<Self, StepError>
     where
         S: System<Dims = Dims<N, M, Q>> + ?Sized,
-        Q: Coordinates<N>,
+        Q: VectorCoordinates<N>,
     {
         let state = degenerate::state_at_rest(system, &q.coordinates())?;
         Ok(Self::from_coordinates(&state))
@@ -133,7 +166,7 @@ impl<Q: Configuration> State<Q> {
     /// The same state in coordinates.
     #[allow(clippy::wrong_self_convention)] // a state can be large
     #[inline(always)]
-    pub(crate) fn to_coordinates<const N: usize>(&self) -> State<[f64; N]>
+    pub(crate) fn to_coordinates<const N: usize>(&self) -> State<Q::Flat>
     where
         Q: Coordinates<N>,
     {
@@ -146,7 +179,7 @@ impl<Q: Configuration> State<Q> {
 
     /// The state with these coordinates.
     #[inline(always)]
-    pub(crate) fn from_coordinates<const N: usize>(flat: &State<[f64; N]>) -> Self
+    pub(crate) fn from_coordinates<const N: usize>(flat: &State<Q::Flat>) -> Self
     where
         Q: Coordinates<N>,
     {
@@ -160,6 +193,18 @@ impl<Q: Configuration> State<Q> {
 
 /// A state in coordinates, for generated functions.
 #[inline(always)]
-pub fn in_coordinates<Q: Coordinates<N>, const N: usize>(state: &State<Q>) -> State<[f64; N]> {
+pub fn in_coordinates<Q: Coordinates<N>, const N: usize>(state: &State<Q>) -> State<Q::Flat> {
     state.to_coordinates()
+}
+
+/// A state with the entries of its configuration in place of the configuration, for generated functions of systems with rotations.
+#[inline(always)]
+pub fn with_entries<Q: FixedSize, const E: usize, const N: usize>(
+    state: &State<WithRotations<Q, N>>,
+) -> State<[f64; E], [f64; N]> {
+    State {
+        t: state.t,
+        q: state.q.entries(),
+        p: state.p,
+    }
 }

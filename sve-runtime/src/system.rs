@@ -7,9 +7,9 @@ use core::marker::PhantomData;
 
 pub use crate::jets::{ConstraintJet, ForceJet, LagrangianJet, NoiseJet};
 
-use crate::configuration::{Configuration, Coordinates, FixedSize};
+use crate::configuration::{Configuration, Coordinates, FixedSize, FlatConfiguration};
 use crate::degenerate::CoordinateRole;
-use crate::lanes::{Lane, StateLanes};
+use crate::lanes::{Lane, LaneStates};
 use crate::state::State;
 
 /// The fixed sizes of a system, `N` degrees of freedom and `M` Wiener processes, and its type of configurations.
@@ -43,11 +43,13 @@ pub trait Dimensions {
     type Vector: Copy + core::fmt::Debug + AsRef<[f64]> + AsMut<[f64]>;
     /// The increments of the Wiener processes over a step, `[f64; M]`.
     type Increments: Increments;
-    /// The state in coordinates, [`State<[f64; N]>`](State).
+    /// The configuration in the form in which steps compute with it: `[f64; N]` in a vector space.
+    type Flat: Copy + core::fmt::Debug;
+    /// The state in this form: [`State<[f64; N]>`](State) in a vector space.
     type FlatState: Clone + core::fmt::Debug;
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
-    /// A state in each lane, [`StateLanes<N>`](StateLanes).
-    type StateLanes: Clone + core::fmt::Debug;
+    /// A state in each lane: [`StateLanes<N>`](crate::StateLanes) in a vector space.
+    type StateLanes: Clone + Copy + core::fmt::Debug;
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     /// The increments of each lane, `[Lane; M]`.
     type IncrementLanes: Copy + core::fmt::Debug + AsRef<[Lane]> + AsMut<[Lane]>;
@@ -82,8 +84,9 @@ impl<const N: usize, const M: usize, Q: Coordinates<N>> Dimensions for Dims<N, M
     type Configuration = Q;
     type Vector = [f64; N];
     type Increments = [f64; M];
-    type FlatState = State<[f64; N]>;
-    type StateLanes = StateLanes<N>;
+    type Flat = Q::Flat;
+    type FlatState = State<Q::Flat>;
+    type StateLanes = <Q::Flat as FlatConfiguration<N>>::Lanes;
     type IncrementLanes = [Lane; M];
     type LagrangianJet = LagrangianJet<N>;
     type NoiseJets = [NoiseJet<N>; M];
@@ -96,20 +99,20 @@ impl<const N: usize, const M: usize, Q: Coordinates<N>> Dimensions for Dims<N, M
         dt: [0.0; N],
     };
     const NO_INCREMENT_LANES: [Lane; M] = [[0.0; crate::lanes::LANES]; M];
-    fn splat(state: &State<Q>) -> StateLanes<N> {
-        StateLanes::splat(&state.to_coordinates())
+    fn splat(state: &State<Q>) -> Self::StateLanes {
+        LaneStates::splat(&state.to_coordinates())
     }
     #[inline(always)]
-    fn get(lanes: &StateLanes<N>, lane: usize) -> State<Q> {
+    fn get(lanes: &Self::StateLanes, lane: usize) -> State<Q> {
         State::from_coordinates(&lanes.get(lane))
     }
     #[inline(always)]
-    fn set(lanes: &mut StateLanes<N>, lane: usize, state: &State<Q>) {
+    fn set(lanes: &mut Self::StateLanes, lane: usize, state: &State<Q>) {
         lanes.set(lane, &state.to_coordinates());
     }
     #[inline(always)]
-    fn times(lanes: &mut StateLanes<N>) -> &mut Lane {
-        &mut lanes.t
+    fn times(lanes: &mut Self::StateLanes) -> &mut Lane {
+        lanes.times()
     }
 }
 
@@ -123,7 +126,9 @@ pub type ConfigurationOf<S> = <<S as System>::Dims as Dimensions>::Configuration
 pub type MomentumOf<S> = <ConfigurationOf<S> as Configuration>::Momentum;
 /// The state of a system.
 pub type StateOf<S> = State<ConfigurationOf<S>>;
-/// The state of a system in coordinates, `State<[f64; N]>`.
+/// The configuration of a system as steps compute with it, `[f64; N]` in a vector space.
+pub type FlatOf<S> = <<S as System>::Dims as Dimensions>::Flat;
+/// The state of a system in coordinates, `State<[f64; N]>` in a vector space.
 pub type FlatStateOf<S> = <<S as System>::Dims as Dimensions>::FlatState;
 /// `StateLanes<N>` of a system.
 pub type StateLanesOf<S> = <<S as System>::Dims as Dimensions>::StateLanes;
@@ -160,14 +165,14 @@ pub trait System {
     fn lagrangian_jet(
         &self,
         t: f64,
-        q: &VectorOf<Self>,
+        q: &FlatOf<Self>,
         v: &VectorOf<Self>,
     ) -> <Self::Dims as Dimensions>::LagrangianJet;
     /// Every noise Hamiltonian (`−γᵢ` or `H₁ⱼ`, in the order of `dw`) with its first and second derivatives.
     fn noise_jets(
         &self,
         t: f64,
-        q: &VectorOf<Self>,
+        q: &FlatOf<Self>,
         p: &VectorOf<Self>,
     ) -> <Self::Dims as Dimensions>::NoiseJets;
     /// The force F with its first derivatives; zero where there is none.
@@ -175,7 +180,7 @@ pub trait System {
     fn force_jet(
         &self,
         t: f64,
-        q: &VectorOf<Self>,
+        q: &FlatOf<Self>,
         v: &VectorOf<Self>,
     ) -> <Self::Dims as Dimensions>::ForceJet {
         let _ = (t, q, v);
@@ -185,7 +190,7 @@ pub trait System {
     fn constraint_jets(
         &self,
         t: f64,
-        q: &VectorOf<Self>,
+        q: &FlatOf<Self>,
         visit: &mut dyn FnMut(<Self::Dims as Dimensions>::ConstraintJet),
     ) {
         let _ = (t, q, visit);
@@ -210,7 +215,7 @@ impl<S: System> System for &S {
     fn lagrangian_jet(
         &self,
         t: f64,
-        q: &VectorOf<S>,
+        q: &FlatOf<S>,
         v: &VectorOf<S>,
     ) -> <S::Dims as Dimensions>::LagrangianJet {
         (**self).lagrangian_jet(t, q, v)
@@ -220,7 +225,7 @@ impl<S: System> System for &S {
     fn noise_jets(
         &self,
         t: f64,
-        q: &VectorOf<S>,
+        q: &FlatOf<S>,
         p: &VectorOf<S>,
     ) -> <S::Dims as Dimensions>::NoiseJets {
         (**self).noise_jets(t, q, p)
@@ -230,7 +235,7 @@ impl<S: System> System for &S {
     fn force_jet(
         &self,
         t: f64,
-        q: &VectorOf<S>,
+        q: &FlatOf<S>,
         v: &VectorOf<S>,
     ) -> <S::Dims as Dimensions>::ForceJet {
         (**self).force_jet(t, q, v)
@@ -239,7 +244,7 @@ impl<S: System> System for &S {
     fn constraint_jets(
         &self,
         t: f64,
-        q: &VectorOf<S>,
+        q: &FlatOf<S>,
         visit: &mut dyn FnMut(<S::Dims as Dimensions>::ConstraintJet),
     ) {
         (**self).constraint_jets(t, q, visit);

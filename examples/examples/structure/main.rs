@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 use scenes::{Facts, Scene, Visitor, every_scene};
 use sve_runtime::__private::Unstructured;
 use sve_runtime::prelude::*;
-use sve_runtime::{Coordinates, Dims, StateOf, System, Variational};
+use sve_runtime::{Dims, StateOf, System, Variational, VectorCoordinates};
 
 /// Steps of a run, all from the scene's start.
 const STEPS: usize = 512;
@@ -47,7 +47,7 @@ impl Visitor for Rows {
     fn visit<S, R, Q, const N: usize, const M: usize>(&mut self, scene: &Scene<S, R>)
     where
         S: System<Dims = Dims<N, M, Q>> + Variational<R> + Variational<Unstructured<R>> + Copy,
-        Q: Coordinates<N>,
+        Q: VectorCoordinates<N>,
         R: Copy,
     {
         self.0.push(row(scene));
@@ -57,7 +57,7 @@ impl Visitor for Rows {
 fn row<S, R, Q, const N: usize, const M: usize>(scene: &Scene<S, R>) -> Result<Row, StepError>
 where
     S: System<Dims = Dims<N, M, Q>> + Variational<R> + Variational<Unstructured<R>> + Copy,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
     R: Copy,
 {
     let wiener = Wiener::new(1);
@@ -100,7 +100,7 @@ struct Runner<'a, S: System, R, const M: usize> {
 impl<'a, S, R, Q, const N: usize, const M: usize> Runner<'a, S, R, M>
 where
     S: System<Dims = Dims<N, M, Q>> + Variational<R>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     fn new(
         integrator: &'a Integrator<S, R>,
@@ -155,7 +155,7 @@ fn iterations<S, R, Q, const N: usize, const M: usize>(
 ) -> Result<f64, StepError>
 where
     S: System<Dims = Dims<N, M, Q>> + Variational<R> + Clone,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
     R: Clone,
 {
     let mut sum = 0;

@@ -3,7 +3,9 @@
 
 use sve_runtime::__private::Unstructured;
 use sve_runtime::prelude::*;
-use sve_runtime::{BlockKind, Coordinates, Dims, Operations, Plan, StateOf, System, Variational};
+use sve_runtime::{
+    BlockKind, Dims, Operations, Plan, StateOf, System, Variational, VectorCoordinates,
+};
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pendulum {
@@ -186,7 +188,7 @@ pub(crate) trait Visitor {
     fn visit<S, R, Q, const N: usize, const M: usize>(&mut self, scene: &Scene<S, R>)
     where
         S: System<Dims = Dims<N, M, Q>> + Variational<R> + Variational<Unstructured<R>> + Copy,
-        Q: Coordinates<N>,
+        Q: VectorCoordinates<N>,
         R: Copy;
 }
 

@@ -6,7 +6,7 @@
 use sve_runtime::baseline::{EulerMaruyama, Heun, RungeKutta4, TaylorSeries2};
 use sve_runtime::prelude::*;
 use sve_runtime::study::{Study, StudyError};
-use sve_runtime::{Coordinates, Dims, Splitting, StateOf, System, Variational};
+use sve_runtime::{Dims, Splitting, StateOf, System, Variational, VectorCoordinates};
 
 use crate::compensated::{Compensated, Uncounted};
 use crate::planets;
@@ -51,7 +51,7 @@ where
         + Variational<Gauss<4>>
         + Variational<Gauss<6>>
         + Variational<Gauss<8>>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     fn new(system: S) -> Self {
         let zero = State::new(Q::origin(), Q::no_momentum());
@@ -116,7 +116,7 @@ where
         + Sync
         + Variational<Split<BlanesMoan4>>
         + Variational<Split<BlanesMoanRkn6>>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
     BlanesMoan4: Splitting<S>,
     BlanesMoanRkn6: Splitting<S>,
 {

@@ -111,3 +111,75 @@ pub(crate) fn double_naive(q: &mut [f64; 2], p: &mut [f64; 2], h: f64, s: &Doubl
     *q = [q[0] + h * v[0], q[1] + h * v[1]];
     *p = [2.0 * pm[0] - p[0], 2.0 * pm[1] - p[1]];
 }
+
+/// Free rigid body, variational Cayley step: Newton's method with the analytic Jacobian for the body velocity, from the velocity at the start,
+/// until the update is at rounding; then the quaternion and the momentum.
+#[inline]
+pub(crate) fn rigid_body_cayley(q: &mut [f64; 4], p: &mut [f64; 3], h: f64, i: &[f64; 3]) {
+    let cross = |a: [f64; 3], b: [f64; 3]| {
+        [
+            a[1] * b[2] - a[2] * b[1],
+            a[2] * b[0] - a[0] * b[2],
+            a[0] * b[1] - a[1] * b[0],
+        ]
+    };
+    let mut w = [p[0] / i[0], p[1] / i[1], p[2] / i[2]];
+    let (mut x, mut m) = ([0.0; 3], [0.0; 3]);
+    for _ in 0..50 {
+        x = w.map(|w| h * w);
+        m = [i[0] * w[0], i[1] * w[1], i[2] * w[2]];
+        let along = x[0] * m[0] + x[1] * m[1] + x[2] * m[2];
+        let across = cross(x, m);
+        // the residual m + ½ x × m + ¼ x (x·m) − Π and its Jacobian by w
+        let mut r = [0.0; 3];
+        let mut a = [[0.0; 3]; 3];
+        for k in 0..3 {
+            r[k] = m[k] + 0.5 * across[k] + 0.25 * x[k] * along - p[k];
+            for j in 0..3 {
+                a[k][j] = 0.5 * h * x[k] * m[j];
+            }
+            a[k][k] += i[k] + 0.25 * h * along;
+        }
+        for (k, j, l) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
+            // ½ (x × m)_k = ½ (x_j m_l − x_l m_j)
+            a[k][j] += 0.5 * h * (m[l] - w[l] * i[j]);
+            a[k][l] += 0.5 * h * (w[j] * i[l] - m[j]);
+        }
+        let columns: [[f64; 3]; 3] = std::array::from_fn(|j| [a[0][j], a[1][j], a[2][j]]);
+        let minors = [
+            cross(columns[1], columns[2]),
+            cross(columns[2], columns[0]),
+            cross(columns[0], columns[1]),
+        ];
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let inverse = 1.0 / dot(columns[0], minors[0]);
+        let mut is_done = true;
+        for k in 0..3 {
+            let update = inverse * dot(minors[k], r);
+            w[k] -= update;
+            is_done &= update.abs() <= 1e-14 * (1.0 + w[k].abs());
+        }
+        if is_done {
+            break;
+        }
+    }
+    let turned = cross(x, m);
+    for k in 0..3 {
+        p[k] -= turned[k];
+    }
+    let half = x.map(|x| 0.5 * x);
+    let vector = [q[1], q[2], q[3]];
+    let across = cross(vector, half);
+    let mut next = [
+        q[0] - (vector[0] * half[0] + vector[1] * half[1] + vector[2] * half[2]),
+        0.0,
+        0.0,
+        0.0,
+    ];
+    for k in 0..3 {
+        next[k + 1] = vector[k] + q[0] * half[k] + across[k];
+    }
+    let square: f64 = next.iter().map(|c| c * c).sum();
+    let scale = 1.0 / square.sqrt();
+    *q = next.map(|c| scale * c);
+}

@@ -79,6 +79,18 @@ impl DoublePendulum {
     }
 }
 
+#[derive(Clone, Copy)]
+struct RigidBody {
+    i: [f64; 3],
+}
+
+#[variational(midpoint)]
+impl RigidBody {
+    fn lagrangian(&self, _r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
+        0.5 * (self.i[0] * w.x * w.x + self.i[1] * w.y * w.y + self.i[2] * w.z * w.z)
+    }
+}
+
 /// The double pendulum in Cartesian coordinates, with its rods as constraints.
 #[derive(Clone, Copy)]
 struct Rods {
@@ -251,6 +263,41 @@ fn double_pendulum() -> Comparison<'static> {
     }
 }
 
+fn rigid_body() -> Comparison<'static> {
+    let i = [1.0, 2.0, 3.0];
+    let integrator = Integrator::new(RigidBody { i }, Midpoint);
+    let hand = move || {
+        let (mut q, mut p) = black_box(([1.0, 0.0, 0.0, 0.0], [0.7, 1.1, -0.4]));
+        let (h, i) = black_box((0.05, i));
+        for _ in 0..STEPS {
+            hand::rigid_body_cayley(&mut q, &mut p, h, &i);
+        }
+        q[0] + p[2]
+    };
+    let start = State::new(UnitQuaternion::identity(), Vector3::new(0.7, 1.1, -0.4));
+    let sve = move || {
+        let mut state = black_box(start);
+        let h = black_box(0.05);
+        for _ in 0..STEPS {
+            integrator.step(&mut state, h, &[]).expect("a step");
+        }
+        state.q.w + state.p.z
+    };
+    let along = move || {
+        let states = integrator.trajectory(black_box(start), black_box(0.05), NoNoise);
+        let last = states.take(STEPS).last().expect("a step").expect("a step");
+        last.q.w + last.p.z
+    };
+    Comparison {
+        name: "rigid body midpoint",
+        sides: vec![
+            side("Cayley step", hand),
+            side("sve", sve),
+            side("sve trajectory", along),
+        ],
+    }
+}
+
 /// The double pendulum in angles and with constraints, from the same start.
 fn rods() -> Comparison<'static> {
     let (m, l, g) = ([1.0, 0.5], [1.0, 0.7], 9.8);
@@ -314,6 +361,7 @@ fn main() {
         kubo(&dw),
         pendulum(),
         double_pendulum(),
+        rigid_body(),
         rods(),
     ];
     let mut criterion = Criterion::default().configure_from_args();

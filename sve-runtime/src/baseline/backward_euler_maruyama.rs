@@ -8,7 +8,7 @@
 //! Strong order ½ (1 where the noise is additive), deterministic order 1.
 //! This scheme is stable and damps oscillations: its energy settles where the exact energy grows.
 
-use crate::configuration::Coordinates;
+use crate::configuration::VectorCoordinates;
 use crate::legendre;
 use crate::mechanics::{Field, correction_of, noise_of};
 use crate::solve::SolveError;
@@ -85,7 +85,7 @@ impl<S> BackwardEulerMaruyama<S> {
     ) -> Result<Field<[f64; N]>, SolveError>
     where
         S: System<Dims = Dims<N, M, Q>>,
-        Q: Coordinates<N>,
+        Q: VectorCoordinates<N>,
     {
         let jets = self.system.noise_jets(state.t, &state.q, &state.p);
         let mut n = noise_of(&jets, dw);
@@ -110,7 +110,7 @@ fn drift_implicit<S, Q, const N: usize, const M: usize>(
 ) -> Result<Field<[f64; N]>, SolveError>
 where
     S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     let t = state.t + h;
     let moved = |v: &[f64; N]| {

@@ -7,7 +7,7 @@
 //! Strong order ½ (1 where the noise is additive), deterministic order 1.
 //! This is the best known scheme. Its energy grows exponentially where the exact energy grows linearly.
 
-use crate::configuration::Coordinates;
+use crate::configuration::VectorCoordinates;
 use crate::mechanics::{Field, correction_of, noise_of, solve_drift};
 use crate::solve::SolveError;
 use crate::state::State;
@@ -74,7 +74,7 @@ impl<S> EulerMaruyama<S> {
     ) -> Result<Field<[f64; N]>, SolveError>
     where
         S: System<Dims = Dims<N, M, Q>>,
-        Q: Coordinates<N>,
+        Q: VectorCoordinates<N>,
     {
         let drift = solve_drift(&self.system, state)?;
         let jets = self.system.noise_jets(state.t, &state.q, &state.p);

@@ -6,7 +6,7 @@
 //! Strong order 1 where the noises commute, else ½; deterministic order 2.
 //! This is the explicit Stratonovich scheme whose cost is closest to a variational step.
 
-use crate::configuration::Coordinates;
+use crate::configuration::VectorCoordinates;
 use crate::mechanics::{Field, noise_of, solve_drift};
 use crate::solve::SolveError;
 use crate::state::State;
@@ -61,7 +61,7 @@ impl<S> Heun<S> {
     ) -> Result<Field<[f64; N]>, SolveError>
     where
         S: System<Dims = Dims<N, M, Q>>,
-        Q: Coordinates<N>,
+        Q: VectorCoordinates<N>,
     {
         let first = euler(&self.system, state, h, dw)?;
         let second = euler(&self.system, &stage(state, h, 1.0, &first)?, h, dw)?;
@@ -86,7 +86,7 @@ fn euler<S, Q, const N: usize, const M: usize>(
 ) -> Result<Field<[f64; N]>, SolveError>
 where
     S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     let drift = solve_drift(system, at)?;
     let mut d = noise_of(&system.noise_jets(at.t, &at.q, &at.p), dw);

@@ -28,7 +28,7 @@ macro_rules! method_by_increment {
         impl<S, Q, const N: usize, $($generic)*> crate::method::OneStepMethod for $name<S>
         where
             S: System<Dims = Dims<N, $m, Q>>,
-            Q: Coordinates<N>,
+            Q: VectorCoordinates<N>,
         {
             type System = S;
             type Increments = [f64; $m];

@@ -5,7 +5,7 @@
 //! W. Kutta, Z. Math. Phys. 46 (1901). Order 4. The types admit only systems without noise.
 //! This is the accurate scheme of everyday use, and gives references over short times. Its energy drifts.
 
-use crate::configuration::Coordinates;
+use crate::configuration::VectorCoordinates;
 use crate::mechanics::{Field, solve_drift};
 use crate::solve::SolveError;
 use crate::state::State;
@@ -81,7 +81,7 @@ impl<S> RungeKutta4<S> {
     ) -> Result<Field<[f64; N]>, SolveError>
     where
         S: System<Dims = Dims<N, 0, Q>>,
-        Q: Coordinates<N>,
+        Q: VectorCoordinates<N>,
     {
         let half = 0.5 * h;
         let k1 = solve_drift(&self.system, state)?;

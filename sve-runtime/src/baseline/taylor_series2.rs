@@ -6,7 +6,7 @@
 //! The second-order Taylor variational integrator uses the same derivatives in the action. The energy of the method here grows
 //! without bound.
 
-use crate::configuration::Coordinates;
+use crate::configuration::VectorCoordinates;
 use crate::legendre;
 use crate::mechanics::{Field, Motion, solve_motion};
 use crate::solve::SolveError;
@@ -66,7 +66,7 @@ impl<S> TaylorSeries2<S> {
     ) -> Result<Field<[f64; N]>, SolveError>
     where
         S: System<Dims = Dims<N, 0, Q>>,
-        Q: Coordinates<N>,
+        Q: VectorCoordinates<N>,
     {
         let v = legendre::velocity(&self.system, state)?;
         let Motion { first, second } = solve_motion(&self.system, state, v)?;

@@ -6,11 +6,13 @@ use nalgebra::DMatrix;
 
 use crate::configuration::Coordinates;
 use crate::error::StepError;
-use crate::lanes::{LANES, Mask, StateLanes};
+use crate::lanes::{LANES, Mask};
 use crate::plan::{Operations, Plan, Substeps};
 use crate::solve::newton::Newton;
 use crate::state::State;
-use crate::system::{Dims, FlatStateOf, IncrementLanesOf, Increments, StateLanesOf, System};
+use crate::system::{
+    Dimensions, Dims, FlatStateOf, IncrementLanesOf, Increments, StateLanesOf, System,
+};
 use crate::variational::Memory;
 
 /// A rule whose step is a sequence of steps of other rules.
@@ -159,7 +161,7 @@ pub(super) const fn plan_of<const K: usize>(
 pub fn advance<K, S, Q, const N: usize, const M: usize>(
     shared: Shared<'_, S, K::Prepared>,
     memory: &mut K::Memory,
-    state: &mut State<[f64; N]>,
+    state: &mut State<Q::Flat>,
     h: f64,
     dw: &K::Increments,
 ) -> Result<(), StepError>
@@ -190,7 +192,7 @@ where
 pub fn advance_compensated<K, S, Q, const N: usize, const M: usize>(
     shared: Shared<'_, S, K::Prepared>,
     memory: &mut K::Memory,
-    [state, low]: [&mut State<[f64; N]>; 2],
+    [state, low]: [&mut State<Q::Flat>; 2],
     h: f64,
     dw: &K::Increments,
 ) -> Result<(), StepError>
@@ -216,8 +218,8 @@ where
 #[inline(always)]
 pub fn advance_lanes<K, S, Q, const N: usize, const M: usize>(
     shared: Shared<'_, S, K::Prepared>,
-    states: &StateLanes<N>,
-    next: &mut StateLanes<N>,
+    states: &StateLanesOf<S>,
+    next: &mut StateLanesOf<S>,
     h: f64,
     dw: &IncrementLanesOf<S>,
 ) -> Mask
@@ -233,14 +235,17 @@ where
             *w *= part;
         }
         unsolved |= K::advance_lanes(shared, number, &here, next, part * h, &dw);
-        for (t, start) in next.t.iter_mut().zip(&here.t) {
-            *t = start + part * h;
+        for (t, start) in S::Dims::times(next)
+            .iter_mut()
+            .zip(S::Dims::times(&mut here))
+        {
+            *t = *start + part * h;
         }
         here = *next;
     }
     if unsolved != 0 {
         for lane in (0..LANES).filter(|lane| unsolved >> lane & 1 == 1) {
-            next.set(lane, &states.get(lane));
+            S::Dims::set(next, lane, &S::Dims::get(states, lane));
         }
     }
     unsolved
@@ -252,7 +257,7 @@ where
 /// As [`Discretised::advance_with_derivatives`](crate::Discretised::advance_with_derivatives).
 pub fn advance_with_derivatives<K, S, Q, const N: usize, const M: usize>(
     shared: Shared<'_, S, ()>,
-    state: &mut State<[f64; N]>,
+    state: &mut State<Q::Flat>,
     h: f64,
     dw: &K::Increments,
 ) -> Result<DMatrix<f64>, StepError>
@@ -285,7 +290,7 @@ where
 /// Returns the largest number of Newton iterations of a substep.
 pub fn newton_iterations<K, S, Q, const N: usize, const M: usize>(
     shared: Shared<'_, S, K::Prepared>,
-    state: &State<[f64; N]>,
+    state: &State<Q::Flat>,
     h: f64,
     dw: &K::Increments,
 ) -> Option<u32>

@@ -5,7 +5,7 @@
 use nalgebra::DVector;
 
 use super::{Dependent, Linearised};
-use crate::configuration::Coordinates;
+use crate::configuration::{Coordinates, FlatConfiguration, VectorCoordinates};
 use crate::error::StepError;
 use crate::integrator::Integrator;
 use crate::state::State;
@@ -24,7 +24,7 @@ const ROUNDING_OF_FUNCTIONS: f64 = 1e-12;
 impl<S, R, Q, const N: usize, const M: usize> Integrator<S, R>
 where
     S: Discretised<R> + System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     /// Returns the state on the constraints that is nearest to `state` in the metric of the masses: first the configuration, then the momentum, whose part across
     /// the constraints is removed. Without constraints it is the state itself.
@@ -79,7 +79,7 @@ fn project<S, Q, const N: usize, const M: usize>(
 ) -> Result<State<[f64; N]>, StepError>
 where
     S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     let t = given.t;
     let numbers = [("q", &given.q), ("p", &given.p)];
@@ -169,7 +169,7 @@ where
 pub(super) fn rank_error<S, Q, const N: usize, const M: usize>(
     here: &Linearised<N>,
     t: f64,
-    q: &[f64; N],
+    q: &Q::Flat,
 ) -> Option<StepError>
 where
     S: System<Dims = Dims<N, M, Q>>,
@@ -178,7 +178,7 @@ where
     let Dependent { k, pivot } = here.dependent()?;
     Some(StepError::ConstraintRank {
         t,
-        q: q.to_vec(),
+        q: q.values(),
         k,
         constraint: S::CONSTRAINTS[k].into(),
         pivot,

@@ -2,7 +2,7 @@
 
 use super::Linearised;
 use super::consistent::rank_error;
-use crate::configuration::Coordinates;
+use crate::configuration::{Coordinates, FlatConfiguration};
 use crate::error::StepError;
 use crate::legendre;
 use crate::mechanics::noise_of;
@@ -17,7 +17,7 @@ const INCONSISTENT: f64 = 1e-8;
 pub(crate) fn constraint_error<S, Q, const N: usize, const M: usize>(
     system: &S,
     error: &StepError,
-    state: &State<[f64; N]>,
+    state: &State<Q::Flat>,
     h: f64,
     dw: &[f64],
 ) -> Option<StepError>
@@ -54,7 +54,7 @@ where
     let jets = system.noise_jets(state.t, &state.q, &state.p);
     let shift = noise_of(&jets, dw.try_into().ok()?).q;
     let moved: [f64; N] = core::array::from_fn(|i| h * velocity[i] + shift[i]);
-    let end: [f64; N] = core::array::from_fn(|i| state.q[i] + moved[i]);
+    let (end, _) = Q::Flat::moved(state, &moved, &[0.0; N]);
     let there = Linearised::at(system, state.t + h, &end)?;
     let (k, violation) = there.worst();
     Some(StepError::ConstraintLost {

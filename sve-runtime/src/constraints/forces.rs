@@ -1,6 +1,6 @@
 //! The forces of the constraints in a step, from the multipliers of its equations.
 
-use crate::configuration::Coordinates;
+use crate::configuration::VectorCoordinates;
 use crate::error::StepError;
 use crate::integrator::Integrator;
 use crate::integrator::accept::check_step_size;
@@ -45,7 +45,7 @@ impl<P> ConstraintForces<P> {
 impl<S, R, Q, const N: usize, const M: usize> Integrator<S, R>
 where
     S: ConstraintImpulses<R> + System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     /// Returns the forces of the constraints in the step of length `h` from `state`: the impulses at both ends, and their mean force, in the units of the
     /// Lagrangian.

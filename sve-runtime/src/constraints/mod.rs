@@ -51,7 +51,7 @@ struct Dependent {
 
 impl<const N: usize> Linearised<N> {
     /// The constraints of a system at a point; `None` if the mass matrix is singular there.
-    fn at<S, Q, const M: usize>(system: &S, t: f64, q: &[f64; N]) -> Option<Self>
+    fn at<S, Q, const M: usize>(system: &S, t: f64, q: &Q::Flat) -> Option<Self>
     where
         S: System<Dims = Dims<N, M, Q>>,
         Q: Coordinates<N>,

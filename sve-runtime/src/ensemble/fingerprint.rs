@@ -18,7 +18,7 @@ use super::integral::Kind;
 use super::path_noise::PathNoise;
 use super::settings::Settings;
 use super::starts::{StartRng, Starts};
-use crate::configuration::Coordinates;
+use crate::configuration::{Configuration, Coordinates, FixedSize};
 use crate::method::Method;
 use crate::noise::lanes::DistributionKind;
 use crate::noise::{Noise, ThreePoint, Wiener};
@@ -84,9 +84,13 @@ impl Hash {
         self.add(if x.is_nan() { f64::NAN } else { x }.to_bits());
     }
 
-    fn add_state<const N: usize>(&mut self, state: &State<[f64; N]>) {
+    fn add_state<Q: FixedSize>(&mut self, state: &State<Q>) {
         self.add_number(state.t);
-        for &x in state.q.iter().chain(&state.p) {
+        let mut values = vec![0.0; Q::STORED_VALUES + Q::DEGREES_OF_FREEDOM];
+        let (q, p) = values.split_at_mut(Q::STORED_VALUES);
+        state.q.store(q);
+        state.p.store(p);
+        for x in values {
             self.add_number(x);
         }
     }
@@ -172,7 +176,12 @@ where
         match &self.ensemble.start {
             Some(Starts::Same(state)) => *state,
             Some(Starts::Drawn(draw)) => draw(path, &mut StartRng::new(self.start_seed, path)),
-            None => State::from_coordinates(&State::new([f64::NAN; N], [f64::NAN; N])),
+            None => {
+                let mut state = State::new(Q::origin(), Q::no_momentum());
+                state.q.restore(&vec![f64::NAN; Q::STORED_VALUES]);
+                state.p.restore(&[f64::NAN; N]);
+                state
+            }
         }
     }
 
@@ -182,7 +191,7 @@ where
         paths.extend((0..STARTS).map(even));
         paths.insert(self.paths - 1);
         for path in paths {
-            hash.add_state(&self.start_of(path).to_coordinates());
+            hash.add_state(&self.start_of(path));
         }
     }
 
@@ -220,7 +229,7 @@ where
             }
             let recorded = self.records_after(step);
             if recorded || step.is_power_of_two() {
-                hash.add_state(&state.to_coordinates());
+                hash.add_state(&state);
             }
             if recorded {
                 for observable in &self.ensemble.observables {

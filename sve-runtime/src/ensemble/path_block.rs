@@ -10,13 +10,13 @@ use super::integral::Integral;
 use super::settings::Settings;
 use super::starts::{StartRng, Starts};
 use super::{BLOCK_PATHS, BLOCK_TILES, EnsembleError, path_at};
-use crate::configuration::Coordinates;
+use crate::configuration::{Configuration, Coordinates};
 use crate::error::StepError;
 use crate::lanes::dispatch::{Kernel, dispatch};
-use crate::lanes::{ALL, LANES, Lane, Mask, StateLanes};
+use crate::lanes::{ALL, LANES, Lane, Mask};
 use crate::method::Method;
 use crate::state::State;
-use crate::system::{Dimensions, Dims, System};
+use crate::system::{Dimensions, Dims, StateLanesOf, System};
 use crate::time::time_after;
 
 /// A block of paths.
@@ -27,7 +27,7 @@ pub(super) struct PathBlock<'a, I: Method, const N: usize, const M: usize> {
     pub(super) first_path: u64,
     /// Steps made.
     pub(super) step: u64,
-    pub(super) tiles: Vec<Tile<N>>,
+    pub(super) tiles: Vec<Tile<StateLanesOf<I::System>>>,
     pub(super) failures: Vec<Failure>,
     /// The integrals along the paths, by integrand and tile.
     pub(super) integrals: Vec<Integral>,
@@ -36,9 +36,9 @@ pub(super) struct PathBlock<'a, I: Method, const N: usize, const M: usize> {
 }
 
 /// The states of some paths in lanes. A lane is active if its path exists and has not failed; the other lanes copy an active one.
-pub(super) struct Tile<const N: usize> {
+pub(super) struct Tile<L> {
     /// The current states, and the work space for the states after a step.
-    buffers: [StateLanes<N>; 2],
+    buffers: [L; 2],
     /// Which buffer has the current states.
     current: bool,
     /// The active lanes.
@@ -47,19 +47,19 @@ pub(super) struct Tile<const N: usize> {
     unsolved: Mask,
 }
 
-impl<const N: usize> Tile<N> {
+impl<L> Tile<L> {
     /// The states reached so far.
-    pub(super) fn states(&self) -> &StateLanes<N> {
+    pub(super) fn states(&self) -> &L {
         &self.buffers[usize::from(self.current)]
     }
 
-    fn states_mut(&mut self) -> &mut StateLanes<N> {
+    fn states_mut(&mut self) -> &mut L {
         &mut self.buffers[usize::from(self.current)]
     }
 
     /// Swaps the buffers. Returns the states before a step, and the work space for the states after it, which become the current ones.
     #[inline(always)]
-    fn swap_buffers(&mut self) -> (&StateLanes<N>, &mut StateLanes<N>) {
+    fn swap_buffers(&mut self) -> (&L, &mut L) {
         self.current = !self.current;
         let [first, second] = &mut self.buffers;
         if self.current {
@@ -112,20 +112,20 @@ where
     }
 
     fn start_tile(&mut self, first: u64, is_wanted: impl Fn(u64) -> bool) {
-        let starts: [State<[f64; N]>; LANES] = core::array::from_fn(|lane| {
+        let starts: [State<Q>; LANES] = core::array::from_fn(|lane| {
             let path = first.wrapping_add(lane as u64);
             match &self.settings.ensemble.start {
                 Some(Starts::Drawn(draw)) if is_wanted(path) => {
-                    draw(path, &mut StartRng::new(self.settings.start_seed, path)).to_coordinates()
+                    draw(path, &mut StartRng::new(self.settings.start_seed, path))
                 }
-                Some(Starts::Same(state)) => state.to_coordinates(),
-                _ => State::new([0.0; N], [0.0; N]),
+                Some(Starts::Same(state)) => *state,
+                _ => State::new(Q::origin(), Q::no_momentum()),
             }
         });
-        let mut states = StateLanes::splat(&starts[0]);
+        let mut states = S::Dims::splat(&starts[0]);
         let mut active = 0;
         for lane in 0..LANES {
-            states.set(lane, &starts[lane]);
+            S::Dims::set(&mut states, lane, &starts[lane]);
             active |= Mask::from(is_wanted(first.wrapping_add(lane as u64))) << lane;
         }
         let tile = self.tiles.len();
@@ -146,7 +146,7 @@ where
     }
 
     /// Returns why a path cannot start at a state; `None` if it can.
-    fn start_error(&self, state: &State<[f64; N]>) -> Option<Cause> {
+    fn start_error(&self, state: &State<Q>) -> Option<Cause> {
         let not_finite = |what: String, value: f64| {
             let t = state.t;
             (!value.is_finite()).then_some(Cause::Step(StepError::NonFiniteInput {
@@ -159,9 +159,13 @@ where
             let (t, expected) = (state.t, self.settings.start_time);
             return Some(Cause::StartTime { t, expected });
         }
-        (0..N)
-            .find_map(|i| not_finite(format!("q[{i}]"), state.q[i]))
-            .or_else(|| (0..N).find_map(|i| not_finite(format!("p[{i}]"), state.p[i])))
+        let (mut q, mut p) = (vec![0.0; Q::STORED_VALUES], [0.0; N]);
+        state.q.store(&mut q);
+        state.p.store(&mut p);
+        let mut q = q.into_iter().enumerate();
+        let mut p = p.into_iter().enumerate();
+        q.find_map(|(i, q)| not_finite(format!("q[{i}]"), q))
+            .or_else(|| p.find_map(|(i, p)| not_finite(format!("p[{i}]"), p)))
     }
 
     /// Steps every active path until it has made so many steps, and integrates along it.
@@ -244,8 +248,8 @@ where
     fn fill_unused_lane(&mut self, tile: usize, lane: usize) {
         let tile = &mut self.tiles[tile];
         if tile.active != 0 {
-            let other = tile.states().get(tile.active.trailing_zeros() as usize);
-            tile.states_mut().set(lane, &other);
+            let other = S::Dims::get(tile.states(), tile.active.trailing_zeros() as usize);
+            S::Dims::set(tile.states_mut(), lane, &other);
         }
     }
 }
@@ -264,7 +268,7 @@ struct AdvanceTiles<'f, I: Method, const N: usize, const M: usize> {
     h: f64,
     start_time: f64,
     increments: &'f IncrementBuffer<M>,
-    tiles: &'f mut [Tile<N>],
+    tiles: &'f mut [Tile<StateLanesOf<I::System>>],
     step: u64,
     end: u64,
 }
@@ -292,7 +296,7 @@ where
                 let unsolved_here =
                     self.method
                         .step_lanes(self.prepared, before, next, self.h, &dw.0);
-                next.t = [t; LANES];
+                *S::Dims::times(next) = [t; LANES];
                 tile.unsolved = unsolved_here & tile.active;
                 unsolved |= tile.unsolved;
             }

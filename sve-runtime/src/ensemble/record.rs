@@ -8,7 +8,7 @@ use super::failure::{Cause, FAILURES_KEPT};
 use super::merge_tree::PartialResult;
 use super::observe::{not_finite, outside};
 use super::path_block::{PathBlock, lanes};
-use crate::configuration::Coordinates;
+use crate::configuration::{Configuration, Coordinates};
 use crate::lanes::{LANES, Lane, Mask};
 use crate::method::Method;
 use crate::system::{Dimensions, Dims, System};
@@ -108,11 +108,15 @@ where
         }
         for (number, tile) in self.tiles.iter().enumerate() {
             for lane in lanes(tile.active) {
-                let state = tile.states().get(lane);
+                let state = S::Dims::get(tile.states(), lane);
                 let path = self.first_path + (number * LANES + lane) as u64;
                 result.final_paths.push(path);
                 result.final_states.push(state.t);
-                result.final_states.extend(state.q.iter().chain(&state.p));
+                let mut values = vec![0.0; Q::STORED_VALUES + N];
+                let (q, p) = values.split_at_mut(Q::STORED_VALUES);
+                state.q.store(q);
+                state.p.store(p);
+                result.final_states.extend(values);
             }
         }
     }

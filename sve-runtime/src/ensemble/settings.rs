@@ -127,6 +127,7 @@ impl<'a, I: Method> Settings<'a, I> {
             times: times.collect(),
             paths: self.paths,
             coordinates: ConfigurationOf::<I::System>::STORED_VALUES,
+            momenta: ConfigurationOf::<I::System>::DEGREES_OF_FREEDOM,
             fingerprint,
         }
     }

@@ -105,7 +105,7 @@ fn fits(run: &Info, tree: &MergeTree, node: &PartialResult) -> bool {
     let bins = |(request, bins): (&HistogramRequest, &Bins)| {
         request.counts(records) == bins.0.len() as u128
     };
-    let width = 2 * run.coordinates as u128 + 1;
+    let width = 1 + run.coordinates as u128 + run.momenta as u128;
     let states = node.final_paths.len() as u128 * width == node.final_states.len() as u128;
     node.counts.len() == records
         && node.counts.iter().all(|&count| count <= end - first)

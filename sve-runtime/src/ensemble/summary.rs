@@ -25,6 +25,8 @@ pub(super) struct Info {
     pub(super) times: Vec<f64>,
     pub(super) paths: u64,
     pub(super) coordinates: usize,
+    /// Number of momenta of a final state.
+    pub(super) momenta: usize,
     pub(super) fingerprint: Fingerprint,
 }
 
@@ -49,6 +51,7 @@ impl Info {
             (self.times == other.times, Difference::Times),
             (self.paths == other.paths, Difference::Paths),
             (self.coordinates == other.coordinates, Difference::Formulas),
+            (self.momenta == other.momenta, Difference::Formulas),
         ];
         let differs = same
             .into_iter()
@@ -188,9 +191,9 @@ impl Summary {
     /// The final states of the paths that did not fail, with their numbers, in their order; none unless
     /// [`keep_final_states`](super::Ensemble::keep_final_states) was asked for.
     pub fn final_states(&self) -> impl Iterator<Item = (u64, FinalState<'_>)> {
-        let coordinates = self.info.coordinates;
+        let (coordinates, momenta) = (self.info.coordinates, self.info.momenta);
         self.tree.nodes.values().flat_map(move |node| {
-            let rows = node.final_states.chunks_exact(2 * coordinates + 1);
+            let rows = node.final_states.chunks_exact(1 + coordinates + momenta);
             let states = rows.map(move |row| {
                 let (q, p) = row[1..].split_at(coordinates);
                 FinalState { t: row[0], q, p }

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use super::newton::{displacement, jacobian, moves_position, velocity};
 use super::step::{Stage, Step};
 use super::tableau::Tableau;
-use crate::configuration::Coordinates;
+use crate::configuration::VectorCoordinates;
 use crate::linearisation::Linearisation;
 use crate::system::{Dims, System};
 
@@ -40,7 +40,7 @@ pub trait ByParameters<const N: usize, const M: usize>: System {
 impl<Sys, Q, const S: usize, const N: usize, const M: usize> Step<'_, Sys, S, N, M>
 where
     Sys: System<Dims = Dims<N, M, Q>> + ByParameters<N, M>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     /// Linearises the equations and results around the solution `x`.
     pub(super) fn linearise<const K: usize>(&self, x: &[f64; K]) -> Linearisation {

@@ -33,7 +33,7 @@ pub use linearise::{ByParameters, ParameterJet};
 pub use potential::{Corrected, WithPotential, with_potential};
 pub use scaled::SecondOrderCoefficients;
 
-use crate::configuration::Coordinates;
+use crate::configuration::VectorCoordinates;
 use crate::linearisation::Linearisation;
 use crate::solve::SolveError;
 use crate::solve::newton::BlockSolver;
@@ -60,7 +60,7 @@ pub fn newton_increment<Sys, Q, const S: usize, const N: usize, const M: usize, 
 ) -> Result<Solved<N, K>, SolveError>
 where
     Sys: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     Step::<_, S, N, M>::new(system, state, h, noise).solve(solver)
 }
@@ -89,7 +89,7 @@ pub fn second_order_increment<
 ) -> Result<Solved<N, K>, SolveError>
 where
     Sys: System<Dims = Dims<N, M, Q>> + SecondOrder<N, M>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     let step = Step::<_, S, N, M>::new(system, state, h, noise);
     if S >= STAGES_OF_FIXED_POINT && solver.is_fast_path() {
@@ -128,7 +128,7 @@ pub fn partitioned_increment<
 ) -> Result<Solved<N, K>, SolveError>
 where
     Sys: System<Dims = Dims<N, M, Q>> + Partitioned<N, M>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     let step = Step::<_, S, N, M>::new(system, state, h, noise);
     if S >= STAGES_OF_FIXED_POINT && solver.is_fast_path() {
@@ -149,7 +149,7 @@ fn solve_by_newton<Sys, Q, const S: usize, const N: usize, const M: usize, const
 ) -> Result<Solved<N, K>, SolveError>
 where
     Sys: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     step.solve(solver)
 }
@@ -190,7 +190,7 @@ pub fn linearise<Sys, Q, const S: usize, const N: usize, const M: usize, const K
 ) -> Linearisation
 where
     Sys: System<Dims = Dims<N, M, Q>> + ByParameters<N, M>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     Step::<_, S, N, M>::new(system, state, h, noise).linearise(unknowns)
 }

@@ -9,7 +9,7 @@
 
 use super::step::{Stage, Step, at_stage, total};
 use super::tableau::Tableau;
-use crate::configuration::Coordinates;
+use crate::configuration::VectorCoordinates;
 use crate::legendre;
 use crate::solve::SolveError;
 use crate::solve::dense::{self, DeterminantSign};
@@ -30,7 +30,7 @@ pub(super) struct Unknowns<const S: usize, const N: usize> {
 impl<Sys, Q, const S: usize, const N: usize, const M: usize> Step<'_, Sys, S, N, M>
 where
     Sys: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     /// Solves the step.
     ///

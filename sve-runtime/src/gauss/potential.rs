@@ -6,7 +6,7 @@
 use super::linearise::{ByParameters, ParameterJet};
 use super::tableau::Tableau;
 use super::{Masses, Motion, Partitioned, SecondOrder, StageLanes};
-use crate::configuration::Coordinates;
+use crate::configuration::VectorCoordinates;
 use crate::degenerate::CoordinateRole;
 use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System};
 
@@ -40,7 +40,7 @@ pub fn with_potential<const S: usize, const M: usize, const E: usize>(
 impl<Sys, Q, const N: usize, const M: usize, const E: usize> System for Corrected<'_, Sys, E>
 where
     Sys: System<Dims = Dims<N, M, Q>> + WithPotential<N, E>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     type Dims = Dims<N, E, Q>;
     const AFFINE_MOMENTUM: bool = Sys::AFFINE_MOMENTUM;

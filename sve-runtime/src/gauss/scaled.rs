@@ -9,7 +9,7 @@
 //! No number of a step is multiplied by h itself. Where h is near a simple fraction, such as 0.2, the rounding error of products with h has a mean that depends on the other factor, and the energy drifts by some 10⁻¹⁸ a step.
 
 use super::tableau::Tableau;
-use crate::configuration::Coordinates;
+use crate::configuration::VectorCoordinates;
 use crate::solve::dense;
 use crate::system::{Dims, System};
 
@@ -76,7 +76,7 @@ impl<const S: usize, const N: usize> SecondOrderCoefficients<S, N> {
     pub fn new<Sys, Q, const M: usize>(system: &Sys, h: f64) -> Self
     where
         Sys: System<Dims = Dims<N, M, Q>>,
-        Q: Coordinates<N>,
+        Q: VectorCoordinates<N>,
     {
         let mass = system.lagrangian_jet(0.0, &[0.0; N], &[0.0; N]).dvv;
         let mut inverse_mass = [[f64::NAN; N]; N];

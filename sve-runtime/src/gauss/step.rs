@@ -12,7 +12,7 @@
 //! `docs/mathematics.md`, section 2; the momenta need `1 − μ_ji`, which is `μ_ij`.
 
 use super::tableau::Tableau;
-use crate::configuration::Coordinates;
+use crate::configuration::VectorCoordinates;
 use crate::state::State;
 use crate::system::{Dims, LagrangianJet, System};
 
@@ -64,7 +64,7 @@ impl<const N: usize> Response<N> {
 impl<'a, Sys, Q, const S: usize, const N: usize, const M: usize> Step<'a, Sys, S, N, M>
 where
     Sys: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     /// The step with these increments at the stages.
     #[inline(always)]

@@ -2,10 +2,27 @@
 //!
 //! Invariant: a state is only replaced by a finite one at another time.
 
+use crate::configuration::FlatConfiguration;
 use crate::error::{StepError, step_error};
 use crate::solve::SolveError;
 use crate::state::State;
 use crate::time::is_next_time;
+
+/// Largest square of the Cayley vector of a rotation in a step, which turns by 127 degrees. The Cayley transform has its pole at 180 degrees, and
+/// beyond this limit a step is no approximation of the motion.
+const MAX_CAYLEY_SQUARE: f64 = 16.0;
+
+/// Returns why an increment is not accepted.
+#[cold]
+pub(super) fn refusal<F: FlatConfiguration<N>, const N: usize>(dq: &[f64; N]) -> SolveError {
+    let square = F::cayley_square(dq);
+    if square > MAX_CAYLEY_SQUARE {
+        let angle = 2.0 * (0.5 * square.sqrt()).atan();
+        SolveError::LargeRotation { angle }
+    } else {
+        SolveError::NonFinite
+    }
+}
 
 /// Checks that the step size is finite and not zero. A negative one leads back in time.
 #[inline]
@@ -22,8 +39,8 @@ pub(crate) fn check_step_size(h: f64) -> Result<(), StepError> {
 /// # Errors
 /// A [`StepError`] if the result is not finite; the state is then unchanged.
 #[inline]
-pub(crate) fn advance<const N: usize, const M: usize>(
-    state: &mut State<[f64; N]>,
+pub(crate) fn advance<F: FlatConfiguration<N>, const N: usize, const M: usize>(
+    state: &mut State<F>,
     h: f64,
     dw: &[f64; M],
     dq: &[f64; N],
@@ -32,40 +49,36 @@ pub(crate) fn advance<const N: usize, const M: usize>(
     if add(state, h, dq, dp) {
         Ok(())
     } else {
-        Err(step_error(SolveError::NonFinite, &{ *state }, h, &{ *dw }))
+        Err(step_error(refusal::<F, N>(dq), &{ *state }, h, &{ *dw }))
     }
 }
 
 /// Adds the increments to the state if the result is finite. Returns whether it is.
 #[inline(always)]
-pub(super) fn add<const N: usize>(
-    state: &mut State<[f64; N]>,
+pub(super) fn add<F: FlatConfiguration<N>, const N: usize>(
+    state: &mut State<F>,
     h: f64,
     dq: &[f64; N],
     dp: &[f64; N],
 ) -> bool {
-    let (mut q, mut p) = (state.q, state.p);
-    for i in 0..N {
-        q[i] += dq[i];
-        p[i] += dp[i];
+    if F::cayley_square(dq) > MAX_CAYLEY_SQUARE {
+        return false;
     }
+    let (q, p) = F::moved(state, dq, dp);
     replace(state, h, &q, &p)
 }
 
 /// Replaces the state if the new one is finite and its time changes. Returns whether this is so.
 #[inline(always)]
-pub(super) fn replace<const N: usize>(
-    state: &mut State<[f64; N]>,
+pub(super) fn replace<F: FlatConfiguration<N>, const N: usize>(
+    state: &mut State<F>,
     h: f64,
-    q: &[f64; N],
+    q: &F,
     p: &[f64; N],
 ) -> bool {
     // One test of the sum finds every NaN and infinity. A sum that overflows by itself is excluded off the fast path.
-    let mut sum = 0.0;
-    for i in 0..N {
-        sum += q[i] + p[i];
-    }
-    if !sum.is_finite() && !all_finite(&{ *q }, &{ *p }) {
+    let sum = q.sum_with(p);
+    if !sum.is_finite() && !all_finite(&{ *q }.values(), &{ *p }) {
         return false;
     }
     // The time is added after the branch. Before it, the compiler would put this addition and those of q into one vector, which lengthens the

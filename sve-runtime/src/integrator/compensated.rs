@@ -6,7 +6,7 @@ use super::accept::replace;
 use super::rescue::check_mass_matrix;
 use super::step::solve_step;
 use super::{DerivedStep, Integrator};
-use crate::configuration::Coordinates;
+use crate::configuration::{Coordinates, FlatConfiguration};
 use crate::equations::StepEquations;
 use crate::error::{StepError, step_error};
 use crate::noise::Noise;
@@ -26,7 +26,7 @@ pub fn solve_compensated_step<S, R, Q, const N: usize, const M: usize>(
     derived: DerivedStep<'_, S, R>,
     prepared: &S::Prepared,
     memory: &mut S::Memory,
-    [state, low]: [&mut State<[f64; N]>; 2],
+    [state, low]: [&mut State<Q::Flat>; 2],
     h: f64,
     dw: &S::Increments,
 ) -> Result<(), StepError>
@@ -40,11 +40,8 @@ where
         // Continuation is rare, and returns a state without the digits that compensation needs.
         return solve_step(derived, prepared, memory, state, h, dw).map(|_| ());
     };
-    let (mut q, mut p, mut new_low) = (state.q, state.p, *low);
-    for i in 0..N {
-        (q[i], new_low.q[i]) = two_sum(q[i], dq[i] + low.q[i]);
-        (p[i], new_low.p[i]) = two_sum(p[i], dp[i] + low.p[i]);
-    }
+    let mut new_low = *low;
+    let (q, p) = Q::Flat::moved_with_low_parts(state, &mut new_low, &dq, &dp);
     if !replace(state, h, &q, &p) {
         let error = step_error(SolveError::NonFinite, &{ *state }, h, { *dw }.as_ref());
         return Err(check_mass_matrix(system, error));
@@ -53,12 +50,12 @@ where
     Ok(())
 }
 
-/// Returns the sum and its rounding error, exactly (Knuth).
-#[inline]
-fn two_sum(a: f64, b: f64) -> (f64, f64) {
-    let sum = a + b;
-    let second = sum - a;
-    (sum, (a - (sum - second)) + (b - second))
+/// Fails to compile if the rounding errors of a configuration cannot be carried.
+const fn assert_low_parts<F: FlatConfiguration<N>, const N: usize>() {
+    assert!(
+        F::HAS_LOW_PARTS,
+        "a system with rotations has no compensated sums: its quaternions are normalised in each step"
+    );
 }
 
 /// Fails to compile if a step returns states and no increments.
@@ -108,7 +105,10 @@ where
     /// Source: Kahan's sum as in Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006), section VIII.5.
     #[must_use]
     pub fn compensated(self) -> Self {
-        const { assert_increments::<S, R>() }
+        const {
+            assert_increments::<S, R>();
+            assert_low_parts::<Q::Flat, N>();
+        }
         self.carry_low_parts(State::new(Q::origin(), Q::no_momentum()))
     }
 }
@@ -121,7 +121,10 @@ where
     /// Compensates the rounding errors of the state, see [`Trajectory::compensated`].
     #[must_use]
     pub fn compensated(self) -> Self {
-        const { assert_increments::<S, R>() }
+        const {
+            assert_increments::<S, R>();
+            assert_low_parts::<Q::Flat, N>();
+        }
         self.carry_low_parts(State::new(Q::origin(), Q::no_momentum()))
     }
 }

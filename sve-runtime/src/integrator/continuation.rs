@@ -13,7 +13,7 @@
 //! chapter 6. Paths are not followed around folds.
 
 use super::DerivedStep;
-use crate::configuration::Coordinates;
+use crate::configuration::{Coordinates, FlatConfiguration};
 use crate::equations::{StepEquations, StepOf};
 use crate::legendre;
 use crate::mechanics;
@@ -74,7 +74,7 @@ pub(super) enum ContinuationError {
 #[cold]
 pub(super) fn follow<S, R, Q, const N: usize, const M: usize>(
     derived: DerivedStep<'_, S, R>,
-    state: &State<[f64; N]>,
+    state: &State<Q::Flat>,
     h: f64,
     dw: &S::Increments,
 ) -> Result<StepOf<S, R>, ContinuationError>
@@ -83,7 +83,8 @@ where
     Q: Coordinates<N>,
 {
     let system = derived.system;
-    let numbers = state.q.iter().chain(&state.p).chain(dw.as_ref());
+    let stored = state.q.values();
+    let numbers = stored.iter().chain(&state.p).chain(dw.as_ref());
     if !numbers.chain([&state.t]).all(|x| x.is_finite()) {
         return Err(ContinuationError::NoStart(SolveError::NonFinite));
     }
@@ -97,7 +98,7 @@ where
         x: system.start(state, &velocity, &acceleration),
     };
     let scale = Scale {
-        q: &state.q,
+        q: &stored,
         p: &state.p,
     };
     let step = |part: f64, noise: f64, guesses: &S::Unknowns| {
@@ -132,9 +133,9 @@ struct Point<const N: usize, X> {
 
 /// Configuration and momentum at the start of the step, which bound the rounding errors of the increments.
 #[derive(Clone, Copy)]
-struct Scale<'a, const N: usize> {
-    q: &'a [f64; N],
-    p: &'a [f64; N],
+struct Scale<'a> {
+    q: &'a [f64],
+    p: &'a [f64],
 }
 
 /// Follows a path from a point at 0 to 1. Returns its end.
@@ -143,7 +144,7 @@ struct Scale<'a, const N: usize> {
 /// The fraction at which the path ends before 1.
 fn follow_path<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>>(
     start: Point<N, X>,
-    scale: Scale<'_, N>,
+    scale: Scale<'_>,
     solve: impl Fn(f64, &X) -> Result<([f64; N], [f64; N], X), SolveError>,
 ) -> Result<Point<N, X>, f64> {
     let mut here = start;
@@ -200,7 +201,7 @@ impl<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>> Point<N, X> {
 
     /// Returns whether the state here is near the extrapolated one, relative to its distance from the last point. The coordinates of
     /// the state are compared. The unknowns are not: some are multipliers, which have no natural scale.
-    fn is_near(&self, ahead: &Self, last: &Self, start: &Self, scale: Scale<'_, N>) -> bool {
+    fn is_near(&self, ahead: &Self, last: &Self, start: &Self, scale: Scale<'_>) -> bool {
         let reach = |to: &[f64; N], from: &[f64; N], first: &[f64; N]| {
             let each = (0..N).map(|i| (to[i] - first[i]).abs().max((from[i] - first[i]).abs()));
             each.fold(0.0, f64::max)
@@ -217,7 +218,7 @@ impl<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>> Point<N, X> {
                 distance = distance.max((to - from).abs() / unit);
             }
         };
-        let size = |x: &[f64; N]| x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let size = |x: &[f64]| x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         let (size_q, size_p) = (size(scale.q), size(scale.p));
         for i in 0..N {
             let q = [self.q[i], ahead.q[i], last.q[i], start.q[i]];

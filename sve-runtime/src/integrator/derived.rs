@@ -50,7 +50,7 @@ impl<'a, S, R> DerivedStep<'a, S, R> {
 pub fn count_iterations<S, R, Q, const N: usize, const M: usize>(
     derived: DerivedStep<'_, S, R>,
     prepared: &S::Prepared,
-    state: &State<[f64; N]>,
+    state: &State<Q::Flat>,
     h: f64,
     dw: &S::Increments,
 ) -> Option<u32>
@@ -81,7 +81,7 @@ where
 /// As [`Discretised::advance`](crate::Discretised::advance).
 pub fn solve_with_impulses<S, R, Q, const N: usize, const M: usize>(
     derived: DerivedStep<'_, S, R>,
-    state: &mut State<[f64; N]>,
+    state: &mut State<Q::Flat>,
     h: f64,
     dw: &S::Increments,
     visit: &mut dyn FnMut(f64),

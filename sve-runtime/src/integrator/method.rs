@@ -7,11 +7,11 @@ use super::Integrator;
 use super::accept::check_step_size;
 use crate::configuration::Coordinates;
 use crate::error::StepError;
-use crate::lanes::{Lane, Mask, StateLanes};
+use crate::lanes::{Lane, Mask};
 use crate::method::OneStepMethod;
 use crate::plan::StrongOrder;
 use crate::state::State;
-use crate::system::{Dims, System};
+use crate::system::{Dims, StateLanesOf, System};
 use crate::variational::{Discretised, Memory};
 
 /// What an integrator computes before the first step, and carries from step to step.
@@ -95,8 +95,8 @@ where
     fn step_lanes(
         &self,
         prepared: &Self::Prepared,
-        states: &StateLanes<N>,
-        next: &mut StateLanes<N>,
+        states: &StateLanesOf<S>,
+        next: &mut StateLanesOf<S>,
         h: f64,
         dw: &[Lane; M],
     ) -> Mask {

@@ -22,7 +22,7 @@ mod tangent;
 use derived::DerivedStep;
 pub use tangent::{Sensitivity, Tangent};
 
-use crate::configuration::Coordinates;
+use crate::configuration::{Coordinates, Reduced, WithRotations};
 use crate::error::StepError;
 use crate::method::OneStepMethod;
 use crate::noise::Noise;
@@ -31,7 +31,7 @@ use crate::solve::newton::Newton;
 use crate::state::State;
 use crate::system::{Dims, System};
 use crate::trajectory::{Snapshot, Trajectory};
-use crate::variational::{DerivedFor, Discretised};
+use crate::variational::{DerivedFor, Discretised, Memory};
 
 /// A system and the rule that discretises its action.
 ///
@@ -226,5 +226,40 @@ where
         noise: W,
     ) -> Result<Trajectory<'_, Self, W>, StepError> {
         Trajectory::resume(self, snapshot, noise)
+    }
+}
+
+impl<S, R, Q, const N: usize, const M: usize> Integrator<S, R>
+where
+    S: Discretised<R> + System<Dims = Dims<N, M, Reduced<Q>>>,
+    Q: Coordinates<N, Flat = WithRotations<Q, N>>,
+{
+    /// Makes one step of a reduced system and turns the attitude that its states leave out.
+    ///
+    /// The attitude is that of the full system, with the same bits: a step of the full system that starts from this attitude ends there.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step); `state` and `attitude` are then unchanged.
+    pub fn step_with_attitude(
+        &self,
+        state: &mut State<Reduced<Q>>,
+        attitude: &mut Q,
+        h: f64,
+        dw: &S::Increments,
+    ) -> Result<(), StepError> {
+        let prepared = self.system.prepare(h);
+        accept::check_step_size(h)?;
+        let mut flat: State<WithRotations<Q, N>> = State {
+            t: state.t,
+            q: attitude.coordinates(),
+            p: Q::components(&state.p),
+        };
+        let memory = &mut S::Memory::none();
+        self.system
+            .advance(&self.newton, &prepared, memory, &mut flat, h, dw)?;
+        *attitude = Q::from_coordinates(&flat.q);
+        state.t = flat.t;
+        state.p = Q::from_components(&flat.p);
+        Ok(())
     }
 }

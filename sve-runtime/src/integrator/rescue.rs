@@ -3,9 +3,9 @@
 //! Input: the step and the failure of the fast path. Output: the state after the step, or a [`StepError`].
 
 use super::DerivedStep;
-use super::accept::{add, replace};
+use super::accept::{add, refusal, replace};
 use super::continuation::{self, ContinuationError};
-use crate::configuration::Coordinates;
+use crate::configuration::{Coordinates, FlatConfiguration};
 use crate::constraints::explain::constraint_error;
 use crate::degenerate::{self, is_degenerate};
 use crate::equations::StepEquations;
@@ -27,10 +27,10 @@ use crate::variational::Memory;
 pub(super) fn solve_by_continuation<S, R, Q, const N: usize, const M: usize>(
     derived: DerivedStep<'_, S, R>,
     failure: SolveError,
-    state: &State<[f64; N]>,
+    state: &State<Q::Flat>,
     h: f64,
     dw: &S::Increments,
-) -> Result<(State<[f64; N]>, S::Unknowns), StepError>
+) -> Result<(State<Q::Flat>, S::Unknowns), StepError>
 where
     S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
@@ -72,11 +72,13 @@ where
     };
     let mut end = *state;
     let error = match found {
-        Ok((q, p, x)) if S::RETURNS.is_state() && replace(&mut end, h, &q, &p) => {
+        Ok((q, p, x))
+            if S::RETURNS.is_state() && replace(&mut end, h, &Q::Flat::of_row(&q), &p) =>
+        {
             return Ok((end, x));
         }
         Ok((q, p, x)) if !S::RETURNS.is_state() && add(&mut end, h, &q, &p) => return Ok((end, x)),
-        Ok(_) => SolveError::NonFinite,
+        Ok((dq, ..)) => refusal::<Q::Flat, N>(&dq),
         Err(error) => error,
     };
     Err(explain_step(derived, error, state, h, dw))
@@ -87,7 +89,7 @@ where
 pub(super) fn explain_step<S, R, Q, const N: usize, const M: usize>(
     derived: DerivedStep<'_, S, R>,
     error: SolveError,
-    state: &State<[f64; N]>,
+    state: &State<Q::Flat>,
     h: f64,
     dw: &S::Increments,
 ) -> StepError
@@ -134,8 +136,9 @@ where
     let StepError::NonFiniteResult { t, h, q, p } = error else {
         return error;
     };
-    let at: [f64; N] = core::array::from_fn(|i| q[i]);
-    let mass = system.lagrangian_jet(t, &at, &[0.0; N]).dvv;
+    let mut at = Q::origin();
+    at.restore(&q);
+    let mass = system.lagrangian_jet(t, &at.coordinates(), &[0.0; N]).dvv;
     if mass.iter().flatten().all(|x| x.is_finite()) && dense::solve(&mass, &[0.0; N]).is_none() {
         let iteration = 0;
         StepError::Singular { t, h, q, iteration }

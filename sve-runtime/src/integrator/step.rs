@@ -4,9 +4,9 @@
 //! unchanged. Invariant: nothing is allocated except in errors, and a state that is not finite is never written.
 
 use super::DerivedStep;
-use super::accept::{add, replace};
+use super::accept::{add, refusal, replace};
 use super::rescue::{explain_step, solve_by_continuation};
-use crate::configuration::Coordinates;
+use crate::configuration::{Coordinates, FlatConfiguration};
 use crate::equations::StepEquations;
 use crate::error::StepError;
 use crate::plan::{BlockKind, Plan};
@@ -27,7 +27,7 @@ pub fn solve_step<S, R, Q, const N: usize, const M: usize>(
     derived: DerivedStep<'_, S, R>,
     prepared: &S::Prepared,
     memory: &mut S::Memory,
-    state: &mut State<[f64; N]>,
+    state: &mut State<Q::Flat>,
     h: f64,
     dw: &S::Increments,
 ) -> Result<S::Unknowns, StepError>
@@ -50,7 +50,7 @@ fn solve_iterating_step<S, R, Q, const N: usize, const M: usize>(
     derived: DerivedStep<'_, S, R>,
     prepared: &S::Prepared,
     memory: &mut S::Memory,
-    state: &mut State<[f64; N]>,
+    state: &mut State<Q::Flat>,
     h: f64,
     dw: &S::Increments,
 ) -> Result<S::Unknowns, StepError>
@@ -75,7 +75,7 @@ fn fast_step<S, R, Q, const N: usize, const M: usize>(
     derived: DerivedStep<'_, S, R>,
     prepared: &S::Prepared,
     memory: &mut S::Memory,
-    state: &mut State<[f64; N]>,
+    state: &mut State<Q::Flat>,
     h: f64,
     dw: &S::Increments,
 ) -> Result<S::Unknowns, SolveError>
@@ -88,14 +88,14 @@ where
         .system
         .increment(prepared, memory, state, h, dw, &solver)?;
     let is_accepted = if S::RETURNS.is_state() {
-        replace(state, h, &q, &p)
+        replace(state, h, &Q::Flat::of_row(&q), &p)
     } else {
         add(state, h, &q, &p)
     };
     if is_accepted {
         Ok(x)
     } else {
-        Err(SolveError::NonFinite)
+        Err(refusal::<Q::Flat, N>(&q))
     }
 }
 

@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, SMatrix};
 use super::accept::check_step_size;
 use super::step::solve_step;
 use super::{DerivedStep, Integrator};
-use crate::configuration::Coordinates;
+use crate::configuration::{Coordinates, FixedSize};
 use crate::equations::StepEquations;
 use crate::error::{StepError, step_error};
 use crate::mechanics::Field;
@@ -19,6 +19,9 @@ use crate::system::{Dims, System};
 use crate::variational::{Discretised, Memory};
 
 /// The tangent map of a step, `∂(q₁,p₁)/∂(q₀,p₀)`: a matrix of `2N` rows and columns, first the coordinates, then the momenta.
+///
+/// A rotation has canonical coordinates near each of its states: the Cayley vector ε of a small rotation R cay(ε), in the body frame, and the
+/// conjugate momentum y, with `δy = δΠ + ½ ε × Π` to first order. They are also those of a [`Sensitivity`].
 ///
 /// `tangent[row][column]` is an entry, and [`qq`](Self::qq), [`qp`](Self::qp), [`pq`](Self::pq) and [`pp`](Self::pp) are the four blocks. The product of the maps of successive steps, the later one on the left, is that of all.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,16 +52,16 @@ impl<const N: usize> Tangent<N> {
     #[must_use]
     pub fn apply<V>(&self, change: &Field<V>) -> Field<V>
     where
-        V: Coordinates<N, Momentum = V>,
+        V: FixedSize<Momentum = V>,
     {
-        let [along_q, along_p] = [change.q.coordinates(), change.p.coordinates()];
+        let [along_q, along_p] = [row::<V, N>(&change.q), row::<V, N>(&change.p)];
         let image = |row: usize| -> f64 {
             let terms = self[row].iter().zip(along_q.iter().chain(&along_p));
             terms.map(|(a, b)| a * b).sum()
         };
         Field {
-            q: V::from_coordinates(&core::array::from_fn(image)),
-            p: V::from_coordinates(&core::array::from_fn(|i| image(N + i))),
+            q: from_row::<V, N>(&core::array::from_fn(image)),
+            p: from_row::<V, N>(&core::array::from_fn(|i| image(N + i))),
         }
     }
 
@@ -182,14 +185,30 @@ impl<V> Sensitivity<V> {
     /// Advances the derivatives by a further step, given the tangent map and the derivatives of that step: `S ← M S + s`.
     pub fn advance<const N: usize>(&mut self, tangent: &Tangent<N>, step: &Self)
     where
-        V: Coordinates<N, Momentum = V>,
+        V: FixedSize<Momentum = V>,
     {
         for (total, own) in self.fields.iter_mut().zip(&step.fields) {
             *total = tangent.apply(total);
-            total.q.retract(&own.q.coordinates());
-            total.p.retract(&own.p.coordinates());
+            total.q.retract(&row::<V, N>(&own.q));
+            total.p.retract(&row::<V, N>(&own.p));
         }
     }
+}
+
+/// Returns the components of an element of a vector space.
+fn row<V: FixedSize, const N: usize>(x: &V) -> [f64; N] {
+    const { assert!(V::STORED_VALUES == N, "another number of components") }
+    let mut row = [0.0; N];
+    x.store(&mut row);
+    row
+}
+
+/// Returns the element of a vector space with these components.
+fn from_row<V: FixedSize, const N: usize>(row: &[f64; N]) -> V {
+    const { assert!(V::STORED_VALUES == N, "another number of components") }
+    let mut x = V::origin();
+    x.restore(row);
+    x
 }
 
 /// Makes one step and computes its derivatives.
@@ -232,7 +251,7 @@ where
 /// As that function.
 pub fn solve_with_derivatives<S, R, Q, const N: usize, const M: usize>(
     derived: DerivedStep<'_, S, R>,
-    state: &mut State<[f64; N]>,
+    state: &mut State<Q::Flat>,
     h: f64,
     dw: &S::Increments,
 ) -> Result<DMatrix<f64>, StepError>

@@ -8,6 +8,7 @@ pub(crate) mod elementary;
 pub(crate) mod newton;
 pub(crate) mod solve;
 
+use crate::configuration::Configuration;
 use crate::state::State;
 
 /// Number of states that are stepped at once: four registers of AVX-512, eight of AVX2. The loops of a step over the lanes are fused, so
@@ -33,6 +34,75 @@ pub struct StateLanes<const N: usize> {
     pub q: [Lane; N],
     /// Momenta, one row a coordinate.
     pub p: [Lane; N],
+}
+
+/// States of many lanes.
+#[cfg_attr(not(feature = "ensemble"), doc(hidden))]
+pub trait LaneStates<Q: Configuration>: Clone + Copy + core::fmt::Debug {
+    /// The same state in each lane.
+    fn splat(state: &State<Q>) -> Self;
+    /// The state of a lane.
+    fn get(&self, lane: usize) -> State<Q>;
+    /// Replaces the state of a lane.
+    fn set(&mut self, lane: usize, state: &State<Q>);
+    /// The times of the lanes.
+    fn times(&mut self) -> &mut Lane;
+}
+
+impl<const N: usize> LaneStates<[f64; N]> for StateLanes<N> {
+    fn splat(state: &State<[f64; N]>) -> Self {
+        Self::splat(state)
+    }
+
+    #[inline(always)]
+    fn get(&self, lane: usize) -> State<[f64; N]> {
+        Self::get(self, lane)
+    }
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, state: &State<[f64; N]>) {
+        Self::set(self, lane, state);
+    }
+
+    #[inline(always)]
+    fn times(&mut self) -> &mut Lane {
+        &mut self.t
+    }
+}
+
+/// States that are stepped one after the other, lane by lane: those of configurations that have no steps in lanes.
+#[derive(Clone, Copy, Debug)]
+pub struct ScalarLanes<Q: Configuration<Momentum: Copy> + Copy> {
+    t: Lane,
+    states: [State<Q>; LANES],
+}
+
+impl<Q: Configuration<Momentum: Copy> + Copy> LaneStates<Q> for ScalarLanes<Q> {
+    fn splat(state: &State<Q>) -> Self {
+        Self {
+            t: [state.t; LANES],
+            states: [*state; LANES],
+        }
+    }
+
+    #[inline(always)]
+    fn get(&self, lane: usize) -> State<Q> {
+        State {
+            t: self.t[lane],
+            ..self.states[lane]
+        }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, state: &State<Q>) {
+        self.t[lane] = state.t;
+        self.states[lane] = *state;
+    }
+
+    #[inline(always)]
+    fn times(&mut self) -> &mut Lane {
+        &mut self.t
+    }
 }
 
 impl<const N: usize> StateLanes<N> {

@@ -26,6 +26,11 @@ pub enum SolveError {
         /// Fraction of the path to the momentum along which velocities were found.
         reached: f64,
     },
+    /// The solution turns a rotation by more than a step may.
+    LargeRotation {
+        /// The angle in radians.
+        angle: f64,
+    },
     /// The solution is outside of the domain of L or of a noise.
     OutsideDomain {
         /// Number of the condition that does not hold.

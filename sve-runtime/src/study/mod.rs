@@ -352,11 +352,28 @@ where
     }
 }
 
+/// Returns the square root of the sum of squared differences of all entries, those of rotation matrices among them, and momenta.
 fn euclidean<Q: Coordinates<N>, const N: usize>(a: &State<Q>, b: &State<Q>) -> f64 {
-    let [a, b] = [a, b].map(State::to_coordinates);
+    let entries = |state: &State<Q>| {
+        let mut entries = vec![0.0; Q::ENTRIES];
+        state.q.entries(&mut entries);
+        entries
+    };
+    let ([a_q, b_q], [a_p, b_p]) = ([a, b].map(entries), [a, b].map(|s| Q::components(&s.p)));
     let mut sum = 0.0;
-    for i in 0..N {
-        sum += (a.q[i] - b.q[i]).powi(2) + (a.p[i] - b.p[i]).powi(2);
+    // each coordinate with its momentum, so that the order of a vector space stays
+    for i in 0..Q::ENTRIES.max(N) {
+        let q = if i < Q::ENTRIES {
+            (a_q[i] - b_q[i]).powi(2)
+        } else {
+            0.0
+        };
+        let p = if i < N {
+            (a_p[i] - b_p[i]).powi(2)
+        } else {
+            0.0
+        };
+        sum += q + p;
     }
     sum.sqrt()
 }

@@ -43,6 +43,7 @@ fn every_other_file_is_compiled_with_the_rest() {
         "model",
         "noise",
         "parse",
+        "rotation",
         "symmetry",
     ] {
         for entry in fs::read_dir(root.join(stage)).expect("a folder") {

@@ -466,6 +466,52 @@ mod parse_unknown_rule_and_a_mistake_in_a_body;
 mod parse_unsafe_function;
 #[path = "parse/velocity_before_position.rs"]
 mod parse_velocity_before_position;
+#[path = "rotation/by_reference.rs"]
+mod rotation_by_reference;
+#[path = "rotation/gamma_with_momentum.rs"]
+mod rotation_gamma_with_momentum;
+#[path = "rotation/h1_without_momentum.rs"]
+mod rotation_h1_without_momentum;
+#[path = "rotation/moment_of_inertia_missing.rs"]
+mod rotation_moment_of_inertia_missing;
+#[path = "rotation/momentum_of_a_vector.rs"]
+mod rotation_momentum_of_a_vector;
+#[path = "rotation/not_a_symmetry.rs"]
+mod rotation_not_a_symmetry;
+#[path = "rotation/one_coordinate.rs"]
+mod rotation_one_coordinate;
+#[path = "rotation/other_rules.rs"]
+mod rotation_other_rules;
+#[path = "rotation/part_missing.rs"]
+mod rotation_part_missing;
+#[path = "rotation/quaternion.rs"]
+mod rotation_quaternion;
+#[path = "rotation/reduced_with_a_gamma.rs"]
+mod rotation_reduced_with_a_gamma;
+#[path = "rotation/reduced_with_a_number.rs"]
+mod rotation_reduced_with_a_number;
+#[path = "rotation/reduced_with_a_rotation.rs"]
+mod rotation_reduced_with_a_rotation;
+#[path = "rotation/rotation_before_vector.rs"]
+mod rotation_rotation_before_vector;
+#[path = "rotation/rotation_in_the_plane.rs"]
+mod rotation_rotation_in_the_plane;
+#[path = "rotation/single_precision.rs"]
+mod rotation_single_precision;
+#[path = "rotation/symmetry_as_a_rotation.rs"]
+mod rotation_symmetry_as_a_rotation;
+#[path = "rotation/torque_as_a_number.rs"]
+mod rotation_torque_as_a_number;
+#[path = "rotation/velocity_as_a_rotation.rs"]
+mod rotation_velocity_as_a_rotation;
+#[path = "rotation/velocity_before_rotation.rs"]
+mod rotation_velocity_before_rotation;
+#[path = "rotation/velocity_of_a_vector.rs"]
+mod rotation_velocity_of_a_vector;
+#[path = "rotation/weak2.rs"]
+mod rotation_weak2;
+#[path = "rotation/with_a_constraint.rs"]
+mod rotation_with_a_constraint;
 #[path = "symmetry/broken_by_little.rs"]
 mod symmetry_broken_by_little;
 #[path = "symmetry/broken_twice.rs"]

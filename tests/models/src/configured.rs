@@ -5,8 +5,8 @@ use std::marker::PhantomData;
 use sve_runtime::__private::Mask;
 use sve_runtime::nalgebra::DMatrix;
 use sve_runtime::{
-    Coordinates, Dimensions, Dims, Discretised, IncrementLanesOf, Newton, Plan, State,
-    StateLanesOf, StepError, System, VectorOf,
+    Dimensions, Dims, Discretised, IncrementLanesOf, Newton, Plan, State, StateLanesOf, StepError,
+    System, VectorCoordinates, VectorOf,
 };
 
 /// The system `S` with configurations of the type `Q`.
@@ -30,8 +30,8 @@ impl<S, Q> Configured<S, Q> {
 impl<S, P, Q, const N: usize, const M: usize> System for Configured<S, Q>
 where
     S: System<Dims = Dims<N, M, P>>,
-    P: Coordinates<N>,
-    Q: Coordinates<N>,
+    P: VectorCoordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     type Dims = Dims<N, M, Q>;
     const AFFINE_MOMENTUM: bool = S::AFFINE_MOMENTUM;
@@ -74,8 +74,8 @@ where
 impl<S, R, P, Q, const N: usize, const M: usize> Discretised<R> for Configured<S, Q>
 where
     S: Discretised<R> + System<Dims = Dims<N, M, P>>,
-    P: Coordinates<N>,
-    Q: Coordinates<N>,
+    P: VectorCoordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     type Increments = S::Increments;
     type Prepared = S::Prepared;

@@ -3,7 +3,7 @@
 use core::fmt::Debug;
 
 use sve_runtime::prelude::*;
-use sve_runtime::{Coordinates, Dims, ForceJet, LagrangianJet, NoiseJet, System};
+use sve_runtime::{Dims, ForceJet, LagrangianJet, NoiseJet, System, VectorCoordinates};
 
 use crate::oracle::Model;
 use crate::random::Random;
@@ -102,7 +102,7 @@ pub(crate) fn lagrangian<S, Q, const N: usize, const M: usize>(
 ) -> Lagrangian
 where
     S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     let LagrangianJet {
         value,

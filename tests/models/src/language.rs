@@ -1,6 +1,6 @@
 //! Comparison of a derived Lagrangian with the user's own function: values, and derivatives by differences.
 
-use sve_runtime::{Coordinates, Dims, System};
+use sve_runtime::{Dims, System, VectorCoordinates};
 
 use crate::functions::{Lagrangian, array, lagrangian};
 use crate::random::Random;
@@ -23,7 +23,7 @@ pub fn check<S, Q, const N: usize, const M: usize>(
     plain: impl Fn(f64, &[f64; N], &[f64; N]) -> f64,
 ) where
     S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     let derived = |t: f64, q: &[f64], v: &[f64]| lagrangian::<S, Q, N, M>(system, t, q, v);
     let plain = |t: f64, q: &[f64], v: &[f64]| plain(t, &array(q), &array(v));

@@ -9,7 +9,7 @@ use sve_models::configured::Configured;
 use sve_models::models::Charges;
 use sve_models::oracle::charges;
 use sve_runtime::prelude::*;
-use sve_runtime::{Coordinates, Field};
+use sve_runtime::{Field, VectorCoordinates};
 
 pub(crate) const H: f64 = 0.05;
 pub(crate) const DW: [f64; 3] = [0.1, -0.2, 0.05];
@@ -26,7 +26,7 @@ pub(crate) const START: State<[f64; 6]> = State::at(
     [0.1, 0.5, 0.2, -0.2, -0.4, -0.1],
 );
 
-pub(crate) fn state<Q: Coordinates<N>, const N: usize>(flat: &State<[f64; N]>) -> State<Q> {
+pub(crate) fn state<Q: VectorCoordinates<N>, const N: usize>(flat: &State<[f64; N]>) -> State<Q> {
     State::at(
         flat.t,
         Q::from_coordinates(&flat.q),
@@ -34,13 +34,13 @@ pub(crate) fn state<Q: Coordinates<N>, const N: usize>(flat: &State<[f64; N]>) -
     )
 }
 
-pub(crate) fn flat<Q: Coordinates<N>, const N: usize>(state: &State<Q>) -> State<[f64; N]> {
+pub(crate) fn flat<Q: VectorCoordinates<N>, const N: usize>(state: &State<Q>) -> State<[f64; N]> {
     State::at(state.t, state.q.coordinates(), Q::components(&state.p))
 }
 
 pub(crate) fn flat_field<V, const N: usize>(field: &Field<V>) -> Field<[f64; N]>
 where
-    V: Coordinates<N, Momentum = V>,
+    V: VectorCoordinates<N, Momentum = V>,
 {
     Field {
         q: field.q.coordinates(),
@@ -62,8 +62,8 @@ pub(crate) use every_type;
 
 /// What a configuration of six coordinates promises here.
 pub(crate) trait Six:
-    Coordinates<6, Momentum: Coordinates<6, Momentum = Self::Momentum>>
+    VectorCoordinates<6, Momentum: VectorCoordinates<6, Momentum = Self::Momentum>>
 {
 }
 
-impl<Q: Coordinates<6, Momentum: Coordinates<6, Momentum = Self::Momentum>>> Six for Q {}
+impl<Q: VectorCoordinates<6, Momentum: VectorCoordinates<6, Momentum = Self::Momentum>>> Six for Q {}

@@ -5,7 +5,7 @@ use sve_models::models::Stirred;
 use sve_models::oracle::{charges, stirred};
 use sve_runtime::nalgebra::DMatrix;
 use sve_runtime::prelude::*;
-use sve_runtime::{Coordinates, Dims, StateOf, System};
+use sve_runtime::{Dims, StateOf, System, VectorCoordinates};
 
 use crate::{DW, H, START, Six, every_type, flat, flat_field, state, system};
 
@@ -83,7 +83,7 @@ fn the_blocks_of_a_tangent_are_its_entries() {
 fn the_type_of_the_signature_is_the_type_of_the_state() {
     fn is_type_of<
         S: System<Dims = Dims<N, M, Q>>,
-        Q: Coordinates<N>,
+        Q: VectorCoordinates<N>,
         const N: usize,
         const M: usize,
     >(

@@ -8,7 +8,7 @@ use sve_models::oracle::stirred;
 use sve_runtime::baseline::{BackwardEulerMaruyama, EulerMaruyama, Heun};
 use sve_runtime::baseline::{RungeKutta4, TaylorSeries2};
 use sve_runtime::prelude::*;
-use sve_runtime::{Coordinates, Dims, System};
+use sve_runtime::{Dims, System, VectorCoordinates};
 
 use crate::{DW, H, START, Six, every_type, flat, flat_field, state, system};
 
@@ -86,7 +86,7 @@ fn same_step<A, B, Q, const N: usize, const M: usize>(
 ) where
     A: Method<System: System<Dims = Dims<N, M, Q>>>,
     B: Method<System: System<Dims = Dims<N, M>>>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     let (mut own, mut other) = (state::<Q, N>(start), *start);
     method.step(&mut own, H, dw).unwrap();

@@ -89,7 +89,7 @@ fn stays<S, R, Q, const N: usize, const M: usize>(
     dw: [f64; M],
 ) where
     S: sve_runtime::Variational<R> + sve_runtime::System<Dims = sve_runtime::Dims<N, M, Q>>,
-    Q: sve_runtime::Coordinates<N>,
+    Q: sve_runtime::VectorCoordinates<N>,
 {
     let mut state = start;
     for _ in 0..100 {

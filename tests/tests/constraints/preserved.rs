@@ -1,7 +1,7 @@
 //! What long paths keep: the constraints, momenta of symmetries, the energy without drift; and the exact path of a rotation.
 
 use sve_runtime::prelude::*;
-use sve_runtime::{ConstraintImpulses, Coordinates, Dims, System, Variational};
+use sve_runtime::{ConstraintImpulses, Dims, System, Variational, VectorCoordinates};
 
 use super::systems::{Check, all};
 
@@ -37,7 +37,7 @@ impl Turning {
 fn violations<S, Q, const N: usize, const M: usize>(system: &S, state: &State<Q>) -> [f64; 2]
 where
     S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     let velocity = system.velocity_at(state.t, state.q, state.p).unwrap();
     let v = Q::components(&velocity);
@@ -60,7 +60,7 @@ impl Check for OnConstraints {
         start: State<Q>,
     ) where
         S: Variational<R> + ConstraintImpulses<R> + System<Dims = Dims<N, M, Q>>,
-        Q: Coordinates<N>,
+        Q: VectorCoordinates<N>,
     {
         let [mut phi, mut psi] = [0.0f64; 2];
         for state in integrator

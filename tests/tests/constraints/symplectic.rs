@@ -3,7 +3,7 @@
 use sve_models::differences::derivatives;
 use sve_models::random::Random;
 use sve_runtime::prelude::*;
-use sve_runtime::{ConstraintImpulses, Coordinates, Dims, System, Variational};
+use sve_runtime::{ConstraintImpulses, Dims, System, Variational, VectorCoordinates};
 
 use super::systems::{Check, conservative};
 
@@ -67,7 +67,7 @@ impl Check for Symplectic {
         start: State<Q>,
     ) where
         S: Variational<R> + ConstraintImpulses<R> + System<Dims = Dims<N, M, Q>>,
-        Q: Coordinates<N>,
+        Q: VectorCoordinates<N>,
     {
         let dw: [f64; M] = core::array::from_fn(|i| [0.3, -0.2, 0.25][i % 3]);
         let row = |state: &State<Q>| [state.q.coordinates(), Q::components(&state.p)].concat();

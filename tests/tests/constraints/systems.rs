@@ -47,7 +47,7 @@ pub(crate) trait Check {
         start: State<Q>,
     ) where
         S: Variational<R> + ConstraintImpulses<R> + System<Dims = Dims<N, M, Q>>,
-        Q: sve_runtime::Coordinates<N>;
+        Q: sve_runtime::VectorCoordinates<N>;
 }
 
 fn all_rules<S, Q, const N: usize, const M: usize>(
@@ -65,7 +65,7 @@ fn all_rules<S, Q, const N: usize, const M: usize>(
         + ConstraintImpulses<Endpoint>
         + ConstraintImpulses<Midpoint>
         + ConstraintImpulses<StormerVerlet>,
-    Q: sve_runtime::Coordinates<N>,
+    Q: sve_runtime::VectorCoordinates<N>,
 {
     let midpoint = Integrator::new(system, Midpoint);
     let start = midpoint.consistent(start).unwrap();

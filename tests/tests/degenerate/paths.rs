@@ -6,7 +6,7 @@ use sve_models::degenerate::{
     Spin, VortexPair, Vortices,
 };
 use sve_runtime::prelude::*;
-use sve_runtime::{Coordinates, Dims, System, Variational};
+use sve_runtime::{Dims, System, Variational, VectorCoordinates};
 
 /// The three rules on the same noise stay near the exact rotation, and the midpoint rule keeps the energy.
 #[test]
@@ -87,7 +87,7 @@ fn energy_errors<S, R, Q, const N: usize, const M: usize>(
 ) -> [f64; 2]
 where
     S: Variational<R> + System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     let system = integrator.system();
     let energy = system.hamiltonian(&start).unwrap();
@@ -199,7 +199,7 @@ fn paths_of_ensembles_are_single_paths() {
     where
         S: Variational<R> + System<Dims = Dims<N, M, Q>> + Sync,
         R: Sync,
-        Q: Coordinates<N>,
+        Q: VectorCoordinates<N>,
         Q::Momentum: Send + Sync,
     {
         let (h, steps) = (0.05, 40);

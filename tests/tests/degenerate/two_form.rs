@@ -1,7 +1,7 @@
 //! Steps preserve the two-form: to rounding in the affine and the internal form, up to O(h⁵) where they are projected.
 
 use sve_runtime::prelude::*;
-use sve_runtime::{CoordinateRole, Coordinates, Dims, LagrangianJet, System, Variational};
+use sve_runtime::{CoordinateRole, Dims, LagrangianJet, System, Variational, VectorCoordinates};
 
 use sve_models::degenerate::{
     CubicLotkaVolterra, Drift, InternalLotkaVolterra, Joint, Kubo, LotkaVolterra,
@@ -15,7 +15,7 @@ fn tangent_vectors<S, Q, const N: usize, const M: usize>(
 ) -> Vec<Vec<f64>>
 where
     S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     let jet: LagrangianJet<N> = system.lagrangian_jet(state.t, &state.q.coordinates(), &[0.0; N]);
     let is = |i: usize, role| S::ROLES[i] == role;
@@ -55,7 +55,7 @@ fn defect<S, R, Q, const N: usize, const M: usize>(
 ) -> f64
 where
     S: Variational<R> + System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     let integrator = Integrator::new(system, rule);
     let mut state = State::from_configuration(integrator.system(), q).unwrap();
@@ -121,7 +121,7 @@ fn reduced_forms_preserve_the_two_form() {
 fn defects<S, Q, const N: usize, const M: usize>(system: S, start: (Q, [f64; N])) -> [f64; 4]
 where
     S: Variational<Midpoint> + System<Dims = Dims<N, M, Q>> + Copy,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     [0.2, 0.1, 0.05, 0.025].map(|h| defect(system, Midpoint, start, h, [0.0; M]))
 }

@@ -8,12 +8,12 @@
 use sve_models::models::{Central, Chain, Charges, Mixed, Stretched};
 use sve_models::oracle::{central, chain, charges, mixed, stretched};
 use sve_runtime::prelude::*;
-use sve_runtime::{Coordinates, Dims, System, Variational};
+use sve_runtime::{Dims, System, Variational, VectorCoordinates};
 
 const STEPS: u32 = 5000;
 
 /// Largest product of a coordinate, or 1, with a momentum.
-fn size_of<Q: Coordinates<N>, const N: usize>(state: &State<Q>) -> f64 {
+fn size_of<Q: VectorCoordinates<N>, const N: usize>(state: &State<Q>) -> f64 {
     let largest = |x: [f64; N]| x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     largest(state.q.coordinates()).max(1.0) * largest(Q::components(&state.p))
 }
@@ -26,7 +26,7 @@ fn drift<S, R, Q, const N: usize, const M: usize>(
 ) -> f64
 where
     S: Variational<R> + System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     let expected = momentum(integrator.system(), &start);
     let (mut worst, mut size): (f64, f64) = (0.0, 0.0);

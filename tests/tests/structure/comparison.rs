@@ -65,7 +65,7 @@ mod table {
     use super::scenes::{Facts, Scene, Visitor, every_scene};
     use sve_runtime::__private::Unstructured;
     use sve_runtime::prelude::*;
-    use sve_runtime::{Coordinates, Dims, System, Variational};
+    use sve_runtime::{Dims, System, Variational, VectorCoordinates};
 
     /// Scene and rule; then without structure and with it: blocks, operations, calls, additions, bytes beside the state.
     const TABLE: &[[&str; 3]] = &[
@@ -143,7 +143,7 @@ mod table {
         fn visit<S, R, Q, const N: usize, const M: usize>(&mut self, scene: &Scene<S, R>)
         where
             S: System<Dims = Dims<N, M, Q>> + Variational<R> + Variational<Unstructured<R>> + Copy,
-            Q: Coordinates<N>,
+            Q: VectorCoordinates<N>,
             R: Copy,
         {
             let words = |facts: Facts| {
@@ -171,7 +171,7 @@ mod table {
     fn same_path<S, R, Q, const N: usize, const M: usize>(scene: &Scene<S, R>)
     where
         S: System<Dims = Dims<N, M, Q>> + Variational<R> + Variational<Unstructured<R>>,
-        Q: Coordinates<N>,
+        Q: VectorCoordinates<N>,
     {
         let (mut a, mut b) = (scene.start, scene.start);
         for k in 0..50 {

@@ -6,6 +6,7 @@
 //! 0 = ∂S/∂x   (each internal x)        0 = ∂S/∂d − ∂S/∂q₀ − p₀        p₁ − p₀ = ∂S/∂q₀
 //! ```
 //!
+//! These are the equations of a vector; those of a rotation are in [`configuration`](crate::system::configuration).
 //! Where a momentum is a function of the configuration, p₀ and p₁ are that function, and equations at the end may be added ([`Ends`](crate::rules::action::Ends)).
 //! If there is a force, its work under a variation of x is added to each ∂S/∂x (Lagrange–d'Alembert principle).
 
@@ -13,8 +14,11 @@ use std::collections::HashMap;
 
 use super::constrained;
 use crate::algebra::{Arena, Expr, Node, Symbol};
-use crate::rules::action::{Action, Work};
+use crate::rules::action::{Action, Work, values_at_nodes};
 use crate::structure::Condition;
+use crate::system::configuration::{
+    Block, Factor, cross, directions_of_rotation, momentum_at_start,
+};
 use crate::system::model::Symbols;
 
 /// The equations of a step.
@@ -54,38 +58,53 @@ pub(crate) fn equations(action: &Action, symbols: &Symbols, arena: &mut Arena) -
     let mut residuals = Vec::new();
     for &x in &action.internal {
         let stationary = variation(action, x, arena);
+        let stationary = at_nodes(action, stationary, arena);
         residuals.push(divide_out(arena, stationary, action.h));
     }
     let ends = &action.ends;
-    let (mut dp, mut p1, mut balanced) = (Vec::new(), Vec::new(), Vec::new());
-    for i in 0..action.start_q.len() {
-        let end = variation(action, action.displacement[i], arena);
-        p1.push(end);
-        if let Some(&Some(function)) = ends.end.get(i) {
-            let p0 = arena.symbol(action.start_p[i]);
-            dp.push(vec![arena.sub(function, p0)]);
-        }
-        if ends.unbalanced.get(i) == Some(&true) {
+    let mut variations = action.internal.clone();
+    let (mut dp, mut p1) = (Vec::new(), Vec::new());
+    for block in action.configuration.blocks() {
+        let Factor::Vector(_) = block.factor else {
+            let momenta = momenta_of_rotation(action, &block, arena);
+            // the unknowns are in descending order too, so that pivots are on the diagonal
+            residuals.extend(momenta.balance.into_iter().rev());
+            let turned = action.displacement[block.directions].iter();
+            variations.extend(turned.rev());
+            dp.extend(momenta.change.into_iter().map(|change| vec![change]));
             continue;
-        }
-        balanced.push(action.displacement[i]);
-        let kick = variation(action, action.start_q[i], arena);
-        let p0 = match ends.start.get(i) {
-            Some(&Some(function)) => function,
-            _ => arena.symbol(action.start_p[i]),
         };
-        let balance = arena.sum(0.0, &[(1.0, end), (-1.0, kick), (-1.0, p0)]);
-        residuals.push(balance);
-        if dp.len() > i {
-            continue;
+        for (entry, i) in block.entries.zip(block.directions) {
+            let end = variation(action, action.displacement[i], arena);
+            let end = at_nodes(action, end, arena);
+            p1.push(end);
+            if let Some(&Some(function)) = ends.end.get(i) {
+                let p0 = arena.symbol(action.start_p[i]);
+                dp.push(vec![arena.sub(function, p0)]);
+            }
+            if ends.unbalanced.get(i) == Some(&true) {
+                continue;
+            }
+            variations.push(action.displacement[i]);
+            let kick = variation(action, action.start_q[entry], arena);
+            let kick = at_nodes(action, kick, arena);
+            let p0 = match ends.start.get(i) {
+                Some(&Some(function)) => function,
+                _ => arena.symbol(action.start_p[i]),
+            };
+            let balance = arena.sum(0.0, &[(1.0, end), (-1.0, kick), (-1.0, p0)]);
+            residuals.push(balance);
+            if dp.len() > i {
+                continue;
+            }
+            // ∂S/∂q₀ plus a multiple of a residual. Once the residual gives ∂S/∂d − p₀. Twice the residual eliminates the force from
+            // the midpoint rule, p₁ = 2p − p₀.
+            dp.push(
+                (0..3)
+                    .map(|k| arena.sum(0.0, &[(1.0, kick), (f64::from(k), balance)]))
+                    .collect(),
+            );
         }
-        // ∂S/∂q₀ plus a multiple of a residual. Once the residual gives ∂S/∂d − p₀. Twice the residual eliminates the force from
-        // the midpoint rule, p₁ = 2p − p₀.
-        dp.push(
-            (0..3)
-                .map(|k| arena.sum(0.0, &[(1.0, kick), (f64::from(k), balance)]))
-                .collect(),
-        );
     }
     let momenta = ends.momentum.iter().copied().zip(p1.iter().copied());
     let at_end: HashMap<Symbol, Expr> = momenta.collect();
@@ -93,8 +112,7 @@ pub(crate) fn equations(action: &Action, symbols: &Symbols, arena: &mut Arena) -
         residuals.push(arena.substitute(closure.residual, &at_end));
     }
     let closing = ends.closures.iter().map(|closure| closure.unknown);
-    let variations = action.internal.iter().chain(&balanced);
-    let variations = variations.copied().chain(closing.clone()).collect();
+    variations.extend(closing.clone());
     // elimination is preferred for displacements, then for multipliers, then for velocities
     let mut unknowns: Vec<Symbol> = action
         .displacement
@@ -125,9 +143,71 @@ pub(crate) fn equations(action: &Action, symbols: &Symbols, arena: &mut Arena) -
     }
 }
 
+/// The equations of the momentum of a rotation.
+struct MomentaOfRotation {
+    /// Vanishes at a solution.
+    balance: Vec<Expr>,
+    /// Π₁ − Π₀.
+    change: Vec<Expr>,
+}
+
+/// Derives the momenta of a rotation from `g = ∂S/∂x` and τ, the derivative by the rotation at the node
+/// ([`configuration`](crate::system::configuration)): `Π₁ − Π₀ = τ − x × g`.
+fn momenta_of_rotation(action: &Action, block: &Block, arena: &mut Arena) -> MomentaOfRotation {
+    let displacement = &action.displacement[block.directions.clone()];
+    let x: Vec<Expr> = displacement.iter().map(|&s| arena.symbol(s)).collect();
+    let g: Vec<Expr> = displacement
+        .iter()
+        .map(|&s| variation(action, s, arena))
+        .collect();
+    let start = momentum_at_start(&x, &g, arena);
+    let turned = cross(&x, &g, arena);
+    let mut balance: Vec<Vec<(f64, Expr)>> = Vec::new();
+    let mut change = Vec::new();
+    for (k, i) in block.directions.clone().enumerate() {
+        let p0 = arena.symbol(action.start_p[i]);
+        balance.push(vec![(1.0, start[k]), (-1.0, p0)]);
+        change.push(vec![(-1.0, turned[k])]);
+    }
+    let at_nodes = action.rotations.iter();
+    for node in at_nodes.filter(|node| node.first == block.entries.start) {
+        let slopes: Vec<Expr> = node
+            .entries
+            .iter()
+            .map(|&s| variation(action, s, arena))
+            .collect();
+        let torque = directions_of_rotation(&slopes, &node.entries, arena);
+        let across = cross(&node.half, &torque, arena);
+        for k in 0..torque.len() {
+            balance[k].extend([(-0.5, torque[k]), (-0.25, across[k])]);
+            change[k].push((1.0, torque[k]));
+        }
+    }
+    let values = values_at_nodes(&action.rotations);
+    let mut sums = |rows: Vec<Vec<(f64, Expr)>>| -> Vec<Expr> {
+        let sums = rows.into_iter().map(|terms| {
+            let sum = arena.sum(0.0, &terms);
+            arena.substitute(sum, &values)
+        });
+        sums.collect()
+    };
+    MomentaOfRotation {
+        balance: sums(balance),
+        change: sums(change),
+    }
+}
+
+/// Puts the values of the rotations at the nodes in the place of their entries.
+fn at_nodes(action: &Action, expr: Expr, arena: &mut Arena) -> Expr {
+    if action.rotations.is_empty() {
+        return expr;
+    }
+    arena.substitute(expr, &values_at_nodes(&action.rotations))
+}
+
 /// Returns `∂S/∂x` plus the work of the force.
 fn variation(action: &Action, x: Symbol, arena: &mut Arena) -> Expr {
-    let mut terms = vec![(1.0, arena.diff(action.value, x))];
+    let mut terms = vec![(1.0, arena.diff(action.varied, x))];
     for Work { impulse, place } in &action.work {
         let displacement = arena.diff(*place, x);
         terms.push((1.0, arena.mul(*impulse, displacement)));

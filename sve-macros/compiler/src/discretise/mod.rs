@@ -1,5 +1,6 @@
 //! Discrete action → equations of the step, and their linearisation around a solution.
 
+mod chart;
 mod constrained;
 pub(crate) mod equations;
 pub(crate) mod stages;

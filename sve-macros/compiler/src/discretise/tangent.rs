@@ -11,6 +11,7 @@
 
 use std::collections::HashMap;
 
+use super::chart::{self, Input};
 use crate::algebra::{Arena, Expr, Symbol};
 use crate::rules::action::Action;
 use crate::structure::{Iteration, Linear, Scheme, Solution};
@@ -57,22 +58,31 @@ pub(crate) fn linearise(
             }
         }
     }
-    let inputs: Vec<Symbol> = action
-        .start_q
-        .iter()
-        .chain(&action.start_p)
-        .copied()
-        .chain(symbols.parameters())
-        .collect();
+    let mut inputs = chart::start(action, arena);
+    inputs.extend(symbols.parameters().map(Input::Symbol));
+    let by_unknowns: Vec<Input> = unknowns.iter().map(|&s| Input::Symbol(s)).collect();
     let results = [scheme.dq.as_slice(), &scheme.dp].concat();
+    let has_rotations = action.configuration.has_rotations();
+    let of_results = |columns: &[Input], first: bool, arena: &mut Arena| {
+        if !has_rotations {
+            return jacobian(&results, columns, arena);
+        }
+        let mut rows: Vec<Vec<Expr>> = Vec::new();
+        for &result in &results {
+            let row = columns.iter().map(|input| input.derivative(result, arena));
+            rows.push(row.collect());
+        }
+        chart::at_end(&mut rows, first, scheme, action, arena);
+        entries(&rows, arena)
+    };
     Linearisation {
         outputs: results.len(),
         inputs: inputs.len(),
         matrices: [
-            jacobian(&residuals, &unknowns, arena),
+            jacobian(&residuals, &by_unknowns, arena),
             jacobian(&residuals, &inputs, arena),
-            jacobian(&results, &unknowns, arena),
-            jacobian(&results, &inputs, arena),
+            of_results(&by_unknowns, false, arena),
+            of_results(&inputs, true, arena),
         ],
         unknowns,
     }
@@ -103,15 +113,29 @@ fn residuals_at_solution(iteration: &Iteration<Expr>, arena: &mut Arena) -> Vec<
         .collect()
 }
 
-fn jacobian(rows: &[Expr], columns: &[Symbol], arena: &mut Arena) -> Vec<Entry> {
+/// Returns the entries of a matrix that are not zero.
+fn entries(rows: &[Vec<Expr>], arena: &mut Arena) -> Vec<Entry> {
+    let zero = arena.constant(0.0);
+    let mut entries = Vec::new();
+    for (row, values) in rows.iter().enumerate() {
+        for (column, &value) in values.iter().enumerate() {
+            if value != zero {
+                entries.push(Entry { row, column, value });
+            }
+        }
+    }
+    entries
+}
+
+fn jacobian(rows: &[Expr], columns: &[Input], arena: &mut Arena) -> Vec<Entry> {
     let zero = arena.constant(0.0);
     let mut entries = Vec::new();
     for (row, &expr) in rows.iter().enumerate() {
-        for (column, &symbol) in columns.iter().enumerate() {
-            if !arena.contains(expr, symbol) {
+        for (column, input) in columns.iter().enumerate() {
+            if matches!(input, Input::Symbol(symbol) if !arena.contains(expr, *symbol)) {
                 continue;
             }
-            let value = arena.diff(expr, symbol);
+            let value = input.derivative(expr, arena);
             if value != zero {
                 entries.push(Entry { row, column, value });
             }

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use crate::algebra::{self, Arena, Expr, Notation, Symbol};
 use crate::rules::Rule;
 use crate::rules::constraints::END;
+use crate::system::configuration::{Block, Factor, RotationEntry};
 use crate::system::model::{AtNode, Family, Meaning, NodeQuantity, Quantity, Symbols, Unknown};
 
 /// Letters that have a meaning of their own.
@@ -83,14 +84,39 @@ impl<'a> Names<'a> {
         };
         let name = match quantity {
             NodeQuantity::Time => letter.to_owned(),
-            NodeQuantity::Position(i) | NodeQuantity::Velocity(i) => self.component(letter, i),
+            NodeQuantity::Position(i) => self.entry(letter, "R̄", i),
+            NodeQuantity::Velocity(i) => self.component(letter, i),
         };
         self.call(expr, name);
     }
 
-    /// `q₀[i]`, or `q₀` where there is one coordinate.
+    /// `q₀[i]`, or `q₀` where there is one coordinate; of a rotation `ω[i]`, `Π₀[i]` and the like.
     pub(super) fn component(&self, letter: &str, i: usize) -> String {
-        component(letter, i, coordinates(self.symbols))
+        component(letter, i, self.symbols)
+    }
+
+    /// `(Π × RᵀdR)[i]`, the change of a body momentum by the rotation of the body; `None` for the momentum of a vector.
+    pub(super) fn transport(&self, i: usize) -> Option<String> {
+        let blocks = self.symbols.configuration.blocks();
+        let mut rotations = blocks.iter().filter(|b| b.factor == Factor::Rotation);
+        rotations.find(|block| block.directions.contains(&i))?;
+        let name = component("p", i, self.symbols);
+        Some(name.replacen('Π', "(Π × RᵀdR)", 1))
+    }
+
+    /// `q₀[i]`, or the entry `R₀[row, column]` of a rotation.
+    pub(super) fn entry(&self, letter: &str, rotation: &str, i: usize) -> String {
+        match self.symbols.configuration.rotation_of(i) {
+            Some(RotationEntry {
+                number,
+                row,
+                column,
+            }) => {
+                let number = number.map_or(String::new(), |number| format!("[{number}]"));
+                format!("{rotation}{number}[{row}, {column}]")
+            }
+            None => self.component(letter, i),
+        }
     }
 }
 
@@ -111,25 +137,49 @@ pub(crate) fn unknown(symbols: &Symbols, symbol: Symbol) -> String {
         Family::EndVelocity => "v₁",
         Family::NodeDisplacement => "Δq̄",
     };
-    let of = if family.is_multiplier_of_constraint() {
-        multipliers(symbols, family)
-    } else {
-        coordinates(symbols)
-    };
-    component(letter, index, of)
+    if family.is_multiplier_of_constraint() {
+        return indexed(letter, index, multipliers(symbols, family));
+    }
+    component(letter, index, symbols)
 }
 
-fn component(letter: &str, i: usize, of: usize) -> String {
+/// A component in a direction: `v[i]`, or of a rotation `ω[i]`, with the letter for rotations in place of the letter for vectors.
+fn component(letter: &str, i: usize, symbols: &Symbols) -> String {
+    let blocks = symbols.configuration.blocks();
+    let rotations = blocks
+        .iter()
+        .filter(|block| block.factor == Factor::Rotation);
+    let rotations: Vec<&Block> = rotations.collect();
+    if let Some(number) = rotations.iter().position(|b| b.directions.contains(&i)) {
+        let letter = ROTATION.iter().find(|pair| pair.0 == letter);
+        let letter = letter.map_or("x", |pair| pair.1);
+        let at = i - rotations[number].directions.start;
+        return match rotations.len() {
+            1 => format!("{letter}[{at}]"),
+            _ => format!("{letter}[{number}][{at}]"),
+        };
+    }
+    let of = symbols.configuration.directions();
+    indexed(letter, i, of)
+}
+
+/// Letters for vectors, and those of the same quantities for rotations.
+const ROTATION: [(&str, &str); 7] = [
+    ("dq", "(RᵀdR)"),
+    ("v", "ω"),
+    ("p", "Π"),
+    ("p₀", "Π₀"),
+    ("p₁", "Π₁"),
+    ("dp", "dΠ"),
+    ("Δq", "x"),
+];
+
+fn indexed(letter: &str, i: usize, of: usize) -> String {
     if of == 1 {
         letter.to_owned()
     } else {
         format!("{letter}[{i}]")
     }
-}
-
-fn coordinates(symbols: &Symbols) -> usize {
-    let is_position = |m: &&Meaning| matches!(m, Meaning::Position(_));
-    symbols.meanings().iter().filter(is_position).count()
 }
 
 /// The number of constraints, which is at least the number of the largest multiplier.
@@ -169,12 +219,14 @@ impl Notation for Names<'_> {
             Meaning::Time if self.rule.is_some() => "t₀".to_owned(),
             Meaning::Time => "t".to_owned(),
             Meaning::StepSize => "h".to_owned(),
-            Meaning::Position(i) => self.component("q", *i),
+            Meaning::Position(i) => self.entry("q", "R", *i),
             Meaning::Velocity(i) => self.component("v", *i),
             Meaning::Momentum(i) => self.component("p", *i),
-            Meaning::Start(Quantity::Position, i) => self.component("q₀", *i),
+            Meaning::Start(Quantity::Position, i) => self.entry("q₀", "R₀", *i),
             Meaning::Start(Quantity::Momentum, i) => self.component("p₀", *i),
-            Meaning::Wiener(i) => component("ΔW", *i, processes(self.symbols)),
+            Meaning::Wiener(i) => indexed("ΔW", *i, processes(self.symbols)),
+            Meaning::NodeEntry(i) => self.entry("q̄", "R̄", *i),
+            Meaning::Attitude(i) => format!("attitude[{i}]"),
             Meaning::End(i) => self.component("p₁", *i),
             Meaning::Unknown(_) | Meaning::Limit(_) => unknown(self.symbols, symbol),
         }

@@ -3,12 +3,13 @@
 use super::names::{Names, unknown};
 use super::page::Page;
 use super::shown;
-use crate::algebra::{Arena, Expr, Notation, Sum, Symbol};
+use crate::algebra::{Arena, Expr, Node, Notation, Sum, Symbol};
 use crate::rules::action::Action;
 use crate::rules::constraints::END;
 use crate::rules::degenerate;
 use crate::rules::{Features, Rule, RuleOption, Textbook};
 use crate::structure::{Block, Kind, Matrix, Scheme, Solution};
+use crate::system::configuration::Factor;
 use crate::system::mechanics::Mechanics;
 use crate::system::model::{AtNode, Constraint, Meaning, Model, NodeQuantity, Symbols};
 
@@ -219,11 +220,23 @@ fn equations(
         lines.push(format!("  … ({left} more unknowns)"));
     }
     let mut ends = Vec::new();
-    for (letter, start, list) in [("q", &action.start_q, dq), ("p", &action.start_p, dp)] {
-        let end = (0..shown(n)).map(|i| end(letter, i, start[i], list[i], &mut page));
-        let end = end.collect();
-        ends.extend(Page::list(end, n, "of these"));
+    let positions = positions(action);
+    let is_unknown = |e: Expr| matches!(arena.node(e), Node::Symbol(_));
+    let given = (0..shown(n)).filter(|&i| positions[i].is_some() || !is_unknown(dq[i]));
+    let moved = given.map(|i| match positions[i] {
+        Some(start) => end("q", i, start, dq[i], &mut page),
+        // the increment of a rotation
+        None => {
+            let name = page.names.component("Δq", i);
+            format!("{name} = {}", page.formula(dq[i]))
+        }
+    });
+    ends.extend(Page::list(moved.collect(), n, "of these"));
+    if action.configuration.has_rotations() {
+        ends.push("R₁ = R₀·cay(x)".to_owned());
     }
+    let pushed = (0..shown(n)).map(|i| end("p", i, action.start_p[i], dp[i], &mut page));
+    ends.extend(Page::list(pushed.collect(), n, "of these"));
     let indent = if lines.is_empty() { "" } else { "  " };
     if !lines.is_empty() {
         lines.push("then".to_owned());
@@ -343,6 +356,20 @@ fn row(
         text.push_str(&unknown(symbols, unknowns[column]));
     }
     text
+}
+
+/// The coordinates of the start, in the order of the directions; `None` for the directions of a rotation.
+fn positions(action: &Action) -> Vec<Option<Symbol>> {
+    let mut positions = Vec::new();
+    for block in action.configuration.blocks() {
+        match block.factor {
+            Factor::Vector(_) => {
+                positions.extend(action.start_q[block.entries].iter().map(|&s| Some(s)));
+            }
+            Factor::Rotation => positions.extend([None; 3]),
+        }
+    }
+    positions
 }
 
 /// `q₁ = q₀ + …`, with what cancels cancelled.

@@ -237,6 +237,10 @@ fn motion(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Vec<String> {
     let pushed: Vec<String> = (0..count)
         .map(|i| {
             let mut line = Line::new(&page.names.component("dp", i));
+            // a body momentum turns against the body
+            if let Some(turned) = page.names.transport(i) {
+                line.push(false, &turned);
+            }
             let mut force = Sum::default();
             force.add(1.0, jet.dq[i], arena);
             if let Some(other) = &mechanics.force {

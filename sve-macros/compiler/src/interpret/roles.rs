@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use syn::Type;
 use syn::spanned::Spanned;
 
 use super::matrices::Matrix;
@@ -11,15 +12,51 @@ use super::{Lowering, readable};
 use crate::algebra::{Expr, Symbol};
 use crate::syntax::parse::RoleFunction;
 use crate::syntax::roles::Role;
+use crate::system::configuration::Configuration;
 use crate::system::model::{Constraint, Generator, Meaning, Model, NoiseTerm, Symbols};
+
+/// The shapes of the parts of the configuration, and those of their velocities and momenta.
+struct Space {
+    shapes: Vec<Shape>,
+    velocities: Vec<Shape>,
+}
+
+impl Space {
+    /// Returns the parts of a quantity, the configuration (0) or one like the velocity, with the number of each part and its symbols.
+    fn parts<'a>(
+        &'a self,
+        quantity: usize,
+        symbols: &'a [Symbol],
+    ) -> impl Iterator<Item = (&'a Shape, usize, &'a [Symbol])> {
+        let shapes = if quantity == 0 {
+            &self.shapes
+        } else {
+            &self.velocities
+        };
+        let mut first = 0;
+        shapes.iter().enumerate().map(move |(number, shape)| {
+            let from = first;
+            first += shape.len();
+            (shape, number, &symbols[from..first])
+        })
+    }
+}
 
 impl Lowering<'_> {
     /// Returns the model without its symbol table, which the caller adds.
     pub(super) fn model(&mut self) -> Option<Model> {
         let block = self.block;
         let function = &block.lagrangian;
-        let shape = self.shape(block.coordinates())?;
-        let n = shape.len();
+        let mut shapes = Vec::new();
+        for ty in block.configuration() {
+            shapes.push(self.configuration_shape(ty)?);
+        }
+        let mut factors = Vec::new();
+        for shape in &shapes {
+            shape.factors(&mut factors);
+        }
+        let configuration = Configuration::new(factors);
+        let n = configuration.directions();
         if n == 0 {
             self.errors.push(
                 block.coordinates().span(),
@@ -28,11 +65,18 @@ impl Lowering<'_> {
             return None;
         }
         let time = self.symbols.declare(Meaning::Time);
-        let q = self.symbols.declare_all(n, Meaning::Position);
+        let entries = configuration.entries();
+        let q = self.symbols.declare_all(entries, Meaning::Position);
         let v = self.symbols.declare_all(n, Meaning::Velocity);
         let p = self.symbols.declare_all(n, Meaning::Momentum);
 
-        let result = self.run(function, &shape, time, &[&q, &v]);
+        let parameters = configuration.parameters();
+        let attitude = self.symbols.declare_all(parameters, Meaning::Attitude);
+        self.symbols.configuration = configuration;
+        let velocities: Vec<Shape> = shapes.iter().map(Shape::velocity).collect();
+        let space = Space { shapes, velocities };
+
+        let result = self.run(function, &space, time, &[&q, &v]);
         let lagrangian = self.scalar_result(function, &result);
         let mut noises = Vec::new();
         for noise in &block.noises {
@@ -41,13 +85,13 @@ impl Lowering<'_> {
             } else {
                 &[&q, &p]
             };
-            let result = self.run(noise, &shape, time, arguments);
+            let result = self.run(noise, &space, time, arguments);
             self.noise_terms(noise, result, &mut noises);
         }
         let mut force: Option<Vec<Expr>> = None;
         for function in &block.forces {
-            let result = self.run(function, &shape, time, &[&q, &v]);
-            let Some(more) = self.vector_result(function, &result, &shape) else {
+            let result = self.run(function, &space, time, &[&q, &v]);
+            let Some(more) = self.vector_result(function, &result, &space) else {
                 continue;
             };
             force = Some(match force {
@@ -60,15 +104,15 @@ impl Lowering<'_> {
         }
         let mut symmetries = Vec::new();
         for function in &block.symmetries {
-            let result = self.run(function, &shape, time, &[&q]);
-            if let Some(field) = self.vector_result(function, &result, &shape) {
+            let result = self.run(function, &space, time, &[&q]);
+            if let Some(field) = self.vector_result(function, &result, &space) {
                 let name = function.name.to_string();
                 symmetries.push(Generator { name, field });
             }
         }
         let mut constraints = Vec::new();
         for function in &block.constraints {
-            let result = self.run(function, &shape, time, &[&q]);
+            let result = self.run(function, &space, time, &[&q]);
             self.constraint_terms(function, result, &mut constraints);
         }
         Some(Model {
@@ -77,6 +121,7 @@ impl Lowering<'_> {
             q,
             v,
             p,
+            attitude,
             lagrangian: lagrangian?,
             degeneracy: None,
             noises,
@@ -91,7 +136,7 @@ impl Lowering<'_> {
     fn run(
         &mut self,
         function: &RoleFunction,
-        shape: &Shape,
+        space: &Space,
         time: Symbol,
         vectors: &[&[Symbol]],
     ) -> Value {
@@ -107,12 +152,19 @@ impl Lowering<'_> {
             self.bind(pattern, Value::Scalar(t));
         }
         let mut is_reported = false;
-        for ((pattern, ty), symbols) in arguments.zip(vectors) {
-            match self.shape(ty) {
+        let vectors = vectors.iter().enumerate();
+        let mut places = vectors.flat_map(|(quantity, symbols)| space.parts(quantity, symbols));
+        for (pattern, ty) in arguments {
+            let Some((shape, there, symbols)) = places.next() else {
+                self.report_other_type(function, ty, None, &space.shapes[0], 0);
+                self.bind(pattern, Value::Poison);
+                continue;
+            };
+            match self.configuration_shape(ty) {
                 Some(found) if found == *shape => {}
                 found => {
                     if found.is_some() && !is_reported {
-                        self.report_other_type(function, ty, found.as_ref(), shape);
+                        self.report_other_type(function, ty, found.as_ref(), shape, there);
                         is_reported = true;
                     }
                     self.bind(pattern, Value::Poison);
@@ -126,6 +178,14 @@ impl Lowering<'_> {
                 .into_iter();
             let value = shape.fill(&mut || expressions.next().map_or(Value::Poison, Value::Scalar));
             self.bind(pattern, value);
+        }
+        if places.next().is_some() {
+            let expected = function.role.signature_with_rotations(space.shapes.len());
+            let message = format!(
+                "`{}` needs an argument for each part of the configuration: expected `{expected}`",
+                function.name
+            );
+            self.errors.push(function.name.span(), message);
         }
         let mistakes = self.errors.count();
         let value = self.block_value(&function.item.block);
@@ -145,7 +205,12 @@ impl Lowering<'_> {
         ty: &syn::Type,
         found: Option<&Shape>,
         shape: &Shape,
+        there: usize,
     ) {
+        if self.symbols.configuration.has_rotations() {
+            self.report_other_part(ty);
+            return;
+        }
         let whose = match function.role {
             Role::Lagrangian => "positions and velocities",
             _ => "this and the arguments of `lagrangian`",
@@ -156,7 +221,7 @@ impl Lowering<'_> {
             "length"
         };
         let here = readable(ty);
-        let there = readable(self.block.coordinates());
+        let there = readable(self.block.configuration().nth(there).unwrap_or(ty));
         self.errors.push(
             ty.span(),
             format!("{whose} must be of the same {what}: here `{here}`, there `{there}`"),
@@ -191,17 +256,28 @@ impl Lowering<'_> {
         &mut self,
         function: &RoleFunction,
         value: &Value,
-        shape: &Shape,
+        space: &Space,
     ) -> Option<Vec<Expr>> {
         let arguments = &function.arguments[usize::from(function.is_timed)..];
-        if arguments
-            .iter()
-            .any(|(_, ty)| self.shape(ty).as_ref() != Some(shape))
+        let shapes = space.shapes.iter().chain(&space.velocities);
+        if !arguments.len().is_multiple_of(space.shapes.len())
+            || arguments
+                .iter()
+                .zip(shapes)
+                .any(|((_, ty), shape)| self.configuration_shape(ty).as_ref() != Some(shape))
         {
             // the argument has been reported
             return None;
         }
-        if self.shape(&function.output)? != *shape {
+        let [shape] = space.velocities.as_slice() else {
+            return self.pair_result(function, value, space);
+        };
+        if self.symbols.configuration.has_rotations() {
+            if self.configuration_shape(&function.output)? != *shape {
+                self.report_other_result(function);
+                return None;
+            }
+        } else if self.shape(&function.output)? != *shape {
             let coordinates = self.block.coordinates();
             self.errors.push(
                 function.output.span(),
@@ -216,6 +292,61 @@ impl Lowering<'_> {
         let mut entries = Vec::new();
         self.entries(value, shape, &function.name, &mut entries)?;
         Some(entries)
+    }
+
+    /// Returns the components of a tuple of two vectors, those of a vector and those of a rotation, or reports an error.
+    fn pair_result(
+        &mut self,
+        function: &RoleFunction,
+        value: &Value,
+        space: &Space,
+    ) -> Option<Vec<Expr>> {
+        let Type::Tuple(types) = &function.output else {
+            self.report_other_result(function);
+            return None;
+        };
+        for (index, shape) in space.velocities.iter().enumerate() {
+            let found = types.elems.get(index).and_then(|ty| self.shape(ty));
+            if found.as_ref() != Some(shape) || types.elems.len() != space.velocities.len() {
+                self.report_other_result(function);
+                return None;
+            }
+        }
+        let mut entries = Vec::new();
+        match value {
+            Value::Tuple(values) if values.len() == space.velocities.len() => {
+                for (value, shape) in values.iter().zip(&space.velocities) {
+                    self.entries(value, shape, &function.name, &mut entries)?;
+                }
+            }
+            Value::Poison => return None,
+            _ => {
+                self.report_other_result(function);
+                return None;
+            }
+        }
+        Some(entries)
+    }
+
+    /// Reports a result of another type than a field of directions has in a system with rotations.
+    fn report_other_result(&mut self, function: &RoleFunction) {
+        let expected = function.role.signature_with_rotations(function.parts);
+        let message = format!(
+            "`{}` must return a vector for each part, and that of a rotation is a `Vector3<f64>` in the body frame: expected `{expected}`",
+            function.name
+        );
+        self.errors.push(function.output.span(), message);
+    }
+
+    /// Reports an argument of another type than its place has in a system with rotations.
+    fn report_other_part(&mut self, ty: &Type) {
+        let parts: Vec<String> = self.block.configuration().map(readable).collect();
+        let parts = parts.join("`, `");
+        let message = format!(
+            "`{}` does not fit the configuration `{parts}` of `lagrangian`: the velocity and the momentum of a `Rotation3<f64>` are a `Vector3<f64>` in the body frame, those of a vector are of its type, and all functions have the arguments of all parts",
+            readable(ty)
+        );
+        self.errors.push(ty.span(), message);
     }
 
     /// Appends the numbers of a value of a known shape to `out`, in memory order.

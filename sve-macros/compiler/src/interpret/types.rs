@@ -4,11 +4,13 @@ use syn::spanned::Spanned;
 use syn::{Expr as Syntax, Ident, Type};
 
 use super::fields::unseen;
-use super::matrices::{Matrix, MatrixType};
+use super::matrices::{Kind, Matrix, MatrixType};
 use super::value::Value;
 use super::{Lowering, readable};
 use crate::syntax::nalgebra::{Size, Written};
 use crate::syntax::parse::is_f64;
+use crate::syntax::signature::is_rotation;
+use crate::system::configuration::Factor;
 
 /// The type of an argument or result: `f64`, a vector, or arrays of these.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -45,6 +47,35 @@ impl Shape {
         }
     }
 
+    /// Returns the shape of the velocities of a configuration of this shape: a vector for each rotation.
+    pub(super) fn velocity(&self) -> Self {
+        match self {
+            Self::Vector(ty) if ty.kind == Kind::Rotation => Self::Vector(MatrixType::vector(3)),
+            Self::Array(n, inner) => Self::Array(*n, Box::new(inner.velocity())),
+            other => other.clone(),
+        }
+    }
+
+    /// Appends the factors of the configuration space of this shape.
+    pub(super) fn factors(&self, to: &mut Vec<Factor>) {
+        match self {
+            Self::Vector(ty) if ty.kind == Kind::Rotation => to.push(Factor::Rotation),
+            Self::Array(n, inner) if inner.has_rotations() => {
+                (0..*n).for_each(|_| inner.factors(to));
+            }
+            other => to.push(Factor::Vector(other.len())),
+        }
+    }
+
+    /// Returns whether the shape is or contains a rotation.
+    pub(super) fn has_rotations(&self) -> bool {
+        match self {
+            Self::Scalar => false,
+            Self::Vector(ty) => ty.kind == Kind::Rotation,
+            Self::Array(_, inner) => inner.has_rotations(),
+        }
+    }
+
     /// Returns a value of this shape with entries from `next`, in memory order.
     pub(super) fn fill(&self, next: &mut dyn FnMut() -> Value) -> Value {
         match self {
@@ -62,6 +93,42 @@ impl Shape {
 const COORDINATES: usize = 512;
 
 impl Lowering<'_> {
+    /// Returns the shape of a type of configurations, which may be rotations, or reports an error at the type.
+    pub(super) fn configuration_shape(&mut self, ty: &Type) -> Option<Shape> {
+        match ty {
+            Type::Paren(inner) => self.configuration_shape(&inner.elem),
+            Type::Group(inner) => self.configuration_shape(&inner.elem),
+            Type::Array(array) if is_rotation(&array.elem) => {
+                let inner = self.configuration_shape(&array.elem)?;
+                let n = self.length(&array.len)?;
+                if n.saturating_mul(inner.len()) > COORDINATES {
+                    let message = format!(
+                        "{n} rotations have more than {COORDINATES} entries, which are too many to unroll"
+                    );
+                    self.refuse(&array.len, message);
+                    return None;
+                }
+                Some(Shape::Array(n, Box::new(inner)))
+            }
+            _ if is_rotation(ty) => {
+                let written = Written::of_type(ty)?;
+                let is_spatial = matches!(written.rows, Size::Known(3));
+                if !is_spatial || written.has_floats != Some(true) {
+                    let message = format!(
+                        "`{}` is not a type of configurations: rotations are `Rotation3<f64>`, by value; a rotation in the plane is its angle, `f64`",
+                        readable(ty)
+                    );
+                    self.refuse(ty, message);
+                    return None;
+                }
+                let mut matrix = MatrixType::matrix(3, 3);
+                matrix.kind = Kind::Rotation;
+                Some(Shape::Vector(matrix))
+            }
+            _ => self.shape(ty),
+        }
+    }
+
     /// Returns the shape of a type, or reports an error at the type.
     pub(super) fn shape(&mut self, ty: &Type) -> Option<Shape> {
         let shape = self.shape_within(ty, COORDINATES)?;
@@ -99,13 +166,17 @@ impl Lowering<'_> {
                 if let Some(written) = Written::of_type(ty) {
                     return self.vector_shape(ty, &written);
                 }
-                self.errors.push(
-                    ty.span(),
-                    format!(
-                        "`{}` is not a type of coordinates: write `f64`, `[f64; N]` or a vector such as `Vector3<f64>`, by value",
-                        readable(ty)
-                    ),
-                );
+                let written = readable(ty);
+                let meant_rotation = ["Rotation", "Quaternion"]
+                    .iter()
+                    .any(|word| written.contains(word));
+                let expected = if meant_rotation {
+                    "a rotation is written `Rotation3<f64>`, by value, and its velocity and momentum `Vector3<f64>`"
+                } else {
+                    "write `f64`, `[f64; N]` or a vector such as `Vector3<f64>`, by value"
+                };
+                let message = format!("`{written}` is not a type of coordinates: {expected}");
+                self.errors.push(ty.span(), message);
                 None
             }
         }

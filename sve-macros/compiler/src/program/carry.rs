@@ -86,6 +86,10 @@ fn images(program: &Program, symbols: &Symbols, dq: &[Value]) -> HashMap<Value, 
                     fixed.insert(value);
                     None
                 }
+                // entries of a rotation are not added to
+                Meaning::Start(Quantity::Position, _) if symbols.configuration.has_rotations() => {
+                    None
+                }
                 Meaning::Start(Quantity::Position, i) => {
                     dq.get(i).and_then(|&dq| end(program, value, dq))
                 }

@@ -11,6 +11,7 @@ use super::degenerate;
 use super::weak2::Potential;
 use super::{Rule, RuleOption};
 use crate::algebra::{Arena, Expr, Symbol};
+use crate::system::configuration::{Configuration, Factor};
 use crate::system::model::{
     AtNode, Family, Meaning, Model, NodeQuantity, Quantity, Symbols, Unknown,
 };
@@ -18,6 +19,10 @@ use crate::system::model::{
 /// A discrete action with its variables.
 pub(crate) struct Action {
     pub(crate) value: Expr,
+    /// The action as it is differentiated: a function of the entries of rotations at the nodes too, for which `value` has their values.
+    pub(crate) varied: Expr,
+    /// The rotations at the nodes.
+    pub(crate) rotations: Vec<RotationAtNode>,
     pub(crate) h: Symbol,
     pub(crate) start_q: Vec<Symbol>,
     pub(crate) start_p: Vec<Symbol>,
@@ -25,11 +30,23 @@ pub(crate) struct Action {
     /// Variables in which the action is stationary.
     pub(crate) internal: Vec<Symbol>,
     pub(crate) work: Vec<Work>,
+    /// What the entries of the start and the components of the displacement are.
+    pub(crate) configuration: Configuration,
     pub(crate) ends: Ends,
     /// `½ κ` of the option `weak2`, if the action has its term.
     pub(crate) half_factor: Option<f64>,
     /// What constraints added, if there are some.
     pub(crate) enforced: Option<Enforced>,
+}
+
+/// A rotation at the node in the middle of a step.
+pub(crate) struct RotationAtNode {
+    /// Number of its first entry in the configuration.
+    pub(crate) first: usize,
+    pub(crate) entries: Vec<Symbol>,
+    pub(crate) values: Vec<Expr>,
+    /// The Cayley vector of half of the step.
+    pub(crate) half: Vec<Expr>,
 }
 
 /// Virtual work of a component of the force, Lagrange–d'Alembert: `impulse · δ place` joins δS.
@@ -69,6 +86,7 @@ pub(crate) struct Discrete {
     /// Variables in which the action is stationary.
     pub(super) internal: Vec<Symbol>,
     pub(super) work: Vec<Work>,
+    pub(super) rotations: Vec<RotationAtNode>,
 }
 
 /// The variables that every rule has.
@@ -95,7 +113,8 @@ pub(crate) fn discretise(
 ) -> Action {
     let n = model.dof();
     let h = symbols.declare(Meaning::StepSize);
-    let start_q = symbols.declare_all(n, |i| Meaning::Start(Quantity::Position, i));
+    let entries = model.configuration().entries();
+    let start_q = symbols.declare_all(entries, |i| Meaning::Start(Quantity::Position, i));
     let start_p = symbols.declare_all(n, |i| Meaning::Start(Quantity::Momentum, i));
     let displacement = symbols.declare_all(n, Unknown::of(Family::Displacement));
     let dw = symbols.declare_all(model.noises.len(), Meaning::Wiener);
@@ -122,27 +141,46 @@ pub(crate) fn discretise(
         value,
         internal,
         work,
+        rotations,
     } = discrete;
     let Variables {
         start_q,
         start_p,
         displacement,
         potential,
+        arena,
+        symbols,
         ..
     } = variables;
+    let at_nodes = if rotations.is_empty() {
+        value
+    } else {
+        arena.substitute(value, &values_at_nodes(&rotations))
+    };
     let action = Action {
-        value,
+        value: at_nodes,
+        varied: value,
+        rotations,
         h,
         start_q,
         start_p,
         displacement,
         internal,
         work,
+        configuration: model.configuration().clone(),
         ends,
         half_factor: potential.map(|(half_factor, _)| half_factor),
         enforced: None,
     };
     constraints::enforce(action, model, symbols, arena)
+}
+
+/// Returns the values of the entries of rotations at the nodes.
+pub(crate) fn values_at_nodes(rotations: &[RotationAtNode]) -> HashMap<Symbol, Expr> {
+    let pairs = rotations
+        .iter()
+        .flat_map(|r| r.entries.iter().zip(&r.values));
+    pairs.map(|(&entry, &value)| (entry, value)).collect()
 }
 
 impl Variables<'_> {
@@ -204,15 +242,39 @@ impl Variables<'_> {
     /// The work of the force at a node, for a part of the step.
     pub(super) fn work(&mut self, part: f64, node: &HashMap<Symbol, Expr>) -> Vec<Work> {
         let h = self.arena.symbol(self.h);
-        let components = self.model.force.iter().flatten().zip(&self.model.q);
-        let work = components.map(|(&f, q)| {
-            let f = self.arena.substitute(f, node);
-            let impulse = self.arena.mul(h, f);
-            Work {
-                impulse: self.arena.scale(part, impulse),
-                place: node[q],
+        let Some(force) = &self.model.force else {
+            return Vec::new();
+        };
+        let mut work = Vec::new();
+        for block in self.model.configuration().blocks() {
+            let places: Vec<Expr> = self.model.q[block.entries]
+                .iter()
+                .map(|q| node[q])
+                .collect();
+            for (k, &f) in force[block.directions].iter().enumerate() {
+                let f = self.arena.substitute(f, node);
+                let impulse = self.arena.mul(h, f);
+                let impulse = self.arena.scale(part, impulse);
+                match block.factor {
+                    Factor::Vector(_) => work.push(Work {
+                        impulse,
+                        place: places[k],
+                    }),
+                    Factor::Rotation => work.extend(self.work_of_torque(impulse, k, &places)),
+                }
             }
+        }
+        work
+    }
+
+    /// The work of a component of a torque in the body frame: with R the rotation at the node, its angle in the direction k is
+    /// `Σᵢ Rᵢₘ δRᵢₗ`, with `e_k × e_l = e_m`.
+    fn work_of_torque(&mut self, impulse: Expr, k: usize, rotation: &[Expr]) -> Vec<Work> {
+        let (l, m) = ((k + 1) % 3, (k + 2) % 3);
+        let parts = (0..3).map(|row| Work {
+            impulse: self.arena.mul(impulse, rotation[3 * m + row]),
+            place: rotation[3 * l + row],
         });
-        work.collect()
+        parts.collect()
     }
 }

@@ -1,4 +1,4 @@
-//! Which rules are for a system: errors for those that take no noise, no force or no constraint, and for options that need noise.
+//! Which rules are for a system: errors for those that take no noise, no force, no constraint or no rotations, and for options that need noise.
 
 use super::{Rule, RuleOption, names};
 use crate::errors::Errors;
@@ -11,6 +11,14 @@ use crate::system::model::Model;
 /// Returns an error for each rule that is not for this system.
 pub(crate) fn check(block: &Annotated, model: &Model) -> syn::Result<()> {
     let mut errors = Errors::new();
+    if model.configuration().has_rotations()
+        && let Some(constraint) = block.constraints.first()
+    {
+        errors.push(
+            constraint.name.span(),
+            "constraints are not for configurations with rotations: hold a point of a body by a stiff spring, or leave the constraint out",
+        );
+    }
     for listed in &block.arguments.rules {
         let (rule, name) = (listed.rule, listed.rule.name());
         if !model.noises.is_empty() && !rule.takes_noise() {
@@ -28,6 +36,12 @@ pub(crate) fn check(block: &Annotated, model: &Model) -> syn::Result<()> {
                 );
                 errors.push(place, message);
             }
+        }
+        if model.configuration().has_rotations() && !rule.takes_rotations(rule.options) {
+            errors.push(
+                listed.place,
+                format!("`{name}` is not for rotations, and the configuration of this block has one: use `midpoint`, or a composition of it (`Composed::new(Midpoint, KahanLi8)`)"),
+            );
         }
         if !model.constraints.is_empty() {
             check_constrained(listed, &mut errors);

@@ -120,6 +120,7 @@ pub(crate) fn enforce(
         enforced.end_momentum.push(arena.substitute(momentum, &end));
     }
     action.value = arena.sum(0.0, &terms);
+    action.varied = action.value;
     action.enforced = Some(enforced);
     action
 }

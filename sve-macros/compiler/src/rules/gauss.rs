@@ -141,6 +141,7 @@ impl Discretisation for Gauss {
             value: x.arena.sum(0.0, &terms),
             internal: [u.concat(), v.concat(), p.concat(), lambda].concat(),
             work,
+            rotations: Vec::new(),
         }
     }
 

@@ -148,6 +148,10 @@ pub(crate) trait Discretisation {
     fn takes_noise(&self) -> bool;
     /// Whether the rule is for systems with a force.
     fn takes_force(&self) -> bool;
+    /// Whether the rule, with these options, is for configurations with rotations.
+    fn takes_rotations(&self, _: Options) -> bool {
+        false
+    }
     /// Whether the rule is for systems with constraints.
     fn takes_constraints(&self) -> bool {
         false

@@ -8,11 +8,12 @@
 
 use std::collections::HashMap;
 
-use super::action::{Discrete, Variables};
+use super::action::{Discrete, RotationAtNode, Variables};
 use super::degenerate::{END, INNER, SHIFTED};
 use super::{Discretisation, Features, Options, RuleOption, StrongOrder, Textbook, Weak2};
 use crate::algebra::{Expr, Symbol};
-use crate::system::model::{Family, NodeQuantity, Unknown};
+use crate::system::configuration::{Block, Factor, Midpoint, midpoint_of_rotation};
+use crate::system::model::{Family, Meaning, NodeQuantity, Unknown};
 
 /// A rule with one node.
 pub(super) struct OneNode {
@@ -75,6 +76,11 @@ impl Discretisation for OneNode {
         true
     }
 
+    fn takes_rotations(&self, options: Options) -> bool {
+        // the node in the middle is the half of the way along a geodesic; others need the Stratonovich correction on a group
+        self.place == 0.5 && !options.contain(RuleOption::Weak2)
+    }
+
     fn takes_constraints(&self) -> bool {
         true
     }
@@ -93,15 +99,24 @@ impl Discretisation for OneNode {
         let t = x.arena.symbol(x.model.time);
         let t_node = x.arena.sum(0.0, &[(1.0, t), (c, h)]);
         node.insert(x.model.time, x.at_node(0, NodeQuantity::Time, t_node));
-        for i in 0..n {
-            let (q, d) = (
-                x.arena.symbol(x.start_q[i]),
-                x.arena.symbol(x.displacement[i]),
-            );
-            let at = x.arena.sum(0.0, &[(1.0, q), (c, d)]);
-            node.insert(x.model.q[i], x.at_node(0, NodeQuantity::Position(i), at));
-            node.insert(x.model.v[i], x.arena.symbol(v[i]));
-            node.insert(x.model.p[i], x.arena.symbol(p[i]));
+        let mut rotations = Vec::new();
+        for block in x.model.configuration().blocks() {
+            if block.factor == Factor::Rotation {
+                rotations.push(rotation_at_midpoint(x, &block, &mut node));
+            }
+            for (entry, i) in block.entries.zip(block.directions) {
+                if block.factor != Factor::Rotation {
+                    let (q, d) = (
+                        x.arena.symbol(x.start_q[entry]),
+                        x.arena.symbol(x.displacement[i]),
+                    );
+                    let at = x.arena.sum(0.0, &[(1.0, q), (c, d)]);
+                    let at = x.at_node(0, NodeQuantity::Position(entry), at);
+                    node.insert(x.model.q[entry], at);
+                }
+                node.insert(x.model.v[i], x.arena.symbol(v[i]));
+                node.insert(x.model.p[i], x.arena.symbol(p[i]));
+            }
         }
 
         let mut terms = vec![(1.0, x.lagrangian(&node))];
@@ -125,6 +140,7 @@ impl Discretisation for OneNode {
             value,
             internal: v.into_iter().chain(p).collect(),
             work: x.work(1.0, &node),
+            rotations,
         }
     }
 
@@ -184,6 +200,38 @@ impl Discretisation for OneNode {
             work: system.work(time, q, "v"),
         }
     }
+}
+
+/// Adds the entries of a rotation at the node of the midpoint rule, half of the way along the geodesic. The other rules are not for rotations
+/// ([`applicable`](super::applicable)).
+fn rotation_at_midpoint(
+    x: &mut Variables<'_>,
+    block: &Block,
+    node: &mut HashMap<Symbol, Expr>,
+) -> RotationAtNode {
+    let start: Vec<Expr> = x.start_q[block.entries.clone()]
+        .iter()
+        .map(|&s| x.arena.symbol(s))
+        .collect();
+    let increment: Vec<Expr> = x.displacement[block.directions.clone()]
+        .iter()
+        .map(|&s| x.arena.symbol(s))
+        .collect();
+    let Midpoint { entries, half } = midpoint_of_rotation(&start, &increment, x.arena);
+    let mut rotation = RotationAtNode {
+        first: block.entries.start,
+        entries: Vec::new(),
+        values: Vec::new(),
+        half,
+    };
+    for (entry, at) in block.entries.clone().zip(entries) {
+        let symbol = x.symbols.declare(Meaning::NodeEntry(entry));
+        node.insert(x.model.q[entry], x.arena.symbol(symbol));
+        rotation.entries.push(symbol);
+        let value = x.at_node(0, NodeQuantity::Position(entry), at);
+        rotation.values.push(value);
+    }
+    rotation
 }
 
 /// `Σ_a Σ_b ⟨∂G_a/∂p, ∂G_b/∂q⟩ ΔW_a ΔW_b` at a node.

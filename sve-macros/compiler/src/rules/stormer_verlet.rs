@@ -91,6 +91,7 @@ impl Discretisation for StormerVerlet {
             value,
             internal: v.into_iter().chain(p).collect(),
             work,
+            rotations: Vec::new(),
         }
     }
 

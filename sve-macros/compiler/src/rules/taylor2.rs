@@ -97,6 +97,7 @@ impl Discretisation for Taylor2 {
             value,
             internal: [v, a, mu, nu].concat(),
             work,
+            rotations: Vec::new(),
         }
     }
 

@@ -22,7 +22,7 @@ use std::collections::HashMap;
 
 use crate::algebra::{Arena, Expr, Purpose, Symbol};
 use crate::discretise::equations::Equations;
-use crate::rules::action::Action;
+use crate::rules::action::{Action, values_at_nodes};
 use crate::system::model::{Meaning, Quantity, Symbols};
 pub(crate) use band::Band;
 pub(crate) use domain::Condition;
@@ -60,7 +60,8 @@ pub(crate) fn analyse(
         torn: equations.torn,
         reported: equations.reported,
     };
-    system.domain = domain::conditions(&roots(action), system.arena);
+    let roots = roots(action, system.arena);
+    system.domain = domain::conditions(&roots, system.arena);
     system.domain.extend(equations.conditions);
     if !action.ends.momentum.is_empty() {
         system.keep_coupled();
@@ -148,8 +149,13 @@ pub(crate) fn unstructured(
 }
 
 /// What the functions of a step are called in: the action and the force.
-fn roots(action: &Action) -> Vec<Expr> {
-    let impulses = action.work.iter().map(|w| w.impulse);
+fn roots(action: &Action, arena: &mut Arena) -> Vec<Expr> {
+    let impulses: Vec<Expr> = action.work.iter().map(|w| w.impulse).collect();
+    let impulses = if action.rotations.is_empty() {
+        impulses
+    } else {
+        arena.substitute_all(&impulses, &values_at_nodes(&action.rotations))
+    };
     let ends = action.ends.end.iter().flatten().copied();
     std::iter::once(action.value)
         .chain(impulses)

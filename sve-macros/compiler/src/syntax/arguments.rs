@@ -18,6 +18,8 @@ pub(crate) struct Arguments {
     /// Whether each rule is derived a second time without its structure, which `structure = both` asks for: a comparison for
     /// tests and benchmarks of this project, which no message offers to users.
     pub(crate) derives_unstructured: bool,
+    /// Whether the attitude of the bodies is left out of functions and states, which `reduced` asks for.
+    pub(crate) is_reduced: bool,
 }
 
 /// A rule in the attribute, with the places of its tokens.
@@ -49,6 +51,7 @@ impl Arguments {
             rules: Vec::new(),
             runtime: syn::parse_quote!(::sve_runtime),
             derives_unstructured: false,
+            is_reduced: false,
         };
         let before = errors.count();
         let parsed = (|input: ParseStream<'_>| read.entries(all, input, errors)).parse2(attribute);
@@ -89,7 +92,9 @@ impl Arguments {
                     );
                     syn::Error::new(e.span(), message)
                 })?;
-                if name == "structure" && is_both(input) {
+                if name == "reduced" && (input.is_empty() || input.peek(Token![,])) {
+                    self.is_reduced = true;
+                } else if name == "structure" && is_both(input) {
                     self.derives_unstructured = true;
                     input.parse::<Token![=]>()?;
                     input.parse::<Ident>()?;

@@ -5,6 +5,7 @@ pub(crate) mod nalgebra;
 pub(crate) mod nesting;
 pub(crate) mod parse;
 pub(crate) mod recovery;
+mod reduced;
 pub(crate) mod roles;
 mod rule_arguments;
 pub(crate) mod signature;

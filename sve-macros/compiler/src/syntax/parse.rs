@@ -11,6 +11,7 @@ use syn::{FnArg, Ident, ImplItem, ImplItemConst, ImplItemFn, ItemImpl, Pat, Retu
 
 use crate::errors::{Errors, nearest};
 use crate::syntax::arguments::Arguments;
+use crate::syntax::reduced;
 use crate::syntax::roles::{Role, take_roles};
 use crate::syntax::signature;
 
@@ -22,6 +23,8 @@ pub(crate) struct RoleFunction {
     pub(crate) arguments: Vec<(Pat, Type)>,
     /// Whether the first argument is the time.
     pub(crate) is_timed: bool,
+    /// Arguments of each quantity: two where a rotation stands beside a vector, otherwise one.
+    pub(crate) parts: usize,
     pub(crate) output: Type,
     /// The function as it is written.
     pub(crate) item: Rc<ImplItemFn>,
@@ -49,6 +52,13 @@ impl Annotated {
     pub(crate) fn coordinates(&self) -> &Type {
         &self.lagrangian.arguments[usize::from(self.lagrangian.is_timed)].1
     }
+
+    /// The types of the configuration: one, or two where a rotation stands beside a vector.
+    pub(crate) fn configuration(&self) -> impl Iterator<Item = &Type> {
+        let lagrangian = &self.lagrangian;
+        let arguments = &lagrangian.arguments[usize::from(lagrangian.is_timed)..];
+        arguments[..lagrangian.parts].iter().map(|(_, ty)| ty)
+    }
 }
 
 /// Sorts the block; nothing where its functions cannot be read for a mistake.
@@ -62,6 +72,13 @@ pub(crate) fn annotated(
     check_block(&item, errors);
     let is_plain = errors.count() == before;
     let roles = take_roles(&mut item, errors);
+    let read = |function: &Rc<ImplItemFn>, role: Role| {
+        if arguments.is_reduced {
+            reduced::role_function_of(function, role)
+        } else {
+            role_function(function, role)
+        }
+    };
 
     let mut lagrangians = Vec::new();
     let mut noises = Vec::new();
@@ -79,17 +96,17 @@ pub(crate) fn annotated(
                     Role::Helper => {}
                     // one that cannot be read is there nevertheless
                     Role::Lagrangian => {
-                        lagrangians.push(errors.keep(role_function(&function, role)));
+                        lagrangians.push(errors.keep(read(&function, role)));
                     }
                     Role::Gamma | Role::H1 | Role::TangentH1 => {
-                        noises.extend(errors.keep(role_function(&function, role)));
+                        noises.extend(errors.keep(read(&function, role)));
                     }
-                    Role::Force => forces.extend(errors.keep(role_function(&function, role))),
+                    Role::Force => forces.extend(errors.keep(read(&function, role))),
                     Role::Symmetry => {
-                        symmetries.extend(errors.keep(role_function(&function, role)));
+                        symmetries.extend(errors.keep(read(&function, role)));
                     }
                     Role::Constraint => {
-                        constraints.extend(errors.keep(role_function(&function, role)));
+                        constraints.extend(errors.keep(read(&function, role)));
                     }
                 }
                 errors.leave(outer);
@@ -172,7 +189,7 @@ fn check_block(item: &ItemImpl, errors: &mut Errors) {
 }
 
 /// Parses a function with a role. The error says what its signature should be.
-fn role_function(function: &Rc<ImplItemFn>, role: Role) -> syn::Result<RoleFunction> {
+pub(super) fn role_function(function: &Rc<ImplItemFn>, role: Role) -> syn::Result<RoleFunction> {
     let sig = &function.sig;
     let expected = format!("expected `{}` (`t: f64` may come first)", role.signature());
     if !sig.generics.params.is_empty() {
@@ -196,7 +213,8 @@ fn role_function(function: &Rc<ImplItemFn>, role: Role) -> syn::Result<RoleFunct
             FnArg::Receiver(_) => None,
         })
         .collect();
-    let is_timed = signature::is_timed(&sig.ident, role, &arguments, &expected)?;
+    let parts = signature::parts(role, &arguments)?;
+    let is_timed = signature::is_timed(&sig.ident, role, parts, &arguments, &expected)?;
     let ReturnType::Type(_, output) = &sig.output else {
         let message = format!("`{}` returns nothing: {expected}", sig.ident);
         return Err(syn::Error::new(sig.ident.span(), message));
@@ -206,6 +224,7 @@ fn role_function(function: &Rc<ImplItemFn>, role: Role) -> syn::Result<RoleFunct
         role,
         arguments,
         is_timed,
+        parts,
         output: (**output).clone(),
         item: Rc::clone(function),
     })

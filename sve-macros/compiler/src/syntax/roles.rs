@@ -192,6 +192,38 @@ impl Role {
         }
     }
 
+    /// The signature that a function of this role must have in a system with rotations; of a rotation beside a vector each quantity has two parts.
+    pub(crate) fn signature_with_rotations(self, parts: usize) -> &'static str {
+        match (self, parts) {
+            (Self::Lagrangian | Self::Helper, 1) => {
+                "fn lagrangian(&self, r: Rotation3<f64>, w: Vector3<f64>) -> f64"
+            }
+            (Self::Lagrangian | Self::Helper, _) => {
+                "fn lagrangian(&self, q: Vector3<f64>, r: Rotation3<f64>, v: Vector3<f64>, w: Vector3<f64>) -> f64"
+            }
+            (Self::Gamma | Self::Constraint, 1) => "fn name(&self, r: Rotation3<f64>) -> f64",
+            (Self::Gamma | Self::Constraint, _) => {
+                "fn name(&self, q: Vector3<f64>, r: Rotation3<f64>) -> f64"
+            }
+            (Self::H1 | Self::TangentH1, 1) => {
+                "fn name(&self, r: Rotation3<f64>, pi: Vector3<f64>) -> f64"
+            }
+            (Self::H1 | Self::TangentH1, _) => {
+                "fn name(&self, q: Vector3<f64>, r: Rotation3<f64>, p: Vector3<f64>, pi: Vector3<f64>) -> f64"
+            }
+            (Self::Force, 1) => {
+                "fn name(&self, r: Rotation3<f64>, w: Vector3<f64>) -> Vector3<f64>"
+            }
+            (Self::Force, _) => {
+                "fn name(&self, q: Vector3<f64>, r: Rotation3<f64>, v: Vector3<f64>, w: Vector3<f64>) -> (Vector3<f64>, Vector3<f64>)"
+            }
+            (Self::Symmetry, 1) => "fn name(&self, r: Rotation3<f64>) -> Vector3<f64>",
+            (Self::Symmetry, _) => {
+                "fn name(&self, q: Vector3<f64>, r: Rotation3<f64>) -> (Vector3<f64>, Vector3<f64>)"
+            }
+        }
+    }
+
     /// Names of the vector arguments after `&self` and the optional time, in their order.
     pub(crate) fn quantities(self) -> &'static [&'static str] {
         match self {

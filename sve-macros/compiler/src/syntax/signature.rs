@@ -9,6 +9,7 @@ use syn::spanned::Spanned;
 use syn::{Pat, Type};
 
 use crate::interpret::readable;
+use crate::syntax::nalgebra::{Kind, Written};
 use crate::syntax::parse::is_f64;
 use crate::syntax::roles::Role;
 
@@ -24,9 +25,13 @@ const QUANTITIES: [(&str, &str); 4] = [
 pub(crate) fn is_timed(
     name: &Ident,
     role: Role,
+    parts: usize,
     arguments: &[(Pat, Type)],
     expected: &str,
 ) -> syn::Result<bool> {
+    if arguments.iter().any(|(_, ty)| is_rotation(ty)) {
+        return is_timed_with_rotations(name, role, parts, arguments);
+    }
     let count = arguments.len();
     let timed = count == role.vectors() + 1;
     if !timed && count != role.vectors() {
@@ -55,6 +60,114 @@ pub(crate) fn is_timed(
         return Err(syn::Error::new(arguments[0].1.span(), message));
     }
     Ok(timed)
+}
+
+/// Returns whether a type is a rotation, or an array of rotations.
+pub(crate) fn is_rotation(ty: &Type) -> bool {
+    match ty {
+        Type::Paren(inner) => is_rotation(&inner.elem),
+        Type::Group(inner) => is_rotation(&inner.elem),
+        Type::Array(array) => is_rotation(&array.elem),
+        other => Written::of_type(other).is_some_and(|written| written.kind == Kind::Rotation),
+    }
+}
+
+/// Returns the number of arguments of each quantity: two if a rotation stands beside a vector.
+pub(crate) fn parts(role: Role, arguments: &[(Pat, Type)]) -> syn::Result<usize> {
+    let Some(at) = arguments.iter().position(|(_, ty)| is_rotation(ty)) else {
+        return Ok(1);
+    };
+    let is_time = |at: usize| at == 0 && is_f64(&arguments[at].1);
+    let before = (0..at).filter(|&at| !is_time(at)).count();
+    let is_single = role.quantities().len() == 1;
+    let is_reversed = arguments.len() >= at + 4
+        || is_single
+            && arguments
+                .get(at + 1)
+                .is_some_and(|next| named(&next.0, "q"));
+    if before == 0 && is_reversed {
+        let message = "a rotation stands behind the vector beside it: write `q: Vector3<f64>, r: Rotation3<f64>`";
+        return Err(syn::Error::new(arguments[at].1.span(), message));
+    }
+    let has_parts = !is_single && arguments.len() >= at + 3;
+    if at == 1 && is_time(0) && (has_parts || named(&arguments[0].0, "q")) {
+        let message = "one coordinate beside a rotation is written `q: [f64; 1]`";
+        return Err(syn::Error::new(arguments[0].1.span(), message));
+    }
+    Ok(1 + before.min(1))
+}
+
+/// Returns whether an argument has this name.
+fn named(pattern: &Pat, name: &str) -> bool {
+    matches!(pattern, Pat::Ident(ident) if ident.ident == name)
+}
+
+/// Returns whether the first of the arguments of a system with rotations is the time, or what is wrong with the arguments.
+fn is_timed_with_rotations(
+    name: &Ident,
+    role: Role,
+    parts: usize,
+    arguments: &[(Pat, Type)],
+) -> syn::Result<bool> {
+    let is_timed = is_f64(&arguments[0].1);
+    let count = parts * role.quantities().len();
+    let expected = role.signature_with_rotations(parts);
+    if arguments.len() != count + usize::from(is_timed) {
+        let count = match arguments.len() {
+            1 => "one argument".to_owned(),
+            n => format!("{n} arguments"),
+        };
+        let hint = match role {
+            Role::Gamma if arguments.len() == 2 * parts => {
+                "; a noise that depends on the momentum is `#[h1]`"
+            }
+            Role::H1 if arguments.len() == parts => {
+                "; a noise that depends on the configuration alone is `#[gamma]`"
+            }
+            _ => "",
+        };
+        let message = format!(
+            "`{name}` has {count} after `&self`: expected `{expected}` (`t: f64` may come first){hint}"
+        );
+        return Err(syn::Error::new(name.span(), message));
+    }
+    let arguments = &arguments[usize::from(is_timed)..];
+    // a rotation has no velocity that is called like one of a vector
+    let places: Vec<&str> = role
+        .quantities()
+        .iter()
+        .flat_map(|&quantity| {
+            &PARTS[QUANTITIES.iter().position(|q| q.0 == quantity).unwrap_or(1)][2 - parts..]
+        })
+        .copied()
+        .collect();
+    for ((pattern, _), place) in arguments.iter().zip(places) {
+        let Pat::Ident(ident) = pattern else { continue };
+        let found = ident.ident.to_string();
+        let is_known = PARTS.as_flattened().contains(&found.as_str());
+        if is_known && found != place {
+            let message = format!(
+                "`{found}` stands in the place of `{place}`, the {}: arguments are told apart by their order, not by their names; \
+                 write `{expected}`, or call this argument otherwise",
+                meaning_with_rotations(place),
+            );
+            return Err(syn::Error::new(ident.ident.span(), message));
+        }
+    }
+    Ok(is_timed)
+}
+
+/// Names of the arguments of a vector and of a rotation, in the order of [`QUANTITIES`].
+const PARTS: [[&str; 2]; 4] = [["t", "t"], ["q", "r"], ["v", "w"], ["p", "pi"]];
+
+/// Returns what a name stands for beside a rotation.
+fn meaning_with_rotations(name: &str) -> &'static str {
+    match name {
+        "r" => "rotation",
+        "w" => "angular velocity in the body frame",
+        "pi" => "angular momentum in the body frame",
+        other => meaning(other).unwrap_or_default(),
+    }
 }
 
 /// The error of a second argument where only the position has a place.

@@ -130,12 +130,12 @@ pub(crate) enum Commutation {
 /// Differentiates the model.
 pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
     let l = model.lagrangian;
-    let dq = gradient(arena, l, &model.q);
+    let dq = model.gradient(l, arena);
     let dv = gradient(arena, l, &model.v);
     let dvv = hessian(arena, &dv, &model.v);
     let lagrangian = LagrangianJet {
         value: l,
-        dqq: hessian(arena, &dq, &model.q),
+        dqq: gradients(arena, &dq, model),
         dqv: hessian(arena, &dq, &model.v),
         dqt: gradient_in(arena, &dq, model.time),
         dvt: gradient_in(arena, &dv, model.time),
@@ -156,7 +156,8 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
             })
     });
     let mixed = lagrangian.dqv.iter().flatten().chain(&lagrangian.dvt);
-    let is_separable = mixed.copied().all(|entry| arena.is_zero(entry));
+    let is_separable =
+        mixed.copied().all(|entry| arena.is_zero(entry)) && !model.configuration().has_rotations();
     let noises = model
         .noises
         .iter()
@@ -175,7 +176,7 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
         && model.constraints.is_empty();
     let commutation = commutation(model, &noises, arena);
     let force = model.force.as_ref().map(|force| ForceJet {
-        dq: hessian(arena, force, &model.q),
+        dq: gradients(arena, force, model),
         dv: hessian(arena, force, &model.v),
         dt: gradient_in(arena, force, model.time),
         value: force.clone(),
@@ -218,7 +219,7 @@ impl Mechanics {
 
 /// Differentiates a noise Hamiltonian.
 pub(crate) fn noise_jet(noise: &NoiseTerm, model: &Model, arena: &mut Arena) -> NoiseJet {
-    let dq = gradient(arena, noise.hamiltonian, &model.q);
+    let dq = model.gradient(noise.hamiltonian, arena);
     let dp = gradient(arena, noise.hamiltonian, &model.p);
     noise_jet_of(dq, dp, model, arena)
 }
@@ -231,7 +232,7 @@ pub(crate) fn noise_jet_of(
     arena: &mut Arena,
 ) -> NoiseJet {
     NoiseJet {
-        dqq: hessian(arena, &dq, &model.q),
+        dqq: gradients(arena, &dq, model),
         dqp: hessian(arena, &dq, &model.p),
         dpp: hessian(arena, &dp, &model.p),
         dq,
@@ -239,7 +240,8 @@ pub(crate) fn noise_jet_of(
     }
 }
 
-/// Checks whether the Poisson bracket `{G_a, G_b} = ⟨∂G_a/∂q, ∂G_b/∂p⟩ − ⟨∂G_a/∂p, ∂G_b/∂q⟩` vanishes for all pairs.
+/// Checks whether the Poisson bracket `{G_a, G_b} = ⟨∂G_a/∂q, ∂G_b/∂p⟩ − ⟨∂G_a/∂p, ∂G_b/∂q⟩` vanishes for all pairs. Each rotation adds
+/// `− Π·(∂G_a/∂Π × ∂G_b/∂Π)`, with left-trivialised derivatives by R.
 fn commutation(model: &Model, jets: &[NoiseJet], arena: &mut Arena) -> Commutation {
     let jets: Vec<[Vec<Expr>; 2]> = jets.iter().map(|jet| scaled(jet, arena)).collect();
     let mut evidence = Vanishing::Proved;
@@ -257,7 +259,13 @@ fn commutation(model: &Model, jets: &[NoiseJet], arena: &mut Arena) -> Commutati
                     }
                 }
             }
+            if model.configuration().has_rotations() {
+                let p: Vec<Expr> = model.p.iter().map(|&s| arena.symbol(s)).collect();
+                let transport = model.configuration().transport(&p, a_p, b_p, arena);
+                terms.push((-1.0, transport));
+            }
             let bracket = arena.sum(0.0, &terms);
+            let bracket = model.on_rotations(bracket, arena);
             match arena.vanishing(bracket) {
                 Some(vanishing) => evidence = evidence.max(vanishing),
                 None => {
@@ -298,6 +306,11 @@ fn gradient(arena: &mut Arena, expr: Expr, symbols: &[Symbol]) -> Vec<Expr> {
 
 fn gradient_in(arena: &mut Arena, exprs: &[Expr], symbol: Symbol) -> Vec<Expr> {
     exprs.iter().map(|&e| arena.diff(e, symbol)).collect()
+}
+
+/// Returns the derivatives of each expression in the directions of the configuration.
+fn gradients(arena: &mut Arena, exprs: &[Expr], model: &Model) -> Vec<Vec<Expr>> {
+    exprs.iter().map(|&e| model.gradient(e, arena)).collect()
 }
 
 fn hessian(arena: &mut Arena, gradient: &[Expr], symbols: &[Symbol]) -> Vec<Vec<Expr>> {

@@ -1,5 +1,6 @@
 //! The mechanical system: its symbols and formulas, their derivatives, and the checks that do not depend on a rule.
 
+pub(crate) mod configuration;
 pub(crate) mod constraints;
 pub(crate) mod degeneracy;
 pub(crate) mod inverse_mass;

@@ -6,6 +6,7 @@
 use proc_macro2::TokenStream;
 
 use crate::algebra::{Arena, Expr, Identity, Node, Symbol};
+use crate::system::configuration::Configuration;
 use crate::system::degeneracy::Degeneracy;
 
 /// The quantity for which a symbol stands.
@@ -18,7 +19,7 @@ pub(crate) enum Meaning {
     },
     Time,
     StepSize,
-    /// Component of the configuration, velocity or momentum of the continuous system.
+    /// Entry of the configuration, component of the velocity or of the momentum of the continuous system.
     Position(usize),
     Velocity(usize),
     Momentum(usize),
@@ -30,6 +31,10 @@ pub(crate) enum Meaning {
     Unknown(Unknown),
     /// The limit of an unknown for h → 0 without noise.
     Limit(Unknown),
+    /// Entry of a rotation at a node of a rule, for which its value is substituted once the action is differentiated.
+    NodeEntry(usize),
+    /// A parameter of rotations, on which only tests of identities depend (`Configuration::parametrised`).
+    Attitude(usize),
     /// Component of the momentum at the end of the step, which the action gives.
     End(usize),
 }
@@ -207,6 +212,8 @@ pub(crate) struct Constraint {
 #[derive(Clone, Default)]
 pub(crate) struct Symbols {
     meanings: Vec<Meaning>,
+    /// What the entries of the configuration and the components of velocity and momentum are.
+    pub(crate) configuration: Configuration,
 }
 
 impl Symbols {
@@ -264,6 +271,8 @@ impl Symbols {
             Meaning::Start(Quantity::Position, i) => format!("q0_{i}"),
             Meaning::Start(Quantity::Momentum, i) => format!("p0_{i}"),
             Meaning::Wiener(i) => format!("dw_{i}"),
+            Meaning::NodeEntry(i) => format!("node_{i}"),
+            Meaning::Attitude(i) => format!("attitude_{i}"),
             Meaning::End(i) => format!("p1_{i}"),
         }
     }
@@ -274,9 +283,12 @@ impl Symbols {
 pub(crate) struct Model {
     pub(crate) symbols: Symbols,
     pub(crate) time: Symbol,
+    /// The entries of the configuration.
     pub(crate) q: Vec<Symbol>,
     pub(crate) v: Vec<Symbol>,
     pub(crate) p: Vec<Symbol>,
+    /// The parameters of rotations, see [`on_rotations`](Self::on_rotations).
+    pub(crate) attitude: Vec<Symbol>,
     pub(crate) lagrangian: Expr,
     /// What L is if it does not determine every velocity; known after the stage `system`.
     pub(crate) degeneracy: Option<Degeneracy>,
@@ -291,7 +303,27 @@ pub(crate) struct Model {
 
 impl Model {
     pub(crate) fn dof(&self) -> usize {
-        self.q.len()
+        self.v.len()
+    }
+
+    pub(crate) fn configuration(&self) -> &Configuration {
+        &self.symbols.configuration
+    }
+
+    /// Returns the derivative of an expression in each direction of the configuration.
+    pub(crate) fn gradient(&self, expr: Expr, arena: &mut Arena) -> Vec<Expr> {
+        self.configuration().gradient(expr, &self.q, arena)
+    }
+
+    /// Returns an expression as a function of free parameters of the rotations. It vanishes identically if the expression vanishes for all rotations.
+    pub(crate) fn on_rotations(&self, expr: Expr, arena: &mut Arena) -> Expr {
+        if !self.configuration().has_rotations() {
+            return expr;
+        }
+        let entries = self
+            .configuration()
+            .parametrised(&self.q, &self.attitude, arena);
+        arena.substitute(expr, &entries)
     }
 
     /// The model with one more noise Hamiltonian.

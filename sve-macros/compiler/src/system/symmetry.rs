@@ -9,6 +9,8 @@
 //! L:   ⟨L_q, ξ⟩ + ⟨L_v, Dξ v + ξ_t⟩        γ:   ⟨γ_q, ξ⟩
 //! H₁:  ⟨∂H₁/∂q, ξ⟩ − ⟨p, Dξ ∂H₁/∂p⟩        F:   ⟨F, ξ⟩, the work of the force
 //! ```
+//!
+//! A rotation moves by δR = R ξ̂ and its body velocity by Dξ v + v × ξ, which takes the place of Dξ v; likewise for ∂H₁/∂p.
 
 use proc_macro2::Ident;
 use quote::format_ident;
@@ -17,6 +19,7 @@ use crate::algebra::{Arena, Expr, Symbol, Vanishing};
 use crate::errors::Errors;
 use crate::explain;
 use crate::syntax::parse::{Annotated, RoleFunction};
+use crate::system::configuration::{Block, Factor, cross};
 use crate::system::model::{Generator, Model};
 
 /// Returns the name of the function that returns the momentum of a symmetry.
@@ -69,7 +72,8 @@ pub(crate) fn check(
         }
         let mut evidence = Vanishing::Proved;
         for Change { of, rate, scale } in changes(block, generator, model, arena) {
-            match arena.vanishing(rate) {
+            let on_rotations = model.on_rotations(rate, arena);
+            match arena.vanishing(on_rotations) {
                 Some(vanishing) => evidence = evidence.max(vanishing),
                 None => {
                     let rate = arena.scale(1.0 / scale, rate);
@@ -151,13 +155,13 @@ fn changes(
     let v: Vec<Expr> = model.v.iter().map(|&s| arena.symbol(s)).collect();
     let p: Vec<Expr> = model.p.iter().map(|&s| arena.symbol(s)).collect();
 
-    let mut flow = transported(xi, &v, model, arena);
+    let mut flow = carried(xi, &v, model, arena);
     for (at, &x) in xi.iter().enumerate() {
         let drift = arena.diff(x, model.time);
         flow[at] = arena.add(flow[at], drift);
     }
     let (lagrangian, scale) = scaled(model.lagrangian, arena);
-    let along_q = pairing(lagrangian, &model.q, xi, arena);
+    let along_q = along(lagrangian, xi, model, arena);
     let along_v = pairing(lagrangian, &model.v, &flow, arena);
     let mut changes = vec![Change {
         of: Changed::Function("the Lagrangian".to_owned()),
@@ -166,13 +170,13 @@ fn changes(
     }];
     for noise in &model.noises {
         let (hamiltonian, scale) = scaled(noise.hamiltonian, arena);
-        let along_q = pairing(hamiltonian, &model.q, xi, arena);
+        let along_q = along(hamiltonian, xi, model, arena);
         let by_p: Vec<Expr> = model
             .p
             .iter()
             .map(|&s| arena.diff(hamiltonian, s))
             .collect();
-        let along_p = transported(xi, &by_p, model, arena);
+        let along_p = carried(xi, &by_p, model, arena);
         let along_p = dot(&p, &along_p, arena);
         let mut rate = arena.sub(along_q, along_p);
         if noise.is_gamma {
@@ -210,6 +214,12 @@ fn changes(
     changes
 }
 
+/// Returns the derivative of `f` along a direction of the configuration.
+fn along(f: Expr, direction: &[Expr], model: &Model, arena: &mut Arena) -> Expr {
+    let gradient = model.gradient(f, arena);
+    dot(&gradient, direction, arena)
+}
+
 /// Returns the derivative of `f` along a direction, `⟨∂f/∂x, direction⟩`.
 fn pairing(f: Expr, x: &[Symbol], direction: &[Expr], arena: &mut Arena) -> Expr {
     let gradient: Vec<Expr> = x.iter().map(|&s| arena.diff(f, s)).collect();
@@ -225,11 +235,67 @@ fn dot(a: &[Expr], b: &[Expr], arena: &mut Arena) -> Expr {
     arena.sum(0.0, &terms)
 }
 
-/// Returns the derivative of a generator along a direction, `Dξ · direction`.
-fn transported(xi: &[Expr], direction: &[Expr], model: &Model, arena: &mut Arena) -> Vec<Expr> {
-    xi.iter()
-        .map(|&x| pairing(x, &model.q, direction, arena))
-        .collect()
+/// Returns the change of a velocity `direction` along a generator, `Dξ · direction`; that of a rotation has the commutator `direction × ξ` too.
+fn carried(xi: &[Expr], direction: &[Expr], model: &Model, arena: &mut Arena) -> Vec<Expr> {
+    let mut change: Vec<Expr> = xi
+        .iter()
+        .map(|&x| along(x, direction, model, arena))
+        .collect();
+    if model.configuration().has_rotations() {
+        let commutator = model.configuration().commutator(direction, xi, arena);
+        for (change, commutator) in change.iter_mut().zip(commutator) {
+            *change = arena.add(*change, commutator);
+        }
+    }
+    change
+}
+
+/// Returns whether the components of a generator are affine in the entries of the configuration.
+fn is_affine_in_coordinates(field: &[Expr], model: &Model, arena: &mut Arena) -> bool {
+    let mut is_affine = true;
+    for &x in field {
+        for &q in &model.q {
+            let slope = arena.diff(x, q);
+            for &other in &model.q {
+                let second = arena.diff(slope, other);
+                is_affine &= arena.is_zero(second);
+            }
+        }
+    }
+    is_affine
+}
+
+/// Returns whether a generator turns a rotation by `ξ = Rᵀa + c` with constant vectors: by a rotation of space and one of the body. Steps are
+/// symmetric under both.
+///
+/// The derivative of Rᵀa in the direction e is − e × Rᵀa. With η in place of Rᵀa this gives η, and it must hold for ξ and for η.
+fn turns_uniformly(field: &[Expr], block: &Block, model: &Model, arena: &mut Arena) -> bool {
+    let zero = arena.constant(0.0);
+    let derivatives = |field: &[Expr], arena: &mut Arena| -> Vec<Vec<Expr>> {
+        field.iter().map(|&x| model.gradient(x, arena)).collect()
+    };
+    let first = derivatives(field, arena);
+    let at = block.directions.start;
+    // − e₁ × η = (0, η₃, −η₂), − e₂ × η = (−η₃, 0, η₁)
+    let eta = [first[2][at + 1], arena.neg(first[2][at]), first[1][at]];
+    let second = derivatives(&eta, arena);
+    for direction in 0..model.dof() {
+        let mut unit = [zero; 3];
+        if block.directions.contains(&direction) {
+            unit[direction - at] = arena.constant(1.0);
+        }
+        let turned = cross(&unit, &eta, arena);
+        for k in 0..3 {
+            for derivative in [first[k][direction], second[k][direction]] {
+                let rest = arena.add(derivative, turned[k]);
+                let rest = model.on_rotations(rest, arena);
+                if !arena.is_zero(rest) {
+                    return false;
+                }
+            }
+        }
+    }
+    true
 }
 
 fn momentum(
@@ -243,13 +309,13 @@ fn momentum(
     let mut is_affine = true;
     for &x in &generator.field {
         is_affine &= !arena.contains(x, model.time);
-        for &q in &model.q {
-            let slope = arena.diff(x, q);
-            for &other in &model.q {
-                let second = arena.diff(slope, other);
-                is_affine &= arena.is_zero(second);
-            }
-        }
+    }
+    for block in model.configuration().blocks() {
+        let field = &generator.field[block.directions.clone()];
+        is_affine &= match block.factor {
+            Factor::Vector(_) => is_affine_in_coordinates(field, model, arena),
+            Factor::Rotation => turns_uniformly(field, &block, model, arena),
+        };
     }
     MomentumMap {
         name: generator.name.clone(),

@@ -5,7 +5,7 @@
 
 use sve_models::models::{Curved, Ellipsoid, OnSphere, TurnedSphere, TwoRods};
 use sve_runtime::prelude::*;
-use sve_runtime::{Coordinates, Dims, StrongOrder, System, Variational};
+use sve_runtime::{Dims, StrongOrder, System, Variational, VectorCoordinates};
 
 const BATCHES: u64 = 24;
 const PATHS: u64 = 20;
@@ -152,7 +152,7 @@ fn line(system: &str, rule: &str, noise: &str, expected: f64, batches: &[Vec<f64
     );
 }
 
-fn numbers<Q: Coordinates<N>, const N: usize>(state: &State<Q>) -> Vec<f64> {
+fn numbers<Q: VectorCoordinates<N>, const N: usize>(state: &State<Q>) -> Vec<f64> {
     [state.q.coordinates(), Q::components(&state.p)].concat()
 }
 
@@ -163,7 +163,7 @@ fn end<S, R, Q, const N: usize, const M: usize>(
 ) -> State<Q>
 where
     S: Variational<R> + System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     integrator
         .trajectory(start, path.h(), path)
@@ -185,7 +185,7 @@ fn all_rules<S, Q, const N: usize, const M: usize>(
         + Variational<Endpoint>
         + Variational<Midpoint>
         + Variational<StormerVerlet>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     let midpoint = Integrator::new(system, Midpoint);
     let initial_point = Integrator::new(system, InitialPoint);
@@ -236,7 +236,7 @@ fn fine<S, Q, const N: usize, const M: usize>(
 ) -> impl Fn(State<Q>, &Recorded) -> Vec<f64>
 where
     S: Clone + System<Dims = Dims<N, M, Q>> + Variational<Midpoint>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     let midpoint = Integrator::new(system.clone(), Midpoint);
     move |start, path| numbers(&end(&midpoint, start, path))

@@ -7,7 +7,7 @@ use sve_models::degenerate::{
 };
 use sve_models::oracle::Rule;
 use sve_runtime::prelude::*;
-use sve_runtime::{Coordinates, Dims, StrongOrder, System, Variational};
+use sve_runtime::{Dims, StrongOrder, System, Variational, VectorCoordinates};
 
 use super::strong_order::{record, slope, total};
 
@@ -74,7 +74,7 @@ fn end<S, R, Q, const N: usize, const M: usize>(
 ) -> [f64; N]
 where
     S: Variational<R> + System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     let end = integrator.trajectory(start, path.h(), path).last();
     end.expect("a step at least").unwrap().q.coordinates()
@@ -114,7 +114,7 @@ fn stochastic<S, R, Q, const N: usize, const M: usize>(
 ) where
     S: Variational<R> + Variational<Midpoint> + System<Dims = Dims<N, M, Q>> + Copy,
     R: Rule,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     let integrator = Integrator::new(system, rule);
     let reference = Integrator::new(system, Midpoint);

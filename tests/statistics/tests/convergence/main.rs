@@ -6,6 +6,7 @@ mod constrained;
 mod degenerate;
 mod kubo;
 mod moments;
+mod rotations;
 mod stage_noise;
 mod strong_order;
 mod weak_order;

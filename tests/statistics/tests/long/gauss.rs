@@ -3,7 +3,7 @@
 //! Errors are measured in random walks of rounding, ε|H|√n/2 after n steps of a system whose energy has the magnitude |H|. A drift of a hundredth of a unit of rounding in a step is 20 of them after a million steps, and 60 after ten million.
 
 use sve_runtime::prelude::*;
-use sve_runtime::{Coordinates, Dims, System, Variational};
+use sve_runtime::{Dims, System, Variational, VectorCoordinates};
 
 struct Pendulum {
     g: f64,
@@ -41,7 +41,7 @@ pub(crate) fn errors<S, R, Q, const N: usize>(
 ) -> Errors
 where
     S: Variational<R> + System<Dims = Dims<N, 0, Q>>,
-    Q: Coordinates<N>,
+    Q: VectorCoordinates<N>,
 {
     const SAMPLES: usize = 1000;
     let walk = 0.5 * f64::EPSILON * size * (steps as f64).sqrt();

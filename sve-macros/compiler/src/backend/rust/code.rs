@@ -345,7 +345,12 @@ fn input(meaning: &Meaning, lanes: bool) -> Option<TokenStream> {
         Meaning::Parameter { ref access, .. } => Some(access.clone()),
         Meaning::Time if lanes => Some(quote!(states.t[lane])),
         Meaning::Time => Some(quote!(time)),
-        Meaning::StepSize | Meaning::Unknown(_) | Meaning::Limit(_) | Meaning::End(_) => None,
+        Meaning::StepSize
+        | Meaning::Unknown(_)
+        | Meaning::Limit(_)
+        | Meaning::End(_)
+        | Meaning::NodeEntry(_)
+        | Meaning::Attitude(_) => None,
         Meaning::Position(i) => entry(quote!(q), i),
         Meaning::Velocity(i) => entry(quote!(v), i),
         Meaning::Momentum(i) => entry(quote!(p), i),

@@ -2,25 +2,89 @@
 //!
 //! A number and a row of numbers are `[f64; N]`, which the runtime takes where nothing is said.
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 use syn::Type;
 
 use crate::syntax::nalgebra::Written;
 use crate::syntax::parse::{Annotated, is_f64};
+use crate::syntax::signature::is_rotation;
+use crate::system::model::Model;
 
-/// The type of `q` in the Lagrangian, unless it is `f64` or a row `[f64; N]`.
-pub(super) fn written(block: &Annotated) -> Option<&Type> {
-    let lagrangian = &block.lagrangian;
-    let (_, ty) = lagrangian.arguments.get(usize::from(lagrangian.is_timed))?;
-    (!is_row(ty)).then_some(ty)
+/// The type of the configuration, unless it is `f64` or a row `[f64; N]`: the type of `q` in the Lagrangian, with a quaternion in place of each
+/// rotation, and a tuple where a rotation stands beside a vector.
+pub(super) fn written(block: &Annotated, private: &TokenStream) -> Option<TokenStream> {
+    let types: Vec<&Type> = block.configuration().collect();
+    if block.arguments.is_reduced {
+        let attitude = attitude(block, private);
+        return Some(quote!(#private::Reduced<#attitude>));
+    }
+    match types.as_slice() {
+        [ty] if is_row(ty) => None,
+        [ty] => Some(stored(ty, private)),
+        types => {
+            let types = types.iter().map(|ty| stored(ty, private));
+            Some(quote!((#(#types),*)))
+        }
+    }
 }
 
-/// The type of configurations with `n` coordinates.
-pub(super) fn configuration(block: &Annotated, n: &impl quote::ToTokens) -> TokenStream {
-    match written(block) {
-        Some(ty) => quote!(#ty),
-        None => quote!([f64; #n]),
+/// The type of the attitude that a reduced system leaves out of its states.
+fn attitude(block: &Annotated, private: &TokenStream) -> TokenStream {
+    stored(block.coordinates(), private)
+}
+
+/// The type in the state for a type in a signature: a quaternion for a rotation.
+pub(super) fn stored(ty: &Type, private: &TokenStream) -> TokenStream {
+    match bare(ty) {
+        ty if !is_rotation(ty) => quote!(#ty),
+        Type::Array(array) => {
+            let (entry, length) = (stored(&array.elem, private), &array.len);
+            quote!([#entry; #length])
+        }
+        _ => quote!(#private::UnitQuaternion<f64>),
+    }
+}
+
+/// The type of configurations with `n` degrees of freedom.
+pub(super) fn configuration(
+    block: &Annotated,
+    n: &impl quote::ToTokens,
+    private: &TokenStream,
+) -> TokenStream {
+    written(block, private).unwrap_or_else(|| quote!([f64; #n]))
+}
+
+/// How generated functions receive a configuration.
+pub(super) struct Received {
+    /// The type in which steps compute with a configuration.
+    pub(super) flat: TokenStream,
+    /// Reads the entries of `q` before its first use.
+    pub(super) open: TokenStream,
+    /// Reads the entries of the configuration of `state` before its first use.
+    pub(super) open_state: TokenStream,
+}
+
+/// How generated functions receive a configuration: a row in a vector space, otherwise a value from which the entries are read.
+pub(super) fn received(block: &Annotated, model: &Model, private: &TokenStream) -> Received {
+    let n = Literal::usize_unsuffixed(model.dof());
+    if !model.configuration().has_rotations() {
+        return Received {
+            flat: quote!([f64; #n]),
+            open: TokenStream::new(),
+            open_state: TokenStream::new(),
+        };
+    }
+    let whole = if block.arguments.is_reduced {
+        attitude(block, private)
+    } else {
+        configuration(block, &n, private)
+    };
+    let entries = Literal::usize_unsuffixed(model.configuration().entries());
+    Received {
+        flat: quote!(#private::WithRotations<#whole, #n>),
+        open: quote!(let q = &q.entries::<#entries>();),
+        open_state: quote!(let state = &#private::with_entries::<_, #entries, #n>(state);),
     }
 }
 

@@ -3,6 +3,7 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
+use super::configuration::Received;
 use super::solve::names as pattern;
 use super::straight::Straight;
 use crate::algebra::{Arena, Expr};
@@ -12,6 +13,7 @@ use crate::system::model::{Model, Symbols};
 pub(super) fn linearise(
     private: &TokenStream,
     model: &Model,
+    received: &Received,
     linearisation: &Linearisation,
     symbols: &Symbols,
     arena: &Arena,
@@ -22,7 +24,6 @@ pub(super) fn linearise(
         inputs,
         matrices,
     } = linearisation;
-    let n = Literal::usize_unsuffixed(model.dof());
     let m = Literal::usize_unsuffixed(model.noises.len());
     let size = Literal::usize_unsuffixed(unknowns.len());
     let roots: Vec<Expr> = matrices.iter().flatten().map(|entry| entry.value).collect();
@@ -51,16 +52,22 @@ pub(super) fn linearise(
         quote!(#private::Entries { places: &[#(#places),*], values: &#values[0] })
     });
     let unknowns = pattern(unknowns, symbols);
+    let Received {
+        flat,
+        open: _,
+        open_state,
+    } = received;
     quote! {
         type Unknowns = [f64; #size];
         #[inline]
         fn linearise(
             &self,
-            state: &#private::State<[f64; #n]>,
+            state: &#private::State<#flat>,
             h: f64,
             dw: &[f64; #m],
             unknowns: &[f64; #size],
         ) -> #private::Linearisation {
+            #open_state
             let time = state.t;
             let #unknowns = *unknowns;
             #statements

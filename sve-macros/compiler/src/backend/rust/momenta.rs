@@ -3,7 +3,7 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use super::configuration::configuration;
+use super::configuration::{Received, configuration, received};
 use super::straight::Straight;
 use super::{attributes, momentum_name, private};
 use crate::algebra::{Arena, Vanishing};
@@ -27,7 +27,12 @@ pub(crate) fn momenta(
     let (private, attributes) = (private(block), attributes());
     let self_ty = &block.item.self_ty;
     let n = Literal::usize_unsuffixed(model.dof());
-    let configuration = configuration(block, &n);
+    let configuration = configuration(block, &n, &private);
+    let Received {
+        flat: _,
+        open,
+        open_state: _,
+    } = received(block, model, &private);
     let functions = block.symmetries.iter().zip(momenta).map(|(part, map)| {
         let MomentumMap {
             name,
@@ -47,6 +52,7 @@ pub(crate) fn momenta(
             #[inline]
             #visibility fn #function(&self, state: &#private::State<#configuration>) -> f64 {
                 let #private::State { t: time, q, p } = #private::in_coordinates::<_, #n>(state);
+                #open
                 #statements
                 let [[momentum]] = #(#values)*;
                 momentum

@@ -6,11 +6,12 @@ use proc_macro2::{Ident, Literal, TokenStream};
 use quote::quote;
 use syn::{Expr, FnArg, ImplItem, ImplItemFn, ItemImpl, Lit, ReturnType, Type};
 
-use super::configuration::is_vector_or_nested;
+use super::configuration::{is_vector_or_nested, stored};
 use crate::errors::Errors;
 use crate::rules::Rule;
 use crate::syntax::arguments::Arguments;
 use crate::syntax::parse::{is_f64, is_this};
+use crate::syntax::signature::is_rotation;
 
 /// Implementations without bodies for every rule that the attribute names.
 pub(crate) fn placeholders(block: &ItemImpl, attribute: &TokenStream) -> TokenStream {
@@ -31,22 +32,20 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
     let (generics, _, clause) = block.generics.split_for_impl();
     // lengths that are generic have no place in constants
     let is_generic = !block.generics.params.is_empty();
-    let one = || quote!(1);
-    let n = if is_generic {
-        one()
-    } else {
-        coordinates(block)
+    let with_rotations = configuration_with_rotations(block, &private).filter(|_| !is_generic);
+    let n = match &with_rotations {
+        Some(ty) => quote!({ <#ty as #private::FixedSize>::DEGREES_OF_FREEDOM }),
+        None if is_generic => quote!(1),
+        None => coordinates(block),
     };
-    let m = if is_generic { one() } else { processes(block) };
+    let m = processes(block, is_generic);
     let fail = quote!(::core::unreachable!("the macro reported an error"));
     let written = coordinates_type(block).filter(|ty| !is_generic && is_vector_or_nested(ty));
-    let configuration = written.map(|ty| quote!(, #ty));
+    let written = with_rotations.or_else(|| written.map(|ty| quote!(#ty)));
+    let configuration = written.as_ref().map(|ty| quote!(, #ty));
     let plan = plan(&private);
-    let momenta = momenta(
-        block,
-        &private,
-        &written.map_or_else(|| quote!([f64; #n]), |ty| quote!(#ty)),
-    );
+    let whole = written.unwrap_or_else(|| quote!([f64; #n]));
+    let momenta = momenta(block, &private, &whole);
     let rules = rules.iter().map(|rule| {
         let rule = super::rule_type(*rule, &runtime);
         quote! {
@@ -63,7 +62,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
                     newton: &#private::Newton,
                     prepared: &(),
                     memory: &mut (),
-                    state: &mut #private::State<[f64; #n]>,
+                    state: &mut #runtime::FlatStateOf<Self>,
                     h: f64,
                     dw: &[f64; #m],
                 ) -> ::core::result::Result<(), #private::StepError> {
@@ -74,7 +73,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
                     newton: &#private::Newton,
                     prepared: &(),
                     memory: &mut (),
-                    state: [&mut #private::State<[f64; #n]>; 2],
+                    state: [&mut #runtime::FlatStateOf<Self>; 2],
                     h: f64,
                     dw: &[f64; #m],
                 ) -> ::core::result::Result<(), #private::StepError> {
@@ -84,8 +83,8 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
                     &self,
                     newton: &#private::Newton,
                     prepared: &(),
-                    states: &#private::lane::StateLanes<#n>,
-                    next: &mut #private::lane::StateLanes<#n>,
+                    states: &#runtime::StateLanesOf<Self>,
+                    next: &mut #runtime::StateLanesOf<Self>,
                     h: f64,
                     dw: &[#private::lane::Lane; #m],
                 ) -> #private::Mask {
@@ -94,7 +93,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
                 fn advance_with_derivatives(
                     &self,
                     newton: &#private::Newton,
-                    state: &mut #private::State<[f64; #n]>,
+                    state: &mut #runtime::FlatStateOf<Self>,
                     h: f64,
                     dw: &[f64; #m],
                 ) -> ::core::result::Result<#private::DMatrix, #private::StepError> {
@@ -104,7 +103,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
                     &self,
                     newton: &#private::Newton,
                     prepared: &(),
-                    state: &#private::State<[f64; #n]>,
+                    state: &#runtime::FlatStateOf<Self>,
                     h: f64,
                     dw: &[f64; #m],
                 ) -> ::core::option::Option<u32> {
@@ -119,8 +118,8 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
             type Dims = #private::Dims<#n, #m #configuration>;
             const AFFINE_MOMENTUM: bool = true;
             const PARAMETERS: &'static [&'static str] = &[];
-            fn lagrangian_jet(&self, time: f64, q: &[f64; #n], v: &[f64; #n]) -> #private::LagrangianJet<#n> { #fail }
-            fn noise_jets(&self, time: f64, q: &[f64; #n], p: &[f64; #n]) -> [#private::NoiseJet<#n>; #m] { #fail }
+            fn lagrangian_jet(&self, time: f64, q: &#runtime::FlatOf<Self>, v: &[f64; #n]) -> #private::LagrangianJet<#n> { #fail }
+            fn noise_jets(&self, time: f64, q: &#runtime::FlatOf<Self>, p: &[f64; #n]) -> [#private::NoiseJet<#n>; #m] { #fail }
         }
         #(#rules)*
         #momenta
@@ -218,6 +217,31 @@ fn coordinates(block: &ItemImpl) -> TokenStream {
     }
 }
 
+/// The type of a configuration with rotations; nothing if the Lagrangian has no argument that is a rotation.
+fn configuration_with_rotations(block: &ItemImpl, private: &TokenStream) -> Option<TokenStream> {
+    let lagrangian = functions(block).find(|f| f.sig.ident == "lagrangian")?;
+    let types: Vec<&Type> = lagrangian
+        .sig
+        .inputs
+        .iter()
+        .filter_map(|input| match input {
+            FnArg::Typed(argument) => Some(&*argument.ty),
+            FnArg::Receiver(_) => None,
+        })
+        .collect();
+    let at = types.iter().position(|ty| is_rotation(ty))?;
+    let rotation = stored(types[at], private);
+    match types[..at].last() {
+        Some(vector) if is_f64_array_or_vector(vector) => Some(quote!((#vector, #rotation))),
+        _ => Some(rotation),
+    }
+}
+
+/// Whether a type is a configuration in a vector space other than a number.
+fn is_f64_array_or_vector(ty: &Type) -> bool {
+    matches!(ty, Type::Array(_)) || is_vector_or_nested(ty)
+}
+
 /// The type of the velocity, which is that of the configuration.
 fn coordinates_type(block: &ItemImpl) -> Option<&Type> {
     let last = functions(block)
@@ -229,7 +253,10 @@ fn coordinates_type(block: &ItemImpl) -> Option<&Type> {
     }
 }
 
-fn processes(block: &ItemImpl) -> TokenStream {
+fn processes(block: &ItemImpl, is_generic: bool) -> TokenStream {
+    if is_generic {
+        return quote!(1);
+    }
     let is_noise = |f: &&ImplItemFn| {
         f.attrs
             .iter()

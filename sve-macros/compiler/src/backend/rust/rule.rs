@@ -3,6 +3,7 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::{ToTokens, quote};
 
+use super::configuration::{Received, received};
 use super::lanes::lanes;
 use super::linearise::linearise;
 use super::multipliers::multipliers;
@@ -52,7 +53,13 @@ pub(crate) fn rule(
         Returns::State => quote!(State),
         Returns::MatrixTimesState => quote!(MatrixTimesState),
     };
-    let linearise = linearise(&private, model, linearisation, symbols, arena);
+    let received = received(context.block, model, &private);
+    let linearise = linearise(&private, model, &received, linearisation, symbols, arena);
+    let Received {
+        flat,
+        open: _,
+        open_state,
+    } = &received;
     let multipliers = multipliers(
         &private,
         model,
@@ -61,7 +68,9 @@ pub(crate) fn rule(
         symbols,
         arena,
     );
-    let lanes = (context.settings.lanes && !is_unstructured)
+    // rotations are stepped lane by lane
+    let has_lanes = context.settings.lanes && !model.configuration().has_rotations();
+    let lanes = (has_lanes && !is_unstructured)
         .then(|| lanes(scheme, model.noises.len(), symbols, &private, arena))
         .flatten();
     let [doc, increment_doc] = documentation(texts);
@@ -85,7 +94,7 @@ pub(crate) fn rule(
             #[inline]
             fn start(
                 &self,
-                state: &#private::State<[f64; #n]>,
+                state: &#private::State<#flat>,
                 velocity: &[f64; #n],
                 acceleration: &[f64; #n],
             ) -> [f64; #unknowns] {
@@ -97,11 +106,12 @@ pub(crate) fn rule(
                 &self,
                 prepared: &#prepared,
                 #memory: &mut #memory_type,
-                state: &#private::State<[f64; #n]>,
+                state: &#private::State<#flat>,
                 h: f64,
                 dw: &[f64; #m],
                 newton: &#private::BlockSolver<'_>,
             ) -> ::core::result::Result<([f64; #n], [f64; #n], [f64; #unknowns]), #private::SolveError> {
+                #open_state
                 #body
             }
             #lanes

@@ -3,7 +3,7 @@
 use proc_macro2::{Literal, Span, TokenStream};
 use quote::{quote, quote_spanned};
 
-use super::configuration::written;
+use super::configuration::{Received, received, written};
 use super::identity::identity;
 use super::straight::{Straight, rows};
 use super::{Context, attributes, documented, private};
@@ -43,12 +43,18 @@ pub(crate) fn system(
     let quadratic = (*is_separable && *affine_momentum && is_free)
         .then(|| quote!(impl #private::QuadraticKineticEnergy for #self_ty {}));
     let [doc, jet_doc, noise_doc] = documentation(about, !noises.is_empty());
-    let configuration = written(block).map(|ty| quote!(, #ty));
+    let configuration = written(block, &private).map(|ty| quote!(, #ty));
+    let received = received(block, model, &private);
+    let Received {
+        flat,
+        open,
+        open_state: _,
+    } = &received;
     let lagrangian_body = lagrangian_jet(&private, lagrangian, &model.symbols, arena);
     let noise_body = noise_jets(&private, noises, &model.symbols, arena);
     let force = force
         .as_ref()
-        .map(|jet| force_jet(&private, jet, &n, &model.symbols, arena));
+        .map(|jet| force_jet(&private, jet, &received, &model.symbols, arena));
     let constraints = constraint_jets(&private, model, constraints, arena);
     let identity = identity(model, arena, &private);
     let roles = model.degeneracy.as_ref().map(|d| roles(d, &private));
@@ -80,12 +86,14 @@ pub(crate) fn system(
             #identity
             #jet_doc
             #[inline]
-            fn lagrangian_jet(&self, time: f64, q: &[f64; #n], v: &[f64; #n]) -> #private::LagrangianJet<#n> {
+            fn lagrangian_jet(&self, time: f64, q: &#flat, v: &[f64; #n]) -> #private::LagrangianJet<#n> {
+                #open
                 #lagrangian_body
             }
             #noise_doc
             #[inline]
-            fn noise_jets(&self, time: f64, q: &[f64; #n], p: &[f64; #n]) -> [#private::NoiseJet<#n>; #m] {
+            fn noise_jets(&self, time: f64, q: &#flat, p: &[f64; #n]) -> [#private::NoiseJet<#n>; #m] {
+                #open
                 #noise_body
             }
             #force
@@ -171,7 +179,7 @@ fn lagrangian_jet(
 fn force_jet(
     private: &TokenStream,
     jet: &ForceJet,
-    n: &Literal,
+    received: &Received,
     symbols: &Symbols,
     arena: &Arena,
 ) -> TokenStream {
@@ -188,10 +196,17 @@ fn force_jet(
     let [vectors, dq, dv] = arrays.as_slice() else {
         return TokenStream::new();
     };
+    let n = Literal::usize_unsuffixed(size);
+    let Received {
+        flat,
+        open,
+        open_state: _,
+    } = received;
     quote! {
         const FORCED: bool = true;
         #[inline]
-        fn force_jet(&self, time: f64, q: &[f64; #n], v: &[f64; #n]) -> #private::ForceJet<#n> {
+        fn force_jet(&self, time: f64, q: &#flat, v: &[f64; #n]) -> #private::ForceJet<#n> {
+            #open
             #statements
             let [value, dt] = #vectors;
             #private::ForceJet { value, dq: #dq, dv: #dv, dt }

@@ -82,6 +82,7 @@ pub(super) fn action(c: f64, degeneracy: &Degeneracy, x: &mut Variables<'_>) -> 
     let internal = internal.into_iter().flatten().filter_map(|&s| s).collect();
     debug_assert_eq!(parts.v.len(), n);
     let discrete = Discrete {
+        rotations: Vec::new(),
         value,
         internal,
         work: Vec::new(),

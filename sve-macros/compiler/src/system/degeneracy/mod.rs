@@ -141,7 +141,8 @@ pub(crate) fn classify(
     let Err(undetermined) = regular::check(model, mechanics, arena) else {
         return Ok(None);
     };
-    if !undetermined.is_certain {
+    // the velocities of a rotation have kinetic energy, all of them
+    if !undetermined.is_certain || model.configuration().has_rotations() {
         return Err(undetermined.error(block, model.dof(), ""));
     }
     let taken = taken_apart(model, mechanics, arena);

@@ -78,7 +78,9 @@ impl Case {
             | Meaning::Velocity(_)
             | Meaning::Momentum(_)
             | Meaning::Limit(_)
-            | Meaning::End(_) => f64::NAN,
+            | Meaning::End(_)
+            | Meaning::NodeEntry(_)
+            | Meaning::Attitude(_) => f64::NAN,
             Meaning::Unknown(unknown) => {
                 let (list, symbols) = (&self.action.internal, &self.symbols);
                 let same = |s: &&Symbol| matches!(symbols.meaning(**s), Meaning::Unknown(u) if u == unknown);

@@ -7,6 +7,7 @@ use crate::algebra::tests::number::{Bounded, Dual, Number};
 use crate::algebra::tests::recipe::{Make, Random, build, evaluate, grow};
 use crate::algebra::{Arena, Symbol};
 use crate::rules::Rule;
+use crate::system::configuration::{Configuration, Factor};
 use crate::system::model::{Meaning, Model, NoiseTerm, Symbols};
 
 /// `L = Σ v_i² m/2 + a part of any form`, and noises of any form.
@@ -75,6 +76,7 @@ impl System {
     /// The model that the macro makes of it.
     pub(super) fn model(&self, arena: &mut Arena) -> Model {
         let mut symbols = Symbols::default();
+        symbols.configuration = Configuration::new(vec![Factor::Vector(self.n)]);
         let time = symbols.declare(Meaning::Time);
         let q = symbols.declare_all(self.n, Meaning::Position);
         let v = symbols.declare_all(self.n, Meaning::Velocity);
@@ -115,6 +117,7 @@ impl System {
             q,
             v,
             p,
+            attitude: Vec::new(),
             lagrangian,
             noises,
             force: None,

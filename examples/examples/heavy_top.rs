@@ -1,0 +1,265 @@
+//! A heavy symmetric top: steady precession against its closed form, nutation, and vertical shaking of its support.
+//!
+//! The attitude is a rotation: there are no Euler angles, and the upright position is nothing special. The shaking is a noise in the weight,
+//! γ = s R₃₃: it changes the energy and keeps the momentum about the vertical and that about the figure axis, as every step does.
+//!
+//! `cargo run --release --example heavy_top` draws `target/heavy_top/heavy_top.svg` and `.png`, and exits with status 1 if a number is off.
+
+use std::error::Error;
+use std::fs;
+use std::path::Path;
+use std::process::ExitCode;
+
+use sve_examples::check::{self, Check};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
+use sve_examples::{palette, render};
+use sve_runtime::prelude::*;
+
+/// A top with the moments of inertia `a` across and `c` along its axis, and the weight times the distance of its centre from the support.
+#[derive(Clone, Copy, Debug)]
+struct Top {
+    a: f64,
+    c: f64,
+    weight: f64,
+    s: f64,
+}
+
+#[variational(midpoint)]
+impl Top {
+    fn lagrangian(&self, r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
+        let axis = r * Vector3::z();
+        0.5 * (self.a * (w.x * w.x + w.y * w.y) + self.c * w.z * w.z) - self.weight * axis.z
+    }
+    #[gamma]
+    fn shaking(&self, r: Rotation3<f64>) -> f64 {
+        self.s * r[(2, 2)]
+    }
+    /// Turns space about the vertical.
+    #[symmetry]
+    fn vertical(&self, r: Rotation3<f64>) -> Vector3<f64> {
+        r.inverse() * Vector3::z()
+    }
+    /// Turns the top about its axis.
+    #[symmetry]
+    fn figure(&self, _r: Rotation3<f64>) -> Vector3<f64> {
+        Vector3::new(0.0, 0.0, 1.0)
+    }
+}
+
+const H: f64 = 0.01;
+const STEPS: usize = 100_000;
+/// Steps that are drawn.
+const DRAWN: usize = 3000;
+/// Angle of the axis from the vertical at the start.
+const TILT: f64 = 0.5;
+/// Spin about the axis.
+const SPIN: f64 = 12.0;
+
+/// What a path shows.
+struct Motion {
+    /// The axis of the top in space, at the steps that are drawn.
+    axis: Vec<Vector3<f64>>,
+    /// Largest changes of the momenta about the vertical and the axis.
+    momenta: [f64; 2],
+    /// Largest change of the energy.
+    energy: f64,
+    /// Largest change of the angle from the vertical.
+    tilt: f64,
+    /// The angle about the vertical that the axis has run through.
+    precession: f64,
+}
+
+fn run(top: Top, start: State<UnitQuaternion<f64>>) -> Result<Motion, StepError> {
+    let integrator = Integrator::new(top, Midpoint);
+    let energy = top.hamiltonian(&start)?;
+    let momenta = [top.vertical_momentum(&start), top.figure_momentum(&start)];
+    let mut motion = Motion {
+        axis: Vec::new(),
+        momenta: [0.0; 2],
+        energy: 0.0,
+        tilt: 0.0,
+        precession: 0.0,
+    };
+    let mut before = start.q * Vector3::z();
+    for (step, state) in integrator
+        .trajectory(start, H, Wiener::new(5))
+        .take(STEPS)
+        .enumerate()
+    {
+        let state = state?;
+        let axis = state.q * Vector3::z();
+        if step < DRAWN {
+            motion.axis.push(axis);
+        }
+        let now = [top.vertical_momentum(&state), top.figure_momentum(&state)];
+        for (worst, (now, start)) in motion.momenta.iter_mut().zip(now.into_iter().zip(momenta)) {
+            *worst = worst.max((now - start).abs());
+        }
+        motion.energy = motion.energy.max((top.hamiltonian(&state)? - energy).abs());
+        motion.tilt = motion
+            .tilt
+            .max((axis.z.clamp(-1.0, 1.0).acos() - TILT).abs());
+        motion.precession +=
+            (before.x * axis.y - before.y * axis.x).atan2(before.x * axis.x + before.y * axis.y);
+        before = axis;
+    }
+    Ok(motion)
+}
+
+/// The top tilted about the first axis, spinning with `SPIN` about its axis and turning with `precession` about the vertical.
+fn start(top: Top, precession: f64) -> State<UnitQuaternion<f64>> {
+    let tilted = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), TILT);
+    let vertical = tilted.inverse() * Vector3::z();
+    let mut w = precession * vertical;
+    w.z = SPIN;
+    let p = Vector3::new(top.a * w.x, top.a * w.y, top.c * w.z);
+    State::new(tilted, p)
+}
+
+/// The slow root of `a Ω² cos θ − c ω Ω + weight = 0`, the rate of steady precession.
+fn steady_precession(top: Top) -> f64 {
+    let (square, linear) = (top.a * TILT.cos(), top.c * SPIN);
+    2.0 * top.weight / (linear + (linear * linear - 4.0 * square * top.weight).sqrt())
+}
+
+fn view(title: &str, axis: &[Vector3<f64>], color: palette::Color) -> Panel {
+    let points = axis.iter().map(|a| (a.x, a.y)).collect();
+    let circle = (0..=200).map(|k| f64::from(k) * core::f64::consts::TAU / 200.0);
+    let start = circle
+        .map(|a| (TILT.sin() * a.cos(), TILT.sin() * a.sin()))
+        .collect();
+    Panel::new(title, Axis::new("x", -1.0..1.0), Axis::new("y", -1.0..1.0))
+        .equal()
+        .with(Layer::new("start", start, Pen::dashed(palette::GREY, 1.0, (4.0, 4.0))).unlisted())
+        .with(Layer::new("axis", points, Pen::line(color, 1.1)).unlisted())
+}
+
+fn figure(motions: [&Motion; 3]) -> Figure {
+    let colors = [palette::BLUE, palette::GREEN, palette::VERMILION];
+    let titles = [
+        "steady precession",
+        "released at rest: nutation",
+        "support shaken",
+    ];
+    let views = titles.iter().zip(motions).zip(colors);
+    let views = views.map(|((title, motion), color)| view(title, &motion.axis, color));
+    let mut tilt = Panel::new(
+        "Angle between axis and vertical",
+        Axis::new("t", 0.0..DRAWN as f64 * H),
+        Axis::new("θ", 0.0..1.6),
+    )
+    .legend(Corner::TopLeft);
+    for ((title, motion), color) in titles.iter().zip(motions).zip(colors) {
+        let points = motion.axis.iter().enumerate();
+        let points = points.map(|(k, a)| ((k + 1) as f64 * H, a.z.clamp(-1.0, 1.0).acos()));
+        tilt = tilt.with(Layer::new(*title, points.collect(), Pen::line(color, 1.2)));
+    }
+    Figure {
+        name: "heavy_top",
+        width: 960,
+        rows: vec![
+            Row {
+                height: 360,
+                panels: views.collect(),
+            },
+            Row {
+                height: 260,
+                panels: vec![tilt],
+            },
+        ],
+    }
+}
+
+fn main() -> Result<ExitCode, Box<dyn Error>> {
+    let top = Top {
+        a: 1.0,
+        c: 0.5,
+        weight: 3.0,
+        s: 0.0,
+    };
+    let shaken = Top { s: 1.0, ..top };
+    println!("{}\n", Integrator::new(shaken, Midpoint).plan());
+    let rate = steady_precession(top);
+    let steady = run(top, start(top, rate))?;
+    let nutating = run(top, start(top, 0.0))?;
+    let noisy = run(shaken, start(shaken, 0.0))?;
+
+    let time = STEPS as f64 * H;
+    let kept = "kept by every step, to rounding over 10⁵ steps";
+    let second_order = "bounded, of the order h²";
+    let checks = [
+        Check::near(
+            "steady: rate of precession",
+            steady.precession / time,
+            rate,
+            1e-3 * rate,
+            "closed form; the error is of the order h²",
+        ),
+        Check::near(
+            "steady: change of the angle",
+            steady.tilt,
+            0.0,
+            2e-3,
+            second_order,
+        ),
+        Check::near(
+            "momentum about the vertical, change",
+            nutating.momenta[0],
+            0.0,
+            1e-11,
+            kept,
+        ),
+        Check::near(
+            "momentum about the axis, change",
+            nutating.momenta[1],
+            0.0,
+            1e-11,
+            kept,
+        ),
+        Check::near(
+            "nutation: energy, change",
+            nutating.energy,
+            0.0,
+            1e-2,
+            second_order,
+        ),
+        Check::near(
+            "shaken: momentum about the vertical, change",
+            noisy.momenta[0],
+            0.0,
+            1e-11,
+            kept,
+        ),
+        Check::near(
+            "shaken: momentum about the axis, change",
+            noisy.momenta[1],
+            0.0,
+            1e-11,
+            kept,
+        ),
+        Check::near(
+            "shaken: energy, change",
+            noisy.energy,
+            400.0,
+            399.0,
+            "the noise changes the energy",
+        ),
+    ];
+    println!(
+        "{}",
+        check::table("heavy top, h = 0.01, 10⁵ steps", &checks)
+    );
+
+    let figure = figure([&steady, &nutating, &noisy]);
+    let folder = Path::new("target/heavy_top");
+    fs::create_dir_all(folder)?;
+    fs::write(folder.join("heavy_top.svg"), render::svg(&figure)?)?;
+    fs::write(folder.join("heavy_top.png"), render::png(&figure)?)?;
+    println!("picture: {}", folder.join("heavy_top.svg").display());
+    let is_off = checks.iter().any(Check::failed);
+    Ok(if is_off {
+        ExitCode::FAILURE
+    } else {
+        ExitCode::SUCCESS
+    })
+}

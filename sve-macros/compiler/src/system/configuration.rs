@@ -1,0 +1,358 @@
+//! Configuration spaces: what a coordinate is, how an increment moves it, and how momenta follow from derivatives of an action.
+//!
+//! A configuration consists of blocks: vectors and rotations. Its *entries* are the numbers that a Lagrangian reads: the coordinates of
+//! a vector, and the nine entries of the matrix R of a rotation, by columns. Its *directions* are its degrees of freedom: one for each
+//! coordinate, and three for a rotation, in which R moves by R ξ̂ (left trivialisation; ξ̂ a = ξ × a).
+//!
+//! The increment of a rotation is the Cayley vector x of `R₀ᵀR₁`, with `cay(x) = 1 + (x̂ + ½ x̂²)/(1 + ¼|x|²)`. The chart moves with R₀. An action
+//! S(x, R̄) depends on the ends through x and the middle R̄ of the geodesic between them, R̄ = R₀ cay(y), R₁ = R̄ cay(y). If the start turns by ε₀
+//! and the end by ε₁,
+//!
+//! ```text
+//! δx = (1 + ½ x̂ + ¼ x xᵀ) ε₁ − (1 − ½ x̂ + ¼ x xᵀ) ε₀        (R̄ᵀδR̄)^∨ = ½ (1 + ½ ŷ) ε₁ + ½ (1 − ½ ŷ) ε₀
+//! ```
+//!
+//! so that with g = ∂S/∂x and the left-trivialised derivative τ of S by R̄ the momenta −∂S/∂ε₀ and ∂S/∂ε₁ are
+//!
+//! ```text
+//! Π₀ = g + ½ x × g + ¼ x (x·g) − ½ τ − ¼ y × τ        Π₁ = g − ½ x × g + ¼ x (x·g) + ½ τ − ¼ y × τ
+//! ```
+//!
+//! Source: Bou-Rabee, Marsden, *Hamilton–Pontryagin integrators on Lie groups* (2009). The second variation is that of a Jacobi field on a
+//! group with a bi-invariant metric, at the middle of its geodesic.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use crate::algebra::{Arena, Expr, Function, Symbol};
+
+/// Directions in which a rotation moves.
+const DIRECTIONS: usize = 3;
+
+/// Entries of the matrix of a rotation.
+const ENTRIES: usize = 9;
+
+/// A factor of a configuration space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Factor {
+    /// A vector of so many coordinates.
+    Vector(usize),
+    Rotation,
+}
+
+/// A configuration space.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Configuration {
+    factors: Vec<Factor>,
+}
+
+/// A factor with its place among entries and directions.
+#[derive(Clone, Debug)]
+pub(crate) struct Block {
+    pub(crate) factor: Factor,
+    pub(crate) entries: Range<usize>,
+    pub(crate) directions: Range<usize>,
+}
+
+impl Configuration {
+    pub(crate) fn new(factors: Vec<Factor>) -> Self {
+        Self { factors }
+    }
+
+    /// Returns the blocks in their order.
+    pub(crate) fn blocks(&self) -> Vec<Block> {
+        let (mut entry, mut direction) = (0, 0);
+        let blocks = self.factors.iter().map(|&factor| {
+            let (entries, directions) = match factor {
+                Factor::Vector(n) => (n, n),
+                Factor::Rotation => (ENTRIES, DIRECTIONS),
+            };
+            let block = Block {
+                factor,
+                entries: entry..entry + entries,
+                directions: direction..direction + directions,
+            };
+            (entry, direction) = (block.entries.end, block.directions.end);
+            block
+        });
+        blocks.collect()
+    }
+
+    /// Returns the number of entries.
+    pub(crate) fn entries(&self) -> usize {
+        self.blocks().last().map_or(0, |block| block.entries.end)
+    }
+
+    /// Returns the number of degrees of freedom.
+    pub(crate) fn directions(&self) -> usize {
+        self.blocks().last().map_or(0, |block| block.directions.end)
+    }
+
+    /// Returns whether there is a rotation.
+    pub(crate) fn has_rotations(&self) -> bool {
+        self.factors.contains(&Factor::Rotation)
+    }
+
+    /// Returns the rotation to which an entry belongs: its number, with row and column. `None` for a coordinate.
+    pub(crate) fn rotation_of(&self, entry: usize) -> Option<RotationEntry> {
+        let blocks = self.blocks();
+        let rotations: Vec<&Block> = blocks
+            .iter()
+            .filter(|block| block.factor == Factor::Rotation)
+            .collect();
+        let number = rotations
+            .iter()
+            .position(|block| block.entries.contains(&entry))?;
+        let at = entry - rotations[number].entries.start;
+        Some(RotationEntry {
+            number: (rotations.len() > 1).then_some(number),
+            row: at % 3,
+            column: at / 3,
+        })
+    }
+
+    /// Returns the derivative of an expression in each direction, with these symbols of the entries.
+    pub(crate) fn gradient(&self, expr: Expr, entries: &[Symbol], arena: &mut Arena) -> Vec<Expr> {
+        let mut gradient = Vec::new();
+        for block in self.blocks() {
+            let symbols = &entries[block.entries];
+            match block.factor {
+                Factor::Vector(_) => gradient.extend(symbols.iter().map(|&s| arena.diff(expr, s))),
+                Factor::Rotation => {
+                    let slopes: Vec<Expr> = symbols.iter().map(|&s| arena.diff(expr, s)).collect();
+                    gradient.extend(directions_of_rotation(&slopes, symbols, arena));
+                }
+            }
+        }
+        gradient
+    }
+
+    /// Returns the bracket `Σ Π·(a × b)` of the rotations, by which the Poisson bracket differs from that of a vector space.
+    pub(crate) fn transport(
+        &self,
+        momenta: &[Expr],
+        a: &[Expr],
+        b: &[Expr],
+        arena: &mut Arena,
+    ) -> Expr {
+        let mut terms = Vec::new();
+        for block in self.blocks() {
+            if block.factor == Factor::Rotation {
+                let [p, a, b] = [momenta, a, b].map(|x| &x[block.directions.clone()]);
+                let product = cross(a, b, arena);
+                terms.extend((0..DIRECTIONS).map(|k| (1.0, arena.mul(p[k], product[k]))));
+            }
+        }
+        arena.sum(0.0, &terms)
+    }
+
+    /// Returns the commutator of two fields of directions, `a × b` for rotations, and zero for vectors.
+    pub(crate) fn commutator(&self, a: &[Expr], b: &[Expr], arena: &mut Arena) -> Vec<Expr> {
+        let mut commutator = vec![arena.constant(0.0); a.len()];
+        for block in self.blocks() {
+            if block.factor == Factor::Rotation {
+                let at = block.directions;
+                let product = cross(&a[at.clone()], &b[at.clone()], arena);
+                commutator[at].copy_from_slice(&product);
+            }
+        }
+        commutator
+    }
+
+    /// Returns the entries with values that are those of rotations for any values of `parameters`, of which each rotation has four: the components of
+    /// a quaternion, whose length does not matter. Identities that hold for rotations hold for these entries.
+    pub(crate) fn parametrised(
+        &self,
+        entries: &[Symbol],
+        parameters: &[Symbol],
+        arena: &mut Arena,
+    ) -> HashMap<Symbol, Expr> {
+        let mut by = HashMap::new();
+        let rotations = self.blocks().into_iter();
+        let rotations = rotations.filter(|block| block.factor == Factor::Rotation);
+        for (block, quaternion) in rotations.zip(parameters.chunks(4)) {
+            let matrix = rotation_of(quaternion, arena);
+            by.extend(entries[block.entries].iter().copied().zip(matrix));
+        }
+        by
+    }
+
+    /// Returns the number of parameters of [`parametrised`](Self::parametrised).
+    pub(crate) fn parameters(&self) -> usize {
+        let rotations = self.factors.iter().filter(|&&f| f == Factor::Rotation);
+        4 * rotations.count()
+    }
+}
+
+/// An entry of the matrix of a rotation.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RotationEntry {
+    /// Number of the rotation, if there are several.
+    pub(crate) number: Option<usize>,
+    pub(crate) row: usize,
+    pub(crate) column: usize,
+}
+
+/// The middle of the geodesic between two rotations.
+pub(crate) struct Midpoint {
+    /// The entries of the matrix.
+    pub(crate) entries: Vec<Expr>,
+    /// The Cayley vector of the way from the start to the middle.
+    pub(crate) half: Vec<Expr>,
+}
+
+/// Returns the midpoint R₀ cay(y) of a rotation, half of the way along a geodesic: `y = x/(1 + s)` with `s = √(1 + ¼|x|²)`, and
+/// `cay(y) = 1 + x̂/(2s) + x̂²/(4s(1 + s))`.
+pub(crate) fn midpoint_of_rotation(start: &[Expr], x: &[Expr], arena: &mut Arena) -> Midpoint {
+    let squares: Vec<(f64, Expr)> = x.iter().map(|&x| (0.25, arena.pow(x, 2))).collect();
+    let square = arena.sum(1.0, &squares);
+    let s = arena.call(Function::Sqrt, square);
+    let s = arena.opaque(s);
+    let sum = arena.sum(1.0, &[(1.0, s)]);
+    let ratio = arena.pow(sum, -1);
+    let ratio = arena.opaque(ratio);
+    let half: Vec<Expr> = x.iter().map(|&x| arena.mul(x, ratio)).collect();
+    let half: Vec<Expr> = half.into_iter().map(|y| arena.opaque(y)).collect();
+    // 1/(1 + ¼|y|²)
+    let scale = arena.product(&[(sum, 1), (s, -1)]);
+    let scale = arena.scale(0.5, scale);
+    let scale = arena.opaque(scale);
+    // row by row: cay(y)ᵀ a for each row a of R₀ is a + scale (a × y + ½ (a × y) × y)
+    let mut entries = vec![arena.constant(0.0); ENTRIES];
+    for row in 0..3 {
+        let a: Vec<Expr> = (0..3).map(|column| start[3 * column + row]).collect();
+        let once = cross(&a, &half, arena);
+        let once: Vec<Expr> = once.into_iter().map(|e| arena.opaque(e)).collect();
+        let twice = cross(&once, &half, arena);
+        for column in 0..3 {
+            let change = arena.sum(0.0, &[(1.0, once[column]), (0.5, twice[column])]);
+            let change = arena.mul(scale, change);
+            entries[3 * column + row] = arena.add(a[column], change);
+        }
+    }
+    Midpoint { entries, half }
+}
+
+/// Returns `g + ½ x × g + ¼ x (x·g)`, the part of the momentum at the start that the derivative g by the increment gives.
+pub(crate) fn momentum_at_start(x: &[Expr], g: &[Expr], arena: &mut Arena) -> Vec<Expr> {
+    let products: Vec<(f64, Expr)> = x
+        .iter()
+        .zip(g)
+        .map(|(&x, &g)| (1.0, arena.mul(x, g)))
+        .collect();
+    let along = arena.sum(0.0, &products);
+    let along = arena.opaque(along);
+    let across = cross(x, g, arena);
+    let momentum = (0..DIRECTIONS).map(|k| {
+        let along = arena.mul(x[k], along);
+        arena.sum(0.0, &[(1.0, g[k]), (0.5, across[k]), (0.25, along)])
+    });
+    momentum.collect()
+}
+
+/// Returns the matrix A(x) of the differential of the Cayley transform, `(cay(x)ᵀ d cay(x))^∨ = A dx`: `(1 − ½ x̂)/(1 + ¼|x|²)`, by rows.
+pub(crate) fn differential(x: &[Expr], arena: &mut Arena) -> [[Expr; 3]; 3] {
+    let scale = shortening(x, arena);
+    let zero = arena.constant(0.0);
+    let one = arena.constant(1.0);
+    let mut matrix = [[zero; 3]; 3];
+    for k in 0..3 {
+        let mut unit = [zero; 3];
+        unit[k] = one;
+        let across = cross(x, &unit, arena);
+        for row in 0..3 {
+            let entry = arena.sum(0.0, &[(1.0, unit[row]), (-0.5, across[row])]);
+            matrix[row][k] = arena.mul(scale, entry);
+        }
+    }
+    matrix
+}
+
+/// Returns cay(x)ᵀ, by rows: the image of a direction at R₀ in the frame of R₁ = R₀ cay(x).
+pub(crate) fn transposed_cayley(x: &[Expr], arena: &mut Arena) -> [[Expr; 3]; 3] {
+    let scale = shortening(x, arena);
+    let zero = arena.constant(0.0);
+    let one = arena.constant(1.0);
+    let mut matrix = [[zero; 3]; 3];
+    for k in 0..3 {
+        let mut unit = [zero; 3];
+        unit[k] = one;
+        let once = cross(x, &unit, arena);
+        let twice = cross(x, &once, arena);
+        for row in 0..3 {
+            let change = arena.sum(0.0, &[(-1.0, once[row]), (0.5, twice[row])]);
+            let change = arena.mul(scale, change);
+            matrix[row][k] = arena.add(unit[row], change);
+        }
+    }
+    matrix
+}
+
+/// Returns `1/(1 + ¼|x|²)`.
+fn shortening(x: &[Expr], arena: &mut Arena) -> Expr {
+    let squares: Vec<(f64, Expr)> = x.iter().map(|&x| (0.25, arena.pow(x, 2))).collect();
+    let square = arena.sum(1.0, &squares);
+    let scale = arena.pow(square, -1);
+    arena.opaque(scale)
+}
+
+/// Returns the derivative of an expression in the directions of a rotation, from the derivatives by its entries.
+pub(crate) fn directions_of_rotation(
+    slopes: &[Expr],
+    entries: &[Symbol],
+    arena: &mut Arena,
+) -> Vec<Expr> {
+    (0..DIRECTIONS)
+        .map(|k| turned(slopes, entries, k, arena))
+        .collect()
+}
+
+/// Returns a × b.
+pub(crate) fn cross(a: &[Expr], b: &[Expr], arena: &mut Arena) -> Vec<Expr> {
+    let component = |k: usize| {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        let (first, second) = (arena.mul(a[i], b[j]), arena.mul(a[j], b[i]));
+        arena.sub(first, second)
+    };
+    (0..DIRECTIONS).map(component).collect()
+}
+
+/// Returns the derivative of an expression with these derivatives by the entries where R moves by R ê, with e the unit vector of a direction: column j moves by `R (e × e_j)`.
+fn turned(slopes: &[Expr], entries: &[Symbol], direction: usize, arena: &mut Arena) -> Expr {
+    let (next, last) = ((direction + 1) % 3, (direction + 2) % 3);
+    let mut terms = Vec::new();
+    // e × e_next = e_last, and e × e_last = −e_next
+    for (sign, moved, to) in [(1.0, next, last), (-1.0, last, next)] {
+        for row in 0..3 {
+            let entry = arena.symbol(entries[3 * to + row]);
+            terms.push((sign, arena.mul(slopes[3 * moved + row], entry)));
+        }
+    }
+    arena.sum(0.0, &terms)
+}
+
+/// Returns the matrix of a quaternion of any length, by columns.
+fn rotation_of(quaternion: &[Symbol], arena: &mut Arena) -> Vec<Expr> {
+    let q: Vec<Expr> = quaternion.iter().map(|&s| arena.symbol(s)).collect();
+    let squares: Vec<(f64, Expr)> = q.iter().map(|&x| (1.0, arena.pow(x, 2))).collect();
+    let length = arena.sum(0.0, &squares);
+    let scale = arena.pow(length, -1);
+    let mut entries = Vec::new();
+    for column in 0..3 {
+        for row in 0..3 {
+            let terms = if row == column {
+                let sign = |k: usize| if k == 0 || k == row + 1 { 1.0 } else { -1.0 };
+                (0..4).map(|k| (sign(k), squares[k].1)).collect::<Vec<_>>()
+            } else {
+                // 2 (u_i u_j ∓ w u_k), with the minus sign where (row, column) is in the order of the axes
+                let across = arena.mul(q[row + 1], q[column + 1]);
+                let along = arena.mul(q[0], q[4 - row - column]);
+                let sign = if (row + 1) % 3 == column { -2.0 } else { 2.0 };
+                vec![(2.0, across), (sign, along)]
+            };
+            let entry = arena.sum(0.0, &terms);
+            entries.push(arena.mul(scale, entry));
+        }
+    }
+    entries
+}

@@ -1,0 +1,337 @@
+//! Rotations as configurations, alone, in arrays, and beside vectors.
+//!
+//! Input: a unit quaternion and the Cayley vector x of an increment. Output: the quaternion of R cay(x), with
+//! `q ∘ (1, x/2) / √(1 + |x|²/4)`. Invariant: the quaternion is normalised to rounding after each increment, and continuous along a path.
+//!
+//! Source: Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006), section IV.8.3 (Cayley transform on SO(3)), VII.5.3 (quaternions).
+
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+
+use super::flat::two_sum;
+use super::{Configuration, Coordinates, FixedSize, FlatConfiguration, Flatten};
+use crate::lanes::ScalarLanes;
+use crate::state::State;
+
+/// A rotation with three degrees of freedom, stored as the quaternion `[w, x, y, z]`. Its momentum is that of the body frame.
+///
+/// ```
+/// use sve_runtime::Configuration;
+/// use sve_runtime::prelude::*;
+///
+/// let mut r = UnitQuaternion::identity();
+/// // a quarter turn about the third axis: the Cayley vector has the length 2 tan(45°)
+/// r.retract(&[0.0, 0.0, 2.0 * 45f64.to_radians().tan()]);
+/// assert!((r * Vector3::x() - Vector3::y()).norm() < 1e-15);
+/// assert_eq!((r.degrees_of_freedom(), r.stored_values()), (3, 4));
+/// ```
+impl Configuration for UnitQuaternion<f64> {
+    type Momentum = Vector3<f64>;
+
+    fn degrees_of_freedom(&self) -> usize {
+        3
+    }
+
+    fn stored_values(&self) -> usize {
+        4
+    }
+
+    #[inline(always)]
+    fn store(&self, values: &mut [f64]) {
+        values.copy_from_slice(&[self.w, self.i, self.j, self.k]);
+    }
+
+    #[inline(always)]
+    fn restore(&mut self, values: &[f64]) {
+        let [w, x, y, z] = *values else {
+            panic!("a rotation has four stored values");
+        };
+        *self = Self::new_unchecked(Quaternion::new(w, x, y, z));
+    }
+
+    #[inline(always)]
+    fn retract(&mut self, increment: &[f64]) {
+        let [x, y, z] = *increment else {
+            panic!("an increment of a rotation has three components");
+        };
+        let (w, a) = (self.w, [self.i, self.j, self.k]);
+        let half = [0.5 * x, 0.5 * y, 0.5 * z];
+        let turned = [
+            w - (a[0] * half[0] + a[1] * half[1] + a[2] * half[2]),
+            a[0] + (w * half[0] + (a[1] * half[2] - a[2] * half[1])),
+            a[1] + (w * half[1] + (a[2] * half[0] - a[0] * half[2])),
+            a[2] + (w * half[2] + (a[0] * half[1] - a[1] * half[0])),
+        ];
+        // the length √(1 + |x|²/4) times the rounding error of the quaternion before
+        let square = turned[0] * turned[0]
+            + turned[1] * turned[1]
+            + turned[2] * turned[2]
+            + turned[3] * turned[3];
+        let scale = 1.0 / square.sqrt();
+        let [w, x, y, z] = turned.map(|component| scale * component);
+        *self = Self::new_unchecked(Quaternion::new(w, x, y, z));
+    }
+}
+
+impl FixedSize for UnitQuaternion<f64> {
+    const DEGREES_OF_FREEDOM: usize = 3;
+    const STORED_VALUES: usize = 4;
+    const ENTRIES: usize = 9;
+    const HAS_ROTATIONS: bool = true;
+    type FlatForm<Whole: FixedSize, const N: usize> = WithRotations<Whole, N>;
+
+    #[inline(always)]
+    fn origin() -> Self {
+        Self::new_unchecked(Quaternion::new(1.0, 0.0, 0.0, 0.0))
+    }
+
+    #[inline(always)]
+    fn no_momentum() -> Vector3<f64> {
+        Vector3::zeros()
+    }
+
+    #[inline(always)]
+    fn entries(&self, values: &mut [f64]) {
+        let (w, [x, y, z]) = (self.w, [self.i, self.j, self.k]);
+        let (ww, xx, yy, zz) = (w * w, x * x, y * y, z * z);
+        let [wx, wy, wz] = [x, y, z].map(|a| 2.0 * w * a);
+        let (xy, xz, yz) = (2.0 * x * y, 2.0 * x * z, 2.0 * y * z);
+        values.copy_from_slice(&[
+            ww + xx - yy - zz,
+            xy + wz,
+            xz - wy,
+            xy - wz,
+            ww - xx + yy - zz,
+            yz + wx,
+            xz + wy,
+            yz - wx,
+            ww - xx - yy + zz,
+        ]);
+    }
+
+    #[inline(always)]
+    fn add_transport(momentum: &[f64], velocity: &[f64], to: &mut [f64]) {
+        let (p, w) = (momentum, velocity);
+        to[0] += p[1] * w[2] - p[2] * w[1];
+        to[1] += p[2] * w[0] - p[0] * w[2];
+        to[2] += p[0] * w[1] - p[1] * w[0];
+    }
+
+    #[inline(always)]
+    fn cayley_square(increment: &[f64]) -> f64 {
+        increment.iter().map(|x| x * x).sum()
+    }
+
+    #[inline(always)]
+    fn sum_of_stored_values(&self) -> f64 {
+        self.w + self.i + self.j + self.k
+    }
+}
+
+impl Coordinates<3> for UnitQuaternion<f64> {
+    type Flat = WithRotations<Self, 3>;
+}
+
+/// Two configurations beside each other, such as the position and the attitude of a body. Their stored values and their increments follow one
+/// another.
+impl<Q: Configuration, R: Configuration> Configuration for (Q, R) {
+    type Momentum = (Q::Momentum, R::Momentum);
+
+    fn degrees_of_freedom(&self) -> usize {
+        self.0.degrees_of_freedom() + self.1.degrees_of_freedom()
+    }
+
+    fn stored_values(&self) -> usize {
+        self.0.stored_values() + self.1.stored_values()
+    }
+
+    #[inline(always)]
+    fn store(&self, values: &mut [f64]) {
+        let (first, second) = values.split_at_mut(self.0.stored_values());
+        self.0.store(first);
+        self.1.store(second);
+    }
+
+    #[inline(always)]
+    fn restore(&mut self, values: &[f64]) {
+        let (first, second) = values.split_at(self.0.stored_values());
+        self.0.restore(first);
+        self.1.restore(second);
+    }
+
+    #[inline(always)]
+    fn retract(&mut self, increment: &[f64]) {
+        let (first, second) = increment.split_at(self.0.degrees_of_freedom());
+        self.0.retract(first);
+        self.1.retract(second);
+    }
+}
+
+impl<Q: FixedSize, R: FixedSize> FixedSize for (Q, R) {
+    const DEGREES_OF_FREEDOM: usize = Q::DEGREES_OF_FREEDOM + R::DEGREES_OF_FREEDOM;
+    const STORED_VALUES: usize = Q::STORED_VALUES + R::STORED_VALUES;
+    const ENTRIES: usize = Q::ENTRIES + R::ENTRIES;
+    const HAS_ROTATIONS: bool = Q::HAS_ROTATIONS || R::HAS_ROTATIONS;
+    type FlatForm<Whole: FixedSize, const N: usize> = WithRotations<Whole, N>;
+
+    #[inline(always)]
+    fn origin() -> Self {
+        (Q::origin(), R::origin())
+    }
+
+    #[inline(always)]
+    fn no_momentum() -> (Q::Momentum, R::Momentum) {
+        (Q::no_momentum(), R::no_momentum())
+    }
+
+    #[inline(always)]
+    fn entries(&self, values: &mut [f64]) {
+        let (first, second) = values.split_at_mut(Q::ENTRIES);
+        self.0.entries(first);
+        self.1.entries(second);
+    }
+
+    #[inline(always)]
+    fn add_transport(momentum: &[f64], velocity: &[f64], to: &mut [f64]) {
+        let n = Q::DEGREES_OF_FREEDOM;
+        let (first, second) = to.split_at_mut(n);
+        Q::add_transport(&momentum[..n], &velocity[..n], first);
+        R::add_transport(&momentum[n..], &velocity[n..], second);
+    }
+
+    #[inline(always)]
+    fn cayley_square(increment: &[f64]) -> f64 {
+        let (first, second) = increment.split_at(Q::DEGREES_OF_FREEDOM);
+        Q::cayley_square(first).max(R::cayley_square(second))
+    }
+
+    #[inline(always)]
+    fn sum_of_stored_values(&self) -> f64 {
+        self.0.sum_of_stored_values() + self.1.sum_of_stored_values()
+    }
+}
+
+impl<Q: FixedSize, R: FixedSize, const N: usize> Coordinates<N> for (Q, R) {
+    type Flat = WithRotations<Self, N>;
+}
+
+/// A configuration with rotations, as steps compute with it: an increment moves it by [`retract`](Configuration::retract).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WithRotations<Q, const N: usize>(Q);
+
+impl<Q: FixedSize, const N: usize> WithRotations<Q, N> {
+    /// The form of a configuration.
+    #[inline(always)]
+    pub(super) const fn at(configuration: Q) -> Self {
+        Self(configuration)
+    }
+
+    /// Returns the entries that a Lagrangian reads, see [`FixedSize::entries`].
+    #[inline(always)]
+    pub fn entries<const E: usize>(&self) -> [f64; E] {
+        const { assert!(Q::ENTRIES == E, "another number of entries") }
+        let mut entries = [0.0; E];
+        self.0.entries(&mut entries);
+        entries
+    }
+}
+
+impl<Q: FixedSize, const N: usize> Configuration for WithRotations<Q, N> {
+    type Momentum = [f64; N];
+
+    fn degrees_of_freedom(&self) -> usize {
+        N
+    }
+
+    fn stored_values(&self) -> usize {
+        Q::STORED_VALUES
+    }
+
+    #[inline(always)]
+    fn store(&self, values: &mut [f64]) {
+        self.0.store(values);
+    }
+
+    #[inline(always)]
+    fn restore(&mut self, values: &[f64]) {
+        self.0.restore(values);
+    }
+
+    #[inline(always)]
+    fn retract(&mut self, increment: &[f64]) {
+        self.0.retract(increment);
+    }
+}
+
+impl<Q: FixedSize, const N: usize> FlatConfiguration<N> for WithRotations<Q, N> {
+    type Lanes = ScalarLanes<Self>;
+    const HAS_LOW_PARTS: bool = false;
+
+    #[inline(always)]
+    fn of_row(coordinates: &[f64; N]) -> Self {
+        let mut configuration = Self(Q::origin());
+        configuration.retract(coordinates);
+        configuration
+    }
+
+    #[inline(always)]
+    fn moved(state: &State<Self>, dq: &[f64; N], dp: &[f64; N]) -> (Self, [f64; N]) {
+        let (mut q, mut p) = (state.q, state.p);
+        q.retract(dq);
+        for i in 0..N {
+            p[i] += dp[i];
+        }
+        (q, p)
+    }
+
+    #[inline(always)]
+    fn moved_with_low_parts(
+        state: &State<Self>,
+        low: &mut State<Self>,
+        dq: &[f64; N],
+        dp: &[f64; N],
+    ) -> (Self, [f64; N]) {
+        let (mut q, mut p) = (state.q, state.p);
+        q.retract(dq);
+        for i in 0..N {
+            (p[i], low.p[i]) = two_sum(p[i], dp[i] + low.p[i]);
+        }
+        (q, p)
+    }
+
+    #[inline(always)]
+    fn sum_with(&self, p: &[f64; N]) -> f64 {
+        let mut sum = self.0.sum_of_stored_values();
+        for p in p {
+            sum += p;
+        }
+        sum
+    }
+
+    #[inline(always)]
+    fn cayley_square(increment: &[f64; N]) -> f64 {
+        Q::cayley_square(increment)
+    }
+
+    #[inline(always)]
+    fn add_transport(momentum: &[f64; N], velocity: &[f64; N], to: &mut [f64; N]) {
+        Q::add_transport(momentum, velocity, to);
+    }
+}
+
+impl<Q: FixedSize, const N: usize> Flatten<Q, N> for WithRotations<Q, N> {
+    #[inline(always)]
+    fn of(whole: &Q) -> Self {
+        const {
+            assert!(
+                Q::DEGREES_OF_FREEDOM == N,
+                "another number of degrees of freedom"
+            );
+        }
+        Self(*whole)
+    }
+
+    #[inline(always)]
+    fn whole(&self) -> Q {
+        self.0
+    }
+}

@@ -1,0 +1,24 @@
+use sve_runtime::prelude::*;
+
+struct Body {
+    s: f64,
+}
+
+#[variational(midpoint)]
+impl Body {
+    fn lagrangian(&self, _r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
+        0.5 * self.s * w.norm_squared()
+    }
+    #[gamma]
+    fn push(&self, r: Rotation3<f64>) -> f64 {
+        r[(0, 0)]
+    }
+    #[symmetry]
+    fn vertical(&self, r: Rotation3<f64>) -> Vector3<f64> {
+        r.inverse() * Vector3::z()
+    }
+}
+
+fn main() {
+    let _ = Integrator::new(Body { s: 1.0 }, Midpoint);
+}

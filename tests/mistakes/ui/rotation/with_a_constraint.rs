@@ -1,0 +1,28 @@
+use sve_runtime::prelude::*;
+
+struct Body {
+    s: f64,
+}
+
+#[variational(midpoint)]
+impl Body {
+    fn lagrangian(
+        &self,
+        q: Vector3<f64>,
+        _r: Rotation3<f64>,
+        v: Vector3<f64>,
+        w: Vector3<f64>,
+    ) -> f64 {
+        0.5 * self.s * (w.norm_squared() + v.norm_squared()) - q.z
+    }
+
+    #[constraint]
+    fn hinge(&self, q: Vector3<f64>, r: Rotation3<f64>) -> f64 {
+        let end = q + r * Vector3::x();
+        end.norm_squared() - 1.0
+    }
+}
+
+fn main() {
+    let _ = Integrator::new(Body { s: 1.0 }, Midpoint);
+}

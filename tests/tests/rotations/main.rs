@@ -1,0 +1,10 @@
+//! Rotations as configurations: rigid bodies, alone, several, and beside vectors.
+
+mod charts;
+mod motion;
+mod reduced;
+mod reference;
+mod runs;
+mod starts;
+mod symplectic;
+mod systems;
