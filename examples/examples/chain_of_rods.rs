@@ -252,6 +252,7 @@ fn color(tension: f64) -> palette::Color {
         .find(|w| x <= w[1].0)
         .unwrap_or(&stops[2..]);
     let part = (x - at[0].0) / (at[1].0 - at[0].0);
+    #[allow(clippy::cast_sign_loss, clippy::cast_possible_truncation)] // between two colours
     let mix = |a: u8, b: u8| (f64::from(a) + part * (f64::from(b) - f64::from(a))) as u8;
     let (a, b) = (at[0].1, at[1].1);
     (mix(a.0, b.0), mix(a.1, b.1), mix(a.2, b.2))

@@ -99,7 +99,7 @@ impl Errors {
     fn add(&mut self, at: usize, error: f64) {
         let part = &mut self.parts[10 * at / STEPS];
         *part = part.max(error.abs());
-        if at % 1000 < 100 && at % 20 == 0 {
+        if at % 1000 < 100 && at.is_multiple_of(20) {
             self.drawn.push(((at + 1) as f64 * 1e-6, 1e4 * error));
         }
     }

@@ -5,6 +5,7 @@
 //! The picture is written to `target/spherical_pendulum/`.
 
 use std::error::Error;
+use std::f64::consts::FRAC_PI_4;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -167,16 +168,17 @@ fn energy(path: &Path3) -> Result<[Check; 2], StepError> {
 
 /// Heights of a swing over the upper pole, and those of the pendulum in an angle.
 fn over_the_pole(h: f64) -> Result<[Vec<(f64, f64)>; 2], StepError> {
+    #[allow(clippy::cast_sign_loss)] // h is positive
     let steps = (20.0 / h).round() as usize;
     let speed = 2.2;
     let start = State::new(Vector3::new(0.0, 0.0, -1.0), Vector3::new(speed, 0.0, 0.0));
     let planar = Integrator::new(Planar { g: G }, Midpoint);
     // so fine that its own error is far below
-    let fine = 20;
+    let fine = 20_u8;
     let angle: Result<Vec<_>, StepError> = planar
         .trajectory(State::new([0.0], [speed]), h / f64::from(fine), NoNoise)
-        .skip(fine as usize - 1)
-        .step_by(fine as usize)
+        .skip(usize::from(fine) - 1)
+        .step_by(usize::from(fine))
         .take(steps)
         .collect();
     let sphere = path(0.0, h, start, steps)?;
@@ -264,7 +266,8 @@ fn sphere(title: &str, path: &Path3, color: palette::Color) -> Panel {
         let points = circle(&|a| Vector3::new(r * a.cos(), r * a.sin(), z));
         panel = panel.with(Layer::new("latitude", points, grey).unlisted());
     }
-    for longitude in [0.0f64, 0.7854, 1.5708, 2.3562] {
+    for quarter in 0..4 {
+        let longitude = f64::from(quarter) * FRAC_PI_4;
         let points = circle(&|a| {
             Vector3::new(
                 a.cos() * longitude.cos(),

@@ -77,7 +77,7 @@ pub(crate) fn expand_within(
     match derive(attribute.clone(), block, settings, work, &mut mistaken) {
         Ok(derived) => quote! {
             // `&self` is what this macro asks for
-            #[allow(clippy::trivially_copy_pass_by_ref, clippy::unused_self)]
+            #[allow(clippy::trivially_copy_pass_by_ref, clippy::large_types_passed_by_value, clippy::unused_self)]
             #plain
             #derived
         },

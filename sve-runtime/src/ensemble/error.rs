@@ -155,7 +155,7 @@ pub enum EnsembleError {
     },
     /// A path failed, and `stop_on_failure` was asked for.
     #[error("{0}")]
-    Failed(#[source] Failure),
+    Failed(#[source] Box<Failure>),
     /// The threads could not be started.
     #[error("the threads could not be started: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),

@@ -94,7 +94,7 @@ where
         paths.finish(&mut result);
         match result.failures.first() {
             Some(first) if self.ensemble.stop_on_failure => {
-                Err(EnsembleError::Failed(first.clone()))
+                Err(EnsembleError::Failed(Box::new(first.clone())))
             }
             _ => Ok(result),
         }

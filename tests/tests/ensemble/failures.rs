@@ -265,7 +265,7 @@ fn end_the_run_where_that_is_wanted() {
             .run()
             .unwrap_err();
         match error {
-            EnsembleError::Failed(failure) => assert_eq!(failure, first),
+            EnsembleError::Failed(failure) => assert_eq!(*failure, first),
             other => panic!("{other}"),
         }
     }

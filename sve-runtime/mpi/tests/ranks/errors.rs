@@ -36,7 +36,7 @@ pub(crate) fn stop_on_failure(given: &World) {
             .bound("start", -least..=2.5)
             .stop_on_failure(true);
         let alone: Failure = match ensemble.run() {
-            Err(EnsembleError::Failed(failure)) => failure,
+            Err(EnsembleError::Failed(failure)) => *failure,
             other => panic!("{other:?}"),
         };
         match error(&ensemble, given) {
