@@ -3,7 +3,7 @@
 //! Input: a configuration and increments of its `N` degrees of freedom. Output: the configuration after the increments. A row `[f64; N]`
 //! is the form of vector spaces; [`WithRotations`](super::WithRotations) is that of configurations with rotations.
 
-use super::{Configuration, FixedSize};
+use super::{Configuration, FixedSize, largest};
 use crate::lanes::{LaneStates, StateLanes};
 use crate::state::State;
 
@@ -27,6 +27,8 @@ pub trait FlatConfiguration<const N: usize>: Configuration<Momentum = [f64; N]> 
     ) -> (Self, [f64; N]);
     /// Returns the sum of all stored values and momenta, which is finite only if all of them are.
     fn sum_with(&self, p: &[f64; N]) -> f64;
+    /// Returns the largest magnitude of a stored value.
+    fn size(&self) -> f64;
     /// Returns the stored values, for messages.
     fn values(&self) -> Vec<f64> {
         let mut values = vec![0.0; self.stored_values()];
@@ -50,6 +52,11 @@ pub trait Flatten<Whole, const N: usize>: Sized {
 impl<const N: usize> FlatConfiguration<N> for [f64; N] {
     type Lanes = StateLanes<N>;
     const HAS_LOW_PARTS: bool = true;
+
+    #[inline]
+    fn size(&self) -> f64 {
+        largest(self.iter().copied())
+    }
 
     #[inline(always)]
     fn of_row(coordinates: &[f64; N]) -> Self {

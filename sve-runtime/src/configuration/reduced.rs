@@ -130,6 +130,11 @@ impl<Q: FixedSize> FixedSize for Reduced<Q> {
     fn sum_of_stored_values(&self) -> f64 {
         0.0
     }
+
+    #[inline]
+    fn largest_stored_value(&self) -> f64 {
+        0.0
+    }
 }
 
 impl<Q: FixedSize, const N: usize> Coordinates<N> for Reduced<Q> {

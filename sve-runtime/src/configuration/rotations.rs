@@ -8,7 +8,7 @@
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::flat::two_sum;
-use super::{Configuration, Coordinates, FixedSize, FlatConfiguration, Flatten};
+use super::{Configuration, Coordinates, FixedSize, FlatConfiguration, Flatten, largest};
 use crate::lanes::ScalarLanes;
 use crate::state::State;
 
@@ -125,6 +125,11 @@ impl FixedSize for UnitQuaternion<f64> {
     fn sum_of_stored_values(&self) -> f64 {
         self.w + self.i + self.j + self.k
     }
+
+    #[inline]
+    fn largest_stored_value(&self) -> f64 {
+        largest(self.coords.iter().copied())
+    }
 }
 
 impl Coordinates<3> for UnitQuaternion<f64> {
@@ -208,6 +213,11 @@ impl<Q: FixedSize, R: FixedSize> FixedSize for (Q, R) {
     fn sum_of_stored_values(&self) -> f64 {
         self.0.sum_of_stored_values() + self.1.sum_of_stored_values()
     }
+
+    #[inline]
+    fn largest_stored_value(&self) -> f64 {
+        largest([self.0.largest_stored_value(), self.1.largest_stored_value()].into_iter())
+    }
 }
 
 impl<Q: FixedSize, R: FixedSize, const N: usize> Coordinates<N> for (Q, R) {
@@ -265,6 +275,11 @@ impl<Q: FixedSize, const N: usize> Configuration for WithRotations<Q, N> {
 impl<Q: FixedSize, const N: usize> FlatConfiguration<N> for WithRotations<Q, N> {
     type Lanes = ScalarLanes<Self>;
     const HAS_LOW_PARTS: bool = false;
+
+    #[inline]
+    fn size(&self) -> f64 {
+        self.0.largest_stored_value()
+    }
 
     #[inline(always)]
     fn of_row(coordinates: &[f64; N]) -> Self {

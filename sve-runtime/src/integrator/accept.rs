@@ -92,6 +92,6 @@ pub(super) fn replace<F: FlatConfiguration<N>, const N: usize>(
 }
 
 #[cold]
-fn all_finite(q: &[f64], p: &[f64]) -> bool {
+pub(super) fn all_finite(q: &[f64], p: &[f64]) -> bool {
     q.iter().chain(p).all(|x| x.is_finite())
 }

@@ -13,6 +13,7 @@
 //! chapter 6. Paths are not followed around folds.
 
 use super::DerivedStep;
+use super::accept::all_finite;
 use crate::configuration::{Coordinates, FlatConfiguration};
 use crate::equations::{StepEquations, StepOf};
 use crate::legendre;
@@ -83,9 +84,11 @@ where
     Q: Coordinates<N>,
 {
     let system = derived.system;
-    let stored = state.q.values();
-    let numbers = stored.iter().chain(&state.p).chain(dw.as_ref());
-    if !numbers.chain([&state.t]).all(|x| x.is_finite()) {
+    // the sum is finite only if all numbers are; one that overflows by itself is excluded
+    let has_state =
+        state.q.sum_with(&state.p).is_finite() || all_finite(&state.q.values(), &state.p);
+    let mut others = dw.as_ref().iter().chain([&state.t]);
+    if !has_state || !others.all(|x| x.is_finite()) {
         return Err(ContinuationError::NoStart(SolveError::NonFinite));
     }
     let velocity = legendre::velocity(system, state).map_err(ContinuationError::NoStart)?;
@@ -98,8 +101,8 @@ where
         x: system.start(state, &velocity, &acceleration),
     };
     let scale = Scale {
-        q: &stored,
-        p: &state.p,
+        q: state.q.size(),
+        p: state.p.size(),
     };
     let step = |part: f64, noise: f64, guesses: &S::Unknowns| {
         let h = part * h;
@@ -131,11 +134,11 @@ struct Point<const N: usize, X> {
     x: X,
 }
 
-/// Configuration and momentum at the start of the step, which bound the rounding errors of the increments.
+/// Largest magnitudes of configuration and momentum at the start of the step, which bound the rounding errors of the increments.
 #[derive(Clone, Copy)]
-struct Scale<'a> {
-    q: &'a [f64],
-    p: &'a [f64],
+struct Scale {
+    q: f64,
+    p: f64,
 }
 
 /// Follows a path from a point at 0 to 1. Returns its end.
@@ -144,7 +147,7 @@ struct Scale<'a> {
 /// The fraction at which the path ends before 1.
 fn follow_path<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>>(
     start: Point<N, X>,
-    scale: Scale<'_>,
+    scale: Scale,
     solve: impl Fn(f64, &X) -> Result<([f64; N], [f64; N], X), SolveError>,
 ) -> Result<Point<N, X>, f64> {
     let mut here = start;
@@ -201,7 +204,7 @@ impl<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>> Point<N, X> {
 
     /// Returns whether the state here is near the extrapolated one, relative to its distance from the last point. The coordinates of
     /// the state are compared. The unknowns are not: some are multipliers, which have no natural scale.
-    fn is_near(&self, ahead: &Self, last: &Self, start: &Self, scale: Scale<'_>) -> bool {
+    fn is_near(&self, ahead: &Self, last: &Self, start: &Self, scale: Scale) -> bool {
         let reach = |to: &[f64; N], from: &[f64; N], first: &[f64; N]| {
             let each = (0..N).map(|i| (to[i] - first[i]).abs().max((from[i] - first[i]).abs()));
             each.fold(0.0, f64::max)
@@ -218,8 +221,10 @@ impl<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>> Point<N, X> {
                 distance = distance.max((to - from).abs() / unit);
             }
         };
-        let size = |x: &[f64]| x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-        let (size_q, size_p) = (size(scale.q), size(scale.p));
+        let Scale {
+            q: size_q,
+            p: size_p,
+        } = scale;
         for i in 0..N {
             let q = [self.q[i], ahead.q[i], last.q[i], start.q[i]];
             let p = [self.p[i], ahead.p[i], last.p[i], start.p[i]];

@@ -38,6 +38,7 @@ fn every_other_file_is_compiled_with_the_rest() {
     let mut count = 0;
     for stage in [
         "constraint",
+        "degenerate",
         "force",
         "language",
         "model",

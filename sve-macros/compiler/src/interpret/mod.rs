@@ -21,6 +21,7 @@ mod operators;
 mod pattern;
 mod places;
 mod references;
+mod results;
 mod roles;
 mod sequences;
 mod statements;
