@@ -134,7 +134,8 @@ macro_rules! __derived_rule {
                 $crate::__private::StepEquations::<$rule>::prepare(self, h)
             }
 
-            #[inline]
+            // see `solve_step`
+            #[inline(always)]
             fn advance(
                 &self,
                 newton: &$crate::Newton,

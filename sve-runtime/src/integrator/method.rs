@@ -63,7 +63,8 @@ where
         S::STAGES
     }
 
-    #[inline]
+    // see `solve_step`
+    #[inline(always)]
     fn next_step(
         &self,
         prepared: &mut Self::Prepared,
