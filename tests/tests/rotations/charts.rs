@@ -129,7 +129,7 @@ pub(crate) fn differences<C: Chart>(start: &C, map: impl Fn(&C) -> C) -> DMatrix
     matrix
 }
 
-/// Returns the largest entry of MᵀΩM − Ω.
+/// Returns the largest entry of `MᵀΩM − Ω`.
 pub(crate) fn symplectic_defect(matrix: &DMatrix<f64>) -> f64 {
     let n = matrix.nrows() / 2;
     let omega = DMatrix::from_fn(2 * n, 2 * n, |i, j| {
