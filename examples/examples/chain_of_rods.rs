@@ -286,7 +286,7 @@ fn figure(run: &Run) -> Figure {
         .collect();
     let line = vec![(0.0, 1.0), (10.0, 1.0)];
     let force = Panel::new(
-        "upward force at the pivot over the weight, means of 0.025 s",
+        "upward force at the pivot over the weight, means of 0.025 s, cut at 2",
         Axis::new("t", 0.0..10.0),
         Axis::new("force/weight", 0.0..2.0),
     )
