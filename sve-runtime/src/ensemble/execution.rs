@@ -132,6 +132,8 @@ impl Shared {
 
     /// Inserts the result of a block into the tree. Results are merged outside of the lock. With a checkpoint they are merged inside, since the written
     /// tree has to contain all blocks.
+    // only a checkpoint can fail
+    #[cfg_attr(not(feature = "checkpoint"), allow(clippy::unnecessary_wraps))]
     fn insert(&self, result: PartialResult) -> Result<(), EnsembleError> {
         #[cfg(feature = "checkpoint")]
         if let Some(checkpoint) = &self.checkpoint {
