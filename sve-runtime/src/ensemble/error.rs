@@ -69,6 +69,11 @@ pub enum EnsembleError {
     /// The noise has no increments for this step size.
     #[error("`noise`: {0}")]
     Noise(#[source] NoiseError),
+    /// First passages with a noise that is not known within steps.
+    #[error(
+        "`stop_at` and `first_passage` look for zeros within steps, where this noise has no increments: take `Wiener`, also refined, or `NoNoise`; increments of three values and clipped ones belong to whole steps"
+    )]
+    PassageNoise,
     /// Two observables have one name.
     #[error("two observables are called `{name}`: give each a name of its own")]
     TwiceNamed {

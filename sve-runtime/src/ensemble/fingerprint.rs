@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 use twox_hash::XxHash64;
 
 use super::error::Difference;
-use super::integral::Kind;
+use super::memory::Kind;
 use super::path_noise::PathNoise;
 use super::settings::Settings;
 use super::starts::{StartRng, Starts};
@@ -156,6 +156,9 @@ where
                     hash.add(ensemble.settle);
                     hash.add(u64::from(ensemble.weight.is_some()));
                 }
+                for passage in &ensemble.passages {
+                    hash.add(u64::from(passage.stops));
+                }
                 for (name, range) in &ensemble.bounds {
                     let column = ensemble.names.iter().position(|known| known == name);
                     hash.add(column.unwrap_or(usize::MAX) as u64);
@@ -234,6 +237,10 @@ where
             if recorded {
                 for observable in &self.ensemble.observables {
                     hash.add_number(observable.value(system, &state).unwrap_or(f64::NAN));
+                }
+                for passage in &self.ensemble.passages {
+                    let value = passage.function.value(system, &state);
+                    hash.add_number(value.unwrap_or(f64::NAN));
                 }
                 if let Some(weight) = &self.ensemble.weight {
                     hash.add_number(weight.value(system, &state).unwrap_or(f64::NAN));

@@ -1,6 +1,6 @@
 //! The increments of a block of paths, in lanes, drawn for several steps at once.
 //!
-//! Input: the noise, the first path and a range of steps. Output: one increment for each lane, step and process.
+//! Input: the noise, the paths and a range of steps. Output: one increment for each lane, step and process.
 //! Invariant: the increments of path `k` are those of the source's path `k`, bit for bit.
 
 use super::BLOCK_TILES;
@@ -18,44 +18,58 @@ const QUADS: usize = (BATCH / QUAD) as usize;
 /// The increments of a batch of steps for the tiles of a block.
 pub(super) struct IncrementBuffer<const M: usize> {
     noise: PathNoise,
-    first_path: u64,
     /// √h.
     scale: f64,
     /// Number of the batch in the buffer.
     batch: Option<u64>,
+    /// The paths of the source in the lanes of each tile.
+    paths: Vec<[u64; LANES]>,
     /// Increments by groups of four steps, tiles and processes.
     values: Vec<Aligned<[Lane; 4]>>,
 }
 
 impl<const M: usize> IncrementBuffer<M> {
-    /// An empty buffer for the paths from `first_path` on.
-    pub(super) fn new(noise: PathNoise, first_path: u64, h: f64) -> Self {
+    /// An empty buffer.
+    pub(super) fn new(noise: PathNoise, h: f64) -> Self {
         Self {
             noise,
-            first_path: noise.first_path.wrapping_add(first_path),
             scale: h.abs().sqrt(),
             batch: None,
+            paths: Vec::with_capacity(BLOCK_TILES),
             values: vec![Aligned([[0.0; LANES]; 4]); QUADS * BLOCK_TILES * M],
         }
     }
 
-    /// Draws the increments of a batch, for the first so many tiles.
-    pub(super) fn load(&mut self, batch: u64, tiles: usize) {
+    /// Draws the increments of a batch, for tiles with these paths in their lanes.
+    pub(super) fn load<'t>(&mut self, batch: u64, tiles: impl Iterator<Item = &'t [u64; LANES]>) {
         let Some(distribution) = self.noise.distribution else {
             return;
         };
-        let PathNoise { seed, largest, .. } = self.noise;
-        if M == 0 || self.batch == Some(batch) {
+        if M == 0 {
             return;
         }
-        self.batch = Some(batch);
+        let first = self.noise.first_path;
+        let mut is_loaded = self.batch.replace(batch) == Some(batch);
+        let mut count = 0;
+        for paths in tiles.map(|paths| paths.map(|path| first.wrapping_add(path))) {
+            is_loaded &= self.paths.get(count) == Some(&paths);
+            match self.paths.get_mut(count) {
+                Some(known) => *known = paths,
+                None => self.paths.push(paths),
+            }
+            count += 1;
+        }
+        if is_loaded {
+            return;
+        }
+        let PathNoise { seed, largest, .. } = self.noise;
         let quads = self.values.chunks_exact_mut(BLOCK_TILES * M);
         for (quad, values) in (batch * QUADS as u64..).zip(quads) {
-            let values = &mut values[..tiles * M];
+            let values = &mut values[..count * M];
             fill(
                 distribution,
                 seed,
-                self.first_path,
+                &self.paths,
                 quad,
                 self.scale,
                 M,

@@ -12,6 +12,7 @@ use super::execution::locked;
 use super::failure::{FAILURES_KEPT, Failure};
 use super::histogram::{Bins, HistogramRequest};
 use super::moments::Column;
+use super::passage::counts::PassageCounts;
 
 /// The merged results of consecutive blocks: a node of the tree.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +30,8 @@ pub(super) struct PartialResult {
     pub(super) columns: Vec<Column>,
     /// Counts of each histogram.
     pub(super) histograms: Vec<Bins>,
+    /// Counts of the passages of each function.
+    pub(super) passages: Vec<PassageCounts>,
     /// Number of paths that failed.
     pub(super) failed: u64,
     /// The first failures.
@@ -55,6 +58,7 @@ impl PartialResult {
             counts: vec![0; records],
             columns: vec![Column::new(records); observables],
             histograms: requests.map(|r| Bins::new(r, records)).collect(),
+            passages: Vec::new(),
             failed: 0,
             failures: Vec::new(),
             final_paths: Vec::new(),
@@ -72,6 +76,9 @@ impl PartialResult {
         }
         for (bins, other) in self.histograms.iter_mut().zip(&next.histograms) {
             bins.merge(other);
+        }
+        for (counts, other) in self.passages.iter_mut().zip(&next.passages) {
+            counts.merge(other);
         }
         self.failed += next.failed;
         let room = FAILURES_KEPT - self.failures.len();

@@ -7,6 +7,7 @@
 //! A run divides its paths into blocks of [`BLOCK_PATHS`], each of a few tiles of `LANES` lanes. A block is the unit of
 //! work of a thread. The results of blocks are merged pairwise in a fixed tree.
 
+mod along;
 #[cfg(feature = "checkpoint")]
 mod checkpoint;
 mod csv;
@@ -21,13 +22,16 @@ pub(crate) mod fingerprint;
 mod histogram;
 mod increment_buffer;
 mod integral;
+mod memory;
 mod merge_tree;
 mod moments;
 #[cfg(feature = "npy")]
 mod npy;
 mod observe;
+mod packing;
 #[cfg(feature = "parquet")]
 mod parquet;
+mod passage;
 mod path_block;
 mod path_noise;
 mod points;
@@ -51,6 +55,7 @@ pub use error::Damage;
 pub use error::{Difference, EnsembleError};
 pub use failure::{Cause, FAILURES_KEPT, Failure};
 pub use final_state::FinalState;
+pub use passage::{Passages, Rate};
 pub use starts::StartRng;
 pub use statistics::{Histogram, Statistics};
 pub use summary::Summary;
@@ -60,8 +65,9 @@ use core::fmt;
 use core::ops::{Bound, Range, RangeBounds};
 
 use self::histogram::HistogramRequest;
-use self::integral::Kind;
+use self::memory::Kind;
 use self::observe::{Closure, Observable};
+use self::passage::PassageFunction;
 use self::settings::Settings;
 use self::starts::Starts;
 use crate::configuration::Coordinates;
@@ -136,6 +142,8 @@ pub struct Ensemble<'a, I: Method> {
     /// The step at which averages begin.
     settle: u64,
     share_paths: bool,
+    /// Functions whose first zero is recorded.
+    passages: Vec<PassageFunction<'a, I::System>>,
     histograms: Vec<HistogramRequest>,
     /// Observables with their least and greatest values.
     bounds: Vec<(String, [f64; 2])>,
@@ -173,6 +181,7 @@ where
             weight: None,
             settle: 0,
             share_paths: false,
+            passages: Vec::new(),
             histograms: Vec::new(),
             bounds: Vec::new(),
             keep_final_states: false,

@@ -4,7 +4,7 @@
 
 use super::EnsembleError;
 use crate::noise::lanes::DistributionKind;
-use crate::noise::{ManyPaths as _, PathData, Wiener};
+use crate::noise::{Halves, ManyPaths as _, NoNoise, PathData, Wiener};
 
 /// The noise of an ensemble, for steps of one length.
 #[derive(Clone, Copy, Debug)]
@@ -41,5 +41,17 @@ impl PathNoise {
             distribution,
             largest,
         })
+    }
+
+    /// Returns the source of a path of the ensemble, if it is known within steps.
+    pub(super) fn within_steps(&self, path: u64) -> Option<Box<dyn Halves>> {
+        match self.distribution {
+            None => Some(Box::new(NoNoise)),
+            Some(DistributionKind::Normal) if self.largest == f64::INFINITY => {
+                let path = self.first_path.wrapping_add(path);
+                Some(Box::new(Wiener::new(self.seed).path(path)))
+            }
+            Some(_) => None,
+        }
     }
 }

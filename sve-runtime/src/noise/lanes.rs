@@ -1,6 +1,6 @@
 //! Increments of many paths at once, a lane for each path.
 //!
-//! Input: a block of four steps, the paths and processes. Output: their increments; consecutive paths are in consecutive lanes.
+//! Input: a block of four steps, the paths of the lanes, and processes. Output: their increments.
 //! Invariant: each increment has the bits that [`distribution::increments`](super::distribution::increments) gives for its path.
 
 use core::marker::PhantomData;
@@ -20,14 +20,14 @@ pub(crate) enum DistributionKind {
 
 /// Fills `out` with the increments of `processes` processes over the four steps 4 `block` … 4 `block` + 3, each of standard deviation `scale` = √h.
 ///
-/// Path `first_path` + [`LANES`] `tile` + `lane` (modulo 2⁶⁴) and process `p` (from 0) are in
+/// Path `paths[tile][lane]` and process `p` (from 0) are in
 /// `out[tile * processes + p][step % 4][lane]`; the length of `out` gives the number of tiles. A call costs as much as some ten increments, so
 /// many tiles in a call save time; `out` should fit into the first cache.
 #[inline(never)]
 pub(crate) fn fill(
     distribution: DistributionKind,
     seed: u64,
-    first_path: u64,
+    paths: &[[u64; LANES]],
     block: u64,
     scale: f64,
     processes: usize,
@@ -35,7 +35,7 @@ pub(crate) fn fill(
 ) {
     let fill = Fill {
         seed,
-        first_path,
+        paths,
         block,
         scale,
         processes,
@@ -57,7 +57,7 @@ pub(crate) fn fill(
 
 struct Fill<'a> {
     seed: u64,
-    first_path: u64,
+    paths: &'a [[u64; LANES]],
     block: u64,
     scale: f64,
     processes: usize,
@@ -74,22 +74,16 @@ impl<D: Distribution, const DIRECT: bool> Kernel for FillFrom<'_, D, DIRECT> {
     fn run(self) {
         let Fill {
             seed,
-            first_path,
+            paths,
             block,
             scale,
             processes,
             out,
         } = self.0;
-        let (mut first, mut process) = (first_path, 0);
-        for row in out {
-            let of_lane =
-                |lane| words::<D>(seed, first.wrapping_add(lane as u64), block, process as u64);
+        let rows = paths.iter().flat_map(|paths| (0..processes).map(move |p| (paths, p)));
+        for (row, (paths, process)) in out.iter_mut().zip(rows) {
+            let of_lane = |lane: usize| words::<D>(seed, paths[lane], block, process as u64);
             D::fill_lanes::<DIRECT>(of_lane, scale, &mut row.0);
-            process += 1;
-            if process == processes {
-                process = 0;
-                first = first.wrapping_add(LANES as u64);
-            }
         }
     }
 }
@@ -112,6 +106,13 @@ mod tests {
         (1 << 40, 1 << 30, 1, 40),
     ];
 
+    /// Consecutive paths in the lanes of tiles.
+    fn consecutive(first: u64, tiles: usize) -> Vec<[u64; LANES]> {
+        let path = |tile, lane| first.wrapping_add((tile * LANES + lane) as u64);
+        let tile = |tile| core::array::from_fn(|lane| path(tile, lane));
+        (0..tiles).map(tile).collect()
+    }
+
     #[test]
     fn increments_have_the_bits_of_single_paths() {
         let (seed, h) = (7, 0.037_f64);
@@ -129,7 +130,7 @@ mod tests {
                 fill(
                     distribution,
                     seed,
-                    first,
+                    &consecutive(first, tiles),
                     block,
                     h.sqrt(),
                     processes,
@@ -168,7 +169,7 @@ mod tests {
             let mut out = vec![Aligned([[f64::NAN; LANES]; 4]); processes * tiles];
             let fill = Fill {
                 seed: 11,
-                first_path,
+                paths: &consecutive(first_path, tiles),
                 block,
                 scale: 0.3,
                 processes,
@@ -202,7 +203,7 @@ mod tests {
 
     #[test]
     fn an_empty_fill_does_nothing() {
-        fill(DistributionKind::Normal, 1, 0, 0, 1.0, 0, &mut []);
-        fill(DistributionKind::ThreePoint, 1, 0, 0, 1.0, 3, &mut []);
+        fill(DistributionKind::Normal, 1, &[], 0, 1.0, 0, &mut []);
+        fill(DistributionKind::ThreePoint, 1, &[], 0, 1.0, 3, &mut []);
     }
 }
