@@ -10,6 +10,7 @@ mod failures;
 mod files;
 mod memory;
 mod naive;
+mod passages;
 mod settings;
 mod shards;
 mod statistics;
