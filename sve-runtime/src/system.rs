@@ -195,6 +195,13 @@ pub trait System {
     ) {
         let _ = (t, q, visit);
     }
+    /// Writes the energy of each lane to `energies`, where a loop without branches computes it; elsewhere a number that is not finite. The default has none.
+    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
+    #[inline(always)]
+    fn energy_lanes(&self, states: &StateLanesOf<Self>, energies: &mut Lane) {
+        let _ = states;
+        energies.fill(f64::NAN);
+    }
 }
 
 #[diagnostic::do_not_recommend]
@@ -248,5 +255,10 @@ impl<S: System> System for &S {
         visit: &mut dyn FnMut(<S::Dims as Dimensions>::ConstraintJet),
     ) {
         (**self).constraint_jets(t, q, visit);
+    }
+
+    #[inline(always)]
+    fn energy_lanes(&self, states: &StateLanesOf<S>, energies: &mut Lane) {
+        (**self).energy_lanes(states, energies);
     }
 }

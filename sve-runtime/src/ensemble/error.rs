@@ -69,11 +69,14 @@ pub enum EnsembleError {
     /// The noise has no increments for this step size.
     #[error("`noise`: {0}")]
     Noise(#[source] NoiseError),
-    /// First passages with a noise that is not known within steps.
+    /// Steps are to be divided, and the noise is not known within steps.
     #[error(
-        "`stop_at` and `first_passage` look for zeros within steps, where this noise has no increments: take `Wiener`, also refined, or `NoNoise`; increments of three values and clipped ones belong to whole steps"
+        "`{setting}` divides steps, within which this noise has no increments: take `Wiener`, also refined, or `NoNoise`; increments of three values and clipped ones belong to whole steps"
     )]
-    PassageNoise,
+    NoiseWithinSteps {
+        /// The setting.
+        setting: &'static str,
+    },
     /// Two observables have one name.
     #[error("two observables are called `{name}`: give each a name of its own")]
     TwiceNamed {

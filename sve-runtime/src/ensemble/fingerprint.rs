@@ -137,6 +137,9 @@ where
                 Some(distribution) => {
                     hash.add(u64::from(distribution == DistributionKind::ThreePoint));
                     hash.add_number(self.noise.largest);
+                    if self.noise.depth != 0 {
+                        hash.add(u64::from(self.noise.depth));
+                    }
                     if self.noise.first_path != 0 {
                         hash.add(self.noise.first_path);
                     }
@@ -155,6 +158,9 @@ where
                         .for_each(|&kind| hash.add(kind as u64));
                     hash.add(ensemble.settle);
                     hash.add(u64::from(ensemble.weight.is_some()));
+                }
+                if ensemble.refine > 0 {
+                    hash.add(u64::from(ensemble.refine));
                 }
                 for passage in &ensemble.passages {
                     hash.add(u64::from(passage.stops));
@@ -256,17 +262,22 @@ where
             first_path,
             distribution,
             largest,
+            depth,
         } = self.noise;
         let h = self.h;
         let path = first_path.wrapping_add(path);
         let mut wiener = Wiener::new(seed).path(path);
+        let mut refined = wiener.clone().refine(depth).ok().filter(|_| depth > 0);
         let mut three_point = ThreePoint::new(seed).path(path);
         move |step, dw| {
             let Some(distribution) = distribution else {
                 return true;
             };
             let drawn = match distribution {
-                DistributionKind::Normal => wiener.increments(step, h, dw),
+                DistributionKind::Normal => match &mut refined {
+                    Some(refined) => refined.increments(step, h, dw),
+                    None => wiener.increments(step, h, dw),
+                },
                 DistributionKind::ThreePoint => three_point.increments(step, h, dw),
             };
             for dw in dw {

@@ -6,7 +6,8 @@
 use super::BLOCK_TILES;
 use super::path_noise::PathNoise;
 use crate::lanes::{Aligned, LANES, Lane};
-use crate::noise::lanes::fill;
+use crate::noise::lanes::{DistributionKind, fill};
+use crate::noise::refined_lanes::RefinedLanes;
 
 /// Number of steps whose increments are drawn at once, so that the overhead of a draw is small.
 pub(super) const BATCH: u64 = 16;
@@ -18,8 +19,7 @@ const QUADS: usize = (BATCH / QUAD) as usize;
 /// The increments of a batch of steps for the tiles of a block.
 pub(super) struct IncrementBuffer<const M: usize> {
     noise: PathNoise,
-    /// √h.
-    scale: f64,
+    h: f64,
     /// Number of the batch in the buffer.
     batch: Option<u64>,
     /// The paths of the source in the lanes of each tile.
@@ -33,7 +33,7 @@ impl<const M: usize> IncrementBuffer<M> {
     pub(super) fn new(noise: PathNoise, h: f64) -> Self {
         Self {
             noise,
-            scale: h.abs().sqrt(),
+            h,
             batch: None,
             paths: Vec::with_capacity(BLOCK_TILES),
             values: vec![Aligned([[0.0; LANES]; 4]); QUADS * BLOCK_TILES * M],
@@ -62,22 +62,61 @@ impl<const M: usize> IncrementBuffer<M> {
         if is_loaded {
             return;
         }
+        if self.noise.depth == 0 {
+            self.draw(distribution, batch);
+        } else {
+            self.draw_refined(distribution, batch);
+        }
+    }
+
+    /// Draws the increments over whole steps of the source.
+    fn draw(&mut self, distribution: DistributionKind, batch: u64) {
         let PathNoise { seed, largest, .. } = self.noise;
+        let scale = self.h.abs().sqrt();
         let quads = self.values.chunks_exact_mut(BLOCK_TILES * M);
         for (quad, values) in (batch * QUADS as u64..).zip(quads) {
-            let values = &mut values[..count * M];
-            fill(
-                distribution,
-                seed,
-                &self.paths,
-                quad,
-                self.scale,
-                M,
-                values,
-            );
+            let values = &mut values[..self.paths.len() * M];
+            fill(distribution, seed, &self.paths, quad, scale, M, values);
             if largest < f64::INFINITY {
                 for dw in values.iter_mut().flat_map(|row| row.0.as_flattened_mut()) {
                     *dw = dw.clamp(-largest, largest);
+                }
+            }
+        }
+    }
+
+    /// Draws the increments over parts of steps of the source.
+    fn draw_refined(&mut self, distribution: DistributionKind, batch: u64) {
+        let PathNoise { seed, depth, .. } = self.noise;
+        let whole_h = self.h * (1_u64 << depth) as f64;
+        let parts = BATCH.min(1 << depth);
+        let mut whole = vec![Aligned([[0.0; LANES]; 4]); self.paths.len() * M];
+        let mut drawn = None;
+        let mut halves = [[0.0; LANES]; BATCH as usize];
+        for first in (batch * BATCH..).step_by(parts as usize).take((BATCH / parts) as usize) {
+            let step = first >> depth;
+            let quad = step / QUAD;
+            if drawn.replace(quad) != Some(quad) {
+                let scale = whole_h.abs().sqrt();
+                fill(distribution, seed, &self.paths, quad, scale, M, &mut whole);
+            }
+            for (tile, paths) in self.paths.iter().enumerate() {
+                let lanes = RefinedLanes {
+                    seed,
+                    paths,
+                    whole_h,
+                    depth,
+                };
+                for process in 0..M {
+                    let of_step = &whole[tile * M + process].0[(step % QUAD) as usize];
+                    let part = first - (step << depth);
+                    let halves = &mut halves[..parts as usize];
+                    lanes.fill(step, process, of_step, part, halves);
+                    for (fine, dw) in (first..).zip(halves) {
+                        let quad = (fine % BATCH / QUAD) as usize;
+                        let row = &mut self.values[(quad * BLOCK_TILES + tile) * M + process];
+                        row.0[(fine % QUAD) as usize] = *dw;
+                    }
                 }
             }
         }

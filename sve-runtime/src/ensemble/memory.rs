@@ -164,7 +164,10 @@ impl<S: System> PathMemory<S> for NumberMemory<'_, S> {
 /// Returns whether a function changes its sign from one value to the next. Arriving at 0 is a change, leaving from there is none.
 #[inline(always)]
 pub(super) fn crosses(last: f64, now: f64) -> bool {
-    (last < 0.0) & (now >= 0.0) | (last > 0.0) & (now <= 0.0)
+    // no branch: in loops over lanes all four comparisons are made
+    let rises = (last < 0.0) & (now >= 0.0);
+    let falls = (last > 0.0) & (now <= 0.0);
+    rises | falls
 }
 
 impl<I: Method> Ensemble<'_, I> {

@@ -32,6 +32,8 @@ pub(super) struct PartialResult {
     pub(super) histograms: Vec<Bins>,
     /// Counts of the passages of each function.
     pub(super) passages: Vec<PassageCounts>,
+    /// Number of steps that were made in smaller steps.
+    pub(super) refined: u64,
     /// Number of paths that failed.
     pub(super) failed: u64,
     /// The first failures.
@@ -59,6 +61,7 @@ impl PartialResult {
             columns: vec![Column::new(records); observables],
             histograms: requests.map(|r| Bins::new(r, records)).collect(),
             passages: Vec::new(),
+            refined: 0,
             failed: 0,
             failures: Vec::new(),
             final_paths: Vec::new(),
@@ -80,6 +83,7 @@ impl PartialResult {
         for (counts, other) in self.passages.iter_mut().zip(&next.passages) {
             counts.merge(other);
         }
+        self.refined = self.refined.saturating_add(next.refined);
         self.failed += next.failed;
         let room = FAILURES_KEPT - self.failures.len();
         self.failures

@@ -14,6 +14,7 @@ mod csv;
 #[cfg(feature = "distributed")]
 mod distribution;
 mod edges;
+mod energy;
 mod error;
 mod execution;
 mod failure;
@@ -148,6 +149,8 @@ pub struct Ensemble<'a, I: Method> {
     /// Observables with their least and greatest values.
     bounds: Vec<(String, [f64; 2])>,
     keep_final_states: bool,
+    /// Largest number of halvings of a step that fails.
+    refine: u32,
     stop_on_failure: bool,
     shard: (u64, u64),
     threads: Option<usize>,
@@ -185,6 +188,7 @@ where
             histograms: Vec::new(),
             bounds: Vec::new(),
             keep_final_states: false,
+            refine: 0,
             stop_on_failure: false,
             shard: (0, 1),
             threads: None,
@@ -337,6 +341,41 @@ where
     #[must_use]
     pub fn keep_final_states(mut self, keep: bool) -> Self {
         self.keep_final_states = keep;
+        self
+    }
+
+    /// Refines steps that fail, as [`Trajectory::refine`](crate::Trajectory::refine) does: divides such a step into two halves on the same path of the noise, and each half that fails
+    /// likewise, up to `depth` times. [`Summary::refined_steps`] counts the refined steps. If the smallest parts fail too, the path fails.
+    ///
+    /// All steps are smaller, on the same paths, with the [`noise`](Self::noise) `Wiener::new(seed).refine(depth)?` and `steps(h / 2^depth, …)`.
+    ///
+    /// The noise has to be known within steps: [`Wiener`](crate::noise::Wiener), also refined, or [`NoNoise`](crate::noise::NoNoise).
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// /// A pendulum with noise of fourth degree in the momentum: for a large ΔW the step has no solution.
+    /// struct Rotor;
+    ///
+    /// #[variational(midpoint)]
+    /// impl Rotor {
+    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + q.cos() }
+    ///     #[h1]
+    ///     fn jitter(&self, _q: f64, p: f64) -> f64 { 0.1 * p.powi(4) }
+    /// }
+    ///
+    /// # fn main() -> Result<(), EnsembleError> {
+    /// let rotor = Integrator::new(Rotor, Midpoint);
+    /// let ensemble = || Ensemble::new(&rotor).paths(100).steps(0.5, 50).start(State::new([0.0], [2.0]));
+    /// assert!(ensemble().run()?.failed() > 0);
+    /// let summary = ensemble().refine(16).run()?;
+    /// assert!(summary.failed() == 0 && summary.refined_steps() > 0);
+    /// # Ok(())
+    /// # }
+    /// ```
+    #[must_use]
+    pub fn refine(mut self, depth: u32) -> Self {
+        self.refine = depth;
         self
     }
 

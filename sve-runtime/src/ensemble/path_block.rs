@@ -18,9 +18,11 @@ use crate::error::StepError;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::lanes::{ALL, Aligned, LANES, Lane, Mask};
 use crate::method::Method;
+use crate::noise::DyadicInterval;
 use crate::state::State;
 use crate::system::{Dimensions, Dims, StateLanesOf, StateOf, System};
 use crate::time::time_after;
+use crate::trajectory::Halving;
 
 /// A lane of a tile.
 #[derive(Clone, Copy, Debug)]
@@ -43,6 +45,8 @@ pub(super) struct PathBlock<'a, I: Method, const N: usize, const M: usize> {
     /// What observers remember of the paths.
     pub(super) memories: Vec<Remembered<'a, I::System>>,
     pub(super) watch: PassageWatch,
+    /// The path of each step that was made in smaller steps.
+    pub(super) refined: Vec<u64>,
     /// Paths that have stopped, with their last states.
     pub(super) stopped: Vec<(u64, StateOf<I::System>)>,
     /// The observables of each [`LANES`] paths, at the last record or where a path stopped.
@@ -127,6 +131,7 @@ where
             failures: Vec::new(),
             memories: ensemble.memories(tiles),
             watch: PassageWatch::new(ensemble, tiles),
+            refined: Vec::new(),
             stopped: Vec::new(),
             values: vec![vec![[0.0; LANES]; names]; tiles],
             counted: vec![0; tiles],
@@ -293,7 +298,10 @@ where
             state.t = self.settings.time(step);
             let dw = increments.0.map(|process| process[lane]);
             let method = self.settings.ensemble.method;
-            match method.step_prepared(&self.prepared, &mut state, self.settings.h, &dw) {
+            let h = self.settings.h;
+            let made = (method.step_prepared(&self.prepared, &mut state, h, &dw))
+                .or_else(|error| self.step_in_parts(error, tile, lane, &mut state, &dw));
+            match made {
                 Ok(()) => {
                     state.t = self.settings.time(step + 1);
                     S::Dims::set(self.tiles[tile].states_mut(), lane, &state);
@@ -301,6 +309,31 @@ where
                 Err(error) => self.fail(tile, lane, step, Cause::Step(error)),
             }
         }
+    }
+
+    /// Makes the last step of a path, which failed, in smaller steps, if these were asked for.
+    fn step_in_parts(
+        &mut self,
+        error: StepError,
+        tile: usize,
+        lane: usize,
+        state: &mut State<Q>,
+        dw: &[f64; M],
+    ) -> Result<(), StepError> {
+        let (settings, path) = (&self.settings, self.tiles[tile].paths[lane]);
+        let depth = settings.ensemble.refine;
+        let Some(noise) = settings.noise.within_steps(path).filter(|_| depth > 0) else {
+            return Err(error);
+        };
+        let halving = Halving {
+            method: settings.ensemble.method,
+            noise: &*noise,
+            depth,
+        };
+        let whole = DyadicInterval::whole(self.step - 1);
+        halving.step(error, whole, settings.h, dw, state)?;
+        self.refined.push(path);
+        Ok(())
     }
 
     /// Records the failure of a path after so many steps, and deactivates its lane.

@@ -126,6 +126,9 @@ where
             result.failed += 1;
             result.failures.push(failure);
         }
+        for &path in &self.refined {
+            results[block_of(path)].refined += 1;
+        }
         let passages = core::mem::take(&mut self.watch.passages);
         for (number, result) in results.iter_mut().enumerate() {
             let of_block = passages.iter().filter(|p| block_of(p.end.path) == number);

@@ -68,8 +68,15 @@ impl<'a, I: Method> Settings<'a, I> {
         }
         ensemble.method.prepare(h).map_err(EnsembleError::Prepare)?;
         let noise = PathNoise::new(ensemble.noise, ensemble.seed.unwrap_or(0), h)?;
-        if !ensemble.passages.is_empty() && noise.within_steps(0).is_none() {
-            return Err(EnsembleError::PassageNoise);
+        let divides = [
+            (ensemble.has_stops(), "stop_at"),
+            (!ensemble.passages.is_empty(), "first_passage"),
+            (ensemble.refine > 0, "refine"),
+        ];
+        if let Some((_, setting)) = divides.into_iter().find(|(is_set, _)| *is_set)
+            && noise.within_steps(0).is_none()
+        {
+            return Err(EnsembleError::NoiseWithinSteps { setting });
         }
         let start_seed = ensemble.seed.unwrap_or(noise.seed);
         let start_time = match start {

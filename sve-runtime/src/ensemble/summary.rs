@@ -42,6 +42,7 @@ pub struct Summary {
     histograms: Vec<Histogram>,
     passages: Vec<Passages>,
     counts: Vec<u64>,
+    refined: u64,
     failed: u64,
     failures: Vec<Failure>,
 }
@@ -73,6 +74,7 @@ impl Summary {
             histograms: Vec::new(),
             passages: Vec::new(),
             counts: Vec::new(),
+            refined: 0,
             failed: 0,
             failures: Vec::new(),
             info,
@@ -109,6 +111,7 @@ impl Summary {
             })
             .collect();
         self.counts = node.counts;
+        self.refined = node.refined;
         self.failed = node.failed;
         self.failures = node.failures;
     }
@@ -138,6 +141,11 @@ impl Summary {
     /// Returns the number of paths that failed.
     pub fn failed(&self) -> u64 {
         self.failed
+    }
+
+    /// Returns the number of steps that failed and were made in smaller steps, see [`refine`](super::Ensemble::refine).
+    pub fn refined_steps(&self) -> u64 {
+        self.refined
     }
 
     /// The failures of the lowest paths, at most [`FAILURES_KEPT`](super::FAILURES_KEPT) = 256, in their order: number, time and error of

@@ -44,6 +44,8 @@ pub(crate) mod lanes;
 mod many_paths;
 mod none;
 mod recorded;
+#[cfg(feature = "ensemble")]
+pub(crate) mod refined_lanes;
 mod stages;
 mod three_point;
 pub(crate) mod threefry;

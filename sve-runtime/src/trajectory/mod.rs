@@ -10,6 +10,8 @@ mod refined;
 mod snapshot;
 
 pub use events::Events;
+#[cfg(feature = "ensemble")]
+pub(crate) use refined::Halving;
 pub use refined::{RefinedTrajectory, Refinements};
 pub use snapshot::Snapshot;
 

@@ -492,7 +492,7 @@ fn noises_that_are_not_known_within_steps_are_refused() {
         ensemble().noise(Truncated::new(Wiener::new(1))),
     ] {
         let error = ensemble.run().unwrap_err();
-        assert!(matches!(error, EnsembleError::PassageNoise), "{error}");
+        assert!(matches!(error, EnsembleError::NoiseWithinSteps { setting: "stop_at" }), "{error}");
         assert!(error.to_string().contains("`Wiener`"), "{error}");
     }
     assert!(ensemble().noise(NoNoise).run().is_ok());

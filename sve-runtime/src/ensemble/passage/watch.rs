@@ -33,6 +33,9 @@ struct Watched {
     passed: Vec<Mask>,
 }
 
+/// A zero of a function, with its number.
+type Found<Q> = (usize, Zero<State<Q>>);
+
 impl PassageWatch {
     /// The watch over so many tiles before their start.
     pub(in super::super) fn new<I: Method>(ensemble: &Ensemble<'_, I>, tiles: usize) -> Self {
@@ -116,7 +119,7 @@ where
         &self,
         tile: usize,
         lane: usize,
-    ) -> Result<Vec<(usize, Zero<State<Q>>)>, StepError> {
+    ) -> Result<Vec<Found<Q>>, StepError> {
         let settings = &self.settings;
         let path = self.tiles[tile].paths[lane];
         let Some(noise) = settings.noise.within_steps(path) else {
@@ -147,7 +150,7 @@ where
     fn pass(
         &mut self,
         Place { tile, lane }: Place,
-        zeros: Vec<(usize, Zero<State<Q>>)>,
+        zeros: Vec<Found<Q>>,
         step: u64,
     ) -> Option<f64> {
         let path = self.tiles[tile].paths[lane];
