@@ -131,13 +131,19 @@ fn energies_in_lanes_are_those_of_single_states() {
                     continue;
                 }
                 let bound = 1e-12 * (1.0 + expected.abs());
-                assert!((lane - expected).abs() <= bound, "{name}: {lane} {expected} at {state:?}");
+                assert!(
+                    (lane - expected).abs() <= bound,
+                    "{name}: {lane} {expected} at {state:?}"
+                );
             }
         }
     }
     let expected = ENERGIES_ONE_BY_ONE.map(str::to_owned);
     assert_eq!(alone, BTreeSet::from(expected));
-    assert!(in_lanes.len() > 20 && in_lanes.is_disjoint(&alone), "{in_lanes:?}");
+    assert!(
+        in_lanes.len() > 20 && in_lanes.is_disjoint(&alone),
+        "{in_lanes:?}"
+    );
 }
 
 fn lanes_are_the_same_beside_others(case: &dyn Case, random: &mut Random) {

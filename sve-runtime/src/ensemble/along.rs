@@ -8,7 +8,7 @@ use core::marker::PhantomData;
 use super::Ensemble;
 use super::memory::{Kind, LastStep, PathMemory};
 use super::observe::{Closure, Observable};
-use super::path_block::Place;
+use super::tile::Place;
 use crate::configuration::Coordinates;
 use crate::error::StepError;
 use crate::lanes::dispatch::{Kernel, dispatch};

@@ -75,7 +75,9 @@ where
                 }
                 let done = self.run_some(blocks.clone()).and_then(|results| {
                     shared.progress.add(self.paths_of(blocks));
-                    results.into_iter().try_for_each(|result| shared.insert(result))
+                    results
+                        .into_iter()
+                        .try_for_each(|result| shared.insert(result))
                 });
                 if let Err(error) = done {
                     shared.stop(error);

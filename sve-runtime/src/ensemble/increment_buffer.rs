@@ -50,14 +50,13 @@ impl<const M: usize> IncrementBuffer<M> {
         }
         let first = self.noise.first_path;
         let mut is_loaded = self.batch.replace(batch) == Some(batch);
-        let mut count = 0;
-        for paths in tiles.map(|paths| paths.map(|path| first.wrapping_add(path))) {
-            is_loaded &= self.paths.get(count) == Some(&paths);
-            match self.paths.get_mut(count) {
+        for (tile, paths) in tiles.enumerate() {
+            let paths = paths.map(|path| first.wrapping_add(path));
+            is_loaded &= self.paths.get(tile) == Some(&paths);
+            match self.paths.get_mut(tile) {
                 Some(known) => *known = paths,
                 None => self.paths.push(paths),
             }
-            count += 1;
         }
         if is_loaded {
             return;
@@ -93,7 +92,10 @@ impl<const M: usize> IncrementBuffer<M> {
         let mut whole = vec![Aligned([[0.0; LANES]; 4]); self.paths.len() * M];
         let mut drawn = None;
         let mut halves = [[0.0; LANES]; BATCH as usize];
-        for first in (batch * BATCH..).step_by(parts as usize).take((BATCH / parts) as usize) {
+        for first in (batch * BATCH..)
+            .step_by(parts as usize)
+            .take((BATCH / parts) as usize)
+        {
             let step = first >> depth;
             let quad = step / QUAD;
             if drawn.replace(quad) != Some(quad) {
@@ -130,5 +132,64 @@ impl<const M: usize> IncrementBuffer<M> {
         Aligned(core::array::from_fn(|process| {
             values[process].0[(step % QUAD) as usize]
         }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{BATCH, BLOCK_TILES, IncrementBuffer, LANES};
+    use crate::ensemble::path_noise::PathNoise;
+    use crate::noise::{ManyPaths as _, Noise as _, Wiener};
+
+    /// Any paths in the lanes: consecutive ones, and others.
+    fn tiles() -> [[u64; LANES]; BLOCK_TILES] {
+        let path = |tile: usize, lane: usize| match tile {
+            0 => lane as u64,
+            _ => (lane as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 8,
+        };
+        core::array::from_fn(|tile| core::array::from_fn(|lane| path(tile, lane)))
+    }
+
+    fn refined_increments_are_those_of_single_paths<const M: usize>(depth: u32) {
+        let (seed, first, h) = (7, 5, 0.037 / f64::from(1 << depth));
+        let source = Wiener::new(seed).path(first);
+        let noise = source.refine(depth).unwrap().many_paths();
+        let noise = PathNoise::new(Some(noise), 0, h).unwrap();
+        let mut buffer = IncrementBuffer::<M>::new(noise, h);
+        let tiles = tiles();
+        for batch in [0, 1, 2, 77] {
+            buffer.load(batch, tiles.iter());
+            for (tile, lane) in [(0, 0), (0, 31), (1, 3), (1, 17)] {
+                let path = Wiener::new(seed).path(first.wrapping_add(tiles[tile][lane]));
+                let mut refined = path.clone().refine(depth).unwrap();
+                let mut sum = [0.0; M];
+                for step in batch * BATCH..(batch + 1) * BATCH {
+                    let mut expected = [0.0; M];
+                    refined.increments(step, h, &mut expected).unwrap();
+                    let got = buffer.of(tile, step).0.map(|process| process[lane]);
+                    assert_eq!(got, expected, "{depth} {batch} {tile} {lane} {step}");
+                    // the parts of a step sum up to its increment
+                    let parts = 1 << depth;
+                    for process in 0..M {
+                        sum[process] += got[process];
+                        if (step + 1) % parts == 0 && parts <= BATCH {
+                            let whole = h * parts as f64;
+                            let whole = path.increment(step / parts, process, whole);
+                            assert!((sum[process] - whole).abs() < 1e-14);
+                            sum[process] = 0.0;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn refined_paths_have_the_bits_of_single_ones() {
+        for depth in [1, 2, 3, 4, 5, 9, 20] {
+            refined_increments_are_those_of_single_paths::<1>(depth);
+        }
+        refined_increments_are_those_of_single_paths::<3>(2);
+        refined_increments_are_those_of_single_paths::<6>(5);
     }
 }

@@ -6,7 +6,8 @@
 use super::Ensemble;
 use super::failure::Cause;
 use super::observe::{Observable, not_finite};
-use super::path_block::{PathBlock, Place, lanes};
+use super::path_block::PathBlock;
+use super::tile::{Place, lanes};
 use crate::configuration::Coordinates;
 use crate::lanes::{LANES, Lane, Mask};
 use crate::method::Method;
@@ -164,10 +165,8 @@ impl<S: System> PathMemory<S> for NumberMemory<'_, S> {
 /// Returns whether a function changes its sign from one value to the next. Arriving at 0 is a change, leaving from there is none.
 #[inline(always)]
 pub(super) fn crosses(last: f64, now: f64) -> bool {
-    // no branch: in loops over lanes all four comparisons are made
-    let rises = (last < 0.0) & (now >= 0.0);
-    let falls = (last > 0.0) & (now <= 0.0);
-    rises | falls
+    let (rises, falls) = (last < 0.0 && now >= 0.0, last > 0.0 && now <= 0.0);
+    rises || falls
 }
 
 impl<I: Method> Ensemble<'_, I> {
@@ -192,7 +191,11 @@ impl<I: Method> Ensemble<'_, I> {
         let all = self.names.iter().zip(&self.observables).zip(&self.kinds);
         let with_memory = all.filter(|(_, kind)| kind.has_memory());
         let observers = with_memory.map(|((name, function), &kind)| {
-            let from = if kind == Kind::Average { self.settle } else { 0 };
+            let from = if kind == Kind::Average {
+                self.settle
+            } else {
+                0
+            };
             let function = &**function;
             match function.memory(tiles) {
                 Some(memory) => Remembered {
@@ -270,10 +273,7 @@ where
 }
 
 /// Returns why a path fails on which a function is not finite.
-pub(super) fn not_finite_cause(
-    name: &str,
-    value: Result<f64, crate::error::StepError>,
-) -> Cause {
+pub(super) fn not_finite_cause(name: &str, value: Result<f64, crate::error::StepError>) -> Cause {
     let name = name.to_owned();
     match value {
         Ok(value) => Cause::NotFinite { name, value },

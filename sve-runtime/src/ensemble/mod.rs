@@ -38,6 +38,7 @@ mod path_noise;
 mod points;
 mod progress;
 mod record;
+mod refine;
 mod replay;
 mod settings;
 mod sizes;
@@ -46,6 +47,7 @@ mod statistics;
 #[cfg(feature = "serde")]
 mod stored;
 mod summary;
+mod tile;
 mod warning;
 
 pub use crate::observed::Observed;
@@ -63,7 +65,7 @@ pub use summary::Summary;
 pub use warning::Warning;
 
 use core::fmt;
-use core::ops::{Bound, Range, RangeBounds};
+use core::ops::{Bound, RangeBounds};
 
 use self::histogram::HistogramRequest;
 use self::memory::Kind;
@@ -297,29 +299,6 @@ where
         self
     }
 
-    /// Takes a histogram of an observable with `bins` equal bins over a range, at each recorded time.
-    #[must_use]
-    pub fn histogram(self, name: impl Into<String>, range: Range<f64>, bins: usize) -> Self {
-        self.request(name.into(), &range, bins, true)
-    }
-
-    /// Takes a histogram as [`histogram`](Self::histogram) does, at the end only.
-    #[must_use]
-    pub fn final_histogram(self, name: impl Into<String>, range: Range<f64>, bins: usize) -> Self {
-        self.request(name.into(), &range, bins, false)
-    }
-
-    fn request(mut self, name: String, range: &Range<f64>, bins: usize, always: bool) -> Self {
-        let range = [range.start, range.end];
-        self.histograms.push(HistogramRequest {
-            name,
-            range,
-            bins,
-            always,
-        });
-        self
-    }
-
     /// Bounds an observable, as `.bound("energy", ..=1e3)`. A path whose observable is outside of the range at a recorded time fails: a motion without
     /// physical meaning then counts as a [`Failure`] and does not enter the statistics. The ends belong to the range, and
     /// several ranges can be given.
@@ -341,41 +320,6 @@ where
     #[must_use]
     pub fn keep_final_states(mut self, keep: bool) -> Self {
         self.keep_final_states = keep;
-        self
-    }
-
-    /// Refines steps that fail, as [`Trajectory::refine`](crate::Trajectory::refine) does: divides such a step into two halves on the same path of the noise, and each half that fails
-    /// likewise, up to `depth` times. [`Summary::refined_steps`] counts the refined steps. If the smallest parts fail too, the path fails.
-    ///
-    /// All steps are smaller, on the same paths, with the [`noise`](Self::noise) `Wiener::new(seed).refine(depth)?` and `steps(h / 2^depth, …)`.
-    ///
-    /// The noise has to be known within steps: [`Wiener`](crate::noise::Wiener), also refined, or [`NoNoise`](crate::noise::NoNoise).
-    ///
-    /// ```
-    /// use sve_runtime::prelude::*;
-    ///
-    /// /// A pendulum with noise of fourth degree in the momentum: for a large ΔW the step has no solution.
-    /// struct Rotor;
-    ///
-    /// #[variational(midpoint)]
-    /// impl Rotor {
-    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + q.cos() }
-    ///     #[h1]
-    ///     fn jitter(&self, _q: f64, p: f64) -> f64 { 0.1 * p.powi(4) }
-    /// }
-    ///
-    /// # fn main() -> Result<(), EnsembleError> {
-    /// let rotor = Integrator::new(Rotor, Midpoint);
-    /// let ensemble = || Ensemble::new(&rotor).paths(100).steps(0.5, 50).start(State::new([0.0], [2.0]));
-    /// assert!(ensemble().run()?.failed() > 0);
-    /// let summary = ensemble().refine(16).run()?;
-    /// assert!(summary.failed() == 0 && summary.refined_steps() > 0);
-    /// # Ok(())
-    /// # }
-    /// ```
-    #[must_use]
-    pub fn refine(mut self, depth: u32) -> Self {
-        self.refine = depth;
         self
     }
 

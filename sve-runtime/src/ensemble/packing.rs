@@ -2,7 +2,8 @@
 //!
 //! Input: tiles with free lanes. Output: as few tiles with active lanes as hold them. Invariant: a path has the same bits in any lane, so packing changes no result.
 
-use super::path_block::{PathBlock, Place, lanes};
+use super::path_block::PathBlock;
+use super::tile::{Place, lanes};
 use crate::configuration::Coordinates;
 use crate::lanes::{ALL, LANES};
 use crate::method::Method;

@@ -12,24 +12,16 @@ use super::memory::{LastStep, Remembered};
 use super::passage::watch::PassageWatch;
 use super::settings::Settings;
 use super::starts::{StartRng, Starts};
+use super::tile::{Place, Tile, lanes};
 use super::{BLOCK_TILES, EnsembleError, path_at};
 use crate::configuration::{Configuration, Coordinates};
 use crate::error::StepError;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::lanes::{ALL, Aligned, LANES, Lane, Mask};
 use crate::method::Method;
-use crate::noise::DyadicInterval;
 use crate::state::State;
 use crate::system::{Dimensions, Dims, StateLanesOf, StateOf, System};
 use crate::time::time_after;
-use crate::trajectory::Halving;
-
-/// A lane of a tile.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
-    pub(super) tile: usize,
-    pub(super) lane: usize,
-}
 
 /// Paths of some consecutive blocks. Where no path can stop it is one block.
 pub(super) struct PathBlock<'a, I: Method, const N: usize, const M: usize> {
@@ -55,50 +47,6 @@ pub(super) struct PathBlock<'a, I: Method, const N: usize, const M: usize> {
     pub(super) counted: Vec<Mask>,
     /// Work space: the observables of a tile.
     pub(super) work: Vec<Lane>,
-}
-
-/// The states of some paths in lanes. A lane is active if its path exists, has not failed and has not stopped; the other lanes copy an active one.
-pub(super) struct Tile<L> {
-    /// The current states, and the work space for the states after a step.
-    buffers: [L; 2],
-    /// Which buffer has the current states.
-    current: bool,
-    /// The active lanes.
-    pub(super) active: Mask,
-    /// Active lanes that the last step in lanes did not solve.
-    unsolved: Mask,
-    /// The path of each lane.
-    pub(super) paths: [u64; LANES],
-    /// Whether all paths are those with which the tile began.
-    pub(super) is_at_home: bool,
-}
-
-impl<L> Tile<L> {
-    /// The states reached so far.
-    pub(super) fn states(&self) -> &L {
-        &self.buffers[usize::from(self.current)]
-    }
-
-    /// The states before the last step.
-    pub(super) fn states_before(&self) -> &L {
-        &self.buffers[usize::from(!self.current)]
-    }
-
-    pub(super) fn states_mut(&mut self) -> &mut L {
-        &mut self.buffers[usize::from(self.current)]
-    }
-
-    /// Swaps the buffers. Returns the states before a step, and the work space for the states after it, which become the current ones.
-    #[inline(always)]
-    fn swap_buffers(&mut self) -> (&L, &mut L) {
-        self.current = !self.current;
-        let [first, second] = &mut self.buffers;
-        if self.current {
-            (first, second)
-        } else {
-            (second, first)
-        }
-    }
 }
 
 impl<'a, I, S, Q, const N: usize, const M: usize> PathBlock<'a, I, N, M>
@@ -311,31 +259,6 @@ where
         }
     }
 
-    /// Makes the last step of a path, which failed, in smaller steps, if these were asked for.
-    fn step_in_parts(
-        &mut self,
-        error: StepError,
-        tile: usize,
-        lane: usize,
-        state: &mut State<Q>,
-        dw: &[f64; M],
-    ) -> Result<(), StepError> {
-        let (settings, path) = (&self.settings, self.tiles[tile].paths[lane]);
-        let depth = settings.ensemble.refine;
-        let Some(noise) = settings.noise.within_steps(path).filter(|_| depth > 0) else {
-            return Err(error);
-        };
-        let halving = Halving {
-            method: settings.ensemble.method,
-            noise: &*noise,
-            depth,
-        };
-        let whole = DyadicInterval::whole(self.step - 1);
-        halving.step(error, whole, settings.h, dw, state)?;
-        self.refined.push(path);
-        Ok(())
-    }
-
     /// Records the failure of a path after so many steps, and deactivates its lane.
     #[cold]
     pub(super) fn fail(&mut self, tile: usize, lane: usize, step: u64, cause: Cause) {
@@ -377,11 +300,6 @@ where
             S::Dims::set(tile.states_mut(), lane, &other);
         }
     }
-}
-
-/// Returns the lanes of a set.
-pub(super) fn lanes(set: Mask) -> impl Iterator<Item = usize> {
-    (0..LANES).filter(move |lane| set >> lane & 1 == 1)
 }
 
 /// Steps all tiles until a step does not solve an active lane. Returns the number of steps then made.

@@ -4,8 +4,9 @@
 //! ensemble: the same code steps it in the same lane, and the other lanes copy it.
 
 use super::failure::Failure;
-use super::path_block::{PathBlock, lanes};
+use super::path_block::PathBlock;
 use super::settings::Settings;
+use super::tile::lanes;
 use super::{BLOCK_PATHS, Ensemble, EnsembleError};
 use crate::configuration::Coordinates;
 use crate::method::Method;

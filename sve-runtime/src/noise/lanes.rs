@@ -80,7 +80,9 @@ impl<D: Distribution, const DIRECT: bool> Kernel for FillFrom<'_, D, DIRECT> {
             processes,
             out,
         } = self.0;
-        let rows = paths.iter().flat_map(|paths| (0..processes).map(move |p| (paths, p)));
+        let rows = paths
+            .iter()
+            .flat_map(|paths| (0..processes).map(move |p| (paths, p)));
         for (row, (paths, process)) in out.iter_mut().zip(rows) {
             let of_lane = |lane: usize| words::<D>(seed, paths[lane], block, process as u64);
             D::fill_lanes::<DIRECT>(of_lane, scale, &mut row.0);

@@ -3,8 +3,8 @@
 //! Input: the increments over whole steps in lanes, and a range of parts of these steps. Output: the increments over the parts.
 //! Invariant: each increment has the bits that [`Refined`](super::Refined) gives for its path.
 
-use super::bridge::{self, DyadicInterval, two_to};
 use super::box_muller;
+use super::bridge::{self, DyadicInterval, two_to};
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::lanes::{LANES, Lane};
 

@@ -240,7 +240,11 @@ where
         let mut energies = [0.0; LANES];
         system.energy_lanes(&typed, &mut energies);
         let alone = |state: &Point| system.hamiltonian(&state.state()).unwrap_or(f64::NAN);
-        energies.into_iter().zip(states).map(|(e, state)| [e, alone(state)]).collect()
+        energies
+            .into_iter()
+            .zip(states)
+            .map(|(e, state)| [e, alone(state)])
+            .collect()
     }
 
     fn trajectory<'a>(&'a self, start: &Point, h: f64, noise: Box<dyn Noise + 'a>) -> Path<'a> {

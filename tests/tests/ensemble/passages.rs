@@ -1,11 +1,7 @@
-//! First passages and stopped paths: exact times of free particles, exact laws, competing ends, the same bits for any layout of lanes, and what stopped paths cost.
-
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Duration;
+//! First passages: exact times of free particles, exact laws, competing ends, survival with censoring, refused noises.
 
 use sve_runtime::noise::{ThreePoint, Truncated};
 use sve_runtime::prelude::*;
-use sve_runtime::{IncrementLanesOf, Mask, OneStepMethod, StateLanesOf, StateOf};
 
 /// A particle whose momentum is a Brownian motion; without noise it is free.
 struct Particle {
@@ -122,8 +118,14 @@ fn compare_with_trajectories(paths: u64, noise: Option<u64>) -> (f64, u64) {
         let wiener = Wiener::new(noise.unwrap_or(0)).path(path);
         let half = |_: &Pendulum, state: &State<[f64; 1]>| state.q[0].abs() - 0.5;
         let end = match noise {
-            Some(_) => method.trajectory(start(path), H, wiener).stop_at(half).nth(599),
-            None => method.trajectory(start(path), H, NoNoise).stop_at(half).nth(599),
+            Some(_) => method
+                .trajectory(start(path), H, wiener)
+                .stop_at(half)
+                .nth(599),
+            None => method
+                .trajectory(start(path), H, NoNoise)
+                .stop_at(half)
+                .nth(599),
         };
         // a trajectory that makes all steps has not stopped
         if end.is_some() {
@@ -132,8 +134,14 @@ fn compare_with_trajectories(paths: u64, noise: Option<u64>) -> (f64, u64) {
         }
         let wiener = Wiener::new(noise.unwrap_or(0)).path(path);
         let expected = match noise {
-            Some(_) => method.trajectory(start(path), H, wiener).stop_at(half).last(),
-            None => method.trajectory(start(path), H, NoNoise).stop_at(half).last(),
+            Some(_) => method
+                .trajectory(start(path), H, wiener)
+                .stop_at(half)
+                .last(),
+            None => method
+                .trajectory(start(path), H, NoNoise)
+                .stop_at(half)
+                .last(),
         };
         let expected = expected.unwrap().unwrap();
         largest = largest.max((state.t - expected.t).abs());
@@ -268,7 +276,11 @@ fn survival_with_censoring_is_that_of_kaplan_and_meier() {
         // every third path fails at the first recorded time from its own on
         .observe("age", |_, state| {
             let number = (state.p[0] - 0.25) / 1.75 * 1000.0;
-            if number.round() % 3.0 == 0.0 { state.t } else { 0.0 }
+            if number.round() % 3.0 == 0.0 {
+                state.t
+            } else {
+                0.0
+            }
         })
         .bound("age", ..=1.2)
         .stop_at("wall", |_, state| state.q[0] - 1.0)
@@ -293,188 +305,15 @@ fn survival_with_censoring_is_that_of_kaplan_and_meier() {
         let (survival, error) = kaplan_meier(ends.clone(), t);
         // a few fail between two recorded times and count for a part of it
         let tolerance = if record <= 2 { 1e-12 } else { 3e-3 };
-        assert!((wall.survival()[record] - survival).abs() < tolerance, "{record}");
-        assert!((wall.survival_error()[record] - error).abs() < tolerance, "{record}");
+        assert!(
+            (wall.survival()[record] - survival).abs() < tolerance,
+            "{record}"
+        );
+        assert!(
+            (wall.survival_error()[record] - error).abs() < tolerance,
+            "{record}"
+        );
     }
-}
-
-fn observed(method: &Integrator<Pendulum, Midpoint>) -> Ensemble<'_, Integrator<Pendulum, Midpoint>> {
-    Ensemble::new(method)
-        .paths(1500)
-        .seed(3)
-        .steps(H, 300)
-        .record_every(60)
-        .start_with(|_, rng| State::new([0.1 * rng.normal()], [0.0]))
-        .observe("q", |_, state| state.q[0])
-        .average("kinetic", |_, state| 0.5 * state.p[0] * state.p[0])
-        .integral("area", |_, state| state.q[0])
-        .maximum("highest", |_, state| state.q[0])
-        .crossings("turns", |_, state| state.p[0])
-        .fold("lowest", |_, s| s.q[0], |m, _, s| *m = m.min(s.q[0]), |m| *m)
-        .weight(|_, state| 0.1 * state.q[0].powi(2))
-        .terminal("u", |_, state| state.q[0].cos())
-        .bound("kinetic", ..=0.7)
-        .stop_at("right", |_, state| state.q[0] - 1.2)
-        .first_passage("left", |_, state| state.q[0] + 0.8)
-        .histogram("q", -2.0..2.0, 8)
-        .keep_final_states(true)
-}
-
-/// With one thread, 16 blocks are run together; with many, or in shards, one.
-#[test]
-fn no_layout_of_lanes_changes_a_bit() {
-    let method = Integrator::new(Pendulum, Midpoint);
-    let whole = observed(&method).threads(1).run().unwrap();
-    let passed = whole.passage("right").unwrap().passed()[5];
-    assert!((300..1400).contains(&passed), "{passed}");
-    assert!(whole.failed() > 0);
-    for threads in [2, 5] {
-        assert_eq!(observed(&method).threads(threads).run().unwrap(), whole);
-    }
-    let mut shards = (0..3).map(|k| observed(&method).shard(k, 3).threads(1).run().unwrap());
-    let mut merged = shards.next().unwrap();
-    for shard in shards {
-        merged.merge(shard).unwrap();
-    }
-    assert_eq!(merged, whole);
-    assert_eq!(merged.passages(), whole.passages());
-}
-
-#[test]
-fn a_run_that_was_stopped_goes_on_with_the_same_passages() {
-    let method = Integrator::new(Pendulum, Midpoint);
-    let path = std::path::PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("passages.sve");
-    let _ = std::fs::remove_file(&path);
-    let blocks = AtomicU64::new(0);
-    let first = observed(&method)
-        .threads(1)
-        .checkpoint(&path, Duration::ZERO)
-        .stop_when(|| blocks.fetch_add(1, Ordering::Relaxed) >= 2);
-    assert!(!first.run().unwrap().is_complete());
-    let rest = observed(&method).checkpoint(&path, Duration::ZERO).resume(true);
-    assert_eq!(rest.run().unwrap(), observed(&method).run().unwrap());
-    std::fs::remove_file(path).unwrap();
-}
-
-/// What observers remember, against the states of single paths.
-#[test]
-fn memories_are_those_of_replayed_paths() {
-    let method = Integrator::new(Pendulum, Midpoint);
-    let ensemble = observed(&method);
-    let summary = ensemble.run().unwrap();
-    let ends: Vec<(u64, f64)> = summary.final_states().map(|(k, s)| (k, s.t)).collect();
-    let failed: Vec<u64> = summary.failures().iter().map(|f| f.path).collect();
-    let starts = starts(&method);
-    let (mut area, mut highest, mut lowest, mut turns) = (0.0, 0.0, 0.0, 0.0);
-    for &(path, end) in &ends {
-        let mut last = State::new([starts[path as usize]], [0.0]);
-        let (mut sum, mut top, mut low, mut count) = (0.0, last.q[0], last.q[0], 0.0);
-        for state in ensemble.replay(path).unwrap() {
-            let state = state.unwrap();
-            sum += 0.5 * (state.t - last.t) * (last.q[0] + state.q[0]);
-            top = state.q[0].max(top);
-            low = state.q[0].min(low);
-            if last.p[0] * state.p[0] < 0.0 {
-                count += 1.0;
-            }
-            last = state;
-        }
-        assert_eq!(last.t, end, "path {path}");
-        area += sum;
-        highest += top;
-        lowest += low;
-        turns += count;
-    }
-    assert_eq!(ends.len() + failed.len(), 1500);
-    let n = ends.len() as f64;
-    let close = |name: &str, sum: f64| {
-        let mean = summary[name].mean()[5];
-        assert!((mean - sum / n).abs() < 1e-11, "{name}: {mean} {}", sum / n);
-    };
-    close("area", area);
-    close("highest", highest);
-    close("lowest", lowest);
-    close("turns", turns);
-}
-
-/// The starts of the paths of [`observed`].
-fn starts(method: &Integrator<Pendulum, Midpoint>) -> Vec<f64> {
-    let starts = std::sync::Mutex::new(std::collections::BTreeMap::new());
-    let run = Ensemble::new(method)
-        .paths(1500)
-        .seed(3)
-        .steps(H, 1)
-        .start_with(|path, rng| {
-            let q = 0.1 * rng.normal();
-            starts.lock().unwrap().insert(path, q);
-            State::new([q], [0.0])
-        })
-        .run();
-    run.unwrap();
-    starts.into_inner().unwrap().into_values().collect()
-}
-
-/// A method that counts its steps in lanes.
-struct Counting<I>(I, AtomicU64);
-
-impl<I: OneStepMethod> OneStepMethod for Counting<I> {
-    type System = I::System;
-    type Increments = I::Increments;
-    type Prepared = I::Prepared;
-    fn system(&self) -> &I::System {
-        self.0.system()
-    }
-    fn prepare(&self, h: f64) -> Result<I::Prepared, StepError> {
-        self.0.prepare(h)
-    }
-    fn step_prepared(
-        &self,
-        prepared: &I::Prepared,
-        state: &mut StateOf<I::System>,
-        h: f64,
-        dw: &I::Increments,
-    ) -> Result<(), StepError> {
-        self.0.step_prepared(prepared, state, h, dw)
-    }
-    fn step_lanes(
-        &self,
-        prepared: &I::Prepared,
-        states: &StateLanesOf<I::System>,
-        next: &mut StateLanesOf<I::System>,
-        h: f64,
-        dw: &IncrementLanesOf<I::System>,
-    ) -> Mask {
-        self.1.fetch_add(1, Ordering::Relaxed);
-        self.0.step_lanes(prepared, states, next, h, dw)
-    }
-}
-
-/// Paths stop at a constant rate. What they cost is counted in steps of lanes, in units of the steps that the paths make until they stop.
-#[test]
-fn stopped_paths_cost_no_steps() {
-    let cost = |threads: usize, end: f64| {
-        let method = Counting(free(), AtomicU64::new(0));
-        let h = 0.01;
-        let summary = Ensemble::new(&method)
-            .paths(2048)
-            .seed(1)
-            .steps(h, (end / h).round() as u64)
-            .start_with(|_, rng| State::new([0.0], [-1.0 / (1.0 - rng.uniform()).ln()]))
-            // the time of passage 1/v is exponential
-            .stop_at("wall", |_, state| state.q[0] - 1.0)
-            .threads(threads)
-            .run()
-            .unwrap();
-        let exposure = summary.passage("wall").unwrap().rate(0).exposure;
-        let steps = method.1.load(Ordering::Relaxed) * sve_runtime::LANES as u64;
-        steps as f64 * h / exposure
-    };
-    // 16 blocks together, until all have stopped: a step too much for each path, and the last tile
-    let together = cost(1, 20.0);
-    assert!(together < 1.25, "{together}");
-    // four times as long a horizon costs as much
-    let longer = cost(1, 80.0);
-    assert!((longer / together - 1.0).abs() < 1e-3, "{longer}");
 }
 
 #[test]
@@ -492,7 +331,13 @@ fn noises_that_are_not_known_within_steps_are_refused() {
         ensemble().noise(Truncated::new(Wiener::new(1))),
     ] {
         let error = ensemble.run().unwrap_err();
-        assert!(matches!(error, EnsembleError::NoiseWithinSteps { setting: "stop_at" }), "{error}");
+        assert!(
+            matches!(
+                error,
+                EnsembleError::NoiseWithinSteps { setting: "stop_at" }
+            ),
+            "{error}"
+        );
         assert!(error.to_string().contains("`Wiener`"), "{error}");
     }
     assert!(ensemble().noise(NoNoise).run().is_ok());

@@ -104,12 +104,7 @@ where
         self.add_passage(name.into(), Closure::new(function), false)
     }
 
-    fn add_passage(
-        mut self,
-        name: String,
-        function: impl Observable<S> + 'a,
-        stops: bool,
-    ) -> Self {
+    fn add_passage(mut self, name: String, function: impl Observable<S> + 'a, stops: bool) -> Self {
         let function = Box::new(function);
         self.passages.push(PassageFunction {
             name,

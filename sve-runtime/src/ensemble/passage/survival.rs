@@ -155,7 +155,10 @@ impl fmt::Display for Passages {
         if events == 0 {
             return Ok(());
         }
-        write!(f, ", {value:.4e} ± {standard_error:.1e} per unit of time at risk")
+        write!(
+            f,
+            ", {value:.4e} ± {standard_error:.1e} per unit of time at risk"
+        )
     }
 }
 

@@ -15,7 +15,8 @@ use super::super::Ensemble;
 use super::super::failure::Cause;
 use super::super::memory::{LastStep, crosses, not_finite_cause};
 use super::super::observe::not_finite;
-use super::super::path_block::{PathBlock, Place, lanes};
+use super::super::path_block::PathBlock;
+use super::super::tile::{Place, lanes};
 
 /// What is known of each function in the tiles of a block.
 pub(in super::super) struct PassageWatch {
@@ -115,11 +116,7 @@ where
 
     /// Returns the first zeros of the functions that change their sign in the last step of a path and have not done so before, with the numbers of the functions, in the order of time.
     #[cold]
-    fn zeros(
-        &self,
-        tile: usize,
-        lane: usize,
-    ) -> Result<Vec<Found<Q>>, StepError> {
+    fn zeros(&self, tile: usize, lane: usize) -> Result<Vec<Found<Q>>, StepError> {
         let settings = &self.settings;
         let path = self.tiles[tile].paths[lane];
         let Some(noise) = settings.noise.within_steps(path) else {
@@ -132,7 +129,10 @@ where
             step,
             h: settings.h,
             before: S::Dims::get(self.tiles[tile].states_before(), lane),
-            whole: self.increments_of(tile, step).0.map(|process| process[lane]),
+            whole: self
+                .increments_of(tile, step)
+                .0
+                .map(|process| process[lane]),
         };
         let mut zeros = Vec::new();
         for (number, watched) in self.watch.functions.iter().enumerate() {
