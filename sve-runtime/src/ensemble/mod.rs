@@ -5,7 +5,8 @@
 //! shards as for the whole run.
 //!
 //! A run divides its paths into blocks of [`BLOCK_PATHS`], each of a few tiles of `LANES` lanes. A block is the unit of
-//! work of a thread. The results of blocks are merged pairwise in a fixed tree.
+//! work of a thread; where paths can stop, several blocks are run together, so that their paths keep the lanes full. The results of blocks are merged
+//! pairwise in a fixed tree.
 
 mod along;
 #[cfg(feature = "checkpoint")]
@@ -282,7 +283,8 @@ where
 
     /// Takes statistics of a function of the system and a state, which returns `f64` or `Result<f64, StepError>`.
     ///
-    /// Its value may depend on its arguments only. A path on which it fails or is not finite fails.
+    /// Its value may depend on its arguments only. A path on which it fails or is not finite fails. [`observe_energy`](Self::observe_energy) has the energy in lanes, and
+    /// [`integral`](Self::integral), [`maximum`](Self::maximum), [`crossings`](Self::crossings) and [`fold`](Self::fold) remember the path until the recorded time.
     #[must_use]
     pub fn observe<F, O>(self, name: impl Into<String>, observable: F) -> Self
     where
