@@ -136,6 +136,13 @@ pub(crate) trait Lower {
     }
 }
 
+impl<T, R> Scheme<T, R> {
+    /// Whether the step has multipliers of constraints.
+    pub(crate) fn is_constrained(&self) -> bool {
+        !self.reported.is_empty()
+    }
+}
+
 impl Scheme<Expr> {
     pub(crate) fn lower<L: Lower>(&self, by: &mut L) -> Scheme<L::Value, L::Residual> {
         Scheme {

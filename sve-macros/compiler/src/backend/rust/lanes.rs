@@ -12,7 +12,7 @@ use super::solve::{accepted, names, residuals, sum_of_stages};
 use super::step::inside;
 use crate::algebra::{Arena, Expr};
 use crate::program::{Factored, Loops, Operation, Residual, Step, Tier, Value, in_lanes};
-use crate::structure::{Iteration, Matrix, Returns, Scheme, Solution, Storage};
+use crate::structure::{Iteration, Linear, Matrix, Returns, Scheme, Solution, Storage};
 use crate::system::model::{Meaning, Symbols};
 
 /// `increment_lanes` of a scheme with so many noises.
@@ -80,18 +80,27 @@ impl Writer<'_> {
                 Solution::Formula(_) => section.extend(after),
                 Solution::System { linear, solved } => {
                     let solved = names(solved, self.symbols);
-                    let solution = self.solution(at, &linear.matrix, &linear.rhs);
+                    let solution = if self.step.scheme.is_constrained() {
+                        let solution = self.regular_solution(linear);
+                        quote!(#solution.0)
+                    } else {
+                        self.solution(at, &linear.matrix, &linear.rhs)
+                    };
                     section.extend(quote!(let #solved = #solution; #after));
                 }
                 Solution::Iteration(iteration) => {
-                    let (course, guess) = (course(at), self.guess(at, iteration));
-                    let limit = self.limit(at, iteration);
-                    section.extend(quote!(#course.start(lane, #guess, #limit);));
+                    let course = course(at);
+                    section.extend(self.start(at, iteration));
                     let size = Literal::usize_unsuffixed(iteration.iterates.len());
                     let one = self.one(self.loops.of_block[at], &section);
                     let iterate = self.iterate(at, iteration);
+                    let accepting = if iteration.needs_guess {
+                        quote!(ContractingLanes)
+                    } else {
+                        quote!(NewtonLanes)
+                    };
                     tokens.extend(quote! {
-                        let mut #course = #private::lane::NewtonLanes::<#size>::new(newton);
+                        let mut #course = #private::lane::#accepting::<#size>::new(newton);
                         #one
                         #iterate
                     });
@@ -161,7 +170,9 @@ impl Writer<'_> {
     /// Whether the matrix of the first solves of a block is factored before the loops. In a loop the compiler finds that several
     /// solves without branches have an elimination in common.
     fn is_factored(&self, at: usize) -> bool {
-        self.step.scheme.blocks[at].factored(&self.step.program) == Factored::InPrepare
+        let scheme = &self.step.scheme;
+        !scheme.is_constrained()
+            && scheme.blocks[at].factored(&self.step.program) == Factored::InPrepare
     }
 
     /// The statement that factors the matrix of the first solves of a block.
@@ -172,7 +183,30 @@ impl Writer<'_> {
         Some(quote!(let #name = #private::lane::factored(&#matrix);))
     }
 
-    /// A first solve of a block with its matrix. A block in lanes has no banded matrix.
+    /// A solve of a step with constraints: the solution, and the sign of the determinant. Where the scalar step finds dependent constraints, the solution is NaN.
+    fn regular_solution(&self, linear: &Linear<Value>) -> TokenStream {
+        let private = self.private;
+        let matrix = self.dense(&linear.matrix);
+        let rhs = self.printer.array(&linear.rhs);
+        quote!(#private::lane::solve_regular(&#matrix, &#rhs))
+    }
+
+    /// All entries of a matrix.
+    fn dense(&self, matrix: &Matrix<Value>) -> TokenStream {
+        if matrix.storage == Storage::Dense {
+            return self.printer.matrix(&matrix.rows);
+        }
+        let rows = (0..matrix.size()).map(|row| {
+            let entries = matrix.all_entries(row);
+            let entries = entries
+                .into_iter()
+                .map(|e| e.map_or_else(|| quote!(0f64), |value| self.printer.operand(value)));
+            quote!([#(#entries),*])
+        });
+        quote!([#(#rows),*])
+    }
+
+    /// A first solve of a block with its matrix. A block without constraints has no banded matrix.
     fn solution(&self, at: usize, matrix: &Matrix<Value>, rhs: &[Value]) -> TokenStream {
         let (private, rhs) = (self.private, self.printer.array(rhs));
         if self.is_factored(at) {
@@ -189,6 +223,24 @@ impl Writer<'_> {
                 let matrix = self.printer.matrix(&matrix.rows);
                 quote!(#private::lane::solve(&#matrix, &#rhs))
             }
+        }
+    }
+
+    /// The start of an iteration: its guess, and what its root is accepted by.
+    fn start(&self, at: usize, iteration: &Iteration<Value, Residual>) -> TokenStream {
+        let course = course(at);
+        if !iteration.needs_guess {
+            let (guess, limit) = (self.guess(at, iteration), self.limit(at, iteration));
+            return quote!(#course.start(lane, #guess, #limit););
+        }
+        let guess = self.regular_solution(&iteration.guess);
+        let (name, sign) = match iteration.limit {
+            Some(_) => (quote!(sign), quote!(sign)),
+            None => (quote!(_), quote!(f64::NAN)),
+        };
+        quote! {
+            let (guess, #name) = #guess;
+            #course.start(lane, guess, #sign);
         }
     }
 
@@ -244,7 +296,7 @@ impl Writer<'_> {
         let iterates = names(&iteration.iterates, self.symbols);
         let statements = printer.statements(Tier::Iterate(at));
         let [residual, magnitude] = residuals(&iteration.residual, printer);
-        let jacobian = printer.matrix(&iteration.jacobian.rows);
+        let jacobian = self.dense(&iteration.jacobian);
         let curvature = iteration
             .curvature
             .map_or_else(|| quote!(f64::NAN), |c| printer.operand(c));
