@@ -304,7 +304,7 @@ pub mod __private {
     pub mod lane {
         pub use crate::lanes::elementary::*;
         pub use crate::lanes::newton::{ContractingLanes, NewtonLanes};
-        pub use crate::lanes::solve::{factored, inverse, solve, solve_regular, solve_with_sign};
+        pub use crate::lanes::solve::{Solved, factored, has_digits, inverse, solve, solved};
         pub use crate::lanes::{LANES, Lane, Mask, StateLanes, needs_scalar_step, rows};
         pub use crate::solve::diagonal::solve_in_lane as solve_diagonal;
     }

@@ -2,15 +2,10 @@
 //!
 //! Input: matrix and right-hand side of a lane. Output: the solution; NaN or infinite if the matrix is singular.
 //! One and two unknowns are solved by the formulas of [`dense`](crate::solve::dense), bit for bit. Three and more are solved by Gaussian elimination
-//! with partial pivoting. Pivots may differ from those of the scalar solve, which scales rows before comparing them; [`solve_with_sign`] scales them too.
-
-#![allow(clippy::needless_bitwise_bool)] // both sides are computed: a branch would prevent vector instructions
+//! with partial pivoting. Pivots may differ from those of the scalar solve, which scales rows before comparing them. Steps with constraints solve
+//! three and more unknowns by code that the macro writes for the zeros of their matrices.
 
 use crate::solve::dense::SINGULAR;
-
-/// A pivot that is smaller than this, in units of the threshold of the scalar solve, has too few correct digits for a lane. The scalar solve decides whether it
-/// is a rounding error; the factor leaves room for the different roundings of the two solves.
-const UNSURE: f64 = 1024.0;
 
 /// Solves `a x = b`; the solution is NaN or infinite if `a` is singular.
 #[inline(always)]
@@ -35,93 +30,36 @@ pub fn solve<const K: usize>(a: &[[f64; K]; K], b: &[f64; K]) -> [f64; K] {
     x
 }
 
-/// Solves `a x = b` with the pivots of the scalar solve. Returns the solution and a number with the sign of the determinant.
-#[inline(always)]
-pub fn solve_with_sign<const K: usize>(a: &[[f64; K]; K], b: &[f64; K]) -> ([f64; K], f64) {
-    solve_scaled::<K, false>(a, b)
+/// A solution, and a number with the sign of the determinant.
+#[derive(Clone, Copy)]
+pub struct Solved<const K: usize> {
+    /// The solution.
+    pub by: [f64; K],
+    /// The entry of a single row, otherwise a number with the sign of the determinant.
+    pub determinant: f64,
 }
 
-/// Solves `a x = b` as [`solve_with_sign`]. The solution is NaN or infinite wherever the scalar solve takes `a` for singular to rounding.
+/// Solves `a x = b` for one or two unknowns, as [`solve`] does.
 #[inline(always)]
-pub fn solve_regular<const K: usize>(a: &[[f64; K]; K], b: &[f64; K]) -> ([f64; K], f64) {
-    solve_scaled::<K, true>(a, b)
+pub fn solved<const K: usize>(a: &[[f64; K]; K], b: &[f64; K]) -> Solved<K> {
+    const { assert!(K == 1 || K == 2, "one or two unknowns") };
+    let determinant = if K == 1 {
+        a[0][0]
+    } else {
+        a[0][0] * a[K - 1][K - 1] - a[0][K - 1] * a[K - 1][0]
+    };
+    let by = solve(a, b);
+    Solved { by, determinant }
 }
 
-#[inline(always)]
-fn solve_scaled<const K: usize, const TESTS_PIVOTS: bool>(
-    a: &[[f64; K]; K],
-    b: &[f64; K],
-) -> ([f64; K], f64) {
-    match K {
-        0 => ([0.0; K], 1.0),
-        1 => (solve(a, b), a[0][0]),
-        2 => (solve(a, b), a[0][0] * a[1][1] - a[0][1] * a[1][0]),
-        _ => eliminate::<K, TESTS_PIVOTS>(*a, *b),
-    }
-}
+/// Size of a pivot, in units of the threshold below which the scalar solve takes it for rounding error, at which a lane is sure of it. The scalar solve has other
+/// pivots with other rounding errors; it decides where a lane is not sure.
+const SURE: f64 = 1024.0;
 
-/// Gaussian elimination with scaled partial pivoting. Rows are exchanged by selecting each entry, without a branch. The sum of the magnitudes of the terms of a pivot
-/// tells how many of its digits are correct.
+/// Returns whether a pivot of a matrix of `K` rows has correct digits; `terms` is the sum of the magnitudes of the terms that it is the sum of.
 #[inline(always)]
-fn eliminate<const K: usize, const TESTS_PIVOTS: bool>(
-    mut a: [[f64; K]; K],
-    mut x: [f64; K],
-) -> ([f64; K], f64) {
-    // the largest entry of each row, and the magnitudes of the terms of each entry
-    let mut scale = [0.0; K];
-    let mut terms = a;
-    for i in 0..K {
-        for j in 0..K {
-            terms[i][j] = a[i][j].abs();
-            let is_larger = terms[i][j] > scale[i];
-            scale[i] = if is_larger { terms[i][j] } else { scale[i] };
-        }
-    }
-    let (mut sign, mut is_sure) = (1.0, true);
-    for k in 0..K {
-        for i in k + 1..K {
-            let larger = a[i][k].abs() * scale[k] > a[k][k].abs() * scale[i];
-            for j in k..K {
-                (a[k][j], a[i][j]) = exchanged(larger, a[k][j], a[i][j]);
-                if TESTS_PIVOTS {
-                    (terms[k][j], terms[i][j]) = exchanged(larger, terms[k][j], terms[i][j]);
-                }
-            }
-            (x[k], x[i]) = exchanged(larger, x[k], x[i]);
-            (scale[k], scale[i]) = exchanged(larger, scale[k], scale[i]);
-            sign = if larger { -sign } else { sign };
-        }
-        if TESTS_PIVOTS {
-            is_sure &= a[k][k].abs() > UNSURE * K as f64 * SINGULAR * terms[k][k];
-        }
-        sign = if a[k][k] < 0.0 { -sign } else { sign };
-        let inverse = 1.0 / a[k][k];
-        for i in k + 1..K {
-            let factor = a[i][k] * inverse;
-            for j in k + 1..K {
-                a[i][j] -= factor * a[k][j];
-                if TESTS_PIVOTS {
-                    terms[i][j] += factor.abs() * terms[k][j];
-                }
-            }
-            x[i] -= factor * x[k];
-        }
-        a[k][k] = inverse;
-    }
-    for k in (0..K).rev() {
-        for j in k + 1..K {
-            x[k] -= a[k][j] * x[j];
-        }
-        x[k] *= a[k][k];
-    }
-    x[0] = if is_sure { x[0] } else { f64::NAN };
-    (x, sign)
-}
-
-/// Returns two numbers, exchanged if asked for.
-#[inline(always)]
-fn exchanged(exchanges: bool, a: f64, b: f64) -> (f64, f64) {
-    (if exchanges { b } else { a }, if exchanges { a } else { b })
+pub fn has_digits<const K: usize>(pivot: f64, terms: f64) -> bool {
+    pivot.abs() > SURE * K as f64 * SINGULAR * terms
 }
 
 /// The LU factors of a matrix, for several right-hand sides.

@@ -1,23 +1,33 @@
 //! Which roots an iteration in lanes accepts.
 //!
-//! Input: the evaluations of an iteration. Output: whether a lane goes on. The two kinds are those of the scalar method, see the header of
+//! Input: the evaluations of an iteration, either with the Jacobian or with the system that it belongs to solved. Output: whether a lane goes on. The two kinds are those of the scalar method, see the header of
 //! `solve/newton/mod.rs`.
 
 use super::Update;
-use crate::lanes::solve::{solve, solve_with_sign};
+use crate::lanes::solve::{Solved, solve};
 use crate::lanes::{LANES, Lane};
 use crate::solve::newton::convergence::{Evaluation, ROOT_OF_ROUNDING};
 
 /// Which roots are accepted.
 pub trait Acceptance<const K: usize> {
+    /// What stands for the Jacobian in an evaluation.
+    type Jacobian;
     /// Nothing known of any lane.
     fn new() -> Self;
-    /// Solves for the update. Returns a number with the sign of the determinant too, where [`passes`](Self::passes) asks for it.
-    fn solve(jacobian: &[[f64; K]; K], residual: &[f64; K]) -> ([f64; K], f64);
+    /// Returns the slope of a single unknown.
+    fn slope(jacobian: &Self::Jacobian) -> f64;
+    /// Solves for the update of several unknowns.
+    fn solve(jacobian: &Self::Jacobian, residual: &[f64; K]) -> Solved<K>;
     /// Returns whether a lane may make an update from an evaluation; `previous` is the relative residual of the evaluation before.
-    fn passes(&self, lane: usize, at: &Evaluation<K>, previous: f64, update: &Update<K>) -> bool;
+    fn passes(
+        &self,
+        lane: usize,
+        at: &Evaluation<K, Self::Jacobian>,
+        previous: f64,
+        update: &Update<K>,
+    ) -> bool;
     /// Records an evaluation with this relative residual.
-    fn note(&mut self, lane: usize, at: &Evaluation<K>, relative: f64);
+    fn note(&mut self, lane: usize, at: &Evaluation<K, Self::Jacobian>, relative: f64);
 }
 
 /// Any root of the iteration, which the step tests by bounds of the Jacobian afterwards.
@@ -43,6 +53,8 @@ impl<const K: usize> ByBounds<K> {
 }
 
 impl<const K: usize> Acceptance<K> for ByBounds<K> {
+    type Jacobian = [[f64; K]; K];
+
     #[inline(always)]
     fn new() -> Self {
         Self {
@@ -51,8 +63,16 @@ impl<const K: usize> Acceptance<K> for ByBounds<K> {
     }
 
     #[inline(always)]
-    fn solve(jacobian: &[[f64; K]; K], residual: &[f64; K]) -> ([f64; K], f64) {
-        (solve(jacobian, residual), f64::NAN)
+    fn slope(jacobian: &[[f64; K]; K]) -> f64 {
+        jacobian[0][0]
+    }
+
+    #[inline(always)]
+    fn solve(jacobian: &[[f64; K]; K], residual: &[f64; K]) -> Solved<K> {
+        Solved {
+            by: solve(jacobian, residual),
+            determinant: f64::NAN,
+        }
     }
 
     #[inline(always)]
@@ -83,6 +103,8 @@ impl<const K: usize> ByContraction<K> {
 }
 
 impl<const K: usize> Acceptance<K> for ByContraction<K> {
+    type Jacobian = Solved<K>;
+
     #[inline(always)]
     fn new() -> Self {
         Self {
@@ -92,17 +114,28 @@ impl<const K: usize> Acceptance<K> for ByContraction<K> {
     }
 
     #[inline(always)]
-    fn solve(jacobian: &[[f64; K]; K], residual: &[f64; K]) -> ([f64; K], f64) {
-        solve_with_sign(jacobian, residual)
+    fn slope(solved: &Solved<K>) -> f64 {
+        solved.determinant
     }
 
     #[inline(always)]
-    fn passes(&self, lane: usize, at: &Evaluation<K>, previous: f64, update: &Update<K>) -> bool {
+    fn solve(solved: &Solved<K>, _: &[f64; K]) -> Solved<K> {
+        *solved
+    }
+
+    #[inline(always)]
+    fn passes(
+        &self,
+        lane: usize,
+        at: &Evaluation<K, Solved<K>>,
+        previous: f64,
+        update: &Update<K>,
+    ) -> bool {
         let mut is_within = true;
         for i in 0..K {
             is_within &= at.residual[i].abs() <= self.largest[i][lane];
         }
-        let (sign, expected) = (update.sign, self.sign[lane]);
+        let (sign, expected) = (update.solved.determinant, self.sign[lane]);
         let is_opposite = ((sign < 0.0) & (expected > 0.0)) | ((sign > 0.0) & (expected < 0.0));
         // At smaller residuals, rounding errors can prevent contraction.
         let is_contracting = is_within | (previous < ROOT_OF_ROUNDING);
@@ -111,7 +144,7 @@ impl<const K: usize> Acceptance<K> for ByContraction<K> {
     }
 
     #[inline(always)]
-    fn note(&mut self, lane: usize, at: &Evaluation<K>, relative: f64) {
+    fn note(&mut self, lane: usize, at: &Evaluation<K, Solved<K>>, relative: f64) {
         let bounds = at.contraction_bounds(relative);
         for i in 0..K {
             self.largest[i][lane] = bounds[i];

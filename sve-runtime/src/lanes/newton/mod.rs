@@ -11,6 +11,7 @@
 
 mod acceptance;
 
+use super::solve::Solved;
 use super::{LANES, Lane};
 use crate::solve::newton::Newton;
 use crate::solve::newton::convergence::{Evaluation, judge, predicts_negligible};
@@ -122,7 +123,7 @@ impl<const K: usize, A: Acceptance<K>> NewtonLanes<K, A> {
 
     /// Updates a lane by the evaluation at its point.
     #[inline(always)]
-    pub fn update(&mut self, lane: usize, at: &Evaluation<K>) {
+    pub fn update(&mut self, lane: usize, at: &Evaluation<K, A::Jacobian>) {
         let (residual, update) = updates::<K, A>(at);
         let is_third_order = update.is_third_order;
         let previous = self.previous_residual[lane];
@@ -139,7 +140,7 @@ impl<const K: usize, A: Acceptance<K>> NewtonLanes<K, A> {
             } else {
                 1.0
             };
-            let by = update.by[i] * factor;
+            let by = update.solved.by[i] * factor;
             self.x[i][lane] = if iterates & verdict.has_halved {
                 x - by
             } else {
@@ -160,18 +161,18 @@ impl<const K: usize, A: Acceptance<K>> NewtonLanes<K, A> {
 
 /// An update of a lane.
 pub struct Update<const K: usize> {
-    /// The vector to be subtracted from the unknowns.
-    by: [f64; K],
+    /// The vector to be subtracted from the unknowns, and the sign of the Jacobian's determinant.
+    solved: Solved<K>,
     is_third_order: bool,
-    /// A number with the sign of the Jacobian's determinant, where `A` asks for it.
-    sign: f64,
 }
 
 /// Returns the relative residual and the update.
 #[inline(always)]
-fn updates<const K: usize, A: Acceptance<K>>(at: &Evaluation<K>) -> (f64, Update<K>) {
+fn updates<const K: usize, A: Acceptance<K>>(
+    at: &Evaluation<K, A::Jacobian>,
+) -> (f64, Update<K>) {
     if K == 1 {
-        let (residual, slope) = (at.residual[0], at.jacobian[0][0]);
+        let (residual, slope) = (at.residual[0], A::slope(&at.jacobian));
         let magnitude = at.magnitude[0] + f64::MIN_POSITIVE;
         // one division for three quotients
         let inverse = 1.0 / (magnitude * slope);
@@ -186,10 +187,13 @@ fn updates<const K: usize, A: Acceptance<K>>(at: &Evaluation<K>) -> (f64, Update
                 0.0
             };
         let relative = (residual * (slope * inverse)).abs();
-        let update = Update {
+        let solved = Solved {
             by: [update; K],
+            determinant: slope,
+        };
+        let update = Update {
+            solved,
             is_third_order,
-            sign: slope,
         };
         return (relative, update);
     }
@@ -204,14 +208,12 @@ fn updates<const K: usize, A: Acceptance<K>>(at: &Evaluation<K>) -> (f64, Update
         };
         sum += r + 0.0 * m;
     }
-    let (by, sign) = A::solve(&at.jacobian, &at.residual);
     // the comparison drops a NaN, the sum does not
     let relative = largest / magnitude + 0.0 * sum;
     let is_third_order = false;
     let update = Update {
-        by,
+        solved: A::solve(&at.jacobian, &at.residual),
         is_third_order,
-        sign,
     };
     (relative, update)
 }

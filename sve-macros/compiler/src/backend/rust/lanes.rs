@@ -4,14 +4,17 @@
 //! branches within a loop; what leaves the fast path is marked, and stepped by `increment`. A value that a later loop needs is
 //! stored in a row of `kept`.
 
+use std::collections::BTreeMap;
+
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::code::Printer;
+use super::pivots::{self, Sparse};
 use super::solve::{accepted, names, residuals, sum_of_stages};
 use super::step::inside;
 use crate::algebra::{Arena, Expr};
-use crate::program::{Factored, Loops, Operation, Residual, Step, Tier, Value, in_lanes};
+use crate::program::{BY_FORMULA, Factored, Loops, Operation, Residual, Step, Tier, Value, in_lanes};
 use crate::structure::{Iteration, Linear, Matrix, Returns, Scheme, Solution, Storage};
 use crate::system::model::{Meaning, Symbols};
 
@@ -81,8 +84,9 @@ impl Writer<'_> {
                 Solution::System { linear, solved } => {
                     let solved = names(solved, self.symbols);
                     let solution = if self.step.scheme.is_constrained() {
-                        let solution = self.regular_solution(linear);
-                        quote!(#solution.0)
+                        let solution =
+                            self.solved_by_pivots(at, &linear.matrix, &linear.rhs, true);
+                        quote!(#solution.by)
                     } else {
                         self.solution(at, &linear.matrix, &linear.rhs)
                     };
@@ -183,27 +187,30 @@ impl Writer<'_> {
         Some(quote!(let #name = #private::lane::factored(&#matrix);))
     }
 
-    /// A solve of a step with constraints: the solution, and the sign of the determinant. Where the scalar step finds dependent constraints, the solution is NaN.
-    fn regular_solution(&self, linear: &Linear<Value>) -> TokenStream {
-        let private = self.private;
-        let matrix = self.dense(&linear.matrix);
-        let rhs = self.printer.array(&linear.rhs);
-        quote!(#private::lane::solve_regular(&#matrix, &#rhs))
-    }
-
-    /// All entries of a matrix.
-    fn dense(&self, matrix: &Matrix<Value>) -> TokenStream {
-        if matrix.storage == Storage::Dense {
-            return self.printer.matrix(&matrix.rows);
+    /// A solve of a step with constraints, with the sign of the determinant. If `tests_pivots` is set, the solution is NaN where the scalar step finds
+    /// dependent constraints.
+    fn solved_by_pivots(
+        &self,
+        at: usize,
+        matrix: &Matrix<Value>,
+        rhs: &[Value],
+        tests_pivots: bool,
+    ) -> TokenStream {
+        let (private, printer) = (self.private, self.printer);
+        let size = matrix.size();
+        let pivots = self.step.scheme.blocks[at].pivots.as_ref();
+        if let Some(pivots) = pivots.filter(|_| size > BY_FORMULA) {
+            let mut entries = BTreeMap::new();
+            for row in 0..size {
+                let stored = matrix.row(row).filter(|x| !printer.is_zero(x.1));
+                entries.extend(stored.map(|(column, e)| ((row, column), printer.operand(e))));
+            }
+            let rhs = rhs.iter().map(|&b| printer.operand(b)).collect();
+            let system = Sparse { entries, rhs };
+            return pivots::solved(&system, &pivots.0, tests_pivots, private);
         }
-        let rows = (0..matrix.size()).map(|row| {
-            let entries = matrix.all_entries(row);
-            let entries = entries
-                .into_iter()
-                .map(|e| e.map_or_else(|| quote!(0f64), |value| self.printer.operand(value)));
-            quote!([#(#entries),*])
-        });
-        quote!([#(#rows),*])
+        let (matrix, rhs) = (printer.matrix(&matrix.rows), printer.array(rhs));
+        quote!(#private::lane::solved(&#matrix, &#rhs))
     }
 
     /// A first solve of a block with its matrix. A block without constraints has no banded matrix.
@@ -233,14 +240,15 @@ impl Writer<'_> {
             let (guess, limit) = (self.guess(at, iteration), self.limit(at, iteration));
             return quote!(#course.start(lane, #guess, #limit););
         }
-        let guess = self.regular_solution(&iteration.guess);
-        let (name, sign) = match iteration.limit {
-            Some(_) => (quote!(sign), quote!(sign)),
-            None => (quote!(_), quote!(f64::NAN)),
+        let Linear { matrix, rhs } = &iteration.guess;
+        let guess = self.solved_by_pivots(at, matrix, rhs, true);
+        let sign = match iteration.limit {
+            Some(_) => quote!(guess.determinant),
+            None => quote!(f64::NAN),
         };
         quote! {
-            let (guess, #name) = #guess;
-            #course.start(lane, guess, #sign);
+            let guess = #guess;
+            #course.start(lane, guess.by, #sign);
         }
     }
 
@@ -296,7 +304,12 @@ impl Writer<'_> {
         let iterates = names(&iteration.iterates, self.symbols);
         let statements = printer.statements(Tier::Iterate(at));
         let [residual, magnitude] = residuals(&iteration.residual, printer);
-        let jacobian = self.dense(&iteration.jacobian);
+        let jacobian = if iteration.needs_guess {
+            let residuals: Vec<Value> = iteration.residual.iter().map(|r| r.value).collect();
+            self.solved_by_pivots(at, &iteration.jacobian, &residuals, false)
+        } else {
+            printer.matrix(&iteration.jacobian.rows)
+        };
         let curvature = iteration
             .curvature
             .map_or_else(|| quote!(f64::NAN), |c| printer.operand(c));

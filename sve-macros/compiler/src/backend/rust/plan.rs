@@ -153,6 +153,7 @@ fn block(private: &TokenStream, block: &Block<Expr>, symbols: &Symbols) -> Token
         kind,
         unknowns,
         nonzeros,
+        pivots: _,
         solution: _,
     } = block;
     let kind = match kind {
