@@ -4,6 +4,7 @@ mod compositions;
 mod ensembles;
 mod errors;
 mod forces;
+mod lanes;
 mod plan;
 mod preserved;
 mod rattle;

@@ -20,6 +20,7 @@ pub(super) fn plan(
     weak_order: u32,
     texts: &StepTexts,
     work: &Work,
+    in_lanes: bool,
 ) -> TokenStream {
     let blocks = derived.scheme.blocks.iter();
     let blocks = blocks.map(|b| self::block(private, b, &derived.symbols));
@@ -28,12 +29,12 @@ pub(super) fn plan(
         context,
         (derived.rule, weak_order),
         texts,
-        &quote!(#(#blocks),*),
+        (&quote!(#(#blocks),*), in_lanes),
         work,
     )
 }
 
-/// The unknowns of a step that is solved in one block, and what it costs.
+/// The unknowns of a step that is solved in one block, and what it costs. Ensembles make such a step for one path after the other.
 pub(super) struct Cost<'a> {
     pub(super) unknowns: &'a [String],
     pub(super) work: Work,
@@ -57,7 +58,7 @@ pub(super) fn plan_of(
             band: ::core::option::Option::None,
         }
     };
-    plan_with(private, context, rule, texts, &block, work)
+    plan_with(private, context, rule, texts, (&block, false), work)
 }
 
 fn plan_with(
@@ -65,7 +66,7 @@ fn plan_with(
     context: &Context<'_>,
     (rule, weak_order): (Rule, u32),
     texts: &StepTexts,
-    blocks: &TokenStream,
+    (blocks, in_lanes): (&TokenStream, bool),
     work: &Work,
 ) -> TokenStream {
     let Context {
@@ -119,6 +120,7 @@ fn plan_with(
             strong_order: #private::StrongOrder::#strong,
             weak_order: #weak_order,
             conserved: &[#(#conserved),*],
+            in_lanes: #in_lanes,
             degenerate: #degenerate,
             prepare: #prepare,
             step: #step,

@@ -47,7 +47,6 @@ pub(crate) fn rule(
         work,
     } = code(derived, &private, context);
     let (memory, memory_type) = memory(carried);
-    let plan = plan(&private, context, derived, weak_order, texts, &work);
     let returns = match scheme.returns {
         Returns::Increment => quote!(Increment),
         Returns::State => quote!(State),
@@ -73,6 +72,15 @@ pub(crate) fn rule(
     let lanes = (has_lanes && !is_unstructured)
         .then(|| lanes(scheme, model.noises.len(), symbols, &private, arena))
         .flatten();
+    let plan = plan(
+        &private,
+        context,
+        derived,
+        weak_order,
+        texts,
+        &work,
+        lanes.is_some(),
+    );
     let [doc, increment_doc] = documentation(texts);
     let start = start(&linearisation.unknowns, model.dof(), symbols);
     let domain = domain(texts);
