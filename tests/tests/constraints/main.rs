@@ -1,6 +1,7 @@
 //! Holonomic constraints: steps, what they preserve, what they refuse, and their forces.
 
 mod compositions;
+mod drift;
 mod ensembles;
 mod errors;
 mod forces;
