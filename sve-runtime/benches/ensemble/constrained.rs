@@ -146,7 +146,11 @@ fn task<S, R, Q, const N: usize, const M: usize>(
     start: State<Q>,
 ) -> Task<'static>
 where
-    S: Variational<R, Prepared: Sync, Memory: Sync> + System<Dims = Dims<N, M, Q>> + Copy + Sync + 'static,
+    S: Variational<R, Prepared: Sync, Memory: Sync>
+        + System<Dims = Dims<N, M, Q>>
+        + Copy
+        + Sync
+        + 'static,
     R: Copy + Sync + 'static,
     Q: VectorCoordinates<N> + Sync + 'static,
 {

@@ -45,15 +45,9 @@ where
     if let Some(error) = rank_error::<S, Q, N, M>(&here, t, q) {
         return Err(error);
     }
-    let across = |v: &[f64; N]| -> Vec<f64> {
-        let along = here.jets.iter().map(|jet| jet.dq.iter().zip(v));
-        along
-            .map(|terms| terms.map(|(a, v)| a * v).sum())
-            .collect()
-    };
     // the second pass removes the rounding errors of the first
     for _ in 0..2 {
-        let rates = across(&v).into_iter().zip(&here.jets);
+        let rates = here.rates(&v).into_iter().zip(&here.jets);
         let rates = rates.map(|(rate, jet)| rate + jet.dt).collect();
         let rates = here.solve(&DVector::from_vec(rates)).ok_or_else(singular)?;
         let normal = &here.directions * rates;
@@ -61,31 +55,54 @@ where
             v[i] -= normal[i];
         }
     }
-    let jet = system.lagrangian_jet(t, q, &v);
-    let force = system.force_jet(t, q, &v).value;
-    let mut p: [f64; N] = core::array::from_fn(|i| jet.dq[i] + force[i]);
-    let free = DVector::from_fn(N, |i, _| {
-        let moved: f64 = (0..N).map(|j| jet.dqv[j][i] * v[j]).sum();
-        p[i] - moved - jet.dvt[i]
-    });
-    let free = here.mass.clone().lu().solve(&free).ok_or_else(singular)?;
-    let free: [f64; N] = core::array::from_fn(|i| free[i]);
-    let mut rest = across(&free);
-    let mut k = 0;
-    system.constraint_curvatures(t, q, &v, &mut |curvature| {
-        rest[k] += curvature;
-        k += 1;
-    });
-    let multipliers = here.solve(&DVector::from_vec(rest)).ok_or_else(singular)?;
-    for (jet, multiplier) in here.jets.iter().zip(multipliers.iter()) {
-        for i in 0..N {
-            p[i] -= multiplier * jet.dq[i];
-        }
-    }
+    let p = force(system, state, &v, &here).ok_or_else(singular)?;
     let field = Field { q: v, p };
     if field.q.iter().chain(&field.p).all(|x| x.is_finite()) {
         Ok(field)
     } else {
         Err(failed(SolveError::NonFinite))
+    }
+}
+
+/// Returns `∂L/∂q + F + ∂φ/∂qᵀ λ` at a velocity along the constraints; `None` if a matrix is singular.
+fn force<S, Q, const N: usize, const M: usize>(
+    system: &S,
+    state: &State<Q::Flat>,
+    v: &[f64; N],
+    here: &Linearised<N>,
+) -> Option<[f64; N]>
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    let (t, q) = (state.t, &state.q);
+    let jet = system.lagrangian_jet(t, q, v);
+    let applied = system.force_jet(t, q, v).value;
+    let mut p: [f64; N] = core::array::from_fn(|i| jet.dq[i] + applied[i]);
+    let free = DVector::from_fn(N, |i, _| {
+        let moved: f64 = (0..N).map(|j| jet.dqv[j][i] * v[j]).sum();
+        p[i] - moved - jet.dvt[i]
+    });
+    let free = here.mass.clone().lu().solve(&free)?;
+    let mut rest = here.rates(&core::array::from_fn(|i| free[i]));
+    let mut k = 0;
+    system.constraint_curvatures(t, q, v, &mut |curvature| {
+        rest[k] += curvature;
+        k += 1;
+    });
+    let multipliers = here.solve(&DVector::from_vec(rest))?;
+    for (jet, multiplier) in here.jets.iter().zip(multipliers.iter()) {
+        for i in 0..N {
+            p[i] -= multiplier * jet.dq[i];
+        }
+    }
+    Some(p)
+}
+
+impl<const N: usize> Linearised<N> {
+    /// Returns `∂φ/∂q v`.
+    fn rates(&self, v: &[f64; N]) -> Vec<f64> {
+        let along = self.jets.iter().map(|jet| jet.dq.iter().zip(v));
+        along.map(|terms| terms.map(|(a, v)| a * v).sum()).collect()
     }
 }

@@ -10,6 +10,7 @@ mod plan;
 mod preserved;
 mod rattle;
 mod reference;
+mod roots;
 mod starts;
 mod symplectic;
 mod systems;

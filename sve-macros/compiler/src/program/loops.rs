@@ -32,7 +32,11 @@ pub(crate) fn in_lanes(
     symbols: &Symbols,
     arena: &Arena,
 ) -> Option<(Step, Loops)> {
-    if !scheme.blocks.iter().all(|block| fits(block, scheme.is_constrained(), arena)) {
+    if !scheme
+        .blocks
+        .iter()
+        .all(|block| fits(block, scheme.is_constrained(), arena))
+    {
         return None;
     }
     let step = Step::new(&for_lanes(scheme), symbols, arena);

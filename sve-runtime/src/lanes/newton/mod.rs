@@ -168,9 +168,7 @@ pub struct Update<const K: usize> {
 
 /// Returns the relative residual and the update.
 #[inline(always)]
-fn updates<const K: usize, A: Acceptance<K>>(
-    at: &Evaluation<K, A::Jacobian>,
-) -> (f64, Update<K>) {
+fn updates<const K: usize, A: Acceptance<K>>(at: &Evaluation<K, A::Jacobian>) -> (f64, Update<K>) {
     if K == 1 {
         let (residual, slope) = (at.residual[0], A::slope(&at.jacobian));
         let magnitude = at.magnitude[0] + f64::MIN_POSITIVE;

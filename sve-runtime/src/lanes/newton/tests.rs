@@ -1,6 +1,7 @@
 //! Iterations in lanes against the scalar method.
 
-use super::{Evaluation, LANES, Lane, Newton, NewtonLanes};
+use super::{ContractingLanes, Evaluation, LANES, Lane, Newton, NewtonLanes};
+use crate::lanes::solve::{Solved, solved};
 
 /// `x³ + x = a` from `x = a` with Chebyshev's update, all lanes.
 fn cubic(a: &Lane, newton: &Newton) -> NewtonLanes<1> {
@@ -115,8 +116,7 @@ fn a_lane_with_a_singular_jacobian_fails() {
     }
     assert!(
         (0..LANES)
-            .all(|lane| !iterations.has_converged(lane)
-                || !iterations.point(lane)[0].is_finite())
+            .all(|lane| !iterations.has_converged(lane) || !iterations.point(lane)[0].is_finite())
     );
 }
 
@@ -146,5 +146,81 @@ fn several_unknowns_converge() {
         for x in iterations.point(lane) {
             assert!((x - 1.0).abs() <= 4.0 * f64::EPSILON, "{x}");
         }
+    }
+}
+
+/// The circle of radius √2 and the diagonal, from points at several distances of the intersection, with a sign of the determinant.
+fn intersection(sign: f64) -> ContractingLanes<2> {
+    let mut iterations = ContractingLanes::<2>::new(&Newton::default());
+    for lane in 0..LANES {
+        iterations.start(lane, [1.0 + 0.2 * lane as f64, 1.0], sign);
+    }
+    while iterations.next_iteration() {
+        for lane in 0..LANES {
+            let [x, y] = iterations.point(lane);
+            let residual = [x * x + y * y - 2.0, x - y];
+            let jacobian = solved(&[[2.0 * x, 2.0 * y], [1.0, -1.0]], &residual);
+            iterations.update(
+                lane,
+                &Evaluation {
+                    residual,
+                    magnitude: [x * x + y * y + 2.0, x.abs() + y.abs()],
+                    jacobian,
+                    curvature: f64::NAN,
+                },
+            );
+        }
+    }
+    iterations
+}
+
+#[test]
+fn the_root_of_a_contracting_iteration_is_accepted() {
+    // the determinant is −2 (x + y)
+    let iterations = intersection(-1.0);
+    assert!((0..5).all(|lane| iterations.has_converged(lane)));
+    assert!((0..5).all(|lane| (iterations.point(lane)[0] - 1.0).abs() < 1e-15));
+    // from afar the first update leaves more than a quarter of the first residual
+    assert!((20..LANES).all(|lane| !iterations.has_converged(lane)));
+    let unknown = intersection(f64::NAN);
+    assert!((0..5).all(|lane| unknown.has_converged(lane)));
+}
+
+#[test]
+fn a_determinant_of_the_other_sign_fails_a_lane() {
+    let iterations = intersection(1.0);
+    assert!((0..LANES).all(|lane| !iterations.has_converged(lane)));
+}
+
+/// `x² = 4` from points of which the larger ones are out of reach by Kantorovich's condition, |f f″| ≤ ½ f′².
+#[test]
+fn a_single_unknown_contracts_by_its_second_derivative() {
+    let mut iterations = ContractingLanes::<1>::new(&Newton::default());
+    let guess = |lane: usize| 0.25 + 0.25 * lane as f64;
+    for lane in 0..LANES {
+        iterations.start(lane, [guess(lane)], 1.0);
+    }
+    while iterations.next_iteration() {
+        for lane in 0..LANES {
+            let [x] = iterations.point(lane);
+            iterations.update(
+                lane,
+                &Evaluation {
+                    residual: [x * x - 4.0],
+                    magnitude: [x * x + 4.0],
+                    jacobian: Solved {
+                        by: [f64::NAN],
+                        determinant: 2.0 * x,
+                    },
+                    curvature: 2.0,
+                },
+            );
+        }
+    }
+    for lane in 0..LANES {
+        let x = guess(lane);
+        let is_near = (x * x - 4.0).abs() <= x * x;
+        assert_eq!(iterations.has_converged(lane), is_near, "{x}");
+        assert!(!is_near || (iterations.point(lane)[0] - 2.0).abs() < 1e-15);
     }
 }

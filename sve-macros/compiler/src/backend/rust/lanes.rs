@@ -14,7 +14,9 @@ use super::pivots::{self, Sparse};
 use super::solve::{accepted, names, residuals, sum_of_stages};
 use super::step::inside;
 use crate::algebra::{Arena, Expr};
-use crate::program::{BY_FORMULA, Factored, Loops, Operation, Residual, Step, Tier, Value, in_lanes};
+use crate::program::{
+    BY_FORMULA, Factored, Loops, Operation, Residual, Step, Tier, Value, in_lanes,
+};
 use crate::structure::{Iteration, Linear, Matrix, Returns, Scheme, Solution, Storage};
 use crate::system::model::{Meaning, Symbols};
 
@@ -84,8 +86,7 @@ impl Writer<'_> {
                 Solution::System { linear, solved } => {
                     let solved = names(solved, self.symbols);
                     let solution = if self.step.scheme.is_constrained() {
-                        let solution =
-                            self.solved_by_pivots(at, &linear.matrix, &linear.rhs, true);
+                        let solution = self.solved_by_pivots(at, &linear.matrix, &linear.rhs, true);
                         quote!(#solution.by)
                     } else {
                         self.solution(at, &linear.matrix, &linear.rhs)

@@ -3,7 +3,7 @@
 //! Input: a matrix, a right-hand side and the order. Output: an expression for the solution with a number of the sign of the determinant. Without exchanges of
 //! rows it has no branches and no loops, so a loop over lanes with it compiles to vector instructions.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -19,7 +19,7 @@ pub(super) struct Sparse {
 struct Elimination {
     statements: TokenStream,
     /// Which entries differ from zero.
-    present: BTreeMap<(usize, usize), ()>,
+    present: BTreeSet<(usize, usize)>,
     /// Whether the sums of the magnitudes of the terms of each entry are computed.
     tests_pivots: bool,
 }
@@ -33,7 +33,7 @@ pub(super) fn solved(
 ) -> TokenStream {
     let mut elimination = Elimination {
         statements: TokenStream::new(),
-        present: system.entries.keys().map(|&at| (at, ())).collect(),
+        present: system.entries.keys().copied().collect(),
         tests_pivots,
     };
     elimination.start(system);
@@ -54,7 +54,7 @@ pub(super) fn solved(
     for (k, &(row, column)) in pivots.iter().enumerate().rev() {
         let (right, x, inverse) = (right(row), unknown(column), inverse(k));
         let others = pivots[k + 1..].iter().map(|&(_, other)| other);
-        let others = others.filter(|&other| elimination.present.contains_key(&(row, other)));
+        let others = others.filter(|&other| elimination.present.contains(&(row, other)));
         let others = others.map(|other| {
             let (a, x) = (entry(row, other), unknown(other));
             quote!(- #a * #x)
@@ -102,18 +102,19 @@ impl Elimination {
     fn column(&mut self, k: usize, pivots: &[(usize, usize)]) {
         let (row, column) = pivots[k];
         for &(below, _) in &pivots[k + 1..] {
-            if !self.present.contains_key(&(below, column)) {
+            if !self.present.contains(&(below, column)) {
                 continue;
             }
             let (a, inverse) = (entry(below, column), inverse(k));
             self.statements.extend(quote!(let factor = #a * #inverse;));
             for &(_, other) in &pivots[k + 1..] {
-                if self.present.contains_key(&(row, other)) {
+                if self.present.contains(&(row, other)) {
                     self.subtract(row, below, other);
                 }
             }
             let (b, from) = (right(row), right(below));
-            self.statements.extend(quote!(let #from = #from - factor * #b;));
+            self.statements
+                .extend(quote!(let #from = #from - factor * #b;));
         }
     }
 
@@ -121,7 +122,7 @@ impl Elimination {
     fn subtract(&mut self, row: usize, below: usize, column: usize) {
         let (by, from) = (entry(row, column), entry(below, column));
         let (by_terms, from_terms) = (terms(row, column), terms(below, column));
-        let was_present = self.present.insert((below, column), ()).is_some();
+        let was_present = !self.present.insert((below, column));
         self.statements.extend(if was_present {
             quote!(let #from = #from - factor * #by;)
         } else {

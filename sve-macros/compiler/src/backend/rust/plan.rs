@@ -17,10 +17,9 @@ pub(super) fn plan(
     private: &TokenStream,
     context: &Context<'_>,
     derived: &Derived,
-    weak_order: u32,
+    (weak_order, in_lanes): (u32, bool),
     texts: &StepTexts,
     work: &Work,
-    in_lanes: bool,
 ) -> TokenStream {
     let blocks = derived.scheme.blocks.iter();
     let blocks = blocks.map(|b| self::block(private, b, &derived.symbols));
