@@ -305,8 +305,8 @@ pub mod __private {
     /// The interface of generated steps in lanes.
     pub mod lane {
         pub use crate::lanes::elementary::*;
-        pub use crate::lanes::newton::NewtonLanes;
-        pub use crate::lanes::solve::{factored, inverse, solve};
+        pub use crate::lanes::newton::{ContractingLanes, NewtonLanes};
+        pub use crate::lanes::solve::{Solved, factored, has_digits, inverse, solve, solved};
         pub use crate::lanes::{LANES, Lane, Mask, StateLanes, needs_scalar_step, rows};
         pub use crate::solve::diagonal::solve_in_lane as solve_diagonal;
     }
