@@ -100,6 +100,8 @@ mod file;
 #[cfg(feature = "serde")]
 mod floats;
 mod gauss;
+#[cfg(doc)]
+pub mod guide;
 mod integrator;
 mod jets;
 mod lanes;
