@@ -95,7 +95,7 @@ mod degenerate;
 pub mod ensemble;
 mod equations;
 mod error;
-#[cfg(feature = "ensemble")]
+#[cfg(any(feature = "ensemble", feature = "plot"))]
 mod file;
 #[cfg(feature = "serde")]
 mod floats;
@@ -113,6 +113,8 @@ pub mod noise;
 mod observed;
 mod parameter;
 mod plan;
+#[cfg(feature = "plot")]
+pub mod plot;
 mod power;
 mod rules;
 mod solve;

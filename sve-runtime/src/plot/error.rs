@@ -1,0 +1,34 @@
+//! What can go wrong with a picture.
+
+use std::error::Error;
+
+/// A picture that could not be drawn or written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PlotError {
+    /// A figure that cannot be drawn, such as one with an axis of no length.
+    #[error("the figure cannot be drawn: {0}")]
+    Drawing(String),
+    /// Two series of a panel that some readers cannot tell apart.
+    #[error(
+        "“{panel}”: {first} and {second} differ by colours alone that some readers cannot tell apart; give them different symbols, dashes or widths"
+    )]
+    Indistinct {
+        /// Title of the panel.
+        panel: String,
+        /// Name of a series.
+        first: String,
+        /// Name of another.
+        second: String,
+    },
+    /// A file that could not be written.
+    #[error(transparent)]
+    File(#[from] std::io::Error),
+}
+
+impl PlotError {
+    /// From an error of the drawing library, whose type depends on the format.
+    pub(super) fn drawing(error: impl Into<Box<dyn Error>>) -> Self {
+        Self::Drawing(error.into().to_string())
+    }
+}
