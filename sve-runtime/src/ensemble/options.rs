@@ -165,10 +165,10 @@ where
     }
 
     /// Bounds an observable, as `.bound("energy", ..=1e3)`. A path whose observable is outside of the range at a recorded time fails: a motion without
-    /// physical meaning then counts as a [`Failure`] and does not enter the statistics. The ends belong to the range, and
+    /// physical meaning then counts as a [`Failure`](super::Failure) and does not enter the statistics. The ends belong to the range, and
     /// several ranges can be given.
     ///
-    /// Without a bound, a path fails if its state or an observable is not finite. [`Summary::warnings`] reports observables that diverge.
+    /// Without a bound, a path fails if its state or an observable is not finite. [`Summary::warnings`](super::Summary::warnings) reports observables that diverge.
     ///
     #[doc = include_str!("example.md")]
     /// let summary = ensemble().bound("q", -9.0..=0.5).run()?;
@@ -213,7 +213,7 @@ where
         self
     }
 
-    /// Runs part `index` (from 0) of `of` parts, at most one for each [`BLOCK_PATHS`] paths. The summaries of all parts [merge](Summary::merge) into that of the whole.
+    /// Runs part `index` (from 0) of `of` parts, at most one for each [`BLOCK_PATHS`](super::BLOCK_PATHS) paths. The summaries of all parts [merge](super::Summary::merge) into that of the whole.
     ///
     #[doc = include_str!("example.md")]
     /// let mut summary = ensemble().shard(0, 2).run()?; // on one machine
