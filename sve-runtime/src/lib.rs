@@ -75,7 +75,7 @@
 //! | show how far a run is | [`Ensemble::progress`][ensemble] | `progress` for a bar |
 //! | stop a run and continue it; run parts of it on several machines | [`Ensemble::checkpoint`][ensemble], [`Ensemble::shard`][ensemble] | `checkpoint`; none |
 //! | run on a cluster with MPI | the package `sve-mpi` | `distributed` |
-//! | write statistics as CSV, for NumPy, as Parquet | [`Summary::to_csv`][summary], [`Summary::to_npy`][summary], [`Summary::to_parquet`][summary] | none, `npy`, `parquet` |
+//! | write statistics as CSV, for `NumPy`, as Parquet | [`Summary::to_csv`][summary], [`Summary::to_npy`][summary], [`Summary::to_parquet`][summary] | none, `npy`, `parquet` |
 //! | serialise states, snapshots, errors, summaries | traits of serde | `serde` |
 //! | measure what an error costs, method by method | [`Study`][study], [`Report`][study] | `study` |
 //! | draw figures, and pages of ensembles and studies | [`plot`][plot] | `plot` |
