@@ -128,7 +128,7 @@ mod degenerate;
 pub mod ensemble;
 mod equations;
 mod error;
-#[cfg(any(feature = "ensemble", feature = "plot"))]
+#[cfg(feature = "ensemble")]
 mod file;
 #[cfg(feature = "serde")]
 mod floats;

@@ -1,9 +1,10 @@
 //! What can go wrong with a picture.
 
+use core::fmt;
 use std::error::Error;
 
 /// A picture that could not be drawn or written.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum PlotError {
     /// A figure that cannot be drawn, such as one with an axis of no length.
@@ -30,5 +31,12 @@ impl PlotError {
     /// From an error of the drawing library, whose type depends on the format.
     pub(super) fn drawing(error: impl Into<Box<dyn Error>>) -> Self {
         Self::Drawing(error.into().to_string())
+    }
+}
+
+/// The message: `main` prints an error that it returns in this form.
+impl fmt::Debug for PlotError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
     }
 }

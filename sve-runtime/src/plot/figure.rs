@@ -5,7 +5,7 @@
 use std::fmt::Write as _;
 use std::ops::Range;
 
-use super::palette::Color;
+use super::palette::{CYCLE, Color};
 
 /// A figure: rows of panels under each other.
 #[derive(Clone, Debug)]
@@ -322,6 +322,28 @@ impl Pen {
             symbol: Some(Symbols {
                 shape: Shape::Disc,
                 radius,
+                count: None,
+            }),
+        }
+    }
+
+    /// The look of the series with this number, on each point a symbol: the first seven differ in colour and symbol, later ones in their dashes.
+    pub fn series(number: usize) -> Self {
+        let shapes = [
+            Shape::Disc,
+            Shape::Square,
+            Shape::Triangle,
+            Shape::Cross,
+            Shape::Circle,
+        ];
+        let color = CYCLE[number % CYCLE.len()];
+        let dash = [None, Some((7.0, 4.0)), Some((2.0, 3.0))][number / CYCLE.len() % 3];
+        Self {
+            color,
+            line: Some(Stroke { width: 1.6, dash }),
+            symbol: Some(Symbols {
+                shape: shapes[number % shapes.len()],
+                radius: 3.2,
                 count: None,
             }),
         }

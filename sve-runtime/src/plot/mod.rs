@@ -18,8 +18,12 @@
 //! ```
 
 mod axes;
+#[cfg(feature = "ensemble")]
+mod bounds;
 mod clip;
 mod draw;
+#[cfg(feature = "ensemble")]
+mod ensemble;
 mod error;
 pub mod figure;
 pub mod page;
@@ -27,6 +31,8 @@ pub mod palette;
 mod raster;
 pub mod render;
 mod spread;
+#[cfg(feature = "study")]
+mod study;
 mod vision;
 
 pub use error::PlotError;

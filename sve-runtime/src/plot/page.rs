@@ -57,3 +57,13 @@ pub fn escape(text: &str) -> String {
         .replace('<', "&lt;")
         .replace('>', "&gt;")
 }
+
+/// Writes a page, or leaves the file as it was.
+#[cfg(feature = "ensemble")]
+pub(super) fn write(path: &std::path::Path, page: &str) -> Result<(), super::PlotError> {
+    use std::io::Write as _;
+
+    Ok(crate::file::write(path, |file| {
+        file.write_all(page.as_bytes())
+    })?)
+}

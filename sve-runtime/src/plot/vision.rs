@@ -19,7 +19,8 @@ impl Figure {
     /// # Errors
     /// [`PlotError::Indistinct`] with the first two that do not.
     pub fn check_series(&self) -> Result<(), PlotError> {
-        for panel in self.rows.iter().flat_map(|row| &row.panels) {
+        let panels = self.rows.iter().flat_map(|row| &row.panels);
+        for panel in panels.filter(|panel| panel.legend.is_some()) {
             let listed: Vec<&Layer> = panel.layers.iter().filter(|layer| layer.listed).collect();
             for (k, first) in listed.iter().enumerate() {
                 if let Some(second) = listed[..k].iter().find(|second| alike(first, second)) {
@@ -94,18 +95,16 @@ fn lightness([r, g, b]: [f64; 3]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::figure::{Axis, Panel, Row, Shape};
+    use super::super::figure::{Axis, Corner, Panel, Row, Shape};
     use super::super::palette::{BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILION};
     use super::*;
 
     fn figure(pens: [Pen; 2]) -> Figure {
         let axis = || Axis::new("", 0.0..1.0);
-        let panel = pens
-            .into_iter()
-            .enumerate()
-            .fold(Panel::new("two", axis(), axis()), |panel, (k, pen)| {
-                panel.with(Layer::new(k.to_string(), vec![], pen))
-            });
+        let empty = Panel::new("two", axis(), axis()).legend(Corner::TopLeft);
+        let panel = pens.into_iter().enumerate().fold(empty, |panel, (k, pen)| {
+            panel.with(Layer::new(k.to_string(), vec![], pen))
+        });
         Figure {
             name: "two",
             width: 100,
