@@ -78,7 +78,7 @@
 //! | write statistics as CSV, for `NumPy`, as Parquet | [`Summary::to_csv`][summary], [`Summary::to_npy`][summary], [`Summary::to_parquet`][summary] | none, `npy`, `parquet` |
 //! | serialise states, snapshots, errors, summaries | traits of serde | `serde` |
 //! | measure what an error costs, method by method | [`Study`][study], [`Report`][study] | `study` |
-//! | draw figures, and pages of ensembles and studies | [`plot`][plot] | `plot` |
+//! | show ensembles and studies as pages, draw figures | [`Summary::write_html`][summary], [`Report::write_html`][study], [`plot`][plot] | `plot` |
 //!
 //! # Errors
 //!

@@ -69,7 +69,10 @@ impl Summary {
     /// written at all: it replaces an existing one atomically.
     ///
     #[doc = include_str!("example.md")]
-    /// ensemble().run()?.to_csv(std::env::temp_dir().join("oscillator.csv"))?;
+    /// # let folder = std::env::temp_dir().join(format!("sve-csv-{}", std::process::id()));
+    /// # std::fs::create_dir_all(&folder)?;
+    /// ensemble().run()?.to_csv(folder.join("oscillator.csv"))?;
+    /// # std::fs::remove_dir_all(&folder)?;
     #[doc = include_str!("../example_end.md")]
     ///
     /// # Errors

@@ -47,7 +47,10 @@ impl Summary {
     /// written at all: it replaces an existing one atomically.
     ///
     #[doc = include_str!("example.md")]
-    /// ensemble().run()?.to_npy(std::env::temp_dir().join("oscillator.npy"))?;
+    /// # let folder = std::env::temp_dir().join(format!("sve-npy-{}", std::process::id()));
+    /// # std::fs::create_dir_all(&folder)?;
+    /// ensemble().run()?.to_npy(folder.join("oscillator.npy"))?;
+    /// # std::fs::remove_dir_all(&folder)?;
     #[doc = include_str!("../example_end.md")]
     ///
     /// # Errors

@@ -30,7 +30,10 @@ impl Summary {
     /// written at all: it replaces an existing one atomically.
     ///
     #[doc = include_str!("example.md")]
-    /// ensemble().run()?.to_parquet(std::env::temp_dir().join("oscillator.parquet"))?;
+    /// # let folder = std::env::temp_dir().join(format!("sve-parquet-{}", std::process::id()));
+    /// # std::fs::create_dir_all(&folder)?;
+    /// ensemble().run()?.to_parquet(folder.join("oscillator.parquet"))?;
+    /// # std::fs::remove_dir_all(&folder)?;
     #[doc = include_str!("../example_end.md")]
     ///
     /// # Errors
