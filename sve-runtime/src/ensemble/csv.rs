@@ -41,12 +41,6 @@ impl Summary {
     /// The columns are `t`, `paths` (those that have not failed until then) and, for an observable called `x`, `x_mean`, `x_variance`,
     /// `x_standard_error`, `x_min`, `x_max`. A mean of no paths and a variance of one are empty fields.
     ///
-    #[doc = include_str!("example.md")]
-    /// let mut text = Vec::new();
-    /// ensemble().run()?.write_csv(&mut text)?;
-    /// assert!(text.starts_with(b"t,paths,q_mean,q_variance,q_standard_error,q_min,q_max\n"));
-    #[doc = include_str!("../example_end.md")]
-    ///
     /// # Errors
     /// The errors of the writer.
     pub fn write_csv(&self, mut to: impl Write) -> io::Result<()> {
@@ -67,13 +61,6 @@ impl Summary {
 
     /// Writes the statistics as CSV into a file; see [`write_csv`](Self::write_csv). The file is complete or not
     /// written at all: it replaces an existing one atomically.
-    ///
-    #[doc = include_str!("example.md")]
-    /// # let folder = std::env::temp_dir().join(format!("sve-csv-{}", std::process::id()));
-    /// # std::fs::create_dir_all(&folder)?;
-    /// ensemble().run()?.to_csv(folder.join("oscillator.csv"))?;
-    /// # std::fs::remove_dir_all(&folder)?;
-    #[doc = include_str!("../example_end.md")]
     ///
     /// # Errors
     /// If the file cannot be written; the error names its path, and nothing of the file remains.

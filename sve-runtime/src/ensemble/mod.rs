@@ -26,7 +26,6 @@ mod moments;
 #[cfg(feature = "npy")]
 mod npy;
 mod observe;
-mod options;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod path_block;
@@ -35,6 +34,7 @@ mod points;
 mod progress;
 mod record;
 mod replay;
+mod setters;
 mod settings;
 mod sizes;
 mod starts;

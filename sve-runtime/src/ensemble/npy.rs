@@ -46,13 +46,6 @@ impl Summary {
     /// Writes the statistics as an array of `NumPy` into a file; see [`write_npy`](Self::write_npy). The file is complete or not
     /// written at all: it replaces an existing one atomically.
     ///
-    #[doc = include_str!("example.md")]
-    /// # let folder = std::env::temp_dir().join(format!("sve-npy-{}", std::process::id()));
-    /// # std::fs::create_dir_all(&folder)?;
-    /// ensemble().run()?.to_npy(folder.join("oscillator.npy"))?;
-    /// # std::fs::remove_dir_all(&folder)?;
-    #[doc = include_str!("../example_end.md")]
-    ///
     /// # Errors
     /// If the file cannot be written; the error names its path, and nothing of the file remains.
     pub fn to_npy(&self, path: impl AsRef<Path>) -> io::Result<()> {

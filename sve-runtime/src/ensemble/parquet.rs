@@ -29,13 +29,6 @@ impl Summary {
     /// Writes the statistics as Parquet into a file; see [`write_parquet`](Self::write_parquet). The file is complete or not
     /// written at all: it replaces an existing one atomically.
     ///
-    #[doc = include_str!("example.md")]
-    /// # let folder = std::env::temp_dir().join(format!("sve-parquet-{}", std::process::id()));
-    /// # std::fs::create_dir_all(&folder)?;
-    /// ensemble().run()?.to_parquet(folder.join("oscillator.parquet"))?;
-    /// # std::fs::remove_dir_all(&folder)?;
-    #[doc = include_str!("../example_end.md")]
-    ///
     /// # Errors
     /// If the file cannot be written; the error names its path, and nothing of the file remains.
     pub fn to_parquet(&self, path: impl AsRef<Path>) -> io::Result<()> {
