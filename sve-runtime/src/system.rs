@@ -202,6 +202,16 @@ pub trait System {
         let _ = states;
         energies.fill(f64::NAN);
     }
+    /// Visits the second time derivatives of the constraints in motion with velocity `v` and without acceleration, in the order of [`CONSTRAINTS`](Self::CONSTRAINTS).
+    fn constraint_curvatures(
+        &self,
+        t: f64,
+        q: &FlatOf<Self>,
+        v: &VectorOf<Self>,
+        visit: &mut dyn FnMut(f64),
+    ) {
+        let _ = (t, q, v, visit);
+    }
 }
 
 #[diagnostic::do_not_recommend]
@@ -260,5 +270,15 @@ impl<S: System> System for &S {
     #[inline(always)]
     fn energy_lanes(&self, states: &StateLanesOf<S>, energies: &mut Lane) {
         (**self).energy_lanes(states, energies);
+    }
+
+    fn constraint_curvatures(
+        &self,
+        t: f64,
+        q: &FlatOf<S>,
+        v: &VectorOf<S>,
+        visit: &mut dyn FnMut(f64),
+    ) {
+        (**self).constraint_curvatures(t, q, v, visit);
     }
 }

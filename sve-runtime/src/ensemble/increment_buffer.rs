@@ -6,11 +6,11 @@
 use super::BLOCK_TILES;
 use super::path_noise::PathNoise;
 use crate::lanes::{Aligned, LANES, Lane};
-use crate::noise::lanes::{DistributionKind, fill};
+use crate::noise::lanes::{DistributionKind, Draw, fill};
 use crate::noise::refined_lanes::RefinedLanes;
 
 /// Number of steps whose increments are drawn at once, so that the overhead of a draw is small.
-pub(super) const BATCH: u64 = 16;
+pub(super) const BATCH: u64 = 32;
 
 /// Number of steps that share a block of the generator.
 const QUAD: u64 = 4;
@@ -71,15 +71,19 @@ impl<const M: usize> IncrementBuffer<M> {
     /// Draws the increments over whole steps of the source.
     fn draw(&mut self, distribution: DistributionKind, batch: u64) {
         let PathNoise { seed, largest, .. } = self.noise;
-        let scale = self.h.abs().sqrt();
-        let quads = self.values.chunks_exact_mut(BLOCK_TILES * M);
-        for (quad, values) in (batch * QUADS as u64..).zip(quads) {
-            let values = &mut values[..self.paths.len() * M];
-            fill(distribution, seed, &self.paths, quad, scale, M, values);
-            if largest < f64::INFINITY {
-                for dw in values.iter_mut().flat_map(|row| row.0.as_flattened_mut()) {
-                    *dw = dw.clamp(-largest, largest);
-                }
+        let draw = Draw {
+            distribution,
+            seed,
+            paths: &self.paths,
+            first_block: batch * QUADS as u64,
+            scale: self.h.abs().sqrt(),
+            processes: M,
+        };
+        let values = &mut self.values[..QUADS * self.paths.len() * M];
+        fill(&draw, values);
+        if largest < f64::INFINITY {
+            for dw in values.iter_mut().flat_map(|row| row.0.as_flattened_mut()) {
+                *dw = dw.clamp(-largest, largest);
             }
         }
     }
@@ -99,8 +103,15 @@ impl<const M: usize> IncrementBuffer<M> {
             let step = first >> depth;
             let quad = step / QUAD;
             if drawn.replace(quad) != Some(quad) {
-                let scale = whole_h.abs().sqrt();
-                fill(distribution, seed, &self.paths, quad, scale, M, &mut whole);
+                let draw = Draw {
+                    distribution,
+                    seed,
+                    paths: &self.paths,
+                    first_block: quad,
+                    scale: whole_h.abs().sqrt(),
+                    processes: M,
+                };
+                fill(&draw, &mut whole);
             }
             for (tile, paths) in self.paths.iter().enumerate() {
                 let lanes = RefinedLanes {
@@ -116,7 +127,7 @@ impl<const M: usize> IncrementBuffer<M> {
                     lanes.fill(step, process, of_step, part, halves);
                     for (fine, dw) in (first..).zip(halves) {
                         let quad = (fine % BATCH / QUAD) as usize;
-                        let row = &mut self.values[(quad * BLOCK_TILES + tile) * M + process];
+                        let row = &mut self.values[(quad * self.paths.len() + tile) * M + process];
                         row.0[(fine % QUAD) as usize] = *dw;
                     }
                 }
@@ -128,7 +139,7 @@ impl<const M: usize> IncrementBuffer<M> {
     #[inline(always)]
     pub(super) fn of(&self, tile: usize, step: u64) -> Aligned<[Lane; M]> {
         let quad = (step % BATCH / QUAD) as usize;
-        let values = &self.values[(quad * BLOCK_TILES + tile) * M..][..M];
+        let values = &self.values[(quad * self.paths.len() + tile) * M..][..M];
         Aligned(core::array::from_fn(|process| {
             values[process].0[(step % QUAD) as usize]
         }))
@@ -191,5 +202,6 @@ mod tests {
         }
         refined_increments_are_those_of_single_paths::<3>(2);
         refined_increments_are_those_of_single_paths::<6>(5);
+        refined_increments_are_those_of_single_paths::<19>(3);
     }
 }

@@ -3,9 +3,9 @@
 //! Input: the increments over whole steps in lanes, and a range of parts of these steps. Output: the increments over the parts.
 //! Invariant: each increment has the bits that [`Refined`](super::Refined) gives for its path.
 
-use super::box_muller;
+use super::box_muller::{self, Workspace};
 use super::bridge::{self, DyadicInterval, two_to};
-use crate::lanes::dispatch::{Kernel, dispatch};
+use crate::lanes::dispatch::{VectorKernel, dispatch_vectors};
 use crate::lanes::{LANES, Lane};
 
 /// The refined paths in the lanes of a tile.
@@ -55,7 +55,7 @@ impl RefinedLanes<'_> {
     /// Returns the increments over both halves of an interval.
     fn halves(&self, interval: DyadicInterval, process: usize, whole: &Lane) -> [Lane; 2] {
         let mut halves = [[0.0; LANES]; 2];
-        dispatch(Split {
+        dispatch_vectors(Split {
             paths: self,
             interval,
             process,
@@ -87,11 +87,11 @@ struct Split<'a> {
     halves: &'a mut [Lane; 2],
 }
 
-impl Kernel for Split<'_> {
+impl VectorKernel for Split<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<const AVX512: bool>(self) {
         let RefinedLanes {
             seed,
             paths,
@@ -102,7 +102,8 @@ impl Kernel for Split<'_> {
         let group = self.process as u64 / 4;
         let words = |lane: usize| bridge::words(seed, paths[lane], self.interval, group);
         let mut normals = [[0.0; LANES]; 4];
-        box_muller::fill_lanes::<true>(words, scale, &mut normals);
+        let mut work = Workspace::new();
+        box_muller::fill_lanes::<LANES, AVX512>(words, scale, &mut work, &mut normals);
         let [left, right] = self.halves;
         for lane in 0..LANES {
             let deviation = normals[self.process % 4][lane];
