@@ -2,12 +2,13 @@
 
 use crate::configuration::FlatConfiguration;
 use crate::noise::NoiseError;
+use crate::readable::debug_is_display;
 use crate::solve::SolveError;
 use crate::state::State;
 use crate::time::is_next_time;
 
 /// Why a step could not be made. The state it was given is unchanged.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum StepError {
@@ -323,6 +324,49 @@ pub enum StepError {
         /// How many numbers the snapshot has.
         numbers: usize,
     },
+    /// A time at which a state is to be saved is not ahead of the trajectory.
+    #[error(
+        "a state at t = {t} is to be saved, and the trajectory is at t = {after} and goes on with h = {h}: \
+         give finite times in the order in which it reaches them, none before its start"
+    )]
+    TimeOrder {
+        /// The time.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// The time that the trajectory has reached.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        after: f64,
+        /// The step size.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        h: f64,
+    },
+    /// A time at which a state is to be saved is within a step of which no part can be made.
+    #[error("{}", within_step(*t, *from, *h, *stages))]
+    WithinStep {
+        /// The time.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        from: f64,
+        /// Step size.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        h: f64,
+        /// Number of increments of a process in a step: 1, or the stages of a rule with stage noise.
+        stages: usize,
+    },
+    /// A recorded path ends before a time at which a state is to be saved.
+    #[error(
+        "the recorded path ends at t = {end}, and a state at t = {t} is to be saved: record more steps, or end before"
+    )]
+    PathEnded {
+        /// The time.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Time at the end of the path.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        end: f64,
+    },
     /// A function whose zeros are events is not finite.
     #[error(
         "function {number} of the events (from 0) is {value} at t = {t}: its sign is not known there; give a function that is finite wherever the motion leads"
@@ -381,6 +425,8 @@ pub enum StepError {
     },
 }
 
+debug_is_display!(StepError);
+
 /// The message of [`StepError::Time`].
 fn no_time(t: f64, h: f64, end: f64) -> String {
     if end.is_finite() {
@@ -392,6 +438,21 @@ fn no_time(t: f64, h: f64, end: f64) -> String {
     }
     format!(
         "the step from t = {t} with h = {h:e} ends at t = {end}: take a smaller h, or fewer steps"
+    )
+}
+
+/// The message of [`StepError::WithinStep`].
+fn within_step(t: f64, from: f64, h: f64, stages: usize) -> String {
+    let what = format!(
+        "a state at t = {t} is to be saved, within the step from t = {from} with h = {h}, and"
+    );
+    if stages > 1 {
+        return format!(
+            "{what} increments at {stages} stages belong to whole steps: give times of whole steps, or use the rule without stage noise"
+        );
+    }
+    format!(
+        "{what} this noise does not know its path within a step: give times of whole steps, or a noise that does, such as `Wiener`"
     )
 }
 

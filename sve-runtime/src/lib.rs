@@ -47,8 +47,11 @@
 //! | describe a system | [`#[variational(…)]`](macro@variational) |
 //! | choose a rule | [`InitialPoint`], [`Endpoint`], [`Midpoint`], [`StormerVerlet`], [`Gauss`], [`Taylor2`], with the options [`StageNoise`] and [`Weak2`] |
 //! | compose steps of rules to a rule of a higher order | [`Composed`], [`Split`] |
+//! | begin with a velocity, or a configuration | [`State::from_velocity`], [`State::from_configuration`] |
+//! | change a parameter between steps | [`Integrator::system_mut`] |
 //! | make steps | [`Integrator`] with `step` and `trajectory`, [`State`]; [`Method`] is common to integrators and baselines |
 //! | know what the `q` of a state may be | [`Configuration`]; vectors, matrices and rotations are those of [`nalgebra`] |
+//! | save every n-th state, states at given times, or all up to a time | [`Trajectory::every`], [`Trajectory::at`], [`Trajectory::until`] |
 //! | find sections and events along a trajectory | [`Trajectory::crossings`], [`Trajectory::stop_at`], [`Trajectory::change_at`] |
 //! | average along a path, with the error of the average | [`Blocking`]; [`Mechanics::temperature`]; of many paths `Ensemble::average` |
 //! | store a trajectory and continue it | [`Trajectory::snapshot`], [`Method::resume`]; [`from_step`](noise::Replayable::from_step) enters a noise at a step |
@@ -112,6 +115,7 @@ mod observed;
 mod parameter;
 mod plan;
 mod power;
+mod readable;
 mod rules;
 mod solve;
 mod state;
@@ -271,7 +275,7 @@ pub use system::{
 };
 #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
 pub use system::{IncrementLanesOf, StateLanesOf};
-pub use trajectory::{Events, RefinedTrajectory, Refinements, Snapshot, Trajectory};
+pub use trajectory::{Events, RefinedTrajectory, Refinements, Saved, Snapshot, Trajectory};
 pub use variational::{ConstraintImpulses, DerivedFor, Discretised, Memory, Variational};
 
 /// The items that a program imports to integrate a system: `use sve_runtime::prelude::*;`.

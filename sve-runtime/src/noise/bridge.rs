@@ -235,6 +235,18 @@ impl Noise for Refined {
         dw.copy_from_slice(&self.increments[leaf..][..self.processes]);
         Ok(())
     }
+
+    fn halves_if_known(
+        &self,
+        interval: DyadicInterval,
+        h: f64,
+        whole: &[f64],
+        left: &mut [f64],
+        right: &mut [f64],
+    ) -> bool {
+        self.halves_of(interval, h, whole, left, right);
+        true
+    }
 }
 
 /// An interval of a step of `h / 2^depth` is one of the path itself. Below intervals of level 63 the path is linear.

@@ -9,16 +9,21 @@ use super::NoiseError;
 use super::distribution::{self, Distribution, block_of};
 use super::error::check_step;
 
+/// Number of processes whose increments are kept. Those of further processes are drawn in each step, which costs four times as much.
+const KEPT: usize = 8;
+
 /// A path with increments of a distribution.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct CounterPath<D> {
     pub(super) seed: u64,
     pub(super) path: u64,
     distribution: PhantomData<D>,
     /// The block of four steps that `increments` belongs to, and their step size.
     block: Option<(u64, f64)>,
-    /// The increments of four steps for each process.
-    increments: Vec<[f64; 4]>,
+    /// Number of processes whose increments are in `increments`.
+    processes: usize,
+    /// The increments of four steps for each process. A row in place, so that a path is `Copy`.
+    increments: [[f64; 4]; KEPT],
 }
 
 impl<D: Distribution> CounterPath<D> {
@@ -28,15 +33,15 @@ impl<D: Distribution> CounterPath<D> {
             path: 0,
             distribution: PhantomData,
             block: None,
-            increments: Vec::new(),
+            processes: 0,
+            increments: [[0.0; 4]; KEPT],
         }
     }
 
-    pub(super) fn path(self, path: u64) -> Self {
+    pub(super) fn path(&self, path: u64) -> Self {
         Self {
             path,
-            block: None,
-            ..self
+            ..Self::new(self.seed)
         }
     }
 
@@ -53,14 +58,34 @@ impl<D: Distribution> CounterPath<D> {
         h: f64,
         dw: &mut [f64],
     ) -> Result<(), NoiseError> {
-        let (block, at) = block_of(step);
-        if self.block != Some((block, h)) || self.increments.len() < dw.len() {
-            self.fill(block, dw.len(), h)?;
-        }
+        self.keep(step, h, dw.len())?;
+        let (_, at) = block_of(step);
         for (dw, four) in dw.iter_mut().zip(&self.increments) {
             *dw = four[at];
         }
+        for process in KEPT..dw.len() {
+            dw[process] = self.increment(step, process, h);
+        }
         Ok(())
+    }
+
+    /// Keeps the increments of the block of a step, of as many processes as there is room for.
+    #[inline]
+    pub(super) fn keep(&mut self, step: u64, h: f64, processes: usize) -> Result<(), NoiseError> {
+        let (block, _) = block_of(step);
+        let processes = processes.min(KEPT);
+        if self.block != Some((block, h)) || self.processes < processes {
+            self.fill(block, processes, h)?;
+        }
+        Ok(())
+    }
+
+    /// Returns an increment of a step that was given to [`keep`](Self::keep) last.
+    pub(super) fn kept(&self, step: u64, process: usize, h: f64) -> f64 {
+        match self.increments.get(process) {
+            Some(four) => four[block_of(step).1],
+            None => self.increment(step, process, h),
+        }
     }
 
     /// Returns the increments of one process over the four steps of a block.
@@ -72,10 +97,8 @@ impl<D: Distribution> CounterPath<D> {
     fn fill(&mut self, block: u64, processes: usize, h: f64) -> Result<(), NoiseError> {
         check_step(h)?;
         let scale = h.abs().sqrt();
-        if self.increments.len() < processes {
-            self.increments.resize(processes, [0.0; 4]);
-        }
-        for process in 0..self.increments.len() {
+        self.processes = self.processes.max(processes);
+        for process in 0..self.processes {
             self.increments[process] = self.draw(block, process, scale);
         }
         self.block = Some((block, h));
@@ -85,7 +108,7 @@ impl<D: Distribution> CounterPath<D> {
 
 #[cfg(test)]
 mod tests {
-    use super::CounterPath;
+    use super::{CounterPath, KEPT};
     use crate::noise::distribution::{Distribution, Normal, ThreePoints};
     use crate::noise::threefry;
 
@@ -106,17 +129,26 @@ mod tests {
     }
 
     #[test]
-    fn a_path_keeps_its_block_and_its_memory() {
+    fn a_path_keeps_its_block() {
         let mut path = CounterPath::<Normal>::new(1);
         let mut dw = [0.0; 3];
-        path.increments(8, 0.1, &mut dw).unwrap();
-        let memory = path.increments.as_ptr();
-        for step in [9, 10, 11, 12, 0, u64::MAX] {
+        for step in [8, 9, 10, 11, 12, 0, u64::MAX] {
             path.increments(step, 0.1, &mut dw).unwrap();
             assert_eq!(path.block, Some((step / 4, 0.1)));
-            assert_eq!(path.increments.as_ptr(), memory);
         }
         path.increments(u64::MAX, 0.1, &mut dw[..1]).unwrap();
-        assert_eq!(path.increments.len(), 3);
+        assert_eq!(path.processes, 3);
+    }
+
+    #[test]
+    fn processes_beyond_those_kept_have_their_own_increments() {
+        let mut path = CounterPath::<Normal>::new(1);
+        let mut dw = [0.0; 2 * KEPT + 3];
+        for (step, processes) in [(3, 2), (3, dw.len()), (4, dw.len()), (5, KEPT), (9, 1)] {
+            path.increments(step, 0.1, &mut dw[..processes]).unwrap();
+            for (process, &dw) in dw[..processes].iter().enumerate() {
+                assert_eq!(dw, path.increment(step, process, 0.1));
+            }
+        }
     }
 }

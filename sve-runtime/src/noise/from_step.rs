@@ -95,6 +95,18 @@ impl<W: Noise> Noise for FromStep<W> {
             None => Err(NoiseError::StepNumber { step, first }),
         }
     }
+
+    fn halves_if_known(
+        &self,
+        interval: DyadicInterval,
+        h: f64,
+        whole: &[f64],
+        left: &mut [f64],
+        right: &mut [f64],
+    ) -> bool {
+        let interval = interval.later(self.first);
+        self.noise.halves_if_known(interval, h, whole, left, right)
+    }
 }
 
 impl<W: Halves> Halves for FromStep<W> {

@@ -22,26 +22,16 @@ impl Distribution for HigherCoefficients {
 }
 
 /// The higher coefficients of a path.
-#[derive(Clone, Debug)]
-pub(super) struct StagePath {
-    higher: CounterPath<HigherCoefficients>,
-    /// The coefficients of a step, so that a step allocates nothing.
-    coefficients: Vec<f64>,
-}
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StagePath(CounterPath<HigherCoefficients>);
 
 impl StagePath {
     pub(super) fn new(seed: u64) -> Self {
-        Self {
-            higher: CounterPath::new(seed),
-            coefficients: Vec::new(),
-        }
+        Self(CounterPath::new(seed))
     }
 
-    pub(super) fn path(self, path: u64) -> Self {
-        Self {
-            higher: self.higher.path(path),
-            ..self
-        }
+    pub(super) fn path(&self, path: u64) -> Self {
+        Self(self.0.path(path))
     }
 
     /// Fills `dw` with the increments at the stages of a step. `whole` gives the increments over the step.
@@ -57,12 +47,13 @@ impl StagePath {
             return Err(NoiseError::NoStages { stages });
         }
         let processes = dw.len() / stages;
-        self.coefficients.resize(dw.len(), 0.0);
-        let (first, higher) = self.coefficients.split_at_mut(processes);
-        whole.increments(step, h, first)?;
-        self.higher.increments(step, h, higher)?;
+        whole.keep(step, h, processes)?;
+        self.0.keep(step, h, dw.len() - processes)?;
         for (process, parts) in dw.chunks_exact_mut(stages).enumerate() {
-            let coefficient = |k: usize| self.coefficients[k * processes + process];
+            let coefficient = |k: usize| match k.checked_sub(1) {
+                None => whole.kept(step, process, h),
+                Some(above) => self.0.kept(step, above * processes + process, h),
+            };
             stage_noise::from_coefficients(coefficient, parts);
         }
         Ok(())

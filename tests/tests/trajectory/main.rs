@@ -1,6 +1,7 @@
 //! A trajectory has the bits of repeated steps. Its times are rounded once, and it ends at an error or at the end of its noise.
 
 mod continued;
+mod saved;
 
 use sve_models::case::Case;
 use sve_models::oracle::{cases, kubo, mixed, oscillator, pendulum};
