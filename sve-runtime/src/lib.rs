@@ -52,6 +52,7 @@
 //! | make steps | [`Integrator`] with `step` and `trajectory`, [`State`]; [`Method`] is common to integrators and baselines |
 //! | know what the `q` of a state may be | [`Configuration`]; vectors, matrices and rotations are those of [`nalgebra`] |
 //! | save every n-th state, states at given times, or all up to a time | [`Trajectory::every`], [`Trajectory::at`], [`Trajectory::until`] |
+//! | write states, as CSV, for `NumPy`, as Parquet | [`Saved::to_csv`], [`StateTable`] |
 //! | find sections and events along a trajectory | [`Trajectory::crossings`], [`Trajectory::stop_at`], [`Trajectory::change_at`] |
 //! | average along a path, with the error of the average | [`Blocking`]; [`Mechanics::temperature`]; of many paths `Ensemble::average` |
 //! | store a trajectory and continue it | [`Trajectory::snapshot`], [`Method::resume`]; [`from_step`](noise::Replayable::from_step) enters a noise at a step |
@@ -83,7 +84,7 @@
 //! | `progress` | a bar that shows how far an ensemble is |
 //! | `checkpoint` | ensembles that are stopped and continued |
 //! | `distributed` | ensembles whose blocks another program distributes over processes, as the package `sve-mpi` does |
-//! | `npy`, `parquet` | statistics of ensembles in these formats |
+//! | `npy`, `parquet` | statistics of ensembles, and states of trajectories and paths, in these formats |
 //! | `serde` | states, snapshots of trajectories, errors and summaries can be serialised |
 //! | `study` | `study::Study`: errors, orders and times of several methods on one problem; with `ensemble` |
 
@@ -98,8 +99,6 @@ mod degenerate;
 pub mod ensemble;
 mod equations;
 mod error;
-#[cfg(feature = "ensemble")]
-mod file;
 #[cfg(feature = "serde")]
 mod floats;
 mod gauss;
@@ -122,6 +121,7 @@ mod state;
 #[cfg(feature = "study")]
 pub mod study;
 mod system;
+mod table;
 mod time;
 mod trajectory;
 mod variational;
@@ -275,6 +275,7 @@ pub use system::{
 };
 #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
 pub use system::{IncrementLanesOf, StateLanesOf};
+pub use table::{SaveError, StateTable};
 pub use trajectory::{Events, RefinedTrajectory, Refinements, Saved, Snapshot, Trajectory};
 pub use variational::{ConstraintImpulses, DerivedFor, Discretised, Memory, Variational};
 

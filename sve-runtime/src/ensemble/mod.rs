@@ -9,7 +9,7 @@
 
 #[cfg(feature = "checkpoint")]
 mod checkpoint;
-mod csv;
+mod columns;
 #[cfg(feature = "distributed")]
 mod distribution;
 mod edges;
@@ -23,13 +23,10 @@ mod increment_buffer;
 mod integral;
 mod merge_tree;
 mod moments;
-#[cfg(feature = "npy")]
-mod npy;
 mod observe;
-#[cfg(feature = "parquet")]
-mod parquet;
 mod path_block;
 mod path_noise;
+mod path_table;
 mod points;
 mod progress;
 mod record;

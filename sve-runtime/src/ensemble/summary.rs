@@ -92,7 +92,7 @@ impl Summary {
             .collect();
         let bins = self.info.histograms.iter().zip(node.histograms);
         self.histograms = bins
-            .map(|(request, bins)| Histogram::new(request.clone(), bins))
+            .map(|(request, bins)| Histogram::new(request.clone(), bins, &self.info.times))
             .collect();
         self.counts = node.counts;
         self.failed = node.failed;

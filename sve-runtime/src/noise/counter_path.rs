@@ -58,8 +58,11 @@ impl<D: Distribution> CounterPath<D> {
         h: f64,
         dw: &mut [f64],
     ) -> Result<(), NoiseError> {
-        self.keep(step, h, dw.len())?;
-        let (_, at) = block_of(step);
+        let (block, at) = block_of(step);
+        let kept = dw.len().min(KEPT);
+        if self.block != Some((block, h)) || self.processes < kept {
+            self.fill(block, kept, h)?;
+        }
         for (dw, four) in dw.iter_mut().zip(&self.increments) {
             *dw = four[at];
         }
@@ -67,25 +70,6 @@ impl<D: Distribution> CounterPath<D> {
             dw[process] = self.increment(step, process, h);
         }
         Ok(())
-    }
-
-    /// Keeps the increments of the block of a step, of as many processes as there is room for.
-    #[inline]
-    pub(super) fn keep(&mut self, step: u64, h: f64, processes: usize) -> Result<(), NoiseError> {
-        let (block, _) = block_of(step);
-        let processes = processes.min(KEPT);
-        if self.block != Some((block, h)) || self.processes < processes {
-            self.fill(block, processes, h)?;
-        }
-        Ok(())
-    }
-
-    /// Returns an increment of a step that was given to [`keep`](Self::keep) last.
-    pub(super) fn kept(&self, step: u64, process: usize, h: f64) -> f64 {
-        match self.increments.get(process) {
-            Some(four) => four[block_of(step).1],
-            None => self.increment(step, process, h),
-        }
     }
 
     /// Returns the increments of one process over the four steps of a block.

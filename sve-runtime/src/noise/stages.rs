@@ -21,6 +21,9 @@ impl Distribution for HigherCoefficients {
     }
 }
 
+/// Number of increments in a step up to which a step allocates nothing: eight processes at eight stages.
+const FEW: usize = 64;
+
 /// The higher coefficients of a path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StagePath(CounterPath<HigherCoefficients>);
@@ -47,13 +50,18 @@ impl StagePath {
             return Err(NoiseError::NoStages { stages });
         }
         let processes = dw.len() / stages;
-        whole.keep(step, h, processes)?;
-        self.0.keep(step, h, dw.len() - processes)?;
+        let (mut few, mut many) = ([0.0; FEW], Vec::new());
+        let coefficients = if dw.len() <= FEW {
+            &mut few[..dw.len()]
+        } else {
+            many.resize(dw.len(), 0.0);
+            &mut many[..]
+        };
+        let (first, higher) = coefficients.split_at_mut(processes);
+        whole.increments(step, h, first)?;
+        self.0.increments(step, h, higher)?;
         for (process, parts) in dw.chunks_exact_mut(stages).enumerate() {
-            let coefficient = |k: usize| match k.checked_sub(1) {
-                None => whole.kept(step, process, h),
-                Some(above) => self.0.kept(step, above * processes + process, h),
-            };
+            let coefficient = |k: usize| coefficients[k * processes + process];
             stage_noise::from_coefficients(coefficient, parts);
         }
         Ok(())

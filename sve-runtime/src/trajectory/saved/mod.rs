@@ -4,6 +4,7 @@
 //! a step is computed apart, by a step of a part of the length, and the trajectory goes on as if there were none.
 
 mod search;
+mod write;
 
 use core::borrow::Borrow;
 use core::ops::Deref;
@@ -25,6 +26,8 @@ use crate::time::WrittenTimes;
 /// to know its path within steps, as [`Wiener`](crate::noise::Wiener) and [`NoNoise`](crate::noise::NoNoise) do ([`Halves`]); for other sources, and for a rule with [stage noise](crate::StageNoise), the item is an error that says
 /// so. A time that is that of a whole step up to rounding is one.
 ///
+/// [`to_csv`](Self::to_csv), `to_npy` and `to_parquet` write the states, with the names of the coordinates; [`table`](Self::table) returns them.
+///
 /// It dereferences to the trajectory, which is after the last whole step.
 #[derive(Debug)]
 pub struct Saved<T> {
@@ -45,7 +48,7 @@ enum Wanted {
     Times(VecDeque<f64>),
 }
 
-impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
+impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
     /// Saves the state that the trajectory is at, and every `n`-th state after it.
     ///
     /// ```
@@ -141,7 +144,7 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     }
 }
 
-impl<'a, I: Method, W: Halves> RefinedTrajectory<'a, I, W> {
+impl<I: Method, W: Halves> RefinedTrajectory<'_, I, W> {
     /// Saves the state that the trajectory is at, and every `n`-th state after it; see [`Trajectory::every`].
     ///
     /// # Panics
