@@ -113,7 +113,7 @@ impl Wiener {
     /// use sve_runtime::noise::{Recorded, Wiener};
     ///
     /// let path = Wiener::new(42);
-    /// let fine = Recorded::record(path.clone().refine(3)?, 0.1 / 8.0, 1, 800)?;
+    /// let fine = Recorded::record(path.refine(3)?, 0.1 / 8.0, 1, 800)?;
     /// let coarse = fine.coarsen(8)?;
     /// for step in 0..100 {
     ///     let dw = coarse.get(step).unwrap()[0];

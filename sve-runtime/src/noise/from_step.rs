@@ -26,7 +26,7 @@ use super::{
 /// # fn main() -> Result<(), StepError> {
 /// let oscillator = Integrator::new(Oscillator { sigma: 1.0 }, Endpoint);
 /// let (h, noise) = (0.125, Wiener::new(1).path(3));
-/// let mut whole = oscillator.trajectory(State::new([1.0], [0.0]), h, noise.clone());
+/// let mut whole = oscillator.trajectory(State::new([1.0], [0.0]), h, noise);
 /// let middle = whole.nth(39).unwrap()?;
 /// // without `from_step` the increments of the first 40 steps would be repeated
 /// let mut rest = oscillator.trajectory(middle, h, noise.from_step(40));

@@ -76,7 +76,7 @@ fn times_of_whole_steps_are_whole_steps() {
         check(state, &whole[k - 1], state.t);
     }
     // borrowed times too
-    assert_eq!(path().at(&wanted.to_vec()).count(), 5);
+    assert_eq!(path().at(wanted.iter()).count(), 5);
 }
 
 /// At the middle of a step the increment is that of the first half.
