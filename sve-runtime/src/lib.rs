@@ -99,6 +99,7 @@ mod degenerate;
 pub mod ensemble;
 mod equations;
 mod error;
+mod file;
 #[cfg(feature = "serde")]
 mod floats;
 mod gauss;

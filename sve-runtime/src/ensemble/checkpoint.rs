@@ -166,7 +166,7 @@ impl CheckpointFile {
         let content =
             postcard::to_stdvec(&contents).map_err(|e| failed(path, io::Error::other(e)))?;
         let header = header(&content);
-        crate::table::file::write(path, |to| {
+        crate::file::write(path, |to| {
             to.write_all(&header)?;
             to.write_all(&content)
         })

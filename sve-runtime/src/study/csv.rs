@@ -115,9 +115,7 @@ pub fn to_csv(path: impl AsRef<Path>, records: &[Record]) -> Result<(), StudyErr
     let path = path.as_ref();
     let mut text = Vec::new();
     write_csv(&mut text, records)?;
-    Ok(crate::table::file::write(path, |file| {
-        file.write_all(&text)
-    })?)
+    Ok(crate::file::write(path, |file| file.write_all(&text))?)
 }
 
 /// Reads records that [`write_csv`] or another program wrote. The columns can have any order. The columns `problem` and `method` are

@@ -4,7 +4,6 @@
 //! the functions of `table_writers`.
 
 mod csv;
-pub(crate) mod file;
 #[cfg(feature = "npy")]
 mod npy;
 #[cfg(feature = "parquet")]
@@ -61,7 +60,7 @@ macro_rules! table_writers {
             /// # Errors
             /// If the file cannot be written; the error names its path, and nothing of the file remains.
             pub fn to_csv(&self, path: impl AsRef<::std::path::Path>) -> ::std::io::Result<()> {
-                $crate::table::file::write(path.as_ref(), |file| self.write_csv(file))
+                $crate::file::write(path.as_ref(), |file| self.write_csv(file))
             }
 
             #[doc = concat!("Writes ", $what, " as a structured array of `NumPy`, whose fields are the columns of [`write_csv`](Self::write_csv): `numpy.load(\"x.npy\")[\"t\"]`.")]
@@ -83,7 +82,7 @@ macro_rules! table_writers {
             /// If the file cannot be written; the error names its path, and nothing of the file remains.
             #[cfg(feature = "npy")]
             pub fn to_npy(&self, path: impl AsRef<::std::path::Path>) -> ::std::io::Result<()> {
-                $crate::table::file::write(path.as_ref(), |file| self.write_npy(file))
+                $crate::file::write(path.as_ref(), |file| self.write_npy(file))
             }
 
             #[doc = concat!("Writes ", $what, " as Parquet, with the columns of [`write_csv`](Self::write_csv), all of them required.")]
@@ -105,7 +104,7 @@ macro_rules! table_writers {
             /// If the file cannot be written; the error names its path, and nothing of the file remains.
             #[cfg(feature = "parquet")]
             pub fn to_parquet(&self, path: impl AsRef<::std::path::Path>) -> ::std::io::Result<()> {
-                $crate::table::file::write(path.as_ref(), |file| self.write_parquet(file))
+                $crate::file::write(path.as_ref(), |file| self.write_parquet(file))
             }
         }
     };

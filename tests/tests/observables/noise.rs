@@ -16,10 +16,7 @@ fn sections_can_be_replayed() {
         section.stop_at(|_, s| s.t - 150.0).map(Result::unwrap)
     };
     let all: Vec<_> = section(noise).collect();
-    assert!(
-        all.iter()
-            .eq(section(noise).collect::<Vec<_>>().iter())
-    );
+    assert!(all.iter().eq(section(noise).collect::<Vec<_>>().iter()));
     assert_ne!(all, section(Wiener::new(11).path(4)).collect::<Vec<_>>());
     // another function beside it does not move the path
     let beside = motion

@@ -47,9 +47,7 @@ fn what_is_carried_is_stored_too() {
     let oscillator = Integrator::new(oscillator(), Endpoint);
     let start = State::at(0.3, [1.0], [0.2]);
     let noise = Wiener::new(8);
-    let mut whole = oscillator
-        .trajectory(start, 1e-3, noise)
-        .compensated();
+    let mut whole = oscillator.trajectory(start, 1e-3, noise).compensated();
     let mut plain = oscillator.trajectory(start, 1e-3, noise);
     (0..1000).for_each(|_| drop((whole.next(), plain.next())));
     let text = serde_json::to_string(&whole.snapshot()).unwrap();
