@@ -11,7 +11,7 @@
 mod along;
 #[cfg(feature = "checkpoint")]
 mod checkpoint;
-mod csv;
+mod columns;
 #[cfg(feature = "distributed")]
 mod distribution;
 mod edges;
@@ -27,15 +27,12 @@ mod integral;
 mod memory;
 mod merge_tree;
 mod moments;
-#[cfg(feature = "npy")]
-mod npy;
 mod observe;
 mod packing;
-#[cfg(feature = "parquet")]
-mod parquet;
 mod passage;
 mod path_block;
 mod path_noise;
+mod path_table;
 mod points;
 mod progress;
 mod record;

@@ -100,7 +100,7 @@ impl Summary {
             .collect();
         let bins = self.info.histograms.iter().zip(node.histograms);
         self.histograms = bins
-            .map(|(request, bins)| Histogram::new(request.clone(), bins))
+            .map(|(request, bins)| Histogram::new(request.clone(), bins, &self.info.times))
             .collect();
         let paths = self.paths();
         let passages = self.info.passages.iter().zip(node.passages);

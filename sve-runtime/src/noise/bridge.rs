@@ -113,7 +113,7 @@ impl Wiener {
     /// use sve_runtime::noise::{Recorded, Wiener};
     ///
     /// let path = Wiener::new(42);
-    /// let fine = Recorded::record(path.clone().refine(3)?, 0.1 / 8.0, 1, 800)?;
+    /// let fine = Recorded::record(path.refine(3)?, 0.1 / 8.0, 1, 800)?;
     /// let coarse = fine.coarsen(8)?;
     /// for step in 0..100 {
     ///     let dw = coarse.get(step).unwrap()[0];
@@ -245,6 +245,18 @@ impl Noise for Refined {
         let leaf = self.depth as usize * self.processes;
         dw.copy_from_slice(&self.increments[leaf..][..self.processes]);
         Ok(())
+    }
+
+    fn halves_if_known(
+        &self,
+        interval: DyadicInterval,
+        h: f64,
+        whole: &[f64],
+        left: &mut [f64],
+        right: &mut [f64],
+    ) -> bool {
+        self.halves_of(interval, h, whole, left, right);
+        true
     }
 }
 

@@ -23,7 +23,7 @@ pub struct Refinements {
 ///
 /// It dereferences to the [`Trajectory`], for its state, snapshot and counts.
 pub struct RefinedTrajectory<'a, I: OneStepMethod, W> {
-    trajectory: Trajectory<'a, I, W>,
+    pub(super) trajectory: Trajectory<'a, I, W>,
     depth: u32,
 }
 

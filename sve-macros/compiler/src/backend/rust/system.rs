@@ -64,6 +64,7 @@ pub(crate) fn system(
     let identity = identity(model, arena, &private);
     let roles = model.degeneracy.as_ref().map(|d| roles(d, &private));
     let parameters = model.symbols.parameters().map(|s| model.symbols.source(s));
+    let (coordinates, momenta) = (&model.names.configuration, &model.names.momenta);
     // the user's functions are not called by what is derived from them, and yet are not dead
     let parts = [
         &block.noises,
@@ -88,6 +89,8 @@ pub(crate) fn system(
             const AFFINE_MOMENTUM: bool = #affine_momentum;
             #roles
             const PARAMETERS: &'static [&'static str] = &[#(#parameters),*];
+            const COORDINATES: &'static [&'static str] = &[#(#coordinates),*];
+            const MOMENTA: &'static [&'static str] = &[#(#momenta),*];
             #identity
             #jet_doc
             #[inline]
