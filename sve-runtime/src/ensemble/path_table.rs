@@ -66,7 +66,8 @@ where
         let steps: Vec<u64> = (0..settings.records)
             .map(|record| settings.step_of(record))
             .collect();
-        let mut block = PathBlock::new(settings, path / BLOCK_PATHS, Some(path))?;
+        let first = path / BLOCK_PATHS;
+        let mut block = PathBlock::new(settings, first..first + 1, Some(path))?;
         for step in steps {
             block.advance(step);
             block.observe_all();
