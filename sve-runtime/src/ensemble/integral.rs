@@ -28,6 +28,20 @@ pub(super) enum Kind {
     Weighted,
     /// Its average over time.
     Average,
+    /// A derivative: the numbers of the function and of the quantity.
+    Slope(usize, usize),
+}
+
+impl Kind {
+    /// Returns the number by which a fingerprint knows the kind.
+    pub(super) fn number(self) -> u64 {
+        match self {
+            Self::Value => 0,
+            Self::Weighted => 1,
+            Self::Average => 2,
+            Self::Slope(..) => 3,
+        }
+    }
 }
 
 /// A function that is integrated along each path.
@@ -207,6 +221,7 @@ where
         let tiles = self.tiles.len();
         match ensemble.kinds[observable] {
             Kind::Value => {}
+            Kind::Slope(function, direction) => self.slopes((function, direction), tile, values),
             Kind::Weighted if ensemble.weight.is_none() => {}
             Kind::Weighted => {
                 for (value, exponent) in values.iter_mut().zip(self.integrals[tile].sum) {

@@ -18,6 +18,7 @@ mod execution;
 mod failure;
 mod final_state;
 pub(crate) mod fingerprint;
+mod gradient;
 mod histogram;
 mod increment_buffer;
 mod integral;
@@ -51,6 +52,7 @@ pub use error::Damage;
 pub use error::{Difference, EnsembleError};
 pub use failure::{Cause, FAILURES_KEPT, Failure};
 pub use final_state::FinalState;
+pub use gradient::By;
 pub use starts::StartRng;
 pub use statistics::{Histogram, Statistics};
 pub use summary::Summary;
@@ -59,6 +61,7 @@ pub use warning::Warning;
 use core::fmt;
 use core::ops::{Bound, Range, RangeBounds};
 
+use self::gradient::Gradients;
 use self::histogram::HistogramRequest;
 use self::integral::Kind;
 use self::observe::{Closure, Observable};
@@ -136,6 +139,7 @@ pub struct Ensemble<'a, I: Method> {
     /// The step at which averages begin.
     settle: u64,
     share_paths: bool,
+    gradients: Gradients<'a, I>,
     histograms: Vec<HistogramRequest>,
     /// Observables with their least and greatest values.
     bounds: Vec<(String, [f64; 2])>,
@@ -173,6 +177,7 @@ where
             weight: None,
             settle: 0,
             share_paths: false,
+            gradients: Gradients::default(),
             histograms: Vec::new(),
             bounds: Vec::new(),
             keep_final_states: false,

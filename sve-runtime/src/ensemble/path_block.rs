@@ -5,6 +5,7 @@
 //! takes the scalar step whatever its neighbours do. The time after step `k` is `t₀ + k h`, rounded once.
 
 use super::failure::{Cause, Failure};
+use super::gradient::Tangents;
 use super::increment_buffer::{BATCH, IncrementBuffer};
 use super::integral::Integral;
 use super::settings::Settings;
@@ -22,8 +23,8 @@ use crate::time::time_after;
 /// A block of paths.
 pub(super) struct PathBlock<'a, I: Method, const N: usize, const M: usize> {
     pub(super) settings: Settings<'a, I>,
-    prepared: I::Prepared,
-    increments: IncrementBuffer<M>,
+    pub(super) prepared: I::Prepared,
+    pub(super) increments: IncrementBuffer<M>,
     pub(super) first_path: u64,
     /// Steps made.
     pub(super) step: u64,
@@ -31,6 +32,8 @@ pub(super) struct PathBlock<'a, I: Method, const N: usize, const M: usize> {
     pub(super) failures: Vec<Failure>,
     /// The integrals along the paths, by integrand and tile.
     pub(super) integrals: Vec<Integral>,
+    /// The tangent vectors of the paths, if there are gradients.
+    pub(super) tangents: Tangents<N>,
     /// Work space: the observables of a tile.
     pub(super) values: Vec<Lane>,
 }
@@ -51,6 +54,11 @@ impl<L> Tile<L> {
     /// The states reached so far.
     pub(super) fn states(&self) -> &L {
         &self.buffers[usize::from(self.current)]
+    }
+
+    /// The states before the last step. The lanes of paths that have failed have no meaning.
+    pub(super) fn states_before(&self) -> &L {
+        &self.buffers[usize::from(!self.current)]
     }
 
     fn states_mut(&mut self) -> &mut L {
@@ -96,6 +104,7 @@ where
             tiles: Vec::with_capacity(BLOCK_TILES),
             failures: Vec::new(),
             integrals: Vec::new(),
+            tangents: Tangents::new(&settings.ensemble.gradients),
             values: vec![[0.0; LANES]; settings.ensemble.names.len()],
         };
         let paths = first_path..path_at(block + 1, settings.paths);
@@ -168,13 +177,14 @@ where
             .or_else(|| p.find_map(|(i, p)| not_finite(format!("p[{i}]"), p)))
     }
 
-    /// Steps every active path until it has made so many steps, and integrates along it.
+    /// Steps every active path until it has made so many steps, integrates along it and carries its tangent vectors.
     pub(super) fn advance(&mut self, until: u64) {
-        if self.integrals.is_empty() {
+        if self.integrals.is_empty() && self.tangents.is_empty() {
             return self.advance_states(until);
         }
         while self.step < until {
             self.advance_states(self.step + 1);
+            self.advance_tangents();
             self.integrate();
         }
     }

@@ -6,10 +6,12 @@
 
 mod compensated;
 mod events;
+mod gradient;
 mod refined;
 mod snapshot;
 
 pub use events::Events;
+pub use gradient::{Adjoint, Gradient};
 pub use refined::{RefinedTrajectory, Refinements};
 pub use snapshot::Snapshot;
 

@@ -99,6 +99,28 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
                 ) -> ::core::result::Result<#private::DMatrix, #private::StepError> {
                     #fail
                 }
+                fn push_forward(
+                    &self,
+                    newton: &#private::Newton,
+                    prepared: &(),
+                    state: &mut #runtime::FlatStateOf<Self>,
+                    h: f64,
+                    dw: &[f64; #m],
+                    directions: #private::Directions<'_, [f64; #n]>,
+                ) -> ::core::result::Result<(), #private::StepError> {
+                    #fail
+                }
+                fn pull_back(
+                    &self,
+                    newton: &#private::Newton,
+                    prepared: &(),
+                    state: &#runtime::FlatStateOf<Self>,
+                    h: f64,
+                    dw: &[f64; #m],
+                    covector: #private::Covector<'_, [f64; #n]>,
+                ) -> ::core::result::Result<(), #private::StepError> {
+                    #fail
+                }
                 fn newton_iterations(
                     &self,
                     newton: &#private::Newton,

@@ -1,0 +1,474 @@
+//! The gradient of a function of the states along a path, by the discrete adjoint.
+//!
+//! Input: a trajectory, a number of steps and a loss. Output: the loss with its derivatives by the state at the start and by each parameter. Invariant: the derivatives
+//! are those of the steps as they are computed, so they agree with the tangent maps of the steps to rounding.
+//!
+//! The steps are walked backwards: λ ← Mᵀλ + ∂ℓ/∂x for the tangent map M of a step. The states that this needs are computed again from checkpoints, whose places minimise the
+//! number of times that a step is made (A. Griewank, A. Walther, *Algorithm 799: revolve*, ACM Trans. Math. Software 26, 2000).
+
+use core::cell::RefCell;
+use core::fmt;
+
+use super::Trajectory;
+use crate::configuration::VectorCoordinates;
+use crate::dual::{Dual, DualState, with_dual_state};
+use crate::error::StepError;
+use crate::linearisation::Covector;
+use crate::mechanics::Field;
+use crate::method::Differentiable;
+use crate::noise::Replayable;
+use crate::state::State;
+use crate::system::{Dims, Increments, System};
+use crate::time::{is_next_time, time_after};
+
+/// Steps of a trajectory along which a loss is differentiated, with the options of [`Trajectory::adjoint`].
+pub struct Adjoint<'a, I: Differentiable, W> {
+    trajectory: Trajectory<'a, I, W>,
+    steps: u64,
+    checkpoints: Option<usize>,
+    piece: u64,
+}
+
+impl<I: Differentiable, W> fmt::Debug for Adjoint<'_, I, W> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Adjoint")
+            .field("steps", &self.steps)
+            .field("checkpoints", &self.checkpoints)
+            .field("pieces_of", &self.piece)
+            .finish_non_exhaustive()
+    }
+}
+
+/// A loss with its derivatives, from [`Trajectory::gradient`]. `V` is the type of momenta.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gradient<V> {
+    loss: f64,
+    start: Field<V>,
+    names: &'static [&'static str],
+    /// Piece by piece, parameter by parameter.
+    parameters: Vec<f64>,
+}
+
+impl<V> Gradient<V> {
+    /// The loss.
+    pub fn loss(&self) -> f64 {
+        self.loss
+    }
+
+    /// The derivatives by the coordinates and momenta of the first state.
+    ///
+    /// Under constraints, and for a degenerate Lagrangian, they are derivatives along the states that are allowed.
+    pub fn start(&self) -> &Field<V> {
+        &self.start
+    }
+
+    /// Returns the derivative by a parameter, by its name in the source without `self`: `k`, `l[0]`, `body.mass`. `None` if L, the noises and the force have no such
+    /// parameter. The start stays as it is.
+    #[must_use]
+    pub fn get(&self, parameter: &str) -> Option<f64> {
+        Some(self.pieces(parameter)?.sum())
+    }
+
+    /// Returns the derivatives by the values that a parameter has in each [piece](Adjoint::pieces_of).
+    #[must_use]
+    pub fn pieces(&self, parameter: &str) -> Option<impl Iterator<Item = f64>> {
+        let number = self.names.iter().position(|&name| name == parameter)?;
+        Some(self.of(number))
+    }
+
+    /// Returns the parameters with their derivatives.
+    pub fn iter(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        let all = self.names.iter().enumerate();
+        all.map(|(number, &name)| (name, self.of(number).sum()))
+    }
+
+    fn of(&self, number: usize) -> impl Iterator<Item = f64> {
+        // without parameters there is no number
+        let rows = self.parameters.chunks_exact(self.names.len().max(1));
+        rows.map(move |row| row[number])
+    }
+}
+
+impl<'a, I, W, S, Q, const N: usize, const M: usize> Trajectory<'a, I, W>
+where
+    I: Differentiable<System = S>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: VectorCoordinates<N>,
+    W: Replayable,
+{
+    /// Returns a loss with its derivatives by the present state and by all parameters, along the next `steps` steps.
+    ///
+    /// The loss is the sum of the numbers that a function returns for the number of a state, from 0 for the present one, and the state, written with [dual numbers](Dual);
+    /// `None` where a state does not count. The price is about that of three times the steps and one linear system a step, for any number of parameters; see
+    /// [`adjoint`](Self::adjoint) for memory, and for parameters that are step functions of time. To differentiate by a few parameters only,
+    /// [`step_with_derivatives`](crate::Integrator::step_with_derivatives) goes forwards.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// struct Pendulum { g: f64, sigma: f64 }
+    ///
+    /// #[variational(midpoint)]
+    /// impl Pendulum {
+    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + self.g * q.cos() }
+    ///     #[gamma]
+    ///     fn push(&self, q: f64) -> f64 { self.sigma * q }
+    /// }
+    ///
+    /// # fn main() -> Result<(), StepError> {
+    /// let pendulum = Integrator::new(Pendulum { g: 9.8, sigma: 0.1 }, Midpoint);
+    /// let path = pendulum.trajectory(State::new([1.0], [0.0]), 0.01, Wiener::new(7));
+    /// let at_end = path.gradient(1000, |k, state| (k == 1000).then(|| state.q[0]))?;
+    /// println!("∂q/∂g = {:?}, ∂q/∂q₀ = {}", at_end.get("g"), at_end.start().q[0]);
+    ///
+    /// // squares of the distances to data, one in each ten steps
+    /// let data = |k: u64| (3.0 * 0.01 * k as f64).cos();
+    /// let path = pendulum.trajectory(State::new([1.0], [0.0]), 0.01, Wiener::new(7));
+    /// let fit = path.gradient(1000, |k, state| (k % 10 == 0).then(|| (state.q[0] - data(k)).powi(2)))?;
+    /// println!("{} {:?}", fit.loss(), fit.get("g"));
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// The steps are made without what a trajectory carries and without compensated sums, so that they agree with those of the trajectory to rounding. The noise is
+    /// asked for the increments of a step several times. Systems with rotations are excluded.
+    ///
+    /// # Errors
+    /// A [`StepError`] if a step fails, if the noise has no increments for it, or if its equations are singular; [`StepError::NonFiniteLoss`].
+    pub fn gradient(
+        self,
+        steps: u64,
+        loss: impl Fn(u64, &DualState<'_, N>) -> Option<Dual>,
+    ) -> Result<Gradient<Q::Momentum>, StepError> {
+        self.adjoint(steps).gradient(loss)
+    }
+
+    /// Returns the next `steps` steps, to differentiate a loss along them with options.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// /// A mass that is pulled by a force u(t).
+    /// struct Pulled { u: f64 }
+    ///
+    /// #[variational(stormer_verlet)]
+    /// impl Pulled {
+    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + self.u * q }
+    /// }
+    ///
+    /// # fn main() -> Result<(), StepError> {
+    /// let pulled = Integrator::new(Pulled { u: 0.0 }, StormerVerlet);
+    /// let path = pulled.trajectory(State::new([0.0], [0.0]), 0.01, NoNoise);
+    /// let gradient = path.adjoint(100).pieces_of(25).checkpoints(5).gradient(|k, state| (k == 100).then(|| state.q[0]))?;
+    /// // a force in a quarter of the time 1 moves the end by the distance of its middle from the end, times ¼
+    /// for (gained, left) in gradient.pieces("u").unwrap().zip([0.875, 0.625, 0.375, 0.125]) {
+    ///     assert!((gained - 0.25 * left).abs() < 1e-14);
+    /// }
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn adjoint(self, steps: u64) -> Adjoint<'a, I, W> {
+        Adjoint {
+            trajectory: self,
+            steps,
+            checkpoints: None,
+            piece: steps.max(1),
+        }
+    }
+}
+
+impl<I, W, S, Q, const N: usize, const M: usize> Adjoint<'_, I, W>
+where
+    I: Differentiable<System = S>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: VectorCoordinates<N>,
+    W: Replayable,
+{
+    /// Sets the number of states that are kept at the same time, besides the first one. By default it is √(2 steps), with which each step is made three times at most.
+    /// With fewer states the steps are made more often: `c` states are enough for (c + r)!/(c! r!) steps that are made `r` + 1 times.
+    #[must_use]
+    pub fn checkpoints(mut self, states: usize) -> Self {
+        self.checkpoints = Some(states);
+        self
+    }
+
+    /// Differentiates by the values of the parameters in each piece of so many steps, as if the parameters were step functions of time: [`Gradient::pieces`].
+    /// A parameter that the loss itself reads belongs to the step before the state. With 0 there is one piece.
+    #[must_use]
+    pub fn pieces_of(mut self, steps: u64) -> Self {
+        self.piece = if steps == 0 { self.steps.max(1) } else { steps };
+        self
+    }
+
+    /// Returns a loss with its derivatives, see [`Trajectory::gradient`].
+    ///
+    /// # Errors
+    /// As that function.
+    pub fn gradient(
+        self,
+        loss: impl Fn(u64, &DualState<'_, N>) -> Option<Dual>,
+    ) -> Result<Gradient<Q::Momentum>, StepError> {
+        let Self {
+            trajectory,
+            steps,
+            checkpoints,
+            piece,
+        } = self;
+        let (parameters, pieces) = (S::PARAMETERS.len(), steps.div_ceil(piece).max(1) as usize);
+        let least = (2.0 * steps as f64).sqrt().ceil() as usize;
+        let mut sweep = Sweep {
+            prepared: trajectory.method.prepare(trajectory.h)?,
+            first: trajectory.step,
+            method: trajectory.method,
+            noise: trajectory.noise,
+            start: trajectory.start,
+            h: trajectory.h,
+            piece,
+            loss,
+            value: 0.0,
+            by_state: Field::ZERO,
+            by_parameters: vec![0.0; parameters * pieces],
+        };
+        sweep.back(trajectory.state, steps, checkpoints.unwrap_or(least))?;
+        Ok(Gradient {
+            loss: sweep.value,
+            start: sweep.by_state.of::<Q>(),
+            names: S::PARAMETERS,
+            parameters: sweep.by_parameters,
+        })
+    }
+}
+
+/// The walk backwards.
+struct Sweep<'a, I: Differentiable, W, F, const N: usize> {
+    method: &'a I,
+    prepared: I::Prepared,
+    noise: W,
+    /// Time before the first step of the trajectory.
+    start: f64,
+    h: f64,
+    /// Steps of the trajectory before the first state.
+    first: u64,
+    /// Steps of a piece.
+    piece: u64,
+    loss: F,
+    /// The loss of the states that have been passed.
+    value: f64,
+    /// Its derivative by the state that has been reached.
+    by_state: Field<[f64; N]>,
+    by_parameters: Vec<f64>,
+}
+
+impl<I, W, F, S, Q, const N: usize, const M: usize> Sweep<'_, I, W, F, N>
+where
+    I: Differentiable<System = S>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: VectorCoordinates<N>,
+    W: Replayable,
+    F: Fn(u64, &DualState<'_, N>) -> Option<Dual>,
+{
+    /// Walks from the end to the first state.
+    fn back(&mut self, first: State<Q>, steps: u64, checkpoints: usize) -> Result<(), StepError> {
+        // the states that are kept, with their numbers
+        let mut kept = vec![(0, first)];
+        let mut reached = steps;
+        if steps == 0 {
+            self.add_loss(0, &first)?;
+        }
+        while let Some(&(at, state)) = kept.last().filter(|_| reached > 0) {
+            let left = reached - at;
+            let free = checkpoints.saturating_sub(kept.len() - 1);
+            if left > 1 && free > 0 {
+                let ahead = at + distance(left, free as u64);
+                kept.push((ahead, self.state_at(ahead, at, state)?));
+                continue;
+            }
+            let before = self.state_at(reached - 1, at, state)?;
+            if reached == steps {
+                let end = self.state_at(steps, steps - 1, before)?;
+                self.add_loss(steps, &end)?;
+            }
+            self.pull_back(reached - 1, &before)?;
+            self.add_loss(reached - 1, &before)?;
+            reached -= 1;
+            if left == 1 {
+                kept.pop();
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes the steps from one state to another.
+    fn state_at(
+        &mut self,
+        number: u64,
+        from: u64,
+        mut state: State<Q>,
+    ) -> Result<State<Q>, StepError> {
+        for step in from..number {
+            let dw = self.increments(step, state.t)?;
+            let end = time_after(self.start, self.first + step + 1, self.h);
+            // The step reports a start time that is not finite.
+            if !is_next_time(state.t, end) && state.t.is_finite() {
+                let (t, h) = (state.t, self.h);
+                return Err(StepError::Time { t, h, end });
+            }
+            let method = self.method;
+            method.step_prepared(&self.prepared, &mut state, self.h, &dw)?;
+            state.t = end;
+        }
+        Ok(state)
+    }
+
+    /// Returns the increments of a step that begins at time `t`.
+    fn increments(&mut self, step: u64, t: f64) -> Result<I::Increments, StepError> {
+        let (mut dw, step) = (I::Increments::NONE, self.first + step);
+        let drawn = match self.method.stages() {
+            1 => self.noise.increments(step, self.h, dw.as_mut()),
+            stages => (self.noise).stage_increments(step, self.h, stages, dw.as_mut()),
+        };
+        drawn.map_err(|source| StepError::Noise { t, source })?;
+        Ok(dw)
+    }
+
+    /// Carries the derivatives over a step back to its start.
+    fn pull_back(&mut self, step: u64, state: &State<Q>) -> Result<(), StepError> {
+        let dw = self.increments(step, state.t)?;
+        let piece = self.range_of(step);
+        let covector = Covector {
+            state: &mut self.by_state,
+            parameters: &mut self.by_parameters[piece],
+        };
+        (self.method).pull_back(&self.prepared, state, self.h, &dw, covector)
+    }
+
+    /// Adds the loss of a state and its derivatives.
+    fn add_loss(&mut self, number: u64, state: &State<Q>) -> Result<(), StepError> {
+        let flat = state.to_coordinates();
+        let reads = RefCell::new(Vec::new());
+        let read = |parameter| {
+            let mut reads = reads.borrow_mut();
+            if !reads.contains(&parameter) {
+                reads.push(parameter);
+            }
+        };
+        let system = self.method.system();
+        let along = |direction: &Field<[f64; N]>, varied| {
+            with_dual_state(system, &flat, direction, varied, &read, |state| {
+                (self.loss)(number, state)
+            })
+        };
+        let Some(loss) = along(&Field::ZERO, None) else {
+            return Ok(());
+        };
+        let (mut by_state, mut by_parameters) = (Field::ZERO, Vec::new());
+        let slope = |dual: Option<Dual>| dual.map_or(f64::NAN, Dual::slope);
+        for i in 0..N {
+            let [mut q, mut p] = [Field::ZERO; 2];
+            (q.q[i], p.p[i]) = (1.0, 1.0);
+            (by_state.q[i], by_state.p[i]) = (slope(along(&q, None)), slope(along(&p, None)));
+        }
+        for &parameter in &*{ reads.borrow().clone() } {
+            let slope = slope(along(&Field::ZERO, Some(parameter)));
+            by_parameters.push((parameter, slope));
+        }
+        let mut sum = loss.value() + self.value;
+        self.value = sum;
+        self.by_state.add_scaled(1.0, &by_state);
+        let piece = self.range_of(number.saturating_sub(1));
+        for (parameter, slope) in by_parameters {
+            self.by_parameters[piece.start + parameter] += slope;
+            sum += slope;
+        }
+        sum += by_state.q.iter().chain(&by_state.p).sum::<f64>();
+        if sum.is_finite() {
+            Ok(())
+        } else {
+            let (t, value) = (state.t, loss.value());
+            Err(StepError::NonFiniteLoss { value, t })
+        }
+    }
+
+    /// Returns the places of the derivatives by the parameters in the piece of a step.
+    fn range_of(&self, step: u64) -> core::ops::Range<usize> {
+        let (parameters, piece) = (S::PARAMETERS.len(), (step / self.piece) as usize);
+        piece * parameters..(piece + 1) * parameters
+    }
+}
+
+/// Returns the distance to the next checkpoint, for so many steps and so many states that can be kept.
+///
+/// With `free` states and `r` repetitions β(free, r) = (free + r)!/(free! r!) steps can be walked backwards; β(f, r) = β(f − 1, r) + β(f, r − 1) are the parts behind and
+/// before the checkpoint.
+fn distance(steps: u64, free: u64) -> u64 {
+    let (mut repetitions, mut behind) = (0, 1_u64);
+    // β(free, r) grows with r
+    while reach(free, repetitions) < steps {
+        repetitions += 1;
+        behind = reach(free - 1, repetitions);
+    }
+    steps.saturating_sub(behind).max(1)
+}
+
+/// Returns (c + r)!/(c! r!), or the largest number.
+fn reach(checkpoints: u64, repetitions: u64) -> u64 {
+    let (small, large) = (
+        checkpoints.min(repetitions),
+        u128::from(checkpoints.max(repetitions)),
+    );
+    let mut reach: u128 = 1;
+    for i in 1..=u128::from(small) {
+        // a binomial coefficient after each factor
+        reach = reach * (large + i) / i;
+        if reach > u128::from(u64::MAX) {
+            return u64::MAX;
+        }
+    }
+    reach as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{distance, reach};
+
+    /// Counts how often steps are made to walk back over `steps` steps, with the greatest number of states that are kept.
+    fn walk(steps: u64, checkpoints: usize) -> (u64, usize) {
+        let (mut kept, mut reached, mut made, mut most) = (vec![0], steps, 0, 0);
+        while reached > 0 {
+            let at = *kept.last().unwrap();
+            let left = reached - at;
+            let free = checkpoints - (kept.len() - 1);
+            if left > 1 && free > 0 {
+                let next = distance(left, free as u64);
+                assert!((1..left).contains(&next));
+                made += next;
+                kept.push(at + next);
+                most = most.max(kept.len() - 1);
+                continue;
+            }
+            made += left - 1;
+            reached -= 1;
+            if left == 1 {
+                kept.pop();
+            }
+        }
+        (made, most)
+    }
+
+    #[test]
+    fn steps_are_repeated_as_seldom_as_the_checkpoints_allow() {
+        for steps in [1, 2, 3, 10, 100, 1000, 4321] {
+            for checkpoints in [0, 1, 2, 3, 7, 20, 100] {
+                let (made, kept) = walk(steps, checkpoints);
+                let c = checkpoints as u64;
+                let repetitions = (0..).find(|&r| reach(c, r) >= steps).unwrap();
+                assert!(kept <= checkpoints, "{steps} {checkpoints}: {kept}");
+                assert!(made <= repetitions * steps, "{steps} {checkpoints}: {made}");
+            }
+            let least = (2.0 * steps as f64).sqrt().ceil() as usize;
+            assert!(walk(steps, least).0 <= 2 * steps);
+        }
+        assert_eq!(walk(100, 0).0, 99 * 100 / 2);
+        assert_eq!(walk(100, 99).0, 99);
+    }
+}
