@@ -9,6 +9,14 @@ use crate::mechanics::Field;
 use crate::solve::dense::{Factors, factored};
 use crate::solve::{SolveError, lu};
 
+impl<const N: usize> Field<[f64; N]> {
+    /// The vector zero.
+    pub(crate) const ZERO: Self = Self {
+        q: [0.0; N],
+        p: [0.0; N],
+    };
+}
+
 /// The non-zero entries of a matrix.
 #[derive(Clone, Copy, Debug)]
 pub struct Entries<'a> {

@@ -23,12 +23,6 @@ pub struct Field<V> {
 }
 
 impl<const N: usize> Field<[f64; N]> {
-    /// The vector zero.
-    pub(crate) const ZERO: Self = Self {
-        q: [0.0; N],
-        p: [0.0; N],
-    };
-
     /// The field of a configuration with these components.
     #[inline(always)]
     pub(crate) fn of<Q: Coordinates<N>>(self) -> Field<Q::Momentum> {

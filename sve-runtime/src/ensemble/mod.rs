@@ -7,6 +7,7 @@
 //! A run divides its paths into blocks of [`BLOCK_PATHS`], each of a few tiles of `LANES` lanes. A block is the unit of
 //! work of a thread. The results of blocks are merged pairwise in a fixed tree.
 
+mod by;
 #[cfg(feature = "checkpoint")]
 mod checkpoint;
 mod csv;
@@ -45,6 +46,7 @@ mod summary;
 mod warning;
 
 pub use crate::observed::Observed;
+pub use by::By;
 #[cfg(feature = "distributed")]
 pub use distribution::{Checkpoint, Distribution, PartialResults, SharedResults};
 #[cfg(feature = "checkpoint")]
@@ -52,7 +54,6 @@ pub use error::Damage;
 pub use error::{Difference, EnsembleError};
 pub use failure::{Cause, FAILURES_KEPT, Failure};
 pub use final_state::FinalState;
-pub use gradient::By;
 pub use starts::StartRng;
 pub use statistics::{Histogram, Statistics};
 pub use summary::Summary;

@@ -3,13 +3,13 @@
 //! Input: a trajectory, a number of steps and a loss. Output: the loss with its derivatives by the state at the start and by each parameter. Invariant: the derivatives
 //! are those of the steps as they are computed, so they agree with the tangent maps of the steps to rounding.
 //!
-//! The steps are walked backwards: λ ← Mᵀλ + ∂ℓ/∂x for the tangent map M of a step. The states that this needs are computed again from checkpoints, whose places minimise the
-//! number of times that a step is made (A. Griewank, A. Walther, *Algorithm 799: revolve*, ACM Trans. Math. Software 26, 2000).
+//! The steps are walked backwards: λ ← Mᵀλ + ∂ℓ/∂x for the tangent map M of a step. The states that this needs are computed again from the checkpoints of `checkpoints.rs`.
 
 use core::cell::RefCell;
 use core::fmt;
 
 use super::Trajectory;
+use super::checkpoints::{distance, enough};
 use crate::configuration::VectorCoordinates;
 use crate::dual::{Dual, DualState, with_dual_state};
 use crate::error::StepError;
@@ -215,7 +215,7 @@ where
             piece,
         } = self;
         let (parameters, pieces) = (S::PARAMETERS.len(), steps.div_ceil(piece).max(1) as usize);
-        let least = (2.0 * steps as f64).sqrt().ceil() as usize;
+        let checkpoints = checkpoints.unwrap_or_else(|| enough(steps));
         let mut sweep = Sweep {
             prepared: trajectory.method.prepare(trajectory.h)?,
             first: trajectory.step,
@@ -229,7 +229,7 @@ where
             by_state: Field::ZERO,
             by_parameters: vec![0.0; parameters * pieces],
         };
-        sweep.back(trajectory.state, steps, checkpoints.unwrap_or(least))?;
+        sweep.back(trajectory.state, steps, checkpoints)?;
         Ok(Gradient {
             loss: sweep.value,
             start: sweep.by_state.of::<Q>(),
@@ -393,82 +393,5 @@ where
     fn range_of(&self, step: u64) -> core::ops::Range<usize> {
         let (parameters, piece) = (S::PARAMETERS.len(), (step / self.piece) as usize);
         piece * parameters..(piece + 1) * parameters
-    }
-}
-
-/// Returns the distance to the next checkpoint, for so many steps and so many states that can be kept.
-///
-/// With `free` states and `r` repetitions β(free, r) = (free + r)!/(free! r!) steps can be walked backwards; β(f, r) = β(f − 1, r) + β(f, r − 1) are the parts behind and
-/// before the checkpoint.
-fn distance(steps: u64, free: u64) -> u64 {
-    let (mut repetitions, mut behind) = (0, 1_u64);
-    // β(free, r) grows with r
-    while reach(free, repetitions) < steps {
-        repetitions += 1;
-        behind = reach(free - 1, repetitions);
-    }
-    steps.saturating_sub(behind).max(1)
-}
-
-/// Returns (c + r)!/(c! r!), or the largest number.
-fn reach(checkpoints: u64, repetitions: u64) -> u64 {
-    let (small, large) = (
-        checkpoints.min(repetitions),
-        u128::from(checkpoints.max(repetitions)),
-    );
-    let mut reach: u128 = 1;
-    for i in 1..=u128::from(small) {
-        // a binomial coefficient after each factor
-        reach = reach * (large + i) / i;
-        if reach > u128::from(u64::MAX) {
-            return u64::MAX;
-        }
-    }
-    reach as u64
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{distance, reach};
-
-    /// Counts how often steps are made to walk back over `steps` steps, with the greatest number of states that are kept.
-    fn walk(steps: u64, checkpoints: usize) -> (u64, usize) {
-        let (mut kept, mut reached, mut made, mut most) = (vec![0], steps, 0, 0);
-        while reached > 0 {
-            let at = *kept.last().unwrap();
-            let left = reached - at;
-            let free = checkpoints - (kept.len() - 1);
-            if left > 1 && free > 0 {
-                let next = distance(left, free as u64);
-                assert!((1..left).contains(&next));
-                made += next;
-                kept.push(at + next);
-                most = most.max(kept.len() - 1);
-                continue;
-            }
-            made += left - 1;
-            reached -= 1;
-            if left == 1 {
-                kept.pop();
-            }
-        }
-        (made, most)
-    }
-
-    #[test]
-    fn steps_are_repeated_as_seldom_as_the_checkpoints_allow() {
-        for steps in [1, 2, 3, 10, 100, 1000, 4321] {
-            for checkpoints in [0, 1, 2, 3, 7, 20, 100] {
-                let (made, kept) = walk(steps, checkpoints);
-                let c = checkpoints as u64;
-                let repetitions = (0..).find(|&r| reach(c, r) >= steps).unwrap();
-                assert!(kept <= checkpoints, "{steps} {checkpoints}: {kept}");
-                assert!(made <= repetitions * steps, "{steps} {checkpoints}: {made}");
-            }
-            let least = (2.0 * steps as f64).sqrt().ceil() as usize;
-            assert!(walk(steps, least).0 <= 2 * steps);
-        }
-        assert_eq!(walk(100, 0).0, 99 * 100 / 2);
-        assert_eq!(walk(100, 99).0, 99);
     }
 }

@@ -4,6 +4,7 @@
 //! wraps the trajectory into an adapter that divides failing steps; [`compensated`](Trajectory::compensated) carries the low parts of the state. The adapter
 //! [`Events`] yields the states at zeros of functions, and ends or changes the trajectory there.
 
+mod checkpoints;
 mod compensated;
 mod events;
 mod gradient;
