@@ -143,9 +143,9 @@ impl<const N: usize> Tangents<N> {
 
 impl<'a, I, S, Q, const N: usize, const M: usize> Ensemble<'a, I>
 where
-    I: Method<System = S> + Differentiable,
+    I: Method<System = S>,
     S: System<Dims = Dims<N, M, Q>>,
-    Q: VectorCoordinates<N>,
+    Q: Coordinates<N>,
 {
     /// Takes statistics of a smooth function of a state, and of its derivatives: the derivatives of the mean by parameters, by parameters during some steps and by the start, with
     /// their standard errors.
@@ -198,7 +198,11 @@ where
         name: impl Into<String>,
         by: impl IntoIterator<Item = B>,
         function: impl Fn(&DualState<'_, N>) -> Dual + Send + Sync + 'a,
-    ) -> Self {
+    ) -> Self
+    where
+        I: Differentiable,
+        Q: VectorCoordinates<N>,
+    {
         let name = name.into();
         let smooth = Arc::new(SmoothClosure(function));
         let number = self.gradients.functions.len();

@@ -3,33 +3,30 @@
 //! Input: a trajectory, a number of steps and a loss. Output: the loss with its derivatives by the state at the start and by each parameter. Invariant: the derivatives
 //! are those of the steps as they are computed, so they agree with the tangent maps of the steps to rounding.
 //!
-//! The steps are walked backwards: λ ← Mᵀλ + ∂ℓ/∂x for the tangent map M of a step. The states that this needs are computed again from the checkpoints of `checkpoints.rs`.
+//! The steps are walked backwards: λ ← Mᵀλ + ∂ℓ/∂x for the tangent map M of a step. The states that this needs are computed again from checkpoints.
 
-use core::cell::RefCell;
 use core::fmt;
 
 use super::Trajectory;
-use super::checkpoints::{distance, enough};
-use crate::configuration::VectorCoordinates;
-use crate::dual::{Dual, DualState, with_dual_state};
+use super::checkpoints::enough;
+use super::sweep::Sweep;
+use crate::configuration::{Coordinates, VectorCoordinates};
+use crate::dual::{Dual, DualState};
 use crate::error::StepError;
-use crate::linearisation::Covector;
 use crate::mechanics::Field;
-use crate::method::Differentiable;
-use crate::noise::Replayable;
-use crate::state::State;
-use crate::system::{Dims, Increments, System};
-use crate::time::{is_next_time, time_after};
+use crate::method::{Differentiable, OneStepMethod};
+use crate::noise::{Noise, Replayable};
+use crate::system::{Dims, System};
 
 /// Steps of a trajectory along which a loss is differentiated, with the options of [`Trajectory::adjoint`].
-pub struct Adjoint<'a, I: Differentiable, W> {
+pub struct Adjoint<'a, I: OneStepMethod, W> {
     trajectory: Trajectory<'a, I, W>,
     steps: u64,
     checkpoints: Option<usize>,
     piece: u64,
 }
 
-impl<I: Differentiable, W> fmt::Debug for Adjoint<'_, I, W> {
+impl<I: OneStepMethod, W> fmt::Debug for Adjoint<'_, I, W> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Adjoint")
             .field("steps", &self.steps)
@@ -91,10 +88,10 @@ impl<V> Gradient<V> {
 
 impl<'a, I, W, S, Q, const N: usize, const M: usize> Trajectory<'a, I, W>
 where
-    I: Differentiable<System = S>,
+    I: OneStepMethod<System = S>,
     S: System<Dims = Dims<N, M, Q>>,
-    Q: VectorCoordinates<N>,
-    W: Replayable,
+    Q: Coordinates<N>,
+    W: Noise,
 {
     /// Returns a loss with its derivatives by the present state and by all parameters, along the next `steps` steps.
     ///
@@ -139,7 +136,12 @@ where
         self,
         steps: u64,
         loss: impl Fn(u64, &DualState<'_, N>) -> Option<Dual>,
-    ) -> Result<Gradient<Q::Momentum>, StepError> {
+    ) -> Result<Gradient<Q::Momentum>, StepError>
+    where
+        I: Differentiable,
+        W: Replayable,
+        Q: VectorCoordinates<N>,
+    {
         self.adjoint(steps).gradient(loss)
     }
 
@@ -167,7 +169,12 @@ where
     /// # Ok(())
     /// # }
     /// ```
-    pub fn adjoint(self, steps: u64) -> Adjoint<'a, I, W> {
+    pub fn adjoint(self, steps: u64) -> Adjoint<'a, I, W>
+    where
+        I: Differentiable,
+        W: Replayable,
+        Q: VectorCoordinates<N>,
+    {
         Adjoint {
             trajectory: self,
             steps,
@@ -236,162 +243,5 @@ where
             names: S::PARAMETERS,
             parameters: sweep.by_parameters,
         })
-    }
-}
-
-/// The walk backwards.
-struct Sweep<'a, I: Differentiable, W, F, const N: usize> {
-    method: &'a I,
-    prepared: I::Prepared,
-    noise: W,
-    /// Time before the first step of the trajectory.
-    start: f64,
-    h: f64,
-    /// Steps of the trajectory before the first state.
-    first: u64,
-    /// Steps of a piece.
-    piece: u64,
-    loss: F,
-    /// The loss of the states that have been passed.
-    value: f64,
-    /// Its derivative by the state that has been reached.
-    by_state: Field<[f64; N]>,
-    by_parameters: Vec<f64>,
-}
-
-impl<I, W, F, S, Q, const N: usize, const M: usize> Sweep<'_, I, W, F, N>
-where
-    I: Differentiable<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: VectorCoordinates<N>,
-    W: Replayable,
-    F: Fn(u64, &DualState<'_, N>) -> Option<Dual>,
-{
-    /// Walks from the end to the first state.
-    fn back(&mut self, first: State<Q>, steps: u64, checkpoints: usize) -> Result<(), StepError> {
-        // the states that are kept, with their numbers
-        let mut kept = vec![(0, first)];
-        let mut reached = steps;
-        if steps == 0 {
-            self.add_loss(0, &first)?;
-        }
-        while let Some(&(at, state)) = kept.last().filter(|_| reached > 0) {
-            let left = reached - at;
-            let free = checkpoints.saturating_sub(kept.len() - 1);
-            if left > 1 && free > 0 {
-                let ahead = at + distance(left, free as u64);
-                kept.push((ahead, self.state_at(ahead, at, state)?));
-                continue;
-            }
-            let before = self.state_at(reached - 1, at, state)?;
-            if reached == steps {
-                let end = self.state_at(steps, steps - 1, before)?;
-                self.add_loss(steps, &end)?;
-            }
-            self.pull_back(reached - 1, &before)?;
-            self.add_loss(reached - 1, &before)?;
-            reached -= 1;
-            if left == 1 {
-                kept.pop();
-            }
-        }
-        Ok(())
-    }
-
-    /// Makes the steps from one state to another.
-    fn state_at(
-        &mut self,
-        number: u64,
-        from: u64,
-        mut state: State<Q>,
-    ) -> Result<State<Q>, StepError> {
-        for step in from..number {
-            let dw = self.increments(step, state.t)?;
-            let end = time_after(self.start, self.first + step + 1, self.h);
-            // The step reports a start time that is not finite.
-            if !is_next_time(state.t, end) && state.t.is_finite() {
-                let (t, h) = (state.t, self.h);
-                return Err(StepError::Time { t, h, end });
-            }
-            let method = self.method;
-            method.step_prepared(&self.prepared, &mut state, self.h, &dw)?;
-            state.t = end;
-        }
-        Ok(state)
-    }
-
-    /// Returns the increments of a step that begins at time `t`.
-    fn increments(&mut self, step: u64, t: f64) -> Result<I::Increments, StepError> {
-        let (mut dw, step) = (I::Increments::NONE, self.first + step);
-        let drawn = match self.method.stages() {
-            1 => self.noise.increments(step, self.h, dw.as_mut()),
-            stages => (self.noise).stage_increments(step, self.h, stages, dw.as_mut()),
-        };
-        drawn.map_err(|source| StepError::Noise { t, source })?;
-        Ok(dw)
-    }
-
-    /// Carries the derivatives over a step back to its start.
-    fn pull_back(&mut self, step: u64, state: &State<Q>) -> Result<(), StepError> {
-        let dw = self.increments(step, state.t)?;
-        let piece = self.range_of(step);
-        let covector = Covector {
-            state: &mut self.by_state,
-            parameters: &mut self.by_parameters[piece],
-        };
-        (self.method).pull_back(&self.prepared, state, self.h, &dw, covector)
-    }
-
-    /// Adds the loss of a state and its derivatives.
-    fn add_loss(&mut self, number: u64, state: &State<Q>) -> Result<(), StepError> {
-        let flat = state.to_coordinates();
-        let reads = RefCell::new(Vec::new());
-        let read = |parameter| {
-            let mut reads = reads.borrow_mut();
-            if !reads.contains(&parameter) {
-                reads.push(parameter);
-            }
-        };
-        let system = self.method.system();
-        let along = |direction: &Field<[f64; N]>, varied| {
-            with_dual_state(system, &flat, direction, varied, &read, |state| {
-                (self.loss)(number, state)
-            })
-        };
-        let Some(loss) = along(&Field::ZERO, None) else {
-            return Ok(());
-        };
-        let (mut by_state, mut by_parameters) = (Field::ZERO, Vec::new());
-        let slope = |dual: Option<Dual>| dual.map_or(f64::NAN, Dual::slope);
-        for i in 0..N {
-            let [mut q, mut p] = [Field::ZERO; 2];
-            (q.q[i], p.p[i]) = (1.0, 1.0);
-            (by_state.q[i], by_state.p[i]) = (slope(along(&q, None)), slope(along(&p, None)));
-        }
-        for &parameter in &*{ reads.borrow().clone() } {
-            let slope = slope(along(&Field::ZERO, Some(parameter)));
-            by_parameters.push((parameter, slope));
-        }
-        let mut sum = loss.value() + self.value;
-        self.value = sum;
-        self.by_state.add_scaled(1.0, &by_state);
-        let piece = self.range_of(number.saturating_sub(1));
-        for (parameter, slope) in by_parameters {
-            self.by_parameters[piece.start + parameter] += slope;
-            sum += slope;
-        }
-        sum += by_state.q.iter().chain(&by_state.p).sum::<f64>();
-        if sum.is_finite() {
-            Ok(())
-        } else {
-            let (t, value) = (state.t, loss.value());
-            Err(StepError::NonFiniteLoss { value, t })
-        }
-    }
-
-    /// Returns the places of the derivatives by the parameters in the piece of a step.
-    fn range_of(&self, step: u64) -> core::ops::Range<usize> {
-        let (parameters, piece) = (S::PARAMETERS.len(), (step / self.piece) as usize);
-        piece * parameters..(piece + 1) * parameters
     }
 }

@@ -10,6 +10,7 @@ mod events;
 mod gradient;
 mod refined;
 mod snapshot;
+mod sweep;
 
 pub use events::Events;
 pub use gradient::{Adjoint, Gradient};
