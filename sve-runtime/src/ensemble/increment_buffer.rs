@@ -6,10 +6,10 @@
 use super::BLOCK_TILES;
 use super::path_noise::PathNoise;
 use crate::lanes::{Aligned, LANES, Lane};
-use crate::noise::lanes::fill;
+use crate::noise::lanes::{Draw, fill};
 
 /// Number of steps whose increments are drawn at once, so that the overhead of a draw is small.
-pub(super) const BATCH: u64 = 16;
+pub(super) const BATCH: u64 = 32;
 
 /// Number of steps that share a block of the generator.
 const QUAD: u64 = 4;
@@ -23,6 +23,8 @@ pub(super) struct IncrementBuffer<const M: usize> {
     scale: f64,
     /// Number of the batch in the buffer.
     batch: Option<u64>,
+    /// Number of tiles in the buffer.
+    tiles: usize,
     /// Increments by groups of four steps, tiles and processes.
     values: Vec<Aligned<[Lane; 4]>>,
 }
@@ -35,6 +37,7 @@ impl<const M: usize> IncrementBuffer<M> {
             first_path: noise.first_path.wrapping_add(first_path),
             scale: h.abs().sqrt(),
             batch: None,
+            tiles: 0,
             values: vec![Aligned([[0.0; LANES]; 4]); QUADS * BLOCK_TILES * M],
         }
     }
@@ -48,23 +51,21 @@ impl<const M: usize> IncrementBuffer<M> {
         if M == 0 || self.batch == Some(batch) {
             return;
         }
-        self.batch = Some(batch);
-        let quads = self.values.chunks_exact_mut(BLOCK_TILES * M);
-        for (quad, values) in (batch * QUADS as u64..).zip(quads) {
-            let values = &mut values[..tiles * M];
-            fill(
-                distribution,
-                seed,
-                self.first_path,
-                quad,
-                self.scale,
-                M,
-                values,
-            );
-            if largest < f64::INFINITY {
-                for dw in values.iter_mut().flat_map(|row| row.0.as_flattened_mut()) {
-                    *dw = dw.clamp(-largest, largest);
-                }
+        (self.batch, self.tiles) = (Some(batch), tiles);
+        let draw = Draw {
+            distribution,
+            seed,
+            first_path: self.first_path,
+            first_block: batch * QUADS as u64,
+            scale: self.scale,
+            processes: M,
+            tiles,
+        };
+        let values = &mut self.values[..QUADS * tiles * M];
+        fill(&draw, values);
+        if largest < f64::INFINITY {
+            for dw in values.iter_mut().flat_map(|row| row.0.as_flattened_mut()) {
+                *dw = dw.clamp(-largest, largest);
             }
         }
     }
@@ -73,7 +74,7 @@ impl<const M: usize> IncrementBuffer<M> {
     #[inline(always)]
     pub(super) fn of(&self, tile: usize, step: u64) -> Aligned<[Lane; M]> {
         let quad = (step % BATCH / QUAD) as usize;
-        let values = &self.values[(quad * BLOCK_TILES + tile) * M..][..M];
+        let values = &self.values[(quad * self.tiles + tile) * M..][..M];
         Aligned(core::array::from_fn(|process| {
             values[process].0[(step % QUAD) as usize]
         }))
