@@ -156,7 +156,7 @@ where
                     ensemble
                         .kinds
                         .iter()
-                        .for_each(|&kind| hash.add(kind as u64));
+                        .for_each(|&kind| hash.add(kind.number()));
                     hash.add(ensemble.settle);
                     hash.add(u64::from(ensemble.weight.is_some()));
                 }
