@@ -268,7 +268,7 @@ where
         let h = self.h;
         let path = first_path.wrapping_add(path);
         let mut wiener = Wiener::new(seed).path(path);
-        let mut refined = wiener.clone().refine(depth).ok().filter(|_| depth > 0);
+        let mut refined = wiener.refine(depth).ok().filter(|_| depth > 0);
         let mut three_point = ThreePoint::new(seed).path(path);
         move |step, dw| {
             let Some(distribution) = distribution else {
