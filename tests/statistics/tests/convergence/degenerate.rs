@@ -12,7 +12,7 @@ use sve_runtime::{Dims, StrongOrder, System, Variational, VectorCoordinates};
 use super::strong_order::{record, slope, total};
 
 /// Batches of paths, from whose scatter the standard error comes.
-const BATCHES: u64 = 24;
+const BATCHES: u64 = 36;
 
 /// Step sizes that are measured, each half of the one before.
 const LEVELS: usize = 5;
