@@ -171,6 +171,8 @@ fn solve<T: Copy>(matrix: &Matrix<T>) -> usize {
         (_, Storage::Diagonal) => k,
         // Cramer's rule: the determinant, its reciprocal, two numerators with a product each
         (2, Storage::Dense) => 3 + 1 + 2 * 4,
+        // three cross products, the determinant, its reciprocal, three numerators with a product each
+        (_, Storage::Cofactors) => 3 * 9 + 5 + 1 + 3 * 6,
         (_, Storage::Dense) => elimination(k, |at| k - at - 1, |at| k - at - 1),
         (_, Storage::Banded(band)) => {
             let Band { lower, .. } = band;

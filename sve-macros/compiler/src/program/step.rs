@@ -222,7 +222,7 @@ impl Iteration<Value, Residual> {
         labels.vector("magnitude", first, &parts(|r| r.magnitude));
         if let Some(judge) = &self.judge {
             labels.vector("limit_rhs", first, &judge.limit_rhs);
-            labels.rows("middle", first, &judge.bounds.middle);
+            labels.matrix("middle", first, &judge.bounds.middle);
             labels.rows("radius", first, &judge.bounds.radii);
             labels.vector("distance", first, &judge.bounds.conditions);
         }

@@ -7,7 +7,8 @@ use super::elimination::Reduced;
 use super::matrix::Matrix;
 use super::scheme::{Block, Iteration, Kind, Linear, Refinement, Solution};
 use crate::algebra::{Expr, Symbol};
-use crate::system::model::Meaning;
+use crate::system::configuration::Factor;
+use crate::system::model::{Meaning, Unknown};
 
 /// Expressions that take the place of symbols.
 pub(super) type Replacement = HashMap<Symbol, Expr>;
@@ -110,7 +111,11 @@ impl Reduced<'_> {
             judge: judge.filter(|_| limit.is_some()),
             limit,
             refinement,
-            jacobian: Matrix::new(jacobian, self.arena),
+            jacobian: if self.is_rotation(&unknowns) {
+                Matrix::of_rotation(jacobian, self.arena)
+            } else {
+                Matrix::new(jacobian, self.arena)
+            },
             residual,
             curvature,
             fallback,
@@ -355,6 +360,21 @@ impl Reduced<'_> {
             solved.push(symbol);
         }
         solved
+    }
+
+    /// Whether the unknowns are those of the three directions of a rotation.
+    fn is_rotation(&self, unknowns: &[Symbol]) -> bool {
+        let mut directions: Vec<usize> = unknowns
+            .iter()
+            .filter_map(|&u| match *self.symbols.meaning(u) {
+                Meaning::Unknown(Unknown { index, .. }) => Some(index),
+                _ => None,
+            })
+            .collect();
+        directions.sort_unstable();
+        let blocks = self.symbols.configuration.blocks();
+        let mut rotations = blocks.iter().filter(|b| b.factor == Factor::Rotation);
+        rotations.any(|rotation| rotation.directions.clone().eq(directions.iter().copied()))
     }
 
     /// Whether no entry of the Jacobian changes with the unknowns.

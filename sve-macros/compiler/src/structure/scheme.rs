@@ -338,7 +338,7 @@ impl Condition<Expr> {
 impl Enclosure<Expr> {
     fn lower<L: Lower>(&self, by: &mut L) -> Enclosure<L::Value> {
         Enclosure {
-            middle: by.rows(&self.middle),
+            middle: self.middle.map(|e| by.value(e)),
             radii: by.rows(&self.radii),
             conditions: by.values(&self.conditions),
         }

@@ -158,7 +158,7 @@ impl Newton {
 
     /// Makes an update. Returns whether it leads to the root, or `None` if the Jacobian is singular, its determinant has not the given sign, or the
     /// update is not finite.
-    #[inline]
+    #[inline(always)]
     fn update<const K: usize, J: Matrix<K>>(
         &self,
         iteration: &mut Iteration<K>,

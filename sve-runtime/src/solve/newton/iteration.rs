@@ -78,7 +78,7 @@ impl<const K: usize> Iteration<K> {
 
     /// Makes the last update, at a residual below the tolerance. Does nothing if the Jacobian is singular, or if the update would be larger
     /// than the one before and so gain nothing.
-    #[inline]
+    #[inline(always)]
     pub(super) fn make_last_update<J: Matrix<K>>(&mut self, at: &Evaluation<K, J>) {
         let Some((update, _)) = at.jacobian.solve_with_sign(&at.residual) else {
             return;

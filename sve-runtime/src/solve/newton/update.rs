@@ -24,7 +24,7 @@ impl<const K: usize, J: Matrix<K>> Evaluation<K, J> {
     ///
     /// For a single unknown, Newton's `u = f/f′` becomes Chebyshev's `u + ½ (f″/f′) u²` if the change is small (Traub, *Iterative
     /// Methods for the Solution of Equations*, section 5).
-    #[inline]
+    #[inline(always)]
     pub(super) fn update(&self) -> Option<Update<K>> {
         if K != 1 {
             let (by, sign) = self.jacobian.solve_with_sign(&self.residual)?;
@@ -56,7 +56,7 @@ impl<const K: usize, J: Matrix<K>> Evaluation<K, J> {
     }
 
     /// Returns whether the Jacobian is regular with a determinant of the given sign.
-    #[inline]
+    #[cold]
     pub(super) fn is_regular_with(&self, sign: DeterminantSign) -> bool {
         match self.update() {
             Some(update) => !update.sign.is_opposite_to(sign),

@@ -185,7 +185,7 @@ impl Writer<'_> {
                 let diagonal = self.printer.array(&diagonal);
                 quote!(#private::lane::solve_diagonal(&#diagonal, &#rhs))
             }
-            Storage::Dense | Storage::Banded(_) => {
+            Storage::Dense | Storage::Cofactors | Storage::Banded(_) => {
                 let matrix = self.printer.matrix(&matrix.rows);
                 quote!(#private::lane::solve(&#matrix, &#rhs))
             }

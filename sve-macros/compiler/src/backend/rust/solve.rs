@@ -201,14 +201,15 @@ impl Solver<'_> {
         let roots: Vec<Expr> = bounds.entries().copied().collect();
         let conditions = [conditions.clone()];
         let parts: [(&[Vec<Expr>], Vec<String>); 3] = [
-            (middle, rows("middle", middle.len())),
+            (&middle.rows, rows("middle", middle.rows.len())),
             (radii, rows("radius", radii.len())),
             (&conditions, vec!["distance".to_owned()]),
         ];
         let (statements, arrays) = Straight::new(arena, symbols, &roots).finish(private, &parts);
-        let [middle, radii, distances] = arrays.as_slice() else {
+        let [middle_rows, radii, distances] = arrays.as_slice() else {
             return quote!(false);
         };
+        let middle = typed(private, middle, middle_rows);
         quote! {
             #statements
             let [distances] = #distances;
@@ -284,7 +285,8 @@ pub(super) fn accepted(
         radii,
         conditions,
     } = bounds;
-    let (middle, radii) = (printer.matrix(middle), printer.matrix(radii));
+    let middle = typed(private, middle, &printer.matrix(&middle.rows));
+    let radii = printer.matrix(radii);
     let conditions = conditions.iter().map(|&c| printer.operand(c));
     quote!(#private::is_regular_within(&#middle, &#radii) #(& (#conditions > 0f64))*)
 }
@@ -311,6 +313,7 @@ pub(super) fn residuals(residuals: &[Residual], printer: &Printer<'_>) -> [Token
 fn typed<T: Copy>(private: &TokenStream, matrix: &Matrix<T>, rows: &TokenStream) -> TokenStream {
     match matrix.storage {
         Storage::Dense => rows.clone(),
+        Storage::Cofactors => quote!(#private::Cofactors(#rows)),
         Storage::Diagonal => quote!(#private::Diagonal(#rows)),
         Storage::Banded(band) => {
             let numbers = [matrix.size(), band.lower, band.width()];
