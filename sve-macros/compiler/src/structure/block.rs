@@ -90,7 +90,7 @@ impl Reduced<'_> {
         let (judge, explicit, has_sign) = match leading {
             Some(leading) => {
                 let guess = self.guess_from(&leading.residuals, &unknowns);
-                (None, Some((guess, None)), leading.has_sign)
+                (None, Some((guess, Vec::new())), leading.has_sign)
             }
             None => {
                 let judge = self.judge(&residual, &jacobian, &unknowns, known);
@@ -100,7 +100,7 @@ impl Reduced<'_> {
         let fallback = self.linear(at_zero);
         let limit = explicit.as_ref().map(|(guess, _)| guess.matrix.clone());
         let limit = limit.filter(|_| has_sign);
-        let (guess, refinement) = explicit.unwrap_or_else(|| (fallback.clone(), None));
+        let (guess, refinements) = explicit.unwrap_or_else(|| (fallback.clone(), Vec::new()));
         let curvature = match unknowns.as_slice() {
             [unknown] => Some(self.arena.diff(jacobian[0][0], *unknown)),
             _ => None,
@@ -110,7 +110,7 @@ impl Reduced<'_> {
             scales,
             judge: judge.filter(|_| limit.is_some()),
             limit,
-            refinement,
+            refinements,
             jacobian: if self.is_rotation(&unknowns) {
                 Matrix::of_rotation(jacobian, self.arena)
             } else {
@@ -146,7 +146,7 @@ impl Reduced<'_> {
         let iteration = Iteration {
             guess: at_zero.clone(),
             limit: None,
-            refinement: None,
+            refinements: Vec::new(),
             jacobian: Matrix::dense(jacobian),
             residual,
             scales: Vec::new(),
@@ -261,13 +261,14 @@ impl Reduced<'_> {
 
     /// A guess that costs little, from the limit of h = 0 and no noise, where the equations are linear in most systems:
     /// the explicit velocity. One unknown that noise kicks takes the kick too; several unknowns are refined to first order in
-    /// h and the increments, with the same matrix. Nothing where that matrix does not exist.
+    /// h and the increments, with the same matrix. Those of a rotation, whose residuals are short polynomials, are refined by two of Newton's steps with that
+    /// matrix, to second order. Nothing where the matrix does not exist.
     fn guess(
         &mut self,
         residual: &[Expr],
         jacobian: &[Vec<Expr>],
         unknowns: &[Symbol],
-    ) -> Option<(Linear<Expr>, Option<Refinement<Expr>>)> {
+    ) -> Option<(Linear<Expr>, Vec<Refinement<Expr>>)> {
         let zero = self.arena.constant(0.0);
         let small = self.small(residual);
         let origin: Replacement = unknowns.iter().map(|&u| (u, zero)).collect();
@@ -277,19 +278,22 @@ impl Reduced<'_> {
         let noisy = small
             .iter()
             .any(|&s| matches!(self.symbols.meaning(s), Meaning::Wiener(_)));
-        let refinement = if unknowns.len() > 1 {
-            Some(self.refinement(residual, unknowns, &small))
+        let refinements = if self.is_rotation(unknowns) {
+            let mut stage = || self.chord_step(residual, unknowns);
+            vec![stage(), stage()]
+        } else if unknowns.len() > 1 {
+            vec![self.refinement(residual, unknowns, &small)]
         } else {
             if noisy {
                 rhs = self.newton_step(residual, jacobian, &origin).1;
             }
-            None
+            Vec::new()
         };
         let size = unknowns.len();
         let regular = (0..size).all(|i| {
             matrix[i].iter().any(|&e| e != zero) && matrix.iter().any(|row| row[i] != zero)
         });
-        let refined = refinement.iter().flat_map(|r| &r.rhs);
+        let refined = refinements.iter().flat_map(|r| &r.rhs);
         let all: Vec<Expr> = matrix
             .iter()
             .flatten()
@@ -299,7 +303,7 @@ impl Reduced<'_> {
             .collect();
         let mut nodes = self.arena.reachable(&all, |_| true).into_iter();
         let defined = nodes.all(|e| self.arena.constant_value(e).is_none_or(f64::is_finite));
-        (regular && defined).then(|| (self.linear((matrix, rhs)), refinement))
+        (regular && defined).then(|| (self.linear((matrix, rhs)), refinements))
     }
 
     /// The step size and the increments of the noise, as far as they occur.
@@ -328,13 +332,8 @@ impl Reduced<'_> {
         small: &[Symbol],
     ) -> Refinement<Expr> {
         let zero = self.arena.constant(0.0);
-        let mut point: Replacement = small.iter().map(|&s| (s, zero)).collect();
-        let mut first = Vec::new();
-        for &unknown in unknowns {
-            let symbol = self.symbols.declare(self.symbols.meaning(unknown).clone());
-            point.insert(unknown, self.arena.symbol(symbol));
-            first.push(symbol);
-        }
+        let (first, mut point) = self.stage_names(unknowns);
+        point.extend(small.iter().map(|&s| (s, zero)));
         let rhs = residual
             .iter()
             .map(|&r| {
@@ -351,6 +350,25 @@ impl Reduced<'_> {
         Refinement { first, rhs }
     }
 
+    /// `−R` at the stage before.
+    fn chord_step(&mut self, residual: &[Expr], unknowns: &[Symbol]) -> Refinement<Expr> {
+        let (first, point) = self.stage_names(unknowns);
+        let residual = self.arena.substitute_all(residual, &point).into_iter();
+        let rhs = residual.map(|r| self.arena.neg(r)).collect();
+        Refinement { first, rhs }
+    }
+
+    /// Names for what a stage of a guess found, in the place of the unknowns.
+    fn stage_names(&mut self, unknowns: &[Symbol]) -> (Vec<Symbol>, Replacement) {
+        let (mut names, mut point) = (Vec::new(), Replacement::new());
+        for &unknown in unknowns {
+            let symbol = self.symbols.declare(self.symbols.meaning(unknown).clone());
+            point.insert(unknown, self.arena.symbol(symbol));
+            names.push(symbol);
+        }
+        (names, point)
+    }
+
     /// Names for the solution of a block, which `known` puts in the place of its unknowns.
     fn solved(&mut self, unknowns: &[Symbol], known: &mut Replacement) -> Vec<Symbol> {
         let mut solved = Vec::new();
@@ -363,7 +381,7 @@ impl Reduced<'_> {
     }
 
     /// Whether the unknowns are those of the three directions of a rotation.
-    fn is_rotation(&self, unknowns: &[Symbol]) -> bool {
+    pub(super) fn is_rotation(&self, unknowns: &[Symbol]) -> bool {
         let mut directions: Vec<usize> = unknowns
             .iter()
             .filter_map(|&u| match *self.symbols.meaning(u) {
