@@ -7,7 +7,7 @@
 //! then. The relative error of the solution is bounded by the condition number of the matrix times a few units of rounding (Higham, *Accuracy and Stability of
 //! Numerical Algorithms*, section 1.10.1), and Newton's method, which uses it, corrects such errors in its next update.
 
-use super::dense::{DeterminantSign, Matrix, SINGULAR};
+use super::dense::{DeterminantSign, Matrix, SINGULAR, all_finite};
 
 /// Rounding errors of a determinant of three rows, in units of the sum of the magnitudes of its terms.
 const SINGULAR_OF_THREE: f64 = 3.0 * SINGULAR;
@@ -38,8 +38,9 @@ impl Matrix<3> for Cofactors {
         Some((solution, DeterminantSign::of(determinant)))
     }
 
+    #[inline(always)]
     fn is_finite(&self) -> bool {
-        self.0.as_flattened().iter().all(|x| x.is_finite())
+        all_finite(self.0.as_flattened())
     }
 
     #[inline(always)]
@@ -120,6 +121,10 @@ mod tests {
         }
         let not_finite = Cofactors([[f64::NAN, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
         assert!(!not_finite.is_finite());
-        assert!(Cofactors([[0.0; 3]; 3]).solve_with_sign(&[1.0; 3]).is_none());
+        assert!(
+            Cofactors([[0.0; 3]; 3])
+                .solve_with_sign(&[1.0; 3])
+                .is_none()
+        );
     }
 }

@@ -3,7 +3,7 @@
 //! Input: the diagonal and a right-hand side. Output: what [`dense::solve`](super::dense::solve) gives for the same matrix written in
 //! full, from three unknowns on, up to the sign of a zero.
 
-use super::dense::{DeterminantSign, Matrix};
+use super::dense::{DeterminantSign, Matrix, all_finite};
 
 /// A diagonal matrix of `K` rows, of each its stored entry.
 #[derive(Clone, Copy, Debug)]
@@ -24,8 +24,9 @@ impl<const K: usize> Matrix<K> for Diagonal<K> {
         Some((x, DeterminantSign::from_is_negative(is_negative)))
     }
 
+    #[inline(always)]
     fn is_finite(&self) -> bool {
-        self.0.as_flattened().iter().all(|x| x.is_finite())
+        all_finite(self.0.as_flattened())
     }
 
     #[inline(always)]

@@ -56,10 +56,7 @@ impl<const K: usize> Midpoints<K> for Diagonal<K> {
 }
 
 #[inline(always)]
-fn is_regular_within_dense<const K: usize>(
-    middle: &[[f64; K]; K],
-    radius: &[[f64; K]; K],
-) -> bool {
+fn is_regular_within_dense<const K: usize>(middle: &[[f64; K]; K], radius: &[[f64; K]; K]) -> bool {
     match K {
         1 => radius[0][0] < BOUND * middle[0][0].abs(),
         2 => {
@@ -171,8 +168,8 @@ fn inverse<const K: usize>(mut a: [[f64; K]; K]) -> [[f64; K]; K] {
 #[cfg(test)]
 mod tests {
     use super::is_regular_within;
-    use crate::solve::diagonal::Diagonal;
     use crate::solve::dense::tests::Random;
+    use crate::solve::diagonal::Diagonal;
 
     /// Returns the determinant of a small matrix, by elimination with partial pivoting.
     fn determinant<const K: usize>(mut a: [[f64; K]; K]) -> f64 {
@@ -259,7 +256,10 @@ mod tests {
         }
         assert!(counts.iter().all(|&count| count > 100), "{counts:?}");
         assert!(!is_regular_within(&Diagonal([[0.0]; 3]), &[[0.0; 3]; 3]));
-        assert!(!is_regular_within(&Diagonal([[1.0]; 3]), &[[f64::NAN; 3]; 3]));
+        assert!(!is_regular_within(
+            &Diagonal([[1.0]; 3]),
+            &[[f64::NAN; 3]; 3]
+        ));
     }
 
     #[test]

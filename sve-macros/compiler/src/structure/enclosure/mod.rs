@@ -15,8 +15,8 @@ mod bounds;
 
 use std::collections::HashMap;
 
-use crate::algebra::{Arena, Expr, Map, Symbol};
 use super::matrix::Matrix;
+use crate::algebra::{Arena, Expr, Map, Symbol};
 use bounds::{Bounds, Interval};
 
 /// Half the width of the box in each unknown, in distances of the solution from the limit. The box is centred between the two and
