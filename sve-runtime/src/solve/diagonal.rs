@@ -12,14 +12,16 @@ pub struct Diagonal<const K: usize>(pub [[f64; 1]; K]);
 impl<const K: usize> Matrix<K> for Diagonal<K> {
     #[inline(always)]
     fn solve_with_sign(&self, b: &[f64; K]) -> Option<([f64; K], DeterminantSign)> {
-        let (mut x, mut is_negative) = ([0.0; K], false);
+        let (mut x, mut is_negative, mut is_singular) = ([0.0; K], false, false);
         for i in 0..K {
             let pivot = self.0[i][0];
-            if pivot == 0.0 || pivot.is_infinite() {
-                return None;
-            }
+            // one branch for all pivots
+            is_singular |= (pivot == 0.0) | (pivot.abs() == f64::INFINITY);
             x[i] = b[i] / pivot;
             is_negative ^= pivot < 0.0;
+        }
+        if is_singular {
+            return None;
         }
         Some((x, DeterminantSign::from_is_negative(is_negative)))
     }
