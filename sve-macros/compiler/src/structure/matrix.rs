@@ -161,6 +161,22 @@ mod tests {
     }
 
     #[test]
+    fn a_full_matrix_of_a_rotation_is_solved_by_cofactors() {
+        let arena = &mut Arena::new();
+        let rows =
+            |is_entry: fn(usize, usize) -> bool, arena: &mut Arena| matrix(3, is_entry, arena);
+        let full = rows(|_, _| true, arena);
+        assert_eq!(full.storage, Storage::Dense);
+        let storage = Matrix::of_rotation(full.rows, arena).storage;
+        assert_eq!(storage, Storage::Cofactors);
+        let zero = arena.constant(0.0);
+        let one = arena.constant(1.0);
+        let diagonal = (0..3).map(|i| (0..3).map(|j| if i == j { one } else { zero }).collect());
+        let storage = Matrix::of_rotation(diagonal.collect(), arena).storage;
+        assert_eq!(storage, Storage::Diagonal);
+    }
+
+    #[test]
     fn stored_entries_know_their_columns() {
         let arena = &mut Arena::new();
         let zero = arena.constant(0.0);
