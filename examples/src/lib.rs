@@ -3,6 +3,7 @@
 //! A program describes a [`Figure`](figure::Figure), [`report`] draws it, and [`check`] compares what was measured with what was expected. [`gaussian`] computes expectations of linear schemes without Monte Carlo.
 
 pub mod check;
+pub mod envelope;
 pub mod gaussian;
 pub mod page;
 pub mod render;

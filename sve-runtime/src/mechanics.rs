@@ -5,6 +5,7 @@
 //! `dq = v dt + Σ ∂G_a/∂p ∘ dW_a`, `dp = (∂L/∂q + F) dt − Σ ∂G_a/∂q ∘ dW_a`, `p = ∂L/∂v`, with `G = −γ` or `G = H₁`.
 
 use crate::configuration::{Coordinates, FlatConfiguration, VectorSpace};
+use crate::constraints::{self, LEAVES_OUT_FORCES};
 use crate::degenerate::{self, NEEDS_REGULAR, is_degenerate};
 use crate::error::{StepError, step_error};
 use crate::legendre;
@@ -44,6 +45,8 @@ impl<const N: usize> Field<[f64; N]> {
 
 /// Mechanical quantities of a Lagrangian and its noises; implemented for every [`System`].
 ///
+/// What a state has is a function of `&state`. The momentum of a velocity is a function of `q` and `v`, which [`State::from_velocity`] calls.
+///
 /// ```
 /// use sve_runtime::prelude::*;
 /// struct Pendulum { m: f64, g: f64 }
@@ -53,9 +56,11 @@ impl<const N: usize> Field<[f64; N]> {
 /// }
 /// # fn main() -> Result<(), StepError> {
 /// let pendulum = Pendulum { m: 2.0, g: 9.8 };
+/// let state = State::from_velocity(&pendulum, [0.0], [3.0])?;
+/// assert_eq!(state.p, [6.0]);
+/// assert_eq!(pendulum.velocity(&state)?, [3.0]);
+/// assert_eq!(pendulum.hamiltonian(&state)?, 9.0 - 2.0 * 9.8);
 /// assert_eq!(pendulum.momentum([0.0], [3.0]), [6.0]);
-/// assert_eq!(pendulum.velocity([0.0], [6.0])?, [3.0]);
-/// assert_eq!(pendulum.hamiltonian(&State::new([0.0], [6.0]))?, 9.0 - 2.0 * 9.8);
 /// # Ok(())
 /// # }
 /// ```
@@ -63,19 +68,6 @@ pub trait Mechanics: System {
     /// The Legendre transform `p = ∂L/∂v(0, q, v)`. If L depends on time, see [`momentum_at`](Self::momentum_at).
     fn momentum(&self, q: ConfigurationOf<Self>, v: MomentumOf<Self>) -> MomentumOf<Self> {
         self.momentum_at(0.0, q, v)
-    }
-
-    /// The inverse of [`momentum`](Self::momentum).
-    ///
-    /// # Errors
-    /// [`StepError::Singular`] if the mass matrix `∂²L/∂v²` has no inverse; [`StepError::NonFiniteInput`];
-    /// [`StepError::NoVelocity`] if L is not quadratic in v and no velocity with that momentum is found.
-    fn velocity(
-        &self,
-        q: ConfigurationOf<Self>,
-        p: MomentumOf<Self>,
-    ) -> Result<MomentumOf<Self>, StepError> {
-        self.velocity_at(0.0, q, p)
     }
 
     /// The Legendre transform at time `t`.
@@ -86,16 +78,12 @@ pub trait Mechanics: System {
         v: MomentumOf<Self>,
     ) -> MomentumOf<Self>;
 
-    /// The inverse Legendre transform at time `t`.
+    /// The velocity of a state, the inverse of the Legendre transform; [`State::from_velocity`] goes the other way.
     ///
     /// # Errors
-    /// As [`velocity`](Self::velocity).
-    fn velocity_at(
-        &self,
-        t: f64,
-        q: ConfigurationOf<Self>,
-        p: MomentumOf<Self>,
-    ) -> Result<MomentumOf<Self>, StepError>;
+    /// [`StepError::Singular`] if the mass matrix `∂²L/∂v²` has no inverse; [`StepError::NonFiniteInput`];
+    /// [`StepError::NoVelocity`] if L is not quadratic in v and no velocity with that momentum is found.
+    fn velocity(&self, state: &StateOf<Self>) -> Result<MomentumOf<Self>, StepError>;
 
     /// The energy `H = ⟨p, v⟩ − L`, in the units of L.
     ///
@@ -124,22 +112,43 @@ pub trait Mechanics: System {
     /// As [`velocity`](Self::velocity); [`StepError::Degenerate`] if L is degenerate.
     fn temperature(&self, state: &StateOf<Self>) -> Result<f64, StepError>;
 
-    /// The drift of the (Stratonovich) first-order form, `(v, ∂L/∂q + F)`, without the forces of constraints.
+    /// The drift of the (Stratonovich) first-order form, `(v, ∂L/∂q + F)`. For a system with constraints it is that of the motion on them, with their forces
+    /// `∂φ/∂qᵀ λ` and without the part of the momentum across them, which has no effect on the motion.
     ///
     /// # Errors
-    /// As [`velocity`](Self::velocity).
+    /// As [`velocity`](Self::velocity); [`StepError::InconsistentStart`] and [`StepError::ConstraintRank`] as in a step.
     fn drift(&self, state: &StateOf<Self>) -> Result<Field<MomentumOf<Self>>, StepError>;
 
-    /// The second time derivatives `(q̈, p̈)` of the motion without noise and constraints.
+    /// The second time derivatives `(q̈, p̈)` of the motion without noise. Does not compile for a system with constraints, whose multipliers would have to be
+    /// differentiated too.
     ///
     /// # Errors
     /// As [`velocity`](Self::velocity).
     fn acceleration(&self, state: &StateOf<Self>) -> Result<Field<MomentumOf<Self>>, StepError>;
 
-    /// `Σ_a g_a dW_a`, the noise fields `g_a = (∂G_a/∂p, −∂G_a/∂q)` combined with the given increments.
+    /// `Σ_a g_a dW_a`, the noise fields `g_a = (∂G_a/∂p, −∂G_a/∂q)` combined with the given increments. Does not compile for a system with constraints, whose
+    /// forces balance a part of the noise:
+    ///
+    /// ```compile_fail
+    /// use sve_runtime::prelude::*;
+    /// struct Rod { s: f64 }
+    /// #[variational(midpoint)]
+    /// impl Rod {
+    ///     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 { 0.5 * (v[0] * v[0] + v[1] * v[1]) }
+    ///     #[gamma]
+    ///     fn push(&self, q: [f64; 2]) -> f64 { self.s * q[0] }
+    ///     #[constraint]
+    ///     fn rod(&self, q: [f64; 2]) -> f64 { 0.5 * (q[0] * q[0] + q[1] * q[1] - 1.0) }
+    /// }
+    /// # fn main() {
+    /// // error: this function is for systems without constraints: it would leave out their forces …
+    /// Rod { s: 0.1 }.noise(&State::new([1.0, 0.0], [0.0, 1.0]), &[0.2]);
+    /// # }
+    /// ```
     fn noise(&self, state: &StateOf<Self>, dw: &IncrementsOf<Self>) -> Field<MomentumOf<Self>>;
 
-    /// The Itô correction `½ Σ_a (Dg_a) g_a`: the Itô drift minus the Stratonovich drift.
+    /// The Itô correction `½ Σ_a (Dg_a) g_a`: the Itô drift minus the Stratonovich drift. Does not compile for a system with constraints, as
+    /// [`noise`](Self::noise).
     fn ito_correction(&self, state: &StateOf<Self>) -> Field<MomentumOf<Self>>
     where
         ConfigurationOf<Self>: VectorSpace;
@@ -157,8 +166,8 @@ where
     }
 
     #[inline]
-    fn velocity_at(&self, t: f64, q: Q, p: Q::Momentum) -> Result<Q::Momentum, StepError> {
-        let state = State { t, q, p }.to_coordinates();
+    fn velocity(&self, state: &State<Q>) -> Result<Q::Momentum, StepError> {
+        let state = state.to_coordinates();
         if const { is_degenerate::<S>() } {
             degenerate::check_consistent(self, &state)?;
         }
@@ -210,6 +219,9 @@ where
         if const { is_degenerate::<S>() } {
             degenerate::check_consistent(self, state)?;
         }
+        if const { !S::CONSTRAINTS.is_empty() } {
+            return constraints::drift::drift(self, state).map(Field::of::<Q>);
+        }
         solve_drift(self, state)
             .and_then(finite)
             .map(Field::of::<Q>)
@@ -218,6 +230,7 @@ where
 
     #[inline]
     fn acceleration(&self, state: &State<Q>) -> Result<Field<Q::Momentum>, StepError> {
+        const { assert!(S::CONSTRAINTS.is_empty(), "{}", LEAVES_OUT_FORCES) };
         let state = &state.to_coordinates();
         if const { is_degenerate::<S>() } {
             return Err(StepError::Degenerate {
@@ -235,6 +248,7 @@ where
     #[inline]
     fn noise(&self, state: &State<Q>, dw: &[f64; M]) -> Field<Q::Momentum> {
         const { assert!(S::ROLES.is_empty(), "{}", NEEDS_REGULAR) };
+        const { assert!(S::CONSTRAINTS.is_empty(), "{}", LEAVES_OUT_FORCES) };
         let State { t, q, p } = state.to_coordinates();
         let mut noise = noise_of(&self.noise_jets(t, &q, &p), dw);
         Q::Flat::add_transport(&p, &noise.q, &mut noise.p);
@@ -247,6 +261,7 @@ where
         Q: VectorSpace,
     {
         const { assert!(S::ROLES.is_empty(), "{}", NEEDS_REGULAR) };
+        const { assert!(S::CONSTRAINTS.is_empty(), "{}", LEAVES_OUT_FORCES) };
         let State { t, q, p } = state.to_coordinates();
         correction_of(&self.noise_jets(t, &q, &p)).of::<Q>()
     }

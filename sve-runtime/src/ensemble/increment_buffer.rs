@@ -1,15 +1,16 @@
 //! The increments of a block of paths, in lanes, drawn for several steps at once.
 //!
-//! Input: the noise, the first path and a range of steps. Output: one increment for each lane, step and process.
+//! Input: the noise, the paths and a range of steps. Output: one increment for each lane, step and process.
 //! Invariant: the increments of path `k` are those of the source's path `k`, bit for bit.
 
 use super::BLOCK_TILES;
 use super::path_noise::PathNoise;
 use crate::lanes::{Aligned, LANES, Lane};
-use crate::noise::lanes::fill;
+use crate::noise::lanes::{DistributionKind, Draw, fill};
+use crate::noise::refined_lanes::RefinedLanes;
 
 /// Number of steps whose increments are drawn at once, so that the overhead of a draw is small.
-pub(super) const BATCH: u64 = 16;
+pub(super) const BATCH: u64 = 32;
 
 /// Number of steps that share a block of the generator.
 const QUAD: u64 = 4;
@@ -18,52 +19,117 @@ const QUADS: usize = (BATCH / QUAD) as usize;
 /// The increments of a batch of steps for the tiles of a block.
 pub(super) struct IncrementBuffer<const M: usize> {
     noise: PathNoise,
-    first_path: u64,
-    /// √h.
-    scale: f64,
+    h: f64,
     /// Number of the batch in the buffer.
     batch: Option<u64>,
+    /// The paths of the source in the lanes of each tile.
+    paths: Vec<[u64; LANES]>,
     /// Increments by groups of four steps, tiles and processes.
     values: Vec<Aligned<[Lane; 4]>>,
 }
 
 impl<const M: usize> IncrementBuffer<M> {
-    /// An empty buffer for the paths from `first_path` on.
-    pub(super) fn new(noise: PathNoise, first_path: u64, h: f64) -> Self {
+    /// An empty buffer.
+    pub(super) fn new(noise: PathNoise, h: f64) -> Self {
         Self {
             noise,
-            first_path: noise.first_path.wrapping_add(first_path),
-            scale: h.abs().sqrt(),
+            h,
             batch: None,
+            paths: Vec::with_capacity(BLOCK_TILES),
             values: vec![Aligned([[0.0; LANES]; 4]); QUADS * BLOCK_TILES * M],
         }
     }
 
-    /// Draws the increments of a batch, for the first so many tiles.
-    pub(super) fn load(&mut self, batch: u64, tiles: usize) {
+    /// Draws the increments of a batch, for tiles with these paths in their lanes.
+    pub(super) fn load<'t>(&mut self, batch: u64, tiles: impl Iterator<Item = &'t [u64; LANES]>) {
         let Some(distribution) = self.noise.distribution else {
             return;
         };
-        let PathNoise { seed, largest, .. } = self.noise;
-        if M == 0 || self.batch == Some(batch) {
+        if M == 0 {
             return;
         }
-        self.batch = Some(batch);
-        let quads = self.values.chunks_exact_mut(BLOCK_TILES * M);
-        for (quad, values) in (batch * QUADS as u64..).zip(quads) {
-            let values = &mut values[..tiles * M];
-            fill(
-                distribution,
-                seed,
-                self.first_path,
-                quad,
-                self.scale,
-                M,
-                values,
-            );
-            if largest < f64::INFINITY {
-                for dw in values.iter_mut().flat_map(|row| row.0.as_flattened_mut()) {
-                    *dw = dw.clamp(-largest, largest);
+        let first = self.noise.first_path;
+        let mut is_loaded = self.batch.replace(batch) == Some(batch);
+        for (tile, paths) in tiles.enumerate() {
+            let paths = paths.map(|path| first.wrapping_add(path));
+            is_loaded &= self.paths.get(tile) == Some(&paths);
+            match self.paths.get_mut(tile) {
+                Some(known) => *known = paths,
+                None => self.paths.push(paths),
+            }
+        }
+        if is_loaded {
+            return;
+        }
+        if self.noise.depth == 0 {
+            self.draw(distribution, batch);
+        } else {
+            self.draw_refined(distribution, batch);
+        }
+    }
+
+    /// Draws the increments over whole steps of the source.
+    fn draw(&mut self, distribution: DistributionKind, batch: u64) {
+        let PathNoise { seed, largest, .. } = self.noise;
+        let draw = Draw {
+            distribution,
+            seed,
+            paths: &self.paths,
+            first_block: batch * QUADS as u64,
+            scale: self.h.abs().sqrt(),
+            processes: M,
+        };
+        let values = &mut self.values[..QUADS * self.paths.len() * M];
+        fill(&draw, values);
+        if largest < f64::INFINITY {
+            for dw in values.iter_mut().flat_map(|row| row.0.as_flattened_mut()) {
+                *dw = dw.clamp(-largest, largest);
+            }
+        }
+    }
+
+    /// Draws the increments over parts of steps of the source.
+    fn draw_refined(&mut self, distribution: DistributionKind, batch: u64) {
+        let PathNoise { seed, depth, .. } = self.noise;
+        let whole_h = self.h * (1_u64 << depth) as f64;
+        let parts = BATCH.min(1 << depth);
+        let mut whole = vec![Aligned([[0.0; LANES]; 4]); self.paths.len() * M];
+        let mut drawn = None;
+        let mut halves = [[0.0; LANES]; BATCH as usize];
+        for first in (batch * BATCH..)
+            .step_by(parts as usize)
+            .take((BATCH / parts) as usize)
+        {
+            let step = first >> depth;
+            let quad = step / QUAD;
+            if drawn.replace(quad) != Some(quad) {
+                let draw = Draw {
+                    distribution,
+                    seed,
+                    paths: &self.paths,
+                    first_block: quad,
+                    scale: whole_h.abs().sqrt(),
+                    processes: M,
+                };
+                fill(&draw, &mut whole);
+            }
+            for (tile, paths) in self.paths.iter().enumerate() {
+                let lanes = RefinedLanes {
+                    seed,
+                    paths,
+                    whole_h,
+                    depth,
+                };
+                for process in 0..M {
+                    let of_step = &whole[tile * M + process].0[(step % QUAD) as usize];
+                    let part = first - (step << depth);
+                    let halves = &mut halves[..parts as usize];
+                    lanes.fill(step, process, of_step, part, halves);
+                    for (fine, dw) in (first..).zip(halves) {
+                        let quad = (fine % BATCH / QUAD) as usize;
+                        let row = &mut self.values[(quad * self.paths.len() + tile) * M + process];
+                        row.0[(fine % QUAD) as usize] = *dw;
+                    }
                 }
             }
         }
@@ -73,9 +139,69 @@ impl<const M: usize> IncrementBuffer<M> {
     #[inline(always)]
     pub(super) fn of(&self, tile: usize, step: u64) -> Aligned<[Lane; M]> {
         let quad = (step % BATCH / QUAD) as usize;
-        let values = &self.values[(quad * BLOCK_TILES + tile) * M..][..M];
+        let values = &self.values[(quad * self.paths.len() + tile) * M..][..M];
         Aligned(core::array::from_fn(|process| {
             values[process].0[(step % QUAD) as usize]
         }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{BATCH, BLOCK_TILES, IncrementBuffer, LANES};
+    use crate::ensemble::path_noise::PathNoise;
+    use crate::noise::{ManyPaths as _, Noise as _, Wiener};
+
+    /// Any paths in the lanes: consecutive ones, and others.
+    fn tiles() -> [[u64; LANES]; BLOCK_TILES] {
+        let path = |tile: usize, lane: usize| match tile {
+            0 => lane as u64,
+            _ => (lane as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 8,
+        };
+        core::array::from_fn(|tile| core::array::from_fn(|lane| path(tile, lane)))
+    }
+
+    fn refined_increments_are_those_of_single_paths<const M: usize>(depth: u32) {
+        let (seed, first, h) = (7, 5, 0.037 / f64::from(1 << depth));
+        let source = Wiener::new(seed).path(first);
+        let noise = source.refine(depth).unwrap().many_paths();
+        let noise = PathNoise::new(Some(noise), 0, h).unwrap();
+        let mut buffer = IncrementBuffer::<M>::new(noise, h);
+        let tiles = tiles();
+        for batch in [0, 1, 2, 77] {
+            buffer.load(batch, tiles.iter());
+            for (tile, lane) in [(0, 0), (0, 31), (1, 3), (1, 17)] {
+                let path = Wiener::new(seed).path(first.wrapping_add(tiles[tile][lane]));
+                let mut refined = path.clone().refine(depth).unwrap();
+                let mut sum = [0.0; M];
+                for step in batch * BATCH..(batch + 1) * BATCH {
+                    let mut expected = [0.0; M];
+                    refined.increments(step, h, &mut expected).unwrap();
+                    let got = buffer.of(tile, step).0.map(|process| process[lane]);
+                    assert_eq!(got, expected, "{depth} {batch} {tile} {lane} {step}");
+                    // the parts of a step sum up to its increment
+                    let parts = 1 << depth;
+                    for process in 0..M {
+                        sum[process] += got[process];
+                        if (step + 1) % parts == 0 && parts <= BATCH {
+                            let whole = h * parts as f64;
+                            let whole = path.increment(step / parts, process, whole);
+                            assert!((sum[process] - whole).abs() < 1e-14);
+                            sum[process] = 0.0;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn refined_paths_have_the_bits_of_single_ones() {
+        for depth in [1, 2, 3, 4, 5, 9, 20] {
+            refined_increments_are_those_of_single_paths::<1>(depth);
+        }
+        refined_increments_are_those_of_single_paths::<3>(2);
+        refined_increments_are_those_of_single_paths::<6>(5);
+        refined_increments_are_those_of_single_paths::<19>(3);
     }
 }

@@ -6,26 +6,27 @@
 use super::counter_path::CounterPath;
 use super::distribution::Normal;
 use super::stages::StagePath;
-use super::{Noise, NoiseError};
+use super::{DyadicInterval, Halves as _, Noise, NoiseError};
 
 /// Wiener paths from a seed: any step of any path, in any order, always the same.
 ///
 /// An increment is a pure function of the seed, the path, the step and the process: nothing is consumed. Seed and path are enough to
 /// replay a path, to enter it in the middle, and to share it between threads or machines. Two systems with equal `Wiener`s
 /// have the same noise. Increments of different seeds, paths, steps or processes are independent, also of neighbouring
-/// ones. The bits are the same on every platform: normals are computed by arithmetic and square
-/// roots, without a library's `ln`, `sin` and `cos`.
+/// ones. The bits are the same on every platform: normals are computed by arithmetic with fused multiply-adds and square
+/// roots, without a library's `ln`, `sin` and `cos`. Machines that have no fused multiply-add compute it by a slow function of the library.
 ///
 /// An increment has variance `h` and never exceeds 9.4926 √h in size.
 ///
-/// As a [`Noise`] it keeps the increments of four steps for each process, so steps in sequence cost least. Its only error there is
+/// A source is a value to copy. As a [`Noise`] it draws and keeps the increments of 32 steps for up to four processes, and of four steps for up to 16, so steps in sequence cost least; increments of
+/// further processes are drawn step by step. Its only error there is
 /// [`NoiseError::InvalidStep`], for an `h` that is zero or not finite.
 ///
 /// ```
 /// use sve_runtime::noise::{Noise, Wiener};
 ///
 /// let paths = Wiener::new(42);
-/// let mut path = paths.clone().path(3);
+/// let mut path = paths.path(3);
 /// let mut dw = [0.0; 2];
 /// for step in [0, 1, 1_000_000, 5] {
 ///     path.increments(step, 0.01, &mut dw)?;
@@ -43,7 +44,7 @@ use super::{Noise, NoiseError};
 /// For rules with [stage noise](crate::StageNoise) it draws the same path in more detail: the increments at the stages add up to these.
 ///
 /// Generator: Threefry4x64-13 of Salmon, Moraes, Dror and Shaw (2011); normals by Box and Muller (1958).
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Wiener(
     pub(super) CounterPath<Normal>,
     /// For the stages of Gauss rules.
@@ -57,14 +58,22 @@ impl Wiener {
     }
 
     /// Path number `path` of the same seed.
+    ///
+    /// ```
+    /// use sve_runtime::noise::Wiener;
+    ///
+    /// let paths = Wiener::new(42);
+    /// let [first, second] = [0, 1].map(|k| paths.path(k).increment(0, 0, 0.01));
+    /// assert_ne!(first, second);
+    /// ```
     #[must_use]
-    pub fn path(self, path: u64) -> Self {
+    pub fn path(&self, path: u64) -> Self {
         Self(self.0.path(path), self.1.path(path))
     }
 
     /// Returns the increment of a process (from 0) over step number `step` (from 0) of length `h`.
     ///
-    /// It equals the one from [`Noise::increments`], and costs four times as much in a sequence of steps.
+    /// It equals the one from [`Noise::increments`], and costs several times as much in a sequence of steps.
     /// Its variance is |h|. If `h` is NaN, returns NaN.
     #[inline]
     pub fn increment(&self, step: u64, process: usize, h: f64) -> f64 {
@@ -87,5 +96,17 @@ impl Noise for Wiener {
     ) -> Result<(), NoiseError> {
         let Self(whole, higher) = self;
         higher.increments(whole, step, h, stages, dw)
+    }
+
+    fn halves_if_known(
+        &self,
+        interval: DyadicInterval,
+        h: f64,
+        whole: &[f64],
+        left: &mut [f64],
+        right: &mut [f64],
+    ) -> bool {
+        self.halves_of(interval, h, whole, left, right);
+        true
     }
 }

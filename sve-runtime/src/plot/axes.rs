@@ -165,6 +165,9 @@ fn widened(range: &Range<f64>, to: f64) -> Range<f64> {
 
 /// Where the labels of an axis stand.
 fn labelled(axis: &Axis, range: &Range<f64>) -> Vec<f64> {
+    if axis.labels == 0 {
+        return Vec::new();
+    }
     match axis.scale {
         Scale::Linear => return round_numbers(range, axis.labels),
         Scale::Angle => return parts_of_pi(range, axis.labels),

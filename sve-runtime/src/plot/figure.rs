@@ -55,7 +55,7 @@ pub struct Axis {
     pub range: Range<f64>,
     /// What its numbers are.
     pub scale: Scale,
-    /// Roughly how many labels.
+    /// Roughly how many labels; none for 0.
     pub labels: usize,
 }
 
@@ -168,6 +168,10 @@ pub enum Shape {
     Cross,
     /// An open circle.
     Circle,
+    /// An open diamond.
+    Diamond,
+    /// An upright cross.
+    Plus,
     /// An arrow downwards: the point is an upper limit.
     Limit,
 }

@@ -26,6 +26,7 @@ mod draw;
 mod ensemble;
 mod error;
 pub mod figure;
+mod limits;
 pub mod page;
 pub mod palette;
 mod raster;

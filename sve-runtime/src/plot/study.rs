@@ -5,12 +5,9 @@
 use std::path::Path;
 
 use super::bounds::around;
-use super::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row as Panels, Shape, Symbols};
+use super::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row as Panels};
 use super::{PlotError, page, render};
 use crate::study::{Estimate, Report, Row};
-
-/// Errors below so many standard errors cannot be told from none.
-const SIGNIFICANT: f64 = 2.0;
 
 /// An error with its standard error; 0 where it has none.
 type Error<'a> = &'a dyn Fn(&Row) -> Option<Estimate>;
@@ -127,8 +124,11 @@ fn panel(report: &Report, (x_name, x): Abscissa, (y_name, error): (&str, Error<'
         .enumerate()
         .flat_map(|(number, method)| {
             let rows = report.rows().iter().filter(|row| row.method == *method);
-            let points = rows.filter_map(|row| Some((x(row)?, error(row)?)));
-            series(method, Pen::series(number), points)
+            let points = rows.filter_map(|row| {
+                let error = error(row)?;
+                Some((x(row)?, error.value, error.standard_error))
+            });
+            Layer::errors(*method, Pen::series(number), points)
         })
         .collect();
     let points = || layers.iter().flat_map(|layer| &layer.points);
@@ -141,58 +141,9 @@ fn panel(report: &Report, (x_name, x): Abscissa, (y_name, error): (&str, Error<'
     layers.into_iter().fold(empty, Panel::with)
 }
 
-/// The decimal logarithms of a method's errors, and of their upper limits. No line goes through a point that is missing.
-fn series(method: &str, pen: Pen, points: impl Iterator<Item = (f64, Estimate)>) -> [Layer; 2] {
-    let (mut found, mut bars, mut limits) = (Vec::new(), Vec::new(), Vec::new());
-    for (x, estimate) in points {
-        let (error, spread) = (estimate.value.abs(), SIGNIFICANT * estimate.standard_error);
-        let x = x.log10();
-        if error > spread {
-            found.push((x, error.log10()));
-            bars.push(((error - spread).log10(), (error + spread).log10()));
-        } else {
-            // what is not finite ends a line
-            found.push((x, f64::NAN));
-            bars.push((f64::NAN, f64::NAN));
-            limits.push((x, (error + spread).log10()));
-        }
-    }
-    let arrows = Pen {
-        line: None,
-        symbol: Some(Symbols {
-            shape: Shape::Limit,
-            radius: 3.2,
-            count: None,
-        }),
-        ..pen
-    };
-    [
-        Layer::new(method, found, pen).bars(bars),
-        Layer::new(format!("{method}, upper limit"), limits, arrows).unlisted(),
-    ]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn what_is_below_two_standard_errors_is_a_limit() {
-        let estimate = |value, standard_error| Estimate {
-            value,
-            standard_error,
-        };
-        let points = [
-            (0.1, estimate(1e-2, 1e-3)),
-            (0.01, estimate(-1e-3, 1e-3)),
-            (0.001, estimate(1e-4, 0.0)),
-        ];
-        let [found, limits] = series("method", Pen::series(0), points.into_iter());
-        assert!((found.points[0].1 + 2.0).abs() < 1e-12);
-        assert!(found.points[1].1.is_nan() && found.points[2].1 == -4.0);
-        assert_eq!(limits.points.len(), 1);
-        assert!((limits.points[0].1 - 3e-3_f64.log10()).abs() < 1e-12);
-    }
 
     #[test]
     fn many_series_are_told_apart() {

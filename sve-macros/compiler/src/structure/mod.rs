@@ -16,6 +16,7 @@ mod guess;
 mod judge;
 mod matrix;
 mod outputs;
+mod pivots;
 mod scheme;
 mod tearing;
 

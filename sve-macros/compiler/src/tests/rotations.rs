@@ -10,7 +10,9 @@ fn expansion(block: &str) -> String {
 /// Returns the body of `increment`.
 fn increment(expansion: &str) -> &str {
     let body = expansion.split("fn increment ").nth(1).expect("a step");
-    &body[..body.find("type Unknowns").unwrap_or(body.len())]
+    let ends = ["fn increment_lanes", "type Unknowns"];
+    let end = ends.iter().filter_map(|end| body.find(end)).min();
+    &body[..end.unwrap_or(body.len())]
 }
 
 #[test]

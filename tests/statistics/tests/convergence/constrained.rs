@@ -314,7 +314,7 @@ fn rods_against_angles() {
     let from = State::new([a, b], angles.system().momentum([a, b], rates));
     let exact = |_: State<[f64; 4]>, path: &Recorded| {
         let end = end(&angles, from, path);
-        cartesian(end.q, angles.system().velocity(end.q, end.p).unwrap())
+        cartesian(end.q, angles.system().velocity(&end).unwrap())
     };
     all_rules(&rods, "two γ, in angles", start, FINE, exact);
 }

@@ -3,6 +3,7 @@
 mod calls;
 mod code;
 mod configuration;
+mod energy;
 mod factors;
 mod gauss;
 mod identity;
@@ -11,6 +12,7 @@ mod linearise;
 mod momenta;
 mod multipliers;
 mod parameters;
+mod pivots;
 mod placeholders;
 mod plan;
 mod rounding;

@@ -4,6 +4,7 @@ use proc_macro2::{Literal, Span, TokenStream};
 use quote::{quote, quote_spanned};
 
 use super::configuration::{Received, received, written};
+use super::energy::energy_lanes;
 use super::identity::identity;
 use super::straight::{Straight, rows};
 use super::{Context, attributes, documented, private};
@@ -11,6 +12,7 @@ use crate::algebra::{Arena, Expr};
 use crate::explain::SystemTexts;
 use crate::syntax::parse::Annotated;
 use crate::system::degeneracy::{Degeneracy, Role};
+use crate::system::energy::Energy;
 use crate::system::mechanics::{ConstraintJet, ForceJet, LagrangianJet, Mechanics, NoiseJet};
 use crate::system::model::{Model, Symbols};
 
@@ -18,6 +20,7 @@ pub(crate) fn system(
     block: &Annotated,
     model: &Model,
     mechanics: &Mechanics,
+    energy: Option<&Energy>,
     about: &SystemTexts,
     arena: &Arena,
 ) -> TokenStream {
@@ -30,6 +33,7 @@ pub(crate) fn system(
         noises,
         force,
         constraints,
+        constraint_curvatures: _,
         affine_momentum,
         is_separable,
         is_additive: _,
@@ -56,10 +60,12 @@ pub(crate) fn system(
     let force = force
         .as_ref()
         .map(|jet| force_jet(&private, jet, &received, &model.symbols, arena));
-    let constraints = constraint_jets(&private, model, constraints, arena);
+    let energy = energy.and_then(|energy| energy_lanes(energy, model, &private, arena));
+    let constraints = constraint_jets(&private, model, mechanics, arena);
     let identity = identity(model, arena, &private);
     let roles = model.degeneracy.as_ref().map(|d| roles(d, &private));
     let parameters = model.symbols.parameters().map(|s| model.symbols.source(s));
+    let (coordinates, momenta) = (&model.names.configuration, &model.names.momenta);
     // the user's functions are not called by what is derived from them, and yet are not dead
     let parts = [
         &block.noises,
@@ -84,6 +90,8 @@ pub(crate) fn system(
             const AFFINE_MOMENTUM: bool = #affine_momentum;
             #roles
             const PARAMETERS: &'static [&'static str] = &[#(#parameters),*];
+            const COORDINATES: &'static [&'static str] = &[#(#coordinates),*];
+            const MOMENTA: &'static [&'static str] = &[#(#momenta),*];
             #identity
             #jet_doc
             #[inline]
@@ -99,6 +107,7 @@ pub(crate) fn system(
             }
             #force
             #constraints
+            #energy
         }
         #separable
         #quadratic
@@ -216,16 +225,21 @@ fn force_jet(
     }
 }
 
-/// `CONSTRAINTS` and `constraint_jets`; nothing where there are none.
+/// `CONSTRAINTS`, `constraint_jets` and `constraint_curvatures`; nothing where there are none.
 fn constraint_jets(
     private: &TokenStream,
     model: &Model,
-    jets: &[ConstraintJet],
+    mechanics: &Mechanics,
     arena: &Arena,
 ) -> Option<TokenStream> {
+    let jets = &mechanics.constraints;
     if jets.is_empty() {
         return None;
     }
+    let curvatures = [mechanics.constraint_curvatures.clone()];
+    let straight = Straight::new(arena, &model.symbols, &curvatures[0]);
+    let (of_curvatures, array) =
+        straight.finish(private, &[(&curvatures, vec!["curvature".to_owned()])]);
     let row = |of: fn(&ConstraintJet) -> Expr| jets.iter().map(of).collect::<Vec<Expr>>();
     let vectors = [row(|j| j.value), row(|j| j.magnitude), row(|j| j.dt)];
     let slopes: Vec<Vec<Expr>> = jets.iter().map(|jet| jet.dq.clone()).collect();
@@ -262,6 +276,19 @@ fn constraint_jets(
                     dt: dt[k],
                     dq: dq[k],
                 });
+            }
+        }
+        fn constraint_curvatures(
+            &self,
+            time: f64,
+            q: &[f64; #n],
+            v: &[f64; #n],
+            visit: &mut dyn ::core::ops::FnMut(f64),
+        ) {
+            #of_curvatures
+            let [curvatures] = #(#array)*;
+            for curvature in curvatures {
+                visit(curvature);
             }
         }
     })
