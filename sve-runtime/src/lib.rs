@@ -426,6 +426,7 @@ pub mod __private {
     pub use crate::rules::Unstructured;
     pub use crate::solve::SolveError;
     pub use crate::solve::banded::Banded;
+    pub use crate::solve::cofactors::Cofactors;
     pub use crate::solve::dense::{DeterminantSign, Factors, factored, solve, solve_with_sign};
     pub use crate::solve::diagonal::Diagonal;
     pub use crate::solve::newton::{

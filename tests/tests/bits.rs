@@ -39,10 +39,10 @@ impl Hash {
     }
 }
 
-/// Steps of several sizes along short paths; their tangent maps and sensitivities.
-fn single(case: &dyn Case) -> [u64; 2] {
+/// Steps of several sizes along short paths; their tangent maps and sensitivities; trajectories, which may carry numbers from step to step.
+fn single(case: &dyn Case) -> [u64; 3] {
     let mut random = Random::new(5);
-    let (mut hash, mut tangents) = (Hash::new(), Hash::new());
+    let (mut hash, mut tangents, mut along) = (Hash::new(), Hash::new(), Hash::new());
     let (model, noises) = (case.model(), case.dimensions().1);
     for h in [1e-3, 0.05, 0.2] {
         for _ in 0..8 {
@@ -69,13 +69,13 @@ fn single(case: &dyn Case) -> [u64; 2] {
             let path = case.trajectory(&state, h, Box::new(Wiener::new(3)));
             for state in path.take(10) {
                 match state {
-                    Ok(state) => hash.state(&state),
-                    Err(_) => hash.number(f64::NAN),
+                    Ok(state) => along.state(&state),
+                    Err(_) => along.number(f64::NAN),
                 }
             }
         }
     }
-    [hash.0, tangents.0]
+    [hash.0, tangents.0, along.0]
 }
 
 /// Steps of all lanes at once.
@@ -203,9 +203,10 @@ fn measured() -> BTreeMap<String, u64> {
     let mut lines = BTreeMap::new();
     for case in cases() {
         let name = case.name();
-        let [steps, tangents] = single(&*case);
+        let [steps, tangents, along] = single(&*case);
         lines.insert(format!("{name}, single steps"), steps);
         lines.insert(format!("{name}, tangent maps"), tangents);
+        lines.insert(format!("{name}, trajectories"), along);
         lines.insert(format!("{name}, lanes"), lanes(&*case));
     }
     lines.extend(noise());

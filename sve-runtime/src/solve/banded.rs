@@ -5,7 +5,7 @@
 //! Each elimination step shifts the rows below the pivot by one entry to the left, so that the factors need no more room than
 //! the matrix (Martin and Wilkinson, *Solution of symmetric and unsymmetric band equations*, 1967).
 
-use super::dense::{DeterminantSign, Matrix, SINGULAR, largest_magnitude};
+use super::dense::{DeterminantSign, Matrix, SINGULAR, all_finite, largest_magnitude};
 
 /// A matrix of `K` rows with at most `LOWER` entries before the diagonal, and `WIDTH` entries in a row.
 ///
@@ -49,8 +49,9 @@ impl<const K: usize, const LOWER: usize, const WIDTH: usize> Matrix<K> for Bande
         Some((x, DeterminantSign::from_is_negative(is_negative)))
     }
 
+    #[inline(always)]
     fn is_finite(&self) -> bool {
-        self.0.as_flattened().iter().all(|x| x.is_finite())
+        all_finite(self.0.as_flattened())
     }
 
     #[inline]

@@ -48,13 +48,23 @@ impl DeterminantSign {
 }
 
 /// A square matrix of `K` rows that a step solves with.
-pub trait Matrix<const K: usize> {
+pub trait Matrix<const K: usize>: Copy {
     /// Solves `a x = b`. Returns the solution and the sign of the determinant, or `None` if the matrix is singular to rounding.
     fn solve_with_sign(&self, b: &[f64; K]) -> Option<([f64; K], DeterminantSign)>;
     /// Returns whether all entries are finite.
     fn is_finite(&self) -> bool;
     /// Returns the entry of the first row and column.
     fn first(&self) -> f64;
+}
+
+/// Returns whether all numbers are finite, without branches.
+#[inline(always)]
+pub(super) fn all_finite(numbers: &[f64]) -> bool {
+    let mut sum = 0.0;
+    for x in numbers {
+        sum += 0.0 * x;
+    }
+    sum == 0.0
 }
 
 /// Solves `a x = b`.
@@ -78,8 +88,9 @@ impl<const K: usize> Matrix<K> for [[f64; K]; K] {
         solve_dense(self, b)
     }
 
+    #[inline(always)]
     fn is_finite(&self) -> bool {
-        self.as_flattened().iter().all(|x| x.is_finite())
+        all_finite(self.as_flattened())
     }
 
     #[inline(always)]

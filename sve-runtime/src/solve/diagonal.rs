@@ -3,7 +3,7 @@
 //! Input: the diagonal and a right-hand side. Output: what [`dense::solve`](super::dense::solve) gives for the same matrix written in
 //! full, from three unknowns on, up to the sign of a zero.
 
-use super::dense::{DeterminantSign, Matrix};
+use super::dense::{DeterminantSign, Matrix, all_finite};
 
 /// A diagonal matrix of `K` rows, of each its stored entry.
 #[derive(Clone, Copy, Debug)]
@@ -12,20 +12,23 @@ pub struct Diagonal<const K: usize>(pub [[f64; 1]; K]);
 impl<const K: usize> Matrix<K> for Diagonal<K> {
     #[inline(always)]
     fn solve_with_sign(&self, b: &[f64; K]) -> Option<([f64; K], DeterminantSign)> {
-        let (mut x, mut is_negative) = ([0.0; K], false);
+        let (mut x, mut is_negative, mut is_singular) = ([0.0; K], false, false);
         for i in 0..K {
             let pivot = self.0[i][0];
-            if pivot == 0.0 || pivot.is_infinite() {
-                return None;
-            }
+            // one branch for all pivots
+            is_singular |= (pivot == 0.0) | (pivot.abs() == f64::INFINITY);
             x[i] = b[i] / pivot;
             is_negative ^= pivot < 0.0;
+        }
+        if is_singular {
+            return None;
         }
         Some((x, DeterminantSign::from_is_negative(is_negative)))
     }
 
+    #[inline(always)]
     fn is_finite(&self) -> bool {
-        self.0.as_flattened().iter().all(|x| x.is_finite())
+        all_finite(self.0.as_flattened())
     }
 
     #[inline(always)]

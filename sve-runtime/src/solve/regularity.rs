@@ -13,12 +13,50 @@
 
 #![allow(clippy::needless_bitwise_bool)] // both sides are computed: a branch would prevent vector instructions
 
+use super::diagonal::Diagonal;
+
 /// Bound of the spectral radius. Its distance from 1 covers the rounding errors of the radii and of a nearly singular inverse.
 const BOUND: f64 = 0.95;
 
+/// The midpoints of an interval matrix.
+pub trait Midpoints<const K: usize> {
+    /// Returns whether every matrix whose entries are within `radius` of the midpoints is regular.
+    fn is_regular_within(&self, radius: &[[f64; K]; K]) -> bool;
+}
+
 /// Returns whether every matrix whose entries are within `radius` of those of `middle` is regular; `false` if an entry is NaN.
 #[inline(always)]
-pub fn is_regular_within<const K: usize>(middle: &[[f64; K]; K], radius: &[[f64; K]; K]) -> bool {
+pub fn is_regular_within<const K: usize>(
+    middle: &impl Midpoints<K>,
+    radius: &[[f64; K]; K],
+) -> bool {
+    middle.is_regular_within(radius)
+}
+
+impl<const K: usize> Midpoints<K> for [[f64; K]; K] {
+    #[inline(always)]
+    fn is_regular_within(&self, radius: &[[f64; K]; K]) -> bool {
+        is_regular_within_dense(self, radius)
+    }
+}
+
+impl<const K: usize> Midpoints<K> for Diagonal<K> {
+    /// `1 − E` times the midpoint is an M-matrix if `1 − E` is, so that no inverse is needed.
+    #[inline(always)]
+    fn is_regular_within(&self, radius: &[[f64; K]; K]) -> bool {
+        let mut difference = *radius;
+        for i in 0..K {
+            for j in 0..K {
+                difference[i][j] = -radius[i][j];
+            }
+            difference[i][i] += BOUND * self.0[i][0].abs();
+        }
+        has_positive_pivots(difference)
+    }
+}
+
+#[inline(always)]
+fn is_regular_within_dense<const K: usize>(middle: &[[f64; K]; K], radius: &[[f64; K]; K]) -> bool {
     match K {
         1 => radius[0][0] < BOUND * middle[0][0].abs(),
         2 => {
@@ -30,7 +68,7 @@ pub fn is_regular_within<const K: usize>(middle: &[[f64; K]; K], radius: &[[f64;
             let (x, y) = (size - e00, size - e11);
             (x > 0.0) & (y > 0.0) & (x * y > e01 * e10)
         }
-        _ => has_positive_pivots(deviation(&inverse(*middle), radius)),
+        _ => has_positive_pivots(distance_from_one(&deviation(&inverse(*middle), radius))),
     }
 }
 
@@ -62,16 +100,22 @@ fn deviation<const K: usize>(inverse: &[[f64; K]; K], radius: &[[f64; K]; K]) ->
     e
 }
 
-/// Returns whether all pivots of `BOUND − E` are positive.
+/// Returns `BOUND − E`.
 #[inline(always)]
-fn has_positive_pivots<const K: usize>(e: [[f64; K]; K]) -> bool {
-    let mut a = e;
+fn distance_from_one<const K: usize>(e: &[[f64; K]; K]) -> [[f64; K]; K] {
+    let mut a = *e;
     for i in 0..K {
         for j in 0..K {
             a[i][j] = -e[i][j];
         }
         a[i][i] += BOUND;
     }
+    a
+}
+
+/// Returns whether all pivots are positive.
+#[inline(always)]
+fn has_positive_pivots<const K: usize>(mut a: [[f64; K]; K]) -> bool {
     let mut all = true;
     for k in 0..K {
         all &= a[k][k] > 0.0;
@@ -125,6 +169,7 @@ fn inverse<const K: usize>(mut a: [[f64; K]; K]) -> [[f64; K]; K] {
 mod tests {
     use super::is_regular_within;
     use crate::solve::dense::tests::Random;
+    use crate::solve::diagonal::Diagonal;
 
     /// Returns the determinant of a small matrix, by elimination with partial pivoting.
     fn determinant<const K: usize>(mut a: [[f64; K]; K]) -> f64 {
@@ -191,6 +236,30 @@ mod tests {
         let scaled = |by: f64| middle.map(|row| row.map(|x| by * x.abs()));
         assert!(is_regular_within(&middle, &scaled(0.94)));
         assert!(!is_regular_within(&middle, &scaled(0.96)));
+    }
+
+    #[test]
+    fn diagonal_midpoints_are_accepted_as_the_same_matrix_written_in_full() {
+        let mut random = Random(5);
+        let mut counts = [0; 2];
+        for _ in 0..2000 {
+            let diagonal: [f64; 3] = core::array::from_fn(|_| random.next() * random.unit());
+            let full: [[f64; 3]; 3] = core::array::from_fn(|i| {
+                core::array::from_fn(|j| if i == j { diagonal[i] } else { 0.0 })
+            });
+            let size = random.next().abs();
+            let radius =
+                diagonal.map(|x| core::array::from_fn(|_| size * x.abs() * random.next().abs()));
+            let accepted = is_regular_within(&Diagonal(diagonal.map(|x| [x])), &radius);
+            assert_eq!(accepted, is_regular_within(&full, &radius));
+            counts[usize::from(accepted)] += 1;
+        }
+        assert!(counts.iter().all(|&count| count > 100), "{counts:?}");
+        assert!(!is_regular_within(&Diagonal([[0.0]; 3]), &[[0.0; 3]; 3]));
+        assert!(!is_regular_within(
+            &Diagonal([[1.0]; 3]),
+            &[[f64::NAN; 3]; 3]
+        ));
     }
 
     #[test]

@@ -5,7 +5,7 @@ use sve_runtime::prelude::*;
 use sve_runtime::study::Study;
 
 use crate::starts::{body, pair};
-use crate::systems::{Driven, HeavyTop, SymmetricTop, Tethered};
+use crate::systems::{Driven, FreeBody, HeavyTop, SymmetricTop, Tethered};
 
 const I: Vector3<f64> = Vector3::new(1.0, 2.0, 3.0);
 
@@ -46,6 +46,19 @@ fn a_stored_trajectory_continues_with_the_same_bits() {
     let resumed = integrator.resume(snapshot, Wiener::new(5)).unwrap();
     for (a, b) in path.zip(resumed).take(40) {
         assert_eq!(a.unwrap(), b.unwrap());
+    }
+}
+
+/// The guess is accurate to second order in the step size: one of Newton's updates and the last one are enough for a small step.
+#[test]
+fn a_small_step_of_a_body_takes_one_iteration() {
+    let integrator = Integrator::new(FreeBody { i: I }, Midpoint);
+    let prepared = integrator.prepare(0.01).unwrap();
+    let mut state = body();
+    for step in 0..200 {
+        let iterations = integrator.newton_iterations(&prepared, &state, 0.01, &[]);
+        assert_eq!(iterations, Some(1), "step {step}");
+        integrator.step(&mut state, 0.01, &[]).unwrap();
     }
 }
 

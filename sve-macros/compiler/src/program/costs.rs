@@ -136,12 +136,13 @@ fn first_solves<T: Copy + PartialEq, R>(block: &Block<T, R>, factored: Factored)
         Factored::InStep => [0, factor(matrix.size()) + substitutions],
         Factored::InPrepare => [factor(matrix.size()), substitutions],
     };
-    // the second stage of a guess is added to the first
-    let refinement = match &block.solution {
-        Solution::Iteration(iteration) => iteration.refinement.as_ref(),
-        _ => None,
+    // a later stage of a guess is added to the earlier ones
+    let refinements = match &block.solution {
+        Solution::Iteration(iteration) => iteration.refinements.as_slice(),
+        _ => &[],
     };
-    [prepare, step + refinement.map_or(0, |r| r.rhs.len())]
+    let sums: usize = refinements.iter().map(|r| r.rhs.len()).sum();
+    [prepare, step + sums]
 }
 
 /// Counts the operations of factoring a dense matrix.
@@ -171,6 +172,8 @@ fn solve<T: Copy>(matrix: &Matrix<T>) -> usize {
         (_, Storage::Diagonal) => k,
         // Cramer's rule: the determinant, its reciprocal, two numerators with a product each
         (2, Storage::Dense) => 3 + 1 + 2 * 4,
+        // three cross products, the determinant, its reciprocal, three numerators with a product each
+        (_, Storage::Cofactors) => 3 * 9 + 5 + 1 + 3 * 6,
         (_, Storage::Dense) => elimination(k, |at| k - at - 1, |at| k - at - 1),
         (_, Storage::Banded(band)) => {
             let Band { lower, .. } = band;

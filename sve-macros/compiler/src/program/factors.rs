@@ -58,7 +58,7 @@ impl<T: PartialEq, R> Solution<T, R> {
             Self::Iteration(iteration) => {
                 let judge = iteration.judge.as_ref();
                 let limit = judge.filter(|j| !iteration.limit_is_guess(j));
-                1 + usize::from(iteration.refinement.is_some()) + usize::from(limit.is_some())
+                1 + iteration.refinements.len() + usize::from(limit.is_some())
             }
         }
     }

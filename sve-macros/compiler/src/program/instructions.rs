@@ -13,18 +13,24 @@ pub(crate) enum Tier {
     Noise,
     /// From the state.
     State,
-    /// From the first stage of a block's guess.
-    Guess(usize),
+    /// From a stage of a block's guess: block, and number of the stage.
+    Guess(usize, usize),
     /// In each iteration of a block.
     Iterate(usize),
     /// After a block is solved.
     Solved(usize),
 }
 
+/// Stages of a guess that are told apart in the order of computation.
+const MAX_STAGES: usize = 2;
+
+/// Tiers of a block.
+const RANKS: usize = MAX_STAGES + 2;
+
 impl Tier {
     /// Returns whether values of this tier depend on the unknowns of a block.
     pub(super) fn is_late(self) -> bool {
-        matches!(self, Self::Guess(_) | Self::Iterate(_) | Self::Solved(_))
+        matches!(self, Self::Guess(..) | Self::Iterate(_) | Self::Solved(_))
     }
 
     /// Returns the position in the order of computation.
@@ -33,9 +39,9 @@ impl Tier {
             Self::Prepare => 0,
             Self::Noise => 1,
             Self::State => 2,
-            Self::Guess(block) => 3 + 3 * block,
-            Self::Iterate(block) => 4 + 3 * block,
-            Self::Solved(block) => 5 + 3 * block,
+            Self::Guess(block, stage) => 3 + RANKS * block + stage.min(MAX_STAGES - 1),
+            Self::Iterate(block) => 3 + RANKS * block + MAX_STAGES,
+            Self::Solved(block) => 4 + RANKS * block + MAX_STAGES,
         }
     }
 }

@@ -164,7 +164,7 @@ impl Loops {
         match tier {
             Tier::Prepare => None,
             Tier::Noise | Tier::State => Some(0),
-            Tier::Guess(at) => Some(self.of_block[at]),
+            Tier::Guess(at, _) => Some(self.of_block[at]),
             Tier::Iterate(at) => Some(self.of_block[at] + 1),
             Tier::Solved(at) => Some(self.of_block[at] + after(at)),
         }

@@ -146,7 +146,7 @@ impl Scope {
             name.push('_');
         }
         let scope = match self.tier {
-            Tier::Guess(_) | Tier::Iterate(_) => &mut self.inner,
+            Tier::Guess(..) | Tier::Iterate(_) => &mut self.inner,
             _ => &mut self.outer,
         };
         scope.extend(parts(&name));

@@ -116,8 +116,8 @@ fn tiers(blocks: &[Block<Expr>]) -> Tiers {
         set(block.solution.solved(), Tier::Solved(at));
         if let Solution::Iteration(iteration) = &block.solution {
             set(&iteration.iterates, Tier::Iterate(at));
-            if let Some(refinement) = &iteration.refinement {
-                set(&refinement.first, Tier::Guess(at));
+            for (stage, refinement) in iteration.refinements.iter().enumerate() {
+                set(&refinement.first, Tier::Guess(at, stage));
             }
             if let Some(judge) = &iteration.judge {
                 // the limit is used together with the solution
@@ -162,7 +162,7 @@ impl Solution<Value, Residual> {
             Self::System { linear, .. } => linear.rhs.clone(),
             Self::Iteration(iteration) => {
                 let guess = iteration.guess.rhs.iter();
-                let refined = iteration.refinement.iter().flat_map(|r| &r.rhs);
+                let refined = iteration.refinements.iter().flat_map(|r| &r.rhs);
                 let limit = iteration.judge.iter().flat_map(|j| &j.limit_rhs);
                 guess.chain(refined).chain(limit).copied().collect()
             }
@@ -216,13 +216,13 @@ impl Iteration<Value, Residual> {
             labels.call(curvature, format!("curvature_{first}"));
         }
         labels.vector("guess_rhs", first, &self.guess.rhs);
-        if let Some(refinement) = &self.refinement {
+        for refinement in &self.refinements {
             labels.vector("refinement_rhs", first, &refinement.rhs);
         }
         labels.vector("magnitude", first, &parts(|r| r.magnitude));
         if let Some(judge) = &self.judge {
             labels.vector("limit_rhs", first, &judge.limit_rhs);
-            labels.rows("middle", first, &judge.bounds.middle);
+            labels.matrix("middle", first, &judge.bounds.middle);
             labels.rows("radius", first, &judge.bounds.radii);
             labels.vector("distance", first, &judge.bounds.conditions);
         }

@@ -5,9 +5,10 @@ use std::collections::HashMap;
 use super::band::{self, Order};
 use super::elimination::Reduced;
 use super::matrix::Matrix;
-use super::scheme::{Block, Iteration, Kind, Linear, Refinement, Solution};
+use super::scheme::{Block, Iteration, Kind, Linear, Solution};
 use crate::algebra::{Expr, Symbol};
-use crate::system::model::Meaning;
+use crate::system::configuration::Factor;
+use crate::system::model::{Meaning, Unknown};
 
 /// Expressions that take the place of symbols.
 pub(super) type Replacement = HashMap<Symbol, Expr>;
@@ -97,7 +98,7 @@ impl Reduced<'_> {
         let (judge, explicit, has_sign) = match leading {
             Some(leading) => {
                 let guess = self.guess_from(&leading.residuals, &unknowns);
-                (None, Some((guess, None)), leading.has_sign)
+                (None, Some((guess, Vec::new())), leading.has_sign)
             }
             None => {
                 let judge = self.judge(&residual, &jacobian, &unknowns, known);
@@ -107,7 +108,7 @@ impl Reduced<'_> {
         let fallback = self.linear(at_zero);
         let limit = explicit.as_ref().map(|(guess, _)| guess.matrix.clone());
         let limit = limit.filter(|_| has_sign);
-        let (guess, refinement) = explicit.unwrap_or_else(|| (fallback.clone(), None));
+        let (guess, refinements) = explicit.unwrap_or_else(|| (fallback.clone(), Vec::new()));
         let curvature = match unknowns.as_slice() {
             [unknown] => Some(self.arena.diff(jacobian[0][0], *unknown)),
             _ => None,
@@ -118,8 +119,12 @@ impl Reduced<'_> {
             scales,
             judge: judge.filter(|_| limit.is_some()),
             limit,
-            refinement,
-            jacobian: Matrix::new(jacobian, self.arena),
+            refinements,
+            jacobian: if self.is_rotation(&unknowns) {
+                Matrix::of_rotation(jacobian, self.arena)
+            } else {
+                Matrix::new(jacobian, self.arena)
+            },
             residual,
             curvature,
             fallback,
@@ -151,7 +156,7 @@ impl Reduced<'_> {
         let iteration = Iteration {
             guess: at_zero.clone(),
             limit: None,
-            refinement: None,
+            refinements: Vec::new(),
             jacobian: Matrix::dense(jacobian),
             residual,
             scales: Vec::new(),
@@ -171,7 +176,7 @@ impl Reduced<'_> {
         }
     }
 
-    fn linear(&mut self, (matrix, rhs): Rows) -> Linear<Expr> {
+    pub(super) fn linear(&mut self, (matrix, rhs): Rows) -> Linear<Expr> {
         Linear {
             matrix: Matrix::new(matrix, self.arena),
             rhs,
@@ -223,16 +228,7 @@ impl Reduced<'_> {
         })
     }
 
-    /// The Newton step from zero of the equations to leading order.
-    fn guess_from(&mut self, leading: &[Expr], unknowns: &[Symbol]) -> Linear<Expr> {
-        let zero = self.arena.constant(0.0);
-        let origin: Replacement = unknowns.iter().map(|&u| (u, zero)).collect();
-        let jacobian = self.jacobian(leading, unknowns);
-        let step = self.newton_step(leading, &jacobian, &origin);
-        self.linear(step)
-    }
-
-    fn jacobian(&mut self, residual: &[Expr], unknowns: &[Symbol]) -> Vec<Vec<Expr>> {
+    pub(super) fn jacobian(&mut self, residual: &[Expr], unknowns: &[Symbol]) -> Vec<Vec<Expr>> {
         let zero = self.arena.constant(0.0);
         let mut slopes = Vec::with_capacity(residual.len() * unknowns.len());
         for &r in residual {
@@ -267,98 +263,6 @@ impl Reduced<'_> {
         (matrix, rhs)
     }
 
-    /// A guess that costs little, from the limit of h = 0 and no noise, where the equations are linear in most systems:
-    /// the explicit velocity. One unknown that noise kicks takes the kick too; several unknowns are refined to first order in
-    /// h and the increments, with the same matrix. Nothing where that matrix does not exist.
-    fn guess(
-        &mut self,
-        residual: &[Expr],
-        jacobian: &[Vec<Expr>],
-        unknowns: &[Symbol],
-    ) -> Option<(Linear<Expr>, Option<Refinement<Expr>>)> {
-        let zero = self.arena.constant(0.0);
-        let small = self.small(residual);
-        let origin: Replacement = unknowns.iter().map(|&u| (u, zero)).collect();
-        let mut limit = origin.clone();
-        limit.extend(small.iter().map(|&s| (s, zero)));
-        let (matrix, mut rhs) = self.newton_step(residual, jacobian, &limit);
-        let noisy = small
-            .iter()
-            .any(|&s| matches!(self.symbols.meaning(s), Meaning::Wiener(_)));
-        let refinement = if unknowns.len() > 1 {
-            Some(self.refinement(residual, unknowns, &small))
-        } else {
-            if noisy {
-                rhs = self.newton_step(residual, jacobian, &origin).1;
-            }
-            None
-        };
-        let size = unknowns.len();
-        let regular = (0..size).all(|i| {
-            matrix[i].iter().any(|&e| e != zero) && matrix.iter().any(|row| row[i] != zero)
-        });
-        let refined = refinement.iter().flat_map(|r| &r.rhs);
-        let all: Vec<Expr> = matrix
-            .iter()
-            .flatten()
-            .chain(&rhs)
-            .chain(refined)
-            .copied()
-            .collect();
-        let mut nodes = self.arena.reachable(&all, |_| true).into_iter();
-        let defined = nodes.all(|e| self.arena.constant_value(e).is_none_or(f64::is_finite));
-        (regular && defined).then(|| (self.linear((matrix, rhs)), refinement))
-    }
-
-    /// The step size and the increments of the noise, as far as they occur.
-    pub(super) fn small(&self, residual: &[Expr]) -> Vec<Symbol> {
-        let is_small = |s: &Symbol| {
-            matches!(
-                self.symbols.meaning(*s),
-                Meaning::StepSize | Meaning::Wiener(_)
-            )
-        };
-        let mut small: Vec<Symbol> = residual
-            .iter()
-            .flat_map(|&r| self.arena.symbols_of(r))
-            .filter(is_small)
-            .collect();
-        small.sort_unstable();
-        small.dedup();
-        small
-    }
-
-    /// `−Σ s ∂R/∂s` at the first stage, over the small quantities s.
-    fn refinement(
-        &mut self,
-        residual: &[Expr],
-        unknowns: &[Symbol],
-        small: &[Symbol],
-    ) -> Refinement<Expr> {
-        let zero = self.arena.constant(0.0);
-        let mut point: Replacement = small.iter().map(|&s| (s, zero)).collect();
-        let mut first = Vec::new();
-        for &unknown in unknowns {
-            let symbol = self.symbols.declare(self.symbols.meaning(unknown).clone());
-            point.insert(unknown, self.arena.symbol(symbol));
-            first.push(symbol);
-        }
-        let rhs = residual
-            .iter()
-            .map(|&r| {
-                let mut terms = Vec::new();
-                for &s in small {
-                    let slope = self.arena.diff(r, s);
-                    let slope = self.arena.substitute(slope, &point);
-                    let s = self.arena.symbol(s);
-                    terms.push((-1.0, self.arena.mul(slope, s)));
-                }
-                self.arena.sum(0.0, &terms)
-            })
-            .collect();
-        Refinement { first, rhs }
-    }
-
     /// Names for the solution of a block, which `known` puts in the place of its unknowns.
     fn solved(&mut self, unknowns: &[Symbol], known: &mut Replacement) -> Vec<Symbol> {
         let mut solved = Vec::new();
@@ -368,6 +272,21 @@ impl Reduced<'_> {
             solved.push(symbol);
         }
         solved
+    }
+
+    /// Whether the unknowns are those of the three directions of a rotation.
+    pub(super) fn is_rotation(&self, unknowns: &[Symbol]) -> bool {
+        let mut directions: Vec<usize> = unknowns
+            .iter()
+            .filter_map(|&u| match *self.symbols.meaning(u) {
+                Meaning::Unknown(Unknown { index, .. }) => Some(index),
+                _ => None,
+            })
+            .collect();
+        directions.sort_unstable();
+        let blocks = self.symbols.configuration.blocks();
+        let mut rotations = blocks.iter().filter(|b| b.factor == Factor::Rotation);
+        rotations.any(|rotation| rotation.directions.clone().eq(directions.iter().copied()))
     }
 
     /// Whether no entry of the Jacobian changes with the unknowns.

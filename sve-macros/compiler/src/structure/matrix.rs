@@ -12,6 +12,8 @@ const SMALLEST_DIAGONAL: usize = 3;
 pub(crate) enum Storage {
     /// All entries; solved by Gaussian elimination with pivoting.
     Dense,
+    /// All entries of three rows in one unit; solved by Cramer's rule.
+    Cofactors,
     /// The diagonal; solved by a division per unknown.
     Diagonal,
     /// The entries near the diagonal; solved by banded elimination.
@@ -53,6 +55,18 @@ impl Matrix<Expr> {
         }
     }
 
+    /// The Jacobian of the equations of a rotation, whose unknowns have one unit, and its equations another.
+    pub(crate) fn of_rotation(entries: Vec<Vec<Expr>>, arena: &mut Arena) -> Self {
+        let matrix = Self::new(entries, arena);
+        match matrix.storage {
+            Storage::Dense => Self {
+                storage: Storage::Cofactors,
+                ..matrix
+            },
+            Storage::Cofactors | Storage::Diagonal | Storage::Banded(_) => matrix,
+        }
+    }
+
     /// A matrix of which all entries are stored, zeros too.
     pub(crate) fn dense(entries: Vec<Vec<Expr>>) -> Self {
         Self {
@@ -71,7 +85,7 @@ impl<T: Copy> Matrix<T> {
     /// The column of the first stored entry of a row.
     pub(crate) fn first_column(&self, row: usize) -> usize {
         match self.storage {
-            Storage::Dense => 0,
+            Storage::Dense | Storage::Cofactors => 0,
             Storage::Diagonal => row,
             Storage::Banded(band) => band.begin(row),
         }
@@ -102,7 +116,7 @@ impl<T: Copy> Matrix<T> {
     /// The number of entries before and behind the diagonal, if not all are stored.
     pub(crate) fn bandwidths(&self) -> Option<(usize, usize)> {
         match self.storage {
-            Storage::Dense => None,
+            Storage::Dense | Storage::Cofactors => None,
             Storage::Diagonal => Some((0, 0)),
             Storage::Banded(Band { lower, upper }) => Some((lower, upper)),
         }
@@ -153,6 +167,22 @@ mod tests {
         assert_eq!(storage(4, chain, arena), Storage::Dense);
         assert_eq!(storage(6, chain, arena), Storage::Banded(band));
         assert_eq!(storage(6, |i, j| i + j != 5, arena), Storage::Dense);
+    }
+
+    #[test]
+    fn a_full_matrix_of_a_rotation_is_solved_by_cofactors() {
+        let arena = &mut Arena::new();
+        let rows =
+            |is_entry: fn(usize, usize) -> bool, arena: &mut Arena| matrix(3, is_entry, arena);
+        let full = rows(|_, _| true, arena);
+        assert_eq!(full.storage, Storage::Dense);
+        let storage = Matrix::of_rotation(full.rows, arena).storage;
+        assert_eq!(storage, Storage::Cofactors);
+        let zero = arena.constant(0.0);
+        let one = arena.constant(1.0);
+        let diagonal = (0..3).map(|i| (0..3).map(|j| if i == j { one } else { zero }).collect());
+        let storage = Matrix::of_rotation(diagonal.collect(), arena).storage;
+        assert_eq!(storage, Storage::Diagonal);
     }
 
     #[test]

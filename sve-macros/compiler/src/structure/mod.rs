@@ -12,6 +12,7 @@ pub(crate) mod domain;
 mod elimination;
 mod enclosure;
 mod graph;
+mod guess;
 mod judge;
 mod matrix;
 mod outputs;

@@ -87,10 +87,10 @@ pub(crate) struct Linear<T> {
     pub(crate) rhs: Vec<T>,
 }
 
-/// A second stage of a guess, with the same matrix as the first.
+/// A later stage of a guess, with the same matrix as the first.
 #[derive(Clone)]
 pub(crate) struct Refinement<T> {
-    /// Names of the first stage's result in `rhs`.
+    /// Names in `rhs` of what the stages before found.
     pub(crate) first: Vec<Symbol>,
     pub(crate) rhs: Vec<T>,
 }
@@ -103,8 +103,8 @@ pub(crate) struct Iteration<T, R = T> {
     /// The Jacobian in the limit of no noise and h → 0, whose determinant has the sign of that of the solution. Nothing where it does
     /// not exist, wherever the system is: the mass vanishes at rest, as for L = v⁴/4.
     pub(crate) limit: Option<Matrix<T>>,
-    /// What is added to the guess.
-    pub(crate) refinement: Option<Refinement<T>>,
+    /// What is added to the guess, stage by stage.
+    pub(crate) refinements: Vec<Refinement<T>>,
     pub(crate) jacobian: Matrix<T>,
     pub(crate) residual: Vec<R>,
     /// What joins the magnitude of each residual, where its own terms may all be small. Empty if no equation has it.
@@ -287,7 +287,7 @@ impl Iteration<Expr> {
         let Self {
             guess,
             limit,
-            refinement,
+            refinements,
             jacobian,
             residual,
             scales,
@@ -299,7 +299,7 @@ impl Iteration<Expr> {
             solved: _,
         } = self;
         let limit = limit.iter_mut().flat_map(|m| &mut m.rows).flatten();
-        let refined = refinement.iter_mut().flat_map(|r| &mut r.rhs);
+        let refined = refinements.iter_mut().flat_map(|r| &mut r.rhs);
         let entries = residual
             .iter_mut()
             .chain(jacobian.rows.iter_mut().flatten());
@@ -322,7 +322,7 @@ impl Iteration<Expr> {
         Iteration {
             guess: self.guess.lower(by),
             limit: self.limit.as_ref().map(|m| m.map(|e| by.value(e))),
-            refinement: self.refinement.as_ref().map(|r| r.lower(by)),
+            refinements: self.refinements.iter().map(|r| r.lower(by)).collect(),
             jacobian: self.jacobian.map(|e| by.value(e)),
             residual: self.lowered_residual(by),
             scales: self.scales.clone(),
@@ -349,7 +349,7 @@ impl Condition<Expr> {
 impl Enclosure<Expr> {
     fn lower<L: Lower>(&self, by: &mut L) -> Enclosure<L::Value> {
         Enclosure {
-            middle: by.rows(&self.middle),
+            middle: self.middle.map(|e| by.value(e)),
             radii: by.rows(&self.radii),
             conditions: by.values(&self.conditions),
         }

@@ -12,6 +12,7 @@ mod messages;
 mod mistakes;
 mod readable;
 mod robustness;
+mod rotations;
 mod scheme;
 mod vectors;
 mod zero;

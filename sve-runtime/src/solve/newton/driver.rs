@@ -4,8 +4,8 @@
 //! by value so that its numbers stay in registers on the fast path.
 
 use super::convergence::{ROOT_OF_ROUNDING, judge, predicts_negligible};
-use super::iteration::{Decision, Iteration, Phase};
-use super::update::Update;
+use super::iteration::{Decision, Iteration, Judged, Phase};
+use super::update::{Update, is_regular_with};
 use super::{Evaluation, Newton};
 use crate::solve::SolveError;
 use crate::solve::dense::{DeterminantSign, Matrix};
@@ -97,24 +97,35 @@ impl Newton {
             // The only call of `evaluate`, so that the equations are compiled once, into this loop.
             let at = evaluate(&iteration.x);
             let residual = at.relative_residual();
+            let update = at.update();
+            let bounds = || at.contraction_bounds(residual);
             let verdict = judge(residual, iteration.previous_residual, self.tolerance);
             let iterates = !matches!(iteration.phase, Phase::Verification { .. });
             // A guess at which the Jacobian is singular is one of many roots, or next to none.
             let is_root = if iterates
                 && verdict.is_converged
-                && (iteration.updates > 0 || at.is_regular_with(test.sign))
+                && (iteration.updates > 0 || is_regular_with(update.as_ref(), test.sign))
             {
-                iteration.make_last_update(&at);
+                iteration.make_last_update(update.as_ref());
                 true
             } else if iterates
                 && verdict.has_halved
                 && at.is_within(&iteration.contraction_bounds)
                 && iteration.updates < self.max_iterations
-                && let Some(is_root) = self.update(&mut iteration, &at, residual, test.sign)
+                && let Some(update) = &update
+                && let Some(is_root) =
+                    self.update(&mut iteration, update, residual, bounds(), test.sign)
             {
                 is_root
             } else {
-                match self.leave_fast_path(iteration, &at, residual, test, &guess, &rounding) {
+                let judged = Judged {
+                    residual: at.residual,
+                    magnitude: at.magnitude,
+                    relative: residual,
+                    update,
+                    has_finite_jacobian: at.jacobian.is_finite(),
+                };
+                match self.leave_fast_path(iteration, judged, bounds(), test, guess, &rounding) {
                     Ok(Decision::Verified(root)) => return Ok(root),
                     Ok(Decision::Root(last)) => {
                         iteration = last;
@@ -156,21 +167,23 @@ impl Newton {
         }
     }
 
-    /// Makes an update. Returns whether it leads to the root, or `None` if the Jacobian is singular, its determinant has not the given sign, or the
-    /// update is not finite.
-    #[inline]
-    fn update<const K: usize, J: Matrix<K>>(
+    /// Makes an update. Returns whether it leads to the root, or `None` if the determinant of the Jacobian has not the given sign, or the update is
+    /// not finite.
+    #[inline(always)]
+    fn update<const K: usize>(
         &self,
         iteration: &mut Iteration<K>,
-        at: &Evaluation<K, J>,
+        update: &Update<K>,
         residual: f64,
+        contraction_bounds: [f64; K],
         expected: DeterminantSign,
     ) -> Option<bool> {
         let Update {
             by,
+            newton: _,
             is_third_order,
             sign,
-        } = at.update()?;
+        } = *update;
         let mut x = iteration.x;
         let mut sum = 0.0;
         for i in 0..K {
@@ -186,7 +199,7 @@ impl Newton {
             x,
             previous_x: iteration.x,
             previous_residual: residual,
-            contraction_bounds: at.contraction_bounds(residual),
+            contraction_bounds,
             updates: iteration.updates + 1,
             halvings: 0,
             // For a single unknown, the condition for third order is Kantorovich's.
@@ -199,20 +212,21 @@ impl Newton {
     /// Decides how an iteration goes on if it is in verification, or its evaluation is not finite, its residual did not contract, its limit is reached, or its Jacobian is
     /// singular or has a determinant of the wrong sign.
     #[cold]
-    fn leave_fast_path<const K: usize, J: Matrix<K>>(
+    fn leave_fast_path<const K: usize>(
         &self,
         mut iteration: Iteration<K>,
-        at: &Evaluation<K, J>,
-        residual: f64,
+        judged: Judged<K>,
+        contraction_bounds: [f64; K],
         test: RootTest,
-        guess: &[f64; K],
+        guess: [f64; K],
         rounding: &impl Fn(&[f64; K]) -> [f64; K],
     ) -> Result<Decision<K>, SolveError> {
+        let residual = judged.relative;
         if let Phase::Verification { root, point } = iteration.phase {
-            if !residual.is_finite() || !at.is_regular_with(test.sign) {
+            if !residual.is_finite() || !is_regular_with(judged.update.as_ref(), test.sign) {
                 return Err(SolveError::OtherBranch);
             }
-            return Ok(iteration.verify_next(guess, root, point));
+            return Ok(iteration.verify_next(&guess, root, point));
         }
         if !residual.is_finite() {
             return iteration.halve_update().map(Decision::Continue);
@@ -223,11 +237,11 @@ impl Newton {
             tolerance: self.tolerance,
         };
         if !judge(residual, iteration.previous_residual, self.tolerance).has_halved {
-            if self.is_limited_by_rounding(&iteration, at, residual, rounding) {
+            if self.is_limited_by_rounding(&iteration, &judged, rounding) {
                 return Ok(Decision::Root(iteration));
             }
             if iteration.x == iteration.previous_x {
-                return Err(if at.jacobian.is_finite() {
+                return Err(if judged.has_finite_jacobian {
                     not_converged
                 } else {
                     SolveError::NonFinite
@@ -248,28 +262,37 @@ impl Newton {
             return Ok(Decision::Continue(halved));
         }
         // Far from the root, a determinant of the wrong sign proves nothing about the root.
-        match self.update(&mut iteration, at, residual, DeterminantSign::UNKNOWN) {
+        let Some(update) = &judged.update else {
+            return Err(SolveError::Singular {
+                iteration: iteration.updates + 1,
+            });
+        };
+        let unknown = DeterminantSign::UNKNOWN;
+        match self.update(
+            &mut iteration,
+            update,
+            residual,
+            contraction_bounds,
+            unknown,
+        ) {
             Some(true) => Ok(Decision::Root(iteration)),
             Some(false) => Ok(Decision::Continue(iteration)),
-            None if at.update().is_none() => Err(SolveError::Singular {
-                iteration: iteration.updates + 1,
-            }),
             None => Err(SolveError::NonFinite),
         }
     }
 
     /// Returns whether rounding errors keep the residual from decreasing.
-    fn is_limited_by_rounding<const K: usize, J: Matrix<K>>(
+    fn is_limited_by_rounding<const K: usize>(
         &self,
         iteration: &Iteration<K>,
-        at: &Evaluation<K, J>,
-        residual: f64,
+        judged: &Judged<K>,
         rounding: &impl Fn(&[f64; K]) -> [f64; K],
     ) -> bool {
+        let residual = judged.relative;
         if judge(residual, iteration.previous_residual, self.tolerance).is_stalled_by_rounding {
             return true;
         }
-        if !at.jacobian.is_finite() {
+        if !judged.has_finite_jacobian {
             return false;
         }
         // One unit in the last place of an unknown can change a steep residual by more than its tolerance.
@@ -286,8 +309,8 @@ impl Newton {
         // rounding error of the factors. It cannot decrease relative to its terms, which are as small as the error.
         let bounds = rounding(x);
         let is_rounding_error = |i: usize| {
-            let size = at.residual[i].abs();
-            let is_converged = size <= self.tolerance * at.magnitude[i];
+            let size = judged.residual[i].abs();
+            let is_converged = size <= self.tolerance * judged.magnitude[i];
             is_converged || (size <= bounds[i] && bounds[i].is_finite())
         };
         (0..K).all(is_rounding_error)

@@ -1,10 +1,8 @@
 //! The state of an iteration of Newton's method, and what happens to it off the fast path: the last update, the line search,
 //! the verification of a root.
 
-use super::Evaluation;
-use super::update::tie_breaking_factor;
+use super::update::{Update, tie_breaking_factor};
 use crate::solve::SolveError;
-use crate::solve::dense::Matrix;
 
 /// Halvings of an update that leads out of the domain of the equations.
 const MAX_HALVINGS: u32 = 60;
@@ -51,6 +49,19 @@ pub(super) struct Iteration<const K: usize> {
     pub(super) is_contracting: bool,
 }
 
+/// What is known of the point of an iteration. The Jacobian itself is not passed on, so that its entries need not be stored.
+#[derive(Clone, Copy)]
+pub(super) struct Judged<const K: usize> {
+    pub(super) residual: [f64; K],
+    /// For each equation, the sum of the magnitudes of its terms.
+    pub(super) magnitude: [f64; K],
+    /// The largest residual relative to the magnitude.
+    pub(super) relative: f64,
+    /// The update from there; `None` if the Jacobian is singular.
+    pub(super) update: Option<Update<K>>,
+    pub(super) has_finite_jacobian: bool,
+}
+
 /// The decision of a function off the fast path.
 pub(super) enum Decision<const K: usize> {
     /// The iteration continues.
@@ -78,9 +89,9 @@ impl<const K: usize> Iteration<K> {
 
     /// Makes the last update, at a residual below the tolerance. Does nothing if the Jacobian is singular, or if the update would be larger
     /// than the one before and so gain nothing.
-    #[inline]
-    pub(super) fn make_last_update<J: Matrix<K>>(&mut self, at: &Evaluation<K, J>) {
-        let Some((update, _)) = at.jacobian.solve_with_sign(&at.residual) else {
+    #[inline(always)]
+    pub(super) fn make_last_update(&mut self, update: Option<&Update<K>>) {
+        let Some(Update { newton: update, .. }) = update else {
             return;
         };
         let mut is_smaller = true;

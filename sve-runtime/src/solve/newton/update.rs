@@ -10,9 +10,12 @@ use crate::solve::dense::{DeterminantSign, Matrix};
 pub(crate) const LARGEST_CORRECTION: f64 = 0.25;
 
 /// An update of the unknowns.
+#[derive(Clone, Copy)]
 pub(super) struct Update<const K: usize> {
     /// The vector to be subtracted.
     pub(super) by: [f64; K],
+    /// Newton's vector, which is subtracted in the last update.
+    pub(super) newton: [f64; K],
     /// Whether the update converges with third order.
     pub(super) is_third_order: bool,
     /// The sign of the Jacobian's determinant.
@@ -24,12 +27,13 @@ impl<const K: usize, J: Matrix<K>> Evaluation<K, J> {
     ///
     /// For a single unknown, Newton's `u = f/f′` becomes Chebyshev's `u + ½ (f″/f′) u²` if the change is small (Traub, *Iterative
     /// Methods for the Solution of Equations*, section 5).
-    #[inline]
+    #[inline(always)]
     pub(super) fn update(&self) -> Option<Update<K>> {
         if K != 1 {
             let (by, sign) = self.jacobian.solve_with_sign(&self.residual)?;
             return Some(Update {
                 by,
+                newton: by,
                 is_third_order: false,
                 sign,
             });
@@ -39,30 +43,32 @@ impl<const K: usize, J: Matrix<K>> Evaluation<K, J> {
             return None;
         }
         // Two independent divisions run at the same time. One division would delay the second quotient by a multiplication.
-        let mut update = [self.residual[0] / slope; K];
-        let correction = 0.5 * self.curvature / slope * update[0];
+        let newton = [self.residual[0] / slope; K];
+        let correction = 0.5 * self.curvature / slope * newton[0];
         let is_third_order = correction.abs() <= LARGEST_CORRECTION;
         let by = if is_third_order {
+            let mut update = newton;
             update[0] += correction * update[0];
             update
         } else {
-            uncorrected(update)
+            uncorrected(newton)
         };
         Some(Update {
             by,
+            newton,
             is_third_order,
             sign: DeterminantSign::of(slope),
         })
     }
+}
 
-    /// Returns whether the Jacobian is regular with a determinant of the given sign.
-    #[inline]
-    pub(super) fn is_regular_with(&self, sign: DeterminantSign) -> bool {
-        match self.update() {
-            Some(update) => !update.sign.is_opposite_to(sign),
-            None => false,
-        }
-    }
+/// Returns whether a Jacobian with this update is regular with a determinant of the given sign.
+#[inline(always)]
+pub(super) fn is_regular_with<const K: usize>(
+    update: Option<&Update<K>>,
+    sign: DeterminantSign,
+) -> bool {
+    update.is_some_and(|update| !update.sign.is_opposite_to(sign))
 }
 
 /// Keeps the compiler from computing both updates and selecting one: the iteration can go on as soon as one is known.

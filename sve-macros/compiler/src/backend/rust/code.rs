@@ -17,7 +17,7 @@ const LARGE: usize = 7;
 const SPARSE: usize = 4;
 
 /// Variables of emitted code that are no values of the program.
-const DECLARED: [&str; 43] = [
+const DECLARED: [&str; 44] = [
     "q",
     "v",
     "p",
@@ -50,6 +50,7 @@ const DECLARED: [&str; 43] = [
     "unknowns",
     "rhs",
     "solution",
+    "start",
     "stage",
     "stages",
     "poison",

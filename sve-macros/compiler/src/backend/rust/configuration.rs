@@ -63,6 +63,8 @@ pub(super) struct Received {
     pub(super) open: TokenStream,
     /// Reads the entries of the configuration of `state` before its first use.
     pub(super) open_state: TokenStream,
+    /// Reads these entries again in code that is rarely run, so that the fast path need not compute those that it does not read.
+    pub(super) reopen_state: TokenStream,
 }
 
 /// How generated functions receive a configuration: a row in a vector space, otherwise a value from which the entries are read.
@@ -73,6 +75,7 @@ pub(super) fn received(block: &Annotated, model: &Model, private: &TokenStream) 
             flat: quote!([f64; #n]),
             open: TokenStream::new(),
             open_state: TokenStream::new(),
+            reopen_state: TokenStream::new(),
         };
     }
     let whole = if block.arguments.is_reduced {
@@ -84,7 +87,11 @@ pub(super) fn received(block: &Annotated, model: &Model, private: &TokenStream) 
     Received {
         flat: quote!(#private::WithRotations<#whole, #n>),
         open: quote!(let q = &q.entries::<#entries>();),
-        open_state: quote!(let state = &#private::with_entries::<_, #entries, #n>(state);),
+        open_state: quote! {
+            let start = state;
+            let state = &#private::with_entries::<_, #entries, #n>(start);
+        },
+        reopen_state: quote!(let state = &#private::with_entries::<_, #entries, #n>(start);),
     }
 }
 

@@ -227,7 +227,7 @@ impl Writer<'_> {
                 let diagonal = self.printer.array(&diagonal);
                 quote!(#private::lane::solve_diagonal(&#diagonal, &#rhs))
             }
-            Storage::Dense | Storage::Banded(_) => {
+            Storage::Dense | Storage::Cofactors | Storage::Banded(_) => {
                 let matrix = self.printer.matrix(&matrix.rows);
                 quote!(#private::lane::solve(&#matrix, &#rhs))
             }
@@ -256,19 +256,19 @@ impl Writer<'_> {
     fn guess(&self, at: usize, iteration: &Iteration<Value, Residual>) -> TokenStream {
         let guess = &iteration.guess;
         let first = self.solution(at, &guess.matrix, &guess.rhs);
-        let Some(refinement) = &iteration.refinement else {
-            return first;
-        };
-        let names = names(&refinement.first, self.symbols);
-        let statements = self.printer.statements(Tier::Guess(at));
-        let more = self.solution(at, &guess.matrix, &refinement.rhs);
-        let sum = sum_of_stages(refinement.first.len());
-        quote!({
-            let guess = #first;
-            let #names = guess;
-            #statements
-            let refinement = #more;
-            #sum
+        let stages = iteration.refinements.iter().enumerate();
+        stages.fold(first, |guess_before, (stage, refinement)| {
+            let names = names(&refinement.first, self.symbols);
+            let statements = self.printer.statements(Tier::Guess(at, stage));
+            let more = self.solution(at, &guess.matrix, &refinement.rhs);
+            let sum = sum_of_stages(refinement.first.len());
+            quote!({
+                let guess = #guess_before;
+                let #names = guess;
+                #statements
+                let refinement = #more;
+                #sum
+            })
         })
     }
 

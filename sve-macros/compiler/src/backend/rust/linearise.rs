@@ -56,6 +56,7 @@ pub(super) fn linearise(
         flat,
         open: _,
         open_state,
+        reopen_state: _,
     } = received;
     quote! {
         type Unknowns = [f64; #size];

@@ -32,6 +32,7 @@ pub(crate) fn momenta(
         flat: _,
         open,
         open_state: _,
+        reopen_state: _,
     } = received(block, model, &private);
     let functions = block.symmetries.iter().zip(momenta).map(|(part, map)| {
         let MomentumMap {

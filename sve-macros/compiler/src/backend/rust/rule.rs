@@ -39,25 +39,26 @@ pub(crate) fn rule(
         linearisation.unknowns.len(),
     ]
     .map(Literal::usize_unsuffixed);
+    let received = received(context.block, model, &private);
     let Code {
         prepared,
         carried,
         prepare,
         body,
         work,
-    } = code(derived, &private, context);
+    } = code(derived, &received, &private, context);
     let (memory, memory_type) = memory(carried);
     let returns = match scheme.returns {
         Returns::Increment => quote!(Increment),
         Returns::State => quote!(State),
         Returns::MatrixTimesState => quote!(MatrixTimesState),
     };
-    let received = received(context.block, model, &private);
     let linearise = linearise(&private, model, &received, linearisation, symbols, arena);
     let Received {
         flat,
         open: _,
         open_state,
+        reopen_state: _,
     } = &received;
     let multipliers = multipliers(
         &private,
@@ -192,7 +193,12 @@ fn rule_type(context: &Context<'_>, derived: &Derived) -> TokenStream {
     }
 }
 
-fn code(derived: &Derived, private: &TokenStream, context: &Context<'_>) -> Code {
+fn code(
+    derived: &Derived,
+    received: &Received,
+    private: &TokenStream,
+    context: &Context<'_>,
+) -> Code {
     let Derived {
         scheme,
         symbols,
@@ -212,6 +218,7 @@ fn code(derived: &Derived, private: &TokenStream, context: &Context<'_>) -> Code
             scheme,
             &linearisation.unknowns,
             symbols,
+            received,
             private,
             context.arena,
         ),

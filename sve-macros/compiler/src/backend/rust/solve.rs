@@ -20,6 +20,8 @@ pub(super) struct Solver<'a> {
     pub(super) symbols: &'a Symbols,
     pub(super) arena: &'a Arena,
     pub(super) factors: &'a Factors<'a>,
+    /// What reads the entries of the state in closures of the rarely taken paths.
+    pub(super) reopen: &'a TokenStream,
 }
 
 impl Solver<'_> {
@@ -77,6 +79,7 @@ impl Solver<'_> {
             symbols,
             arena,
             factors,
+            reopen,
         } = self;
         let Iteration {
             guess,
@@ -142,8 +145,8 @@ impl Solver<'_> {
                 ::core::option::Option::Some((guess, #oriented)) => ({ #guessed }, #origin, #limit),
                 ::core::option::Option::None => #without_guess,
             };
-            let fallback = || { #fallback };
-            let rounding = |&#iterates: &[f64; #size]| { #rounding };
+            let fallback = || { #reopen #fallback };
+            let rounding = |&#iterates: &[f64; #size]| { #reopen #rounding };
             let block = #private::BlockProperties { first: #first, has_bounds: #judged, limit_sign: origin };
             #limits
             let #solved = newton.solve_block(block, guess, fallback, rounding, |&#iterates: &[f64; #size]| {
@@ -192,6 +195,7 @@ impl Solver<'_> {
             symbols,
             arena,
             factors: _,
+            reopen,
         } = self;
         let Enclosure {
             middle,
@@ -201,42 +205,50 @@ impl Solver<'_> {
         let roots: Vec<Expr> = bounds.entries().copied().collect();
         let conditions = [conditions.clone()];
         let parts: [(&[Vec<Expr>], Vec<String>); 3] = [
-            (middle, rows("middle", middle.len())),
+            (&middle.rows, rows("middle", middle.rows.len())),
             (radii, rows("radius", radii.len())),
             (&conditions, vec!["distance".to_owned()]),
         ];
         let (statements, arrays) = Straight::new(arena, symbols, &roots).finish(private, &parts);
-        let [middle, radii, distances] = arrays.as_slice() else {
+        let [middle_rows, radii, distances] = arrays.as_slice() else {
             return quote!(false);
         };
+        let middle = typed(private, middle, middle_rows);
         quote! {
+            #reopen
             #statements
             let [distances] = #distances;
             #private::is_regular_within(&#middle, &#radii) && #private::all_positive(&distances)
         }
     }
 
-    /// A guess after its second stage, if there is one.
+    /// A guess after its later stages.
     fn refined(
         &self,
         at: usize,
         iteration: &Iteration<Value, Residual>,
         again: &Again<'_>,
     ) -> TokenStream {
-        let Some(Refinement { first, rhs }) = &iteration.refinement else {
-            return quote!(guess);
-        };
-        let names = names(first, self.symbols);
-        let statements = self.printer.statements(Tier::Guess(at));
-        let sum = sum_of_stages(first.len());
-        let rhs = self.printer.array(rhs);
-        // within the arm of the first solve, so that its division is done once
-        let refined = again.solve(&rhs, &quote!(refinement), &sum, &quote!(guess));
-        quote! {
-            let #names = guess;
-            #statements
-            #refined
-        }
+        // each stage within the arm of the solve before, so that a division of theirs is done once
+        let stages = iteration.refinements.iter().enumerate().rev();
+        let guess = quote!(guess);
+        let refined = stages.fold(None, |later, (stage, Refinement { first, rhs })| {
+            let names = names(first, self.symbols);
+            let statements = self.printer.statements(Tier::Guess(at, stage));
+            let sum = sum_of_stages(first.len());
+            let rhs = self.printer.array(rhs);
+            let sum = match later {
+                Some(later) => quote!({ let guess = #sum; #later }),
+                None => sum,
+            };
+            let refined = again.solve(&rhs, &quote!(refinement), &sum, &guess);
+            Some(quote! {
+                let #names = guess;
+                #statements
+                #refined
+            })
+        });
+        refined.unwrap_or(guess)
     }
 }
 
@@ -284,7 +296,8 @@ pub(super) fn accepted(
         radii,
         conditions,
     } = bounds;
-    let (middle, radii) = (printer.matrix(middle), printer.matrix(radii));
+    let middle = typed(private, middle, &printer.matrix(&middle.rows));
+    let radii = printer.matrix(radii);
     let conditions = conditions.iter().map(|&c| printer.operand(c));
     quote!(#private::is_regular_within(&#middle, &#radii) #(& (#conditions > 0f64))*)
 }
@@ -311,6 +324,7 @@ pub(super) fn residuals(residuals: &[Residual], printer: &Printer<'_>) -> [Token
 fn typed<T: Copy>(private: &TokenStream, matrix: &Matrix<T>, rows: &TokenStream) -> TokenStream {
     match matrix.storage {
         Storage::Dense => rows.clone(),
+        Storage::Cofactors => quote!(#private::Cofactors(#rows)),
         Storage::Diagonal => quote!(#private::Diagonal(#rows)),
         Storage::Banded(band) => {
             let numbers = [matrix.size(), band.lower, band.width()];

@@ -6,6 +6,7 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use super::code::Printer;
+use super::configuration::Received;
 use super::factors::Factors;
 use super::ident;
 use super::solve::Solver;
@@ -32,6 +33,7 @@ pub(super) fn code(
     scheme: &Scheme<Expr>,
     unknowns: &[Symbol],
     symbols: &Symbols,
+    received: &Received,
     private: &TokenStream,
     arena: &Arena,
 ) -> Code {
@@ -48,6 +50,7 @@ pub(super) fn code(
         symbols,
         arena,
         factors: &factors,
+        reopen: &received.reopen_state,
     };
     let (kept, array, open) = factors.beside(&kept, &array, &printer, private);
     let load = printer.load(&results);

@@ -53,6 +53,7 @@ pub(crate) fn system(
         flat,
         open,
         open_state: _,
+        reopen_state: _,
     } = &received;
     let lagrangian_body = lagrangian_jet(&private, lagrangian, &model.symbols, arena);
     let noise_body = noise_jets(&private, noises, &model.symbols, arena);
@@ -210,6 +211,7 @@ fn force_jet(
         flat,
         open,
         open_state: _,
+        reopen_state: _,
     } = received;
     quote! {
         const FORCED: bool = true;

@@ -15,6 +15,7 @@ mod bounds;
 
 use std::collections::HashMap;
 
+use super::matrix::Matrix;
 use crate::algebra::{Arena, Expr, Map, Symbol};
 use bounds::{Bounds, Interval};
 
@@ -30,7 +31,7 @@ const EXPONENT: u32 = 16;
 #[derive(Clone)]
 pub(crate) struct Enclosure<T> {
     /// Midpoints of the entries.
-    pub(crate) middle: Vec<Vec<T>>,
+    pub(crate) middle: Matrix<T>,
     pub(crate) radii: Vec<Vec<T>>,
     /// What has to be positive for the radii to hold: distances to poles and to the borders of domains.
     pub(crate) conditions: Vec<T>,
@@ -44,6 +45,7 @@ impl<T> Enclosure<T> {
             radii,
             conditions,
         } = self;
+        let middle = &middle.rows;
         middle.iter().chain(radii).flatten().chain(conditions)
     }
 }
@@ -56,6 +58,7 @@ impl Enclosure<Expr> {
             radii,
             conditions,
         } = self;
+        let middle = &mut middle.rows;
         middle.iter_mut().chain(radii).flatten().chain(conditions)
     }
 
@@ -118,9 +121,10 @@ pub(super) fn enclose(
         let flat: Vec<Expr> = entries.iter().map(part).collect();
         flat.chunks(matrix.len()).map(<[Expr]>::to_vec).collect()
     };
+    let (middle, radii) = (rows(|i| i.mid), rows(|i| i.radius));
     Some(Enclosure {
-        middle: rows(|i| i.mid),
-        radii: rows(|i| i.radius),
+        middle: Matrix::new(middle, bounds.arena),
+        radii,
         conditions: bounds.conditions,
     })
 }

@@ -182,9 +182,8 @@ fn contents(scheme: &Scheme<Expr>) -> (Vec<Expr>, Tiers) {
                 all.extend(linear.matrix.stored().chain(linear.rhs.clone()));
             }
             Solution::Iteration(iteration) => {
-                let refined = iteration.refinement.iter();
-                for r in refined {
-                    tiers.extend(r.first.iter().map(|&s| (s, Tier::Guess(at))));
+                for (stage, r) in iteration.refinements.iter().enumerate() {
+                    tiers.extend(r.first.iter().map(|&s| (s, Tier::Guess(at, stage))));
                     all.extend(&r.rhs);
                 }
                 tiers.extend(iteration.iterates.iter().map(|&s| (s, Tier::Iterate(at))));

@@ -74,7 +74,7 @@ pub(super) fn solution(
                 let anywhere = || iteration.iterates.iter().map(|&s| given(s)).collect();
                 let explicit = solve(&known, &guess.matrix, &guess.rhs);
                 let mut x: Vec<f64> = explicit.unwrap_or_else(anywhere);
-                if let Some(refinement) = &iteration.refinement {
+                for refinement in &iteration.refinements {
                     known.extend(refinement.first.iter().copied().zip(x.clone()));
                     if let Some(more) = solve(&known, &guess.matrix, &refinement.rhs) {
                         x = x.iter().zip(more).map(|(x, more)| x + more).collect();

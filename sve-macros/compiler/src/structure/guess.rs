@@ -1,0 +1,130 @@
+//! The first guess of an iteration.
+//!
+//! Input: the residuals of a block with their Jacobian. Output: a linear system of which the guess is the solution, and the stages that refine it with the same matrix.
+
+use super::block::Replacement;
+use super::elimination::Reduced;
+use super::scheme::{Linear, Refinement};
+use crate::algebra::{Expr, Symbol};
+use crate::system::model::Meaning;
+
+impl Reduced<'_> {
+    /// The Newton step from zero of the equations to leading order.
+    pub(super) fn guess_from(&mut self, leading: &[Expr], unknowns: &[Symbol]) -> Linear<Expr> {
+        let zero = self.arena.constant(0.0);
+        let origin: Replacement = unknowns.iter().map(|&u| (u, zero)).collect();
+        let jacobian = self.jacobian(leading, unknowns);
+        let step = self.newton_step(leading, &jacobian, &origin);
+        self.linear(step)
+    }
+
+    /// A guess that costs little, from the limit of h = 0 and no noise, where the equations are linear in most systems:
+    /// the explicit velocity. One unknown that noise kicks takes the kick too; several unknowns are refined to first order in
+    /// h and the increments, with the same matrix. Those of a rotation, whose residuals are short polynomials, are refined by two of Newton's steps with that
+    /// matrix, to second order. Nothing where the matrix does not exist.
+    pub(super) fn guess(
+        &mut self,
+        residual: &[Expr],
+        jacobian: &[Vec<Expr>],
+        unknowns: &[Symbol],
+    ) -> Option<(Linear<Expr>, Vec<Refinement<Expr>>)> {
+        let zero = self.arena.constant(0.0);
+        let small = self.small(residual);
+        let origin: Replacement = unknowns.iter().map(|&u| (u, zero)).collect();
+        let mut limit = origin.clone();
+        limit.extend(small.iter().map(|&s| (s, zero)));
+        let (matrix, mut rhs) = self.newton_step(residual, jacobian, &limit);
+        let noisy = small
+            .iter()
+            .any(|&s| matches!(self.symbols.meaning(s), Meaning::Wiener(_)));
+        let refinements = if self.is_rotation(unknowns) {
+            let mut stage = || self.chord_step(residual, unknowns);
+            vec![stage(), stage()]
+        } else if unknowns.len() > 1 {
+            vec![self.refinement(residual, unknowns, &small)]
+        } else {
+            if noisy {
+                rhs = self.newton_step(residual, jacobian, &origin).1;
+            }
+            Vec::new()
+        };
+        let size = unknowns.len();
+        let regular = (0..size).all(|i| {
+            matrix[i].iter().any(|&e| e != zero) && matrix.iter().any(|row| row[i] != zero)
+        });
+        let refined = refinements.iter().flat_map(|r| &r.rhs);
+        let all: Vec<Expr> = matrix
+            .iter()
+            .flatten()
+            .chain(&rhs)
+            .chain(refined)
+            .copied()
+            .collect();
+        let mut nodes = self.arena.reachable(&all, |_| true).into_iter();
+        let defined = nodes.all(|e| self.arena.constant_value(e).is_none_or(f64::is_finite));
+        (regular && defined).then(|| (self.linear((matrix, rhs)), refinements))
+    }
+
+    /// The step size and the increments of the noise, as far as they occur.
+    pub(super) fn small(&self, residual: &[Expr]) -> Vec<Symbol> {
+        let is_small = |s: &Symbol| {
+            matches!(
+                self.symbols.meaning(*s),
+                Meaning::StepSize | Meaning::Wiener(_)
+            )
+        };
+        let mut small: Vec<Symbol> = residual
+            .iter()
+            .flat_map(|&r| self.arena.symbols_of(r))
+            .filter(is_small)
+            .collect();
+        small.sort_unstable();
+        small.dedup();
+        small
+    }
+
+    /// `−Σ s ∂R/∂s` at the first stage, over the small quantities s.
+    fn refinement(
+        &mut self,
+        residual: &[Expr],
+        unknowns: &[Symbol],
+        small: &[Symbol],
+    ) -> Refinement<Expr> {
+        let zero = self.arena.constant(0.0);
+        let (first, mut point) = self.stage_names(unknowns);
+        point.extend(small.iter().map(|&s| (s, zero)));
+        let rhs = residual
+            .iter()
+            .map(|&r| {
+                let mut terms = Vec::new();
+                for &s in small {
+                    let slope = self.arena.diff(r, s);
+                    let slope = self.arena.substitute(slope, &point);
+                    let s = self.arena.symbol(s);
+                    terms.push((-1.0, self.arena.mul(slope, s)));
+                }
+                self.arena.sum(0.0, &terms)
+            })
+            .collect();
+        Refinement { first, rhs }
+    }
+
+    /// `−R` at the stage before.
+    fn chord_step(&mut self, residual: &[Expr], unknowns: &[Symbol]) -> Refinement<Expr> {
+        let (first, point) = self.stage_names(unknowns);
+        let residual = self.arena.substitute_all(residual, &point).into_iter();
+        let rhs = residual.map(|r| self.arena.neg(r)).collect();
+        Refinement { first, rhs }
+    }
+
+    /// Names for what a stage of a guess found, in the place of the unknowns.
+    fn stage_names(&mut self, unknowns: &[Symbol]) -> (Vec<Symbol>, Replacement) {
+        let (mut names, mut point) = (Vec::new(), Replacement::new());
+        for &unknown in unknowns {
+            let symbol = self.symbols.declare(self.symbols.meaning(unknown).clone());
+            point.insert(unknown, self.arena.symbol(symbol));
+            names.push(symbol);
+        }
+        (names, point)
+    }
+}
