@@ -53,6 +53,7 @@ const H: f64 = 0.05;
 /// Heights of the barrier, in units of kT.
 const BARRIERS: [f64; 3] = [3.0, 4.0, 5.0];
 const COLORS: [Color; 3] = [palette::ORANGE, palette::GREEN, palette::BLUE];
+const SHAPES: [Shape; 3] = [Shape::Disc, Shape::Triangle, Shape::Cross];
 /// Time after which a path has come to rest in its well: friction and the well's own motion take about 1.
 const REST: f64 = 20.0;
 /// Steps between two records.
@@ -252,7 +253,7 @@ fn draw(decays: &[Decay]) -> Figure {
         Axis::new("P(q < 0) − P(q > 0)", 0.0..1.0),
     )
     .legend(Corner::TopRight);
-    for decay in decays {
+    for (decay, shape) in decays.iter().zip(SHAPES) {
         let rest = decay.points.iter().find(|(t, _)| *t >= REST);
         let (t0, d0) = rest.copied().unwrap_or_default();
         let last = decay.points.last().map_or(t0, |(t, _)| *t);
@@ -262,6 +263,7 @@ fn draw(decays: &[Decay]) -> Figure {
         let mut dots = Pen::dots(decay.color, 2.2);
         if let Some(symbols) = &mut dots.symbol {
             symbols.count = Some(60);
+            symbols.shape = shape;
         }
         populations = populations
             .with(Layer::new("", line.collect(), Pen::line(palette::BLACK, 1.0)).unlisted())

@@ -152,13 +152,13 @@ fn compare_with_trajectories(paths: u64, noise: Option<u64>) -> (f64, u64) {
     (largest, stopped)
 }
 
-/// Without noise the times agree to the secant within 2⁻¹² of a step. With noise the re-solved step is rough in its length: q moves by h √(h 2⁻¹²) σ/2 within the last part.
+/// Without noise the times agree to the secant within 2⁻¹² of a step. With noise the re-solved step is rough in its length, so that it has several zeros: both searches find one in the same step.
 #[test]
 fn ensembles_stop_where_trajectories_stop() {
     let (difference, stopped) = compare_with_trajectories(60, None);
     assert!(difference < 1e-10 && stopped > 20, "{difference} {stopped}");
     let (difference, stopped) = compare_with_trajectories(60, Some(5));
-    assert!(difference < 1e-3 && stopped > 40, "{difference} {stopped}");
+    assert!(difference < H && stopped > 40, "{difference} {stopped}");
 }
 
 /// The error function for x ≥ 0, to 2e-7 (Abramowitz and Stegun 7.1.26).

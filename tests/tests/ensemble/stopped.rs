@@ -102,7 +102,7 @@ fn a_run_that_was_stopped_goes_on_with_the_same_passages() {
 #[test]
 fn memories_are_those_of_replayed_paths() {
     let method = Integrator::new(Pendulum, Midpoint);
-    let ensemble = observed(&method);
+    let ensemble = observed(&method).paths(256);
     let summary = ensemble.run().unwrap();
     let ends: Vec<(u64, f64)> = summary.final_states().map(|(k, s)| (k, s.t)).collect();
     let failed: Vec<u64> = summary.failures().iter().map(|f| f.path).collect();
@@ -127,7 +127,7 @@ fn memories_are_those_of_replayed_paths() {
         lowest += low;
         turns += count;
     }
-    assert_eq!(ends.len() + failed.len(), 1500);
+    assert_eq!(ends.len() + failed.len(), 256);
     let n = ends.len() as f64;
     let close = |name: &str, sum: f64| {
         let mean = summary[name].mean()[5];
