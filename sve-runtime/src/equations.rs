@@ -3,7 +3,7 @@
 //! Invariant: nothing here changes a state. The integrator decides what is accepted.
 
 use crate::lanes::{ALL, Mask};
-use crate::linearisation::Linearisation;
+use crate::linearisation::{Linearisation, Unknowns};
 use crate::plan::Plan;
 use crate::solve::SolveError;
 use crate::solve::newton::{BlockSolver, Newton};
@@ -40,7 +40,7 @@ pub trait StepEquations<R>: System {
     /// What a trajectory carries from step to step.
     type Memory: Memory;
     /// The unknowns of all blocks, `[f64; K]`.
-    type Unknowns: Copy + AsRef<[f64]> + AsMut<[f64]>;
+    type Unknowns: Unknowns;
     /// The conditions of the domain: where the functions in L and in the noises are defined, as text.
     const DOMAIN: &'static [&'static str] = &[];
     /// Increments of a process in a step: 1, or the stages of a rule with stage noise.
@@ -101,14 +101,15 @@ pub trait StepEquations<R>: System {
     ) {
         let _ = (state, h, dw, unknowns, visit);
     }
-    /// Linearises the step's equations and results around a solved step.
-    fn linearise(
+    /// Linearises the step's equations and results around a solved step. Returns what `then` makes of them.
+    fn linearise<T>(
         &self,
         state: &FlatStateOf<Self>,
         h: f64,
         dw: &Self::Increments,
         unknowns: &Self::Unknowns,
-    ) -> Linearisation;
+        then: impl FnOnce(Linearisation<'_>) -> T,
+    ) -> T;
 }
 
 /// The result of [`StepEquations::increment`].

@@ -28,6 +28,18 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
     },
+    /// The loss of a gradient or one of its derivatives is not finite.
+    #[error(
+        "the loss of the state at t = {t} is {value}, or one of its derivatives is not finite; is it smooth there?"
+    )]
+    NonFiniteLoss {
+        /// The loss.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        value: f64,
+        /// Time of the state.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+    },
     /// The step size is zero or not finite.
     #[error("the step size h = {h} must be finite and not zero")]
     StepSize {

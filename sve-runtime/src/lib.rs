@@ -61,6 +61,7 @@
 //! | store a trajectory and continue it | [`Trajectory::snapshot`], [`Method::resume`]; [`from_step`](noise::Replayable::from_step) enters a noise at a step |
 //! | see the equations and the cost of a step | [`Integrator::plan`], [`Plan`] |
 //! | differentiate a step with respect to its start and the parameters | [`Integrator::tangent`], [`Integrator::sensitivity`] |
+//! | differentiate a function of a path by its start and the parameters | [`Trajectory::gradient`], with [`Dual`] numbers; means of many paths with `Ensemble::gradient` |
 //! | drive it with noise | [`noise`]: [`Wiener`](noise::Wiener), [`ThreePoint`](noise::ThreePoint), [`Recorded`](noise::Recorded), [`Truncated`](noise::Truncated), [`FromRng`](noise::FromRng), [`NoNoise`](noise::NoNoise) |
 //! | put a start onto the constraints, see their forces | [`Integrator::consistent`], [`Integrator::constraint_forces`] |
 //! | evaluate energy, momentum, velocity, drift | [`Mechanics`] |
@@ -128,6 +129,7 @@ mod composition;
 mod configuration;
 mod constraints;
 mod degenerate;
+mod dual;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 mod equations;
@@ -175,13 +177,14 @@ pub use configuration::{
 };
 pub use constraints::{ConstraintForce, ConstraintForces};
 pub use degenerate::CoordinateRole;
+pub use dual::{Dual, DualState};
 pub use equations::{StepEquations, StepOf};
 pub use error::StepError;
 pub use integrator::{Integrator, Sensitivity, Tangent};
 #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
 pub use lanes::{LANES, Lane, Mask, StateLanes};
 pub use mechanics::{Field, Mechanics};
-pub use method::{Method, OneStepMethod};
+pub use method::{Differentiable, Method, OneStepMethod};
 /// Vectors, matrices and rotations, in the version that this crate uses.
 pub use nalgebra;
 pub use plan::{
@@ -362,7 +365,9 @@ pub use system::{
 #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
 pub use system::{IncrementLanesOf, StateLanesOf};
 pub use table::{SaveError, StateTable};
-pub use trajectory::{Events, RefinedTrajectory, Refinements, Saved, Snapshot, Trajectory};
+pub use trajectory::{
+    Adjoint, Events, Gradient, RefinedTrajectory, Refinements, Saved, Snapshot, Trajectory,
+};
 pub use variational::{ConstraintImpulses, DerivedFor, Discretised, Memory, Variational};
 
 /// The items that a program imports to integrate a system: `use sve_runtime::prelude::*;`.
@@ -408,11 +413,11 @@ pub mod __private {
     pub use crate::equations::{Returns, StepEquations};
     pub use crate::error::StepError;
     pub use crate::integrator::derived::{
-        DerivedStep, count_iterations, solve_compensated_step, solve_step, solve_with_derivatives,
-        solve_with_impulses,
+        DerivedStep, count_iterations, pull_back, push_forward, solve_compensated_step, solve_step,
+        solve_with_derivatives, solve_with_impulses,
     };
     pub use crate::lanes::Mask;
-    pub use crate::linearisation::{Entries, Linearisation};
+    pub use crate::linearisation::{Covector, Directions, Entries, Linearisation};
     pub use crate::parameter::{entry, number};
     pub use crate::plan::{
         Block, BlockKind, DegenerateStep, Formulas, Operations, Plan, StrongOrder,

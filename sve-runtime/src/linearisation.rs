@@ -1,8 +1,21 @@
 //! The linearised step that the macro generates, and its solution by the implicit-function theorem (`docs/mathematics.md`, section 8).
+//!
+//! Input: a step and its results, linearised around a solved step. Output: the matrix of all derivatives; tangent vectors after the step, for
+//! tangent vectors before it; or derivatives of a function of the state before the step, for those of the function after it.
 
 use nalgebra::DMatrix;
 
+use crate::mechanics::Field;
+use crate::solve::dense::{Factors, factored};
 use crate::solve::{SolveError, lu};
+
+impl<const N: usize> Field<[f64; N]> {
+    /// The vector zero.
+    pub(crate) const ZERO: Self = Self {
+        q: [0.0; N],
+        p: [0.0; N],
+    };
+}
 
 /// The non-zero entries of a matrix.
 #[derive(Clone, Copy, Debug)]
@@ -16,49 +29,88 @@ pub struct Entries<'a> {
 impl Entries<'_> {
     fn dense(&self, rows: usize, columns: usize) -> DMatrix<f64> {
         let mut dense = DMatrix::zeros(rows, columns);
-        for (&place, &value) in self.places.iter().zip(self.values) {
-            dense[place] = value;
+        for (row, column, value) in self.iter() {
+            dense[(row, column)] = value;
         }
         dense
+    }
+
+    /// Returns row, column and value of each entry.
+    #[inline(always)]
+    fn iter(&self) -> impl Iterator<Item = (usize, usize, f64)> {
+        let all = self.places.iter().zip(self.values);
+        all.map(|(&(row, column), &value)| (row, column, value))
     }
 }
 
 /// The equations of a step and its results, linearised around a solved step.
-#[derive(Clone, Debug)]
-pub struct Linearisation {
-    residual_by_unknowns: DMatrix<f64>,
-    residual_by_inputs: DMatrix<f64>,
-    output_by_unknowns: DMatrix<f64>,
-    output_by_inputs: DMatrix<f64>,
+#[derive(Clone, Copy, Debug)]
+pub struct Linearisation<'a> {
+    unknowns: usize,
+    outputs: usize,
+    inputs: usize,
+    residual_by_unknowns: Entries<'a>,
+    residual_by_inputs: Entries<'a>,
+    output_by_unknowns: Entries<'a>,
+    output_by_inputs: Entries<'a>,
 }
 
-impl Linearisation {
+/// Tangent vectors of the states of a path, which a step carries along.
+#[derive(Debug)]
+pub struct Directions<'a, V> {
+    /// The tangent vectors.
+    pub fields: &'a mut [Field<V>],
+    /// For each vector the parameter that varies with it in this step, if one does.
+    pub parameters: &'a [Option<usize>],
+}
+
+impl<V> Directions<'_, V> {
+    /// Returns the same vectors for a part of the step.
+    #[inline(always)]
+    pub(crate) fn reborrow(&mut self) -> Directions<'_, V> {
+        Directions {
+            fields: self.fields,
+            parameters: self.parameters,
+        }
+    }
+}
+
+/// The derivative of a function of the states of a path by a state, and by the parameters in the steps from there.
+#[derive(Debug)]
+pub struct Covector<'a, V> {
+    /// By the state.
+    pub state: &'a mut Field<V>,
+    /// By each parameter.
+    pub parameters: &'a mut [f64],
+}
+
+impl<V> Covector<'_, V> {
+    /// Returns the same derivatives for a part of the step.
+    #[inline(always)]
+    pub(crate) fn reborrow(&mut self) -> Covector<'_, V> {
+        Covector {
+            state: self.state,
+            parameters: self.parameters,
+        }
+    }
+}
+
+impl<'a> Linearisation<'a> {
     /// Stores ∂R/∂x, ∂R/∂z, ∂y/∂x, ∂y/∂z for the numbers of unknowns x, outputs y and inputs z.
+    #[inline(always)]
     #[must_use]
     pub fn new(
         [unknowns, outputs, inputs]: [usize; 3],
-        [rx, rz, yx, yz]: [Entries<'_>; 4],
+        [rx, rz, yx, yz]: [Entries<'a>; 4],
     ) -> Self {
         Self {
-            residual_by_unknowns: rx.dense(unknowns, unknowns),
-            residual_by_inputs: rz.dense(unknowns, inputs),
-            output_by_unknowns: yx.dense(outputs, unknowns),
-            output_by_inputs: yz.dense(outputs, inputs),
-        }
-    }
-
-    /// Stores these matrices.
-    pub(crate) fn of_matrices(
-        residual_by_unknowns: DMatrix<f64>,
-        residual_by_inputs: DMatrix<f64>,
-        output_by_unknowns: DMatrix<f64>,
-        output_by_inputs: DMatrix<f64>,
-    ) -> Self {
-        Self {
-            residual_by_unknowns,
-            residual_by_inputs,
-            output_by_unknowns,
-            output_by_inputs,
+            unknowns,
+            outputs,
+            inputs,
+            residual_by_unknowns: rx,
+            residual_by_inputs: rz,
+            output_by_unknowns: yx,
+            output_by_inputs: yz,
         }
     }
 
@@ -66,10 +118,14 @@ impl Linearisation {
     ///
     /// # Errors
     /// [`SolveError`] if ∂R/∂x is singular, or the result is not finite.
-    pub(crate) fn solve(self, increments: bool) -> Result<DMatrix<f64>, SolveError> {
-        let moves = lu::solve(self.residual_by_unknowns, self.residual_by_inputs)?;
-        let slopes = self.output_by_unknowns;
-        let mut all = self.output_by_inputs;
+    pub(crate) fn solve(&self, increments: bool) -> Result<DMatrix<f64>, SolveError> {
+        let [unknowns, outputs, inputs] = [self.unknowns, self.outputs, self.inputs];
+        let moves = lu::solve(
+            self.residual_by_unknowns.dense(unknowns, unknowns),
+            self.residual_by_inputs.dense(unknowns, inputs),
+        )?;
+        let slopes = self.output_by_unknowns.dense(outputs, unknowns);
+        let mut all = self.output_by_inputs.dense(outputs, inputs);
         if increments {
             (0..all.nrows()).for_each(|i| all[(i, i)] += 1.0);
         }
@@ -86,5 +142,133 @@ impl Linearisation {
         } else {
             Err(SolveError::NonFinite)
         }
+    }
+}
+
+/// The unknowns of a step, `[f64; K]`, with the solutions of its linearised equations. Nothing is allocated.
+pub trait Unknowns: Copy + AsRef<[f64]> + AsMut<[f64]> {
+    /// Carries tangent vectors along the step: `y ← dy/dz z`.
+    ///
+    /// # Errors
+    /// As [`Linearisation::solve`]; the vectors have no meaning then.
+    fn push_forward<const N: usize>(
+        linear: &Linearisation<'_>,
+        increments: bool,
+        directions: Directions<'_, [f64; N]>,
+    ) -> Result<(), SolveError>;
+
+    /// Carries derivatives by the result of the step back to its start: `λ ← (dy/dz)ᵀ λ`, of which the part of the parameters is added to the earlier one.
+    ///
+    /// # Errors
+    /// As [`Linearisation::solve`]; the derivatives have no meaning then.
+    fn pull_back<const N: usize>(
+        linear: &Linearisation<'_>,
+        increments: bool,
+        covector: Covector<'_, [f64; N]>,
+    ) -> Result<(), SolveError>;
+}
+
+impl<const K: usize> Unknowns for [f64; K] {
+    #[inline(always)]
+    fn push_forward<const N: usize>(
+        linear: &Linearisation<'_>,
+        increments: bool,
+        directions: Directions<'_, [f64; N]>,
+    ) -> Result<(), SolveError> {
+        let factors = factors::<K>(&linear.residual_by_unknowns, false)?;
+        for (field, parameter) in directions.fields.iter_mut().zip(directions.parameters) {
+            let before = *field;
+            let input = |column: usize| match column.checked_sub(2 * N) {
+                Some(varied) => f64::from(u8::from(*parameter == Some(varied))),
+                None => *entry(&mut { before }, column),
+            };
+            let mut rhs = [0.0; K];
+            for (row, column, value) in linear.residual_by_inputs.iter() {
+                rhs[row] += value * input(column);
+            }
+            let moves = factors.solve(&rhs);
+            if !increments {
+                *field = Field::ZERO;
+            }
+            for (row, column, value) in linear.output_by_inputs.iter() {
+                *entry(field, row) += value * input(column);
+            }
+            for (row, unknown, value) in linear.output_by_unknowns.iter() {
+                *entry(field, row) -= value * moves[unknown];
+            }
+            finite(field)?;
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn pull_back<const N: usize>(
+        linear: &Linearisation<'_>,
+        increments: bool,
+        covector: Covector<'_, [f64; N]>,
+    ) -> Result<(), SolveError> {
+        let factors = factors::<K>(&linear.residual_by_unknowns, true)?;
+        let Covector { state, parameters } = covector;
+        let mut after = *state;
+        let mut rhs = [0.0; K];
+        for (row, unknown, value) in linear.output_by_unknowns.iter() {
+            rhs[unknown] += value * *entry(&mut after, row);
+        }
+        let multipliers = factors.solve(&rhs);
+        if !increments {
+            *state = Field::ZERO;
+        }
+        let mut add = |column: usize, term: f64| match column.checked_sub(2 * N) {
+            Some(parameter) => parameters[parameter] += term,
+            None => *entry(state, column) += term,
+        };
+        for (row, column, value) in linear.output_by_inputs.iter() {
+            add(column, value * *entry(&mut after, row));
+        }
+        for (row, column, value) in linear.residual_by_inputs.iter() {
+            add(column, -value * multipliers[row]);
+        }
+        finite(state)?;
+        if parameters.iter().all(|x| x.is_finite()) {
+            Ok(())
+        } else {
+            Err(SolveError::NonFinite)
+        }
+    }
+}
+
+/// Returns the factors of a square matrix or of its transpose.
+#[inline(always)]
+fn factors<const K: usize>(
+    matrix: &Entries<'_>,
+    transposed: bool,
+) -> Result<Factors<K>, SolveError> {
+    let mut dense = [[0.0; K]; K];
+    for (row, column, value) in matrix.iter() {
+        if transposed {
+            dense[column][row] = value;
+        } else {
+            dense[row][column] = value;
+        }
+    }
+    factored(&dense).ok_or(SolveError::Singular { iteration: 0 })
+}
+
+/// The component of a vector of phase space with this number: first those along q, then those along p.
+#[inline(always)]
+fn entry<const N: usize>(field: &mut Field<[f64; N]>, number: usize) -> &mut f64 {
+    if number < N {
+        &mut field.q[number]
+    } else {
+        &mut field.p[number - N]
+    }
+}
+
+#[inline(always)]
+fn finite<const N: usize>(field: &Field<[f64; N]>) -> Result<(), SolveError> {
+    if field.q.iter().chain(&field.p).all(|x| x.is_finite()) {
+        Ok(())
+    } else {
+        Err(SolveError::NonFinite)
     }
 }

@@ -5,8 +5,11 @@ use core::hash::Hasher;
 
 use crate::error::StepError;
 use crate::lanes::{ALL, Mask};
+use crate::linearisation::{Covector, Directions};
 use crate::noise::Noise;
-use crate::system::{IncrementLanesOf, Increments, IncrementsOf, StateLanesOf, StateOf, System};
+use crate::system::{
+    IncrementLanesOf, Increments, IncrementsOf, StateLanesOf, StateOf, System, VectorOf,
+};
 use crate::trajectory::{Snapshot, Trajectory};
 
 /// A one-step method for a system, with increments of any kind: an [`Integrator`](crate::Integrator) or a [`baseline`](crate::baseline).
@@ -148,6 +151,45 @@ pub trait OneStepMethod {
         let _ = (prepared, low, h, dw);
         Err(StepError::Uncompensated { t: state.t })
     }
+}
+
+/// A method whose steps can be differentiated by their start and the parameters: every [`Integrator`](crate::Integrator).
+///
+/// Gradients along paths ask for it: [`Ensemble::gradient`](crate::ensemble::Ensemble::gradient), [`Trajectory::gradient`].
+#[diagnostic::on_unimplemented(
+    message = "the steps of `{Self}` have no derivatives",
+    label = "gradients need the derivatives of each step",
+    note = "the steps of an `Integrator` have them, with any rule and composition; those of a baseline have not"
+)]
+pub trait Differentiable: OneStepMethod {
+    /// Makes one step and carries tangent vectors along it. `prepared` is that of `h`.
+    ///
+    /// # Errors
+    /// As [`step_prepared`](OneStepMethod::step_prepared), and [`StepError::Singular`] if the Jacobian of the equations is singular at their solution. The
+    /// vectors have no meaning then.
+    #[doc(hidden)]
+    fn push_forward(
+        &self,
+        prepared: &Self::Prepared,
+        state: &mut StateOf<Self::System>,
+        h: f64,
+        dw: &Self::Increments,
+        directions: Directions<'_, VectorOf<Self::System>>,
+    ) -> Result<(), StepError>;
+
+    /// Carries the derivatives of a function by the result of a step back to `state`, the start of the step.
+    ///
+    /// # Errors
+    /// As [`push_forward`](Self::push_forward).
+    #[doc(hidden)]
+    fn pull_back(
+        &self,
+        prepared: &Self::Prepared,
+        state: &StateOf<Self::System>,
+        h: f64,
+        dw: &Self::Increments,
+        covector: Covector<'_, VectorOf<Self::System>>,
+    ) -> Result<(), StepError>;
 }
 
 /// A [`OneStepMethod`] that takes one increment for each Wiener process: what ensembles and studies run, and what code for any method asks for.

@@ -8,10 +8,11 @@ use nalgebra::DMatrix;
 
 use crate::error::StepError;
 use crate::lanes::Mask;
+use crate::linearisation::{Covector, Directions};
 use crate::plan::Plan;
 use crate::solve::newton::Newton;
 use crate::system::{
-    FlatStateOf, IncrementLanesOf, Increments, IncrementsOf, StateLanesOf, System,
+    FlatStateOf, IncrementLanesOf, Increments, IncrementsOf, StateLanesOf, System, VectorOf,
 };
 
 /// What a trajectory carries from one step to the next: numbers that the next step would compute again, or that its iteration starts from.
@@ -137,6 +138,36 @@ pub trait Discretised<R>: System {
         h: f64,
         dw: &Self::Increments,
     ) -> Result<DMatrix<f64>, StepError>;
+
+    /// Makes one step and carries tangent vectors along it.
+    ///
+    /// # Errors
+    /// As [`advance_with_derivatives`](Self::advance_with_derivatives); the vectors have no meaning then.
+    #[doc(hidden)]
+    fn push_forward(
+        &self,
+        newton: &Newton,
+        prepared: &Self::Prepared,
+        state: &mut FlatStateOf<Self>,
+        h: f64,
+        dw: &Self::Increments,
+        directions: Directions<'_, VectorOf<Self>>,
+    ) -> Result<(), StepError>;
+
+    /// Carries the derivatives of a function by the result of a step back to `state`, the start of the step.
+    ///
+    /// # Errors
+    /// As [`advance_with_derivatives`](Self::advance_with_derivatives); the derivatives have no meaning then.
+    #[doc(hidden)]
+    fn pull_back(
+        &self,
+        newton: &Newton,
+        prepared: &Self::Prepared,
+        state: &FlatStateOf<Self>,
+        h: f64,
+        dw: &Self::Increments,
+        covector: Covector<'_, VectorOf<Self>>,
+    ) -> Result<(), StepError>;
 
     /// Returns the largest number of Newton iterations of a block in a step; `None` if the step fails.
     fn newton_iterations(
@@ -265,6 +296,32 @@ impl<S: Discretised<R>, R> Discretised<R> for &S {
         dw: &S::Increments,
     ) -> Result<DMatrix<f64>, StepError> {
         (**self).advance_with_derivatives(newton, state, h, dw)
+    }
+
+    #[inline]
+    fn push_forward(
+        &self,
+        newton: &Newton,
+        prepared: &S::Prepared,
+        state: &mut FlatStateOf<S>,
+        h: f64,
+        dw: &S::Increments,
+        directions: Directions<'_, VectorOf<S>>,
+    ) -> Result<(), StepError> {
+        (**self).push_forward(newton, prepared, state, h, dw, directions)
+    }
+
+    #[inline]
+    fn pull_back(
+        &self,
+        newton: &Newton,
+        prepared: &S::Prepared,
+        state: &FlatStateOf<S>,
+        h: f64,
+        dw: &S::Increments,
+        covector: Covector<'_, VectorOf<S>>,
+    ) -> Result<(), StepError> {
+        (**self).pull_back(newton, prepared, state, h, dw, covector)
     }
 
     fn newton_iterations(

@@ -185,7 +185,7 @@ fn main() {
     let (field, start) = (KuboByHand { a, sigma }, State::new([1.0], [0.0]));
     let kubo = Kubo { a, sigma };
     compare("Kubo, Heun", &Heun::new(&kubo), start, |z, dw| {
-        heun(field, z, H, dw)
+        heun(field, z, H, dw);
     });
     compare(
         "Kubo, Euler–Maruyama",

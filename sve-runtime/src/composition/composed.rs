@@ -5,9 +5,10 @@ use nalgebra::DMatrix;
 use super::sequence::{Sequence, Shared, plan_of};
 use crate::error::StepError;
 use crate::lanes::Mask;
+use crate::linearisation::{Covector, Directions};
 use crate::plan::Plan;
 use crate::rules::{Gauss, Midpoint, StormerVerlet};
-use crate::system::{FlatStateOf, IncrementLanesOf, StateLanesOf};
+use crate::system::{FlatStateOf, IncrementLanesOf, StateLanesOf, VectorOf};
 use crate::variational::Discretised;
 
 /// A symmetric rule: a step of length −h leads back. Compositions of substeps raise its order.
@@ -164,6 +165,32 @@ where
     ) -> Result<DMatrix<f64>, StepError> {
         let system = shared.system;
         system.advance_with_derivatives(shared.newton, state, h, dw)
+    }
+
+    fn push_forward(
+        shared: Shared<'_, S, Self::Prepared>,
+        number: usize,
+        state: &mut FlatStateOf<S>,
+        h: f64,
+        dw: &S::Increments,
+        directions: Directions<'_, VectorOf<S>>,
+    ) -> Result<(), StepError> {
+        let prepared = &shared.prepared.as_ref()[C::distinct(number)];
+        let system = shared.system;
+        system.push_forward(shared.newton, prepared, state, h, dw, directions)
+    }
+
+    fn pull_back(
+        shared: Shared<'_, S, Self::Prepared>,
+        number: usize,
+        state: &FlatStateOf<S>,
+        h: f64,
+        dw: &S::Increments,
+        covector: Covector<'_, VectorOf<S>>,
+    ) -> Result<(), StepError> {
+        let prepared = &shared.prepared.as_ref()[C::distinct(number)];
+        let system = shared.system;
+        system.pull_back(shared.newton, prepared, state, h, dw, covector)
     }
 
     fn newton_iterations(

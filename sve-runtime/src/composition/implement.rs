@@ -87,6 +87,36 @@ macro_rules! __compositions {
                 )
             }
 
+            fn push_forward(
+                &self,
+                newton: &$crate::Newton,
+                prepared: &Self::Prepared,
+                state: &mut $crate::FlatStateOf<Self>,
+                h: f64,
+                dw: &Self::Increments,
+                directions: $crate::__private::Directions<'_, $crate::VectorOf<Self>>,
+            ) -> ::core::result::Result<(), $crate::StepError> {
+                let shared = $crate::__private::sequence::Shared { system: self, newton, prepared };
+                $crate::__private::sequence::push_forward::<$rule, _, _, _, _>(
+                    shared, state, h, dw, directions,
+                )
+            }
+
+            fn pull_back(
+                &self,
+                newton: &$crate::Newton,
+                prepared: &Self::Prepared,
+                state: &$crate::FlatStateOf<Self>,
+                h: f64,
+                dw: &Self::Increments,
+                covector: $crate::__private::Covector<'_, $crate::VectorOf<Self>>,
+            ) -> ::core::result::Result<(), $crate::StepError> {
+                let shared = $crate::__private::sequence::Shared { system: self, newton, prepared };
+                $crate::__private::sequence::pull_back::<$rule, _, _, _, _>(
+                    shared, state, h, dw, covector,
+                )
+            }
+
             fn newton_iterations(
                 &self,
                 newton: &$crate::Newton,

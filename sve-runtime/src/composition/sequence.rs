@@ -7,11 +7,12 @@ use nalgebra::DMatrix;
 use crate::configuration::Coordinates;
 use crate::error::StepError;
 use crate::lanes::{LANES, Mask};
+use crate::linearisation::{Covector, Directions};
 use crate::plan::{Operations, Plan, Substeps};
 use crate::solve::newton::Newton;
 use crate::state::State;
 use crate::system::{
-    Dimensions, Dims, FlatStateOf, IncrementLanesOf, Increments, StateLanesOf, System,
+    Dimensions, Dims, FlatStateOf, IncrementLanesOf, Increments, StateLanesOf, System, VectorOf,
 };
 use crate::variational::Memory;
 
@@ -82,6 +83,32 @@ pub trait Sequence<S: System> {
         h: f64,
         dw: &Self::Increments,
     ) -> Result<DMatrix<f64>, StepError>;
+
+    /// Makes substep `number` and carries tangent vectors along it.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    fn push_forward(
+        shared: Shared<'_, S, Self::Prepared>,
+        number: usize,
+        state: &mut FlatStateOf<S>,
+        h: f64,
+        dw: &Self::Increments,
+        directions: Directions<'_, VectorOf<S>>,
+    ) -> Result<(), StepError>;
+
+    /// Carries derivatives by the result of substep `number` back to its start.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    fn pull_back(
+        shared: Shared<'_, S, Self::Prepared>,
+        number: usize,
+        state: &FlatStateOf<S>,
+        h: f64,
+        dw: &Self::Increments,
+        covector: Covector<'_, VectorOf<S>>,
+    ) -> Result<(), StepError>;
 
     /// Returns the number of Newton iterations of substep `number`.
     fn newton_iterations(
@@ -288,6 +315,62 @@ where
     end.t = state.t + h;
     *state = end;
     Ok(all)
+}
+
+/// Makes the substeps and carries tangent vectors along them.
+///
+/// # Errors
+/// As [`Discretised::advance_with_derivatives`](crate::Discretised::advance_with_derivatives).
+pub fn push_forward<K, S, Q, const N: usize, const M: usize>(
+    shared: Shared<'_, S, K::Prepared>,
+    state: &mut State<Q::Flat>,
+    h: f64,
+    dw: &K::Increments,
+    mut directions: Directions<'_, [f64; N]>,
+) -> Result<(), StepError>
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+    K: Sequence<S>,
+{
+    let mut end = *state;
+    for (number, &part) in K::FRACTIONS.iter().enumerate() {
+        let (h, dw) = (part * h, dw.times(part));
+        K::push_forward(shared, number, &mut end, h, &dw, directions.reborrow())?;
+    }
+    end.t = state.t + h;
+    *state = end;
+    Ok(())
+}
+
+/// Makes the substeps, and carries derivatives by their result back to `state`.
+///
+/// # Errors
+/// As [`Discretised::advance_with_derivatives`](crate::Discretised::advance_with_derivatives).
+pub fn pull_back<K, S, Q, const N: usize, const M: usize>(
+    shared: Shared<'_, S, K::Prepared>,
+    state: &State<Q::Flat>,
+    h: f64,
+    dw: &K::Increments,
+    mut covector: Covector<'_, [f64; N]>,
+) -> Result<(), StepError>
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+    K: Sequence<S>,
+{
+    let (mut here, mut starts) = (*state, Vec::with_capacity(K::FRACTIONS.len()));
+    for (number, &part) in K::FRACTIONS.iter().enumerate() {
+        starts.push(here);
+        let (h, dw, memory) = (part * h, dw.times(part), &mut K::Memory::none());
+        K::advance(shared, number, memory, &mut here, h, &dw)?;
+    }
+    for (number, start) in starts.iter().enumerate().rev() {
+        let part = K::FRACTIONS[number];
+        let (h, dw) = (part * h, dw.times(part));
+        K::pull_back(shared, number, start, h, &dw, covector.reborrow())?;
+    }
+    Ok(())
 }
 
 /// Returns the largest number of Newton iterations of a substep.

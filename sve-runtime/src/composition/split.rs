@@ -6,9 +6,10 @@ use super::coefficients::{BlanesMoan4, BlanesMoanRkn6};
 use super::sequence::{Sequence, Shared, plan_of};
 use crate::error::StepError;
 use crate::lanes::Mask;
+use crate::linearisation::{Covector, Directions};
 use crate::plan::Plan;
 use crate::rules::{Endpoint, InitialPoint};
-use crate::system::{FlatStateOf, IncrementLanesOf, IncrementsOf, StateLanesOf};
+use crate::system::{FlatStateOf, IncrementLanesOf, IncrementsOf, StateLanesOf, VectorOf};
 use crate::variational::{Discretised, Memory, Variational};
 
 /// A system with `L = T(v) − V(t, q)`. Implemented by `#[variational(…)]`.
@@ -203,6 +204,40 @@ where
             Discretised::<InitialPoint>::advance_with_derivatives(system, newton, state, h, dw)
         } else {
             Discretised::<Endpoint>::advance_with_derivatives(system, newton, state, h, dw)
+        }
+    }
+
+    fn push_forward(
+        shared: Shared<'_, S, Self::Prepared>,
+        number: usize,
+        state: &mut FlatStateOf<S>,
+        h: f64,
+        dw: &IncrementsOf<S>,
+        along: Directions<'_, VectorOf<S>>,
+    ) -> Result<(), StepError> {
+        let Shared { system, newton, .. } = shared;
+        let (first, second) = &shared.prepared.as_ref()[number / 2];
+        if is_initial(number) {
+            Discretised::<InitialPoint>::push_forward(system, newton, first, state, h, dw, along)
+        } else {
+            Discretised::<Endpoint>::push_forward(system, newton, second, state, h, dw, along)
+        }
+    }
+
+    fn pull_back(
+        shared: Shared<'_, S, Self::Prepared>,
+        number: usize,
+        state: &FlatStateOf<S>,
+        h: f64,
+        dw: &IncrementsOf<S>,
+        covector: Covector<'_, VectorOf<S>>,
+    ) -> Result<(), StepError> {
+        let Shared { system, newton, .. } = shared;
+        let (first, second) = &shared.prepared.as_ref()[number / 2];
+        if is_initial(number) {
+            Discretised::<InitialPoint>::pull_back(system, newton, first, state, h, dw, covector)
+        } else {
+            Discretised::<Endpoint>::pull_back(system, newton, second, state, h, dw, covector)
         }
     }
 

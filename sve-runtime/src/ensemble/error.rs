@@ -122,6 +122,14 @@ pub enum EnsembleError {
         /// Upper bound.
         high: f64,
     },
+    /// A gradient by a quantity that the system does not have.
+    #[error("there is no gradient by {by}: {why}")]
+    Gradient {
+        /// The quantity.
+        by: String,
+        /// The reason.
+        why: String,
+    },
     /// A run from several starts with a checkpoint.
     #[error(
         "`run_from` has a run for each start, and a checkpoint is the file of one: leave `checkpoint` out, or give each start a run and a file of its own"

@@ -156,7 +156,7 @@ where
                     ensemble
                         .kinds
                         .iter()
-                        .for_each(|&kind| hash.add(kind as u64));
+                        .for_each(|&kind| hash.add(kind.number()));
                     hash.add(ensemble.settle);
                     hash.add(u64::from(ensemble.weight.is_some()));
                 }
@@ -268,7 +268,7 @@ where
         let h = self.h;
         let path = first_path.wrapping_add(path);
         let mut wiener = Wiener::new(seed).path(path);
-        let mut refined = wiener.clone().refine(depth).ok().filter(|_| depth > 0);
+        let mut refined = wiener.refine(depth).ok().filter(|_| depth > 0);
         let mut three_point = ThreePoint::new(seed).path(path);
         move |step, dw| {
             let Some(distribution) = distribution else {

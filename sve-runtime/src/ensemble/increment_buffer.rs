@@ -194,7 +194,7 @@ mod tests {
             buffer.load(batch, tiles.iter());
             for (tile, lane) in [(0, 0), (0, 31), (1, 3), (1, 17)] {
                 let path = Wiener::new(seed).path(first.wrapping_add(tiles[tile][lane]));
-                let mut refined = path.clone().refine(depth).unwrap();
+                let mut refined = path.refine(depth).unwrap();
                 let mut sum = [0.0; M];
                 for step in batch * BATCH..(batch + 1) * BATCH {
                     let mut expected = [0.0; M];

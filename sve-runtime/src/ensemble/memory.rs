@@ -16,7 +16,7 @@ use crate::system::{Dimensions, Dims, StateLanesOf, System};
 /// The name of the weight in messages.
 const WEIGHT: &str = "weight";
 
-/// What becomes of an observable at a recorded time. The order of the kinds enters the fingerprint of a run.
+/// What becomes of an observable at a recorded time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// Its value.
@@ -33,12 +33,28 @@ pub(super) enum Kind {
     Crossings,
     /// The value of a memory of any type.
     Fold,
+    /// A derivative: the numbers of the function and of the quantity.
+    Slope(usize, usize),
 }
 
 impl Kind {
     /// Returns whether the observable needs the states after all steps.
     fn has_memory(self) -> bool {
-        !matches!(self, Self::Value | Self::Weighted)
+        !matches!(self, Self::Value | Self::Weighted | Self::Slope(..))
+    }
+
+    /// Returns the number by which a fingerprint knows the kind.
+    pub(super) fn number(self) -> u64 {
+        match self {
+            Self::Value => 0,
+            Self::Weighted => 1,
+            Self::Average => 2,
+            Self::Integral => 3,
+            Self::Maximum => 4,
+            Self::Crossings => 5,
+            Self::Fold => 6,
+            Self::Slope(..) => 7,
+        }
     }
 }
 
@@ -263,6 +279,9 @@ where
         }
         let (system, states) = (ensemble.method.system(), self.tiles[tile].states());
         ensemble.observables[observable].tile(system, states, values);
+        if let Kind::Slope(function, direction) = kind {
+            self.slopes((function, direction), tile, values);
+        }
         if kind == Kind::Weighted && ensemble.weight.is_some() {
             let exponents = self.memories[0].memory.values(tile, step);
             for (value, exponent) in values.iter_mut().zip(exponents) {

@@ -9,6 +9,7 @@
 //! pairwise in a fixed tree.
 
 mod along;
+mod by;
 #[cfg(feature = "checkpoint")]
 mod checkpoint;
 mod columns;
@@ -21,6 +22,7 @@ mod execution;
 mod failure;
 mod final_state;
 pub(crate) mod fingerprint;
+mod gradient;
 mod histogram;
 mod increment_buffer;
 mod integral;
@@ -50,6 +52,7 @@ mod tile;
 mod warning;
 
 pub use crate::observed::Observed;
+pub use by::By;
 #[cfg(feature = "distributed")]
 pub use distribution::{Checkpoint, Distribution, PartialResults, SharedResults};
 #[cfg(feature = "checkpoint")]
@@ -65,6 +68,7 @@ pub use warning::Warning;
 
 use core::fmt;
 
+use self::gradient::Gradients;
 use self::histogram::HistogramRequest;
 use self::memory::Kind;
 use self::observe::{Closure, Observable};
@@ -145,6 +149,7 @@ pub struct Ensemble<'a, I: Method> {
     share_paths: bool,
     /// Functions whose first zero is recorded.
     passages: Vec<PassageFunction<'a, I::System>>,
+    gradients: Gradients<'a, I>,
     histograms: Vec<HistogramRequest>,
     /// Observables with their least and greatest values.
     bounds: Vec<(String, [f64; 2])>,
@@ -185,6 +190,7 @@ where
             settle: 0,
             share_paths: false,
             passages: Vec::new(),
+            gradients: Gradients::default(),
             histograms: Vec::new(),
             bounds: Vec::new(),
             keep_final_states: false,

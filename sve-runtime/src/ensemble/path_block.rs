@@ -7,6 +7,7 @@
 use core::ops::Range;
 
 use super::failure::{Cause, Failure};
+use super::gradient::Tangents;
 use super::increment_buffer::{BATCH, IncrementBuffer};
 use super::memory::{LastStep, Remembered};
 use super::passage::watch::PassageWatch;
@@ -26,7 +27,7 @@ use crate::time::time_after;
 /// Paths of some consecutive blocks. Where no path can stop it is one block.
 pub(super) struct PathBlock<'a, I: Method, const N: usize, const M: usize> {
     pub(super) settings: Settings<'a, I>,
-    prepared: I::Prepared,
+    pub(super) prepared: I::Prepared,
     /// The increments of each [`BLOCK_TILES`] tiles.
     increments: Vec<IncrementBuffer<M>>,
     pub(super) first_path: u64,
@@ -37,6 +38,8 @@ pub(super) struct PathBlock<'a, I: Method, const N: usize, const M: usize> {
     /// What observers remember of the paths.
     pub(super) memories: Vec<Remembered<'a, I::System>>,
     pub(super) watch: PassageWatch,
+    /// The tangent vectors of the paths, if there are gradients.
+    pub(super) tangents: Tangents<N>,
     /// The path of each step that was made in smaller steps.
     pub(super) refined: Vec<u64>,
     /// Paths that have stopped, with their last states.
@@ -79,6 +82,7 @@ where
             failures: Vec::new(),
             memories: ensemble.memories(tiles),
             watch: PassageWatch::new(ensemble, tiles),
+            tangents: Tangents::new(&ensemble.gradients, tiles),
             refined: Vec::new(),
             stopped: Vec::new(),
             values: vec![vec![[0.0; LANES]; names]; tiles],
@@ -185,7 +189,8 @@ where
         }
         let paths = self.tiles[tiles.clone()].iter().map(|tile| &tile.paths);
         self.increments[buffer].load(self.step / BATCH, paths);
-        let sees_steps = !self.memories.is_empty() || !self.watch.is_empty();
+        let has_tangents = !self.tangents.is_empty();
+        let sees_steps = has_tangents || !self.memories.is_empty() || !self.watch.is_empty();
         while self.step < end && self.tiles[tiles.clone()].iter().any(is_active) {
             self.step = dispatch(AdvanceTiles {
                 method: self.settings.ensemble.method,
@@ -199,6 +204,9 @@ where
             });
             for tile in tiles.clone() {
                 self.step_unsolved_lanes(tile);
+                if has_tangents {
+                    self.advance_tangents(tile);
+                }
                 if sees_steps {
                     self.observe_step(tile);
                 }

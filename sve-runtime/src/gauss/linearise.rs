@@ -6,7 +6,7 @@ use super::newton::{displacement, jacobian, moves_position, velocity};
 use super::step::{Stage, Step};
 use super::tableau::Tableau;
 use crate::configuration::VectorCoordinates;
-use crate::linearisation::Linearisation;
+use crate::linearisation::{Entries, Linearisation};
 use crate::system::{Dims, System};
 
 /// Derivatives by a parameter at a point.
@@ -42,8 +42,12 @@ where
     Sys: System<Dims = Dims<N, M, Q>> + ByParameters<N, M>,
     Q: VectorCoordinates<N>,
 {
-    /// Linearises the equations and results around the solution `x`.
-    pub(super) fn linearise<const K: usize>(&self, x: &[f64; K]) -> Linearisation {
+    /// Linearises the equations and results around the solution `x`. Returns what `then` makes of them.
+    pub(super) fn linearise<const K: usize, T>(
+        &self,
+        x: &[f64; K],
+        then: impl FnOnce(Linearisation<'_>) -> T,
+    ) -> T {
         let unknowns = self.unknowns(x);
         let stages = self.stages(&unknowns);
         let mut by_unknowns = [[0.0; K]; K];
@@ -64,12 +68,18 @@ where
             }
             self.parameters::<K>(j, &q, &unknowns.velocities[j], &stages[j], &mut all);
         }
-        Linearisation::of_matrices(
+        let matrices = [
             all.residual_by_unknowns,
             all.residual_by_inputs,
             all.output_by_unknowns,
             all.output_by_inputs,
-        )
+        ];
+        let places = matrices.each_ref().map(places);
+        let entries = core::array::from_fn(|i| Entries {
+            places: &places[i],
+            values: matrices[i].as_slice(),
+        });
+        then(Linearisation::new([K, 2 * N, inputs], entries))
     }
 
     /// What the unknowns of stage `k` do to the results `Σ Y_j` and `Σ F_j`.
@@ -163,6 +173,13 @@ where
         };
         self.system.parameter_jets(t, q, v, p, &mut visit);
     }
+}
+
+/// Returns row and column of all entries of a matrix, in the order in which it is stored.
+fn places(matrix: &DMatrix<f64>) -> Vec<(usize, usize)> {
+    let (rows, columns) = matrix.shape();
+    let columns = (0..columns).flat_map(|column| (0..rows).map(move |row| (row, column)));
+    columns.collect()
 }
 
 /// ∂R/∂x, ∂R/∂z, ∂y/∂x, ∂y/∂z.

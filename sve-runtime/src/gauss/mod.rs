@@ -180,17 +180,18 @@ pub fn start<const S: usize, const N: usize, const K: usize>(velocity: &[f64; N]
     x
 }
 
-/// Linearises a solved step.
-pub fn linearise<Sys, Q, const S: usize, const N: usize, const M: usize, const K: usize>(
+/// Linearises a solved step. Returns what `then` makes of the equations and results.
+pub fn linearise<T, Sys, Q, const S: usize, const N: usize, const M: usize, const K: usize>(
     system: &Sys,
     state: &State<[f64; N]>,
     h: f64,
     noise: [[f64; S]; M],
     unknowns: &[f64; K],
-) -> Linearisation
+    then: impl FnOnce(Linearisation<'_>) -> T,
+) -> T
 where
     Sys: System<Dims = Dims<N, M, Q>> + ByParameters<N, M>,
     Q: VectorCoordinates<N>,
 {
-    Step::<_, S, N, M>::new(system, state, h, noise).linearise(unknowns)
+    Step::<_, S, N, M>::new(system, state, h, noise).linearise(unknowns, then)
 }

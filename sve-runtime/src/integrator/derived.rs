@@ -11,6 +11,7 @@ use crate::system::{Dims, System};
 use crate::variational::Memory;
 
 pub use super::compensated::solve_compensated_step;
+pub use super::gradient::{pull_back, push_forward};
 pub use super::step::solve_step;
 pub use super::tangent::solve_with_derivatives;
 
@@ -187,6 +188,34 @@ macro_rules! __derived_rule {
             ) -> ::core::result::Result<$crate::nalgebra::DMatrix<f64>, $crate::StepError> {
                 let derived = $crate::__private::DerivedStep::<Self, $rule>::new(self, newton);
                 $crate::__private::solve_with_derivatives(derived, state, h, dw)
+            }
+
+            #[inline]
+            fn push_forward(
+                &self,
+                newton: &$crate::Newton,
+                prepared: &Self::Prepared,
+                state: &mut $crate::FlatStateOf<Self>,
+                h: f64,
+                dw: &Self::Increments,
+                directions: $crate::__private::Directions<'_, $crate::VectorOf<Self>>,
+            ) -> ::core::result::Result<(), $crate::StepError> {
+                let derived = $crate::__private::DerivedStep::<Self, $rule>::new(self, newton);
+                $crate::__private::push_forward(derived, prepared, state, h, dw, directions)
+            }
+
+            #[inline]
+            fn pull_back(
+                &self,
+                newton: &$crate::Newton,
+                prepared: &Self::Prepared,
+                state: &$crate::FlatStateOf<Self>,
+                h: f64,
+                dw: &Self::Increments,
+                covector: $crate::__private::Covector<'_, $crate::VectorOf<Self>>,
+            ) -> ::core::result::Result<(), $crate::StepError> {
+                let derived = $crate::__private::DerivedStep::<Self, $rule>::new(self, newton);
+                $crate::__private::pull_back(derived, prepared, state, h, dw, covector)
             }
 
             fn newton_iterations(

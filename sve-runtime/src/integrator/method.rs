@@ -22,6 +22,13 @@ pub struct Prepared<C, K> {
     memory: K,
 }
 
+impl<C, K> Prepared<C, K> {
+    /// The values that depend on parameters and step size only.
+    pub(super) fn coefficients(&self) -> &C {
+        &self.coefficients
+    }
+}
+
 impl<S, R, Q, const N: usize, const M: usize> OneStepMethod for Integrator<S, R>
 where
     S: Discretised<R> + System<Dims = Dims<N, M, Q>>,

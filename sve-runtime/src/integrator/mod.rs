@@ -9,11 +9,13 @@
 //! | `continuation.rs` | following the solution from the limit of no noise and h → 0 |
 //! | `compensated.rs` | compensated summation |
 //! | `tangent.rs` | the derivatives of a step |
+//! | `gradient.rs` | derivatives along paths |
 
 pub(crate) mod accept;
 mod compensated;
 mod continuation;
 pub(crate) mod derived;
+mod gradient;
 mod method;
 mod rescue;
 mod step;

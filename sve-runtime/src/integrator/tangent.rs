@@ -262,8 +262,10 @@ where
     let prepared = derived.system.prepare(h);
     let mut end = *state;
     let unknowns = solve_step(derived, &prepared, &mut S::Memory::none(), &mut end, h, dw)?;
-    let linear = derived.system.linearise(state, h, dw, &unknowns);
-    let solved = linear.solve(!S::RETURNS.is_state());
+    let system = derived.system;
+    let solved = system.linearise(state, h, dw, &unknowns, |linear| {
+        linear.solve(!S::RETURNS.is_state())
+    });
     let all = solved.map_err(|error| step_error(error, state, h, dw.as_ref()))?;
     *state = end;
     Ok(all)

@@ -4,13 +4,17 @@
 //! wraps the trajectory into an adapter that divides failing steps; [`compensated`](Trajectory::compensated) carries the low parts of the state. The adapter
 //! [`Events`] yields the states at zeros of functions, and ends or changes the trajectory there; the adapter [`Saved`] yields every n-th state, or those at given times.
 
+mod checkpoints;
 mod compensated;
 mod events;
+mod gradient;
 mod refined;
 mod saved;
 mod snapshot;
+mod sweep;
 
 pub use events::Events;
+pub use gradient::{Adjoint, Gradient};
 #[cfg(feature = "ensemble")]
 pub(crate) use refined::Halving;
 pub use refined::{RefinedTrajectory, Refinements};

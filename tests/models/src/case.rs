@@ -4,7 +4,7 @@
 use sve_runtime::__private::Unstructured;
 use sve_runtime::noise::Noise;
 use sve_runtime::prelude::*;
-use sve_runtime::{Discretised, LANES, Lane, Mask, Plan, StateLanes, Variational};
+use sve_runtime::{Discretised, Dual, LANES, Lane, Mask, Plan, StateLanes, Variational};
 
 use crate::functions::{Functions, Matrix, Point, TypedModel, Vector, array};
 use crate::oracle::{Model, Nodes, Rule};
@@ -17,6 +17,20 @@ pub struct Derivatives {
     pub defect: f64,
     /// The derivatives of (q, p) in each parameter.
     pub sensitivity: Vec<(&'static str, Vector)>,
+}
+
+/// A loss of the number of a state, its coordinates and its momenta.
+pub type Loss<'a> = dyn Fn(u64, &[Dual], &[Dual]) -> Option<Dual> + 'a;
+
+/// A loss with its derivatives by (q, p) at the start and by each parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LossGradient {
+    /// The loss.
+    pub loss: f64,
+    /// By (q, p).
+    pub start: Vector,
+    /// By each parameter.
+    pub parameters: Vector,
 }
 
 /// Runs some steps without allocating; see [`Case::watched`].
@@ -72,6 +86,18 @@ pub trait Case {
         h: f64,
         dw: &[f64],
     ) -> Result<Derivatives, StepError>;
+    /// The derivatives of a loss along so many steps with the noise of a seed, by the discrete adjoint with so many checkpoints.
+    ///
+    /// # Errors
+    /// That of a step.
+    fn gradient(
+        &self,
+        start: &Point,
+        h: f64,
+        steps: [u64; 2],
+        seed: u64,
+        loss: &Loss<'_>,
+    ) -> Result<LossGradient, StepError>;
     /// Steps a state in each lane. Returns the mask of the lanes that were not solved.
     ///
     /// # Errors
@@ -207,6 +233,24 @@ where
             tangent: (0..2 * N).map(|row| tangent[row].to_vec()).collect(),
             defect: tangent.symplectic_defect(),
             sensitivity: fields.collect(),
+        })
+    }
+
+    fn gradient(
+        &self,
+        start: &Point,
+        h: f64,
+        steps: [u64; 2],
+        seed: u64,
+        loss: &Loss<'_>,
+    ) -> Result<LossGradient, StepError> {
+        let path = self.0.trajectory(start.state(), h, Wiener::new(seed));
+        let adjoint = path.adjoint(steps[0]).checkpoints(steps[1] as usize);
+        let gradient = adjoint.gradient(|number, state| loss(number, &state.q, &state.p))?;
+        Ok(LossGradient {
+            loss: gradient.loss(),
+            start: [gradient.start().q, gradient.start().p].concat(),
+            parameters: gradient.iter().map(|(_, derivative)| derivative).collect(),
         })
     }
 

@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use sve_runtime::__private::Mask;
+use sve_runtime::__private::{Covector, Directions, Mask};
 use sve_runtime::nalgebra::DMatrix;
 use sve_runtime::{
     Dimensions, Dims, Discretised, IncrementLanesOf, Lane, Newton, Plan, State, StateLanesOf,
@@ -137,6 +137,31 @@ where
         dw: &S::Increments,
     ) -> Result<DMatrix<f64>, StepError> {
         self.0.advance_with_derivatives(newton, state, h, dw)
+    }
+
+    fn push_forward(
+        &self,
+        newton: &Newton,
+        prepared: &S::Prepared,
+        state: &mut State<[f64; N]>,
+        h: f64,
+        dw: &S::Increments,
+        directions: Directions<'_, [f64; N]>,
+    ) -> Result<(), StepError> {
+        self.0
+            .push_forward(newton, prepared, state, h, dw, directions)
+    }
+
+    fn pull_back(
+        &self,
+        newton: &Newton,
+        prepared: &S::Prepared,
+        state: &State<[f64; N]>,
+        h: f64,
+        dw: &S::Increments,
+        covector: Covector<'_, [f64; N]>,
+    ) -> Result<(), StepError> {
+        self.0.pull_back(newton, prepared, state, h, dw, covector)
     }
 
     fn newton_iterations(

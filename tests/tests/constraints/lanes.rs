@@ -277,7 +277,7 @@ fn failures_are_those_of_single_paths() {
     assert_eq!(later(failures(&midpoint(), 0.5, 20, slow)), expected);
     // every third start is beside the sphere
     let beside = |path: u64| {
-        let radius = if path % 3 == 0 { 1.001 } else { 1.0 };
+        let radius = if path.is_multiple_of(3) { 1.001 } else { 1.0 };
         State::new([0.0, 0.0, -radius], [0.3, 0.0, 0.0])
     };
     let expected = failures(&OneByOne(sphere()), 0.01, 5, beside);

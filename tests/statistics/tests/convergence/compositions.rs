@@ -7,7 +7,7 @@ use sve_runtime::{Dims, StrongOrder, System, Variational};
 use super::strong_order::{Path, distance2, measure, record, run, with_fine_reference};
 
 /// Standard errors of the fitted slope within which the order has to be.
-const SIGMAS: f64 = 2.0;
+const SIGMAS: f64 = 4.0;
 
 /// A pendulum with noise in position, which does not commute with H.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! Strong orders of steps with constraints: one table of system, rule, noise and expected order, with the columns of `strong_order.rs`.
 //!
 //! References are exact paths, paths of the same system in angles, or paths with finer steps. The expected order lies within four standard errors
-//! of the slope, and the standard error is at most 0.03.
+//! of the slope, and the standard error is at most 0.03. Two standard errors would leave one row in twenty off by chance.
 
 use sve_models::models::{Curved, Ellipsoid, OnSphere, TurnedSphere, TwoRods};
 use sve_runtime::prelude::*;

@@ -1,5 +1,5 @@
 //! Strong orders of degenerate systems, as rows of the table of `strong_order.rs`. The expected order is within four standard errors of the fit, and the
-//! standard error at most 0.03. Wrong steps fail the same test.
+//! standard error at most 0.03; two standard errors would leave one row in twenty off by chance. Wrong steps fail the same test.
 
 use sve_models::degenerate::wrong::{self, Plain};
 use sve_models::degenerate::{
@@ -12,7 +12,7 @@ use sve_runtime::{Dims, StrongOrder, System, Variational, VectorCoordinates};
 use super::strong_order::{record, slope, total};
 
 /// Batches of paths, from whose scatter the standard error comes.
-const BATCHES: u64 = 24;
+const BATCHES: u64 = 36;
 
 /// Step sizes that are measured, each half of the one before.
 const LEVELS: usize = 5;

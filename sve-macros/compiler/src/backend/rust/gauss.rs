@@ -39,9 +39,9 @@ pub(crate) fn gauss(
     let Noise {
         increments,
         at_stages,
-        processes: m,
         system,
         stages_constant,
+        ..
     } = &noise;
     let names = names(count, dof, stages.moves_position);
     let plan = plan_of(
@@ -87,14 +87,15 @@ pub(crate) fn gauss(
             ) -> ::core::result::Result<([f64; #n], [f64; #n], [f64; #k]), #private::SolveError> {
                 #increment
             }
-            fn linearise(
+            fn linearise<T>(
                 &self,
                 state: &#private::State<[f64; #n]>,
                 h: f64,
                 dw: &[f64; #increments],
                 unknowns: &[f64; #k],
-            ) -> #private::Linearisation {
-                #private::gauss::linearise::<_, _, #s, #n, #m, #k>(#system, state, h, #at_stages, unknowns)
+                then: impl ::core::ops::FnOnce(#private::Linearisation<'_>) -> T,
+            ) -> T {
+                #private::gauss::linearise(#system, state, h, #at_stages, unknowns, then)
             }
         }
         #private::derived_rule! { #self_ty, #rule_type }

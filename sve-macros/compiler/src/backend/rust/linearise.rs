@@ -60,18 +60,19 @@ pub(super) fn linearise(
     quote! {
         type Unknowns = [f64; #size];
         #[inline]
-        fn linearise(
+        fn linearise<T>(
             &self,
             state: &#private::State<#flat>,
             h: f64,
             dw: &[f64; #m],
             unknowns: &[f64; #size],
-        ) -> #private::Linearisation {
+            then: impl ::core::ops::FnOnce(#private::Linearisation<'_>) -> T,
+        ) -> T {
             #open_state
             let time = state.t;
             let #unknowns = *unknowns;
             #statements
-            #private::Linearisation::new([#size, #outputs, #inputs], [#(#matrices),*])
+            then(#private::Linearisation::new([#size, #outputs, #inputs], [#(#matrices),*]))
         }
     }
 }

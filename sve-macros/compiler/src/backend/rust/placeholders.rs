@@ -44,6 +44,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
     let written = with_rotations.or_else(|| written.map(|ty| quote!(#ty)));
     let configuration = written.as_ref().map(|ty| quote!(, #ty));
     let plan = plan(&private);
+    let steps = steps(&private, &runtime, &n, &m, &fail);
     let whole = written.unwrap_or_else(|| quote!([f64; #n]));
     let momenta = momenta(block, &private, &whole);
     let rules = rules.iter().map(|rule| {
@@ -57,58 +58,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
                 const PLAN: &'static #private::Plan = &#plan;
                 const HAS_INCREMENTS: bool = true;
                 fn prepare(&self, h: f64) {}
-                fn advance(
-                    &self,
-                    newton: &#private::Newton,
-                    prepared: &(),
-                    memory: &mut (),
-                    state: &mut #runtime::FlatStateOf<Self>,
-                    h: f64,
-                    dw: &[f64; #m],
-                ) -> ::core::result::Result<(), #private::StepError> {
-                    #fail
-                }
-                fn advance_compensated(
-                    &self,
-                    newton: &#private::Newton,
-                    prepared: &(),
-                    memory: &mut (),
-                    state: [&mut #runtime::FlatStateOf<Self>; 2],
-                    h: f64,
-                    dw: &[f64; #m],
-                ) -> ::core::result::Result<(), #private::StepError> {
-                    #fail
-                }
-                fn advance_lanes(
-                    &self,
-                    newton: &#private::Newton,
-                    prepared: &(),
-                    states: &#runtime::StateLanesOf<Self>,
-                    next: &mut #runtime::StateLanesOf<Self>,
-                    h: f64,
-                    dw: &[#private::lane::Lane; #m],
-                ) -> #private::Mask {
-                    #fail
-                }
-                fn advance_with_derivatives(
-                    &self,
-                    newton: &#private::Newton,
-                    state: &mut #runtime::FlatStateOf<Self>,
-                    h: f64,
-                    dw: &[f64; #m],
-                ) -> ::core::result::Result<#private::DMatrix, #private::StepError> {
-                    #fail
-                }
-                fn newton_iterations(
-                    &self,
-                    newton: &#private::Newton,
-                    prepared: &(),
-                    state: &#runtime::FlatStateOf<Self>,
-                    h: f64,
-                    dw: &[f64; #m],
-                ) -> ::core::option::Option<u32> {
-                    #fail
-                }
+                #steps
             }
         }
     });
@@ -123,6 +73,92 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
         }
         #(#rules)*
         #momenta
+    }
+}
+
+/// The functions of a step, which are never called.
+fn steps(
+    private: &TokenStream,
+    runtime: &TokenStream,
+    n: &TokenStream,
+    m: &TokenStream,
+    fail: &TokenStream,
+) -> TokenStream {
+    quote! {
+        fn advance(
+            &self,
+            newton: &#private::Newton,
+            prepared: &(),
+            memory: &mut (),
+            state: &mut #runtime::FlatStateOf<Self>,
+            h: f64,
+            dw: &[f64; #m],
+        ) -> ::core::result::Result<(), #private::StepError> {
+            #fail
+        }
+        fn advance_compensated(
+            &self,
+            newton: &#private::Newton,
+            prepared: &(),
+            memory: &mut (),
+            state: [&mut #runtime::FlatStateOf<Self>; 2],
+            h: f64,
+            dw: &[f64; #m],
+        ) -> ::core::result::Result<(), #private::StepError> {
+            #fail
+        }
+        fn advance_lanes(
+            &self,
+            newton: &#private::Newton,
+            prepared: &(),
+            states: &#runtime::StateLanesOf<Self>,
+            next: &mut #runtime::StateLanesOf<Self>,
+            h: f64,
+            dw: &[#private::lane::Lane; #m],
+        ) -> #private::Mask {
+            #fail
+        }
+        fn advance_with_derivatives(
+            &self,
+            newton: &#private::Newton,
+            state: &mut #runtime::FlatStateOf<Self>,
+            h: f64,
+            dw: &[f64; #m],
+        ) -> ::core::result::Result<#private::DMatrix, #private::StepError> {
+            #fail
+        }
+        fn push_forward(
+            &self,
+            newton: &#private::Newton,
+            prepared: &(),
+            state: &mut #runtime::FlatStateOf<Self>,
+            h: f64,
+            dw: &[f64; #m],
+            directions: #private::Directions<'_, [f64; #n]>,
+        ) -> ::core::result::Result<(), #private::StepError> {
+            #fail
+        }
+        fn pull_back(
+            &self,
+            newton: &#private::Newton,
+            prepared: &(),
+            state: &#runtime::FlatStateOf<Self>,
+            h: f64,
+            dw: &[f64; #m],
+            covector: #private::Covector<'_, [f64; #n]>,
+        ) -> ::core::result::Result<(), #private::StepError> {
+            #fail
+        }
+        fn newton_iterations(
+            &self,
+            newton: &#private::Newton,
+            prepared: &(),
+            state: &#runtime::FlatStateOf<Self>,
+            h: f64,
+            dw: &[f64; #m],
+        ) -> ::core::option::Option<u32> {
+            #fail
+        }
     }
 }
 

@@ -1,0 +1,378 @@
+//! Dual numbers: a number with its derivative in one direction. Functions of a state that are written with them are differentiated exactly, and
+//! have no way to branch, so that they are smooth.
+
+use core::iter::Sum;
+use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+
+use crate::mechanics::Field;
+use crate::state::State;
+use crate::system::System;
+
+/// A number with its derivative (a dual number), from which smooth functions of a state are formed.
+///
+/// It has the operators and the smooth methods of `f64`, also with plain numbers on either side. There is no comparison, no `abs` and no way to read the number:
+/// the mean of a function with jumps has a derivative that the derivatives along the paths do not show, so such functions cannot be written.
+///
+/// ```
+/// use sve_runtime::{Dual, DualState};
+///
+/// /// The energy of a pendulum.
+/// fn energy(state: &DualState<'_, 1>) -> Dual {
+///     0.5 * state.p[0].powi(2) - state.parameter("g") * state.q[0].cos()
+/// }
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Dual {
+    value: f64,
+    slope: f64,
+}
+
+/// A state whose coordinates vary in a direction: what smooth functions of a state are given.
+///
+/// Coordinates and momenta stand in one row, also for `[[f64; 3]; B]` and vectors: those of body 1 in space begin at `q[3]`.
+#[allow(missing_debug_implementations)] // a view that lives as long as a call
+pub struct DualState<'a, const N: usize> {
+    /// Time.
+    pub t: f64,
+    /// Coordinates.
+    pub q: [Dual; N],
+    /// Momenta.
+    pub p: [Dual; N],
+    parameter: &'a dyn Fn(&str) -> Dual,
+}
+
+impl<const N: usize> DualState<'_, N> {
+    /// Returns a parameter of the system by its name in the source without `self`, as `k`, `l[0]`, `body.mass`.
+    ///
+    /// A function that depends on a parameter has to take it from here. A number from elsewhere counts as a constant.
+    ///
+    /// # Panics
+    /// If L, the noises and the force have no such parameter.
+    #[must_use]
+    pub fn parameter(&self, name: &str) -> Dual {
+        (self.parameter)(name)
+    }
+}
+
+/// Calls a function with a state that varies in a direction, as does the parameter number `varied`. Calls `read` with the number of each parameter
+/// that the function asks for.
+pub(crate) fn with_dual_state<S: System, T, const N: usize>(
+    system: &S,
+    state: &State<[f64; N]>,
+    direction: &Field<[f64; N]>,
+    varied: Option<usize>,
+    read: &dyn Fn(usize),
+    function: impl FnOnce(&DualState<'_, N>) -> T,
+) -> T {
+    let parameter = |name: &str| {
+        let number = number_of::<S>(name);
+        read(number);
+        let (mut value, mut at) = (f64::NAN, 0);
+        system.parameters(&mut |parameter| {
+            if at == number {
+                value = parameter;
+            }
+            at += 1;
+        });
+        let slope = f64::from(u8::from(varied == Some(number)));
+        Dual { value, slope }
+    };
+    let row = |values: &[f64; N], slopes: &[f64; N]| {
+        core::array::from_fn(|i| Dual {
+            value: values[i],
+            slope: slopes[i],
+        })
+    };
+    function(&DualState {
+        t: state.t,
+        q: row(&state.q, &direction.q),
+        p: row(&state.p, &direction.p),
+        parameter: &parameter,
+    })
+}
+
+/// Returns the number of a parameter.
+fn number_of<S: System>(name: &str) -> usize {
+    let number = S::PARAMETERS.iter().position(|&known| known == name);
+    match number {
+        Some(number) => number,
+        None => panic!(
+            "`parameter(\"{name}\")`: L, the noises and the force have no such parameter; they have {:?}",
+            S::PARAMETERS
+        ),
+    }
+}
+
+impl Dual {
+    /// The number itself.
+    pub(crate) fn value(self) -> f64 {
+        self.value
+    }
+
+    /// The derivative.
+    pub(crate) fn slope(self) -> f64 {
+        self.slope
+    }
+
+    /// Returns a function of this number from the function's value and derivative.
+    #[inline(always)]
+    fn map(self, value: f64, derivative: f64) -> Self {
+        Self {
+            value,
+            slope: derivative * self.slope,
+        }
+    }
+}
+
+impl From<f64> for Dual {
+    /// A constant.
+    #[inline(always)]
+    fn from(value: f64) -> Self {
+        Self { value, slope: 0.0 }
+    }
+}
+
+macro_rules! functions {
+    ($($(#[$doc:meta])* $name:ident($x:ident) = $value:expr, $derivative:expr;)*) => {
+        /// Smooth functions of one number; outside of their domain they are NaN, as those of `f64` are.
+        impl Dual {$(
+            $(#[$doc])*
+            #[inline(always)]
+            #[must_use]
+            pub fn $name(self) -> Self {
+                let $x = self.value;
+                self.map($value, $derivative)
+            }
+        )*}
+    };
+}
+
+functions! {
+    /// The square root.
+    sqrt(x) = x.sqrt(), 0.5 / x.sqrt();
+    /// The cubic root.
+    cbrt(x) = x.cbrt(), 1.0 / (3.0 * x.cbrt().powi(2));
+    /// eˣ.
+    exp(x) = x.exp(), x.exp();
+    /// 2ˣ.
+    exp2(x) = x.exp2(), core::f64::consts::LN_2 * x.exp2();
+    /// eˣ − 1.
+    exp_m1(x) = x.exp_m1(), x.exp();
+    /// The natural logarithm.
+    ln(x) = x.ln(), 1.0 / x;
+    /// The natural logarithm of 1 + x.
+    ln_1p(x) = x.ln_1p(), 1.0 / (1.0 + x);
+    /// The logarithm to base 2.
+    log2(x) = x.log2(), 1.0 / (x * core::f64::consts::LN_2);
+    /// The logarithm to base 10.
+    log10(x) = x.log10(), 1.0 / (x * core::f64::consts::LN_10);
+    /// The sine.
+    sin(x) = x.sin(), x.cos();
+    /// The cosine.
+    cos(x) = x.cos(), -x.sin();
+    /// The tangent.
+    tan(x) = x.tan(), 1.0 + x.tan().powi(2);
+    /// The inverse sine.
+    asin(x) = x.asin(), 1.0 / ((1.0 - x) * (1.0 + x)).sqrt();
+    /// The inverse cosine.
+    acos(x) = x.acos(), -1.0 / ((1.0 - x) * (1.0 + x)).sqrt();
+    /// The inverse tangent.
+    atan(x) = x.atan(), 1.0 / (1.0 + x * x);
+    /// The hyperbolic sine.
+    sinh(x) = x.sinh(), x.cosh();
+    /// The hyperbolic cosine.
+    cosh(x) = x.cosh(), x.sinh();
+    /// The hyperbolic tangent.
+    tanh(x) = x.tanh(), x.cosh().powi(-2);
+    /// The inverse hyperbolic sine.
+    asinh(x) = x.asinh(), 1.0 / x.hypot(1.0);
+    /// The inverse hyperbolic cosine.
+    acosh(x) = x.acosh(), 1.0 / ((x - 1.0) * (x + 1.0)).sqrt();
+    /// The inverse hyperbolic tangent.
+    atanh(x) = x.atanh(), 1.0 / ((1.0 - x) * (1.0 + x));
+    /// 1/x.
+    recip(x) = 1.0 / x, -1.0 / (x * x);
+}
+
+impl Dual {
+    /// The power with an integer exponent.
+    #[inline(always)]
+    #[must_use]
+    pub fn powi(self, n: i32) -> Self {
+        let derivative = if n == 0 {
+            0.0
+        } else {
+            f64::from(n) * self.value.powi(n - 1)
+        };
+        self.map(self.value.powi(n), derivative)
+    }
+
+    /// The power with a constant exponent.
+    #[inline(always)]
+    #[must_use]
+    pub fn powf(self, n: f64) -> Self {
+        self.map(self.value.powf(n), n * self.value.powf(n - 1.0))
+    }
+
+    /// Sine and cosine.
+    #[must_use]
+    pub fn sin_cos(self) -> (Self, Self) {
+        (self.sin(), self.cos())
+    }
+
+    /// √(x² + y²).
+    #[must_use]
+    pub fn hypot(self, other: impl Into<Self>) -> Self {
+        let other = other.into();
+        let value = self.value.hypot(other.value);
+        let slope = self.value / value * self.slope + other.value / value * other.slope;
+        Self { value, slope }
+    }
+
+    /// The angle of the point (x, y), where this number is y. An angle jumps by 2π: use its sine and cosine in means.
+    #[must_use]
+    pub fn atan2(self, x: impl Into<Self>) -> Self {
+        let x = x.into();
+        let (y, square) = (self, self.value * self.value + x.value * x.value);
+        Self {
+            value: y.value.atan2(x.value),
+            slope: (x.value * y.slope - y.value * x.slope) / square,
+        }
+    }
+
+    /// This number times `a` plus `b`.
+    #[must_use]
+    pub fn mul_add(self, a: impl Into<Self>, b: impl Into<Self>) -> Self {
+        self * a.into() + b.into()
+    }
+}
+
+impl Neg for Dual {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.map(-self.value, -1.0)
+    }
+}
+
+macro_rules! operators {
+    ($($trait:ident::$function:ident, $assign_trait:ident::$assign:ident, ($a:ident, $b:ident) = $value:expr, $slope:expr;)*) => {$(
+        impl $trait for Dual {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $function(self, other: Self) -> Self {
+                let ($a, $b) = (self, other);
+                Self { value: $value, slope: $slope }
+            }
+        }
+
+        impl $trait<f64> for Dual {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $function(self, other: f64) -> Self {
+                self.$function(Self::from(other))
+            }
+        }
+
+        impl $trait<Dual> for f64 {
+            type Output = Dual;
+
+            #[inline(always)]
+            fn $function(self, other: Dual) -> Dual {
+                Dual::from(self).$function(other)
+            }
+        }
+
+        impl<T> $assign_trait<T> for Dual
+        where
+            Self: $trait<T, Output = Self>,
+        {
+            #[inline(always)]
+            fn $assign(&mut self, other: T) {
+                *self = (*self).$function(other);
+            }
+        }
+    )*};
+}
+
+operators! {
+    Add::add, AddAssign::add_assign, (a, b) = a.value + b.value, a.slope + b.slope;
+    Sub::sub, SubAssign::sub_assign, (a, b) = a.value - b.value, a.slope - b.slope;
+    Mul::mul, MulAssign::mul_assign, (a, b) = a.value * b.value, a.slope * b.value + a.value * b.slope;
+    Div::div, DivAssign::div_assign, (a, b) = a.value / b.value, (a.slope - a.value / b.value * b.slope) / b.value;
+}
+
+impl Sum for Dual {
+    fn sum<T: Iterator<Item = Self>>(terms: T) -> Self {
+        terms.fold(Self::from(0.0), Add::add)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Dual;
+
+    /// Checks a function against differences of the fourth order.
+    fn check(name: &str, function: impl Fn(Dual) -> Dual, plain: impl Fn(f64) -> f64, x: f64) {
+        let dual = function(Dual {
+            value: x,
+            slope: 1.0,
+        });
+        assert!(
+            (dual.value - plain(x)).abs() <= 2e-15 * plain(x).abs(),
+            "{name}"
+        );
+        let d = 1e-3;
+        let difference = |d: f64| (plain(x + d) - plain(x - d)) / (2.0 * d);
+        let expected = (4.0 * difference(d) - difference(2.0 * d)) / 3.0;
+        let error = (dual.slope - expected).abs();
+        assert!(
+            error < 1e-8 * (1.0 + expected.abs()),
+            "{name}: {} {expected}",
+            dual.slope
+        );
+    }
+
+    macro_rules! all {
+        ($($name:ident at $x:expr),*) => {$( check(stringify!($name), Dual::$name, f64::$name, $x); )*};
+    }
+
+    #[test]
+    fn derivatives_of_functions() {
+        all! {
+            sqrt at 1.7, cbrt at -1.3, exp at 0.4, exp2 at -0.7, exp_m1 at 0.3, ln at 1.9, ln_1p at 0.4, log2 at 2.1, log10 at 1.4,
+            sin at 0.9, cos at -0.6, tan at 0.7, asin at 0.3, acos at -0.4, atan at 1.2, sinh at 0.8, cosh at -0.5, tanh at 0.6,
+            asinh at -0.9, acosh at 1.8, atanh at 0.35, recip at -1.6
+        }
+        check("powi", |x| x.powi(-3), |x| x.powi(-3), 1.3);
+        check("powi 0", |x| x.powi(0) + x.powi(1), |x| 1.0 + x, 0.0);
+        check("powf", |x| x.powf(1.7), |x| x.powf(1.7), 0.8);
+        check("hypot", |x| x.hypot(2.0), |x| x.hypot(2.0), -1.1);
+        check(
+            "atan2",
+            |x| x.atan2(x * x - 2.0),
+            |x| x.atan2(x * x - 2.0),
+            0.9,
+        );
+    }
+
+    #[test]
+    fn derivatives_of_operators() {
+        let plain = |x: f64| (2.0 - x) * x / (x * x + 0.5) - 3.0 * x + (1.0 / x).mul_add(x, x);
+        let dual = |x: Dual| (2.0 - x) * x / (x * x + 0.5) - 3.0 * x + (1.0 / x).mul_add(x, x);
+        check("quotient", dual, plain, 0.7);
+        let sum = |x: Dual| {
+            let mut y = x;
+            y += x * x;
+            y -= 0.5;
+            y *= x;
+            y /= 1.0 + x;
+            [y, -x, x.sin_cos().0].into_iter().sum()
+        };
+        let plain = |x: f64| (x + x * x - 0.5) * x / (1.0 + x) - x + x.sin();
+        check("sum", sum, plain, 0.4);
+    }
+}

@@ -1,0 +1,114 @@
+//! The quantities by which means are differentiated.
+
+use core::fmt;
+use core::ops::Range;
+
+use crate::mechanics::Field;
+use crate::system::System;
+
+/// The quantity by which a mean is differentiated: a parameter, a parameter during some steps, or a coordinate of the start.
+///
+/// The name of a parameter, as `"k"`, `"l[0]"` or `"body.mass"`, converts to it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct By(Quantity);
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Quantity {
+    Parameter(String),
+    During(String, Range<u64>),
+    Q(usize),
+    P(usize),
+}
+
+impl By {
+    /// A parameter, by its name in the source without `self`.
+    pub fn parameter(name: impl Into<String>) -> Self {
+        Self(Quantity::Parameter(name.into()))
+    }
+
+    /// The value that a parameter has during some steps, as if it were a step function of time. An observable that reads the parameter at a recorded time reads its value in
+    /// the step before.
+    pub fn during(name: impl Into<String>, steps: Range<u64>) -> Self {
+        Self(Quantity::During(name.into(), steps))
+    }
+
+    /// A coordinate of the start, by its number in a row of all. Random starts are moved together.
+    #[must_use]
+    pub fn q(number: usize) -> Self {
+        Self(Quantity::Q(number))
+    }
+
+    /// A momentum of the start.
+    #[must_use]
+    pub fn p(number: usize) -> Self {
+        Self(Quantity::P(number))
+    }
+
+    /// Returns the number of the parameter that varies in a step.
+    pub(super) fn parameter_in<S: System>(&self, step: u64) -> Option<usize> {
+        let name = match &self.0 {
+            Quantity::Parameter(name) => name,
+            Quantity::During(name, steps) if steps.contains(&step) => name,
+            _ => return None,
+        };
+        S::PARAMETERS.iter().position(|known| known == name)
+    }
+
+    /// Returns the tangent vector at the start.
+    pub(super) fn start<const N: usize>(&self) -> Field<[f64; N]> {
+        let mut field = Field::ZERO;
+        match self.0 {
+            Quantity::Q(number) => field.q[number] = 1.0,
+            Quantity::P(number) => field.p[number] = 1.0,
+            _ => {}
+        }
+        field
+    }
+
+    /// Returns why there is no such quantity in a system with so many coordinates; `None` if there is.
+    pub(super) fn problem<S: System>(&self, coordinates: usize) -> Option<String> {
+        match &self.0 {
+            Quantity::Parameter(name) | Quantity::During(name, _) => {
+                let is_unknown = !S::PARAMETERS.contains(&name.as_str());
+                is_unknown.then(|| {
+                    let known = S::PARAMETERS;
+                    format!(
+                        "L, the noises and the force have no such parameter; they have {known:?}"
+                    )
+                })
+            }
+            Quantity::Q(_) | Quantity::P(_)
+                if !S::CONSTRAINTS.is_empty() || !S::ROLES.is_empty() =>
+            {
+                let why = "the coordinates of a start are not independent under constraints and for a degenerate Lagrangian";
+                Some(why.to_owned())
+            }
+            Quantity::Q(number) | Quantity::P(number) => (*number >= coordinates).then(|| {
+                format!("the system has {coordinates} coordinates, whose numbers begin at 0")
+            }),
+        }
+    }
+}
+
+impl From<&str> for By {
+    fn from(name: &str) -> Self {
+        Self::parameter(name)
+    }
+}
+
+impl From<String> for By {
+    fn from(name: String) -> Self {
+        Self::parameter(name)
+    }
+}
+
+impl fmt::Display for By {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.0 {
+            Quantity::Parameter(name) => write!(f, "{name}"),
+            Quantity::During(name, steps) => write!(f, "{name} in {}..{}", steps.start, steps.end),
+            Quantity::Q(number) => write!(f, "q[{number}] at the start"),
+            Quantity::P(number) => write!(f, "p[{number}] at the start"),
+        }
+    }
+}

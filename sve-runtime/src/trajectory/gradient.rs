@@ -1,0 +1,247 @@
+//! The gradient of a function of the states along a path, by the discrete adjoint.
+//!
+//! Input: a trajectory, a number of steps and a loss. Output: the loss with its derivatives by the state at the start and by each parameter. Invariant: the derivatives
+//! are those of the steps as they are computed, so they agree with the tangent maps of the steps to rounding.
+//!
+//! The steps are walked backwards: λ ← Mᵀλ + ∂ℓ/∂x for the tangent map M of a step. The states that this needs are computed again from checkpoints.
+
+use core::fmt;
+
+use super::Trajectory;
+use super::checkpoints::enough;
+use super::sweep::Sweep;
+use crate::configuration::{Coordinates, VectorCoordinates};
+use crate::dual::{Dual, DualState};
+use crate::error::StepError;
+use crate::mechanics::Field;
+use crate::method::{Differentiable, OneStepMethod};
+use crate::noise::{Noise, Replayable};
+use crate::system::{Dims, System};
+
+/// Steps of a trajectory along which a loss is differentiated, with the options of [`Trajectory::adjoint`].
+pub struct Adjoint<'a, I: OneStepMethod, W> {
+    trajectory: Trajectory<'a, I, W>,
+    steps: u64,
+    checkpoints: Option<usize>,
+    piece: u64,
+}
+
+impl<I: OneStepMethod, W> fmt::Debug for Adjoint<'_, I, W> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Adjoint")
+            .field("steps", &self.steps)
+            .field("checkpoints", &self.checkpoints)
+            .field("pieces_of", &self.piece)
+            .finish_non_exhaustive()
+    }
+}
+
+/// A loss with its derivatives, from [`Trajectory::gradient`]. `V` is the type of momenta.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gradient<V> {
+    loss: f64,
+    start: Field<V>,
+    names: &'static [&'static str],
+    /// Piece by piece, parameter by parameter.
+    parameters: Vec<f64>,
+}
+
+impl<V> Gradient<V> {
+    /// The loss.
+    pub fn loss(&self) -> f64 {
+        self.loss
+    }
+
+    /// The derivatives by the coordinates and momenta of the first state.
+    ///
+    /// Under constraints, and for a degenerate Lagrangian, they are derivatives along the states that are allowed.
+    pub fn start(&self) -> &Field<V> {
+        &self.start
+    }
+
+    /// Returns the derivative by a parameter, by its name in the source without `self`: `k`, `l[0]`, `body.mass`. `None` if L, the noises and the force have no such
+    /// parameter. The start stays as it is.
+    #[must_use]
+    pub fn get(&self, parameter: &str) -> Option<f64> {
+        Some(self.pieces(parameter)?.sum())
+    }
+
+    /// Returns the derivatives by the values that a parameter has in each [piece](Adjoint::pieces_of).
+    #[must_use]
+    pub fn pieces(&self, parameter: &str) -> Option<impl Iterator<Item = f64>> {
+        let number = self.names.iter().position(|&name| name == parameter)?;
+        Some(self.of(number))
+    }
+
+    /// Returns the parameters with their derivatives.
+    pub fn iter(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        let all = self.names.iter().enumerate();
+        all.map(|(number, &name)| (name, self.of(number).sum()))
+    }
+
+    fn of(&self, number: usize) -> impl Iterator<Item = f64> {
+        // without parameters there is no number
+        let rows = self.parameters.chunks_exact(self.names.len().max(1));
+        rows.map(move |row| row[number])
+    }
+}
+
+impl<'a, I, W, S, Q, const N: usize, const M: usize> Trajectory<'a, I, W>
+where
+    I: OneStepMethod<System = S>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+    W: Noise,
+{
+    /// Returns a loss with its derivatives by the present state and by all parameters, along the next `steps` steps.
+    ///
+    /// The loss is the sum of the numbers that a function returns for the number of a state, from 0 for the present one, and the state, written with [dual numbers](Dual);
+    /// `None` where a state does not count. The price is that of about four steps for a step that is solved by Newton's method, for any number of parameters; see
+    /// [`adjoint`](Self::adjoint) for memory, and for parameters that are step functions of time. To differentiate by a few parameters only,
+    /// [`step_with_derivatives`](crate::Integrator::step_with_derivatives) goes forwards.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// struct Pendulum { g: f64, sigma: f64 }
+    ///
+    /// #[variational(midpoint)]
+    /// impl Pendulum {
+    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + self.g * q.cos() }
+    ///     #[gamma]
+    ///     fn push(&self, q: f64) -> f64 { self.sigma * q }
+    /// }
+    ///
+    /// # fn main() -> Result<(), StepError> {
+    /// let pendulum = Integrator::new(Pendulum { g: 9.8, sigma: 0.1 }, Midpoint);
+    /// let path = pendulum.trajectory(State::new([1.0], [0.0]), 0.01, Wiener::new(7));
+    /// let at_end = path.gradient(1000, |k, state| (k == 1000).then(|| state.q[0]))?;
+    /// println!("∂q/∂g = {:?}, ∂q/∂q₀ = {}", at_end.get("g"), at_end.start().q[0]);
+    ///
+    /// // squares of the distances to data, one in each ten steps
+    /// let data = |k: u64| (3.0 * 0.01 * k as f64).cos();
+    /// let path = pendulum.trajectory(State::new([1.0], [0.0]), 0.01, Wiener::new(7));
+    /// let fit = path.gradient(1000, |k, state| (k % 10 == 0).then(|| (state.q[0] - data(k)).powi(2)))?;
+    /// println!("{} {:?}", fit.loss(), fit.get("g"));
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// The steps are made without what a trajectory carries and without compensated sums, so that they agree with those of the trajectory to rounding. The noise is
+    /// asked for the increments of a step several times. Systems with rotations are excluded.
+    ///
+    /// # Errors
+    /// A [`StepError`] if a step fails, if the noise has no increments for it, or if its equations are singular; [`StepError::NonFiniteLoss`].
+    pub fn gradient(
+        self,
+        steps: u64,
+        loss: impl Fn(u64, &DualState<'_, N>) -> Option<Dual>,
+    ) -> Result<Gradient<Q::Momentum>, StepError>
+    where
+        I: Differentiable,
+        W: Replayable,
+        Q: VectorCoordinates<N>,
+    {
+        self.adjoint(steps).gradient(loss)
+    }
+
+    /// Returns the next `steps` steps, to differentiate a loss along them with options.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// /// A mass that is pulled by a force u(t).
+    /// struct Pulled { u: f64 }
+    ///
+    /// #[variational(stormer_verlet)]
+    /// impl Pulled {
+    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + self.u * q }
+    /// }
+    ///
+    /// # fn main() -> Result<(), StepError> {
+    /// let pulled = Integrator::new(Pulled { u: 0.0 }, StormerVerlet);
+    /// let path = pulled.trajectory(State::new([0.0], [0.0]), 0.01, NoNoise);
+    /// let gradient = path.adjoint(100).pieces_of(25).checkpoints(5).gradient(|k, state| (k == 100).then(|| state.q[0]))?;
+    /// // a force in a quarter of the time 1 moves the end by the distance of its middle from the end, times ¼
+    /// for (gained, left) in gradient.pieces("u").unwrap().zip([0.875, 0.625, 0.375, 0.125]) {
+    ///     assert!((gained - 0.25 * left).abs() < 1e-14);
+    /// }
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn adjoint(self, steps: u64) -> Adjoint<'a, I, W>
+    where
+        I: Differentiable,
+        W: Replayable,
+        Q: VectorCoordinates<N>,
+    {
+        Adjoint {
+            trajectory: self,
+            steps,
+            checkpoints: None,
+            piece: steps.max(1),
+        }
+    }
+}
+
+impl<I, W, S, Q, const N: usize, const M: usize> Adjoint<'_, I, W>
+where
+    I: Differentiable<System = S>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: VectorCoordinates<N>,
+    W: Replayable,
+{
+    /// Sets the number of states that are kept at the same time, besides the first one. By default it is √(2 steps), with which each step is made three times at most.
+    /// With fewer states the steps are made more often: `c` states are enough for (c + r)!/(c! r!) steps that are made `r` + 1 times.
+    #[must_use]
+    pub fn checkpoints(mut self, states: usize) -> Self {
+        self.checkpoints = Some(states);
+        self
+    }
+
+    /// Differentiates by the values of the parameters in each piece of so many steps, as if the parameters were step functions of time: [`Gradient::pieces`].
+    /// A parameter that the loss itself reads belongs to the step before the state. With 0 there is one piece.
+    #[must_use]
+    pub fn pieces_of(mut self, steps: u64) -> Self {
+        self.piece = if steps == 0 { self.steps.max(1) } else { steps };
+        self
+    }
+
+    /// Returns a loss with its derivatives, see [`Trajectory::gradient`].
+    ///
+    /// # Errors
+    /// As that function.
+    pub fn gradient(
+        self,
+        loss: impl Fn(u64, &DualState<'_, N>) -> Option<Dual>,
+    ) -> Result<Gradient<Q::Momentum>, StepError> {
+        let Self {
+            trajectory,
+            steps,
+            checkpoints,
+            piece,
+        } = self;
+        let (parameters, pieces) = (S::PARAMETERS.len(), steps.div_ceil(piece).max(1) as usize);
+        let checkpoints = checkpoints.unwrap_or_else(|| enough(steps));
+        let mut sweep = Sweep {
+            prepared: trajectory.method.prepare(trajectory.h)?,
+            first: trajectory.step,
+            method: trajectory.method,
+            noise: trajectory.noise,
+            start: trajectory.start,
+            h: trajectory.h,
+            piece,
+            loss,
+            value: 0.0,
+            by_state: Field::ZERO,
+            by_parameters: vec![0.0; parameters * pieces],
+        };
+        sweep.back(trajectory.state, steps, checkpoints)?;
+        Ok(Gradient {
+            loss: sweep.value,
+            start: sweep.by_state.of::<Q>(),
+            names: S::PARAMETERS,
+            parameters: sweep.by_parameters,
+        })
+    }
+}

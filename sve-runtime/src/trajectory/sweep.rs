@@ -1,0 +1,180 @@
+//! The walk of a discrete adjoint from the last state of a path to the first.
+//!
+//! Input: the first state and the number of steps. Output: the loss with its derivatives. Invariant: the states that the walk reads are computed by the same steps, however
+//! many of them are kept.
+
+use core::cell::RefCell;
+
+use super::checkpoints::distance;
+use crate::configuration::VectorCoordinates;
+use crate::dual::{Dual, DualState, with_dual_state};
+use crate::error::StepError;
+use crate::linearisation::Covector;
+use crate::mechanics::Field;
+use crate::method::Differentiable;
+use crate::noise::Replayable;
+use crate::state::State;
+use crate::system::{Dims, Increments, System};
+use crate::time::{is_next_time, time_after};
+
+/// The walk backwards.
+pub(super) struct Sweep<'a, I: Differentiable, W, F, const N: usize> {
+    pub(super) method: &'a I,
+    pub(super) prepared: I::Prepared,
+    pub(super) noise: W,
+    /// Time before the first step of the trajectory.
+    pub(super) start: f64,
+    pub(super) h: f64,
+    /// Steps of the trajectory before the first state.
+    pub(super) first: u64,
+    /// Steps of a piece.
+    pub(super) piece: u64,
+    pub(super) loss: F,
+    /// The loss of the states that have been passed.
+    pub(super) value: f64,
+    /// Its derivative by the state that has been reached.
+    pub(super) by_state: Field<[f64; N]>,
+    pub(super) by_parameters: Vec<f64>,
+}
+
+impl<I, W, F, S, Q, const N: usize, const M: usize> Sweep<'_, I, W, F, N>
+where
+    I: Differentiable<System = S>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: VectorCoordinates<N>,
+    W: Replayable,
+    F: Fn(u64, &DualState<'_, N>) -> Option<Dual>,
+{
+    /// Walks from the end to the first state.
+    pub(super) fn back(
+        &mut self,
+        first: State<Q>,
+        steps: u64,
+        checkpoints: usize,
+    ) -> Result<(), StepError> {
+        // the states that are kept, with their numbers
+        let mut kept = vec![(0, first)];
+        let mut reached = steps;
+        if steps == 0 {
+            self.add_loss(0, &first)?;
+        }
+        while let Some(&(at, state)) = kept.last().filter(|_| reached > 0) {
+            let left = reached - at;
+            let free = checkpoints.saturating_sub(kept.len() - 1);
+            if left > 1 && free > 0 {
+                let ahead = at + distance(left, free as u64);
+                kept.push((ahead, self.state_at(ahead, at, state)?));
+                continue;
+            }
+            let before = self.state_at(reached - 1, at, state)?;
+            if reached == steps {
+                let end = self.state_at(steps, steps - 1, before)?;
+                self.add_loss(steps, &end)?;
+            }
+            self.pull_back(reached - 1, &before)?;
+            self.add_loss(reached - 1, &before)?;
+            reached -= 1;
+            if left == 1 {
+                kept.pop();
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes the steps from one state to another.
+    fn state_at(
+        &mut self,
+        number: u64,
+        from: u64,
+        mut state: State<Q>,
+    ) -> Result<State<Q>, StepError> {
+        for step in from..number {
+            let dw = self.increments(step, state.t)?;
+            let end = time_after(self.start, self.first + step + 1, self.h);
+            // The step reports a start time that is not finite.
+            if !is_next_time(state.t, end) && state.t.is_finite() {
+                let (t, h) = (state.t, self.h);
+                return Err(StepError::Time { t, h, end });
+            }
+            let method = self.method;
+            method.step_prepared(&self.prepared, &mut state, self.h, &dw)?;
+            state.t = end;
+        }
+        Ok(state)
+    }
+
+    /// Returns the increments of a step that begins at time `t`.
+    fn increments(&mut self, step: u64, t: f64) -> Result<I::Increments, StepError> {
+        let (mut dw, step) = (I::Increments::NONE, self.first + step);
+        let drawn = match self.method.stages() {
+            1 => self.noise.increments(step, self.h, dw.as_mut()),
+            stages => (self.noise).stage_increments(step, self.h, stages, dw.as_mut()),
+        };
+        drawn.map_err(|source| StepError::Noise { t, source })?;
+        Ok(dw)
+    }
+
+    /// Carries the derivatives over a step back to its start.
+    fn pull_back(&mut self, step: u64, state: &State<Q>) -> Result<(), StepError> {
+        let dw = self.increments(step, state.t)?;
+        let piece = self.range_of(step);
+        let covector = Covector {
+            state: &mut self.by_state,
+            parameters: &mut self.by_parameters[piece],
+        };
+        (self.method).pull_back(&self.prepared, state, self.h, &dw, covector)
+    }
+
+    /// Adds the loss of a state and its derivatives.
+    fn add_loss(&mut self, number: u64, state: &State<Q>) -> Result<(), StepError> {
+        let flat = state.to_coordinates();
+        let reads = RefCell::new(Vec::new());
+        let read = |parameter| {
+            let mut reads = reads.borrow_mut();
+            if !reads.contains(&parameter) {
+                reads.push(parameter);
+            }
+        };
+        let system = self.method.system();
+        let along = |direction: &Field<[f64; N]>, varied| {
+            with_dual_state(system, &flat, direction, varied, &read, |state| {
+                (self.loss)(number, state)
+            })
+        };
+        let Some(loss) = along(&Field::ZERO, None) else {
+            return Ok(());
+        };
+        let (mut by_state, mut by_parameters) = (Field::ZERO, Vec::new());
+        let slope = |dual: Option<Dual>| dual.map_or(f64::NAN, Dual::slope);
+        for i in 0..N {
+            let [mut q, mut p] = [Field::ZERO; 2];
+            (q.q[i], p.p[i]) = (1.0, 1.0);
+            (by_state.q[i], by_state.p[i]) = (slope(along(&q, None)), slope(along(&p, None)));
+        }
+        for &parameter in &*{ reads.borrow().clone() } {
+            let slope = slope(along(&Field::ZERO, Some(parameter)));
+            by_parameters.push((parameter, slope));
+        }
+        let mut sum = loss.value() + self.value;
+        self.value = sum;
+        self.by_state.add_scaled(1.0, &by_state);
+        let piece = self.range_of(number.saturating_sub(1));
+        for (parameter, slope) in by_parameters {
+            self.by_parameters[piece.start + parameter] += slope;
+            sum += slope;
+        }
+        sum += by_state.q.iter().chain(&by_state.p).sum::<f64>();
+        if sum.is_finite() {
+            Ok(())
+        } else {
+            let (t, value) = (state.t, loss.value());
+            Err(StepError::NonFiniteLoss { value, t })
+        }
+    }
+
+    /// Returns the places of the derivatives by the parameters in the piece of a step.
+    fn range_of(&self, step: u64) -> core::ops::Range<usize> {
+        let (parameters, piece) = (S::PARAMETERS.len(), (step / self.piece) as usize);
+        piece * parameters..(piece + 1) * parameters
+    }
+}

@@ -1,0 +1,130 @@
+//! Gradients in ensembles: bits, failures and messages.
+
+use sve_models::models::Pendulum;
+use sve_models::oracle::pendulum;
+use sve_runtime::ensemble::By;
+use sve_runtime::prelude::*;
+
+use crate::adjoint::Swing;
+
+const H: f64 = 0.05;
+
+fn swing() -> Integrator<Swing, Endpoint> {
+    Integrator::new(Swing { g: 2.0, s: 0.3 }, Endpoint)
+}
+
+fn ensemble(swing: &Integrator<Swing, Endpoint>) -> Ensemble<'_, Integrator<Swing, Endpoint>> {
+    Ensemble::new(swing)
+        .paths(300)
+        .seed(4)
+        .steps(H, 20)
+        .record_every(5)
+        .start_with(|_, rng| State::new([0.8], [0.3 * rng.normal()]))
+        .observe("q", |_, state| state.q[0])
+}
+
+fn with_gradient(swing: &Integrator<Swing, Endpoint>) -> Ensemble<'_, Integrator<Swing, Endpoint>> {
+    ensemble(swing).gradient("cos", ["g".into(), By::p(0)], |s| s.q[0].cos())
+}
+
+#[test]
+fn gradients_change_no_other_bit() {
+    let swing = swing();
+    let (without, with) = (ensemble(&swing).run(), with_gradient(&swing).run());
+    assert_eq!(without.unwrap()["q"], with.unwrap()["q"]);
+}
+
+#[test]
+fn threads_and_shards_change_no_bit() {
+    let swing = swing();
+    let whole = with_gradient(&swing).run().unwrap();
+    assert_eq!(with_gradient(&swing).threads(3).run().unwrap(), whole);
+    let shard = |index| with_gradient(&swing).shard(index, 3).run().unwrap();
+    let mut merged = shard(2);
+    merged.merge(shard(0)).unwrap();
+    merged.merge(shard(1)).unwrap();
+    assert_eq!(merged, whole);
+    // other quantities are another run
+    let by_s = ensemble(&swing).gradient("cos", ["s".into(), By::p(0)], |s| s.q[0].cos());
+    assert!(merged.merge(by_s.run().unwrap()).is_err());
+}
+
+#[test]
+fn a_replayed_path_is_that_of_the_ensemble() {
+    let swing = swing();
+    let with = with_gradient(&swing).keep_final_states(true);
+    let summary = with.run().unwrap();
+    let (path, end) = summary.final_states().nth(77).unwrap();
+    assert_eq!(with.replay(path).unwrap().last().unwrap().unwrap(), end);
+}
+
+#[test]
+fn a_derivative_that_is_not_finite_is_a_failure() {
+    let swing = swing();
+    let summary = Ensemble::new(&swing)
+        .paths(100)
+        .steps(H, 4)
+        .record_every(1)
+        .start(State::new([0.8], [0.0]))
+        // at the start the root is 0 and its derivative by q infinite
+        .gradient("root", [By::q(0)], |s| (s.q[0] - 0.8).powi(2).sqrt())
+        .run()
+        .unwrap();
+    assert_eq!(summary.failed(), 100);
+    let failure = summary.failures()[0].to_string();
+    assert!(failure.contains("∂root/∂q[0] at the start"), "{failure}");
+}
+
+#[test]
+fn messages_name_what_there_is() {
+    let swing = swing();
+    let message = |by: By| {
+        let wrong = ensemble(&swing).gradient("x", [by], |s| s.q[0]);
+        wrong.run().unwrap_err().to_string()
+    };
+    assert_eq!(
+        message("k".into()),
+        "there is no gradient by k: L, the noises and the force have no such parameter; they have [\"g\", \"s\"]"
+    );
+    assert_eq!(
+        message(By::p(1)),
+        "there is no gradient by p[1] at the start: the system has 1 coordinates, whose numbers begin at 0"
+    );
+    let bead = Integrator::new(Bead { g: 1.0 }, StormerVerlet);
+    let on_ring = Ensemble::new(&bead)
+        .paths(10)
+        .steps(H, 4)
+        .start(State::new([1.0, 0.0], [0.0, 0.5]))
+        .gradient("x", [By::q(0)], |s| s.q[0]);
+    let message = on_ring.run().unwrap_err().to_string();
+    assert!(message.contains("under constraints"), "{message}");
+    let stopped = with_gradient(&swing).stop_at("rest", |_, state| state.p[0]);
+    let message = stopped.run().unwrap_err().to_string();
+    assert!(message.contains("leave `stop_at` out"), "{message}");
+    let twice = with_gradient(&swing).gradient("cos", ["g"], |s| s.q[0].cos());
+    assert!(matches!(twice.run(), Err(EnsembleError::TwiceNamed { .. })));
+}
+
+#[test]
+#[should_panic(expected = "`parameter(\"k\")`: L, the noises and the force have no such parameter")]
+fn an_unknown_parameter_in_an_observable_panics() {
+    let pendulum: Integrator<Pendulum, Midpoint> = Integrator::new(pendulum(), Midpoint);
+    let path = pendulum.trajectory(State::new([1.0], [0.0]), H, NoNoise);
+    let _ = path.gradient(1, |_, s| Some(s.parameter("k") * s.q[0]));
+}
+
+/// A bead on a ring that stands upright.
+struct Bead {
+    g: f64,
+}
+
+#[variational(stormer_verlet)]
+impl Bead {
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        0.5 * (v[0] * v[0] + v[1] * v[1]) - self.g * q[1]
+    }
+    #[constraint]
+    fn ring(&self, q: [f64; 2]) -> f64 {
+        0.5 * (q[0] * q[0] + q[1] * q[1] - 1.0)
+    }
+}

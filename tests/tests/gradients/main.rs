@@ -1,0 +1,9 @@
+//! Gradients along paths: the discrete adjoint of a loss, and gradients of means of ensembles.
+
+// closures are written as users write them
+#![allow(clippy::redundant_closure_for_method_calls)]
+
+mod adjoint;
+mod ensembles;
+mod means;
+mod moments;
