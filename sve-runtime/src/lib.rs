@@ -329,7 +329,7 @@ pub use state::State;
 ///
 /// ```
 /// mod physics {
-///     pub use sve_runtime as sve;
+///     pub use ::sve_runtime as sve;
 /// }
 /// use physics::sve::prelude::*;
 ///

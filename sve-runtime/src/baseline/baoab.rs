@@ -49,7 +49,7 @@ const ROUNDING: f64 = 1e-10;
 /// let method = Baoab::new(Langevin { nu: 1.0, kt: 0.5 });
 /// let mut square = Blocking::new();
 /// for state in method.trajectory(State::new([0.0], [0.0]), 1.0, Wiener::new(1)).skip(100).take(100_000) {
-///     square.add(state?.q[0].powi(2));
+///     square.push(state?.q[0].powi(2));
 /// }
 /// // kT, with a step of a sixth of a period
 /// assert!((square.mean() - 0.5).abs() < 0.02);

@@ -40,6 +40,7 @@ mod progress;
 mod record;
 mod refine;
 mod replay;
+mod setters;
 mod settings;
 mod sizes;
 mod starts;
@@ -66,7 +67,6 @@ pub use summary::Summary;
 pub use warning::Warning;
 
 use core::fmt;
-use core::ops::{Bound, RangeBounds};
 
 use self::gradient::Gradients;
 use self::histogram::HistogramRequest;
@@ -78,7 +78,7 @@ use self::starts::Starts;
 use crate::configuration::Coordinates;
 use crate::lanes::LANES;
 use crate::method::Method;
-use crate::noise::{ManyPaths, PathData};
+use crate::noise::PathData;
 use crate::state::State;
 use crate::system::{Dims, StateOf, System};
 
@@ -207,87 +207,15 @@ where
         }
     }
 
-    /// Sets the number of paths.
-    #[must_use]
-    pub fn paths(mut self, paths: u64) -> Self {
-        self.paths = Some(paths);
-        self
-    }
-
-    /// Sets the seed of random starts, and of the increments unless [`noise`](Self::noise) is given. Beside a noise, which has a seed of its
-    /// own, it sets the random starts only: with one start for all paths it then has no effect. Without it, random starts have the seed of
-    /// the noise, or 0.
-    #[must_use]
-    pub fn seed(mut self, seed: u64) -> Self {
-        self.seed = Some(seed);
-        self
-    }
-
-    /// Sets the length of a step, and the number of steps of a path.
-    #[must_use]
-    pub fn steps(mut self, h: f64, steps: u64) -> Self {
-        self.steps = Some((h, steps));
-        self
-    }
-
-    /// Records the observables at the start, after each `steps` steps and at the end.
-    #[must_use]
-    pub fn record_every(mut self, steps: u64) -> Self {
-        self.every = Some(steps);
-        self
-    }
-
-    /// Sets the start of all paths.
-    #[must_use]
-    pub fn start(mut self, state: State<Q>) -> Self {
-        self.start = Some(Starts::Same(state));
-        self
-    }
-
-    /// Sets the start of each path, a function of its number and of a generator of its own. All paths have to start at the same time.
-    #[must_use]
-    pub fn start_with(mut self, draw: impl Fn(u64, &mut StartRng) -> State<Q> + Sync + 'a) -> Self {
-        self.start = Some(Starts::Drawn(Box::new(draw)));
-        self
-    }
-
-    /// Sets the noise. Path `k` has the increments of path `k` of the source. The default is [`Wiener::new(seed)`](crate::noise::Wiener) with the [`seed`](Self::seed) of
-    /// the ensemble.
-    ///
-    /// ```
-    /// use sve_runtime::prelude::*;
-    ///
-    /// struct Rotor;
-    ///
-    /// #[variational(midpoint)]
-    /// impl Rotor {
-    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + q.cos() }
-    ///     #[h1]
-    ///     fn jitter(&self, _q: f64, p: f64) -> f64 { 0.1 * p * p }
-    /// }
-    ///
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// let rotor = Integrator::new(Rotor, Midpoint);
-    /// let summary = Ensemble::new(&rotor)
-    ///     .paths(100)
-    ///     .noise(Truncated::new(Wiener::new(7)).deviations(4.0)?)
-    ///     .steps(0.1, 10)
-    ///     .start(State::new([1.0], [0.0]))
-    ///     .run()?;
-    /// assert_eq!(summary.paths(), 100);
-    /// # Ok(())
-    /// # }
-    /// ```
-    #[must_use]
-    pub fn noise(mut self, noise: impl ManyPaths) -> Self {
-        self.noise = Some(noise.many_paths());
-        self
-    }
-
     /// Takes statistics of a function of the system and a state, which returns `f64` or `Result<f64, StepError>`.
     ///
     /// Its value may depend on its arguments only. A path on which it fails or is not finite fails. [`observe_energy`](Self::observe_energy) has the energy in lanes, and
     /// [`integral`](Self::integral), [`maximum`](Self::maximum), [`crossings`](Self::crossings) and [`fold`](Self::fold) remember the path until the recorded time.
+    ///
+    #[doc = include_str!("example.md")]
+    /// let summary = ensemble().observe("energy", |system, state| system.hamiltonian(state)).run()?;
+    /// assert_eq!(summary["energy"].mean()[0], 0.5);
+    #[doc = include_str!("../example_end.md")]
     #[must_use]
     pub fn observe<F, O>(self, name: impl Into<String>, observable: F) -> Self
     where
@@ -301,66 +229,6 @@ where
         self.names.push(name);
         self.observables.push(Box::new(observable));
         self.kinds.push(kind);
-        self
-    }
-
-    /// Bounds an observable, as `.bound("energy", ..=1e3)`. A path whose observable is outside of the range at a recorded time fails: a motion without
-    /// physical meaning then counts as a [`Failure`] and does not enter the statistics. The ends belong to the range, and
-    /// several ranges can be given.
-    ///
-    /// Without a bound, a path fails if its state or an observable is not finite. [`Summary::warnings`] reports observables that diverge.
-    #[must_use]
-    pub fn bound(mut self, name: impl Into<String>, range: impl RangeBounds<f64>) -> Self {
-        let number = |bound, none| match bound {
-            Bound::Included(&x) | Bound::Excluded(&x) => x,
-            Bound::Unbounded => none,
-        };
-        let low = number(range.start_bound(), f64::NEG_INFINITY);
-        let high = number(range.end_bound(), f64::INFINITY);
-        self.bounds.push((name.into(), [low, high]));
-        self
-    }
-
-    /// Keeps the state of each path at the end. The memory of a run then grows with its paths.
-    #[must_use]
-    pub fn keep_final_states(mut self, keep: bool) -> Self {
-        self.keep_final_states = keep;
-        self
-    }
-
-    /// Ends the run with an error when a path fails. The error is that of the failing path with the lowest number.
-    #[must_use]
-    pub fn stop_on_failure(mut self, stop: bool) -> Self {
-        self.stop_on_failure = stop;
-        self
-    }
-
-    /// Runs part `index` (from 0) of `of` parts, at most one for each [`BLOCK_PATHS`] paths. The summaries of all parts [merge](Summary::merge) into that of the whole.
-    #[must_use]
-    pub fn shard(mut self, index: u64, of: u64) -> Self {
-        self.shard = (index, of);
-        self
-    }
-
-    /// Runs on so many threads of its own. The default is the surrounding `rayon` pool, usually with one thread for each core.
-    #[must_use]
-    pub fn threads(mut self, threads: usize) -> Self {
-        self.threads = Some(threads);
-        self
-    }
-
-    /// Shows the progress of the run on standard error if it is a terminal, with the feature `progress` as a bar.
-    #[must_use]
-    pub fn progress(mut self, shown: bool) -> Self {
-        self.progress = shown;
-        self
-    }
-
-    /// Ends the run early when a function returns `true`, for example after a signal or before the time limit of a batch system. No further block
-    /// is begun, and the summary has the paths that were run.
-    #[must_use]
-    pub fn stop_when(mut self, stop: impl Fn() -> bool + Sync + 'a) -> Self {
-        self.stop_when = Some(Box::new(stop));
         self
     }
 

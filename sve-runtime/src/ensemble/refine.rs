@@ -19,7 +19,7 @@ where
     Q: Coordinates<N>,
 {
     /// Refines steps that fail, as [`Trajectory::refine`](crate::Trajectory::refine) does: divides such a step into two halves on the same path of the noise, and each half that fails
-    /// likewise, up to `depth` times. [`Summary::refined_steps`] counts the refined steps. If the smallest parts fail too, the path fails.
+    /// likewise, up to `depth` times. [`Summary::refined_steps`](super::Summary::refined_steps) counts the refined steps. If the smallest parts fail too, the path fails.
     ///
     /// All steps are smaller, on the same paths, with the [`noise`](Self::noise) `Wiener::new(seed).refine(depth)?` and `steps(h / 2^depth, …)`.
     ///
