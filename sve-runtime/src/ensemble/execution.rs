@@ -21,6 +21,12 @@ use crate::configuration::Coordinates;
 use crate::method::Method;
 use crate::system::{Dims, System};
 
+/// Largest number of blocks that are run together: with paths that stop at a constant rate, a thousand paths keep nine of ten lanes full.
+const GROUP: u64 = 16;
+
+/// Least number of times that a thread gets blocks to run together, so that all threads end at about the same time.
+const TURNS: u64 = 4;
+
 impl<I, S, Q, const N: usize, const M: usize> Settings<'_, I>
 where
     I: Method<System = S> + Sync,
@@ -56,47 +62,70 @@ where
 
     /// Runs blocks until none is left.
     fn run_blocks(&self, shared: &Shared) {
+        let group = self.group(rayon::current_num_threads());
         loop {
-            let block = shared.next.fetch_add(1, Ordering::Relaxed);
-            if block >= self.shard[1] || shared.stops_before(block) {
+            let first = shared.next.fetch_add(group, Ordering::Relaxed);
+            let end = self.shard[1].min(first.saturating_add(group));
+            if first >= end || shared.stops_before(first) {
                 return;
             }
-            if shared.loaded.iter().any(|range| range.contains(&block)) {
-                continue;
-            }
-            if self.ensemble.stop_when.as_ref().is_some_and(|stop| stop()) {
-                return;
-            }
-            let done = self.run_block(block).and_then(|result| {
-                shared.progress.add(self.paths_of(block..block + 1));
-                shared.insert(result)
-            });
-            if let Err(error) = done {
-                shared.stop(error);
+            for blocks in shared.not_loaded(first..end) {
+                if self.ensemble.stop_when.as_ref().is_some_and(|stop| stop()) {
+                    return;
+                }
+                let done = self.run_some(blocks.clone()).and_then(|results| {
+                    shared.progress.add(self.paths_of(blocks));
+                    results
+                        .into_iter()
+                        .try_for_each(|result| shared.insert(result))
+                });
+                if let Err(error) = done {
+                    shared.stop(error);
+                }
             }
         }
     }
 
+    /// Returns the number of blocks that are run together. Where paths stop, more of them keep the lanes full; the results are the same.
+    fn group(&self, threads: usize) -> u64 {
+        if !self.ensemble.has_stops() {
+            return 1;
+        }
+        let blocks = self.shard[1] - self.shard[0];
+        (blocks / (TURNS * threads as u64)).clamp(1, GROUP)
+    }
+
     /// Runs the paths of a block from start to end.
+    #[cfg(feature = "distributed")]
     pub(super) fn run_block(&self, block: u64) -> Result<PartialResult, EnsembleError> {
-        let mut paths = PathBlock::new(*self, block, None)?;
+        let results = self.run_some(block..block + 1)?;
+        results.into_iter().next().ok_or(EnsembleError::NothingRun)
+    }
+
+    /// Runs the paths of some blocks from start to end. Returns the results of each block.
+    fn run_some(&self, blocks: Range<u64>) -> Result<Vec<PartialResult>, EnsembleError> {
+        let mut paths = PathBlock::new(*self, blocks.clone(), None)?;
         let ensemble = self.ensemble;
-        let mut result = PartialResult::new(
-            block,
-            self.records,
-            ensemble.names.len(),
-            &ensemble.histograms,
-        );
+        let empty = |block| {
+            PartialResult::new(
+                block,
+                self.records,
+                ensemble.names.len(),
+                &ensemble.histograms,
+            )
+        };
+        let mut results: Vec<PartialResult> = blocks.map(empty).collect();
         for record in 0..self.records {
             paths.advance(self.step_of(record));
-            paths.record(record, &mut result);
+            paths.record(record, &mut results);
         }
-        paths.finish(&mut result);
-        match result.failures.first() {
+        paths.finish(&mut results);
+        let mut failures = results.iter().flat_map(|result| &result.failures);
+        match failures.next() {
             Some(first) if self.ensemble.stop_on_failure => {
                 Err(EnsembleError::Failed(Box::new(first.clone())))
             }
-            _ => Ok(result),
+            _ => Ok(results),
         }
     }
 }
@@ -128,6 +157,19 @@ impl Shared {
             #[cfg(feature = "checkpoint")]
             checkpoint: None,
         }
+    }
+
+    /// Returns the blocks of a range whose results no checkpoint has, as ranges.
+    fn not_loaded(&self, blocks: Range<u64>) -> Vec<Range<u64>> {
+        let is_loaded = |block: &u64| self.loaded.iter().any(|range| range.contains(block));
+        let mut parts: Vec<Range<u64>> = Vec::new();
+        for block in blocks.filter(|block| !is_loaded(block)) {
+            match parts.last_mut() {
+                Some(part) if part.end == block => part.end += 1,
+                _ => parts.push(block..block + 1),
+            }
+        }
+        parts
     }
 
     /// Inserts the result of a block into the tree. Results are merged outside of the lock. With a checkpoint they are merged inside, since the written

@@ -9,12 +9,13 @@ use std::sync::Arc;
 
 use super::by::By;
 use super::failure::Cause;
-use super::integral::Kind;
+use super::memory::Kind;
 use super::observe::Observable;
-use super::path_block::{PathBlock, lanes};
+use super::path_block::PathBlock;
 use super::statistics::Statistics;
 use super::summary::Summary;
-use super::{BLOCK_PATHS, Ensemble, EnsembleError};
+use super::tile::lanes;
+use super::{Ensemble, EnsembleError};
 use crate::configuration::{Coordinates, VectorCoordinates};
 use crate::dual::{Dual, DualState, with_dual_state};
 use crate::error::StepError;
@@ -105,11 +106,15 @@ impl<I: Method> Default for Gradients<'_, I> {
     }
 }
 
+/// Why paths that stop have no gradients.
+const STOPS: &str = "the mean over paths that end at an event depends on the times of the events, which the derivatives along the paths leave out; run without `stop_at`";
+
 impl<I: Method> Gradients<'_, I> {
-    /// Checks that the system has what its means are differentiated by.
-    pub(super) fn check(&self, coordinates: usize) -> Result<(), EnsembleError> {
+    /// Checks that the system has what its means are differentiated by, and that no path stops.
+    pub(super) fn check(&self, coordinates: usize, has_stops: bool) -> Result<(), EnsembleError> {
+        let stops = || has_stops.then(|| STOPS.to_owned());
         for by in &self.by {
-            if let Some(why) = by.problem::<I::System>(coordinates) {
+            if let Some(why) = by.problem::<I::System>(coordinates).or_else(stops) {
                 let by = by.to_string();
                 return Err(EnsembleError::Gradient { by, why });
             }
@@ -127,11 +132,11 @@ pub(super) struct Tangents<const N: usize> {
 }
 
 impl<const N: usize> Tangents<N> {
-    /// The tangent vectors at the start.
-    pub(super) fn new<I: Method>(gradients: &Gradients<'_, I>) -> Self {
+    /// The tangent vectors at the start, for so many tiles.
+    pub(super) fn new<I: Method>(gradients: &Gradients<'_, I>, tiles: usize) -> Self {
         let starts: Vec<_> = gradients.by.iter().map(By::start).collect();
         Self {
-            fields: starts.repeat(BLOCK_PATHS as usize),
+            fields: starts.repeat(tiles * LANES),
             varied: vec![None; starts.len()],
         }
     }
@@ -187,7 +192,7 @@ where
     /// The derivatives are those of each path with its increments held fixed. Their mean is the derivative of the mean only for smooth functions of the state at a fixed time, and
     /// nothing else can be written: dual numbers do not compare, and have no `abs`. For the probability of an event replace the jump by a smooth step, `0.5 + 0.5 * ((q - a) / w).tanh()`,
     /// with a width w that is small beside the law of q, and see that the result does not depend on w. The gradient of a quantile is that of the probability over the density there. [Averages](Self::average),
-    /// [weighted](Self::weight) means and paths that end at an event have no gradients.
+    /// [weighted](Self::weight) means and paths that [stop](Self::stop_at) have no gradients, and a path on which a step had to be [refined](Self::refine) fails.
     ///
     /// A start that depends on a parameter does not follow it; its part is the sum of the derivatives by [`By::q`] and [`By::p`] times those of the start.
     ///
@@ -242,8 +247,8 @@ where
     S: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    /// Carries the tangent vectors of all active paths along the last step.
-    pub(super) fn advance_tangents(&mut self) {
+    /// Carries the tangent vectors of the active paths of a tile along the last step.
+    pub(super) fn advance_tangents(&mut self, tile: usize) {
         let settings = self.settings;
         let gradients = &settings.ensemble.gradients;
         let (Some(push_forward), Some(step)) = (gradients.push_forward, self.step.checked_sub(1))
@@ -254,22 +259,20 @@ where
         for (varied, by) in self.tangents.varied.iter_mut().zip(&gradients.by) {
             *varied = by.parameter_in::<S>(step);
         }
-        for tile in 0..self.tiles.len() {
-            let increments = self.increments.of(tile, step);
-            for lane in lanes(self.tiles[tile].active) {
-                let mut state = S::Dims::get(self.tiles[tile].states_before(), lane);
-                state.t = settings.time(step);
-                let first = (tile * LANES + lane) * quantities;
-                let directions = Directions {
-                    fields: &mut self.tangents.fields[first..][..quantities],
-                    parameters: &self.tangents.varied,
-                };
-                let dw = increments.0.map(|process| process[lane]);
-                let (method, h) = (settings.ensemble.method, settings.h);
-                let made = push_forward(method, &self.prepared, &mut state, h, &dw, directions);
-                if let Err(error) = made {
-                    self.fail(tile, lane, step, Cause::Step(error));
-                }
+        let increments = self.increments_of(tile, step);
+        for lane in lanes(self.tiles[tile].active) {
+            let mut state = S::Dims::get(self.tiles[tile].states_before(), lane);
+            state.t = settings.time(step);
+            let first = (tile * LANES + lane) * quantities;
+            let directions = Directions {
+                fields: &mut self.tangents.fields[first..][..quantities],
+                parameters: &self.tangents.varied,
+            };
+            let dw = increments.0.map(|process| process[lane]);
+            let (method, h) = (settings.ensemble.method, settings.h);
+            let made = push_forward(method, &self.prepared, &mut state, h, &dw, directions);
+            if let Err(error) = made {
+                self.fail(tile, lane, step, Cause::Step(error));
             }
         }
     }

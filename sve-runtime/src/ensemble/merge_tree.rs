@@ -12,6 +12,7 @@ use super::execution::locked;
 use super::failure::{FAILURES_KEPT, Failure};
 use super::histogram::{Bins, HistogramRequest};
 use super::moments::Column;
+use super::passage::counts::PassageCounts;
 
 /// The merged results of consecutive blocks: a node of the tree.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +30,10 @@ pub(super) struct PartialResult {
     pub(super) columns: Vec<Column>,
     /// Counts of each histogram.
     pub(super) histograms: Vec<Bins>,
+    /// Counts of the passages of each function.
+    pub(super) passages: Vec<PassageCounts>,
+    /// Number of steps that were made in smaller steps.
+    pub(super) refined: u64,
     /// Number of paths that failed.
     pub(super) failed: u64,
     /// The first failures.
@@ -55,6 +60,8 @@ impl PartialResult {
             counts: vec![0; records],
             columns: vec![Column::new(records); observables],
             histograms: requests.map(|r| Bins::new(r, records)).collect(),
+            passages: Vec::new(),
+            refined: 0,
             failed: 0,
             failures: Vec::new(),
             final_paths: Vec::new(),
@@ -73,6 +80,10 @@ impl PartialResult {
         for (bins, other) in self.histograms.iter_mut().zip(&next.histograms) {
             bins.merge(other);
         }
+        for (counts, other) in self.passages.iter_mut().zip(&next.passages) {
+            counts.merge(other);
+        }
+        self.refined = self.refined.saturating_add(next.refined);
         self.failed += next.failed;
         let room = FAILURES_KEPT - self.failures.len();
         self.failures

@@ -5,15 +5,18 @@
 //! shards as for the whole run.
 //!
 //! A run divides its paths into blocks of [`BLOCK_PATHS`], each of a few tiles of `LANES` lanes. A block is the unit of
-//! work of a thread. The results of blocks are merged pairwise in a fixed tree.
+//! work of a thread; where paths can stop, several blocks are run together, so that their paths keep the lanes full. The results of blocks are merged
+//! pairwise in a fixed tree.
 
+mod along;
 mod by;
 #[cfg(feature = "checkpoint")]
 mod checkpoint;
-mod csv;
+mod columns;
 #[cfg(feature = "distributed")]
 mod distribution;
 mod edges;
+mod energy;
 mod error;
 mod execution;
 mod failure;
@@ -23,18 +26,19 @@ mod gradient;
 mod histogram;
 mod increment_buffer;
 mod integral;
+mod memory;
 mod merge_tree;
 mod moments;
-#[cfg(feature = "npy")]
-mod npy;
 mod observe;
-#[cfg(feature = "parquet")]
-mod parquet;
+mod packing;
+mod passage;
 mod path_block;
 mod path_noise;
+mod path_table;
 mod points;
 mod progress;
 mod record;
+mod refine;
 mod replay;
 mod settings;
 mod sizes;
@@ -43,6 +47,7 @@ mod statistics;
 #[cfg(feature = "serde")]
 mod stored;
 mod summary;
+mod tile;
 mod warning;
 
 pub use crate::observed::Observed;
@@ -54,18 +59,20 @@ pub use error::Damage;
 pub use error::{Difference, EnsembleError};
 pub use failure::{Cause, FAILURES_KEPT, Failure};
 pub use final_state::FinalState;
+pub use passage::{Passages, Rate};
 pub use starts::StartRng;
 pub use statistics::{Histogram, Statistics};
 pub use summary::Summary;
 pub use warning::Warning;
 
 use core::fmt;
-use core::ops::{Bound, Range, RangeBounds};
+use core::ops::{Bound, RangeBounds};
 
 use self::gradient::Gradients;
 use self::histogram::HistogramRequest;
-use self::integral::Kind;
+use self::memory::Kind;
 use self::observe::{Closure, Observable};
+use self::passage::PassageFunction;
 use self::settings::Settings;
 use self::starts::Starts;
 use crate::configuration::Coordinates;
@@ -141,10 +148,14 @@ pub struct Ensemble<'a, I: Method> {
     settle: u64,
     share_paths: bool,
     gradients: Gradients<'a, I>,
+    /// Functions whose first zero is recorded.
+    passages: Vec<PassageFunction<'a, I::System>>,
     histograms: Vec<HistogramRequest>,
     /// Observables with their least and greatest values.
     bounds: Vec<(String, [f64; 2])>,
     keep_final_states: bool,
+    /// Largest number of halvings of a step that fails.
+    refine: u32,
     stop_on_failure: bool,
     shard: (u64, u64),
     threads: Option<usize>,
@@ -179,9 +190,11 @@ where
             settle: 0,
             share_paths: false,
             gradients: Gradients::default(),
+            passages: Vec::new(),
             histograms: Vec::new(),
             bounds: Vec::new(),
             keep_final_states: false,
+            refine: 0,
             stop_on_failure: false,
             shard: (0, 1),
             threads: None,
@@ -273,7 +286,8 @@ where
 
     /// Takes statistics of a function of the system and a state, which returns `f64` or `Result<f64, StepError>`.
     ///
-    /// Its value may depend on its arguments only. A path on which it fails or is not finite fails.
+    /// Its value may depend on its arguments only. A path on which it fails or is not finite fails. [`observe_energy`](Self::observe_energy) has the energy in lanes, and
+    /// [`integral`](Self::integral), [`maximum`](Self::maximum), [`crossings`](Self::crossings) and [`fold`](Self::fold) remember the path until the recorded time.
     #[must_use]
     pub fn observe<F, O>(self, name: impl Into<String>, observable: F) -> Self
     where
@@ -287,29 +301,6 @@ where
         self.names.push(name);
         self.observables.push(Box::new(observable));
         self.kinds.push(kind);
-        self
-    }
-
-    /// Takes a histogram of an observable with `bins` equal bins over a range, at each recorded time.
-    #[must_use]
-    pub fn histogram(self, name: impl Into<String>, range: Range<f64>, bins: usize) -> Self {
-        self.request(name.into(), &range, bins, true)
-    }
-
-    /// Takes a histogram as [`histogram`](Self::histogram) does, at the end only.
-    #[must_use]
-    pub fn final_histogram(self, name: impl Into<String>, range: Range<f64>, bins: usize) -> Self {
-        self.request(name.into(), &range, bins, false)
-    }
-
-    fn request(mut self, name: String, range: &Range<f64>, bins: usize, always: bool) -> Self {
-        let range = [range.start, range.end];
-        self.histograms.push(HistogramRequest {
-            name,
-            range,
-            bins,
-            always,
-        });
         self
     }
 

@@ -4,7 +4,7 @@
 
 use super::EnsembleError;
 use crate::noise::lanes::DistributionKind;
-use crate::noise::{ManyPaths as _, PathData, Wiener};
+use crate::noise::{Halves, ManyPaths as _, NoNoise, NoiseError, PathData, Wiener};
 
 /// The noise of an ensemble, for steps of one length.
 #[derive(Clone, Copy, Debug)]
@@ -16,6 +16,8 @@ pub(super) struct PathNoise {
     pub(super) distribution: Option<DistributionKind>,
     /// Largest |ΔW|; infinite without truncation.
     pub(super) largest: f64,
+    /// Number of halvings of a step of the source, see [`Refined`](crate::noise::Refined).
+    pub(super) depth: u32,
 }
 
 impl PathNoise {
@@ -30,7 +32,14 @@ impl PathNoise {
             first_path,
             distribution,
             truncation,
+            depth,
         } = noise.unwrap_or_else(|| Wiener::new(default_seed).many_paths());
+        // a whole step of the source has a finite length
+        let whole = h * (1_u64 << depth) as f64;
+        if !whole.is_finite() {
+            let error = NoiseError::InvalidStep { h: whole };
+            return Err(EnsembleError::Noise(error));
+        }
         let largest = match truncation {
             Some(truncated) => truncated.largest(h).map_err(EnsembleError::Noise)?,
             None => f64::INFINITY,
@@ -40,6 +49,24 @@ impl PathNoise {
             first_path,
             distribution,
             largest,
+            depth,
         })
+    }
+
+    /// Returns the source of a path of the ensemble, if it is known within steps.
+    pub(super) fn within_steps(&self, path: u64) -> Option<Box<dyn Halves>> {
+        match self.distribution {
+            None => Some(Box::new(NoNoise)),
+            Some(DistributionKind::Normal) if self.largest == f64::INFINITY => {
+                let path = self.first_path.wrapping_add(path);
+                let path = Wiener::new(self.seed).path(path);
+                if self.depth == 0 {
+                    return Some(Box::new(path));
+                }
+                let refined = path.refine(self.depth).ok()?;
+                Some(Box::new(refined))
+            }
+            Some(_) => None,
+        }
     }
 }

@@ -12,6 +12,7 @@ use super::final_state::FinalState;
 use super::fingerprint::Fingerprint;
 use super::histogram::HistogramRequest;
 use super::merge_tree::{MergeTree, PartialResult};
+use super::passage::Passages;
 use super::statistics::{Histogram, Statistics};
 use super::warning::Warning;
 use super::{BLOCK_PATHS, EnsembleError, path_at};
@@ -21,6 +22,8 @@ use super::{BLOCK_PATHS, EnsembleError, path_at};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Info {
     pub(super) names: Vec<String>,
+    /// The names of functions whose first passages are recorded.
+    pub(super) passages: Vec<String>,
     pub(super) histograms: Vec<HistogramRequest>,
     pub(super) times: Vec<f64>,
     pub(super) paths: u64,
@@ -37,7 +40,9 @@ pub struct Summary {
     pub(super) tree: MergeTree,
     statistics: Vec<Statistics>,
     histograms: Vec<Histogram>,
+    passages: Vec<Passages>,
     counts: Vec<u64>,
+    refined: u64,
     failed: u64,
     failures: Vec<Failure>,
 }
@@ -47,6 +52,7 @@ impl Info {
     pub(super) fn difference(&self, other: &Self) -> Option<Difference> {
         let same = [
             (self.names == other.names, Difference::Observables),
+            (self.passages == other.passages, Difference::Observables),
             (self.histograms == other.histograms, Difference::Histograms),
             (self.times == other.times, Difference::Times),
             (self.paths == other.paths, Difference::Paths),
@@ -66,7 +72,9 @@ impl Summary {
         let mut summary = Self {
             statistics: Vec::new(),
             histograms: Vec::new(),
+            passages: Vec::new(),
             counts: Vec::new(),
+            refined: 0,
             failed: 0,
             failures: Vec::new(),
             info,
@@ -92,9 +100,18 @@ impl Summary {
             .collect();
         let bins = self.info.histograms.iter().zip(node.histograms);
         self.histograms = bins
-            .map(|(request, bins)| Histogram::new(request.clone(), bins))
+            .map(|(request, bins)| Histogram::new(request.clone(), bins, &self.info.times))
+            .collect();
+        let paths = self.paths();
+        let passages = self.info.passages.iter().zip(node.passages);
+        self.passages = passages
+            .map(|(name, counts)| {
+                let times = self.info.times.clone();
+                Passages::new(name.clone(), times, paths, counts)
+            })
             .collect();
         self.counts = node.counts;
+        self.refined = node.refined;
         self.failed = node.failed;
         self.failures = node.failures;
     }
@@ -126,6 +143,11 @@ impl Summary {
         self.failed
     }
 
+    /// Returns the number of steps that failed and were made in smaller steps, see [`refine`](super::Ensemble::refine).
+    pub fn refined_steps(&self) -> u64 {
+        self.refined
+    }
+
     /// The failures of the lowest paths, at most [`FAILURES_KEPT`](super::FAILURES_KEPT) = 256, in their order: number, time and error of
     /// each. [`failed`](Self::failed) counts all failures; [`replay`](super::Ensemble::replay) shows any path that failed.
     pub fn failures(&self) -> &[Failure] {
@@ -150,6 +172,16 @@ impl Summary {
     /// The first histogram of an observable.
     pub fn histogram(&self, name: &str) -> Option<&Histogram> {
         self.histograms.iter().find(|h| h.name() == name)
+    }
+
+    /// The first passages through the zeros of functions, in the order in which they were given.
+    pub fn passages(&self) -> &[Passages] {
+        &self.passages
+    }
+
+    /// The first passages through the zero of a function, from [`stop_at`](super::Ensemble::stop_at) or [`first_passage`](super::Ensemble::first_passage).
+    pub fn passage(&self, name: &str) -> Option<&Passages> {
+        self.passages.iter().find(|p| p.name() == name)
     }
 
     /// Returns warnings about unreliable statistics: observables that diverge, and means that depend on one path. See [`Warning`] for the criteria.
@@ -310,6 +342,9 @@ impl fmt::Display for Summary {
                     last(s.max())
                 )?,
             }
+        }
+        for passages in &self.passages {
+            write!(f, "\n  {passages}")?;
         }
         for warning in self.warnings() {
             write!(f, "\n  {warning}")?;
