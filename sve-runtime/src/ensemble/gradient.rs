@@ -106,16 +106,15 @@ impl<I: Method> Default for Gradients<'_, I> {
     }
 }
 
+/// Why paths that stop have no gradients.
+const STOPS: &str = "the mean over paths that end at an event depends on the times of the events, which the derivatives along the paths leave out; run without `stop_at`";
+
 impl<I: Method> Gradients<'_, I> {
     /// Checks that the system has what its means are differentiated by, and that no path stops.
     pub(super) fn check(&self, coordinates: usize, has_stops: bool) -> Result<(), EnsembleError> {
+        let stops = || has_stops.then(|| STOPS.to_owned());
         for by in &self.by {
-            if has_stops {
-                let why = "paths stop, and the time of a stop has a derivative too; leave `stop_at` out, or differentiate a smooth function at a fixed time";
-                let (by, why) = (by.to_string(), why.to_owned());
-                return Err(EnsembleError::Gradient { by, why });
-            }
-            if let Some(why) = by.problem::<I::System>(coordinates) {
+            if let Some(why) = by.problem::<I::System>(coordinates).or_else(stops) {
                 let by = by.to_string();
                 return Err(EnsembleError::Gradient { by, why });
             }
@@ -193,7 +192,7 @@ where
     /// The derivatives are those of each path with its increments held fixed. Their mean is the derivative of the mean only for smooth functions of the state at a fixed time, and
     /// nothing else can be written: dual numbers do not compare, and have no `abs`. For the probability of an event replace the jump by a smooth step, `0.5 + 0.5 * ((q - a) / w).tanh()`,
     /// with a width w that is small beside the law of q, and see that the result does not depend on w. The gradient of a quantile is that of the probability over the density there. [Averages](Self::average),
-    /// [weighted](Self::weight) means and paths that end at an event have no gradients.
+    /// [weighted](Self::weight) means and paths that [stop](Self::stop_at) have no gradients, and a path on which a step had to be [refined](Self::refine) fails.
     ///
     /// A start that depends on a parameter does not follow it; its part is the sum of the derivatives by [`By::q`] and [`By::p`] times those of the start.
     ///

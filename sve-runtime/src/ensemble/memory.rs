@@ -277,6 +277,9 @@ where
             *values = memory.values(tile, step);
             return;
         }
+        if let Kind::Slope(function, direction) = kind {
+            return self.slopes((function, direction), tile, values);
+        }
         let (system, states) = (ensemble.method.system(), self.tiles[tile].states());
         ensemble.observables[observable].tile(system, states, values);
         if let Kind::Slope(function, direction) = kind {

@@ -147,9 +147,9 @@ pub struct Ensemble<'a, I: Method> {
     /// The step at which averages begin.
     settle: u64,
     share_paths: bool,
+    gradients: Gradients<'a, I>,
     /// Functions whose first zero is recorded.
     passages: Vec<PassageFunction<'a, I::System>>,
-    gradients: Gradients<'a, I>,
     histograms: Vec<HistogramRequest>,
     /// Observables with their least and greatest values.
     bounds: Vec<(String, [f64; 2])>,
@@ -189,8 +189,8 @@ where
             weight: None,
             settle: 0,
             share_paths: false,
-            passages: Vec::new(),
             gradients: Gradients::default(),
+            passages: Vec::new(),
             histograms: Vec::new(),
             bounds: Vec::new(),
             keep_final_states: false,

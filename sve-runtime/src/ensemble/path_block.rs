@@ -189,8 +189,8 @@ where
         }
         let paths = self.tiles[tiles.clone()].iter().map(|tile| &tile.paths);
         self.increments[buffer].load(self.step / BATCH, paths);
-        let has_tangents = !self.tangents.is_empty();
-        let sees_steps = has_tangents || !self.memories.is_empty() || !self.watch.is_empty();
+        let carries = !self.tangents.is_empty();
+        let sees_steps = carries || !self.memories.is_empty() || !self.watch.is_empty();
         while self.step < end && self.tiles[tiles.clone()].iter().any(is_active) {
             self.step = dispatch(AdvanceTiles {
                 method: self.settings.ensemble.method,
@@ -204,7 +204,7 @@ where
             });
             for tile in tiles.clone() {
                 self.step_unsolved_lanes(tile);
-                if has_tangents {
+                if carries {
                     self.advance_tangents(tile);
                 }
                 if sees_steps {

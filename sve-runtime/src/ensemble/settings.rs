@@ -86,9 +86,7 @@ impl<'a, I: Method> Settings<'a, I> {
         check_times(start_time, h, steps)?;
         check_names(ensemble)?;
         let coordinates = ConfigurationOf::<I::System>::DEGREES_OF_FREEDOM;
-        ensemble
-            .gradients
-            .check(coordinates, ensemble.has_stops())?;
+        (ensemble.gradients).check(coordinates, ensemble.has_stops())?;
         let shard = blocks_of_shard(ensemble.shard, paths)?;
         let every = ensemble.every.unwrap_or(steps);
         let own = path_at(shard[1], paths) - path_at(shard[0], paths);

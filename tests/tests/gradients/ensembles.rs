@@ -98,9 +98,9 @@ fn messages_name_what_there_is() {
         .gradient("x", [By::q(0)], |s| s.q[0]);
     let message = on_ring.run().unwrap_err().to_string();
     assert!(message.contains("under constraints"), "{message}");
-    let stopped = with_gradient(&swing).stop_at("rest", |_, state| state.p[0]);
+    let stopped = with_gradient(&swing).stop_at("down", |_, state| state.q[0]);
     let message = stopped.run().unwrap_err().to_string();
-    assert!(message.contains("leave `stop_at` out"), "{message}");
+    assert!(message.contains("run without `stop_at`"), "{message}");
     let twice = with_gradient(&swing).gradient("cos", ["g"], |s| s.q[0].cos());
     assert!(matches!(twice.run(), Err(EnsembleError::TwiceNamed { .. })));
 }
