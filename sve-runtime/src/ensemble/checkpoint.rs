@@ -30,7 +30,7 @@ use crate::system::{Dims, System};
 const MAGIC: &[u8; 8] = b"sve run\0";
 
 /// Version of the content.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// Bytes before the content.
 const HEADER_LENGTH: usize = MAGIC.len() + 4 + 8 + 8;

@@ -113,6 +113,30 @@ pub enum EnsembleError {
         /// Upper bound.
         high: f64,
     },
+    /// Quantiles from too few values.
+    #[error("`quantiles(\"{name}\", {size})` keeps {size} values; quantiles need at least 2")]
+    Quantiles {
+        /// The observable.
+        name: String,
+        /// Number of values to be kept.
+        size: usize,
+    },
+    /// An odd number of paths that are to be antithetic pairs.
+    #[error("{paths} paths are not pairs; `antithetic` needs an even number of paths")]
+    OddPaths {
+        /// Number of paths.
+        paths: u64,
+    },
+    /// Covariances or quantiles of antithetic paths.
+    #[error(
+        "`covariance`, `two_time` and `quantiles` have errors of independent paths, and `antithetic` makes paths depend on one another; leave one of them out"
+    )]
+    AntitheticPairs,
+    /// Coarse steps whose noise has no sums.
+    #[error(
+        "two increments of `ThreePoint` do not add up to one of a step twice as long, so a coarse and a fine step have no common path; take `Wiener`"
+    )]
+    NoSums,
     /// A run from several starts with a checkpoint.
     #[error(
         "`run_from` has a run for each start, and a checkpoint is the file of one: leave `checkpoint` out, or give each start a run and a file of its own"
@@ -268,6 +292,12 @@ pub enum Difference {
     /// The histograms.
     #[error("histograms")]
     Histograms,
+    /// The covariances that are taken.
+    #[error("covariances")]
+    Covariances,
+    /// The quantiles that are taken.
+    #[error("quantiles")]
+    Quantiles,
     /// The recorded times.
     #[error("recorded times")]
     Times,
@@ -281,7 +311,7 @@ pub enum Difference {
     #[error("a seed")]
     Seed,
     /// The noise.
-    #[error("a law of the noise (truncation, three points or none)")]
+    #[error("a law of the noise (truncation, three points, antithetic pairs or none)")]
     Noise,
     /// Other settings of the ensemble: step size, number of steps, bounds, whether final states are kept.
     #[error("settings (step size, number of steps, bounds, or whether final states are kept)")]

@@ -80,13 +80,7 @@ where
     /// Runs the paths of a block from start to end.
     pub(super) fn run_block(&self, block: u64) -> Result<PartialResult, EnsembleError> {
         let mut paths = PathBlock::new(*self, block, None)?;
-        let ensemble = self.ensemble;
-        let mut result = PartialResult::new(
-            block,
-            self.records,
-            ensemble.names.len(),
-            &ensemble.histograms,
-        );
+        let mut result = PartialResult::new(block, self.records, self.ensemble);
         for record in 0..self.records {
             paths.advance(self.step_of(record));
             paths.record(record, &mut result);

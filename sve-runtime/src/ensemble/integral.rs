@@ -171,7 +171,7 @@ where
     pub(super) fn integrate(&mut self) {
         let settings = self.settings;
         let ensemble = settings.ensemble;
-        let system = ensemble.method.system();
+        let system = settings.method.system();
         let tiles = self.tiles.len();
         let mut values = [0.0; LANES];
         for (number, integrand) in ensemble.integrands().enumerate() {

@@ -7,8 +7,10 @@
 //! A run divides its paths into blocks of [`BLOCK_PATHS`], each of a few tiles of `LANES` lanes. A block is the unit of
 //! work of a thread. The results of blocks are merged pairwise in a fixed tree.
 
+mod antithetic;
 #[cfg(feature = "checkpoint")]
 mod checkpoint;
+mod covariance;
 mod csv;
 #[cfg(feature = "distributed")]
 mod distribution;
@@ -21,6 +23,7 @@ pub(crate) mod fingerprint;
 mod histogram;
 mod increment_buffer;
 mod integral;
+mod joint;
 mod merge_tree;
 mod moments;
 #[cfg(feature = "npy")]
@@ -32,10 +35,12 @@ mod path_block;
 mod path_noise;
 mod points;
 mod progress;
+mod quantiles;
 mod record;
 mod replay;
 mod settings;
 mod sizes;
+mod sketch;
 mod starts;
 mod statistics;
 #[cfg(feature = "serde")]
@@ -44,6 +49,7 @@ mod summary;
 mod warning;
 
 pub use crate::observed::Observed;
+pub use covariance::{Covariance, TwoTime};
 #[cfg(feature = "distributed")]
 pub use distribution::{Checkpoint, Distribution, PartialResults, SharedResults};
 #[cfg(feature = "checkpoint")]
@@ -51,6 +57,7 @@ pub use error::Damage;
 pub use error::{Difference, EnsembleError};
 pub use failure::{Cause, FAILURES_KEPT, Failure};
 pub use final_state::FinalState;
+pub use quantiles::Quantiles;
 pub use starts::StartRng;
 pub use statistics::{Histogram, Statistics};
 pub use summary::Summary;
@@ -61,8 +68,10 @@ use core::ops::{Bound, Range, RangeBounds};
 
 use self::histogram::HistogramRequest;
 use self::integral::Kind;
+use self::joint::JointRequest;
 use self::observe::{Closure, Observable};
 use self::settings::Settings;
+use self::sketch::QuantileRequest;
 use self::starts::Starts;
 use crate::configuration::Coordinates;
 use crate::lanes::LANES;
@@ -137,6 +146,9 @@ pub struct Ensemble<'a, I: Method> {
     settle: u64,
     share_paths: bool,
     histograms: Vec<HistogramRequest>,
+    joints: Vec<JointRequest>,
+    quantiles: Vec<QuantileRequest>,
+    antithetic: bool,
     /// Observables with their least and greatest values.
     bounds: Vec<(String, [f64; 2])>,
     keep_final_states: bool,
@@ -174,6 +186,9 @@ where
             settle: 0,
             share_paths: false,
             histograms: Vec::new(),
+            joints: Vec::new(),
+            quantiles: Vec::new(),
+            antithetic: false,
             bounds: Vec::new(),
             keep_final_states: false,
             stop_on_failure: false,

@@ -8,7 +8,6 @@ use super::failure::{Cause, Failure};
 use super::increment_buffer::{BATCH, IncrementBuffer};
 use super::integral::Integral;
 use super::settings::Settings;
-use super::starts::{StartRng, Starts};
 use super::{BLOCK_PATHS, BLOCK_TILES, EnsembleError, path_at};
 use crate::configuration::{Configuration, Coordinates};
 use crate::error::StepError;
@@ -31,8 +30,19 @@ pub(super) struct PathBlock<'a, I: Method, const N: usize, const M: usize> {
     pub(super) failures: Vec<Failure>,
     /// The integrals along the paths, by integrand and tile.
     pub(super) integrals: Vec<Integral>,
-    /// Work space: the observables of a tile.
+    /// The observables of each tile, and the lanes in which they are valid, at the last recorded time.
+    pub(super) observed: Vec<Observed>,
+    /// The observables at all recorded times so far, if covariances of two times are taken.
+    pub(super) history: Vec<Vec<Observed>>,
+}
+
+/// The observables of a tile.
+#[derive(Clone)]
+pub(super) struct Observed {
+    /// The values of each observable.
     pub(super) values: Vec<Lane>,
+    /// The lanes of the paths that have not failed.
+    pub(super) lanes: Mask,
 }
 
 /// The states of some paths in lanes. A lane is active if its path exists and has not failed; the other lanes copy an active one.
@@ -86,7 +96,6 @@ where
         let mut block_of_paths = Self {
             settings,
             prepared: settings
-                .ensemble
                 .method
                 .prepare(settings.h)
                 .map_err(EnsembleError::Prepare)?,
@@ -96,7 +105,8 @@ where
             tiles: Vec::with_capacity(BLOCK_TILES),
             failures: Vec::new(),
             integrals: Vec::new(),
-            values: vec![[0.0; LANES]; settings.ensemble.names.len()],
+            observed: Vec::new(),
+            history: Vec::new(),
         };
         let paths = first_path..path_at(block + 1, settings.paths);
         // The last block may end at the largest number.
@@ -105,6 +115,11 @@ where
             let is_wanted = |path| paths.contains(&path) && only.is_none_or(|only| only == path);
             block_of_paths.start_tile(first, is_wanted);
         }
+        let nothing = Observed {
+            values: vec![[0.0; LANES]; settings.ensemble.names.len()],
+            lanes: 0,
+        };
+        block_of_paths.observed = vec![nothing; block_of_paths.tiles.len()];
         let integrals = settings.ensemble.integrands().count() * block_of_paths.tiles.len();
         block_of_paths.integrals = vec![Integral::ZERO; integrals];
         block_of_paths.integrate();
@@ -114,12 +129,10 @@ where
     fn start_tile(&mut self, first: u64, is_wanted: impl Fn(u64) -> bool) {
         let starts: [State<Q>; LANES] = core::array::from_fn(|lane| {
             let path = first.wrapping_add(lane as u64);
-            match &self.settings.ensemble.start {
-                Some(Starts::Drawn(draw)) if is_wanted(path) => {
-                    draw(path, &mut StartRng::new(self.settings.start_seed, path))
-                }
-                Some(Starts::Same(state)) => *state,
-                _ => State::new(Q::origin(), Q::no_momentum()),
+            if is_wanted(path) {
+                self.settings.start_of(path)
+            } else {
+                State::new(Q::origin(), Q::no_momentum())
             }
         });
         let mut states = S::Dims::splat(&starts[0]);
@@ -187,7 +200,7 @@ where
             self.increments.load(batch, self.tiles.len());
             while self.step < end {
                 self.step = dispatch(AdvanceTiles {
-                    method: self.settings.ensemble.method,
+                    method: self.settings.method,
                     prepared: &self.prepared,
                     h: self.settings.h,
                     start_time: self.settings.start_time,
@@ -213,7 +226,7 @@ where
             let mut state = S::Dims::get(self.tiles[tile].states(), lane);
             state.t = self.settings.time(step);
             let dw = increments.0.map(|process| process[lane]);
-            let method = self.settings.ensemble.method;
+            let method = self.settings.method;
             match method.step_prepared(&self.prepared, &mut state, self.settings.h, &dw) {
                 Ok(()) => {
                     state.t = self.settings.time(step + 1);

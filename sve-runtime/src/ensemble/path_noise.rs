@@ -16,6 +16,10 @@ pub(super) struct PathNoise {
     pub(super) distribution: Option<DistributionKind>,
     /// Largest |ΔW|; infinite without truncation.
     pub(super) largest: f64,
+    /// Whether paths 2k and 2k + 1 have the increments of path k of the source, the second one with the other sign.
+    pub(super) is_antithetic: bool,
+    /// Whether an increment is the sum of the source's two increments over the halves of the step.
+    pub(super) is_coarsened: bool,
 }
 
 impl PathNoise {
@@ -40,6 +44,19 @@ impl PathNoise {
             first_path,
             distribution,
             largest,
+            is_antithetic: false,
+            is_coarsened: false,
         })
+    }
+
+    /// Returns the number of the source's path, counted from its first one, that belongs to a path of the ensemble.
+    pub(super) fn path_within(&self, path: u64) -> u64 {
+        if self.is_antithetic { path / 2 } else { path }
+    }
+
+    /// Returns the scale of the increments that are drawn for steps of length `h`.
+    pub(super) fn scale(&self, h: f64) -> f64 {
+        let h = if self.is_coarsened { 0.5 * h } else { h };
+        h.abs().sqrt()
     }
 }

@@ -23,42 +23,54 @@ where
     pub(super) fn record(&mut self, record: usize, result: &mut PartialResult) {
         let settings = self.settings;
         let requests = &settings.ensemble.histograms;
+        let column_of =
+            |name: &String| (settings.ensemble.names.iter()).position(|known| known == name);
         for tile in 0..self.tiles.len() {
-            let mut values = core::mem::take(&mut self.values);
+            let mut values = core::mem::take(&mut self.observed[tile].values);
             let active = self.observe(tile, &mut values);
-            let count = result.counts[record];
-            for (column, values) in result.columns.iter_mut().zip(&values) {
-                column.add(record, count, values, active);
-            }
+            self.observed[tile].lanes = active;
             for (bins, request) in result.histograms.iter_mut().zip(requests) {
                 let row = request.row(record, settings.records);
-                let column = settings
-                    .ensemble
-                    .names
-                    .iter()
-                    .position(|n| *n == request.name);
-                if let (Some(row), Some(column)) = (row, column) {
+                if let (Some(row), Some(column)) = (row, column_of(&request.name)) {
                     bins.add(request, row, &values[column], active);
                 }
             }
-            result.counts[record] += u64::from(active.count_ones());
-            self.values = values;
+            self.observed[tile].values = values;
+            let observed = &self.observed[tile];
+            for (column, request) in result.joints.iter_mut().zip(&settings.ensemble.joints) {
+                let history: Vec<_> = self.history.iter().map(|then| &then[tile]).collect();
+                let columns = [&request.first, &request.second].map(column_of);
+                if let [Some(first), Some(second)] = columns {
+                    let counts = &result.counts;
+                    column.add([first, second], record, counts, observed, &history);
+                }
+            }
+            for (column, request) in (result.quantiles.iter_mut()).zip(&settings.ensemble.quantiles)
+            {
+                if let Some(of) = column_of(&request.name) {
+                    column.add(record, &observed.values[of], active);
+                }
+            }
+            result.add(record, &observed.values, active);
+        }
+        if settings.ensemble.joints.iter().any(|joint| joint.is_two_time) {
+            self.history.push(self.observed.clone());
         }
     }
 
     /// Evaluates the observables of all tiles. A path on which an observable fails, fails.
     pub(super) fn observe_all(&mut self) {
-        let mut values = core::mem::take(&mut self.values);
         for tile in 0..self.tiles.len() {
+            let mut values = core::mem::take(&mut self.observed[tile].values);
             self.observe(tile, &mut values);
+            self.observed[tile].values = values;
         }
-        self.values = values;
     }
 
     /// Evaluates the observables of a tile. Returns the lanes that remain active.
     pub(super) fn observe(&mut self, tile: usize, values: &mut [Lane]) -> Mask {
         let ensemble = self.settings.ensemble;
-        let system = ensemble.method.system();
+        let system = self.settings.method.system();
         if self.tiles[tile].active == 0 {
             return 0;
         }
