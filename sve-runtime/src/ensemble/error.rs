@@ -142,6 +142,63 @@ pub enum EnsembleError {
         "`run_from` has a run for each start, and a checkpoint is the file of one: leave `checkpoint` out, or give each start a run and a file of its own"
     )]
     PointsInOneFile,
+    /// A sweep over no rows.
+    #[error("the table of the sweep has no row; give it the methods or starts to compare")]
+    EmptyTable,
+    /// A sweep with a checkpoint.
+    #[error(
+        "a sweep has a run for each row of its table, and a checkpoint is the file of one: leave `checkpoint` out, or take the sweep in shards"
+    )]
+    SweepInOneFile,
+    /// Sweeps over different tables were to be merged.
+    #[error("the sweeps have {rows} and {others} rows, so they are of different tables; merge shards of one sweep alone")]
+    OtherTable {
+        /// Rows of the one.
+        rows: usize,
+        /// Rows of the other.
+        others: usize,
+    },
+    /// A multilevel estimate of a part of a run.
+    #[error(
+        "`multilevel` decides itself how many paths each level has, in one run: leave `shard`, `checkpoint` and `stop_when` out"
+    )]
+    MultilevelInParts,
+    /// A multilevel estimate with an impossible error or order.
+    #[error("`multilevel` was given the {what} {value:e}, which has to be a positive number")]
+    MultilevelTarget {
+        /// The setting.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A level of a multilevel estimate without an estimate.
+    #[error("no mean and variance of `{name}` on level {level} of `multilevel`, with steps of {h:e}: {failed} of {paths} paths failed; take shorter steps")]
+    NoLevel {
+        /// The observable.
+        name: String,
+        /// The level.
+        level: u32,
+        /// Its step size.
+        h: f64,
+        /// Paths that failed.
+        failed: u64,
+        /// Paths that were run.
+        paths: u64,
+    },
+    /// A multilevel estimate that needs more levels than it may have.
+    #[error(
+        "`multilevel`: at level {level} the bias of the mean of `{name}` is estimated as {bias:.1e}, above {wanted:.1e}; allow more levels with `deepest`, start from shorter steps, or ask for a larger error"
+    )]
+    Bias {
+        /// The observable.
+        name: String,
+        /// The last level.
+        level: u32,
+        /// The estimate of the bias.
+        bias: f64,
+        /// The largest bias that the wanted error allows.
+        wanted: f64,
+    },
     /// A shard that does not exist.
     #[error("`shard({index}, {of})`: of {of} shards the numbers are 0 to {of} − 1")]
     Shard {

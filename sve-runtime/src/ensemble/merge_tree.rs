@@ -80,6 +80,16 @@ impl PartialResult {
         }
     }
 
+    /// Removes what is not a mean of observables: histograms, covariances and quantiles.
+    pub(super) fn without_distributions(self) -> Self {
+        Self {
+            histograms: Vec::new(),
+            joints: Vec::new(),
+            quantiles: Vec::new(),
+            ..self
+        }
+    }
+
     /// Adds the observables of a tile at a recorded time.
     pub(super) fn add(&mut self, record: usize, values: &[Lane], lanes: Mask) {
         let count = self.counts[record];

@@ -10,6 +10,7 @@
 mod antithetic;
 #[cfg(feature = "checkpoint")]
 mod checkpoint;
+mod coupled;
 mod covariance;
 mod csv;
 #[cfg(feature = "distributed")]
@@ -26,6 +27,7 @@ mod integral;
 mod joint;
 mod merge_tree;
 mod moments;
+mod multilevel;
 #[cfg(feature = "npy")]
 mod npy;
 mod observe;
@@ -46,6 +48,7 @@ mod statistics;
 #[cfg(feature = "serde")]
 mod stored;
 mod summary;
+mod sweep;
 mod warning;
 
 pub use crate::observed::Observed;
@@ -57,10 +60,12 @@ pub use error::Damage;
 pub use error::{Difference, EnsembleError};
 pub use failure::{Cause, FAILURES_KEPT, Failure};
 pub use final_state::FinalState;
+pub use multilevel::{Level, Multilevel, MultilevelEstimate};
 pub use quantiles::Quantiles;
 pub use starts::StartRng;
 pub use statistics::{Histogram, Statistics};
 pub use summary::Summary;
+pub use sweep::Sweep;
 pub use warning::Warning;
 
 use core::fmt;

@@ -72,6 +72,20 @@ pub(super) fn records<I: Method>(
     Ok(length)
 }
 
+/// Checks that the differences of the rows of a sweep fit into memory.
+pub(super) fn differences<I: Method>(
+    ensemble: &Ensemble<'_, I>,
+    records: usize,
+    differences: usize,
+) -> Result<(), EnsembleError> {
+    let of_record = NUMBER + u128::from(COLUMN_BYTES) * ensemble.names.len() as u128;
+    let bytes = AT_ONCE * of_record * records as u128 * differences as u128;
+    check(bytes, || {
+        let what = format!("{differences} differences of rows at {records} recorded times");
+        (what, "take a shorter table, or record less often with `record_every`")
+    })
+}
+
 /// Checks that so many bytes can be allocated.
 fn check(bytes: u128, described: impl Fn() -> (String, &'static str)) -> Result<(), EnsembleError> {
     let fits =
