@@ -3,14 +3,18 @@
 // closures are written as users write them
 #![allow(clippy::redundant_closure_for_method_calls)]
 
+mod antithetic;
 mod checkpoints;
 mod divergence;
 mod exact;
 mod failures;
 mod files;
+mod joint;
 mod memory;
+mod multilevel;
 mod naive;
 mod settings;
 mod shards;
 mod statistics;
+mod sweeps;
 mod threads;
