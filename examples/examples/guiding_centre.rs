@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
-use sve_examples::palette::{BLUE, GREY, ORANGE, VERMILION};
+use sve_examples::palette::{BLUE, GREY, ORANGE};
 use sve_examples::report::report;
 use sve_runtime::DegenerateStep;
 use sve_runtime::prelude::*;
@@ -236,7 +236,7 @@ fn figure(
     .with(Layer::new(
         "Runge–Kutta 4",
         theirs.drawn.clone(),
-        Pen::line(VERMILION, 0.8),
+        Pen::line(ORANGE, 0.8),
     ))
     .with(Layer::new(
         "midpoint",

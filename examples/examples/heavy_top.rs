@@ -135,7 +135,7 @@ fn view(title: &str, axis: &[Vector3<f64>], color: palette::Color) -> Panel {
 }
 
 fn figure(motions: [&Motion; 3]) -> Figure {
-    let colors = [palette::BLUE, palette::GREEN, palette::VERMILION];
+    let colors = [palette::BLUE, palette::ORANGE, palette::BLACK];
     let titles = [
         "steady precession",
         "released at rest: nutation",

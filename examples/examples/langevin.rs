@@ -1,13 +1,15 @@
 //! Langevin dynamics in a double well: friction and a bath that together sample exp(−H/kT).
 //!
 //! L = ½v² − V(q), V = a(q² − 1)², friction F = −νv, γ = σq with σ² = 2νkT. The histogram of q is compared with the density
-//! exp(−V/kT)/Z; independent particles give its standard error. The figure is written to `target/langevin.svg`.
+//! exp(−V/kT)/Z; independent particles give its standard error. The page is `target/langevin/index.html`.
 
 use std::error::Error;
-use std::path::Path;
+use std::process::ExitCode;
 
+use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
-use sve_examples::{palette, render};
+use sve_examples::palette;
+use sve_examples::report::report;
 use sve_runtime::prelude::*;
 
 #[derive(Clone, Copy, Debug)]
@@ -98,7 +100,7 @@ fn density(system: &Langevin) -> Vec<f64> {
         .collect()
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<ExitCode, Box<dyn Error>> {
     let system = Langevin {
         a: 1.0,
         nu: 1.0,
@@ -156,16 +158,31 @@ fn main() -> Result<(), Box<dyn Error>> {
         .iter()
         .zip(&exact)
         .map(|(s, e)| ((s.mean() - e) / s.standard_error()).abs());
-    println!(
-        "\nfarthest bin: {:.1} standard errors",
-        far.fold(0.0, f64::max)
-    );
-
-    let picture = Path::new("target").join("langevin.svg");
-    std::fs::create_dir_all("target")?;
-    std::fs::write(&picture, render::svg(&figure(&histogram, &exact))?)?;
-    println!("picture: {}", picture.display());
-    Ok(())
+    let far = far.fold(0.0, f64::max);
+    println!("\nfarthest bin: {far:.1} standard errors");
+    let checks = [
+        Check::near(
+            "mean of p²",
+            kinetic.mean(),
+            system.kt,
+            4.5 * kinetic.standard_error(),
+            "4.5 standard errors",
+        ),
+        Check::near(
+            "farthest bin, in standard errors",
+            far,
+            0.0,
+            4.5,
+            "4.5 standard errors for the largest of the bins",
+        ),
+    ];
+    let caption = "Time averages over the particles against the density of the canonical ensemble.";
+    report(
+        "Langevin dynamics",
+        &figure(&histogram, &exact),
+        caption,
+        &checks,
+    )
 }
 
 /// The histogram as steps, the density as a line.
@@ -174,6 +191,16 @@ fn figure(histogram: &[Sample], exact: &[f64]) -> Figure {
         let (middle, mean) = (middle(at), sample.mean());
         [(middle - 0.5 * WIDTH, mean), (middle + 0.5 * WIDTH, mean)]
     });
+    let middles = histogram
+        .iter()
+        .enumerate()
+        .map(|(at, sample)| (middle(at), sample.mean()))
+        .collect();
+    let bars = histogram.iter().map(|sample| {
+        let (mean, error) = (sample.mean(), 2.0 * sample.standard_error());
+        (mean - error, mean + error)
+    });
+    let bars = bars.collect();
     let line = exact.iter().enumerate().map(|(at, &e)| (middle(at), e));
     let panel = Panel::new(
         "Langevin dynamics in a double well",
@@ -181,11 +208,19 @@ fn figure(histogram: &[Sample], exact: &[f64]) -> Figure {
         Axis::new("probability density", 0.0..1.0),
     )
     .legend(Corner::TopRight)
-    .with(Layer::new(
-        "midpoint rule",
-        steps.collect(),
-        Pen::line(palette::BLUE, 1.5),
-    ))
+    .with(
+        Layer::new(
+            "midpoint rule, ± 2 standard errors",
+            steps.collect(),
+            Pen::line(palette::BLUE, 1.5),
+        )
+        .filled(0.0),
+    )
+    .with(
+        Layer::new("", middles, Pen::dots(palette::BLUE, 0.3))
+            .bars(bars)
+            .unlisted(),
+    )
     .with(Layer::new(
         "exp(−V/kT)/Z",
         line.collect(),

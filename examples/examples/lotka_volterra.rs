@@ -10,7 +10,7 @@ use std::process::ExitCode;
 
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
-use sve_examples::palette::{BLUE, GREY, ORANGE, VERMILION};
+use sve_examples::palette::{BLUE, GREY, ORANGE};
 use sve_examples::report::report;
 use sve_runtime::prelude::*;
 use sve_runtime::{DegenerateStep, Dims, System, Variational};
@@ -199,7 +199,7 @@ fn figure(
     .with(Layer::new(
         "with a cubic total derivative",
         every(drifting),
-        Pen::line(VERMILION, 0.8),
+        Pen::line(ORANGE, 0.8),
     ))
     .with(Layer::new(
         "without the velocity of y",

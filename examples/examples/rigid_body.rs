@@ -157,7 +157,7 @@ fn sphere(
 
 fn figure(quiet: &Spin, noisy: &Spin, levels: &[Vec<Vector3<f64>>]) -> Figure {
     let radius = quiet.momenta[0].norm();
-    let (blue, red) = (palette::BLUE, palette::VERMILION);
+    let (blue, orange) = (palette::BLUE, palette::ORANGE);
     let time = |path: &Spin| -> Vec<(f64, f64)> {
         let points = path.momenta.iter().take(DRAWN).enumerate().step_by(4);
         points.map(|(k, pi)| (k as f64 * H, pi.y)).collect()
@@ -176,7 +176,7 @@ fn figure(quiet: &Spin, noisy: &Spin, levels: &[Vec<Vector3<f64>>]) -> Figure {
     .with(Layer::new(
         "with noise χ·Π",
         time(noisy),
-        Pen::line(red, 1.3),
+        Pen::line(orange, 1.3),
     ));
     Figure {
         name: "rigid_body",
@@ -197,7 +197,7 @@ fn figure(quiet: &Spin, noisy: &Spin, levels: &[Vec<Vector3<f64>>]) -> Figure {
                         radius,
                         levels,
                         &noisy.momenta[..DRAWN],
-                        red,
+                        orange,
                     ),
                 ],
             },

@@ -4,6 +4,13 @@
 //! Particles outside the separatrix H = ω² are lost from the bucket.
 
 use std::error::Error;
+use std::f64::consts::PI;
+use std::process::ExitCode;
+
+use sve_examples::check::Check;
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
+use sve_examples::palette;
+use sve_examples::report::report;
 
 use sve_runtime::prelude::*;
 
@@ -33,10 +40,68 @@ const PARTICLES: u64 = 1000;
 #[derive(Clone, Copy, Debug, Default)]
 struct Bunch {
     energy: f64,
+    squares: f64,
     outside: u32,
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+/// The bunch at the end within the bucket, and the part that is lost against time.
+fn figure(machine: Synchrotron, ends: &[(f64, f64)], bunches: &[Bunch], times: &[f64]) -> Figure {
+    let wrapped = |&(q, p): &(f64, f64)| (q - 2.0 * PI * (q / (2.0 * PI)).round(), p);
+    let separatrix = |sign: f64| -> Vec<(f64, f64)> {
+        let angles = (-100..=100).map(|k| PI * f64::from(k) / 100.0);
+        angles
+            .map(|q| (q, sign * 2.0 * machine.omega * (0.5 * q).cos()))
+            .collect()
+    };
+    let t = times.last().copied().unwrap_or_default();
+    let bucket = Panel::new(
+        format!("Bunch in its bucket at t = {t}"),
+        Axis::angle("phase q", -PI..PI),
+        Axis::new("momentum p", -4.0..4.0),
+    )
+    .with(Layer::new(
+        "particles",
+        ends.iter().map(wrapped).collect(),
+        Pen::dots(palette::BLUE, 1.2),
+    ))
+    .with(Layer::new(
+        "separatrix",
+        separatrix(1.0),
+        Pen::line(palette::BLACK, 1.2),
+    ))
+    .with(Layer::new("", separatrix(-1.0), Pen::line(palette::BLACK, 1.2)).unlisted())
+    .legend(Corner::TopRight);
+    let n = PARTICLES as f64;
+    let lost = |bunch: &Bunch| f64::from(bunch.outside) / n;
+    let points: Vec<(f64, f64)> = times
+        .iter()
+        .copied()
+        .zip(bunches.iter().map(lost))
+        .collect();
+    let bars = points.iter().map(|&(_, part)| {
+        let error = 2.0 * (part * (1.0 - part) / n).sqrt();
+        (part - error, part + error)
+    });
+    let most = points
+        .iter()
+        .fold(0.01, |most: f64, point| most.max(point.1));
+    let loss = Panel::new(
+        "Particles outside of the separatrix, ± 2 standard errors",
+        Axis::new("time t", 0.0..1.05 * t),
+        Axis::new("part of the bunch", 0.0..1.4 * most),
+    )
+    .with(Layer::new("lost", points.clone(), Pen::series(0)).bars(bars.collect()));
+    Figure {
+        name: "synchrotron",
+        width: 1080,
+        rows: vec![Row {
+            height: 400,
+            panels: vec![bucket, loss],
+        }],
+    }
+}
+
+fn main() -> Result<ExitCode, Box<dyn Error>> {
     let machine = Synchrotron {
         omega: 1.0,
         sigma1: 0.1,
@@ -50,6 +115,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let first = machine.hamiltonian(&start)?;
     let stops: Vec<usize> = (1..=5).map(|k| 1000 * k).collect();
     let mut bunches = vec![Bunch::default(); stops.len()];
+    let mut ends = Vec::new();
     for particle in 0..PARTICLES {
         let mut trajectory = endpoint.trajectory(start, H, Wiener::new(42).path(particle));
         let mut done = 0;
@@ -60,8 +126,11 @@ fn main() -> Result<(), Box<dyn Error>> {
             done = stop;
             let energy = machine.hamiltonian(trajectory.state())?;
             bunch.energy += energy / PARTICLES as f64;
+            bunch.squares += energy * energy / PARTICLES as f64;
             bunch.outside += u32::from(energy > machine.omega.powi(2));
         }
+        let state = trajectory.state();
+        ends.push((state.q[0], state.p[0]));
     }
     println!("{PARTICLES} particles from q = 0.5 at rest, h = {H}");
     println!(
@@ -77,5 +146,25 @@ fn main() -> Result<(), Box<dyn Error>> {
             100.0 * f64::from(bunch.outside) / PARTICLES as f64
         );
     }
-    Ok(())
+    let times: Vec<f64> = stops.iter().map(|&stop| stop as f64 * H).collect();
+    let check = |(&t, bunch): (&f64, &Bunch)| {
+        let error = ((bunch.squares - bunch.energy.powi(2)) / (PARTICLES as f64 - 1.0)).sqrt();
+        let exact = first + 0.5 * machine.sigma1.powi(2) * t;
+        let why = "4.5 standard errors, and 0.002 for the step size";
+        Check::near(
+            format!("t = {t}: mean energy"),
+            bunch.energy,
+            exact,
+            4.5 * error + 0.002,
+            why,
+        )
+    };
+    let checks: Vec<Check> = times.iter().zip(&bunches).map(check).collect();
+    let caption = "The noise heats the bunch; particles that cross the separatrix leave their bucket and go around.";
+    report(
+        "Synchrotron",
+        &figure(machine, &ends, &bunches, &times),
+        caption,
+        &checks,
+    )
 }

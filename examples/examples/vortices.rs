@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
-use sve_examples::palette::{BLUE, GREEN, GREY, PURPLE, VERMILION};
+use sve_examples::palette::{BLACK, BLUE, GREY, ORANGE, PURPLE};
 use sve_examples::report::report;
 use sve_runtime::prelude::*;
 
@@ -206,10 +206,11 @@ fn paths(integrator: &Integrator<Vortices, Midpoint>, title: &str) -> Result<Pan
     let states = states?;
     let axis = |name| Axis::new(name, -2.1..2.1);
     let mut panel = Panel::new(title, axis("x"), axis("y")).equal();
-    for (i, color) in [BLUE, VERMILION, GREEN, PURPLE].into_iter().enumerate() {
+    let widths = [1.2, 1.2, 1.2, 2.0];
+    for (i, color) in [BLUE, ORANGE, BLACK, PURPLE].into_iter().enumerate() {
         let points = states.iter().map(|s| (s.q[i][0], s.q[i][1])).collect();
         let label = format!("Γ = {}", integrator.system().gamma[i]);
-        panel = panel.with(Layer::new(label, points, Pen::line(color, 1.2)));
+        panel = panel.with(Layer::new(label, points, Pen::line(color, widths[i])));
         let begin = vec![(first.q[i][0], first.q[i][1])];
         panel = panel.with(Layer::new("start", begin, Pen::dots(color, 4.0)).unlisted());
     }

@@ -144,3 +144,35 @@ fn the_files_that_the_architecture_names_are_there() {
         .collect();
     assert!(missing.is_empty(), "{missing:?}");
 }
+
+/// The package outside of the workspace cannot inherit from its manifest.
+#[test]
+fn packages_name_the_same_repository() {
+    let repository = |path: &str| -> String {
+        let manifest = read(path);
+        let line = manifest
+            .lines()
+            .find(|line| line.starts_with("repository = "));
+        line.unwrap_or_else(|| panic!("{path} names a repository"))
+            .to_owned()
+    };
+    assert_eq!(
+        repository("Cargo.toml"),
+        repository("sve-runtime/mpi/Cargo.toml")
+    );
+}
+
+/// Licences travel with each package.
+#[test]
+fn packages_contain_the_licences() {
+    for package in [
+        "sve-macros",
+        "sve-macros/compiler",
+        "sve-runtime",
+        "sve-runtime/mpi",
+    ] {
+        for licence in ["LICENSE-MIT", "LICENSE-APACHE"] {
+            assert_eq!(read(&format!("{package}/{licence}")), read(licence));
+        }
+    }
+}

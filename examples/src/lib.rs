@@ -1,20 +1,15 @@
-//! Shared code of the example programs: figures as data, their drawing, and checks of measured numbers.
+//! Shared code of the example programs: pages with figures, and checks of measured numbers.
 //!
-//! A program describes a [`Figure`](figure::Figure), [`render`] turns it into SVG and PNG with an embedded font (so that
-//! it looks the same on a machine without fonts or display), and [`check`] compares what was measured with what was
-//! expected. [`gaussian`] computes expectations of linear schemes without Monte Carlo.
+//! A program describes a [`Figure`](figure::Figure), [`report`] draws it, and [`check`] compares what was measured with what was expected. [`gaussian`] computes expectations of linear schemes without Monte Carlo.
 
-mod axes;
 pub mod check;
-mod clip;
-mod draw;
-pub mod figure;
+pub mod envelope;
 pub mod gaussian;
 pub mod page;
-pub mod palette;
-mod raster;
 pub mod render;
 pub mod report;
+
+pub use sve_runtime::plot::{figure, palette};
 
 #[cfg(test)]
 mod documents;

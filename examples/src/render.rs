@@ -1,79 +1,21 @@
-//! A figure as SVG and PNG.
-//!
-//! Both are drawn with the same code at `SCALE` device units a CSS pixel: plotters has integer coordinates, and whole
-//! CSS pixels would make curves jagged. The font is embedded in the program; SVG names the generic family.
+//! Figures as SVG and PNG, drawn if no two of their series differ by their hue alone.
 
-use std::error::Error;
-use std::sync::Once;
-
-use plotters::backend::SVGBackend;
-use plotters::drawing::IntoDrawingArea;
-use plotters::style::{FontStyle, register_font};
-
-use crate::draw;
-use crate::figure::Figure;
-use crate::raster::{self, Raster};
-
-/// Device units a CSS pixel.
-pub(crate) const SCALE: u32 = 4;
-/// Device units averaged into a pixel of the PNG, which so has two pixels a CSS pixel.
-const SMOOTHING: u32 = 2;
-
-fn prepare_font() {
-    static ONCE: Once = Once::new();
-    ONCE.call_once(|| {
-        for (style, font) in [
-            (FontStyle::Normal, dejavu::sans::regular()),
-            (FontStyle::Bold, dejavu::sans::bold()),
-        ] {
-            // the bytes are part of the program: a font that does not parse shows up as an error of the first text
-            let _ = register_font("sans-serif", style, font);
-        }
-    });
-}
-
-fn device_size(figure: &Figure) -> (u32, u32) {
-    let (width, height) = figure.size();
-    (width * SCALE, height * SCALE)
-}
+use sve_runtime::plot::{PlotError, figure::Figure, render};
 
 /// The figure as an SVG document that can also stand inside an HTML page.
 ///
 /// # Errors
-/// When plotters cannot draw it.
-pub fn svg(figure: &Figure) -> Result<String, Box<dyn Error>> {
-    prepare_font();
-    let mut text = String::new();
-    let device = device_size(figure);
-    {
-        let area = SVGBackend::with_string(&mut text, device).into_drawing_area();
-        draw::figure(&area, figure, draw::Detail::Thinned)?;
-        area.present()?;
-    }
-    let (width, height) = figure.size();
-    // what is the default anyway doubles the size of a dot
-    Ok(text
-        .replacen(
-            &format!("width=\"{}\" height=\"{}\"", device.0, device.1),
-            &format!("width=\"{width}\" height=\"{height}\""),
-            1,
-        )
-        .replace(" opacity=\"1\"", "")
-        .replace(" stroke=\"none\" stroke-width=\"1\"", ""))
+/// When it cannot be drawn, or two of its series differ by their hue alone.
+pub fn svg(figure: &Figure) -> Result<String, PlotError> {
+    figure.check_series()?;
+    render::svg(figure)
 }
 
 /// The figure as a PNG file.
 ///
 /// # Errors
-/// When plotters cannot draw it, or the encoder fails.
-pub fn png(figure: &Figure) -> Result<Vec<u8>, Box<dyn Error>> {
-    prepare_font();
-    let device = device_size(figure);
-    let mut pixels = vec![255; 3 * device.0 as usize * device.1 as usize];
-    {
-        let area = Raster::new(&mut pixels, device).into_drawing_area();
-        draw::figure(&area, figure, draw::Detail::Full)?;
-        area.present()?;
-    }
-    Ok(raster::png(&pixels, device, SMOOTHING)?)
+/// When it cannot be drawn, or two of its series differ by their hue alone.
+pub fn png(figure: &Figure) -> Result<Vec<u8>, PlotError> {
+    figure.check_series()?;
+    render::png(figure)
 }

@@ -112,6 +112,8 @@ pub mod noise;
 mod observed;
 mod parameter;
 mod plan;
+#[cfg(feature = "plot")]
+pub mod plot;
 mod power;
 mod rules;
 mod solve;

@@ -244,15 +244,18 @@ fn draw(counts: &[u64], paths: u64, exact: &Distribution, rule: &Distribution) -
     };
     let histogram = Panel::new(
         "Phase",
-        Axis::new("phase θ", -PI..PI),
+        Axis::angle("phase θ", -PI..PI),
         Axis::new("probability density", 0.0..0.4),
     )
     .legend(Corner::TopLeft)
-    .with(Layer::new(
-        "midpoint rule, histogram",
-        bars.collect(),
-        Pen::line(palette::BLUE, 1.5),
-    ))
+    .with(
+        Layer::new(
+            "midpoint rule, histogram",
+            bars.collect(),
+            Pen::line(palette::BLUE, 1.5),
+        )
+        .filled(0.0),
+    )
     .with(Layer::new(
         "exact: wrapped normal",
         fine(&|theta| exact.density(theta)),
@@ -271,7 +274,7 @@ fn draw(counts: &[u64], paths: u64, exact: &Distribution, rule: &Distribution) -
     let dashed = Pen::dashed(palette::BLACK, 1.0, (3.0, 3.0));
     let difference = Panel::new(
         "The same less the wrapped normal",
-        Axis::new("phase θ", -PI..PI),
+        Axis::angle("phase θ", -PI..PI),
         Axis::new("difference", -0.02..0.02),
     )
     .legend(Corner::TopLeft)

@@ -52,6 +52,7 @@ const EARLY: usize = 400;
 struct Curve {
     name: &'static str,
     color: Color,
+    shape: Shape,
     variational: bool,
     times: Vec<f64>,
     means: Vec<f64>,
@@ -66,35 +67,35 @@ pub(crate) fn report(options: &Options) -> Result<Report, Box<dyn Error>> {
         curve(
             options,
             "forward Euler–Maruyama",
-            palette::VERMILION,
+            (palette::VERMILION, Shape::Cross),
             &EulerMaruyama::new(OSCILLATOR),
             SHORT,
         )?,
         curve(
             options,
             "backward Euler–Maruyama",
-            palette::ORANGE,
+            (palette::ORANGE, Shape::Triangle),
             &BackwardEulerMaruyama::new(OSCILLATOR),
             SHORT,
         )?,
         curve(
             options,
             "midpoint rule",
-            palette::PURPLE,
+            (palette::PURPLE, Shape::Square),
             &Integrator::new(OSCILLATOR, Midpoint),
             LONG,
         )?,
         curve(
             options,
             "initial-point rule",
-            palette::GREEN,
+            (palette::GREEN, Shape::Disc),
             &Integrator::new(OSCILLATOR, InitialPoint),
             LONG,
         )?,
         curve(
             options,
             "endpoint rule",
-            palette::BLUE,
+            (palette::BLUE, Shape::Circle),
             &Integrator::new(OSCILLATOR, Endpoint),
             LONG,
         )?,
@@ -119,7 +120,7 @@ pub(crate) fn report(options: &Options) -> Result<Report, Box<dyn Error>> {
 fn curve<I>(
     options: &Options,
     name: &'static str,
-    color: Color,
+    (color, shape): (Color, Shape),
     method: &I,
     steps: usize,
 ) -> Result<Curve, Box<dyn Error>>
@@ -149,6 +150,7 @@ where
     Ok(Curve {
         name,
         color,
+        shape,
         variational: steps == LONG,
         times: summary.times().to_vec(),
         means: energy.mean().to_vec(),
@@ -265,7 +267,7 @@ fn lines(panel: Panel, curve: &Curve, steps: usize, less: impl Fn(f64) -> f64) -
         .collect();
     let marks = Pen {
         line: None,
-        ..Pen::line(curve.color, 1.0).symbols(Shape::Circle, points.len().div_ceil(stride))
+        ..Pen::line(curve.color, 1.0).symbols(curve.shape, points.len().div_ceil(stride))
     };
     panel
         .with(Layer::new("", line(1.0), band).unlisted())

@@ -181,7 +181,7 @@ pub(crate) fn solve() -> Result<(Panel, Vec<Check>), Box<dyn Error>> {
         Axis::new("u", 0.0..1.05),
     )
     .legend(Corner::TopRight);
-    for (record, color) in [(2, palette::BLUE), (4, palette::VERMILION)] {
+    for (record, color) in [(2, palette::BLUE), (4, palette::ORANGE)] {
         let time = 0.5 * record as f64;
         let exponent = Exponent::exact(time);
         let curve = (-320..=320).map(|k| 0.01 * f64::from(k));

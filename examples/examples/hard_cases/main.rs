@@ -5,6 +5,7 @@
 
 use std::process::ExitCode;
 
+mod blow_up;
 mod long;
 mod noisy;
 mod orbits;
@@ -17,9 +18,13 @@ fn main() -> ExitCode {
     orbits::rows(&mut table);
     long::rows(&mut table);
     noisy::rows(&mut table);
-    if table.print() {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::FAILURE
+    let as_expected = table.print();
+    match table.write(&blow_up::figure()) {
+        Ok(()) if as_expected => ExitCode::SUCCESS,
+        Ok(()) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
     }
 }

@@ -5,8 +5,8 @@ use sve_runtime::{Dims, System, Variational};
 
 use super::table::{Table, Verdict};
 
-struct Linear {
-    omega: f64,
+pub(super) struct Linear {
+    pub(super) omega: f64,
 }
 
 #[variational(initial_point, endpoint, midpoint)]
@@ -17,8 +17,8 @@ impl Linear {
 }
 
 /// ω is the frequency of the largest curvature on the way, at q = 1.
-struct Quartic {
-    omega: f64,
+pub(super) struct Quartic {
+    pub(super) omega: f64,
 }
 
 #[variational(initial_point, endpoint, midpoint)]
@@ -32,7 +32,7 @@ impl Quartic {
 const STEPS: [usize; 2] = [5000, 1_000_000];
 
 /// The largest energy over a run in units of the first; nothing where it passes a million or a step fails.
-fn largest_energy<S, R>(system: S, rule: R, steps: usize) -> Option<f64>
+pub(super) fn largest_energy<S, R>(system: S, rule: R, steps: usize) -> Option<f64>
 where
     S: Variational<R> + System<Dims = Dims<1, 0>>,
 {

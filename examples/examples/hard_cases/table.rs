@@ -1,6 +1,12 @@
 //! The table: rows with verdicts, found and expected.
 
-use std::fmt;
+use std::error::Error;
+use std::path::Path;
+use std::{fmt, fs};
+
+use sve_examples::figure::Figure;
+use sve_examples::{page, render};
+use sve_runtime::plot::page::table;
 
 /// The outcome of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,5 +90,31 @@ impl Table {
             }
         }
         good
+    }
+
+    /// Writes the page with the figure and the rows; verdicts that are not as expected are marked.
+    pub(super) fn write(&self, figure: &Figure) -> Result<(), Box<dyn Error>> {
+        let row = |row: &Row| {
+            let expected = if row.found == row.expected { "" } else { "off" };
+            let cells = [row.case, row.method, row.hard].map(str::to_owned);
+            let verdict = [row.found.to_string(), row.numbers.clone()];
+            (expected, cells.into_iter().chain(verdict).collect())
+        };
+        let rows: Vec<(&str, Vec<String>)> = self.0.iter().map(row).collect();
+        let head = ["case", "method", "what makes it hard", "verdict", "numbers"];
+        let caption =
+            "Above the limit of stability the energy grows without bound, and the line ends.";
+        let body = format!(
+            "<figure>\n{}\n<figcaption>{caption}</figcaption>\n</figure>\n{}",
+            render::svg(figure)?,
+            table(&head, &rows)
+        );
+        let folder = Path::new("target").join(figure.name);
+        fs::create_dir_all(&folder)?;
+        fs::write(folder.join("hard_cases.png"), render::png(figure)?)?;
+        let path = folder.join("index.html");
+        fs::write(&path, page::document("Hard cases", &body))?;
+        println!("page: {}", path.display());
+        Ok(())
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! The step without structure is one Newton iteration in all unknowns of the rule, displacement, velocity and momentum, with the full
 //! symbolic Jacobian. It computes all values in each iteration, as generic code would. Solver and stopping rule are the same.
-//! Prints the table, and writes it to `target/structure.md`.
+//! Prints the table, and writes it with a picture to `target/structure/`.
 
 mod scenes;
 
@@ -13,6 +13,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use scenes::{Facts, Scene, Visitor, every_scene};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row as Panels, Shape};
+use sve_examples::{palette, render};
 use sve_runtime::__private::Unstructured;
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, StateOf, System, Variational, VectorCoordinates};
@@ -230,6 +232,61 @@ fn cells(row: &Row) -> [String; 10] {
     ]
 }
 
+/// A line a scene, from the time without structure to the time with it.
+fn figure(rows: &[Row]) -> Figure {
+    let place = |at: usize| (rows.len() - at) as f64;
+    let points = |side: fn(&Row) -> &Side| -> Vec<(f64, f64)> {
+        let times = rows.iter().enumerate();
+        times
+            .map(|(at, row)| (side(row).nanoseconds.log10(), place(at)))
+            .collect()
+    };
+    let (derived, unstructured) = (points(|row| &row.derived), points(|row| &row.unstructured));
+    let last = unstructured
+        .iter()
+        .fold(2.0, |last: f64, point| last.max(point.0));
+    let mut times = Axis::powers("nanoseconds a step", 0.0..last + 1.6);
+    times.labels = 8;
+    let mut scenes = Axis::new("", 0.0..rows.len() as f64 + 1.0);
+    scenes.labels = 0;
+    let mut panel = Panel::new(
+        "Time of a step, with the structure of the scene and without",
+        times,
+        scenes,
+    );
+    for (at, row) in rows.iter().enumerate() {
+        let (low, high) = (derived[at], unstructured[at]);
+        let ratio = row.unstructured.nanoseconds / row.derived.nanoseconds;
+        panel = panel
+            .with(Layer::new("", vec![low, high], Pen::line(palette::GREY, 1.0)).unlisted())
+            .note(
+                (high.0 + 0.04, high.1),
+                format!("{} · {ratio:.1}", row.scene),
+                palette::BLACK,
+            );
+    }
+    let mut open = Pen::dots(palette::VERMILION, 3.5);
+    if let Some(symbols) = &mut open.symbol {
+        symbols.shape = Shape::Circle;
+    }
+    let panel = panel
+        .with(Layer::new(
+            "with structure",
+            derived,
+            Pen::dots(palette::BLUE, 3.5),
+        ))
+        .with(Layer::new("without", unstructured, open))
+        .legend(Corner::BottomRight);
+    Figure {
+        name: "structure",
+        width: 1080,
+        rows: vec![Panels {
+            height: 80 + 22 * rows.len() as u32,
+            panels: vec![panel],
+        }],
+    }
+}
+
 /// The explanation of the columns.
 const LEGEND: &str = "Without structure → with it; one value where both are the same.
 operations, calls of functions, angle additions (sines and cosines from those of an angle near by): of a step and of n iterations
@@ -243,9 +300,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let rows: Vec<Row> = rows.0.into_iter().collect::<Result<_, _>>()?;
     let table = markdown(&rows)?;
     println!("{table}\n{LEGEND}");
-    let path = Path::new("target/structure.md");
-    std::fs::create_dir_all("target")?;
-    std::fs::write(path, &table)?;
-    println!("written to {}", path.display());
+    let folder = Path::new("target/structure");
+    std::fs::create_dir_all(folder)?;
+    std::fs::write(folder.join("structure.md"), &table)?;
+    let figure = figure(&rows);
+    std::fs::write(folder.join("structure.svg"), render::svg(&figure)?)?;
+    std::fs::write(folder.join("structure.png"), render::png(&figure)?)?;
+    println!("table and picture: {}", folder.display());
     Ok(())
 }

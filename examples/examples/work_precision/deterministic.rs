@@ -226,6 +226,7 @@ pub(crate) fn pendulum() -> Result<Problem, StudyError> {
     Ok(Problem {
         title: "Pendulum",
         setting: "L = v²/2 + 9.8 cos q, from q = 2 at rest to t = 2000, some 760 periods.",
+        norm: "distance of q at the end",
         invariant: Some("energy"),
         report,
     })
@@ -250,6 +251,7 @@ pub(crate) fn double_pendulum() -> Result<Problem, StudyError> {
     Ok(Problem {
         title: "Double pendulum",
         setting: "Unit masses and lengths, g = 9.8, from angles (2, 1) at rest to t = 10. The motion is chaotic: errors grow with time.",
+        norm: "distance of q at the end",
         invariant: Some("energy"),
         report,
     })
@@ -279,6 +281,7 @@ pub(crate) fn kepler() -> Result<Problem, StudyError> {
     Ok(Problem {
         title: "Kepler, eccentricity 0.6",
         setting: "L = v²/2 + 1/r, from the perihelion (0.4, 0), p = (0, 2), for 1,000 revolutions, t = 2000π. Errors against the exact return to the start.",
+        norm: "distance of q at the end",
         invariant: Some("energy"),
         report,
     })
@@ -311,6 +314,7 @@ pub(crate) fn quiet_henon_heiles() -> Result<Problem, StudyError> {
     Ok(Problem {
         title: "Hénon–Heiles without noise",
         setting: "L = (v² − q²)/2 − x²y + y³/3, from q = (0, 0.1), p = (0.35, 0.1) to t = 1000.",
+        norm: "distance of q at the end",
         invariant: Some("energy"),
         report,
     })
@@ -336,6 +340,7 @@ pub(crate) fn outer_solar_system() -> Result<Problem, StudyError> {
     Ok(Problem {
         title: "Outer solar system",
         setting: "The Sun with the inner planets, Jupiter, Saturn, Uranus, Neptune and Pluto, from 5 September 1994 for 1,000,000 days; errors in astronomical units, of all positions together.",
+        norm: "distance of q at the end",
         invariant: Some("energy"),
         report,
     })

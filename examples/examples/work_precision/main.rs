@@ -141,13 +141,14 @@ fn section(
     let what = "an error at the end, by other programs";
     conclusions += &report::conclusion(what, &fastest(plots::strong, true));
     println!("{}", report::plain(name, &conclusions));
-    let figure = plots::figure(
-        name,
-        &all,
-        &winners,
-        (weak, problem.invariant),
-        &report::verdict(&winners),
-    );
+    let shown = plots::Shown {
+        problem: problem.title,
+        norm: problem.norm,
+        weak,
+        invariant: problem.invariant,
+        verdict: &report::verdict(&winners),
+    };
+    let figure = plots::figure(name, &all, &winners, &shown);
     let svg = render::svg(&figure)?;
     fs::write(out.join(name).with_extension("svg"), &svg)?;
     fs::write(out.join(name).with_extension("png"), render::png(&figure)?)?;

@@ -79,6 +79,7 @@ pub(crate) fn oscillator() -> Result<Problem, StudyError> {
     Ok(Problem {
         title: "Linear oscillator, additive noise",
         setting: "L = v²/2 − q²/2, γ = σq, σ = 1, from (1, 0) to t = 10. Errors against the exact solution on each of 1000 paths.",
+        norm: "root mean square distance of (q, p) at the end",
         invariant: None,
         report,
     })
@@ -149,6 +150,7 @@ pub(crate) fn kubo() -> Result<Problem, StudyError> {
         title: "Kubo oscillator, noise in q and p",
         setting: "L = v²/2a − aq²/2, H₁ = σ(q² + p²)/2, a = 1, σ = ½, from (1, 0) to t = 4. Errors against the exact rotation on each of \
                   1000 paths. “Uncorrected” rules lack the Stratonovich term of the discrete action; the macro never leaves it out.",
+        norm: "root mean square distance of (q, p) at the end",
         invariant: Some("q² + p²"),
         report,
     })
@@ -176,6 +178,7 @@ pub(crate) fn synchrotron() -> Result<Problem, StudyError> {
         title: "Synchrotron, two noises in q",
         setting: "L = v²/2 + ω² cos q, γ = (−σ₁ cos q, −σ₂ sin q), ω = 1, σ₁ = σ₂ = 0.1, from q = 0.5 at rest to t = 8. Errors against the rule \
                   of Störmer and Verlet with 16 times shorter steps on each of 600 paths.",
+        norm: "root mean square distance of (q, p) at the end",
         invariant: None,
         report,
     })
@@ -198,6 +201,7 @@ pub(crate) fn henon_heiles() -> Result<Problem, StudyError> {
         title: "Hénon–Heiles, additive noise",
         setting: "L = (v² − q²)/2 − x²y + y³/3, γ = (σx, σy), σ = 0.02, from q = (0, 0.1), p = (0.35, 0.1) to t = 16. Errors against the rule \
                   of Störmer and Verlet with 16 times shorter steps on each of 200 paths.",
+        norm: "root mean square distance of (q, p) at the end",
         invariant: None,
         report,
     })
@@ -224,6 +228,7 @@ pub(crate) fn langevin() -> Result<Problem, StudyError> {
         title: "Langevin dynamics in a double well, friction and additive noise",
         setting: "L = v²/2 − a(q² − 1)², F = −νv, γ = √(2νkT) q, a = ν = 1, kT = 0.4, from q = −1 at rest to t = 2. Errors against the rule of Störmer and Verlet with \
                   16 times shorter steps on each of 2000 paths.",
+        norm: "root mean square distance of (q, p) at the end",
         invariant: None,
         report,
     })

@@ -106,8 +106,21 @@ pub(crate) fn strong(record: &Record) -> Option<f64> {
 }
 
 fn weak(record: &Record) -> Option<f64> {
-    let (error, spread) = (record.weak_error?.abs(), record.weak_error_se?);
-    (error > SIGNIFICANT * spread).then_some(error)
+    record.weak_error.map(f64::abs)
+}
+
+/// No standard error.
+fn certain(_: &Record) -> Option<f64> {
+    Some(0.0)
+}
+
+/// The standard error of a strong error, where there is one.
+fn strong_spread(record: &Record) -> Option<f64> {
+    Some(record.error_se.unwrap_or(0.0))
+}
+
+fn weak_spread(record: &Record) -> Option<f64> {
+    record.weak_error_se
 }
 
 /// Returns an upper bound of the weak error, with the confidence of [`SIGNIFICANT`].
@@ -207,50 +220,71 @@ fn range(numbers: impl Iterator<Item = f64>) -> Range<f64> {
     }
 }
 
-/// A panel of one quantity against another.
+/// A kind of error: its name, and how a record has it and its standard error.
+type Kind<'a> = (&'a str, Quantity, Quantity);
+
+/// A panel of one kind of error against another quantity.
 fn panel(
     title: String,
     (x_name, x): (&str, Quantity),
-    (y_name, y): (&str, Quantity),
+    (y_name, y, spread): Kind<'_>,
     all: &[&Series],
 ) -> Panel {
-    let curves: Vec<Vec<(f64, f64)>> = all
+    let curves: Vec<[Layer; 2]> = all
         .iter()
-        .map(|series| exponents(&series.points(x, y)))
+        .enumerate()
+        .map(|(number, series)| {
+            let shown = |y: &f64| ERRORS.contains(y);
+            let point =
+                |record: &Record| Some((x(record)?, y(record).filter(shown)?, spread(record)?));
+            // a method without points is in the legend all the same: its errors are too large or too small to be shown
+            let points = series.records.iter().filter_map(point);
+            Layer::errors(series.name.clone(), pen(series, number), points)
+        })
         .collect();
-    let points = || curves.iter().flatten();
+    let points = || curves.iter().flatten().flat_map(|layer| &layer.points);
     let mut panel = Panel::new(
         title,
         Axis::powers(x_name, range(points().map(|p| p.0))),
         Axis::powers(y_name, range(points().map(|p| p.1))),
     );
-    for (number, (series, curve)) in all.iter().zip(curves).enumerate() {
-        // a method without points is in the legend all the same: its errors are too large or too small to be shown
-        let layer = Layer::new(series.name.clone(), curve, pen(series, number));
+    for layer in curves.into_iter().flatten() {
         panel = panel.with(layer);
     }
     panel
 }
 
-/// Short lines whose slopes are orders, in the corner where no error is.
+/// Short lines whose slopes are orders, beside each other in the corner where no error is.
 fn slopes(mut panel: Panel, orders: &[i32]) -> Panel {
     let (x, y) = (panel.x.range.clone(), panel.y.range.clone());
     let (width, height) = (x.end - x.start, y.end - y.start);
-    let (left, length, bottom) = (
-        x.start + 0.66 * width,
-        0.14 * width,
-        y.start + 0.05 * height,
-    );
-    for &order in orders {
+    let bottom = y.start + 0.04 * height;
+    for (k, &order) in orders.iter().enumerate() {
+        let left = x.start + (0.5 + 0.16 * k as f64) * width;
+        // as high as there is room below the errors
+        let length = (0.08 * width).min(0.2 * height / f64::from(order));
         let end = (left + length, bottom + f64::from(order) * length);
-        let pen = Pen::line(palette::GREY, 1.0);
-        let line = Layer::new("", vec![(left, bottom), end], pen).unlisted();
-        let at = (end.0 + 0.012 * width, end.1);
+        let line = Layer::new("", vec![(left, bottom), end], Pen::line(palette::GREY, 1.0));
+        let at = (end.0 + 0.008 * width, end.1);
         panel = panel
-            .with(line)
+            .with(line.unlisted())
             .note(at, format!("order {order}"), palette::GREY);
     }
     panel
+}
+
+/// What a figure shows beside the errors at the end.
+pub(crate) struct Shown<'a> {
+    /// The problem, as a title.
+    pub(crate) problem: &'a str,
+    /// The norm of the error at the end.
+    pub(crate) norm: &'a str,
+    /// The observable of the weak error, where there is noise.
+    pub(crate) weak: Option<&'a str>,
+    /// The conserved quantity, if there is one.
+    pub(crate) invariant: Option<&'a str>,
+    /// Which method is the fastest for which error.
+    pub(crate) verdict: &'a str,
 }
 
 /// The figure: strong errors in the first row; weak errors, or errors of the invariant, in the second.
@@ -258,39 +292,47 @@ pub(crate) fn figure(
     name: &'static str,
     all: &[Series],
     winners: &[Winner],
-    (weak_name, invariant): (Option<&str>, Option<&str>),
-    verdict: &str,
+    shown: &Shown<'_>,
 ) -> Figure {
-    let all = &shown(all, weak_name.is_some());
+    let all = &self::shown(all, shown.weak.is_some());
+    let title = || shown.problem.to_owned();
     let times = ("time to solution of one path (s)", time as Quantity);
     let steps = ("step size h", step as Quantity);
-    let error = ("error at the end", strong as Quantity);
-    let mut first = panel(verdict.to_owned(), times, error, all);
-    let band: Vec<(f64, f64)> = winners.iter().flat_map(|w| w.trace.clone()).collect();
-    let band = Layer::new("", exponents(&band), Pen::line(BAND, 11.0)).unlisted();
-    first.layers.insert(0, band);
-    let orders: &[i32] = if weak_name.is_some() {
+    let error: Kind<'_> = (shown.norm, strong, strong_spread);
+    let mut first = panel(
+        format!("{}; {}", shown.problem, shown.verdict),
+        times,
+        error,
+        all,
+    );
+    let trace: Vec<(f64, f64)> = winners.iter().flat_map(|w| w.trace.clone()).collect();
+    let band = |points| Layer::new("band: fastest method of sve", points, Pen::line(BAND, 11.0));
+    first.layers.insert(0, band(exponents(&trace)).unlisted());
+    let orders: &[i32] = if shown.weak.is_some() {
         &[1, 2]
     } else {
         &[2, 4, 8]
     };
-    let second = slopes(panel(String::new(), steps, error, all), orders).legend(Corner::Outside);
+    let second = slopes(panel(title(), steps, error, all), orders)
+        .with(band(Vec::new()))
+        .legend(Corner::Outside);
     let mut rows = vec![vec![first, second]];
     let mut below = Vec::new();
-    if let Some(observed) = weak_name {
-        let what = format!("weak error of {observed}");
-        below.push(panel(String::new(), times, (&what, weak), all));
+    let observed = shown
+        .weak
+        .map(|observed| format!("|weak error of {observed}|"));
+    if let Some(what) = &observed {
+        below.push(panel(title(), times, (what, weak, weak_spread), all));
     }
-    if let Some(invariant) = invariant {
-        let what = format!("largest error of {invariant}");
-        below.push(panel(String::new(), times, (&what, largest), all));
+    if let Some(invariant) = shown.invariant {
+        let what = format!("largest |error of {invariant}|");
+        below.push(panel(title(), times, (&what, largest, certain), all));
         if below.len() < 2 {
             let what = format!("|slope| of the line through {invariant}");
-            below.push(panel(String::new(), times, (&what, drift), all));
+            below.push(panel(title(), times, (&what, drift, certain), all));
         }
-    } else if let Some(observed) = weak_name {
-        let what = format!("weak error of {observed}");
-        below.push(panel(String::new(), steps, (&what, weak), all));
+    } else if let Some(what) = &observed {
+        below.push(panel(title(), steps, (what, weak, weak_spread), all));
     }
     if !below.is_empty() {
         rows.push(below);

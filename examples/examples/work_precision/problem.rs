@@ -9,6 +9,8 @@ pub(crate) struct Problem {
     pub(crate) title: &'static str,
     /// Description of the problem and of its errors.
     pub(crate) setting: &'static str,
+    /// The norm of the error at the end.
+    pub(crate) norm: &'static str,
     /// The conserved quantity, if there is one.
     pub(crate) invariant: Option<&'static str>,
     pub(crate) report: Report,

@@ -5,7 +5,7 @@
 use std::fmt::Write as _;
 use std::ops::Range;
 
-use crate::palette::Color;
+use super::palette::{CYCLE, Color};
 
 /// A figure: rows of panels under each other.
 #[derive(Clone, Debug)]
@@ -51,12 +51,23 @@ pub struct Panel {
 pub struct Axis {
     /// Quantity and unit.
     pub name: String,
-    /// What it spans; of the exponents where `powers` is set.
+    /// What it spans; of the exponents where the scale is one of powers.
     pub range: Range<f64>,
-    /// The coordinate is a decimal exponent, and is labelled 10ˣ.
-    pub powers: bool,
-    /// Roughly how many labels.
+    /// What its numbers are.
+    pub scale: Scale,
+    /// Roughly how many labels; none for 0.
     pub labels: usize,
+}
+
+/// What the numbers of an axis are, and so where its labels stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// Numbers.
+    Linear,
+    /// Decimal exponents, labelled 10ˣ.
+    Powers,
+    /// Angles in radians, labelled in parts of π.
+    Angle,
 }
 
 /// A place of a panel.
@@ -96,6 +107,21 @@ pub struct Layer {
     pub pen: Pen,
     /// Whether the legend lists it.
     pub listed: bool,
+    /// What is drawn beside the points.
+    pub spread: Spread,
+}
+
+/// What is drawn around or under the points of a layer.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Spread {
+    /// Nothing.
+    None,
+    /// A vertical bar at each point, between two values.
+    Bars(Vec<(f64, f64)>),
+    /// An area between two values at each point.
+    Band(Vec<(f64, f64)>),
+    /// An area between the points and a value.
+    Filled(f64),
 }
 
 /// How points are drawn.
@@ -142,6 +168,8 @@ pub enum Shape {
     Cross,
     /// An open circle.
     Circle,
+    /// An arrow downwards: the point is an upper limit.
+    Limit,
 }
 
 impl Axis {
@@ -150,7 +178,7 @@ impl Axis {
         Self {
             name: name.into(),
             range,
-            powers: false,
+            scale: Scale::Linear,
             labels: 6,
         }
     }
@@ -158,8 +186,16 @@ impl Axis {
     /// An axis of decimal exponents.
     pub fn powers(name: impl Into<String>, exponents: Range<f64>) -> Self {
         Self {
-            powers: true,
+            scale: Scale::Powers,
             ..Self::new(name, exponents)
+        }
+    }
+
+    /// An axis of angles in radians.
+    pub fn angle(name: impl Into<String>, range: Range<f64>) -> Self {
+        Self {
+            scale: Scale::Angle,
+            ..Self::new(name, range)
         }
     }
 }
@@ -219,7 +255,34 @@ impl Layer {
             points,
             pen,
             listed: true,
+            spread: Spread::None,
         }
+    }
+
+    /// With a bar at each point between two values, for example the mean less and plus two standard errors.
+    #[must_use]
+    pub fn bars(mut self, ends: Vec<(f64, f64)>) -> Self {
+        self.spread = Spread::Bars(ends);
+        self
+    }
+
+    /// With an area between two values at each point.
+    #[must_use]
+    pub fn band(mut self, ends: Vec<(f64, f64)>) -> Self {
+        self.spread = Spread::Band(ends);
+        self
+    }
+
+    /// With the area between the points and a value.
+    #[must_use]
+    pub fn filled(mut self, to: f64) -> Self {
+        self.spread = Spread::Filled(to);
+        self
+    }
+
+    /// Whether an area belongs to it.
+    pub(super) fn is_filled(&self) -> bool {
+        matches!(self.spread, Spread::Band(_) | Spread::Filled(_))
     }
 
     /// Not in the legend.
@@ -259,6 +322,28 @@ impl Pen {
             symbol: Some(Symbols {
                 shape: Shape::Disc,
                 radius,
+                count: None,
+            }),
+        }
+    }
+
+    /// The look of the series with this number, on each point a symbol: the first seven differ in colour and symbol, later ones in their dashes.
+    pub fn series(number: usize) -> Self {
+        let shapes = [
+            Shape::Disc,
+            Shape::Square,
+            Shape::Triangle,
+            Shape::Cross,
+            Shape::Circle,
+        ];
+        let color = CYCLE[number % CYCLE.len()];
+        let dash = [None, Some((7.0, 4.0)), Some((2.0, 3.0))][number / CYCLE.len() % 3];
+        Self {
+            color,
+            line: Some(Stroke { width: 1.6, dash }),
+            symbol: Some(Symbols {
+                shape: shapes[number % shapes.len()],
+                radius: 3.2,
                 count: None,
             }),
         }

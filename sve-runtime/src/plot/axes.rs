@@ -3,14 +3,15 @@
 //! Done here so that an axis without a finite range is an error: plotters' search for round numbers would not end.
 
 use std::error::Error;
+use std::f64::consts::PI;
 use std::ops::Range;
 
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use crate::draw::{Area, font, px, stroke};
-use crate::figure::{Axis, Corner, Panel};
-use crate::palette;
+use super::draw::{Area, font, px, stroke};
+use super::figure::{Axis, Corner, Panel, Scale};
+use super::palette;
 
 /// Room around the axes, in CSS pixels.
 const LEFT: f64 = 62.0;
@@ -164,8 +165,13 @@ fn widened(range: &Range<f64>, to: f64) -> Range<f64> {
 
 /// Where the labels of an axis stand.
 fn labelled(axis: &Axis, range: &Range<f64>) -> Vec<f64> {
-    if !axis.powers {
-        return round_numbers(range, axis.labels);
+    if axis.labels == 0 {
+        return Vec::new();
+    }
+    match axis.scale {
+        Scale::Linear => return round_numbers(range, axis.labels),
+        Scale::Angle => return parts_of_pi(range, axis.labels),
+        Scale::Powers => {}
     }
     let decades = length(range);
     if decades < ONE_DECADE {
@@ -185,7 +191,7 @@ fn labelled(axis: &Axis, range: &Range<f64>) -> Vec<f64> {
 
 /// Where ticks without labels stand: between powers of ten, where there are not too many.
 fn ticks(axis: &Axis, range: &Range<f64>) -> Vec<f64> {
-    if axis.powers && length(range) < MANY_DECADES {
+    if axis.scale == Scale::Powers && length(range) < MANY_DECADES {
         within_decades(range, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0])
     } else {
         Vec::new()
@@ -217,9 +223,56 @@ fn round_numbers(range: &Range<f64>, count: usize) -> Vec<f64> {
         .collect()
 }
 
-/// A label: the number in full, or a power of ten.
+/// Multiples of π/4, π/2, π or a round number of π in the range, about `count` of them; of smaller parts in a short range.
+fn parts_of_pi(range: &Range<f64>, count: usize) -> Vec<f64> {
+    let turns = range.start / PI..range.end / PI;
+    let rough = length(&turns) / count.max(1) as f64;
+    let part = [0.125, 0.25, 0.5, 1.0]
+        .into_iter()
+        .find(|part| *part >= 0.8 * rough);
+    match part {
+        Some(part) if part / 8.0 < rough => {
+            let first = (turns.start / part - 1e-9).ceil() as i64;
+            let last = (turns.end / part + 1e-9).floor() as i64;
+            (first..=last).map(|k| k as f64 * part * PI).collect()
+        }
+        // many turns, or a small part of one
+        _ => round_numbers(&turns, count)
+            .iter()
+            .map(|x| x * PI)
+            .collect(),
+    }
+}
+
+/// An angle in parts of π.
+fn angle(value: f64) -> String {
+    let turns = value / PI;
+    let eighths = 8.0 * turns;
+    if (eighths - eighths.round()).abs() > 1e-9 {
+        return format!("{}π", plain(turns));
+    }
+    let (mut above, mut below) = (eighths.round() as i64, 8);
+    while above % 2 == 0 && below > 1 {
+        (above, below) = (above / 2, below / 2);
+    }
+    let sign = if above < 0 { "−" } else { "" };
+    let above = match above.abs() {
+        0 => return "0".to_owned(),
+        1 => "π".to_owned(),
+        k => format!("{k}π"),
+    };
+    match below {
+        1 => format!("{sign}{above}"),
+        _ => format!("{sign}{above}/{below}"),
+    }
+}
+
+/// A label: the number in full, a power of ten, or parts of π.
 fn label(axis: &Axis, value: f64) -> String {
-    if axis.powers {
+    if axis.scale == Scale::Angle {
+        return angle(value);
+    }
+    if axis.scale == Scale::Powers {
         let exponent = (value + 1e-9).floor();
         let multiple = 10_f64.powf(value - exponent).round() as i64;
         let power = format!("10{}", superscript(exponent as i64));
@@ -228,6 +281,10 @@ fn label(axis: &Axis, value: f64) -> String {
             multiple => format!("{multiple}·{power}"),
         };
     }
+    plain(value)
+}
+
+fn plain(value: f64) -> String {
     let text = format!("{value:.4}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" {
@@ -288,6 +345,29 @@ mod tests {
         let powers = Axis::powers("", 0.0..1.0);
         assert_eq!(label(&powers, -10.0), "10⁻¹⁰");
         assert_eq!(label(&powers, 2e-3_f64.log10()), "2·10⁻³");
+    }
+
+    #[test]
+    fn angles_are_parts_of_pi() {
+        let labels = |range: Range<f64>| -> Vec<String> {
+            let axis = Axis::angle("", range);
+            labelled(&axis, &axis.range)
+                .iter()
+                .map(|x| label(&axis, *x))
+                .collect()
+        };
+        assert_eq!(labels(-PI..PI), ["−π", "−π/2", "0", "π/2", "π"]);
+        assert_eq!(labels(0.0..1.0), ["0", "π/8", "π/4"]);
+        assert_eq!(
+            labels(0.0..40.0),
+            ["0", "2π", "4π", "6π", "8π", "10π", "12π"]
+        );
+        assert_eq!(
+            labels(0.0..0.01),
+            [
+                "0", "0.0005π", "0.001π", "0.0015π", "0.002π", "0.0025π", "0.003π"
+            ]
+        );
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Draws a figure on any backend of plotters.
 //!
-//! All lengths of [`figure`](crate::figure) are CSS pixels; [`px`] makes them device units.
+//! All lengths of [`figure`](super::figure) are CSS pixels; [`px`] makes them device units.
 
 use std::error::Error;
 
@@ -9,11 +9,12 @@ use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use crate::axes::{Frame, LABEL};
-use crate::clip;
-use crate::figure::{Corner, Figure, Layer, Panel, Pen, Shape, Symbols};
-use crate::palette;
-use crate::render::SCALE;
+use super::axes::{Frame, LABEL};
+use super::clip;
+use super::figure::{Corner, Figure, Layer, Panel, Pen, Shape, Symbols};
+use super::palette;
+use super::render::SCALE;
+use super::spread;
 
 type Outcome = Result<(), Box<dyn Error>>;
 /// An area of device units.
@@ -41,7 +42,7 @@ pub(crate) fn stroke(color: palette::Color, width: f64) -> ShapeStyle {
     rgb(color).stroke_width(px(width).unsigned_abs().max(1))
 }
 
-fn rgb((r, g, b): palette::Color) -> RGBColor {
+pub(crate) fn rgb((r, g, b): palette::Color) -> RGBColor {
     RGBColor(r, g, b)
 }
 
@@ -77,6 +78,10 @@ where
     DB::ErrorType: 'static,
 {
     let frame = Frame::new(panel, area.dim_in_pixel())?;
+    // areas lie under all lines
+    for layer in &panel.layers {
+        spread::draw(area, &frame, layer)?;
+    }
     for layer in &panel.layers {
         draw_layer(area, &frame, layer, detail)?;
     }
@@ -188,6 +193,18 @@ where
             let triangle = vec![(x, y - r), (x + r, y + r), (x - r, y + r), (x, y - r)];
             canvas.draw(&PathElement::new(triangle, style))?;
         }
+        Shape::Limit => {
+            let (tip, wing) = ((x, y + 3 * r), px(1.6));
+            let bar = vec![(x - r, y), (x + r, y)];
+            canvas.draw(&PathElement::new(bar, style))?;
+            canvas.draw(&PathElement::new(vec![(x, y), tip], style))?;
+            let head = vec![
+                (x - wing, tip.1 - 2 * wing),
+                tip,
+                (x + wing, tip.1 - 2 * wing),
+            ];
+            canvas.draw(&PathElement::new(head, style))?;
+        }
         Shape::Cross => {
             canvas.draw(&PathElement::new(
                 vec![(x - r, y - r), (x + r, y + r)],
@@ -232,6 +249,10 @@ where
     for (k, layer) in listed.into_iter().enumerate() {
         let y = top + px(gap / 2.0 + line * (k as f64 + 0.5));
         let (from, to) = (left + px(gap), left + px(gap + sample));
+        if layer.is_filled() {
+            let corners = [(from, y - px(4.0)), (to, y + px(4.0))];
+            canvas.draw(&Rectangle::new(corners, spread::style(layer)))?;
+        }
         if let Some(stroke_of) = layer.pen.line {
             let style = stroke(layer.pen.color, stroke_of.width.max(1.2));
             draw_line(canvas, vec![(from, y), (to, y)], stroke_of.dash, style)?;

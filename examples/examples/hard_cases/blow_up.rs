@@ -1,0 +1,84 @@
+//! The picture: the largest energy of stiff oscillators against ωh, by rule.
+
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
+use sve_runtime::prelude::*;
+
+use super::stiff::{Linear, Quartic, largest_energy};
+
+/// Steps of a run: few, since every run is one point.
+const STEPS: usize = 2000;
+/// Points a decade of ωh.
+const DENSITY: i32 = 16;
+
+/// Points of a rule: those before the energy passes a million of its first value.
+fn points(run: impl Fn(f64) -> Option<f64>) -> Vec<(f64, f64)> {
+    let exponents = (-DENSITY..=3 * DENSITY).map(|k| f64::from(k) / f64::from(DENSITY));
+    exponents
+        .map_while(|x| Some((x, run(10_f64.powf(x))?.log10())))
+        .collect()
+}
+
+/// Rules by their names, with their points.
+type Curves = [(&'static str, Vec<(f64, f64)>); 3];
+
+fn panel(title: &str, curves: Curves) -> Panel {
+    let empty = Panel::new(
+        format!("{title}: largest energy of {STEPS} steps over the first"),
+        Axis::powers("frequency times step, ωh", -1.0..3.0),
+        Axis::powers("energy / first energy", -0.2..6.2),
+    );
+    let all = curves.into_iter().enumerate();
+    all.fold(empty, |panel, (k, (name, points))| {
+        panel.with(Layer::new(name, points, Pen::series(k)))
+    })
+    .legend(Corner::TopRight)
+}
+
+pub(super) fn figure() -> Figure {
+    let linear = |omega| Linear { omega };
+    let quartic = |omega| Quartic { omega };
+    let panels = vec![
+        panel(
+            "Linear oscillator",
+            [
+                (
+                    "midpoint",
+                    points(|x| largest_energy(linear(x), Midpoint, STEPS)),
+                ),
+                (
+                    "endpoint",
+                    points(|x| largest_energy(linear(x), Endpoint, STEPS)),
+                ),
+                (
+                    "initial point",
+                    points(|x| largest_energy(linear(x), InitialPoint, STEPS)),
+                ),
+            ],
+        ),
+        panel(
+            "Quartic oscillator",
+            [
+                (
+                    "midpoint",
+                    points(|x| largest_energy(quartic(x), Midpoint, STEPS)),
+                ),
+                (
+                    "endpoint",
+                    points(|x| largest_energy(quartic(x), Endpoint, STEPS)),
+                ),
+                (
+                    "initial point",
+                    points(|x| largest_energy(quartic(x), InitialPoint, STEPS)),
+                ),
+            ],
+        ),
+    ];
+    Figure {
+        name: "hard_cases",
+        width: 1080,
+        rows: vec![Row {
+            height: 420,
+            panels,
+        }],
+    }
+}

@@ -1,0 +1,196 @@
+//! The page of an ensemble: means with their standard errors, histograms, numbers at the end.
+//!
+//! Input: a [`Summary`]. Output: HTML. Invariant: what is drawn has its standard error beside it.
+
+use std::path::Path;
+
+use super::bounds::around;
+use super::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
+use super::{PlotError, page, palette, render};
+use crate::ensemble::{Histogram, Statistics, Summary};
+
+/// Half the width of bands and bars, in standard errors.
+const ERRORS: f64 = 2.0;
+/// Points of a line with symbols of their own.
+const SYMBOLS: usize = 12;
+
+impl Summary {
+    /// Writes a page with pictures of the means and histograms, and a table of the statistics at the end.
+    ///
+    /// Bands and bars have two standard errors on either side; of a histogram's bin with n of N paths that is √(n (1 − n/N)).
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// struct Oscillator { sigma: f64 }
+    ///
+    /// #[variational(midpoint)]
+    /// impl Oscillator {
+    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v - 0.5 * q * q }
+    ///     #[gamma]
+    ///     fn push(&self, q: f64) -> f64 { self.sigma * q }
+    /// }
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let method = Integrator::new(Oscillator { sigma: 1.0 }, Midpoint);
+    /// let summary = Ensemble::new(&method)
+    ///     .paths(200).steps(0.1, 100).record_every(10)
+    ///     .start(State::new([1.0], [0.0]))
+    ///     .observe("energy", |system, state| system.hamiltonian(state))
+    ///     .observe("q", |_, state| state.q[0])
+    ///     .histogram("q", -40.0..40.0, 40)
+    ///     .run()?;
+    /// # let folder = std::env::temp_dir().join(format!("sve-{}", std::process::id()));
+    /// # std::fs::create_dir_all(&folder)?;
+    /// # let path = folder.join("oscillator.html");
+    /// # let written = path.clone();
+    /// # /*
+    /// let path = "oscillator.html";
+    /// # */
+    /// summary.write_html(path)?;
+    /// # assert!(std::fs::read_to_string(&written)?.contains("<svg"));
+    /// # std::fs::remove_dir_all(&folder)?;
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// [`PlotError`] when the page cannot be written.
+    pub fn write_html(&self, path: impl AsRef<Path>) -> Result<(), PlotError> {
+        let mut title = format!("Ensemble of {} paths", self.paths());
+        if let Some(t) = self.times().last() {
+            title += &format!(" to t = {t}");
+        }
+        let figure = figure(self);
+        let mut body = String::new();
+        if !figure.rows.is_empty() {
+            body += &format!("<figure>\n{}\n", render::svg(&figure)?);
+            body += "<figcaption>Bands and bars: two standard errors on either side.</figcaption>\n</figure>\n";
+        }
+        body += &table(self);
+        let notes = self
+            .warnings()
+            .into_iter()
+            .map(|warning| warning.to_string());
+        let failures = (self.failed() > 0).then(|| format!("{} paths failed", self.failed()));
+        let first = self
+            .failures()
+            .first()
+            .map(|f| format!("first failure: {f}"));
+        for note in notes.chain(failures).chain(first) {
+            body += &format!("<p>{}</p>\n", page::escape(&note));
+        }
+        page::write(path.as_ref(), &page::document(&title, &body))
+    }
+}
+
+/// Panels of all observables, then of all histograms, two a row.
+fn figure(summary: &Summary) -> Figure {
+    let times = summary.times();
+    let means = summary.statistics().iter().map(|s| mean(times, s));
+    let histograms = summary.histograms().iter().map(histogram);
+    let panels: Vec<Panel> = means.chain(histograms).collect();
+    let row = |panels: &[Panel]| Row {
+        height: 320,
+        panels: panels.to_vec(),
+    };
+    Figure {
+        name: "ensemble",
+        width: 1080,
+        rows: panels.chunks(2).map(row).collect(),
+    }
+}
+
+fn mean(times: &[f64], statistics: &Statistics) -> Panel {
+    let errors = statistics.standard_error();
+    let points: Vec<(f64, f64)> = times
+        .iter()
+        .copied()
+        .zip(statistics.mean().iter().copied())
+        .collect();
+    let ends = points.iter().zip(&errors);
+    let ends: Vec<(f64, f64)> = ends
+        .map(|(&(_, mean), error)| (mean - ERRORS * error, mean + ERRORS * error))
+        .collect();
+    let all = points.iter().map(|p| p.1);
+    let all = all.chain(ends.iter().flat_map(|&(low, high)| [low, high]));
+    let name = statistics.name();
+    let panel = Panel::new(
+        format!("Mean of {name}"),
+        Axis::new("time t", around(times.iter().copied())),
+        Axis::new(name, around(all)),
+    );
+    let pen = if points.len() > SYMBOLS {
+        Pen::line(palette::BLUE, 1.5)
+    } else {
+        Pen::series(0)
+    };
+    let layer = Layer::new("mean ± 2 standard errors", points, pen);
+    let layer = if times.len() > SYMBOLS {
+        layer.band(ends)
+    } else {
+        layer.bars(ends)
+    };
+    panel.with(layer).legend(Corner::TopRight)
+}
+
+fn histogram(histogram: &Histogram) -> Panel {
+    let (edges, counts) = (histogram.edges(), histogram.counts());
+    let last = histogram.rows() - 1;
+    let inside: u64 = counts.iter().sum();
+    let outside = histogram.below_at(last) + histogram.above_at(last);
+    let paths = (inside + outside) as f64;
+    let (mut outline, mut points, mut ends) = (Vec::new(), Vec::new(), Vec::new());
+    for (edge, &count) in edges.windows(2).zip(counts) {
+        let density = |n: f64| n / (paths * (edge[1] - edge[0]));
+        let n = count as f64;
+        let error = ERRORS * (n * (1.0 - n / paths)).sqrt();
+        outline.extend([(edge[0], density(n)), (edge[1], density(n))]);
+        points.push((f64::midpoint(edge[0], edge[1]), density(n)));
+        ends.push((density((n - error).max(0.0)), density(n + error)));
+    }
+    let top = ends.iter().fold(0.0, |top: f64, end| top.max(end.1));
+    let name = histogram.name();
+    let (first, end) = (edges[0], edges[edges.len() - 1]);
+    let title = match outside {
+        0 => format!("Distribution of {name} at the end"),
+        n => format!("Distribution of {name} at the end; {n} paths outside"),
+    };
+    let top = if top > 0.0 { 1.08 * top } else { 1.0 };
+    Panel::new(
+        title,
+        Axis::new(name, first..end),
+        Axis::new("density", 0.0..top),
+    )
+    .with(Layer::new("", outline, Pen::line(palette::BLUE, 1.2)).filled(0.0))
+    .with(Layer::new("", points, Pen::dots(palette::BLUE, 0.0)).bars(ends))
+}
+
+fn table(summary: &Summary) -> String {
+    let last = |values: &[f64]| {
+        values
+            .last()
+            .map_or_else(String::new, |x| format!("{x:.6e}"))
+    };
+    let row = |s: &Statistics| {
+        let cells = vec![
+            s.name().to_owned(),
+            last(s.mean()),
+            last(&s.standard_error()),
+            last(&s.standard_deviation()),
+            last(s.min()),
+            last(s.max()),
+        ];
+        ("", cells)
+    };
+    let rows: Vec<_> = summary.statistics().iter().map(row).collect();
+    let head = [
+        "at the end",
+        "mean",
+        "standard error",
+        "standard deviation",
+        "least",
+        "greatest",
+    ];
+    page::table(&head, &rows)
+}
