@@ -225,7 +225,10 @@ where
         }
         let found = (squares / seeds as f64).sqrt() / error;
         Ok(Some(Check::near(
-            format!("{}: root of the mean squared error of {seeds} runs over the wanted error", self.name),
+            format!(
+                "{}: root of the mean squared error of {seeds} runs over the wanted error",
+                self.name
+            ),
             found,
             0.75,
             0.75,
@@ -239,7 +242,11 @@ fn panel(name: &str, times: &Times) -> Panel {
         points.iter().map(|(x, y)| (x.log10(), y.log10())).collect()
     };
     let (multilevel, plain) = (logs(&times.multilevel), logs(&times.plain));
-    let all: Vec<f64> = multilevel.iter().chain(&plain).map(|point| point.1).collect();
+    let all: Vec<f64> = multilevel
+        .iter()
+        .chain(&plain)
+        .map(|point| point.1)
+        .collect();
     let low = all.iter().copied().fold(f64::INFINITY, f64::min).floor();
     let high = all.iter().copied().fold(f64::NEG_INFINITY, f64::max).ceil();
     let pen = |color, shape| Pen::line(color, 1.5).symbols(shape, ERRORS.len());
@@ -249,15 +256,25 @@ fn panel(name: &str, times: &Times) -> Panel {
         Axis::powers("seconds, one thread", low..high),
     )
     .legend(Corner::TopRight)
-    .with(Layer::new("plain Monte Carlo", plain, pen(palette::VERMILION, Shape::Square)))
-    .with(Layer::new("multilevel", multilevel, pen(palette::BLUE, Shape::Circle)))
+    .with(Layer::new(
+        "plain Monte Carlo",
+        plain,
+        pen(palette::VERMILION, Shape::Square),
+    ))
+    .with(Layer::new(
+        "multilevel",
+        multilevel,
+        pen(palette::BLUE, Shape::Circle),
+    ))
 }
 
 /// Variances and means of the levels, as powers.
 fn levels(name: &str, estimate: &MultilevelEstimate) -> Panel {
     let of = |value: fn(&sve_runtime::ensemble::Level) -> f64| -> Vec<_> {
         let levels = estimate.levels().iter().enumerate();
-        levels.map(|(l, level)| (l as f64, value(level).abs().log10())).collect()
+        levels
+            .map(|(l, level)| (l as f64, value(level).abs().log10()))
+            .collect()
     };
     let (variances, means) = (of(|l| l.variance), of(|l| l.mean));
     let last = variances.len() as f64;
@@ -271,8 +288,16 @@ fn levels(name: &str, estimate: &MultilevelEstimate) -> Panel {
         Axis::powers("level 0, and differences", low..1.0),
     )
     .legend(Corner::TopRight)
-    .with(Layer::new("variance of a path", variances, pen(palette::GREEN, Shape::Triangle)))
-    .with(Layer::new("mean", means, pen(palette::PURPLE, Shape::Circle)))
+    .with(Layer::new(
+        "variance of a path",
+        variances,
+        pen(palette::GREEN, Shape::Triangle),
+    ))
+    .with(Layer::new(
+        "mean",
+        means,
+        pen(palette::PURPLE, Shape::Circle),
+    ))
 }
 
 /// Ratios of times, and the fall of the variances.
@@ -281,7 +306,10 @@ fn compare(name: &str, times: &Times) -> Vec<Check> {
     let mut checks: Vec<_> = pairs
         .map(|(multilevel, plain)| {
             Check::reported(
-                format!("{name}: time of plain Monte Carlo over that of levels, error {:e}", plain.0),
+                format!(
+                    "{name}: time of plain Monte Carlo over that of levels, error {:e}",
+                    plain.0
+                ),
                 plain.1 / multilevel.1,
                 "measured in this run",
             )
@@ -314,7 +342,10 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
             },
             Row {
                 height: 340,
-                panels: vec![levels(kubo.name, &first.finest), levels(oscillator.name, &second.finest)],
+                panels: vec![
+                    levels(kubo.name, &first.finest),
+                    levels(oscillator.name, &second.finest),
+                ],
             },
         ],
     };

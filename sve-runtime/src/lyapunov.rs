@@ -3,10 +3,10 @@
 //! Input: an integrator, a start, a step size and a noise. Output: the states along the path, and the leading exponents with their statistical errors. Invariant: the states are those of repeated steps.
 //!
 //! The tangent maps of the steps act on a frame of orthonormal vectors, which the Gram–Schmidt process makes orthonormal again after each step. The averages of the logarithms of the lengths that it
-//! divides by are the exponents. The first frame is v₁ … v_N, Jv_N … Jv₁ with vectors v that span a Lagrangian subspace: symplectic maps keep this form, so their exponents have the exact
+//! divides by are the exponents. The first frame is v₁ … vₙ, Jvₙ … Jv₁ with vectors v that span a Lagrangian subspace: symplectic maps keep this form, so their exponents have the exact
 //! pairs λ, −λ for every length of the path, up to rounding.
 //!
-//! Source: G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, *Lyapunov characteristic exponents for smooth dynamical systems and for Hamiltonian systems*, Meccanica 15 (1980) 9–30.
+//! Source: D. D. Carpintero, J. C. Muzzio, *On the correct computation of all Lyapunov exponents in Hamiltonian dynamical systems* (2023), for the order of the frame; G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, *Lyapunov characteristic exponents for smooth dynamical systems and for Hamiltonian systems*, Meccanica 15 (1980) 9–30.
 
 use core::fmt;
 
@@ -192,9 +192,12 @@ impl<S: System, R, W> Lyapunov<'_, S, R, W> {
 
     /// The exponents, in units of 1/time: averages over all steps since the [restart](Self::restart); NaN before the first step, and −∞ for a direction that a step maps to zero.
     pub fn exponents(&self) -> Vec<f64> {
-        let exponent = |growth: &Growth| match growth.has_vanished {
-            true => f64::NEG_INFINITY,
-            false => growth.rates.mean(),
+        let exponent = |growth: &Growth| {
+            if growth.has_vanished {
+                f64::NEG_INFINITY
+            } else {
+                growth.rates.mean()
+            }
         };
         self.growth.iter().map(exponent).collect()
     }
@@ -251,7 +254,7 @@ impl<S: System, R, W> fmt::Debug for Lyapunov<'_, S, R, W> {
     }
 }
 
-/// Returns an orthonormal frame v₁ … v_N, Jv_N … Jv₁ in general position, with J(q, p) = (−p, q).
+/// Returns an orthonormal frame v₁ … vₙ, Jvₙ … Jv₁ in general position, with J(q, p) = (−p, q).
 fn first_frame<const N: usize>() -> Vec<Vec<f64>> {
     let numbers = Wiener::new(0);
     let mut lagrangian: Vec<Vec<f64>> = Vec::with_capacity(N);

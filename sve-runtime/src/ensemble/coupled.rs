@@ -74,7 +74,7 @@ where
         for (paths, result) in paths.into_iter().zip(&mut results) {
             paths.finish(result);
         }
-        let mut failures = results.iter().flat_map(|result| result.failures.first());
+        let mut failures = results.iter().filter_map(|result| result.failures.first());
         if self.legs[0].ensemble.stop_on_failure
             && let Some(first) = failures.by_ref().min_by_key(|failure| failure.path)
         {

@@ -151,7 +151,9 @@ pub enum EnsembleError {
     )]
     SweepInOneFile,
     /// Sweeps over different tables were to be merged.
-    #[error("the sweeps have {rows} and {others} rows, so they are of different tables; merge shards of one sweep alone")]
+    #[error(
+        "the sweeps have {rows} and {others} rows, so they are of different tables; merge shards of one sweep alone"
+    )]
     OtherTable {
         /// Rows of the one.
         rows: usize,
@@ -172,7 +174,9 @@ pub enum EnsembleError {
         value: f64,
     },
     /// A level of a multilevel estimate without an estimate.
-    #[error("no mean and variance of `{name}` on level {level} of `multilevel`, with steps of {h:e}: {failed} of {paths} paths failed; take shorter steps")]
+    #[error(
+        "no mean and variance of `{name}` on level {level} of `multilevel`, with steps of {h:e}: {failed} of {paths} paths failed; take shorter steps"
+    )]
     NoLevel {
         /// The observable.
         name: String,

@@ -3,8 +3,43 @@
 //! Input: tiles of values. Output: counts, which merge by addition in any order.
 //! Invariant: a value is in the bin between whose published edges it is; the counts with those below and above sum up to the paths.
 
-use super::edges;
+use core::ops::Range;
+
+use super::{Ensemble, edges};
+use crate::configuration::Coordinates;
 use crate::lanes::{LANES, Lane, Mask};
+use crate::method::Method;
+use crate::system::{Dims, System};
+
+impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
+where
+    I: Method<System = S>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    /// Takes a histogram of an observable with `bins` equal bins over a range, at each recorded time.
+    #[must_use]
+    pub fn histogram(self, name: impl Into<String>, range: Range<f64>, bins: usize) -> Self {
+        self.request(name.into(), &range, bins, true)
+    }
+
+    /// Takes a histogram as [`histogram`](Self::histogram) does, at the end only.
+    #[must_use]
+    pub fn final_histogram(self, name: impl Into<String>, range: Range<f64>, bins: usize) -> Self {
+        self.request(name.into(), &range, bins, false)
+    }
+
+    fn request(mut self, name: String, range: &Range<f64>, bins: usize, always: bool) -> Self {
+        let range = [range.start, range.end];
+        self.histograms.push(HistogramRequest {
+            name,
+            range,
+            bins,
+            always,
+        });
+        self
+    }
+}
 
 /// The request of a histogram: observable, range and bins.
 #[derive(Clone, Debug, PartialEq)]

@@ -59,7 +59,11 @@ impl<const M: usize> IncrementBuffer<M> {
             return;
         }
         self.batch = Some(batch);
-        let drawn = M * if is_antithetic { tiles.div_ceil(2) } else { tiles };
+        let drawn = M * if is_antithetic {
+            tiles.div_ceil(2)
+        } else {
+            tiles
+        };
         let (first_path, scale) = (self.first_path, self.scale);
         let draw = |quad, values: &mut [_]| {
             fill(distribution, seed, first_path, quad, scale, M, values);

@@ -116,8 +116,7 @@ impl JointColumn {
             } else {
                 row
             };
-            let merged =
-                (self.at(row, counts[record])).merge(&other.at(row, others[record]));
+            let merged = (self.at(row, counts[record])).merge(&other.at(row, others[record]));
             self.set(row, &merged);
         }
     }
@@ -149,7 +148,13 @@ impl JointMoments {
     /// Returns the moments of the values of some lanes, by two passes.
     fn of(x: &Lane, y: &Lane, lanes: Mask) -> Self {
         let sum = |term: &dyn Fn(usize) -> f64| {
-            let term = |lane| if lanes >> lane & 1 == 1 { term(lane) } else { 0.0 };
+            let term = |lane| {
+                if lanes >> lane & 1 == 1 {
+                    term(lane)
+                } else {
+                    0.0
+                }
+            };
             by_halves(core::array::from_fn(term), |a, b| a + b)
         };
         let count = f64::from(lanes.count_ones());
@@ -259,7 +264,9 @@ mod tests {
         let mean = |of: fn(&(f64, f64)) -> f64| values.iter().map(of).sum::<f64>() / n;
         let (a, b) = (mean(|v| v.0), mean(|v| v.1));
         let sum = |i: i32, j: i32| {
-            let terms = values.iter().map(|(x, y)| (x - a).powi(i) * (y - b).powi(j));
+            let terms = values
+                .iter()
+                .map(|(x, y)| (x - a).powi(i) * (y - b).powi(j));
             terms.sum::<f64>()
         };
         [sum(1, 1), sum(2, 2), sum(2, 1)]
@@ -293,7 +300,10 @@ mod tests {
             left.merge(&a, &right, &b);
             let m: JointMoments = left.at(0, 96);
             for (found, expected) in [m.m11, m.m22, m.m21].into_iter().zip(expected) {
-                assert!((found / expected - 1.0).abs() < 1e-10, "{cut} {found} {expected}");
+                assert!(
+                    (found / expected - 1.0).abs() < 1e-10,
+                    "{cut} {found} {expected}"
+                );
             }
         }
     }

@@ -17,6 +17,7 @@ mod csv;
 mod distribution;
 mod edges;
 mod error;
+mod estimate;
 mod execution;
 mod failure;
 mod final_state;
@@ -58,9 +59,10 @@ pub use distribution::{Checkpoint, Distribution, PartialResults, SharedResults};
 #[cfg(feature = "checkpoint")]
 pub use error::Damage;
 pub use error::{Difference, EnsembleError};
+pub use estimate::{Level, MultilevelEstimate};
 pub use failure::{Cause, FAILURES_KEPT, Failure};
 pub use final_state::FinalState;
-pub use multilevel::{Level, Multilevel, MultilevelEstimate};
+pub use multilevel::Multilevel;
 pub use quantiles::Quantiles;
 pub use starts::StartRng;
 pub use statistics::{Histogram, Statistics};
@@ -69,7 +71,7 @@ pub use sweep::Sweep;
 pub use warning::Warning;
 
 use core::fmt;
-use core::ops::{Bound, Range, RangeBounds};
+use core::ops::{Bound, RangeBounds};
 
 use self::histogram::HistogramRequest;
 use self::integral::Kind;
@@ -301,29 +303,6 @@ where
         self.names.push(name);
         self.observables.push(Box::new(observable));
         self.kinds.push(kind);
-        self
-    }
-
-    /// Takes a histogram of an observable with `bins` equal bins over a range, at each recorded time.
-    #[must_use]
-    pub fn histogram(self, name: impl Into<String>, range: Range<f64>, bins: usize) -> Self {
-        self.request(name.into(), &range, bins, true)
-    }
-
-    /// Takes a histogram as [`histogram`](Self::histogram) does, at the end only.
-    #[must_use]
-    pub fn final_histogram(self, name: impl Into<String>, range: Range<f64>, bins: usize) -> Self {
-        self.request(name.into(), &range, bins, false)
-    }
-
-    fn request(mut self, name: String, range: &Range<f64>, bins: usize, always: bool) -> Self {
-        let range = [range.start, range.end];
-        self.histograms.push(HistogramRequest {
-            name,
-            range,
-            bins,
-            always,
-        });
         self
     }
 

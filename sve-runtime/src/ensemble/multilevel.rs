@@ -11,7 +11,8 @@
 use core::fmt;
 
 use super::coupled::Coupled;
-use super::merge_tree::MergeTree;
+use super::estimate::{Level, MultilevelEstimate};
+use super::merge_tree::{MergeTree, PartialResult};
 use super::settings::{Leg, Settings};
 use super::summary::Info;
 use super::{BLOCK_PATHS, Ensemble, EnsembleError, Summary};
@@ -100,33 +101,6 @@ struct Run<'a, I: Method> {
     tree: Option<MergeTree>,
     blocks: u64,
     level: Level,
-}
-
-/// A level of a multilevel estimate. The mean and the variance are those of the difference to the level before.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Level {
-    /// Step size.
-    pub h: f64,
-    /// Steps of a path, including those of the coarse one.
-    pub steps: u64,
-    /// Number of paths.
-    pub paths: u64,
-    /// Number of paths that failed in one of the two runs.
-    pub failed: u64,
-    /// Mean of the observable on level 0, of its difference to the level before on others.
-    pub mean: f64,
-    /// Variance for each path.
-    pub variance: f64,
-    /// Standard error of the mean.
-    pub standard_error: f64,
-}
-
-/// A mean by the multilevel method, from [`Multilevel::run`].
-#[derive(Clone, Debug, PartialEq)]
-pub struct MultilevelEstimate {
-    name: String,
-    levels: Vec<Level>,
-    bias: f64,
 }
 
 impl<'a, I, S, Q, const N: usize, const M: usize> Multilevel<'a, I>
@@ -274,11 +248,15 @@ where
         let trees = settings.execute_with(1, |block| {
             // the last result is the difference, or the only run
             let last = legs.run_block(block)?.pop();
-            Ok(last.map(super::merge_tree::PartialResult::without_distributions))
+            Ok(last.map(PartialResult::without_distributions))
                 .map(|result| result.into_iter().collect())
         })?;
         for mut tree in trees {
-            let old = run.tree.take().into_iter().flat_map(|old| old.nodes.into_values());
+            let old = run
+                .tree
+                .take()
+                .into_iter()
+                .flat_map(|old| old.nodes.into_values());
             old.for_each(|node| tree.insert(node));
             run.tree = Some(tree);
         }
@@ -343,58 +321,5 @@ impl<I: Method> fmt::Debug for Multilevel<'_, I> {
             .field("weak_order", &self.weak_order)
             .field("deepest", &self.deepest)
             .finish_non_exhaustive()
-    }
-}
-
-impl MultilevelEstimate {
-    /// The mean of the observable at the end: the sum of the means of all levels.
-    pub fn mean(&self) -> f64 {
-        self.levels.iter().map(|level| level.mean).sum()
-    }
-
-    /// The standard error of the mean.
-    pub fn standard_error(&self) -> f64 {
-        let squares = self.levels.iter().map(|level| level.standard_error.powi(2));
-        squares.sum::<f64>().sqrt()
-    }
-
-    /// The estimated size of the bias, which steps of the last level leave.
-    pub fn bias(&self) -> f64 {
-        self.bias
-    }
-
-    /// The estimated root of the mean squared error: standard error and bias.
-    pub fn error(&self) -> f64 {
-        self.standard_error().hypot(self.bias)
-    }
-
-    /// The levels, from the longest steps to the shortest.
-    pub fn levels(&self) -> &[Level] {
-        &self.levels
-    }
-
-    /// The number of steps of all paths.
-    pub fn steps(&self) -> u64 {
-        let steps = self.levels.iter().map(|level| level.steps * level.paths);
-        steps.sum()
-    }
-}
-
-impl fmt::Display for MultilevelEstimate {
-    /// The estimate, and a line for each level.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (mean, error, bias) = (self.mean(), self.standard_error(), self.bias);
-        write!(f, "{}: {mean:.6e} ± {error:.1e}, bias about {bias:.1e}", self.name)?;
-        for (number, level) in self.levels.iter().enumerate() {
-            write!(
-                f,
-                "\n  level {number}: h = {:e}, {} paths, mean {:.3e} ± {:.1e}, variance {:.2e}",
-                level.h, level.paths, level.mean, level.standard_error, level.variance
-            )?;
-            if level.failed > 0 {
-                write!(f, ", {} paths failed", level.failed)?;
-            }
-        }
-        Ok(())
     }
 }

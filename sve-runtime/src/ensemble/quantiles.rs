@@ -111,8 +111,16 @@ impl Quantiles {
             let margin = deviations * (n * p * (1.0 - p)).sqrt() + self.rank_errors[row] as f64;
             let low = (n * p - margin).floor();
             let high = (n * p + margin).ceil() + 1.0;
-            let low = if low < 1.0 { f64::NEG_INFINITY } else { self.value_of_rank(row, low) };
-            let high = if high > n { f64::INFINITY } else { self.value_of_rank(row, high) };
+            let low = if low < 1.0 {
+                f64::NEG_INFINITY
+            } else {
+                self.value_of_rank(row, low)
+            };
+            let high = if high > n {
+                f64::INFINITY
+            } else {
+                self.value_of_rank(row, high)
+            };
             [low, high]
         };
         self.counts.iter().enumerate().map(at).collect()
@@ -133,6 +141,8 @@ impl Quantiles {
             below += weight;
             below as f64 >= rank
         });
-        found.or(values.last()).map_or(f64::NAN, |(value, _)| *value)
+        found
+            .or(values.last())
+            .map_or(f64::NAN, |(value, _)| *value)
     }
 }

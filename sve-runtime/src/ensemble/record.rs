@@ -53,7 +53,12 @@ where
             }
             result.add(record, &observed.values, active);
         }
-        if settings.ensemble.joints.iter().any(|joint| joint.is_two_time) {
+        if settings
+            .ensemble
+            .joints
+            .iter()
+            .any(|joint| joint.is_two_time)
+        {
             self.history.push(self.observed.clone());
         }
     }

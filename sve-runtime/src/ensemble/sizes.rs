@@ -55,11 +55,17 @@ pub(super) fn records<I: Method>(
     for request in &ensemble.quantiles {
         // all values of a level, for each time
         let values = u128::from(paths).min(request.size as u128);
-        let bytes = records.saturating_mul(values).saturating_mul(AT_ONCE * NUMBER);
+        let bytes = records
+            .saturating_mul(values)
+            .saturating_mul(AT_ONCE * NUMBER);
         check(bytes, || {
             let (name, size) = (&request.name, request.size);
-            let what = format!("quantiles of `{name}` with {size} values at {records} recorded times");
-            (what, "keep fewer values, or record less often with `record_every`")
+            let what =
+                format!("quantiles of `{name}` with {size} values at {records} recorded times");
+            (
+                what,
+                "keep fewer values, or record less often with `record_every`",
+            )
         })?;
     }
     if ensemble.keep_final_states {
@@ -82,7 +88,10 @@ pub(super) fn differences<I: Method>(
     let bytes = AT_ONCE * of_record * records as u128 * differences as u128;
     check(bytes, || {
         let what = format!("{differences} differences of rows at {records} recorded times");
-        (what, "take a shorter table, or record less often with `record_every`")
+        (
+            what,
+            "take a shorter table, or record less often with `record_every`",
+        )
     })
 }
 

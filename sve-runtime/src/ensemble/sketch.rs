@@ -176,7 +176,11 @@ mod tests {
                     let exact = sorted.partition_point(|&x| x <= value) as u64;
                     worst = worst.max(exact.abs_diff(rank).saturating_sub(weight - 1));
                 }
-                assert!(worst <= sketch.rank_error, "{size}: {worst} {}", sketch.rank_error);
+                assert!(
+                    worst <= sketch.rank_error,
+                    "{size}: {worst} {}",
+                    sketch.rank_error
+                );
                 assert_eq!(sketch.rank_error == 0, size as u64 >= n);
             }
             let (size, n) = (1000.0, n as f64);

@@ -77,9 +77,8 @@ fn is_valid(run: &Info) -> bool {
     let known =
         |request: &HistogramRequest| request.is_valid() && run.names.contains(&request.name);
     let mut joints = run.joints.iter();
-    let names_are_known = joints.all(|joint| {
-        run.names.contains(&joint.first) && run.names.contains(&joint.second)
-    });
+    let names_are_known =
+        joints.all(|joint| run.names.contains(&joint.first) && run.names.contains(&joint.second));
     let mut quantiles = run.quantiles.iter();
     run.paths > 0
         && !run.times.is_empty()
@@ -105,7 +104,10 @@ fn have_pairs(run: &Info, node: &PartialResult) -> bool {
     }
     counts.len() == run.times.len()
         && columns.len() == run.names.len()
-        && counts.iter().zip(&node.counts).all(|(pairs, paths)| *pairs <= paths / 2)
+        && counts
+            .iter()
+            .zip(&node.counts)
+            .all(|(pairs, paths)| *pairs <= paths / 2)
 }
 
 /// Returns whether a node can belong to this run, after the nodes of the tree.

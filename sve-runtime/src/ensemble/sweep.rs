@@ -63,7 +63,7 @@ where
             method,
             ..Leg::of(self)
         });
-        self.run_legs(legs.collect())
+        self.run_legs(&legs.collect::<Vec<_>>())
     }
 
     /// Runs all paths from each of several starts, in place of a [`start`](Self::start), with the same noise for all rows; see [`sweep`](Self::sweep).
@@ -78,10 +78,10 @@ where
             start: Some(start),
             ..Leg::of(self)
         });
-        self.run_legs(legs.collect())
+        self.run_legs(&legs.collect::<Vec<_>>())
     }
 
-    fn run_legs<'b>(&'b self, legs: Vec<Leg<'b, I>>) -> Result<Sweep, EnsembleError> {
+    fn run_legs<'b>(&'b self, legs: &[Leg<'b, I>]) -> Result<Sweep, EnsembleError> {
         #[cfg(feature = "checkpoint")]
         if self.checkpoint.is_some() {
             return Err(EnsembleError::SweepInOneFile);
@@ -104,7 +104,9 @@ where
             .map(|leg| leg.info(leg.fingerprint()))
             .collect();
         let own = infos.iter().zip(trees.by_ref());
-        let rows = own.map(|(info, tree)| Summary::new(info.clone(), tree)).collect();
+        let rows = own
+            .map(|(info, tree)| Summary::new(info.clone(), tree))
+            .collect();
         let of = infos.iter().enumerate().flat_map(|(to, info)| {
             let fingerprint = &info.fingerprint;
             let coupled = &coupled;

@@ -24,14 +24,16 @@ fn paths_have_opposite_increments() {
             .keep_final_states(true);
         noise(ensemble.antithetic(true))
     };
-    let check = |ensemble: Ensemble<'_, Integrator<Kubo, Midpoint>>, dw: &dyn Fn(u64, u64) -> f64| {
+    let check = |ensemble: Ensemble<'_, Integrator<Kubo, Midpoint>>,
+                 dw: &dyn Fn(u64, u64) -> f64| {
         let summary = ensemble.run().unwrap();
         assert_eq!(summary.final_states().count() as u64, PATHS);
         for (path, end) in summary.final_states() {
             let sign = if path % 2 == 0 { 1.0 } else { -1.0 };
             let mut state = State::new([1.0], [0.0]);
             for step in 0..steps {
-                kubo.step(&mut state, h, &[sign * dw(path / 2, step)]).unwrap();
+                kubo.step(&mut state, h, &[sign * dw(path / 2, step)])
+                    .unwrap();
             }
             let off = (state.q[0] - end.q[0]).hypot(state.p[0] - end.p[0]);
             assert!(off < 1e-13, "{path} {off}");
@@ -76,7 +78,10 @@ fn odd_observables_have_no_error_and_even_ones_a_larger_one() {
     }
     let pairs = ensemble(1.0).antithetic(true).run().unwrap();
     let (mean, error) = (pairs["q"].mean()[2], pairs["q"].standard_error()[2]);
-    assert!((mean - exact.q[0]).abs() < 1e-14 && error < 1e-16, "{mean} {error:e}");
+    assert!(
+        (mean - exact.q[0]).abs() < 1e-14 && error < 1e-16,
+        "{mean} {error:e}"
+    );
     // the variance is that between paths
     let plain = ensemble(1.0).run().unwrap();
     assert!((pairs["q"].variance()[2] / plain["q"].variance()[2] - 1.0).abs() < 0.1);
@@ -145,10 +150,15 @@ fn failures_and_shards() {
     let mean = means.iter().sum::<f64>() / n;
     let squares: f64 = means.iter().map(|x| (x - mean).powi(2)).sum();
     let error = (squares / (n - 1.0) / n).sqrt();
-    assert!((whole["q"].standard_error()[1] - error).abs() < 1e-15, "{error:e}");
+    assert!(
+        (whole["q"].standard_error()[1] - error).abs() < 1e-15,
+        "{error:e}"
+    );
     let mut merged = ensemble().shard(1, 3).run().unwrap();
     for index in [2, 0] {
-        merged.merge(ensemble().shard(index, 3).run().unwrap()).unwrap();
+        merged
+            .merge(ensemble().shard(index, 3).run().unwrap())
+            .unwrap();
     }
     assert_eq!(merged, whole);
     assert_eq!(merged["q"], whole["q"]);
@@ -168,7 +178,10 @@ fn what_supposes_independent_paths_is_refused() {
     };
     let odd = ensemble(9).run().unwrap_err().to_string();
     assert!(odd.contains("9 paths are not pairs"), "{odd}");
-    for refused in [ensemble(10).covariance("q", "q"), ensemble(10).quantiles("q", 10)] {
+    for refused in [
+        ensemble(10).covariance("q", "q"),
+        ensemble(10).quantiles("q", 10),
+    ] {
         let error = refused.run().unwrap_err();
         assert!(matches!(error, EnsembleError::AntitheticPairs), "{error}");
     }

@@ -42,14 +42,28 @@ fn covariances_are_those_of_the_recursion() {
         let next = after_a_step(&a, &b, *states.last().unwrap());
         states.push(next);
     }
-    let (qp, qq) = (summary.covariance("q", "p").unwrap(), summary.covariance("q", "q").unwrap());
+    let (qp, qq) = (
+        summary.covariance("q", "p").unwrap(),
+        summary.covariance("q", "q").unwrap(),
+    );
     let within = |found: f64, exact: f64, error: f64| {
-        assert!((found - exact).abs() < 4.5 * error, "{found} {exact} ± {error}");
+        assert!(
+            (found - exact).abs() < 4.5 * error,
+            "{found} {exact} ± {error}"
+        );
     };
     for record in 1..=6 {
         let (_, c) = states[10 * record];
-        within(qp.covariance()[record], c[0][1], qp.standard_error()[record]);
-        within(qq.covariance()[record], c[0][0], qq.standard_error()[record]);
+        within(
+            qp.covariance()[record],
+            c[0][1],
+            qp.standard_error()[record],
+        );
+        within(
+            qq.covariance()[record],
+            c[0][0],
+            qq.standard_error()[record],
+        );
         // var(s₁₂) = (c₁₁ c₂₂ + c₁₂²)/(n − 1) for a Gaussian
         let exact = (c[0][0] * c[1][1] + c[0][1] * c[0][1]).sqrt() / (PATHS as f64 - 1.0).sqrt();
         assert!((qp.standard_error()[record] / exact - 1.0).abs() < 0.1);
@@ -61,15 +75,25 @@ fn covariances_are_those_of_the_recursion() {
     }
     assert_eq!((qp.covariance()[0], qp.standard_error()[0]), (0.0, 0.0));
     assert!(qp.correlation()[0].is_nan());
-    let (two, momentum) = (summary.two_time("q", "p").unwrap(), summary.two_time("p", "p").unwrap());
+    let (two, momentum) = (
+        summary.two_time("q", "p").unwrap(),
+        summary.two_time("p", "p").unwrap(),
+    );
     for s in 0..=6 {
         for t in 0..=6 {
             let exact = exact_two_time(&a, &states, 10 * s, 10 * t);
             if s * t > 0 {
                 within(two.covariance(s, t), exact[0][1], two.standard_error(s, t));
-                within(momentum.covariance(s, t), exact[1][1], two.standard_error(s, t).max(1e-3));
+                within(
+                    momentum.covariance(s, t),
+                    exact[1][1],
+                    two.standard_error(s, t).max(1e-3),
+                );
             }
-            assert_eq!(momentum.covariance(s, t).to_bits(), momentum.covariance(t, s).to_bits());
+            assert_eq!(
+                momentum.covariance(s, t).to_bits(),
+                momentum.covariance(t, s).to_bits()
+            );
         }
         assert_eq!(two.covariance(s, s).to_bits(), qp.covariance()[s].to_bits());
     }
@@ -124,7 +148,13 @@ impl Bath {
 /// The midpoint rule keeps q and p independent with variance kT = σ²/2ν, so C(t) = kT Aᵗ.
 #[test]
 fn autocorrelations_of_a_bath_are_stationary() {
-    let bath = Integrator::new(Bath { nu: 1.0, sigma: 2.0 }, Midpoint);
+    let bath = Integrator::new(
+        Bath {
+            nu: 1.0,
+            sigma: 2.0,
+        },
+        Midpoint,
+    );
     let h = 0.2;
     let image = |q, p| {
         let mut state = State::new([q], [p]);
@@ -180,10 +210,16 @@ fn quantiles_are_those_of_all_values() {
         values
     };
     let (q, p) = (sorted(|q, _| q[0]), sorted(|_, p| p[0]));
-    let (exact, sketch) = (summary.quantiles("q").unwrap(), summary.quantiles("p").unwrap());
+    let (exact, sketch) = (
+        summary.quantiles("q").unwrap(),
+        summary.quantiles("p").unwrap(),
+    );
     assert_eq!(exact.rank_error()[6], 0.0);
     let bound = sketch.rank_error()[6];
-    assert!(bound > 0.0 && bound <= (PATHS as f64 / 300.0).log2().ceil() / 300.0, "{bound}");
+    assert!(
+        bound > 0.0 && bound <= (PATHS as f64 / 300.0).log2().ceil() / 300.0,
+        "{bound}"
+    );
     for k in 0..=100_usize {
         let part = k as f64 / 100.0;
         let rank = ((part * PATHS as f64).ceil() as usize).max(1);
@@ -224,7 +260,9 @@ fn shards_merge_into_the_bits_of_the_whole() {
     for of in [2, 5] {
         let mut merged = ensemble().shard(of - 1, of).run().unwrap();
         for index in 0..of - 1 {
-            merged.merge(ensemble().shard(index, of).run().unwrap()).unwrap();
+            merged
+                .merge(ensemble().shard(index, of).run().unwrap())
+                .unwrap();
         }
         assert_eq!(merged, whole);
         assert_eq!(merged.two_time("p", "q"), whole.two_time("p", "q"));
@@ -234,12 +272,18 @@ fn shards_merge_into_the_bits_of_the_whole() {
     assert_eq!(serde_json::from_str::<Summary>(&text).unwrap(), whole);
     let other = |ensemble: Ensemble<'_, _>| {
         let mut whole = whole.clone();
-        match whole.merge(ensemble.shard(0, 2).run().unwrap()).unwrap_err() {
+        match whole
+            .merge(ensemble.shard(0, 2).run().unwrap())
+            .unwrap_err()
+        {
             EnsembleError::OtherRun { what } => what,
             other => panic!("{other}"),
         }
     };
-    assert_eq!(other(ensemble().covariance("q", "q")), Difference::Covariances);
+    assert_eq!(
+        other(ensemble().covariance("q", "q")),
+        Difference::Covariances
+    );
     assert_eq!(other(ensemble().quantiles("q", 100)), Difference::Quantiles);
 }
 
@@ -247,9 +291,14 @@ fn shards_merge_into_the_bits_of_the_whole() {
 fn names_and_sizes_are_checked() {
     let method = method();
     let message = |ensemble: Ensemble<'_, Method>| ensemble.run().unwrap_err().to_string();
-    assert!(message(ensemble(&method).covariance("q", "x")).contains("`x` to take a covariance of"));
+    assert!(
+        message(ensemble(&method).covariance("q", "x")).contains("`x` to take a covariance of")
+    );
     assert!(message(ensemble(&method).quantiles("x", 10)).contains("`x` to take quantiles of"));
     assert!(message(ensemble(&method).quantiles("q", 1)).contains("at least 2"));
-    let many = ensemble(&method).steps(1e-9, 1 << 21).record_every(1).two_time("q", "q");
+    let many = ensemble(&method)
+        .steps(1e-9, 1 << 21)
+        .record_every(1)
+        .two_time("q", "q");
     assert!(message(many).contains("covariances of `q` and `q`"));
 }

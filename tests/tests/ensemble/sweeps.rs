@@ -12,7 +12,9 @@ fn oscillators() -> [Integrator<Oscillator, Midpoint>; 3] {
     [1.0, 1.5, 0.25].map(|sigma| Integrator::new(Oscillator { sigma }, Midpoint))
 }
 
-fn ensemble(method: &Integrator<Oscillator, Midpoint>) -> Ensemble<'_, Integrator<Oscillator, Midpoint>> {
+fn ensemble(
+    method: &Integrator<Oscillator, Midpoint>,
+) -> Ensemble<'_, Integrator<Oscillator, Midpoint>> {
     Ensemble::new(method)
         .paths(PATHS)
         .seed(3)
@@ -55,7 +57,11 @@ fn differences_have_the_variance_of_common_noise() {
 fn rows_have_the_bits_of_single_runs() {
     let table = oscillators();
     let start = State::new([1.0], [0.0]);
-    let sweep = ensemble(&table[0]).start(start).threads(3).sweep(&table).unwrap();
+    let sweep = ensemble(&table[0])
+        .start(start)
+        .threads(3)
+        .sweep(&table)
+        .unwrap();
     for (row, method) in sweep.rows().iter().zip(&table) {
         assert_eq!(*row, ensemble(method).start(start).run().unwrap());
     }
@@ -65,7 +71,12 @@ fn rows_have_the_bits_of_single_runs() {
         assert_eq!(*row, ensemble(&table[0]).start(start).run().unwrap());
     }
     let difference = &sweep.difference(0, 1).unwrap()["q"];
-    assert!(difference.standard_error().iter().all(|error| *error < 1e-16));
+    assert!(
+        difference
+            .standard_error()
+            .iter()
+            .all(|error| *error < 1e-16)
+    );
     let mut exact = State::new([-0.5], [0.5]);
     for _ in 0..40 {
         table[0].step(&mut exact, 0.05, &[0.0]).unwrap();
@@ -97,18 +108,26 @@ fn failures_and_shards() {
     let counts = whole.difference(0, 1).unwrap().counts();
     for record in 1..3 {
         let rows = [0, 1].map(|row| whole[row].counts()[record]);
-        assert!(counts[record] < rows[0].min(rows[1]) && counts[record] > 100, "{counts:?}");
+        assert!(
+            counts[record] < rows[0].min(rows[1]) && counts[record] > 100,
+            "{counts:?}"
+        );
     }
     assert_eq!(whole[1], failing(&table[1..]).run().unwrap());
     let mut merged = failing(&table).shard(1, 3).sweep(&table).unwrap();
     for index in [2, 0] {
-        merged.merge(failing(&table).shard(index, 3).sweep(&table).unwrap()).unwrap();
+        merged
+            .merge(failing(&table).shard(index, 3).sweep(&table).unwrap())
+            .unwrap();
     }
     assert_eq!(merged, whole);
     let twice = merged.merge(failing(&table).shard(0, 3).sweep(&table).unwrap());
     assert!(matches!(twice, Err(EnsembleError::Overlap { .. })));
     let shorter = failing(&table).shard(0, 3).sweep(&table[..1]).unwrap();
-    assert!(matches!(merged.merge(shorter), Err(EnsembleError::OtherTable { rows: 2, others: 1 })));
+    assert!(matches!(
+        merged.merge(shorter),
+        Err(EnsembleError::OtherTable { rows: 2, others: 1 })
+    ));
     assert_eq!(merged, whole);
     let text = serde_json::to_string(&whole).unwrap();
     assert_eq!(serde_json::from_str::<Sweep>(&text).unwrap(), whole);
@@ -118,9 +137,20 @@ fn failures_and_shards() {
 fn antithetic_pairs_of_rows() {
     let table = oscillators();
     let start = State::new([1.0], [0.0]);
-    let sweep = ensemble(&table[0]).start(start).antithetic(true).sweep(&table).unwrap();
+    let sweep = ensemble(&table[0])
+        .start(start)
+        .antithetic(true)
+        .sweep(&table)
+        .unwrap();
     assert!(sweep.difference(0, 1).unwrap()["q"].standard_error()[4] < 1e-16);
-    assert_eq!(sweep[1], ensemble(&table[1]).start(start).antithetic(true).run().unwrap());
+    assert_eq!(
+        sweep[1],
+        ensemble(&table[1])
+            .start(start)
+            .antithetic(true)
+            .run()
+            .unwrap()
+    );
 }
 
 #[test]
@@ -129,10 +159,14 @@ fn bad_tables_are_errors() {
     let error = failing(&table).sweep(&[]).unwrap_err();
     assert!(matches!(error, EnsembleError::EmptyTable), "{error}");
     let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("sweep.sve");
-    let error = failing(&table).checkpoint(&file, Duration::ZERO).sweep(&table);
+    let error = failing(&table)
+        .checkpoint(&file, Duration::ZERO)
+        .sweep(&table);
     assert!(matches!(error, Err(EnsembleError::SweepInOneFile)) && !file.exists());
     let error = failing(&table).stop_on_failure(true).sweep(&table);
     assert!(matches!(error, Err(EnsembleError::Failed(_))));
-    let error = ensemble(&oscillators()[0]).sweep(&oscillators()).unwrap_err();
+    let error = ensemble(&oscillators()[0])
+        .sweep(&oscillators())
+        .unwrap_err();
     assert!(error.to_string().contains("start"), "{error}");
 }

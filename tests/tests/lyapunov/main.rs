@@ -47,7 +47,10 @@ fn of_a_saddle_are_the_logarithms_of_the_eigenvalues_of_the_step() {
 fn check_saddle(exponents: &[f64], largest: f64) {
     assert!((exponents[0] - largest).abs() < 1e-12, "{exponents:?}");
     assert!((exponents[3] + largest).abs() < 1e-12, "{exponents:?}");
-    assert!(exponents[1].abs() < 1e-3 && exponents[2].abs() < 1e-3, "{exponents:?}");
+    assert!(
+        exponents[1].abs() < 1e-3 && exponents[2].abs() < 1e-3,
+        "{exponents:?}"
+    );
 }
 
 /// Every symplectic map has pairs λ, −λ, and so has every path of a finite length, with noise too.
@@ -154,7 +157,10 @@ fn is_the_rate_at_which_a_near_path_leaves() {
     }
     let rate = growth / (h * f64::from(steps - 2000));
     let exponent = path.exponents()[0];
-    assert!((rate / exponent - 1.0).abs() < 1e-3 && exponent > 0.03, "{rate} {exponent}");
+    assert!(
+        (rate / exponent - 1.0).abs() < 1e-3 && exponent > 0.03,
+        "{rate} {exponent}"
+    );
 }
 
 /// Two rules and two paths of the noise: the exponents of a pendulum in gusts agree to their errors.
@@ -171,7 +177,10 @@ fn of_a_noisy_motion_are_those_of_other_rules_and_paths() {
     let [da, db] = [first.standard_errors()[0], second.standard_errors()[0]].map(Option::unwrap);
     // the rules differ by O(h²), far less than the errors
     assert!((a - b).abs() < 4.0 * da.hypot(db), "{a} ± {da}, {b} ± {db}");
-    assert!(da < 0.05 * a && first.rates(0).unwrap().count() == steps, "{a} ± {da}");
+    assert!(
+        da < 0.05 * a && first.rates(0).unwrap().count() == steps,
+        "{a} ± {da}"
+    );
 }
 
 /// Motions on a sphere have four directions; the step maps the other two to zero.
@@ -189,7 +198,10 @@ fn across_constraints_are_minus_infinity() {
     path.restart();
     path.advance(2000).unwrap();
     let later: f64 = path.exponents()[..4].iter().sum();
-    assert!(sum.is_finite() && later.abs() < 1e-2, "{exponents:?} {later}");
+    assert!(
+        sum.is_finite() && later.abs() < 1e-2,
+        "{exponents:?} {later}"
+    );
     assert_eq!(exponents[4..], [f64::NEG_INFINITY; 2]);
 }
 
