@@ -182,6 +182,11 @@ mod tests {
                     sketch.rank_error
                 );
                 assert_eq!(sketch.rank_error == 0, size as u64 >= n);
+                // the errors of successive turns have opposite signs
+                assert!(
+                    size < 63 || worst <= sketch.rank_error / 2,
+                    "{size}: {worst}"
+                );
             }
             let (size, n) = (1000.0, n as f64);
             let bound = n / size * (n / size).log2().ceil();

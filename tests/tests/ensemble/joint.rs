@@ -238,6 +238,50 @@ fn quantiles_are_those_of_all_values() {
     assert_eq!(sketch.quantile(0.3)[0], 0.0);
 }
 
+/// A pair of times has the paths that have not failed until the later one, in several blocks.
+#[test]
+fn pairs_of_times_leave_out_paths_that_have_failed() {
+    let (method, h, paths) = (method(), 0.1, 300);
+    let bound = 1.2;
+    let summary = Ensemble::new(&method)
+        .paths(paths)
+        .seed(5)
+        .steps(h, 30)
+        .record_every(10)
+        .start(State::new([1.0], [0.0]))
+        .observe("q", |_, s| if s.q[0] > bound { f64::NAN } else { s.q[0] })
+        .observe("p", |_, s| s.p[0])
+        .two_time("q", "p")
+        .run()
+        .unwrap();
+    // positions and momenta at the recorded times, up to that of a failure
+    let records: Vec<Vec<[f64; 2]>> = (0..paths)
+        .map(|path| {
+            let noise = Wiener::new(5).path(path);
+            let states = method.trajectory(State::new([1.0], [0.0]), h, noise);
+            let states = states.take(30).map(Result::unwrap).skip(9).step_by(10);
+            let all = [[1.0, 0.0]]
+                .into_iter()
+                .chain(states.map(|s| [s.q[0], s.p[0]]));
+            all.take_while(|[q, _]| *q <= bound).collect()
+        })
+        .collect();
+    let two = summary.two_time("q", "p").unwrap();
+    for s in 0..4 {
+        for t in 0..4 {
+            let alive = records.iter().filter(|path| path.len() > s.max(t));
+            let pairs: Vec<_> = alive.map(|path| (path[s][0], path[t][1])).collect();
+            let n = pairs.len() as f64;
+            assert!(s.max(t) == 0 || (50.0..300.0).contains(&n), "{n}");
+            let mean = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / n;
+            let (a, b) = (mean(|v| v.0), mean(|v| v.1));
+            let sum: f64 = pairs.iter().map(|(x, y)| (x - a) * (y - b)).sum();
+            let off = two.covariance(s, t) - sum / (n - 1.0);
+            assert!(off.abs() < 1e-13, "{s} {t} {off:e}");
+        }
+    }
+}
+
 /// Shards and threads have the bits of the whole, with paths that fail.
 #[test]
 fn shards_merge_into_the_bits_of_the_whole() {
