@@ -317,7 +317,7 @@ STRUCTURE = {
 
 
 def structure() -> list[Number]:
-    """The rows that the readme has."""
+    """The rows that the documents have."""
     numbers = []
     for key, row in STRUCTURE.items():
         columns = ((1, "blocks", "blocks"), (2, "operations", "operations"), (3, "calls", "calls"), (4, "additions", "angle additions"))
@@ -486,4 +486,4 @@ FILES = {
     "paper": [("target/paper/figure4.png", "docs/figure4.png")],
     "work-precision": [(f"target/work-precision/{name}.svg", f"docs/work-precision-{name}.svg") for name in ("pendulum", "synchrotron")],
 }
-"""Figures of the readme: from where a command writes them to where the readme shows them."""
+"""Figures of the documents: from where a command writes them to where they are shown."""

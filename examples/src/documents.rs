@@ -1,29 +1,8 @@
-//! What the documents of the project say of it, compared with the project: numbers, paths, the plan of the readme's first example.
+//! What the documents of the project say of it, compared with the project: numbers, links, paths.
 
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-
-use sve_runtime::prelude::*;
-
-/// Kubo oscillator: a rotation whose speed is noisy.
-#[derive(Clone, Debug)]
-struct Kubo {
-    a: f64,
-    sigma: f64,
-}
-
-#[variational(midpoint)]
-impl Kubo {
-    fn lagrangian(&self, q: [f64; 1], v: [f64; 1]) -> f64 {
-        v[0].powi(2) / (2.0 * self.a) - self.a / 2.0 * q[0].powi(2)
-    }
-
-    #[h1]
-    fn jitter(&self, q: [f64; 1], p: [f64; 1]) -> f64 {
-        self.sigma / 2.0 * (q[0].powi(2) + p[0].powi(2))
-    }
-}
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
@@ -66,10 +45,27 @@ fn filled(template: &str, numbers: &HashMap<&str, &str>) -> String {
     text
 }
 
+/// The folders with pages for readers. The guide is a part of the package that shows it in its documentation.
+const PAGES: [&str; 2] = ["docs", "sve-runtime/docs/guide"];
+
+/// The documents for readers: the readme and all pages.
+fn documents() -> Vec<String> {
+    let mut documents = vec!["README.md".to_owned()];
+    for folder in PAGES {
+        for entry in fs::read_dir(root().join(folder)).expect("a folder") {
+            let name = entry.expect("an entry").file_name();
+            let name = name.to_str().expect("a name in UTF-8");
+            if Path::new(name).extension().is_some_and(|end| end == "md") {
+                documents.push(format!("{folder}/{name}"));
+            }
+        }
+    }
+    documents
+}
+
 #[test]
-fn the_readme_quotes_the_numbers_that_were_measured() {
-    let (readme, page, quotes) = (
-        read("README.md"),
+fn the_documents_quote_the_numbers_that_were_measured() {
+    let (page, quotes) = (
         read("docs/numbers/README.md"),
         read("docs/numbers/quotes.md"),
     );
@@ -81,33 +77,87 @@ fn the_readme_quotes_the_numbers_that_were_measured() {
         templates.insert(name.trim(), template.trim());
     }
     let mut quoted = Vec::new();
-    for part in readme.split("<!-- numbers: ").skip(1) {
-        let (name, rest) = part.split_once(" -->\n").expect("a marker");
-        let (body, _) = rest
-            .split_once("\n<!-- end of numbers -->")
-            .expect("the end of a quote");
-        let template = templates
-            .get(name)
-            .unwrap_or_else(|| panic!("no part {name} in docs/numbers/quotes.md"));
-        assert_eq!(
-            body,
-            filled(template, &numbers),
-            "{name}: run `docs/numbers/run --quote`"
-        );
-        quoted.push(name);
+    for document in documents() {
+        for part in read(&document).split("<!-- numbers: ").skip(1) {
+            let (name, rest) = part.split_once(" -->\n").expect("a marker");
+            let (body, _) = rest
+                .split_once("\n<!-- end of numbers -->")
+                .expect("the end of a quote");
+            let template = templates
+                .get(name)
+                .unwrap_or_else(|| panic!("no part {name} in docs/numbers/quotes.md"));
+            assert_eq!(
+                body,
+                filled(template, &numbers),
+                "{name} in {document}: run `docs/numbers/run --quote`"
+            );
+            quoted.push(name.to_owned());
+        }
     }
     assert_eq!(quoted.len(), templates.len(), "quoted are {quoted:?}");
 }
 
+/// The targets of links between files: those in parentheses, and those of definitions.
+fn targets(document: &str) -> Vec<&str> {
+    let in_parentheses = document.split("](").skip(1);
+    let in_parentheses = in_parentheses.filter_map(|rest| rest.split_once(')'));
+    let defined = document.lines().filter(|line| line.starts_with('['));
+    let defined = defined.filter_map(|line| line.split_once("]: "));
+    let all = in_parentheses
+        .map(|(target, _)| target)
+        .chain(defined.map(|(_, target)| target));
+    all.filter(|target| !target.contains("://") && !target.contains(char::is_whitespace))
+        .collect()
+}
+
 #[test]
-fn the_readme_shows_the_plan_of_its_example() {
-    let kubo = Integrator::new(Kubo { a: 1.0, sigma: 1.0 }, Midpoint);
-    let plan = kubo.plan().to_string();
-    let readme = read("README.md");
-    assert!(
-        readme.contains(&format!("```text\n{}\n```", plan.trim_end())),
-        "the readme's plan is not\n{plan}"
+fn the_links_of_the_documents_lead_to_files() {
+    let (mut all, mut missing) = (0, Vec::new());
+    for document in documents() {
+        let text = read(&document);
+        let folder = root().join(&document);
+        let folder = folder.parent().expect("a folder");
+        for target in targets(&text) {
+            let file = target.split('#').next().unwrap_or_default();
+            all += 1;
+            if !folder.join(file).exists() {
+                missing.push(format!("{target} in {document}"));
+            }
+        }
+    }
+    assert!(all > 60, "{all} links");
+    assert!(missing.is_empty(), "{missing:?}");
+}
+
+#[test]
+fn every_page_of_the_guide_is_in_its_contents_and_in_the_documentation() {
+    let (contents, links, modules) = (
+        read("sve-runtime/docs/guide/README.md"),
+        read("sve-runtime/src/guide/links.md"),
+        read("sve-runtime/src/guide/mod.rs"),
     );
+    for document in documents() {
+        let Some(page) = document.strip_prefix("sve-runtime/docs/guide/") else {
+            continue;
+        };
+        let name = page.trim_end_matches(".md");
+        if name == "README" {
+            continue;
+        }
+        assert!(
+            contents.contains(&format!("[{name}]: {page}")),
+            "{page} is not in the contents"
+        );
+        assert!(
+            links.contains(&format!("[{name}]: crate::guide::{name}\n")),
+            "{name} has no link in the documentation"
+        );
+        let is_module = |line: &str| line.trim() == name;
+        assert!(
+            modules.lines().any(is_module),
+            "{name} is not in the module `guide`"
+        );
+    }
 }
 
 /// Where paths in ARCHITECTURE.md start: at the root, or in the folder that their part is about.

@@ -40,6 +40,9 @@
 //! # }
 //! ```
 //!
+//! The [guide](crate::guide) answers questions, a page each: [your first system](crate::guide::first_system),
+//! [which noise term](crate::guide::noise_terms), [choosing a rule and h](crate::guide::rules), [when a step fails](crate::guide::failures), ….
+//!
 //! # Map
 //!
 //! | to | use |
@@ -62,7 +65,20 @@
 //! | write code for any system and rule | [`System`], [`Variational`], [`Dims`] |
 //! | change Newton's method | [`Newton`], [`Integrator::with_newton`] |
 //!
-//! [`prelude`] has what a program that integrates a system imports.
+//! [`prelude`] has what a program that integrates a system imports. With features:
+//!
+//! | to | use | feature |
+//! | --- | --- | --- |
+//! | run many paths on all cores, and take statistics | [`Ensemble`][ensemble], [`Summary`][summary] | `ensemble` |
+//! | see which statistics are unreliable, and why paths failed | [`Summary::warnings`][summary], [`Summary::failures`][summary], [`Ensemble::replay`][ensemble] | `ensemble` |
+//! | average over time along many paths; solve a parabolic equation by paths | [`Ensemble::average`][ensemble], [`Ensemble::weight`][ensemble] | `ensemble` |
+//! | show how far a run is | [`Ensemble::progress`][ensemble] | `progress` for a bar |
+//! | stop a run and continue it; run parts of it on several machines | [`Ensemble::checkpoint`][ensemble], [`Ensemble::shard`][ensemble] | `checkpoint`; none |
+//! | run on a cluster with MPI | the package `sve-mpi` | `distributed` |
+//! | write statistics as CSV, for `NumPy`, as Parquet | [`Summary::to_csv`][summary], [`Summary::to_npy`][summary], [`Summary::to_parquet`][summary] | none, `npy`, `parquet` |
+//! | serialise states, snapshots, errors, summaries | traits of serde | `serde` |
+//! | measure what an error costs, method by method | [`Study`][study], [`Report`][study] | `study` |
+//! | show ensembles and studies as pages, draw figures | [`Summary::write_html`][summary], [`Report::write_html`][study], [`plot`][plot] | `plot` |
 //!
 //! # Errors
 //!
@@ -72,7 +88,7 @@
 //!
 //! # Features
 //!
-//! None is on by default, and none changes a number.
+//! None is on by default, and none changes a number. On docs.rs an item that needs a feature is marked with it.
 //!
 //! | feature | gives |
 //! | --- | --- |
@@ -83,6 +99,23 @@
 //! | `npy`, `parquet` | statistics of ensembles in these formats |
 //! | `serde` | states, snapshots of trajectories, errors and summaries can be serialised |
 //! | `study` | `study::Study`: errors, orders and times of several methods on one problem; with `ensemble` |
+//! | `plot` | `plot`: figures as SVG and PNG; pages of the results of ensembles and studies |
+
+// Badges of features, on docs.rs alone: rustdoc needs a nightly compiler for them.
+#![cfg_attr(docsrs, feature(doc_cfg))]
+// The links of the map. Without its feature an item is not there, and its link leads to the table of features.
+#![doc = ""]
+#![cfg_attr(feature = "ensemble", doc = "[ensemble]: crate::ensemble::Ensemble")]
+#![cfg_attr(feature = "ensemble", doc = "[summary]: crate::ensemble::Summary")]
+#![cfg_attr(not(feature = "ensemble"), doc = "[ensemble]: crate#features")]
+#![cfg_attr(not(feature = "ensemble"), doc = "[summary]: crate#features")]
+#![cfg_attr(feature = "study", doc = "[study]: crate::study::Study")]
+#![cfg_attr(not(feature = "study"), doc = "[study]: crate#features")]
+#![cfg_attr(feature = "plot", doc = "[plot]: crate::plot")]
+#![cfg_attr(not(feature = "plot"), doc = "[plot]: crate#features")]
+
+// Examples of single functions begin with the hidden lines of `example.md`, which make an integrator `pendulum` of a `system` and its `start`, and end with
+// those of `example_end.md`. Ensembles and studies have lines of their own.
 
 mod angle_addition;
 pub mod baseline;
@@ -100,6 +133,8 @@ mod file;
 #[cfg(feature = "serde")]
 mod floats;
 mod gauss;
+#[cfg(doc)]
+pub mod guide;
 mod integrator;
 mod jets;
 mod lanes;
@@ -154,6 +189,54 @@ pub use rules::{
 };
 pub use solve::newton::{BlockSolver, Newton};
 pub use state::State;
+/// Derives the steps of a system from its Lagrangian. The simplest block has L alone:
+///
+/// ```
+/// use sve_runtime::prelude::*;
+///
+/// struct Pendulum { g: f64 }
+///
+/// #[variational(midpoint)]
+/// impl Pendulum {
+///     fn lagrangian(&self, q: f64, v: f64) -> f64 {
+///         0.5 * v * v + self.g * q.cos()
+///     }
+/// }
+///
+/// # fn main() -> Result<(), StepError> {
+/// let pendulum = Integrator::new(Pendulum { g: 9.8 }, Midpoint);
+/// let mut state = State::new([1.0], [0.0]);
+/// pendulum.step(&mut state, 0.01, &[])?;
+/// # Ok(())
+/// # }
+/// ```
+///
+/// With noise: a function γ(q), by which dp = … + ∂γ/∂q ∘ dW.
+///
+/// ```
+/// use sve_runtime::prelude::*;
+///
+/// struct Pendulum { g: f64, sigma: f64 }
+///
+/// #[variational(midpoint)]
+/// impl Pendulum {
+///     fn lagrangian(&self, q: f64, v: f64) -> f64 {
+///         0.5 * v * v + self.g * q.cos()
+///     }
+///     #[gamma]
+///     fn push(&self, q: f64) -> f64 {
+///         self.sigma * q
+///     }
+/// }
+///
+/// # fn main() -> Result<(), StepError> {
+/// let pendulum = Integrator::new(Pendulum { g: 9.8, sigma: 0.1 }, Midpoint);
+/// let mut state = State::new([1.0], [0.0]);
+/// pendulum.step(&mut state, 0.01, &[0.02])?;              // with the increment of the Wiener process
+/// # Ok(())
+/// # }
+/// ```
+///
 /// A system with time-dependent L, a helper, a constant, a parameter array and two noises:
 ///
 /// ```
@@ -307,8 +390,8 @@ pub mod __private {
     /// The interface of generated steps in lanes.
     pub mod lane {
         pub use crate::lanes::elementary::*;
-        pub use crate::lanes::newton::NewtonLanes;
-        pub use crate::lanes::solve::{factored, inverse, solve};
+        pub use crate::lanes::newton::{ContractingLanes, NewtonLanes};
+        pub use crate::lanes::solve::{Solved, factored, has_digits, inverse, solve, solved};
         pub use crate::lanes::{LANES, Lane, Mask, StateLanes, needs_scalar_step, rows};
         pub use crate::solve::diagonal::solve_in_lane as solve_diagonal;
     }

@@ -5,6 +5,7 @@
 //! `dq = v dt + Σ ∂G_a/∂p ∘ dW_a`, `dp = (∂L/∂q + F) dt − Σ ∂G_a/∂q ∘ dW_a`, `p = ∂L/∂v`, with `G = −γ` or `G = H₁`.
 
 use crate::configuration::{Coordinates, FlatConfiguration, VectorSpace};
+use crate::constraints::{self, LEAVES_OUT_FORCES};
 use crate::degenerate::{self, NEEDS_REGULAR, is_degenerate};
 use crate::error::{StepError, step_error};
 use crate::legendre;
@@ -124,22 +125,43 @@ pub trait Mechanics: System {
     /// As [`velocity`](Self::velocity); [`StepError::Degenerate`] if L is degenerate.
     fn temperature(&self, state: &StateOf<Self>) -> Result<f64, StepError>;
 
-    /// The drift of the (Stratonovich) first-order form, `(v, ∂L/∂q + F)`, without the forces of constraints.
+    /// The drift of the (Stratonovich) first-order form, `(v, ∂L/∂q + F)`. For a system with constraints it is that of the motion on them, with their forces
+    /// `∂φ/∂qᵀ λ` and without the part of the momentum across them, which has no effect on the motion.
     ///
     /// # Errors
-    /// As [`velocity`](Self::velocity).
+    /// As [`velocity`](Self::velocity); [`StepError::InconsistentStart`] and [`StepError::ConstraintRank`] as in a step.
     fn drift(&self, state: &StateOf<Self>) -> Result<Field<MomentumOf<Self>>, StepError>;
 
-    /// The second time derivatives `(q̈, p̈)` of the motion without noise and constraints.
+    /// The second time derivatives `(q̈, p̈)` of the motion without noise. Does not compile for a system with constraints, whose multipliers would have to be
+    /// differentiated too.
     ///
     /// # Errors
     /// As [`velocity`](Self::velocity).
     fn acceleration(&self, state: &StateOf<Self>) -> Result<Field<MomentumOf<Self>>, StepError>;
 
-    /// `Σ_a g_a dW_a`, the noise fields `g_a = (∂G_a/∂p, −∂G_a/∂q)` combined with the given increments.
+    /// `Σ_a g_a dW_a`, the noise fields `g_a = (∂G_a/∂p, −∂G_a/∂q)` combined with the given increments. Does not compile for a system with constraints, whose
+    /// forces balance a part of the noise:
+    ///
+    /// ```compile_fail
+    /// use sve_runtime::prelude::*;
+    /// struct Rod { s: f64 }
+    /// #[variational(midpoint)]
+    /// impl Rod {
+    ///     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 { 0.5 * (v[0] * v[0] + v[1] * v[1]) }
+    ///     #[gamma]
+    ///     fn push(&self, q: [f64; 2]) -> f64 { self.s * q[0] }
+    ///     #[constraint]
+    ///     fn rod(&self, q: [f64; 2]) -> f64 { 0.5 * (q[0] * q[0] + q[1] * q[1] - 1.0) }
+    /// }
+    /// # fn main() {
+    /// // error: this function is for systems without constraints: it would leave out their forces …
+    /// Rod { s: 0.1 }.noise(&State::new([1.0, 0.0], [0.0, 1.0]), &[0.2]);
+    /// # }
+    /// ```
     fn noise(&self, state: &StateOf<Self>, dw: &IncrementsOf<Self>) -> Field<MomentumOf<Self>>;
 
-    /// The Itô correction `½ Σ_a (Dg_a) g_a`: the Itô drift minus the Stratonovich drift.
+    /// The Itô correction `½ Σ_a (Dg_a) g_a`: the Itô drift minus the Stratonovich drift. Does not compile for a system with constraints, as
+    /// [`noise`](Self::noise).
     fn ito_correction(&self, state: &StateOf<Self>) -> Field<MomentumOf<Self>>
     where
         ConfigurationOf<Self>: VectorSpace;
@@ -210,6 +232,9 @@ where
         if const { is_degenerate::<S>() } {
             degenerate::check_consistent(self, state)?;
         }
+        if const { !S::CONSTRAINTS.is_empty() } {
+            return constraints::drift::drift(self, state).map(Field::of::<Q>);
+        }
         solve_drift(self, state)
             .and_then(finite)
             .map(Field::of::<Q>)
@@ -218,6 +243,7 @@ where
 
     #[inline]
     fn acceleration(&self, state: &State<Q>) -> Result<Field<Q::Momentum>, StepError> {
+        const { assert!(S::CONSTRAINTS.is_empty(), "{}", LEAVES_OUT_FORCES) };
         let state = &state.to_coordinates();
         if const { is_degenerate::<S>() } {
             return Err(StepError::Degenerate {
@@ -235,6 +261,7 @@ where
     #[inline]
     fn noise(&self, state: &State<Q>, dw: &[f64; M]) -> Field<Q::Momentum> {
         const { assert!(S::ROLES.is_empty(), "{}", NEEDS_REGULAR) };
+        const { assert!(S::CONSTRAINTS.is_empty(), "{}", LEAVES_OUT_FORCES) };
         let State { t, q, p } = state.to_coordinates();
         let mut noise = noise_of(&self.noise_jets(t, &q, &p), dw);
         Q::Flat::add_transport(&p, &noise.q, &mut noise.p);
@@ -247,6 +274,7 @@ where
         Q: VectorSpace,
     {
         const { assert!(S::ROLES.is_empty(), "{}", NEEDS_REGULAR) };
+        const { assert!(S::CONSTRAINTS.is_empty(), "{}", LEAVES_OUT_FORCES) };
         let State { t, q, p } = state.to_coordinates();
         correction_of(&self.noise_jets(t, &q, &p)).of::<Q>()
     }

@@ -182,6 +182,9 @@ pub struct Plan {
     pub weak_order: u32,
     /// The momenta of symmetries, by their functions, that every step conserves to rounding.
     pub conserved: &'static [&'static str],
+    /// Whether ensembles make this step for many paths at once, in lanes of vector registers. A step with too many unknowns, with a banded matrix, with rotations or with
+    /// roots that no bounds judge is made for one path after the other. `false` without the feature `ensemble`.
+    pub in_lanes: bool,
     /// How the step treats a degenerate Lagrangian; `None` if L determines every velocity.
     pub degenerate: Option<DegenerateStep>,
     /// Operations for each step size.
@@ -362,6 +365,9 @@ impl fmt::Display for Structure<'_> {
         }
         if !plan.conserved.is_empty() {
             write!(f, "\n  conserves {}", plan.conserved.join(", "))?;
+        }
+        if cfg!(feature = "ensemble") && !plan.in_lanes {
+            write!(f, "\n  ensembles step one path after the other")?;
         }
         Ok(())
     }

@@ -195,6 +195,16 @@ pub trait System {
     ) {
         let _ = (t, q, visit);
     }
+    /// Visits the second time derivatives of the constraints in motion with velocity `v` and without acceleration, in the order of [`CONSTRAINTS`](Self::CONSTRAINTS).
+    fn constraint_curvatures(
+        &self,
+        t: f64,
+        q: &FlatOf<Self>,
+        v: &VectorOf<Self>,
+        visit: &mut dyn FnMut(f64),
+    ) {
+        let _ = (t, q, v, visit);
+    }
 }
 
 #[diagnostic::do_not_recommend]
@@ -248,5 +258,15 @@ impl<S: System> System for &S {
         visit: &mut dyn FnMut(<S::Dims as Dimensions>::ConstraintJet),
     ) {
         (**self).constraint_jets(t, q, visit);
+    }
+
+    fn constraint_curvatures(
+        &self,
+        t: f64,
+        q: &FlatOf<S>,
+        v: &VectorOf<S>,
+        visit: &mut dyn FnMut(f64),
+    ) {
+        (**self).constraint_curvatures(t, q, v, visit);
     }
 }

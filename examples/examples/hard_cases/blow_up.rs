@@ -25,7 +25,7 @@ fn panel(title: &str, curves: Curves) -> Panel {
     let empty = Panel::new(
         format!("{title}: largest energy of {STEPS} steps over the first"),
         Axis::powers("frequency times step, ωh", -1.0..3.0),
-        Axis::powers("energy / first energy", -0.2..6.2),
+        Axis::powers("energy / first energy", -0.1..2.2),
     );
     let all = curves.into_iter().enumerate();
     all.fold(empty, |panel, (k, (name, points))| {

@@ -261,7 +261,7 @@ fn figure(rows: &[Row]) -> Figure {
             .with(Layer::new("", vec![low, high], Pen::line(palette::GREY, 1.0)).unlisted())
             .note(
                 (high.0 + 0.04, high.1),
-                format!("{} · {ratio:.1}", row.scene),
+                format!("{}: ratio {ratio:.1}", row.scene.replace('`', "")),
                 palette::BLACK,
             );
     }
@@ -276,7 +276,7 @@ fn figure(rows: &[Row]) -> Figure {
             Pen::dots(palette::BLUE, 3.5),
         ))
         .with(Layer::new("without", unstructured, open))
-        .legend(Corner::BottomRight);
+        .legend(Corner::TopRight);
     Figure {
         name: "structure",
         width: 1080,

@@ -176,6 +176,9 @@ fn derive(
     let potentials = potentials(&with, &budget, &mechanics, &mut arena)?;
     steps.extend(self::steps(&with, &potentials, &budget, &mut arena)?);
     nodes.correct(&with, &potentials, &budget, &mechanics, &mut arena)?;
+    budget.stage(&mut arena, |arena| {
+        mechanics.differentiate_constraints(&model, arena);
+    })?;
     // what is left to do is in proportion to what has been built
     arena.grant(usize::MAX);
     let about = explain::system(&model, &mechanics, &momenta, &arena);

@@ -8,6 +8,7 @@
 //! contract products and sums, which the library may not either, since its bits are the same on every machine.
 
 mod check;
+mod constrained;
 mod derived;
 mod hand;
 mod limits;
@@ -221,6 +222,7 @@ fn main() {
     let mut tasks = Vec::from(noise());
     tasks.extend(oscillators());
     tasks.extend(pendulums());
+    tasks.extend(constrained::tasks());
     let wanted: Vec<String> = std::env::args()
         .skip(1)
         .filter(|arg| !arg.starts_with('-'))

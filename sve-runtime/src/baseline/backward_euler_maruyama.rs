@@ -60,6 +60,12 @@ impl<S: System> BackwardEulerMaruyama<S> {
 
     /// Leaves the Itô correction out of the drift; see
     /// [`EulerMaruyama::uncorrected`](crate::baseline::EulerMaruyama::uncorrected).
+    ///
+    #[doc = include_str!("../example.md")]
+    /// let method = BackwardEulerMaruyama::new(&system).uncorrected();
+    /// let mut state = start;
+    /// method.step(&mut state, 0.01, &[0.02])?;
+    #[doc = include_str!("../example_end.md")]
     #[must_use]
     pub fn uncorrected(mut self) -> Self {
         self.is_corrected = false;
@@ -67,6 +73,12 @@ impl<S: System> BackwardEulerMaruyama<S> {
     }
 
     /// Replaces the options of the Newton iteration.
+    ///
+    #[doc = include_str!("../example.md")]
+    /// let method = BackwardEulerMaruyama::new(&system).with_newton(Newton { max_iterations: 20, ..Newton::default() });
+    /// let mut state = start;
+    /// method.step(&mut state, 0.01, &[0.02])?;
+    #[doc = include_str!("../example_end.md")]
     #[must_use]
     pub fn with_newton(mut self, newton: Newton) -> Self {
         self.newton = newton;

@@ -56,6 +56,12 @@ impl<S: System> EulerMaruyama<S> {
     ///
     /// If the noise depends on the momentum, the uncorrected method converges to the solution of *another* equation than the
     /// Stratonovich equation of the system. Publications that apply Euler–Maruyama to a Stratonovich equation as it stands plot this solution.
+    ///
+    #[doc = include_str!("../example.md")]
+    /// let method = EulerMaruyama::new(&system).uncorrected();
+    /// let mut state = start;
+    /// method.step(&mut state, 0.01, &[0.02])?;
+    #[doc = include_str!("../example_end.md")]
     #[must_use]
     pub fn uncorrected(mut self) -> Self {
         self.is_corrected = false;

@@ -128,12 +128,14 @@ pub(super) const fn plan_of<const K: usize>(
     };
     let (mut prepare, mut step, mut carried) = (none, none, none);
     let (mut iteration, mut at) = (none, 0);
+    let mut in_lanes = true;
     while at < K {
         let times = count / K;
         prepare = prepare.plus(times, plans[at].prepare);
         step = step.plus(times, plans[at].step);
         carried = carried.plus(times, plans[at].carried);
         iteration = iteration.plus(times, plans[at].iteration);
+        in_lanes = in_lanes && plans[at].in_lanes;
         at += 1;
     }
     Plan {
@@ -145,6 +147,7 @@ pub(super) const fn plan_of<const K: usize>(
         } else {
             plans[0].weak_order
         },
+        in_lanes,
         prepare,
         step,
         carried,

@@ -33,14 +33,8 @@ where
         return None;
     }
     let here = Linearised::at(system, state.t, &state.q)?;
-    let (k, violation) = here.worst();
-    if violation > INCONSISTENT {
-        return Some(StepError::InconsistentStart {
-            t: state.t,
-            constraint: S::CONSTRAINTS[k].into(),
-            value: here.jets[k].value,
-            magnitude: here.jets[k].magnitude,
-        });
+    if let Some(error) = inconsistent_start::<S, N>(&here, state.t) {
+        return Some(error);
     }
     if let Some(error) = rank_error::<S, Q, N, M>(&here, state.t, &state.q) {
         return Some(error);
@@ -65,5 +59,19 @@ where
         distance: moved.iter().map(|d| d * d).sum::<f64>().sqrt(),
         constraint: S::CONSTRAINTS[k].into(),
         violation,
+    })
+}
+
+/// Returns the error of a state beside the constraints.
+pub(super) fn inconsistent_start<S: System, const N: usize>(
+    here: &Linearised<N>,
+    t: f64,
+) -> Option<StepError> {
+    let (k, violation) = here.worst();
+    (violation > INCONSISTENT).then(|| StepError::InconsistentStart {
+        t,
+        constraint: S::CONSTRAINTS[k].into(),
+        value: here.jets[k].value,
+        magnitude: here.jets[k].magnitude,
     })
 }

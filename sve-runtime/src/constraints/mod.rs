@@ -7,9 +7,11 @@
 //! | --- | --- |
 //! | `consistent.rs` | projection of a state onto the constraints |
 //! | `forces.rs` | the forces of the constraints in a step |
+//! | `drift.rs` | the motion without noise, with the forces of the constraints |
 //! | `explain.rs` | the error of a step that lost the constraints |
 
 mod consistent;
+pub(crate) mod drift;
 pub(crate) mod explain;
 mod forces;
 
@@ -31,6 +33,9 @@ pub(crate) const fn assert_unconstrained<S: System>() {
         "this method is for systems without constraints: it would leave them"
     );
 }
+
+/// Why a function of [`Mechanics`](crate::Mechanics) does not compile for a system with constraints.
+pub(crate) const LEAVES_OUT_FORCES: &str = "this function is for systems without constraints: it would leave out their forces; `drift` has them, and a step makes the motion with noise";
 
 /// The constraints at a point, with `A = ∂φ/∂q M⁻¹ ∂φ/∂qᵀ`.
 struct Linearised<const N: usize> {

@@ -45,6 +45,16 @@ where
     ///
     /// The file is always complete: a new file is written, synchronised with the disk and renamed. A run without `resume`
     /// replaces an existing file once a block of paths has ended.
+    ///
+    #[doc = include_str!("example.md")]
+    /// # let folder = std::env::temp_dir().join(format!("sve-checkpoint-{}", std::process::id()));
+    /// # std::fs::create_dir_all(&folder)?;
+    /// use std::time::Duration;
+    /// let file = folder.join("checkpoint.sve");
+    /// ensemble().checkpoint(&file, Duration::from_secs(60)).run()?;
+    /// assert!(file.exists());
+    /// # std::fs::remove_dir_all(&folder)?;
+    #[doc = include_str!("../example_end.md")]
     #[must_use]
     pub fn checkpoint(mut self, path: impl Into<PathBuf>, every: Duration) -> Self {
         self.checkpoint = Some((path.into(), every));
@@ -56,6 +66,16 @@ where
     /// The file has to be undamaged, which its length and a checksum show, and of the same run: settings, formulas and parameters
     /// of the system, method and starts. [`run`](Self::run) returns an error otherwise, which says whether the file is damaged or in what
     /// the runs differ. Closures are compared by samples only, see [`Summary::merge`](super::Summary::merge).
+    ///
+    #[doc = include_str!("example.md")]
+    /// # let folder = std::env::temp_dir().join(format!("sve-resume-{}", std::process::id()));
+    /// # std::fs::create_dir_all(&folder)?;
+    /// use std::time::Duration;
+    /// let file = folder.join("resume.sve");
+    /// let run = || ensemble().checkpoint(&file, Duration::from_secs(60)).resume(true).run();
+    /// assert_eq!(run()?["q"].mean(), run()?["q"].mean()); // the second one only reads
+    /// # std::fs::remove_dir_all(&folder)?;
+    #[doc = include_str!("../example_end.md")]
     #[must_use]
     pub fn resume(mut self, resume: bool) -> Self {
         self.resume = resume;

@@ -20,7 +20,7 @@ use super::settings::Settings;
 use crate::configuration::{Configuration, Coordinates, FixedSize};
 use crate::method::Method;
 use crate::noise::lanes::DistributionKind;
-use crate::noise::{Noise, ThreePoint, Wiener};
+use crate::noise::{self, Noise, ThreePoint, Wiener};
 use crate::state::State;
 use crate::system::{Dims, System};
 
@@ -134,6 +134,7 @@ where
             noise: hash(|hash| match self.noise.distribution {
                 None => hash.add(2),
                 Some(distribution) => {
+                    hash.add(noise::VERSION);
                     hash.add(u64::from(distribution == DistributionKind::ThreePoint));
                     hash.add_number(self.noise.largest);
                     if self.noise.first_path != 0 {

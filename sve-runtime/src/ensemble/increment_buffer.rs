@@ -7,10 +7,10 @@
 use super::BLOCK_TILES;
 use super::path_noise::PathNoise;
 use crate::lanes::{Aligned, LANES, Lane};
-use crate::noise::lanes::fill;
+use crate::noise::lanes::{Draw, fill};
 
 /// Number of steps whose increments are drawn at once, so that the overhead of a draw is small.
-pub(super) const BATCH: u64 = 16;
+pub(super) const BATCH: u64 = 32;
 
 /// Number of steps that share a block of the generator.
 const QUAD: u64 = 4;
@@ -24,10 +24,12 @@ pub(super) struct IncrementBuffer<const M: usize> {
     scale: f64,
     /// Number of the batch in the buffer.
     batch: Option<u64>,
+    /// Number of tiles in the buffer.
+    tiles: usize,
     /// Increments by groups of four steps, tiles and processes.
     values: Vec<Aligned<[Lane; 4]>>,
-    /// Work space: increments over halves of steps.
-    halves: Vec<Aligned<[Lane; 4]>>,
+    /// Work space: increments from which those of the paths are computed.
+    drawn: Vec<Aligned<[Lane; 4]>>,
 }
 
 impl<const M: usize> IncrementBuffer<M> {
@@ -38,8 +40,9 @@ impl<const M: usize> IncrementBuffer<M> {
             first_path: noise.first_path.wrapping_add(noise.path_within(first_path)),
             scale: noise.scale(h),
             batch: None,
+            tiles: 0,
             values: vec![Aligned([[0.0; LANES]; 4]); QUADS * BLOCK_TILES * M],
-            halves: Vec::new(),
+            drawn: Vec::new(),
         }
     }
 
@@ -48,45 +51,37 @@ impl<const M: usize> IncrementBuffer<M> {
         let Some(distribution) = self.noise.distribution else {
             return;
         };
-        let PathNoise {
-            seed,
-            largest,
-            is_antithetic,
-            is_coarsened,
-            ..
-        } = self.noise;
         if M == 0 || self.batch == Some(batch) {
             return;
         }
-        self.batch = Some(batch);
-        let drawn = M * if is_antithetic {
-            tiles.div_ceil(2)
-        } else {
-            tiles
-        };
-        let (first_path, scale) = (self.first_path, self.scale);
-        let draw = |quad, values: &mut [_]| {
-            fill(distribution, seed, first_path, quad, scale, M, values);
-        };
-        let quads = self.values.chunks_exact_mut(BLOCK_TILES * M);
-        for (quad, values) in (batch * QUADS as u64..).zip(quads) {
-            let values = &mut values[..tiles * M];
-            if is_coarsened {
-                self.halves.resize(drawn, Aligned([[0.0; LANES]; 4]));
-                for half in 0..2 {
-                    draw(2 * quad + half, &mut self.halves);
-                    add_halves(&self.halves, half as usize, &mut values[..drawn]);
-                }
+        (self.batch, self.tiles) = (Some(batch), tiles);
+        let PathNoise { seed, largest, .. } = self.noise;
+        let blocks = QUADS * if self.noise.is_coarsened { 2 } else { 1 };
+        let draw = Draw {
+            distribution,
+            seed,
+            first_path: self.first_path,
+            first_block: batch * blocks as u64,
+            scale: self.scale,
+            processes: M,
+            tiles: if self.noise.is_antithetic {
+                tiles.div_ceil(2)
             } else {
-                draw(quad, &mut values[..drawn]);
-            }
-            if is_antithetic {
-                mirror::<M>(values);
-            }
-            if largest < f64::INFINITY {
-                for dw in values.iter_mut().flat_map(|row| row.0.as_flattened_mut()) {
-                    *dw = dw.clamp(-largest, largest);
-                }
+                tiles
+            },
+        };
+        let values = &mut self.values[..QUADS * tiles * M];
+        if self.noise.is_antithetic || self.noise.is_coarsened {
+            let rows = blocks * draw.tiles * M;
+            self.drawn.resize(rows, Aligned([[0.0; LANES]; 4]));
+            fill(&draw, &mut self.drawn);
+            derive::<M>(self.noise, &self.drawn, [draw.tiles, tiles], values);
+        } else {
+            fill(&draw, values);
+        }
+        if largest < f64::INFINITY {
+            for dw in values.iter_mut().flat_map(|row| row.0.as_flattened_mut()) {
+                *dw = dw.clamp(-largest, largest);
             }
         }
     }
@@ -95,35 +90,54 @@ impl<const M: usize> IncrementBuffer<M> {
     #[inline(always)]
     pub(super) fn of(&self, tile: usize, step: u64) -> Aligned<[Lane; M]> {
         let quad = (step % BATCH / QUAD) as usize;
-        let values = &self.values[(quad * BLOCK_TILES + tile) * M..][..M];
+        let values = &self.values[(quad * self.tiles + tile) * M..][..M];
         Aligned(core::array::from_fn(|process| {
             values[process].0[(step % QUAD) as usize]
         }))
     }
 }
 
-/// Writes the sums of the increments over four halves of steps to the first (`half` = 0) or the last two of four steps.
-fn add_halves(halves: &[Aligned<[Lane; 4]>], half: usize, sums: &mut [Aligned<[Lane; 4]>]) {
-    for (halves, sums) in halves.iter().zip(sums) {
-        for step in 0..2 {
-            let [first, second] = [&halves.0[2 * step], &halves.0[2 * step + 1]];
-            sums.0[2 * half + step] = core::array::from_fn(|lane| first[lane] + second[lane]);
-        }
+/// Computes sums and mirror images of increments, from those of `drawn_tiles` tiles for `tiles` tiles.
+fn derive<const M: usize>(
+    noise: PathNoise,
+    drawn: &[Aligned<[Lane; 4]>],
+    [drawn_tiles, tiles]: [usize; 2],
+    values: &mut [Aligned<[Lane; 4]>],
+) {
+    for (row, value) in values.iter_mut().enumerate() {
+        let (quad, tile, process) = (row / (tiles * M), row / M % tiles, row % M);
+        let of_block =
+            |block: usize, tile: usize| &drawn[(block * drawn_tiles + tile) * M + process];
+        let source = |tile| {
+            if noise.is_coarsened {
+                sums([of_block(2 * quad, tile), of_block(2 * quad + 1, tile)])
+            } else {
+                *of_block(quad, tile)
+            }
+        };
+        *value = if noise.is_antithetic {
+            pairs(&source(tile / 2), tile % 2)
+        } else {
+            source(tile)
+        };
     }
 }
 
-/// Spreads the increments of the first half of the tiles to the pairs of all tiles: lane `2k` has those of path `k`, lane `2k + 1` their negatives.
-fn mirror<const M: usize>(values: &mut [Aligned<[Lane; 4]>]) {
-    // from the last tile down, so that no increment is overwritten before it is read
-    for row in (0..values.len()).rev() {
-        let (tile, process) = (row / M, row % M);
-        let source = values[tile / 2 * M + process];
-        let first_lane = tile % 2 * (LANES / 2);
-        values[row] = Aligned(core::array::from_fn(|step| {
-            core::array::from_fn(|lane| {
-                let dw = source.0[step][first_lane + lane / 2];
-                if lane % 2 == 0 { dw } else { -dw }
-            })
-        }));
-    }
+/// Returns the sums of the increments over eight halves of steps: those of four steps.
+fn sums(halves: [&Aligned<[Lane; 4]>; 2]) -> Aligned<[Lane; 4]> {
+    Aligned(core::array::from_fn(|step| {
+        let halves = &halves[step / 2].0;
+        let [first, second] = [&halves[2 * step % 4], &halves[2 * step % 4 + 1]];
+        core::array::from_fn(|lane| first[lane] + second[lane])
+    }))
+}
+
+/// Returns the increments of the pairs of the first (`half` = 0) or second half of the lanes: lane `2k` has those of the k-th path, lane `2k + 1` their negatives.
+fn pairs(source: &Aligned<[Lane; 4]>, half: usize) -> Aligned<[Lane; 4]> {
+    Aligned(core::array::from_fn(|step| {
+        core::array::from_fn(|lane| {
+            let dw = source.0[step][half * (LANES / 2) + lane / 2];
+            if lane % 2 == 0 { dw } else { -dw }
+        })
+    }))
 }

@@ -21,6 +21,13 @@ where
     ///
     /// Means at starts that lie close together then have nearly the same sampling error, so that their differences have a small one: what is needed for a
     /// gradient. A mean over the starts has a larger error than with paths of their own.
+    ///
+    #[doc = include_str!("example.md")]
+    /// let points = [1.0, 1.001].map(|q| State::new([q], [0.0]));
+    /// let summaries = ensemble().share_paths(true).run_from(&points)?;
+    /// let [a, b] = [0, 1].map(|k| summaries[k]["q"].mean()[1]);
+    /// assert!((b - a).abs() < 0.001); // the sampling errors are the same
+    #[doc = include_str!("../example_end.md")]
     #[must_use]
     pub fn share_paths(mut self, share: bool) -> Self {
         self.share_paths = share;

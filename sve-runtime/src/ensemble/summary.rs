@@ -266,6 +266,12 @@ impl Summary {
     /// 64 steps. **Other values of a closure are not compared**: give shards equal closures. A [`OneStepMethod`](crate::OneStepMethod) of your own adds its options
     /// in [`identify`](crate::OneStepMethod::identify). Shards of machines whose mathematical functions differ in the last digit do not merge.
     ///
+    #[doc = include_str!("example.md")]
+    /// let mut summary = ensemble().shard(1, 2).run()?;
+    /// summary.merge(ensemble().shard(0, 2).run()?)?;
+    /// assert_eq!(summary["q"].mean(), ensemble().run()?["q"].mean());
+    #[doc = include_str!("../example_end.md")]
+    ///
     /// # Errors
     /// [`EnsembleError::OtherRun`], which says what differs; [`EnsembleError::Overlap`] where paths are in both. Nothing is
     /// merged then.

@@ -81,6 +81,12 @@ impl<S, R> Integrator<S, R> {
 
 impl<S: Discretised<R>, R> Integrator<S, R> {
     /// Replaces the options of the Newton iteration.
+    ///
+    #[doc = include_str!("../example.md")]
+    /// let newton = Newton { max_iterations: 20, ..Newton::default() };
+    /// let pendulum = pendulum.with_newton(newton);
+    /// assert_eq!(pendulum.newton().max_iterations, 20);
+    #[doc = include_str!("../example_end.md")]
     #[must_use]
     pub fn with_newton(mut self, newton: Newton) -> Self {
         self.newton = newton;
@@ -103,6 +109,12 @@ impl<S: Discretised<R>, R> Integrator<S, R> {
     }
 
     /// The plan of the step: its equations, how they are solved, and their cost.
+    ///
+    #[doc = include_str!("../example.md")]
+    /// let plan = pendulum.plan();
+    /// println!("{plan}");
+    /// assert_eq!((plan.degrees_of_freedom, plan.noises, plan.deterministic_order), (1, 1, 2));
+    #[doc = include_str!("../example_end.md")]
     pub fn plan(&self) -> &'static Plan {
         S::PLAN
     }
@@ -115,6 +127,12 @@ where
     Q: Coordinates<N>,
 {
     /// Makes one step of length `h` with the given Wiener increments, one for each process in source order.
+    ///
+    #[doc = include_str!("../example.md")]
+    /// let mut state = start;
+    /// pendulum.step(&mut state, 0.01, &[0.02])?;
+    /// assert_eq!(state.t, 0.01);
+    #[doc = include_str!("../example_end.md")]
     ///
     /// # Errors
     /// A [`StepError`] when an input is not finite, `h` is zero, or the step fails; `state` is then unchanged.
@@ -195,6 +213,12 @@ where
 
     /// Makes one step and returns its [`tangent`](Self::tangent) and [`sensitivity`](Self::sensitivity), from one solution of its equations.
     ///
+    #[doc = include_str!("../example.md")]
+    /// let mut state = start;
+    /// let (tangent, sensitivity) = pendulum.step_with_derivatives(&mut state, 0.01, &[0.02])?;
+    /// let (by_start, by_g) = (tangent[0][0], sensitivity.get("g").expect("a parameter").q[0]);
+    #[doc = include_str!("../example_end.md")]
+    ///
     /// # Errors
     /// As [`tangent`](Self::tangent); `state` is then unchanged.
     pub fn step_with_derivatives(
@@ -207,6 +231,13 @@ where
     }
 
     /// Returns the states after each step of length `h` from `state`; see [`Method::trajectory`](crate::Method::trajectory).
+    ///
+    #[doc = include_str!("../example.md")]
+    /// for state in pendulum.trajectory(start, 0.01, Wiener::new(42)).take(100) {
+    ///     let state = state?;
+    ///     println!("{} {}", state.t, state.q[0]);
+    /// }
+    #[doc = include_str!("../example_end.md")]
     pub fn trajectory<W: Noise>(
         &self,
         state: State<Q>,

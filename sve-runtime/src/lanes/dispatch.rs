@@ -1,7 +1,8 @@
 //! Run-time dispatch: code compiled for several widths of vectors, of which the machine's is chosen.
 //!
 //! Input: a kernel, whose whole body is inlined. Output: its result, with the same bits for all versions: wider vectors
-//! change no rounding, since Rust never contracts a multiplication and an addition into a fused operation.
+//! change no rounding, since Rust never contracts a multiplication and an addition into a fused operation. A fused operation that is written as
+//! one (`mul_add`) is exact everywhere; it is an instruction in the versions for x86-64, and elsewhere can be a slow call of the library.
 
 /// A computation that is compiled for several widths of vectors. `run` and everything it calls in its loops have to be `#[inline(always)]`.
 pub(crate) trait Kernel {
@@ -16,13 +17,12 @@ pub(crate) trait Kernel {
 pub(crate) fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     {
-        use std::arch::is_x86_feature_detected as has;
-        if has!("avx512f") && has!("avx512dq") && has!("avx512vl") && has!("avx512bw") {
+        if has_avx512() {
             // Safety: the machine has the instructions that the function is compiled for.
             #[allow(unsafe_code)]
             return unsafe { avx512(kernel) };
         }
-        if has!("avx2") {
+        if has_avx2() {
             // Safety: as above.
             #[allow(unsafe_code)]
             return unsafe { avx2(kernel) };
@@ -32,16 +32,85 @@ pub(crate) fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     kernel.run()
 }
 
+/// Returns whether kernels run with the vectors of AVX-512.
+#[inline]
+pub(crate) fn has_avx512() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::is_x86_feature_detected as has;
+        has!("avx512f") && has!("avx512dq") && has!("avx512vl") && has!("avx512bw") && has!("fma")
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    false
+}
+
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2")]
+#[inline]
+fn has_avx2() -> bool {
+    use std::arch::is_x86_feature_detected as has;
+    has!("avx2") && has!("fma")
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]
 fn avx512<K: Kernel>(kernel: K) -> K::Output {
     kernel.run()
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
+#[target_feature(enable = "avx2,fma")]
 fn avx2<K: Kernel>(kernel: K) -> K::Output {
     kernel.run()
+}
+
+/// A computation that is told which vectors it is compiled for, since it calls instructions by name. Otherwise as [`Kernel`].
+pub(crate) trait VectorKernel {
+    /// The result.
+    type Output;
+    /// Computes the result. `AVX512` says whether the vectors are those of AVX-512.
+    fn run<const AVX512: bool>(self) -> Self::Output;
+}
+
+/// Runs a kernel with the widest vectors of this machine.
+#[inline]
+pub(crate) fn dispatch_vectors<K: VectorKernel>(kernel: K) -> K::Output {
+    #[cfg(target_arch = "x86_64")]
+    {
+        if has_avx512() {
+            // Safety: the machine has the instructions that the function is compiled for.
+            #[allow(unsafe_code)]
+            return unsafe { avx512(ForVectors::<K, true>(kernel)) };
+        }
+        if has_avx2() {
+            // Safety: as above.
+            #[allow(unsafe_code)]
+            return unsafe { avx2(ForVectors::<K, false>(kernel)) };
+        }
+    }
+    kernel.run::<false>()
+}
+
+/// A kernel for one answer to the question which vectors there are.
+#[derive(Clone)]
+struct ForVectors<K, const AVX512: bool>(K);
+
+impl<K: VectorKernel, const AVX512: bool> Kernel for ForVectors<K, AVX512> {
+    type Output = K::Output;
+
+    #[inline(always)]
+    fn run(self) -> K::Output {
+        self.0.run::<AVX512>()
+    }
+}
+
+/// Returns the results of all versions that this machine can run, for tests.
+#[cfg(test)]
+pub(crate) fn vector_versions<K: VectorKernel + Clone>(kernel: &K) -> Vec<K::Output> {
+    let mut results = versions(&ForVectors::<K, false>(kernel.clone()));
+    if has_avx512() {
+        results.extend(versions(&ForVectors::<K, true>(kernel.clone())));
+    }
+    results
 }
 
 /// Returns the results of all versions that this machine can run, for tests.
@@ -50,7 +119,7 @@ fn avx2<K: Kernel>(kernel: K) -> K::Output {
 pub(crate) fn versions<K: Kernel + Clone>(kernel: &K) -> Vec<K::Output> {
     let mut results = vec![kernel.clone().run(), dispatch(kernel.clone())];
     #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") {
+    if has_avx2() {
         // Safety: the feature was detected.
         results.push(unsafe { avx2(kernel.clone()) });
     }

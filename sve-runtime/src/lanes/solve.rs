@@ -2,7 +2,8 @@
 //!
 //! Input: matrix and right-hand side of a lane. Output: the solution; NaN or infinite if the matrix is singular.
 //! One and two unknowns are solved by the formulas of [`dense`](crate::solve::dense), bit for bit. Three and more are solved by Gaussian elimination
-//! with partial pivoting. Pivots may differ from those of the scalar solve, which scales rows before comparing them.
+//! with partial pivoting. Pivots may differ from those of the scalar solve, which scales rows before comparing them. Steps with constraints solve
+//! three and more unknowns by code that the macro writes for the zeros of their matrices.
 
 use crate::solve::dense::SINGULAR;
 
@@ -27,6 +28,38 @@ pub fn solve<const K: usize>(a: &[[f64; K]; K], b: &[f64; K]) -> [f64; K] {
         _ => x = factored(a).solve(b),
     }
     x
+}
+
+/// A solution, and a number with the sign of the determinant.
+#[derive(Clone, Copy)]
+pub struct Solved<const K: usize> {
+    /// The solution.
+    pub by: [f64; K],
+    /// The entry of a single row, otherwise a number with the sign of the determinant.
+    pub determinant: f64,
+}
+
+/// Solves `a x = b` for one or two unknowns, as [`solve`] does.
+#[inline(always)]
+pub fn solved<const K: usize>(a: &[[f64; K]; K], b: &[f64; K]) -> Solved<K> {
+    const { assert!(K == 1 || K == 2, "one or two unknowns") };
+    let determinant = if K == 1 {
+        a[0][0]
+    } else {
+        a[0][0] * a[K - 1][K - 1] - a[0][K - 1] * a[K - 1][0]
+    };
+    let by = solve(a, b);
+    Solved { by, determinant }
+}
+
+/// Size of a pivot, in units of the threshold below which the scalar solve takes it for rounding error, at which a lane is sure of it. The scalar solve has other
+/// pivots with other rounding errors; it decides where a lane is not sure.
+const SURE: f64 = 1024.0;
+
+/// Returns whether a pivot of a matrix of `K` rows has correct digits; `terms` is the sum of the magnitudes of the terms that it is the sum of.
+#[inline(always)]
+pub fn has_digits<const K: usize>(pivot: f64, terms: f64) -> bool {
+    pivot.abs() > SURE * K as f64 * SINGULAR * terms
 }
 
 /// The LU factors of a matrix, for several right-hand sides.

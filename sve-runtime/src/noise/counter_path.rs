@@ -6,8 +6,19 @@
 use core::marker::PhantomData;
 
 use super::NoiseError;
-use super::distribution::{self, Distribution, block_of};
+use super::distribution::{BY_STEPS, Distribution, PathKey, SHARED, Workspace};
 use super::error::check_step;
+use crate::lanes::Aligned;
+use crate::lanes::dispatch::{VectorKernel, dispatch_vectors};
+
+/// Number of blocks drawn at once, in lanes: a register of AVX-512.
+const LANES: usize = 8;
+
+/// Number of steps drawn at once.
+const BATCH: u64 = (SHARED * LANES) as u64;
+
+/// Four increments of each block.
+type Rows = Aligned<[[f64; LANES]; SHARED]>;
 
 /// A path with increments of a distribution.
 #[derive(Clone, Debug)]
@@ -15,10 +26,10 @@ pub(super) struct CounterPath<D> {
     pub(super) seed: u64,
     pub(super) path: u64,
     distribution: PhantomData<D>,
-    /// The block of four steps that `increments` belongs to, and their step size.
-    block: Option<(u64, f64)>,
-    /// The increments of four steps for each process.
-    increments: Vec<[f64; 4]>,
+    /// The batch of steps that `increments` belongs to, and their step size.
+    batch: Option<(u64, f64)>,
+    /// The increments of a batch for each process whose blocks are shared by steps: those of step `k` of the batch in row `k` modulo 4.
+    increments: Vec<Rows>,
 }
 
 impl<D: Distribution> CounterPath<D> {
@@ -27,7 +38,7 @@ impl<D: Distribution> CounterPath<D> {
             seed,
             path: 0,
             distribution: PhantomData,
-            block: None,
+            batch: None,
             increments: Vec::new(),
         }
     }
@@ -35,15 +46,20 @@ impl<D: Distribution> CounterPath<D> {
     pub(super) fn path(self, path: u64) -> Self {
         Self {
             path,
-            block: None,
+            batch: None,
             ..self
         }
     }
 
-    #[inline]
+    fn key(&self) -> PathKey {
+        PathKey {
+            seed: self.seed,
+            path: self.path,
+        }
+    }
+
     pub(super) fn increment(&self, step: u64, process: usize, h: f64) -> f64 {
-        let (block, at) = block_of(step);
-        self.draw(block, process, h.abs().sqrt())[at]
+        self.key().increment::<D>(step, process, h.abs().sqrt())
     }
 
     #[inline]
@@ -53,49 +69,127 @@ impl<D: Distribution> CounterPath<D> {
         h: f64,
         dw: &mut [f64],
     ) -> Result<(), NoiseError> {
-        let (block, at) = block_of(step);
-        if self.block != Some((block, h)) || self.increments.len() < dw.len() {
-            self.fill(block, dw.len(), h)?;
+        let (batch, at) = (step / BATCH, (step % BATCH) as usize);
+        let processes = dw.len().min(BY_STEPS);
+        if self.batch != Some((batch, h)) || self.increments.len() < processes {
+            self.fill(batch, processes, h)?;
         }
-        for (dw, four) in dw.iter_mut().zip(&self.increments) {
-            *dw = four[at];
+        let (by_steps, by_processes) = dw.split_at_mut(processes);
+        for (dw, rows) in by_steps.iter_mut().zip(&self.increments) {
+            *dw = rows.0[at % SHARED][at / SHARED];
+        }
+        if !by_processes.is_empty() {
+            self.draw_by_processes(step, h, by_processes);
         }
         Ok(())
     }
 
-    /// Returns the increments of one process over the four steps of a block.
-    #[inline]
-    fn draw(&self, block: u64, process: usize, scale: f64) -> [f64; 4] {
-        distribution::increments::<D>(self.seed, self.path, block, process as u64, scale)
-    }
-
-    fn fill(&mut self, block: u64, processes: usize, h: f64) -> Result<(), NoiseError> {
+    #[inline(never)]
+    fn fill(&mut self, batch: u64, processes: usize, h: f64) -> Result<(), NoiseError> {
         check_step(h)?;
-        let scale = h.abs().sqrt();
         if self.increments.len() < processes {
-            self.increments.resize(processes, [0.0; 4]);
+            let zeros = Aligned([[0.0; LANES]; SHARED]);
+            self.increments.resize(processes, zeros);
         }
-        for process in 0..self.increments.len() {
-            self.increments[process] = self.draw(block, process, scale);
-        }
-        self.block = Some((block, h));
+        dispatch_vectors(BySteps {
+            key: self.key(),
+            first_block: batch * LANES as u64,
+            scale: h.abs().sqrt(),
+            distribution: self.distribution,
+            out: &mut self.increments,
+        });
+        self.batch = Some((batch, h));
         Ok(())
+    }
+
+    /// Draws the increments of all further processes over a step.
+    #[inline(never)]
+    fn draw_by_processes(&self, step: u64, h: f64, out: &mut [f64]) {
+        dispatch_vectors(ByProcesses {
+            key: self.key(),
+            step,
+            scale: h.abs().sqrt(),
+            distribution: self.distribution,
+            out,
+        });
+    }
+}
+
+/// The increments of the first processes over a batch of steps, a row of lanes for each.
+struct BySteps<'a, D> {
+    key: PathKey,
+    first_block: u64,
+    scale: f64,
+    distribution: PhantomData<D>,
+    out: &'a mut [Rows],
+}
+
+impl<D: Distribution> VectorKernel for BySteps<'_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const AVX512: bool>(self) {
+        let mut work = Workspace::new();
+        for (process, rows) in (0..).zip(self.out) {
+            let words = |lane| {
+                let block = self.first_block + lane as u64;
+                self.key.words_by_steps::<D>(block, process)
+            };
+            D::fill_lanes::<LANES, AVX512>(words, self.scale, &mut work, &mut rows.0);
+        }
+    }
+}
+
+/// The increments of the processes from [`BY_STEPS`] on over a step.
+struct ByProcesses<'a, D> {
+    key: PathKey,
+    step: u64,
+    scale: f64,
+    distribution: PhantomData<D>,
+    out: &'a mut [f64],
+}
+
+impl<D: Distribution> VectorKernel for ByProcesses<'_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const AVX512: bool>(self) {
+        let mut first_group = (BY_STEPS / SHARED) as u64;
+        let mut work = Workspace::new();
+        let mut rows = Aligned([[0.0; LANES]; SHARED]);
+        for out in self.out.chunks_mut(LANES * SHARED) {
+            let words = |lane| {
+                let group = first_group + lane as u64;
+                self.key.words_by_processes::<D>(self.step, group)
+            };
+            D::fill_lanes::<LANES, AVX512>(words, self.scale, &mut work, &mut rows.0);
+            for (at, out) in out.iter_mut().enumerate() {
+                *out = rows.0[at % SHARED][at / SHARED];
+            }
+            first_group += LANES as u64;
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::CounterPath;
+    use super::{BATCH, BY_STEPS, CounterPath};
     use crate::noise::distribution::{Distribution, Normal, ThreePoints};
     use crate::noise::threefry;
 
     fn check_layout<D: Distribution>(domain: [u8; 8]) {
         let path = CounterPath::<D>::new(11).path(22);
-        for (step, process) in [(0, 0), (3, 1), (4, 0), (4_000_001, 7), (u64::MAX, 2)] {
-            let domain = u64::from_le_bytes(domain);
-            let words = threefry::block([step / 4, process, 0, 0], [11, 22, domain, 0]);
-            let expected = D::four(words, 0.5)[(step % 4) as usize];
+        let domain = u64::from_le_bytes(domain);
+        let key = [11, 22, domain, 0];
+        let check = |step, process, counter, at: u64| {
+            let expected = D::four(threefry::block(counter, key), 0.5)[at as usize];
             assert_eq!(path.increment(step, process as usize, 0.25), expected);
+        };
+        for (step, process) in [(0, 0), (3, 1), (4, 0), (4_000_001, 15), (u64::MAX, 2)] {
+            check(step, process, [step / 4, process, 0, 0], step % 4);
+        }
+        for (step, process) in [(0, 16), (3, 17), (4, 23), (4_000_001, 1000), (u64::MAX, 18)] {
+            check(step, process, [step, process / 4, 1, 0], process % 4);
         }
     }
 
@@ -105,18 +199,40 @@ mod tests {
         check_layout::<ThreePoints>(*b"3-points");
     }
 
+    /// Checks numbers of processes below, at and above the borders of both kinds of blocks.
     #[test]
-    fn a_path_keeps_its_block_and_its_memory() {
+    fn a_draw_of_all_processes_has_the_bits_of_each() {
+        fn check<D: Distribution>() {
+            for processes in [1, 3, 15, 16, 17, 19, 20, 48, 49, 100] {
+                let mut path = CounterPath::<D>::new(3).path(5);
+                let mut dw = vec![f64::NAN; processes];
+                for step in [0, 1, 2, 3, 4, 31, 32, 33, 1000, u64::MAX - 1, u64::MAX] {
+                    path.increments(step, 0.3, &mut dw).unwrap();
+                    for (process, dw) in dw.iter().enumerate() {
+                        let one = path.increment(step, process, 0.3);
+                        assert_eq!(dw.to_bits(), one.to_bits(), "{processes} {step} {process}");
+                    }
+                }
+            }
+        }
+        check::<Normal>();
+        check::<ThreePoints>();
+    }
+
+    #[test]
+    fn a_path_keeps_its_batch_and_its_memory() {
         let mut path = CounterPath::<Normal>::new(1);
         let mut dw = [0.0; 3];
         path.increments(8, 0.1, &mut dw).unwrap();
         let memory = path.increments.as_ptr();
-        for step in [9, 10, 11, 12, 0, u64::MAX] {
+        for step in [9, 10, 31, 32, 0, u64::MAX] {
             path.increments(step, 0.1, &mut dw).unwrap();
-            assert_eq!(path.block, Some((step / 4, 0.1)));
+            assert_eq!(path.batch, Some((step / BATCH, 0.1)));
             assert_eq!(path.increments.as_ptr(), memory);
         }
         path.increments(u64::MAX, 0.1, &mut dw[..1]).unwrap();
         assert_eq!(path.increments.len(), 3);
+        path.increments(0, 0.1, &mut [0.0; 1000]).unwrap();
+        assert_eq!(path.increments.len(), BY_STEPS);
     }
 }

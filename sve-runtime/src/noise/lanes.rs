@@ -1,12 +1,14 @@
 //! Increments of many paths at once, a lane for each path.
 //!
 //! Input: a block of four steps, the paths and processes. Output: their increments; consecutive paths are in consecutive lanes.
-//! Invariant: each increment has the bits that [`distribution::increments`](super::distribution::increments) gives for its path.
+//! Invariant: each increment has the bits that [`PathKey::increment`] gives for its path.
 
 use core::marker::PhantomData;
 
-use super::distribution::{Distribution, Normal, ThreePoints, words};
-use crate::lanes::dispatch::{Kernel, dispatch};
+use super::distribution::{
+    BY_STEPS, Distribution, Normal, PathKey, SHARED, ThreePoints, Workspace,
+};
+use crate::lanes::dispatch::{VectorKernel, dispatch_vectors};
 use crate::lanes::{Aligned, LANES, Lane};
 
 /// The distribution of increments, as a value.
@@ -18,78 +20,118 @@ pub(crate) enum DistributionKind {
     ThreePoint,
 }
 
-/// Fills `out` with the increments of `processes` processes over the four steps 4 `block` … 4 `block` + 3, each of standard deviation `scale` = √h.
+/// Which increments are drawn.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Draw {
+    pub(crate) distribution: DistributionKind,
+    pub(crate) seed: u64,
+    /// The path in the first lane of the first tile; the others follow, modulo 2⁶⁴.
+    pub(crate) first_path: u64,
+    /// The first block of four steps.
+    pub(crate) first_block: u64,
+    /// The standard deviation, √h.
+    pub(crate) scale: f64,
+    pub(crate) processes: usize,
+    /// Number of tiles of [`LANES`] paths.
+    pub(crate) tiles: usize,
+}
+
+/// Fills `out` with the increments of all processes of all tiles over blocks of four steps.
 ///
-/// Path `first_path` + [`LANES`] `tile` + `lane` (modulo 2⁶⁴) and process `p` (from 0) are in
-/// `out[tile * processes + p][step % 4][lane]`; the length of `out` gives the number of tiles. A call costs as much as some ten increments, so
-/// many tiles in a call save time; `out` should fit into the first cache.
+/// Tile `t` and process `p` (from 0) over step 4 (`first_block` + `b`) + `k` are in `out[(b * tiles + t) * processes + p][k]`; the length of `out`
+/// gives the number of blocks. A call costs as much as some ten increments, so many rows in a call save time; `out` should fit into the first cache.
 #[inline(never)]
-pub(crate) fn fill(
-    distribution: DistributionKind,
-    seed: u64,
-    first_path: u64,
-    block: u64,
-    scale: f64,
-    processes: usize,
-    out: &mut [Aligned<[Lane; 4]>],
-) {
-    let fill = Fill {
-        seed,
-        first_path,
-        block,
-        scale,
-        processes,
-        out,
-    };
-    // x86-64 converts words in vectors since AVX-512
-    #[cfg(target_arch = "x86_64")]
-    let direct = std::arch::is_x86_feature_detected!("avx512dq");
-    #[cfg(not(target_arch = "x86_64"))]
-    let direct = true;
-    match (distribution, direct) {
-        (DistributionKind::Normal, true) => dispatch(FillFrom::<Normal, true>(fill, PhantomData)),
-        (DistributionKind::Normal, false) => dispatch(FillFrom::<Normal, false>(fill, PhantomData)),
-        (DistributionKind::ThreePoint, _) => {
-            dispatch(FillFrom::<ThreePoints, true>(fill, PhantomData));
+pub(crate) fn fill(draw: &Draw, out: &mut [Aligned<[Lane; SHARED]>]) {
+    if draw.processes == 0 || draw.tiles == 0 {
+        return;
+    }
+    let draw = *draw;
+    match draw.distribution {
+        DistributionKind::Normal => {
+            dispatch_vectors(Fill::<Normal> {
+                draw,
+                out,
+                distribution: PhantomData,
+            });
+        }
+        DistributionKind::ThreePoint => {
+            dispatch_vectors(Fill::<ThreePoints> {
+                draw,
+                out,
+                distribution: PhantomData,
+            });
         }
     }
 }
 
-struct Fill<'a> {
-    seed: u64,
-    first_path: u64,
-    block: u64,
-    scale: f64,
-    processes: usize,
-    out: &'a mut [Aligned<[Lane; 4]>],
+/// A fill with increments of a distribution.
+struct Fill<'a, D> {
+    draw: Draw,
+    out: &'a mut [Aligned<[Lane; SHARED]>],
+    distribution: PhantomData<D>,
 }
 
-/// A fill with increments of a distribution.
-struct FillFrom<'a, D, const DIRECT: bool>(Fill<'a>, PhantomData<D>);
+impl Draw {
+    /// Returns the key of the path in a lane of a tile.
+    #[inline(always)]
+    fn key(&self, tile: usize, lane: usize) -> PathKey {
+        PathKey {
+            seed: self.seed,
+            path: self.first_path.wrapping_add((tile * LANES + lane) as u64),
+        }
+    }
 
-impl<D: Distribution, const DIRECT: bool> Kernel for FillFrom<'_, D, DIRECT> {
+    /// Fills the rows of the first processes, a block a row.
+    #[inline(always)]
+    fn fill_by_steps<D: Distribution, const AVX512: bool>(
+        &self,
+        [block, tile]: [usize; 2],
+        work: &mut Workspace<LANES>,
+        rows: &mut [Aligned<[Lane; SHARED]>],
+    ) {
+        let block = self.first_block + block as u64;
+        for (process, row) in (0..).zip(rows) {
+            let words = |lane| self.key(tile, lane).words_by_steps::<D>(block, process);
+            D::fill_lanes::<LANES, AVX512>(words, self.scale, work, &mut row.0);
+        }
+    }
+
+    /// Fills the rows of the further processes, a block for each four rows and step.
+    #[inline(always)]
+    fn fill_by_processes<D: Distribution, const AVX512: bool>(
+        &self,
+        [block, tile]: [usize; 2],
+        work: &mut Workspace<LANES>,
+        rows: &mut [Aligned<[Lane; SHARED]>],
+    ) {
+        let first_step = SHARED as u64 * (self.first_block + block as u64);
+        let mut of_step = Aligned([[0.0; LANES]; SHARED]);
+        let groups = rows.chunks_mut(SHARED);
+        for (group, rows) in ((BY_STEPS / SHARED) as u64..).zip(groups) {
+            for at in 0..SHARED {
+                let step = first_step + at as u64;
+                let words = |lane| self.key(tile, lane).words_by_processes::<D>(step, group);
+                D::fill_lanes::<LANES, AVX512>(words, self.scale, work, &mut of_step.0);
+                for (row, of_process) in rows.iter_mut().zip(of_step.0) {
+                    row.0[at] = of_process;
+                }
+            }
+        }
+    }
+}
+
+impl<D: Distribution> VectorKernel for Fill<'_, D> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
-        let Fill {
-            seed,
-            first_path,
-            block,
-            scale,
-            processes,
-            out,
-        } = self.0;
-        let (mut first, mut process) = (first_path, 0);
-        for row in out {
-            let of_lane =
-                |lane| words::<D>(seed, first.wrapping_add(lane as u64), block, process as u64);
-            D::fill_lanes::<DIRECT>(of_lane, scale, &mut row.0);
-            process += 1;
-            if process == processes {
-                process = 0;
-                first = first.wrapping_add(LANES as u64);
-            }
+    fn run<const AVX512: bool>(self) {
+        let Self { draw, out, .. } = self;
+        let mut work = Workspace::new();
+        for (number, rows) in out.chunks_exact_mut(draw.processes).enumerate() {
+            let place = [number / draw.tiles, number % draw.tiles];
+            let (by_steps, by_processes) = rows.split_at_mut(rows.len().min(BY_STEPS));
+            draw.fill_by_steps::<D, AVX512>(place, &mut work, by_steps);
+            draw.fill_by_processes::<D, AVX512>(place, &mut work, by_processes);
         }
     }
 }
@@ -99,16 +141,21 @@ mod tests {
     use crate::lanes::Aligned;
     use core::marker::PhantomData;
 
-    use super::{DistributionKind, Fill, FillFrom, LANES, Lane, fill};
-    use crate::lanes::dispatch::{Kernel, versions};
+    use super::{DistributionKind, Draw, Fill, LANES, Lane, fill};
+    use crate::lanes::dispatch::{VectorKernel, vector_versions};
     use crate::noise::distribution::{Distribution, Normal, ThreePoints};
     use crate::noise::{ThreePoint, Wiener};
 
-    /// First path, block, processes, tiles.
-    const CASES: [(u64, u64, usize, usize); 4] = [
+    /// Number of blocks in each case.
+    const BLOCKS: usize = 3;
+
+    /// First path, first block, processes, tiles.
+    const CASES: [(u64, u64, usize, usize); 6] = [
         (0, 0, 1, 1),
         (u64::MAX - 20, 5, 2, 3),
-        (123_456, u64::MAX / 4, 3, 2),
+        (3, 1 << 20, 17, 2),
+        (9, 6, 23, 1),
+        (123_456, u64::MAX / 4 - 2, 3, 2),
         (1 << 40, 1 << 30, 1, 40),
     ];
 
@@ -125,21 +172,24 @@ mod tests {
                 }
             };
             for (first, block, processes, tiles) in CASES {
-                let mut out = vec![Aligned([[f64::NAN; LANES]; 4]); processes * tiles];
-                fill(
+                let draw = Draw {
                     distribution,
                     seed,
-                    first,
-                    block,
-                    h.sqrt(),
+                    first_path: first,
+                    first_block: block,
+                    scale: h.sqrt(),
                     processes,
-                    &mut out,
-                );
+                    tiles,
+                };
+                let mut out = vec![Aligned([[f64::NAN; LANES]; 4]); BLOCKS * processes * tiles];
+                fill(&draw, &mut out);
                 for (row, steps) in out.iter().enumerate() {
+                    let (number, tile) = (row / processes / tiles, row / processes % tiles);
                     for (step, lanes) in steps.0.iter().enumerate() {
                         for (lane, dw) in lanes.iter().enumerate() {
-                            let path = first.wrapping_add((row / processes * LANES + lane) as u64);
-                            let expected = single(path, 4 * block + step as u64, row % processes);
+                            let path = first.wrapping_add((tile * LANES + lane) as u64);
+                            let step = 4 * (block + number as u64) + step as u64;
+                            let expected = single(path, step, row % processes);
                             assert_eq!(
                                 dw.to_bits(),
                                 expected.to_bits(),
@@ -154,27 +204,33 @@ mod tests {
 
     /// A fill of its own memory.
     #[derive(Clone)]
-    struct Filled<D, const DIRECT: bool> {
+    struct Filled<D> {
         case: (u64, u64, usize, usize),
         distribution: PhantomData<D>,
     }
 
-    impl<D: Distribution, const DIRECT: bool> Kernel for Filled<D, DIRECT> {
+    impl<D: Distribution> VectorKernel for Filled<D> {
         type Output = Vec<Aligned<[Lane; 4]>>;
 
         #[inline(always)]
-        fn run(self) -> Self::Output {
+        fn run<const AVX512: bool>(self) -> Self::Output {
             let (first_path, block, processes, tiles) = self.case;
-            let mut out = vec![Aligned([[f64::NAN; LANES]; 4]); processes * tiles];
-            let fill = Fill {
+            let mut out = vec![Aligned([[f64::NAN; LANES]; 4]); BLOCKS * processes * tiles];
+            let draw = Draw {
+                distribution: DistributionKind::Normal,
                 seed: 11,
                 first_path,
-                block,
+                first_block: block,
                 scale: 0.3,
                 processes,
-                out: &mut out,
+                tiles,
             };
-            FillFrom::<D, DIRECT>(fill, PhantomData).run();
+            let fill = Fill {
+                draw,
+                out: &mut out,
+                distribution: self.distribution,
+            };
+            fill.run::<AVX512>();
             out
         }
     }
@@ -182,8 +238,7 @@ mod tests {
     fn assert_versions_agree<D: Distribution>() {
         for case in CASES {
             let distribution = PhantomData::<D>;
-            let mut all = versions(&Filled::<D, true> { case, distribution });
-            all.extend(versions(&Filled::<D, false> { case, distribution }));
+            let all = vector_versions(&Filled { case, distribution });
             let bits = |out: &Vec<Aligned<[Lane; 4]>>| {
                 let numbers = out.iter().flat_map(|row| row.0.as_flattened());
                 numbers.map(|z| z.to_bits()).collect::<Vec<_>>()
@@ -202,7 +257,19 @@ mod tests {
 
     #[test]
     fn an_empty_fill_does_nothing() {
-        fill(DistributionKind::Normal, 1, 0, 0, 1.0, 0, &mut []);
-        fill(DistributionKind::ThreePoint, 1, 0, 0, 1.0, 3, &mut []);
+        for (processes, tiles) in [(0, 1), (3, 1), (3, 0)] {
+            for distribution in [DistributionKind::Normal, DistributionKind::ThreePoint] {
+                let draw = Draw {
+                    distribution,
+                    seed: 1,
+                    first_path: 0,
+                    first_block: 0,
+                    scale: 1.0,
+                    processes,
+                    tiles,
+                };
+                fill(&draw, &mut []);
+            }
+        }
     }
 }

@@ -51,6 +51,8 @@ mod truncated;
 mod wiener;
 
 pub use bridge::{DyadicInterval, Refined};
+#[cfg(feature = "ensemble")]
+pub(crate) use distribution::VERSION;
 pub use error::NoiseError;
 pub use from_rng::FromRng;
 pub use from_step::{FromStep, Replayable};

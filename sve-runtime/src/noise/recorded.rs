@@ -47,6 +47,11 @@ pub struct Recorded {
 impl Recorded {
     /// A path with given increments: an array for each step, an entry for each process.
     ///
+    #[doc = include_str!("../example.md")]
+    /// let path = Recorded::new(0.01, [[0.02], [-0.05]])?; // two steps of one process
+    /// assert_eq!(pendulum.trajectory(start, 0.01, &path).count(), 2);
+    #[doc = include_str!("../example_end.md")]
+    ///
     /// # Errors
     /// [`NoiseError::InvalidStep`] if `h` is zero or not finite; [`NoiseError::NonFinite`] for an increment that is NaN
     /// or infinite.
@@ -65,6 +70,11 @@ impl Recorded {
 
     /// Records the first `steps` steps of length `h` of another source.
     ///
+    #[doc = include_str!("../example.md")]
+    /// let path = Recorded::record(Wiener::new(42), 0.01, 1, 100)?;
+    /// assert_eq!((path.len(), path.processes()), (100, 1));
+    #[doc = include_str!("../example_end.md")]
+    ///
     /// # Errors
     /// The errors of the source and of [`new`](Self::new), and [`NoiseError::TooLong`] if the path does not fit into memory.
     pub fn record(
@@ -80,6 +90,12 @@ impl Recorded {
 
     /// Records the first `steps` steps of length `h` of another source, for rules with [stage noise](crate::StageNoise) of so many stages. A rule
     /// with one increment a process takes the path too.
+    ///
+    #[doc = include_str!("../example.md")]
+    /// let path = Recorded::record_stages(Wiener::new(42), 0.01, 1, 2, 100)?;
+    /// let gauss = Integrator::new(&system, StageNoise(Gauss::<2>));
+    /// assert_eq!(gauss.trajectory(start, 0.01, &path).count(), 100);
+    #[doc = include_str!("../example_end.md")]
     ///
     /// # Errors
     /// As [`record`](Self::record); [`NoiseError::NoStages`] if the source has no increments for so many stages.
@@ -126,6 +142,12 @@ impl Recorded {
 
     /// The path whose rows have the increments of so many stages, process by process, with nodes ascending.
     ///
+    #[doc = include_str!("../example.md")]
+    /// // one process with two stages
+    /// let path = Recorded::new(0.01, [[0.01, -0.02], [0.03, 0.0]])?.with_stages(2)?;
+    /// assert_eq!((path.processes(), path.stages()), (1, 2));
+    #[doc = include_str!("../example_end.md")]
+    ///
     /// # Errors
     /// [`NoiseError::NoStages`] for a number that no rule has; [`NoiseError::Stages`] if the rows cannot be divided into so many stages.
     pub fn with_stages(self, stages: usize) -> Result<Self, NoiseError> {
@@ -154,6 +176,13 @@ impl Recorded {
 
     /// Returns the same path with larger steps: the increments of each `k` steps are summed, the step size is `k h`. Increments of stages become those of the stages of the larger
     /// step, exactly.
+    ///
+    #[doc = include_str!("../example.md")]
+    /// let fine = Recorded::record(Wiener::new(42), 0.01, 1, 100)?;
+    /// let coarse = fine.coarsen(2)?;
+    /// let [a, b] = [(&fine, 0.01), (&coarse, 0.02)].map(|(path, h)| pendulum.trajectory(start, h, path).last());
+    /// assert!((a.expect("steps")?.q[0] - b.expect("steps")?.q[0]).abs() < 1e-3); // the same path in larger steps
+    #[doc = include_str!("../example_end.md")]
     ///
     /// # Errors
     /// [`NoiseError::Coarsen`] unless `k` divides the number of steps.

@@ -58,6 +58,11 @@ enum Bound {
 
 impl<W> Truncated<W> {
     /// Clips the increments of `noise` at 6 standard deviations.
+    ///
+    #[doc = include_str!("../example.md")]
+    /// let noise = Truncated::new(Wiener::new(42));
+    /// assert_eq!(noise.largest(0.25)?, 3.0); // 6 √h
+    #[doc = include_str!("../example_end.md")]
     pub fn new(noise: W) -> Self {
         Self {
             noise,
@@ -66,6 +71,11 @@ impl<W> Truncated<W> {
     }
 
     /// Clips at another number of standard deviations A: |ΔW| ≤ A√h.
+    ///
+    #[doc = include_str!("../example.md")]
+    /// let noise = Truncated::new(Wiener::new(42)).deviations(4.0)?;
+    /// let path = pendulum.trajectory(start, 0.01, noise);
+    #[doc = include_str!("../example_end.md")]
     ///
     /// # Errors
     /// [`NoiseError::TruncationDeviations`] unless it is positive and finite.

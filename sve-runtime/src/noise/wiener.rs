@@ -13,12 +13,13 @@ use super::{Noise, NoiseError};
 /// An increment is a pure function of the seed, the path, the step and the process: nothing is consumed. Seed and path are enough to
 /// replay a path, to enter it in the middle, and to share it between threads or machines. Two systems with equal `Wiener`s
 /// have the same noise. Increments of different seeds, paths, steps or processes are independent, also of neighbouring
-/// ones. The bits are the same on every platform: normals are computed by arithmetic and square
-/// roots, without a library's `ln`, `sin` and `cos`.
+/// ones. The bits are the same on every platform: normals are computed by arithmetic with fused multiply-adds and square
+/// roots, without a library's `ln`, `sin` and `cos`. Machines that have no fused multiply-add compute it by a slow function of the library.
 ///
 /// An increment has variance `h` and never exceeds 9.4926 √h in size.
 ///
-/// As a [`Noise`] it keeps the increments of four steps for each process, so steps in sequence cost least. Its only error there is
+/// As a [`Noise`] it draws and keeps the increments of 32 steps for each of the first 16 processes, so steps in sequence cost least; increments of
+/// further processes are drawn step by step and take no memory. Its only error there is
 /// [`NoiseError::InvalidStep`], for an `h` that is zero or not finite.
 ///
 /// ```
@@ -64,7 +65,7 @@ impl Wiener {
 
     /// Returns the increment of a process (from 0) over step number `step` (from 0) of length `h`.
     ///
-    /// It equals the one from [`Noise::increments`], and costs four times as much in a sequence of steps.
+    /// It equals the one from [`Noise::increments`], and costs several times as much in a sequence of steps.
     /// Its variance is |h|. If `h` is NaN, returns NaN.
     #[inline]
     pub fn increment(&self, step: u64, process: usize, h: f64) -> f64 {

@@ -205,6 +205,15 @@ where
             ];
             canvas.draw(&PathElement::new(head, style))?;
         }
+        Shape::Diamond => {
+            let corners = [(0, -r), (r, 0), (0, r), (-r, 0), (0, -r)];
+            let diamond = corners.map(|(u, v)| (x + u, y + v)).to_vec();
+            canvas.draw(&PathElement::new(diamond, style))?;
+        }
+        Shape::Plus => {
+            canvas.draw(&PathElement::new(vec![(x - r, y), (x + r, y)], style))?;
+            canvas.draw(&PathElement::new(vec![(x, y - r), (x, y + r)], style))?;
+        }
         Shape::Cross => {
             canvas.draw(&PathElement::new(
                 vec![(x - r, y - r), (x + r, y + r)],

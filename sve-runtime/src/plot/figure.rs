@@ -168,6 +168,10 @@ pub enum Shape {
     Cross,
     /// An open circle.
     Circle,
+    /// An open diamond.
+    Diamond,
+    /// An upright cross.
+    Plus,
     /// An arrow downwards: the point is an upper limit.
     Limit,
 }

@@ -11,6 +11,7 @@ mod any_method;
 mod csv;
 mod error;
 mod estimate;
+mod options;
 mod order;
 mod reference;
 mod report;
@@ -31,10 +32,7 @@ use std::borrow::Cow;
 use self::any_method::AnyMethod;
 use self::reference::Reference;
 use crate::configuration::Coordinates;
-use crate::ensemble::Observed;
 use crate::error::StepError;
-use crate::method::Method;
-use crate::noise::Recorded;
 use crate::state::State;
 use crate::system::{Dims, StateOf, System};
 
@@ -149,201 +147,17 @@ where
         }
     }
 
-    /// Sets the start of all paths.
-    #[must_use]
-    pub fn start(mut self, state: State<Q>) -> Self {
-        self.start = Some(state);
-        self
-    }
-
-    /// Sets the length of the solution, in the unit of time.
-    #[must_use]
-    pub fn horizon(mut self, horizon: f64) -> Self {
-        self.horizon = Some(horizon);
-        self
-    }
-
-    /// Sets the numbers of steps to the horizon. With noise each has to divide the largest, so that all step sizes share their paths.
-    #[must_use]
-    pub fn steps(mut self, numbers: impl IntoIterator<Item = usize>) -> Self {
-        self.steps = numbers.into_iter().collect();
-        self
-    }
-
-    /// Sets the number of Brownian paths.
-    #[must_use]
-    pub fn paths(mut self, paths: u64) -> Self {
-        self.paths = paths;
-        self
-    }
-
-    /// Sets the seed of the paths: path `k` has the increments of [`Wiener::new(seed).path(k)`](crate::noise::Wiener) over the finest steps.
-    #[must_use]
-    pub fn seed(mut self, seed: u64) -> Self {
-        self.seed = seed;
-        self
-    }
-
-    /// Adds a method: an [`Integrator`](crate::Integrator), a [`baseline`](crate::baseline), or any other [`Method`].
-    #[must_use]
-    pub fn method<I>(mut self, name: impl Into<Cow<'a, str>>, method: &'a I) -> Self
-    where
-        I: Method<System = S> + Sync,
-    {
-        self.methods.push(Candidate {
-            name: name.into(),
-            method,
-            steps: None,
-        });
-        self
-    }
-
-    /// Adds a method with its own numbers of steps to the horizon, in place of those that [`steps`](Self::steps) sets: a method of high order needs fewer steps.
-    ///
-    /// ```
-    /// use sve_runtime::baseline::RungeKutta4;
-    /// use sve_runtime::prelude::*;
-    /// use sve_runtime::study::{Study, StudyError};
-    ///
-    /// #[derive(Clone, Copy)]
-    /// struct Oscillator;
-    ///
-    /// #[variational(midpoint)]
-    /// impl Oscillator {
-    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v - 0.5 * q * q }
-    /// }
-    ///
-    /// # fn main() -> Result<(), StudyError> {
-    /// let midpoint = Integrator::new(Oscillator, Midpoint);
-    /// let runge_kutta = RungeKutta4::new(Oscillator);
-    /// let report = Study::new("oscillator")
-    ///     .start(State::new([1.0], [0.0]))
-    ///     .horizon(1.0)
-    ///     .steps([100, 200, 400])
-    ///     .method("midpoint", &midpoint)
-    ///     .method_with_steps("Runge–Kutta 4", &runge_kutta, [7, 15])
-    ///     .exact(|_| State::at(1.0, [1.0_f64.cos()], [-1.0_f64.sin()]))
-    ///     .repeats(0) // no times
-    ///     .run()?;
-    /// assert_eq!(report.rows().len(), 5);
-    /// assert!(report.row("Runge–Kutta 4", 15).is_some());
-    /// # Ok(())
-    /// # }
-    /// ```
-    #[must_use]
-    pub fn method_with_steps<I>(
-        mut self,
-        name: impl Into<Cow<'a, str>>,
-        method: &'a I,
-        numbers: impl IntoIterator<Item = usize>,
-    ) -> Self
-    where
-        I: Method<System = S> + Sync,
-    {
-        self.methods.push(Candidate {
-            name: name.into(),
-            method,
-            steps: Some(numbers.into_iter().collect()),
-        });
-        self
-    }
-
     /// Returns the numbers of steps of a method.
     fn steps_of(&self, method: usize) -> &[usize] {
         self.methods[method].steps.as_ref().unwrap_or(&self.steps)
     }
 
-    /// Compares with the exact state at the horizon, a function of the increments over the finest steps.
-    #[must_use]
-    pub fn exact(mut self, solution: impl Fn(&Recorded) -> State<Q> + Sync + 'a) -> Self {
-        self.reference = Some(Reference::Exact(Box::new(solution)));
-        self
-    }
-
-    /// Compares with the exact state at the horizon, drawn jointly with the increments over the finest steps.
-    ///
-    /// For solutions that are not functions of the increments alone, such as integrals of `f(s) dW(s)`. The closure gets the number
-    /// of the path and of the steps, and has to return a path of that many steps up to the horizon; the seed is its own.
-    #[must_use]
-    pub fn exact_paths(
-        mut self,
-        draw: impl Fn(u64, usize) -> (Recorded, State<Q>) + Sync + 'a,
-    ) -> Self {
-        self.reference = Some(Reference::Drawn(Box::new(draw)));
-        self
-    }
-
-    /// Compares with a method whose steps are `factor` times shorter than the finest ones, on the same paths.
-    ///
-    /// With strong order 1 and a factor of 16, the error of the reference is 1/16 of the smallest measured error. A factor of 1 is for
-    /// another, more accurate method: a reference that equals one of the methods with the same steps is refused.
-    #[must_use]
-    pub fn fine<I>(mut self, method: &'a I, factor: usize) -> Self
-    where
-        I: Method<System = S> + Sync,
-    {
-        self.reference = Some(Reference::Fine(method, factor));
-        self
-    }
-
-    /// Sets the distance that measures errors. The default is the Euclidean distance of the `(q, p)`.
-    #[must_use]
-    pub fn distance(mut self, distance: impl Fn(&State<Q>, &State<Q>) -> f64 + Sync + 'a) -> Self {
-        self.distance = Box::new(distance);
-        self
-    }
-
-    /// Measures the weak error of a function of the system and a state, which returns `f64` or `Result<f64, StepError>`: the difference
-    /// of its means at the horizon, from common random numbers, so that its standard error is that of the differences.
-    #[must_use]
-    pub fn observe<F, O>(mut self, name: impl Into<Cow<'a, str>>, observable: F) -> Self
-    where
-        F: Fn(&S, &State<Q>) -> O + Sync + 'a,
-        O: Observed,
-    {
-        self.observables.push(Observable {
-            name: name.into(),
-            value: Box::new(move |system, state| observable(system, state).observed()),
-            mean: None,
-        });
-        self
-    }
-
-    /// As [`observe`](Self::observe), against the exact mean, for references that are not exact. The standard error is that of the mean over the paths.
-    #[must_use]
-    pub fn observe_mean<F, O>(self, name: impl Into<Cow<'a, str>>, observable: F, mean: f64) -> Self
-    where
-        F: Fn(&S, &State<Q>) -> O + Sync + 'a,
-        O: Observed,
-    {
-        let mut study = self.observe(name, observable);
-        if let Some(last) = study.observables.last_mut() {
-            last.mean = Some(mean);
-        }
-        study
-    }
-
-    /// Measures the change of an invariant of the exact solution, such as the energy where there is neither noise nor force, or a momentum map.
-    #[must_use]
-    pub fn invariant<F, O>(mut self, invariant: F) -> Self
-    where
-        F: Fn(&S, &State<Q>) -> O + Sync + 'a,
-        O: Observed,
-    {
-        self.invariant = Some(Box::new(move |system, state| {
-            invariant(system, state).observed()
-        }));
-        self
-    }
-
-    /// Sets how often each time is measured; 0 for no times. The methods alternate, so that a disturbance of the machine affects all of them.
-    #[must_use]
-    pub fn repeats(mut self, repeats: u32) -> Self {
-        self.repeats = repeats;
-        self
-    }
-
     /// Solves the problem with every method and number of steps.
+    ///
+    #[doc = include_str!("example.md")]
+    /// let report = study().run()?;
+    /// println!("{report}");
+    #[doc = include_str!("../example_end.md")]
     ///
     /// # Errors
     /// A [`StudyError`] for settings that make no sense, and where the reference fails. A method that fails is counted in its [`Row`].

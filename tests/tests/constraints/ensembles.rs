@@ -1,4 +1,4 @@
-//! Ensembles of constrained paths, which are stepped one at a time, and derivatives by parameters.
+//! Ensembles of constrained paths, and derivatives by parameters.
 
 use sve_models::differences::derivatives;
 use sve_models::models::{Thermal, TwoRods};
@@ -32,10 +32,12 @@ fn an_ensemble_has_the_paths_of_single_trajectories() {
         let single = midpoint.trajectory(start, 0.05, Wiener::new(4).path(path));
         let end = single.take(40).last().unwrap().unwrap();
         let (number, found) = &ends[path as usize];
-        assert_eq!(
-            (*number, found.q, found.p),
-            (path, end.q.as_slice(), end.p.as_slice())
-        );
+        assert_eq!(*number, path);
+        // steps in lanes have other rounding errors
+        let pairs = found.q.iter().zip(&end.q).chain(found.p.iter().zip(&end.p));
+        for (a, b) in pairs {
+            assert!((a - b).abs() < 1e-13, "{found:?} {end:?}");
+        }
     }
 }
 

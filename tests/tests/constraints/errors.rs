@@ -4,7 +4,7 @@ use sve_models::models::OnSphere;
 use sve_runtime::prelude::*;
 
 /// A four-bar linkage: a parallelogram of cranks of length 1 and a coupler of length 2.
-struct FourBars;
+pub(super) struct FourBars;
 
 #[variational(midpoint, stormer_verlet)]
 impl FourBars {

@@ -1,13 +1,16 @@
 //! Holonomic constraints: steps, what they preserve, what they refuse, and their forces.
 
 mod compositions;
+mod drift;
 mod ensembles;
 mod errors;
 mod forces;
+mod lanes;
 mod plan;
 mod preserved;
 mod rattle;
 mod reference;
+mod roots;
 mod starts;
 mod symplectic;
 mod systems;

@@ -248,33 +248,39 @@ fn forces_and_symmetries() {
     );
 }
 
-/// The readme's system, by its rule alone: the order of terms may depend on other rules.
-mod readme {
+/// The system of the guide's tour of the macro, by its rule alone: the order of terms may depend on other rules.
+mod guide {
     use sve_runtime::prelude::*;
 
-    pub(super) struct Kubo {
-        pub(super) a: f64,
+    pub(super) struct Pendulum {
+        pub(super) l: f64,
+        pub(super) g: f64,
         pub(super) sigma: f64,
     }
 
     #[variational(midpoint)]
-    impl Kubo {
-        fn lagrangian(&self, q: [f64; 1], v: [f64; 1]) -> f64 {
-            v[0].powi(2) / (2.0 * self.a) - self.a / 2.0 * q[0].powi(2)
+    impl Pendulum {
+        fn lagrangian(&self, q: f64, v: f64) -> f64 {
+            0.5 * self.l.powi(2) * v * v + self.g * self.l * q.cos()
         }
 
-        #[h1]
-        fn jitter(&self, q: [f64; 1], p: [f64; 1]) -> f64 {
-            self.sigma / 2.0 * (q[0].powi(2) + p[0].powi(2))
+        #[gamma]
+        fn shaking(&self, q: f64) -> f64 {
+            self.sigma * q.cos()
         }
     }
 }
 
-/// What the readme shows is what the plan prints.
+/// What the guide shows is what the plan prints.
 #[test]
-fn the_plan_in_the_readme() {
-    let text = include_str!("../../../README.md");
-    let kubo = readme::Kubo { a: 1.0, sigma: 1.0 };
-    let plan = Integrator::new(kubo, Midpoint).plan().to_string();
-    assert!(text.contains(&plan), "{plan}");
+fn the_plan_in_the_guide() {
+    let text = include_str!("../../../sve-runtime/docs/guide/macro_tour.md");
+    let pendulum = guide::Pendulum {
+        l: 2.0,
+        g: 9.8,
+        sigma: 0.3,
+    };
+    let plan = Integrator::new(pendulum, Midpoint).plan().to_string();
+    let shown = format!("```text\n{}\n```", plan.trim_end());
+    assert!(text.contains(&shown), "{plan}");
 }

@@ -76,6 +76,7 @@ pub(super) fn extend(
     beside.resize(order.len(), None);
     equations.leading = Some(Leading {
         residuals: order,
+        variations: equations.variations.clone(),
         scales: beside,
         has_sign: *has_sign,
     });

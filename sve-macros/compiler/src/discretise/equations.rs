@@ -47,6 +47,8 @@ pub(crate) struct Equations {
 pub(crate) struct Leading {
     /// One for each residual.
     pub(crate) residuals: Vec<Expr>,
+    /// For each residual its variation, as in the equations themselves.
+    pub(crate) variations: Vec<Symbol>,
     /// For each residual what it is small beside, where that is not the sum of the magnitudes of its terms.
     pub(crate) scales: Vec<Option<Expr>>,
     /// Whether the determinant of their Jacobian has the sign that it has at the solution.

@@ -14,6 +14,12 @@ use crate::system::model::Symbols;
 /// Largest number of unknowns of a block that is solved in lanes.
 const MAX_UNKNOWNS: usize = 6;
 
+/// Largest number of unknowns of a block with multipliers of constraints: most entries of its Jacobian are zero, and not computed.
+const MAX_CONSTRAINED: usize = 16;
+
+/// Number of unknowns up to which a matrix is solved by a formula.
+pub(crate) const BY_FORMULA: usize = 2;
+
 /// Largest number of instructions of a step in lanes. The values of a longer step fit neither the registers nor the first-level cache.
 const MAX_INSTRUCTIONS: usize = 1500;
 
@@ -26,7 +32,11 @@ pub(crate) fn in_lanes(
     symbols: &Symbols,
     arena: &Arena,
 ) -> Option<(Step, Loops)> {
-    if !scheme.blocks.iter().all(fits) {
+    if !scheme
+        .blocks
+        .iter()
+        .all(|block| fits(block, scheme.is_constrained(), arena))
+    {
         return None;
     }
     let step = Step::new(&for_lanes(scheme), symbols, arena);
@@ -38,19 +48,32 @@ pub(crate) fn in_lanes(
 }
 
 /// Returns whether a block can be solved in lanes: it is small, its Jacobian is dense, and no matrix is banded. If the block is
-/// iterated, bounds must judge its solution, since only the scalar step can follow a solution by continuation.
-fn fits(block: &Block<Expr>) -> bool {
+/// iterated, bounds must judge its solution, since only the scalar step can follow a solution by continuation. A block with multipliers of constraints is accepted by
+/// the path of its iteration, in lanes as in the scalar step; it needs an order of pivots.
+fn fits(block: &Block<Expr>, is_constrained: bool, arena: &Arena) -> bool {
     let is_banded = |matrix: &Matrix<Expr>| matches!(matrix.storage, Storage::Banded(_));
-    let fits = match &block.solution {
-        Solution::Formula(_) => true,
-        Solution::System { linear, .. } => !is_banded(&linear.matrix),
-        Solution::Iteration(iteration) => {
+    let has_pivots = |matrix: &Matrix<Expr>| {
+        let pivots = block.pivots.as_ref();
+        matrix.size() <= BY_FORMULA || pivots.is_some_and(|pivots| pivots.suit(matrix, arena))
+    };
+    let (fits, largest) = match &block.solution {
+        Solution::Formula(_) => (true, MAX_UNKNOWNS),
+        Solution::System { linear, .. } if is_constrained => {
+            (has_pivots(&linear.matrix), MAX_CONSTRAINED)
+        }
+        Solution::System { linear, .. } => (!is_banded(&linear.matrix), MAX_UNKNOWNS),
+        Solution::Iteration(iteration) if iteration.needs_guess => (
+            has_pivots(&iteration.guess.matrix) && has_pivots(&iteration.jacobian),
+            MAX_CONSTRAINED,
+        ),
+        Solution::Iteration(iteration) => (
             iteration.judge.is_some()
                 && iteration.jacobian.storage == Storage::Dense
-                && !is_banded(&iteration.guess.matrix)
-        }
+                && !is_banded(&iteration.guess.matrix),
+            MAX_UNKNOWNS,
+        ),
     };
-    fits && block.unknowns.len() <= MAX_UNKNOWNS
+    fits && block.unknowns.len() <= largest
 }
 
 /// Returns the variant of a scheme that is used in lanes. Lanes have no second attempt after a failure, so the tightest bounds judge
@@ -62,7 +85,7 @@ fn for_lanes(scheme: &Scheme<Expr>) -> Scheme<Expr> {
         let Solution::Iteration(iteration) = &mut block.solution else {
             continue;
         };
-        if iteration.iterates.len() == 1 {
+        if iteration.iterates.len() == 1 && !iteration.needs_guess {
             iteration.guess = iteration.fallback.clone();
         }
         if let Some(judge) = &mut iteration.judge

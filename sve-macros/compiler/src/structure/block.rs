@@ -18,6 +18,7 @@ type Rows = (Vec<Vec<Expr>>, Vec<Expr>);
 /// The equations of a block to leading order.
 struct LeadingRows {
     residuals: Vec<Expr>,
+    variations: Vec<Symbol>,
     scales: Vec<Option<Expr>>,
     has_sign: bool,
 }
@@ -27,6 +28,7 @@ impl LeadingRows {
     fn in_order(&self, rows: &[usize]) -> Self {
         Self {
             residuals: rows.iter().map(|&r| self.residuals[r]).collect(),
+            variations: rows.iter().map(|&r| self.variations[r]).collect(),
             scales: rows.iter().map(|&r| self.scales[r]).collect(),
             has_sign: self.has_sign,
         }
@@ -69,14 +71,20 @@ impl Reduced<'_> {
                 kind,
                 unknowns,
                 nonzeros,
+                pivots: None,
                 solution: Solution::Formula(formula),
             };
         }
         let solved = self.solved(&unknowns, known);
+        let variations = leading.as_ref().map(|leading| leading.variations.clone());
+        let pivots = |system: &Self, matrix: &Matrix<Expr>| {
+            variations.and_then(|variations| system.pivots(&variations, &unknowns, matrix))
+        };
         if linear {
             let linear = self.linear(at_zero);
             return Block {
                 kind: Kind::Linear,
+                pivots: pivots(self, &linear.matrix),
                 unknowns,
                 nonzeros,
                 solution: Solution::System { linear, solved },
@@ -104,6 +112,7 @@ impl Reduced<'_> {
             [unknown] => Some(self.arena.diff(jacobian[0][0], *unknown)),
             _ => None,
         };
+        let pivots = pivots(self, &guess.matrix);
         let iteration = Iteration {
             guess,
             scales,
@@ -122,6 +131,7 @@ impl Reduced<'_> {
             kind: Kind::Newton,
             unknowns,
             nonzeros,
+            pivots,
             solution: Solution::Iteration(Box::new(iteration)),
         }
     }
@@ -155,6 +165,7 @@ impl Reduced<'_> {
         Block {
             kind: Kind::Newton,
             nonzeros: unknowns.len() * unknowns.len(),
+            pivots: None,
             unknowns,
             solution: Solution::Iteration(Box::new(iteration)),
         }
@@ -202,9 +213,11 @@ impl Reduced<'_> {
         let leading = self.leading.as_ref()?;
         let (has_sign, list) = (leading.has_sign, leading.residuals.clone());
         let scales = rows.iter().map(|&r| leading.scales[r]).collect();
+        let variations = rows.iter().map(|&r| leading.variations[r]).collect();
         let residuals = rows.iter().map(|&r| self.arena.substitute(list[r], known));
         Some(LeadingRows {
             residuals: residuals.collect(),
+            variations,
             scales,
             has_sign,
         })

@@ -79,6 +79,7 @@ impl Reduced<'_> {
             if let Some(leading) = &mut self.leading {
                 leading.residuals.remove(row);
                 leading.scales.remove(row);
+                leading.variations.remove(row);
             }
             let zero = self.arena.constant(0.0);
             let rest = self

@@ -85,6 +85,15 @@ impl<T: Copy> Matrix<T> {
         entries.filter(move |x| x.0 < size)
     }
 
+    /// All entries of a row; `None` for those that are not stored, which are zero.
+    pub(crate) fn all_entries(&self, row: usize) -> Vec<Option<T>> {
+        let mut entries = vec![None; self.size()];
+        for (column, entry) in self.row(row) {
+            entries[column] = Some(entry);
+        }
+        entries
+    }
+
     /// All that is stored, row by row, with the padding.
     pub(crate) fn stored(&self) -> impl Iterator<Item = T> + '_ {
         self.rows.iter().flatten().copied()

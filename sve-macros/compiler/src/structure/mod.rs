@@ -15,6 +15,7 @@ mod graph;
 mod judge;
 mod matrix;
 mod outputs;
+mod pivots;
 mod scheme;
 mod tearing;
 

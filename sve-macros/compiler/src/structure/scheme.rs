@@ -8,6 +8,7 @@ use super::domain::Condition;
 use super::enclosure::Enclosure;
 use super::judge::Judge;
 use super::matrix::Matrix;
+use super::pivots::Pivots;
 use crate::algebra::{Expr, Symbol};
 
 /// A step.
@@ -52,6 +53,8 @@ pub(crate) struct Block<T, R = T> {
     pub(crate) unknowns: Vec<Symbol>,
     /// Entries of the Jacobian that are not zero.
     pub(crate) nonzeros: usize,
+    /// The order of pivots, if the block has multipliers of constraints and such an order was found.
+    pub(crate) pivots: Option<Pivots>,
     pub(crate) solution: Solution<T, R>,
 }
 
@@ -136,6 +139,13 @@ pub(crate) trait Lower {
     }
 }
 
+impl<T, R> Scheme<T, R> {
+    /// Whether the step has multipliers of constraints.
+    pub(crate) fn is_constrained(&self) -> bool {
+        !self.reported.is_empty()
+    }
+}
+
 impl Scheme<Expr> {
     pub(crate) fn lower<L: Lower>(&self, by: &mut L) -> Scheme<L::Value, L::Residual> {
         Scheme {
@@ -198,6 +208,7 @@ impl Block<Expr> {
             kind: self.kind,
             unknowns: self.unknowns.clone(),
             nonzeros: self.nonzeros,
+            pivots: self.pivots.clone(),
             solution: self.solution.lower(by),
         }
     }

@@ -68,6 +68,7 @@ impl Reduced<'_> {
                 kind: Kind::Explicit,
                 unknowns: vec![unknown],
                 nonzeros: 1,
+                pivots: None,
                 solution: Solution::Formula(formula),
             }
         });

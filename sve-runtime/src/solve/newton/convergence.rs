@@ -98,7 +98,7 @@ impl<const K: usize, J> Evaluation<K, J> {
 
     /// Returns the largest residuals of the next point at which the iteration counts as contracting; `relative` is the relative residual here.
     #[inline(always)]
-    pub(super) fn contraction_bounds(&self, relative: f64) -> [f64; K] {
+    pub(crate) fn contraction_bounds(&self, relative: f64) -> [f64; K] {
         let mut bounds = [0.0; K];
         for i in 0..K {
             bounds[i] = if K == 1 {

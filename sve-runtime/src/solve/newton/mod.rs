@@ -29,12 +29,15 @@
 //!   needs |f f″| ≤ ½ f′² too. Kantorovich's theorem gives these bounds. Of a single unknown the root of another iteration
 //!   is accepted too, if the sign is that of the limit at 17 points of the segment from the guess to the root.
 //!
+//! Blocks with multipliers of constraints, whole or torn, are of the second class: their equation φ(t₁,q₁)/h has no value in the limit h → 0, where the bounds begin, and
+//! a box around the limit of the multipliers would have to be followed through their formulas. Lanes accept their roots by the same test.
+//!
 //! [`continuation`](crate::continuation) treats a step whose root is not accepted.
 //!
 //! What is proved: every Jacobian within accepted bounds is regular, so the bounds contain at most one solution for each smaller
 //! step and increment, but for rounding errors of the radii, for which the bound of the spectral radius leaves room. A path from the
 //! limit that leaves the bounds and comes back is not excluded. The test of the iteration's path samples the Jacobian, as
-//! continuation does.
+//! continuation does. For constrained systems a test of the repository compares the roots of random large steps with a continuation of finer strides.
 //!
 //! Sources: Neumaier, *Interval Methods for Systems of Equations* (1990), chapter 5;
 //! Ortega, Rheinboldt, *Iterative Solution of Nonlinear Equations in Several Variables* (1970), section 12.6;

@@ -170,6 +170,12 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     /// Changes the state at each zero of a function: a ball that bounces, a kick at a place. The trajectory goes on from the changed state; see [`Events`].
     ///
     /// The time of the state stays as it is. The change may lead back to the side from which the motion came, as a bounce, or let it pass, as a kick.
+    ///
+    #[doc = include_str!("../../example.md")]
+    /// // a kick wherever the pendulum hangs down
+    /// let kicked = pendulum.trajectory(start, 0.01, NoNoise).change_at(|_, s| s.q[0], |_, s| s.p[0] *= 1.01);
+    /// assert_eq!(kicked.take(100).count(), 100);
+    #[doc = include_str!("../../example_end.md")]
     #[must_use]
     pub fn change_at<F, O, C>(self, function: F, change: C) -> Events<'a, I, W>
     where
@@ -210,6 +216,13 @@ impl<'a, I: Method, W: Halves> Events<'a, I, W> {
     }
 
     /// Yields the states at the zeros of one more function, and no more those after whole steps; see [`Trajectory::crossings`].
+    ///
+    #[doc = include_str!("../../example.md")]
+    /// let path = pendulum.trajectory(start, 0.01, NoNoise);
+    /// let mut events = path.crossings(|_, s| s.q[0]).crossings(|_, s| s.p[0]);
+    /// events.next().expect("no end")?;
+    /// assert_eq!(events.event(), Some(0)); // the angle is zero before the momentum is
+    #[doc = include_str!("../../example_end.md")]
     #[must_use]
     pub fn crossings<F, O>(mut self, function: F) -> Self
     where
@@ -221,6 +234,11 @@ impl<'a, I: Method, W: Halves> Events<'a, I, W> {
     }
 
     /// Ends at the first zero of one more function; see [`Trajectory::stop_at`]. Beside [`crossings`](Self::crossings) the state at the end is not yielded.
+    ///
+    #[doc = include_str!("../../example.md")]
+    /// let path = pendulum.trajectory(start, 0.01, NoNoise).crossings(|_, s| s.q[0]).stop_at(|_, s| s.t - 5.0);
+    /// assert!(path.count() > 3);
+    #[doc = include_str!("../../example_end.md")]
     #[must_use]
     pub fn stop_at<F, O>(self, function: F) -> Self
     where
@@ -231,6 +249,13 @@ impl<'a, I: Method, W: Halves> Events<'a, I, W> {
     }
 
     /// Changes the state at each zero of one more function; see [`Trajectory::change_at`].
+    ///
+    #[doc = include_str!("../../example.md")]
+    /// let mut kicks = 0;
+    /// let path = pendulum.trajectory(start, 0.01, NoNoise).stop_at(|_, s| s.t - 5.0);
+    /// path.change_at(|_, s| s.q[0], |_, _| kicks += 1).last();
+    /// assert!(kicks > 3);
+    #[doc = include_str!("../../example_end.md")]
     #[must_use]
     pub fn change_at<F, O, C>(self, function: F, change: C) -> Self
     where
@@ -242,6 +267,11 @@ impl<'a, I: Method, W: Halves> Events<'a, I, W> {
     }
 
     /// Counts only zeros at which the last function goes from negative to positive along the trajectory.
+    ///
+    #[doc = include_str!("../../example.md")]
+    /// let mut path = pendulum.trajectory(start, 0.01, NoNoise).crossings(|_, s| s.q[0]).rising();
+    /// assert!(path.next().expect("no end")?.p[0] > 0.0);
+    #[doc = include_str!("../../example_end.md")]
     #[must_use]
     pub fn rising(mut self) -> Self {
         self.newest().direction = Direction::Rising;
@@ -249,6 +279,11 @@ impl<'a, I: Method, W: Halves> Events<'a, I, W> {
     }
 
     /// Counts only zeros at which the last function goes from positive to negative along the trajectory.
+    ///
+    #[doc = include_str!("../../example.md")]
+    /// let mut path = pendulum.trajectory(start, 0.01, NoNoise).crossings(|_, s| s.q[0]).falling();
+    /// assert!(path.next().expect("no end")?.p[0] < 0.0);
+    #[doc = include_str!("../../example_end.md")]
     #[must_use]
     pub fn falling(mut self) -> Self {
         self.newest().direction = Direction::Falling;
@@ -286,6 +321,12 @@ impl<'a, I: Method, W: Halves> Events<'a, I, W> {
     }
 
     /// Evaluates the functions at the ends of so many equal parts of each step, to see zeros that lie close together. Each further part costs a step.
+    ///
+    #[doc = include_str!("../../example.md")]
+    /// // the pendulum is below 0.99 for a large part of each step: without samples that is not seen
+    /// let path = pendulum.trajectory(start, 2.0, NoNoise).crossings(|_, s| s.q[0] - 0.99).samples(50);
+    /// assert!(path.take(4).all(|state| state.is_ok()));
+    #[doc = include_str!("../../example_end.md")]
     #[must_use]
     pub fn samples(mut self, samples: u32) -> Self {
         self.samples = samples.max(1);

@@ -236,7 +236,7 @@ impl<'a> Printer<'a> {
         quote!([#(#rows),*])
     }
 
-    fn is_zero(&self, value: Value) -> bool {
+    pub(super) fn is_zero(&self, value: Value) -> bool {
         self.program.get(value).operation == Operation::Constant(0)
     }
 

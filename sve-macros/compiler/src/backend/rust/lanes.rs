@@ -4,15 +4,20 @@
 //! branches within a loop; what leaves the fast path is marked, and stepped by `increment`. A value that a later loop needs is
 //! stored in a row of `kept`.
 
+use std::collections::BTreeMap;
+
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::code::Printer;
+use super::pivots::{self, Sparse};
 use super::solve::{accepted, names, residuals, sum_of_stages};
 use super::step::inside;
 use crate::algebra::{Arena, Expr};
-use crate::program::{Factored, Loops, Operation, Residual, Step, Tier, Value, in_lanes};
-use crate::structure::{Iteration, Matrix, Returns, Scheme, Solution, Storage};
+use crate::program::{
+    BY_FORMULA, Factored, Loops, Operation, Residual, Step, Tier, Value, in_lanes,
+};
+use crate::structure::{Iteration, Linear, Matrix, Returns, Scheme, Solution, Storage};
 use crate::system::model::{Meaning, Symbols};
 
 /// `increment_lanes` of a scheme with so many noises.
@@ -80,18 +85,27 @@ impl Writer<'_> {
                 Solution::Formula(_) => section.extend(after),
                 Solution::System { linear, solved } => {
                     let solved = names(solved, self.symbols);
-                    let solution = self.solution(at, &linear.matrix, &linear.rhs);
+                    let solution = if self.step.scheme.is_constrained() {
+                        let solution = self.solved_by_pivots(at, &linear.matrix, &linear.rhs, true);
+                        quote!(#solution.by)
+                    } else {
+                        self.solution(at, &linear.matrix, &linear.rhs)
+                    };
                     section.extend(quote!(let #solved = #solution; #after));
                 }
                 Solution::Iteration(iteration) => {
-                    let (course, guess) = (course(at), self.guess(at, iteration));
-                    let limit = self.limit(at, iteration);
-                    section.extend(quote!(#course.start(lane, #guess, #limit);));
+                    let course = course(at);
+                    section.extend(self.start(at, iteration));
                     let size = Literal::usize_unsuffixed(iteration.iterates.len());
                     let one = self.one(self.loops.of_block[at], &section);
                     let iterate = self.iterate(at, iteration);
+                    let accepting = if iteration.needs_guess {
+                        quote!(ContractingLanes)
+                    } else {
+                        quote!(NewtonLanes)
+                    };
                     tokens.extend(quote! {
-                        let mut #course = #private::lane::NewtonLanes::<#size>::new(newton);
+                        let mut #course = #private::lane::#accepting::<#size>::new(newton);
                         #one
                         #iterate
                     });
@@ -161,7 +175,9 @@ impl Writer<'_> {
     /// Whether the matrix of the first solves of a block is factored before the loops. In a loop the compiler finds that several
     /// solves without branches have an elimination in common.
     fn is_factored(&self, at: usize) -> bool {
-        self.step.scheme.blocks[at].factored(&self.step.program) == Factored::InPrepare
+        let scheme = &self.step.scheme;
+        !scheme.is_constrained()
+            && scheme.blocks[at].factored(&self.step.program) == Factored::InPrepare
     }
 
     /// The statement that factors the matrix of the first solves of a block.
@@ -172,7 +188,33 @@ impl Writer<'_> {
         Some(quote!(let #name = #private::lane::factored(&#matrix);))
     }
 
-    /// A first solve of a block with its matrix. A block in lanes has no banded matrix.
+    /// A solve of a step with constraints, with the sign of the determinant. If `tests_pivots` is set, the solution is NaN where the scalar step finds
+    /// dependent constraints.
+    fn solved_by_pivots(
+        &self,
+        at: usize,
+        matrix: &Matrix<Value>,
+        rhs: &[Value],
+        tests_pivots: bool,
+    ) -> TokenStream {
+        let (private, printer) = (self.private, self.printer);
+        let size = matrix.size();
+        let pivots = self.step.scheme.blocks[at].pivots.as_ref();
+        if let Some(pivots) = pivots.filter(|_| size > BY_FORMULA) {
+            let mut entries = BTreeMap::new();
+            for row in 0..size {
+                let stored = matrix.row(row).filter(|x| !printer.is_zero(x.1));
+                entries.extend(stored.map(|(column, e)| ((row, column), printer.operand(e))));
+            }
+            let rhs = rhs.iter().map(|&b| printer.operand(b)).collect();
+            let system = Sparse { entries, rhs };
+            return pivots::solved(&system, &pivots.0, tests_pivots, private);
+        }
+        let (matrix, rhs) = (printer.matrix(&matrix.rows), printer.array(rhs));
+        quote!(#private::lane::solved(&#matrix, &#rhs))
+    }
+
+    /// A first solve of a block with its matrix. A block without constraints has no banded matrix.
     fn solution(&self, at: usize, matrix: &Matrix<Value>, rhs: &[Value]) -> TokenStream {
         let (private, rhs) = (self.private, self.printer.array(rhs));
         if self.is_factored(at) {
@@ -189,6 +231,25 @@ impl Writer<'_> {
                 let matrix = self.printer.matrix(&matrix.rows);
                 quote!(#private::lane::solve(&#matrix, &#rhs))
             }
+        }
+    }
+
+    /// The start of an iteration: its guess, and what its root is accepted by.
+    fn start(&self, at: usize, iteration: &Iteration<Value, Residual>) -> TokenStream {
+        let course = course(at);
+        if !iteration.needs_guess {
+            let (guess, limit) = (self.guess(at, iteration), self.limit(at, iteration));
+            return quote!(#course.start(lane, #guess, #limit););
+        }
+        let Linear { matrix, rhs } = &iteration.guess;
+        let guess = self.solved_by_pivots(at, matrix, rhs, true);
+        let sign = match iteration.limit {
+            Some(_) => quote!(guess.determinant),
+            None => quote!(f64::NAN),
+        };
+        quote! {
+            let guess = #guess;
+            #course.start(lane, guess.by, #sign);
         }
     }
 
@@ -244,7 +305,12 @@ impl Writer<'_> {
         let iterates = names(&iteration.iterates, self.symbols);
         let statements = printer.statements(Tier::Iterate(at));
         let [residual, magnitude] = residuals(&iteration.residual, printer);
-        let jacobian = printer.matrix(&iteration.jacobian.rows);
+        let jacobian = if iteration.needs_guess {
+            let residuals: Vec<Value> = iteration.residual.iter().map(|r| r.value).collect();
+            self.solved_by_pivots(at, &iteration.jacobian, &residuals, false)
+        } else {
+            printer.matrix(&iteration.jacobian.rows)
+        };
         let curvature = iteration
             .curvature
             .map_or_else(|| quote!(f64::NAN), |c| printer.operand(c));

@@ -11,6 +11,7 @@ mod linearise;
 mod momenta;
 mod multipliers;
 mod parameters;
+mod pivots;
 mod placeholders;
 mod plan;
 mod rounding;

@@ -142,6 +142,7 @@ fn plan(private: &TokenStream) -> TokenStream {
             strong_order: #private::StrongOrder::Deterministic,
             weak_order: 0,
             conserved: &[],
+            in_lanes: false,
             degenerate: ::core::option::Option::None,
             prepare: #operations,
             step: #operations,

@@ -17,7 +17,7 @@ pub(super) fn plan(
     private: &TokenStream,
     context: &Context<'_>,
     derived: &Derived,
-    weak_order: u32,
+    (weak_order, in_lanes): (u32, bool),
     texts: &StepTexts,
     work: &Work,
 ) -> TokenStream {
@@ -28,12 +28,12 @@ pub(super) fn plan(
         context,
         (derived.rule, weak_order),
         texts,
-        &quote!(#(#blocks),*),
+        (&quote!(#(#blocks),*), in_lanes),
         work,
     )
 }
 
-/// The unknowns of a step that is solved in one block, and what it costs.
+/// The unknowns of a step that is solved in one block, and what it costs. Ensembles make such a step for one path after the other.
 pub(super) struct Cost<'a> {
     pub(super) unknowns: &'a [String],
     pub(super) work: Work,
@@ -57,7 +57,7 @@ pub(super) fn plan_of(
             band: ::core::option::Option::None,
         }
     };
-    plan_with(private, context, rule, texts, &block, work)
+    plan_with(private, context, rule, texts, (&block, false), work)
 }
 
 fn plan_with(
@@ -65,7 +65,7 @@ fn plan_with(
     context: &Context<'_>,
     (rule, weak_order): (Rule, u32),
     texts: &StepTexts,
-    blocks: &TokenStream,
+    (blocks, in_lanes): (&TokenStream, bool),
     work: &Work,
 ) -> TokenStream {
     let Context {
@@ -119,6 +119,7 @@ fn plan_with(
             strong_order: #private::StrongOrder::#strong,
             weak_order: #weak_order,
             conserved: &[#(#conserved),*],
+            in_lanes: #in_lanes,
             degenerate: #degenerate,
             prepare: #prepare,
             step: #step,
@@ -153,6 +154,7 @@ fn block(private: &TokenStream, block: &Block<Expr>, symbols: &Symbols) -> Token
         kind,
         unknowns,
         nonzeros,
+        pivots: _,
         solution: _,
     } = block;
     let kind = match kind {

@@ -25,7 +25,7 @@ pub(crate) fn rule(
     let (model, arena) = (context.model, context.arena);
     let Derived {
         rule: _,
-        is_unstructured,
+        is_unstructured: _,
         symbols,
         action: _,
         scheme,
@@ -47,7 +47,6 @@ pub(crate) fn rule(
         work,
     } = code(derived, &private, context);
     let (memory, memory_type) = memory(carried);
-    let plan = plan(&private, context, derived, weak_order, texts, &work);
     let returns = match scheme.returns {
         Returns::Increment => quote!(Increment),
         Returns::State => quote!(State),
@@ -68,11 +67,9 @@ pub(crate) fn rule(
         symbols,
         arena,
     );
-    // rotations are stepped lane by lane
-    let has_lanes = context.settings.lanes && !model.configuration().has_rotations();
-    let lanes = (has_lanes && !is_unstructured)
-        .then(|| lanes(scheme, model.noises.len(), symbols, &private, arena))
-        .flatten();
+    let lanes = in_lanes(context, derived, &private);
+    let properties = (weak_order, lanes.is_some());
+    let plan = plan(&private, context, derived, properties, texts, &work);
     let [doc, increment_doc] = documentation(texts);
     let start = start(&linearisation.unknowns, model.dof(), symbols);
     let domain = domain(texts);
@@ -120,6 +117,22 @@ pub(crate) fn rule(
         }
         #private::derived_rule! { #self_ty, #rule_type }
     }
+}
+
+/// `increment_lanes`, if ensembles step this system in lanes. Rotations are stepped lane by lane.
+fn in_lanes(
+    context: &Context<'_>,
+    derived: &Derived,
+    private: &TokenStream,
+) -> Option<TokenStream> {
+    let (model, arena) = (context.model, context.arena);
+    let has_lanes = context.settings.lanes && !model.configuration().has_rotations();
+    (has_lanes && !derived.is_unstructured)
+        .then(|| {
+            let noises = model.noises.len();
+            lanes(&derived.scheme, noises, &derived.symbols, private, arena)
+        })
+        .flatten()
 }
 
 /// The argument for what a trajectory carries, `count` numbers, with its type.

@@ -30,6 +30,7 @@ pub(crate) fn system(
         noises,
         force,
         constraints,
+        constraint_curvatures: _,
         affine_momentum,
         is_separable,
         is_additive: _,
@@ -55,7 +56,7 @@ pub(crate) fn system(
     let force = force
         .as_ref()
         .map(|jet| force_jet(&private, jet, &received, &model.symbols, arena));
-    let constraints = constraint_jets(&private, model, constraints, arena);
+    let constraints = constraint_jets(&private, model, mechanics, arena);
     let identity = identity(model, arena, &private);
     let roles = model.degeneracy.as_ref().map(|d| roles(d, &private));
     let parameters = model.symbols.parameters().map(|s| model.symbols.source(s));
@@ -214,16 +215,21 @@ fn force_jet(
     }
 }
 
-/// `CONSTRAINTS` and `constraint_jets`; nothing where there are none.
+/// `CONSTRAINTS`, `constraint_jets` and `constraint_curvatures`; nothing where there are none.
 fn constraint_jets(
     private: &TokenStream,
     model: &Model,
-    jets: &[ConstraintJet],
+    mechanics: &Mechanics,
     arena: &Arena,
 ) -> Option<TokenStream> {
+    let jets = &mechanics.constraints;
     if jets.is_empty() {
         return None;
     }
+    let curvatures = [mechanics.constraint_curvatures.clone()];
+    let straight = Straight::new(arena, &model.symbols, &curvatures[0]);
+    let (of_curvatures, array) =
+        straight.finish(private, &[(&curvatures, vec!["curvature".to_owned()])]);
     let row = |of: fn(&ConstraintJet) -> Expr| jets.iter().map(of).collect::<Vec<Expr>>();
     let vectors = [row(|j| j.value), row(|j| j.magnitude), row(|j| j.dt)];
     let slopes: Vec<Vec<Expr>> = jets.iter().map(|jet| jet.dq.clone()).collect();
@@ -260,6 +266,19 @@ fn constraint_jets(
                     dt: dt[k],
                     dq: dq[k],
                 });
+            }
+        }
+        fn constraint_curvatures(
+            &self,
+            time: f64,
+            q: &[f64; #n],
+            v: &[f64; #n],
+            visit: &mut dyn ::core::ops::FnMut(f64),
+        ) {
+            #of_curvatures
+            let [curvatures] = #(#array)*;
+            for curvature in curvatures {
+                visit(curvature);
             }
         }
     })

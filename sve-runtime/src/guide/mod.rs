@@ -1,0 +1,45 @@
+#![doc = include_str!("links.md")]
+#![doc = include_str!("../../docs/guide/README.md")]
+// The pages lie in the folder `docs/guide` of this package, so that they can be read in the repository as they are. Their links are
+// reference links, which they define at their ends as links between files. Of two definitions Markdown takes the first, so the definitions of
+// `links.md`, which stand before each page, make them links between modules.
+
+/// Declares a module for each page.
+macro_rules! pages {
+    ($($(#[$condition:meta])* $page:ident)*) => {
+        $(
+            #[doc = include_str!("links.md")]
+            #[doc = include_str!(concat!("../../docs/guide/", stringify!($page), ".md"))]
+            $(#[$condition])*
+            pub mod $page {}
+        )*
+    };
+}
+
+pages! {
+    first_system
+    langevin
+    noise_terms
+    rules
+    block
+    constraints_and_rotations
+    degenerate
+    events
+    derivatives
+    failures
+    claims
+    macro_tour
+    not_planned
+}
+
+// The programs of these pages need features. The pages are always shown, and tested where the features are there.
+pages! {
+    #[cfg(any(not(doctest), feature = "serde"))]
+    trajectories
+    #[cfg(any(not(doctest), feature = "checkpoint"))]
+    ensembles
+    #[cfg(any(not(doctest), feature = "study"))]
+    work_precision
+    #[cfg(any(not(doctest), feature = "npy"))]
+    python
+}

@@ -1,0 +1,226 @@
+//! Iterations in lanes against the scalar method.
+
+use super::{ContractingLanes, Evaluation, LANES, Lane, Newton, NewtonLanes};
+use crate::lanes::solve::{Solved, solved};
+
+/// `x³ + x = a` from `x = a` with Chebyshev's update, all lanes.
+fn cubic(a: &Lane, newton: &Newton) -> NewtonLanes<1> {
+    let mut iterations = NewtonLanes::<1>::new(newton);
+    for lane in 0..LANES {
+        iterations.start(lane, [a[lane]], [0.0]);
+    }
+    while iterations.next_iteration() {
+        for lane in 0..LANES {
+            let [x] = iterations.point(lane);
+            let at = Evaluation {
+                residual: [x * x * x + x - a[lane]],
+                magnitude: [(x * x * x).abs() + x.abs() + a[lane].abs()],
+                jacobian: [[3.0 * x * x + 1.0]],
+                curvature: 6.0 * x,
+            };
+            iterations.update(lane, &at);
+        }
+    }
+    iterations
+}
+
+fn values() -> Lane {
+    core::array::from_fn(|lane| 0.07 * lane as f64 - 1.1)
+}
+
+#[test]
+fn roots_are_those_of_the_scalar_method() {
+    let (a, newton) = (values(), Newton::default());
+    let iterations = cubic(&a, &newton);
+    for lane in 0..LANES {
+        assert!(iterations.has_converged(lane));
+        let x = iterations.point(lane)[0];
+        let [expected] = newton
+            .solve([a[lane]], |&[x]| Evaluation {
+                residual: [x * x * x + x - a[lane]],
+                magnitude: [(x * x * x).abs() + x.abs() + a[lane].abs()],
+                jacobian: [[3.0 * x * x + 1.0]],
+                curvature: 6.0 * x,
+            })
+            .unwrap();
+        assert!(
+            (x - expected).abs() <= 2.0 * f64::EPSILON * x.abs(),
+            "{x} {expected}"
+        );
+    }
+}
+
+#[test]
+fn converged_lanes_do_not_change() {
+    let newton = Newton::default();
+    let together = cubic(&values(), &newton);
+    for lane in 0..LANES {
+        let alone = cubic(&[values()[lane]; LANES], &newton);
+        assert_eq!(alone.point(0), together.point(lane));
+    }
+}
+
+#[test]
+fn a_lane_that_does_not_converge_fails() {
+    let newton = Newton::default();
+    let mut a = values();
+    a[3] = f64::NAN;
+    a[5] = f64::INFINITY;
+    let iterations = cubic(&a, &newton);
+    for lane in 0..LANES {
+        assert_eq!(
+            iterations.has_converged(lane),
+            ![3, 5].contains(&lane),
+            "{lane}"
+        );
+    }
+    // The scalar method's limit of iterations holds for lanes too.
+    let few = Newton {
+        max_iterations: 1,
+        ..newton
+    };
+    let iterations = cubic(&[4.0; LANES], &few);
+    assert!((0..LANES).all(|lane| !iterations.has_converged(lane)));
+}
+
+#[test]
+fn a_lane_whose_root_is_not_accepted_fails() {
+    let mut iterations = cubic(&values(), &Newton::default());
+    for lane in 0..LANES {
+        iterations.accept(lane, lane % 3 != 0);
+    }
+    assert!((0..LANES).all(|lane| iterations.has_converged(lane) == (lane % 3 != 0)));
+    // An accepted root does not revive a lane that did not converge.
+    let mut a = values();
+    a[3] = f64::NAN;
+    let mut iterations = cubic(&a, &Newton::default());
+    iterations.accept(3, true);
+    assert!(!iterations.has_converged(3));
+}
+
+#[test]
+fn a_lane_with_a_singular_jacobian_fails() {
+    let mut iterations = NewtonLanes::<1>::new(&Newton::default());
+    while iterations.next_iteration() {
+        for lane in 0..LANES {
+            iterations.update(
+                lane,
+                &Evaluation {
+                    residual: [1.0],
+                    magnitude: [1.0],
+                    jacobian: [[0.0]],
+                    curvature: 1.0,
+                },
+            );
+        }
+    }
+    assert!(
+        (0..LANES)
+            .all(|lane| !iterations.has_converged(lane) || !iterations.point(lane)[0].is_finite())
+    );
+}
+
+#[test]
+fn several_unknowns_converge() {
+    // the intersection of a circle and a diagonal
+    let mut iterations = NewtonLanes::<2>::new(&Newton::default());
+    for lane in 0..LANES {
+        iterations.start(lane, [1.0 + 0.01 * lane as f64, 1.1], [0.0; 2]);
+    }
+    while iterations.next_iteration() {
+        for lane in 0..LANES {
+            let [x, y] = iterations.point(lane);
+            iterations.update(
+                lane,
+                &Evaluation {
+                    residual: [x * x + y * y - 2.0, x - y],
+                    magnitude: [x * x + y * y + 2.0, x.abs() + y.abs()],
+                    jacobian: [[2.0 * x, 2.0 * y], [1.0, -1.0]],
+                    curvature: f64::NAN,
+                },
+            );
+        }
+    }
+    for lane in 0..LANES {
+        assert!(iterations.has_converged(lane));
+        for x in iterations.point(lane) {
+            assert!((x - 1.0).abs() <= 4.0 * f64::EPSILON, "{x}");
+        }
+    }
+}
+
+/// The circle of radius √2 and the diagonal, from points at several distances of the intersection, with a sign of the determinant.
+fn intersection(sign: f64) -> ContractingLanes<2> {
+    let mut iterations = ContractingLanes::<2>::new(&Newton::default());
+    for lane in 0..LANES {
+        iterations.start(lane, [1.0 + 0.2 * lane as f64, 1.0], sign);
+    }
+    while iterations.next_iteration() {
+        for lane in 0..LANES {
+            let [x, y] = iterations.point(lane);
+            let residual = [x * x + y * y - 2.0, x - y];
+            let jacobian = solved(&[[2.0 * x, 2.0 * y], [1.0, -1.0]], &residual);
+            iterations.update(
+                lane,
+                &Evaluation {
+                    residual,
+                    magnitude: [x * x + y * y + 2.0, x.abs() + y.abs()],
+                    jacobian,
+                    curvature: f64::NAN,
+                },
+            );
+        }
+    }
+    iterations
+}
+
+#[test]
+fn the_root_of_a_contracting_iteration_is_accepted() {
+    // the determinant is −2 (x + y)
+    let iterations = intersection(-1.0);
+    assert!((0..5).all(|lane| iterations.has_converged(lane)));
+    assert!((0..5).all(|lane| (iterations.point(lane)[0] - 1.0).abs() < 1e-15));
+    // from afar the first update leaves more than a quarter of the first residual
+    assert!((20..LANES).all(|lane| !iterations.has_converged(lane)));
+    let unknown = intersection(f64::NAN);
+    assert!((0..5).all(|lane| unknown.has_converged(lane)));
+}
+
+#[test]
+fn a_determinant_of_the_other_sign_fails_a_lane() {
+    let iterations = intersection(1.0);
+    assert!((0..LANES).all(|lane| !iterations.has_converged(lane)));
+}
+
+/// `x² = 4` from points of which the larger ones are out of reach by Kantorovich's condition, |f f″| ≤ ½ f′².
+#[test]
+fn a_single_unknown_contracts_by_its_second_derivative() {
+    let mut iterations = ContractingLanes::<1>::new(&Newton::default());
+    let guess = |lane: usize| 0.25 + 0.25 * lane as f64;
+    for lane in 0..LANES {
+        iterations.start(lane, [guess(lane)], 1.0);
+    }
+    while iterations.next_iteration() {
+        for lane in 0..LANES {
+            let [x] = iterations.point(lane);
+            iterations.update(
+                lane,
+                &Evaluation {
+                    residual: [x * x - 4.0],
+                    magnitude: [x * x + 4.0],
+                    jacobian: Solved {
+                        by: [f64::NAN],
+                        determinant: 2.0 * x,
+                    },
+                    curvature: 2.0,
+                },
+            );
+        }
+    }
+    for lane in 0..LANES {
+        let x = guess(lane);
+        let is_near = (x * x - 4.0).abs() <= x * x;
+        assert_eq!(iterations.has_converged(lane), is_near, "{x}");
+        assert!(!is_near || (iterations.point(lane)[0] - 2.0).abs() < 1e-15);
+    }
+}
