@@ -70,7 +70,7 @@ const STEPS: usize = 1_000_000;
 fn runge_kutta(tokamak: &Tokamak, q: [f64; 4], h: f64) -> Result<[f64; 4], StepError> {
     let velocity = |q: [f64; 4]| {
         let state = State::from_configuration(tokamak, q)?;
-        tokamak.velocity(state.q, state.p)
+        tokamak.velocity(&state)
     };
     let moved = |k: &[f64; 4], h: f64| core::array::from_fn(|i| q[i] + h * k[i]);
     let a = velocity(q)?;

@@ -1,13 +1,16 @@
 //! Errors of steps, and the conversion of solver errors. Each message has the numbers in question and what to change.
 
-use crate::configuration::FlatConfiguration;
+mod convert;
+mod messages;
+
+pub(crate) use convert::step_error;
+use messages::{branch_lost, iteration_limit, no_time, within_step};
+
 use crate::noise::NoiseError;
-use crate::solve::SolveError;
-use crate::state::State;
-use crate::time::is_next_time;
+use crate::readable::debug_is_display;
 
 /// Why a step could not be made. The state it was given is unchanged.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum StepError {
@@ -323,6 +326,49 @@ pub enum StepError {
         /// How many numbers the snapshot has.
         numbers: usize,
     },
+    /// A time at which a state is to be saved is not ahead of the trajectory.
+    #[error(
+        "a state at t = {t} is to be saved, and the trajectory is at t = {after} and goes on with h = {h}: \
+         give finite times in the order in which it reaches them, none before its start"
+    )]
+    TimeOrder {
+        /// The time.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// The time that the trajectory has reached.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        after: f64,
+        /// The step size.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        h: f64,
+    },
+    /// A time at which a state is to be saved is within a step of which no part can be made.
+    #[error("{}", within_step(*t, *from, *h, *stages))]
+    WithinStep {
+        /// The time.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        from: f64,
+        /// Step size.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        h: f64,
+        /// Number of increments of a process in a step: 1, or the stages of a rule with stage noise.
+        stages: usize,
+    },
+    /// A recorded path ends before a time at which a state is to be saved.
+    #[error(
+        "the recorded path ends at t = {end}, and a state at t = {t} is to be saved: record more steps, or end before"
+    )]
+    PathEnded {
+        /// The time.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Time at the end of the path.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        end: f64,
+    },
     /// A function whose zeros are events is not finite.
     #[error(
         "function {number} of the events (from 0) is {value} at t = {t}: its sign is not known there; give a function that is finite wherever the motion leads"
@@ -370,6 +416,18 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         interval: f64,
     },
+    /// Friction and noise of a system that [`Baoab`](crate::baseline::Baoab) cannot solve exactly.
+    #[error(
+        "BAOAB at t = {t}: {what}; it solves a friction −Cv with a diagonal C M⁻¹ and noises of the configuration exactly; \
+         for other systems use a derived rule, or `baseline::Heun`"
+    )]
+    NotLangevin {
+        /// Time in the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// What the system has.
+        what: String,
+    },
     /// The noise could not give the increments of this step.
     #[error("no noise for the step from t = {t}: {source}")]
     Noise {
@@ -381,119 +439,4 @@ pub enum StepError {
     },
 }
 
-/// The message of [`StepError::Time`].
-fn no_time(t: f64, h: f64, end: f64) -> String {
-    if end.is_finite() {
-        let next = t.abs().next_up() - t.abs();
-        return format!(
-            "the step from t = {t} with h = {h:e} does not change the time, whose next number is {next:e} away: \
-             take a longer step, or measure time from a nearer origin"
-        );
-    }
-    format!(
-        "the step from t = {t} with h = {h:e} ends at t = {end}: take a smaller h, or fewer steps"
-    )
-}
-
-/// Number of iterations from which on the limit may be too small: a step within reach of the method takes fewer.
-const MANY: u32 = 8;
-
-/// The part of a message about the limit of iterations.
-fn iteration_limit(iterations: u32) -> &'static str {
-    // no iteration means a limit of 0
-    if iterations == 0 || iterations >= MANY {
-        ", or raise `max_iterations` with `with_newton` if that was the limit"
-    } else {
-        ""
-    }
-}
-
-/// The message of [`StepError::BranchLost`].
-fn branch_lost(t: f64, h: f64, dw: &[f64], step: f64, reached: f64) -> String {
-    let knobs = "take a smaller h, or let the trajectory do so with `refine`";
-    if step < 1.0 {
-        return format!(
-            "the step from t = {t} with h = {h:e}: its solution was followed from h = 0 without noise and lost at {step:.3} of h, \
-             where it ends, branches or leaves the domain of L: {knobs}"
-        );
-    }
-    format!(
-        "the step from t = {t} with h = {h:e} and the increments {dw:?}: its solution was followed from no noise and lost at \
-         {reached:.3} of the increments, where it ends, branches or leaves the domain of L: {knobs}"
-    )
-}
-
-/// Converts the error of a solver to that of a step from `state`. An input that is not finite is reported first.
-///
-/// The caller passes copies of state and increments, so that its own can stay in registers.
-#[cold]
-pub(crate) fn step_error<F: FlatConfiguration<N>, const N: usize>(
-    error: SolveError,
-    state: &State<F>,
-    h: f64,
-    dw: &[f64],
-) -> StepError {
-    let t = state.t;
-    if !h.is_finite() {
-        return StepError::StepSize { h };
-    }
-    let not_finite = |name: &'static str, values: &[f64]| {
-        let at = values.iter().position(|x| !x.is_finite())?;
-        Some(StepError::NonFiniteInput {
-            what: format!("{name}[{at}]"),
-            value: values[at],
-            t,
-        })
-    };
-    if !t.is_finite() {
-        return StepError::NonFiniteInput {
-            what: "t".to_owned(),
-            value: t,
-            t,
-        };
-    }
-    let q = state.q.values();
-    if let Some(bad) = not_finite("q", &q)
-        .or_else(|| not_finite("p", &state.p))
-        .or_else(|| not_finite("dw", dw))
-    {
-        return bad;
-    }
-    match error {
-        SolveError::NotConverged {
-            iterations,
-            residual,
-            tolerance,
-        } => StepError::NotConverged {
-            t,
-            h,
-            iterations,
-            residual,
-            tolerance,
-        },
-        SolveError::OtherBranch => StepError::BranchLost {
-            t,
-            h,
-            dw: dw.to_vec(),
-            step: 0.0,
-            reached: 0.0,
-        },
-        SolveError::NoVelocity { reached } => StepError::NoVelocity {
-            t,
-            p: state.p.to_vec(),
-            reached,
-        },
-        SolveError::LargeRotation { angle } => StepError::LargeRotation { t, h, angle },
-        SolveError::Singular { iteration } => StepError::Singular { t, h, q, iteration },
-        // Configuration and momentum are finite, and the new time is not, or does not change. Outside of a step h is 0.
-        SolveError::NonFinite if h != 0.0 && !is_next_time(t, t + h) => {
-            StepError::Time { t, h, end: t + h }
-        }
-        SolveError::NonFinite | SolveError::OutsideDomain { .. } => StepError::NonFiniteResult {
-            t,
-            h,
-            q,
-            p: state.p.to_vec(),
-        },
-    }
-}
+debug_is_display!(StepError);

@@ -12,6 +12,8 @@ use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use crate::readable::debug_is_display;
+
 /// Writes a file.
 ///
 /// # Errors
@@ -125,7 +127,6 @@ impl Drop for NewFile {
 }
 
 /// Adds the path to an error of the file system.
-#[derive(Debug)]
 struct AtPath {
     path: PathBuf,
     source: io::Error,
@@ -136,6 +137,8 @@ impl fmt::Display for AtPath {
         write!(f, "{}: {}", self.path.display(), self.source)
     }
 }
+
+debug_is_display!(AtPath);
 
 impl core::error::Error for AtPath {
     fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {

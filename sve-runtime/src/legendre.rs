@@ -11,6 +11,7 @@
 
 use crate::configuration::{Coordinates, FlatConfiguration};
 use crate::degenerate::{self, is_degenerate};
+use crate::error::{StepError, step_error};
 use crate::jets::LagrangianJet;
 use crate::solve::SolveError;
 use crate::solve::dense::{self, DeterminantSign};
@@ -75,6 +76,39 @@ where
     let p = degenerate::massive_momenta::<S, N>(&state.p);
     let massive = solve(system, &State { p, ..*state })?;
     finite(degenerate::complete_velocity(system, state, massive)?)
+}
+
+/// Returns the state with a velocity, p = ∂L/∂v.
+///
+/// # Errors
+/// A [`StepError`] if a number is not finite, L is not defined, or an algebraic coordinate does not solve its equation.
+pub(crate) fn state_with_velocity<S, Q, const N: usize, const M: usize>(
+    system: &S,
+    t: f64,
+    q: Q::Flat,
+    v: [f64; N],
+) -> Result<State<Q::Flat>, StepError>
+where
+    S: System<Dims = Dims<N, M, Q>> + ?Sized,
+    Q: Coordinates<N>,
+{
+    if let Some(i) = v.iter().position(|v| !v.is_finite()) {
+        let (what, value) = (format!("v[{i}]"), v[i]);
+        return Err(StepError::NonFiniteInput { what, value, t });
+    }
+    let jet = system.lagrangian_jet(t, &q, &v);
+    let mut state = State::at(t, q, jet.dv);
+    // outside of its domain L is NaN, while its derivatives may be finite
+    let is_defined = jet.value.is_finite() && state.p.iter().all(|p| p.is_finite());
+    if !is_defined || !t.is_finite() || !state.q.values().iter().all(|q| q.is_finite()) {
+        // the message is about the start, whose momentum is not known
+        state.p = [0.0; N];
+        return Err(step_error(SolveError::NonFinite, &state, 0.0, &[]));
+    }
+    if const { is_degenerate::<S>() } {
+        degenerate::check_consistent(system, &state)?;
+    }
+    Ok(state)
 }
 
 /// Returns the jet of L at a velocity, with unit masses for coordinates that have none.

@@ -50,8 +50,12 @@
 //! | describe a system | [`#[variational(…)]`](macro@variational) |
 //! | choose a rule | [`InitialPoint`], [`Endpoint`], [`Midpoint`], [`StormerVerlet`], [`Gauss`], [`Taylor2`], with the options [`StageNoise`] and [`Weak2`] |
 //! | compose steps of rules to a rule of a higher order | [`Composed`], [`Split`] |
+//! | begin with a velocity, or a configuration | [`State::from_velocity`], [`State::from_configuration`] |
+//! | change a parameter between steps | [`Integrator::system_mut`] |
 //! | make steps | [`Integrator`] with `step` and `trajectory`, [`State`]; [`Method`] is common to integrators and baselines |
 //! | know what the `q` of a state may be | [`Configuration`]; vectors, matrices and rotations are those of [`nalgebra`] |
+//! | save every n-th state, states at given times, or all up to a time | [`Trajectory::every`], [`Trajectory::at`], [`Trajectory::until`] |
+//! | write states, as CSV, for `NumPy`, as Parquet | [`Saved::to_csv`], [`StateTable`] |
 //! | find sections and events along a trajectory | [`Trajectory::crossings`], [`Trajectory::stop_at`], [`Trajectory::change_at`] |
 //! | average along a path, with the error of the average | [`Blocking`]; [`Mechanics::temperature`]; of many paths `Ensemble::average` |
 //! | store a trajectory and continue it | [`Trajectory::snapshot`], [`Method::resume`]; [`from_step`](noise::Replayable::from_step) enters a noise at a step |
@@ -96,7 +100,7 @@
 //! | `progress` | a bar that shows how far an ensemble is |
 //! | `checkpoint` | ensembles that are stopped and continued |
 //! | `distributed` | ensembles whose blocks another program distributes over processes, as the package `sve-mpi` does |
-//! | `npy`, `parquet` | statistics of ensembles in these formats |
+//! | `npy`, `parquet` | statistics of ensembles, and states of trajectories and paths, in these formats |
 //! | `serde` | states, snapshots of trajectories, errors and summaries can be serialised |
 //! | `study` | `study::Study`: errors, orders and times of several methods on one problem; with `ensemble` |
 //! | `plot` | `plot`: figures as SVG and PNG; pages of the results of ensembles and studies |
@@ -128,7 +132,6 @@ mod degenerate;
 pub mod ensemble;
 mod equations;
 mod error;
-#[cfg(feature = "ensemble")]
 mod file;
 #[cfg(feature = "serde")]
 mod floats;
@@ -150,12 +153,14 @@ mod plan;
 #[cfg(feature = "plot")]
 pub mod plot;
 mod power;
+mod readable;
 mod rules;
 mod solve;
 mod state;
 #[cfg(feature = "study")]
 pub mod study;
 mod system;
+mod table;
 mod time;
 mod trajectory;
 mod variational;
@@ -358,7 +363,8 @@ pub use system::{
 };
 #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
 pub use system::{IncrementLanesOf, StateLanesOf};
-pub use trajectory::{Events, RefinedTrajectory, Refinements, Snapshot, Trajectory};
+pub use table::{SaveError, StateTable};
+pub use trajectory::{Events, RefinedTrajectory, Refinements, Saved, Snapshot, Trajectory};
 pub use variational::{ConstraintImpulses, DerivedFor, Discretised, Memory, Variational};
 
 /// The items that a program imports to integrate a system: `use sve_runtime::prelude::*;`.

@@ -45,6 +45,8 @@ impl<const N: usize> Field<[f64; N]> {
 
 /// Mechanical quantities of a Lagrangian and its noises; implemented for every [`System`].
 ///
+/// What a state has is a function of `&state`. The momentum of a velocity is a function of `q` and `v`, which [`State::from_velocity`] calls.
+///
 /// ```
 /// use sve_runtime::prelude::*;
 /// struct Pendulum { m: f64, g: f64 }
@@ -54,9 +56,11 @@ impl<const N: usize> Field<[f64; N]> {
 /// }
 /// # fn main() -> Result<(), StepError> {
 /// let pendulum = Pendulum { m: 2.0, g: 9.8 };
+/// let state = State::from_velocity(&pendulum, [0.0], [3.0])?;
+/// assert_eq!(state.p, [6.0]);
+/// assert_eq!(pendulum.velocity(&state)?, [3.0]);
+/// assert_eq!(pendulum.hamiltonian(&state)?, 9.0 - 2.0 * 9.8);
 /// assert_eq!(pendulum.momentum([0.0], [3.0]), [6.0]);
-/// assert_eq!(pendulum.velocity([0.0], [6.0])?, [3.0]);
-/// assert_eq!(pendulum.hamiltonian(&State::new([0.0], [6.0]))?, 9.0 - 2.0 * 9.8);
 /// # Ok(())
 /// # }
 /// ```
@@ -64,19 +68,6 @@ pub trait Mechanics: System {
     /// The Legendre transform `p = ∂L/∂v(0, q, v)`. If L depends on time, see [`momentum_at`](Self::momentum_at).
     fn momentum(&self, q: ConfigurationOf<Self>, v: MomentumOf<Self>) -> MomentumOf<Self> {
         self.momentum_at(0.0, q, v)
-    }
-
-    /// The inverse of [`momentum`](Self::momentum).
-    ///
-    /// # Errors
-    /// [`StepError::Singular`] if the mass matrix `∂²L/∂v²` has no inverse; [`StepError::NonFiniteInput`];
-    /// [`StepError::NoVelocity`] if L is not quadratic in v and no velocity with that momentum is found.
-    fn velocity(
-        &self,
-        q: ConfigurationOf<Self>,
-        p: MomentumOf<Self>,
-    ) -> Result<MomentumOf<Self>, StepError> {
-        self.velocity_at(0.0, q, p)
     }
 
     /// The Legendre transform at time `t`.
@@ -87,16 +78,12 @@ pub trait Mechanics: System {
         v: MomentumOf<Self>,
     ) -> MomentumOf<Self>;
 
-    /// The inverse Legendre transform at time `t`.
+    /// The velocity of a state, the inverse of the Legendre transform; [`State::from_velocity`] goes the other way.
     ///
     /// # Errors
-    /// As [`velocity`](Self::velocity).
-    fn velocity_at(
-        &self,
-        t: f64,
-        q: ConfigurationOf<Self>,
-        p: MomentumOf<Self>,
-    ) -> Result<MomentumOf<Self>, StepError>;
+    /// [`StepError::Singular`] if the mass matrix `∂²L/∂v²` has no inverse; [`StepError::NonFiniteInput`];
+    /// [`StepError::NoVelocity`] if L is not quadratic in v and no velocity with that momentum is found.
+    fn velocity(&self, state: &StateOf<Self>) -> Result<MomentumOf<Self>, StepError>;
 
     /// The energy `H = ⟨p, v⟩ − L`, in the units of L.
     ///
@@ -179,8 +166,8 @@ where
     }
 
     #[inline]
-    fn velocity_at(&self, t: f64, q: Q, p: Q::Momentum) -> Result<Q::Momentum, StepError> {
-        let state = State { t, q, p }.to_coordinates();
+    fn velocity(&self, state: &State<Q>) -> Result<Q::Momentum, StepError> {
+        let state = state.to_coordinates();
         if const { is_degenerate::<S>() } {
             degenerate::check_consistent(self, &state)?;
         }

@@ -7,6 +7,7 @@ use crate::configuration::{
 };
 use crate::degenerate;
 use crate::error::StepError;
+use crate::legendre;
 use crate::system::{Dims, System};
 
 /// Time, configuration and momentum of a system.
@@ -160,6 +161,70 @@ impl<Q: Configuration> State<Q> {
         Q: VectorCoordinates<N>,
     {
         let state = degenerate::state_at_rest(system, &q.coordinates())?;
+        Ok(Self::from_coordinates(&state))
+    }
+
+    /// The state with a velocity, p = ∂L/∂v(q, v), at `t = 0`. If L depends on time, see [`from_velocity_at`](Self::from_velocity_at).
+    ///
+    /// `q` and `v` have the shape in which the Lagrangian has them: rows of numbers, vectors, bodies. Of a rotation, `q` is the attitude and `v` the angular velocity in
+    /// the body frame.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// /// Two bodies of different masses in space, joined by a spring.
+    /// struct Pair { m: [f64; 2], k: f64 }
+    ///
+    /// #[variational(midpoint)]
+    /// impl Pair {
+    ///     fn lagrangian(&self, q: [Vector3<f64>; 2], v: [Vector3<f64>; 2]) -> f64 {
+    ///         let kinetic = 0.5 * self.m[0] * v[0].norm_squared() + 0.5 * self.m[1] * v[1].norm_squared();
+    ///         kinetic - 0.5 * self.k * (q[1] - q[0]).norm_squared()
+    ///     }
+    /// }
+    ///
+    /// # fn main() -> Result<(), StepError> {
+    /// let pair = Integrator::new(Pair { m: [1.0, 2.0], k: 4.0 }, Midpoint);
+    /// let start = State::from_velocity(pair.system(), [Vector3::zeros(), Vector3::x()], [Vector3::y(), Vector3::z()])?;
+    /// assert_eq!(start.p, [Vector3::y(), 2.0 * Vector3::z()]);
+    /// assert_eq!(pair.system().velocity(&start)?, [Vector3::y(), Vector3::z()]);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// With constraints, [`consistent`](crate::Integrator::consistent) projects the state onto them. For a degenerate Lagrangian the velocities of coordinates without mass
+    /// follow from the motion: the momenta of those coordinates are α(q), whatever is given for them, and [`from_configuration`](Self::from_configuration) needs no velocity.
+    ///
+    /// # Errors
+    /// [`StepError::NonFiniteInput`]; [`StepError::NonFiniteResult`] if L is not defined there; [`StepError::Inconsistent`] if a coordinate whose velocity does not
+    /// occur in L does not solve its equation.
+    pub fn from_velocity<S, const N: usize, const M: usize>(
+        system: &S,
+        q: Q,
+        v: Q::Momentum,
+    ) -> Result<Self, StepError>
+    where
+        S: System<Dims = Dims<N, M, Q>> + ?Sized,
+        Q: Coordinates<N>,
+    {
+        Self::from_velocity_at(system, 0.0, q, v)
+    }
+
+    /// The state with a velocity at time `t`; see [`from_velocity`](Self::from_velocity).
+    ///
+    /// # Errors
+    /// As [`from_velocity`](Self::from_velocity).
+    pub fn from_velocity_at<S, const N: usize, const M: usize>(
+        system: &S,
+        t: f64,
+        q: Q,
+        v: Q::Momentum,
+    ) -> Result<Self, StepError>
+    where
+        S: System<Dims = Dims<N, M, Q>> + ?Sized,
+        Q: Coordinates<N>,
+    {
+        let state = legendre::state_with_velocity(system, t, q.coordinates(), Q::components(&v))?;
         Ok(Self::from_coordinates(&state))
     }
 

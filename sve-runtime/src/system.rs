@@ -153,6 +153,10 @@ pub trait System {
     const FORCED: bool = false;
     /// The parameters, as the source has them: `m`, `l[0]`, `body.mass`.
     const PARAMETERS: &'static [&'static str] = &[];
+    /// The coordinates that a state stores, as L has them: `q`, `q[0]`, `q.x`, or `x` and `y` after `let [x, y] = q`. A rotation has the components of its quaternion, `r.w` to `r.k`.
+    const COORDINATES: &'static [&'static str] = &[];
+    /// The momenta, in the same way: `p`, `p[0]`, `p.x`, `p_x`, `pi.x`.
+    const MOMENTA: &'static [&'static str] = &[];
     /// The constraints, by the names of their functions: `rod`, `rods[0]`.
     const CONSTRAINTS: &'static [&'static str] = &[];
     /// A hash of the formulas of L, the noises and the force, by which shards and checkpoints of ensembles are recognised.
@@ -195,6 +199,13 @@ pub trait System {
     ) {
         let _ = (t, q, visit);
     }
+    /// Writes the energy of each lane to `energies`, where a loop without branches computes it; elsewhere a number that is not finite. The default has none.
+    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
+    #[inline(always)]
+    fn energy_lanes(&self, states: &StateLanesOf<Self>, energies: &mut Lane) {
+        let _ = states;
+        energies.fill(f64::NAN);
+    }
     /// Visits the second time derivatives of the constraints in motion with velocity `v` and without acceleration, in the order of [`CONSTRAINTS`](Self::CONSTRAINTS).
     fn constraint_curvatures(
         &self,
@@ -214,6 +225,8 @@ impl<S: System> System for &S {
     const ROLES: &'static [CoordinateRole] = S::ROLES;
     const FORCED: bool = S::FORCED;
     const PARAMETERS: &'static [&'static str] = S::PARAMETERS;
+    const COORDINATES: &'static [&'static str] = S::COORDINATES;
+    const MOMENTA: &'static [&'static str] = S::MOMENTA;
     const CONSTRAINTS: &'static [&'static str] = S::CONSTRAINTS;
     const FORMULAS: u64 = S::FORMULAS;
 
@@ -258,6 +271,11 @@ impl<S: System> System for &S {
         visit: &mut dyn FnMut(<S::Dims as Dimensions>::ConstraintJet),
     ) {
         (**self).constraint_jets(t, q, visit);
+    }
+
+    #[inline(always)]
+    fn energy_lanes(&self, states: &StateLanesOf<S>, energies: &mut Lane) {
+        (**self).energy_lanes(states, energies);
     }
 
     fn constraint_curvatures(

@@ -52,7 +52,7 @@ fn trajectory<S, R, const N: usize, const M: usize>(
     assert!(sum.is_finite());
     assert_eq!(count, 0, "{}", integrator.plan());
 
-    // a Wiener path allocates its block of increments once, where there are processes
+    // a Wiener path keeps its increments in place
     let count = allocations(|| {
         for state in integrator
             .trajectory(start, 0.01, Wiener::new(1))
@@ -61,7 +61,7 @@ fn trajectory<S, R, const N: usize, const M: usize>(
             sum += state.unwrap().q[0];
         }
     });
-    assert_eq!(count, u64::from(M > 0), "{}", integrator.plan());
+    assert_eq!(count, 0, "{}", integrator.plan());
 }
 
 /// Steps that are solved by continuation do not allocate either. Far beyond useful step sizes there are many of them.

@@ -17,6 +17,7 @@ use std::f64::consts::TAU;
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row, Shape};
 use sve_examples::palette::{self, Color};
+use sve_runtime::ensemble::Rate;
 use sve_runtime::prelude::*;
 
 use crate::{Options, Report, known_difference, spectrum};
@@ -65,6 +66,10 @@ struct Decay {
     points: Vec<(f64, f64)>,
     /// λ as measured, with its standard error.
     measured: (f64, f64),
+    /// First arrivals at the bottom of the other well per unit of time.
+    arrivals: Rate,
+    /// Arrivals in the run that stops the paths there, as a difference, and the part of all steps that it makes.
+    stopped: (u64, f64),
     /// λ of the Fokker–Planck operator.
     exact: f64,
     /// 2k by Kramers' formula.
@@ -118,15 +123,26 @@ fn decay(options: &Options, barrier: f64, color: Color) -> Result<Decay, Box<dyn
     let records = (horizon / (H * EVERY as f64)).ceil();
     let integrator = Integrator::new(well, Midpoint);
     #[allow(clippy::cast_sign_loss)] // a count
-    let summary = Ensemble::new(&integrator)
-        .paths(options.paths)
-        .seed(options.seed)
-        .steps(H, records as u64 * EVERY)
-        .record_every(EVERY)
-        .start_with(|_, rng| State::new([-1.0], [well.kt.sqrt() * rng.normal()]))
+    let ensemble = || {
+        Ensemble::new(&integrator)
+            .paths(options.paths)
+            .seed(options.seed)
+            .steps(H, records as u64 * EVERY)
+            .record_every(EVERY)
+            .start_with(|_, rng| State::new([-1.0], [well.kt.sqrt() * rng.normal()]))
+            .stop_on_failure(true)
+    };
+    let summary = ensemble()
         .observe("left", |_, state| if state.q[0] < 0.0 { 1.0 } else { -1.0 })
-        .stop_on_failure(true)
+        .first_passage("arrival", |_, state| state.q[0] - 1.0)
         .run()?;
+    let arrivals = summary.passage("arrival").ok_or("no passages")?;
+    // the same paths, which end at the bottom of the other well
+    let stopped = ensemble()
+        .stop_at("arrival", |_, state| state.q[0] - 1.0)
+        .run()?;
+    let stopped = stopped.passage("arrival").ok_or("no passages")?.rate(0);
+    let all = options.paths as f64 * records * EVERY as f64 * H;
     let left = summary["left"].mean();
     let points: Vec<(f64, f64)> = summary
         .times()
@@ -141,6 +157,11 @@ fn decay(options: &Options, barrier: f64, color: Color) -> Result<Decay, Box<dyn
         barrier,
         color,
         measured: slope(first, last, options.paths),
+        arrivals: arrivals.rate(rest),
+        stopped: (
+            stopped.events.abs_diff(arrivals.rate(0).events),
+            stopped.exposure / all,
+        ),
         points,
         exact,
         kramers: 2.0 * well.kramers(),
@@ -160,6 +181,8 @@ fn checks(decay: &Decay) -> Vec<Check> {
     let Decay {
         barrier,
         measured: (lambda, error),
+        arrivals,
+        stopped: (difference, part),
         exact,
         kramers,
         ..
@@ -192,6 +215,28 @@ fn checks(decay: &Decay) -> Vec<Check> {
             1.0,
             next,
             "the next order, as above; it is smaller with this friction",
+        ),
+        Check::reported(
+            format!(
+                "ΔU/kT = {barrier}: twice the rate of first arrivals at the bottom of the other well, over λ"
+            ),
+            2.0 * arrivals.value / exact,
+            format!(
+                "± {:.3}; 1 in the limit of a high barrier",
+                2.0 * arrivals.standard_error / exact
+            ),
+        ),
+        Check::near(
+            format!(
+                "ΔU/kT = {barrier}: arrivals of paths that stop there, less those of paths that go on"
+            ),
+            difference as f64,
+            0.0,
+            0.0,
+            format!(
+                "the same paths; those that stop make {:.0} % of the steps",
+                100.0 * part
+            ),
         ),
     ]
 }

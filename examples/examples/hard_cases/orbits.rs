@@ -218,8 +218,13 @@ where
     for _ in 0..steps {
         let last = *path.state();
         if let Some(Err(error)) = path.next() {
-            let kind = format!("{error:?}");
-            let kind = kind.split(' ').next().unwrap_or_default();
+            let kind = match error {
+                StepError::BranchLost { .. } => "BranchLost",
+                StepError::NotConverged { .. } => "NotConverged",
+                StepError::Singular { .. } => "Singular",
+                StepError::NonFiniteResult { .. } => "NonFiniteResult",
+                other => return (Verdict::Stops, other.to_string()),
+            };
             let numbers = format!("{kind} at t = {:.4}, q = {:.4?}", last.t, last.q);
             return (Verdict::Stops, numbers);
         }

@@ -28,7 +28,7 @@ pub(crate) fn report(options: &Options, tick: &dyn Fn()) -> Result<Report, Box<d
     let path = Wiener::new(options.seed);
     let mut runs = Vec::new();
     for entry in &entries {
-        runs.push(entry.scheme.run(path.clone(), options.steps())?);
+        runs.push(entry.scheme.run(&path, options.steps())?);
         tick();
     }
     let exact = Exact::new();

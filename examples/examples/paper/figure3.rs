@@ -92,7 +92,7 @@ pub(crate) fn report(options: &Options, tick: &dyn Fn()) -> Result<Report, Box<d
     for number in 0..u64::from(options.paths) {
         let path = Wiener::new(options.seed).path(number);
         for (entry, sums) in entries.iter().zip(&mut sums) {
-            sums.add(&entry.scheme.run(path.clone(), options.steps())?)?;
+            sums.add(&entry.scheme.run(&path, options.steps())?)?;
         }
         sums[5].add(&exact.run(&path, options.steps()))?;
         tick();

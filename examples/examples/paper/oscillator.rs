@@ -30,14 +30,14 @@ pub(crate) struct Entry {
 /// A method for the oscillator.
 pub(crate) trait Stepper {
     /// The run from [`START`] on a path.
-    fn run(&self, path: Wiener, steps: usize) -> Result<Run, StepError>;
+    fn run(&self, path: &Wiener, steps: usize) -> Result<Run, StepError>;
     /// A and b of one step.
     fn linear(&self) -> Result<(Matrix<2>, [f64; 2]), StepError>;
 }
 
 impl<I: Method<System = Oscillator>> Stepper for I {
-    fn run(&self, path: Wiener, steps: usize) -> Result<Run, StepError> {
-        run(self, start(), H, path, steps)
+    fn run(&self, path: &Wiener, steps: usize) -> Result<Run, StepError> {
+        run(self, start(), H, *path, steps)
     }
 
     fn linear(&self) -> Result<(Matrix<2>, [f64; 2]), StepError> {

@@ -26,6 +26,7 @@ use crate::syntax::recovery;
 use crate::syntax::roles;
 use crate::system::constraints;
 use crate::system::degeneracy::{self, brackets};
+use crate::system::energy;
 use crate::system::mechanics::{self, Mechanics};
 use crate::system::model::{Meaning, Model};
 use crate::system::symmetry;
@@ -189,7 +190,10 @@ fn derive(
     let of_stages: Vec<(Rule, u32)> = of_stages.map(|rule| (rule, weak_order(rule))).collect();
     mechanics.stabilise(&mut arena);
     nodes.stabilise(&mut arena);
-    let mut output = rust::system(&block, &model, &mechanics, &about, &arena);
+    let energy = (settings.lanes)
+        .then(|| energy::energy(&model, &mechanics, &mut arena))
+        .flatten();
+    let mut output = rust::system(&block, &model, &mechanics, energy.as_ref(), &about, &arena);
     output.extend(rust::momenta(&block, &model, &momenta, &arena));
     let context = Context {
         settings,

@@ -109,6 +109,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         .record_every(EVERY)
         .start_with(|_, rng| State::new([-1.0], [WELL.kt.sqrt() * rng.normal()]))
         .observe("left", |_, state| if state.q[0] < 0.0 { 1.0 } else { -1.0 })
+        .first_passage("arrival", |_, state| state.q[0] - 1.0)
         .stop_on_failure(true)
         .stop_when(|| limit.is_some_and(|limit| start.elapsed() >= limit))
         .progress(true);
@@ -137,6 +138,11 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let is_right = (lambda - LAMBDA).abs() <= allowed;
     println!(
         "λ = {lambda:.6} ± {error:.6}; exact {LAMBDA:.6}, from which it may be off by {allowed:.6}"
+    );
+    let arrivals = summary.passage("arrival").ok_or("no passages")?.rate(REST);
+    println!(
+        "{} first arrivals at the bottom of the other well, {:.6} ± {:.6} per unit of time; λ/2 in the limit of a high barrier",
+        arrivals.events, arrivals.value, arrivals.standard_error
     );
     println!("{}", if is_right { "ok" } else { "OFF" });
     Ok(if is_right {

@@ -8,7 +8,7 @@ use sve_runtime::ensemble::{EnsembleError, Failure};
 use super::message::Cause;
 
 /// Why a run on several ranks gave no summary. All ranks return the same error, with the rank that it comes from.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A rank has an error: a setting that is wrong there, or a checkpoint that cannot be read or written.
@@ -63,6 +63,13 @@ pub enum Error {
         /// Paths of the run.
         expected: u64,
     },
+}
+
+/// The message: a `main` that returns the error prints it in this form.
+impl core::fmt::Debug for Error {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        core::fmt::Display::fmt(self, f)
+    }
 }
 
 /// An error as it is sent.

@@ -8,6 +8,7 @@
 //! | [`EulerMaruyama`] | Itô, corrected drift | 1 | ½, 1 with additive noise |
 //! | [`BackwardEulerMaruyama`] | Itô, corrected drift | 1 | ½, 1 with additive noise |
 //! | [`Heun`] | Stratonovich | 2 | 1 if the noises commute, otherwise ½ |
+//! | [`Baoab`] | Langevin systems | 2 | 1; weak order 2 |
 //! | [`RungeKutta4`] | no | 4 | |
 //! | [`TaylorSeries2`] | no | 2 | |
 //!
@@ -68,12 +69,14 @@ macro_rules! method_by_increment {
 }
 
 mod backward_euler_maruyama;
+mod baoab;
 mod euler_maruyama;
 mod heun;
 mod runge_kutta4;
 mod taylor_series2;
 
 pub use backward_euler_maruyama::BackwardEulerMaruyama;
+pub use baoab::Baoab;
 pub use euler_maruyama::EulerMaruyama;
 pub use heun::Heun;
 pub use runge_kutta4::RungeKutta4;

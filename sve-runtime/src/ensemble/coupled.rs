@@ -36,6 +36,7 @@ impl<I: Method> Coupled<'_, I> {
             histograms: Vec::new(),
             joints: Vec::new(),
             quantiles: Vec::new(),
+            passages: Vec::new(),
             coordinates: 0,
             momenta: 0,
             ..self.legs[to].info(fingerprint)
@@ -52,7 +53,9 @@ where
     /// Runs the paths of a block in all runs. Returns the results of the runs, then those of the differences.
     pub(super) fn run_block(&self, block: u64) -> Result<Vec<PartialResult>, EnsembleError> {
         let legs = self.legs.iter();
-        let paths: Result<Vec<_>, _> = legs.map(|leg| PathBlock::new(*leg, block, None)).collect();
+        let paths: Result<Vec<_>, _> = legs
+            .map(|leg| PathBlock::new(*leg, block..block + 1, None))
+            .collect();
         let mut paths = paths?;
         let empty = |leg: &Settings<'_, I>| PartialResult::new(block, leg.records, leg.ensemble);
         let mut results: Vec<_> = self.legs.iter().map(empty).collect();
@@ -62,7 +65,7 @@ where
         for record in 0..self.legs[0].records {
             for ((leg, paths), result) in self.legs.iter().zip(&mut paths).zip(&mut results) {
                 paths.advance(leg.step_of(record));
-                paths.record(record, result);
+                paths.record(record, core::slice::from_mut(result));
             }
             for to in 1..paths.len() {
                 for from in 0..to {
@@ -72,7 +75,7 @@ where
             }
         }
         for (paths, result) in paths.into_iter().zip(&mut results) {
-            paths.finish(result);
+            paths.finish(core::slice::from_mut(result));
         }
         let mut failures = results.iter().filter_map(|result| result.failures.first());
         if self.legs[0].ensemble.stop_on_failure
@@ -92,11 +95,12 @@ fn add_difference<I: Method, const N: usize, const M: usize>(
     record: usize,
     result: &mut PartialResult,
 ) {
-    for (from, to) in from.observed.iter().zip(&to.observed) {
-        let pairs = to.values.iter().zip(&from.values);
+    let counted = from.counted.iter().zip(&to.counted);
+    for ((from, to), counted) in from.values.iter().zip(&to.values).zip(counted) {
+        let pairs = to.iter().zip(from);
         let values: Vec<Lane> = pairs
             .map(|(to, from)| core::array::from_fn(|lane| to[lane] - from[lane]))
             .collect();
-        result.add(record, &values, from.lanes & to.lanes);
+        result.add(record, &values, counted.0 & counted.1);
     }
 }

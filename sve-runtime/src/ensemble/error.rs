@@ -3,9 +3,10 @@
 use super::failure::Failure;
 use crate::error::StepError;
 use crate::noise::NoiseError;
+use crate::readable::debug_is_display;
 
 /// Why an ensemble could not be run, or summaries could not be merged.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum EnsembleError {
     /// A setting without a default is missing.
@@ -69,6 +70,14 @@ pub enum EnsembleError {
     /// The noise has no increments for this step size.
     #[error("`noise`: {0}")]
     Noise(#[source] NoiseError),
+    /// Steps are to be divided, and the noise is not known within steps.
+    #[error(
+        "`{setting}` divides steps, within which this noise has no increments: take `Wiener`, also refined, or `NoNoise`; increments of three values and clipped ones belong to whole steps"
+    )]
+    NoiseWithinSteps {
+        /// The setting.
+        setting: &'static str,
+    },
     /// Two observables have one name.
     #[error("two observables are called `{name}`: give each a name of its own")]
     TwiceNamed {
@@ -319,7 +328,7 @@ pub enum EnsembleError {
 
 /// How a checkpoint is damaged.
 #[cfg(feature = "checkpoint")]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Damage {
     /// It has another length than it says.
@@ -344,7 +353,7 @@ pub enum Damage {
 }
 
 /// A difference between two runs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Difference {
     /// Names or order of the observables.
@@ -393,3 +402,7 @@ pub enum Difference {
     #[error("values along its paths (observables, or functions of another machine)")]
     Values,
 }
+
+debug_is_display!(EnsembleError, Difference);
+#[cfg(feature = "checkpoint")]
+debug_is_display!(Damage);

@@ -21,6 +21,12 @@ use crate::configuration::Coordinates;
 use crate::method::Method;
 use crate::system::{Dims, System};
 
+/// Largest number of blocks that are run together: with paths that stop at a constant rate, a thousand paths keep nine of ten lanes full.
+const GROUP: u64 = 16;
+
+/// Least number of times that a thread gets blocks to run together, so that all threads end at about the same time.
+const TURNS: u64 = 4;
+
 impl<I, S, Q, const N: usize, const M: usize> Settings<'_, I>
 where
     I: Method<System = S> + Sync,
@@ -33,7 +39,10 @@ where
         let shared = Shared::new(self, 1);
         #[cfg(feature = "checkpoint")]
         let shared = shared.load(self, &info)?;
-        let trees = self.run_on_threads(shared, |block| Ok(vec![self.run_block(block)?]))?;
+        let trees = self.run_on_threads(shared, |blocks| {
+            let results = self.run_some(blocks)?;
+            Ok(results.into_iter().map(|result| vec![result]).collect())
+        })?;
         trees.into_iter().next().map_or_else(
             || Err(EnsembleError::NothingRun),
             |tree| Ok(Summary::new(info.clone(), tree)),
@@ -46,19 +55,20 @@ where
         results: usize,
         run_block: impl Fn(u64) -> Result<Vec<PartialResult>, EnsembleError> + Sync,
     ) -> Result<Vec<MergeTree>, EnsembleError> {
-        self.run_on_threads(Shared::new(self, results), run_block)
+        let run_some = |blocks: Range<u64>| blocks.map(&run_block).collect();
+        self.run_on_threads(Shared::new(self, results), run_some)
     }
 
-    /// Runs the blocks of the shard on all threads. Result number k of a block becomes a part of tree number k.
+    /// Runs the blocks of the shard on all threads. `run_some` returns the results of each block; result number k becomes a part of tree number k.
     fn run_on_threads(
         &self,
         shared: Shared,
-        run_block: impl Fn(u64) -> Result<Vec<PartialResult>, EnsembleError> + Sync,
+        run_some: impl Fn(Range<u64>) -> Result<Vec<Vec<PartialResult>>, EnsembleError> + Sync,
     ) -> Result<Vec<MergeTree>, EnsembleError> {
         let run_blocks = || {
             rayon::scope(|scope| {
                 for _ in 0..rayon::current_num_threads() {
-                    scope.spawn(|_| self.run_blocks(&shared, &run_block));
+                    scope.spawn(|_| self.run_blocks(&shared, &run_some));
                 }
             });
         };
@@ -80,43 +90,65 @@ where
     fn run_blocks(
         &self,
         shared: &Shared,
-        run_block: &impl Fn(u64) -> Result<Vec<PartialResult>, EnsembleError>,
+        run_some: &impl Fn(Range<u64>) -> Result<Vec<Vec<PartialResult>>, EnsembleError>,
     ) {
+        let group = self.group(rayon::current_num_threads());
         loop {
-            let block = shared.next.fetch_add(1, Ordering::Relaxed);
-            if block >= self.shard[1] || shared.stops_before(block) {
+            let first = shared.next.fetch_add(group, Ordering::Relaxed);
+            let end = self.shard[1].min(first.saturating_add(group));
+            if first >= end || shared.stops_before(first) {
                 return;
             }
-            if shared.loaded.iter().any(|range| range.contains(&block)) {
-                continue;
-            }
-            if self.ensemble.stop_when.as_ref().is_some_and(|stop| stop()) {
-                return;
-            }
-            let done = run_block(block).and_then(|results| {
-                shared.progress.add(self.paths_of(block..block + 1));
-                shared.insert(results)
-            });
-            if let Err(error) = done {
-                shared.stop(error);
+            for blocks in shared.not_loaded(first..end) {
+                if self.ensemble.stop_when.as_ref().is_some_and(|stop| stop()) {
+                    return;
+                }
+                let done = run_some(blocks.clone()).and_then(|results| {
+                    shared.progress.add(self.paths_of(blocks));
+                    results
+                        .into_iter()
+                        .try_for_each(|results| shared.insert(results))
+                });
+                if let Err(error) = done {
+                    shared.stop(error);
+                }
             }
         }
     }
 
+    /// Returns the number of blocks that are run together. Where paths stop, more of them keep the lanes full; the results are the same.
+    fn group(&self, threads: usize) -> u64 {
+        if !self.ensemble.has_stops() {
+            return 1;
+        }
+        let blocks = self.shard[1] - self.shard[0];
+        (blocks / (TURNS * threads as u64)).clamp(1, GROUP)
+    }
+
     /// Runs the paths of a block from start to end.
+    #[cfg(feature = "distributed")]
     pub(super) fn run_block(&self, block: u64) -> Result<PartialResult, EnsembleError> {
-        let mut paths = PathBlock::new(*self, block, None)?;
-        let mut result = PartialResult::new(block, self.records, self.ensemble);
+        let results = self.run_some(block..block + 1)?;
+        results.into_iter().next().ok_or(EnsembleError::NothingRun)
+    }
+
+    /// Runs the paths of some blocks from start to end. Returns the results of each block.
+    fn run_some(&self, blocks: Range<u64>) -> Result<Vec<PartialResult>, EnsembleError> {
+        let mut paths = PathBlock::new(*self, blocks.clone(), None)?;
+        let ensemble = self.ensemble;
+        let empty = |block| PartialResult::new(block, self.records, ensemble);
+        let mut results: Vec<PartialResult> = blocks.map(empty).collect();
         for record in 0..self.records {
             paths.advance(self.step_of(record));
-            paths.record(record, &mut result);
+            paths.record(record, &mut results);
         }
-        paths.finish(&mut result);
-        match result.failures.first() {
+        paths.finish(&mut results);
+        let mut failures = results.iter().flat_map(|result| &result.failures);
+        match failures.next() {
             Some(first) if self.ensemble.stop_on_failure => {
                 Err(EnsembleError::Failed(Box::new(first.clone())))
             }
-            _ => Ok(result),
+            _ => Ok(results),
         }
     }
 }
@@ -151,6 +183,19 @@ impl Shared {
             #[cfg(feature = "checkpoint")]
             checkpoint: None,
         }
+    }
+
+    /// Returns the blocks of a range whose results no checkpoint has, as ranges.
+    fn not_loaded(&self, blocks: Range<u64>) -> Vec<Range<u64>> {
+        let is_loaded = |block: &u64| self.loaded.iter().any(|range| range.contains(block));
+        let mut parts: Vec<Range<u64>> = Vec::new();
+        for block in blocks.filter(|block| !is_loaded(block)) {
+            match parts.last_mut() {
+                Some(part) if part.end == block => part.end += 1,
+                _ => parts.push(block..block + 1),
+            }
+        }
+        parts
     }
 
     /// Inserts the results of a block into their trees. Results are merged outside of the lock. With a checkpoint they are merged inside, since the written

@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 use twox_hash::XxHash64;
 
 use super::error::Difference;
-use super::integral::Kind;
+use super::memory::Kind;
 use super::path_noise::PathNoise;
 use super::settings::Settings;
 use crate::configuration::{Configuration, Coordinates, FixedSize};
@@ -137,6 +137,9 @@ where
                     hash.add(noise::VERSION);
                     hash.add(u64::from(distribution == DistributionKind::ThreePoint));
                     hash.add_number(self.noise.largest);
+                    if self.noise.depth != 0 {
+                        hash.add(u64::from(self.noise.depth));
+                    }
                     if self.noise.first_path != 0 {
                         hash.add(self.noise.first_path);
                     }
@@ -159,6 +162,12 @@ where
                         .for_each(|&kind| hash.add(kind as u64));
                     hash.add(ensemble.settle);
                     hash.add(u64::from(ensemble.weight.is_some()));
+                }
+                if ensemble.refine > 0 {
+                    hash.add(u64::from(ensemble.refine));
+                }
+                for passage in &ensemble.passages {
+                    hash.add(u64::from(passage.stops));
                 }
                 for (name, range) in &ensemble.bounds {
                     let column = ensemble.names.iter().position(|known| known == name);
@@ -226,6 +235,10 @@ where
                 for observable in &self.ensemble.observables {
                     hash.add_number(observable.value(system, &state).unwrap_or(f64::NAN));
                 }
+                for passage in &self.ensemble.passages {
+                    let value = passage.function.value(system, &state);
+                    hash.add_number(value.unwrap_or(f64::NAN));
+                }
                 if let Some(weight) = &self.ensemble.weight {
                     hash.add_number(weight.value(system, &state).unwrap_or(f64::NAN));
                 }
@@ -241,12 +254,14 @@ where
             first_path,
             distribution,
             largest,
+            depth,
             ..
         } = noise;
         let h = self.h;
         let is_mirrored = noise.is_antithetic && path % 2 == 1;
         let path = first_path.wrapping_add(noise.path_within(path));
         let mut wiener = Wiener::new(seed).path(path);
+        let mut refined = wiener.clone().refine(depth).ok().filter(|_| depth > 0);
         let mut three_point = ThreePoint::new(seed).path(path);
         move |step, dw| {
             let Some(distribution) = distribution else {
@@ -262,7 +277,10 @@ where
                     }
                     drawn
                 }
-                DistributionKind::Normal => wiener.increments(step, h, dw),
+                DistributionKind::Normal => match &mut refined {
+                    Some(refined) => refined.increments(step, h, dw),
+                    None => wiener.increments(step, h, dw),
+                },
                 DistributionKind::ThreePoint => three_point.increments(step, h, dw),
             };
             for dw in dw {

@@ -1,13 +1,14 @@
 //! The increments of a block of paths, in lanes, drawn for several steps at once.
 //!
-//! Input: the noise, the first path and a range of steps. Output: one increment for each lane, step and process.
+//! Input: the noise, the paths and a range of steps. Output: one increment for each lane, step and process.
 //! Invariant: the increments of path `k` are those of the source's path `k`, bit for bit. In antithetic pairs, paths `2k` and `2k + 1` have those of path `k`, the second
 //! one with the other sign. Coarsened increments are sums of the source's increments over the halves of a step.
 
 use super::BLOCK_TILES;
 use super::path_noise::PathNoise;
 use crate::lanes::{Aligned, LANES, Lane};
-use crate::noise::lanes::{Draw, fill};
+use crate::noise::lanes::{DistributionKind, Draw, fill};
+use crate::noise::refined_lanes::RefinedLanes;
 
 /// Number of steps whose increments are drawn at once, so that the overhead of a draw is small.
 pub(super) const BATCH: u64 = 32;
@@ -19,63 +20,101 @@ const QUADS: usize = (BATCH / QUAD) as usize;
 /// The increments of a batch of steps for the tiles of a block.
 pub(super) struct IncrementBuffer<const M: usize> {
     noise: PathNoise,
-    first_path: u64,
-    /// Standard deviation of the increments that are drawn.
-    scale: f64,
+    h: f64,
     /// Number of the batch in the buffer.
     batch: Option<u64>,
-    /// Number of tiles in the buffer.
-    tiles: usize,
+    /// The paths of the source in the lanes of each tile.
+    paths: Vec<[u64; LANES]>,
+    /// The lanes of each tile whose increments have the other sign than those of the source.
+    mirrored: Vec<[bool; LANES]>,
     /// Increments by groups of four steps, tiles and processes.
     values: Vec<Aligned<[Lane; 4]>>,
-    /// Work space: increments from which those of the paths are computed.
-    drawn: Vec<Aligned<[Lane; 4]>>,
 }
 
 impl<const M: usize> IncrementBuffer<M> {
-    /// An empty buffer for the paths from `first_path` on.
-    pub(super) fn new(noise: PathNoise, first_path: u64, h: f64) -> Self {
+    /// An empty buffer.
+    pub(super) fn new(noise: PathNoise, h: f64) -> Self {
         Self {
             noise,
-            first_path: noise.first_path.wrapping_add(noise.path_within(first_path)),
-            scale: noise.scale(h),
+            h,
             batch: None,
-            tiles: 0,
+            paths: Vec::with_capacity(BLOCK_TILES),
+            mirrored: Vec::with_capacity(BLOCK_TILES),
             values: vec![Aligned([[0.0; LANES]; 4]); QUADS * BLOCK_TILES * M],
-            drawn: Vec::new(),
         }
     }
 
-    /// Draws the increments of a batch, for the first so many tiles.
-    pub(super) fn load(&mut self, batch: u64, tiles: usize) {
+    /// Draws the increments of a batch, for tiles with these paths in their lanes.
+    pub(super) fn load<'t>(&mut self, batch: u64, tiles: impl Iterator<Item = &'t [u64; LANES]>) {
         let Some(distribution) = self.noise.distribution else {
             return;
         };
-        if M == 0 || self.batch == Some(batch) {
+        if M == 0 {
             return;
         }
-        (self.batch, self.tiles) = (Some(batch), tiles);
+        let first = self.noise.first_path;
+        let mut is_loaded = self.batch.replace(batch) == Some(batch);
+        for (tile, paths) in tiles.enumerate() {
+            let mirrored = paths.map(|path| self.noise.is_mirrored(path));
+            let paths = paths.map(|path| first.wrapping_add(self.noise.path_within(path)));
+            is_loaded &= self.paths.get(tile) == Some(&paths);
+            is_loaded &= self.mirrored.get(tile) == Some(&mirrored);
+            if tile < self.paths.len() {
+                (self.paths[tile], self.mirrored[tile]) = (paths, mirrored);
+            } else {
+                self.paths.push(paths);
+                self.mirrored.push(mirrored);
+            }
+        }
+        if is_loaded {
+            return;
+        }
+        if self.noise.depth == 0 {
+            self.draw(distribution, batch);
+        } else {
+            self.draw_refined(distribution, batch);
+        }
+        if self.noise.is_antithetic {
+            self.mirror();
+        }
+    }
+
+    /// Changes the signs of the increments in the mirrored lanes.
+    fn mirror(&mut self) {
+        let tiles = self.mirrored.len();
+        let rows = QUADS * tiles * M;
+        for (row, values) in self.values[..rows].iter_mut().enumerate() {
+            let mirrored = &self.mirrored[row / M % tiles];
+            for dw in &mut values.0 {
+                for (dw, &is_mirrored) in dw.iter_mut().zip(mirrored) {
+                    *dw = if is_mirrored { -*dw } else { *dw };
+                }
+            }
+        }
+    }
+
+    /// Draws the increments over whole steps of the source.
+    fn draw(&mut self, distribution: DistributionKind, batch: u64) {
         let PathNoise { seed, largest, .. } = self.noise;
-        let blocks = QUADS * if self.noise.is_coarsened { 2 } else { 1 };
-        let draw = Draw {
+        let rows = self.paths.len() * M;
+        let values = &mut self.values[..QUADS * rows];
+        let mut draw = Draw {
             distribution,
             seed,
-            first_path: self.first_path,
-            first_block: batch * blocks as u64,
-            scale: self.scale,
+            paths: &self.paths,
+            first_block: batch * QUADS as u64,
+            scale: self.h.abs().sqrt(),
             processes: M,
-            tiles: if self.noise.is_antithetic {
-                tiles.div_ceil(2)
-            } else {
-                tiles
-            },
         };
-        let values = &mut self.values[..QUADS * tiles * M];
-        if self.noise.is_antithetic || self.noise.is_coarsened {
-            let rows = blocks * draw.tiles * M;
-            self.drawn.resize(rows, Aligned([[0.0; LANES]; 4]));
-            fill(&draw, &mut self.drawn);
-            derive::<M>(self.noise, &self.drawn, [draw.tiles, tiles], values);
+        if self.noise.is_coarsened {
+            draw.first_block *= 2;
+            draw.scale = (0.5 * self.h.abs()).sqrt();
+            let mut halves = vec![Aligned([[0.0; LANES]; 4]); 2 * QUADS * rows];
+            fill(&draw, &mut halves);
+            for (row, values) in values.iter_mut().enumerate() {
+                let first = row / rows * 2 * rows + row % rows;
+                *values = sums([&halves[first], &halves[first + rows]]);
+            }
         } else {
             fill(&draw, values);
         }
@@ -86,40 +125,83 @@ impl<const M: usize> IncrementBuffer<M> {
         }
     }
 
+    /// Draws the increments over parts of steps of the source.
+    fn draw_refined(&mut self, distribution: DistributionKind, batch: u64) {
+        let PathNoise { seed, depth, .. } = self.noise;
+        let whole_h = self.h * (1_u64 << depth) as f64;
+        let parts = BATCH.min(1 << depth);
+        let mut whole = vec![Aligned([[0.0; LANES]; 4]); self.paths.len() * M];
+        let mut drawn = None;
+        let mut halves = [[0.0; LANES]; BATCH as usize];
+        for first in (batch * BATCH..)
+            .step_by(parts as usize)
+            .take((BATCH / parts) as usize)
+        {
+            let step = first >> depth;
+            let quad = step / QUAD;
+            if drawn.replace(quad) != Some(quad) {
+                let draw = Draw {
+                    distribution,
+                    seed,
+                    paths: &self.paths,
+                    first_block: quad,
+                    scale: whole_h.abs().sqrt(),
+                    processes: M,
+                };
+                fill(&draw, &mut whole);
+            }
+            for (tile, paths) in self.paths.iter().enumerate() {
+                let lanes = RefinedLanes {
+                    seed,
+                    paths,
+                    whole_h,
+                    depth,
+                };
+                for process in 0..M {
+                    let of_step = &whole[tile * M + process].0[(step % QUAD) as usize];
+                    let part = first - (step << depth);
+                    let halves = &mut halves[..parts as usize];
+                    lanes.fill(step, process, of_step, part, halves);
+                    for (fine, dw) in (first..).zip(halves) {
+                        let quad = (fine % BATCH / QUAD) as usize;
+                        let row = &mut self.values[(quad * self.paths.len() + tile) * M + process];
+                        row.0[(fine % QUAD) as usize] = *dw;
+                    }
+                }
+            }
+        }
+    }
+
     /// Returns the increments of a tile for a step of the batch in the buffer.
     #[inline(always)]
     pub(super) fn of(&self, tile: usize, step: u64) -> Aligned<[Lane; M]> {
-        let quad = (step % BATCH / QUAD) as usize;
-        let values = &self.values[(quad * self.tiles + tile) * M..][..M];
         Aligned(core::array::from_fn(|process| {
-            values[process].0[(step % QUAD) as usize]
+            *self.row(tile, step, process)
         }))
     }
-}
 
-/// Computes sums and mirror images of increments, from those of `drawn_tiles` tiles for `tiles` tiles.
-fn derive<const M: usize>(
-    noise: PathNoise,
-    drawn: &[Aligned<[Lane; 4]>],
-    [drawn_tiles, tiles]: [usize; 2],
-    values: &mut [Aligned<[Lane; 4]>],
-) {
-    for (row, value) in values.iter_mut().enumerate() {
-        let (quad, tile, process) = (row / (tiles * M), row / M % tiles, row % M);
-        let of_block =
-            |block: usize, tile: usize| &drawn[(block * drawn_tiles + tile) * M + process];
-        let source = |tile| {
-            if noise.is_coarsened {
-                sums([of_block(2 * quad, tile), of_block(2 * quad + 1, tile)])
-            } else {
-                *of_block(quad, tile)
-            }
-        };
-        *value = if noise.is_antithetic {
-            pairs(&source(tile / 2), tile % 2)
-        } else {
-            source(tile)
-        };
+    /// Calls a function with the increments of a tile for a step of the batch in the buffer. Those of a single process are not copied.
+    #[inline(always)]
+    pub(super) fn with<R>(
+        &self,
+        tile: usize,
+        step: u64,
+        function: impl FnOnce(&[Lane; M]) -> R,
+    ) -> R {
+        if M == 1
+            && let Ok(only) = core::slice::from_ref(self.row(tile, step, 0)).try_into()
+        {
+            return function(only);
+        }
+        function(&self.of(tile, step).0)
+    }
+
+    /// Returns the increments of a process of a tile.
+    #[inline(always)]
+    fn row(&self, tile: usize, step: u64, process: usize) -> &Lane {
+        let quad = (step % BATCH / QUAD) as usize;
+        let rows = &self.values[(quad * self.paths.len() + tile) * M..][..M];
+        &rows[process].0[(step % QUAD) as usize]
     }
 }
 
@@ -132,12 +214,62 @@ fn sums(halves: [&Aligned<[Lane; 4]>; 2]) -> Aligned<[Lane; 4]> {
     }))
 }
 
-/// Returns the increments of the pairs of the first (`half` = 0) or second half of the lanes: lane `2k` has those of the k-th path, lane `2k + 1` their negatives.
-fn pairs(source: &Aligned<[Lane; 4]>, half: usize) -> Aligned<[Lane; 4]> {
-    Aligned(core::array::from_fn(|step| {
-        core::array::from_fn(|lane| {
-            let dw = source.0[step][half * (LANES / 2) + lane / 2];
-            if lane % 2 == 0 { dw } else { -dw }
-        })
-    }))
+#[cfg(test)]
+mod tests {
+    use super::{BATCH, BLOCK_TILES, IncrementBuffer, LANES};
+    use crate::ensemble::path_noise::PathNoise;
+    use crate::noise::{ManyPaths as _, Noise as _, Wiener};
+
+    /// Any paths in the lanes: consecutive ones, and others.
+    fn tiles() -> [[u64; LANES]; BLOCK_TILES] {
+        let path = |tile: usize, lane: usize| match tile {
+            0 => lane as u64,
+            _ => (lane as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 8,
+        };
+        core::array::from_fn(|tile| core::array::from_fn(|lane| path(tile, lane)))
+    }
+
+    fn refined_increments_are_those_of_single_paths<const M: usize>(depth: u32) {
+        let (seed, first, h) = (7, 5, 0.037 / f64::from(1 << depth));
+        let source = Wiener::new(seed).path(first);
+        let noise = source.refine(depth).unwrap().many_paths();
+        let noise = PathNoise::new(Some(noise), 0, h).unwrap();
+        let mut buffer = IncrementBuffer::<M>::new(noise, h);
+        let tiles = tiles();
+        for batch in [0, 1, 2, 77] {
+            buffer.load(batch, tiles.iter());
+            for (tile, lane) in [(0, 0), (0, 31), (1, 3), (1, 17)] {
+                let path = Wiener::new(seed).path(first.wrapping_add(tiles[tile][lane]));
+                let mut refined = path.clone().refine(depth).unwrap();
+                let mut sum = [0.0; M];
+                for step in batch * BATCH..(batch + 1) * BATCH {
+                    let mut expected = [0.0; M];
+                    refined.increments(step, h, &mut expected).unwrap();
+                    let got = buffer.of(tile, step).0.map(|process| process[lane]);
+                    assert_eq!(got, expected, "{depth} {batch} {tile} {lane} {step}");
+                    // the parts of a step sum up to its increment
+                    let parts = 1 << depth;
+                    for process in 0..M {
+                        sum[process] += got[process];
+                        if (step + 1) % parts == 0 && parts <= BATCH {
+                            let whole = h * parts as f64;
+                            let whole = path.increment(step / parts, process, whole);
+                            assert!((sum[process] - whole).abs() < 1e-14);
+                            sum[process] = 0.0;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn refined_paths_have_the_bits_of_single_ones() {
+        for depth in [1, 2, 3, 4, 5, 9, 20] {
+            refined_increments_are_those_of_single_paths::<1>(depth);
+        }
+        refined_increments_are_those_of_single_paths::<3>(2);
+        refined_increments_are_those_of_single_paths::<6>(5);
+        refined_increments_are_those_of_single_paths::<19>(3);
+    }
 }

@@ -1,57 +1,17 @@
-//! Integrals over time along each path: the exponent of the weight, and averages.
+//! Integrals over time along each path: averages, and the weight of Feynman and Kac.
 //!
-//! Input: the states of the tiles after each step. Output: for each lane the integral by the trapezoidal rule from the start, or from the step at which averages
-//! begin. Invariant: the integral of a path depends on its states only, not on its lane, block or thread.
+//! Input: functions of the system and a state. Output: the settings of an ensemble; [`memory`](super::memory) integrates.
 //!
 //! The trapezoidal rule keeps weak order 2 of a rule; a sum over the left ends of steps would make every rule of order 1.
 
 use super::Ensemble;
-use super::failure::Cause;
-use super::observe::{Closure, Observable, not_finite};
-use super::path_block::{PathBlock, lanes};
+use super::memory::Kind;
+use super::observe::Closure;
 use crate::configuration::Coordinates;
-use crate::lanes::{LANES, Lane};
 use crate::method::Method;
 use crate::observed::Observed;
 use crate::state::State;
-use crate::system::{Dimensions, Dims, System};
-
-/// The name of the weight in messages.
-const WEIGHT: &str = "weight";
-
-/// What becomes of an observable at a recorded time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
-    /// Its value.
-    Value,
-    /// Its value times the weight of the path.
-    Weighted,
-    /// Its average over time.
-    Average,
-}
-
-/// A function that is integrated along each path.
-pub(super) struct Integrand<'e, S: System> {
-    function: &'e dyn Observable<S>,
-    name: &'e str,
-    /// The step at which the integral begins.
-    from: u64,
-}
-
-/// An integral in the lanes of a tile.
-#[derive(Clone, Copy)]
-pub(super) struct Integral {
-    sum: Lane,
-    /// The integrand after the last step.
-    last: Lane,
-}
-
-impl Integral {
-    pub(super) const ZERO: Self = Self {
-        sum: [0.0; LANES],
-        last: [0.0; LANES],
-    };
-}
+use crate::system::{Dims, System};
 
 impl<'a, I, S, Q, const N: usize, const M: usize> Ensemble<'a, I>
 where
@@ -133,96 +93,5 @@ where
         O: Observed + 'a,
     {
         self.add(name.into(), Closure::new(function), Kind::Weighted)
-    }
-}
-
-impl<I: Method> Ensemble<'_, I> {
-    /// Returns what is integrated: the exponent of the weight if there is one, then the averaged observables.
-    pub(super) fn integrands(&self) -> impl Iterator<Item = Integrand<'_, I::System>> {
-        let weight = self.weight.iter().map(|function| Integrand {
-            function: &**function,
-            name: WEIGHT,
-            from: 0,
-        });
-        let all = self.names.iter().zip(&self.observables).zip(&self.kinds);
-        let averages = all.filter(|(_, kind)| **kind == Kind::Average);
-        weight.chain(averages.map(|((name, function), _)| Integrand {
-            function: &**function,
-            name,
-            from: self.settle,
-        }))
-    }
-
-    /// Returns the number of the integral of an averaged observable.
-    fn integral_of(&self, observable: usize) -> usize {
-        let before = &self.kinds[..observable];
-        let averages = before.iter().filter(|kind| **kind == Kind::Average);
-        usize::from(self.weight.is_some()) + averages.count()
-    }
-}
-
-impl<I, S, Q, const N: usize, const M: usize> PathBlock<'_, I, N, M>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
-    /// Adds the last step to the integrals of all tiles. At the start the integrands are evaluated only.
-    pub(super) fn integrate(&mut self) {
-        let settings = self.settings;
-        let ensemble = settings.ensemble;
-        let system = settings.method.system();
-        let tiles = self.tiles.len();
-        let mut values = [0.0; LANES];
-        for (number, integrand) in ensemble.integrands().enumerate() {
-            for tile in 0..tiles {
-                if self.tiles[tile].active == 0 {
-                    continue;
-                }
-                (integrand.function).tile(system, self.tiles[tile].states(), &mut values);
-                for lane in lanes(not_finite(&values) & self.tiles[tile].active) {
-                    let name = integrand.name.to_owned();
-                    let state = S::Dims::get(self.tiles[tile].states(), lane);
-                    let cause = match integrand.function.value(system, &state) {
-                        Ok(value) => Cause::NotFinite { name, value },
-                        Err(error) => Cause::Observable { name, error },
-                    };
-                    self.fail(tile, lane, self.step, cause);
-                }
-                let integral = &mut self.integrals[number * tiles + tile];
-                if self.step > integrand.from {
-                    for lane in 0..LANES {
-                        let both = integral.last[lane] + values[lane];
-                        integral.sum[lane] += 0.5 * settings.h * both;
-                    }
-                }
-                integral.last = values;
-            }
-        }
-    }
-
-    /// Replaces the values of an observable in the lanes of a tile by what they count for at a recorded time.
-    pub(super) fn convert(&self, observable: usize, tile: usize, values: &mut Lane) {
-        let ensemble = self.settings.ensemble;
-        let tiles = self.tiles.len();
-        match ensemble.kinds[observable] {
-            Kind::Value => {}
-            Kind::Weighted if ensemble.weight.is_none() => {}
-            Kind::Weighted => {
-                for (value, exponent) in values.iter_mut().zip(self.integrals[tile].sum) {
-                    *value *= (-exponent).exp();
-                }
-            }
-            Kind::Average => {
-                let integral = &self.integrals[ensemble.integral_of(observable) * tiles + tile];
-                let steps = self.step.saturating_sub(ensemble.settle);
-                *values = if steps == 0 {
-                    integral.last
-                } else {
-                    let time = steps as f64 * self.settings.h;
-                    integral.sum.map(|sum| sum / time)
-                };
-            }
-        }
     }
 }

@@ -7,7 +7,6 @@
 //! covariance: M. G. Kendall, A. Stuart, *The Advanced Theory of Statistics*, vol. 1, section 13.3.
 
 use super::moments::by_halves;
-use super::path_block::Observed;
 use crate::lanes::{Lane, Mask};
 
 /// The request of covariances of two observables.
@@ -85,17 +84,17 @@ impl JointColumn {
         [first, second]: [usize; 2],
         record: usize,
         counts: &[u64],
-        now: &Observed,
-        history: &[&Observed],
+        (now, lanes): (&[Lane], Mask),
+        history: &[&[Lane]],
     ) {
-        let [x, y] = [&now.values[first], &now.values[second]];
-        let (records, count, lanes) = (counts.len(), counts[record], now.lanes);
+        let [x, y] = [&now[first], &now[second]];
+        let (records, count) = (counts.len(), counts[record]);
         if !self.is_two_time {
             return self.add_to(record, count, x, y, lanes);
         }
         self.add_to(record * records + record, count, x, y, lanes);
         for (earlier, then) in history.iter().enumerate() {
-            let [before_x, before_y] = [&then.values[first], &then.values[second]];
+            let [before_x, before_y] = [&then[first], &then[second]];
             self.add_to(earlier * records + record, count, before_x, y, lanes);
             self.add_to(record * records + earlier, count, x, before_y, lanes);
         }

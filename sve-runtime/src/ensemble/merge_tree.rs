@@ -15,6 +15,7 @@ use super::failure::{FAILURES_KEPT, Failure};
 use super::histogram::Bins;
 use super::joint::JointColumn;
 use super::moments::Column;
+use super::passage::counts::PassageCounts;
 use super::sketch::SketchColumn;
 use crate::lanes::{Lane, Mask};
 use crate::method::Method;
@@ -41,6 +42,10 @@ pub(super) struct PartialResult {
     pub(super) quantiles: Vec<SketchColumn>,
     /// Statistics of the means of antithetic pairs; no counts and no columns without such pairs.
     pub(super) pairs: Pairs,
+    /// Counts of the passages of each function.
+    pub(super) passages: Vec<PassageCounts>,
+    /// Number of steps that were made in smaller steps.
+    pub(super) refined: u64,
     /// Number of paths that failed.
     pub(super) failed: u64,
     /// The first failures.
@@ -73,6 +78,8 @@ impl PartialResult {
             joints: joints.map(|r| JointColumn::new(r, records)).collect(),
             quantiles: quantiles.map(|r| SketchColumn::new(r, records)).collect(),
             pairs,
+            passages: Vec::new(),
+            refined: 0,
             failed: 0,
             failures: Vec::new(),
             final_paths: Vec::new(),
@@ -80,12 +87,13 @@ impl PartialResult {
         }
     }
 
-    /// Removes what is not a mean of observables: histograms, covariances and quantiles.
+    /// Removes what is not a mean of observables: histograms, covariances, quantiles and passages.
     pub(super) fn without_distributions(self) -> Self {
         Self {
             histograms: Vec::new(),
             joints: Vec::new(),
             quantiles: Vec::new(),
+            passages: Vec::new(),
             ..self
         }
     }
@@ -118,6 +126,10 @@ impl PartialResult {
         for (bins, other) in self.histograms.iter_mut().zip(&next.histograms) {
             bins.merge(other);
         }
+        for (counts, other) in self.passages.iter_mut().zip(&next.passages) {
+            counts.merge(other);
+        }
+        self.refined = self.refined.saturating_add(next.refined);
         self.failed += next.failed;
         let room = FAILURES_KEPT - self.failures.len();
         self.failures

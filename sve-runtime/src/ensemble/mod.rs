@@ -5,17 +5,20 @@
 //! shards as for the whole run.
 //!
 //! A run divides its paths into blocks of [`BLOCK_PATHS`], each of a few tiles of `LANES` lanes. A block is the unit of
-//! work of a thread. The results of blocks are merged pairwise in a fixed tree.
+//! work of a thread; where paths can stop, several blocks are run together, so that their paths keep the lanes full. The results of blocks are merged
+//! pairwise in a fixed tree.
 
+mod along;
 mod antithetic;
 #[cfg(feature = "checkpoint")]
 mod checkpoint;
+mod columns;
 mod coupled;
 mod covariance;
-mod csv;
 #[cfg(feature = "distributed")]
 mod distribution;
 mod edges;
+mod energy;
 mod error;
 mod estimate;
 mod execution;
@@ -26,20 +29,21 @@ mod histogram;
 mod increment_buffer;
 mod integral;
 mod joint;
+mod memory;
 mod merge_tree;
 mod moments;
 mod multilevel;
-#[cfg(feature = "npy")]
-mod npy;
 mod observe;
-#[cfg(feature = "parquet")]
-mod parquet;
+mod packing;
+mod passage;
 mod path_block;
 mod path_noise;
+mod path_table;
 mod points;
 mod progress;
 mod quantiles;
 mod record;
+mod refine;
 mod replay;
 mod settings;
 mod sizes;
@@ -50,6 +54,7 @@ mod statistics;
 mod stored;
 mod summary;
 mod sweep;
+mod tile;
 mod warning;
 
 pub use crate::observed::Observed;
@@ -63,6 +68,7 @@ pub use estimate::{Level, MultilevelEstimate};
 pub use failure::{Cause, FAILURES_KEPT, Failure};
 pub use final_state::FinalState;
 pub use multilevel::Multilevel;
+pub use passage::{Passages, Rate};
 pub use quantiles::Quantiles;
 pub use starts::StartRng;
 pub use statistics::{Histogram, Statistics};
@@ -74,9 +80,10 @@ use core::fmt;
 use core::ops::{Bound, RangeBounds};
 
 use self::histogram::HistogramRequest;
-use self::integral::Kind;
 use self::joint::JointRequest;
+use self::memory::Kind;
 use self::observe::{Closure, Observable};
+use self::passage::PassageFunction;
 use self::settings::Settings;
 use self::sketch::QuantileRequest;
 use self::starts::Starts;
@@ -152,6 +159,8 @@ pub struct Ensemble<'a, I: Method> {
     /// The step at which averages begin.
     settle: u64,
     share_paths: bool,
+    /// Functions whose first zero is recorded.
+    passages: Vec<PassageFunction<'a, I::System>>,
     histograms: Vec<HistogramRequest>,
     joints: Vec<JointRequest>,
     quantiles: Vec<QuantileRequest>,
@@ -159,6 +168,8 @@ pub struct Ensemble<'a, I: Method> {
     /// Observables with their least and greatest values.
     bounds: Vec<(String, [f64; 2])>,
     keep_final_states: bool,
+    /// Largest number of halvings of a step that fails.
+    refine: u32,
     stop_on_failure: bool,
     shard: (u64, u64),
     threads: Option<usize>,
@@ -192,12 +203,14 @@ where
             weight: None,
             settle: 0,
             share_paths: false,
+            passages: Vec::new(),
             histograms: Vec::new(),
             joints: Vec::new(),
             quantiles: Vec::new(),
             antithetic: false,
             bounds: Vec::new(),
             keep_final_states: false,
+            refine: 0,
             stop_on_failure: false,
             shard: (0, 1),
             threads: None,
@@ -289,7 +302,8 @@ where
 
     /// Takes statistics of a function of the system and a state, which returns `f64` or `Result<f64, StepError>`.
     ///
-    /// Its value may depend on its arguments only. A path on which it fails or is not finite fails.
+    /// Its value may depend on its arguments only. A path on which it fails or is not finite fails. [`observe_energy`](Self::observe_energy) has the energy in lanes, and
+    /// [`integral`](Self::integral), [`maximum`](Self::maximum), [`crossings`](Self::crossings) and [`fold`](Self::fold) remember the path until the recorded time.
     #[must_use]
     pub fn observe<F, O>(self, name: impl Into<String>, observable: F) -> Self
     where

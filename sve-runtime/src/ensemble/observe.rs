@@ -5,6 +5,7 @@
 
 use core::marker::PhantomData;
 
+use super::memory::PathMemory;
 use crate::error::StepError;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::lanes::{LANES, Lane, Mask};
@@ -20,6 +21,11 @@ pub(super) trait Observable<S: System>: Sync {
     /// # Errors
     /// The error of the closure.
     fn value(&self, system: &S, state: &StateOf<S>) -> Result<f64, StepError>;
+    /// Returns an empty memory of so many tiles, if the observable has one of its own type.
+    fn memory(&self, tiles: usize) -> Option<Box<dyn PathMemory<S> + '_>> {
+        let _ = tiles;
+        None
+    }
 }
 
 /// An observable made of a closure that returns an `O`.

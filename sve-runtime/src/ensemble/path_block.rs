@@ -1,83 +1,53 @@
-//! A block of paths, stepped a tile of lanes at a time.
+//! Blocks of paths, stepped a tile of lanes at a time.
 //!
-//! Input: the settings of the ensemble and the number of a block. Output: the states of its paths at any step, and their failures.
+//! Input: the settings of the ensemble and the numbers of blocks. Output: the states of their paths at any step, and their failures.
 //! Invariant: the states of a path depend on its number only. Lanes are independent, and a lane that the lane step does not solve
 //! takes the scalar step whatever its neighbours do. The time after step `k` is `t₀ + k h`, rounded once.
 
+use core::ops::Range;
+
 use super::failure::{Cause, Failure};
 use super::increment_buffer::{BATCH, IncrementBuffer};
-use super::integral::Integral;
+use super::memory::{LastStep, Remembered};
+use super::passage::watch::PassageWatch;
 use super::settings::Settings;
-use super::{BLOCK_PATHS, BLOCK_TILES, EnsembleError, path_at};
+use super::tile::{Place, Tile, lanes};
+use super::{BLOCK_TILES, EnsembleError, path_at};
 use crate::configuration::{Configuration, Coordinates};
 use crate::error::StepError;
 use crate::lanes::dispatch::{Kernel, dispatch};
-use crate::lanes::{ALL, LANES, Lane, Mask};
+use crate::lanes::{ALL, Aligned, LANES, Lane, Mask};
 use crate::method::Method;
 use crate::state::State;
-use crate::system::{Dimensions, Dims, StateLanesOf, System};
+use crate::system::{Dimensions, Dims, StateLanesOf, StateOf, System};
 use crate::time::time_after;
 
-/// A block of paths.
+/// Paths of some consecutive blocks. Where no path can stop it is one block.
 pub(super) struct PathBlock<'a, I: Method, const N: usize, const M: usize> {
     pub(super) settings: Settings<'a, I>,
     prepared: I::Prepared,
-    increments: IncrementBuffer<M>,
+    /// The increments of each [`BLOCK_TILES`] tiles.
+    increments: Vec<IncrementBuffer<M>>,
     pub(super) first_path: u64,
     /// Steps made.
     pub(super) step: u64,
     pub(super) tiles: Vec<Tile<StateLanesOf<I::System>>>,
     pub(super) failures: Vec<Failure>,
-    /// The integrals along the paths, by integrand and tile.
-    pub(super) integrals: Vec<Integral>,
-    /// The observables of each tile, and the lanes in which they are valid, at the last recorded time.
-    pub(super) observed: Vec<Observed>,
-    /// The observables at all recorded times so far, if covariances of two times are taken.
-    pub(super) history: Vec<Vec<Observed>>,
-}
-
-/// The observables of a tile.
-#[derive(Clone)]
-pub(super) struct Observed {
-    /// The values of each observable.
-    pub(super) values: Vec<Lane>,
-    /// The lanes of the paths that have not failed.
-    pub(super) lanes: Mask,
-}
-
-/// The states of some paths in lanes. A lane is active if its path exists and has not failed; the other lanes copy an active one.
-pub(super) struct Tile<L> {
-    /// The current states, and the work space for the states after a step.
-    buffers: [L; 2],
-    /// Which buffer has the current states.
-    current: bool,
-    /// The active lanes.
-    pub(super) active: Mask,
-    /// Active lanes that the last step in lanes did not solve.
-    unsolved: Mask,
-}
-
-impl<L> Tile<L> {
-    /// The states reached so far.
-    pub(super) fn states(&self) -> &L {
-        &self.buffers[usize::from(self.current)]
-    }
-
-    fn states_mut(&mut self) -> &mut L {
-        &mut self.buffers[usize::from(self.current)]
-    }
-
-    /// Swaps the buffers. Returns the states before a step, and the work space for the states after it, which become the current ones.
-    #[inline(always)]
-    fn swap_buffers(&mut self) -> (&L, &mut L) {
-        self.current = !self.current;
-        let [first, second] = &mut self.buffers;
-        if self.current {
-            (first, second)
-        } else {
-            (second, first)
-        }
-    }
+    /// What observers remember of the paths.
+    pub(super) memories: Vec<Remembered<'a, I::System>>,
+    pub(super) watch: PassageWatch,
+    /// The path of each step that was made in smaller steps.
+    pub(super) refined: Vec<u64>,
+    /// Paths that have stopped, with their last states.
+    pub(super) stopped: Vec<(u64, StateOf<I::System>)>,
+    /// The observables of each [`LANES`] paths, at the last record or where a path stopped.
+    pub(super) values: Vec<Vec<Lane>>,
+    /// The paths that count, of each [`LANES`]: those that have not failed.
+    pub(super) counted: Vec<Mask>,
+    /// The observables of each tile at all recorded times so far, if covariances of two times are taken.
+    pub(super) history: Vec<Vec<Vec<Lane>>>,
+    /// Work space: the observables of a tile.
+    pub(super) work: Vec<Lane>,
 }
 
 impl<'a, I, S, Q, const N: usize, const M: usize> PathBlock<'a, I, N, M>
@@ -86,49 +56,53 @@ where
     S: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    /// Starts the paths of a block, or only one of them.
+    /// Starts the paths of some blocks, or only one of them.
     pub(super) fn new(
         settings: Settings<'a, I>,
-        block: u64,
+        blocks: Range<u64>,
         only: Option<u64>,
     ) -> Result<Self, EnsembleError> {
-        let first_path = block * BLOCK_PATHS;
-        let mut block_of_paths = Self {
+        let ensemble = settings.ensemble;
+        let paths = path_at(blocks.start, settings.paths)..path_at(blocks.end, settings.paths);
+        let first_path = paths.start;
+        // The last block may end at the largest number.
+        let tiles = (paths.end - first_path).div_ceil(LANES as u64) as usize;
+        let names = ensemble.names.len();
+        let mut block = Self {
             settings,
-            prepared: settings
-                .method
+            prepared: (settings.method)
                 .prepare(settings.h)
                 .map_err(EnsembleError::Prepare)?,
-            increments: settings.increments(first_path),
+            increments: Vec::new(),
             first_path,
             step: 0,
-            tiles: Vec::with_capacity(BLOCK_TILES),
+            tiles: Vec::with_capacity(tiles),
             failures: Vec::new(),
-            integrals: Vec::new(),
-            observed: Vec::new(),
+            memories: ensemble.memories(tiles),
+            watch: PassageWatch::new(ensemble, tiles),
+            refined: Vec::new(),
+            stopped: Vec::new(),
+            values: vec![vec![[0.0; LANES]; names]; tiles],
+            counted: vec![0; tiles],
             history: Vec::new(),
+            work: vec![[0.0; LANES]; names],
         };
-        let paths = first_path..path_at(block + 1, settings.paths);
-        // The last block may end at the largest number.
-        let tiles = (paths.end - first_path).div_ceil(LANES as u64);
-        for first in (0..tiles).map(|tile| first_path + tile * LANES as u64) {
-            let is_wanted = |path| paths.contains(&path) && only.is_none_or(|only| only == path);
-            block_of_paths.start_tile(first, is_wanted);
+        for _ in 0..tiles.div_ceil(BLOCK_TILES) {
+            block.increments.push(settings.increments());
         }
-        let nothing = Observed {
-            values: vec![[0.0; LANES]; settings.ensemble.names.len()],
-            lanes: 0,
-        };
-        block_of_paths.observed = vec![nothing; block_of_paths.tiles.len()];
-        let integrals = settings.ensemble.integrands().count() * block_of_paths.tiles.len();
-        block_of_paths.integrals = vec![Integral::ZERO; integrals];
-        block_of_paths.integrate();
-        Ok(block_of_paths)
+        for tile in 0..tiles {
+            let is_wanted = |path| paths.contains(&path) && only.is_none_or(|only| only == path);
+            block.start_tile(first_path + (tile * LANES) as u64, is_wanted);
+        }
+        for tile in 0..tiles {
+            block.observe_step(tile);
+        }
+        Ok(block)
     }
 
     fn start_tile(&mut self, first: u64, is_wanted: impl Fn(u64) -> bool) {
-        let starts: [State<Q>; LANES] = core::array::from_fn(|lane| {
-            let path = first.wrapping_add(lane as u64);
+        let paths: [u64; LANES] = core::array::from_fn(|lane| first.wrapping_add(lane as u64));
+        let starts: [State<Q>; LANES] = paths.map(|path| {
             if is_wanted(path) {
                 self.settings.start_of(path)
             } else {
@@ -139,14 +113,17 @@ where
         let mut active = 0;
         for lane in 0..LANES {
             S::Dims::set(&mut states, lane, &starts[lane]);
-            active |= Mask::from(is_wanted(first.wrapping_add(lane as u64))) << lane;
+            active |= Mask::from(is_wanted(paths[lane])) << lane;
         }
         let tile = self.tiles.len();
+        self.counted[tile] = active;
         self.tiles.push(Tile {
             buffers: [states, states],
             current: false,
             active,
             unsolved: 0,
+            paths,
+            is_at_home: true,
         });
         for lane in lanes(active) {
             if let Some(cause) = self.start_error(&starts[lane]) {
@@ -160,13 +137,16 @@ where
 
     /// Returns why a path cannot start at a state; `None` if it can.
     fn start_error(&self, state: &State<Q>) -> Option<Cause> {
-        let not_finite = |what: String, value: f64| {
+        // Names are made for errors only: to make one for each number of each path takes as long as some ten steps.
+        let not_finite = |of: &str, i: usize, value: f64| {
             let t = state.t;
-            (!value.is_finite()).then_some(Cause::Step(StepError::NonFiniteInput {
-                what,
-                value,
-                t,
-            }))
+            (!value.is_finite()).then(|| {
+                Cause::Step(StepError::NonFiniteInput {
+                    what: format!("{of}[{i}]"),
+                    value,
+                    t,
+                })
+            })
         };
         if state.t != self.settings.start_time {
             let (t, expected) = (state.t, self.settings.start_time);
@@ -177,44 +157,88 @@ where
         state.p.store(&mut p);
         let mut q = q.into_iter().enumerate();
         let mut p = p.into_iter().enumerate();
-        q.find_map(|(i, q)| not_finite(format!("q[{i}]"), q))
-            .or_else(|| p.find_map(|(i, p)| not_finite(format!("p[{i}]"), p)))
+        q.find_map(|(i, q)| not_finite("q", i, q))
+            .or_else(|| p.find_map(|(i, p)| not_finite("p", i, p)))
     }
 
-    /// Steps every active path until it has made so many steps, and integrates along it.
+    /// Steps every active path until it has made so many steps, and observes it.
     pub(super) fn advance(&mut self, until: u64) {
-        if self.integrals.is_empty() {
-            return self.advance_states(until);
-        }
         while self.step < until {
-            self.advance_states(self.step + 1);
-            self.integrate();
+            let begin = self.step;
+            let end = until.min((begin / BATCH + 1) * BATCH);
+            for buffer in 0..self.increments.len() {
+                self.step = begin;
+                self.advance_some(buffer, end);
+            }
+            self.step = end;
+            if self.settings.ensemble.has_stops() {
+                self.pack();
+            }
         }
     }
 
-    /// Steps every active path until it has made so many steps.
-    fn advance_states(&mut self, until: u64) {
-        while self.step < until && self.tiles.iter().any(|tile| tile.active != 0) {
-            let batch = self.step / BATCH;
-            let end = until.min((batch + 1) * BATCH);
-            self.increments.load(batch, self.tiles.len());
-            while self.step < end {
-                self.step = dispatch(AdvanceTiles {
-                    method: self.settings.method,
-                    prepared: &self.prepared,
-                    h: self.settings.h,
-                    start_time: self.settings.start_time,
-                    increments: &self.increments,
-                    tiles: &mut self.tiles,
-                    step: self.step,
-                    end,
-                });
-                for tile in 0..self.tiles.len() {
-                    self.step_unsolved_lanes(tile);
+    /// Steps the active paths of the tiles that share a buffer of increments, within a batch of steps.
+    fn advance_some(&mut self, buffer: usize, end: u64) {
+        let first = buffer * BLOCK_TILES;
+        let tiles = first..self.tiles.len().min(first + BLOCK_TILES);
+        let is_active = |tile: &Tile<_>| tile.active != 0;
+        if !self.tiles[tiles.clone()].iter().any(is_active) {
+            return;
+        }
+        let paths = self.tiles[tiles.clone()].iter().map(|tile| &tile.paths);
+        self.increments[buffer].load(self.step / BATCH, paths);
+        let sees_steps = !self.memories.is_empty() || !self.watch.is_empty();
+        while self.step < end && self.tiles[tiles.clone()].iter().any(is_active) {
+            self.step = dispatch(AdvanceTiles {
+                method: self.settings.method,
+                prepared: &self.prepared,
+                h: self.settings.h,
+                start_time: self.settings.start_time,
+                increments: &self.increments[buffer],
+                tiles: &mut self.tiles[tiles.clone()],
+                step: self.step,
+                end: if sees_steps { self.step + 1 } else { end },
+            });
+            for tile in tiles.clone() {
+                self.step_unsolved_lanes(tile);
+                if sees_steps {
+                    self.observe_step(tile);
                 }
             }
         }
-        self.step = until;
+    }
+
+    /// Returns the increments of a tile for a step of the batch that was loaded last.
+    pub(super) fn increments_of(&self, tile: usize, step: u64) -> Aligned<[Lane; M]> {
+        self.increments[tile / BLOCK_TILES].of(tile % BLOCK_TILES, step)
+    }
+
+    /// Shows the last step of a tile, or its start, to the observers that see all steps, and stops paths.
+    fn observe_step(&mut self, tile: usize) {
+        if self.tiles[tile].active == 0 {
+            return;
+        }
+        let mut last = LastStep::whole(self.step, self.settings.h);
+        let stopped = self.find_passages(tile, &mut last);
+        self.remember(tile, &last);
+        if stopped != 0 {
+            self.stop(tile, stopped, &last);
+        }
+    }
+
+    /// Ends the paths of some lanes at their states.
+    #[cold]
+    fn stop(&mut self, tile: usize, stopped: Mask, last: &LastStep) {
+        self.observe(tile, stopped, last);
+        for lane in lanes(stopped & self.tiles[tile].active) {
+            let state = S::Dims::get(self.tiles[tile].states(), lane);
+            let path = self.tiles[tile].paths[lane];
+            self.stopped.push((path, state));
+            self.tiles[tile].active &= !(1 << lane);
+        }
+        for lane in lanes(ALL & !self.tiles[tile].active) {
+            self.fill_unused_lane(tile, lane);
+        }
     }
 
     /// Repeats the last step with the scalar step, in the lanes that the lane step did not solve.
@@ -222,12 +246,15 @@ where
         let unsolved = core::mem::take(&mut self.tiles[tile].unsolved);
         let step = self.step - 1;
         for lane in lanes(unsolved & self.tiles[tile].active) {
-            let increments = self.increments.of(tile, step);
+            let increments = self.increments_of(tile, step);
             let mut state = S::Dims::get(self.tiles[tile].states(), lane);
             state.t = self.settings.time(step);
             let dw = increments.0.map(|process| process[lane]);
             let method = self.settings.method;
-            match method.step_prepared(&self.prepared, &mut state, self.settings.h, &dw) {
+            let h = self.settings.h;
+            let made = (method.step_prepared(&self.prepared, &mut state, h, &dw))
+                .or_else(|error| self.step_in_parts(error, tile, lane, &mut state, &dw));
+            match made {
                 Ok(()) => {
                     state.t = self.settings.time(step + 1);
                     S::Dims::set(self.tiles[tile].states_mut(), lane, &state);
@@ -241,20 +268,33 @@ where
     #[cold]
     pub(super) fn fail(&mut self, tile: usize, lane: usize, step: u64, cause: Cause) {
         self.tiles[tile].active &= !(1 << lane);
+        let path = self.tiles[tile].paths[lane];
+        let home = self.home_of(path);
+        self.counted[home.tile] &= !(1 << home.lane);
         self.failures.push(Failure {
-            path: self.first_path + (tile * LANES + lane) as u64,
+            path,
             step,
             t: self.settings.time(step),
             cause,
         });
         if self.settings.ensemble.stop_on_failure {
             // Later paths cannot be the first one that fails.
-            self.tiles[tile].active &= (1 << lane) - 1;
-            for later in &mut self.tiles[tile + 1..] {
-                later.active = 0;
+            for tile in &mut self.tiles {
+                let later = lanes(ALL).filter(|&lane| tile.paths[lane] > path);
+                let later = later.fold(0, |lanes, lane| lanes | 1 << lane);
+                tile.active &= !later;
             }
         }
         self.fill_unused_lane(tile, lane);
+    }
+
+    /// Returns the lane with which a path began.
+    pub(super) fn home_of(&self, path: u64) -> Place {
+        let number = (path - self.first_path) as usize;
+        Place {
+            tile: number / LANES,
+            lane: number % LANES,
+        }
     }
 
     /// Fills an unused lane with a copy of an active one, so that the step in it is solvable and takes the fast path.
@@ -265,11 +305,6 @@ where
             S::Dims::set(tile.states_mut(), lane, &other);
         }
     }
-}
-
-/// Returns the lanes of a set.
-pub(super) fn lanes(set: Mask) -> impl Iterator<Item = usize> {
-    (0..LANES).filter(move |lane| set >> lane & 1 == 1)
 }
 
 /// Steps all tiles until a step does not solve an active lane. Returns the number of steps then made.
@@ -304,11 +339,11 @@ where
                 if tile.active == 0 {
                     continue;
                 }
-                let dw = self.increments.of(number, step);
                 let (before, next) = tile.swap_buffers();
-                let unsolved_here =
+                let unsolved_here = self.increments.with(number, step, |dw| {
                     self.method
-                        .step_lanes(self.prepared, before, next, self.h, &dw.0);
+                        .step_lanes(self.prepared, before, next, self.h, dw)
+                });
                 *S::Dims::times(next) = [t; LANES];
                 tile.unsolved = unsolved_here & tile.active;
                 unsolved |= tile.unsolved;

@@ -4,7 +4,7 @@
 
 use super::EnsembleError;
 use crate::noise::lanes::DistributionKind;
-use crate::noise::{ManyPaths as _, PathData, Wiener};
+use crate::noise::{Halves, ManyPaths as _, NoNoise, NoiseError, PathData, Wiener};
 
 /// The noise of an ensemble, for steps of one length.
 #[derive(Clone, Copy, Debug)]
@@ -20,6 +20,8 @@ pub(super) struct PathNoise {
     pub(super) is_antithetic: bool,
     /// Whether an increment is the sum of the source's two increments over the halves of the step.
     pub(super) is_coarsened: bool,
+    /// Number of halvings of a step of the source, see [`Refined`](crate::noise::Refined).
+    pub(super) depth: u32,
 }
 
 impl PathNoise {
@@ -34,7 +36,14 @@ impl PathNoise {
             first_path,
             distribution,
             truncation,
+            depth,
         } = noise.unwrap_or_else(|| Wiener::new(default_seed).many_paths());
+        // a whole step of the source has a finite length
+        let whole = h * (1_u64 << depth) as f64;
+        if !whole.is_finite() {
+            let error = NoiseError::InvalidStep { h: whole };
+            return Err(EnsembleError::Noise(error));
+        }
         let largest = match truncation {
             Some(truncated) => truncated.largest(h).map_err(EnsembleError::Noise)?,
             None => f64::INFINITY,
@@ -44,6 +53,7 @@ impl PathNoise {
             first_path,
             distribution,
             largest,
+            depth,
             is_antithetic: false,
             is_coarsened: false,
         })
@@ -54,9 +64,26 @@ impl PathNoise {
         if self.is_antithetic { path / 2 } else { path }
     }
 
-    /// Returns the scale of the increments that are drawn for steps of length `h`.
-    pub(super) fn scale(&self, h: f64) -> f64 {
-        let h = if self.is_coarsened { 0.5 * h } else { h };
-        h.abs().sqrt()
+    /// Returns whether a path has the increments of its path of the source with the other sign.
+    pub(super) fn is_mirrored(&self, path: u64) -> bool {
+        self.is_antithetic && path % 2 == 1
+    }
+
+    /// Returns the source of a path of the ensemble, if it is known within steps.
+    pub(super) fn within_steps(&self, path: u64) -> Option<Box<dyn Halves>> {
+        match self.distribution {
+            None => Some(Box::new(NoNoise)),
+            Some(_) if self.is_antithetic || self.is_coarsened => None,
+            Some(DistributionKind::Normal) if self.largest == f64::INFINITY => {
+                let path = self.first_path.wrapping_add(path);
+                let path = Wiener::new(self.seed).path(path);
+                if self.depth == 0 {
+                    return Some(Box::new(path));
+                }
+                let refined = path.refine(self.depth).ok()?;
+                Some(Box::new(refined))
+            }
+            Some(_) => None,
+        }
     }
 }

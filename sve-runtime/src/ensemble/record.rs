@@ -1,15 +1,17 @@
-//! The records of a block of paths: observables at a recorded time, failures and final states at the end.
+//! The records of blocks of paths: observables at a recorded time, failures and final states at the end.
 //!
-//! Input: the states of a block. Output: its partial result. Invariant: a path on which an observable fails is in none of the
+//! Input: the states of some blocks. Output: their partial results. Invariant: a path on which an observable fails is in none of the
 //! statistics of that time, so one count for each time serves all observables.
 
-use super::BLOCK_PATHS;
 use super::failure::{Cause, FAILURES_KEPT};
+use super::memory::{LastStep, not_finite_cause};
 use super::merge_tree::PartialResult;
 use super::observe::{not_finite, outside};
-use super::path_block::{PathBlock, lanes};
+use super::path_block::PathBlock;
+use super::tile::lanes;
+use super::{BLOCK_PATHS, BLOCK_TILES, passage};
 use crate::configuration::{Configuration, Coordinates};
-use crate::lanes::{LANES, Lane, Mask};
+use crate::lanes::{ALL, Lane, Mask};
 use crate::method::Method;
 use crate::system::{Dimensions, Dims, System};
 
@@ -19,82 +21,96 @@ where
     S: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    /// Adds the observables of the active paths to the statistics of a recorded time.
-    pub(super) fn record(&mut self, record: usize, result: &mut PartialResult) {
+    /// Adds the observables of the paths that have not failed to the statistics of a recorded time, block by block.
+    pub(super) fn record(&mut self, record: usize, results: &mut [PartialResult]) {
+        self.observe_all();
         let settings = self.settings;
         let requests = &settings.ensemble.histograms;
         let column_of =
             |name: &String| (settings.ensemble.names.iter()).position(|known| known == name);
-        for tile in 0..self.tiles.len() {
-            let mut values = core::mem::take(&mut self.observed[tile].values);
-            let active = self.observe(tile, &mut values);
-            self.observed[tile].lanes = active;
+        for (tile, (values, &counted)) in self.values.iter().zip(&self.counted).enumerate() {
+            let result = &mut results[tile / BLOCK_TILES];
             for (bins, request) in result.histograms.iter_mut().zip(requests) {
                 let row = request.row(record, settings.records);
                 if let (Some(row), Some(column)) = (row, column_of(&request.name)) {
-                    bins.add(request, row, &values[column], active);
+                    bins.add(request, row, &values[column], counted);
                 }
             }
-            self.observed[tile].values = values;
-            let observed = &self.observed[tile];
             for (column, request) in result.joints.iter_mut().zip(&settings.ensemble.joints) {
-                let history: Vec<_> = self.history.iter().map(|then| &then[tile]).collect();
+                let history: Vec<_> = self.history.iter().map(|then| &then[tile][..]).collect();
                 let columns = [&request.first, &request.second].map(column_of);
                 if let [Some(first), Some(second)] = columns {
                     let counts = &result.counts;
-                    column.add([first, second], record, counts, observed, &history);
+                    column.add([first, second], record, counts, (values, counted), &history);
                 }
             }
-            for (column, request) in (result.quantiles.iter_mut()).zip(&settings.ensemble.quantiles)
+            for (column, request) in result
+                .quantiles
+                .iter_mut()
+                .zip(&settings.ensemble.quantiles)
             {
                 if let Some(of) = column_of(&request.name) {
-                    column.add(record, &observed.values[of], active);
+                    column.add(record, &values[of], counted);
                 }
             }
-            result.add(record, &observed.values, active);
+            result.add(record, values, counted);
         }
-        if settings
-            .ensemble
-            .joints
-            .iter()
-            .any(|joint| joint.is_two_time)
-        {
-            self.history.push(self.observed.clone());
+        if (settings.ensemble.joints.iter()).any(|joint| joint.is_two_time) {
+            self.history.push(self.values.clone());
         }
     }
 
-    /// Evaluates the observables of all tiles. A path on which an observable fails, fails.
+    /// Evaluates the observables of all active paths. A path on which an observable fails, fails.
     pub(super) fn observe_all(&mut self) {
+        let last = LastStep::whole(self.step, self.settings.h);
         for tile in 0..self.tiles.len() {
-            let mut values = core::mem::take(&mut self.observed[tile].values);
-            self.observe(tile, &mut values);
-            self.observed[tile].values = values;
+            self.observe(tile, ALL, &last);
         }
     }
 
-    /// Evaluates the observables of a tile. Returns the lanes that remain active.
-    pub(super) fn observe(&mut self, tile: usize, values: &mut [Lane]) -> Mask {
+    /// Evaluates the observables of active paths in some lanes of a tile, after its last step.
+    pub(super) fn observe(&mut self, tile: usize, among: Mask, last: &LastStep) {
+        let among = among & self.tiles[tile].active;
+        if among == 0 {
+            return;
+        }
+        // where all paths are in their lanes, no value has to be moved
+        let is_at_home = self.tiles[tile].is_at_home && self.counted[tile] == among;
+        let home = if is_at_home {
+            &mut self.values[tile]
+        } else {
+            &mut self.work
+        };
+        let mut values = core::mem::take(home);
+        self.evaluate_all(tile, among, last, &mut values);
+        if is_at_home {
+            self.values[tile] = values;
+            return;
+        }
+        for lane in lanes(among & self.tiles[tile].active) {
+            let home = self.home_of(self.tiles[tile].paths[lane]);
+            for (to, from) in self.values[home.tile].iter_mut().zip(&values) {
+                to[home.lane] = from[lane];
+            }
+        }
+        self.work = values;
+    }
+
+    /// Evaluates the observables of a tile, and lets paths of these lanes fail.
+    fn evaluate_all(&mut self, tile: usize, among: Mask, last: &LastStep, values: &mut [Lane]) {
         let ensemble = self.settings.ensemble;
         let system = self.settings.method.system();
-        if self.tiles[tile].active == 0 {
-            return 0;
-        }
         for (k, observable) in ensemble.observables.iter().enumerate() {
-            observable.tile(system, self.tiles[tile].states(), &mut values[k]);
-            self.convert(k, tile, &mut values[k]);
-            for lane in lanes(not_finite(&values[k]) & self.tiles[tile].active) {
-                let name = ensemble.names[k].clone();
+            self.evaluate(k, tile, last, &mut values[k]);
+            for lane in lanes(not_finite(&values[k]) & among & self.tiles[tile].active) {
+                let name = &ensemble.names[k];
                 let state = S::Dims::get(self.tiles[tile].states(), lane);
-                let cause = match observable.value(system, &state) {
-                    // the weight of the path may not be finite where the value is
-                    Ok(value) if value.is_finite() => Cause::NotFinite {
-                        name,
-                        value: values[k][lane],
-                    },
-                    Ok(value) => Cause::NotFinite { name, value },
-                    Err(error) => Cause::Observable { name, error },
+                let value = match observable.value(system, &state) {
+                    // the weight of the path, or a memory, may not be finite where the value is
+                    Ok(value) if value.is_finite() => Ok(values[k][lane]),
+                    other => other,
                 };
-                self.fail(tile, lane, self.step, cause);
+                self.fail(tile, lane, last.number, not_finite_cause(name, value));
             }
         }
         for (name, [low, high]) in &ensemble.bounds {
@@ -102,39 +118,59 @@ where
                 continue;
             };
             let outside = outside(&values[column], *low, *high);
-            for lane in lanes(outside & self.tiles[tile].active) {
+            for lane in lanes(outside & among & self.tiles[tile].active) {
                 let cause = Cause::OutOfBound {
                     name: name.clone(),
                     value: values[column][lane],
                     low: *low,
                     high: *high,
                 };
-                self.fail(tile, lane, self.step, cause);
+                self.fail(tile, lane, last.number, cause);
             }
         }
-        self.tiles[tile].active
     }
 
-    /// Adds failures and, if they are kept, final states.
-    pub(super) fn finish(mut self, result: &mut PartialResult) {
+    /// Adds failures, passages and, if they are kept, final states, block by block.
+    pub(super) fn finish(mut self, results: &mut [PartialResult]) {
+        let first = self.first_path;
+        let block_of = |path: u64| ((path - first) / BLOCK_PATHS) as usize;
         self.failures.sort_by_key(|failure| failure.path);
-        result.failed = self.failures.len() as u64;
-        result.failures = self.failures;
+        for failure in core::mem::take(&mut self.failures) {
+            let result = &mut results[block_of(failure.path)];
+            result.failed += 1;
+            result.failures.push(failure);
+        }
+        for &path in &self.refined {
+            results[block_of(path)].refined += 1;
+        }
+        let passages = core::mem::take(&mut self.watch.passages);
+        for (number, result) in results.iter_mut().enumerate() {
+            let of_block = passages.iter().filter(|p| block_of(p.end.path) == number);
+            result.passages = passage::counts::count(
+                &self.settings,
+                of_block.copied().collect(),
+                &result.failures,
+                self.settings.ensemble.passages.len(),
+            );
+        }
         if !self.settings.ensemble.keep_final_states {
             return;
         }
-        for (number, tile) in self.tiles.iter().enumerate() {
-            for lane in lanes(tile.active) {
-                let state = S::Dims::get(tile.states(), lane);
-                let path = self.first_path + (number * LANES + lane) as u64;
-                result.final_paths.push(path);
-                result.final_states.push(state.t);
-                let mut values = vec![0.0; Q::STORED_VALUES + N];
-                let (q, p) = values.split_at_mut(Q::STORED_VALUES);
-                state.q.store(q);
-                state.p.store(p);
-                result.final_states.extend(values);
-            }
+        let mut states = core::mem::take(&mut self.stopped);
+        for tile in &self.tiles {
+            let of_lane = |lane| (tile.paths[lane], S::Dims::get(tile.states(), lane));
+            states.extend(lanes(tile.active).map(of_lane));
+        }
+        states.sort_by_key(|(path, _)| *path);
+        for (path, state) in states {
+            let result = &mut results[block_of(path)];
+            result.final_paths.push(path);
+            result.final_states.push(state.t);
+            let mut values = vec![0.0; Q::STORED_VALUES + N];
+            let (q, p) = values.split_at_mut(Q::STORED_VALUES);
+            state.q.store(q);
+            state.p.store(p);
+            result.final_states.extend(values);
         }
     }
 }

@@ -4,8 +4,9 @@
 //! ensemble: the same code steps it in the same lane, and the other lanes copy it.
 
 use super::failure::Failure;
-use super::path_block::{PathBlock, lanes};
+use super::path_block::PathBlock;
 use super::settings::Settings;
+use super::tile::lanes;
 use super::{BLOCK_PATHS, Ensemble, EnsembleError};
 use crate::configuration::Coordinates;
 use crate::method::Method;
@@ -20,7 +21,7 @@ where
 {
     /// Returns the states of a single path after each step, with the same bits as in the ensemble: to see why it failed, or what it did.
     ///
-    /// If the path fails, in a step or in an observable at a recorded time, the last item is the [`Failure`].
+    /// If the path is [stopped](Self::stop_at), the last item is the state where it stopped. If the path fails, in a step or in an observable at a recorded time, the last item is the [`Failure`].
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -50,16 +51,20 @@ where
     ///
     /// # Errors
     /// As [`run`](Self::run); [`EnsembleError::Path`] for a number that no path has.
-    pub fn replay(
-        &self,
+    pub fn replay<'e>(
+        &'e self,
         path: u64,
-    ) -> Result<impl Iterator<Item = Result<State<Q>, Failure>>, EnsembleError> {
+    ) -> Result<impl Iterator<Item = Result<State<Q>, Failure>>, EnsembleError>
+    where
+        S: 'e,
+    {
         let settings = Settings::new(self)?;
         if path >= settings.paths {
             let paths = settings.paths;
             return Err(EnsembleError::Path { path, paths });
         }
-        let mut block = PathBlock::new(settings, path / BLOCK_PATHS, Some(path))?;
+        let first = path / BLOCK_PATHS;
+        let mut block = PathBlock::new(settings, first..first + 1, Some(path))?;
         let (mut step, mut record, mut has_ended) = (0, 0, false);
         Ok(core::iter::from_fn(move || {
             while step <= settings.steps && !has_ended {
@@ -73,6 +78,10 @@ where
                     return Some(Err(failure));
                 }
                 step += 1;
+                if let Some((_, state)) = block.stopped.pop() {
+                    has_ended = true;
+                    return Some(Ok(state));
+                }
                 if step > 1 {
                     return block.first_active_state().map(Ok);
                 }

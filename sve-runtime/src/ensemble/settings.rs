@@ -119,8 +119,20 @@ impl<'a, I: Method> Settings<'a, I> {
         noise.first_path = noise.first_path.wrapping_add(leg.first_path);
         noise.is_antithetic = ensemble.antithetic;
         noise.is_coarsened = leg.is_coarsened;
-        if leg.is_coarsened && noise.distribution == Some(DistributionKind::ThreePoint) {
+        if leg.is_coarsened
+            && (noise.distribution == Some(DistributionKind::ThreePoint) || noise.depth > 0)
+        {
             return Err(EnsembleError::NoSums);
+        }
+        let divides = [
+            (ensemble.has_stops(), "stop_at"),
+            (!ensemble.passages.is_empty(), "first_passage"),
+            (ensemble.refine > 0, "refine"),
+        ];
+        if let Some((_, setting)) = divides.into_iter().find(|(is_set, _)| *is_set)
+            && noise.within_steps(0).is_none()
+        {
+            return Err(EnsembleError::NoiseWithinSteps { setting });
         }
         let start_seed = ensemble.seed.unwrap_or(noise.seed);
         let start_time = match start {
@@ -177,9 +189,15 @@ impl<'a, I: Method> Settings<'a, I> {
         step.is_multiple_of(self.every) || step == self.steps
     }
 
-    /// Returns the empty increments of a block of paths.
-    pub(super) fn increments<const M: usize>(&self, first_path: u64) -> IncrementBuffer<M> {
-        IncrementBuffer::new(self.noise, first_path, self.h)
+    /// Returns the first record that is not before so many steps.
+    pub(super) fn record_after(&self, step: u64) -> usize {
+        // records that fit into memory can be counted by a `usize`
+        (step.div_ceil(self.every) as usize).min(self.records - 1)
+    }
+
+    /// Returns an empty buffer of increments.
+    pub(super) fn increments<const M: usize>(&self) -> IncrementBuffer<M> {
+        IncrementBuffer::new(self.noise, self.h)
     }
 
     /// Returns the number of paths of some blocks.
@@ -192,6 +210,9 @@ impl<'a, I: Method> Settings<'a, I> {
         let times = (0..self.records).map(|record| self.time(self.step_of(record)));
         Info {
             names: self.ensemble.names.clone(),
+            passages: (self.ensemble.passages.iter())
+                .map(|passage| passage.name.clone())
+                .collect(),
             histograms: self.ensemble.histograms.clone(),
             joints: self.ensemble.joints.clone(),
             quantiles: self.ensemble.quantiles.clone(),
@@ -245,9 +266,10 @@ fn check_times(start: f64, h: f64, steps: u64) -> Result<(), EnsembleError> {
 
 fn check_names<I: Method>(ensemble: &Ensemble<'_, I>) -> Result<(), EnsembleError> {
     let names = &ensemble.names;
-    if let Some((_, name)) = (names.iter().enumerate()).find(|(i, name)| names[..*i].contains(name))
-    {
-        let name = name.clone();
+    let passages = ensemble.passages.iter().map(|passage| &passage.name);
+    let all: Vec<&String> = names.iter().chain(passages).collect();
+    if let Some((_, name)) = (all.iter().enumerate()).find(|(i, name)| all[..*i].contains(name)) {
+        let name = (*name).clone();
         return Err(EnsembleError::TwiceNamed { name });
     }
     let known = |name: &String, purpose| {

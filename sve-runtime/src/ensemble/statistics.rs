@@ -6,6 +6,7 @@
 use super::histogram::{Bins, HistogramRequest};
 use super::moments::{Column, Squares};
 use super::warning::{self, Warning};
+use crate::table::{Table, Values, table_writers};
 
 /// An observable at each recorded time, over the paths that have not failed until then.
 #[derive(Clone, Debug, PartialEq)]
@@ -108,12 +109,20 @@ fn of_squares(counts: &[u64], column: &Column, of: impl Fn(Squares, f64) -> f64)
 #[derive(Clone, Debug, PartialEq)]
 pub struct Histogram {
     request: HistogramRequest,
+    times: Vec<f64>,
     bins: Bins,
 }
 
 impl Histogram {
-    pub(super) fn new(request: HistogramRequest, bins: Bins) -> Self {
-        Self { request, bins }
+    /// A histogram of bins at recorded times.
+    pub(super) fn new(request: HistogramRequest, bins: Bins, times: &[f64]) -> Self {
+        let rows = bins.0.len() / (request.bins + 2);
+        let times = times[times.len().saturating_sub(rows)..].to_vec();
+        Self {
+            request,
+            times,
+            bins,
+        }
     }
 
     /// The observable.
@@ -131,6 +140,11 @@ impl Histogram {
     /// Returns the number of recorded times: all of them, or 1 for a final histogram.
     pub fn rows(&self) -> usize {
         self.bins.0.len() / (self.request.bins + 2)
+    }
+
+    /// The recorded times of the rows.
+    pub fn times(&self) -> &[f64] {
+        &self.times
     }
 
     /// Paths in each bin at the end.
@@ -167,3 +181,31 @@ impl Histogram {
         &self.bins.0[row * width..][..width]
     }
 }
+
+impl Histogram {
+    /// The columns: the time, the bounds of a bin, and the paths in it, with the paths below and above the range in bins without a bound.
+    fn table(&self) -> Table {
+        let [mut t, mut low, mut high] = [const { Vec::new() }; 3];
+        let mut paths = Vec::new();
+        let edges = self.edges();
+        for (row, time) in self.times.iter().enumerate() {
+            t.extend(vec![*time; self.request.bins + 2]);
+            low.push(f64::NEG_INFINITY);
+            low.extend(&edges);
+            high.extend(&edges);
+            high.push(f64::INFINITY);
+            paths.extend_from_slice(self.row(row));
+        }
+        let numbers = [("t", t), ("low", low), ("high", high)];
+        let numbers = numbers.map(|(name, values)| (name.to_owned(), Values::Numbers(values)));
+        let mut columns: Vec<_> = numbers.into();
+        columns.push(("paths".to_owned(), Values::Counts(paths)));
+        let name = "histogram";
+        Table { name, columns }
+    }
+}
+
+table_writers!(
+    Histogram,
+    "the histogram, a row for each recorded time and bin with `t`, `low`, `high` and `paths`, and two for the paths below and above the range, from −∞ and to ∞,"
+);

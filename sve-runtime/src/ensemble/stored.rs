@@ -135,6 +135,11 @@ fn fits(run: &Info, tree: &MergeTree, node: &PartialResult) -> bool {
     let width = 1 + run.coordinates as u128 + run.momenta as u128;
     let states = node.final_paths.len() as u128 * width == node.final_states.len() as u128;
     node.counts.len() == records
+        && node.passages.len() == run.passages.len()
+        && node
+            .passages
+            .iter()
+            .all(|counts| counts.fit(records, end - first))
         && node.counts.iter().all(|&count| count <= end - first)
         && node.columns.len() == run.names.len()
         && columns

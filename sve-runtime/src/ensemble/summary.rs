@@ -14,6 +14,7 @@ use super::fingerprint::Fingerprint;
 use super::histogram::HistogramRequest;
 use super::joint::JointRequest;
 use super::merge_tree::{MergeTree, PartialResult};
+use super::passage::Passages;
 use super::quantiles::Quantiles;
 use super::sketch::QuantileRequest;
 use super::statistics::{Histogram, Statistics};
@@ -25,6 +26,8 @@ use super::{BLOCK_PATHS, EnsembleError, path_at};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Info {
     pub(super) names: Vec<String>,
+    /// The names of functions whose first passages are recorded.
+    pub(super) passages: Vec<String>,
     pub(super) histograms: Vec<HistogramRequest>,
     pub(super) joints: Vec<JointRequest>,
     pub(super) quantiles: Vec<QuantileRequest>,
@@ -48,7 +51,9 @@ pub struct Summary {
     covariances: Vec<Covariance>,
     two_times: Vec<TwoTime>,
     quantiles: Vec<Quantiles>,
+    passages: Vec<Passages>,
     counts: Vec<u64>,
+    refined: u64,
     failed: u64,
     failures: Vec<Failure>,
 }
@@ -58,6 +63,7 @@ impl Info {
     pub(super) fn difference(&self, other: &Self) -> Option<Difference> {
         let same = [
             (self.names == other.names, Difference::Observables),
+            (self.passages == other.passages, Difference::Observables),
             (self.histograms == other.histograms, Difference::Histograms),
             (self.joints == other.joints, Difference::Covariances),
             (self.quantiles == other.quantiles, Difference::Quantiles),
@@ -83,7 +89,9 @@ impl Summary {
             covariances: Vec::new(),
             two_times: Vec::new(),
             quantiles: Vec::new(),
+            passages: Vec::new(),
             counts: Vec::new(),
+            refined: 0,
             failed: 0,
             failures: Vec::new(),
             info,
@@ -128,9 +136,18 @@ impl Summary {
             .collect();
         let bins = self.info.histograms.iter().zip(node.histograms);
         self.histograms = bins
-            .map(|(request, bins)| Histogram::new(request.clone(), bins))
+            .map(|(request, bins)| Histogram::new(request.clone(), bins, &self.info.times))
+            .collect();
+        let paths = self.paths();
+        let passages = self.info.passages.iter().zip(node.passages);
+        self.passages = passages
+            .map(|(name, counts)| {
+                let times = self.info.times.clone();
+                Passages::new(name.clone(), times, paths, counts)
+            })
             .collect();
         self.counts = node.counts;
+        self.refined = node.refined;
         self.failed = node.failed;
         self.failures = node.failures;
     }
@@ -160,6 +177,11 @@ impl Summary {
     /// Returns the number of paths that failed.
     pub fn failed(&self) -> u64 {
         self.failed
+    }
+
+    /// Returns the number of steps that failed and were made in smaller steps, see [`refine`](super::Ensemble::refine).
+    pub fn refined_steps(&self) -> u64 {
+        self.refined
     }
 
     /// The failures of the lowest paths, at most [`FAILURES_KEPT`](super::FAILURES_KEPT) = 256, in their order: number, time and error of
@@ -203,6 +225,16 @@ impl Summary {
     /// The quantiles of an observable, from [`Ensemble::quantiles`](super::Ensemble::quantiles).
     pub fn quantiles(&self, name: &str) -> Option<&Quantiles> {
         self.quantiles.iter().find(|q| q.name() == name)
+    }
+
+    /// The first passages through the zeros of functions, in the order in which they were given.
+    pub fn passages(&self) -> &[Passages] {
+        &self.passages
+    }
+
+    /// The first passages through the zero of a function, from [`stop_at`](super::Ensemble::stop_at) or [`first_passage`](super::Ensemble::first_passage).
+    pub fn passage(&self, name: &str) -> Option<&Passages> {
+        self.passages.iter().find(|p| p.name() == name)
     }
 
     /// Returns warnings about unreliable statistics: observables that diverge, and means that depend on one path. See [`Warning`] for the criteria.
@@ -363,6 +395,9 @@ impl fmt::Display for Summary {
                     last(s.max())
                 )?,
             }
+        }
+        for passages in &self.passages {
+            write!(f, "\n  {passages}")?;
         }
         for warning in self.warnings() {
             write!(f, "\n  {warning}")?;

@@ -24,7 +24,6 @@ pages! {
     block
     constraints_and_rotations
     degenerate
-    events
     derivatives
     failures
     claims
@@ -36,6 +35,8 @@ pages! {
 pages! {
     #[cfg(any(not(doctest), feature = "serde"))]
     trajectories
+    #[cfg(any(not(doctest), feature = "ensemble"))]
+    events
     #[cfg(any(not(doctest), feature = "checkpoint"))]
     ensembles
     #[cfg(any(not(doctest), feature = "study"))]

@@ -98,6 +98,44 @@ impl<S: Discretised<R>, R> Integrator<S, R> {
         &self.system
     }
 
+    /// The system, to change parameters between steps: a control, or a value from a table over time.
+    ///
+    /// A parameter is constant within a step. What a rule computes from parameters alone is computed anew in each [`step`](Self::step); a
+    /// [`trajectory`](Self::trajectory) borrows the integrator, so its parameters stay.
+    ///
+    /// ```
+    /// use sve_runtime::noise::Noise as _;
+    /// use sve_runtime::prelude::*;
+    ///
+    /// /// A pendulum with a motor at its pivot.
+    /// struct Pendulum { g: f64, torque: f64, sigma: f64 }
+    ///
+    /// #[variational(midpoint)]
+    /// impl Pendulum {
+    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + self.g * q.cos() + self.torque * q }
+    ///     #[gamma]
+    ///     fn shake(&self, q: f64) -> f64 { self.sigma * q }
+    /// }
+    ///
+    /// # fn main() -> Result<(), StepError> {
+    /// // the motor holds the pendulum upright, against gravity and noise
+    /// let mut pendulum = Integrator::new(Pendulum { g: 9.8, torque: 0.0, sigma: 0.1 }, Midpoint);
+    /// let (mut path, mut dw) = (Wiener::new(1), [0.0]);
+    /// let mut state = State::new([3.0], [0.0]);
+    /// for step in 0..1000 {
+    ///     let (angle, speed) = (state.q[0] - std::f64::consts::PI, state.p[0]);
+    ///     pendulum.system_mut().torque = -40.0 * angle - 8.0 * speed;
+    ///     path.increments(step, 0.01, &mut dw).expect("a step size that is finite");
+    ///     pendulum.step(&mut state, 0.01, &dw)?;
+    /// }
+    /// assert!((state.q[0] - std::f64::consts::PI).abs() < 0.1);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn system_mut(&mut self) -> &mut S {
+        &mut self.system
+    }
+
     /// The rule.
     pub fn rule(&self) -> &R {
         &self.rule

@@ -113,7 +113,7 @@ impl Wiener {
     /// use sve_runtime::noise::{Recorded, Wiener};
     ///
     /// let path = Wiener::new(42);
-    /// let fine = Recorded::record(path.clone().refine(3)?, 0.1 / 8.0, 1, 800)?;
+    /// let fine = Recorded::record(path.refine(3)?, 0.1 / 8.0, 1, 800)?;
     /// let coarse = fine.coarsen(8)?;
     /// for step in 0..100 {
     ///     let dw = coarse.get(step).unwrap()[0];
@@ -140,16 +140,21 @@ impl Wiener {
     /// Returns four normals for the group of four processes that contains `process`.
     #[inline]
     fn normals(&self, interval: DyadicInterval, process: usize, scale: f64) -> [f64; 4] {
-        let number = (1 << interval.level) + interval.index;
-        let counter = [interval.step, process as u64 / 4, number, 0];
-        let words = threefry::block(counter, [self.0.seed, self.0.path, DOMAIN, 0]);
+        let words = words(self.0.seed, self.0.path, interval, process as u64 / 4);
         box_muller::four(words, scale)
     }
 }
 
+/// Returns the random words of an interval for a group of four processes.
+#[inline(always)]
+pub(super) fn words(seed: u64, path: u64, interval: DyadicInterval, group: u64) -> [u64; 4] {
+    let number = (1 << interval.level) + interval.index;
+    threefry::block([interval.step, group, number, 0], [seed, path, DOMAIN, 0])
+}
+
 /// Returns the halves of an increment; `deviation` is √h/2 times a standard normal.
-#[inline]
-fn split(whole: f64, deviation: f64) -> [f64; 2] {
+#[inline(always)]
+pub(super) fn split(whole: f64, deviation: f64) -> [f64; 2] {
     let left = 0.5 * whole + deviation;
     [left, whole - left]
 }
@@ -172,6 +177,12 @@ pub struct Refined {
 }
 
 impl Refined {
+    /// The path in whole steps, and the number of halvings of a step.
+    #[cfg(feature = "ensemble")]
+    pub(super) fn into_parts(self) -> (Wiener, u32) {
+        (self.path, self.depth)
+    }
+
     /// Returns the first level at which two steps are in different intervals; `None` if the steps are the same.
     fn first_difference(&self, a: u64, b: u64) -> Option<u32> {
         let highest = (a ^ b).checked_ilog2()?;
@@ -235,6 +246,18 @@ impl Noise for Refined {
         dw.copy_from_slice(&self.increments[leaf..][..self.processes]);
         Ok(())
     }
+
+    fn halves_if_known(
+        &self,
+        interval: DyadicInterval,
+        h: f64,
+        whole: &[f64],
+        left: &mut [f64],
+        right: &mut [f64],
+    ) -> bool {
+        self.halves_of(interval, h, whole, left, right);
+        true
+    }
 }
 
 /// An interval of a step of `h / 2^depth` is one of the path itself. Below intervals of level 63 the path is linear.
@@ -262,6 +285,6 @@ impl Halves for Refined {
     }
 }
 
-fn two_to(level: u32) -> f64 {
+pub(super) fn two_to(level: u32) -> f64 {
     (1_u64 << level) as f64
 }

@@ -14,22 +14,51 @@ use crate::lanes::dispatch::{VectorKernel, dispatch_vectors};
 /// Number of blocks drawn at once, in lanes: a register of AVX-512.
 const LANES: usize = 8;
 
-/// Number of steps drawn at once.
-const BATCH: u64 = (SHARED * LANES) as u64;
+/// Number of rows that a path keeps.
+const ROWS: usize = 4;
 
 /// Four increments of each block.
 type Rows = Aligned<[[f64; LANES]; SHARED]>;
 
-/// A path with increments of a distribution.
-#[derive(Clone, Debug)]
+/// What lanes are: blocks of steps of one process in each row, or processes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Layout {
+    /// For few processes: row `a` has 32 steps of process `a`.
+    Steps,
+    /// For more processes: row `r` has four steps of the processes from `8 r` on.
+    Processes,
+}
+
+impl Layout {
+    fn of(processes: usize) -> Self {
+        if processes <= ROWS {
+            Self::Steps
+        } else {
+            Self::Processes
+        }
+    }
+
+    /// Returns the number of blocks of four steps that are kept.
+    fn blocks(self) -> u64 {
+        match self {
+            Self::Steps => LANES as u64,
+            Self::Processes => 1,
+        }
+    }
+}
+
+/// A path with increments of a distribution. It keeps them in place, so that a path is `Copy`.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct CounterPath<D> {
     pub(super) seed: u64,
     pub(super) path: u64,
     distribution: PhantomData<D>,
-    /// The batch of steps that `increments` belongs to, and their step size.
-    batch: Option<(u64, f64)>,
-    /// The increments of a batch for each process whose blocks are shared by steps: those of step `k` of the batch in row `k` modulo 4.
-    increments: Vec<Rows>,
+    /// The first block of steps that `increments` belongs to, their step size, and what lanes are.
+    kept: Option<(u64, f64, Layout)>,
+    /// Number of processes that are kept.
+    processes: usize,
+    /// The increments of processes whose blocks are shared by steps: those of step `k` in place `k` modulo 4 of a row.
+    increments: [Rows; ROWS],
 }
 
 impl<D: Distribution> CounterPath<D> {
@@ -38,16 +67,16 @@ impl<D: Distribution> CounterPath<D> {
             seed,
             path: 0,
             distribution: PhantomData,
-            batch: None,
-            increments: Vec::new(),
+            kept: None,
+            processes: 0,
+            increments: [Aligned([[0.0; LANES]; SHARED]); ROWS],
         }
     }
 
-    pub(super) fn path(self, path: u64) -> Self {
+    pub(super) fn path(&self, path: u64) -> Self {
         Self {
             path,
-            batch: None,
-            ..self
+            ..Self::new(self.seed)
         }
     }
 
@@ -69,14 +98,26 @@ impl<D: Distribution> CounterPath<D> {
         h: f64,
         dw: &mut [f64],
     ) -> Result<(), NoiseError> {
-        let (batch, at) = (step / BATCH, (step % BATCH) as usize);
         let processes = dw.len().min(BY_STEPS);
-        if self.batch != Some((batch, h)) || self.increments.len() < processes {
-            self.fill(batch, processes, h)?;
+        let layout = Layout::of(processes);
+        let (block, at) = (step / SHARED as u64, (step % SHARED as u64) as usize);
+        let lane = (block % layout.blocks()) as usize;
+        let first = block - lane as u64;
+        if self.kept != Some((first, h, layout)) || self.processes < processes {
+            self.fill(first, processes, h)?;
         }
         let (by_steps, by_processes) = dw.split_at_mut(processes);
-        for (dw, rows) in by_steps.iter_mut().zip(&self.increments) {
-            *dw = rows.0[at % SHARED][at / SHARED];
+        match layout {
+            Layout::Steps => {
+                for (dw, rows) in by_steps.iter_mut().zip(&self.increments) {
+                    *dw = rows.0[at][lane];
+                }
+            }
+            Layout::Processes => {
+                for (dw, rows) in by_steps.chunks_mut(LANES).zip(&self.increments) {
+                    dw.copy_from_slice(&rows.0[at][..dw.len()]);
+                }
+            }
         }
         if !by_processes.is_empty() {
             self.draw_by_processes(step, h, by_processes);
@@ -85,20 +126,23 @@ impl<D: Distribution> CounterPath<D> {
     }
 
     #[inline(never)]
-    fn fill(&mut self, batch: u64, processes: usize, h: f64) -> Result<(), NoiseError> {
+    fn fill(&mut self, first_block: u64, processes: usize, h: f64) -> Result<(), NoiseError> {
         check_step(h)?;
-        if self.increments.len() < processes {
-            let zeros = Aligned([[0.0; LANES]; SHARED]);
-            self.increments.resize(processes, zeros);
-        }
+        let layout = Layout::of(processes);
+        let rows = match layout {
+            Layout::Steps => processes,
+            Layout::Processes => processes.div_ceil(LANES),
+        };
         dispatch_vectors(BySteps {
             key: self.key(),
-            first_block: batch * LANES as u64,
+            first_block,
+            layout,
             scale: h.abs().sqrt(),
             distribution: self.distribution,
-            out: &mut self.increments,
+            out: &mut self.increments[..rows],
         });
-        self.batch = Some((batch, h));
+        self.kept = Some((first_block, h, layout));
+        self.processes = processes;
         Ok(())
     }
 
@@ -115,10 +159,11 @@ impl<D: Distribution> CounterPath<D> {
     }
 }
 
-/// The increments of the first processes over a batch of steps, a row of lanes for each.
+/// The increments of the first processes over some steps.
 struct BySteps<'a, D> {
     key: PathKey,
     first_block: u64,
+    layout: Layout,
     scale: f64,
     distribution: PhantomData<D>,
     out: &'a mut [Rows],
@@ -130,9 +175,13 @@ impl<D: Distribution> VectorKernel for BySteps<'_, D> {
     #[inline(always)]
     fn run<const AVX512: bool>(self) {
         let mut work = Workspace::new();
-        for (process, rows) in (0..).zip(self.out) {
+        for (row, rows) in (0..).zip(self.out) {
             let words = |lane| {
-                let block = self.first_block + lane as u64;
+                let lane = lane as u64;
+                let (block, process) = match self.layout {
+                    Layout::Steps => (self.first_block + lane, row),
+                    Layout::Processes => (self.first_block, row * LANES as u64 + lane),
+                };
                 self.key.words_by_steps::<D>(block, process)
             };
             D::fill_lanes::<LANES, AVX512>(words, self.scale, &mut work, &mut rows.0);
@@ -173,7 +222,7 @@ impl<D: Distribution> VectorKernel for ByProcesses<'_, D> {
 
 #[cfg(test)]
 mod tests {
-    use super::{BATCH, BY_STEPS, CounterPath};
+    use super::{BY_STEPS, CounterPath, Layout};
     use crate::noise::distribution::{Distribution, Normal, ThreePoints};
     use crate::noise::threefry;
 
@@ -220,19 +269,31 @@ mod tests {
     }
 
     #[test]
-    fn a_path_keeps_its_batch_and_its_memory() {
+    fn a_path_keeps_its_steps() {
         let mut path = CounterPath::<Normal>::new(1);
         let mut dw = [0.0; 3];
-        path.increments(8, 0.1, &mut dw).unwrap();
-        let memory = path.increments.as_ptr();
-        for step in [9, 10, 31, 32, 0, u64::MAX] {
+        for step in [8, 9, 10, 31, 32, 0, u64::MAX] {
             path.increments(step, 0.1, &mut dw).unwrap();
-            assert_eq!(path.batch, Some((step / BATCH, 0.1)));
-            assert_eq!(path.increments.as_ptr(), memory);
+            let first = step / 32 * 8;
+            assert_eq!(path.kept, Some((first, 0.1, Layout::Steps)));
         }
         path.increments(u64::MAX, 0.1, &mut dw[..1]).unwrap();
-        assert_eq!(path.increments.len(), 3);
-        path.increments(0, 0.1, &mut [0.0; 1000]).unwrap();
-        assert_eq!(path.increments.len(), BY_STEPS);
+        assert_eq!(path.processes, 3);
+        path.increments(5, 0.1, &mut [0.0; 1000]).unwrap();
+        assert_eq!(path.kept, Some((1, 0.1, Layout::Processes)));
+        assert_eq!(path.processes, BY_STEPS);
+    }
+
+    /// Checks numbers of processes that change from step to step.
+    #[test]
+    fn other_numbers_of_processes_have_the_same_bits() {
+        let mut path = CounterPath::<Normal>::new(7);
+        let mut dw = [0.0; 20];
+        for (step, processes) in (0..).zip([1, 4, 5, 3, 16, 20, 9, 2, 8, 4, 17]) {
+            path.increments(step, 0.1, &mut dw[..processes]).unwrap();
+            for (process, dw) in dw[..processes].iter().enumerate() {
+                assert_eq!(*dw, path.increment(step, process, 0.1));
+            }
+        }
     }
 }

@@ -1,5 +1,7 @@
 //! Errors of noise sources. Each message has the numbers in question and what to change.
 
+use crate::readable::debug_is_display;
+
 /// Why a noise source could not be made, or could not give the increments of a step.
 ///
 /// ```
@@ -9,7 +11,7 @@
 /// assert_eq!(error, NoiseError::InvalidStep { h: 0.0 });
 /// assert_eq!(error.to_string(), "the step size h = 0 must be finite and not zero");
 /// ```
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum NoiseError {
@@ -161,6 +163,8 @@ pub enum NoiseError {
         processes: usize,
     },
 }
+
+debug_is_display!(NoiseError);
 
 /// Accepts finite step sizes other than zero. Increments over a step back in time have the variance |h|.
 #[inline]

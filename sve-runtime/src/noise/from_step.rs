@@ -26,7 +26,7 @@ use super::{
 /// # fn main() -> Result<(), StepError> {
 /// let oscillator = Integrator::new(Oscillator { sigma: 1.0 }, Endpoint);
 /// let (h, noise) = (0.125, Wiener::new(1).path(3));
-/// let mut whole = oscillator.trajectory(State::new([1.0], [0.0]), h, noise.clone());
+/// let mut whole = oscillator.trajectory(State::new([1.0], [0.0]), h, noise);
 /// let middle = whole.nth(39).unwrap()?;
 /// // without `from_step` the increments of the first 40 steps would be repeated
 /// let mut rest = oscillator.trajectory(middle, h, noise.from_step(40));
@@ -94,6 +94,18 @@ impl<W: Noise> Noise for FromStep<W> {
             Some(of_source) => self.noise.stage_increments(of_source, h, stages, dw),
             None => Err(NoiseError::StepNumber { step, first }),
         }
+    }
+
+    fn halves_if_known(
+        &self,
+        interval: DyadicInterval,
+        h: f64,
+        whole: &[f64],
+        left: &mut [f64],
+        right: &mut [f64],
+    ) -> bool {
+        let interval = interval.later(self.first);
+        self.noise.halves_if_known(interval, h, whole, left, right)
     }
 }
 

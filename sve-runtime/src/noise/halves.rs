@@ -83,9 +83,51 @@ pub(crate) fn increments_until<W: Halves, D: Increments>(
     fraction: f64,
     whole: &D,
 ) -> D {
+    let halve = |interval, length, part: &D, left: &mut D, right: &mut D| {
+        noise.halves_of(
+            interval,
+            length,
+            part.as_ref(),
+            left.as_mut(),
+            right.as_mut(),
+        );
+        true
+    };
+    // every interval is halved
+    bisected(halve, step, h, fraction, whole).unwrap_or(*whole)
+}
+
+/// Returns the same as [`increments_until`]; `None` if the source does not know its path within steps.
+pub(crate) fn increments_until_if_known<W: Noise, D: Increments>(
+    noise: &W,
+    step: u64,
+    h: f64,
+    fraction: f64,
+    whole: &D,
+) -> Option<D> {
+    let halve = |interval, length, part: &D, left: &mut D, right: &mut D| {
+        noise.halves_if_known(
+            interval,
+            length,
+            part.as_ref(),
+            left.as_mut(),
+            right.as_mut(),
+        )
+    };
+    bisected(halve, step, h, fraction, whole)
+}
+
+/// Adds up the increments of the intervals before a fraction of a step. `halve` computes the increments of the halves of an interval and returns whether it can.
+fn bisected<D: Increments>(
+    halve: impl Fn(DyadicInterval, f64, &D, &mut D, &mut D) -> bool,
+    step: u64,
+    h: f64,
+    fraction: f64,
+    whole: &D,
+) -> Option<D> {
     let (mut sum, mut part) = (D::NONE, *whole);
     if fraction >= 1.0 || part.as_ref().is_empty() {
-        return part;
+        return Some(part);
     }
     let (mut interval, mut length) = (DyadicInterval::whole(step), h);
     let scaled = fraction * (1_u64 << LEVELS) as f64;
@@ -96,8 +138,9 @@ pub(crate) fn increments_until<W: Halves, D: Increments>(
             break;
         };
         let (mut left, mut right) = (D::NONE, D::NONE);
-        let (of_left, of_right) = (left.as_mut(), right.as_mut());
-        noise.halves_of(interval, length, part.as_ref(), of_left, of_right);
+        if !halve(interval, length, &part, &mut left, &mut right) {
+            return None;
+        }
         length *= 0.5;
         if cell >> level & 1 == 1 {
             add(&mut sum, 1.0, &left);
@@ -107,7 +150,7 @@ pub(crate) fn increments_until<W: Halves, D: Increments>(
         }
     }
     add(&mut sum, scaled - cell as f64, &part);
-    sum
+    Some(sum)
 }
 
 /// Adds a multiple of increments.

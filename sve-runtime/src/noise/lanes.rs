@@ -1,6 +1,6 @@
 //! Increments of many paths at once, a lane for each path.
 //!
-//! Input: a block of four steps, the paths and processes. Output: their increments; consecutive paths are in consecutive lanes.
+//! Input: a block of four steps, the paths of the lanes, and processes. Output: their increments.
 //! Invariant: each increment has the bits that [`PathKey::increment`] gives for its path.
 
 use core::marker::PhantomData;
@@ -22,18 +22,16 @@ pub(crate) enum DistributionKind {
 
 /// Which increments are drawn.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Draw {
+pub(crate) struct Draw<'a> {
     pub(crate) distribution: DistributionKind,
     pub(crate) seed: u64,
-    /// The path in the first lane of the first tile; the others follow, modulo 2⁶⁴.
-    pub(crate) first_path: u64,
+    /// The path in each lane of each tile.
+    pub(crate) paths: &'a [[u64; LANES]],
     /// The first block of four steps.
     pub(crate) first_block: u64,
     /// The standard deviation, √h.
     pub(crate) scale: f64,
     pub(crate) processes: usize,
-    /// Number of tiles of [`LANES`] paths.
-    pub(crate) tiles: usize,
 }
 
 /// Fills `out` with the increments of all processes of all tiles over blocks of four steps.
@@ -41,8 +39,8 @@ pub(crate) struct Draw {
 /// Tile `t` and process `p` (from 0) over step 4 (`first_block` + `b`) + `k` are in `out[(b * tiles + t) * processes + p][k]`; the length of `out`
 /// gives the number of blocks. A call costs as much as some ten increments, so many rows in a call save time; `out` should fit into the first cache.
 #[inline(never)]
-pub(crate) fn fill(draw: &Draw, out: &mut [Aligned<[Lane; SHARED]>]) {
-    if draw.processes == 0 || draw.tiles == 0 {
+pub(crate) fn fill(draw: &Draw<'_>, out: &mut [Aligned<[Lane; SHARED]>]) {
+    if draw.processes == 0 || draw.paths.is_empty() {
         return;
     }
     let draw = *draw;
@@ -66,18 +64,18 @@ pub(crate) fn fill(draw: &Draw, out: &mut [Aligned<[Lane; SHARED]>]) {
 
 /// A fill with increments of a distribution.
 struct Fill<'a, D> {
-    draw: Draw,
+    draw: Draw<'a>,
     out: &'a mut [Aligned<[Lane; SHARED]>],
     distribution: PhantomData<D>,
 }
 
-impl Draw {
+impl Draw<'_> {
     /// Returns the key of the path in a lane of a tile.
     #[inline(always)]
     fn key(&self, tile: usize, lane: usize) -> PathKey {
         PathKey {
             seed: self.seed,
-            path: self.first_path.wrapping_add((tile * LANES + lane) as u64),
+            path: self.paths[tile][lane],
         }
     }
 
@@ -128,7 +126,8 @@ impl<D: Distribution> VectorKernel for Fill<'_, D> {
         let Self { draw, out, .. } = self;
         let mut work = Workspace::new();
         for (number, rows) in out.chunks_exact_mut(draw.processes).enumerate() {
-            let place = [number / draw.tiles, number % draw.tiles];
+            let tiles = draw.paths.len();
+            let place = [number / tiles, number % tiles];
             let (by_steps, by_processes) = rows.split_at_mut(rows.len().min(BY_STEPS));
             draw.fill_by_steps::<D, AVX512>(place, &mut work, by_steps);
             draw.fill_by_processes::<D, AVX512>(place, &mut work, by_processes);
@@ -159,6 +158,13 @@ mod tests {
         (1 << 40, 1 << 30, 1, 40),
     ];
 
+    /// Consecutive paths in the lanes of tiles.
+    fn consecutive(first: u64, tiles: usize) -> Vec<[u64; LANES]> {
+        let path = |tile, lane| first.wrapping_add((tile * LANES + lane) as u64);
+        let tile = |tile| core::array::from_fn(|lane| path(tile, lane));
+        (0..tiles).map(tile).collect()
+    }
+
     #[test]
     fn increments_have_the_bits_of_single_paths() {
         let (seed, h) = (7, 0.037_f64);
@@ -175,11 +181,10 @@ mod tests {
                 let draw = Draw {
                     distribution,
                     seed,
-                    first_path: first,
+                    paths: &consecutive(first, tiles),
                     first_block: block,
                     scale: h.sqrt(),
                     processes,
-                    tiles,
                 };
                 let mut out = vec![Aligned([[f64::NAN; LANES]; 4]); BLOCKS * processes * tiles];
                 fill(&draw, &mut out);
@@ -219,11 +224,10 @@ mod tests {
             let draw = Draw {
                 distribution: DistributionKind::Normal,
                 seed: 11,
-                first_path,
+                paths: &consecutive(first_path, tiles),
                 first_block: block,
                 scale: 0.3,
                 processes,
-                tiles,
             };
             let fill = Fill {
                 draw,
@@ -262,11 +266,10 @@ mod tests {
                 let draw = Draw {
                     distribution,
                     seed: 1,
-                    first_path: 0,
+                    paths: &consecutive(0, tiles),
                     first_block: 0,
                     scale: 1.0,
                     processes,
-                    tiles,
                 };
                 fill(&draw, &mut []);
             }

@@ -44,6 +44,8 @@ pub(crate) mod lanes;
 mod many_paths;
 mod none;
 mod recorded;
+#[cfg(feature = "ensemble")]
+pub(crate) mod refined_lanes;
 mod stages;
 mod three_point;
 pub(crate) mod threefry;
@@ -57,7 +59,7 @@ pub use error::NoiseError;
 pub use from_rng::FromRng;
 pub use from_step::{FromStep, Replayable};
 pub use halves::Halves;
-pub(crate) use halves::increments_until;
+pub(crate) use halves::{increments_until, increments_until_if_known};
 #[cfg(feature = "ensemble")]
 pub use many_paths::ManyPaths;
 #[cfg(feature = "ensemble")]
@@ -120,6 +122,20 @@ pub trait Noise {
         let _ = (step, h, dw);
         Err(NoiseError::NoStages { stages })
     }
+
+    /// Computes the increments over the two halves of an interval within a step, as [`Halves::halves_of`] does, if the source knows its path there. Returns whether it
+    /// does. The default does not.
+    fn halves_if_known(
+        &self,
+        interval: DyadicInterval,
+        h: f64,
+        whole: &[f64],
+        left: &mut [f64],
+        right: &mut [f64],
+    ) -> bool {
+        let _ = (interval, h, whole, left, right);
+        false
+    }
 }
 
 impl<W: Noise + ?Sized> Noise for &mut W {
@@ -138,6 +154,17 @@ impl<W: Noise + ?Sized> Noise for &mut W {
     ) -> Result<(), NoiseError> {
         (**self).stage_increments(step, h, stages, dw)
     }
+
+    fn halves_if_known(
+        &self,
+        interval: DyadicInterval,
+        h: f64,
+        whole: &[f64],
+        left: &mut [f64],
+        right: &mut [f64],
+    ) -> bool {
+        (**self).halves_if_known(interval, h, whole, left, right)
+    }
 }
 
 impl<W: Noise + ?Sized> Noise for Box<W> {
@@ -155,5 +182,16 @@ impl<W: Noise + ?Sized> Noise for Box<W> {
         dw: &mut [f64],
     ) -> Result<(), NoiseError> {
         (**self).stage_increments(step, h, stages, dw)
+    }
+
+    fn halves_if_known(
+        &self,
+        interval: DyadicInterval,
+        h: f64,
+        whole: &[f64],
+        left: &mut [f64],
+        right: &mut [f64],
+    ) -> bool {
+        (**self).halves_if_known(interval, h, whole, left, right)
     }
 }

@@ -1,6 +1,6 @@
 //! The source without noise. Input: any step. Output: zeros.
 
-use super::{Noise, NoiseError};
+use super::{DyadicInterval, Halves as _, Noise, NoiseError};
 
 /// No noise at all, for deterministic systems or the deterministic limit of a noisy one.
 ///
@@ -31,5 +31,17 @@ impl Noise for NoNoise {
         dw: &mut [f64],
     ) -> Result<(), NoiseError> {
         self.increments(step, h, dw)
+    }
+
+    fn halves_if_known(
+        &self,
+        interval: DyadicInterval,
+        h: f64,
+        whole: &[f64],
+        left: &mut [f64],
+        right: &mut [f64],
+    ) -> bool {
+        self.halves_of(interval, h, whole, left, right);
+        true
     }
 }

@@ -21,27 +21,20 @@ impl Distribution for HigherCoefficients {
     }
 }
 
+/// Number of increments in a step up to which a step allocates nothing: eight processes at eight stages.
+const FEW: usize = 64;
+
 /// The higher coefficients of a path.
-#[derive(Clone, Debug)]
-pub(super) struct StagePath {
-    higher: CounterPath<HigherCoefficients>,
-    /// The coefficients of a step, so that a step allocates nothing.
-    coefficients: Vec<f64>,
-}
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StagePath(CounterPath<HigherCoefficients>);
 
 impl StagePath {
     pub(super) fn new(seed: u64) -> Self {
-        Self {
-            higher: CounterPath::new(seed),
-            coefficients: Vec::new(),
-        }
+        Self(CounterPath::new(seed))
     }
 
-    pub(super) fn path(self, path: u64) -> Self {
-        Self {
-            higher: self.higher.path(path),
-            ..self
-        }
+    pub(super) fn path(&self, path: u64) -> Self {
+        Self(self.0.path(path))
     }
 
     /// Fills `dw` with the increments at the stages of a step. `whole` gives the increments over the step.
@@ -57,12 +50,18 @@ impl StagePath {
             return Err(NoiseError::NoStages { stages });
         }
         let processes = dw.len() / stages;
-        self.coefficients.resize(dw.len(), 0.0);
-        let (first, higher) = self.coefficients.split_at_mut(processes);
+        let (mut few, mut many) = ([0.0; FEW], Vec::new());
+        let coefficients = if dw.len() <= FEW {
+            &mut few[..dw.len()]
+        } else {
+            many.resize(dw.len(), 0.0);
+            &mut many[..]
+        };
+        let (first, higher) = coefficients.split_at_mut(processes);
         whole.increments(step, h, first)?;
-        self.higher.increments(step, h, higher)?;
+        self.0.increments(step, h, higher)?;
         for (process, parts) in dw.chunks_exact_mut(stages).enumerate() {
-            let coefficient = |k: usize| self.coefficients[k * processes + process];
+            let coefficient = |k: usize| coefficients[k * processes + process];
             stage_noise::from_coefficients(coefficient, parts);
         }
         Ok(())

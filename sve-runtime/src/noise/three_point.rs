@@ -29,7 +29,7 @@ use super::{Noise, NoiseError};
 /// }
 /// # Ok::<(), sve_runtime::noise::NoiseError>(())
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct ThreePoint(pub(super) CounterPath<ThreePoints>);
 
 impl ThreePoint {
@@ -40,7 +40,7 @@ impl ThreePoint {
 
     /// Path number `path` of the same seed.
     #[must_use]
-    pub fn path(self, path: u64) -> Self {
+    pub fn path(&self, path: u64) -> Self {
         Self(self.0.path(path))
     }
 

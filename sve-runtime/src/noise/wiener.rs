@@ -6,7 +6,7 @@
 use super::counter_path::CounterPath;
 use super::distribution::Normal;
 use super::stages::StagePath;
-use super::{Noise, NoiseError};
+use super::{DyadicInterval, Halves as _, Noise, NoiseError};
 
 /// Wiener paths from a seed: any step of any path, in any order, always the same.
 ///
@@ -18,15 +18,15 @@ use super::{Noise, NoiseError};
 ///
 /// An increment has variance `h` and never exceeds 9.4926 √h in size.
 ///
-/// As a [`Noise`] it draws and keeps the increments of 32 steps for each of the first 16 processes, so steps in sequence cost least; increments of
-/// further processes are drawn step by step and take no memory. Its only error there is
+/// A source is a value to copy. As a [`Noise`] it draws and keeps the increments of 32 steps for up to four processes, and of four steps for up to 16, so steps in sequence cost least; increments of
+/// further processes are drawn step by step. Its only error there is
 /// [`NoiseError::InvalidStep`], for an `h` that is zero or not finite.
 ///
 /// ```
 /// use sve_runtime::noise::{Noise, Wiener};
 ///
 /// let paths = Wiener::new(42);
-/// let mut path = paths.clone().path(3);
+/// let mut path = paths.path(3);
 /// let mut dw = [0.0; 2];
 /// for step in [0, 1, 1_000_000, 5] {
 ///     path.increments(step, 0.01, &mut dw)?;
@@ -44,7 +44,7 @@ use super::{Noise, NoiseError};
 /// For rules with [stage noise](crate::StageNoise) it draws the same path in more detail: the increments at the stages add up to these.
 ///
 /// Generator: Threefry4x64-13 of Salmon, Moraes, Dror and Shaw (2011); normals by Box and Muller (1958).
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Wiener(
     pub(super) CounterPath<Normal>,
     /// For the stages of Gauss rules.
@@ -58,8 +58,16 @@ impl Wiener {
     }
 
     /// Path number `path` of the same seed.
+    ///
+    /// ```
+    /// use sve_runtime::noise::Wiener;
+    ///
+    /// let paths = Wiener::new(42);
+    /// let [first, second] = [0, 1].map(|k| paths.path(k).increment(0, 0, 0.01));
+    /// assert_ne!(first, second);
+    /// ```
     #[must_use]
-    pub fn path(self, path: u64) -> Self {
+    pub fn path(&self, path: u64) -> Self {
         Self(self.0.path(path), self.1.path(path))
     }
 
@@ -88,5 +96,17 @@ impl Noise for Wiener {
     ) -> Result<(), NoiseError> {
         let Self(whole, higher) = self;
         higher.increments(whole, step, h, stages, dw)
+    }
+
+    fn halves_if_known(
+        &self,
+        interval: DyadicInterval,
+        h: f64,
+        whole: &[f64],
+        left: &mut [f64],
+        right: &mut [f64],
+    ) -> bool {
+        self.halves_of(interval, h, whole, left, right);
+        true
     }
 }

@@ -2,9 +2,10 @@
 
 use crate::error::StepError;
 use crate::noise::NoiseError;
+use crate::readable::debug_is_display;
 
 /// The reason why a study could not be run, or a file of results could not be read.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum StudyError {
     /// A setting that has no sensible default was not given.
@@ -124,3 +125,5 @@ pub enum StudyError {
     #[error("{0}")]
     Io(#[from] std::io::Error),
 }
+
+debug_is_display!(StudyError);

@@ -2,15 +2,19 @@
 //!
 //! Input: a method, a start, a step size and a noise. Output: an iterator over the states. Two options change how a step is made: [`refine`](Trajectory::refine)
 //! wraps the trajectory into an adapter that divides failing steps; [`compensated`](Trajectory::compensated) carries the low parts of the state. The adapter
-//! [`Events`] yields the states at zeros of functions, and ends or changes the trajectory there.
+//! [`Events`] yields the states at zeros of functions, and ends or changes the trajectory there; the adapter [`Saved`] yields every n-th state, or those at given times.
 
 mod compensated;
 mod events;
 mod refined;
+mod saved;
 mod snapshot;
 
 pub use events::Events;
+#[cfg(feature = "ensemble")]
+pub(crate) use refined::Halving;
 pub use refined::{RefinedTrajectory, Refinements};
+pub use saved::Saved;
 pub use snapshot::Snapshot;
 
 use crate::error::StepError;
@@ -21,7 +25,8 @@ use crate::time::{is_next_time, time_after};
 
 /// The states after each step, from [`Method::trajectory`](crate::Method::trajectory).
 ///
-/// Ends after an error, and at the end of a recorded path; otherwise it has no end: `take` as many as needed.
+/// Ends after an error, and at the end of a recorded path; otherwise it has no end: `take` as many as needed, or give a time with [`until`](Self::until).
+/// [`every`](Self::every) and [`at`](Self::at) save some of the states.
 #[derive(Debug)]
 pub struct Trajectory<'a, I: OneStepMethod, W> {
     method: &'a I,
@@ -152,14 +157,9 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         item
     }
 
+    /// Returns the increments of the next step; `None` at the end of a recorded path.
     #[inline(always)]
-    fn advance(
-        &mut self,
-        retry: impl FnOnce(&mut Self, StepError, &I::Increments) -> Result<(), StepError>,
-    ) -> Result<Option<StateOf<I::System>>, StepError> {
-        if self.prepared.is_none() {
-            self.prepare()?;
-        }
+    fn draw(&mut self) -> Result<Option<I::Increments>, StepError> {
         let mut dw = I::Increments::NONE;
         let drawn = match self.method.stages() {
             1 => self.noise.increments(self.step, self.h, dw.as_mut()),
@@ -169,13 +169,26 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
             }
         };
         match drawn {
-            Ok(()) => {}
-            Err(NoiseError::Exhausted { .. }) => return Ok(None),
+            Ok(()) => Ok(Some(dw)),
+            Err(NoiseError::Exhausted { .. }) => Ok(None),
             Err(source) => {
                 let t = self.state.t;
-                return Err(StepError::Noise { t, source });
+                Err(StepError::Noise { t, source })
             }
         }
+    }
+
+    #[inline(always)]
+    fn advance(
+        &mut self,
+        retry: impl FnOnce(&mut Self, StepError, &I::Increments) -> Result<(), StepError>,
+    ) -> Result<Option<StateOf<I::System>>, StepError> {
+        if self.prepared.is_none() {
+            self.prepare()?;
+        }
+        let Some(dw) = self.draw()? else {
+            return Ok(None);
+        };
         let end = time_after(self.start, self.step + 1, self.h);
         let t = self.state.t;
         // The step reports a start time that is not finite.

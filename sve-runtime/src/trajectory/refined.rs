@@ -23,7 +23,7 @@ pub struct Refinements {
 ///
 /// It dereferences to the [`Trajectory`], for its state, snapshot and counts.
 pub struct RefinedTrajectory<'a, I: OneStepMethod, W> {
-    trajectory: Trajectory<'a, I, W>,
+    pub(super) trajectory: Trajectory<'a, I, W>,
     depth: u32,
 }
 
@@ -84,25 +84,39 @@ impl<'a, I: Method, W: Halves> Trajectory<'a, I, W> {
         dw: &I::Increments,
     ) -> Result<(), StepError> {
         let mut state = self.state;
+        let halving = Halving {
+            method: self.method,
+            noise: &self.noise,
+            depth,
+        };
         let whole = DyadicInterval::whole(self.step);
-        let deepest = self.step_in_halves(depth, error, whole, self.h, dw, &mut state)?;
+        let deepest = halving.step(error, whole, self.h, dw, &mut state)?;
         self.state = state;
         self.refinements.steps += 1;
         self.refinements.deepest = self.refinements.deepest.max(deepest);
         Ok(())
     }
+}
 
-    /// Makes the step over an interval, which failed with `error`, in two halves. Returns the number of halvings of the smallest part.
-    fn step_in_halves(
+/// Steps that failed are made in two halves, and each half that fails likewise.
+pub(crate) struct Halving<'a, I, W: ?Sized> {
+    pub(crate) method: &'a I,
+    pub(crate) noise: &'a W,
+    /// Largest number of halvings of a step.
+    pub(crate) depth: u32,
+}
+
+impl<I: Method, W: Halves + ?Sized> Halving<'_, I, W> {
+    /// Makes the step over an interval, which failed with `error`, in two halves. Returns the number of halvings of the smallest part. After an error the state is that between two parts.
+    pub(crate) fn step(
         &self,
-        depth: u32,
         error: StepError,
         interval: DyadicInterval,
         h: f64,
         dw: &I::Increments,
         state: &mut StateOf<I::System>,
     ) -> Result<u32, StepError> {
-        let Some(halves) = interval.halves().filter(|_| interval.level() < depth) else {
+        let Some(halves) = interval.halves().filter(|_| interval.level() < self.depth) else {
             return Err(error);
         };
         let (mut left, mut right) = (*dw, *dw);
@@ -114,7 +128,7 @@ impl<'a, I: Method, W: Halves> Trajectory<'a, I, W> {
         let mut deepest = interval.level() + 1;
         for (half, dw) in halves.into_iter().zip([left, right]) {
             if let Err(error) = self.method.step_prepared(&prepared, state, h, &dw) {
-                let below = self.step_in_halves(depth, error, half, h, &dw, state)?;
+                let below = self.step(error, half, h, &dw, state)?;
                 deepest = deepest.max(below);
             }
         }

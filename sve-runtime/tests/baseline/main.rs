@@ -1,5 +1,6 @@
 //! Baselines and mechanics on systems whose derivatives are written by hand.
 
+mod baoab;
 mod convergence;
 mod failures;
 mod mechanics;

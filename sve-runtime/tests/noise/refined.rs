@@ -271,11 +271,11 @@ fn a_path_is_entered_at_a_step() -> Result<(), NoiseError> {
     }
     let wiener = Wiener::new(11).path(5);
     check(&wiener, 0.1, 50)?;
-    check(&wiener.clone().refine(3)?, 0.1, 50)?;
+    check(&wiener.refine(3)?, 0.1, 50)?;
     check(&ThreePoint::new(11).path(5), 0.1, 50)?;
-    check(&Truncated::new(wiener.clone()).deviations(1.0)?, 0.1, 50)?;
+    check(&Truncated::new(wiener).deviations(1.0)?, 0.1, 50)?;
     check(&NoNoise, 0.1, 50)?;
-    let recorded = Recorded::record(wiener.clone(), 0.1, 3, 50)?;
+    let recorded = Recorded::record(wiener, 0.1, 3, 50)?;
     check(&recorded, 0.1, 50)?;
     check(&&recorded, 0.1, 50)?;
     assert_eq!(
@@ -288,7 +288,7 @@ fn a_path_is_entered_at_a_step() -> Result<(), NoiseError> {
     // the halves of a step are those of the step of the path
     let part = DyadicInterval::whole(2);
     let ([mut left, mut right], [mut other_left, mut other_right]) = ([[0.0; 1]; 2], [[0.0; 1]; 2]);
-    let entered = wiener.clone().from_step(7);
+    let entered = wiener.from_step(7);
     entered.halves_of(part, 0.1, &[0.3], &mut left, &mut right);
     wiener.halves_of(
         DyadicInterval::whole(9),

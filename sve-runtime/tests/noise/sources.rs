@@ -99,6 +99,24 @@ fn wiener_values_are_a_contract() {
     }
 }
 
+/// Results of checkpoints and other machines are merged with new ones, so the bits are a contract too. The hash is FNV-1a on words, over both kinds of blocks.
+/// A change of the bits also changes the version of the increments, which fingerprints of ensembles contain.
+#[test]
+fn the_bits_of_increments_are_a_contract() -> Result<(), NoiseError> {
+    fn hash(mut source: impl Noise) -> Result<u64, NoiseError> {
+        let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+        for step in 0..100 {
+            for dw in draw::<40>(&mut source, step, 0.04)? {
+                hash = (hash ^ dw.to_bits()).wrapping_mul(0x0100_0000_01b3);
+            }
+        }
+        Ok(hash)
+    }
+    assert_eq!(hash(Wiener::new(42).path(7))?, 0xeb93_d5c5_51f4_c346);
+    assert_eq!(hash(ThreePoint::new(42).path(7))?, 0x4d12_5625_8c70_1715);
+    Ok(())
+}
+
 #[test]
 fn three_point_values_are_a_contract() {
     let path = ThreePoint::new(42).path(7);

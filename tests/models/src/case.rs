@@ -82,6 +82,8 @@ pub trait Case {
         h: f64,
         dw: &[Vector],
     ) -> Result<(Vec<Point>, Mask), StepError>;
+    /// The energy of a state in each lane, as the loop over lanes gives it and as the function of a single state does.
+    fn energies(&self, states: &[Point]) -> Vec<[f64; 2]>;
     /// The states of a trajectory.
     fn trajectory<'a>(&'a self, start: &Point, h: f64, noise: Box<dyn Noise + 'a>) -> Path<'a>;
     /// A trajectory after some steps as JSON, which is read back once.
@@ -227,6 +229,22 @@ where
         let left = OneStepMethod::step_lanes(&self.0, &prepared, &typed, &mut next, h, &increments);
         let points = (0..LANES).map(|lane| Point::of(&next.get(lane))).collect();
         Ok((points, left))
+    }
+
+    fn energies(&self, states: &[Point]) -> Vec<[f64; 2]> {
+        let system = self.0.system();
+        let mut typed = StateLanes::splat(&State::new([0.0; N], [0.0; N]));
+        for (lane, state) in states.iter().enumerate() {
+            typed.set(lane, &state.state());
+        }
+        let mut energies = [0.0; LANES];
+        system.energy_lanes(&typed, &mut energies);
+        let alone = |state: &Point| system.hamiltonian(&state.state()).unwrap_or(f64::NAN);
+        energies
+            .into_iter()
+            .zip(states)
+            .map(|(e, state)| [e, alone(state)])
+            .collect()
     }
 
     fn trajectory<'a>(&'a self, start: &Point, h: f64, noise: Box<dyn Noise + 'a>) -> Path<'a> {

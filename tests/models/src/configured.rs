@@ -5,8 +5,8 @@ use std::marker::PhantomData;
 use sve_runtime::__private::Mask;
 use sve_runtime::nalgebra::DMatrix;
 use sve_runtime::{
-    Dimensions, Dims, Discretised, IncrementLanesOf, Newton, Plan, State, StateLanesOf, StepError,
-    System, VectorCoordinates, VectorOf,
+    Dimensions, Dims, Discretised, IncrementLanesOf, Lane, Newton, Plan, State, StateLanesOf,
+    StepError, System, VectorCoordinates, VectorOf,
 };
 
 /// The system `S` with configurations of the type `Q`.
@@ -68,6 +68,10 @@ where
         v: &VectorOf<Self>,
     ) -> <Self::Dims as Dimensions>::ForceJet {
         self.0.force_jet(t, q, v)
+    }
+
+    fn energy_lanes(&self, states: &StateLanesOf<Self>, energies: &mut Lane) {
+        self.0.energy_lanes(states, energies);
     }
 }
 

@@ -211,7 +211,7 @@ where
     }
 
     fn velocity(&self, t: f64, q: &[f64], p: &[f64]) -> Vector {
-        let velocity = self.0.velocity_at(t, array(q), array(p));
+        let velocity = self.0.velocity(&State::at(t, array(q), array(p)));
         velocity.expect("a regular point").to_vec()
     }
 

@@ -14,10 +14,10 @@ fn mechanics_returns_the_types_of_the_configuration() {
     fn check<Q: Six>() {
         let (own, other) = (system::<Q>(), system::<[f64; 6]>());
         let State { t, q, p } = state::<Q, 6>(&START);
-        let v = own.velocity_at(t, q, p).unwrap();
+        let v = own.velocity(&State::at(t, q, p)).unwrap();
         assert_eq!(
             Q::components(&v),
-            other.velocity_at(t, START.q, START.p).unwrap()
+            other.velocity(&State::at(t, START.q, START.p)).unwrap()
         );
         let momentum = own.momentum_at(t, q, v);
         let expected = other.momentum_at(t, START.q, Q::components(&v));
@@ -44,7 +44,7 @@ fn mechanics_returns_the_types_of_the_configuration() {
     let q = Vector2::new(0.3, -0.2);
     let v = Vector2::new(1.0, 2.0);
     let p: Vector2<f64> = vectors.momentum(q, v);
-    assert!((vectors.velocity(q, p).unwrap() - v).norm() < 1e-15);
+    assert!((vectors.velocity(&State::new(q, p)).unwrap() - v).norm() < 1e-15);
 }
 
 #[test]

@@ -39,7 +39,7 @@ where
     S: System<Dims = Dims<N, M, Q>>,
     Q: VectorCoordinates<N>,
 {
-    let velocity = system.velocity_at(state.t, state.q, state.p).unwrap();
+    let velocity = system.velocity(state).unwrap();
     let v = Q::components(&velocity);
     let [mut phi, mut psi] = [0.0f64; 2];
     system.constraint_jets(state.t, &state.q.coordinates(), &mut |jet| {

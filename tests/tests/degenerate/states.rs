@@ -39,7 +39,7 @@ fn energies_and_velocities_follow_from_the_two_form() {
     let energy = 2.5 - 2.0f64.ln() - 2.0 * 0.5f64.ln();
     assert!((LotkaVolterra.hamiltonian(&state).unwrap() - energy).abs() < 1e-15);
     // x' = x (y − 2), y' = y (1 − x) up to the sign of time
-    let [vx, vy] = LotkaVolterra.velocity(state.q, state.p).unwrap();
+    let [vx, vy] = LotkaVolterra.velocity(&state).unwrap();
     assert!((vx - 2.0 * (0.5 - 2.0)).abs() < 1e-14, "{vx}");
     assert!((vy - 0.5 * (1.0 - 2.0)).abs() < 1e-14, "{vy}");
     // the drift is tangent to p = α(q)
@@ -71,7 +71,7 @@ fn velocities_are_those_of_short_steps() {
         middle.step(end, h, &[0.0; 2]).unwrap();
         assert!((system.hamiltonian(end).unwrap() - energy).abs() < 1e-12);
     }
-    let velocity = system.velocity(state.q, state.p).unwrap();
+    let velocity = system.velocity(&state).unwrap();
     let drift = system.drift(&state).unwrap();
     for i in 0..3 {
         let difference = (ends[0].q[i] - ends[1].q[i]) / (2.0 * h);
@@ -88,7 +88,7 @@ fn velocities_are_those_of_short_steps() {
             .step(end, h, &[0.0; 2])
             .unwrap();
     }
-    let velocity = joint.velocity(state.q, state.p).unwrap();
+    let velocity = joint.velocity(&state).unwrap();
     assert_eq!(velocity[0], 0.7);
     for i in 0..2 {
         let difference = (ends[0].q[i] - ends[1].q[i]) / (2.0 * h);
@@ -117,10 +117,7 @@ fn momenta_that_are_not_those_of_the_configuration_are_errors() {
                 assert!(message.contains("State::from_configuration"), "{message}");
                 assert_eq!(state, before);
                 error!(system.hamiltonian(&state), StepError::Inconsistent { .. });
-                error!(
-                    system.velocity(state.q, state.p),
-                    StepError::Inconsistent { .. }
-                );
+                error!(system.velocity(&state), StepError::Inconsistent { .. });
                 error!(system.drift(&state), StepError::Inconsistent { .. });
             }
         }
@@ -161,10 +158,7 @@ fn a_singular_two_form_is_an_error_with_its_numbers() {
     );
     assert_eq!(state, before);
     assert!(error.to_string().contains("Dαᵀ − Dα"), "{error}");
-    error!(
-        pair.velocity(state.q, state.p),
-        StepError::SingularForm { .. }
-    );
+    error!(pair.velocity(&state), StepError::SingularForm { .. });
 }
 
 #[test]

@@ -34,7 +34,7 @@ fn solutions_outside_of_the_domain_are_none() {
                 assert_near(found, expected, 2.0 * h * h);
             }
         }
-        assert!((Logarithmic.velocity([0.3], [p]).unwrap()[0] - v).abs() < 1e-14);
+        assert!((Logarithmic.velocity(&State::new([0.3], [p])).unwrap()[0] - v).abs() < 1e-14);
     }
 }
 
@@ -129,23 +129,27 @@ impl Entropic {
 fn the_legendre_transform_is_followed() {
     for v in [-3.0_f64, 0.1, 5.0, 50.0, 300.0] {
         assert_near(
-            [CoshKinetic.velocity([0.0], [v.sinh()]).unwrap()[0]; 2],
+            [CoshKinetic
+                .velocity(&State::new([0.0], [v.sinh()]))
+                .unwrap()[0]; 2],
             [v; 2],
             1e-14,
         );
         assert_near(
-            [Exponential.velocity([0.0], [v.exp()]).unwrap()[0]; 2],
+            [Exponential.velocity(&State::new([0.0], [v.exp()])).unwrap()[0]; 2],
             [v; 2],
             1e-14,
         );
         assert_near(
-            [Entropic.velocity([0.1], [v.abs().ln() + 1.0]).unwrap()[0]; 2],
+            [Entropic
+                .velocity(&State::new([0.1], [v.abs().ln() + 1.0]))
+                .unwrap()[0]; 2],
             [v.abs(); 2],
             1e-13,
         );
     }
     // no velocity has a negative momentum
-    assert!(Exponential.velocity([0.0], [-1.0]).is_err());
+    assert!(Exponential.velocity(&State::new([0.0], [-1.0])).is_err());
     let h = 1e-2;
     let [q, p] = end(
         &Integrator::new(Exponential, Midpoint),

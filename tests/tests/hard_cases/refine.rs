@@ -46,7 +46,7 @@ fn a_path_goes_on_and_is_repeatable() {
 fn parts_are_those_of_the_bridge() {
     let midpoint = system();
     let noise = Wiener::new(1);
-    let mut path = midpoint.trajectory(start(), H, noise.clone()).refine(1);
+    let mut path = midpoint.trajectory(start(), H, noise).refine(1);
     let mut state = start();
     let mut refined = 0;
     for step in 0.. {

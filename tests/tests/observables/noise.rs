@@ -15,15 +15,12 @@ fn sections_can_be_replayed() {
         let section = path.crossings(|_, s| s.q[0]).angle();
         section.stop_at(|_, s| s.t - 150.0).map(Result::unwrap)
     };
-    let all: Vec<_> = section(noise.clone()).collect();
-    assert!(
-        all.iter()
-            .eq(section(noise.clone()).collect::<Vec<_>>().iter())
-    );
+    let all: Vec<_> = section(noise).collect();
+    assert!(all.iter().eq(section(noise).collect::<Vec<_>>().iter()));
     assert_ne!(all, section(Wiener::new(11).path(4)).collect::<Vec<_>>());
     // another function beside it does not move the path
     let beside = motion
-        .trajectory(start, h, noise.clone())
+        .trajectory(start, h, noise)
         .crossings(|_, s| s.q[0])
         .angle()
         .samples(3)
@@ -35,7 +32,7 @@ fn sections_can_be_replayed() {
         assert!(near.fold(f64::INFINITY, f64::min) < 0.1 * h);
     }
     // entered at a step, with the increments from there on
-    let mut path = motion.trajectory(start, h, noise.clone());
+    let mut path = motion.trajectory(start, h, noise);
     let middle = path.nth(99).unwrap().unwrap();
     let later = all.iter().filter(|s| s.t > middle.t);
     let entered = motion
@@ -54,7 +51,7 @@ fn sections_can_be_replayed() {
 /// The path of q = W at the times of the refined path.
 fn refined_path(noise: &Wiener, h: f64, depth: u32, steps: usize) -> Vec<f64> {
     let fine_h = h / f64::from(1_u32 << depth);
-    let fine = noise.clone().refine(depth).unwrap();
+    let fine = noise.refine(depth).unwrap();
     let fine = Recorded::record(fine, fine_h, 1, steps << depth).unwrap();
     let mut sums = vec![0.0];
     for k in 0..fine.len() {
@@ -75,7 +72,7 @@ fn the_path_within_a_step_is_the_refined_path() {
         let noise = Wiener::new(8).path(number);
         let fine = refined_path(&noise, h, depth, steps);
         for k in [1_u16, 37, 512, 1500, 3071] {
-            let path = motion.trajectory(start, h, noise.clone());
+            let path = motion.trajectory(start, h, noise);
             let at = path.stop_at(|_, s| s.t - f64::from(k) * fine_h).last();
             let at = at.unwrap().unwrap();
             assert!(
@@ -84,7 +81,7 @@ fn the_path_within_a_step_is_the_refined_path() {
                 fine[usize::from(k)]
             );
             // the refined source knows the same path within its shorter steps
-            let refined = noise.clone().refine(3).unwrap();
+            let refined = noise.refine(3).unwrap();
             let path = motion.trajectory(start, h / 8.0, refined);
             let at = path.stop_at(|_, s| s.t - f64::from(k) * fine_h).last();
             let at = at.unwrap().unwrap();

@@ -165,7 +165,7 @@ fn the_energy_of_a_heavy_top_does_not_drift() {
 fn mechanics_of_a_body() {
     let system = top();
     let state = body();
-    let w = system.velocity(state.q, state.p).unwrap();
+    let w = system.velocity(&state).unwrap();
     assert!((w - state.p.component_div(&I)).norm() < 1e-15);
     let matrix = state.q.to_rotation_matrix();
     let energy = state.p.dot(&w) - system.lagrangian(matrix, w);

@@ -243,7 +243,7 @@ fn pole_of_the_spherical_pendulum() {
     singular(Taylor2);
 
     let error = spherical_pendulum()
-        .velocity([0.0, 0.3], [0.0, 0.5])
+        .velocity(&State::new([0.0, 0.3], [0.0, 0.5]))
         .unwrap_err();
     assert!(
         matches!(error, StepError::Singular { h: 0.0, .. }),

@@ -28,7 +28,7 @@ fn near(x: f64, y: f64) -> bool {
 #[test]
 fn the_velocity_is_the_cube_root() {
     for (q, p) in STARTS {
-        let v = QuarticKinetic.velocity([q], [p]).unwrap()[0];
+        let v = QuarticKinetic.velocity(&State::new([q], [p])).unwrap()[0];
         assert!(near(v, p.cbrt()), "{v} for p = {p}");
         let energy = QuarticKinetic.hamiltonian(&State::new([q], [p])).unwrap();
         assert!(near(energy, 0.75 * p.cbrt().powi(4) + 0.5 * q * q));

@@ -47,10 +47,8 @@ fn what_is_carried_is_stored_too() {
     let oscillator = Integrator::new(oscillator(), Endpoint);
     let start = State::at(0.3, [1.0], [0.2]);
     let noise = Wiener::new(8);
-    let mut whole = oscillator
-        .trajectory(start, 1e-3, noise.clone())
-        .compensated();
-    let mut plain = oscillator.trajectory(start, 1e-3, noise.clone());
+    let mut whole = oscillator.trajectory(start, 1e-3, noise).compensated();
+    let mut plain = oscillator.trajectory(start, 1e-3, noise);
     (0..1000).for_each(|_| drop((whole.next(), plain.next())));
     let text = serde_json::to_string(&whole.snapshot()).unwrap();
     let snapshot: Snapshot<State<[f64; 1]>> = serde_json::from_str(&text).unwrap();
@@ -58,13 +56,13 @@ fn what_is_carried_is_stored_too() {
         (snapshot.step(), snapshot.h(), snapshot.state()),
         (1000, 1e-3, whole.state())
     );
-    let mut rest = oscillator.resume(snapshot.clone(), noise.clone()).unwrap();
+    let mut rest = oscillator.resume(snapshot.clone(), noise).unwrap();
     // said again, it is the same
     let mut again = oscillator
-        .resume(snapshot.clone(), noise.clone())
+        .resume(snapshot.clone(), noise)
         .unwrap()
         .compensated();
-    let mut without = oscillator.trajectory(*whole.state(), 1e-3, noise.clone().from_step(1000));
+    let mut without = oscillator.trajectory(*whole.state(), 1e-3, noise.from_step(1000));
     let mut differs = false;
     for _ in 0..1000 {
         let state = whole.next().unwrap().unwrap();
@@ -75,7 +73,7 @@ fn what_is_carried_is_stored_too() {
     assert!(differs, "the low parts matter");
     assert_eq!(rest.snapshot(), whole.snapshot());
     let error = EulerMaruyama::new(sve_models::oracle::oscillator())
-        .resume(snapshot, noise.clone())
+        .resume(snapshot, noise)
         .err();
     assert_eq!(error, Some(StepError::Uncompensated { t: 1.3 }));
 

@@ -1,6 +1,7 @@
 //! A trajectory has the bits of repeated steps. Its times are rounded once, and it ends at an error or at the end of its noise.
 
 mod continued;
+mod saved;
 
 use sve_models::case::Case;
 use sve_models::oracle::{cases, kubo, mixed, oscillator, pendulum};
@@ -15,7 +16,7 @@ fn trajectory_is_the_repeated_step(case: &dyn Case, random: &mut Random) {
     let noise = Wiener::new(3).path(4);
     let prepared = case.prepared(h).unwrap();
     let (mut prepared_state, mut plain_state) = (start.clone(), start.clone());
-    let path = case.trajectory(&start, h, Box::new(noise.clone()));
+    let path = case.trajectory(&start, h, Box::new(noise));
     for (k, state) in (0..50_u32).zip(path) {
         let state = state.unwrap();
         let increment = |i| noise.increment(u64::from(k), i, h);

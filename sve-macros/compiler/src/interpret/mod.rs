@@ -17,6 +17,7 @@ mod helpers;
 mod indices;
 mod integers;
 mod matrices;
+mod names;
 mod operators;
 mod pattern;
 mod places;

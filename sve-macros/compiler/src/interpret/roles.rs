@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use syn::spanned::Spanned;
 
+use super::names::names;
 use super::results::{Mismatch, components};
 use super::types::Shape;
 use super::value::Value;
@@ -73,6 +74,7 @@ impl Lowering<'_> {
         let attitude = self.symbols.declare_all(parameters, Meaning::Attitude);
         self.symbols.configuration = configuration;
         let velocities: Vec<Shape> = shapes.iter().map(Shape::velocity).collect();
+        let names = names(function, &shapes, !block.arguments.is_reduced);
         let space = Space { shapes, velocities };
 
         let result = self.run(function, &space, time, &[&q, &v]);
@@ -121,6 +123,7 @@ impl Lowering<'_> {
             v,
             p,
             attitude,
+            names,
             lagrangian: lagrangian?,
             degeneracy: None,
             noises,

@@ -208,6 +208,13 @@ pub(crate) struct Constraint {
     pub(crate) value: Expr,
 }
 
+/// The names of the numbers that a state stores.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct CoordinateNames {
+    pub(crate) configuration: Vec<String>,
+    pub(crate) momenta: Vec<String>,
+}
+
 /// The meanings of all symbols, indexed by symbol.
 #[derive(Clone, Default)]
 pub(crate) struct Symbols {
@@ -289,6 +296,7 @@ pub(crate) struct Model {
     pub(crate) p: Vec<Symbol>,
     /// The parameters of rotations, see [`on_rotations`](Self::on_rotations).
     pub(crate) attitude: Vec<Symbol>,
+    pub(crate) names: CoordinateNames,
     pub(crate) lagrangian: Expr,
     /// What L is if it does not determine every velocity; known after the stage `system`.
     pub(crate) degeneracy: Option<Degeneracy>,

@@ -2,6 +2,7 @@
 
 mod absent;
 mod costs;
+mod energy;
 mod entries;
 mod factors;
 mod growth;

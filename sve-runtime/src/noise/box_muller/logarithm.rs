@@ -111,7 +111,7 @@ impl Uniform {
         // In this order the terms are rounded before the large one is added.
         e.mul_add(
             -2.0 * LN_2 / EXPONENT_UNIT,
-            r.mul_add(polynomial8(r), two_ln_c),
+            r.mul_add(super::polynomial(&POLYNOMIAL, r), two_ln_c),
         )
     }
 }
@@ -169,14 +169,4 @@ fn permute<const L: usize>(entries: &[u64; L], rows: &mut [[f64; L]; 2]) {
             }
         }
     }
-}
-
-/// Evaluates the polynomial, as [`polynomial7`](super::polynomial7) does.
-#[inline(always)]
-fn polynomial8(r: f64) -> f64 {
-    let c = &POLYNOMIAL;
-    let y = r * r;
-    let odd = y.mul_add(y.mul_add(y.mul_add(c[7], c[5]), c[3]), c[1]);
-    let even = y.mul_add(y.mul_add(c[6], c[4]), c[2]);
-    r.mul_add(r.mul_add(even, odd), c[0])
 }

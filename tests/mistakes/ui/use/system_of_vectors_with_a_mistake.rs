@@ -34,7 +34,7 @@ fn main() -> Result<(), StepError> {
     let beads = Integrator::new(Beads, Midpoint);
     let mut state = State::new([Vector3::x(); 2], [Vector3::y(); 2]);
     beads.step(&mut state, 0.1, &[])?;
-    let velocity: [Vector3<f64>; 2] = beads.system().velocity(state.q, state.p)?;
+    let velocity: [Vector3<f64>; 2] = beads.system().velocity(&state)?;
     println!("{velocity:?}");
     Ok(())
 }

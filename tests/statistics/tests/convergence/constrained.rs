@@ -1,7 +1,7 @@
 //! Strong orders of steps with constraints: one table of system, rule, noise and expected order, with the columns of `strong_order.rs`.
 //!
-//! References are exact paths, paths of the same system in angles, or paths with finer steps. The expected order lies within two standard errors
-//! of the slope, and the standard error is at most 0.03.
+//! References are exact paths, paths of the same system in angles, or paths with finer steps. The expected order lies within four standard errors
+//! of the slope, and the standard error is at most 0.03. Two standard errors would leave one row in twenty off by chance.
 
 use sve_models::models::{Curved, Ellipsoid, OnSphere, TurnedSphere, TwoRods};
 use sve_runtime::prelude::*;
@@ -147,7 +147,7 @@ fn line(system: &str, rule: &str, noise: &str, expected: f64, batches: &[Vec<f64
         "{system} by {rule}: standard error {error}"
     );
     assert!(
-        (order - expected).abs() <= 2.0 * error,
+        (order - expected).abs() <= 4.0 * error,
         "{system} by {rule}: order {order} ± {error}, expected {expected}"
     );
 }
@@ -314,7 +314,7 @@ fn rods_against_angles() {
     let from = State::new([a, b], angles.system().momentum([a, b], rates));
     let exact = |_: State<[f64; 4]>, path: &Recorded| {
         let end = end(&angles, from, path);
-        cartesian(end.q, angles.system().velocity(end.q, end.p).unwrap())
+        cartesian(end.q, angles.system().velocity(&end).unwrap())
     };
     all_rules(&rods, "two γ, in angles", start, FINE, exact);
 }

@@ -11,7 +11,7 @@ const BATCHES: usize = 16;
 const SEED: u64 = 2026;
 
 /// Standard errors of a slope that are accepted.
-const SIGMAS: f64 = 2.0;
+const SIGMAS: f64 = 4.0;
 
 /// Largest standard error of a slope.
 const LARGEST_ERROR: f64 = 0.03;

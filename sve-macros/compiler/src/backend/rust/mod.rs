@@ -3,6 +3,7 @@
 mod calls;
 mod code;
 mod configuration;
+mod energy;
 mod factors;
 mod gauss;
 mod identity;

@@ -4,6 +4,7 @@ use proc_macro2::{Literal, Span, TokenStream};
 use quote::{quote, quote_spanned};
 
 use super::configuration::{Received, received, written};
+use super::energy::energy_lanes;
 use super::identity::identity;
 use super::straight::{Straight, rows};
 use super::{Context, attributes, documented, private};
@@ -11,6 +12,7 @@ use crate::algebra::{Arena, Expr};
 use crate::explain::SystemTexts;
 use crate::syntax::parse::Annotated;
 use crate::system::degeneracy::{Degeneracy, Role};
+use crate::system::energy::Energy;
 use crate::system::mechanics::{ConstraintJet, ForceJet, LagrangianJet, Mechanics, NoiseJet};
 use crate::system::model::{Model, Symbols};
 
@@ -18,6 +20,7 @@ pub(crate) fn system(
     block: &Annotated,
     model: &Model,
     mechanics: &Mechanics,
+    energy: Option<&Energy>,
     about: &SystemTexts,
     arena: &Arena,
 ) -> TokenStream {
@@ -56,10 +59,12 @@ pub(crate) fn system(
     let force = force
         .as_ref()
         .map(|jet| force_jet(&private, jet, &received, &model.symbols, arena));
+    let energy = energy.and_then(|energy| energy_lanes(energy, model, &private, arena));
     let constraints = constraint_jets(&private, model, mechanics, arena);
     let identity = identity(model, arena, &private);
     let roles = model.degeneracy.as_ref().map(|d| roles(d, &private));
     let parameters = model.symbols.parameters().map(|s| model.symbols.source(s));
+    let (coordinates, momenta) = (&model.names.configuration, &model.names.momenta);
     // the user's functions are not called by what is derived from them, and yet are not dead
     let parts = [
         &block.noises,
@@ -84,6 +89,8 @@ pub(crate) fn system(
             const AFFINE_MOMENTUM: bool = #affine_momentum;
             #roles
             const PARAMETERS: &'static [&'static str] = &[#(#parameters),*];
+            const COORDINATES: &'static [&'static str] = &[#(#coordinates),*];
+            const MOMENTA: &'static [&'static str] = &[#(#momenta),*];
             #identity
             #jet_doc
             #[inline]
@@ -99,6 +106,7 @@ pub(crate) fn system(
             }
             #force
             #constraints
+            #energy
         }
         #separable
         #quadratic

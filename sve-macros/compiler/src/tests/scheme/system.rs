@@ -8,7 +8,7 @@ use crate::algebra::tests::recipe::{Make, Random, build, evaluate, grow};
 use crate::algebra::{Arena, Symbol};
 use crate::rules::Rule;
 use crate::system::configuration::{Configuration, Factor};
-use crate::system::model::{Meaning, Model, NoiseTerm, Symbols};
+use crate::system::model::{CoordinateNames, Meaning, Model, NoiseTerm, Symbols};
 
 /// `L = Σ v_i² m/2 + a part of any form`, and noises of any form.
 #[derive(Debug)]
@@ -112,6 +112,7 @@ impl System {
         Model {
             degeneracy: None,
             constants: Vec::new(),
+            names: CoordinateNames::default(),
             symbols,
             time,
             q,

@@ -1,25 +1,16 @@
-//! The statistics of a summary as an array of `NumPy`.
+//! Tables as arrays of `NumPy`.
 //!
-//! Input: a [`Summary`]. Output: a one-dimensional structured array, a record for each recorded time.
+//! Input: a table. Output: a one-dimensional structured array, a record for each row.
 //! Invariant: little-endian on every machine; the data start at a multiple of 64 bytes.
 //!
 //! Source: the format as `NumPy` documents it, `numpy.lib.format`, versions 1.0 and, for names beyond ASCII, 3.0.
 
 use std::io::{self, Write};
-use std::path::Path;
 
-use super::Summary;
-use super::csv::Values;
+use super::{Table, Values};
 
-impl Summary {
-    /// Writes the statistics as a structured array of `NumPy`: `numpy.load("x.npy")["energy_mean"]`.
-    ///
-    /// Its fields are the columns of [`write_csv`](Self::write_csv); a number that does not exist is NaN.
-    ///
-    /// # Errors
-    /// The errors of the writer.
-    pub fn write_npy(&self, mut to: impl Write) -> io::Result<()> {
-        let columns = self.columns();
+impl Table {
+    pub(crate) fn write_npy(&self, mut to: impl Write) -> io::Result<()> {
         let field = |(name, values): &(String, Values)| {
             let kind = match values {
                 Values::Counts(_) => "<u8",
@@ -27,13 +18,13 @@ impl Summary {
             };
             format!("({}, '{kind}'), ", literal(name))
         };
-        let fields: String = columns.iter().map(field).collect();
-        let rows = self.times().len();
+        let fields: String = self.columns.iter().map(field).collect();
+        let rows = self.rows();
         let header =
             format!("{{'descr': [{fields}], 'fortran_order': False, 'shape': ({rows},), }}");
         to.write_all(&preamble(&header))?;
         for row in 0..rows {
-            for (_, values) in &columns {
+            for (_, values) in &self.columns {
                 match values {
                     Values::Counts(counts) => to.write_all(&counts[row].to_le_bytes())?,
                     Values::Numbers(numbers) => to.write_all(&numbers[row].to_le_bytes())?,
@@ -41,15 +32,6 @@ impl Summary {
             }
         }
         to.flush()
-    }
-
-    /// Writes the statistics as an array of `NumPy` into a file; see [`write_npy`](Self::write_npy). The file is complete or not
-    /// written at all: it replaces an existing one atomically.
-    ///
-    /// # Errors
-    /// If the file cannot be written; the error names its path, and nothing of the file remains.
-    pub fn to_npy(&self, path: impl AsRef<Path>) -> io::Result<()> {
-        crate::file::write(path.as_ref(), |file| self.write_npy(file))
     }
 }
 

@@ -1,9 +1,8 @@
-//! The statistics of a summary as Parquet.
+//! Tables as Parquet.
 //!
-//! Input: a [`Summary`]. Output: a file of one row group, whose columns are those of the CSV table.
+//! Input: a table. Output: a file of one row group, whose columns are those of the CSV table.
 
 use std::io::{self, Write};
-use std::path::Path;
 use std::sync::Arc;
 
 use ::parquet::basic::{LogicalType, Repetition, Type as Physical};
@@ -13,36 +12,20 @@ use ::parquet::file::properties::WriterProperties;
 use ::parquet::file::writer::SerializedFileWriter;
 use ::parquet::schema::types::{Type, TypePtr};
 
-use super::Summary;
-use super::csv::Values;
+use super::{Table, Values};
 
-impl Summary {
-    /// Writes the statistics as Parquet: a row for each recorded time, with the columns of [`write_csv`](Self::write_csv), all of them
-    /// required; a number that does not exist is NaN.
-    ///
-    /// # Errors
-    /// The errors of the writer.
-    pub fn write_parquet(&self, to: impl Write + Send) -> io::Result<()> {
-        self.table(to).map_err(io::Error::other)
+impl Table {
+    pub(crate) fn write_parquet(&self, to: impl Write + Send) -> io::Result<()> {
+        self.write_group(to).map_err(io::Error::other)
     }
 
-    /// Writes the statistics as Parquet into a file; see [`write_parquet`](Self::write_parquet). The file is complete or not
-    /// written at all: it replaces an existing one atomically.
-    ///
-    /// # Errors
-    /// If the file cannot be written; the error names its path, and nothing of the file remains.
-    pub fn to_parquet(&self, path: impl AsRef<Path>) -> io::Result<()> {
-        crate::file::write(path.as_ref(), |file| self.write_parquet(file))
-    }
-
-    fn table(&self, to: impl Write + Send) -> Result<(), ParquetError> {
-        let columns = self.columns();
-        let fields = columns.iter().map(field).collect::<Result<_, _>>()?;
-        let schema = Type::group_type_builder("summary").with_fields(fields);
+    fn write_group(&self, to: impl Write + Send) -> Result<(), ParquetError> {
+        let fields = self.columns.iter().map(field).collect::<Result<_, _>>()?;
+        let schema = Type::group_type_builder(self.name).with_fields(fields);
         let properties = Arc::new(WriterProperties::builder().build());
         let mut file = SerializedFileWriter::new(to, Arc::new(schema.build()?), properties)?;
         let mut group = file.next_row_group()?;
-        for (_, values) in &columns {
+        for (_, values) in &self.columns {
             let Some(mut column) = group.next_column()? else {
                 break;
             };

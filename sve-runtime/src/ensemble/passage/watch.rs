@@ -1,0 +1,182 @@
+//! The watch for passages: the signs of functions after each step, in the lanes of the tiles.
+//!
+//! Input: the tiles after a step. Output: the passages within the step, and the lanes that stop. Invariant: a function counts once for each path.
+
+use super::counts::{End, Passage};
+use super::search::{Crossing, Zero};
+use crate::configuration::Coordinates;
+use crate::error::StepError;
+use crate::lanes::{LANES, Lane, Mask};
+use crate::method::Method;
+use crate::state::State;
+use crate::system::{Dimensions, Dims, System};
+
+use super::super::Ensemble;
+use super::super::failure::Cause;
+use super::super::memory::{LastStep, crosses, not_finite_cause};
+use super::super::observe::not_finite;
+use super::super::path_block::PathBlock;
+use super::super::tile::{Place, lanes};
+
+/// What is known of each function in the tiles of a block.
+pub(in super::super) struct PassageWatch {
+    functions: Vec<Watched>,
+    pub(in super::super) passages: Vec<Passage>,
+}
+
+/// The values of a function in the tiles of a block.
+struct Watched {
+    /// After the last step but one.
+    before: Vec<Lane>,
+    /// After the last step.
+    now: Vec<Lane>,
+    /// Lanes whose paths have passed.
+    passed: Vec<Mask>,
+}
+
+/// A zero of a function, with its number.
+type Found<Q> = (usize, Zero<State<Q>>);
+
+impl PassageWatch {
+    /// The watch over so many tiles before their start.
+    pub(in super::super) fn new<I: Method>(ensemble: &Ensemble<'_, I>, tiles: usize) -> Self {
+        let functions = ensemble.passages.iter().map(|_| Watched {
+            before: vec![[0.0; LANES]; tiles],
+            now: vec![[0.0; LANES]; tiles],
+            passed: vec![0; tiles],
+        });
+        Self {
+            functions: functions.collect(),
+            passages: Vec::new(),
+        }
+    }
+
+    pub(in super::super) fn is_empty(&self) -> bool {
+        self.functions.is_empty()
+    }
+
+    /// Moves what is known of a path to another lane.
+    pub(in super::super) fn move_lane(&mut self, from: Place, to: Place) {
+        for Watched {
+            before,
+            now,
+            passed,
+        } in &mut self.functions
+        {
+            before[to.tile][to.lane] = before[from.tile][from.lane];
+            now[to.tile][to.lane] = now[from.tile][from.lane];
+            let has_passed = passed[from.tile] >> from.lane & 1;
+            passed[to.tile] = passed[to.tile] & !(1 << to.lane) | has_passed << to.lane;
+        }
+    }
+}
+
+impl<I, S, Q, const N: usize, const M: usize> PathBlock<'_, I, N, M>
+where
+    I: Method<System = S>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    /// Records the passages of the paths of a tile within their last step. Returns the lanes that stop; their states are those at the zeros, and `last` has the lengths of their last steps.
+    pub(in super::super) fn find_passages(&mut self, tile: usize, last: &mut LastStep) -> Mask {
+        let ensemble = self.settings.ensemble;
+        let mut crossed = 0;
+        for (number, passage) in ensemble.passages.iter().enumerate() {
+            let system = ensemble.method.system();
+            let watched = &mut self.watch.functions[number];
+            watched.before[tile] = watched.now[tile];
+            let now = &mut watched.now[tile];
+            let states = self.tiles[tile].states();
+            passage.function.tile(system, states, now);
+            let failed = not_finite(now) & self.tiles[tile].active;
+            if last.number > 0 {
+                crossed |= crossings(&watched.before[tile], now) & !watched.passed[tile];
+            }
+            for lane in lanes(failed) {
+                let state = S::Dims::get(self.tiles[tile].states(), lane);
+                let value = passage.function.value(system, &state);
+                let cause = not_finite_cause(&passage.name, value);
+                self.fail(tile, lane, last.number, cause);
+            }
+        }
+        let mut stopped = 0;
+        for lane in lanes(crossed & self.tiles[tile].active) {
+            match self.zeros(tile, lane) {
+                Ok(zeros) => {
+                    if let Some(fraction) = self.pass(Place { tile, lane }, zeros, last.number) {
+                        last.lengths[lane] = fraction * self.settings.h;
+                        stopped |= 1 << lane;
+                    }
+                }
+                Err(error) => self.fail(tile, lane, last.number - 1, Cause::Step(error)),
+            }
+        }
+        stopped
+    }
+
+    /// Returns the first zeros of the functions that change their sign in the last step of a path and have not done so before, with the numbers of the functions, in the order of time.
+    #[cold]
+    fn zeros(&self, tile: usize, lane: usize) -> Result<Vec<Found<Q>>, StepError> {
+        let settings = &self.settings;
+        let path = self.tiles[tile].paths[lane];
+        let Some(noise) = settings.noise.within_steps(path) else {
+            return Ok(Vec::new());
+        };
+        let step = self.step - 1;
+        let crossing = Crossing {
+            method: settings.ensemble.method,
+            noise: &*noise,
+            step,
+            h: settings.h,
+            before: S::Dims::get(self.tiles[tile].states_before(), lane),
+            whole: self
+                .increments_of(tile, step)
+                .0
+                .map(|process| process[lane]),
+        };
+        let mut zeros = Vec::new();
+        for (number, watched) in self.watch.functions.iter().enumerate() {
+            let values = [watched.before[tile][lane], watched.now[tile][lane]];
+            if watched.passed[tile] >> lane & 1 == 0 && crosses(values[0], values[1]) {
+                let function = &settings.ensemble.passages[number].function;
+                zeros.push((number, crossing.first_zero(number, &**function, values)?));
+            }
+        }
+        zeros.sort_by(|(_, a), (_, b)| a.fraction.total_cmp(&b.fraction));
+        Ok(zeros)
+    }
+
+    /// Records the passages of a path within its last step, until the first one that stops it. Returns the part of the step that the path then has made.
+    fn pass(
+        &mut self,
+        Place { tile, lane }: Place,
+        zeros: Vec<Found<Q>>,
+        step: u64,
+    ) -> Option<f64> {
+        let path = self.tiles[tile].paths[lane];
+        for (function, Zero { fraction, state }) in zeros {
+            let stops = self.settings.ensemble.passages[function].stops;
+            let t = state.t;
+            self.watch.passages.push(Passage {
+                end: End { path, step, t },
+                function,
+                stops,
+            });
+            self.watch.functions[function].passed[tile] |= 1 << lane;
+            if stops {
+                S::Dims::set(self.tiles[tile].states_mut(), lane, &state);
+                return Some(fraction);
+            }
+        }
+        None
+    }
+}
+
+/// Returns the lanes in which a function changes its sign.
+fn crossings(before: &Lane, now: &Lane) -> Mask {
+    let mut mask = 0;
+    for lane in 0..LANES {
+        mask |= Mask::from(crosses(before[lane], now[lane])) << lane;
+    }
+    mask
+}

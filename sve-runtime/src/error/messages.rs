@@ -1,0 +1,58 @@
+//! Messages of errors that depend on their numbers.
+
+/// The message of `StepError::Time`.
+pub(super) fn no_time(t: f64, h: f64, end: f64) -> String {
+    if end.is_finite() {
+        let next = t.abs().next_up() - t.abs();
+        return format!(
+            "the step from t = {t} with h = {h:e} does not change the time, whose next number is {next:e} away: \
+             take a longer step, or measure time from a nearer origin"
+        );
+    }
+    format!(
+        "the step from t = {t} with h = {h:e} ends at t = {end}: take a smaller h, or fewer steps"
+    )
+}
+
+/// The message of `StepError::WithinStep`.
+pub(super) fn within_step(t: f64, from: f64, h: f64, stages: usize) -> String {
+    let what = format!(
+        "a state at t = {t} is to be saved, within the step from t = {from} with h = {h}, and"
+    );
+    if stages > 1 {
+        return format!(
+            "{what} increments at {stages} stages belong to whole steps: give times of whole steps, or use the rule without stage noise"
+        );
+    }
+    format!(
+        "{what} this noise does not know its path within a step: give times of whole steps, or a noise that does, such as `Wiener`"
+    )
+}
+
+/// Number of iterations from which on the limit may be too small: a step within reach of the method takes fewer.
+const MANY: u32 = 8;
+
+/// The part of a message about the limit of iterations.
+pub(super) fn iteration_limit(iterations: u32) -> &'static str {
+    // no iteration means a limit of 0
+    if iterations == 0 || iterations >= MANY {
+        ", or raise `max_iterations` with `with_newton` if that was the limit"
+    } else {
+        ""
+    }
+}
+
+/// The message of `StepError::BranchLost`.
+pub(super) fn branch_lost(t: f64, h: f64, dw: &[f64], step: f64, reached: f64) -> String {
+    let knobs = "take a smaller h, or let the trajectory do so with `refine`";
+    if step < 1.0 {
+        return format!(
+            "the step from t = {t} with h = {h:e}: its solution was followed from h = 0 without noise and lost at {step:.3} of h, \
+             where it ends, branches or leaves the domain of L: {knobs}"
+        );
+    }
+    format!(
+        "the step from t = {t} with h = {h:e} and the increments {dw:?}: its solution was followed from no noise and lost at \
+         {reached:.3} of the increments, where it ends, branches or leaves the domain of L: {knobs}"
+    )
+}

@@ -1,0 +1,192 @@
+//! The way to the next saved state.
+//!
+//! Input: a trajectory and a point on it, a number of steps or a time. Output: the state there. Invariant: steps of the trajectory are made in order, and no further than the last whole step
+//! before the point.
+
+use super::{Saved, Wanted};
+use crate::error::StepError;
+use crate::method::{Method, OneStepMethod};
+use crate::noise::{Halves, Noise, increments_until_if_known};
+use crate::system::{StateOf, System};
+use crate::time::{WrittenTimes, is_next_time};
+use crate::trajectory::{RefinedTrajectory, Trajectory};
+
+/// A trajectory whose states can be saved.
+pub(crate) trait Steps: Iterator<Item = Result<StateOf<Self::System>, StepError>> {
+    type System: System;
+    /// The times after its steps.
+    fn times(&self) -> WrittenTimes;
+    /// Number of steps made.
+    fn steps_made(&self) -> u64;
+    /// The state reached.
+    fn reached(&self) -> StateOf<Self::System>;
+    /// Returns the state at a time within the next step.
+    fn state_within(&mut self, t: f64) -> Result<StateOf<Self::System>, StepError>;
+}
+
+impl<I: OneStepMethod, W: Noise> Steps for Trajectory<'_, I, W> {
+    type System = I::System;
+
+    fn times(&self) -> WrittenTimes {
+        WrittenTimes::new(self.start, self.h)
+    }
+
+    fn steps_made(&self) -> u64 {
+        self.step
+    }
+
+    fn reached(&self) -> StateOf<I::System> {
+        self.state
+    }
+
+    fn state_within(&mut self, t: f64) -> Result<StateOf<I::System>, StepError> {
+        let mut state = self.state;
+        let h = t - state.t;
+        // A part that is too short to change the time changes nothing else.
+        if h != 0.0 && is_next_time(state.t, state.t + h) {
+            let dw = self.increments_up_to(t)?;
+            let prepared = self.method.prepare(h)?;
+            self.method.step_prepared(&prepared, &mut state, h, &dw)?;
+        }
+        state.t = t;
+        Ok(state)
+    }
+}
+
+impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
+    /// Returns the increments over the part of the next step up to a time.
+    fn increments_up_to(&mut self, t: f64) -> Result<I::Increments, StepError> {
+        let from = self.times().after(self.step);
+        let Some(whole) = self.draw()? else {
+            return Err(StepError::PathEnded { t, end: from });
+        };
+        let (h, stages) = (self.h, self.method.stages());
+        if stages > 1 && whole.as_ref().iter().all(|dw| *dw == 0.0) {
+            return Ok(whole);
+        }
+        let fraction = (t - self.state.t) / h;
+        increments_until_if_known(&self.noise, self.step, h, fraction, &whole)
+            .filter(|_| stages == 1)
+            .ok_or(StepError::WithinStep { t, from, h, stages })
+    }
+}
+
+impl<I: Method, W: Halves> Steps for RefinedTrajectory<'_, I, W> {
+    type System = I::System;
+
+    fn times(&self) -> WrittenTimes {
+        self.trajectory.times()
+    }
+
+    fn steps_made(&self) -> u64 {
+        self.trajectory.step
+    }
+
+    fn reached(&self) -> StateOf<I::System> {
+        self.trajectory.state
+    }
+
+    fn state_within(&mut self, t: f64) -> Result<StateOf<I::System>, StepError> {
+        self.trajectory.state_within(t)
+    }
+}
+
+/// A point of a trajectory.
+enum Point {
+    Step(u64),
+    Time(f64),
+}
+
+#[allow(private_bounds)] // trajectories, plain and refined
+impl<T: Steps> Saved<T> {
+    /// Returns the next point to save; `None` after the last one.
+    fn next_point(&mut self) -> Result<Option<Point>, StepError> {
+        let point = match &mut self.wanted {
+            Wanted::Steps { next, every } => {
+                let step = *next;
+                *next = step.saturating_add(*every);
+                Some(Point::Step(step))
+            }
+            Wanted::Times(times) => times.pop_front().map(Point::Time),
+        };
+        let Some(end) = self.end else {
+            return Ok(point);
+        };
+        let (last, is_whole) = self.place_of(end)?;
+        let is_before_end = match point {
+            Some(Point::Step(step)) => step < last || step == last && !is_whole,
+            Some(Point::Time(t)) => self.times.is_before(t, end),
+            None => false,
+        };
+        if is_before_end {
+            return Ok(point);
+        }
+        self.has_ended = true;
+        Ok(Some(Point::Time(end)))
+    }
+
+    /// Returns the number of whole steps before a time, and whether the time is that after these steps.
+    fn place_of(&self, t: f64) -> Result<(u64, bool), StepError> {
+        let position = self.times.position(t);
+        let step = self.path.steps_made();
+        position
+            .filter(|(steps, _)| *steps >= step)
+            .ok_or(StepError::TimeOrder {
+                t,
+                after: self.times.after(step),
+                h: self.times.h(),
+            })
+    }
+
+    /// Goes to a point. Returns the state there; `None` where a trajectory without an end is over, as at the end of a recorded path.
+    fn go_to(&mut self, point: &Point) -> Result<Option<StateOf<T::System>>, StepError> {
+        let (steps, t, is_whole) = match *point {
+            Point::Step(step) => (step, self.times.after(step), true),
+            Point::Time(t) => {
+                let (steps, is_whole) = self.place_of(t)?;
+                (steps, t, is_whole)
+            }
+        };
+        while self.path.steps_made() < steps {
+            if self.path.next().transpose()?.is_none() {
+                // a trajectory that is to end later ends with its recorded path otherwise
+                let wanted = match *point {
+                    Point::Time(t) => Some(t),
+                    Point::Step(_) => self.end,
+                };
+                let end = self.times.after(self.path.steps_made());
+                return wanted.map_or(Ok(None), |t| Err(StepError::PathEnded { t, end }));
+            }
+        }
+        if !is_whole {
+            return self.path.state_within(t).map(Some);
+        }
+        let mut state = self.path.reached();
+        state.t = t;
+        Ok(Some(state))
+    }
+
+    fn advance(&mut self) -> Result<Option<StateOf<T::System>>, StepError> {
+        if !self.times.are_known() {
+            // the first step says why
+            return self.path.next().transpose();
+        }
+        match self.next_point()? {
+            Some(point) => self.go_to(&point),
+            None => Ok(None),
+        }
+    }
+}
+
+impl<T: Steps> Iterator for Saved<T> {
+    type Item = <T as Iterator>::Item;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.has_ended {
+            return None;
+        }
+        let item = self.advance().transpose();
+        self.has_ended |= !matches!(item, Some(Ok(_)));
+        item
+    }
+}

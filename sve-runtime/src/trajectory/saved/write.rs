@@ -1,0 +1,73 @@
+//! Saved states as a table, and in files.
+
+use std::path::Path;
+
+use super::search::Steps;
+use super::{Saved, Wanted};
+use crate::table::{SaveError, StateTable};
+
+#[allow(private_bounds)] // trajectories, plain and refined
+impl<T: Steps> Saved<T> {
+    /// Makes the steps and returns the saved states as a table, to which columns can be [added](StateTable::with).
+    ///
+    /// # Errors
+    /// [`SaveError::NoEnd`] without [`at`](crate::Trajectory::at) or [`until`](Self::until); the error of a step.
+    pub fn table(mut self) -> Result<StateTable, SaveError> {
+        if matches!(self.wanted, Wanted::Steps { .. }) && self.end.is_none() {
+            return Err(SaveError::NoEnd);
+        }
+        let mut table = StateTable::new::<T::System>(false);
+        for state in &mut self {
+            table.push(None, &state?);
+        }
+        Ok(table)
+    }
+
+    /// Makes the steps and writes the saved states as CSV into a file: a line of names, then one for each state.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// struct Pendulum { g: f64 }
+    ///
+    /// #[variational(midpoint)]
+    /// impl Pendulum {
+    ///     fn lagrangian(&self, theta: f64, omega: f64) -> f64 { 0.5 * omega * omega + self.g * theta.cos() }
+    /// }
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let pendulum = Integrator::new(Pendulum { g: 9.8 }, Midpoint);
+    /// let start = State::from_velocity(pendulum.system(), [0.0], [1.0])?;
+    /// let path = std::env::temp_dir().join(format!("pendulum-{}.csv", std::process::id()));
+    /// pendulum.trajectory(start, 0.01, NoNoise).every(10).until(0.5).to_csv(&path)?;
+    /// let text = std::fs::read_to_string(&path)?;
+    /// assert!(text.starts_with("t,theta,p_theta\n0.0,0.0,1.0\n0.1,"));
+    /// # std::fs::remove_file(path)?;
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// As [`table`](Self::table); those of the file, which is complete or not written at all.
+    pub fn to_csv(self, path: impl AsRef<Path>) -> Result<(), SaveError> {
+        Ok(self.table()?.to_csv(path)?)
+    }
+
+    /// Makes the steps and writes the saved states as a structured array of `NumPy` into a file; see [`StateTable::write_npy`].
+    ///
+    /// # Errors
+    /// As [`to_csv`](Self::to_csv).
+    #[cfg(feature = "npy")]
+    pub fn to_npy(self, path: impl AsRef<Path>) -> Result<(), SaveError> {
+        Ok(self.table()?.to_npy(path)?)
+    }
+
+    /// Makes the steps and writes the saved states as Parquet into a file; see [`StateTable::write_parquet`].
+    ///
+    /// # Errors
+    /// As [`to_csv`](Self::to_csv).
+    #[cfg(feature = "parquet")]
+    pub fn to_parquet(self, path: impl AsRef<Path>) -> Result<(), SaveError> {
+        Ok(self.table()?.to_parquet(path)?)
+    }
+}

@@ -1,0 +1,362 @@
+//! First passages: exact times of free particles, exact laws, competing ends, survival with censoring, refused noises.
+
+use sve_runtime::noise::{ThreePoint, Truncated};
+use sve_runtime::prelude::*;
+
+/// A particle whose momentum is a Brownian motion; without noise it is free.
+struct Particle {
+    sigma: f64,
+}
+
+#[variational(midpoint)]
+impl Particle {
+    fn lagrangian(&self, _q: f64, v: f64) -> f64 {
+        0.5 * v * v
+    }
+    #[gamma]
+    fn kicks(&self, q: f64) -> f64 {
+        self.sigma * q
+    }
+}
+
+struct Pendulum;
+
+#[variational(midpoint, stormer_verlet)]
+impl Pendulum {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v + q.cos()
+    }
+    #[gamma]
+    fn push(&self, q: f64) -> f64 {
+        0.4 * q
+    }
+}
+
+const H: f64 = 0.05;
+
+fn free() -> Integrator<Particle, Midpoint> {
+    Integrator::new(Particle { sigma: 0.0 }, Midpoint)
+}
+
+/// Velocities from 1/4 to 2: a free particle from 0 passes 1 at 1/v.
+fn velocity(path: u64) -> f64 {
+    0.25 + 1.75 * ((path * 37) % 1000) as f64 / 1000.0
+}
+
+#[test]
+fn free_particles_pass_at_their_exact_times() {
+    let method = free();
+    let paths = 1000;
+    let (records, end) = (8, 2.0);
+    let summary = Ensemble::new(&method)
+        .paths(paths)
+        .steps(H, 40)
+        .record_every(5)
+        .start_with(|path, _| State::new([0.0], [velocity(path)]))
+        .observe("time", |_, state| state.t)
+        .observe("q", |_, state| state.q[0])
+        .stop_at("wall", |_, state| state.q[0] - 1.0)
+        .keep_final_states(true)
+        .run()
+        .unwrap();
+    let times: Vec<f64> = (0..paths).map(|path| 1.0 / velocity(path)).collect();
+    for (path, state) in summary.final_states() {
+        let expected = times[path as usize].min(end);
+        assert!((state.t - expected).abs() < 1e-12, "{path}: {}", state.t);
+        let q = velocity(path) * expected;
+        assert!((state.q[0] - q).abs() < 1e-12, "{path}");
+    }
+    assert_eq!(summary.final_states().count(), 1000);
+    let wall = summary.passage("wall").unwrap();
+    assert_eq!((wall.name(), wall.paths()), ("wall", paths));
+    let n = paths as f64;
+    for record in 0..=records {
+        let t = summary.times()[record];
+        let passed = times.iter().filter(|&&time| time <= t).count() as u64;
+        assert_eq!(wall.passed()[record], passed);
+        assert_eq!(wall.at_risk()[record], paths - passed);
+        assert_eq!(wall.censored()[record], 0);
+        // without censoring Kaplan–Meier is the fraction, and Greenwood the error of a fraction
+        let survival = 1.0 - passed as f64 / n;
+        assert!((wall.survival()[record] - survival).abs() < 1e-14);
+        let error = (survival * (1.0 - survival) / n).sqrt();
+        assert!((wall.survival_error()[record] - error).abs() < 1e-14);
+        // stopped paths stay in the statistics, with their last values
+        assert_eq!(summary.counts()[record], paths);
+        let mean: f64 = times.iter().map(|time| time.min(t)).sum::<f64>() / n;
+        assert!((summary["time"].mean()[record] - mean).abs() < 1e-12);
+    }
+    assert!((summary["q"].max()[records] - 1.0).abs() < 1e-12);
+    let from = summary.times()[2];
+    let rate = wall.rate(2);
+    let late = times.iter().filter(|&&time| time > from);
+    let exposure: f64 = late.map(|time| time.min(end) - from).sum();
+    let events = times.iter().filter(|&&t| t > from && t <= end).count() as u64;
+    assert_eq!(rate.events, events);
+    assert!((rate.exposure - exposure).abs() < 1e-10);
+    assert!((rate.value - events as f64 / exposure).abs() < 1e-10);
+    assert!((rate.standard_error - rate.value / (events as f64).sqrt()).abs() < 1e-12);
+}
+
+/// Compares the end of each path with that of a trajectory. Returns the largest difference of the times, and how many paths stopped.
+fn compare_with_trajectories(paths: u64, noise: Option<u64>) -> (f64, u64) {
+    let method = Integrator::new(Pendulum, StormerVerlet);
+    let start = |path: u64| State::new([0.0], [0.3 + 0.01 * path as f64]);
+    let ensemble = Ensemble::new(&method)
+        .paths(paths)
+        .steps(H, 600)
+        .start_with(move |path, _| start(path))
+        .stop_at("half", |_, state| state.q[0].abs() - 0.5)
+        .keep_final_states(true);
+    let ensemble = match noise {
+        Some(seed) => ensemble.seed(seed),
+        None => ensemble.noise(NoNoise),
+    };
+    let summary = ensemble.run().unwrap();
+    let (mut largest, mut stopped) = (0.0_f64, 0);
+    for (path, state) in summary.final_states() {
+        let wiener = Wiener::new(noise.unwrap_or(0)).path(path);
+        let half = |_: &Pendulum, state: &State<[f64; 1]>| state.q[0].abs() - 0.5;
+        let end = match noise {
+            Some(_) => method
+                .trajectory(start(path), H, wiener)
+                .stop_at(half)
+                .nth(599),
+            None => method
+                .trajectory(start(path), H, NoNoise)
+                .stop_at(half)
+                .nth(599),
+        };
+        // a trajectory that makes all steps has not stopped
+        if end.is_some() {
+            assert!((state.t - 600.0 * H).abs() < 1e-12);
+            continue;
+        }
+        let wiener = Wiener::new(noise.unwrap_or(0)).path(path);
+        let expected = match noise {
+            Some(_) => method
+                .trajectory(start(path), H, wiener)
+                .stop_at(half)
+                .last(),
+            None => method
+                .trajectory(start(path), H, NoNoise)
+                .stop_at(half)
+                .last(),
+        };
+        let expected = expected.unwrap().unwrap();
+        largest = largest.max((state.t - expected.t).abs());
+        assert!((state.q[0].abs() - 0.5).abs() < 1e-4, "{path}");
+        stopped += 1;
+    }
+    assert_eq!(summary.passage("half").unwrap().passed()[1], stopped);
+    (largest, stopped)
+}
+
+/// Without noise the times agree to the secant within 2⁻¹² of a step. With noise the re-solved step is rough in its length: q moves by h √(h 2⁻¹²) σ/2 within the last part.
+#[test]
+fn ensembles_stop_where_trajectories_stop() {
+    let (difference, stopped) = compare_with_trajectories(60, None);
+    assert!(difference < 1e-10 && stopped > 20, "{difference} {stopped}");
+    let (difference, stopped) = compare_with_trajectories(60, Some(5));
+    assert!(difference < 1e-3 && stopped > 40, "{difference} {stopped}");
+}
+
+/// The error function for x ≥ 0, to 2e-7 (Abramowitz and Stegun 7.1.26).
+fn erf(x: f64) -> f64 {
+    let t = 1.0 / (1.0 + 0.327_591_1 * x);
+    let sum = [
+        1.061_405_429,
+        -1.453_152_027,
+        1.421_413_741,
+        -0.284_496_736,
+        0.254_829_592,
+    ];
+    let sum = sum.into_iter().fold(0.0, |sum, c| (sum + c) * t);
+    1.0 - sum * (-x * x).exp()
+}
+
+/// P(τ > t) of a Brownian motion to a level a is erf(a/(σ√(2t))); seen after steps of length h, the level is farther by 0.5826 σ√h.
+#[test]
+fn brownian_passages_have_their_law_with_the_documented_shift() {
+    let (sigma, level, h) = (0.7, 0.9, 0.01_f64);
+    let method = Integrator::new(Particle { sigma }, Midpoint);
+    let summary = Ensemble::new(&method)
+        .paths(20_000)
+        .seed(11)
+        .steps(h, 400)
+        .record_every(100)
+        .start(State::new([0.0], [0.0]))
+        .stop_at("level", |_, state| state.p[0] - level)
+        .run()
+        .unwrap();
+    let passages = summary.passage("level").unwrap();
+    let (survival, errors) = (passages.survival(), passages.survival_error());
+    let seen = level + 0.5826 * sigma * h.sqrt();
+    for record in 1..=4 {
+        let scale = sigma * (2.0 * summary.times()[record]).sqrt();
+        let z = (survival[record] - erf(seen / scale)) / errors[record];
+        assert!(z.abs() < 4.5, "record {record}: z = {z}");
+        // the shift is resolved
+        let z = (survival[record] - erf(level / scale)) / errors[record];
+        assert!(z > 4.0, "record {record}: z = {z}");
+    }
+}
+
+#[test]
+fn competing_ends_and_failures_are_censored() {
+    let method = free();
+    let paths = 300;
+    // velocities −1, 1, and a third that fails at a recorded time
+    let speed = |path: u64| [-1.0, 1.0, 0.5][(path % 3) as usize];
+    let ensemble = Ensemble::new(&method)
+        .paths(paths)
+        .steps(0.125, 16)
+        .record_every(4)
+        .start_with(move |path, _| {
+            let q = (path / 3) as f64 / 100.0;
+            State::new([q], [speed(path)])
+        })
+        .observe("q", |_, state| state.q[0])
+        .bound("q", -1.0..=1.48)
+        .stop_at("left", |_, state| state.q[0] + 0.3)
+        .stop_at("right", |_, state| state.q[0] - 1.2)
+        .first_passage("middle", |_, state| state.q[0] - 1.0);
+    let summary = ensemble.run().unwrap();
+    let passage = |name| summary.passage(name).unwrap();
+    let [left, right, middle] = ["left", "right", "middle"].map(passage);
+    // every path to the left arrives until t = 2, and so does every one to the right
+    assert_eq!(left.passed()[4], 100);
+    let slow_on_time = (0..100).filter(|k| 0.5 * 2.0 + f64::from(*k) / 100.0 >= 1.2);
+    assert_eq!(right.passed()[4], 100 + slow_on_time.count() as u64);
+    assert_eq!(left.censored()[4], right.passed()[4]);
+    assert_eq!(right.censored()[4], 100);
+    assert_eq!(summary.failed(), 0);
+    // those that are at 1 at the start have the side of their first step
+    assert_eq!(left.at_risk()[4], right.at_risk()[4]);
+    let passed: u64 = middle.passed()[4];
+    // to the right all pass 1, and of the slow ones those from 0 on
+    assert_eq!(passed, 100 + 100);
+    // a bound that fails: paths that are beyond at a recorded time
+    let summary = ensemble.bound("q", ..=0.9).run().unwrap();
+    let right = summary.passage("right").unwrap();
+    assert!(summary.failed() > 0);
+    for record in 0..5 {
+        let sum = right.passed()[record] + right.censored()[record] + right.at_risk()[record];
+        assert_eq!(sum, paths);
+    }
+}
+
+/// Kaplan and Meier's estimate from single events, and Greenwood's error: `(time, has passed)`, in the order of time, passages first.
+fn kaplan_meier(mut ends: Vec<(f64, bool)>, t: f64) -> (f64, f64) {
+    ends.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
+    let (mut survival, mut sum, mut n) = (1.0, 0.0, ends.len() as f64);
+    for (time, has_passed) in ends {
+        if time > t {
+            break;
+        }
+        if has_passed {
+            survival *= 1.0 - 1.0 / n;
+            sum += 1.0 / (n * (n - 1.0));
+        }
+        n -= 1.0;
+    }
+    (survival, survival * f64::sqrt(sum))
+}
+
+/// Paths are censored at recorded times only, so that the estimate from counts is that from single events.
+#[test]
+fn survival_with_censoring_is_that_of_kaplan_and_meier() {
+    let method = free();
+    let paths = 200;
+    let summary = Ensemble::new(&method)
+        .paths(paths)
+        .steps(0.125, 24)
+        .record_every(4)
+        .start_with(|path, _| State::new([0.0], [velocity(path)]))
+        // every third path fails at the first recorded time from its own on
+        .observe("age", |_, state| {
+            let number = (state.p[0] - 0.25) / 1.75 * 1000.0;
+            if number.round() % 3.0 == 0.0 {
+                state.t
+            } else {
+                0.0
+            }
+        })
+        .bound("age", ..=1.2)
+        .stop_at("wall", |_, state| state.q[0] - 1.0)
+        .run()
+        .unwrap();
+    let ends = (0..paths).map(|path| {
+        let number = (path * 37) % 1000;
+        let time = 1.0 / velocity(path);
+        // it fails where its age is above 1.2: at t = 1.5, or where it stops with that age
+        let fails = number % 3 == 0;
+        if fails && time > 1.2 {
+            (time.min(1.5), false)
+        } else {
+            (time, true)
+        }
+    });
+    let ends: Vec<(f64, bool)> = ends.collect();
+    let wall = summary.passage("wall").unwrap();
+    assert!(wall.censored()[6] > 20, "{}", wall.censored()[6]);
+    for record in 0..=6 {
+        let t = summary.times()[record];
+        let (survival, error) = kaplan_meier(ends.clone(), t);
+        // a few fail between two recorded times and count for a part of it
+        let tolerance = if record <= 2 { 1e-12 } else { 3e-3 };
+        assert!(
+            (wall.survival()[record] - survival).abs() < tolerance,
+            "{record}"
+        );
+        assert!(
+            (wall.survival_error()[record] - error).abs() < tolerance,
+            "{record}"
+        );
+    }
+}
+
+#[test]
+fn noises_that_are_not_known_within_steps_are_refused() {
+    let method = Integrator::new(Pendulum, Midpoint);
+    let ensemble = || {
+        Ensemble::new(&method)
+            .paths(10)
+            .steps(H, 10)
+            .start(State::new([0.0], [0.0]))
+            .stop_at("right", |_, state| state.q[0] - 1.0)
+    };
+    for ensemble in [
+        ensemble().noise(ThreePoint::new(1)),
+        ensemble().noise(Truncated::new(Wiener::new(1))),
+    ] {
+        let error = ensemble.run().unwrap_err();
+        assert!(
+            matches!(
+                error,
+                EnsembleError::NoiseWithinSteps { setting: "stop_at" }
+            ),
+            "{error}"
+        );
+        assert!(error.to_string().contains("`Wiener`"), "{error}");
+    }
+    assert!(ensemble().noise(NoNoise).run().is_ok());
+    let twice = ensemble().first_passage("right", |_, state| state.q[0]);
+    assert!(matches!(twice.run(), Err(EnsembleError::TwiceNamed { name }) if name == "right"));
+}
+
+#[test]
+fn a_function_that_is_not_finite_fails_the_path() {
+    let method = free();
+    let summary = Ensemble::new(&method)
+        .paths(2)
+        .steps(0.125, 8)
+        .start_with(|path, _| State::new([0.0], [1.0 - 2.0 * path as f64]))
+        .stop_at("root", |_, state| 1.0 - (state.q[0] + 0.5).sqrt())
+        .run()
+        .unwrap();
+    assert_eq!((summary.failed(), summary.failures()[0].path), (1, 1));
+    let root = summary.passage("root").unwrap();
+    assert_eq!((root.passed()[1], root.censored()[1]), (1, 1));
+    assert!(summary.failures()[0].to_string().contains("`root`"));
+}

@@ -1,0 +1,156 @@
+//! Refined paths and steps that are refined where they fail, against trajectories on the same paths.
+
+use sve_runtime::prelude::*;
+
+/// A particle whose momentum is a Brownian motion.
+struct Particle;
+
+#[variational(midpoint)]
+impl Particle {
+    fn lagrangian(&self, _q: f64, v: f64) -> f64 {
+        0.5 * v * v
+    }
+    #[gamma]
+    fn kicks(&self, q: f64) -> f64 {
+        q
+    }
+}
+
+/// For a large ΔW a step has no solution.
+struct Rotor;
+
+#[variational(midpoint)]
+impl Rotor {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v + q.cos()
+    }
+    #[h1]
+    fn jitter(&self, _q: f64, p: f64) -> f64 {
+        0.1 * p.powi(4)
+    }
+}
+
+const PATHS: u64 = 100;
+
+/// The final momenta of particles on the same paths, in steps of 0.1 / 2^depth.
+fn momenta(depth: u32) -> Vec<f64> {
+    let method = Integrator::new(Particle, Midpoint);
+    let parts = 1_u64 << depth;
+    let summary = Ensemble::new(&method)
+        .paths(PATHS)
+        .noise(Wiener::new(7).refine(depth).unwrap())
+        .steps(0.1 / parts as f64, 50 * parts)
+        .start(State::new([0.0], [0.0]))
+        .keep_final_states(true)
+        .run()
+        .unwrap();
+    summary
+        .final_states()
+        .map(|(_, state)| state.p[0])
+        .collect()
+}
+
+#[test]
+fn refined_paths_are_the_same_paths() {
+    let whole = momenta(0);
+    for depth in [1, 3, 6] {
+        for (path, (fine, whole)) in momenta(depth).into_iter().zip(&whole).enumerate() {
+            assert!(
+                (fine - whole).abs() < 1e-12,
+                "{depth} {path}: {fine} {whole}"
+            );
+        }
+    }
+}
+
+/// On the same path a smaller step is nearer to the limit: the difference of two step sizes is of the first order of h, not of the size of a path.
+#[test]
+fn differences_of_levels_are_small() {
+    let method = Integrator::new(Rotor, Midpoint);
+    let run = |depth| {
+        let parts = 1_u64 << depth;
+        Ensemble::new(&method)
+            .paths(PATHS)
+            .noise(Wiener::new(3).refine(depth).unwrap())
+            .steps(0.02 / parts as f64, 50 * parts)
+            .start(State::new([0.0], [0.5]))
+            .keep_final_states(true)
+            .run()
+            .unwrap()
+    };
+    let levels = [run(0), run(2), run(4)];
+    let distance = |a: &Summary, b: &Summary| {
+        let pairs = a.final_states().zip(b.final_states());
+        let squares = pairs.map(|((_, a), (_, b))| (a.q[0] - b.q[0]).powi(2));
+        (squares.sum::<f64>() / PATHS as f64).sqrt()
+    };
+    let (coarse, fine) = (
+        distance(&levels[0], &levels[1]),
+        distance(&levels[1], &levels[2]),
+    );
+    assert!(coarse < 0.02 && fine < 0.5 * coarse, "{coarse} {fine}");
+}
+
+#[test]
+fn steps_that_fail_are_refined_as_in_trajectories() {
+    let method = Integrator::new(Rotor, Midpoint);
+    let ensemble = |depth| {
+        Ensemble::new(&method)
+            .paths(PATHS)
+            .seed(1)
+            .steps(0.5, 12)
+            .start(State::new([0.0], [2.0]))
+            .keep_final_states(true)
+            .refine(depth)
+    };
+    let plain = ensemble(0).run().unwrap();
+    assert!(plain.failed() > 0 && plain.refined_steps() == 0);
+    let refined = ensemble(16).run().unwrap();
+    assert_eq!(refined.failed(), 0);
+    let mut steps = 0;
+    for (path, state) in refined.final_states() {
+        let noise = Wiener::new(1).path(path);
+        let mut trajectory = method
+            .trajectory(State::new([0.0], [2.0]), 0.5, noise)
+            .refine(16);
+        let expected = trajectory.nth(11).unwrap().unwrap();
+        steps += trajectory.refinements().steps;
+        // rounding grows fast along a path with such noise
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-4 * (1.0 + b.abs());
+        assert!(
+            close(state.q[0], expected.q[0]) && close(state.p[0], expected.p[0]),
+            "{path}"
+        );
+    }
+    assert_eq!(refined.refined_steps(), steps);
+    let again = ensemble(16).threads(3).run().unwrap();
+    assert_eq!(again, refined);
+    let error = ensemble(16).noise(ThreePoint::new(1)).run().unwrap_err();
+    let within = EnsembleError::NoiseWithinSteps { setting: "refine" };
+    assert_eq!(error.to_string(), within.to_string());
+}
+
+/// A stop within refined paths is that of a trajectory on the refined path.
+#[test]
+fn refined_paths_stop_where_trajectories_stop() {
+    let method = Integrator::new(Rotor, Midpoint);
+    let h = 0.05 / 8.0;
+    let fine = || Wiener::new(9).path(0);
+    let summary = Ensemble::new(&method)
+        .paths(20)
+        .noise(fine().refine(3).unwrap())
+        .steps(h, 800)
+        .start(State::new([0.0], [0.5]))
+        .stop_at("right", |_, state| state.q[0] - 0.4)
+        .keep_final_states(true)
+        .run()
+        .unwrap();
+    assert!(summary.passage("right").unwrap().passed()[1] > 10);
+    for (path, state) in summary.final_states() {
+        let noise = Wiener::new(9).path(path).refine(3).unwrap();
+        let trajectory = method.trajectory(State::new([0.0], [0.5]), h, noise);
+        let mut stopped = trajectory.stop_at(|_, state| state.q[0] - 0.4);
+        let end = stopped.by_ref().take(800).last().unwrap().unwrap();
+        assert!((state.t - end.t).abs() < h, "{path}: {} {}", state.t, end.t);
+    }
+}
