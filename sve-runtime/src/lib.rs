@@ -145,6 +145,7 @@ mod jets;
 mod lanes;
 mod legendre;
 mod linearisation;
+mod lyapunov;
 mod mechanics;
 mod method;
 pub mod noise;
@@ -183,6 +184,7 @@ pub use error::StepError;
 pub use integrator::{Integrator, Sensitivity, Tangent};
 #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
 pub use lanes::{LANES, Lane, Mask, StateLanes};
+pub use lyapunov::Lyapunov;
 pub use mechanics::{Field, Mechanics};
 pub use method::{Differentiable, Method, OneStepMethod};
 /// Vectors, matrices and rotations, in the version that this crate uses.

@@ -130,11 +130,96 @@ pub enum EnsembleError {
         /// The reason.
         why: String,
     },
+    /// Quantiles from too few values.
+    #[error("`quantiles(\"{name}\", {size})` keeps {size} values; quantiles need at least 2")]
+    Quantiles {
+        /// The observable.
+        name: String,
+        /// Number of values to be kept.
+        size: usize,
+    },
+    /// An odd number of paths that are to be antithetic pairs.
+    #[error("{paths} paths are not pairs; `antithetic` needs an even number of paths")]
+    OddPaths {
+        /// Number of paths.
+        paths: u64,
+    },
+    /// Covariances or quantiles of antithetic paths.
+    #[error(
+        "`covariance`, `two_time` and `quantiles` have errors of independent paths, and `antithetic` makes paths depend on one another; leave one of them out"
+    )]
+    AntitheticPairs,
+    /// Coarse steps whose noise has no sums.
+    #[error(
+        "two increments of `ThreePoint` do not add up to one of a step twice as long, so a coarse and a fine step have no common path; take `Wiener`"
+    )]
+    NoSums,
     /// A run from several starts with a checkpoint.
     #[error(
         "`run_from` has a run for each start, and a checkpoint is the file of one: leave `checkpoint` out, or give each start a run and a file of its own"
     )]
     PointsInOneFile,
+    /// A sweep over no rows.
+    #[error("the table of the sweep has no row; give it the methods or starts to compare")]
+    EmptyTable,
+    /// A sweep with a checkpoint.
+    #[error(
+        "a sweep has a run for each row of its table, and a checkpoint is the file of one: leave `checkpoint` out, or take the sweep in shards"
+    )]
+    SweepInOneFile,
+    /// Sweeps over different tables were to be merged.
+    #[error(
+        "the sweeps have {rows} and {others} rows, so they are of different tables; merge shards of one sweep alone"
+    )]
+    OtherTable {
+        /// Rows of the one.
+        rows: usize,
+        /// Rows of the other.
+        others: usize,
+    },
+    /// A multilevel estimate of a part of a run.
+    #[error(
+        "`multilevel` decides itself how many paths each level has, in one run: leave `shard`, `checkpoint` and `stop_when` out"
+    )]
+    MultilevelInParts,
+    /// A multilevel estimate with an impossible error or order.
+    #[error("`multilevel` was given the {what} {value:e}, which has to be a positive number")]
+    MultilevelTarget {
+        /// The setting.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A level of a multilevel estimate without an estimate.
+    #[error(
+        "no mean and variance of `{name}` on level {level} of `multilevel`, with steps of {h:e}: {failed} of {paths} paths failed; take shorter steps"
+    )]
+    NoLevel {
+        /// The observable.
+        name: String,
+        /// The level.
+        level: u32,
+        /// Its step size.
+        h: f64,
+        /// Paths that failed.
+        failed: u64,
+        /// Paths that were run.
+        paths: u64,
+    },
+    /// A multilevel estimate that needs more levels than it may have.
+    #[error(
+        "`multilevel`: at level {level} the bias of the mean of `{name}` is estimated as {bias:.1e}, above {wanted:.1e}; allow more levels with `deepest`, start from shorter steps, or ask for a larger error"
+    )]
+    Bias {
+        /// The observable.
+        name: String,
+        /// The last level.
+        level: u32,
+        /// The estimate of the bias.
+        bias: f64,
+        /// The largest bias that the wanted error allows.
+        wanted: f64,
+    },
     /// A shard that does not exist.
     #[error("`shard({index}, {of})`: of {of} shards the numbers are 0 to {of} − 1")]
     Shard {
@@ -285,6 +370,12 @@ pub enum Difference {
     /// The histograms.
     #[error("histograms")]
     Histograms,
+    /// The covariances that are taken.
+    #[error("covariances")]
+    Covariances,
+    /// The quantiles that are taken.
+    #[error("quantiles")]
+    Quantiles,
     /// The recorded times.
     #[error("recorded times")]
     Times,
@@ -298,7 +389,7 @@ pub enum Difference {
     #[error("a seed")]
     Seed,
     /// The noise.
-    #[error("a law of the noise (truncation, three points or none)")]
+    #[error("a law of the noise (truncation, three points, antithetic pairs or none)")]
     Noise,
     /// Other settings of the ensemble: step size, number of steps, bounds, whether final states are kept.
     #[error("settings (step size, number of steps, bounds, or whether final states are kept)")]

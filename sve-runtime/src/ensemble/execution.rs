@@ -36,13 +36,39 @@ where
     /// Runs the blocks of the shard.
     pub(super) fn execute(&self) -> Result<Summary, EnsembleError> {
         let info = self.info(self.fingerprint());
-        let shared = Shared::new(self);
+        let shared = Shared::new(self, 1);
         #[cfg(feature = "checkpoint")]
         let shared = shared.load(self, &info)?;
+        let trees = self.run_on_threads(shared, |blocks| {
+            let results = self.run_some(blocks)?;
+            Ok(results.into_iter().map(|result| vec![result]).collect())
+        })?;
+        trees.into_iter().next().map_or_else(
+            || Err(EnsembleError::NothingRun),
+            |tree| Ok(Summary::new(info.clone(), tree)),
+        )
+    }
+
+    /// Runs the blocks of the shard with `results` results each, and returns a tree for each of them.
+    pub(super) fn execute_with(
+        &self,
+        results: usize,
+        run_block: impl Fn(u64) -> Result<Vec<PartialResult>, EnsembleError> + Sync,
+    ) -> Result<Vec<MergeTree>, EnsembleError> {
+        let run_some = |blocks: Range<u64>| blocks.map(&run_block).collect();
+        self.run_on_threads(Shared::new(self, results), run_some)
+    }
+
+    /// Runs the blocks of the shard on all threads. `run_some` returns the results of each block; result number k becomes a part of tree number k.
+    fn run_on_threads(
+        &self,
+        shared: Shared,
+        run_some: impl Fn(Range<u64>) -> Result<Vec<Vec<PartialResult>>, EnsembleError> + Sync,
+    ) -> Result<Vec<MergeTree>, EnsembleError> {
         let run_blocks = || {
             rayon::scope(|scope| {
                 for _ in 0..rayon::current_num_threads() {
-                    scope.spawn(|_| self.run_blocks(&shared));
+                    scope.spawn(|_| self.run_blocks(&shared, &run_some));
                 }
             });
         };
@@ -53,15 +79,19 @@ where
                 .build()?
                 .install(run_blocks),
         }
-        let tree = shared.end()?;
-        if tree.nodes.is_empty() {
+        let trees = shared.end()?;
+        if trees.iter().any(|tree| tree.nodes.is_empty()) {
             return Err(EnsembleError::NothingRun);
         }
-        Ok(Summary::new(info.clone(), tree))
+        Ok(trees)
     }
 
     /// Runs blocks until none is left.
-    fn run_blocks(&self, shared: &Shared) {
+    fn run_blocks(
+        &self,
+        shared: &Shared,
+        run_some: &impl Fn(Range<u64>) -> Result<Vec<Vec<PartialResult>>, EnsembleError>,
+    ) {
         let group = self.group(rayon::current_num_threads());
         loop {
             let first = shared.next.fetch_add(group, Ordering::Relaxed);
@@ -73,11 +103,11 @@ where
                 if self.ensemble.stop_when.as_ref().is_some_and(|stop| stop()) {
                     return;
                 }
-                let done = self.run_some(blocks.clone()).and_then(|results| {
+                let done = run_some(blocks.clone()).and_then(|results| {
                     shared.progress.add(self.paths_of(blocks));
                     results
                         .into_iter()
-                        .try_for_each(|result| shared.insert(result))
+                        .try_for_each(|results| shared.insert(results))
                 });
                 if let Err(error) = done {
                     shared.stop(error);
@@ -106,14 +136,7 @@ where
     fn run_some(&self, blocks: Range<u64>) -> Result<Vec<PartialResult>, EnsembleError> {
         let mut paths = PathBlock::new(*self, blocks.clone(), None)?;
         let ensemble = self.ensemble;
-        let empty = |block| {
-            PartialResult::new(
-                block,
-                self.records,
-                ensemble.names.len(),
-                &ensemble.histograms,
-            )
-        };
+        let empty = |block| PartialResult::new(block, self.records, ensemble);
         let mut results: Vec<PartialResult> = blocks.map(empty).collect();
         for record in 0..self.records {
             paths.advance(self.step_of(record));
@@ -134,7 +157,8 @@ where
 struct Shared {
     /// The next block.
     next: AtomicU64,
-    tree: Mutex<MergeTree>,
+    /// A tree for each result of a block.
+    trees: Vec<Mutex<MergeTree>>,
     /// Blocks whose results a checkpoint has.
     loaded: Vec<Range<u64>>,
     /// The error that ends the run: that of the first path that failed.
@@ -145,12 +169,14 @@ struct Shared {
 }
 
 impl Shared {
-    fn new<I: Method>(settings: &Settings<'_, I>) -> Self {
+    fn new<I: Method>(settings: &Settings<'_, I>, results: usize) -> Self {
         let [start, end] = settings.shard;
         let paths = settings.paths_of(start..end);
+        let blocks = settings.paths.div_ceil(BLOCK_PATHS);
+        let trees = (0..results).map(|_| Mutex::new(MergeTree::new(blocks)));
         Self {
             next: AtomicU64::new(start),
-            tree: Mutex::new(MergeTree::new(settings.paths.div_ceil(BLOCK_PATHS))),
+            trees: trees.collect(),
             loaded: Vec::new(),
             stop: Mutex::new(None),
             progress: Progress::new(settings.ensemble.progress, paths),
@@ -172,36 +198,40 @@ impl Shared {
         parts
     }
 
-    /// Inserts the result of a block into the tree. Results are merged outside of the lock. With a checkpoint they are merged inside, since the written
+    /// Inserts the results of a block into their trees. Results are merged outside of the lock. With a checkpoint they are merged inside, since the written
     /// tree has to contain all blocks.
     // only a checkpoint can fail
     #[cfg_attr(not(feature = "checkpoint"), allow(clippy::unnecessary_wraps))]
-    fn insert(&self, result: PartialResult) -> Result<(), EnsembleError> {
-        #[cfg(feature = "checkpoint")]
-        if let Some(checkpoint) = &self.checkpoint {
-            let mut tree = locked(&self.tree);
-            tree.insert(result);
-            return if checkpoint.is_due() {
-                checkpoint.save(&tree)
-            } else {
-                Ok(())
-            };
+    fn insert(&self, results: Vec<PartialResult>) -> Result<(), EnsembleError> {
+        for (tree, result) in self.trees.iter().zip(results) {
+            #[cfg(feature = "checkpoint")]
+            if let Some(checkpoint) = &self.checkpoint {
+                let mut tree = locked(tree);
+                tree.insert(result);
+                if checkpoint.is_due() {
+                    checkpoint.save(&tree)?;
+                }
+                continue;
+            }
+            insert_shared(tree, result);
         }
-        insert_shared(&self.tree, result);
         Ok(())
     }
 
     /// Returns the results, after all threads have ended.
-    fn end(self) -> Result<MergeTree, EnsembleError> {
+    fn end(self) -> Result<Vec<MergeTree>, EnsembleError> {
         self.progress.end();
-        let tree = (self.tree.into_inner()).unwrap_or_else(PoisonError::into_inner);
+        let trees = self.trees.into_iter().map(Mutex::into_inner);
+        let trees: Vec<_> = trees
+            .map(|tree| tree.unwrap_or_else(PoisonError::into_inner))
+            .collect();
         #[cfg(feature = "checkpoint")]
         if let Some(checkpoint) = &self.checkpoint {
-            checkpoint.save(&tree)?;
+            trees.iter().try_for_each(|tree| checkpoint.save(tree))?;
         }
         match (self.stop.into_inner()).unwrap_or_else(PoisonError::into_inner) {
             Some(error) => Err(error),
-            None => Ok(tree),
+            None => Ok(trees),
         }
     }
 
@@ -241,7 +271,7 @@ impl Shared {
                 self.progress.add(settings.paths_of(blocks.clone()));
                 self.loaded.push(blocks);
             }
-            self.tree = Mutex::new(tree);
+            self.trees = vec![Mutex::new(tree)];
         }
         self.checkpoint = Some(checkpoint);
         Ok(self)

@@ -17,7 +17,6 @@ use super::error::Difference;
 use super::memory::Kind;
 use super::path_noise::PathNoise;
 use super::settings::Settings;
-use super::starts::{StartRng, Starts};
 use crate::configuration::{Configuration, Coordinates, FixedSize};
 use crate::method::Method;
 use crate::noise::lanes::DistributionKind;
@@ -144,6 +143,10 @@ where
                     if self.noise.first_path != 0 {
                         hash.add(self.noise.first_path);
                     }
+                    if self.noise.is_antithetic || self.noise.is_coarsened {
+                        hash.add(u64::from(self.noise.is_antithetic));
+                        hash.add(u64::from(self.noise.is_coarsened));
+                    }
                 }
             }),
             settings: hash(|hash| {
@@ -175,23 +178,10 @@ where
                 }
             }),
             formulas: hash(|hash| hash.add(S::FORMULAS)),
-            parameters: parameters(ensemble.method.system()),
-            method: method(ensemble.method),
+            parameters: parameters(self.method.system()),
+            method: method(self.method),
             starts: hash(|hash| self.add_starts(hash)),
             values: hash(|hash| self.add_values(hash)),
-        }
-    }
-
-    fn start_of(self, path: u64) -> State<Q> {
-        match &self.ensemble.start {
-            Some(Starts::Same(state)) => *state,
-            Some(Starts::Drawn(draw)) => draw(path, &mut StartRng::new(self.start_seed, path)),
-            None => {
-                let mut state = State::new(Q::origin(), Q::no_momentum());
-                state.q.restore(&vec![f64::NAN; Q::STORED_VALUES]);
-                state.p.restore(&[f64::NAN; N]);
-                state
-            }
         }
     }
 
@@ -218,7 +208,7 @@ where
 
     /// Adds the states and observables along so many steps of a path.
     fn add_path(self, path: u64, steps: u64, hash: &mut Hash) {
-        let (method, system) = (self.ensemble.method, self.ensemble.method.system());
+        let (method, system) = (self.method, self.method.system());
         let Ok(prepared) = method.prepare(self.h) else {
             return;
         };
@@ -258,15 +248,18 @@ where
 
     /// Returns the increments of a path, for each step in order; the function returns false if there are none.
     fn increments_of(self, path: u64) -> impl FnMut(u64, &mut [f64; M]) -> bool {
+        let noise = self.noise;
         let PathNoise {
             seed,
             first_path,
             distribution,
             largest,
             depth,
-        } = self.noise;
+            ..
+        } = noise;
         let h = self.h;
-        let path = first_path.wrapping_add(path);
+        let is_mirrored = noise.is_antithetic && path % 2 == 1;
+        let path = first_path.wrapping_add(noise.path_within(path));
         let mut wiener = Wiener::new(seed).path(path);
         let mut refined = wiener.refine(depth).ok().filter(|_| depth > 0);
         let mut three_point = ThreePoint::new(seed).path(path);
@@ -275,6 +268,15 @@ where
                 return true;
             };
             let drawn = match distribution {
+                DistributionKind::Normal if noise.is_coarsened => {
+                    let mut second = [0.0; M];
+                    let drawn = (wiener.increments(2 * step, 0.5 * h, dw))
+                        .and_then(|()| wiener.increments(2 * step + 1, 0.5 * h, &mut second));
+                    for (dw, second) in dw.iter_mut().zip(second) {
+                        *dw += second;
+                    }
+                    drawn
+                }
                 DistributionKind::Normal => match &mut refined {
                     Some(refined) => refined.increments(step, h, dw),
                     None => wiener.increments(step, h, dw),
@@ -283,6 +285,9 @@ where
             };
             for dw in dw {
                 *dw = dw.clamp(-largest, largest);
+                if is_mirrored {
+                    *dw = -*dw;
+                }
             }
             drawn.is_ok()
         }

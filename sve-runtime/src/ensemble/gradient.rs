@@ -269,7 +269,7 @@ where
                 parameters: &self.tangents.varied,
             };
             let dw = increments.0.map(|process| process[lane]);
-            let (method, h) = (settings.ensemble.method, settings.h);
+            let (method, h) = (settings.method, settings.h);
             let made = push_forward(method, &self.prepared, &mut state, h, &dw, directions);
             if let Err(error) = made {
                 self.fail(tile, lane, step, Cause::Step(error));
@@ -293,7 +293,7 @@ where
             let at = (tile * LANES + lane) * gradients.by.len() + direction;
             let field = &self.tangents.fields[at];
             let function = &gradients.functions[function];
-            values[lane] = function.slope(ensemble.method.system(), &state, field, varied);
+            values[lane] = function.slope(self.settings.method.system(), &state, field, varied);
         }
     }
 }

@@ -1,7 +1,8 @@
 //! The increments of a block of paths, in lanes, drawn for several steps at once.
 //!
 //! Input: the noise, the paths and a range of steps. Output: one increment for each lane, step and process.
-//! Invariant: the increments of path `k` are those of the source's path `k`, bit for bit.
+//! Invariant: the increments of path `k` are those of the source's path `k`, bit for bit. In antithetic pairs, paths `2k` and `2k + 1` have those of path `k`, the second
+//! one with the other sign. Coarsened increments are sums of the source's increments over the halves of a step.
 
 use super::BLOCK_TILES;
 use super::path_noise::PathNoise;
@@ -24,6 +25,8 @@ pub(super) struct IncrementBuffer<const M: usize> {
     batch: Option<u64>,
     /// The paths of the source in the lanes of each tile.
     paths: Vec<[u64; LANES]>,
+    /// The lanes of each tile whose increments have the other sign than those of the source.
+    mirrored: Vec<[bool; LANES]>,
     /// Increments by groups of four steps, tiles and processes.
     values: Vec<Aligned<[Lane; 4]>>,
 }
@@ -36,6 +39,7 @@ impl<const M: usize> IncrementBuffer<M> {
             h,
             batch: None,
             paths: Vec::with_capacity(BLOCK_TILES),
+            mirrored: Vec::with_capacity(BLOCK_TILES),
             values: vec![Aligned([[0.0; LANES]; 4]); QUADS * BLOCK_TILES * M],
         }
     }
@@ -51,11 +55,15 @@ impl<const M: usize> IncrementBuffer<M> {
         let first = self.noise.first_path;
         let mut is_loaded = self.batch.replace(batch) == Some(batch);
         for (tile, paths) in tiles.enumerate() {
-            let paths = paths.map(|path| first.wrapping_add(path));
+            let mirrored = paths.map(|path| self.noise.is_mirrored(path));
+            let paths = paths.map(|path| first.wrapping_add(self.noise.path_within(path)));
             is_loaded &= self.paths.get(tile) == Some(&paths);
-            match self.paths.get_mut(tile) {
-                Some(known) => *known = paths,
-                None => self.paths.push(paths),
+            is_loaded &= self.mirrored.get(tile) == Some(&mirrored);
+            if tile < self.paths.len() {
+                (self.paths[tile], self.mirrored[tile]) = (paths, mirrored);
+            } else {
+                self.paths.push(paths);
+                self.mirrored.push(mirrored);
             }
         }
         if is_loaded {
@@ -66,12 +74,31 @@ impl<const M: usize> IncrementBuffer<M> {
         } else {
             self.draw_refined(distribution, batch);
         }
+        if self.noise.is_antithetic {
+            self.mirror();
+        }
+    }
+
+    /// Changes the signs of the increments in the mirrored lanes.
+    fn mirror(&mut self) {
+        let tiles = self.mirrored.len();
+        let rows = QUADS * tiles * M;
+        for (row, values) in self.values[..rows].iter_mut().enumerate() {
+            let mirrored = &self.mirrored[row / M % tiles];
+            for dw in &mut values.0 {
+                for (dw, &is_mirrored) in dw.iter_mut().zip(mirrored) {
+                    *dw = if is_mirrored { -*dw } else { *dw };
+                }
+            }
+        }
     }
 
     /// Draws the increments over whole steps of the source.
     fn draw(&mut self, distribution: DistributionKind, batch: u64) {
         let PathNoise { seed, largest, .. } = self.noise;
-        let draw = Draw {
+        let rows = self.paths.len() * M;
+        let values = &mut self.values[..QUADS * rows];
+        let mut draw = Draw {
             distribution,
             seed,
             paths: &self.paths,
@@ -79,8 +106,18 @@ impl<const M: usize> IncrementBuffer<M> {
             scale: self.h.abs().sqrt(),
             processes: M,
         };
-        let values = &mut self.values[..QUADS * self.paths.len() * M];
-        fill(&draw, values);
+        if self.noise.is_coarsened {
+            draw.first_block *= 2;
+            draw.scale = (0.5 * self.h.abs()).sqrt();
+            let mut halves = vec![Aligned([[0.0; LANES]; 4]); 2 * QUADS * rows];
+            fill(&draw, &mut halves);
+            for (row, values) in values.iter_mut().enumerate() {
+                let first = row / rows * 2 * rows + row % rows;
+                *values = sums([&halves[first], &halves[first + rows]]);
+            }
+        } else {
+            fill(&draw, values);
+        }
         if largest < f64::INFINITY {
             for dw in values.iter_mut().flat_map(|row| row.0.as_flattened_mut()) {
                 *dw = dw.clamp(-largest, largest);
@@ -166,6 +203,15 @@ impl<const M: usize> IncrementBuffer<M> {
         let rows = &self.values[(quad * self.paths.len() + tile) * M..][..M];
         &rows[process].0[(step % QUAD) as usize]
     }
+}
+
+/// Returns the sums of the increments over eight halves of steps: those of four steps.
+fn sums(halves: [&Aligned<[Lane; 4]>; 2]) -> Aligned<[Lane; 4]> {
+    Aligned(core::array::from_fn(|step| {
+        let halves = &halves[step / 2].0;
+        let [first, second] = [&halves[2 * step % 4], &halves[2 * step % 4 + 1]];
+        core::array::from_fn(|lane| first[lane] + second[lane])
+    }))
 }
 
 #[cfg(test)]

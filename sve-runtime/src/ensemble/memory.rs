@@ -241,7 +241,7 @@ where
 {
     /// Lets all observers of a tile take in its last step, or the start.
     pub(super) fn remember(&mut self, tile: usize, step: &LastStep) {
-        let system = self.settings.ensemble.method.system();
+        let system = self.settings.method.system();
         for number in 0..self.memories.len() {
             let active = self.tiles[tile].active;
             if active == 0 {
@@ -280,11 +280,8 @@ where
         if let Kind::Slope(function, direction) = kind {
             return self.slopes((function, direction), tile, values);
         }
-        let (system, states) = (ensemble.method.system(), self.tiles[tile].states());
+        let (system, states) = (self.settings.method.system(), self.tiles[tile].states());
         ensemble.observables[observable].tile(system, states, values);
-        if let Kind::Slope(function, direction) = kind {
-            self.slopes((function, direction), tile, values);
-        }
         if kind == Kind::Weighted && ensemble.weight.is_some() {
             let exponents = self.memories[0].memory.values(tile, step);
             for (value, exponent) in values.iter_mut().zip(exponents) {

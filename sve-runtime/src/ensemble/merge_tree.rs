@@ -8,11 +8,17 @@
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 
+use super::Ensemble;
+use super::antithetic::Pairs;
 use super::execution::locked;
 use super::failure::{FAILURES_KEPT, Failure};
-use super::histogram::{Bins, HistogramRequest};
+use super::histogram::Bins;
+use super::joint::JointColumn;
 use super::moments::Column;
 use super::passage::counts::PassageCounts;
+use super::sketch::SketchColumn;
+use crate::lanes::{Lane, Mask};
+use crate::method::Method;
 
 /// The merged results of consecutive blocks: a node of the tree.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +36,12 @@ pub(super) struct PartialResult {
     pub(super) columns: Vec<Column>,
     /// Counts of each histogram.
     pub(super) histograms: Vec<Bins>,
+    /// Joint moments of pairs of observables.
+    pub(super) joints: Vec<JointColumn>,
+    /// Sketches of observables.
+    pub(super) quantiles: Vec<SketchColumn>,
+    /// Statistics of the means of antithetic pairs; no counts and no columns without such pairs.
+    pub(super) pairs: Pairs,
     /// Counts of the passages of each function.
     pub(super) passages: Vec<PassageCounts>,
     /// Number of steps that were made in smaller steps.
@@ -46,13 +58,16 @@ pub(super) struct PartialResult {
 
 impl PartialResult {
     /// The empty result of a block.
-    pub(super) fn new(
-        block: u64,
-        records: usize,
-        observables: usize,
-        histograms: &[HistogramRequest],
-    ) -> Self {
-        let requests = histograms.iter();
+    pub(super) fn new<I: Method>(block: u64, records: usize, ensemble: &Ensemble<'_, I>) -> Self {
+        let observables = ensemble.names.len();
+        let requests = ensemble.histograms.iter();
+        let joints = ensemble.joints.iter();
+        let quantiles = ensemble.quantiles.iter();
+        let pairs = if ensemble.antithetic {
+            Pairs::new(records, observables)
+        } else {
+            Pairs::default()
+        };
         Self {
             first: block,
             level: 0,
@@ -60,6 +75,9 @@ impl PartialResult {
             counts: vec![0; records],
             columns: vec![Column::new(records); observables],
             histograms: requests.map(|r| Bins::new(r, records)).collect(),
+            joints: joints.map(|r| JointColumn::new(r, records)).collect(),
+            quantiles: quantiles.map(|r| SketchColumn::new(r, records)).collect(),
+            pairs,
             passages: Vec::new(),
             refined: 0,
             failed: 0,
@@ -69,8 +87,36 @@ impl PartialResult {
         }
     }
 
+    /// Removes what is not a mean of observables: histograms, covariances, quantiles and passages.
+    pub(super) fn without_distributions(self) -> Self {
+        Self {
+            histograms: Vec::new(),
+            joints: Vec::new(),
+            quantiles: Vec::new(),
+            passages: Vec::new(),
+            ..self
+        }
+    }
+
+    /// Adds the observables of a tile at a recorded time.
+    pub(super) fn add(&mut self, record: usize, values: &[Lane], lanes: Mask) {
+        let count = self.counts[record];
+        for (column, values) in self.columns.iter_mut().zip(values) {
+            column.add(record, count, values, lanes);
+        }
+        self.pairs.add(record, values, lanes);
+        self.counts[record] += u64::from(lanes.count_ones());
+    }
+
     /// Adds the results of the next blocks.
     pub(super) fn merge(&mut self, next: &Self) {
+        self.pairs.merge(&next.pairs);
+        for (column, other) in self.joints.iter_mut().zip(&next.joints) {
+            column.merge(&self.counts, other, &next.counts);
+        }
+        for (column, other) in self.quantiles.iter_mut().zip(&next.quantiles) {
+            column.merge(other);
+        }
         for (column, other) in self.columns.iter_mut().zip(&next.columns) {
             column.merge(&self.counts, other, &next.counts);
         }

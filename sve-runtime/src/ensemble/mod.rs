@@ -9,15 +9,19 @@
 //! pairwise in a fixed tree.
 
 mod along;
+mod antithetic;
 mod by;
 #[cfg(feature = "checkpoint")]
 mod checkpoint;
 mod columns;
+mod coupled;
+mod covariance;
 #[cfg(feature = "distributed")]
 mod distribution;
 mod edges;
 mod energy;
 mod error;
+mod estimate;
 mod execution;
 mod failure;
 mod final_state;
@@ -26,9 +30,11 @@ mod gradient;
 mod histogram;
 mod increment_buffer;
 mod integral;
+mod joint;
 mod memory;
 mod merge_tree;
 mod moments;
+mod multilevel;
 mod observe;
 mod packing;
 mod passage;
@@ -37,43 +43,53 @@ mod path_noise;
 mod path_table;
 mod points;
 mod progress;
+mod quantiles;
 mod record;
 mod refine;
 mod replay;
 mod setters;
 mod settings;
 mod sizes;
+mod sketch;
 mod starts;
 mod statistics;
 #[cfg(feature = "serde")]
 mod stored;
 mod summary;
+mod sweep;
 mod tile;
 mod warning;
 
 pub use crate::observed::Observed;
 pub use by::By;
+pub use covariance::{Covariance, TwoTime};
 #[cfg(feature = "distributed")]
 pub use distribution::{Checkpoint, Distribution, PartialResults, SharedResults};
 #[cfg(feature = "checkpoint")]
 pub use error::Damage;
 pub use error::{Difference, EnsembleError};
+pub use estimate::{Level, MultilevelEstimate};
 pub use failure::{Cause, FAILURES_KEPT, Failure};
 pub use final_state::FinalState;
+pub use multilevel::Multilevel;
 pub use passage::{Passages, Rate};
+pub use quantiles::Quantiles;
 pub use starts::StartRng;
 pub use statistics::{Histogram, Statistics};
 pub use summary::Summary;
+pub use sweep::Sweep;
 pub use warning::Warning;
 
 use core::fmt;
 
 use self::gradient::Gradients;
 use self::histogram::HistogramRequest;
+use self::joint::JointRequest;
 use self::memory::Kind;
 use self::observe::{Closure, Observable};
 use self::passage::PassageFunction;
 use self::settings::Settings;
+use self::sketch::QuantileRequest;
 use self::starts::Starts;
 use crate::configuration::Coordinates;
 use crate::lanes::LANES;
@@ -151,6 +167,9 @@ pub struct Ensemble<'a, I: Method> {
     /// Functions whose first zero is recorded.
     passages: Vec<PassageFunction<'a, I::System>>,
     histograms: Vec<HistogramRequest>,
+    joints: Vec<JointRequest>,
+    quantiles: Vec<QuantileRequest>,
+    antithetic: bool,
     /// Observables with their least and greatest values.
     bounds: Vec<(String, [f64; 2])>,
     keep_final_states: bool,
@@ -192,6 +211,9 @@ where
             gradients: Gradients::default(),
             passages: Vec::new(),
             histograms: Vec::new(),
+            joints: Vec::new(),
+            quantiles: Vec::new(),
+            antithetic: false,
             bounds: Vec::new(),
             keep_final_states: false,
             refine: 0,

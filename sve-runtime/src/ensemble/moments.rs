@@ -304,7 +304,7 @@ fn within(mean: f64, min: f64, max: f64) -> f64 {
 
 /// Reduces the lanes to one value, by combining the upper half with the lower one repeatedly.
 #[inline]
-fn by_halves(mut values: Lane, join: impl Fn(f64, f64) -> f64) -> f64 {
+pub(super) fn by_halves(mut values: Lane, join: impl Fn(f64, f64) -> f64) -> f64 {
     let mut half = LANES / 2;
     while half > 0 {
         for lane in 0..half {

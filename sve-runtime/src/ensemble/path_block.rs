@@ -12,7 +12,6 @@ use super::increment_buffer::{BATCH, IncrementBuffer};
 use super::memory::{LastStep, Remembered};
 use super::passage::watch::PassageWatch;
 use super::settings::Settings;
-use super::starts::{StartRng, Starts};
 use super::tile::{Place, Tile, lanes};
 use super::{BLOCK_TILES, EnsembleError, path_at};
 use crate::configuration::{Configuration, Coordinates};
@@ -48,6 +47,8 @@ pub(super) struct PathBlock<'a, I: Method, const N: usize, const M: usize> {
     pub(super) values: Vec<Vec<Lane>>,
     /// The paths that count, of each [`LANES`]: those that have not failed.
     pub(super) counted: Vec<Mask>,
+    /// The observables of each tile at all recorded times so far, if covariances of two times are taken.
+    pub(super) history: Vec<Vec<Vec<Lane>>>,
     /// Work space: the observables of a tile.
     pub(super) work: Vec<Lane>,
 }
@@ -72,7 +73,7 @@ where
         let names = ensemble.names.len();
         let mut block = Self {
             settings,
-            prepared: (ensemble.method)
+            prepared: (settings.method)
                 .prepare(settings.h)
                 .map_err(EnsembleError::Prepare)?,
             increments: Vec::new(),
@@ -87,6 +88,7 @@ where
             stopped: Vec::new(),
             values: vec![vec![[0.0; LANES]; names]; tiles],
             counted: vec![0; tiles],
+            history: Vec::new(),
             work: vec![[0.0; LANES]; names],
         };
         for _ in 0..tiles.div_ceil(BLOCK_TILES) {
@@ -104,12 +106,12 @@ where
 
     fn start_tile(&mut self, first: u64, is_wanted: impl Fn(u64) -> bool) {
         let paths: [u64; LANES] = core::array::from_fn(|lane| first.wrapping_add(lane as u64));
-        let starts: [State<Q>; LANES] = paths.map(|path| match &self.settings.ensemble.start {
-            Some(Starts::Drawn(draw)) if is_wanted(path) => {
-                draw(path, &mut StartRng::new(self.settings.start_seed, path))
+        let starts: [State<Q>; LANES] = paths.map(|path| {
+            if is_wanted(path) {
+                self.settings.start_of(path)
+            } else {
+                State::new(Q::origin(), Q::no_momentum())
             }
-            Some(Starts::Same(state)) => *state,
-            _ => State::new(Q::origin(), Q::no_momentum()),
         });
         let mut states = S::Dims::splat(&starts[0]);
         let mut active = 0;
@@ -193,7 +195,7 @@ where
         let sees_steps = carries || !self.memories.is_empty() || !self.watch.is_empty();
         while self.step < end && self.tiles[tiles.clone()].iter().any(is_active) {
             self.step = dispatch(AdvanceTiles {
-                method: self.settings.ensemble.method,
+                method: self.settings.method,
                 prepared: &self.prepared,
                 h: self.settings.h,
                 start_time: self.settings.start_time,
@@ -256,7 +258,7 @@ where
             let mut state = S::Dims::get(self.tiles[tile].states(), lane);
             state.t = self.settings.time(step);
             let dw = increments.0.map(|process| process[lane]);
-            let method = self.settings.ensemble.method;
+            let method = self.settings.method;
             let h = self.settings.h;
             let made = (method.step_prepared(&self.prepared, &mut state, h, &dw))
                 .or_else(|error| self.step_in_parts(error, tile, lane, &mut state, &dw));

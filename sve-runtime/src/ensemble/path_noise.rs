@@ -16,6 +16,10 @@ pub(super) struct PathNoise {
     pub(super) distribution: Option<DistributionKind>,
     /// Largest |ΔW|; infinite without truncation.
     pub(super) largest: f64,
+    /// Whether paths 2k and 2k + 1 have the increments of path k of the source, the second one with the other sign.
+    pub(super) is_antithetic: bool,
+    /// Whether an increment is the sum of the source's two increments over the halves of the step.
+    pub(super) is_coarsened: bool,
     /// Number of halvings of a step of the source, see [`Refined`](crate::noise::Refined).
     pub(super) depth: u32,
 }
@@ -50,13 +54,26 @@ impl PathNoise {
             distribution,
             largest,
             depth,
+            is_antithetic: false,
+            is_coarsened: false,
         })
+    }
+
+    /// Returns the number of the source's path, counted from its first one, that belongs to a path of the ensemble.
+    pub(super) fn path_within(&self, path: u64) -> u64 {
+        if self.is_antithetic { path / 2 } else { path }
+    }
+
+    /// Returns whether a path has the increments of its path of the source with the other sign.
+    pub(super) fn is_mirrored(&self, path: u64) -> bool {
+        self.is_antithetic && path % 2 == 1
     }
 
     /// Returns the source of a path of the ensemble, if it is known within steps.
     pub(super) fn within_steps(&self, path: u64) -> Option<Box<dyn Halves>> {
         match self.distribution {
             None => Some(Box::new(NoNoise)),
+            Some(_) if self.is_antithetic || self.is_coarsened => None,
             Some(DistributionKind::Normal) if self.largest == f64::INFINITY => {
                 let path = self.first_path.wrapping_add(path);
                 let path = Wiener::new(self.seed).path(path);

@@ -26,24 +26,37 @@ where
         self.observe_all();
         let settings = self.settings;
         let requests = &settings.ensemble.histograms;
+        let column_of =
+            |name: &String| (settings.ensemble.names.iter()).position(|known| known == name);
         for (tile, (values, &counted)) in self.values.iter().zip(&self.counted).enumerate() {
             let result = &mut results[tile / BLOCK_TILES];
-            let count = result.counts[record];
-            for (column, values) in result.columns.iter_mut().zip(values) {
-                column.add(record, count, values, counted);
-            }
             for (bins, request) in result.histograms.iter_mut().zip(requests) {
                 let row = request.row(record, settings.records);
-                let column = settings
-                    .ensemble
-                    .names
-                    .iter()
-                    .position(|n| *n == request.name);
-                if let (Some(row), Some(column)) = (row, column) {
+                if let (Some(row), Some(column)) = (row, column_of(&request.name)) {
                     bins.add(request, row, &values[column], counted);
                 }
             }
-            result.counts[record] += u64::from(counted.count_ones());
+            for (column, request) in result.joints.iter_mut().zip(&settings.ensemble.joints) {
+                let history: Vec<_> = self.history.iter().map(|then| &then[tile][..]).collect();
+                let columns = [&request.first, &request.second].map(column_of);
+                if let [Some(first), Some(second)] = columns {
+                    let counts = &result.counts;
+                    column.add([first, second], record, counts, (values, counted), &history);
+                }
+            }
+            for (column, request) in result
+                .quantiles
+                .iter_mut()
+                .zip(&settings.ensemble.quantiles)
+            {
+                if let Some(of) = column_of(&request.name) {
+                    column.add(record, &values[of], counted);
+                }
+            }
+            result.add(record, values, counted);
+        }
+        if (settings.ensemble.joints.iter()).any(|joint| joint.is_two_time) {
+            self.history.push(self.values.clone());
         }
     }
 
@@ -86,7 +99,7 @@ where
     /// Evaluates the observables of a tile, and lets paths of these lanes fail.
     fn evaluate_all(&mut self, tile: usize, among: Mask, last: &LastStep, values: &mut [Lane]) {
         let ensemble = self.settings.ensemble;
-        let system = ensemble.method.system();
+        let system = self.settings.method.system();
         for (k, observable) in ensemble.observables.iter().enumerate() {
             self.evaluate(k, tile, last, &mut values[k]);
             for lane in lanes(not_finite(&values[k]) & among & self.tiles[tile].active) {

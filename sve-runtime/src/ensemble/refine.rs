@@ -76,7 +76,7 @@ where
             return Err(error);
         };
         let halving = Halving {
-            method: settings.ensemble.method,
+            method: settings.method,
             noise: &*noise,
             depth,
         };

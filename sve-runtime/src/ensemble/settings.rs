@@ -12,12 +12,43 @@ use super::summary::Info;
 use super::{BLOCK_PATHS, Ensemble, EnsembleError, path_at, sizes};
 use crate::configuration::FixedSize;
 use crate::method::Method;
-use crate::system::ConfigurationOf;
+use crate::noise::lanes::DistributionKind;
+use crate::system::{ConfigurationOf, StateOf};
 use crate::time::time_after;
+
+/// What a run of an ensemble has of its own where several runs share their noise.
+pub(super) struct Leg<'a, I: Method> {
+    pub(super) method: &'a I,
+    pub(super) start: Option<&'a Starts<'a, StateOf<I::System>>>,
+    /// Number of halvings of the step.
+    pub(super) halvings: u32,
+    /// Whether an increment is the sum of the two increments over the halves of the step.
+    pub(super) is_coarsened: bool,
+    /// The path of the noise that belongs to path 0.
+    pub(super) first_path: u64,
+    /// The number of paths, if it is not that of the ensemble.
+    pub(super) paths: Option<u64>,
+}
+
+impl<'a, I: Method> Leg<'a, I> {
+    /// The run of the ensemble itself.
+    pub(super) fn of(ensemble: &'a Ensemble<'a, I>) -> Self {
+        Self {
+            method: ensemble.method,
+            start: ensemble.start.as_ref(),
+            halvings: 0,
+            is_coarsened: false,
+            first_path: 0,
+            paths: None,
+        }
+    }
+}
 
 /// The settings of an ensemble, complete and checked.
 pub(super) struct Settings<'a, I: Method> {
     pub(super) ensemble: &'a Ensemble<'a, I>,
+    pub(super) method: &'a I,
+    start: &'a Starts<'a, StateOf<I::System>>,
     pub(super) h: f64,
     pub(super) steps: u64,
     every: u64,
@@ -40,19 +71,27 @@ impl<I: Method> Clone for Settings<'_, I> {
 impl<I: Method> Copy for Settings<'_, I> {}
 
 impl<'a, I: Method> Settings<'a, I> {
-    /// Checks the settings.
+    /// Checks the settings of the ensemble's own run.
     pub(super) fn new(ensemble: &'a Ensemble<'a, I>) -> Result<Self, EnsembleError> {
+        Self::of_leg(ensemble, &Leg::of(ensemble))
+    }
+
+    /// Checks the settings of a run that shares its noise with others.
+    pub(super) fn of_leg(
+        ensemble: &'a Ensemble<'a, I>,
+        leg: &Leg<'a, I>,
+    ) -> Result<Self, EnsembleError> {
         let missing = |what, write| EnsembleError::Missing { what, write };
         let zero = |setting, remedy| Err(EnsembleError::Zero { setting, remedy });
-        let paths = ensemble
+        let paths = leg
             .paths
+            .or(ensemble.paths)
             .ok_or_else(|| missing("number of paths", ".paths(1000)"))?;
         let (h, steps) = ensemble
             .steps
             .ok_or_else(|| missing("step size and number of steps", ".steps(0.01, 1000)"))?;
-        let start = ensemble
+        let start = leg
             .start
-            .as_ref()
             .ok_or_else(|| missing("start", ".start(State::new([1.0], [0.0]))"))?;
         if paths == 0 {
             return zero("paths", "how many paths are to be averaged over?");
@@ -66,8 +105,25 @@ impl<'a, I: Method> Settings<'a, I> {
         if ensemble.threads == Some(0) {
             return zero("threads", "leave it out to use every core");
         }
-        ensemble.method.prepare(h).map_err(EnsembleError::Prepare)?;
-        let noise = PathNoise::new(ensemble.noise, ensemble.seed.unwrap_or(0), h)?;
+        if ensemble.antithetic && !paths.is_multiple_of(2) {
+            return Err(EnsembleError::OddPaths { paths });
+        }
+        let parts = 1_u64.checked_shl(leg.halvings).unwrap_or(u64::MAX);
+        let (h, every) = (
+            h / parts as f64,
+            ensemble.every.unwrap_or(steps).saturating_mul(parts),
+        );
+        let steps = steps.saturating_mul(parts);
+        leg.method.prepare(h).map_err(EnsembleError::Prepare)?;
+        let mut noise = PathNoise::new(ensemble.noise, ensemble.seed.unwrap_or(0), h)?;
+        noise.first_path = noise.first_path.wrapping_add(leg.first_path);
+        noise.is_antithetic = ensemble.antithetic;
+        noise.is_coarsened = leg.is_coarsened;
+        if leg.is_coarsened
+            && (noise.distribution == Some(DistributionKind::ThreePoint) || noise.depth > 0)
+        {
+            return Err(EnsembleError::NoSums);
+        }
         let divides = [
             (ensemble.has_stops(), "stop_at"),
             (!ensemble.passages.is_empty(), "first_passage"),
@@ -88,11 +144,12 @@ impl<'a, I: Method> Settings<'a, I> {
         let coordinates = ConfigurationOf::<I::System>::DEGREES_OF_FREEDOM;
         (ensemble.gradients).check(coordinates, ensemble.has_stops())?;
         let shard = blocks_of_shard(ensemble.shard, paths)?;
-        let every = ensemble.every.unwrap_or(steps);
         let own = path_at(shard[1], paths) - path_at(shard[0], paths);
         let records = sizes::records(ensemble, steps, every, own)?;
         Ok(Self {
             ensemble,
+            method: leg.method,
+            start,
             h,
             steps,
             every,
@@ -103,6 +160,20 @@ impl<'a, I: Method> Settings<'a, I> {
             records,
             shard,
         })
+    }
+
+    /// Returns the start of a path. The two paths of an antithetic pair have the same generator.
+    pub(super) fn start_of(&self, path: u64) -> StateOf<I::System>
+    where
+        StateOf<I::System>: Copy,
+    {
+        match self.start {
+            Starts::Same(state) => *state,
+            Starts::Drawn(draw) => {
+                let path_of_noise = self.noise.path_within(path);
+                draw(path, &mut StartRng::new(self.start_seed, path_of_noise))
+            }
+        }
     }
 
     /// Returns the time after so many steps.
@@ -145,6 +216,9 @@ impl<'a, I: Method> Settings<'a, I> {
                 .map(|passage| passage.name.clone())
                 .collect(),
             histograms: self.ensemble.histograms.clone(),
+            joints: self.ensemble.joints.clone(),
+            quantiles: self.ensemble.quantiles.clone(),
+            is_antithetic: self.ensemble.antithetic,
             times: times.collect(),
             paths: self.paths,
             coordinates: ConfigurationOf::<I::System>::STORED_VALUES,
@@ -221,6 +295,20 @@ fn check_names<I: Method>(ensemble: &Ensemble<'_, I>) -> Result<(), EnsembleErro
                 bins,
             });
         }
+    }
+    for request in &ensemble.joints {
+        known(&request.first, "take a covariance of")?;
+        known(&request.second, "take a covariance of")?;
+    }
+    for request in &ensemble.quantiles {
+        known(&request.name, "take quantiles of")?;
+        if request.size < 2 {
+            let (name, size) = (request.name.clone(), request.size);
+            return Err(EnsembleError::Quantiles { name, size });
+        }
+    }
+    if ensemble.antithetic && !(ensemble.joints.is_empty() && ensemble.quantiles.is_empty()) {
+        return Err(EnsembleError::AntitheticPairs);
     }
     for (name, [low, high]) in &ensemble.bounds {
         known(name, "bound")?;

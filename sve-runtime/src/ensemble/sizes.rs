@@ -3,6 +3,7 @@
 //! Input: checked settings. Output: the number of records, or an error that names the number that is too large.
 
 use super::histogram::HistogramRequest;
+use super::joint::ROW_BYTES;
 use super::moments::COLUMN_BYTES;
 use super::{Ensemble, EnsembleError};
 use crate::method::Method;
@@ -24,7 +25,8 @@ pub(super) fn records<I: Method>(
 ) -> Result<usize, EnsembleError> {
     let records = u128::from(steps.div_ceil(every)) + 1;
     let observables = ensemble.names.len();
-    let of_record = AT_ONCE * (NUMBER + u128::from(COLUMN_BYTES) * observables as u128) + NUMBER;
+    let of_paths = NUMBER + u128::from(COLUMN_BYTES) * observables as u128;
+    let of_record = AT_ONCE * of_paths * (1 + u128::from(ensemble.antithetic)) + NUMBER;
     check(records * of_record, || {
         let what = format!("{records} recorded times of {observables} observables");
         (what, "record less often with `record_every`")
@@ -42,6 +44,30 @@ pub(super) fn records<I: Method>(
             (what, "take fewer bins, or `final_histogram`")
         })?;
     }
+    for request in &ensemble.joints {
+        let bytes = request.rows(length).saturating_mul(AT_ONCE * ROW_BYTES);
+        check(bytes, || {
+            let (first, second) = (&request.first, &request.second);
+            let what = format!("the covariances of `{first}` and `{second}`");
+            (what, "record less often with `record_every`")
+        })?;
+    }
+    for request in &ensemble.quantiles {
+        // all values of a level, for each time
+        let values = u128::from(paths).min(request.size as u128);
+        let bytes = records
+            .saturating_mul(values)
+            .saturating_mul(AT_ONCE * NUMBER);
+        check(bytes, || {
+            let (name, size) = (&request.name, request.size);
+            let what =
+                format!("quantiles of `{name}` with {size} values at {records} recorded times");
+            (
+                what,
+                "keep fewer values, or record less often with `record_every`",
+            )
+        })?;
+    }
     if ensemble.keep_final_states {
         let state = size_of::<StateOf<I::System>>() as u128;
         check(u128::from(paths) * (NUMBER + state), || {
@@ -50,6 +76,23 @@ pub(super) fn records<I: Method>(
         })?;
     }
     Ok(length)
+}
+
+/// Checks that the differences of the rows of a sweep fit into memory.
+pub(super) fn differences<I: Method>(
+    ensemble: &Ensemble<'_, I>,
+    records: usize,
+    differences: usize,
+) -> Result<(), EnsembleError> {
+    let of_record = NUMBER + u128::from(COLUMN_BYTES) * ensemble.names.len() as u128;
+    let bytes = AT_ONCE * of_record * records as u128 * differences as u128;
+    check(bytes, || {
+        let what = format!("{differences} differences of rows at {records} recorded times");
+        (
+            what,
+            "take a shorter table, or record less often with `record_every`",
+        )
+    })
 }
 
 /// Checks that so many bytes can be allocated.

@@ -14,10 +14,17 @@ pub struct Statistics {
     name: String,
     counts: Vec<u64>,
     column: Column,
+    /// Numbers and statistics of the means of antithetic pairs.
+    pairs: Option<(Vec<u64>, Column)>,
 }
 
 impl Statistics {
-    pub(super) fn new(name: String, counts: Vec<u64>, mut column: Column) -> Self {
+    pub(super) fn new(
+        name: String,
+        counts: Vec<u64>,
+        mut column: Column,
+        pairs: Option<(Vec<u64>, Column)>,
+    ) -> Self {
         for (mean, &count) in column.mean.iter_mut().zip(&counts) {
             if count == 0 {
                 *mean = f64::NAN;
@@ -27,6 +34,7 @@ impl Statistics {
             name,
             counts,
             column,
+            pairs,
         }
     }
 
@@ -63,18 +71,18 @@ impl Statistics {
         self.of_squares(|squares, paths| squares.over(paths - 1.0).sqrt())
     }
 
-    /// Standard errors of the means: √(variance / paths).
+    /// Standard errors of the means: √(variance / paths). With [antithetic](super::Ensemble::antithetic) paths those of the means over pairs of which no path has failed.
     pub fn standard_error(&self) -> Vec<f64> {
-        self.of_squares(|squares, paths| squares.over(paths - 1.0).over(paths).sqrt())
+        let of = |squares: Squares, n: f64| squares.over(n - 1.0).over(n).sqrt();
+        match &self.pairs {
+            None => self.of_squares(of),
+            Some((counts, column)) => of_squares(counts, column, of),
+        }
     }
 
     /// Returns a function of the sum of squared deviations and the number of paths, at each recorded time; NaN for fewer than two paths.
     fn of_squares(&self, of: impl Fn(Squares, f64) -> f64) -> Vec<f64> {
-        let at = |(record, &count): (usize, &u64)| match count {
-            0 | 1 => f64::NAN,
-            _ => of(self.column.squares_at(record), count as f64),
-        };
-        self.counts.iter().enumerate().map(at).collect()
+        of_squares(&self.counts, &self.column, of)
     }
 
     /// Least values; +∞ if all paths have failed.
@@ -86,6 +94,15 @@ impl Statistics {
     pub fn max(&self) -> &[f64] {
         &self.column.max
     }
+}
+
+/// Returns a function of the sum of squared deviations and the number of values, at each recorded time; NaN for fewer than two values.
+fn of_squares(counts: &[u64], column: &Column, of: impl Fn(Squares, f64) -> f64) -> Vec<f64> {
+    let at = |(record, &count): (usize, &u64)| match count {
+        0 | 1 => f64::NAN,
+        _ => of(column.squares_at(record), count as f64),
+    };
+    counts.iter().enumerate().map(at).collect()
 }
 
 /// The number of paths with an observable in each of equal bins of a range.

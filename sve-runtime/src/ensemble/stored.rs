@@ -8,6 +8,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::histogram::{Bins, HistogramRequest};
 use super::merge_tree::{MergeTree, PartialResult};
+use super::moments::Column;
 use super::summary::{Info, Summary};
 use super::{BLOCK_PATHS, FAILURES_KEPT, path_at};
 
@@ -75,7 +76,38 @@ impl<'de> Deserialize<'de> for Summary {
 fn is_valid(run: &Info) -> bool {
     let known =
         |request: &HistogramRequest| request.is_valid() && run.names.contains(&request.name);
-    run.paths > 0 && !run.times.is_empty() && run.histograms.iter().all(known)
+    let mut joints = run.joints.iter();
+    let names_are_known =
+        joints.all(|joint| run.names.contains(&joint.first) && run.names.contains(&joint.second));
+    let mut quantiles = run.quantiles.iter();
+    run.paths > 0
+        && !run.times.is_empty()
+        && run.histograms.iter().all(known)
+        && names_are_known
+        && quantiles.all(|request| request.size >= 2 && run.names.contains(&request.name))
+}
+
+/// Returns whether a column has so many records, each with a valid unit.
+fn is_column(column: &Column, records: usize) -> bool {
+    [&column.mean, &column.squares, &column.min, &column.max]
+        .into_iter()
+        .all(|values| values.len() == records)
+        && column.unit.len() == records
+        && column.unit.iter().all(|unit| (-1..=1).contains(unit))
+}
+
+/// Returns whether a node has antithetic pairs if and only if the run has.
+fn have_pairs(run: &Info, node: &PartialResult) -> bool {
+    let (counts, columns) = (&node.pairs.counts, &node.pairs.columns);
+    if !run.is_antithetic {
+        return counts.is_empty() && columns.is_empty();
+    }
+    counts.len() == run.times.len()
+        && columns.len() == run.names.len()
+        && counts
+            .iter()
+            .zip(&node.counts)
+            .all(|(pairs, paths)| *pairs <= paths / 2)
 }
 
 /// Returns whether a node can belong to this run, after the nodes of the tree.
@@ -95,13 +127,8 @@ fn fits(run: &Info, tree: &MergeTree, node: &PartialResult) -> bool {
     }
     let first = path_at(node.first, run.paths);
     let end = path_at(node.first + node.blocks, run.paths);
-    let columns = node.columns.iter().all(|column| {
-        [&column.mean, &column.squares, &column.min, &column.max]
-            .into_iter()
-            .all(|values| values.len() == records)
-            && column.unit.len() == records
-            && column.unit.iter().all(|unit| (-1..=1).contains(unit))
-    });
+    let mut columns = node.columns.iter().chain(&node.pairs.columns);
+    let columns = columns.all(|column| is_column(column, records));
     let bins = |(request, bins): (&HistogramRequest, &Bins)| {
         request.counts(records) == bins.0.len() as u128
     };
@@ -118,6 +145,12 @@ fn fits(run: &Info, tree: &MergeTree, node: &PartialResult) -> bool {
         && columns
         && node.histograms.len() == run.histograms.len()
         && run.histograms.iter().zip(&node.histograms).all(bins)
+        && have_pairs(run, node)
+        && node.joints.len() == run.joints.len()
+        && (run.joints.iter().zip(&node.joints)).all(|(r, column)| column.fits(r, records))
+        && node.quantiles.len() == run.quantiles.len()
+        && (run.quantiles.iter().zip(&node.quantiles))
+            .all(|(r, column)| column.fits(r, &node.counts))
         && node.failures.len() as u64 == node.failed.min(FAILURES_KEPT as u64)
         && node.failed <= end - first
         && states

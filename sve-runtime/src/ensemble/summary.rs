@@ -6,13 +6,17 @@
 use core::fmt;
 use core::ops::Index;
 
+use super::covariance::{Covariance, Joint, TwoTime};
 use super::error::Difference;
 use super::failure::Failure;
 use super::final_state::FinalState;
 use super::fingerprint::Fingerprint;
 use super::histogram::HistogramRequest;
+use super::joint::JointRequest;
 use super::merge_tree::{MergeTree, PartialResult};
 use super::passage::Passages;
+use super::quantiles::Quantiles;
+use super::sketch::QuantileRequest;
 use super::statistics::{Histogram, Statistics};
 use super::warning::Warning;
 use super::{BLOCK_PATHS, EnsembleError, path_at};
@@ -25,6 +29,10 @@ pub(super) struct Info {
     /// The names of functions whose first passages are recorded.
     pub(super) passages: Vec<String>,
     pub(super) histograms: Vec<HistogramRequest>,
+    pub(super) joints: Vec<JointRequest>,
+    pub(super) quantiles: Vec<QuantileRequest>,
+    /// Whether paths are antithetic pairs.
+    pub(super) is_antithetic: bool,
     pub(super) times: Vec<f64>,
     pub(super) paths: u64,
     pub(super) coordinates: usize,
@@ -40,6 +48,9 @@ pub struct Summary {
     pub(super) tree: MergeTree,
     statistics: Vec<Statistics>,
     histograms: Vec<Histogram>,
+    covariances: Vec<Covariance>,
+    two_times: Vec<TwoTime>,
+    quantiles: Vec<Quantiles>,
     passages: Vec<Passages>,
     counts: Vec<u64>,
     refined: u64,
@@ -54,10 +65,13 @@ impl Info {
             (self.names == other.names, Difference::Observables),
             (self.passages == other.passages, Difference::Observables),
             (self.histograms == other.histograms, Difference::Histograms),
+            (self.joints == other.joints, Difference::Covariances),
+            (self.quantiles == other.quantiles, Difference::Quantiles),
             (self.times == other.times, Difference::Times),
             (self.paths == other.paths, Difference::Paths),
             (self.coordinates == other.coordinates, Difference::Formulas),
             (self.momenta == other.momenta, Difference::Formulas),
+            (self.is_antithetic == other.is_antithetic, Difference::Noise),
         ];
         let differs = same
             .into_iter()
@@ -72,6 +86,9 @@ impl Summary {
         let mut summary = Self {
             statistics: Vec::new(),
             histograms: Vec::new(),
+            covariances: Vec::new(),
+            two_times: Vec::new(),
+            quantiles: Vec::new(),
             passages: Vec::new(),
             counts: Vec::new(),
             refined: 0,
@@ -94,9 +111,28 @@ impl Summary {
     }
 
     fn show(&mut self, node: PartialResult) {
-        let columns = self.info.names.iter().zip(node.columns);
+        let pairs = node.pairs.columns.into_iter().map(Some);
+        let pairs = pairs.chain(core::iter::repeat(None));
+        let columns = self.info.names.iter().zip(node.columns).zip(pairs);
         self.statistics = columns
-            .map(|(name, column)| Statistics::new(name.clone(), node.counts.clone(), column))
+            .map(|((name, column), pairs)| {
+                let pairs = pairs.map(|pairs| (node.pairs.counts.clone(), pairs));
+                Statistics::new(name.clone(), node.counts.clone(), column, pairs)
+            })
+            .collect();
+        for (request, column) in self.info.joints.iter().zip(node.joints) {
+            let joint = Joint::new(request.clone(), node.counts.clone(), column);
+            if request.is_two_time {
+                self.two_times.push(TwoTime::new(joint));
+            } else {
+                self.covariances.push(Covariance::new(joint));
+            }
+        }
+        let quantiles = self.info.quantiles.iter().zip(node.quantiles);
+        self.quantiles = quantiles
+            .map(|(request, column)| {
+                Quantiles::new(request.name.clone(), node.counts.clone(), column)
+            })
             .collect();
         let bins = self.info.histograms.iter().zip(node.histograms);
         self.histograms = bins
@@ -172,6 +208,23 @@ impl Summary {
     /// The first histogram of an observable.
     pub fn histogram(&self, name: &str) -> Option<&Histogram> {
         self.histograms.iter().find(|h| h.name() == name)
+    }
+
+    /// The covariance of two observables, in the order in which [`Ensemble::covariance`](super::Ensemble::covariance) asked for them.
+    pub fn covariance(&self, first: &str, second: &str) -> Option<&Covariance> {
+        let mut all = self.covariances.iter();
+        all.find(|covariance| covariance.names() == [first, second])
+    }
+
+    /// The covariance of two observables at two times, in the order in which [`Ensemble::two_time`](super::Ensemble::two_time) asked for them.
+    pub fn two_time(&self, first: &str, second: &str) -> Option<&TwoTime> {
+        let mut all = self.two_times.iter();
+        all.find(|covariance| covariance.names() == [first, second])
+    }
+
+    /// The quantiles of an observable, from [`Ensemble::quantiles`](super::Ensemble::quantiles).
+    pub fn quantiles(&self, name: &str) -> Option<&Quantiles> {
+        self.quantiles.iter().find(|q| q.name() == name)
     }
 
     /// The first passages through the zeros of functions, in the order in which they were given.

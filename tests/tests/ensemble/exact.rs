@@ -12,9 +12,9 @@ const SIGMA: f64 = 1.0;
 const PATHS: u64 = 20_000;
 
 /// Mean and covariance.
-type Gaussian = ([f64; 2], [[f64; 2]; 2]);
+pub(crate) type Gaussian = ([f64; 2], [[f64; 2]; 2]);
 
-fn affine<R>(integrator: &Integrator<Oscillator, R>) -> ([[f64; 2]; 2], [f64; 2])
+pub(crate) fn affine<R>(integrator: &Integrator<Oscillator, R>) -> ([[f64; 2]; 2], [f64; 2])
 where
     Oscillator: Variational<R> + System<Dims = Dims<1, 1>>,
 {
@@ -27,7 +27,7 @@ where
     ([[x[0], y[0]], [x[1], y[1]]], image(0.0, 0.0, 1.0))
 }
 
-fn after_a_step(a: &[[f64; 2]; 2], b: &[f64; 2], (m, c): Gaussian) -> Gaussian {
+pub(crate) fn after_a_step(a: &[[f64; 2]; 2], b: &[f64; 2], (m, c): Gaussian) -> Gaussian {
     let mut next = ([0.0; 2], [[0.0; 2]; 2]);
     for i in 0..2 {
         for j in 0..2 {

@@ -3,12 +3,15 @@
 // closures are written as users write them
 #![allow(clippy::redundant_closure_for_method_calls)]
 
+mod antithetic;
 mod checkpoints;
 mod divergence;
 mod exact;
 mod failures;
 mod files;
+mod joint;
 mod memory;
+mod multilevel;
 mod naive;
 mod passages;
 mod refined;
@@ -16,4 +19,5 @@ mod settings;
 mod shards;
 mod statistics;
 mod stopped;
+mod sweeps;
 mod threads;

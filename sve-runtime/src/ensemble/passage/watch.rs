@@ -82,7 +82,7 @@ where
         let ensemble = self.settings.ensemble;
         let mut crossed = 0;
         for (number, passage) in ensemble.passages.iter().enumerate() {
-            let system = ensemble.method.system();
+            let system = self.settings.method.system();
             let watched = &mut self.watch.functions[number];
             watched.before[tile] = watched.now[tile];
             let now = &mut watched.now[tile];
@@ -124,7 +124,7 @@ where
         };
         let step = self.step - 1;
         let crossing = Crossing {
-            method: settings.ensemble.method,
+            method: settings.method,
             noise: &*noise,
             step,
             h: settings.h,

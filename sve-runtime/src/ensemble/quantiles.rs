@@ -1,0 +1,148 @@
+//! Quantiles of observables over the paths, as users read them.
+//!
+//! Input: merged sketches. Output: quantiles with intervals and the error of their ranks. Invariant: they are NaN if all paths have failed.
+
+use super::Ensemble;
+use super::sketch::{QuantileRequest, Sketch, SketchColumn};
+use crate::configuration::Coordinates;
+use crate::method::Method;
+use crate::system::{Dims, System};
+
+impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
+where
+    I: Method<System = S>,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    /// Takes quantiles of an observable over the paths, at each recorded time: [`Summary::quantiles`](super::Summary::quantiles).
+    ///
+    /// Up to `size` paths have exact quantiles. For more paths the memory is about `size` numbers times log₂(paths/`size`) for each recorded time, and the rank of a
+    /// quantile is right to within [`rank_error`](Quantiles::rank_error) of all paths: a proven bound, at most log₂(paths/`size`)/`size`. The statistical error of the rank of a median is
+    /// ½/√paths, so a `size` of a few times √paths is enough.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// struct Free { sigma: f64 }
+    ///
+    /// #[variational(endpoint)]
+    /// impl Free {
+    ///     fn lagrangian(&self, _q: f64, v: f64) -> f64 { 0.5 * v * v }
+    ///     #[gamma]
+    ///     fn push(&self, q: f64) -> f64 { self.sigma * q }
+    /// }
+    ///
+    /// # fn main() -> Result<(), EnsembleError> {
+    /// let free = Integrator::new(Free { sigma: 1.0 }, Endpoint);
+    /// let summary = Ensemble::new(&free)
+    ///     .paths(10_000).seed(1)
+    ///     .steps(0.1, 10)
+    ///     .start(State::new([0.0], [0.0]))
+    ///     .observe("p", |_, state| state.p[0])
+    ///     .quantiles("p", 1000)
+    ///     .run()?;
+    /// let momentum = summary.quantiles("p").expect("they were asked for");
+    /// // at t = 1 the momentum is a standard normal number
+    /// let [low, high] = momentum.interval(0.975, 4.0)[1];
+    /// assert!(low < 1.95996 && 1.95996 < high && high - low < 0.4);
+    /// # Ok(())
+    /// # }
+    /// ```
+    #[must_use]
+    pub fn quantiles(mut self, name: impl Into<String>, size: usize) -> Self {
+        let name = name.into();
+        self.quantiles.push(QuantileRequest { name, size });
+        self
+    }
+}
+
+/// Quantiles of an observable over the paths that have not failed, at each recorded time. From [`Summary::quantiles`](super::Summary::quantiles).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quantiles {
+    name: String,
+    counts: Vec<u64>,
+    /// Values with their weights in ascending order, for each recorded time.
+    values: Vec<Vec<(f64, u64)>>,
+    rank_errors: Vec<u64>,
+}
+
+impl Quantiles {
+    #[allow(clippy::needless_pass_by_value)] // the quantiles take the place of the sketches
+    pub(super) fn new(name: String, counts: Vec<u64>, column: SketchColumn) -> Self {
+        let sketches = column.sketches.iter();
+        Self {
+            name,
+            counts,
+            rank_errors: sketches.clone().map(|sketch| sketch.rank_error).collect(),
+            values: sketches.map(Sketch::weighted).collect(),
+        }
+    }
+
+    /// The observable.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Returns the `p`-quantile at each recorded time: the least value that a part `p` of all values does not exceed; NaN if all paths have failed.
+    ///
+    /// # Panics
+    /// Unless `p` is from 0 to 1.
+    pub fn quantile(&self, p: f64) -> Vec<f64> {
+        assert!((0.0..=1.0).contains(&p), "a quantile of {p}: from 0 to 1");
+        let at = |(row, &paths): (usize, &u64)| match paths {
+            0 => f64::NAN,
+            _ => self.value_of_rank(row, (p * paths as f64).ceil().max(1.0)),
+        };
+        self.counts.iter().enumerate().map(at).collect()
+    }
+
+    /// Returns an interval that contains the `p`-quantile of the distribution, at each recorded time, so many standard deviations of its rank to each side, and beyond these the bound on the error of
+    /// the rank: 2 for 95 %, 3 for 99.7 %. It holds for every distribution. An end is infinite where there are too few paths to tell; both are NaN if all paths have failed.
+    ///
+    /// # Panics
+    /// Unless `p` is from 0 to 1.
+    pub fn interval(&self, p: f64, deviations: f64) -> Vec<[f64; 2]> {
+        assert!((0.0..=1.0).contains(&p), "a quantile of {p}: from 0 to 1");
+        let at = |(row, &paths): (usize, &u64)| {
+            if paths == 0 {
+                return [f64::NAN; 2];
+            }
+            let n = paths as f64;
+            let margin = deviations * (n * p * (1.0 - p)).sqrt() + self.rank_errors[row] as f64;
+            let low = (n * p - margin).floor();
+            let high = (n * p + margin).ceil() + 1.0;
+            let low = if low < 1.0 {
+                f64::NEG_INFINITY
+            } else {
+                self.value_of_rank(row, low)
+            };
+            let high = if high > n {
+                f64::INFINITY
+            } else {
+                self.value_of_rank(row, high)
+            };
+            [low, high]
+        };
+        self.counts.iter().enumerate().map(at).collect()
+    }
+
+    /// Returns a bound on the error of the ranks at each recorded time, as a part of the paths: 0 if the quantiles are exact.
+    pub fn rank_error(&self) -> Vec<f64> {
+        let all = self.rank_errors.iter().zip(&self.counts);
+        all.map(|(&error, &paths)| error as f64 / (paths.max(1)) as f64)
+            .collect()
+    }
+
+    /// Returns the value of a rank from 1; the greatest value for larger ranks.
+    fn value_of_rank(&self, row: usize, rank: f64) -> f64 {
+        let values = &self.values[row];
+        let mut below = 0;
+        let found = values.iter().find(|(_, weight)| {
+            below += weight;
+            below as f64 >= rank
+        });
+        found
+            .or(values.last())
+            .map_or(f64::NAN, |(value, _)| *value)
+    }
+}

@@ -1,0 +1,177 @@
+//! Sweeps: an ensemble for each row of a table of methods or starts, in one run with common noise.
+//!
+//! Input: an ensemble and a table. Output: a summary for each row, and the statistics of the differences of each two rows along common paths. Invariant: the summary of a row is that of the
+//! ensemble with this method and start, bit for bit.
+
+use core::ops::Index;
+
+use super::coupled::{Coupled, difference_number};
+use super::settings::{Leg, Settings};
+use super::starts::Starts;
+use super::{Ensemble, EnsembleError, Summary, sizes};
+use crate::configuration::Coordinates;
+use crate::method::Method;
+use crate::state::State;
+use crate::system::{Dims, System};
+
+impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
+where
+    I: Method<System = S> + Sync,
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    /// Runs all paths with each of several methods, in place of the ensemble's own: systems with different parameters. Path k has the same noise in all rows.
+    ///
+    /// With common noise the difference of two rows has a far smaller statistical error than each of them: the sweep takes the differences path by path, with their standard errors.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// struct Oscillator { k: f64, sigma: f64 }
+    ///
+    /// #[variational(midpoint)]
+    /// impl Oscillator {
+    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v - 0.5 * self.k * q * q }
+    ///     #[gamma]
+    ///     fn push(&self, q: f64) -> f64 { self.sigma * q }
+    /// }
+    ///
+    /// # fn main() -> Result<(), EnsembleError> {
+    /// let table = [1.0, 1.01, 1.1].map(|k| Integrator::new(Oscillator { k, sigma: 1.0 }, Midpoint));
+    /// let sweep = Ensemble::new(&table[0])
+    ///     .paths(1000).seed(1)
+    ///     .steps(0.05, 20)
+    ///     .start(State::new([1.0], [0.0]))
+    ///     .observe("q", |_, state| state.q[0])
+    ///     .sweep(&table)?;
+    /// for (integrator, row) in table.iter().zip(sweep.rows()) {
+    ///     println!("{} {}", integrator.system().k, row["q"].mean()[1]);
+    /// }
+    /// let difference = &sweep.difference(0, 1).expect("two rows")["q"]; // of k = 1.01 and 1
+    /// assert!((difference.mean()[1] + 0.0042).abs() < 4.0 * difference.standard_error()[1] + 1e-5);
+    /// assert!(difference.standard_error()[1] < 0.01 * sweep[0]["q"].standard_error()[1]);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// The differences of all pairs of rows are kept, so the memory grows with the square of the number of rows.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run); [`EnsembleError::EmptyTable`]; [`EnsembleError::SweepInOneFile`] with a checkpoint.
+    pub fn sweep(&self, methods: &[I]) -> Result<Sweep, EnsembleError> {
+        let legs = methods.iter().map(|method| Leg {
+            method,
+            ..Leg::of(self)
+        });
+        self.run_legs(&legs.collect::<Vec<_>>())
+    }
+
+    /// Runs all paths from each of several starts, in place of a [`start`](Self::start), with the same noise for all rows; see [`sweep`](Self::sweep).
+    ///
+    /// [`run_from`](Self::run_from) is the same without differences, and gives each start paths of its own unless they are shared.
+    ///
+    /// # Errors
+    /// As [`sweep`](Self::sweep).
+    pub fn sweep_starts(&self, starts: &[State<Q>]) -> Result<Sweep, EnsembleError> {
+        let starts: Vec<_> = starts.iter().map(|start| Starts::Same(*start)).collect();
+        let legs = starts.iter().map(|start| Leg {
+            start: Some(start),
+            ..Leg::of(self)
+        });
+        self.run_legs(&legs.collect::<Vec<_>>())
+    }
+
+    fn run_legs<'b>(&'b self, legs: &[Leg<'b, I>]) -> Result<Sweep, EnsembleError> {
+        #[cfg(feature = "checkpoint")]
+        if self.checkpoint.is_some() {
+            return Err(EnsembleError::SweepInOneFile);
+        }
+        let legs = legs.iter().map(|leg| Settings::of_leg(self, leg));
+        let coupled = Coupled {
+            legs: legs.collect::<Result<Vec<_>, _>>()?,
+        };
+        let Some(first) = coupled.legs.first() else {
+            return Err(EnsembleError::EmptyTable);
+        };
+        sizes::differences(self, first.records, coupled.differences())?;
+        let rows = coupled.legs.len();
+        let mut trees = first
+            .execute_with(rows + coupled.differences(), |block| {
+                coupled.run_block(block)
+            })?
+            .into_iter();
+        let infos: Vec<_> = (coupled.legs.iter())
+            .map(|leg| leg.info(leg.fingerprint()))
+            .collect();
+        let own = infos.iter().zip(trees.by_ref());
+        let rows = own
+            .map(|(info, tree)| Summary::new(info.clone(), tree))
+            .collect();
+        let of = infos.iter().enumerate().flat_map(|(to, info)| {
+            let fingerprint = &info.fingerprint;
+            let coupled = &coupled;
+            (0..to).map(move |_| coupled.info_of_differences(to, fingerprint.clone()))
+        });
+        let differences = of.zip(trees).map(|(info, tree)| Summary::new(info, tree));
+        Ok(Sweep {
+            rows,
+            differences: differences.collect(),
+        })
+    }
+}
+
+/// The summaries of the rows of a table, and of their differences. From [`Ensemble::sweep`] and [`Ensemble::sweep_starts`].
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Sweep {
+    rows: Vec<Summary>,
+    /// The differences of rows, by the number of the later row, then by that of the earlier one.
+    differences: Vec<Summary>,
+}
+
+impl Sweep {
+    /// The summaries of the rows, in the order of the table. Each is that of the ensemble run alone with this method or start, bit for bit.
+    pub fn rows(&self) -> &[Summary] {
+        &self.rows
+    }
+
+    /// Returns the statistics of the differences of the observables, row `to` less row `from`, over the paths that have failed in neither; `None` unless `from` is before `to` and both are rows.
+    ///
+    /// Its standard errors are those of differences along common paths.
+    pub fn difference(&self, from: usize, to: usize) -> Option<&Summary> {
+        let is_pair = from < to && to < self.rows.len();
+        is_pair
+            .then(|| self.differences.get(difference_number(from, to)))
+            .flatten()
+    }
+
+    /// Adds the paths of another [shard](Ensemble::shard) of the same sweep.
+    ///
+    /// # Errors
+    /// As [`Summary::merge`]; [`EnsembleError::OtherTable`] if the other one has another number of rows. Nothing is merged then.
+    pub fn merge(&mut self, other: Self) -> Result<(), EnsembleError> {
+        let (rows, others) = (self.rows.len(), other.rows.len());
+        if rows != others || self.differences.len() != other.differences.len() {
+            return Err(EnsembleError::OtherTable { rows, others });
+        }
+        let mut merged = self.clone();
+        let own = merged.rows.iter_mut().chain(&mut merged.differences);
+        for (own, other) in own.zip(other.rows.into_iter().chain(other.differences)) {
+            own.merge(other)?;
+        }
+        *self = merged;
+        Ok(())
+    }
+}
+
+impl Index<usize> for Sweep {
+    type Output = Summary;
+
+    /// The summary of a row.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    fn index(&self, row: usize) -> &Summary {
+        &self.rows[row]
+    }
+}

@@ -1,0 +1,348 @@
+//! Covariances, two-time covariances and quantiles against exact moments of the discrete motion, and against all values.
+
+use sve_models::models::{Kubo, Oscillator};
+use sve_runtime::ensemble::Difference;
+use sve_runtime::prelude::*;
+
+use crate::exact::{affine, after_a_step};
+
+const PATHS: u64 = 20_000;
+
+type Method = Integrator<Oscillator, Midpoint>;
+
+fn method() -> Method {
+    Integrator::new(Oscillator { sigma: 1.0 }, Midpoint)
+}
+
+fn ensemble(method: &Method) -> Ensemble<'_, Method> {
+    Ensemble::new(method)
+        .paths(PATHS)
+        .seed(5)
+        .steps(0.1, 60)
+        .record_every(10)
+        .start(State::new([1.0], [0.0]))
+        .observe("q", |_, s| s.q[0])
+        .observe("p", |_, s| s.p[0])
+}
+
+/// C₁ = A C₀ Aᵀ + h b bᵀ for equal times; C(s, t) = C(s) (A^(t−s))ᵀ for two times.
+#[test]
+fn covariances_are_those_of_the_recursion() {
+    let method = method();
+    let summary = ensemble(&method)
+        .covariance("q", "p")
+        .covariance("q", "q")
+        .two_time("q", "p")
+        .two_time("p", "p")
+        .run()
+        .unwrap();
+    let (a, b) = affine(&method);
+    let mut states = vec![([1.0, 0.0], [[0.0; 2]; 2])];
+    for _ in 0..60 {
+        let next = after_a_step(&a, &b, *states.last().unwrap());
+        states.push(next);
+    }
+    let (qp, qq) = (
+        summary.covariance("q", "p").unwrap(),
+        summary.covariance("q", "q").unwrap(),
+    );
+    let within = |found: f64, exact: f64, error: f64| {
+        assert!(
+            (found - exact).abs() < 4.5 * error,
+            "{found} {exact} ± {error}"
+        );
+    };
+    for record in 1..=6 {
+        let (_, c) = states[10 * record];
+        within(
+            qp.covariance()[record],
+            c[0][1],
+            qp.standard_error()[record],
+        );
+        within(
+            qq.covariance()[record],
+            c[0][0],
+            qq.standard_error()[record],
+        );
+        // var(s₁₂) = (c₁₁ c₂₂ + c₁₂²)/(n − 1) for a Gaussian
+        let exact = (c[0][0] * c[1][1] + c[0][1] * c[0][1]).sqrt() / (PATHS as f64 - 1.0).sqrt();
+        assert!((qp.standard_error()[record] / exact - 1.0).abs() < 0.1);
+        let variance = summary["q"].variance()[record];
+        assert!((qq.covariance()[record] / variance - 1.0).abs() < 1e-12);
+        assert!((qq.correlation()[record] - 1.0).abs() < 1e-12);
+        let rho = c[0][1] / (c[0][0] * c[1][1]).sqrt();
+        assert!((qp.correlation()[record] - rho).abs() < 5.0 / (PATHS as f64).sqrt());
+    }
+    assert_eq!((qp.covariance()[0], qp.standard_error()[0]), (0.0, 0.0));
+    assert!(qp.correlation()[0].is_nan());
+    let (two, momentum) = (
+        summary.two_time("q", "p").unwrap(),
+        summary.two_time("p", "p").unwrap(),
+    );
+    for s in 0..=6 {
+        for t in 0..=6 {
+            let exact = exact_two_time(&a, &states, 10 * s, 10 * t);
+            if s * t > 0 {
+                within(two.covariance(s, t), exact[0][1], two.standard_error(s, t));
+                within(
+                    momentum.covariance(s, t),
+                    exact[1][1],
+                    two.standard_error(s, t).max(1e-3),
+                );
+            }
+            assert_eq!(
+                momentum.covariance(s, t).to_bits(),
+                momentum.covariance(t, s).to_bits()
+            );
+        }
+        assert_eq!(two.covariance(s, s).to_bits(), qp.covariance()[s].to_bits());
+    }
+}
+
+/// Covariances of the state at step `s` with that at step `t`.
+fn exact_two_time(
+    a: &[[f64; 2]; 2],
+    states: &[([f64; 2], [[f64; 2]; 2])],
+    s: usize,
+    t: usize,
+) -> [[f64; 2]; 2] {
+    let (first, steps) = (s.min(t), s.abs_diff(t));
+    let mut c = states[first].1;
+    for _ in 0..steps {
+        let mut next = [[0.0; 2]; 2];
+        for i in 0..2 {
+            for j in 0..2 {
+                next[i][j] = a[j][0] * c[i][0] + a[j][1] * c[i][1];
+            }
+        }
+        c = next;
+    }
+    if s <= t {
+        c
+    } else {
+        [[c[0][0], c[1][0]], [c[0][1], c[1][1]]]
+    }
+}
+
+/// An oscillator with friction in a bath, which begins in the stationary law of its discrete motion.
+struct Bath {
+    nu: f64,
+    sigma: f64,
+}
+
+#[variational(midpoint)]
+impl Bath {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v - 0.5 * q * q
+    }
+    #[force]
+    fn friction(&self, _q: f64, v: f64) -> f64 {
+        -self.nu * v
+    }
+    #[gamma]
+    fn kicks(&self, q: f64) -> f64 {
+        self.sigma * q
+    }
+}
+
+/// The midpoint rule keeps q and p independent with variance kT = σ²/2ν, so C(t) = kT Aᵗ.
+#[test]
+fn autocorrelations_of_a_bath_are_stationary() {
+    let bath = Integrator::new(
+        Bath {
+            nu: 1.0,
+            sigma: 2.0,
+        },
+        Midpoint,
+    );
+    let h = 0.2;
+    let image = |q, p| {
+        let mut state = State::new([q], [p]);
+        bath.step(&mut state, h, &[0.0]).unwrap();
+        [state.q[0], state.p[0]]
+    };
+    let (x, y) = (image(1.0, 0.0), image(0.0, 1.0));
+    let summary = Ensemble::new(&bath)
+        .paths(20_000)
+        .seed(3)
+        .steps(h, 12)
+        .record_every(2)
+        .start_with(|_, rng| {
+            let s = 2.0_f64.sqrt();
+            State::new([s * rng.normal()], [s * rng.normal()])
+        })
+        .observe("q", |_, s| s.q[0])
+        .two_time("q", "q")
+        .run()
+        .unwrap();
+    let both = summary.two_time("q", "q").unwrap();
+    assert_eq!(both.names(), ["q", "q"]);
+    let mut power = [1.0, 0.0];
+    for lag in 0..=6 {
+        for s in 0..=6 - lag {
+            let (found, error) = (both.covariance(s, s + lag), both.standard_error(s, s + lag));
+            let z = (found - 2.0 * power[0]) / error;
+            assert!(z.abs() < 4.5 && error < 0.04, "{s} {lag} {z}");
+        }
+        for _ in 0..2 {
+            // the first row of the power of A, times A
+            power = [
+                power[0] * x[0] + power[1] * x[1],
+                power[0] * y[0] + power[1] * y[1],
+            ];
+        }
+    }
+}
+
+/// Fewer paths than values are exact; more are within the bound of the ranks.
+#[test]
+fn quantiles_are_those_of_all_values() {
+    let method = method();
+    let summary = ensemble(&method)
+        .quantiles("q", PATHS as usize)
+        .quantiles("p", 300)
+        .keep_final_states(true)
+        .run()
+        .unwrap();
+    let sorted = |of: fn(&[f64], &[f64]) -> f64| {
+        let mut values: Vec<f64> = summary.final_states().map(|(_, s)| of(s.q, s.p)).collect();
+        values.sort_by(f64::total_cmp);
+        values
+    };
+    let (q, p) = (sorted(|q, _| q[0]), sorted(|_, p| p[0]));
+    let (exact, sketch) = (
+        summary.quantiles("q").unwrap(),
+        summary.quantiles("p").unwrap(),
+    );
+    assert_eq!(exact.rank_error()[6], 0.0);
+    let bound = sketch.rank_error()[6];
+    assert!(
+        bound > 0.0 && bound <= (PATHS as f64 / 300.0).log2().ceil() / 300.0,
+        "{bound}"
+    );
+    for k in 0..=100_usize {
+        let part = k as f64 / 100.0;
+        let rank = ((part * PATHS as f64).ceil() as usize).max(1);
+        assert_eq!(exact.quantile(part)[6], q[rank - 1]);
+        let found = sketch.quantile(part)[6];
+        let place = p.partition_point(|&x| x <= found) as f64;
+        // a value that the sketch keeps has a weight of 128 at most
+        let off = (place - rank as f64).abs() / PATHS as f64;
+        assert!(off <= bound + 128.0 / PATHS as f64, "{part} {off} {bound}");
+    }
+    let [low, high] = sketch.interval(0.5, 3.0)[6];
+    let middle = sketch.quantile(0.5)[6];
+    assert!(low < middle && middle < high);
+    assert_eq!(sketch.interval(0.0, 3.0)[6][0], f64::NEG_INFINITY);
+    // all paths start at the same momentum
+    assert_eq!(sketch.quantile(0.3)[0], 0.0);
+}
+
+/// A pair of times has the paths that have not failed until the later one, in several blocks.
+#[test]
+fn pairs_of_times_leave_out_paths_that_have_failed() {
+    let (method, h, paths) = (method(), 0.1, 300);
+    let bound = 1.2;
+    let summary = Ensemble::new(&method)
+        .paths(paths)
+        .seed(5)
+        .steps(h, 30)
+        .record_every(10)
+        .start(State::new([1.0], [0.0]))
+        .observe("q", |_, s| if s.q[0] > bound { f64::NAN } else { s.q[0] })
+        .observe("p", |_, s| s.p[0])
+        .two_time("q", "p")
+        .run()
+        .unwrap();
+    // positions and momenta at the recorded times, up to that of a failure
+    let records: Vec<Vec<[f64; 2]>> = (0..paths)
+        .map(|path| {
+            let noise = Wiener::new(5).path(path);
+            let states = method.trajectory(State::new([1.0], [0.0]), h, noise);
+            let states = states.take(30).map(Result::unwrap).skip(9).step_by(10);
+            let all = [[1.0, 0.0]]
+                .into_iter()
+                .chain(states.map(|s| [s.q[0], s.p[0]]));
+            all.take_while(|[q, _]| *q <= bound).collect()
+        })
+        .collect();
+    let two = summary.two_time("q", "p").unwrap();
+    for s in 0..4 {
+        for t in 0..4 {
+            let alive = records.iter().filter(|path| path.len() > s.max(t));
+            let pairs: Vec<_> = alive.map(|path| (path[s][0], path[t][1])).collect();
+            let n = pairs.len() as f64;
+            assert!(s.max(t) == 0 || (50.0..300.0).contains(&n), "{n}");
+            let mean = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / n;
+            let (a, b) = (mean(|v| v.0), mean(|v| v.1));
+            let sum: f64 = pairs.iter().map(|(x, y)| (x - a) * (y - b)).sum();
+            let off = two.covariance(s, t) - sum / (n - 1.0);
+            assert!(off.abs() < 1e-13, "{s} {t} {off:e}");
+        }
+    }
+}
+
+/// Shards and threads have the bits of the whole, with paths that fail.
+#[test]
+fn shards_merge_into_the_bits_of_the_whole() {
+    let kubo = Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint);
+    let ensemble = || {
+        Ensemble::new(&kubo)
+            .paths(64 * 10 + 7)
+            .seed(3)
+            .steps(0.05, 40)
+            .record_every(10)
+            .start_with(|_, rng| State::new([rng.normal()], [rng.uniform()]))
+            .observe("q", |_, s| if s.q[0] > 2.0 { f64::NAN } else { s.q[0] })
+            .observe("p", |_, s| s.p[0])
+            .covariance("q", "p")
+            .two_time("p", "q")
+            .quantiles("p", 100)
+    };
+    let whole = ensemble().threads(1).run().unwrap();
+    assert!(whole.failed() > 0);
+    for of in [2, 5] {
+        let mut merged = ensemble().shard(of - 1, of).run().unwrap();
+        for index in 0..of - 1 {
+            merged
+                .merge(ensemble().shard(index, of).run().unwrap())
+                .unwrap();
+        }
+        assert_eq!(merged, whole);
+        assert_eq!(merged.two_time("p", "q"), whole.two_time("p", "q"));
+        assert_eq!(merged.quantiles("p"), whole.quantiles("p"));
+    }
+    let text = serde_json::to_string(&whole).unwrap();
+    assert_eq!(serde_json::from_str::<Summary>(&text).unwrap(), whole);
+    let other = |ensemble: Ensemble<'_, _>| {
+        let mut whole = whole.clone();
+        match whole
+            .merge(ensemble.shard(0, 2).run().unwrap())
+            .unwrap_err()
+        {
+            EnsembleError::OtherRun { what } => what,
+            other => panic!("{other}"),
+        }
+    };
+    assert_eq!(
+        other(ensemble().covariance("q", "q")),
+        Difference::Covariances
+    );
+    assert_eq!(other(ensemble().quantiles("q", 100)), Difference::Quantiles);
+}
+
+#[test]
+fn names_and_sizes_are_checked() {
+    let method = method();
+    let message = |ensemble: Ensemble<'_, Method>| ensemble.run().unwrap_err().to_string();
+    assert!(
+        message(ensemble(&method).covariance("q", "x")).contains("`x` to take a covariance of")
+    );
+    assert!(message(ensemble(&method).quantiles("x", 10)).contains("`x` to take quantiles of"));
+    assert!(message(ensemble(&method).quantiles("q", 1)).contains("at least 2"));
+    let many = ensemble(&method)
+        .steps(1e-9, 1 << 21)
+        .record_every(1)
+        .two_time("q", "q");
+    assert!(message(many).contains("covariances of `q` and `q`"));
+}

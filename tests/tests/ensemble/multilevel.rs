@@ -1,0 +1,226 @@
+//! The multilevel method: its noise path by path, exact moments of its levels, bias, bits.
+
+use std::time::Duration;
+
+use sve_models::models::Oscillator;
+use sve_runtime::noise::{Recorded, ThreePoint};
+use sve_runtime::prelude::*;
+
+use crate::exact::Gaussian;
+
+const H: f64 = 0.5;
+const STEPS: u64 = 4;
+
+type Method = Integrator<Oscillator, Endpoint>;
+
+fn method() -> Method {
+    Integrator::new(Oscillator { sigma: 1.0 }, Endpoint)
+}
+
+fn ensemble(method: &Method) -> Ensemble<'_, Method> {
+    Ensemble::new(method)
+        .paths(200)
+        .seed(8)
+        .steps(H, STEPS)
+        .start(State::new([1.0], [0.0]))
+        .observe("p", |_, s| s.p[0])
+        .observe("q²", |_, s| s.q[0] * s.q[0])
+}
+
+/// Level l has the paths from l 2⁴⁸ on. Its coarse steps have the sums of the increments of its fine steps.
+#[test]
+fn levels_are_differences_along_common_paths() {
+    let method = method();
+    let estimate = ensemble(&method).multilevel("q²").run(0.3).unwrap();
+    let levels = estimate.levels();
+    assert_eq!(levels[0].paths % 64, 0);
+    for (level, found) in (0_u32..).zip(levels) {
+        let (h, steps) = (H / f64::from(1 << level), STEPS << level);
+        assert_eq!((found.h, found.failed), (h, 0));
+        let value = |noise: &Recorded, h| {
+            let states = method.trajectory(State::new([1.0], [0.0]), h, noise.clone());
+            states.last().unwrap().unwrap().q[0].powi(2)
+        };
+        let values: Vec<f64> = (0..found.paths)
+            .map(|path| {
+                let path = Wiener::new(8).path((u64::from(level) << 48) + path);
+                let fine = Recorded::record(path, h, 1, steps as usize).unwrap();
+                let coarse = if level > 0 {
+                    value(&fine.coarsen(2).unwrap(), 2.0 * h)
+                } else {
+                    0.0
+                };
+                value(&fine, h) - coarse
+            })
+            .collect();
+        let n = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        assert!(
+            (found.mean - mean).abs() < 1e-12,
+            "{level} {} {mean}",
+            found.mean
+        );
+        assert!((found.variance / variance - 1.0).abs() < 1e-10, "{level}");
+        let made = if level == 0 { steps } else { steps + steps / 2 };
+        assert_eq!(found.steps, made);
+    }
+    let mean: f64 = levels.iter().map(|level| level.mean).sum();
+    assert_eq!(estimate.mean(), mean);
+    assert_eq!(
+        estimate.steps(),
+        levels.iter().map(|l| l.steps * l.paths).sum::<u64>()
+    );
+}
+
+/// Mean of q² after `steps` steps of length `h`, by the recursion of mean and covariance.
+fn exact_mean(method: &Method, h: f64, steps: u64) -> f64 {
+    let image = |q, p, dw| {
+        let mut state = State::new([q], [p]);
+        method.step(&mut state, h, &[dw]).unwrap();
+        [state.q[0], state.p[0]]
+    };
+    let (x, y, b) = (
+        image(1.0, 0.0, 0.0),
+        image(0.0, 1.0, 0.0),
+        image(0.0, 0.0, 1.0),
+    );
+    let apply = |z: [f64; 2]| [x[0] * z[0] + y[0] * z[1], x[1] * z[0] + y[1] * z[1]];
+    let (mut m, mut c): Gaussian = ([1.0, 0.0], [[0.0; 2]; 2]);
+    for _ in 0..steps {
+        m = apply(m);
+        let half = [apply(c[0]), apply(c[1])];
+        let columns = [
+            apply([half[0][0], half[1][0]]),
+            apply([half[0][1], half[1][1]]),
+        ];
+        for i in 0..2 {
+            for j in 0..2 {
+                c[i][j] = columns[j][i] + h * b[i] * b[j];
+            }
+        }
+    }
+    m[0] * m[0] + c[0][0]
+}
+
+/// The endpoint rule has weak order 1 here, so there is a bias to estimate. E q² = cos²t + σ²(t − sin t cos t)/2.
+#[test]
+fn means_are_exact_to_their_errors() {
+    let method = method();
+    let t = H * STEPS as f64;
+    let exact = t.cos().powi(2) + 0.5 * (t - t.sin() * t.cos());
+    for error in [0.1, 0.03, 0.01] {
+        let estimate = ensemble(&method).multilevel("q²").run(error).unwrap();
+        let mut before = 0.0;
+        for (level, found) in (0_u32..).zip(estimate.levels()) {
+            let mean = exact_mean(&method, found.h, STEPS << level);
+            let z = (found.mean - (mean - before)) / found.standard_error;
+            assert!(z.abs() < 4.5, "level {level}: {z}");
+            before = mean;
+        }
+        let bias = (before - exact).abs();
+        assert!(
+            bias < 1.5 * estimate.bias() && estimate.bias() < error,
+            "{bias} {}",
+            estimate.bias()
+        );
+        assert!((estimate.mean() - exact).abs() < bias + 4.5 * estimate.standard_error());
+        // the variance is at its half of the squared error, up to blocks and the tolerance of 1 %
+        assert!(estimate.standard_error() < 1.02 * error / 2.0_f64.sqrt());
+        assert!(estimate.error() < 1.02 * error);
+        // numbers of paths are in the ratio of √(variance/steps), where they are more than the first ones
+        let grown: Vec<_> = estimate
+            .levels()
+            .iter()
+            .filter(|l| l.paths > 2000)
+            .collect();
+        for pair in grown.windows(2) {
+            let wanted = |l: &sve_runtime::ensemble::Level| (l.variance / l.steps as f64).sqrt();
+            let ratio = pair[0].paths as f64 / pair[1].paths as f64;
+            assert!(
+                (ratio / (wanted(pair[0]) / wanted(pair[1])) - 1.0).abs() < 0.1,
+                "{ratio}"
+            );
+        }
+    }
+}
+
+/// The variance of a difference falls like h² at strong order 1: a factor of 4 a level.
+#[test]
+fn variances_of_levels_fall_with_the_square_of_the_step() {
+    let method = method();
+    let ensemble = ensemble(&method).paths(20_000);
+    let estimate = ensemble.multilevel("q²").run(0.01).unwrap();
+    for pair in estimate.levels()[2..].windows(2) {
+        let ratio = pair[0].variance / pair[1].variance;
+        assert!((3.3..4.7).contains(&ratio), "{ratio}");
+    }
+}
+
+#[test]
+fn threads_have_the_same_bits() {
+    let method = method();
+    let run = |threads| {
+        ensemble(&method)
+            .threads(threads)
+            .multilevel("q²")
+            .run(0.03)
+            .unwrap()
+    };
+    let estimate = run(1);
+    assert_eq!(run(3), estimate);
+    let text = estimate.to_string();
+    assert!(
+        text.starts_with("q²: ") && text.contains("level 2: h = 1.25e-1"),
+        "{text}"
+    );
+}
+
+/// The momentum is linear in the noise, so that pairs leave no variance on any level.
+#[test]
+fn antithetic_levels_have_the_variance_of_pairs() {
+    let method = method();
+    let ensemble = ensemble(&method).antithetic(true);
+    let estimate = ensemble.multilevel("p").run(0.01).unwrap();
+    assert!(estimate.standard_error() < 1e-15);
+    assert!(estimate.levels().iter().all(|level| level.paths == 256));
+    let exact = -(H * STEPS as f64).sin();
+    assert!((estimate.mean() - exact).abs() < 2.0 * estimate.bias() && estimate.bias() < 0.01);
+}
+
+#[test]
+fn impossible_estimates_are_errors() {
+    let method = method();
+    let error = |ensemble: Ensemble<'_, Method>, wanted: f64| {
+        ensemble.multilevel("q²").run(wanted).unwrap_err()
+    };
+    let stopped = |deepest| {
+        ensemble(&method)
+            .multilevel("q²")
+            .deepest(deepest)
+            .run(0.03)
+    };
+    assert!(matches!(
+        stopped(2),
+        Err(EnsembleError::Bias { level: 2, .. })
+    ));
+    let found = error(ensemble(&method), -1.0);
+    assert!(found.to_string().contains("the error -1e0"), "{found}");
+    let found = error(ensemble(&method).noise(ThreePoint::new(1)), 0.1);
+    assert!(matches!(found, EnsembleError::NoSums), "{found}");
+    let found = error(ensemble(&method).shard(0, 2), 0.1);
+    assert!(matches!(found, EnsembleError::MultilevelInParts), "{found}");
+    let found = error(ensemble(&method).checkpoint("x.sve", Duration::ZERO), 0.1);
+    assert!(matches!(found, EnsembleError::MultilevelInParts), "{found}");
+    let found = ensemble(&method).multilevel("x").run(0.1).unwrap_err();
+    assert!(
+        found.to_string().contains("`x` to take the mean of"),
+        "{found}"
+    );
+    let failing = ensemble(&method).observe("none", |_, s| if s.t > 0.0 { f64::NAN } else { 0.0 });
+    let found = failing.multilevel("none").run(0.1).unwrap_err();
+    assert!(
+        found.to_string().contains("level 0") && found.to_string().contains("256 of 256"),
+        "{found}"
+    );
+}
