@@ -87,7 +87,8 @@ fn figure(pendulum: DoublePendulum, h: f64, steps: usize) -> Result<Figure, Step
         (x, -pendulum.l1 * upper.cos() - pendulum.l2 * lower.cos())
     };
     let start = State::new([2.0, 1.0], [0.0, 0.0]);
-    let drawn = (8.0 / h) as usize;
+    // 8 units of time
+    let drawn = 1600;
     let quiet: Result<Vec<_>, _> = midpoint
         .trajectory(start, h, NoNoise)
         .take(drawn)

@@ -110,11 +110,13 @@ fn weak(record: &Record) -> Option<f64> {
 }
 
 /// No standard error.
+#[allow(clippy::unnecessary_wraps)] // a quantity
 fn certain(_: &Record) -> Option<f64> {
     Some(0.0)
 }
 
-/// The standard error of a strong error, where there is one.
+/// The standard error of a strong error, 0 where there is none.
+#[allow(clippy::unnecessary_wraps)] // a quantity
 fn strong_spread(record: &Record) -> Option<f64> {
     Some(record.error_se.unwrap_or(0.0))
 }

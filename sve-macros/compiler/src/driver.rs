@@ -29,7 +29,7 @@ use crate::system::degeneracy::{self, brackets};
 use crate::system::energy;
 use crate::system::mechanics::{self, Mechanics};
 use crate::system::model::{Meaning, Model};
-use crate::system::symmetry;
+use crate::system::symmetry::{self, MomentumMap};
 
 /// What an expansion is made for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -156,19 +156,7 @@ fn derive(
     })??;
     let mut momenta =
         budget.stage(&mut arena, |arena| symmetry::check(&block, &model, arena))??;
-    if let Some(degeneracy) = &model.degeneracy {
-        let nodes = block
-            .arguments
-            .rules
-            .iter()
-            .filter_map(|listed| listed.rule.node());
-        for (map, generator) in momenta.iter_mut().zip(&model.symmetries) {
-            let mut nodes = nodes.clone();
-            let is_kept =
-                |node| degeneracy.keeps_momentum(&generator.field, node == 0.5, &model, &arena);
-            map.is_affine &= nodes.all(is_kept);
-        }
-    }
+    restrict_to_nodes(&mut momenta, &block, &model, &arena);
     // Rules with a potential come last: what is made for it must not change the order of terms in others, and so their rounding.
     let has_potential = |listed: &&ListedRule| listed.rule.options.contain(RuleOption::Weak2);
     let (with, without): (Vec<_>, Vec<_>) = block.arguments.rules.iter().partition(has_potential);
@@ -217,6 +205,20 @@ fn derive(
         output.extend(rust::rule(&context, derived, weak_order, &texts));
     }
     Ok(output)
+}
+
+/// Degenerate Lagrangians: momenta are conserved as affine functions only if the nodes of all rules keep them.
+fn restrict_to_nodes(momenta: &mut [MomentumMap], block: &Annotated, model: &Model, arena: &Arena) {
+    let Some(degeneracy) = &model.degeneracy else {
+        return;
+    };
+    let rules = block.arguments.rules.iter();
+    let nodes = rules.filter_map(|listed| listed.rule.node());
+    for (map, generator) in momenta.iter_mut().zip(&model.symmetries) {
+        let mut nodes = nodes.clone();
+        let is_kept = |node| degeneracy.keeps_momentum(&generator.field, node == 0.5, model, arena);
+        map.is_affine &= nodes.all(is_kept);
+    }
 }
 
 /// Derives the steps of some rules, with the potentials of the option `weak2`.

@@ -59,13 +59,15 @@ impl Summary {
     pub fn write_html(&self, path: impl AsRef<Path>) -> Result<(), PlotError> {
         let mut title = format!("Ensemble of {} paths", self.paths());
         if let Some(t) = self.times().last() {
-            title += &format!(" to t = {t}");
+            title.push_str(" to t = ");
+            title.push_str(&t.to_string());
         }
         let figure = figure(self);
         let mut body = String::new();
         if !figure.rows.is_empty() {
-            body += &format!("<figure>\n{}\n", render::svg(&figure)?);
-            body += "<figcaption>Bands and bars: two standard errors on either side.</figcaption>\n</figure>\n";
+            body.push_str("<figure>\n");
+            body.push_str(&render::svg(&figure)?);
+            body += "\n<figcaption>Bands and bars: two standard errors on either side.</figcaption>\n</figure>\n";
         }
         body += &table(self);
         let notes = self
@@ -78,7 +80,9 @@ impl Summary {
             .first()
             .map(|f| format!("first failure: {f}"));
         for note in notes.chain(failures).chain(first) {
-            body += &format!("<p>{}</p>\n", page::escape(&note));
+            body.push_str("<p>");
+            body.push_str(&page::escape(&note));
+            body.push_str("</p>\n");
         }
         page::write(path.as_ref(), &page::document(&title, &body))
     }

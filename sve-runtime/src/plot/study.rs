@@ -11,6 +11,8 @@ use crate::study::{Estimate, Report, Row};
 
 /// An error with its standard error; 0 where it has none.
 type Error<'a> = &'a dyn Fn(&Row) -> Option<Estimate>;
+/// A kind of error with its name.
+type Kind = (String, Box<dyn Fn(&Row) -> Option<Estimate>>);
 /// What errors are drawn against.
 type Abscissa = (&'static str, fn(&Row) -> Option<f64>);
 
@@ -65,7 +67,9 @@ impl Report {
         let title = format!("{} to t = {}", self.problem(), self.horizon());
         let mut body = format!("<figure>\n{}\n", render::svg(&figure(self))?);
         body += "<figcaption>Bars: two standard errors on either side. Arrows: upper limits of errors below two standard errors.</figcaption>\n</figure>\n";
-        body += &format!("<pre>{}</pre>\n", page::escape(&self.to_string()));
+        body.push_str("<pre>");
+        body.push_str(&page::escape(&self.to_string()));
+        body.push_str("</pre>\n");
         page::write(path.as_ref(), &page::document(&title, &body))
     }
 }
@@ -73,7 +77,7 @@ impl Report {
 /// A row of panels for each kind of error: against time, where times were measured, and step size.
 fn figure(report: &Report) -> Figure {
     let strong = |row: &Row| row.error;
-    let mut kinds: Vec<(String, Box<dyn Fn(&Row) -> Option<Estimate>>)> = vec![(
+    let mut kinds: Vec<Kind> = vec![(
         "error at the end (root of the mean square)".to_owned(),
         Box::new(strong),
     )];
@@ -94,7 +98,7 @@ fn figure(report: &Report) -> Figure {
         ));
     }
     let timed = report.rows().iter().any(|row| row.timing.is_some());
-    let row = |(name, error): &(String, Box<dyn Fn(&Row) -> Option<Estimate>>)| {
+    let row = |(name, error): &Kind| {
         let against = |x| panel(report, x, (name, error));
         let mut panels = vec![against(STEP).legend(Corner::Outside)];
         if timed {

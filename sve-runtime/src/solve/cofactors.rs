@@ -26,7 +26,9 @@ impl Matrix<3> for Cofactors {
         // the product of the sums of rows is at least the sum of the magnitudes of the terms of the determinant
         let size = |row: [f64; 3]| (row[0].abs() + row[1].abs()) + row[2].abs();
         let bound = size(x) * size(y) * size(z);
-        if !(determinant.abs() > SINGULAR_OF_THREE * bound) && self.is_singular(determinant) {
+        // false for NaN
+        let is_clear = determinant.abs() > SINGULAR_OF_THREE * bound;
+        if !is_clear && self.is_singular(determinant) {
             return None;
         }
         let inverse = 1.0 / determinant;

@@ -70,7 +70,7 @@ mod tests {
     #[test]
     fn steps_are_repeated_as_seldom_as_the_checkpoints_allow() {
         for steps in [1, 2, 3, 10, 100, 1000, 4321] {
-            for checkpoints in [0, 1, 2, 3, 7, 20, 100] {
+            for checkpoints in [1, 2, 3, 7, 20, 100] {
                 let (made, kept) = walk(steps, checkpoints);
                 let c = checkpoints as u64;
                 let repetitions = (0..=steps).find(|&r| reach(c, r) >= steps).unwrap();

@@ -222,6 +222,7 @@ fn quantiles_are_those_of_all_values() {
     );
     for k in 0..=100_usize {
         let part = k as f64 / 100.0;
+        #[allow(clippy::cast_sign_loss)] // a part of a number of paths
         let rank = ((part * PATHS as f64).ceil() as usize).max(1);
         assert_eq!(exact.quantile(part)[6], q[rank - 1]);
         let found = sketch.quantile(part)[6];

@@ -198,10 +198,12 @@ fn stopped_paths_cost_no_steps() {
         let particle = Integrator::new(Particle, Midpoint);
         let method = Counting(particle, AtomicU64::new(0));
         let h = 0.005;
+        #[allow(clippy::cast_sign_loss)] // a number of steps
+        let steps = (end / h).round() as u64;
         let summary = Ensemble::new(&method)
             .paths(4096)
             .seed(1)
-            .steps(h, (end / h).round() as u64)
+            .steps(h, steps)
             .start_with(|_, rng| State::new([0.0], [-1.0 / (1.0 - rng.uniform()).ln()]))
             // the time of passage 1/v is exponential
             .stop_at("wall", |_, state| state.q[0] - 1.0)

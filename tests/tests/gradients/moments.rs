@@ -27,12 +27,12 @@ impl Pushed {
 /// A step z₁ = A z₀ + b ΔW.
 type Affine = ([[f64; 2]; 2], [f64; 2]);
 
-/// q₁ = q₀ + hp₀, p₁ = p₀ − hkq₁ + σΔW.
+/// q₁ = q₀ + hp₀, p₁ = p₀ − hkq₁ + σ ΔW.
 fn endpoint(k: f64, sigma: f64) -> Affine {
     ([[1.0, H], [-H * k, 1.0 - H * H * k]], [0.0, sigma])
 }
 
-/// (q₁ − q₀)/h = (p₀ + p₁)/2, p₁ − p₀ = −hk(q₀ + q₁)/2 + σΔW.
+/// (q₁ − q₀)/h = (p₀ + p₁)/2, p₁ − p₀ = −hk(q₀ + q₁)/2 + σ ΔW.
 fn midpoint(k: f64, sigma: f64) -> Affine {
     let x = 0.25 * H * H * k;
     let scale = 1.0 / (1.0 + x);
@@ -110,7 +110,7 @@ fn linear_oscillator_by_the_midpoint_rule() {
     oscillator!(Midpoint, midpoint, 2);
 }
 
-/// The mean of q + ip after some steps: that of a step's factor (1 − iθ/2)/(1 + iθ/2), θ = ah + σΔW, to this power, times the start.
+/// The mean of q + ip after some steps: that of a step's factor (1 − iθ/2)/(1 + iθ/2), θ = ah + σ ΔW, to this power, times the start.
 fn kubo_mean(a: f64, sigma: f64, steps: i32) -> f64 {
     let (mut sum, mut weights) = ([0.0; 2], 0.0);
     for i in -900..=900 {

@@ -9,6 +9,18 @@ use crate::solve::dense::{DeterminantSign, Matrix};
 /// Largest change of Newton's update by the term with the second derivative, relative to the update, at which the term is used.
 pub(crate) const LARGEST_CORRECTION: f64 = 0.25;
 
+/// Largest number of unknowns whose matrix may be copied within the loop of the iteration.
+const LARGEST_INLINED: usize = 16;
+
+/// Solves a system of many unknowns. Its copy of the matrix leaves the stack before the next evaluation.
+#[inline(never)]
+fn solve_apart<const K: usize>(
+    jacobian: &impl Matrix<K>,
+    residual: &[f64; K],
+) -> Option<([f64; K], DeterminantSign)> {
+    jacobian.solve_with_sign(residual)
+}
+
 /// An update of the unknowns.
 #[derive(Clone, Copy)]
 pub(super) struct Update<const K: usize> {
@@ -30,7 +42,11 @@ impl<const K: usize, J: Matrix<K>> Evaluation<K, J> {
     #[inline(always)]
     pub(super) fn update(&self) -> Option<Update<K>> {
         if K != 1 {
-            let (by, sign) = self.jacobian.solve_with_sign(&self.residual)?;
+            let (by, sign) = if K > LARGEST_INLINED {
+                solve_apart(&self.jacobian, &self.residual)?
+            } else {
+                self.jacobian.solve_with_sign(&self.residual)?
+            };
             return Some(Update {
                 by,
                 newton: by,
