@@ -104,7 +104,7 @@ impl<K: VectorKernel, const AVX512: bool> Kernel for ForVectors<K, AVX512> {
 }
 
 /// Returns the results of all versions that this machine can run, for tests.
-#[cfg(test)]
+#[cfg(all(test, feature = "ensemble"))]
 pub(crate) fn vector_versions<K: VectorKernel + Clone>(kernel: &K) -> Vec<K::Output> {
     let mut results = versions(&ForVectors::<K, false>(kernel.clone()));
     if has_avx512() {
