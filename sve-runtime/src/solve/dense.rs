@@ -136,8 +136,9 @@ fn eliminate<const K: usize>(
     matrix: &[[f64; K]; K],
     rhs: &[f64; K],
 ) -> Option<([f64; K], DeterminantSign)> {
-    let factors = factor(matrix)?;
-    Some((factors.solve(rhs), factors.sign))
+    let mut lu = *matrix;
+    let (rows, sign) = factor(matrix, &mut lu)?;
+    Some((substitute(&lu, &rows, rhs), sign))
 }
 
 /// The LU factors of a matrix, for several right-hand sides.
@@ -154,20 +155,7 @@ impl<const K: usize> Factors<K> {
     /// Solves `a x = b`, bit for bit as [`solve`] does for three and more unknowns.
     #[inline(always)]
     pub fn solve(&self, b: &[f64; K]) -> [f64; K] {
-        let mut x = self.rows.map(|row| b[row]);
-        for k in 0..K {
-            for i in k + 1..K {
-                x[i] -= self.lu[i][k] * x[k];
-            }
-        }
-        for k in (0..K).rev() {
-            let mut sum = x[k];
-            for j in k + 1..K {
-                sum -= self.lu[k][j] * x[j];
-            }
-            x[k] = sum / self.lu[k][k];
-        }
-        x
+        substitute(&self.lu, &self.rows, b)
     }
 
     /// Returns the sign of the determinant.
@@ -179,13 +167,37 @@ impl<const K: usize> Factors<K> {
 
 /// Factors a matrix of three and more rows. Returns `None` if it is singular to rounding.
 pub fn factored<const K: usize>(matrix: &[[f64; K]; K]) -> Option<Factors<K>> {
-    factor(matrix)
+    let mut lu = *matrix;
+    let (rows, sign) = factor(matrix, &mut lu)?;
+    Some(Factors { lu, rows, sign })
 }
 
-/// Gaussian elimination with scaled partial pivoting.
+/// Solves with the factors of a matrix, whose rows have been exchanged.
 #[inline(always)]
-fn factor<const K: usize>(matrix: &[[f64; K]; K]) -> Option<Factors<K>> {
-    let mut a = *matrix;
+fn substitute<const K: usize>(lu: &[[f64; K]; K], rows: &[usize; K], b: &[f64; K]) -> [f64; K] {
+    let mut x = rows.map(|row| b[row]);
+    for k in 0..K {
+        for i in k + 1..K {
+            x[i] -= lu[i][k] * x[k];
+        }
+    }
+    for k in (0..K).rev() {
+        let mut sum = x[k];
+        for j in k + 1..K {
+            sum -= lu[k][j] * x[j];
+        }
+        x[k] = sum / lu[k][k];
+    }
+    x
+}
+
+/// Gaussian elimination with scaled partial pivoting: turns `a`, a copy of the matrix, into its factors. Returns the row of the matrix that became each row, and the
+/// sign of the determinant. In place, since code that is not optimised would put several copies of a large matrix on the stack.
+#[inline(always)]
+fn factor<const K: usize>(
+    matrix: &[[f64; K]; K],
+    a: &mut [[f64; K]; K],
+) -> Option<([usize; K], DeterminantSign)> {
     let mut rows = core::array::from_fn(|i| i);
     let mut is_negative = false;
     let mut scale = [0.0; K];
@@ -193,7 +205,7 @@ fn factor<const K: usize>(matrix: &[[f64; K]; K]) -> Option<Factors<K>> {
         scale[i] = largest_magnitude(&a[i]);
     }
     for k in 0..K {
-        let pivot = pivot_row(&a, &scale, k);
+        let pivot = pivot_row(a, &scale, k);
         // A pivot that is small beside its row may be a rounding error, or its unknown may have a large unit.
         // The slower test distinguishes the two.
         let size = a[pivot][k].abs();
@@ -212,11 +224,7 @@ fn factor<const K: usize>(matrix: &[[f64; K]; K]) -> Option<Factors<K>> {
             a[i][k] = factor;
         }
     }
-    Some(Factors {
-        lu: a,
-        rows,
-        sign: DeterminantSign::from_is_negative(is_negative),
-    })
+    Some((rows, DeterminantSign::from_is_negative(is_negative)))
 }
 
 /// Returns the row from `k` on with the largest entry of column `k` relative to the row's scale.
