@@ -180,20 +180,15 @@ impl<const M: usize> IncrementBuffer<M> {
         }))
     }
 
-    /// Calls a function with the increments of a tile for a step of the batch in the buffer. Those of a single process are not copied.
+    /// Returns the increments of a tile for a step of the batch in the buffer where there is a single process: those need not be copied.
     #[inline(always)]
-    pub(super) fn with<R>(
-        &self,
-        tile: usize,
-        step: u64,
-        function: impl FnOnce(&[Lane; M]) -> R,
-    ) -> R {
-        if M == 1
-            && let Ok(only) = core::slice::from_ref(self.row(tile, step, 0)).try_into()
-        {
-            return function(only);
+    pub(super) fn only(&self, tile: usize, step: u64) -> Option<&[Lane; M]> {
+        if M != 1 {
+            return None;
         }
-        function(&self.of(tile, step).0)
+        core::slice::from_ref(self.row(tile, step, 0))
+            .try_into()
+            .ok()
     }
 
     /// Returns the increments of a process of a tile.

@@ -72,6 +72,7 @@ impl JointColumn {
     }
 
     /// Returns whether the column is one of a request.
+    #[cfg(feature = "serde")]
     pub(super) fn fits(&self, request: &JointRequest, records: usize) -> bool {
         self.is_two_time == request.is_two_time
             && self.numbers.len() as u128 == NUMBERS as u128 * request.rows(records)

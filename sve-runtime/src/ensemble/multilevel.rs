@@ -176,12 +176,11 @@ where
     fn checked(&self, error: f64) -> Result<u64, EnsembleError> {
         let ensemble = self.ensemble;
         let settings = Settings::new(ensemble)?;
-        let mut is_in_parts = ensemble.shard != (0, 1) || ensemble.stop_when.is_some();
         #[cfg(feature = "checkpoint")]
-        {
-            is_in_parts |= ensemble.checkpoint.is_some();
-        }
-        if is_in_parts {
+        let has_file = ensemble.checkpoint.is_some();
+        #[cfg(not(feature = "checkpoint"))]
+        let has_file = false;
+        if ensemble.shard != (0, 1) || ensemble.stop_when.is_some() || has_file {
             return Err(EnsembleError::MultilevelInParts);
         }
         for (what, value) in [("error", error), ("weak order", self.weak_order)] {

@@ -348,10 +348,18 @@ where
                     continue;
                 }
                 let (before, next) = tile.swap_buffers();
-                let unsolved_here = self.increments.with(number, step, |dw| {
-                    self.method
-                        .step_lanes(self.prepared, before, next, self.h, dw)
-                });
+                // a closure would not be compiled for the vectors of the machine
+                let several;
+                let dw = match self.increments.only(number, step) {
+                    Some(only) => only,
+                    None => {
+                        several = self.increments.of(number, step);
+                        &several.0
+                    }
+                };
+                let unsolved_here = self
+                    .method
+                    .step_lanes(self.prepared, before, next, self.h, dw);
                 *S::Dims::times(next) = [t; LANES];
                 tile.unsolved = unsolved_here & tile.active;
                 unsolved |= tile.unsolved;

@@ -58,6 +58,7 @@ impl SketchColumn {
     }
 
     /// Returns whether the column is one of a request, with so many paths at each recorded time.
+    #[cfg(feature = "serde")]
     pub(super) fn fits(&self, request: &QuantileRequest, counts: &[u64]) -> bool {
         let mut sketches = self.sketches.iter().zip(counts);
         self.size == request.size
@@ -104,6 +105,7 @@ impl Sketch {
     }
 
     /// Returns whether the weights add up to a number of paths.
+    #[cfg(any(test, feature = "serde"))]
     fn has_weight(&self, count: u64) -> bool {
         let levels = self.levels.iter().enumerate();
         let weights = levels.map(|(number, level)| (level.values.len() as u128) << number.min(64));
