@@ -146,7 +146,6 @@ fn section(
         norm: problem.norm,
         weak,
         invariant: problem.invariant,
-        verdict: &report::verdict(&winners),
     };
     let figure = plots::figure(name, &all, &winners, &shown);
     let svg = render::svg(&figure)?;

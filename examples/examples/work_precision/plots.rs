@@ -169,7 +169,7 @@ fn pen(series: &Series, number: usize) -> Pen {
         "Gauss 8, compensated" => (palette::PURPLE, Shape::Circle),
         "Blanes–Moan 4" => (palette::BLACK, Shape::Triangle),
         "Blanes–Moan RKN 6" => (palette::BLACK, Shape::Disc),
-        "endpoint" | "endpoint, uncorrected" => (palette::GREEN, Shape::Triangle),
+        "endpoint" | "endpoint, uncorrected" => (palette::GREEN, Shape::Circle),
         "initial point" | "initial point, uncorrected" => (palette::SKY, Shape::Diamond),
         "Heun" | "heyoka: Taylor, compensated" => (palette::ORANGE, Shape::Circle),
         "Runge–Kutta 4" => (palette::BLACK, Shape::Square),
@@ -195,7 +195,8 @@ fn pen(series: &Series, number: usize) -> Pen {
         }
     };
     let (width, dash) = if series.is_peer {
-        (1.6, Some((1.5, 3.0)))
+        // as many gaps as there are rounds of shapes
+        (1.6, Some((1.5, 3.0 * (1 + number / 7) as f64)))
     } else if series.name.ends_with("uncorrected") {
         (1.6, Some((2.0, 4.0)))
     } else if BASELINES.contains(&&*series.name) {
@@ -264,15 +265,16 @@ fn panel(
     panel
 }
 
-/// Short lines whose slopes are orders, beside each other in the corner where no error is.
+/// Short lines whose slopes are orders, beside each other below all errors.
 fn slopes(mut panel: Panel, orders: &[i32]) -> Panel {
+    panel.y.range.start -= 0.2 * (panel.y.range.end - panel.y.range.start);
     let (x, y) = (panel.x.range.clone(), panel.y.range.clone());
     let (width, height) = (x.end - x.start, y.end - y.start);
-    let bottom = y.start + 0.04 * height;
+    let bottom = y.start + 0.02 * height;
     for (k, &order) in orders.iter().enumerate() {
-        let left = x.start + (0.5 + 0.16 * k as f64) * width;
-        // as high as there is room below the errors
-        let length = (0.08 * width).min(0.2 * height / f64::from(order));
+        let left = x.start + (0.25 + 0.24 * k as f64) * width;
+        // no higher than the room below the errors
+        let length = (0.07 * width).min(0.12 * height / f64::from(order));
         let end = (left + length, bottom + f64::from(order) * length);
         let line = Layer::new("", vec![(left, bottom), end], Pen::line(palette::GREY, 1.0));
         let at = (end.0 + 0.008 * width, end.1);
@@ -293,8 +295,6 @@ pub(crate) struct Shown<'a> {
     pub(crate) weak: Option<&'a str>,
     /// The conserved quantity, if there is one.
     pub(crate) invariant: Option<&'a str>,
-    /// Which method is the fastest for which error.
-    pub(crate) verdict: &'a str,
 }
 
 /// The figure: strong errors in the first row; weak errors, or errors of the invariant, in the second.
@@ -309,12 +309,7 @@ pub(crate) fn figure(
     let times = ("time to solution of one path (s)", time as Quantity);
     let steps = ("step size h", step as Quantity);
     let error: Kind<'_> = (shown.norm, strong, strong_spread);
-    let mut first = panel(
-        format!("{}; {}", shown.problem, shown.verdict),
-        times,
-        error,
-        all,
-    );
+    let mut first = panel(title(), times, error, all);
     let trace: Vec<(f64, f64)> = winners.iter().flat_map(|w| w.trace.clone()).collect();
     let band = |points| Layer::new("band: fastest method of sve", points, Pen::line(BAND, 11.0));
     first.layers.insert(0, band(exponents(&trace)).unlisted());

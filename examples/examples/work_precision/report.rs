@@ -24,26 +24,6 @@ details { margin: 0 0 2rem }
 @media print { details { display: none } }
 </style>";
 
-/// One line for a plot: who wins where.
-pub(crate) fn verdict(winners: &[Winner]) -> String {
-    let parts: Vec<String> = winners
-        .iter()
-        .map(|w| {
-            let [high, low] = w.ends().map(|(_, error)| rounded(error));
-            if high == low {
-                format!("{} ({high})", w.name)
-            } else {
-                format!("{} ({high}…{low})", w.name)
-            }
-        })
-        .collect();
-    if parts.is_empty() {
-        "no method converged".to_owned()
-    } else {
-        format!("fastest: {}", parts.join(", "))
-    }
-}
-
 /// The conclusion for a kind of error in words, with times.
 pub(crate) fn conclusion(what: &str, winners: &[Winner]) -> String {
     let parts: Vec<String> = winners
