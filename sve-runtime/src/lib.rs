@@ -134,6 +134,7 @@ mod dual;
 pub mod ensemble;
 mod equations;
 mod error;
+mod euler;
 mod file;
 #[cfg(feature = "serde")]
 mod floats;
@@ -181,6 +182,7 @@ pub use degenerate::CoordinateRole;
 pub use dual::{Dual, DualState};
 pub use equations::{StepEquations, StepOf};
 pub use error::StepError;
+pub use euler::EulerIncrement;
 pub use integrator::{Integrator, Sensitivity, Tangent};
 #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
 pub use lanes::{LANES, Lane, Mask, StateLanes};
@@ -414,6 +416,10 @@ pub mod __private {
     pub use crate::degenerate::CoordinateRole;
     pub use crate::equations::{Returns, StepEquations};
     pub use crate::error::StepError;
+    /// The interface of generated increments of Euler's method.
+    pub mod euler {
+        pub use crate::euler::*;
+    }
     pub use crate::integrator::derived::{
         DerivedStep, count_iterations, pull_back, push_forward, solve_compensated_step, solve_step,
         solve_with_derivatives, solve_with_impulses,

@@ -9,6 +9,7 @@ pub use crate::jets::{ConstraintJet, ForceJet, LagrangianJet, NoiseJet};
 
 use crate::configuration::{Configuration, Coordinates, FixedSize, FlatConfiguration};
 use crate::degenerate::CoordinateRole;
+use crate::euler::EulerIncrement;
 use crate::lanes::{Lane, LaneStates};
 use crate::state::State;
 
@@ -165,6 +166,48 @@ pub trait System {
     fn parameters(&self, visit: &mut dyn FnMut(f64)) {
         let _ = visit;
     }
+    /// What [`euler_increment`](Self::euler_increment) uses that depends on the parameters and the step size alone.
+    type EulerNumbers: Copy + core::fmt::Debug;
+    /// Whether [`euler_increment`](Self::euler_increment) is written for this system.
+    const HAS_EULER_INCREMENT: bool = false;
+    /// Whether [`euler_increment_in_lane`](Self::euler_increment_in_lane) is written for this system.
+    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
+    const HAS_EULER_LANES: bool = false;
+    /// Returns what [`euler_increment`](Self::euler_increment) uses for steps of length `h`; `None` if a constant mass matrix is singular.
+    #[inline]
+    fn prepare_euler(&self, h: f64) -> Option<Self::EulerNumbers> {
+        let _ = h;
+        None
+    }
+    /// The increment of Euler's method over a step from a state. It is not finite, or `None`, where it has no value.
+    #[inline]
+    fn euler_increment(
+        &self,
+        prepared: &Self::EulerNumbers,
+        t: f64,
+        q: &FlatOf<Self>,
+        p: &VectorOf<Self>,
+        h: f64,
+        dw: &IncrementsOf<Self>,
+    ) -> Option<EulerIncrement<VectorOf<Self>>> {
+        let _ = (prepared, t, q, p, h, dw);
+        None
+    }
+    /// The same in a loop over lanes, by functions without branches.
+    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
+    #[inline(always)]
+    fn euler_increment_in_lane(
+        &self,
+        prepared: &Self::EulerNumbers,
+        t: f64,
+        q: &FlatOf<Self>,
+        p: &VectorOf<Self>,
+        h: f64,
+        dw: &IncrementsOf<Self>,
+    ) -> Option<EulerIncrement<VectorOf<Self>>> {
+        let _ = (prepared, t, q, p, h, dw);
+        None
+    }
     /// `L` and its first and second derivatives.
     fn lagrangian_jet(
         &self,
@@ -229,6 +272,40 @@ impl<S: System> System for &S {
     const MOMENTA: &'static [&'static str] = S::MOMENTA;
     const CONSTRAINTS: &'static [&'static str] = S::CONSTRAINTS;
     const FORMULAS: u64 = S::FORMULAS;
+    type EulerNumbers = S::EulerNumbers;
+    const HAS_EULER_INCREMENT: bool = S::HAS_EULER_INCREMENT;
+    const HAS_EULER_LANES: bool = S::HAS_EULER_LANES;
+
+    #[inline]
+    fn prepare_euler(&self, h: f64) -> Option<S::EulerNumbers> {
+        (**self).prepare_euler(h)
+    }
+
+    #[inline(always)]
+    fn euler_increment(
+        &self,
+        prepared: &S::EulerNumbers,
+        t: f64,
+        q: &FlatOf<S>,
+        p: &VectorOf<S>,
+        h: f64,
+        dw: &IncrementsOf<S>,
+    ) -> Option<EulerIncrement<VectorOf<S>>> {
+        (**self).euler_increment(prepared, t, q, p, h, dw)
+    }
+
+    #[inline(always)]
+    fn euler_increment_in_lane(
+        &self,
+        prepared: &S::EulerNumbers,
+        t: f64,
+        q: &FlatOf<S>,
+        p: &VectorOf<S>,
+        h: f64,
+        dw: &IncrementsOf<S>,
+    ) -> Option<EulerIncrement<VectorOf<S>>> {
+        (**self).euler_increment_in_lane(prepared, t, q, p, h, dw)
+    }
 
     fn parameters(&self, visit: &mut dyn FnMut(f64)) {
         (**self).parameters(visit);

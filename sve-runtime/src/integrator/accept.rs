@@ -55,7 +55,7 @@ pub(crate) fn advance<F: FlatConfiguration<N>, const N: usize, const M: usize>(
 
 /// Adds the increments to the state if the result is finite. Returns whether it is.
 #[inline(always)]
-pub(super) fn add<F: FlatConfiguration<N>, const N: usize>(
+pub(crate) fn add<F: FlatConfiguration<N>, const N: usize>(
     state: &mut State<F>,
     h: f64,
     dq: &[f64; N],

@@ -4,6 +4,7 @@ mod calls;
 mod code;
 mod configuration;
 mod energy;
+mod euler;
 mod factors;
 mod gauss;
 mod identity;
