@@ -65,6 +65,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 /// Prints the ratio of a baseline to the loop by hand, and whether both end at the same state.
+#[inline(never)]
 fn compare<I, S, const N: usize, const D: usize, const M: usize>(
     name: &str,
     method: &I,

@@ -6,7 +6,7 @@
 //!
 //! Invariant: a stage that is not finite is an error, also where the result is finite.
 
-use crate::configuration::VectorCoordinates;
+use crate::configuration::{FlatConfiguration, VectorCoordinates};
 use crate::error::{StepError, step_error};
 use crate::euler::EulerIncrement;
 use crate::integrator::accept;
@@ -52,27 +52,22 @@ pub(super) struct Explicit<'a, S, F> {
     pub(super) formula: &'a F,
 }
 
-/// Sums the coordinates of all stages but the first, which is the start. The sum is not finite if one of them is not.
-struct StageSum {
-    sum: f64,
-    is_start: bool,
-}
+/// A sum that is zero if coordinates are finite, otherwise NaN. Unlike the sum of the coordinates it does not overflow by itself.
+#[derive(Clone, Copy)]
+struct Finiteness(f64);
 
-impl StageSum {
-    const NONE: Self = Self {
-        sum: 0.0,
-        is_start: true,
-    };
+impl Finiteness {
+    /// Adds the coordinates of a state.
+    #[inline(always)]
+    fn add<const N: usize>(&mut self, q: &[f64; N], p: &[f64; N]) {
+        for i in 0..N {
+            self.0 += 0.0 * q[i] + 0.0 * p[i];
+        }
+    }
 
     #[inline(always)]
-    fn add<const N: usize>(&mut self, at: &State<[f64; N]>) {
-        if self.is_start {
-            self.is_start = false;
-            return;
-        }
-        for i in 0..N {
-            self.sum += at.q[i] + at.p[i];
-        }
+    fn is_finite(self) -> bool {
+        self.0 == 0.0
     }
 }
 
@@ -97,50 +92,45 @@ where
         if !S::HAS_EULER_INCREMENT {
             return self.careful_step(state, h, dw);
         }
-        if let Some(numbers) = numbers
-            && self.fast_step(numbers, state, h, dw)
-        {
+        let Err(error) = self.fast_step(numbers, state, h, dw) else {
             return Ok(());
+        };
+        match explained(self.system, self.formula, error, (*state, h, *dw)) {
+            Err(error) => Err(error),
+            // The compiler has to see that a loop of steps ends here: a loop that may go on after a call cannot keep the state in registers.
+            Ok(()) => unreachable!("a step that failed has an error"),
         }
-        *state = self.second_attempt(*state, h, *dw)?;
-        Ok(())
     }
 
-    /// Makes one step by the code that the macro wrote. Returns whether it is accepted; otherwise the state is unchanged.
+    /// Makes one step by the code that the macro wrote.
     #[inline(always)]
     fn fast_step(
         &self,
-        numbers: &S::EulerNumbers,
+        numbers: Option<&S::EulerNumbers>,
         state: &mut State<[f64; N]>,
         h: f64,
         dw: &[f64; M],
-    ) -> bool {
+    ) -> Result<(), SolveError> {
+        let singular = SolveError::Singular { iteration: 0 };
+        let numbers = numbers.ok_or(singular)?;
         let start = *state;
-        let mut stages = StageSum::NONE;
-        let increment = self.formula.formula(&start, h, |at| {
-            stages.add(at);
+        let (mut finiteness, mut is_start) = (Finiteness(0.0), true);
+        let d = self.formula.formula(&start, h, |at| {
             let State { t, q, p } = at;
+            if !is_start {
+                finiteness.add(q, p);
+            }
+            is_start = false;
             self.system
                 .euler_increment(numbers, *t, q, p, h, dw)
-                .ok_or(())
-        });
-        match increment {
-            Ok(d) => stages.sum.is_finite() && accept::add(state, h, &d.q, &d.p),
-            Err(()) => false,
+                .ok_or(singular)
+        })?;
+        let (q, p) = <[f64; N]>::moved(&start, &d.q, &d.p);
+        finiteness.add(&q, &p);
+        if !finiteness.is_finite() {
+            return Err(SolveError::NonFinite);
         }
-    }
-
-    /// Makes a step on which the fast path failed. Takes the state by value, so that the fast path keeps it in registers.
-    #[cold]
-    #[inline(never)]
-    fn second_attempt(
-        &self,
-        mut state: State<[f64; N]>,
-        h: f64,
-        dw: [f64; M],
-    ) -> Result<State<[f64; N]>, StepError> {
-        self.careful_step(&mut state, h, &dw)?;
-        Ok(state)
+        accept::replace_by_finite(state, h, q, p)
     }
 
     /// Makes one step by the derivatives of L and checks each stage.
@@ -177,10 +167,13 @@ where
         for lane in 0..LANES {
             let start = states.get(lane);
             let dw: [f64; M] = core::array::from_fn(|a| dw[a][lane]);
-            let mut stages = StageSum::NONE;
+            let (mut finiteness, mut is_start) = (Finiteness(0.0), true);
             let increment = self.formula.formula(&start, h, |at| {
-                stages.add(at);
                 let State { t, q, p } = at;
+                if !is_start {
+                    finiteness.add(q, p);
+                }
+                is_start = false;
                 self.system
                     .euler_increment_in_lane(numbers, *t, q, p, h, &dw)
                     .ok_or(())
@@ -190,18 +183,35 @@ where
                 p: [f64::NAN; N],
             };
             let d = increment.unwrap_or(no_increment);
-            let (mut q, mut p) = (start.q, start.p);
+            let (q, p) = <[f64; N]>::moved(&start, &d.q, &d.p);
             for i in 0..N {
-                q[i] += d.q[i];
-                p[i] += d.p[i];
                 next.q[i][lane] = q[i];
                 next.p[i][lane] = p[i];
             }
-            sums[lane] = stages.sum;
-            any |= needs_scalar_step(q, p, stages.sum.abs() < f64::INFINITY);
+            sums[lane] = finiteness.0;
+            any |= needs_scalar_step(q, p, finiteness.is_finite());
         }
-        next.restore_unsolved(states, any, |lane| sums[lane].is_finite())
+        next.restore_unsolved(states, any, |lane| Finiteness(sums[lane]).is_finite())
     }
+}
+
+/// Returns the error of a step on which the fast path failed: what the derivatives of L say, otherwise the error of the fast path.
+#[cold]
+#[inline(never)]
+fn explained<S, F, Q, const N: usize, const M: usize>(
+    system: &S,
+    formula: &F,
+    error: SolveError,
+    (state, h, dw): (State<[f64; N]>, f64, [f64; M]),
+) -> Result<(), StepError>
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: VectorCoordinates<N>,
+    F: ExplicitFormula,
+{
+    let step = Explicit { system, formula };
+    step.careful_step(&mut { state }, h, &dw)?;
+    Err(step_error(error, &state, h, &dw))
 }
 
 /// Returns the increment of Euler's method from the derivatives of L.

@@ -55,7 +55,7 @@ pub(crate) fn advance<F: FlatConfiguration<N>, const N: usize, const M: usize>(
 
 /// Adds the increments to the state if the result is finite. Returns whether it is.
 #[inline(always)]
-pub(crate) fn add<F: FlatConfiguration<N>, const N: usize>(
+pub(super) fn add<F: FlatConfiguration<N>, const N: usize>(
     state: &mut State<F>,
     h: f64,
     dq: &[f64; N],
@@ -89,6 +89,25 @@ pub(super) fn replace<F: FlatConfiguration<N>, const N: usize>(
     }
     *state = State::at(t, *q, *p);
     true
+}
+
+/// Replaces the state of a vector space by a finite one.
+///
+/// # Errors
+/// [`SolveError::NonFinite`] if the time does not change; the state is then unchanged.
+#[inline(always)]
+pub(crate) fn replace_by_finite<const N: usize>(
+    state: &mut State<[f64; N]>,
+    h: f64,
+    q: [f64; N],
+    p: [f64; N],
+) -> Result<(), SolveError> {
+    let t = state.t + h;
+    if !is_next_time(state.t, t) {
+        return Err(SolveError::NonFinite);
+    }
+    *state = State::at(t, q, p);
+    Ok(())
 }
 
 #[cold]
