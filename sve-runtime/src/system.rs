@@ -175,7 +175,7 @@ pub trait System {
     const HAS_EULER_LANES: bool = false;
     /// Returns what [`euler_increment`](Self::euler_increment) uses for steps of length `h`; `None` if a constant mass matrix is singular.
     #[inline]
-    fn prepare_euler(&self, h: f64) -> Option<Self::EulerNumbers> {
+    fn euler_numbers(&self, h: f64) -> Option<Self::EulerNumbers> {
         let _ = h;
         None
     }
@@ -277,8 +277,8 @@ impl<S: System> System for &S {
     const HAS_EULER_LANES: bool = S::HAS_EULER_LANES;
 
     #[inline]
-    fn prepare_euler(&self, h: f64) -> Option<S::EulerNumbers> {
-        (**self).prepare_euler(h)
+    fn euler_numbers(&self, h: f64) -> Option<S::EulerNumbers> {
+        (**self).euler_numbers(h)
     }
 
     #[inline(always)]

@@ -285,7 +285,7 @@ macro_rules! explicit_method {
             fn prepare(&self, h: f64) -> Result<Self::Prepared, crate::error::StepError> {
                 const { crate::constraints::assert_unconstrained::<S>() }
                 crate::integrator::accept::check_step_size(h)?;
-                Ok(self.system.prepare_euler(h))
+                Ok(self.system.euler_numbers(h))
             }
 
             #[inline(always)]

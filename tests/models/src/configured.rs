@@ -42,8 +42,8 @@ where
     const HAS_EULER_INCREMENT: bool = S::HAS_EULER_INCREMENT;
     const HAS_EULER_LANES: bool = S::HAS_EULER_LANES;
 
-    fn prepare_euler(&self, h: f64) -> Option<S::EulerNumbers> {
-        self.0.prepare_euler(h)
+    fn euler_numbers(&self, h: f64) -> Option<S::EulerNumbers> {
+        self.0.euler_numbers(h)
     }
 
     fn euler_increment(

@@ -1,7 +1,7 @@
 //! `euler_increment` and `euler_increment_in_lane`: the increment of Euler's method as straight-line code, of which the explicit baselines consist.
 //!
 //! Input: the increment as expressions. Output: items of the implementation of `System`. What depends on parameters and step size alone is computed in
-//! `prepare_euler`, with the inverse of a mass matrix that is constant and not diagonal.
+//! `euler_numbers`, with the inverse of a mass matrix that is constant and not diagonal.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
@@ -94,7 +94,7 @@ struct Parts<'a> {
 }
 
 impl Parts<'_> {
-    /// `prepare_euler` and the increment of a single state.
+    /// `euler_numbers` and the increment of a single state.
     fn scalar(&self, is_inlined: bool) -> TokenStream {
         let private = self.private;
         let symbols = &self.euler.symbols;
@@ -122,7 +122,7 @@ impl Parts<'_> {
             type EulerNumbers = #ty;
             const HAS_EULER_INCREMENT: bool = true;
             #[inline]
-            fn prepare_euler(&self, h: f64) -> ::core::option::Option<#ty> {
+            fn euler_numbers(&self, h: f64) -> ::core::option::Option<#ty> {
                 #prepare
                 ::core::option::Option::Some(#numbers)
             }
@@ -175,7 +175,7 @@ impl Parts<'_> {
         [self.model.dof(), noises, kept].map(Literal::usize_unsuffixed)
     }
 
-    /// The mass matrix, if it is inverted in `prepare_euler`.
+    /// The mass matrix, if it is inverted in `euler_numbers`.
     fn constant_mass(&self) -> Option<&[Vec<Value>]> {
         let is_constant = self.euler.solved.as_ref()?.is_constant;
         is_constant.then(|| &self.values[self.euler.results() + 1..])
