@@ -1,8 +1,10 @@
 //! Baselines against loops written by hand: `cargo bench -p sve-runtime --bench baselines`.
 //!
 //! Both sides make the same steps with the same increments. The table has the medians of runs that alternate between the two sides. A work–precision figure is fair to the
-//! baselines if the ratios are near 1.
+//! baselines if the ratios are near 1. With the feature `ensemble` a second table compares ensembles with single trajectories.
 
+#[cfg(feature = "ensemble")]
+mod ensembles;
 mod systems;
 
 use std::hint::black_box;
@@ -164,4 +166,6 @@ fn main() {
     compare("double pendulum, Runge–Kutta", &method, start, |z, _| {
         runge_kutta4(field, z, H);
     });
+    #[cfg(feature = "ensemble")]
+    ensembles::table();
 }
