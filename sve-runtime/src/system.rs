@@ -170,9 +170,9 @@ pub trait System {
     type EulerNumbers: Copy + core::fmt::Debug;
     /// Whether [`euler_increment`](Self::euler_increment) is written for this system.
     const HAS_EULER_INCREMENT: bool = false;
-    /// Whether [`euler_increment_in_lane`](Self::euler_increment_in_lane) is written for this system.
+    /// Largest number of stages of a method that is stepped in lanes; 0 where [`euler_increment_in_lane`](Self::euler_increment_in_lane) is not written.
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
-    const HAS_EULER_LANES: bool = false;
+    const EULER_STAGES_IN_LANES: usize = 0;
     /// Returns what [`euler_increment`](Self::euler_increment) uses for steps of length `h`; `None` if a constant mass matrix is singular.
     #[inline]
     fn euler_numbers(&self, h: f64) -> Option<Self::EulerNumbers> {
@@ -274,7 +274,7 @@ impl<S: System> System for &S {
     const FORMULAS: u64 = S::FORMULAS;
     type EulerNumbers = S::EulerNumbers;
     const HAS_EULER_INCREMENT: bool = S::HAS_EULER_INCREMENT;
-    const HAS_EULER_LANES: bool = S::HAS_EULER_LANES;
+    const EULER_STAGES_IN_LANES: usize = S::EULER_STAGES_IN_LANES;
 
     #[inline]
     fn euler_numbers(&self, h: f64) -> Option<S::EulerNumbers> {

@@ -72,6 +72,8 @@ impl<S: System> EulerMaruyama<S> {
 }
 
 impl<S> ExplicitFormula for EulerMaruyama<S> {
+    const STAGES: usize = 1;
+
     #[inline(always)]
     fn formula<const N: usize, E>(
         &self,

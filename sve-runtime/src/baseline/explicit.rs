@@ -18,6 +18,8 @@ use crate::system::{Dims, System};
 
 /// The formula of an explicit method.
 pub(super) trait ExplicitFormula {
+    /// Number of increments of Euler's method in a step.
+    const STAGES: usize;
     /// Returns the increment of a step. `euler` returns the increment of Euler's method at a stage, of the length of the whole step; its first call is for the start.
     fn formula<const N: usize, E>(
         &self,
@@ -158,7 +160,7 @@ where
         h: f64,
         dw: &[Lane; M],
     ) -> Mask {
-        let Some(numbers) = numbers.filter(|_| S::HAS_EULER_LANES) else {
+        let Some(numbers) = numbers.filter(|_| F::STAGES <= S::EULER_STAGES_IN_LANES) else {
             next.clone_from(states);
             return ALL;
         };

@@ -51,6 +51,8 @@ impl<S: System> Heun<S> {
 }
 
 impl<S> ExplicitFormula for Heun<S> {
+    const STAGES: usize = 2;
+
     #[inline(always)]
     fn formula<const N: usize, E>(
         &self,

@@ -73,6 +73,8 @@ impl<S: System> RungeKutta4<S> {
 }
 
 impl<S> ExplicitFormula for RungeKutta4<S> {
+    const STAGES: usize = 4;
+
     #[inline(always)]
     fn formula<const N: usize, E>(
         &self,

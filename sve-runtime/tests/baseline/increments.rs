@@ -230,7 +230,7 @@ fn singular_masses_are_named() {
         assert!(
             matches!(error, StepError::Singular { t: 2.0, h: 0.1, .. }),
             "{error}"
-        )
+        );
     };
     let start = State::at(2.0, [0.0, 0.3], [0.4, 0.9]);
     let polar = Polar { m: 1.3, k: 0.8 };

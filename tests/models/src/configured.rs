@@ -40,7 +40,7 @@ where
     const FORMULAS: u64 = S::FORMULAS;
     type EulerNumbers = S::EulerNumbers;
     const HAS_EULER_INCREMENT: bool = S::HAS_EULER_INCREMENT;
-    const HAS_EULER_LANES: bool = S::HAS_EULER_LANES;
+    const EULER_STAGES_IN_LANES: usize = S::EULER_STAGES_IN_LANES;
 
     fn euler_numbers(&self, h: f64) -> Option<S::EulerNumbers> {
         self.0.euler_numbers(h)

@@ -121,9 +121,12 @@ pub(crate) fn euler(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> 
     })
 }
 
+/// The terms of an entry of the Itô correction: signed products of two derivatives of a noise, for two coordinates.
+type Terms<'a> = &'a dyn Fn(&NoiseJet, usize, usize) -> [(f64, Expr, Expr); 2];
+
 /// Returns `½ h Σ (Dg_a) g_a`, unless it vanishes.
 fn correction(noises: &[NoiseJet], h: Expr, n: usize, arena: &mut Arena) -> Option<[Vec<Expr>; 2]> {
-    let mut row = |entry: &dyn Fn(&NoiseJet, usize, usize) -> [(f64, Expr, Expr); 2]| {
+    let mut row = |entry: Terms<'_>| {
         let entries = (0..n).map(|i| {
             let mut terms = Vec::new();
             for noise in noises {

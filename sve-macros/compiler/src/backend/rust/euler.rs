@@ -8,15 +8,19 @@ use quote::quote;
 
 use super::code::Printer;
 use crate::algebra::{Arena, Expr};
-use crate::program::{Labels, Program, Scheduler, Tier, Tiers, Value};
+use crate::program::{Labels, Operation, Program, Scheduler, Tier, Tiers, Value};
 use crate::system::euler::Euler;
 use crate::system::model::Model;
 
 /// Largest number of instructions of the increment.
 const MAX_INSTRUCTIONS: usize = 4000;
 
-/// Largest number of instructions in lanes, beyond which a loop is not worth its code.
-const MAX_IN_LANES: usize = 1500;
+/// Largest number of instructions of all stages of a step in lanes. Of longer loops over the lanes the compiler makes no vectors: a step of the double
+/// pendulum by Heun's method, of 330, takes longer than a single step.
+const MAX_IN_LANES: usize = 120;
+
+/// Instructions of a function in lanes, in this count.
+const CALL: usize = 30;
 
 /// Largest number of instructions that become part of each stage of a method.
 const MAX_INLINED: usize = 1500;
@@ -60,9 +64,23 @@ pub(super) fn euler_increment(
             values: &values,
         };
         let function = parts.scalar(length <= MAX_INLINED);
-        let in_lane = (has_lanes && length <= MAX_IN_LANES).then(|| parts.in_lane());
+        let stages = MAX_IN_LANES / weight(&program).max(1);
+        let in_lane = (has_lanes && stages > 0).then(|| parts.in_lane(stages));
         quote!(#function #in_lane)
     })
+}
+
+/// Returns the number of instructions, of which those that call a function count more.
+fn weight(program: &Program) -> usize {
+    let of_one = |operation| match operation {
+        Operation::Call(..)
+        | Operation::Call2(..)
+        | Operation::SinCos(_)
+        | Operation::AngleAddition(..) => CALL,
+        _ => 1,
+    };
+    let late = program.all().filter(|(_, i)| i.tier != Tier::Prepare);
+    late.map(|(_, i)| of_one(i.operation)).sum()
 }
 
 impl Euler {
@@ -142,7 +160,8 @@ impl Parts<'_> {
     }
 
     /// The increment of a state in a loop over the lanes.
-    fn in_lane(&self) -> TokenStream {
+    fn in_lane(&self, stages: usize) -> TokenStream {
+        let stages = Literal::usize_unsuffixed(stages);
         let private = self.private;
         let symbols = &self.euler.symbols;
         let mut printer = Printer::of_stages(self.program, symbols, self.labels, private);
@@ -154,7 +173,7 @@ impl Parts<'_> {
         };
         let body = self.body(&printer, true);
         quote! {
-            const HAS_EULER_LANES: bool = true;
+            const EULER_STAGES_IN_LANES: usize = #stages;
             #[inline(always)]
             fn euler_increment_in_lane(
                 &self,
