@@ -257,7 +257,7 @@ where
         };
         let quantities = gradients.by.len();
         for (varied, by) in self.tangents.varied.iter_mut().zip(&gradients.by) {
-            *varied = by.parameter_in::<S>(step);
+            *varied = by.parameter_in::<S>(step / settings.parts);
         }
         let increments = self.increments_of(tile, step);
         for lane in lanes(self.tiles[tile].active) {
@@ -287,7 +287,7 @@ where
         let ensemble = self.settings.ensemble;
         let gradients = &ensemble.gradients;
         let by = &gradients.by[direction];
-        let varied = by.parameter_in::<S>(self.step.saturating_sub(1));
+        let varied = by.parameter_in::<S>(self.step.saturating_sub(1) / self.settings.parts);
         for lane in lanes(self.tiles[tile].active) {
             let state = S::Dims::get(self.tiles[tile].states(), lane);
             let at = (tile * LANES + lane) * gradients.by.len() + direction;

@@ -81,7 +81,7 @@ where
             step: 0,
             tiles: Vec::with_capacity(tiles),
             failures: Vec::new(),
-            memories: ensemble.memories(tiles),
+            memories: ensemble.memories(settings.settled(), tiles),
             watch: PassageWatch::new(ensemble, tiles),
             tangents: Tangents::new(&ensemble.gradients, tiles),
             refined: Vec::new(),

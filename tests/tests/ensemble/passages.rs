@@ -1,5 +1,6 @@
 //! First passages: exact times of free particles, exact laws, competing ends, survival with censoring, refused noises.
 
+use sve_runtime::ensemble::{Cause, Failure};
 use sve_runtime::noise::{ThreePoint, Truncated};
 use sve_runtime::prelude::*;
 
@@ -359,4 +360,39 @@ fn a_function_that_is_not_finite_fails_the_path() {
     let root = summary.passage("root").unwrap();
     assert_eq!((root.passed()[1], root.censored()[1]), (1, 1));
     assert!(summary.failures()[0].to_string().contains("`root`"));
+}
+
+/// A pole is no zero, and neither is a jump; a rough function has a zero.
+#[test]
+fn jumps_are_no_passages() {
+    let method = Integrator::new(Particle { sigma: 1.0 }, Midpoint);
+    let ensemble = || {
+        Ensemble::new(&method)
+            .paths(256)
+            .steps(H, 20)
+            .start_with(|path, _| State::new([0.0], [velocity(path)]))
+    };
+    let crossing = ensemble()
+        .crossings("x", |_, s| s.q[0] - 0.2)
+        .run()
+        .unwrap();
+    let crossing = crossing["x"].mean()[1] * 256.0;
+    assert!(crossing > 200.0);
+    for failing in [
+        ensemble().stop_at("pole", |_, s| 1.0 / (s.q[0] - 0.2)),
+        ensemble().stop_at("jump", |_, s| if s.q[0] < 0.2 { -0.5 } else { 1.0 }),
+    ] {
+        let summary = failing.run().unwrap();
+        let passed = summary.passages()[0].passed()[1];
+        let failed = summary.failed();
+        assert!(passed == 0 && failed > 150, "{passed} {failed}");
+        let jumps = |failure: &Failure| matches!(failure.cause, Cause::Step(StepError::EventJump { before, after, .. }) if before < 0.0 && after > 0.0);
+        assert!(summary.failures().iter().all(jumps));
+    }
+    let summary = ensemble()
+        .paths(4096)
+        .first_passage("rough", |_, s| s.p[0] - 1.0);
+    let summary = summary.run().unwrap();
+    assert_eq!(summary.failed(), 0);
+    assert!(summary.passage("rough").unwrap().passed()[1] > 1000);
 }
