@@ -3,23 +3,21 @@
 //! Input: a smooth function of a state, and the quantities by which its mean is differentiated. Output: the function and each of its derivatives as observables of the
 //! summary. Invariant: the derivatives change no other number of a run; those of a path depend on its number only.
 //!
-//! The tangent vectors of a path are carried through the tangent maps of its steps, at the states that the step in lanes has reached.
+//! `tangents.rs` carries the tangent vectors of the paths along their steps.
 
 use std::sync::Arc;
 
 use super::by::By;
-use super::failure::Cause;
 use super::memory::Kind;
 use super::observe::Observable;
-use super::path_block::PathBlock;
 use super::statistics::Statistics;
 use super::summary::Summary;
-use super::tile::lanes;
+use super::tangents::{CarryTiles, carry_tiles};
 use super::{Ensemble, EnsembleError};
 use crate::configuration::{Coordinates, VectorCoordinates};
 use crate::dual::{Dual, DualState, with_dual_state};
 use crate::error::StepError;
-use crate::lanes::{LANES, Lane};
+use crate::lanes::Lane;
 use crate::linearisation::Directions;
 use crate::mechanics::Field;
 use crate::method::{Differentiable, Method};
@@ -80,7 +78,7 @@ where
 }
 
 /// Makes a step and carries tangent vectors along it, see [`Differentiable::push_forward`].
-type PushForward<I> = fn(
+pub(super) type PushForward<I> = fn(
     &I,
     &<I as crate::OneStepMethod>::Prepared,
     &mut StateOf<<I as crate::OneStepMethod>::System>,
@@ -89,11 +87,27 @@ type PushForward<I> = fn(
     Directions<'_, VectorOf<<I as crate::OneStepMethod>::System>>,
 ) -> Result<(), StepError>;
 
+/// The steps of a method that carry tangent vectors.
+pub(super) struct TangentSteps<I: Method> {
+    /// Those of a single state.
+    pub(super) alone: PushForward<I>,
+    /// Those in lanes.
+    pub(super) in_lanes: fn(CarryTiles<'_, I>) -> u64,
+}
+
+impl<I: Method> Clone for TangentSteps<I> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<I: Method> Copy for TangentSteps<I> {}
+
 /// What is differentiated, and by what.
 pub(super) struct Gradients<'a, I: Method> {
-    functions: Vec<Arc<dyn Smooth<I::System> + 'a>>,
-    by: Vec<By>,
-    push_forward: Option<PushForward<I>>,
+    pub(super) functions: Vec<Arc<dyn Smooth<I::System> + 'a>>,
+    pub(super) by: Vec<By>,
+    pub(super) steps: Option<TangentSteps<I>>,
 }
 
 impl<I: Method> Default for Gradients<'_, I> {
@@ -101,7 +115,7 @@ impl<I: Method> Default for Gradients<'_, I> {
         Self {
             functions: Vec::new(),
             by: Vec::new(),
-            push_forward: None,
+            steps: None,
         }
     }
 }
@@ -120,29 +134,6 @@ impl<I: Method> Gradients<'_, I> {
             }
         }
         Ok(())
-    }
-}
-
-/// The tangent vectors of the paths of a block, by path and quantity.
-#[derive(Default)]
-pub(super) struct Tangents<const N: usize> {
-    fields: Vec<Field<[f64; N]>>,
-    /// Work space: the parameter that varies in a step, by quantity.
-    varied: Vec<Option<usize>>,
-}
-
-impl<const N: usize> Tangents<N> {
-    /// The tangent vectors at the start, for so many tiles.
-    pub(super) fn new<I: Method>(gradients: &Gradients<'_, I>, tiles: usize) -> Self {
-        let starts: Vec<_> = gradients.by.iter().map(By::start).collect();
-        Self {
-            fields: starts.repeat(tiles * LANES),
-            varied: vec![None; starts.len()],
-        }
-    }
-
-    pub(super) fn is_empty(&self) -> bool {
-        self.fields.is_empty()
     }
 }
 
@@ -224,7 +215,10 @@ where
             self = self.add(of, smooth.clone(), kind);
         }
         self.gradients.functions.push(smooth);
-        self.gradients.push_forward = Some(I::push_forward);
+        self.gradients.steps = Some(TangentSteps {
+            alone: I::push_forward,
+            in_lanes: carry_tiles::<I>,
+        });
         self
     }
 }
@@ -238,62 +232,5 @@ impl Summary {
     /// The statistics of the derivative of an observable of [`Ensemble::gradient`] by a quantity, at each recorded time. `None` if it was not asked for.
     pub fn derivative(&self, name: &str, by: impl Into<By>) -> Option<&Statistics> {
         self.get(&derivative(name, &by.into()))
-    }
-}
-
-impl<I, S, Q, const N: usize, const M: usize> PathBlock<'_, I, N, M>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
-    /// Carries the tangent vectors of the active paths of a tile along the last step.
-    pub(super) fn advance_tangents(&mut self, tile: usize) {
-        let settings = self.settings;
-        let gradients = &settings.ensemble.gradients;
-        let (Some(push_forward), Some(step)) = (gradients.push_forward, self.step.checked_sub(1))
-        else {
-            return;
-        };
-        let quantities = gradients.by.len();
-        for (varied, by) in self.tangents.varied.iter_mut().zip(&gradients.by) {
-            *varied = by.parameter_in::<S>(step);
-        }
-        let increments = self.increments_of(tile, step);
-        for lane in lanes(self.tiles[tile].active) {
-            let mut state = S::Dims::get(self.tiles[tile].states_before(), lane);
-            state.t = settings.time(step);
-            let first = (tile * LANES + lane) * quantities;
-            let directions = Directions {
-                fields: &mut self.tangents.fields[first..][..quantities],
-                parameters: &self.tangents.varied,
-            };
-            let dw = increments.0.map(|process| process[lane]);
-            let (method, h) = (settings.method, settings.h);
-            let made = push_forward(method, &self.prepared, &mut state, h, &dw, directions);
-            if let Err(error) = made {
-                self.fail(tile, lane, step, Cause::Step(error));
-            }
-        }
-    }
-
-    /// Evaluates a derivative in the active lanes of a tile.
-    pub(super) fn slopes(
-        &self,
-        (function, direction): (usize, usize),
-        tile: usize,
-        values: &mut Lane,
-    ) {
-        let ensemble = self.settings.ensemble;
-        let gradients = &ensemble.gradients;
-        let by = &gradients.by[direction];
-        let varied = by.parameter_in::<S>(self.step.saturating_sub(1));
-        for lane in lanes(self.tiles[tile].active) {
-            let state = S::Dims::get(self.tiles[tile].states(), lane);
-            let at = (tile * LANES + lane) * gradients.by.len() + direction;
-            let field = &self.tangents.fields[at];
-            let function = &gradients.functions[function];
-            values[lane] = function.slope(self.settings.method.system(), &state, field, varied);
-        }
     }
 }

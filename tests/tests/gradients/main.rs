@@ -5,5 +5,6 @@
 
 mod adjoint;
 mod ensembles;
+mod lanes;
 mod means;
 mod moments;

@@ -38,6 +38,14 @@ pub(super) fn lanes(
         private,
     };
     let body = writer.body();
+    let unknowns = match scheme
+        .blocks
+        .iter()
+        .any(|b| !b.solution.solved().is_empty())
+    {
+        true => quote!(unknowns),
+        false => quote!(_),
+    };
     let [n, m] = [scheme.dq.len(), noises].map(Literal::usize_unsuffixed);
     Some(quote! {
         #[inline(always)]
@@ -49,6 +57,7 @@ pub(super) fn lanes(
             h: f64,
             dw: &[#private::lane::Lane; #m],
             newton: &#private::Newton,
+            #unknowns: &mut impl #private::lane::KeepUnknowns,
         ) -> #private::lane::Mask {
             #body
         }
@@ -91,7 +100,8 @@ impl Writer<'_> {
                     } else {
                         self.solution(at, &linear.matrix, &linear.rhs)
                     };
-                    section.extend(quote!(let #solved = #solution; #after));
+                    let keep = self.keep(at, &solved);
+                    section.extend(quote!(let #solved = #solution; #keep #after));
                 }
                 Solution::Iteration(iteration) => {
                     let course = course(at);
@@ -110,12 +120,13 @@ impl Writer<'_> {
                         #iterate
                     });
                     let solved = names(&iteration.solved, self.symbols);
+                    let keep = self.keep(at, &solved);
                     let judge = self.judge(&course, iteration);
                     section = match judge {
                         Some([limits, judge]) => {
-                            quote!(let #solved = #course.point(lane); #limits #after #judge)
+                            quote!(let #solved = #course.point(lane); #keep #limits #after #judge)
                         }
-                        None => quote!(let #solved = #course.point(lane); #after),
+                        None => quote!(let #solved = #course.point(lane); #keep #after),
                     };
                 }
             }
@@ -129,6 +140,14 @@ impl Writer<'_> {
             #last
             next.restore_unsolved(states, any, |lane| #solved)
         }
+    }
+
+    /// The statement that stores the unknowns of a block, which follow those of the blocks before it.
+    fn keep(&self, at: usize, solved: &TokenStream) -> TokenStream {
+        let before = self.step.scheme.blocks[..at].iter();
+        let first: usize = before.map(|block| block.solution.solved().len()).sum();
+        let first = Literal::usize_unsuffixed(first);
+        quote!(unknowns.keep(lane, #first, #solved);)
     }
 
     /// A loop over the lanes: what it takes from earlier ones, its statements, what it keeps for later ones.

@@ -9,6 +9,7 @@ use super::linearise::linearise;
 use super::multipliers::multipliers;
 use super::plan::plan;
 use super::step::{self, Code};
+use super::tangents::linearise_lanes;
 use super::{Context, Derived, attributes, documented, private, unstructured, verbatim};
 use crate::algebra::Symbol;
 use crate::explain::StepTexts;
@@ -69,6 +70,10 @@ pub(crate) fn rule(
         arena,
     );
     let lanes = in_lanes(context, derived, &private);
+    let tangents = lanes
+        .is_some()
+        .then(|| linearise_lanes(&private, model, scheme, linearisation, symbols, arena));
+    let tangents = tangents.flatten();
     let properties = (weak_order, lanes.is_some());
     let plan = plan(&private, context, derived, properties, texts, &work);
     let [doc, increment_doc] = documentation(texts);
@@ -114,6 +119,7 @@ pub(crate) fn rule(
             }
             #lanes
             #linearise
+            #tangents
             #multipliers
         }
         #private::derived_rule! { #self_ty, #rule_type }

@@ -1,0 +1,73 @@
+//! Tangent vectors in lanes against the derivatives of single steps, for every rule of every model.
+
+use sve_models::case::Case;
+use sve_models::functions::{Point, Vector};
+use sve_models::oracle::cases;
+use sve_models::random::Random;
+use sve_runtime::LANES;
+
+const H: f64 = 0.1;
+
+/// Allowed difference in units of rounding of the largest entry of the tangent map. The steps are linearised at unknowns that agree to rounding, with functions that do,
+/// and in lanes the inverse of the Jacobian stands for its factors. Second derivatives and conditions of the models amplify all three.
+const UNITS: f64 = 1000.0;
+
+/// Steps whose tangent vectors are carried one after the other though the steps are made in lanes: those with constraints, and those with more unknowns than a dense
+/// inverse is worth.
+const ALONE: [&str; 0] = [];
+
+/// Compares the lanes of a block. Returns the numbers of lanes that were solved, and of those whose vectors were carried.
+fn compare(case: &dyn Case, random: &mut Random) -> [u32; 2] {
+    let (what, noises) = (case.name(), case.dimensions().1);
+    let states: Vec<Point> = (0..LANES).map(|_| case.model().point(random)).collect();
+    let dw: Vec<Vector> = (0..LANES)
+        .map(|_| random.vector(noises, -0.3, 0.3))
+        .collect();
+    let found = case.tangents_in_lanes(&states, H, &dw).unwrap();
+    let (plain, unsolved) = case.step_lanes(&states, H, &dw).unwrap();
+    assert_eq!(found.unsolved, unsolved, "{what}");
+    assert_eq!(found.unfinished & unsolved, unsolved, "{what}");
+    assert!(found.states == plain, "{what}: other bits");
+    for lane in (0..LANES).filter(|lane| found.unfinished >> lane & 1 == 0) {
+        let expected = case
+            .differentiated(&mut states[lane].clone(), H, &dw[lane])
+            .unwrap();
+        let size = expected.tangent.len();
+        let column = |j: usize| expected.tangent.iter().map(|row| row[j]).collect();
+        let by_state = (0..size).map(column);
+        let by_parameters = expected.sensitivity.iter().map(|(_, vector)| vector.clone());
+        let all: Vec<Vector> = by_state.chain(by_parameters).collect();
+        let largest = all.iter().flatten().fold(1.0, |m: f64, x| m.max(x.abs()));
+        assert_eq!(all.len(), found.vectors[lane].len(), "{what}");
+        for (number, (found, expected)) in found.vectors[lane].iter().zip(&all).enumerate() {
+            for (found, expected) in found.iter().zip(expected) {
+                let off = (found - expected).abs() / (largest * f64::EPSILON);
+                assert!(
+                    off <= UNITS,
+                    "{what}, direction {number}: {found} in a lane, {expected} alone, {off} units, from {:?}",
+                    states[lane]
+                );
+            }
+        }
+    }
+    [unsolved, found.unfinished].map(u32::count_zeros)
+}
+
+#[test]
+fn tangent_vectors_in_lanes_are_those_of_single_steps() {
+    let mut random = Random::new(21);
+    let mut alone = Vec::new();
+    for case in cases() {
+        let (mut solved, mut carried) = (0, 0);
+        for _ in 0..5 {
+            let [of_block, carried_of_block] = compare(&*case, &mut random);
+            solved += of_block;
+            carried += carried_of_block;
+        }
+        if carried < solved {
+            assert_eq!(carried, 0, "{}", case.name());
+            alone.push(case.name());
+        }
+    }
+    assert_eq!(alone, ALONE);
+}
