@@ -83,7 +83,9 @@ struct Double {
 #[variational(midpoint)]
 impl Double {
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
-        v[0] * v[0] + 0.5 * v[1] * v[1] + v[0] * v[1] * (q[0] - q[1]).cos()
+        v[0] * v[0]
+            + 0.5 * v[1] * v[1]
+            + v[0] * v[1] * (q[0] - q[1]).cos()
             + self.g * (2.0 * q[0].cos() + q[1].cos())
     }
     #[gamma]
@@ -140,7 +142,11 @@ macro_rules! task {
             }
             let medians: Vec<f64> = times.into_iter().map(median).collect();
             let plain = medians[0];
-            print!("{:28} {:7.2} ns", $name, 1e9 * plain / (PATHS * STEPS) as f64);
+            print!(
+                "{:28} {:7.2} ns",
+                $name,
+                1e9 * plain / (PATHS * STEPS) as f64
+            );
             for side in 1..sides.len() {
                 let [lanes, alone] = [medians[2 * side] / plain, medians[2 * side + 1] / plain];
                 print!(" | {}: {lanes:5.2} lanes {alone:6.2} alone", sides[side]);
@@ -160,10 +166,28 @@ fn main() {
     task!(filter, "kubo, midpoint", kubo(), start, ["a", "sigma"]);
     let pendulum = || Pendulum { g: 1.0, sigma: 0.2 };
     let midpoint = || Integrator::new(pendulum(), Midpoint);
-    task!(filter, "pendulum, midpoint", midpoint(), start, ["g", "sigma"]);
+    task!(
+        filter,
+        "pendulum, midpoint",
+        midpoint(),
+        start,
+        ["g", "sigma"]
+    );
     let verlet = || Integrator::new(pendulum(), StormerVerlet);
-    task!(filter, "pendulum, stormer_verlet", verlet(), start, ["g", "sigma"]);
+    task!(
+        filter,
+        "pendulum, stormer_verlet",
+        verlet(),
+        start,
+        ["g", "sigma"]
+    );
     let double = || Integrator::new(Double { g: 1.0, sigma: 0.2 }, Midpoint);
     let start = State::new([1.0, 0.5], [0.0, 0.0]);
-    task!(filter, "double pendulum, midpoint", double(), start, ["g", "sigma"]);
+    task!(
+        filter,
+        "double pendulum, midpoint",
+        double(),
+        start,
+        ["g", "sigma"]
+    );
 }

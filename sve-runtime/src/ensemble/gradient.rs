@@ -14,7 +14,7 @@ use super::statistics::Statistics;
 use super::summary::Summary;
 use super::tangents::{CarryTiles, carry_tiles};
 use super::{Ensemble, EnsembleError};
-use crate::configuration::{Coordinates, VectorCoordinates};
+use crate::configuration::{Coordinates, FixedSize, VectorCoordinates};
 use crate::dual::{Dual, DualState, with_dual_state};
 use crate::error::StepError;
 use crate::lanes::Lane;
@@ -22,7 +22,7 @@ use crate::linearisation::Directions;
 use crate::mechanics::Field;
 use crate::method::{Differentiable, Method};
 use crate::state::State;
-use crate::system::{Dimensions, Dims, IncrementsOf, StateOf, System, VectorOf};
+use crate::system::{ConfigurationOf, Dimensions, Dims, IncrementsOf, StateOf, System, VectorOf};
 
 /// A smooth function of a state, with its derivatives.
 pub(super) trait Smooth<S: System>: Send + Sync {
@@ -34,6 +34,8 @@ pub(super) trait Smooth<S: System>: Send + Sync {
         direction: &Field<VectorOf<S>>,
         varied: Option<usize>,
     ) -> f64;
+    /// Returns the error of a function that cannot be evaluated.
+    fn check(&self, system: &S, state: &StateOf<S>) -> Result<(), StepError>;
 }
 
 /// A closure over dual numbers for a system with `N` coordinates.
@@ -53,7 +55,14 @@ where
         varied: Option<usize>,
     ) -> f64 {
         let state = state.to_coordinates();
-        with_dual_state(system, &state, direction, varied, &|_| {}, &self.0).slope()
+        let dual = with_dual_state(system, &state, direction, varied, &|_| {}, &self.0);
+        dual.map_or(f64::NAN, Dual::slope)
+    }
+
+    fn check(&self, system: &S, state: &State<Q>) -> Result<(), StepError> {
+        let state = state.to_coordinates();
+        let dual = with_dual_state(system, &state, &Field::ZERO, None, &|_| {}, &self.0);
+        dual.map(|_| ())
     }
 }
 
@@ -72,7 +81,7 @@ where
 
     fn value(&self, system: &S, state: &State<Q>) -> Result<f64, StepError> {
         let state = state.to_coordinates();
-        let dual = with_dual_state(system, &state, &Field::ZERO, None, &|_| {}, &self.0);
+        let dual = with_dual_state(system, &state, &Field::ZERO, None, &|_| {}, &self.0)?;
         Ok(dual.value())
     }
 }
@@ -105,6 +114,8 @@ impl<I: Method> Copy for TangentSteps<I> {}
 
 /// What is differentiated, and by what.
 pub(super) struct Gradients<'a, I: Method> {
+    /// The names of the functions.
+    names: Vec<String>,
     pub(super) functions: Vec<Arc<dyn Smooth<I::System> + 'a>>,
     pub(super) by: Vec<By>,
     pub(super) steps: Option<TangentSteps<I>>,
@@ -113,6 +124,7 @@ pub(super) struct Gradients<'a, I: Method> {
 impl<I: Method> Default for Gradients<'_, I> {
     fn default() -> Self {
         Self {
+            names: Vec::new(),
             functions: Vec::new(),
             by: Vec::new(),
             steps: None,
@@ -124,14 +136,29 @@ impl<I: Method> Default for Gradients<'_, I> {
 const STOPS: &str = "the mean over paths that end at an event depends on the times of the events, which the derivatives along the paths leave out; run without `stop_at`";
 
 impl<I: Method> Gradients<'_, I> {
-    /// Checks that the system has what its means are differentiated by, and that no path stops.
-    pub(super) fn check(&self, coordinates: usize, has_stops: bool) -> Result<(), EnsembleError> {
+    /// Checks that the system has what its means are differentiated by and what their functions ask for, and that no path stops.
+    /// `first` is the start of the first path.
+    pub(super) fn check(
+        &self,
+        system: &I::System,
+        first: &StateOf<I::System>,
+        has_stops: bool,
+    ) -> Result<(), EnsembleError> {
+        let coordinates = ConfigurationOf::<I::System>::DEGREES_OF_FREEDOM;
         let stops = || has_stops.then(|| STOPS.to_owned());
         for by in &self.by {
             if let Some(why) = by.problem::<I::System>(coordinates).or_else(stops) {
                 let by = by.to_string();
                 return Err(EnsembleError::Gradient { by, why });
             }
+        }
+        for (name, function) in self.names.iter().zip(&self.functions) {
+            function
+                .check(system, first)
+                .map_err(|error| EnsembleError::GradientFunction {
+                    name: name.clone(),
+                    error,
+                })?;
         }
         Ok(())
     }
@@ -214,6 +241,7 @@ where
             let kind = Kind::Slope(number, direction);
             self = self.add(of, smooth.clone(), kind);
         }
+        self.gradients.names.push(name);
         self.gradients.functions.push(smooth);
         self.gradients.steps = Some(TangentSteps {
             alone: I::push_forward,

@@ -9,12 +9,11 @@ use sve_runtime::LANES;
 const H: f64 = 0.1;
 
 /// Allowed difference in units of rounding of the largest entry of the tangent map. The steps are linearised at unknowns that agree to rounding, with functions that do,
-/// and in lanes the inverse of the Jacobian stands for its factors. Second derivatives and conditions of the models amplify all three.
-const UNITS: f64 = 1000.0;
+/// and in lanes the inverse of the Jacobian stands for its factors.
+const UNITS: f64 = 40.0;
 
-/// Steps whose tangent vectors are carried one after the other though the steps are made in lanes: those with constraints, and those with more unknowns than a dense
-/// inverse is worth.
-const ALONE: [&str; 0] = [];
+/// Steps whose tangent vectors are carried one after the other though the steps are made in lanes: their derivatives are too large.
+const ALONE: [&str; 2] = ["Charges by initial_point", "Charges by stormer_verlet"];
 
 /// Compares the lanes of a block. Returns the numbers of lanes that were solved, and of those whose vectors were carried.
 fn compare(case: &dyn Case, random: &mut Random) -> [u32; 2] {
@@ -35,7 +34,10 @@ fn compare(case: &dyn Case, random: &mut Random) -> [u32; 2] {
         let size = expected.tangent.len();
         let column = |j: usize| expected.tangent.iter().map(|row| row[j]).collect();
         let by_state = (0..size).map(column);
-        let by_parameters = expected.sensitivity.iter().map(|(_, vector)| vector.clone());
+        let by_parameters = expected
+            .sensitivity
+            .iter()
+            .map(|(_, vector)| vector.clone());
         let all: Vec<Vector> = by_state.chain(by_parameters).collect();
         let largest = all.iter().flatten().fold(1.0, |m: f64, x| m.max(x.abs()));
         assert_eq!(all.len(), found.vectors[lane].len(), "{what}");
