@@ -2,9 +2,13 @@
 
 use sve_models::case::Case;
 use sve_models::functions::{Point, Vector};
-use sve_models::oracle::cases;
+use sve_models::oracle::{cases, kubo};
 use sve_models::random::Random;
-use sve_runtime::LANES;
+use sve_runtime::__private::lane::{LaneDirections, TangentLanes};
+use sve_runtime::prelude::*;
+use sve_runtime::{Differentiable, LANES, StateLanes};
+
+use crate::adjoint::Swing;
 
 const H: f64 = 0.1;
 
@@ -72,4 +76,54 @@ fn tangent_vectors_in_lanes_are_those_of_single_steps() {
         }
     }
     assert_eq!(alone, ALONE);
+}
+
+/// Substeps pass their tangent vectors on.
+#[test]
+fn compositions_carry_tangent_vectors_in_lanes() {
+    /// Checks an integrator of a system with one coordinate and one noise: by q and p at the start, and by each parameter.
+    macro_rules! check {
+        ($system:expr, $rule:expr) => {{
+            let integrator = Integrator::new($system, $rule);
+            let starts: [State<[f64; 1]>; LANES] = core::array::from_fn(|lane| {
+                State::new([0.8 - 0.05 * lane as f64], [0.4 + 0.02 * lane as f64])
+            });
+            let dw: [f64; LANES] = core::array::from_fn(|lane| 0.1 - 0.01 * lane as f64);
+            let mut states = StateLanes::splat(&starts[0]);
+            (starts.iter().enumerate()).for_each(|(lane, start)| states.set(lane, start));
+            let zero = TangentLanes {
+                q: [[0.0; LANES]],
+                p: [[0.0; LANES]],
+            };
+            let mut start = [zero; 4];
+            (start[0].q, start[1].p) = ([[1.0; LANES]], [[1.0; LANES]]);
+            let (mut next, mut end) = (states, start);
+            let directions = LaneDirections {
+                start: &start,
+                next: &mut end,
+                parameters: &[None, None, Some(0), Some(1)],
+            };
+            let prepared = OneStepMethod::prepare(&integrator, H).unwrap();
+            let masks =
+                integrator.push_forward_lanes(&prepared, &states, &mut next, H, &[dw], directions);
+            assert_eq!(masks, [0, 0]);
+            for (lane, mut state) in starts.into_iter().enumerate() {
+                let (tangent, sensitivity) = integrator
+                    .step_with_derivatives(&mut state, H, &[dw[lane]])
+                    .unwrap();
+                let by_state = [0, 1].map(|j| [tangent[0][j], tangent[1][j]]);
+                let by_parameters = sensitivity.iter().map(|(_, by)| [by.q[0], by.p[0]]);
+                let expected: Vec<_> = by_state.into_iter().chain(by_parameters).collect();
+                assert_eq!(expected.len(), end.len());
+                for (found, expected) in end.iter().zip(expected) {
+                    let found = [found.q[0][lane], found.p[0][lane]];
+                    for (found, expected) in found.into_iter().zip(expected) {
+                        assert!((found - expected).abs() < 1e-14, "{found} {expected}");
+                    }
+                }
+            }
+        }};
+    }
+    check!(kubo(), Composed::new(Midpoint, KahanLi8));
+    check!(Swing { g: 2.0, s: 0.3 }, Split::new(BlanesMoan4));
 }

@@ -6,5 +6,6 @@
 mod adjoint;
 mod ensembles;
 mod lanes;
+mod likelihood;
 mod means;
 mod moments;
