@@ -80,6 +80,7 @@ pub trait StepEquations<R>: System {
     /// could not solve; their states are copied unchanged, and the caller steps them with [`increment`](Self::increment). Times in `next` are not written.
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     #[inline(always)]
+    #[allow(clippy::too_many_arguments)] // those of a step and the unknowns
     fn increment_lanes(
         &self,
         prepared: &Self::Prepared,

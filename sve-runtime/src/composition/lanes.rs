@@ -61,7 +61,12 @@ where
     Q: Coordinates<N>,
     K: Sequence<S>,
 {
-    let (mut here, mut start) = (*states, tangents.start.to_vec());
+    let LaneDirections {
+        start,
+        next: end,
+        parameters,
+    } = tangents;
+    let (mut here, mut start) = (*states, start.to_vec());
     let [mut unsolved, mut unfinished] = [0; 2];
     for (number, &part) in K::FRACTIONS.iter().enumerate() {
         let mut dw = *dw;
@@ -70,8 +75,8 @@ where
         }
         let directions = LaneDirections {
             start: &start,
-            next: &mut *tangents.next,
-            parameters: tangents.parameters,
+            next: &mut *end,
+            parameters,
         };
         let masks = K::push_forward_lanes(shared, number, &here, next, part * h, &dw, directions);
         unsolved |= masks[0];
@@ -81,7 +86,7 @@ where
             *t = *start + part * h;
         }
         here = *next;
-        start.copy_from_slice(tangents.next);
+        start.copy_from_slice(end);
     }
     for lane in (0..LANES).filter(|lane| unsolved >> lane & 1 == 1) {
         S::Dims::set(next, lane, &S::Dims::get(states, lane));

@@ -13,6 +13,7 @@ use super::code::Printer;
 use super::pivots::{self, Sparse};
 use super::solve::{accepted, names, residuals, sum_of_stages};
 use super::step::inside;
+use super::tangents::bound;
 use crate::algebra::{Arena, Expr};
 use crate::program::{
     BY_FORMULA, Factored, Loops, Operation, Residual, Step, Tier, Value, in_lanes,
@@ -38,14 +39,6 @@ pub(super) fn lanes(
         private,
     };
     let body = writer.body();
-    let unknowns = match scheme
-        .blocks
-        .iter()
-        .any(|b| !b.solution.solved().is_empty())
-    {
-        true => quote!(unknowns),
-        false => quote!(_),
-    };
     let [n, m] = [scheme.dq.len(), noises].map(Literal::usize_unsuffixed);
     Some(quote! {
         #[inline(always)]
@@ -57,7 +50,7 @@ pub(super) fn lanes(
             h: f64,
             dw: &[#private::lane::Lane; #m],
             newton: &#private::Newton,
-            #unknowns: &mut impl #private::lane::KeepUnknowns,
+            unknowns: &mut impl #private::lane::KeepUnknowns,
         ) -> #private::lane::Mask {
             #body
         }
@@ -92,16 +85,15 @@ impl Writer<'_> {
             let after = printer.statements(Tier::Solved(at));
             match &block.solution {
                 Solution::Formula(_) => section.extend(after),
-                Solution::System { linear, solved } => {
-                    let solved = names(solved, self.symbols);
+                Solution::System { linear, .. } => {
                     let solution = if self.step.scheme.is_constrained() {
                         let solution = self.solved_by_pivots(at, &linear.matrix, &linear.rhs, true);
                         quote!(#solution.by)
                     } else {
                         self.solution(at, &linear.matrix, &linear.rhs)
                     };
-                    let keep = self.keep(at, &solved);
-                    section.extend(quote!(let #solved = #solution; #keep #after));
+                    let solved = bound(&self.step.scheme, at, &solution, self.symbols);
+                    section.extend(quote!(#solved #after));
                 }
                 Solution::Iteration(iteration) => {
                     let course = course(at);
@@ -119,14 +111,11 @@ impl Writer<'_> {
                         #one
                         #iterate
                     });
-                    let solved = names(&iteration.solved, self.symbols);
-                    let keep = self.keep(at, &solved);
-                    let judge = self.judge(&course, iteration);
-                    section = match judge {
-                        Some([limits, judge]) => {
-                            quote!(let #solved = #course.point(lane); #keep #limits #after #judge)
-                        }
-                        None => quote!(let #solved = #course.point(lane); #keep #after),
+                    let solution = quote!(#course.point(lane));
+                    let solved = bound(&self.step.scheme, at, &solution, self.symbols);
+                    section = match self.judge(&course, iteration) {
+                        Some([limits, judge]) => quote!(#solved #limits #after #judge),
+                        None => quote!(#solved #after),
                     };
                 }
             }
@@ -140,14 +129,6 @@ impl Writer<'_> {
             #last
             next.restore_unsolved(states, any, |lane| #solved)
         }
-    }
-
-    /// The statement that stores the unknowns of a block, which follow those of the blocks before it.
-    fn keep(&self, at: usize, solved: &TokenStream) -> TokenStream {
-        let before = self.step.scheme.blocks[..at].iter();
-        let first: usize = before.map(|block| block.solution.solved().len()).sum();
-        let first = Literal::usize_unsuffixed(first);
-        quote!(unknowns.keep(lane, #first, #solved);)
     }
 
     /// A loop over the lanes: what it takes from earlier ones, its statements, what it keeps for later ones.

@@ -70,10 +70,6 @@ pub(crate) fn rule(
         arena,
     );
     let lanes = in_lanes(context, derived, &private);
-    let tangents = lanes
-        .is_some()
-        .then(|| linearise_lanes(&private, model, scheme, linearisation, symbols, arena));
-    let tangents = tangents.flatten();
     let properties = (weak_order, lanes.is_some());
     let plan = plan(&private, context, derived, properties, texts, &work);
     let [doc, increment_doc] = documentation(texts);
@@ -119,14 +115,13 @@ pub(crate) fn rule(
             }
             #lanes
             #linearise
-            #tangents
             #multipliers
         }
         #private::derived_rule! { #self_ty, #rule_type }
     }
 }
 
-/// `increment_lanes`, if ensembles step this system in lanes. Rotations are stepped lane by lane.
+/// `increment_lanes`, if ensembles step this system in lanes, with `linearise_lanes` where there is one. Rotations are stepped lane by lane.
 fn in_lanes(
     context: &Context<'_>,
     derived: &Derived,
@@ -134,12 +129,18 @@ fn in_lanes(
 ) -> Option<TokenStream> {
     let (model, arena) = (context.model, context.arena);
     let has_lanes = context.settings.lanes && !model.configuration().has_rotations();
-    (has_lanes && !derived.is_unstructured)
-        .then(|| {
-            let noises = model.noises.len();
-            lanes(&derived.scheme, noises, &derived.symbols, private, arena)
-        })
-        .flatten()
+    if !has_lanes || derived.is_unstructured {
+        return None;
+    }
+    let Derived {
+        scheme,
+        symbols,
+        linearisation,
+        ..
+    } = derived;
+    let step = lanes(scheme, model.noises.len(), symbols, private, arena)?;
+    let tangents = linearise_lanes(private, model, scheme, linearisation, symbols, arena);
+    Some(quote!(#step #tangents))
 }
 
 /// The argument for what a trajectory carries, `count` numbers, with its type.

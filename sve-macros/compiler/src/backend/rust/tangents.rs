@@ -83,6 +83,20 @@ pub(super) fn linearise_lanes(
     })
 }
 
+/// Binds the unknowns of a block that a step in lanes has solved, and stores them for the linearised step. They follow those of the blocks before it.
+pub(super) fn bound<T, R>(
+    scheme: &Scheme<T, R>,
+    at: usize,
+    solution: &TokenStream,
+    symbols: &Symbols,
+) -> TokenStream {
+    let names = names(scheme.blocks[at].solution.solved(), symbols);
+    let before = scheme.blocks[..at].iter();
+    let first: usize = before.map(|block| block.solution.solved().len()).sum();
+    let first = Literal::usize_unsuffixed(first);
+    quote!(let #names = #solution; unknowns.keep(lane, #first, #names);)
+}
+
 /// The entries of the four matrices, as values.
 type Entries<'a> = Vec<(&'a Entry, Value)>;
 
