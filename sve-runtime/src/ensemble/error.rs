@@ -148,6 +148,15 @@ pub enum EnsembleError {
         /// The reason.
         why: String,
     },
+    /// The function of a gradient cannot be evaluated at the start of the first path.
+    #[error("the function of the gradient `{name}`: {error}")]
+    GradientFunction {
+        /// Its name.
+        name: String,
+        /// Why.
+        #[source]
+        error: StepError,
+    },
     /// Quantiles from too few values.
     #[error("`quantiles(\"{name}\", {size})` keeps {size} values; quantiles need at least 2")]
     Quantiles {

@@ -140,10 +140,15 @@ impl<'a, I: Method> Settings<'a, I> {
         }
         check_steps(ensemble, leg.of, &noise)?;
         let start_seed = ensemble.seed.unwrap_or(noise.seed);
-        let start_time = match start {
-            Starts::Same(state) => state.t,
-            Starts::Drawn(draw) => draw(0, &mut StartRng::new(start_seed, 0)).t,
+        let drawn;
+        let first = match start {
+            Starts::Same(state) => state,
+            Starts::Drawn(draw) => {
+                drawn = draw(0, &mut StartRng::new(start_seed, 0));
+                &drawn
+            }
         };
+        let start_time = first.t;
         check_times(start_time, h, steps)?;
         check_names(ensemble)?;
         if ensemble.settle >= ensemble_steps && ensemble.kinds.contains(&Kind::Average) {
@@ -152,8 +157,8 @@ impl<'a, I: Method> Settings<'a, I> {
                 steps: ensemble_steps,
             });
         }
-        let coordinates = ConfigurationOf::<I::System>::DEGREES_OF_FREEDOM;
-        (ensemble.gradients).check(coordinates, ensemble.has_stops())?;
+        let system = leg.method.system();
+        (ensemble.gradients).check(system, first, ensemble.has_stops())?;
         let shard = blocks_of_shard(ensemble.shard, paths)?;
         let own = path_at(shard[1], paths) - path_at(shard[0], paths);
         let records = sizes::records(ensemble, steps, every, own)?;

@@ -106,11 +106,32 @@ fn messages_name_what_there_is() {
 }
 
 #[test]
-#[should_panic(expected = "`parameter(\"k\")`: L, the noises and the force have no such parameter")]
-fn an_unknown_parameter_in_an_observable_panics() {
+fn an_unknown_parameter_in_a_function_is_an_error() {
+    let known = "L, the noises and the force have no such parameter; they have [\"";
     let pendulum: Integrator<Pendulum, Midpoint> = Integrator::new(pendulum(), Midpoint);
     let path = pendulum.trajectory(State::new([1.0], [0.0]), H, NoNoise);
-    let _ = path.gradient(1, |_, s| Some(s.parameter("k") * s.q[0]));
+    let loss = path.gradient(1, |k, s| (k == 1).then(|| s.parameter("k") * s.q[0]));
+    let message = loss.unwrap_err().to_string();
+    let expected = format!("`parameter(\"k\")`: {known}");
+    assert!(message.starts_with(&expected), "{message}");
+    let swing = swing();
+    // before the first step, also where the number has no influence
+    let wrong = ensemble(&swing).gradient("x", ["g"], |s| {
+        let _ = s.parameter("k");
+        s.q[0]
+    });
+    let message = wrong.run().unwrap_err().to_string();
+    let expected = format!("the function of the gradient `x`: {expected}");
+    assert!(message.starts_with(&expected), "{message}");
+    // the function may ask for a parameter only later
+    let later = ensemble(&swing).gradient("x", ["g"], |s| match s.t < 0.3 {
+        true => s.q[0],
+        false => s.parameter("k") * s.q[0],
+    });
+    let summary = later.run().unwrap();
+    assert_eq!(summary.failed(), 300);
+    let failure = summary.failures()[0].to_string();
+    assert!(failure.contains(known), "{failure}");
 }
 
 /// A bead on a ring that stands upright.
