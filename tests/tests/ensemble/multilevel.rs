@@ -224,3 +224,38 @@ fn impossible_estimates_are_errors() {
         "{found}"
     );
 }
+
+/// The largest of the last three differences, each scaled to the last level, over 2ʷ − 1.
+#[test]
+fn the_bias_follows_the_weak_order() {
+    let method = method();
+    let ensemble = ensemble(&method);
+    for order in [1.0, 1.5, 2.0] {
+        let estimate = ensemble.multilevel("q²").weak_order(order).run(0.1);
+        let estimate = estimate.unwrap();
+        let factor = order.exp2();
+        let differences = estimate.levels()[1..].iter().rev().take(3).zip(0..);
+        let scaled = differences.map(|(level, k)| level.mean.abs() / factor.powi(k));
+        let expected = scaled.fold(0.0, f64::max) / (factor - 1.0);
+        let off = estimate.bias() / expected - 1.0;
+        assert!(off.abs() < 1e-14, "{order}: {off:e}");
+    }
+}
+
+/// A coarse step has no path of its own within.
+#[test]
+fn what_divides_steps_is_refused() {
+    let method = method();
+    let divided = ensemble(&method).stop_at("zero", |_, s| s.q[0]);
+    let error = divided.multilevel("q²").run(0.1).unwrap_err();
+    assert!(
+        matches!(
+            error,
+            EnsembleError::NoiseWithinSteps { setting: "stop_at" }
+        ),
+        "{error}"
+    );
+    let refined = ensemble(&method).noise(Wiener::new(8).refine(2).unwrap());
+    let error = refined.multilevel("q²").run(0.1).unwrap_err();
+    assert!(matches!(error, EnsembleError::NoSums), "{error}");
+}
