@@ -405,3 +405,29 @@ fn a_function_that_is_not_finite_fails_the_path() {
     assert_eq!((root.passed()[1], root.censored()[1]), (1, 1));
     assert!(summary.failures()[0].to_string().contains("`root`"));
 }
+
+/// Two functions have their zeros within one step: a path stops at the first one in time, whatever their order.
+#[test]
+fn the_first_zero_within_a_step_stops() {
+    let method = free();
+    let summary = Ensemble::new(&method)
+        .paths(100)
+        .steps(0.5, 8)
+        .start_with(|path, _| State::new([0.0], [if path % 2 == 0 { 1.0 } else { -1.0 }]))
+        .stop_at("outer", |_, state| state.q[0].abs() - 1.25)
+        .stop_at("inner", |_, state| state.q[0].abs() - 1.125)
+        .first_passage("between", |_, state| state.q[0].abs() - 1.1875)
+        .first_passage("before", |_, state| state.q[0] - 1.0625)
+        .keep_final_states(true)
+        .run()
+        .unwrap();
+    let ends = |name| {
+        let passage = summary.passage(name).unwrap();
+        (passage.passed()[1], passage.censored()[1])
+    };
+    assert_eq!((ends("inner"), ends("outer")), ((100, 0), (0, 100)));
+    assert_eq!((ends("between"), ends("before")), ((0, 100), (50, 50)));
+    for (path, state) in summary.final_states() {
+        assert!((state.t - 1.125).abs() < 1e-12, "{path}: {}", state.t);
+    }
+}
