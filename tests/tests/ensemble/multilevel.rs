@@ -332,3 +332,20 @@ fn paths_that_fail_do_not_count() {
     assert!(level.paths > 1000 && 4 * level.failed == 3 * level.paths);
     assert!(estimate.standard_error() < 1.02 * wanted / 2.0_f64.sqrt());
 }
+
+/// The largest of the last three differences, each scaled to the last level, over 2ʷ − 1.
+#[test]
+fn the_bias_follows_the_weak_order() {
+    let method = method();
+    let ensemble = ensemble(&method);
+    for order in [1.0, 1.5, 2.0] {
+        let estimate = ensemble.multilevel("q²").weak_order(order).run(0.1);
+        let estimate = estimate.unwrap();
+        let factor = order.exp2();
+        let differences = estimate.levels()[1..].iter().rev().take(3).zip(0..);
+        let scaled = differences.map(|(level, k)| level.mean.abs() / factor.powi(k));
+        let expected = scaled.fold(0.0, f64::max) / (factor - 1.0);
+        let off = estimate.bias() / expected - 1.0;
+        assert!(off.abs() < 1e-14, "{order}: {off:e}");
+    }
+}

@@ -149,3 +149,40 @@ impl Bead {
         0.5 * (q[0] * q[0] + q[1] * q[1] - 1.0)
     }
 }
+
+/// For a large ΔW a step has no solution.
+struct Rotor;
+
+#[variational(midpoint)]
+impl Rotor {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v + q.cos()
+    }
+    #[h1]
+    fn jitter(&self, _q: f64, p: f64) -> f64 {
+        0.1 * p.powi(4)
+    }
+}
+
+/// A step that is made in parts has no tangent map.
+#[test]
+fn a_path_with_a_refined_step_fails() {
+    let rotor = Integrator::new(Rotor, Midpoint);
+    let ensemble = || {
+        Ensemble::new(&rotor)
+            .paths(100)
+            .seed(1)
+            .steps(0.5, 12)
+            .start(State::new([0.0], [2.0]))
+    };
+    let failed = |summary: Summary| {
+        let failures = summary.failures().iter().map(|failure| failure.path);
+        failures.collect::<Vec<_>>()
+    };
+    let plain = failed(ensemble().run().unwrap());
+    assert!(plain.len() > 10 && plain.len() < 100, "{}", plain.len());
+    let refined = ensemble().refine(16);
+    assert_eq!(refined.run().unwrap().failed(), 0);
+    let with = refined.gradient("cos", [By::p(0)], |s| s.q[0].cos());
+    assert_eq!(failed(with.run().unwrap()), plain);
+}
