@@ -10,6 +10,7 @@ pub use crate::jets::{ConstraintJet, ForceJet, LagrangianJet, NoiseJet};
 use crate::configuration::{Configuration, Coordinates, FixedSize, FlatConfiguration};
 use crate::degenerate::CoordinateRole;
 use crate::euler::EulerIncrement;
+use crate::lanes::tangents::TangentLanes;
 use crate::lanes::{Lane, LaneStates};
 use crate::state::State;
 
@@ -54,6 +55,9 @@ pub trait Dimensions {
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     /// The increments of each lane, `[Lane; M]`.
     type IncrementLanes: Copy + core::fmt::Debug + AsRef<[Lane]> + AsMut<[Lane]>;
+    #[doc(hidden)]
+    /// A tangent vector in each lane.
+    type TangentLanes: Clone + Copy + core::fmt::Debug;
     /// [`LagrangianJet<N>`](LagrangianJet).
     type LagrangianJet;
     /// `[NoiseJet<N>; M]`.
@@ -89,6 +93,7 @@ impl<const N: usize, const M: usize, Q: Coordinates<N>> Dimensions for Dims<N, M
     type FlatState = State<Q::Flat>;
     type StateLanes = <Q::Flat as FlatConfiguration<N>>::Lanes;
     type IncrementLanes = [Lane; M];
+    type TangentLanes = TangentLanes<N>;
     type LagrangianJet = LagrangianJet<N>;
     type NoiseJets = [NoiseJet<N>; M];
     type ForceJet = ForceJet<N>;
@@ -135,6 +140,9 @@ pub type FlatStateOf<S> = <<S as System>::Dims as Dimensions>::FlatState;
 pub type StateLanesOf<S> = <<S as System>::Dims as Dimensions>::StateLanes;
 /// `[Lane; M]` of a system.
 pub type IncrementLanesOf<S> = <<S as System>::Dims as Dimensions>::IncrementLanes;
+/// A tangent vector of a system in each lane.
+#[doc(hidden)]
+pub type TangentLanesOf<S> = <<S as System>::Dims as Dimensions>::TangentLanes;
 
 /// A mechanical system: the derivatives of its Lagrangian, of its noise Hamiltonians and of its force.
 ///
