@@ -6,7 +6,7 @@ use sve_runtime::__private::lane::{LaneDirections, TangentLanes};
 use sve_runtime::noise::Noise;
 use sve_runtime::prelude::*;
 use sve_runtime::{
-    Differentiable, Discretised, Dual, LANES, Lane, Mask, Plan, StateLanes, System, Variational,
+    Differentiable, Discretised, Dual, LANES, Lane, Mask, Plan, StateLanes, Variational,
 };
 
 use crate::functions::{Functions, Matrix, Point, TypedModel, Vector, array};

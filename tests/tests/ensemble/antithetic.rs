@@ -202,7 +202,7 @@ fn what_divides_steps_is_refused() {
     ] {
         let error = refused.run().unwrap_err();
         assert!(
-            matches!(error, EnsembleError::NoiseWithinSteps { .. }),
+            matches!(error, EnsembleError::NotTogether { .. }),
             "{error}"
         );
     }

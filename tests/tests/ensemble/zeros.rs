@@ -53,7 +53,7 @@ fn jumps_are_no_passages() {
         Ensemble::new(&method)
             .paths(256)
             .steps(0.05, 20)
-            .start_with(|path, _| State::new([0.0], [0.25 + 1.75 * path as f64 / 256.0]))
+            .start_with(|path, _| State::new([0.0], [0.25 + 1.75 * (path % 256) as f64 / 256.0]))
     };
     let crossing = ensemble()
         .crossings("x", |_, s| s.q[0] - 0.2)
