@@ -39,6 +39,7 @@ impl Summary {
     ///     .observe("energy", |system, state| system.hamiltonian(state))
     ///     .observe("q", |_, state| state.q[0])
     ///     .histogram("q", -40.0..40.0, 40)
+    ///     .first_passage("far out", |_, state| state.q[0] - 5.0)
     ///     .run()?;
     /// # let folder = std::env::temp_dir().join(format!("sve-{}", std::process::id()));
     /// # std::fs::create_dir_all(&folder)?;
@@ -48,7 +49,8 @@ impl Summary {
     /// let path = "oscillator.html";
     /// # */
     /// summary.write_html(path)?;
-    /// # assert!(std::fs::read_to_string(&written)?.contains("<svg"));
+    /// # let page = std::fs::read_to_string(&written)?;
+    /// # assert!(page.contains("<svg") && page.contains("of 200 paths passed") && page.contains("survival ± 2 standard errors"));
     /// # std::fs::remove_dir_all(&folder)?;
     /// # Ok(())
     /// # }
@@ -204,7 +206,7 @@ fn survival(passages: &Passages) -> Panel {
         Axis::new("not yet passed", 0.0..1.05),
     )
     .with(layer.band(ends))
-    .legend(Corner::TopRight)
+    .legend(Corner::BottomLeft)
 }
 
 fn table(summary: &Summary) -> String {
