@@ -13,6 +13,7 @@ mod joint;
 mod memory;
 mod multilevel;
 mod naive;
+mod passage_files;
 mod passages;
 mod refined;
 mod settings;
