@@ -6,14 +6,15 @@
 use sve_models::models::HenonHeiles;
 use sve_runtime::prelude::*;
 
-/// Length of a path, and of the part before it in which the change turns to the direction that grows.
-const LENGTH: f64 = 10_000.0;
-const BEFORE: f64 = 500.0;
-
-/// Parts of a path whose rates are taken as independent.
+/// Lengths of the parts of a path, whose rates are taken as independent. In a part before them the change turns to the direction that grows.
+const PART: u32 = 500;
 const PARTS: u32 = 20;
 
-/// The rates of change of (x, y, p_x, p_y) and of a small change.
+/// Steps per unit of time, of the reference and of the integrator.
+const FINE: u32 = 50;
+const COARSE: u32 = 20;
+
+/// The rates of change of the state and of a small change.
 fn rates(z: &[f64; 8]) -> [f64; 8] {
     let [x, y, px, py, dx, dy, dpx, dpy] = *z;
     [
@@ -37,7 +38,7 @@ fn runge_kutta(z: &[f64; 8], h: f64) -> [f64; 8] {
     core::array::from_fn(|i| z[i] + h / 6.0 * (a[i] + 2.0 * (b[i] + c[i]) + d[i]))
 }
 
-/// A start in the chaotic sea with an energy, on x = 0 and y = −0.25 with p_y = 0.
+/// A start in the chaotic sea with an energy, on x = 0 and y = −0.25, which moves along x.
 fn start(energy: f64) -> [f64; 4] {
     let y: f64 = -0.25;
     let potential = 0.5 * y * y - y.powi(3) / 3.0;
@@ -46,23 +47,21 @@ fn start(energy: f64) -> [f64; 4] {
 
 /// The largest exponent with its standard error, from the parts of a path.
 fn reference(energy: f64) -> (f64, f64) {
-    let h = 0.02;
+    let h = 1.0 / f64::from(FINE);
     let [x, y, px, py] = start(energy);
     let mut z = [x, y, px, py, 0.6, 0.0, 0.0, 0.8];
-    let mut grow = |length: f64| {
+    let mut grow = || {
         let mut sum = 0.0;
-        for _ in 0..(length / h).round() as u64 {
+        for _ in 0..PART * FINE {
             z = runge_kutta(&z, h);
             let size = z[4..].iter().map(|x| x * x).sum::<f64>().sqrt();
             sum += size.ln();
             z[4..].iter_mut().for_each(|x| *x /= size);
         }
-        sum / length
+        sum / f64::from(PART)
     };
-    grow(BEFORE);
-    let rates: Vec<f64> = (0..PARTS)
-        .map(|_| grow(LENGTH / f64::from(PARTS)))
-        .collect();
+    grow();
+    let rates: Vec<f64> = (0..PARTS).map(|_| grow()).collect();
     let n = f64::from(PARTS);
     let mean = rates.iter().sum::<f64>() / n;
     let squares: f64 = rates.iter().map(|rate| (rate - mean).powi(2)).sum();
@@ -73,16 +72,16 @@ fn reference(energy: f64) -> (f64, f64) {
 /// hold paths for long times, which the errors of the averages contain.
 #[test]
 fn agrees_with_an_independent_integration() {
-    let h = 0.05;
+    let h = 1.0 / f64::from(COARSE);
     let integrator = Integrator::new(HenonHeiles, StormerVerlet);
     let mut exponents = Vec::new();
     for energy in [0.125, 0.16] {
         let (expected, of_expected) = reference(energy);
         let [x, y, px, py] = start(energy);
         let mut path = integrator.lyapunov(State::new([x, y], [px, py]), h, NoNoise, 4);
-        path.advance((BEFORE / h) as u64).unwrap();
+        path.advance(u64::from(PART * COARSE)).unwrap();
         path.restart();
-        path.advance((LENGTH / h) as u64).unwrap();
+        path.advance(u64::from(PARTS * PART * COARSE)).unwrap();
         let found = path.exponents();
         let error = path.standard_errors()[0].unwrap();
         println!(
