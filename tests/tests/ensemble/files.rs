@@ -51,7 +51,7 @@ fn table(summary: &Summary) -> Vec<(String, Vec<f64>)> {
     table
 }
 
-fn same(a: f64, b: f64) -> bool {
+pub(crate) fn same(a: f64, b: f64) -> bool {
     a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan()
 }
 
@@ -213,7 +213,7 @@ fn serde_of_states_and_errors() {
     assert!(matches!(back, StepError::StepSize { h } if h.is_nan()));
 }
 
-fn scratch(name: &str) -> PathBuf {
+pub(crate) fn scratch(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name)
 }
 

@@ -14,6 +14,7 @@ mod memory;
 mod multilevel;
 mod naive;
 mod other_runs;
+mod passage_files;
 mod passages;
 mod quantiles;
 mod refined;

@@ -1,7 +1,10 @@
-//! Lyapunov exponents: closed forms of the discrete map, pairs of symplectic maps, values of the literature, noise.
+//! Lyapunov exponents: closed forms of the discrete map, pairs of symplectic maps, an independent integration, compositions, noise.
 
 // closures are written as users write them
 #![allow(clippy::redundant_closure_for_method_calls)]
+
+mod compositions;
+mod henon_heiles;
 
 use sve_models::models::{HenonHeiles, OnSphere};
 use sve_runtime::prelude::*;

@@ -3,11 +3,12 @@
 //! Input: functions of the system and a state. Output: the time of the first zero on each path, and the paths that were never seen to pass. Invariant: a passage is
 //! a function of the path's states and noise only, not of its lane, block or thread.
 //!
-//! Files: [`watch`] compares signs after each step, [`search`] finds the zero within a step, [`counts`] sums up, [`survival`] is what users read.
+//! Files: [`watch`] compares signs after each step, [`search`] finds the zero within a step, [`counts`] sums up, [`survival`] is what users read, [`table`] what they write into files.
 
 pub(super) mod counts;
 mod search;
 mod survival;
+mod table;
 pub(super) mod watch;
 
 pub use survival::{Passages, Rate};
@@ -72,6 +73,7 @@ where
     /// // escapes per time, after the first ten units of time
     /// let rate = escape.rate(1);
     /// println!("{inside} ± {error}, {} ± {}", rate.value, rate.standard_error);
+    /// escape.write_csv(std::io::sink()).expect("a writer"); // `t,passed,censored,at_risk,survival,survival_standard_error`; `to_csv` writes a file
     /// # assert!(inside > 0.0 && inside < 1.0 && rate.standard_error < 0.1 * rate.value);
     /// # Ok(())
     /// # }

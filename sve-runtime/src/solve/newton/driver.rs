@@ -3,7 +3,9 @@
 //! The loop of [`Newton::solve_from`] is the fast path: evaluate, judge, update. What is rare is decided in `#[cold]` functions, which get the iteration
 //! by value so that its numbers stay in registers on the fast path.
 
-use super::convergence::{ROOT_OF_ROUNDING, judge, predicts_negligible};
+use super::convergence::{
+    CONTRACTION, ERROR_OF_UPDATE, ROOT_OF_ROUNDING, judge, predicts_negligible,
+};
 use super::iteration::{Decision, Iteration, Judged, Phase};
 use super::update::{Update, is_regular_with};
 use super::{Evaluation, Newton};
@@ -249,7 +251,8 @@ impl Newton {
             }
         }
         // At smaller residuals, rounding errors can prevent contraction.
-        iteration.is_contracting &= iteration.previous_residual < ROOT_OF_ROUNDING;
+        iteration.is_contracting &= iteration.previous_residual < ROOT_OF_ROUNDING
+            || Self::contracts_to_rounding(&iteration, &judged, test.sign);
         let can_be_accepted = iteration.is_contracting || test.accepts_without_contraction(K);
         if iteration.updates >= self.max_iterations || !can_be_accepted {
             return Err(not_converged);
@@ -279,6 +282,22 @@ impl Newton {
             Some(false) => Ok(Decision::Continue(iteration)),
             None => Err(SolveError::NonFinite),
         }
+    }
+
+    /// Returns whether the iteration contracts but for rounding errors: each residual is within its bound or is a rounding error, of its own terms or of the
+    /// last update, which has those of the terms before it. This is so at a solution at which all terms of an equation vanish, such as the momentum of a
+    /// system at rest that noise alone moves.
+    fn contracts_to_rounding<const K: usize>(
+        iteration: &Iteration<K>,
+        judged: &Judged<K>,
+        sign: DeterminantSign,
+    ) -> bool {
+        let of_update = (ERROR_OF_UPDATE / (CONTRACTION * iteration.previous_residual)).max(1.0);
+        is_regular_with(judged.update.as_ref(), sign)
+            && (0..K).all(|i| {
+                let own = ERROR_OF_UPDATE * judged.magnitude[i];
+                judged.residual[i].abs() <= own.max(of_update * iteration.contraction_bounds[i])
+            })
     }
 
     /// Returns whether rounding errors keep the residual from decreasing.
