@@ -403,8 +403,12 @@ pub mod __private {
         pub use crate::lanes::elementary::*;
         pub use crate::lanes::newton::{ContractingLanes, NewtonLanes};
         pub use crate::lanes::solve::{Solved, factored, has_digits, inverse, solve, solved};
-        pub use crate::lanes::{LANES, Lane, Mask, StateLanes, needs_scalar_step, rows};
+        pub use crate::lanes::tangents::{
+            KeepUnknowns, LaneDirections, TangentLanes, regular_inverse, seeds, unfinished,
+        };
+        pub use crate::lanes::{Aligned, LANES, Lane, Mask, StateLanes, needs_scalar_step, rows};
         pub use crate::solve::diagonal::solve_in_lane as solve_diagonal;
+        pub use crate::system::TangentLanesOf;
     }
     pub use crate::__compositions as compositions;
     pub use crate::__derived_rule as derived_rule;
@@ -415,8 +419,8 @@ pub mod __private {
     pub use crate::equations::{Returns, StepEquations};
     pub use crate::error::StepError;
     pub use crate::integrator::derived::{
-        DerivedStep, count_iterations, pull_back, push_forward, solve_compensated_step, solve_step,
-        solve_with_derivatives, solve_with_impulses,
+        DerivedStep, count_iterations, pull_back, push_forward, push_forward_lanes,
+        solve_compensated_step, solve_step, solve_with_derivatives, solve_with_impulses,
     };
     pub use crate::lanes::Mask;
     pub use crate::linearisation::{Covector, Directions, Entries, Linearisation};

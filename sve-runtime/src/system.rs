@@ -9,6 +9,7 @@ pub use crate::jets::{ConstraintJet, ForceJet, LagrangianJet, NoiseJet};
 
 use crate::configuration::{Configuration, Coordinates, FixedSize, FlatConfiguration};
 use crate::degenerate::CoordinateRole;
+use crate::lanes::tangents::TangentLanes;
 use crate::lanes::{Lane, LaneStates};
 use crate::state::State;
 
@@ -53,6 +54,9 @@ pub trait Dimensions {
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     /// The increments of each lane, `[Lane; M]`.
     type IncrementLanes: Copy + core::fmt::Debug + AsRef<[Lane]> + AsMut<[Lane]>;
+    #[doc(hidden)]
+    /// A tangent vector in each lane.
+    type TangentLanes: Clone + Copy + core::fmt::Debug;
     /// [`LagrangianJet<N>`](LagrangianJet).
     type LagrangianJet;
     /// `[NoiseJet<N>; M]`.
@@ -88,6 +92,7 @@ impl<const N: usize, const M: usize, Q: Coordinates<N>> Dimensions for Dims<N, M
     type FlatState = State<Q::Flat>;
     type StateLanes = <Q::Flat as FlatConfiguration<N>>::Lanes;
     type IncrementLanes = [Lane; M];
+    type TangentLanes = TangentLanes<N>;
     type LagrangianJet = LagrangianJet<N>;
     type NoiseJets = [NoiseJet<N>; M];
     type ForceJet = ForceJet<N>;
@@ -134,6 +139,9 @@ pub type FlatStateOf<S> = <<S as System>::Dims as Dimensions>::FlatState;
 pub type StateLanesOf<S> = <<S as System>::Dims as Dimensions>::StateLanes;
 /// `[Lane; M]` of a system.
 pub type IncrementLanesOf<S> = <<S as System>::Dims as Dimensions>::IncrementLanes;
+/// A tangent vector of a system in each lane.
+#[doc(hidden)]
+pub type TangentLanesOf<S> = <<S as System>::Dims as Dimensions>::TangentLanes;
 
 /// A mechanical system: the derivatives of its Lagrangian, of its noise Hamiltonians and of its force.
 ///

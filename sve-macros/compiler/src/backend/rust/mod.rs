@@ -22,6 +22,7 @@ mod stages;
 mod step;
 mod straight;
 mod system;
+mod tangents;
 mod unstructured;
 
 pub(crate) use gauss::gauss;
