@@ -70,7 +70,7 @@ impl Newton {
             acceptance: Acceptance::Any,
         };
         let no_fallback = None::<fn() -> [f64; K]>;
-        self.solve_from(guess, test, no_fallback, |_| [0.0; K], evaluate)
+        self.solve_from(&guess, test, no_fallback, |_| [0.0; K], evaluate)
     }
 
     /// Finds a root and tests it.
@@ -87,14 +87,14 @@ impl Newton {
     #[inline]
     pub(super) fn solve_from<const K: usize, J: Matrix<K>>(
         &self,
-        guess: [f64; K],
+        guess: &[f64; K],
         test: RootTest,
         mut fallback: Option<impl FnOnce() -> [f64; K]>,
         rounding: impl Fn(&[f64; K]) -> [f64; K],
         evaluate: impl Fn(&[f64; K]) -> Evaluation<K, J>,
     ) -> Result<[f64; K], SolveError> {
         let mut is_last_attempt = fallback.is_none() || !test.accepts_without_contraction(K);
-        let mut iteration = Iteration::new(guess);
+        let mut iteration = Iteration::new(*guess);
         loop {
             // The only call of `evaluate`, so that the equations are compiled once, into this loop.
             let at = evaluate(&iteration.x);
@@ -116,7 +116,7 @@ impl Newton {
                 && iteration.updates < self.max_iterations
                 && let Some(update) = &update
                 && let Some(is_root) =
-                    self.update(&mut iteration, update, residual, bounds(), test.sign)
+                    self.update(&mut iteration, update, residual, &bounds(), test.sign)
             {
                 is_root
             } else {
@@ -149,7 +149,7 @@ impl Newton {
                             is_last_attempt = true;
                             Iteration {
                                 phase: Phase::DampedSteps,
-                                ..Iteration::new(guess)
+                                ..Iteration::new(*guess)
                             }
                         };
                         continue;
@@ -164,7 +164,7 @@ impl Newton {
                 if !accepts_any {
                     return Err(SolveError::OtherBranch);
                 }
-                iteration = iteration.into_verification(&guess);
+                iteration = iteration.into_verification(guess);
             }
         }
     }
@@ -177,7 +177,7 @@ impl Newton {
         iteration: &mut Iteration<K>,
         update: &Update<K>,
         residual: f64,
-        contraction_bounds: [f64; K],
+        contraction_bounds: &[f64; K],
         expected: DeterminantSign,
     ) -> Option<bool> {
         let Update {
@@ -201,7 +201,7 @@ impl Newton {
             x,
             previous_x: iteration.x,
             previous_residual: residual,
-            contraction_bounds,
+            contraction_bounds: *contraction_bounds,
             updates: iteration.updates + 1,
             halvings: 0,
             // For a single unknown, the condition for third order is Kantorovich's.
@@ -220,7 +220,7 @@ impl Newton {
         judged: Judged<K>,
         contraction_bounds: [f64; K],
         test: RootTest,
-        guess: [f64; K],
+        guess: &[f64; K],
         rounding: &impl Fn(&[f64; K]) -> [f64; K],
     ) -> Result<Decision<K>, SolveError> {
         let residual = judged.relative;
@@ -228,7 +228,7 @@ impl Newton {
             if !residual.is_finite() || !is_regular_with(judged.update.as_ref(), test.sign) {
                 return Err(SolveError::OtherBranch);
             }
-            return Ok(iteration.verify_next(&guess, root, point));
+            return Ok(iteration.verify_next(guess, root, point));
         }
         if !residual.is_finite() {
             return iteration.halve_update().map(Decision::Continue);
@@ -275,7 +275,7 @@ impl Newton {
             &mut iteration,
             update,
             residual,
-            contraction_bounds,
+            &contraction_bounds,
             unknown,
         ) {
             Some(true) => Ok(Decision::Root(iteration)),
