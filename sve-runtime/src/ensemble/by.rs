@@ -6,6 +6,25 @@ use core::ops::Range;
 use crate::mechanics::Field;
 use crate::system::System;
 
+/// The parameter that varies along a direction, if one does, and the steps in which it varies.
+#[derive(Clone, Debug)]
+pub(super) struct Varied {
+    parameter: Option<usize>,
+    steps: Range<u64>,
+}
+
+impl Varied {
+    /// Returns the number of the parameter that varies in a step.
+    #[inline(always)]
+    pub(super) fn in_step(&self, step: u64) -> Option<usize> {
+        if self.steps.contains(&step) {
+            self.parameter
+        } else {
+            None
+        }
+    }
+}
+
 /// The quantity by which a mean is differentiated: a parameter, a parameter during some steps, or a coordinate of the start.
 ///
 /// The name of a parameter, as `"k"`, `"l[0]"` or `"body.mass"`, converts to it.
@@ -72,14 +91,18 @@ impl By {
         Self(Quantity::P(number))
     }
 
-    /// Returns the number of the parameter that varies in a step.
-    pub(super) fn parameter_in<S: System>(&self, step: u64) -> Option<usize> {
-        let name = match &self.0 {
-            Quantity::Parameter(name) => name,
-            Quantity::During(name, steps) if steps.contains(&step) => name,
-            _ => return None,
+    /// Returns the parameter that varies, and the steps in which it does, of which `parts` are one step of the ensemble.
+    pub(super) fn varied<S: System>(&self, parts: u64) -> Varied {
+        let step = |number: u64| number.saturating_mul(parts);
+        let (name, steps) = match &self.0 {
+            Quantity::Parameter(name) => (name.as_str(), 0..u64::MAX),
+            Quantity::During(name, steps) => (name.as_str(), step(steps.start)..step(steps.end)),
+            Quantity::Q(_) | Quantity::P(_) => ("", 0..0),
         };
-        S::PARAMETERS.iter().position(|known| known == name)
+        Varied {
+            parameter: S::PARAMETERS.iter().position(|&known| known == name),
+            steps,
+        }
     }
 
     /// Returns the tangent vector at the start.

@@ -129,6 +129,9 @@ fn npy() {
     let length = usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
     assert_eq!((10 + length) % 64, 0);
     assert_eq!(bytes.len(), 10 + length + 2 * 7 * 8);
+    let header = std::str::from_utf8(&bytes[10..10 + length]).unwrap();
+    assert!(header.contains(r"('it\'s_mean', '<f8'), "), "{header}");
+    assert!(header.ends_with('\n'));
 }
 
 fn ensemble_of_one_name(method: &Method) -> Summary {

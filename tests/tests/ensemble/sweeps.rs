@@ -163,6 +163,19 @@ fn bad_tables_are_errors() {
         .checkpoint(&file, Duration::ZERO)
         .sweep(&table);
     assert!(matches!(error, Err(EnsembleError::SweepInOneFile)) && !file.exists());
+    let starts = [0.0, 5.0].map(|t| State::at(t, [1.0], [0.0]));
+    let error = failing(&table).sweep_starts(&starts).unwrap_err();
+    let is_of_row = |error: &EnsembleError| {
+        matches!(
+            error,
+            EnsembleError::SweepTimes {
+                row: 1,
+                t: 5.0,
+                first: 0.0
+            }
+        )
+    };
+    assert!(is_of_row(&error), "{error}");
     let error = failing(&table).stop_on_failure(true).sweep(&table);
     assert!(matches!(error, Err(EnsembleError::Failed(_))));
     let error = ensemble(&oscillators()[0])

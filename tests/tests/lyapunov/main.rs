@@ -247,3 +247,20 @@ fn paths_are_those_of_trajectories() {
     assert!(failing.next().unwrap().is_err() && failing.next().is_none());
     assert!(failing.exponents()[0].is_nan());
 }
+
+/// Backwards in time the directions that shrank grow, so that a saddle has the same exponents.
+#[test]
+fn backwards_have_the_signs_of_growth() {
+    let integrator = Integrator::new(Saddle { k: 2.5, omega: 1.3 }, Midpoint);
+    let start = State::new([0.0, 0.3], [0.0, 0.2]);
+    let largest = |h: f64| {
+        let mut path = integrator.lyapunov(start, h, NoNoise, 4);
+        path.advance(1000).unwrap();
+        path.restart();
+        path.advance(1000).unwrap();
+        (path.exponents()[0], path.exponents()[3])
+    };
+    let (forwards, backwards) = (largest(0.1), largest(-0.1));
+    assert!((backwards.0 - forwards.0).abs() < 1e-12, "{backwards:?}");
+    assert!((backwards.1 - forwards.1).abs() < 1e-12, "{backwards:?}");
+}

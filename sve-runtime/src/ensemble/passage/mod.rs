@@ -84,7 +84,7 @@ where
     /// sizes, or move the boundary by this distance. A path that starts at a zero does not stop there; it has the side that it is on after the first step.
     ///
     /// The noise has to be known within steps: [`Wiener`](crate::noise::Wiener), also refined, or [`NoNoise`](crate::noise::NoNoise). A path whose function is not finite after a step fails, and so
-    /// does a path on which a part of a step has no solution.
+    /// does a path on which the function jumps to the other sign, as at a pole, or a part of a step has no solution; such parts are made in smaller steps with [`refine`](Self::refine).
     #[must_use]
     pub fn stop_at<F, O>(self, name: impl Into<String>, function: F) -> Self
     where

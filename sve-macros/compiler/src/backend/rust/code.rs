@@ -17,7 +17,7 @@ const LARGE: usize = 7;
 const SPARSE: usize = 4;
 
 /// Variables of emitted code that are no values of the program.
-const DECLARED: [&str; 44] = [
+const DECLARED: [&str; 48] = [
     "q",
     "v",
     "p",
@@ -62,6 +62,10 @@ const DECLARED: [&str; 44] = [
     "kicks",
     "memory",
     "carried",
+    "tangents",
+    "pairs",
+    "varied",
+    "seeds",
 ];
 
 /// What printed statements are part of.
