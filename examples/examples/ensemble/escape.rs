@@ -251,7 +251,7 @@ fn draw(decays: &[Decay]) -> Figure {
         .filter_map(|decay| decay.points.last())
         .fold(0.0, |end: f64, (t, _)| end.max(*t));
     let mut populations = Panel::new(
-        "Difference of the populations",
+        "Double well: difference of the populations",
         Axis::new("time t", 0.0..end),
         Axis::new("P(q < 0) − P(q > 0)", 0.0..1.0),
     )
@@ -281,7 +281,7 @@ fn draw(decays: &[Decay]) -> Figure {
         (barrier, well.rate() / (2.0 * well.kramers()))
     });
     let mut ratios = Panel::new(
-        "λ over Kramers' 2k",
+        "Double well: λ over Kramers' 2k",
         Axis::new("ΔU/kT", 2.0..9.0),
         Axis::new("ratio", 0.9..1.1),
     )

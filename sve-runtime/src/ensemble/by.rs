@@ -28,6 +28,34 @@ impl Varied {
 /// The quantity by which a mean is differentiated: a parameter, a parameter during some steps, or a coordinate of the start.
 ///
 /// The name of a parameter, as `"k"`, `"l[0]"` or `"body.mass"`, converts to it.
+///
+/// ```
+/// use sve_runtime::ensemble::By;
+/// use sve_runtime::prelude::*;
+///
+/// struct Oscillator { k: f64 }
+///
+/// #[variational(midpoint)]
+/// impl Oscillator {
+///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v - 0.5 * self.k * q * q }
+/// }
+///
+/// # fn main() -> Result<(), EnsembleError> {
+/// let oscillator = Integrator::new(Oscillator { k: 1.0 }, Midpoint);
+/// let by = [By::parameter("k"), By::during("k", 0..50), By::during("k", 50..100), By::q(0), By::p(0)];
+/// let summary = Ensemble::new(&oscillator)
+///     .paths(1).steps(0.01, 100)
+///     .start(State::new([1.0], [0.0]))
+///     .gradient("q", by.clone(), |state| state.q[0])
+///     .run()?;
+/// let [k, first, second, q, p] = by.map(|by| summary.derivative("q", by).unwrap().mean()[1]);
+/// // q(t) = q₀ cos t + p₀ sin t at t = 1
+/// assert!((q - 1_f64.cos()).abs() < 1e-4 && (p - 1_f64.sin()).abs() < 1e-4);
+/// // the derivatives by the parameter in both halves sum up to the derivative by the parameter
+/// assert!((first + second - k).abs() < 1e-14);
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct By(Quantity);
 

@@ -138,7 +138,7 @@ fn mean(times: &[f64], statistics: &Statistics) -> Panel {
     } else {
         layer.bars(ends)
     };
-    panel.with(layer).legend(Corner::TopRight)
+    panel.with(layer).legend(Corner::Outside)
 }
 
 fn histogram(histogram: &Histogram) -> Panel {

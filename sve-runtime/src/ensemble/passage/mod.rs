@@ -97,6 +97,14 @@ where
     }
 
     /// Records the first zero of a function along each path, as [`stop_at`](Self::stop_at) does, and lets the path go on.
+    ///
+    #[doc = include_str!("../example.md")]
+    /// let summary = ensemble().first_passage("zero", |_, state| state.q[0]).run()?;
+    /// let passed = summary.passage("zero").unwrap().passed()[1];
+    /// assert!(passed > 0 && passed < 100);
+    /// // the paths that passed go on
+    /// assert_eq!(summary["q"].counts()[1], 100);
+    #[doc = include_str!("../../example_end.md")]
     #[must_use]
     pub fn first_passage<F, O>(self, name: impl Into<String>, function: F) -> Self
     where
