@@ -124,7 +124,12 @@ fn an_unknown_parameter_in_a_function_is_an_error() {
     let expected = format!("the function of the gradient `x`: {expected}");
     assert!(message.starts_with(&expected), "{message}");
     // the function may ask for a parameter only later
-    let later = ensemble(&swing).gradient("x", ["g"], |s| if s.t < 0.3 { s.q[0] } else { s.parameter("k") * s.q[0] }
+    let later = ensemble(&swing).gradient("x", ["g"], |s| {
+        if s.t < 0.3 {
+            s.q[0]
+        } else {
+            s.parameter("k") * s.q[0]
+        }
     });
     let summary = later.run().unwrap();
     assert_eq!(summary.failed(), 300);
