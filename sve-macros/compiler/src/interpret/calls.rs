@@ -73,7 +73,23 @@ impl Lowering<'_> {
             ),
             ["f64", name] => self.float_method(name, at, &arguments),
             [owner, name] if self.is_self(owner) => self.helper(name, at, false, arguments),
-            [_, _, ..] if let Some(value) = self.construct(path, &arguments) => value,
+            names => self.path_call(path, names, arguments),
+        }
+    }
+
+    /// Evaluates a call of a path that is neither of `f64` nor of this block.
+    fn path_call(
+        &mut self,
+        path: &syn::ExprPath,
+        names: &[&str],
+        arguments: Vec<Argument>,
+    ) -> Value {
+        if names.len() > 1
+            && let Some(value) = self.construct(path, &arguments)
+        {
+            return value;
+        }
+        match names {
             [name] if self.variable(name).is_some() => match self.variable(name) {
                 Some(Value::Poison) => Value::Poison,
                 Some(Value::Closure(closure)) => {
@@ -87,13 +103,15 @@ impl Lowering<'_> {
                 path,
                 format!("a function of this block is called `self.{name}(…)`, or `Self::{name}(…)` if it has no `self`"),
             ),
-            [name] if let Some(method) = super::floats::method_meant(name) => self.refuse(
-                path,
-                format!("`{name}` is a method of numbers in Rust: write `x.{method}`"),
-            ),
             _ => {
                 let name = names.last().copied().unwrap_or_default();
-                self.refuse(path, format!("the function `{}` is not known here: make it a function of this `impl` block and call `self.{name}(…)`", names.join("::")))
+                let message = match super::floats::method_meant(name).filter(|_| names.len() == 1) {
+                    Some(method) => {
+                        format!("`{name}` is a method of numbers in Rust: write `x.{method}`")
+                    }
+                    None => format!("the function `{}` is not known here: make it a function of this `impl` block and call `self.{name}(…)`", names.join("::")),
+                };
+                self.refuse(path, message)
             }
         }
     }

@@ -69,23 +69,23 @@ impl Lowering<'_> {
             .map(|s| s.ident.to_string())
             .collect();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        if let [module @ .., name] = names.as_slice()
+            && let Some(certainty) = self.standard_constants(module)
+            && (certainty == Certainty::Sure || float_constant(name).is_some())
+        {
+            return self.standard_constant(&expr.path, name, certainty);
+        }
+        if let [ty, name @ ("MAX" | "MIN" | "BITS")] = names.as_slice()
+            && let Some(value) = integer_constant(ty, name)
+        {
+            return Value::Int(value);
+        }
         match names.as_slice() {
             [owner, name] if self.is_self(owner) => self.block_constant(expr, name),
-            [module @ .., name]
-                if let Some(certainty) = self.standard_constants(module)
-                    && (certainty == Certainty::Sure || float_constant(name).is_some()) =>
-            {
-                self.standard_constant(&expr.path, name, certainty)
-            }
             ["f64", "EPSILON"] => Value::Scalar(self.arena.constant(f64::EPSILON)),
             ["f64", "MIN_POSITIVE"] => Value::Scalar(self.arena.constant(f64::MIN_POSITIVE)),
             ["f64", "MAX" | "MIN" | "INFINITY" | "NEG_INFINITY" | "NAN"] => {
                 self.refuse(expr, "this number has no place in a formula: it overflows, or is none")
-            }
-            [ty, name @ ("MAX" | "MIN" | "BITS")]
-                if let Some(value) = integer_constant(ty, name) =>
-            {
-                Value::Int(value)
             }
             ["f64", name] if super::floats::is_method(name) => {
                 let message = format!("a function is called, or named in `map` and its like: pass a closure, `|x| x.{name}()`");

@@ -289,18 +289,20 @@ impl Lowering<'_> {
         ty: Option<MatrixType>,
         at: &impl Spanned,
     ) -> Option<Value> {
-        let columns: Vec<Vec<Value>> = match value {
-            Value::Matrix(matrix) => {
+        let columns: Vec<Vec<Value>> = match (value, ty) {
+            (Value::Matrix(matrix), _) => {
                 return Some(Value::Matrix(matrix.clone().with_kind(Kind::Matrix)));
             }
-            Value::Field(path) if let Some(ty) = ty.filter(|ty| !ty.is_vector()) => {
+            (Value::Field(path), Some(ty)) if !ty.is_vector() => {
                 let entry = |i, j| Value::Field(path.index(j).index(i));
                 return Some(Value::Matrix(Matrix::from_fn(ty.plain(), entry)));
             }
-            Value::Field(_) | Value::Array(_) if let Some(ty) = ty.filter(|ty| ty.is_vector()) => {
+            (Value::Field(_) | Value::Array(_), Some(ty)) if ty.is_vector() => {
                 vec![self.array_of(value, ty.rows)?]
             }
-            Value::Array(items) if items.iter().all(|item| matches!(item, Value::Array(_))) => {
+            (Value::Array(items), _)
+                if items.iter().all(|item| matches!(item, Value::Array(_))) =>
+            {
                 items
                     .iter()
                     .filter_map(|item| match item {
@@ -309,7 +311,7 @@ impl Lowering<'_> {
                     })
                     .collect()
             }
-            Value::Array(items) => vec![items.clone()],
+            (Value::Array(items), _) => vec![items.clone()],
             _ => Vec::new(),
         };
         let rows = columns.first().map_or(0, Vec::len);
