@@ -2,6 +2,8 @@
 //!
 //! A program that needs Python or `NumPy` where this machine lacks them is skipped, and the reason is printed.
 
+#![allow(clippy::redundant_closure_for_method_calls)] // closures are written as users write them
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

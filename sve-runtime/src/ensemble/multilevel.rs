@@ -30,6 +30,9 @@ const FIRST_LEVELS: u32 = 3;
 /// The name of the method in messages.
 const MULTILEVEL: &str = "multilevel";
 
+/// Number of standard errors by which a bias is too large for certain.
+const SURE: f64 = 4.0;
+
 /// Part of the paths of a level by which their wanted number has to exceed them, so that more are run.
 const TOLERANCE: f64 = 0.01;
 
@@ -144,6 +147,7 @@ where
             runs.push(self.begin(runs.len() as u32, first_blocks)?);
         }
         loop {
+            self.check_depth(&levels(&runs), wanted)?;
             let mut is_done = true;
             let paths = paths_of_levels(&levels(&runs), wanted);
             for (run, paths) in runs.iter_mut().zip(paths) {
@@ -186,6 +190,26 @@ where
             }
             runs.push(self.begin(level, first_blocks)?);
         }
+    }
+
+    /// Returns an error if the deepest level is reached and its bias is too large, beyond the statistical error of the differences: more paths would not help.
+    fn check_depth(&self, levels: &[Level], wanted: f64) -> Result<(), EnsembleError> {
+        let level = levels.len() as u32 - 1;
+        let at_least = |l: &Level| Level {
+            mean: (l.mean.abs() - SURE * l.standard_error).max(0.0),
+            ..*l
+        };
+        let least: Vec<_> = levels.iter().map(at_least).collect();
+        let bias = bias(&least, self.weak_order);
+        if level < self.deepest || bias <= wanted {
+            return Ok(());
+        }
+        Err(EnsembleError::Bias {
+            name: self.name.clone(),
+            level,
+            bias,
+            wanted,
+        })
     }
 
     /// Checks the settings. Returns the first number of blocks of each level.

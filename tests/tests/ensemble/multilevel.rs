@@ -219,6 +219,12 @@ fn impossible_estimates_are_errors() {
         stopped(2),
         Err(EnsembleError::Bias { level: 2, .. })
     ));
+    // a bias that no number of paths removes is seen before the 10⁹ paths for such an error are made
+    let hopeless = ensemble(&method).multilevel("q²").deepest(2).run(1e-5);
+    assert!(matches!(
+        hopeless,
+        Err(EnsembleError::Bias { level: 2, .. })
+    ));
     let found = error(ensemble(&method), -1.0);
     assert!(found.to_string().contains("the error -1e0"), "{found}");
     let found = error(ensemble(&method).noise(ThreePoint::new(1)), 0.1);
