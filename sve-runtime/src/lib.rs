@@ -401,7 +401,7 @@ pub mod __private {
     /// The interface of generated steps in lanes.
     pub mod lane {
         pub use crate::lanes::elementary::*;
-        pub use crate::lanes::newton::{ContractingLanes, NewtonLanes};
+        pub use crate::lanes::newton::{ContractingLanes, NewtonLanes, SingleLanes};
         pub use crate::lanes::solve::{Solved, factored, has_digits, inverse, solve, solved};
         pub use crate::lanes::{LANES, Lane, Mask, StateLanes, needs_scalar_step, rows};
         pub use crate::solve::diagonal::solve_in_lane as solve_diagonal;

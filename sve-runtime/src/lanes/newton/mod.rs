@@ -10,6 +10,7 @@
 #![allow(clippy::needless_bitwise_bool)] // both sides are computed: a branch would prevent vector instructions
 
 mod acceptance;
+mod single;
 
 use super::solve::Solved;
 use super::{LANES, Lane};
@@ -17,6 +18,8 @@ use crate::solve::newton::Newton;
 use crate::solve::newton::convergence::{Evaluation, judge, predicts_negligible};
 use crate::solve::newton::update::{LARGEST_CORRECTION, tie_breaking_factor};
 use acceptance::{Acceptance, ByBounds, ByContraction};
+
+pub use single::SingleLanes;
 
 /// Iterations after which a lane fails: slow lanes must not delay the others.
 const MAX_ITERATIONS: u32 = 12;
