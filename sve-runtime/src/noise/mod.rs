@@ -138,60 +138,38 @@ pub trait Noise {
     }
 }
 
-impl<W: Noise + ?Sized> Noise for &mut W {
-    #[inline]
-    fn increments(&mut self, step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
-        (**self).increments(step, h, dw)
-    }
+/// Implements [`Noise`] for what points to a source.
+macro_rules! forward {
+    ($pointer:ty) => {
+        impl<W: Noise + ?Sized> Noise for $pointer {
+            #[inline]
+            fn increments(&mut self, step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
+                (**self).increments(step, h, dw)
+            }
 
-    #[inline]
-    fn stage_increments(
-        &mut self,
-        step: u64,
-        h: f64,
-        stages: usize,
-        dw: &mut [f64],
-    ) -> Result<(), NoiseError> {
-        (**self).stage_increments(step, h, stages, dw)
-    }
+            #[inline]
+            fn stage_increments(
+                &mut self,
+                step: u64,
+                h: f64,
+                stages: usize,
+                dw: &mut [f64],
+            ) -> Result<(), NoiseError> {
+                (**self).stage_increments(step, h, stages, dw)
+            }
 
-    fn halves_if_known(
-        &self,
-        interval: DyadicInterval,
-        h: f64,
-        whole: &[f64],
-        left: &mut [f64],
-        right: &mut [f64],
-    ) -> bool {
-        (**self).halves_if_known(interval, h, whole, left, right)
-    }
+            fn halves_if_known(
+                &self,
+                interval: DyadicInterval,
+                h: f64,
+                whole: &[f64],
+                left: &mut [f64],
+                right: &mut [f64],
+            ) -> bool {
+                (**self).halves_if_known(interval, h, whole, left, right)
+            }
+        }
+    };
 }
-
-impl<W: Noise + ?Sized> Noise for Box<W> {
-    #[inline]
-    fn increments(&mut self, step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
-        (**self).increments(step, h, dw)
-    }
-
-    #[inline]
-    fn stage_increments(
-        &mut self,
-        step: u64,
-        h: f64,
-        stages: usize,
-        dw: &mut [f64],
-    ) -> Result<(), NoiseError> {
-        (**self).stage_increments(step, h, stages, dw)
-    }
-
-    fn halves_if_known(
-        &self,
-        interval: DyadicInterval,
-        h: f64,
-        whole: &[f64],
-        left: &mut [f64],
-        right: &mut [f64],
-    ) -> bool {
-        (**self).halves_if_known(interval, h, whole, left, right)
-    }
-}
+forward!(&mut W);
+forward!(Box<W>);
