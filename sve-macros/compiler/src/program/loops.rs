@@ -140,7 +140,7 @@ impl Loops {
                 continue;
             }
             let user = loops.of_tier(instruction.tier, step);
-            let guess = loops.evaluated_at_guess(instruction.tier, step);
+            let guess = evaluated_at_guess(instruction.tier, step);
             for operand in operands(instruction.operation) {
                 if !loops.omitted.contains(&operand) {
                     loops.note(operand, user, step);
@@ -204,7 +204,7 @@ impl Loops {
         for (value, instruction) in program.all() {
             match instruction.operation {
                 Operation::AngleAddition(sin, cos, by)
-                    if self.evaluated_at_guess(instruction.tier, step).is_some() =>
+                    if evaluated_at_guess(instruction.tier, step).is_some() =>
                 {
                     candidates.push((value, sin, cos));
                     used.insert(by);
@@ -230,14 +230,6 @@ impl Loops {
         }
     }
 
-    /// Returns the block in a single unknown that values of a tier are computed for, first at its guess.
-    fn evaluated_at_guess(&self, tier: Tier, step: &Step) -> Option<usize> {
-        match tier {
-            Tier::Iterate(at) if is_single(&step.scheme.blocks[at].solution) => Some(at),
-            _ => None,
-        }
-    }
-
     /// Records that the evaluation of a block at its guess uses a value.
     fn note_at_guess(&mut self, value: Value, block: Option<usize>, step: &Step) {
         let Some(at) = block else {
@@ -260,5 +252,13 @@ impl Loops {
         self.uses[user].push(value);
         let next = self.rows.len();
         self.rows.entry(value).or_insert(next);
+    }
+}
+
+/// Returns the block in a single unknown that values of a tier are computed for, first at its guess.
+fn evaluated_at_guess(tier: Tier, step: &Step) -> Option<usize> {
+    match tier {
+        Tier::Iterate(at) if is_single(&step.scheme.blocks[at].solution) => Some(at),
+        _ => None,
     }
 }
