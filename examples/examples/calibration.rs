@@ -324,9 +324,9 @@ fn figure(data: &[Measurement], fit: &Fit) -> Figure {
         };
         let guess = Pen::dashed(palette::GREY, 1.5, (5.0, 4.0));
         Panel::new(
-            format!("mean of {name}"),
+            format!("Noisy oscillator: mean of {name}"),
             Axis::new("t", 0.0..end + 0.2),
-            Axis::new(name, range),
+            Axis::new(format!("mean of {name}"), range),
         )
         .with(Layer::new("first guess", curve(fit.iterates[0]), guess))
         .with(Layer::new(
@@ -384,7 +384,7 @@ fn iterates(fit: &Fit) -> Panel {
     };
     let line = Pen::line(palette::GREEN, 1.5);
     Panel::new(
-        "iterates",
+        "Noisy oscillator: last iterates",
         Axis {
             labels: 4,
             ..Axis::new("k", range(0))

@@ -128,25 +128,25 @@ fn view(title: &str, axis: &[Vector3<f64>], color: palette::Color) -> Panel {
     let start = circle
         .map(|a| (TILT.sin() * a.cos(), TILT.sin() * a.sin()))
         .collect();
-    Panel::new(title, Axis::new("x", -1.0..1.0), Axis::new("y", -1.0..1.0))
-        .equal()
-        .with(Layer::new("start", start, Pen::dashed(palette::GREY, 1.0, (4.0, 4.0))).unlisted())
-        .with(Layer::new("axis", points, Pen::line(color, 1.1)).unlisted())
+    Panel::new(
+        format!("Heavy top: {title}"),
+        Axis::new("x of the axis; dashed: its start", -1.1..1.1),
+        Axis::new("y of the axis", -1.1..1.1),
+    )
+    .equal()
+    .with(Layer::new("start", start, Pen::dashed(palette::GREY, 1.0, (4.0, 4.0))).unlisted())
+    .with(Layer::new("axis", points, Pen::line(color, 1.1)).unlisted())
 }
 
 fn figure(motions: [&Motion; 3]) -> Figure {
     let colors = [palette::BLUE, palette::ORANGE, palette::BLACK];
-    let titles = [
-        "steady precession",
-        "released at rest: nutation",
-        "support shaken",
-    ];
+    let titles = ["steady precession", "nutation from rest", "support shaken"];
     let views = titles.iter().zip(motions).zip(colors);
     let views = views.map(|((title, motion), color)| view(title, &motion.axis, color));
     let mut tilt = Panel::new(
-        "Angle between axis and vertical",
+        "Heavy top: angle between axis and vertical",
         Axis::new("t", 0.0..DRAWN as f64 * H),
-        Axis::new("θ", 0.0..1.6),
+        Axis::angle("θ", 0.0..core::f64::consts::PI),
     )
     .legend(Corner::TopLeft);
     for ((title, motion), color) in titles.iter().zip(motions).zip(colors) {

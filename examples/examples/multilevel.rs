@@ -252,7 +252,7 @@ fn panel(name: &str, times: &Times) -> Panel {
     let pen = |color, shape| Pen::line(color, 1.5).symbols(shape, ERRORS.len());
     Panel::new(
         format!("Time to error, {name}"),
-        Axis::powers("error", -4.0..-1.4),
+        Axis::powers("root of the mean squared error", -4.0..-1.4),
         Axis::powers("seconds, one thread", low..high),
     )
     .legend(Corner::TopRight)

@@ -139,7 +139,12 @@ fn sphere(
     color: palette::Color,
 ) -> Panel {
     let range = -1.08 * radius..1.08 * radius;
-    let mut panel = Panel::new(title, Axis::new("", range.clone()), Axis::new("", range)).equal();
+    let mut panel = Panel::new(
+        title,
+        Axis::new("Π, to the right; pale: on the far side", range.clone()),
+        Axis::new("Π, upwards", range),
+    )
+    .equal();
     let circle = (0..=200).map(|k| f64::from(k) * core::f64::consts::TAU / 200.0);
     let circle = circle
         .map(|a| (radius * a.cos(), radius * a.sin()))
@@ -163,7 +168,7 @@ fn figure(quiet: &Spin, noisy: &Spin, levels: &[Vec<Vector3<f64>>]) -> Figure {
         points.map(|(k, pi)| (k as f64 * H, pi.y)).collect()
     };
     let spin = Panel::new(
-        "Spin about the middle axis",
+        "Rigid body: spin about the middle axis",
         Axis::new("t", 0.0..DRAWN as f64 * H),
         Axis::new("Π₂", -1.2 * radius..2.2 * radius),
     )
@@ -176,7 +181,7 @@ fn figure(quiet: &Spin, noisy: &Spin, levels: &[Vec<Vector3<f64>>]) -> Figure {
     .with(Layer::new(
         "with noise χ·Π",
         time(noisy),
-        Pen::line(orange, 1.3),
+        Pen::dashed(orange, 1.6, (7.0, 3.0)),
     ));
     Figure {
         name: "rigid_body",
@@ -186,14 +191,14 @@ fn figure(quiet: &Spin, noisy: &Spin, levels: &[Vec<Vector3<f64>>]) -> Figure {
                 height: 440,
                 panels: vec![
                     sphere(
-                        "Π without noise: on one energy ellipsoid",
+                        "Rigid body without noise: Π on one energy ellipsoid",
                         radius,
                         levels,
                         &quiet.momenta[..DRAWN],
                         blue,
                     ),
                     sphere(
-                        "Π with noise: on the sphere |Π| = const",
+                        "Rigid body with noise: Π on the sphere |Π| = const",
                         radius,
                         levels,
                         &noisy.momenta[..DRAWN],

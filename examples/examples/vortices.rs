@@ -192,7 +192,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         ),
     ];
     let figure = figure(&midpoint, &shaken, &errors)?;
-    let caption = "Left: four vortices for 20 units of time. Middle: the same start in a strain that fluctuates. Right: the energy error without noise, which does not drift.";
+    let caption = "Left: four vortices for 20 units of time; dots mark their starts. Middle: the same start in a strain that fluctuates. Right: the energy error without noise, which does not drift.";
     report("Four point vortices", &figure, caption, &checks)
 }
 
@@ -222,11 +222,11 @@ fn figure(
     noisy: &Integrator<Vortices, Midpoint>,
     errors: &[(f64, f64)],
 ) -> Result<Figure, StepError> {
-    let left = paths(still, "no noise")?.legend(Corner::TopRight);
-    let middle = paths(noisy, "fluctuating strain")?;
+    let left = paths(still, "Four vortices: no noise")?.legend(Corner::TopRight);
+    let middle = paths(noisy, "Four vortices: fluctuating strain")?;
     let largest = errors.iter().fold(0.0f64, |m, e| m.max(e.1.abs()));
     let right = Panel::new(
-        "energy error, h = 0.05",
+        "Four vortices: energy error, h = 0.05",
         Axis::new("t", 0.0..H * STEPS as f64),
         Axis::new("10⁵ ΔH", -1.2 * largest..1.2 * largest),
     )

@@ -20,15 +20,19 @@ pub struct Section<'a> {
     pub checks: &'a [Check],
 }
 
-/// A page of figures with their numbers. `head` and `foot` may contain markup.
+/// A page of figures with their numbers. A figure with the title of the page has no heading of its own. `head` and `foot` may contain markup.
 pub fn html(title: &str, head: &str, sections: &[Section<'_>], foot: &str) -> String {
     let mut body = format!("{head}\n");
     for section in sections {
+        let heading = if section.title == title {
+            String::new()
+        } else {
+            format!("<h2>{}</h2>\n", escape(section.title))
+        };
         // writing into a String cannot fail
         let _ = write!(
             body,
-            "<section>\n<h2>{}</h2>\n<figure>\n{}\n<figcaption>{}</figcaption>\n</figure>\n{}</section>\n",
-            escape(section.title),
+            "<section>\n{heading}<figure>\n{}\n<figcaption>{}</figcaption>\n</figure>\n{}</section>\n",
             section.svg,
             section.caption,
             table(section.checks)

@@ -1,9 +1,11 @@
 //! Dual numbers: a number with its derivative in one direction. Functions of a state that are written with them are differentiated exactly, and
 //! have no way to branch, so that they are smooth.
 
+use core::cell::OnceCell;
 use core::iter::Sum;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
+use crate::error::StepError;
 use crate::mechanics::Field;
 use crate::state::State;
 use crate::system::System;
@@ -46,8 +48,8 @@ impl<const N: usize> DualState<'_, N> {
     ///
     /// A function that depends on a parameter has to take it from here. A number from elsewhere counts as a constant.
     ///
-    /// # Panics
-    /// If L, the noises and the force have no such parameter.
+    /// If L, the noises and the force have no such parameter, what differentiates the function returns an error that lists those that they have, whatever the function
+    /// makes of the number, which is NaN.
     #[must_use]
     pub fn parameter(&self, name: &str) -> Dual {
         (self.parameter)(name)
@@ -56,6 +58,9 @@ impl<const N: usize> DualState<'_, N> {
 
 /// Calls a function with a state that varies in a direction, as does the parameter number `varied`. Calls `read` with the number of each parameter
 /// that the function asks for.
+///
+/// # Errors
+/// [`StepError::UnknownParameter`].
 pub(crate) fn with_dual_state<S: System, T, const N: usize>(
     system: &S,
     state: &State<[f64; N]>,
@@ -63,9 +68,13 @@ pub(crate) fn with_dual_state<S: System, T, const N: usize>(
     varied: Option<usize>,
     read: &dyn Fn(usize),
     function: impl FnOnce(&DualState<'_, N>) -> T,
-) -> T {
+) -> Result<T, StepError> {
+    let unknown = OnceCell::new();
     let parameter = |name: &str| {
-        let number = number_of::<S>(name);
+        let Some(number) = S::PARAMETERS.iter().position(|&known| known == name) else {
+            unknown.get_or_init(|| name.to_owned());
+            return Dual::from(f64::NAN);
+        };
         read(number);
         let (mut value, mut at) = (f64::NAN, 0);
         system.parameters(&mut |parameter| {
@@ -83,23 +92,18 @@ pub(crate) fn with_dual_state<S: System, T, const N: usize>(
             slope: slopes[i],
         })
     };
-    function(&DualState {
+    let result = function(&DualState {
         t: state.t,
         q: row(&state.q, &direction.q),
         p: row(&state.p, &direction.p),
         parameter: &parameter,
-    })
-}
-
-/// Returns the number of a parameter.
-fn number_of<S: System>(name: &str) -> usize {
-    let number = S::PARAMETERS.iter().position(|&known| known == name);
-    match number {
-        Some(number) => number,
-        None => panic!(
-            "`parameter(\"{name}\")`: L, the noises and the force have no such parameter; they have {:?}",
-            S::PARAMETERS
-        ),
+    });
+    match unknown.into_inner() {
+        None => Ok(result),
+        Some(parameter) => Err(StepError::UnknownParameter {
+            parameter,
+            known: S::PARAMETERS.iter().map(|&name| name.to_owned()).collect(),
+        }),
     }
 }
 

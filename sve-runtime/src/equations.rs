@@ -2,12 +2,15 @@
 //!
 //! Invariant: nothing here changes a state. The integrator decides what is accepted.
 
+use crate::lanes::tangents::{KeepUnknowns, LaneDirections};
 use crate::lanes::{ALL, Mask};
 use crate::linearisation::{Linearisation, Unknowns};
 use crate::plan::Plan;
 use crate::solve::SolveError;
 use crate::solve::newton::{BlockSolver, Newton};
-use crate::system::{FlatStateOf, IncrementLanesOf, Increments, StateLanesOf, System, VectorOf};
+use crate::system::{
+    FlatStateOf, IncrementLanesOf, Increments, StateLanesOf, System, TangentLanesOf, VectorOf,
+};
 use crate::variational::Memory;
 
 /// What the increment of a step is.
@@ -73,10 +76,11 @@ pub trait StepEquations<R>: System {
         dw: &Self::Increments,
         newton: &BlockSolver<'_>,
     ) -> Result<StepOf<Self, R>, SolveError>;
-    /// Advances every lane on the fast path and writes the result to `next`. Returns the mask of lanes that the fast path could not solve; their
-    /// states are copied unchanged, and the caller steps them with [`increment`](Self::increment). Times in `next` are not written.
+    /// Advances every lane on the fast path and writes the result to `next`, and the unknowns of all blocks to `unknowns`. Returns the mask of lanes that the fast path
+    /// could not solve; their states are copied unchanged, and the caller steps them with [`increment`](Self::increment). Times in `next` are not written.
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     #[inline(always)]
+    #[allow(clippy::too_many_arguments)] // those of a step and the unknowns
     fn increment_lanes(
         &self,
         prepared: &Self::Prepared,
@@ -85,9 +89,24 @@ pub trait StepEquations<R>: System {
         h: f64,
         dw: &IncrementLanesOf<Self>,
         newton: &Newton,
+        unknowns: &mut impl KeepUnknowns,
     ) -> Mask {
-        let _ = (prepared, h, dw, newton);
+        let _ = (prepared, h, dw, newton, unknowns);
         next.clone_from(states);
+        ALL
+    }
+    /// Carries tangent vectors along a step in lanes, around the unknowns that solve it. Returns the mask of lanes whose vectors have no meaning. The default carries
+    /// none.
+    #[inline(always)]
+    fn linearise_lanes(
+        &self,
+        states: &StateLanesOf<Self>,
+        h: f64,
+        dw: &IncrementLanesOf<Self>,
+        unknowns: &<Self::Unknowns as Unknowns>::Lanes,
+        tangents: LaneDirections<'_, TangentLanesOf<Self>>,
+    ) -> Mask {
+        let _ = (states, h, dw, unknowns, tangents);
         ALL
     }
     /// Visits the multipliers of the constraints of a solved step: the impulses at the start of the step, then those at its end.

@@ -40,6 +40,16 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
     },
+    /// The function of a gradient asks for a parameter that the system does not have.
+    #[error(
+        "`parameter(\"{parameter}\")`: L, the noises and the force have no such parameter; they have {known:?}"
+    )]
+    UnknownParameter {
+        /// The name that was asked for.
+        parameter: String,
+        /// The parameters of the system.
+        known: Vec<String>,
+    },
     /// The step size is zero or not finite.
     #[error("the step size h = {h} must be finite and not zero")]
     StepSize {

@@ -134,6 +134,7 @@ mod dual;
 pub mod ensemble;
 mod equations;
 mod error;
+mod euler;
 mod file;
 #[cfg(feature = "serde")]
 mod floats;
@@ -181,6 +182,7 @@ pub use degenerate::CoordinateRole;
 pub use dual::{Dual, DualState};
 pub use equations::{StepEquations, StepOf};
 pub use error::StepError;
+pub use euler::EulerIncrement;
 pub use integrator::{Integrator, Sensitivity, Tangent};
 #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
 pub use lanes::{LANES, Lane, Mask, StateLanes};
@@ -403,8 +405,12 @@ pub mod __private {
         pub use crate::lanes::elementary::*;
         pub use crate::lanes::newton::{ContractingLanes, NewtonLanes, SingleLanes};
         pub use crate::lanes::solve::{Solved, factored, has_digits, inverse, solve, solved};
-        pub use crate::lanes::{LANES, Lane, Mask, StateLanes, needs_scalar_step, rows};
+        pub use crate::lanes::tangents::{
+            KeepUnknowns, LaneDirections, TangentLanes, regular_inverse, seeds, unfinished,
+        };
+        pub use crate::lanes::{Aligned, LANES, Lane, Mask, StateLanes, needs_scalar_step, rows};
         pub use crate::solve::diagonal::solve_in_lane as solve_diagonal;
+        pub use crate::system::TangentLanesOf;
     }
     pub use crate::__compositions as compositions;
     pub use crate::__derived_rule as derived_rule;
@@ -414,9 +420,13 @@ pub mod __private {
     pub use crate::degenerate::CoordinateRole;
     pub use crate::equations::{Returns, StepEquations};
     pub use crate::error::StepError;
+    /// The interface of generated increments of Euler's method.
+    pub mod euler {
+        pub use crate::euler::*;
+    }
     pub use crate::integrator::derived::{
-        DerivedStep, count_iterations, pull_back, push_forward, solve_compensated_step, solve_step,
-        solve_with_derivatives, solve_with_impulses,
+        DerivedStep, count_iterations, pull_back, push_forward, push_forward_lanes,
+        solve_compensated_step, solve_step, solve_with_derivatives, solve_with_impulses,
     };
     pub use crate::lanes::Mask;
     pub use crate::linearisation::{Covector, Directions, Entries, Linearisation};

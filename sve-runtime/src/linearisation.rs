@@ -5,6 +5,8 @@
 
 use nalgebra::DMatrix;
 
+use crate::lanes::tangents::KeepUnknowns;
+use crate::lanes::{Aligned, Lane, rows};
 use crate::mechanics::Field;
 use crate::solve::dense::{Factors, factored};
 use crate::solve::{SolveError, lu};
@@ -147,6 +149,10 @@ impl<'a> Linearisation<'a> {
 
 /// The unknowns of a step, `[f64; K]`, with the solutions of its linearised equations. Nothing is allocated.
 pub trait Unknowns: Copy + AsRef<[f64]> + AsMut<[f64]> {
+    /// The unknowns of each lane.
+    type Lanes: KeepUnknowns;
+    /// Returns room for the unknowns of each lane.
+    fn lanes() -> Self::Lanes;
     /// Carries tangent vectors along the step: `y ← dy/dz z`.
     ///
     /// # Errors
@@ -169,6 +175,13 @@ pub trait Unknowns: Copy + AsRef<[f64]> + AsMut<[f64]> {
 }
 
 impl<const K: usize> Unknowns for [f64; K] {
+    type Lanes = Aligned<[Lane; K]>;
+
+    #[inline(always)]
+    fn lanes() -> Self::Lanes {
+        rows()
+    }
+
     #[inline(always)]
     fn push_forward<const N: usize>(
         linear: &Linearisation<'_>,

@@ -56,7 +56,7 @@ where
     ///
     /// With noise they are the exponents of the random motion along this path, the same for almost all paths; a mean over several paths is a sharper estimate.
     /// A direction that the step maps to zero has the exponent −∞: directions across constraints, and the momenta of massless coordinates.
-    /// Steps of [compositions](crate::Composed) have no tangent maps of their own.
+    /// Steps of [compositions](crate::Composed) and [splittings](crate::Split) have the product of the tangent maps of their substeps.
     pub fn lyapunov<W: Noise>(
         &self,
         state: State<Q>,

@@ -4,11 +4,13 @@ use core::any::type_name;
 use core::hash::Hasher;
 
 use crate::error::StepError;
+use crate::lanes::tangents::LaneDirections;
 use crate::lanes::{ALL, Mask};
 use crate::linearisation::{Covector, Directions};
 use crate::noise::Noise;
 use crate::system::{
-    IncrementLanesOf, Increments, IncrementsOf, StateLanesOf, StateOf, System, VectorOf,
+    IncrementLanesOf, Increments, IncrementsOf, StateLanesOf, StateOf, System, TangentLanesOf,
+    VectorOf,
 };
 use crate::trajectory::{Snapshot, Trajectory};
 
@@ -176,6 +178,19 @@ pub trait Differentiable: OneStepMethod {
         dw: &Self::Increments,
         directions: Directions<'_, VectorOf<Self::System>>,
     ) -> Result<(), StepError>;
+
+    /// Makes one step in every lane as [`step_lanes`](OneStepMethod::step_lanes) does, bit for bit, and carries tangent vectors along it. Returns the mask of lanes that
+    /// were not solved, and the mask of lanes whose vectors have no meaning.
+    #[doc(hidden)]
+    fn push_forward_lanes(
+        &self,
+        prepared: &Self::Prepared,
+        states: &StateLanesOf<Self::System>,
+        next: &mut StateLanesOf<Self::System>,
+        h: f64,
+        dw: &IncrementLanesOf<Self::System>,
+        tangents: LaneDirections<'_, TangentLanesOf<Self::System>>,
+    ) -> [Mask; 2];
 
     /// Carries the derivatives of a function by the result of a step back to `state`, the start of the step.
     ///

@@ -9,6 +9,8 @@ pub use crate::jets::{ConstraintJet, ForceJet, LagrangianJet, NoiseJet};
 
 use crate::configuration::{Configuration, Coordinates, FixedSize, FlatConfiguration};
 use crate::degenerate::CoordinateRole;
+use crate::euler::EulerIncrement;
+use crate::lanes::tangents::TangentLanes;
 use crate::lanes::{Lane, LaneStates};
 use crate::state::State;
 
@@ -53,6 +55,9 @@ pub trait Dimensions {
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     /// The increments of each lane, `[Lane; M]`.
     type IncrementLanes: Copy + core::fmt::Debug + AsRef<[Lane]> + AsMut<[Lane]>;
+    #[doc(hidden)]
+    /// A tangent vector in each lane.
+    type TangentLanes: Clone + Copy + core::fmt::Debug;
     /// [`LagrangianJet<N>`](LagrangianJet).
     type LagrangianJet;
     /// `[NoiseJet<N>; M]`.
@@ -88,6 +93,7 @@ impl<const N: usize, const M: usize, Q: Coordinates<N>> Dimensions for Dims<N, M
     type FlatState = State<Q::Flat>;
     type StateLanes = <Q::Flat as FlatConfiguration<N>>::Lanes;
     type IncrementLanes = [Lane; M];
+    type TangentLanes = TangentLanes<N>;
     type LagrangianJet = LagrangianJet<N>;
     type NoiseJets = [NoiseJet<N>; M];
     type ForceJet = ForceJet<N>;
@@ -134,6 +140,9 @@ pub type FlatStateOf<S> = <<S as System>::Dims as Dimensions>::FlatState;
 pub type StateLanesOf<S> = <<S as System>::Dims as Dimensions>::StateLanes;
 /// `[Lane; M]` of a system.
 pub type IncrementLanesOf<S> = <<S as System>::Dims as Dimensions>::IncrementLanes;
+/// A tangent vector of a system in each lane.
+#[doc(hidden)]
+pub type TangentLanesOf<S> = <<S as System>::Dims as Dimensions>::TangentLanes;
 
 /// A mechanical system: the derivatives of its Lagrangian, of its noise Hamiltonians and of its force.
 ///
@@ -164,6 +173,48 @@ pub trait System {
     /// Visits the values of the parameters, in the order of [`PARAMETERS`](Self::PARAMETERS).
     fn parameters(&self, visit: &mut dyn FnMut(f64)) {
         let _ = visit;
+    }
+    /// What [`euler_increment`](Self::euler_increment) uses that depends on the parameters and the step size alone.
+    type EulerNumbers: Copy + core::fmt::Debug;
+    /// Whether [`euler_increment`](Self::euler_increment) is written for this system.
+    const HAS_EULER_INCREMENT: bool = false;
+    /// Largest number of stages of a method that is stepped in lanes; 0 where [`euler_increment_in_lane`](Self::euler_increment_in_lane) is not written.
+    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
+    const EULER_STAGES_IN_LANES: usize = 0;
+    /// Returns what [`euler_increment`](Self::euler_increment) uses for steps of length `h`; `None` if a constant mass matrix is singular.
+    #[inline]
+    fn euler_numbers(&self, h: f64) -> Option<Self::EulerNumbers> {
+        let _ = h;
+        None
+    }
+    /// The increment of Euler's method over a step from a state. It is not finite, or `None`, where it has no value.
+    #[inline]
+    fn euler_increment(
+        &self,
+        prepared: &Self::EulerNumbers,
+        t: f64,
+        q: &FlatOf<Self>,
+        p: &VectorOf<Self>,
+        h: f64,
+        dw: &IncrementsOf<Self>,
+    ) -> Option<EulerIncrement<VectorOf<Self>>> {
+        let _ = (prepared, t, q, p, h, dw);
+        None
+    }
+    /// The same in a loop over lanes, by functions without branches.
+    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
+    #[inline(always)]
+    fn euler_increment_in_lane(
+        &self,
+        prepared: &Self::EulerNumbers,
+        t: f64,
+        q: &FlatOf<Self>,
+        p: &VectorOf<Self>,
+        h: f64,
+        dw: &IncrementsOf<Self>,
+    ) -> Option<EulerIncrement<VectorOf<Self>>> {
+        let _ = (prepared, t, q, p, h, dw);
+        None
     }
     /// `L` and its first and second derivatives.
     fn lagrangian_jet(
@@ -229,6 +280,40 @@ impl<S: System> System for &S {
     const MOMENTA: &'static [&'static str] = S::MOMENTA;
     const CONSTRAINTS: &'static [&'static str] = S::CONSTRAINTS;
     const FORMULAS: u64 = S::FORMULAS;
+    type EulerNumbers = S::EulerNumbers;
+    const HAS_EULER_INCREMENT: bool = S::HAS_EULER_INCREMENT;
+    const EULER_STAGES_IN_LANES: usize = S::EULER_STAGES_IN_LANES;
+
+    #[inline]
+    fn euler_numbers(&self, h: f64) -> Option<S::EulerNumbers> {
+        (**self).euler_numbers(h)
+    }
+
+    #[inline(always)]
+    fn euler_increment(
+        &self,
+        prepared: &S::EulerNumbers,
+        t: f64,
+        q: &FlatOf<S>,
+        p: &VectorOf<S>,
+        h: f64,
+        dw: &IncrementsOf<S>,
+    ) -> Option<EulerIncrement<VectorOf<S>>> {
+        (**self).euler_increment(prepared, t, q, p, h, dw)
+    }
+
+    #[inline(always)]
+    fn euler_increment_in_lane(
+        &self,
+        prepared: &S::EulerNumbers,
+        t: f64,
+        q: &FlatOf<S>,
+        p: &VectorOf<S>,
+        h: f64,
+        dw: &IncrementsOf<S>,
+    ) -> Option<EulerIncrement<VectorOf<S>>> {
+        (**self).euler_increment_in_lane(prepared, t, q, p, h, dw)
+    }
 
     fn parameters(&self, visit: &mut dyn FnMut(f64)) {
         (**self).parameters(visit);

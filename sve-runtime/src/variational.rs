@@ -7,12 +7,14 @@ use core::fmt::Debug;
 use nalgebra::DMatrix;
 
 use crate::error::StepError;
-use crate::lanes::Mask;
+use crate::lanes::tangents::LaneDirections;
+use crate::lanes::{ALL, Mask};
 use crate::linearisation::{Covector, Directions};
 use crate::plan::Plan;
 use crate::solve::newton::Newton;
 use crate::system::{
-    FlatStateOf, IncrementLanesOf, Increments, IncrementsOf, StateLanesOf, System, VectorOf,
+    FlatStateOf, IncrementLanesOf, Increments, IncrementsOf, StateLanesOf, System, TangentLanesOf,
+    VectorOf,
 };
 
 /// What a trajectory carries from one step to the next: numbers that the next step would compute again, or that its iteration starts from.
@@ -126,6 +128,26 @@ pub trait Discretised<R>: System {
         h: f64,
         dw: &IncrementLanesOf<Self>,
     ) -> Mask;
+
+    /// Advances every lane as [`advance_lanes`](Self::advance_lanes) does, bit for bit, and carries tangent vectors along. Returns the mask of lanes that the fast path
+    /// could not solve, and the mask of lanes whose vectors have no meaning. The default carries none.
+    #[doc(hidden)]
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments)] // those of a step and the vectors
+    fn push_forward_lanes(
+        &self,
+        newton: &Newton,
+        prepared: &Self::Prepared,
+        states: &StateLanesOf<Self>,
+        next: &mut StateLanesOf<Self>,
+        h: f64,
+        dw: &IncrementLanesOf<Self>,
+        tangents: LaneDirections<'_, TangentLanesOf<Self>>,
+    ) -> [Mask; 2] {
+        let _ = tangents;
+        let unsolved = self.advance_lanes(newton, prepared, states, next, h, dw);
+        [unsolved, ALL]
+    }
 
     /// Makes one step and returns the derivatives of its result: rows by `(q₁, p₁)`, columns by `(q₀, p₀)` and the parameters.
     ///
@@ -286,6 +308,20 @@ impl<S: Discretised<R>, R> Discretised<R> for &S {
         dw: &IncrementLanesOf<S>,
     ) -> Mask {
         (**self).advance_lanes(newton, prepared, states, next, h, dw)
+    }
+
+    #[inline(always)]
+    fn push_forward_lanes(
+        &self,
+        newton: &Newton,
+        prepared: &S::Prepared,
+        states: &StateLanesOf<S>,
+        next: &mut StateLanesOf<S>,
+        h: f64,
+        dw: &IncrementLanesOf<S>,
+        tangents: LaneDirections<'_, TangentLanesOf<S>>,
+    ) -> [Mask; 2] {
+        (**self).push_forward_lanes(newton, prepared, states, next, h, dw, tangents)
     }
 
     fn advance_with_derivatives(

@@ -9,6 +9,9 @@
 //!
 //! This is the limit of a high barrier. What it is off at a finite one is known from λ itself, see [`spectrum`](crate::spectrum).
 //!
+//! First arrivals at the bottom of the other well have the rate λ/2 in the same limit only. At ΔU/kT = 4, from 10 seeds, twice the rate of arrivals over λ is 0.980 ± 0.002 with
+//! h = 0.05 and 0.983 ± 0.002 with half of it: the difference to 1 is no error of the step. λ itself over the exact one is 0.993 ± 0.004 there.
+//!
 //! Source: Kramers, *Brownian motion in a field of force and the diffusion model of chemical reactions*, Physica 7 (1940).
 
 use std::error::Error;
@@ -248,7 +251,7 @@ fn draw(decays: &[Decay]) -> Figure {
         .filter_map(|decay| decay.points.last())
         .fold(0.0, |end: f64, (t, _)| end.max(*t));
     let mut populations = Panel::new(
-        "Difference of the populations",
+        "Double well: difference of the populations",
         Axis::new("time t", 0.0..end),
         Axis::new("P(q < 0) − P(q > 0)", 0.0..1.0),
     )
@@ -278,7 +281,7 @@ fn draw(decays: &[Decay]) -> Figure {
         (barrier, well.rate() / (2.0 * well.kramers()))
     });
     let mut ratios = Panel::new(
-        "λ over Kramers' 2k",
+        "Double well: λ over Kramers' 2k",
         Axis::new("ΔU/kT", 2.0..9.0),
         Axis::new("ratio", 0.9..1.1),
     )

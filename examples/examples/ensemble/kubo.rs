@@ -243,7 +243,7 @@ fn draw(counts: &[u64], paths: u64, exact: &Distribution, rule: &Distribution) -
             .collect()
     };
     let histogram = Panel::new(
-        "Phase",
+        "Kubo oscillator: phase",
         Axis::angle("phase θ", -PI..PI),
         Axis::new("probability density", 0.0..0.4),
     )
@@ -273,7 +273,7 @@ fn draw(counts: &[u64], paths: u64, exact: &Distribution, rule: &Distribution) -
     let band = |sign: f64| (0..BINS).map(move |bin| (middle(bin), sign * error(bin)));
     let dashed = Pen::dashed(palette::BLACK, 1.0, (3.0, 3.0));
     let difference = Panel::new(
-        "The same less the wrapped normal",
+        "Kubo oscillator: density less the wrapped normal",
         Axis::angle("phase θ", -PI..PI),
         Axis::new("difference", -0.02..0.02),
     )

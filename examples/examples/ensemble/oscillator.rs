@@ -212,13 +212,13 @@ fn checks(options: &Options, curve: &Curve) -> Vec<Check> {
 fn draw(curves: &[Curve]) -> Figure {
     let horizon = LONG as f64 * H;
     let whole = Panel::new(
-        "Mean energy",
+        "Linear oscillator: mean energy",
         Axis::new("time t", 0.0..horizon),
         Axis::new("mean energy", 0.0..1.2 * (0.5 + 0.5 * horizon)),
     );
     let early = EARLY as f64 * H;
     let rest = Panel::new(
-        "Mean energy of the variational rules less H₀ + σ²t/2",
+        "Linear oscillator: mean energy less H₀ + σ²t/2",
         Axis::new("time t", 0.0..early),
         Axis::new("difference", -0.2..0.3),
     );

@@ -176,12 +176,16 @@ pub(crate) fn solve() -> Result<(Panel, Vec<Check>), Box<dyn Error>> {
     let summaries = ensemble(20_000).record_every(8).run_from(&points)?;
     let mut worst = 0.0_f64;
     let mut panel = Panel::new(
-        "u(t, q, 0) at 25 points",
+        "Parabolic equation: u(t, q, 0) at 25 points",
         Axis::new("q", -3.2..3.2),
         Axis::new("u", 0.0..1.05),
     )
     .legend(Corner::TopRight);
-    for (record, color) in [(2, palette::BLUE), (4, palette::ORANGE)] {
+    let pens = [
+        Pen::line(palette::BLUE, 1.5),
+        Pen::dashed(palette::VERMILION, 1.5, (7.0, 4.0)),
+    ];
+    for (record, pen) in [2, 4].into_iter().zip(pens) {
         let time = 0.5 * record as f64;
         let exponent = Exponent::exact(time);
         let curve = (-320..=320).map(|k| 0.01 * f64::from(k));
@@ -199,13 +203,14 @@ pub(crate) fn solve() -> Result<(Panel, Vec<Check>), Box<dyn Error>> {
             worst = worst.max((u - expected).abs() / (error + 1e-3 * expected / 4.5));
         }
         panel = panel
-            .with(Layer::new(
-                format!("t = {time}"),
-                curve,
-                Pen::line(color, 1.5),
-            ))
+            .with(Layer::new(format!("t = {time}"), curve, pen))
             .with(
-                Layer::new(format!("paths, t = {time}"), found, Pen::dots(color, 3.0)).unlisted(),
+                Layer::new(
+                    format!("paths, t = {time}"),
+                    found,
+                    Pen::dots(pen.color, 3.0),
+                )
+                .unlisted(),
             );
     }
     checks.push(Check::near(

@@ -160,8 +160,8 @@ pub(crate) fn measure() -> Result<(Panel, Vec<Check>), Box<dyn Error>> {
         )?,
     ];
     let mut panel = Panel::new(
-        "Time to error, u at (0.7, −0.4), t = 2",
-        Axis::powers("error", -5.8..-1.6),
+        "Parabolic equation: time to error of u at (0.7, −0.4), t = 2",
+        Axis::powers("root of the mean squared error", -5.8..-1.6),
         Axis::powers("seconds of all paths", -5.0..5.0),
     )
     .legend(Corner::TopRight);

@@ -27,6 +27,7 @@ use crate::syntax::roles;
 use crate::system::constraints;
 use crate::system::degeneracy::{self, brackets};
 use crate::system::energy;
+use crate::system::euler;
 use crate::system::mechanics::{self, Mechanics};
 use crate::system::model::{Meaning, Model};
 use crate::system::symmetry::{self, MomentumMap};
@@ -181,7 +182,9 @@ fn derive(
     let energy = (settings.lanes)
         .then(|| energy::energy(&model, &mechanics, &mut arena))
         .flatten();
-    let mut output = rust::system(&block, &model, &mechanics, energy.as_ref(), &about, &arena);
+    let euler = euler::euler(&model, &mechanics, &mut arena);
+    let last = (energy.as_ref(), euler.as_ref(), settings.lanes);
+    let mut output = rust::system(&block, &model, &mechanics, last, &about, &arena);
     output.extend(rust::momenta(&block, &model, &momenta, &arena));
     let context = Context {
         settings,

@@ -1,105 +1,29 @@
 //! Baselines against loops written by hand: `cargo bench -p sve-runtime --bench baselines`.
 //!
 //! Both sides make the same steps with the same increments. The table has the medians of runs that alternate between the two sides. A work–precision figure is fair to the
-//! baselines if the ratios are near 1.
+//! baselines if the ratios are near 1. With the feature `ensemble` a second table compares ensembles with single trajectories.
+
+#[cfg(feature = "ensemble")]
+mod ensembles;
+mod systems;
 
 use std::hint::black_box;
 use std::time::Instant;
 
-use sve_runtime::baseline::{EulerMaruyama, Heun};
+use sve_runtime::baseline::{EulerMaruyama, Heun, RungeKutta4};
 use sve_runtime::noise::Wiener;
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System};
+
+use systems::{
+    Coupled, CoupledByHand, DoublePendulum, DoublePendulumByHand, Field, HenonHeiles,
+    HenonHeilesByHand, Kubo, KuboByHand, Polar, PolarByHand, QuietPendulum,
+};
 
 const STEPS: usize = 2000;
 const H: f64 = 0.01;
 /// Alternating runs of each side.
 const RUNS: usize = 61;
-
-struct Kubo {
-    a: f64,
-    sigma: f64,
-}
-
-#[variational(midpoint)]
-impl Kubo {
-    fn lagrangian(&self, q: f64, v: f64) -> f64 {
-        v * v / (2.0 * self.a) - 0.5 * self.a * q * q
-    }
-
-    #[h1]
-    fn jitter(&self, q: f64, p: f64) -> f64 {
-        0.5 * self.sigma * (q * q + p * p)
-    }
-}
-
-struct HenonHeiles {
-    sigma: f64,
-}
-
-#[variational(midpoint)]
-impl HenonHeiles {
-    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
-        let [x, y] = q;
-        0.5 * (v[0] * v[0] + v[1] * v[1]) - 0.5 * (x * x + y * y) - x * x * y + y * y * y / 3.0
-    }
-
-    #[gamma]
-    fn push(&self, q: [f64; 2]) -> f64 {
-        self.sigma * q[0] * q[1]
-    }
-}
-
-/// The field of a system by hand, for an increment of time and one of the noise.
-trait Field<const D: usize>: Copy {
-    /// h f(z) + g(z) ΔW, in the sense of Stratonovich.
-    fn euler(self, z: [f64; D], h: f64, dw: f64) -> [f64; D];
-    /// The Itô correction, times h.
-    fn correction(self, z: [f64; D], h: f64) -> [f64; D];
-}
-
-#[derive(Clone, Copy)]
-struct KuboByHand {
-    a: f64,
-    sigma: f64,
-}
-
-impl Field<2> for KuboByHand {
-    #[inline(always)]
-    fn euler(self, [q, p]: [f64; 2], h: f64, dw: f64) -> [f64; 2] {
-        let x = self.a * h + self.sigma * dw;
-        [x * p, -x * q]
-    }
-
-    #[inline(always)]
-    fn correction(self, [q, p]: [f64; 2], h: f64) -> [f64; 2] {
-        let c = -0.5 * self.sigma * self.sigma * h;
-        [c * q, c * p]
-    }
-}
-
-#[derive(Clone, Copy)]
-struct HenonHeilesByHand {
-    sigma: f64,
-}
-
-impl Field<4> for HenonHeilesByHand {
-    #[inline(always)]
-    fn euler(self, [x, y, u, w]: [f64; 4], h: f64, dw: f64) -> [f64; 4] {
-        let s = self.sigma * dw;
-        [
-            h * u,
-            h * w,
-            h * (-x - 2.0 * x * y) + s * y,
-            h * (y * y - y - x * x) + s * x,
-        ]
-    }
-
-    #[inline(always)]
-    fn correction(self, _: [f64; 4], _: f64) -> [f64; 4] {
-        [0.0; 4]
-    }
-}
 
 #[inline(always)]
 fn heun<const D: usize>(field: impl Field<D>, z: &mut [f64; D], h: f64, dw: f64) {
@@ -118,6 +42,18 @@ fn euler_maruyama<const D: usize>(field: impl Field<D>, z: &mut [f64; D], h: f64
     }
 }
 
+#[inline(always)]
+fn runge_kutta4<const D: usize>(field: impl Field<D>, z: &mut [f64; D], h: f64) {
+    let at = |scale: f64, k: [f64; D]| core::array::from_fn(|i| z[i] + scale * k[i]);
+    let k1 = field.euler(*z, h, 0.0);
+    let k2 = field.euler(at(0.5, k1), h, 0.0);
+    let k3 = field.euler(at(0.5, k2), h, 0.0);
+    let k4 = field.euler(at(1.0, k3), h, 0.0);
+    for i in 0..D {
+        z[i] += (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) * (1.0 / 6.0);
+    }
+}
+
 /// Returns nanoseconds a step.
 fn timed(mut run: impl FnMut()) -> f64 {
     let start = Instant::now();
@@ -131,14 +67,15 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 /// Prints the ratio of a baseline to the loop by hand, and whether both end at the same state.
-fn compare<I, S, const N: usize, const D: usize>(
+#[inline(never)]
+fn compare<I, S, const N: usize, const D: usize, const M: usize>(
     name: &str,
     method: &I,
     start: State<[f64; N]>,
     by_hand: impl Fn(&mut [f64; D], f64),
 ) where
-    I: Method<System = S, Increments = [f64; 1]>,
-    S: System<Dims = Dims<N, 1>>,
+    I: Method<System = S, Increments = [f64; M]>,
+    S: System<Dims = Dims<N, M>>,
 {
     let path = Wiener::new(1);
     let dw: Vec<f64> = (0..STEPS as u64)
@@ -155,7 +92,7 @@ fn compare<I, S, const N: usize, const D: usize>(
         ours.push(timed(|| {
             let mut state = black_box(start);
             for dw in &dw {
-                let made = method.step_prepared(&prepared, &mut state, H, &[*dw]);
+                let made = method.step_prepared(&prepared, &mut state, H, &[*dw; M]);
                 made.expect("a step");
             }
             ends.0 = flat(&black_box(state));
@@ -179,40 +116,56 @@ fn compare<I, S, const N: usize, const D: usize>(
     );
 }
 
+/// Compares Heun's method and the method of Euler and Maruyama on a system.
+fn compare_both<S, const N: usize, const D: usize>(
+    name: &str,
+    system: &S,
+    field: impl Field<D>,
+    start: State<[f64; N]>,
+) where
+    S: System<Dims = Dims<N, 1>>,
+{
+    let both = |name_of_method: &str| format!("{name}, {name_of_method}");
+    compare(&both("Heun"), &Heun::new(system), start, |z, dw| {
+        heun(field, z, H, dw);
+    });
+    let method = EulerMaruyama::new(system);
+    compare(&both("Euler–Maruyama"), &method, start, |z, dw| {
+        euler_maruyama(field, z, H, dw);
+    });
+}
+
 fn main() {
     println!("{:32} {:>11} {:>11}", "", "baseline", "by hand");
     let (a, sigma) = (black_box(1.0), black_box(0.3));
-    let (field, start) = (KuboByHand { a, sigma }, State::new([1.0], [0.0]));
-    let kubo = Kubo { a, sigma };
-    compare("Kubo, Heun", &Heun::new(&kubo), start, |z, dw| {
-        heun(field, z, H, dw);
-    });
-    compare(
-        "Kubo, Euler–Maruyama",
-        &EulerMaruyama::new(&kubo),
-        start,
-        |z, dw| {
-            euler_maruyama(field, z, H, dw);
-        },
-    );
+    let start = State::new([1.0], [0.0]);
+    compare_both("Kubo", &Kubo { a, sigma }, KuboByHand { a, sigma }, start);
     let sigma = black_box(0.05);
-    let (field, start) = (
-        HenonHeilesByHand { sigma },
-        State::new([0.0, 0.1], [0.3, 0.0]),
-    );
-    let system = HenonHeiles { sigma };
-    compare(
-        "Hénon–Heiles, Heun",
-        &Heun::new(&system),
+    let (system, field) = (HenonHeiles { sigma }, HenonHeilesByHand { sigma });
+    let start = State::new([0.0, 0.1], [0.3, 0.0]);
+    compare_both("Hénon–Heiles", &system, field, start);
+    let (m, c, k) = (black_box([2.0, 1.5]), black_box(0.4), black_box(1.2));
+    let system = Coupled { m, c, k, sigma };
+    compare_both(
+        "coupled masses",
+        &system,
+        CoupledByHand::new(&system),
         start,
-        |z, dw| heun(field, z, H, dw),
     );
-    compare(
-        "Hénon–Heiles, Euler–Maruyama",
-        &EulerMaruyama::new(&system),
-        start,
-        |z, dw| {
-            euler_maruyama(field, z, H, dw);
-        },
-    );
+    let (m, k) = (black_box(1.3), black_box(0.8));
+    let system = Polar { m, k, sigma };
+    let inverse = black_box(1.0 / m);
+    let start = State::new([1.0, 0.1], [0.3, 1.2]);
+    compare_both("polar", &system, PolarByHand { inverse, k, sigma }, start);
+    let g = black_box(1.0);
+    let field = DoublePendulumByHand { g, sigma };
+    let system = DoublePendulum { g, sigma };
+    let start = State::new([0.4, 0.1], [0.3, 0.2]);
+    compare_both("double pendulum", &system, field, start);
+    let method = RungeKutta4::new(QuietPendulum { g });
+    compare("double pendulum, Runge–Kutta", &method, start, |z, _| {
+        runge_kutta4(field, z, H);
+    });
+    #[cfg(feature = "ensemble")]
+    ensembles::table();
 }

@@ -8,10 +8,12 @@
 //! This is the best known scheme. Its energy grows exponentially where the exact energy grows linearly.
 
 use crate::configuration::VectorCoordinates;
-use crate::mechanics::{Field, correction_of, noise_of, solve_drift};
-use crate::solve::SolveError;
+use crate::euler::EulerIncrement;
+use crate::mechanics::Field;
 use crate::state::State;
 use crate::system::{Dims, System};
+
+use super::explicit::{ExplicitFormula, explicit_method};
 
 /// Forward Euler–Maruyama, on the Itô form of the system.
 ///
@@ -69,29 +71,27 @@ impl<S: System> EulerMaruyama<S> {
     }
 }
 
-impl<S> EulerMaruyama<S> {
-    /// Returns the increment `(q₁ − q₀, p₁ − p₀)`.
-    #[inline]
-    fn increment<Q, const N: usize, const M: usize>(
+impl<S> ExplicitFormula for EulerMaruyama<S> {
+    const STAGES: usize = 1;
+
+    #[inline(always)]
+    fn formula<const N: usize, E>(
         &self,
-        state: &State<[f64; N]>,
-        h: f64,
-        dw: &[f64; M],
-    ) -> Result<Field<[f64; N]>, SolveError>
-    where
-        S: System<Dims = Dims<N, M, Q>>,
-        Q: VectorCoordinates<N>,
-    {
-        let drift = solve_drift(&self.system, state)?;
-        let jets = self.system.noise_jets(state.t, &state.q, &state.p);
-        let mut d = noise_of(&jets, dw);
-        d.add_scaled(h, &drift);
-        if self.is_corrected {
-            let correction = correction_of(&jets);
-            d.add_scaled(h, &correction);
+        start: &State<[f64; N]>,
+        _h: f64,
+        mut euler: impl FnMut(&State<[f64; N]>) -> Result<EulerIncrement<[f64; N]>, E>,
+    ) -> Result<Field<[f64; N]>, E> {
+        let EulerIncrement {
+            mut increment,
+            correction,
+        } = euler(start)?;
+        if let Some(correction) = correction
+            && self.is_corrected
+        {
+            increment.add_scaled(1.0, &correction);
         }
-        Ok(d)
+        Ok(increment)
     }
 }
 
-method_by_increment!(EulerMaruyama, M, [is_corrected]);
+explicit_method!(EulerMaruyama, M, [is_corrected]);

@@ -7,12 +7,12 @@
 //! This is the explicit Stratonovich scheme whose cost is closest to a variational step.
 
 use crate::configuration::VectorCoordinates;
-use crate::mechanics::{Field, noise_of, solve_drift};
-use crate::solve::SolveError;
+use crate::euler::EulerIncrement;
+use crate::mechanics::Field;
 use crate::state::State;
 use crate::system::{Dims, System};
 
-use super::stage;
+use super::explicit::{ExplicitFormula, explicit_method, stage};
 
 /// The stochastic Heun method, on the Stratonovich form of the system.
 ///
@@ -50,21 +50,18 @@ impl<S: System> Heun<S> {
     }
 }
 
-impl<S> Heun<S> {
-    /// Returns the increment `(q₁ − q₀, p₁ − p₀)`.
-    #[inline]
-    fn increment<Q, const N: usize, const M: usize>(
+impl<S> ExplicitFormula for Heun<S> {
+    const STAGES: usize = 2;
+
+    #[inline(always)]
+    fn formula<const N: usize, E>(
         &self,
-        state: &State<[f64; N]>,
+        start: &State<[f64; N]>,
         h: f64,
-        dw: &[f64; M],
-    ) -> Result<Field<[f64; N]>, SolveError>
-    where
-        S: System<Dims = Dims<N, M, Q>>,
-        Q: VectorCoordinates<N>,
-    {
-        let first = euler(&self.system, state, h, dw)?;
-        let second = euler(&self.system, &stage(state, h, 1.0, &first)?, h, dw)?;
+        mut euler: impl FnMut(&State<[f64; N]>) -> Result<EulerIncrement<[f64; N]>, E>,
+    ) -> Result<Field<[f64; N]>, E> {
+        let first = euler(start)?.increment;
+        let second = euler(&stage(start, h, 1.0, &first))?.increment;
         let mut d = first;
         for i in 0..N {
             d.q[i] = 0.5 * (first.q[i] + second.q[i]);
@@ -74,22 +71,4 @@ impl<S> Heun<S> {
     }
 }
 
-method_by_increment!(Heun, M, []);
-
-/// Returns the Euler increment `h f(z) + Σ g_a(z) ΔW_a`.
-#[inline]
-fn euler<S, Q, const N: usize, const M: usize>(
-    system: &S,
-    at: &State<[f64; N]>,
-    h: f64,
-    dw: &[f64; M],
-) -> Result<Field<[f64; N]>, SolveError>
-where
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: VectorCoordinates<N>,
-{
-    let drift = solve_drift(system, at)?;
-    let mut d = noise_of(&system.noise_jets(at.t, &at.q, &at.p), dw);
-    d.add_scaled(h, &drift);
-    Ok(d)
-}
+explicit_method!(Heun, M, []);

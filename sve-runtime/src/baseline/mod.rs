@@ -71,6 +71,7 @@ macro_rules! method_by_increment {
 mod backward_euler_maruyama;
 mod baoab;
 mod euler_maruyama;
+mod explicit;
 mod heun;
 mod runge_kutta4;
 mod taylor_series2;
@@ -82,9 +83,6 @@ pub use heun::Heun;
 pub use runge_kutta4::RungeKutta4;
 pub use taylor_series2::TaylorSeries2;
 
-use crate::mechanics::Field;
-use crate::solve::SolveError;
-use crate::state::State;
 use crate::system::Dims;
 
 /// The [`System::Dims`](crate::System::Dims) of a system without noise, which deterministic methods require.
@@ -96,50 +94,3 @@ use crate::system::Dims;
 pub trait NoiseFree {}
 
 impl<const N: usize, Q> NoiseFree for Dims<N, 0, Q> {}
-
-/// Returns the state of a Runge–Kutta stage: the time moved by `h`, position and momentum by `scale · field`.
-///
-/// # Errors
-/// [`SolveError::NonFinite`] if the stage overflows. A force that is bounded at infinity would hide the overflow.
-#[inline]
-fn stage<const N: usize>(
-    state: &State<[f64; N]>,
-    h: f64,
-    scale: f64,
-    field: &Field<[f64; N]>,
-) -> Result<State<[f64; N]>, SolveError> {
-    let mut at = State {
-        t: state.t + h,
-        ..*state
-    };
-    let mut is_finite = true;
-    for i in 0..N {
-        at.q[i] += scale * field.q[i];
-        at.p[i] += scale * field.p[i];
-        is_finite &= at.q[i].is_finite() & at.p[i].is_finite();
-    }
-    if is_finite {
-        Ok(at)
-    } else {
-        Err(SolveError::NonFinite)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{Field, SolveError, State, stage};
-
-    #[test]
-    fn a_stage_moves_time_and_state_and_refuses_an_overflow() {
-        let field = Field {
-            q: [2.0, -4.0],
-            p: [8.0, 1e300],
-        };
-        let start = State::at(1.0, [1.0, 1.0], [0.0, 0.0]);
-        assert_eq!(
-            stage(&start, 0.5, 0.25, &field),
-            Ok(State::at(1.5, [1.5, 0.0], [2.0, 0.25e300]))
-        );
-        assert_eq!(stage(&start, 0.5, 1e10, &field), Err(SolveError::NonFinite));
-    }
-}

@@ -6,12 +6,15 @@
 //! This is the accurate scheme of everyday use, and gives references over short times. Its energy drifts.
 
 use crate::configuration::VectorCoordinates;
-use crate::mechanics::{Field, solve_drift};
-use crate::solve::SolveError;
+use crate::euler::EulerIncrement;
+use crate::mechanics::Field;
 use crate::state::State;
 use crate::system::{Dims, System};
 
-use super::{NoiseFree, stage};
+use super::NoiseFree;
+use super::explicit::{ExplicitFormula, explicit_method, stage};
+
+const SIXTH: f64 = 1.0 / 6.0;
 
 /// The classical Runge–Kutta method of order 4, for systems without noise.
 ///
@@ -69,32 +72,28 @@ impl<S: System> RungeKutta4<S> {
     }
 }
 
-impl<S> RungeKutta4<S> {
-    /// Returns the increment `(q₁ − q₀, p₁ − p₀)`.
-    #[inline]
-    #[allow(clippy::trivially_copy_pass_by_ref)] // every baseline takes its increments by reference
-    fn increment<Q, const N: usize>(
+impl<S> ExplicitFormula for RungeKutta4<S> {
+    const STAGES: usize = 4;
+
+    #[inline(always)]
+    fn formula<const N: usize, E>(
         &self,
-        state: &State<[f64; N]>,
+        start: &State<[f64; N]>,
         h: f64,
-        _dw: &[f64; 0],
-    ) -> Result<Field<[f64; N]>, SolveError>
-    where
-        S: System<Dims = Dims<N, 0, Q>>,
-        Q: VectorCoordinates<N>,
-    {
+        mut euler: impl FnMut(&State<[f64; N]>) -> Result<EulerIncrement<[f64; N]>, E>,
+    ) -> Result<Field<[f64; N]>, E> {
         let half = 0.5 * h;
-        let k1 = solve_drift(&self.system, state)?;
-        let k2 = solve_drift(&self.system, &stage(state, half, half, &k1)?)?;
-        let k3 = solve_drift(&self.system, &stage(state, half, half, &k2)?)?;
-        let k4 = solve_drift(&self.system, &stage(state, h, h, &k3)?)?;
+        let k1 = euler(start)?.increment;
+        let k2 = euler(&stage(start, half, 0.5, &k1))?.increment;
+        let k3 = euler(&stage(start, half, 0.5, &k2))?.increment;
+        let k4 = euler(&stage(start, h, 1.0, &k3))?.increment;
         let mut d = k1;
         for i in 0..N {
-            d.q[i] = h / 6.0 * (k1.q[i] + 2.0 * k2.q[i] + 2.0 * k3.q[i] + k4.q[i]);
-            d.p[i] = h / 6.0 * (k1.p[i] + 2.0 * k2.p[i] + 2.0 * k3.p[i] + k4.p[i]);
+            d.q[i] = (k1.q[i] + 2.0 * (k2.q[i] + k3.q[i]) + k4.q[i]) * SIXTH;
+            d.p[i] = (k1.p[i] + 2.0 * (k2.p[i] + k3.p[i]) + k4.p[i]) * SIXTH;
         }
         Ok(d)
     }
 }
 
-method_by_increment!(RungeKutta4);
+explicit_method!(RungeKutta4);

@@ -5,10 +5,11 @@ use nalgebra::DMatrix;
 use super::sequence::{Sequence, Shared, plan_of};
 use crate::error::StepError;
 use crate::lanes::Mask;
+use crate::lanes::tangents::LaneDirections;
 use crate::linearisation::{Covector, Directions};
 use crate::plan::Plan;
 use crate::rules::{Gauss, Midpoint, StormerVerlet};
-use crate::system::{FlatStateOf, IncrementLanesOf, StateLanesOf, VectorOf};
+use crate::system::{FlatStateOf, IncrementLanesOf, StateLanesOf, TangentLanesOf, VectorOf};
 use crate::variational::Discretised;
 
 /// A symmetric rule: a step of length −h leads back. Compositions of substeps raise its order.
@@ -154,6 +155,21 @@ where
         let prepared = &shared.prepared.as_ref()[C::distinct(number)];
         let system = shared.system;
         system.advance_lanes(shared.newton, prepared, states, next, h, dw)
+    }
+
+    #[inline(always)]
+    fn push_forward_lanes(
+        shared: Shared<'_, S, Self::Prepared>,
+        number: usize,
+        states: &StateLanesOf<S>,
+        next: &mut StateLanesOf<S>,
+        h: f64,
+        dw: &IncrementLanesOf<S>,
+        tangents: LaneDirections<'_, TangentLanesOf<S>>,
+    ) -> [Mask; 2] {
+        let prepared = &shared.prepared.as_ref()[C::distinct(number)];
+        let (system, newton) = (shared.system, shared.newton);
+        system.push_forward_lanes(newton, prepared, states, next, h, dw, tangents)
     }
 
     fn advance_with_derivatives(

@@ -73,6 +73,26 @@ macro_rules! __compositions {
                 )
             }
 
+            #[inline(always)]
+            fn push_forward_lanes(
+                &self,
+                newton: &$crate::Newton,
+                prepared: &Self::Prepared,
+                states: &$crate::StateLanesOf<Self>,
+                next: &mut $crate::StateLanesOf<Self>,
+                h: f64,
+                dw: &$crate::IncrementLanesOf<Self>,
+                tangents: $crate::__private::lane::LaneDirections<
+                    '_,
+                    $crate::__private::lane::TangentLanesOf<Self>,
+                >,
+            ) -> [$crate::__private::Mask; 2] {
+                let shared = $crate::__private::sequence::Shared { system: self, newton, prepared };
+                $crate::__private::sequence::push_forward_lanes::<$rule, _, _, _, _>(
+                    shared, states, next, h, dw, tangents,
+                )
+            }
+
             fn advance_with_derivatives(
                 &self,
                 newton: &$crate::Newton,

@@ -6,12 +6,14 @@
 //! | `composed.rs` | [`Composed`]: substeps of one symmetric rule |
 //! | `split.rs` | [`Split`]: substeps that alternate between the initial-point and the endpoint rule |
 //! | `sequence.rs`, `implement.rs` | a step as a sequence of substeps, common to both |
+//! | `lanes.rs` | substeps in lanes, and tangent vectors along them |
 //!
 //! Invariant: a step that fails at a substep leaves the state unchanged.
 
 mod coefficients;
 mod composed;
 mod implement;
+mod lanes;
 pub mod sequence;
 mod split;
 

@@ -4,15 +4,17 @@
 
 use nalgebra::DMatrix;
 
+pub use super::lanes::{advance_lanes, push_forward_lanes};
 use crate::configuration::Coordinates;
 use crate::error::StepError;
-use crate::lanes::{LANES, Mask};
+use crate::lanes::Mask;
+use crate::lanes::tangents::LaneDirections;
 use crate::linearisation::{Covector, Directions};
 use crate::plan::{Operations, Plan, Substeps};
 use crate::solve::newton::Newton;
 use crate::state::State;
 use crate::system::{
-    Dimensions, Dims, FlatStateOf, IncrementLanesOf, Increments, StateLanesOf, System, VectorOf,
+    Dims, FlatStateOf, IncrementLanesOf, Increments, StateLanesOf, System, TangentLanesOf, VectorOf,
 };
 use crate::variational::Memory;
 
@@ -71,6 +73,17 @@ pub trait Sequence<S: System> {
         h: f64,
         dw: &IncrementLanesOf<S>,
     ) -> Mask;
+
+    /// Makes substep `number` in every lane and carries tangent vectors along it.
+    fn push_forward_lanes(
+        shared: Shared<'_, S, Self::Prepared>,
+        number: usize,
+        states: &StateLanesOf<S>,
+        next: &mut StateLanesOf<S>,
+        h: f64,
+        dw: &IncrementLanesOf<S>,
+        tangents: LaneDirections<'_, TangentLanesOf<S>>,
+    ) -> [Mask; 2];
 
     /// Makes substep `number` and returns the derivatives of its result.
     ///
@@ -242,43 +255,6 @@ where
     end.t = state.t + h;
     (*state, *low) = (end, end_low);
     Ok(())
-}
-
-/// Makes the substeps in every lane. A lane that a substep could not solve is restored.
-#[inline(always)]
-pub fn advance_lanes<K, S, Q, const N: usize, const M: usize>(
-    shared: Shared<'_, S, K::Prepared>,
-    states: &StateLanesOf<S>,
-    next: &mut StateLanesOf<S>,
-    h: f64,
-    dw: &IncrementLanesOf<S>,
-) -> Mask
-where
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-    K: Sequence<S>,
-{
-    let (mut here, mut unsolved) = (*states, 0);
-    for (number, &part) in K::FRACTIONS.iter().enumerate() {
-        let mut dw = *dw;
-        for w in dw.as_mut().iter_mut().flatten() {
-            *w *= part;
-        }
-        unsolved |= K::advance_lanes(shared, number, &here, next, part * h, &dw);
-        for (t, start) in S::Dims::times(next)
-            .iter_mut()
-            .zip(S::Dims::times(&mut here))
-        {
-            *t = *start + part * h;
-        }
-        here = *next;
-    }
-    if unsolved != 0 {
-        for lane in (0..LANES).filter(|lane| unsolved >> lane & 1 == 1) {
-            S::Dims::set(next, lane, &S::Dims::get(states, lane));
-        }
-    }
-    unsolved
 }
 
 /// Makes the substeps and returns the derivatives of the result of all of them, by the chain rule.

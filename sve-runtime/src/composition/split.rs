@@ -6,10 +6,13 @@ use super::coefficients::{BlanesMoan4, BlanesMoanRkn6};
 use super::sequence::{Sequence, Shared, plan_of};
 use crate::error::StepError;
 use crate::lanes::Mask;
+use crate::lanes::tangents::LaneDirections;
 use crate::linearisation::{Covector, Directions};
 use crate::plan::Plan;
 use crate::rules::{Endpoint, InitialPoint};
-use crate::system::{FlatStateOf, IncrementLanesOf, IncrementsOf, StateLanesOf, VectorOf};
+use crate::system::{
+    FlatStateOf, IncrementLanesOf, IncrementsOf, StateLanesOf, TangentLanesOf, VectorOf,
+};
 use crate::variational::{Discretised, Memory, Variational};
 
 /// A system with `L = T(v) − V(t, q)`. Implemented by `#[variational(…)]`.
@@ -189,6 +192,29 @@ where
             Discretised::<InitialPoint>::advance_lanes(system, newton, first, states, next, h, dw)
         } else {
             Discretised::<Endpoint>::advance_lanes(system, newton, second, states, next, h, dw)
+        }
+    }
+
+    #[inline(always)]
+    fn push_forward_lanes(
+        shared: Shared<'_, S, Self::Prepared>,
+        number: usize,
+        states: &StateLanesOf<S>,
+        next: &mut StateLanesOf<S>,
+        h: f64,
+        dw: &IncrementLanesOf<S>,
+        tangents: LaneDirections<'_, TangentLanesOf<S>>,
+    ) -> [Mask; 2] {
+        let Shared { system, newton, .. } = shared;
+        let (first, second) = &shared.prepared.as_ref()[number / 2];
+        if is_initial(number) {
+            Discretised::<InitialPoint>::push_forward_lanes(
+                system, newton, first, states, next, h, dw, tangents,
+            )
+        } else {
+            Discretised::<Endpoint>::push_forward_lanes(
+                system, newton, second, states, next, h, dw, tangents,
+            )
         }
     }
 

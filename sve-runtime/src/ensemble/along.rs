@@ -66,6 +66,12 @@ where
     /// What lies between two steps is not seen. For a function with a smooth motion the maximum is too small by O(h²). A function that the noise moves itself, such as
     /// a momentum with noise of strength σ, has a mean maximum that is too small by about 0.58 σ√h (Chernoff 1965; Broadie, Glasserman and Kou 1997).
     /// [`integral`](Self::integral) has an example.
+    ///
+    #[doc = include_str!("example.md")]
+    /// let summary = ensemble().maximum("highest", |_, state| state.q[0]).run()?;
+    /// assert_eq!(summary["highest"].mean()[0], 1.0); // at the start
+    /// assert!(summary["highest"].min()[1] >= 1.0);
+    #[doc = include_str!("../example_end.md")]
     #[must_use]
     pub fn maximum<F, O>(self, name: impl Into<String>, function: F) -> Self
     where
@@ -78,6 +84,12 @@ where
     /// Takes statistics of the number of times that a function has changed its sign from one step to the next, along each path.
     ///
     /// A value of exactly 0 after a step is a change, leaving from there is none. Two changes within a step are not seen. [`integral`](Self::integral) has an example.
+    ///
+    #[doc = include_str!("example.md")]
+    /// let summary = ensemble().crossings("zeros", |_, state| state.q[0]).run()?;
+    /// assert_eq!(summary["zeros"].mean()[0], 0.0);
+    /// assert!(summary["zeros"].mean()[1] > 0.0);
+    #[doc = include_str!("../example_end.md")]
     #[must_use]
     pub fn crossings<F, O>(self, name: impl Into<String>, function: F) -> Self
     where

@@ -6,9 +6,56 @@ use core::ops::Range;
 use crate::mechanics::Field;
 use crate::system::System;
 
+/// The parameter that varies along a direction, if one does, and the steps in which it varies.
+#[derive(Clone, Debug)]
+pub(super) struct Varied {
+    parameter: Option<usize>,
+    steps: Range<u64>,
+}
+
+impl Varied {
+    /// Returns the number of the parameter that varies in a step.
+    #[inline(always)]
+    pub(super) fn in_step(&self, step: u64) -> Option<usize> {
+        if self.steps.contains(&step) {
+            self.parameter
+        } else {
+            None
+        }
+    }
+}
+
 /// The quantity by which a mean is differentiated: a parameter, a parameter during some steps, or a coordinate of the start.
 ///
 /// The name of a parameter, as `"k"`, `"l[0]"` or `"body.mass"`, converts to it.
+///
+/// ```
+/// use sve_runtime::ensemble::By;
+/// use sve_runtime::prelude::*;
+///
+/// struct Oscillator { k: f64 }
+///
+/// #[variational(midpoint)]
+/// impl Oscillator {
+///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v - 0.5 * self.k * q * q }
+/// }
+///
+/// # fn main() -> Result<(), EnsembleError> {
+/// let oscillator = Integrator::new(Oscillator { k: 1.0 }, Midpoint);
+/// let by = [By::parameter("k"), By::during("k", 0..50), By::during("k", 50..100), By::q(0), By::p(0)];
+/// let summary = Ensemble::new(&oscillator)
+///     .paths(1).steps(0.01, 100)
+///     .start(State::new([1.0], [0.0]))
+///     .gradient("q", by.clone(), |state| state.q[0])
+///     .run()?;
+/// let [k, first, second, q, p] = by.map(|by| summary.derivative("q", by).unwrap().mean()[1]);
+/// // q(t) = q₀ cos t + p₀ sin t at t = 1
+/// assert!((q - 1_f64.cos()).abs() < 1e-4 && (p - 1_f64.sin()).abs() < 1e-4);
+/// // the derivatives by the parameter in both halves sum up to the derivative by the parameter
+/// assert!((first + second - k).abs() < 1e-14);
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct By(Quantity);
 
@@ -44,14 +91,18 @@ impl By {
         Self(Quantity::P(number))
     }
 
-    /// Returns the number of the parameter that varies in a step.
-    pub(super) fn parameter_in<S: System>(&self, step: u64) -> Option<usize> {
-        let name = match &self.0 {
-            Quantity::Parameter(name) => name,
-            Quantity::During(name, steps) if steps.contains(&step) => name,
-            _ => return None,
+    /// Returns the parameter that varies, and the steps in which it does, of which `parts` are one step of the ensemble.
+    pub(super) fn varied<S: System>(&self, parts: u64) -> Varied {
+        let step = |number: u64| number.saturating_mul(parts);
+        let (name, steps) = match &self.0 {
+            Quantity::Parameter(name) => (name.as_str(), 0..u64::MAX),
+            Quantity::During(name, steps) => (name.as_str(), step(steps.start)..step(steps.end)),
+            Quantity::Q(_) | Quantity::P(_) => ("", 0..0),
         };
-        S::PARAMETERS.iter().position(|known| known == name)
+        Varied {
+            parameter: S::PARAMETERS.iter().position(|&known| known == name),
+            steps,
+        }
     }
 
     /// Returns the tangent vector at the start.

@@ -78,6 +78,24 @@ pub enum EnsembleError {
         /// The setting.
         setting: &'static str,
     },
+    /// Two settings that exclude each other.
+    #[error("`{}` and `{}` do not go together: {why}; leave one of them out", settings[0], settings[1])]
+    NotTogether {
+        /// The settings.
+        settings: [&'static str; 2],
+        /// The reason.
+        why: &'static str,
+    },
+    /// Averages that would begin when the paths end.
+    #[error(
+        "`settle({settle})` leaves nothing to average: a path makes {steps} steps, so settle for fewer"
+    )]
+    Settle {
+        /// Steps after which averages begin.
+        settle: u64,
+        /// Steps of a path.
+        steps: u64,
+    },
     /// Two observables have one name.
     #[error("two observables are called `{name}`: give each a name of its own")]
     TwiceNamed {
@@ -130,6 +148,15 @@ pub enum EnsembleError {
         /// The reason.
         why: String,
     },
+    /// The function of a gradient cannot be evaluated at the start of the first path.
+    #[error("the function of the gradient `{name}`: {error}")]
+    GradientFunction {
+        /// Its name.
+        name: String,
+        /// Why.
+        #[source]
+        error: StepError,
+    },
     /// Quantiles from too few values.
     #[error("`quantiles(\"{name}\", {size})` keeps {size} values; quantiles need at least 2")]
     Quantiles {
@@ -162,6 +189,18 @@ pub enum EnsembleError {
     /// A sweep over no rows.
     #[error("the table of the sweep has no row; give it the methods or starts to compare")]
     EmptyTable,
+    /// A sweep over starts at different times.
+    #[error(
+        "row {row} of the sweep starts at t = {t}, row 0 at {first}: rows are compared at common times, so give all starts one time"
+    )]
+    SweepTimes {
+        /// The row.
+        row: usize,
+        /// Its time.
+        t: f64,
+        /// The time of the first row.
+        first: f64,
+    },
     /// A sweep with a checkpoint.
     #[error(
         "a sweep has a run for each row of its table, and a checkpoint is the file of one: leave `checkpoint` out, or take the sweep in shards"
@@ -189,6 +228,14 @@ pub enum EnsembleError {
         what: &'static str,
         /// Its value.
         value: f64,
+    },
+    /// A multilevel estimate with too few levels to estimate a bias from.
+    #[error(
+        "`deepest({deepest})`: `multilevel` estimates the bias from two differences of levels, so the deepest level is 2 at least"
+    )]
+    TooFewLevels {
+        /// The deepest level.
+        deepest: u32,
     },
     /// A level of a multilevel estimate without an estimate.
     #[error(
@@ -391,8 +438,10 @@ pub enum Difference {
     /// The noise.
     #[error("a law of the noise (truncation, three points, antithetic pairs or none)")]
     Noise,
-    /// Other settings of the ensemble: step size, number of steps, bounds, whether final states are kept.
-    #[error("settings (step size, number of steps, bounds, or whether final states are kept)")]
+    /// Other settings of the ensemble: step size, number of steps, bounds, kinds of observables, stops, `settle`, `refine`, whether final states are kept.
+    #[error(
+        "settings (step size, number of steps, bounds, kinds of observables, stops, `settle`, `refine`, or whether final states are kept)"
+    )]
     Settings,
     /// The formulas of the system: another program.
     #[error("formulas of the system (another program)")]

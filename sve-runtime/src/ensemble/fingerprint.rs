@@ -4,7 +4,7 @@
 //! each, so that a message can say which one differs. Invariant: equal runs have equal numbers; every value enters with all its bits.
 //!
 //! Closures cannot be read, so they are sampled: starts of up to 33 paths; observables along path 0 at its recorded times, and along
-//! three others for a few steps. What a closure does elsewhere is not seen.
+//! three others for a few steps; memories of [`fold`](super::Ensemble::fold) along the first steps of these paths. What a closure does elsewhere is not seen.
 //!
 //! Source of the hash: XXH64 (Y. Collet, `https://xxhash.com`), by the crate `twox-hash`.
 
@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 use twox_hash::XxHash64;
 
 use super::error::Difference;
-use super::memory::Kind;
+use super::memory::{Kind, LastStep};
 use super::path_noise::PathNoise;
 use super::settings::Settings;
 use crate::configuration::{Configuration, Coordinates, FixedSize};
@@ -22,7 +22,7 @@ use crate::method::Method;
 use crate::noise::lanes::DistributionKind;
 use crate::noise::{self, Noise, ThreePoint, Wiener};
 use crate::state::State;
-use crate::system::{Dims, System};
+use crate::system::{Dimensions, Dims, System};
 
 /// Smallest number of steps of path 0 that are compared.
 const STEPS: u64 = 4096;
@@ -38,7 +38,7 @@ const OTHER_STEPS: u64 = 64;
 const STARTS: u64 = 16;
 
 /// The fingerprint of a run.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Fingerprint {
     seed: u64,
@@ -214,6 +214,8 @@ where
         };
         let mut state = self.start_of(path);
         let mut increments = self.increments_of(path);
+        let observables = &self.ensemble.observables;
+        let mut memories: Vec<_> = observables.iter().filter_map(|o| o.memory(1)).collect();
         for step in 0..=steps.min(self.steps) {
             if step > 0 {
                 let mut dw = [0.0; M];
@@ -227,12 +229,22 @@ where
                 }
                 state.t = self.time(step);
             }
+            if step > OTHER_STEPS {
+                memories.clear();
+            }
+            for memory in &mut memories {
+                let last = LastStep::whole(step, self.h);
+                memory.update(0, system, &S::Dims::splat(&state), &last);
+                if step.is_power_of_two() {
+                    hash.add_number(memory.values(0, &last)[0]);
+                }
+            }
             let recorded = self.records_after(step);
             if recorded || step.is_power_of_two() {
                 hash.add_state(&state);
             }
             if recorded {
-                for observable in &self.ensemble.observables {
+                for observable in observables {
                     hash.add_number(observable.value(system, &state).unwrap_or(f64::NAN));
                 }
                 for passage in &self.ensemble.passages {

@@ -18,12 +18,27 @@ where
     Q: Coordinates<N>,
 {
     /// Takes a histogram of an observable with `bins` equal bins over a range, at each recorded time.
+    ///
+    #[doc = include_str!("example.md")]
+    /// let summary = ensemble().record_every(5).histogram("q", -5.0..5.0, 20).run()?;
+    /// let histogram = summary.histogram("q").unwrap();
+    /// assert_eq!((histogram.rows(), histogram.edges().len()), (3, 21));
+    /// // all paths start at q = 1, the lower edge of bin 12
+    /// assert_eq!(histogram.counts_at(0)[12], 100);
+    #[doc = include_str!("../example_end.md")]
     #[must_use]
     pub fn histogram(self, name: impl Into<String>, range: Range<f64>, bins: usize) -> Self {
         self.request(name.into(), &range, bins, true)
     }
 
     /// Takes a histogram as [`histogram`](Self::histogram) does, at the end only.
+    ///
+    #[doc = include_str!("example.md")]
+    /// let summary = ensemble().record_every(5).final_histogram("q", -5.0..5.0, 20).run()?;
+    /// let histogram = summary.histogram("q").unwrap();
+    /// assert_eq!((histogram.rows(), histogram.times()), (1, &[1.0][..]));
+    /// assert_eq!(histogram.counts().iter().sum::<u64>(), 100);
+    #[doc = include_str!("../example_end.md")]
     #[must_use]
     pub fn final_histogram(self, name: impl Into<String>, range: Range<f64>, bins: usize) -> Self {
         self.request(name.into(), &range, bins, false)

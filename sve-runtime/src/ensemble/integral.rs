@@ -63,6 +63,13 @@ where
     }
 
     /// Begins the [averages](Self::average) after so many steps, when the paths have forgotten their start.
+    ///
+    #[doc = include_str!("example.md")]
+    /// // the average from t = 0.5 on; before there is none
+    /// let summary = ensemble().record_every(5).settle(5).average("mean of q", |_, state| state.q[0]).run()?;
+    /// assert_eq!(summary["mean of q"].mean()[1], summary["q"].mean()[1]);
+    /// assert_ne!(summary["mean of q"].mean()[2], summary["q"].mean()[2]);
+    #[doc = include_str!("../example_end.md")]
     #[must_use]
     pub fn settle(mut self, steps: u64) -> Self {
         self.settle = steps;
@@ -75,6 +82,12 @@ where
     /// By the formula of Feynman and Kac the mean of `f(X_t)` exp(−∫V dt) over paths from x is the solution u(t, x) of ∂u/∂t = 𝓛u − Vu with u(0, x) = f(x), where 𝓛 is the generator
     /// of the motion. The weak order of a rule is that of u: 2 for `midpoint` and `stormer_verlet` with additive noise and constant masses, and for the rules with the
     /// option [`Weak2`](crate::Weak2); 1 for `initial_point`, `endpoint` and Euler–Maruyama. [`run_from`](Self::run_from) has an example.
+    ///
+    #[doc = include_str!("example.md")]
+    /// // a constant V = 2 discounts: u(t, x) = exp(−2t) for f = 1
+    /// let summary = ensemble().weight(|_, _| 2.0).terminal("u", |_, _| 1.0).run()?;
+    /// assert!((summary["u"].mean()[1] - (-2.0_f64).exp()).abs() < 1e-12);
+    #[doc = include_str!("../example_end.md")]
     #[must_use]
     pub fn weight<F, O>(mut self, potential: F) -> Self
     where
@@ -86,6 +99,12 @@ where
     }
 
     /// Takes statistics of a function times the [`weight`](Self::weight) of the path. Each recorded time is a time t of the solution u(t, x).
+    ///
+    #[doc = include_str!("example.md")]
+    /// // without a weight it is an observable
+    /// let summary = ensemble().terminal("u", |_, state| state.q[0]).run()?;
+    /// assert_eq!(summary["u"].mean(), summary["q"].mean());
+    #[doc = include_str!("../example_end.md")]
     #[must_use]
     pub fn terminal<F, O>(self, name: impl Into<String>, function: F) -> Self
     where

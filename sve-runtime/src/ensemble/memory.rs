@@ -187,7 +187,9 @@ pub(super) fn crosses(last: f64, now: f64) -> bool {
 
 impl<I: Method> Ensemble<'_, I> {
     /// Returns the observers with empty memories for so many tiles: the exponent of the weight if there is one, then the observables.
-    pub(super) fn memories(&self, tiles: usize) -> Vec<Remembered<'_, I::System>> {
+    ///
+    /// Averages begin after `settled` steps.
+    pub(super) fn memories(&self, settled: u64, tiles: usize) -> Vec<Remembered<'_, I::System>> {
         let empty = Numbers {
             value: [0.0; LANES],
             last: [0.0; LANES],
@@ -207,11 +209,7 @@ impl<I: Method> Ensemble<'_, I> {
         let all = self.names.iter().zip(&self.observables).zip(&self.kinds);
         let with_memory = all.filter(|(_, kind)| kind.has_memory());
         let observers = with_memory.map(|((name, function), &kind)| {
-            let from = if kind == Kind::Average {
-                self.settle
-            } else {
-                0
-            };
+            let from = if kind == Kind::Average { settled } else { 0 };
             let function = &**function;
             match function.memory(tiles) {
                 Some(memory) => Remembered {

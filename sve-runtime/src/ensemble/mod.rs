@@ -57,6 +57,7 @@ mod statistics;
 mod stored;
 mod summary;
 mod sweep;
+mod tangents;
 mod tile;
 mod warning;
 

@@ -12,6 +12,7 @@ use core::fmt;
 
 use super::coupled::Coupled;
 use super::estimate::{Level, MultilevelEstimate};
+use super::fingerprint::Fingerprint;
 use super::merge_tree::{MergeTree, PartialResult};
 use super::settings::{Leg, Settings};
 use super::summary::Info;
@@ -25,6 +26,9 @@ const PATHS_OF_LEVEL: u64 = 1 << 48;
 
 /// Number of levels that are always run: a bias is estimated from two differences at least.
 const FIRST_LEVELS: u32 = 3;
+
+/// The name of the method in messages.
+const MULTILEVEL: &str = "multilevel";
 
 /// Part of the paths of a level by which their wanted number has to exceed them, so that more are run.
 const TOLERANCE: f64 = 0.01;
@@ -44,6 +48,9 @@ where
     /// **Where it does not win.** The gain over plain Monte Carlo with the same rule is about the number of plain steps that a bias of ε needs, divided by a factor of up to 10 for the coarse levels.
     /// Where a few steps suffice, for large ε or with a rule of weak order 2, plain Monte Carlo is as fast or faster. It does not help for indicators and other observables with jumps, whose
     /// differences between levels have a large variance; nor where the coarse steps are unstable, or lose the features of the motion.
+    ///
+    /// Settings that count steps, such as [`settle`](Self::settle), count those of the coarsest level. Histograms, covariances and quantiles are not taken. A path that fails on either of its two
+    /// levels does not count, so where paths fail the sum of the levels has a bias of the size of their part; [`Level::failed`] has their numbers.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -116,7 +123,7 @@ where
         self
     }
 
-    /// Sets the number of the deepest level, with steps of `h / 2^level`. The default is 12.
+    /// Sets the number of the deepest level, with steps of `h / 2^level`: at least 2. The default is 12.
     #[must_use]
     pub fn deepest(mut self, level: u32) -> Self {
         self.deepest = level;
@@ -127,7 +134,8 @@ where
     ///
     /// # Errors
     /// As [`Ensemble::run`]; [`EnsembleError::Bias`] if the deepest level is not deep enough; [`EnsembleError::NoLevel`] if the paths of a level fail; [`EnsembleError::NoSums`] with
-    /// [`ThreePoint`](crate::noise::ThreePoint) increments; [`EnsembleError::MultilevelInParts`] with a shard, a checkpoint or `stop_when`.
+    /// [`ThreePoint`](crate::noise::ThreePoint) increments; [`EnsembleError::MultilevelInParts`] with a shard, a checkpoint or `stop_when`;
+    /// [`EnsembleError::NotTogether`] with refined noise, `refine`, stops, passages or kept final states.
     pub fn run(&self, error: f64) -> Result<MultilevelEstimate, EnsembleError> {
         let first_blocks = self.checked(error)?;
         let wanted = error / f64::sqrt(2.0);
@@ -139,10 +147,18 @@ where
             let mut is_done = true;
             let paths = paths_of_levels(&levels(&runs), wanted);
             for (run, paths) in runs.iter_mut().zip(paths) {
-                if paths > (1.0 + TOLERANCE) * (run.blocks * BLOCK_PATHS) as f64 {
+                let Level {
+                    paths: run_so_far,
+                    failed,
+                    ..
+                } = run.level;
+                let counted = (run_so_far - failed) as f64;
+                if paths > (1.0 + TOLERANCE) * counted {
                     let most = (PATHS_OF_LEVEL / BLOCK_PATHS) as f64;
-                    #[allow(clippy::cast_sign_loss)] // a number of paths
-                    let blocks = (paths / BLOCK_PATHS as f64).ceil().min(most) as u64;
+                    // as large a part of the further paths will fail
+                    let more = paths / counted * run.blocks as f64;
+                    #[allow(clippy::cast_sign_loss)] // a number of blocks
+                    let blocks = more.ceil().min(most) as u64;
                     self.extend(run, blocks)?;
                     is_done = false;
                 }
@@ -175,13 +191,34 @@ where
     /// Checks the settings. Returns the first number of blocks of each level.
     fn checked(&self, error: f64) -> Result<u64, EnsembleError> {
         let ensemble = self.ensemble;
-        let settings = Settings::new(ensemble)?;
+        let settings = Settings::of_leg(
+            ensemble,
+            &Leg {
+                of: Some(MULTILEVEL),
+                ..Leg::of(ensemble)
+            },
+        )?;
         #[cfg(feature = "checkpoint")]
         let has_file = ensemble.checkpoint.is_some();
         #[cfg(not(feature = "checkpoint"))]
         let has_file = false;
         if ensemble.shard != (0, 1) || ensemble.stop_when.is_some() || has_file {
             return Err(EnsembleError::MultilevelInParts);
+        }
+        if self.deepest < FIRST_LEVELS - 1 {
+            return Err(EnsembleError::TooFewLevels {
+                deepest: self.deepest,
+            });
+        }
+        let settings_without = [
+            (settings.noise.depth > 0, "refined noise"),
+            (ensemble.keep_final_states, "keep_final_states"),
+        ];
+        if let Some((_, setting)) = settings_without.into_iter().find(|(is_set, _)| *is_set) {
+            return Err(EnsembleError::NotTogether {
+                settings: [MULTILEVEL, setting],
+                why: "each level has paths and steps of its own",
+            });
         }
         for (what, value) in [("error", error), ("weak order", self.weak_order)] {
             if !(value > 0.0 && value.is_finite()) {
@@ -206,6 +243,7 @@ where
                 is_coarsened,
                 first_path: u64::from(number).wrapping_mul(PATHS_OF_LEVEL),
                 paths: Some(PATHS_OF_LEVEL),
+                of: Some(MULTILEVEL),
                 ..Leg::of(self.ensemble)
             };
             Settings::of_leg(self.ensemble, &leg)
@@ -218,7 +256,8 @@ where
         legs.push(fine);
         let steps = legs.iter().map(|leg| leg.steps).sum();
         let legs = Coupled { legs };
-        let info = legs.info_of_differences(legs.legs.len() - 1, fine.fingerprint());
+        // never merged with another run, so it needs no fingerprint
+        let info = legs.info_of_differences(legs.legs.len() - 1, Fingerprint::default());
         let mut run = Run {
             number,
             legs,

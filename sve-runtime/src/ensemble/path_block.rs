@@ -7,11 +7,11 @@
 use core::ops::Range;
 
 use super::failure::{Cause, Failure};
-use super::gradient::Tangents;
 use super::increment_buffer::{BATCH, IncrementBuffer};
 use super::memory::{LastStep, Remembered};
 use super::passage::watch::PassageWatch;
 use super::settings::Settings;
+use super::tangents::Tangents;
 use super::tile::{Place, Tile, lanes};
 use super::{BLOCK_TILES, EnsembleError, path_at};
 use crate::configuration::{Configuration, Coordinates};
@@ -28,7 +28,7 @@ pub(super) struct PathBlock<'a, I: Method, const N: usize, const M: usize> {
     pub(super) settings: Settings<'a, I>,
     pub(super) prepared: I::Prepared,
     /// The increments of each [`BLOCK_TILES`] tiles.
-    increments: Vec<IncrementBuffer<M>>,
+    pub(super) increments: Vec<IncrementBuffer<M>>,
     pub(super) first_path: u64,
     /// Steps made.
     pub(super) step: u64,
@@ -81,9 +81,9 @@ where
             step: 0,
             tiles: Vec::with_capacity(tiles),
             failures: Vec::new(),
-            memories: ensemble.memories(tiles),
+            memories: ensemble.memories(settings.settled(), tiles),
             watch: PassageWatch::new(ensemble, tiles),
-            tangents: Tangents::new(&ensemble.gradients, tiles),
+            tangents: Tangents::new(&ensemble.gradients, settings.parts, tiles),
             refined: Vec::new(),
             stopped: Vec::new(),
             values: vec![vec![[0.0; LANES]; names]; tiles],
@@ -192,22 +192,27 @@ where
         let paths = self.tiles[tiles.clone()].iter().map(|tile| &tile.paths);
         self.increments[buffer].load(self.step / BATCH, paths);
         let carries = !self.tangents.is_empty();
-        let sees_steps = carries || !self.memories.is_empty() || !self.watch.is_empty();
+        let sees_steps = !self.memories.is_empty() || !self.watch.is_empty();
         while self.step < end && self.tiles[tiles.clone()].iter().any(is_active) {
-            self.step = dispatch(AdvanceTiles {
-                method: self.settings.method,
-                prepared: &self.prepared,
-                h: self.settings.h,
-                start_time: self.settings.start_time,
-                increments: &self.increments[buffer],
-                tiles: &mut self.tiles[tiles.clone()],
-                step: self.step,
-                end: if sees_steps { self.step + 1 } else { end },
-            });
+            let until = if sees_steps { self.step + 1 } else { end };
+            self.step = if carries {
+                self.carry(buffer, tiles.clone(), until)
+            } else {
+                dispatch(AdvanceTiles {
+                    method: self.settings.method,
+                    prepared: &self.prepared,
+                    h: self.settings.h,
+                    start_time: self.settings.start_time,
+                    increments: &self.increments[buffer],
+                    tiles: &mut self.tiles[tiles.clone()],
+                    step: self.step,
+                    end: until,
+                })
+            };
             for tile in tiles.clone() {
                 self.step_unsolved_lanes(tile);
                 if carries {
-                    self.advance_tangents(tile);
+                    self.carry_unfinished_lanes(tile);
                 }
                 if sees_steps {
                     self.observe_step(tile);

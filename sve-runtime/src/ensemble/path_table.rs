@@ -18,7 +18,7 @@ where
 {
     /// Returns the states of some paths at the recorded times, path by path, with the same bits as in the ensemble: to be written, or drawn.
     ///
-    /// A path that fails has rows up to its failure; [`failures`](Summary::failures) and [`replay`](Self::replay) tell why. The work is that of the paths alone.
+    /// A path that [stops](Self::stop_at) has its last row at the stop. A path that fails has rows up to its failure; [`failures`](Summary::failures) and [`replay`](Self::replay) tell why. The work is that of the paths alone.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -71,10 +71,14 @@ where
         for step in steps {
             block.advance(step);
             block.observe_all();
-            let Some(state) = block.first_active_state() else {
+            let stop = block.stopped.pop().map(|(_, state)| state);
+            let Some(state) = block.first_active_state().or(stop) else {
                 break;
             };
             table.push(Some(path), &state);
+            if stop.is_some() {
+                break;
+            }
         }
         Ok(())
     }

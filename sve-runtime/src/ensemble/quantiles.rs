@@ -17,7 +17,7 @@ where
     /// Takes quantiles of an observable over the paths, at each recorded time: [`Summary::quantiles`](super::Summary::quantiles).
     ///
     /// Up to `size` paths have exact quantiles. For more paths the memory is about `size` numbers times log₂(paths/`size`) for each recorded time, and the rank of a
-    /// quantile is right to within [`rank_error`](Quantiles::rank_error) of all paths: a proven bound, at most log₂(paths/`size`)/`size`. The statistical error of the rank of a median is
+    /// quantile is right to within [`rank_error`](Quantiles::rank_error) of all paths: a proven bound, at most ⌈log₂(paths/`size`)⌉/`size`. The statistical error of the rank of a median is
     /// ½/√paths, so a `size` of a few times √paths is enough.
     ///
     /// ```
@@ -100,9 +100,13 @@ impl Quantiles {
     /// the rank: 2 for 95 %, 3 for 99.7 %. It holds for every distribution. An end is infinite where there are too few paths to tell; both are NaN if all paths have failed.
     ///
     /// # Panics
-    /// Unless `p` is from 0 to 1.
+    /// Unless `p` is from 0 to 1 and `deviations` is not negative.
     pub fn interval(&self, p: f64, deviations: f64) -> Vec<[f64; 2]> {
         assert!((0.0..=1.0).contains(&p), "a quantile of {p}: from 0 to 1");
+        assert!(
+            deviations >= 0.0,
+            "{deviations} standard deviations: 0 or more"
+        );
         let at = |(row, &paths): (usize, &u64)| {
             if paths == 0 {
                 return [f64::NAN; 2];

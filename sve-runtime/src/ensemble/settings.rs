@@ -6,6 +6,7 @@ use core::ops::Range;
 
 use super::fingerprint::Fingerprint;
 use super::increment_buffer::IncrementBuffer;
+use super::memory::Kind;
 use super::path_noise::PathNoise;
 use super::starts::{StartRng, Starts};
 use super::summary::Info;
@@ -28,6 +29,8 @@ pub(super) struct Leg<'a, I: Method> {
     pub(super) first_path: u64,
     /// The number of paths, if it is not that of the ensemble.
     pub(super) paths: Option<u64>,
+    /// The method that decides on the settings in the place of the ensemble's own run.
+    pub(super) of: Option<&'static str>,
 }
 
 impl<'a, I: Method> Leg<'a, I> {
@@ -40,6 +43,7 @@ impl<'a, I: Method> Leg<'a, I> {
             is_coarsened: false,
             first_path: 0,
             paths: None,
+            of: None,
         }
     }
 }
@@ -52,11 +56,15 @@ pub(super) struct Settings<'a, I: Method> {
     pub(super) h: f64,
     pub(super) steps: u64,
     every: u64,
+    /// Number of steps in a step of the ensemble.
+    pub(super) parts: u64,
     pub(super) paths: u64,
     pub(super) start_time: f64,
     pub(super) noise: PathNoise,
     /// The seed of random starts.
     pub(super) start_seed: u64,
+    /// The generator of the start of path 0.
+    first_start: u64,
     pub(super) records: usize,
     /// Blocks to run.
     pub(super) shard: [u64; 2],
@@ -87,7 +95,7 @@ impl<'a, I: Method> Settings<'a, I> {
             .paths
             .or(ensemble.paths)
             .ok_or_else(|| missing("number of paths", ".paths(1000)"))?;
-        let (h, steps) = ensemble
+        let (h, ensemble_steps) = ensemble
             .steps
             .ok_or_else(|| missing("step size and number of steps", ".steps(0.01, 1000)"))?;
         let start = leg
@@ -96,7 +104,7 @@ impl<'a, I: Method> Settings<'a, I> {
         if paths == 0 {
             return zero("paths", "how many paths are to be averaged over?");
         }
-        if steps == 0 {
+        if ensemble_steps == 0 {
             return zero("steps", "how many steps is a path to make?");
         }
         if ensemble.every == Some(0) {
@@ -105,44 +113,52 @@ impl<'a, I: Method> Settings<'a, I> {
         if ensemble.threads == Some(0) {
             return zero("threads", "leave it out to use every core");
         }
+        #[cfg(feature = "checkpoint")]
+        if ensemble.resume && ensemble.checkpoint.is_none() {
+            let write = ".checkpoint(\"run.sve\", Duration::from_secs(60))";
+            return Err(missing("file to resume from", write));
+        }
         if ensemble.antithetic && !paths.is_multiple_of(2) {
             return Err(EnsembleError::OddPaths { paths });
         }
         let parts = 1_u64.checked_shl(leg.halvings).unwrap_or(u64::MAX);
         let (h, every) = (
             h / parts as f64,
-            ensemble.every.unwrap_or(steps).saturating_mul(parts),
+            ensemble
+                .every
+                .unwrap_or(ensemble_steps)
+                .saturating_mul(parts),
         );
-        let steps = steps.saturating_mul(parts);
+        let steps = ensemble_steps.saturating_mul(parts);
         leg.method.prepare(h).map_err(EnsembleError::Prepare)?;
         let mut noise = PathNoise::new(ensemble.noise, ensemble.seed.unwrap_or(0), h)?;
         noise.first_path = noise.first_path.wrapping_add(leg.first_path);
         noise.is_antithetic = ensemble.antithetic;
         noise.is_coarsened = leg.is_coarsened;
-        if leg.is_coarsened
-            && (noise.distribution == Some(DistributionKind::ThreePoint) || noise.depth > 0)
-        {
+        if leg.is_coarsened && noise.distribution == Some(DistributionKind::ThreePoint) {
             return Err(EnsembleError::NoSums);
         }
-        let divides = [
-            (ensemble.has_stops(), "stop_at"),
-            (!ensemble.passages.is_empty(), "first_passage"),
-            (ensemble.refine > 0, "refine"),
-        ];
-        if let Some((_, setting)) = divides.into_iter().find(|(is_set, _)| *is_set)
-            && noise.within_steps(0).is_none()
-        {
-            return Err(EnsembleError::NoiseWithinSteps { setting });
-        }
+        check_steps(ensemble, leg.of, &noise)?;
         let start_seed = ensemble.seed.unwrap_or(noise.seed);
-        let start_time = match start {
-            Starts::Same(state) => state.t,
-            Starts::Drawn(draw) => draw(0, &mut StartRng::new(start_seed, 0)).t,
+        let drawn;
+        let first = match start {
+            Starts::Same(state) => state,
+            Starts::Drawn(draw) => {
+                drawn = draw(0, &mut StartRng::new(start_seed, 0));
+                &drawn
+            }
         };
+        let start_time = first.t;
         check_times(start_time, h, steps)?;
         check_names(ensemble)?;
-        let coordinates = ConfigurationOf::<I::System>::DEGREES_OF_FREEDOM;
-        (ensemble.gradients).check(coordinates, ensemble.has_stops())?;
+        if ensemble.settle >= ensemble_steps && ensemble.kinds.contains(&Kind::Average) {
+            return Err(EnsembleError::Settle {
+                settle: ensemble.settle,
+                steps: ensemble_steps,
+            });
+        }
+        let system = leg.method.system();
+        (ensemble.gradients).check(system, first, ensemble.has_stops())?;
         let shard = blocks_of_shard(ensemble.shard, paths)?;
         let own = path_at(shard[1], paths) - path_at(shard[0], paths);
         let records = sizes::records(ensemble, steps, every, own)?;
@@ -153,10 +169,12 @@ impl<'a, I: Method> Settings<'a, I> {
             h,
             steps,
             every,
+            parts,
             paths,
             start_time,
             noise,
             start_seed,
+            first_start: leg.first_path,
             records,
             shard,
         })
@@ -170,10 +188,16 @@ impl<'a, I: Method> Settings<'a, I> {
         match self.start {
             Starts::Same(state) => *state,
             Starts::Drawn(draw) => {
-                let path_of_noise = self.noise.path_within(path);
-                draw(path, &mut StartRng::new(self.start_seed, path_of_noise))
+                let number = self.noise.path_within(path);
+                let number = self.first_start.wrapping_add(number);
+                draw(path, &mut StartRng::new(self.start_seed, number))
             }
         }
+    }
+
+    /// Returns the step at which averages begin.
+    pub(super) fn settled(&self) -> u64 {
+        self.ensemble.settle.saturating_mul(self.parts)
     }
 
     /// Returns the time after so many steps.
@@ -225,6 +249,33 @@ impl<'a, I: Method> Settings<'a, I> {
             momenta: ConfigurationOf::<I::System>::DEGREES_OF_FREEDOM,
             fingerprint,
         }
+    }
+}
+
+/// Checks the settings that divide steps against the noise, and against those that take other increments.
+fn check_steps<I: Method>(
+    ensemble: &Ensemble<'_, I>,
+    of: Option<&'static str>,
+    noise: &PathNoise,
+) -> Result<(), EnsembleError> {
+    let divides = [
+        (ensemble.has_stops(), "stop_at"),
+        (!ensemble.passages.is_empty(), "first_passage"),
+        (ensemble.refine > 0, "refine"),
+    ];
+    let of = of.or(ensemble.antithetic.then_some("antithetic"));
+    match divides.into_iter().find(|(is_set, _)| *is_set) {
+        None => Ok(()),
+        Some((_, setting)) => match of {
+            Some(first) => Err(EnsembleError::NotTogether {
+                settings: [first, setting],
+                why: "a path is not known within its steps there",
+            }),
+            None if noise.within_steps(0).is_none() => {
+                Err(EnsembleError::NoiseWithinSteps { setting })
+            }
+            None => Ok(()),
+        },
     }
 }
 

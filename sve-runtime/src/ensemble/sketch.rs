@@ -5,7 +5,7 @@
 //!
 //! Values of weight 2ˡ are in level l. A level with more than `size` values is sorted, and every other one moves up with twice the weight: the first, third, … and the
 //! second, fourth, … one in turn. That changes any rank by at most 2ˡ, so the sum of these weights bounds the error of all ranks. For n values it is at most n/`size` times the number of
-//! levels, log₂(n/`size`), and the error itself is much smaller, since those of successive turns have opposite signs.
+//! levels, ⌈log₂(n/`size`)⌉, and the error itself is much smaller, since those of successive turns have opposite signs.
 //!
 //! Source: G. S. Manku, S. Rajagopalan, B. G. Lindsay, *Approximate medians and other order statistics in one pass and with limited memory*, SIGMOD (1998); P. K. Agarwal, G. Cormode, Z. Huang,
 //! J. M. Phillips, Z. Wei, K. Yi, *Mergeable summaries*, ACM Trans. Database Syst. 38, 26 (2013).

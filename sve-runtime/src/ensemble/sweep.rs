@@ -71,7 +71,7 @@ where
     /// [`run_from`](Self::run_from) is the same without differences, and gives each start paths of its own unless they are shared.
     ///
     /// # Errors
-    /// As [`sweep`](Self::sweep).
+    /// As [`sweep`](Self::sweep); [`EnsembleError::SweepTimes`] unless all starts have one time.
     pub fn sweep_starts(&self, starts: &[State<Q>]) -> Result<Sweep, EnsembleError> {
         let starts: Vec<_> = starts.iter().map(|start| Starts::Same(*start)).collect();
         let legs = starts.iter().map(|start| Leg {
@@ -93,6 +93,11 @@ where
         let Some(first) = coupled.legs.first() else {
             return Err(EnsembleError::EmptyTable);
         };
+        let mut starts = coupled.legs.iter().map(|leg| leg.start_time).enumerate();
+        if let Some((row, t)) = starts.find(|(_, t)| *t != first.start_time) {
+            let first = first.start_time;
+            return Err(EnsembleError::SweepTimes { row, t, first });
+        }
         sizes::differences(self, first.records, coupled.differences())?;
         let rows = coupled.legs.len();
         let mut trees = first

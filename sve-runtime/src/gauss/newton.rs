@@ -53,7 +53,7 @@ where
         };
         let x = solver.solve_block(
             block,
-            self.guess(&guess),
+            &self.guess(&guess),
             || self.constant_velocity(&guess),
             |x| self.rounding(x),
             |x| self.evaluate(x),

@@ -43,6 +43,7 @@ where
     Q: VectorCoordinates<N>,
 {
     type Dims = Dims<N, E, Q>;
+    type EulerNumbers = ();
     const AFFINE_MOMENTUM: bool = Sys::AFFINE_MOMENTUM;
     const ROLES: &'static [CoordinateRole] = Sys::ROLES;
     const FORCED: bool = Sys::FORCED;

@@ -91,6 +91,25 @@ pub(super) fn replace<F: FlatConfiguration<N>, const N: usize>(
     true
 }
 
+/// Replaces the state of a vector space by a finite one.
+///
+/// # Errors
+/// [`SolveError::NonFinite`] if the time does not change; the state is then unchanged.
+#[inline(always)]
+pub(crate) fn replace_by_finite<const N: usize>(
+    state: &mut State<[f64; N]>,
+    h: f64,
+    q: [f64; N],
+    p: [f64; N],
+) -> Result<(), SolveError> {
+    let t = state.t + h;
+    if !is_next_time(state.t, t) {
+        return Err(SolveError::NonFinite);
+    }
+    *state = State::at(t, q, p);
+    Ok(())
+}
+
 #[cold]
 pub(super) fn all_finite(q: &[f64], p: &[f64]) -> bool {
     q.iter().chain(p).all(|x| x.is_finite())

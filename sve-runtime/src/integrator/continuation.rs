@@ -100,10 +100,7 @@ where
         p: [0.0; N],
         x: system.start(state, &velocity, &acceleration),
     };
-    let scale = Scale {
-        q: state.q.size(),
-        p: state.p.size(),
-    };
+    let at_whole_step = Scale::of(system, state, &velocity, h);
     let step = |part: f64, noise: f64, guesses: &S::Unknowns| {
         let h = part * h;
         let solver = BlockSolver::warm_started(derived.newton, guesses.as_ref());
@@ -111,12 +108,18 @@ where
         let memory = &mut S::Memory::none();
         system.increment(&system.prepare(h), memory, state, h, &dw, &solver)
     };
-    let mut end = follow_path(start, scale, |part, x| step(part, 0.0, x))
-        .map_err(|step| ContinuationError::PathEnds { step, noise: 0.0 })?;
+    let mut end = follow_path(
+        start,
+        |part| at_whole_step.of_part(part),
+        |part, x| step(part, 0.0, x),
+    )
+    .map_err(|step| ContinuationError::PathEnds { step, noise: 0.0 })?;
     if dw.as_ref().iter().any(|&w| w != 0.0) {
-        end = follow_path(Point { at: 0.0, ..end }, scale, |noise, x| {
-            step(1.0, noise, x)
-        })
+        end = follow_path(
+            Point { at: 0.0, ..end },
+            |_| at_whole_step,
+            |noise, x| step(1.0, noise, x),
+        )
         .map_err(|noise| ContinuationError::PathEnds { step: 1.0, noise })?;
     }
     Ok((end.q, end.p, end.x))
@@ -134,11 +137,45 @@ struct Point<const N: usize, X> {
     x: X,
 }
 
-/// Largest magnitudes of configuration and momentum at the start of the step, which bound the rounding errors of the increments.
+/// Magnitudes that bound the rounding errors of the increments.
 #[derive(Clone, Copy)]
 struct Scale {
+    /// Largest magnitudes of configuration and momentum at the start of the step.
     q: f64,
     p: f64,
+    /// Largest momentum with which the configuration moves by its own size in the step, if constraints solve for momenta: impulses that hold the configuration on
+    /// the constraints have the rounding errors of the configuration, divided by the step size.
+    impulse: f64,
+}
+
+impl Scale {
+    fn of<S, Q, const N: usize, const M: usize>(
+        system: &S,
+        state: &State<Q::Flat>,
+        velocity: &[f64; N],
+        h: f64,
+    ) -> Self
+    where
+        S: System<Dims = Dims<N, M, Q>>,
+        Q: Coordinates<N>,
+    {
+        let q = state.q.size();
+        let impulse = if S::CONSTRAINTS.is_empty() {
+            0.0
+        } else {
+            let mass = system.lagrangian_jet(state.t, &state.q, velocity).dvv;
+            let rows = mass.iter().map(|row| row.iter().map(|m| m.abs()).sum());
+            rows.fold(0.0, f64::max) * q / h.abs()
+        };
+        let p = state.p.size();
+        Self { q, p, impulse }
+    }
+
+    /// The magnitudes of a step with a part of the step size.
+    fn of_part(self, part: f64) -> Self {
+        let impulse = self.impulse / part;
+        Self { impulse, ..self }
+    }
 }
 
 /// Follows a path from a point at 0 to 1. Returns its end.
@@ -147,7 +184,7 @@ struct Scale {
 /// The fraction at which the path ends before 1.
 fn follow_path<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>>(
     start: Point<N, X>,
-    scale: Scale,
+    scale: impl Fn(f64) -> Scale,
     solve: impl Fn(f64, &X) -> Result<([f64; N], [f64; N], X), SolveError>,
 ) -> Result<Point<N, X>, f64> {
     let mut here = start;
@@ -165,7 +202,9 @@ fn follow_path<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>>(
             .ok()
             .map(|(q, p, x)| Point { at: there, q, p, x });
         match found {
-            Some(found) if before.is_none() || found.is_near(&ahead, &here, &start, scale) => {
+            Some(found)
+                if before.is_none() || found.is_near(&ahead, &here, &start, scale(there)) =>
+            {
                 if there >= 1.0 {
                     return Ok(found);
                 }
@@ -221,10 +260,7 @@ impl<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>> Point<N, X> {
                 distance = distance.max((to - from).abs() / unit);
             }
         };
-        let Scale {
-            q: size_q,
-            p: size_p,
-        } = scale;
+        let (size_q, size_p) = (scale.q, scale.p.max(scale.impulse));
         for i in 0..N {
             let q = [self.q[i], ahead.q[i], last.q[i], start.q[i]];
             let p = [self.p[i], ahead.p[i], last.p[i], start.p[i]];

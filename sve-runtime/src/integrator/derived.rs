@@ -11,7 +11,7 @@ use crate::system::{Dims, System};
 use crate::variational::Memory;
 
 pub use super::compensated::solve_compensated_step;
-pub use super::gradient::{pull_back, push_forward};
+pub use super::gradient::{pull_back, push_forward, push_forward_lanes};
 pub use super::step::solve_step;
 pub use super::tangent::solve_with_derivatives;
 
@@ -175,7 +175,34 @@ macro_rules! __derived_rule {
                 dw: &$crate::IncrementLanesOf<Self>,
             ) -> $crate::__private::Mask {
                 $crate::__private::StepEquations::<$rule>::increment_lanes(
-                    self, prepared, states, next, h, dw, newton,
+                    self,
+                    prepared,
+                    states,
+                    next,
+                    h,
+                    dw,
+                    newton,
+                    &mut (),
+                )
+            }
+
+            #[inline(always)]
+            fn push_forward_lanes(
+                &self,
+                newton: &$crate::Newton,
+                prepared: &Self::Prepared,
+                states: &$crate::StateLanesOf<Self>,
+                next: &mut $crate::StateLanesOf<Self>,
+                h: f64,
+                dw: &$crate::IncrementLanesOf<Self>,
+                tangents: $crate::__private::lane::LaneDirections<
+                    '_,
+                    $crate::__private::lane::TangentLanesOf<Self>,
+                >,
+            ) -> [$crate::__private::Mask; 2] {
+                let derived = $crate::__private::DerivedStep::<Self, $rule>::new(self, newton);
+                $crate::__private::push_forward_lanes(
+                    derived, prepared, states, next, h, dw, tangents,
                 )
             }
 

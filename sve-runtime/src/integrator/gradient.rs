@@ -4,10 +4,12 @@ use super::{DerivedStep, Integrator};
 use crate::configuration::Coordinates;
 use crate::equations::StepEquations;
 use crate::error::{StepError, step_error};
+use crate::lanes::Mask;
+use crate::lanes::tangents::LaneDirections;
 use crate::linearisation::{Covector, Directions, Unknowns};
 use crate::method::{Differentiable, OneStepMethod};
 use crate::state::State;
-use crate::system::{Dims, System};
+use crate::system::{Dims, IncrementLanesOf, StateLanesOf, System, TangentLanesOf};
 use crate::variational::{Discretised, Memory};
 
 use super::step::solve_step;
@@ -37,6 +39,24 @@ where
     carried.map_err(|error| step_error(error, state, h, dw.as_ref()))?;
     *state = end;
     Ok(())
+}
+
+/// Makes a derived step in every lane and carries tangent vectors along it, see [`Discretised::push_forward_lanes`].
+#[inline(always)]
+pub fn push_forward_lanes<S: StepEquations<R>, R>(
+    derived: DerivedStep<'_, S, R>,
+    prepared: &S::Prepared,
+    states: &StateLanesOf<S>,
+    next: &mut StateLanesOf<S>,
+    h: f64,
+    dw: &IncrementLanesOf<S>,
+    tangents: LaneDirections<'_, TangentLanesOf<S>>,
+) -> [Mask; 2] {
+    let (system, newton) = (derived.system, derived.newton);
+    let mut unknowns = S::Unknowns::lanes();
+    let unsolved = system.increment_lanes(prepared, states, next, h, dw, newton, &mut unknowns);
+    let unfinished = system.linearise_lanes(states, h, dw, &unknowns, tangents);
+    [unsolved, unsolved | unfinished]
 }
 
 /// Carries derivatives by the result of a derived step back to its start, see [`Discretised::pull_back`].
@@ -82,6 +102,21 @@ where
         Q::in_coordinates(state, |state| {
             system.push_forward(self.newton(), prepared, state, h, dw, directions)
         })
+    }
+
+    #[inline(always)]
+    fn push_forward_lanes(
+        &self,
+        prepared: &Self::Prepared,
+        states: &StateLanesOf<S>,
+        next: &mut StateLanesOf<S>,
+        h: f64,
+        dw: &IncrementLanesOf<S>,
+        tangents: LaneDirections<'_, TangentLanesOf<S>>,
+    ) -> [Mask; 2] {
+        let (system, newton) = (OneStepMethod::system(self), self.newton());
+        let prepared = prepared.coefficients();
+        system.push_forward_lanes(newton, prepared, states, next, h, dw, tangents)
     }
 
     #[inline]

@@ -7,6 +7,7 @@ pub(crate) mod dispatch;
 pub(crate) mod elementary;
 pub(crate) mod newton;
 pub(crate) mod solve;
+pub(crate) mod tangents;
 
 use crate::configuration::Configuration;
 use crate::state::State;

@@ -80,6 +80,12 @@ impl DyadicInterval {
         self.level
     }
 
+    /// Length of the interval as a part of the step.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn fraction(self) -> f64 {
+        1.0 / (1_u64 << self.level) as f64
+    }
+
     /// Number of the interval among those of its level, from 0.
     pub const fn index(self) -> u64 {
         self.index

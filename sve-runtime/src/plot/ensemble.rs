@@ -7,7 +7,7 @@ use std::path::Path;
 use super::bounds::around;
 use super::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
 use super::{PlotError, page, palette, render};
-use crate::ensemble::{Histogram, Statistics, Summary};
+use crate::ensemble::{Histogram, Passages, Statistics, Summary};
 
 /// Half the width of bands and bars, in standard errors.
 const ERRORS: f64 = 2.0;
@@ -15,7 +15,7 @@ const ERRORS: f64 = 2.0;
 const SYMBOLS: usize = 12;
 
 impl Summary {
-    /// Writes a page with pictures of the means and histograms, and a table of the statistics at the end.
+    /// Writes a page with pictures of the means, histograms and first passages, and a table of the statistics at the end.
     ///
     /// Bands and bars have two standard errors on either side; of a histogram's bin with n of N paths that is √(n (1 − n/N)).
     ///
@@ -39,6 +39,7 @@ impl Summary {
     ///     .observe("energy", |system, state| system.hamiltonian(state))
     ///     .observe("q", |_, state| state.q[0])
     ///     .histogram("q", -40.0..40.0, 40)
+    ///     .first_passage("far out", |_, state| state.q[0] - 5.0)
     ///     .run()?;
     /// # let folder = std::env::temp_dir().join(format!("sve-{}", std::process::id()));
     /// # std::fs::create_dir_all(&folder)?;
@@ -48,7 +49,8 @@ impl Summary {
     /// let path = "oscillator.html";
     /// # */
     /// summary.write_html(path)?;
-    /// # assert!(std::fs::read_to_string(&written)?.contains("<svg"));
+    /// # let page = std::fs::read_to_string(&written)?;
+    /// # assert!(page.contains("<svg") && page.contains("of 200 paths passed") && page.contains("survival ± 2 standard errors"));
     /// # std::fs::remove_dir_all(&folder)?;
     /// # Ok(())
     /// # }
@@ -88,12 +90,13 @@ impl Summary {
     }
 }
 
-/// Panels of all observables, then of all histograms, two a row.
+/// Panels of all observables, then of all histograms, then of all first passages, two a row.
 fn figure(summary: &Summary) -> Figure {
     let times = summary.times();
     let means = summary.statistics().iter().map(|s| mean(times, s));
     let histograms = summary.histograms().iter().map(histogram);
-    let panels: Vec<Panel> = means.chain(histograms).collect();
+    let passages = summary.passages().iter().map(survival);
+    let panels: Vec<Panel> = means.chain(histograms).chain(passages).collect();
     let row = |panels: &[Panel]| Row {
         height: 320,
         panels: panels.to_vec(),
@@ -135,7 +138,7 @@ fn mean(times: &[f64], statistics: &Statistics) -> Panel {
     } else {
         layer.bars(ends)
     };
-    panel.with(layer).legend(Corner::TopRight)
+    panel.with(layer).legend(Corner::Outside)
 }
 
 fn histogram(histogram: &Histogram) -> Panel {
@@ -168,6 +171,42 @@ fn histogram(histogram: &Histogram) -> Panel {
     )
     .with(Layer::new("", outline, Pen::line(palette::BLUE, 1.2)).filled(0.0))
     .with(Layer::new("", points, Pen::dots(palette::BLUE, 0.0)).bars(ends))
+}
+
+/// The curve of survival with its band.
+fn survival(passages: &Passages) -> Panel {
+    let times = passages.times();
+    let survival = passages.survival();
+    let ends = survival.iter().zip(passages.survival_error());
+    let ends = ends.map(|(&s, error)| {
+        // without a survivor there is no error
+        let error = if error.is_nan() { 0.0 } else { ERRORS * error };
+        ((s - error).max(0.0), (s + error).min(1.0))
+    });
+    let ends: Vec<(f64, f64)> = ends.collect();
+    let points = times.iter().copied().zip(survival).collect();
+    let last = |counts: Vec<u64>| counts.last().copied().unwrap_or(0);
+    let (passed, censored) = (last(passages.passed()), last(passages.censored()));
+    let name = passages.name();
+    let title = match censored {
+        0 => format!("{name}: {passed} of {} paths passed", passages.paths()),
+        n => format!(
+            "{name}: {passed} of {} paths passed, {n} censored",
+            passages.paths()
+        ),
+    };
+    let layer = Layer::new(
+        "survival ± 2 standard errors",
+        points,
+        Pen::line(palette::BLUE, 1.5),
+    );
+    Panel::new(
+        title,
+        Axis::new("time t", around(times.iter().copied())),
+        Axis::new("not yet passed", 0.0..1.05),
+    )
+    .with(layer.band(ends))
+    .legend(Corner::BottomLeft)
 }
 
 fn table(summary: &Summary) -> String {

@@ -20,6 +20,7 @@
 mod axes;
 #[cfg(feature = "ensemble")]
 mod bounds;
+mod build;
 mod clip;
 mod draw;
 #[cfg(feature = "ensemble")]

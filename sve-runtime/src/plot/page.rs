@@ -9,8 +9,8 @@ svg { max-width: 100%; height: auto }
 figcaption { max-width: 75ch }
 table { border-collapse: collapse; font-size: 14px; font-variant-numeric: tabular-nums; margin: 1rem 0 2rem }
 th, td { text-align: left; padding: .25rem .75rem .25rem 0; border-bottom: 1px solid #ccc; vertical-align: top }
-td:nth-child(2), td:nth-child(3), th:nth-child(2), th:nth-child(3) { text-align: right }
-td:nth-child(2), td:nth-child(3), td:nth-child(4) { white-space: nowrap }
+.number { text-align: right; white-space: nowrap }
+code { font-size: inherit }
 .off td { font-weight: bold; background: #fbe3d6 }
 @media print { section { break-inside: avoid } }
 ";
@@ -25,10 +25,21 @@ pub fn document(title: &str, body: &str) -> String {
     )
 }
 
-/// A table: a head, and rows with the class of each, which may be empty.
+/// A table: a head, and rows with the class of each, which may be empty. Columns of numbers stand to the right, words between backticks are code.
 pub fn table<T: AsRef<str>>(head: &[&str], rows: &[(&str, Vec<T>)]) -> String {
+    let numbers: Vec<bool> = (0..head.len())
+        .map(|column| {
+            let cells = rows.iter().filter_map(|(_, cells)| cells.get(column));
+            let mut cells = cells.map(AsRef::as_ref).filter(|cell| !cell.is_empty());
+            let mut has_numbers = false;
+            cells.all(|cell| {
+                has_numbers = true;
+                is_number(cell)
+            }) && has_numbers
+        })
+        .collect();
     let mut text = String::from("<table>\n<thead>");
-    row(&mut text, "<tr>", "th", head);
+    row(&mut text, "<tr>", "th", head, &numbers);
     text.push_str("</thead>\n<tbody>\n");
     for (class, cells) in rows {
         let open = if class.is_empty() {
@@ -36,19 +47,52 @@ pub fn table<T: AsRef<str>>(head: &[&str], rows: &[(&str, Vec<T>)]) -> String {
         } else {
             format!("<tr class=\"{class}\">")
         };
-        row(&mut text, &open, "td", cells);
+        row(&mut text, &open, "td", cells, &numbers);
     }
     text.push_str("</tbody>\n</table>\n");
     text
 }
 
-fn row<T: AsRef<str>>(text: &mut String, open: &str, cell: &str, cells: &[T]) {
+/// Returns whether a cell is a number, also with the sign ± or a minus of typography.
+fn is_number(cell: &str) -> bool {
+    let digits = cell.trim_start_matches(['±', ' ']).replace('−', "-");
+    digits.parse::<f64>().is_ok()
+}
+
+fn row<T: AsRef<str>>(text: &mut String, open: &str, cell: &str, cells: &[T], numbers: &[bool]) {
     text.push_str(open);
-    for content in cells {
+    for (column, content) in cells.iter().enumerate() {
+        let class = if numbers.get(column) == Some(&true) {
+            " class=\"number\""
+        } else {
+            ""
+        };
         // writing into a String cannot fail
-        let _ = write!(text, "<{cell}>{}</{cell}>", escape(content.as_ref()));
+        let _ = write!(
+            text,
+            "<{cell}{class}>{}</{cell}>",
+            with_code(content.as_ref())
+        );
     }
     text.push_str("</tr>\n");
+}
+
+/// Returns a text as markup: what stands between backticks is code. A backtick without a second one stays.
+fn with_code(text: &str) -> String {
+    let parts: Vec<String> = text.split('`').map(escape).collect();
+    if parts.len().is_multiple_of(2) {
+        return escape(text);
+    }
+    let parts = parts.into_iter().enumerate();
+    parts
+        .map(|(i, part)| {
+            if i % 2 == 1 {
+                format!("<code>{part}</code>")
+            } else {
+                part
+            }
+        })
+        .collect()
 }
 
 /// Text with the characters escaped that HTML gives a meaning.
@@ -66,4 +110,22 @@ pub(super) fn write(path: &std::path::Path, page: &str) -> Result<(), super::Plo
     Ok(crate::file::write(path, |file| {
         file.write_all(page.as_bytes())
     })?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_of_numbers_are_marked_and_words_between_backticks_are_code() {
+        let rows = [
+            ("", vec!["`midpoint`", "−1.5e-3", "± 2", "holds"]),
+            ("off", vec!["a ` < b", "", "± 3", "2"]),
+        ];
+        let text = table(&["rule", "measured", "allowed", "verdict"], &rows);
+        assert!(text.contains("<th>rule</th><th class=\"number\">measured</th>"));
+        assert!(text.contains("<td><code>midpoint</code></td><td class=\"number\">−1.5e-3</td>"));
+        assert!(text.contains("<td>a ` &lt; b</td><td class=\"number\"></td>"));
+        assert!(text.contains("<td class=\"number\">± 3</td><td>2</td>"));
+    }
 }

@@ -65,7 +65,7 @@ macro_rules! table_writers {
 
             #[doc = concat!("Writes ", $what, " as a structured array of `NumPy`, whose fields are the columns of [`write_csv`](Self::write_csv): `numpy.load(\"x.npy\")[\"t\"]`.")]
             ///
-            /// A number that does not exist is NaN.
+            /// A number that does not exist is NaN. Where there are hundreds of columns their names exceed what `numpy.load` reads unasked, 10,000 bytes; it reads them with `max_header_size=10**6`.
             ///
             /// # Errors
             /// The errors of the writer.

@@ -134,7 +134,7 @@ impl StateTable {
     /// The first error of the function.
     ///
     /// # Panics
-    /// If the states are those of a system with other coordinates.
+    /// If the states are those of a system with other coordinates, or there is a column of this name.
     pub fn with<S: System, O: Observed>(
         mut self,
         system: &S,
@@ -151,7 +151,13 @@ impl StateTable {
         let values = (0..self.rows())
             .map(|row| function(system, &self.state::<S>(row)).observed())
             .collect::<Result<_, _>>()?;
-        self.columns.push((name.into(), values));
+        let name = name.into();
+        let is_new = name != "path" && self.get(&name).is_none();
+        assert!(
+            is_new,
+            "there is a column `{name}` already: give the values another name"
+        );
+        self.columns.push((name, values));
         Ok(self)
     }
 

@@ -131,7 +131,8 @@ where
     /// asked for the increments of a step several times. Systems with rotations are excluded.
     ///
     /// # Errors
-    /// A [`StepError`] if a step fails, if the noise has no increments for it, or if its equations are singular; [`StepError::NonFiniteLoss`].
+    /// A [`StepError`] if a step fails, if the noise has no increments for it, or if its equations are singular; [`StepError::NonFiniteLoss`];
+    /// [`StepError::UnknownParameter`].
     pub fn gradient(
         self,
         steps: u64,

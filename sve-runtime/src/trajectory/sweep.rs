@@ -141,7 +141,7 @@ where
                 (self.loss)(number, state)
             })
         };
-        let Some(loss) = along(&Field::ZERO, None) else {
+        let Some(loss) = along(&Field::ZERO, None)? else {
             return Ok(());
         };
         let (mut by_state, mut by_parameters) = (Field::ZERO, Vec::new());
@@ -149,10 +149,10 @@ where
         for i in 0..N {
             let [mut q, mut p] = [Field::ZERO; 2];
             (q.q[i], p.p[i]) = (1.0, 1.0);
-            (by_state.q[i], by_state.p[i]) = (slope(along(&q, None)), slope(along(&p, None)));
+            (by_state.q[i], by_state.p[i]) = (slope(along(&q, None)?), slope(along(&p, None)?));
         }
         for &parameter in &*{ reads.borrow().clone() } {
-            let slope = slope(along(&Field::ZERO, Some(parameter)));
+            let slope = slope(along(&Field::ZERO, Some(parameter))?);
             by_parameters.push((parameter, slope));
         }
         let mut sum = loss.value() + self.value;

@@ -3,6 +3,7 @@
 mod baoab;
 mod convergence;
 mod failures;
+mod increments;
 mod mechanics;
 mod models;
 mod moments;

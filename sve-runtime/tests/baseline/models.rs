@@ -33,6 +33,7 @@ pub(crate) struct Oscillator {
 
 impl System for Oscillator {
     type Dims = Dims<1, 1>;
+    type EulerNumbers = ();
     const AFFINE_MOMENTUM: bool = true;
 
     fn lagrangian_jet(&self, _t: f64, [q]: &[f64; 1], [v]: &[f64; 1]) -> LagrangianJet<1> {
@@ -63,6 +64,7 @@ pub(crate) struct Kubo {
 
 impl System for Kubo {
     type Dims = Dims<1, 1>;
+    type EulerNumbers = ();
     const AFFINE_MOMENTUM: bool = true;
 
     fn lagrangian_jet(&self, _t: f64, [q]: &[f64; 1], [v]: &[f64; 1]) -> LagrangianJet<1> {
@@ -96,6 +98,7 @@ pub(crate) struct Pendulum {
 
 impl System for Pendulum {
     type Dims = Dims<1, 0>;
+    type EulerNumbers = ();
     const AFFINE_MOMENTUM: bool = true;
 
     fn lagrangian_jet(&self, _t: f64, [q]: &[f64; 1], [v]: &[f64; 1]) -> LagrangianJet<1> {
@@ -124,6 +127,7 @@ pub(crate) struct Polar {
 
 impl System for Polar {
     type Dims = Dims<2, 2>;
+    type EulerNumbers = ();
     const AFFINE_MOMENTUM: bool = true;
 
     fn lagrangian_jet(&self, _t: f64, [r, _]: &[f64; 2], [vr, w]: &[f64; 2]) -> LagrangianJet<2> {
@@ -169,6 +173,7 @@ pub(crate) struct Damped {
 
 impl System for Damped {
     type Dims = Dims<1, 0>;
+    type EulerNumbers = ();
     const AFFINE_MOMENTUM: bool = true;
 
     fn lagrangian_jet(&self, t: f64, [q]: &[f64; 1], [v]: &[f64; 1]) -> LagrangianJet<1> {
@@ -199,6 +204,7 @@ pub(crate) struct Relativistic<const N: usize> {
 
 impl<const N: usize> System for Relativistic<N> {
     type Dims = Dims<N, 0>;
+    type EulerNumbers = ();
     const AFFINE_MOMENTUM: bool = false;
 
     fn lagrangian_jet(&self, _t: f64, q: &[f64; N], v: &[f64; N]) -> LagrangianJet<N> {

@@ -2,9 +2,12 @@
 //! compiled once for all tests.
 
 use sve_runtime::__private::Unstructured;
+use sve_runtime::__private::lane::{LaneDirections, TangentLanes};
 use sve_runtime::noise::Noise;
 use sve_runtime::prelude::*;
-use sve_runtime::{Discretised, Dual, LANES, Lane, Mask, Plan, StateLanes, Variational};
+use sve_runtime::{
+    Differentiable, Discretised, Dual, LANES, Lane, Mask, Plan, StateLanes, Variational,
+};
 
 use crate::functions::{Functions, Matrix, Point, TypedModel, Vector, array};
 use crate::oracle::{Model, Nodes, Rule};
@@ -17,6 +20,18 @@ pub struct Derivatives {
     pub defect: f64,
     /// The derivatives of (q, p) in each parameter.
     pub sensitivity: Vec<(&'static str, Vector)>,
+}
+
+/// The states after a step in lanes with tangent vectors.
+pub struct LaneTangents {
+    /// The states.
+    pub states: Vec<Point>,
+    /// The lanes that were not solved.
+    pub unsolved: Mask,
+    /// The lanes whose vectors have no meaning.
+    pub unfinished: Mask,
+    /// The vectors of each lane: along each coordinate, each momentum and each parameter.
+    pub vectors: Vec<Matrix>,
 }
 
 /// A loss of the number of a state, its coordinates and its momenta.
@@ -108,6 +123,16 @@ pub trait Case {
         h: f64,
         dw: &[Vector],
     ) -> Result<(Vec<Point>, Mask), StepError>;
+    /// Steps a state in each lane, with the tangent vectors along each coordinate, each momentum and each parameter.
+    ///
+    /// # Errors
+    /// That of the step size.
+    fn tangents_in_lanes(
+        &self,
+        states: &[Point],
+        h: f64,
+        dw: &[Vector],
+    ) -> Result<LaneTangents, StepError>;
     /// The energy of a state in each lane, as the loop over lanes gives it and as the function of a single state does.
     fn energies(&self, states: &[Point]) -> Vec<[f64; 2]>;
     /// The states of a trajectory.
@@ -148,6 +173,22 @@ where
     R: Rule + Copy + 'static,
 {
     Box::new(TypedCase(Integrator::new(system, rule)))
+}
+
+/// States and increments, in lanes.
+fn in_lanes<const N: usize, const M: usize>(
+    states: &[Point],
+    dw: &[Vector],
+) -> (StateLanes<N>, [Lane; M]) {
+    let mut typed = StateLanes::splat(&State::new([0.0; N], [0.0; N]));
+    let mut increments: [Lane; M] = [[0.0; LANES]; M];
+    for lane in 0..LANES {
+        typed.set(lane, &states[lane].state());
+        for i in 0..M {
+            increments[i][lane] = dw[lane][i];
+        }
+    }
+    (typed, increments)
 }
 
 fn path<'a, const N: usize>(
@@ -260,19 +301,53 @@ where
         h: f64,
         dw: &[Vector],
     ) -> Result<(Vec<Point>, Mask), StepError> {
-        let mut typed = StateLanes::splat(&State::new([0.0; N], [0.0; N]));
-        let mut increments: [Lane; M] = [[0.0; LANES]; M];
-        for lane in 0..LANES {
-            typed.set(lane, &states[lane].state());
-            for i in 0..M {
-                increments[i][lane] = dw[lane][i];
-            }
-        }
+        let (typed, increments) = in_lanes::<N, M>(states, dw);
         let mut next = typed;
         let prepared = OneStepMethod::prepare(&self.0, h)?;
         let left = OneStepMethod::step_lanes(&self.0, &prepared, &typed, &mut next, h, &increments);
         let points = (0..LANES).map(|lane| Point::of(&next.get(lane))).collect();
         Ok((points, left))
+    }
+
+    fn tangents_in_lanes(
+        &self,
+        states: &[Point],
+        h: f64,
+        dw: &[Vector],
+    ) -> Result<LaneTangents, StepError> {
+        let (typed, increments) = in_lanes::<N, M>(states, dw);
+        let mut next = typed;
+        let prepared = OneStepMethod::prepare(&self.0, h)?;
+        let parameters = (0..S::PARAMETERS.len()).map(Some);
+        let parameters: Vec<_> = std::iter::repeat_n(None, 2 * N).chain(parameters).collect();
+        let start = TangentLanes {
+            q: [[0.0; LANES]; N],
+            p: [[0.0; LANES]; N],
+        };
+        let mut start = vec![start; parameters.len()];
+        for i in 0..N {
+            start[i].q[i] = [1.0; LANES];
+            start[N + i].p[i] = [1.0; LANES];
+        }
+        let mut end = start.clone();
+        let directions = LaneDirections {
+            start: &start,
+            next: &mut end,
+            parameters: &parameters,
+        };
+        let [unsolved, unfinished] =
+            (self.0).push_forward_lanes(&prepared, &typed, &mut next, h, &increments, directions);
+        let vector = |field: &TangentLanes<N>, lane: usize| {
+            let entries = field.q.iter().chain(&field.p);
+            entries.map(|row| row[lane]).collect()
+        };
+        let of_lane = |lane| end.iter().map(|field| vector(field, lane)).collect();
+        Ok(LaneTangents {
+            states: (0..LANES).map(|lane| Point::of(&next.get(lane))).collect(),
+            unsolved,
+            unfinished,
+            vectors: (0..LANES).map(of_lane).collect(),
+        })
     }
 
     fn energies(&self, states: &[Point]) -> Vec<[f64; 2]> {

@@ -5,8 +5,8 @@ use std::marker::PhantomData;
 use sve_runtime::__private::{Covector, Directions, Mask};
 use sve_runtime::nalgebra::DMatrix;
 use sve_runtime::{
-    Dimensions, Dims, Discretised, IncrementLanesOf, Lane, Newton, Plan, State, StateLanesOf,
-    StepError, System, VectorCoordinates, VectorOf,
+    Dimensions, Dims, Discretised, EulerIncrement, IncrementLanesOf, IncrementsOf, Lane, Newton,
+    Plan, State, StateLanesOf, StepError, System, VectorCoordinates, VectorOf,
 };
 
 /// The system `S` with configurations of the type `Q`.
@@ -38,6 +38,37 @@ where
     const FORCED: bool = S::FORCED;
     const PARAMETERS: &'static [&'static str] = S::PARAMETERS;
     const FORMULAS: u64 = S::FORMULAS;
+    type EulerNumbers = S::EulerNumbers;
+    const HAS_EULER_INCREMENT: bool = S::HAS_EULER_INCREMENT;
+    const EULER_STAGES_IN_LANES: usize = S::EULER_STAGES_IN_LANES;
+
+    fn euler_numbers(&self, h: f64) -> Option<S::EulerNumbers> {
+        self.0.euler_numbers(h)
+    }
+
+    fn euler_increment(
+        &self,
+        prepared: &S::EulerNumbers,
+        t: f64,
+        q: &VectorOf<Self>,
+        p: &VectorOf<Self>,
+        h: f64,
+        dw: &IncrementsOf<Self>,
+    ) -> Option<EulerIncrement<VectorOf<Self>>> {
+        self.0.euler_increment(prepared, t, q, p, h, dw)
+    }
+
+    fn euler_increment_in_lane(
+        &self,
+        prepared: &S::EulerNumbers,
+        t: f64,
+        q: &VectorOf<Self>,
+        p: &VectorOf<Self>,
+        h: f64,
+        dw: &IncrementsOf<Self>,
+    ) -> Option<EulerIncrement<VectorOf<Self>>> {
+        self.0.euler_increment_in_lane(prepared, t, q, p, h, dw)
+    }
 
     fn parameters(&self, visit: &mut dyn FnMut(f64)) {
         self.0.parameters(visit);

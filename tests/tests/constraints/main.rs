@@ -10,7 +10,9 @@ mod plan;
 mod preserved;
 mod rattle;
 mod reference;
+mod rest;
 mod roots;
+
 mod starts;
 mod symplectic;
 mod systems;

@@ -186,3 +186,24 @@ fn what_supposes_independent_paths_is_refused() {
         assert!(matches!(error, EnsembleError::AntitheticPairs), "{error}");
     }
 }
+
+/// Within a step the source knows the path of one increment, and not that of its mirror image.
+#[test]
+fn what_divides_steps_is_refused() {
+    let method = method();
+    let ensemble = || {
+        let ensemble = Ensemble::new(&method).paths(10).steps(0.1, 2);
+        ensemble.start(State::new([1.0], [0.0])).antithetic(true)
+    };
+    for refused in [
+        ensemble().stop_at("zero", |_, s| s.q[0]),
+        ensemble().first_passage("zero", |_, s| s.q[0]),
+        ensemble().refine(3),
+    ] {
+        let error = refused.run().unwrap_err();
+        assert!(
+            matches!(error, EnsembleError::NotTogether { .. }),
+            "{error}"
+        );
+    }
+}

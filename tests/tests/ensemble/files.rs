@@ -51,7 +51,7 @@ fn table(summary: &Summary) -> Vec<(String, Vec<f64>)> {
     table
 }
 
-fn same(a: f64, b: f64) -> bool {
+pub(crate) fn same(a: f64, b: f64) -> bool {
     a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan()
 }
 
@@ -129,6 +129,9 @@ fn npy() {
     let length = usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
     assert_eq!((10 + length) % 64, 0);
     assert_eq!(bytes.len(), 10 + length + 2 * 7 * 8);
+    let header = std::str::from_utf8(&bytes[10..10 + length]).unwrap();
+    assert!(header.contains(r"('it\'s_mean', '<f8'), "), "{header}");
+    assert!(header.ends_with('\n'));
 }
 
 fn ensemble_of_one_name(method: &Method) -> Summary {
@@ -210,7 +213,7 @@ fn serde_of_states_and_errors() {
     assert!(matches!(back, StepError::StepSize { h } if h.is_nan()));
 }
 
-fn scratch(name: &str) -> PathBuf {
+pub(crate) fn scratch(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name)
 }
 

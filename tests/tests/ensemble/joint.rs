@@ -87,8 +87,22 @@ fn covariances_are_those_of_the_recursion() {
                 within(
                     momentum.covariance(s, t),
                     exact[1][1],
-                    two.standard_error(s, t).max(1e-3),
+                    momentum.standard_error(s, t),
                 );
+                let variances = [states[10 * s].1, states[10 * t].1];
+                // var(s₁₂) = (c₁₁ c₂₂ + c₁₂²)/(n − 1) for a Gaussian, of which fourth moments are known to 3 %
+                for (found, [first, second], exact) in [
+                    (&two, [0, 1], exact[0][1]),
+                    (&momentum, [1, 1], exact[1][1]),
+                ] {
+                    let [a, b] = [variances[0][first][first], variances[1][second][second]];
+                    let error = ((a * b + exact * exact) / (PATHS as f64 - 1.0)).sqrt();
+                    let ratio = found.standard_error(s, t) / error;
+                    assert!((ratio - 1.0).abs() < 0.1, "{s} {t} {ratio}");
+                    let rho = exact / (a * b).sqrt();
+                    let off = found.correlation(s, t) - rho;
+                    assert!(off.abs() < 5.0 / (PATHS as f64).sqrt(), "{s} {t} {off}");
+                }
             }
             assert_eq!(
                 momentum.covariance(s, t).to_bits(),

@@ -1,12 +1,27 @@
 //! The multilevel method: its noise path by path, exact moments of its levels, bias, bits.
 
+use std::collections::BTreeSet;
+use std::sync::Mutex;
 use std::time::Duration;
 
 use sve_models::models::Oscillator;
+use sve_runtime::ensemble::By;
 use sve_runtime::noise::{Recorded, ThreePoint};
 use sve_runtime::prelude::*;
 
 use crate::exact::Gaussian;
+
+/// Without noise: every path is the same.
+struct Swing {
+    g: f64,
+}
+
+#[variational(endpoint)]
+impl Swing {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v + self.g * q.cos()
+    }
+}
 
 const H: f64 = 0.5;
 const STEPS: u64 = 4;
@@ -208,6 +223,31 @@ fn impossible_estimates_are_errors() {
     assert!(found.to_string().contains("the error -1e0"), "{found}");
     let found = error(ensemble(&method).noise(ThreePoint::new(1)), 0.1);
     assert!(matches!(found, EnsembleError::NoSums), "{found}");
+    let few = ensemble(&method).multilevel("q²").deepest(1).run(0.1);
+    assert!(matches!(
+        few,
+        Err(EnsembleError::TooFewLevels { deepest: 1 })
+    ));
+    let refined = Wiener::new(1).refine(2).unwrap();
+    for (ensemble, setting) in [
+        (ensemble(&method).noise(refined), "refined noise"),
+        (ensemble(&method).refine(3), "refine"),
+        (ensemble(&method).stop_at("x", |_, s| s.q[0]), "stop_at"),
+        (
+            ensemble(&method).first_passage("x", |_, s| s.q[0]),
+            "first_passage",
+        ),
+        (
+            ensemble(&method).keep_final_states(true),
+            "keep_final_states",
+        ),
+    ] {
+        let found = error(ensemble, 0.1).to_string();
+        assert!(
+            found.starts_with(&format!("`multilevel` and `{setting}` do not")),
+            "{found}"
+        );
+    }
     let found = error(ensemble(&method).shard(0, 2), 0.1);
     assert!(matches!(found, EnsembleError::MultilevelInParts), "{found}");
     let found = error(ensemble(&method).checkpoint("x.sve", Duration::ZERO), 0.1);
@@ -223,4 +263,89 @@ fn impossible_estimates_are_errors() {
         found.to_string().contains("level 0") && found.to_string().contains("256 of 256"),
         "{found}"
     );
+}
+
+/// An average over [1, 4] has the same interval on all levels, and so has a derivative by a parameter during some steps.
+#[test]
+fn steps_in_settings_are_those_of_the_coarsest_level() {
+    let method = method();
+    let estimate = ensemble(&method)
+        .steps(H, 8)
+        .settle(2)
+        .average("t", |_, s| s.t)
+        .multilevel("t")
+        .run(0.1)
+        .unwrap();
+    assert!((estimate.mean() - 2.5).abs() < 1e-14, "{estimate}");
+    assert!(estimate.bias() < 1e-14, "{estimate}");
+
+    // the sum of the levels is the mean of the last one where all paths are the same
+    let method = Integrator::new(Swing { g: 2.0 }, Endpoint);
+    let of = |level: u32| {
+        Ensemble::new(&method)
+            .paths(64)
+            .steps(H / f64::from(1 << level), STEPS << level)
+            .start(State::new([0.5], [0.0]))
+            .gradient("x", [By::during("g", 1 << level..3 << level)], |s| s.q[0])
+    };
+    let estimate = of(0).multilevel("∂x/∂g in 1..3").run(0.05).unwrap();
+    let last = estimate.levels().len() as u32 - 1;
+    let expected = of(last).run().unwrap();
+    let steps = 1 << last..3 << last;
+    let expected = expected.derivative("x", By::during("g", steps)).unwrap();
+    let difference = estimate.mean() - expected.mean()[1];
+    assert!(difference.abs() < 1e-14, "{estimate} {difference}");
+}
+
+/// Each level has starts of its own, common to its two runs.
+#[test]
+fn levels_have_independent_random_starts() {
+    let method = method();
+    let starts = Mutex::new(BTreeSet::new());
+    let estimate = ensemble(&method)
+        .start_with(|_, rng| {
+            let q = rng.normal();
+            starts.lock().unwrap().insert(q.to_bits());
+            State::new([q], [0.0])
+        })
+        .multilevel("q²")
+        .run(0.3)
+        .unwrap();
+    let paths: u64 = estimate.levels().iter().map(|level| level.paths).sum();
+    assert_eq!(starts.into_inner().unwrap().len() as u64, paths);
+}
+
+/// Where three of four paths fail, four times as many are run.
+#[test]
+fn paths_that_fail_do_not_count() {
+    let method = method();
+    let wanted = 0.1;
+    let estimate = ensemble(&method)
+        .start_with(|path, _| {
+            let q = if path % 4 == 0 { 1.0 } else { f64::NAN };
+            State::new([q], [0.0])
+        })
+        .multilevel("q²")
+        .run(wanted)
+        .unwrap();
+    let level = &estimate.levels()[0];
+    assert!(level.paths > 1000 && 4 * level.failed == 3 * level.paths);
+    assert!(estimate.standard_error() < 1.02 * wanted / 2.0_f64.sqrt());
+}
+
+/// The largest of the last three differences, each scaled to the last level, over 2ʷ − 1.
+#[test]
+fn the_bias_follows_the_weak_order() {
+    let method = method();
+    let ensemble = ensemble(&method);
+    for order in [1.0, 1.5, 2.0] {
+        let estimate = ensemble.multilevel("q²").weak_order(order).run(0.1);
+        let estimate = estimate.unwrap();
+        let factor = order.exp2();
+        let differences = estimate.levels()[1..].iter().rev().take(3).zip(0..);
+        let scaled = differences.map(|(level, k)| level.mean.abs() / factor.powi(k));
+        let expected = scaled.fold(0.0, f64::max) / (factor - 1.0);
+        let off = estimate.bias() / expected - 1.0;
+        assert!(off.abs() < 1e-14, "{order}: {off:e}");
+    }
 }

@@ -263,7 +263,24 @@ fn kaplan_meier(mut ends: Vec<(f64, bool)>, t: f64) -> (f64, f64) {
     (survival, survival * f64::sqrt(sum))
 }
 
-/// Paths are censored at recorded times only, so that the estimate from counts is that from single events.
+/// The documented estimate from counts: a path that is censored between two recorded times counts there for the part of that time in which it was at risk.
+fn from_counts(ends: &[(f64, bool)], times: &[f64]) -> Vec<(f64, f64)> {
+    let (mut survival, mut sum, mut all) = (1.0, 0.0, vec![(1.0, 0.0)]);
+    for pair in times.windows(2) {
+        let is_within = |end: &&(f64, bool)| end.0 > pair[0] && end.0 <= pair[1];
+        let part = |time: f64| (time - pair[0]) / (pair[1] - pair[0]);
+        let passed = ends.iter().filter(is_within).filter(|end| end.1).count() as f64;
+        let censored = ends.iter().filter(is_within).filter(|end| !end.1);
+        let at_risk = ends.iter().filter(|end| end.0 > pair[0]).count() as f64;
+        let at_risk = at_risk - censored.map(|end| 1.0 - part(end.0)).sum::<f64>();
+        survival *= 1.0 - passed / at_risk;
+        sum += passed / (at_risk * (at_risk - passed));
+        all.push((survival, survival * f64::sqrt(sum)));
+    }
+    all
+}
+
+/// Few paths are censored between recorded times, so that the estimate from counts is nearly that from single events.
 #[test]
 fn survival_with_censoring_is_that_of_kaplan_and_meier() {
     let method = free();
@@ -300,6 +317,43 @@ fn survival_with_censoring_is_that_of_kaplan_and_meier() {
     let ends: Vec<(f64, bool)> = ends.collect();
     let wall = summary.passage("wall").unwrap();
     assert!(wall.censored()[6] > 20, "{}", wall.censored()[6]);
+    let is_between = |end: &&(f64, bool)| !end.1 && end.0 > 1.2 && end.0 < 1.5;
+    assert!(ends.iter().filter(is_between).count() > 2);
+    // the time of a failure is that of the whole step
+    let whole = |end: &(f64, bool)| {
+        if end.1 {
+            *end
+        } else {
+            ((8.0 * end.0).ceil() / 8.0, false)
+        }
+    };
+    let ends: Vec<(f64, bool)> = ends.iter().map(whole).collect();
+    let exact = from_counts(&ends, summary.times());
+    for (record, (survival, error)) in exact.into_iter().enumerate() {
+        assert!(
+            (wall.survival()[record] - survival).abs() < 1e-12,
+            "{record}"
+        );
+        assert!(
+            (wall.survival_error()[record] - error).abs() < 1e-12,
+            "{record}"
+        );
+    }
+    // passages and time at risk from t = 1 on, with the time of the censored paths
+    let (events, exposure) = ends
+        .iter()
+        .filter(|end| end.0 > 1.0)
+        .fold((0, 0.0), |sum, end| {
+            let has_passed = u64::from(end.1 && end.0 <= 3.0);
+            (sum.0 + has_passed, sum.1 + end.0.min(3.0) - 1.0)
+        });
+    let rate = wall.rate(2);
+    assert_eq!(rate.events, events);
+    assert!(
+        (rate.exposure - exposure).abs() < 1e-10,
+        "{}",
+        rate.exposure
+    );
     for record in 0..=6 {
         let t = summary.times()[record];
         let (survival, error) = kaplan_meier(ends.clone(), t);

@@ -154,3 +154,40 @@ fn refined_paths_stop_where_trajectories_stop() {
         assert!((state.t - end.t).abs() < h, "{path}: {} {}", state.t, end.t);
     }
 }
+
+/// The search for a zero refines the parts of a step that have no solution, as the path itself does: else a path that crosses in such a step would fail.
+#[test]
+fn passages_within_refined_steps_are_found() {
+    let method = Integrator::new(Rotor, Midpoint);
+    let ensemble = || {
+        Ensemble::new(&method)
+            .paths(1000)
+            .seed(1)
+            .steps(0.5, 12)
+            .start(State::new([0.0], [2.0]))
+            .refine(16)
+    };
+    let side = |q: f64| q < 1.0;
+    let free = ensemble()
+        .fold(
+            "crossed",
+            |_, s| (side(s.q[0]), false),
+            |(last, crossed), _, s| *crossed |= *last != side(s.q[0]),
+            |(_, crossed)| f64::from(u8::from(*crossed)),
+        )
+        .run()
+        .unwrap();
+    let (failed, refined) = (free.failed(), free.refined_steps());
+    assert!(failed == 0 && refined > 150, "{failed} {refined}");
+    let crossed = 1000.0 * free["crossed"].mean()[1];
+    let stopped = ensemble()
+        .stop_at("wall", |_, s| s.q[0] - 1.0)
+        .run()
+        .unwrap();
+    assert_eq!(stopped.failed(), 0);
+    let passed = stopped.passage("wall").unwrap().passed()[1];
+    assert!(
+        passed > 300 && (passed as f64 - crossed).abs() < 0.5,
+        "{passed} {crossed}"
+    );
+}

@@ -21,7 +21,7 @@ fn sound(method: &Method) -> Ensemble<'_, Method> {
 #[test]
 fn errors() {
     let method = kubo();
-    let cases: [(Change, &str); 27] = [
+    let cases: [(Change, &str); 30] = [
         (|e| e.paths(0), "`paths` was given 0"),
         (|e| e.steps(0.1, 0), "`steps` was given 0"),
         (|e| e.steps(0.0, 10), "h = 0 must be finite and not zero"),
@@ -38,6 +38,15 @@ fn errors() {
             "not finite; take fewer or shorter steps",
         ),
         (|e| e.record_every(0), "write 1 to record each step"),
+        (
+            |e| e.steps(0.1, 10).settle(10).average("x", |_, s| s.q[0]),
+            "`settle(10)` leaves nothing to average: a path makes 10 steps",
+        ),
+        (|e| e.resume(true), "`.checkpoint("),
+        (
+            |e| e.antithetic(true).paths(2).stop_at("x", |_, s| s.q[0]),
+            "`antithetic` and `stop_at` do not go together",
+        ),
         (|e| e.threads(0), "leave it out to use every core"),
         (
             |e| e.observe("q", |_, _| 1.0),

@@ -284,6 +284,18 @@ fn of_starts_and_observables_that_differ_little_do_not_merge() {
     };
     let what = refused(&late(f64::INFINITY).shard(0, 2), &late(4.0).shard(1, 2));
     assert_eq!(what, Difference::Values);
+    let folded = |factor: f64, offset: f64, shard| {
+        from_rest(&method, shard).fold(
+            "x",
+            |_, state| state.q[0],
+            move |x, _, state| *x += factor * state.q[0].abs(),
+            move |x| x + if *x == 0.0 { 0.0 } else { offset },
+        )
+    };
+    for (factor, offset) in [(1.0 + 1e-12, 0.0), (1.0, 1e-12)] {
+        let what = refused(&folded(1.0, 0.0, 0), &folded(factor, offset, 1));
+        assert_eq!(what, Difference::Values);
+    }
 }
 
 #[test]

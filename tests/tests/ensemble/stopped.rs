@@ -108,12 +108,15 @@ fn memories_are_those_of_replayed_paths() {
     let failed: Vec<u64> = summary.failures().iter().map(|f| f.path).collect();
     let starts = starts(&method);
     let (mut area, mut highest, mut lowest, mut turns) = (0.0, 0.0, 0.0, 0.0);
+    let (mut kinetic, mut stopped) = (0.0, 0);
     for &(path, end) in &ends {
         let mut last = State::new([starts[path as usize]], [0.0]);
         let (mut sum, mut top, mut low, mut count) = (0.0, last.q[0], last.q[0], 0.0);
+        let mut energy = 0.0;
         for state in ensemble.replay(path).unwrap() {
             let state = state.unwrap();
             sum += 0.5 * (state.t - last.t) * (last.q[0] + state.q[0]);
+            energy += 0.25 * (state.t - last.t) * (last.p[0].powi(2) + state.p[0].powi(2));
             top = state.q[0].max(top);
             low = state.q[0].min(low);
             if last.p[0] * state.p[0] < 0.0 {
@@ -123,6 +126,9 @@ fn memories_are_those_of_replayed_paths() {
         }
         assert_eq!(last.t, end, "path {path}");
         area += sum;
+        // the average of a path that has stopped is that until its end
+        kinetic += energy / end;
+        stopped += u32::from(end < 300.0 * H);
         highest += top;
         lowest += low;
         turns += count;
@@ -133,6 +139,8 @@ fn memories_are_those_of_replayed_paths() {
         let mean = summary[name].mean()[5];
         assert!((mean - sum / n).abs() < 1e-11, "{name}: {mean} {}", sum / n);
     };
+    assert!(stopped > 50, "{stopped}");
+    close("kinetic", kinetic);
     close("area", area);
     close("highest", highest);
     close("lowest", lowest);

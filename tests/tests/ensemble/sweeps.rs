@@ -133,6 +133,90 @@ fn failures_and_shards() {
     assert_eq!(serde_json::from_str::<Sweep>(&text).unwrap(), whole);
 }
 
+/// Paths that stop, at other times in each row, with memories, passages and failures.
+fn stopping(
+    method: &Integrator<Oscillator, Midpoint>,
+) -> Ensemble<'_, Integrator<Oscillator, Midpoint>> {
+    Ensemble::new(method)
+        .paths(1500)
+        .seed(5)
+        .steps(0.05, 120)
+        .record_every(30)
+        .start_with(|_, rng| State::new([0.3 * rng.normal()], [0.0]))
+        .observe("q", |_, s| s.q[0])
+        .observe("time", |_, s| s.t)
+        .maximum("highest", |_, s| s.q[0])
+        .integral("area", |_, s| s.q[0])
+        .bound("q", -4.0..)
+        .stop_at("right", |_, s| s.q[0] - 1.0)
+        .stop_at("far right", |_, s| s.q[0] - 1.02)
+        .first_passage("left", |_, s| s.q[0] + 1.0)
+        .histogram("q", -2.0..2.0, 8)
+        .quantiles("time", 64)
+        .covariance("q", "time")
+        .keep_final_states(true)
+}
+
+/// The lanes of stopped paths are filled with others in a run alone, and not in a sweep; no bit of a row feels this.
+#[test]
+fn rows_with_stopped_paths_have_the_bits_of_single_runs() {
+    let table = oscillators();
+    let of_rows = |threads| stopping(&table[0]).threads(threads).sweep(&table).unwrap();
+    let sweep = of_rows(2);
+    assert_eq!(sweep, of_rows(1));
+    for (row, method) in sweep.rows().iter().zip(&table) {
+        let alone = stopping(method).threads(1).run().unwrap();
+        assert_eq!(*row, alone);
+        for (passages, alone) in row.passages().iter().zip(alone.passages()) {
+            assert_eq!(passages, alone);
+        }
+        assert_eq!(row.passages().len(), 3);
+        let finals = |summary: &Summary| -> Vec<(u64, u64, u64)> {
+            let states = summary.final_states();
+            let bits = states.map(|(path, s)| (path, s.t.to_bits(), s.q[0].to_bits()));
+            bits.collect()
+        };
+        assert_eq!(finals(row), finals(&alone));
+    }
+    let passed = |row: usize, name: &str| sweep[row].passage(name).unwrap().passed()[4];
+    assert!(passed(0, "right") > 300 && passed(0, "right") < 1400);
+    assert!(passed(1, "right") > passed(0, "right") && passed(2, "right") < passed(0, "right"));
+    assert!(sweep[1].failed() > 10 && sweep[1].passage("left").unwrap().censored()[4] > 10);
+    // a difference is that of stopped processes along common paths, of those that failed in neither row
+    let difference = sweep.difference(0, 1).unwrap();
+    let lasting = |row: usize| -> std::collections::BTreeMap<u64, f64> {
+        let states = sweep[row].final_states();
+        states.map(|(path, state)| (path, state.t)).collect()
+    };
+    let [first, second] = [lasting(0), lasting(1)];
+    let common = first
+        .iter()
+        .filter_map(|(path, t)| Some(second.get(path)? - t));
+    let common: Vec<f64> = common.collect();
+    assert_eq!(difference.counts()[4], common.len() as u64);
+    let mean = common.iter().sum::<f64>() / common.len() as f64;
+    assert!(
+        (difference["time"].mean()[4] - mean).abs() < 1e-12,
+        "{mean}"
+    );
+
+    let starts = [State::new([0.2], [0.0]), State::new([-0.5], [0.5])];
+    let sweep = stopping(&table[0]).sweep_starts(&starts).unwrap();
+    for (row, start) in sweep.rows().iter().zip(starts) {
+        assert_eq!(*row, stopping(&table[0]).start(start).run().unwrap());
+    }
+    let mut merged = stopping(&table[0])
+        .shard(0, 2)
+        .sweep_starts(&starts)
+        .unwrap();
+    let other = stopping(&table[0])
+        .shard(1, 2)
+        .sweep_starts(&starts)
+        .unwrap();
+    merged.merge(other).unwrap();
+    assert_eq!(merged, sweep);
+}
+
 #[test]
 fn antithetic_pairs_of_rows() {
     let table = oscillators();
@@ -163,6 +247,19 @@ fn bad_tables_are_errors() {
         .checkpoint(&file, Duration::ZERO)
         .sweep(&table);
     assert!(matches!(error, Err(EnsembleError::SweepInOneFile)) && !file.exists());
+    let starts = [0.0, 5.0].map(|t| State::at(t, [1.0], [0.0]));
+    let error = failing(&table).sweep_starts(&starts).unwrap_err();
+    let is_of_row = |error: &EnsembleError| {
+        matches!(
+            error,
+            EnsembleError::SweepTimes {
+                row: 1,
+                t: 5.0,
+                first: 0.0
+            }
+        )
+    };
+    assert!(is_of_row(&error), "{error}");
     let error = failing(&table).stop_on_failure(true).sweep(&table);
     assert!(matches!(error, Err(EnsembleError::Failed(_))));
     let error = ensemble(&oscillators()[0])

@@ -1,12 +1,14 @@
 //! The gradient of a loss by the discrete adjoint: against products of the tangent maps of the steps, and against differences.
 
+use std::cell::RefCell;
+
 use sve_models::case::{Case, LossGradient};
 use sve_models::differences::derivative;
 use sve_models::functions::Point;
 use sve_models::models::Kubo;
 use sve_models::oracle::{cases, kubo, pendulum};
 use sve_models::random::Random;
-use sve_runtime::noise::Noise;
+use sve_runtime::noise::{Noise, NoiseError, Replayable};
 use sve_runtime::prelude::*;
 use sve_runtime::{Dual, Tangent};
 
@@ -338,4 +340,51 @@ fn failures_are_errors() {
     assert_eq!(none.loss(), 0.8 * 0.8);
     assert_eq!((none.start().q, none.start().p), ([1.6], [0.0]));
     assert_eq!(none.get("g"), Some(0.0));
+}
+
+/// A path that counts how often the increments of each step are drawn.
+struct Counted<'a>(Wiener, &'a RefCell<Vec<u64>>);
+
+impl Noise for Counted<'_> {
+    fn increments(&mut self, step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
+        self.1.borrow_mut()[step as usize] += 1;
+        self.0.increments(step, h, dw)
+    }
+}
+
+impl Replayable for Counted<'_> {}
+
+/// `c` states are enough for (c + r)!/(c! r!) steps that are made `r` + 1 times, and by default each is made three times at most.
+#[test]
+fn steps_are_made_as_often_as_documented() {
+    let swing = Integrator::new(Swing { g: 2.0, s: 0.3 }, Endpoint);
+    let most = |steps: u64, checkpoints: Option<usize>| {
+        let counts = RefCell::new(vec![0; steps as usize]);
+        let path = Counted(Wiener::new(2), &counts);
+        let path = swing.trajectory(State::new([0.8], [0.0]), H, path);
+        let adjoint = path.adjoint(steps);
+        let adjoint = match checkpoints {
+            Some(states) => adjoint.checkpoints(states),
+            None => adjoint,
+        };
+        let gradient = adjoint.gradient(|k, s| (k == steps).then(|| s.q[0]));
+        assert!(gradient.unwrap().loss().is_finite());
+        // the derivatives of a step draw its increments once more
+        counts.take().into_iter().max().unwrap() - 1
+    };
+    for (states, repetitions, steps) in [(1, 3, 4), (2, 2, 6), (3, 3, 20), (3, 4, 35), (5, 2, 21)] {
+        let made = most(steps, Some(states));
+        assert!(
+            made <= repetitions + 1,
+            "{steps} steps, {states} states: {made}"
+        );
+        let made = most(steps + 1, Some(states));
+        assert!(made > repetitions, "{steps} steps, {states} states: {made}");
+    }
+    for steps in [1, 10, 100, 1000] {
+        let made = most(steps, None);
+        assert!(made <= 3, "{steps} steps: {made}");
+    }
+    // without further states all steps begin at the first one
+    assert_eq!(most(30, Some(0)), 29);
 }

@@ -106,11 +106,35 @@ fn messages_name_what_there_is() {
 }
 
 #[test]
-#[should_panic(expected = "`parameter(\"k\")`: L, the noises and the force have no such parameter")]
-fn an_unknown_parameter_in_an_observable_panics() {
+fn an_unknown_parameter_in_a_function_is_an_error() {
+    let known = "L, the noises and the force have no such parameter; they have [\"";
     let pendulum: Integrator<Pendulum, Midpoint> = Integrator::new(pendulum(), Midpoint);
     let path = pendulum.trajectory(State::new([1.0], [0.0]), H, NoNoise);
-    let _ = path.gradient(1, |_, s| Some(s.parameter("k") * s.q[0]));
+    let loss = path.gradient(1, |k, s| (k == 1).then(|| s.parameter("k") * s.q[0]));
+    let message = loss.unwrap_err().to_string();
+    let expected = format!("`parameter(\"k\")`: {known}");
+    assert!(message.starts_with(&expected), "{message}");
+    let swing = swing();
+    // before the first step, also where the number has no influence
+    let wrong = ensemble(&swing).gradient("x", ["g"], |s| {
+        let _ = s.parameter("k");
+        s.q[0]
+    });
+    let message = wrong.run().unwrap_err().to_string();
+    let expected = format!("the function of the gradient `x`: {expected}");
+    assert!(message.starts_with(&expected), "{message}");
+    // the function may ask for a parameter only later
+    let later = ensemble(&swing).gradient("x", ["g"], |s| {
+        if s.t < 0.3 {
+            s.q[0]
+        } else {
+            s.parameter("k") * s.q[0]
+        }
+    });
+    let summary = later.run().unwrap();
+    assert_eq!(summary.failed(), 300);
+    let failure = summary.failures()[0].to_string();
+    assert!(failure.contains(known), "{failure}");
 }
 
 /// A bead on a ring that stands upright.
@@ -127,4 +151,41 @@ impl Bead {
     fn ring(&self, q: [f64; 2]) -> f64 {
         0.5 * (q[0] * q[0] + q[1] * q[1] - 1.0)
     }
+}
+
+/// For a large ΔW a step has no solution.
+struct Rotor;
+
+#[variational(midpoint)]
+impl Rotor {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v + q.cos()
+    }
+    #[h1]
+    fn jitter(&self, _q: f64, p: f64) -> f64 {
+        0.1 * p.powi(4)
+    }
+}
+
+/// A step that is made in parts has no tangent map.
+#[test]
+fn a_path_with_a_refined_step_fails() {
+    let rotor = Integrator::new(Rotor, Midpoint);
+    let ensemble = || {
+        Ensemble::new(&rotor)
+            .paths(100)
+            .seed(1)
+            .steps(0.5, 12)
+            .start(State::new([0.0], [2.0]))
+    };
+    let failed = |summary: Summary| {
+        let failures = summary.failures().iter().map(|failure| failure.path);
+        failures.collect::<Vec<_>>()
+    };
+    let plain = failed(ensemble().run().unwrap());
+    assert!(plain.len() > 10 && plain.len() < 100, "{}", plain.len());
+    let refined = ensemble().refine(16);
+    assert_eq!(refined.run().unwrap().failed(), 0);
+    let with = refined.gradient("cos", [By::p(0)], |s| s.q[0].cos());
+    assert_eq!(failed(with.run().unwrap()), plain);
 }

@@ -5,5 +5,7 @@
 
 mod adjoint;
 mod ensembles;
+mod lanes;
+mod likelihood;
 mod means;
 mod moments;

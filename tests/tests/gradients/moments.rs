@@ -4,13 +4,13 @@ use sve_models::differences::derivative;
 use sve_models::models::Kubo;
 use sve_runtime::prelude::*;
 
-const H: f64 = 0.1;
+pub(crate) const H: f64 = 0.1;
 const PATHS: u64 = 20_000;
 
 /// An oscillator that is pushed at random.
-struct Pushed {
-    k: f64,
-    sigma: f64,
+pub(crate) struct Pushed {
+    pub(crate) k: f64,
+    pub(crate) sigma: f64,
 }
 
 #[variational(endpoint, midpoint)]
@@ -25,10 +25,10 @@ impl Pushed {
 }
 
 /// A step z₁ = A z₀ + b ΔW.
-type Affine = ([[f64; 2]; 2], [f64; 2]);
+pub(crate) type Affine = ([[f64; 2]; 2], [f64; 2]);
 
 /// q₁ = q₀ + hp₀, p₁ = p₀ − hkq₁ + σ ΔW.
-fn endpoint(k: f64, sigma: f64) -> Affine {
+pub(crate) fn endpoint(k: f64, sigma: f64) -> Affine {
     ([[1.0, H], [-H * k, 1.0 - H * H * k]], [0.0, sigma])
 }
 
@@ -44,7 +44,7 @@ fn midpoint(k: f64, sigma: f64) -> Affine {
 }
 
 /// E q and E q² after some steps from (1, ½).
-fn moments((a, b): Affine, steps: u64) -> [f64; 2] {
+pub(crate) fn moments((a, b): Affine, steps: u64) -> [f64; 2] {
     let (mut mean, mut second) = ([1.0, 0.5], [[1.0, 0.5], [0.5, 0.25]]);
     for _ in 0..steps {
         let mut next = ([0.0; 2], [[0.0; 2]; 2]);

@@ -1,7 +1,10 @@
-//! Lyapunov exponents: closed forms of the discrete map, pairs of symplectic maps, values of the literature, noise.
+//! Lyapunov exponents: closed forms of the discrete map, pairs of symplectic maps, an independent integration, compositions, noise.
 
 // closures are written as users write them
 #![allow(clippy::redundant_closure_for_method_calls)]
+
+mod compositions;
+mod henon_heiles;
 
 use sve_models::models::{HenonHeiles, OnSphere};
 use sve_runtime::prelude::*;
@@ -246,4 +249,21 @@ fn paths_are_those_of_trajectories() {
     let mut failing = noisy.lyapunov(State::new([f64::NAN], [0.0]), 0.05, Wiener::new(1), 1);
     assert!(failing.next().unwrap().is_err() && failing.next().is_none());
     assert!(failing.exponents()[0].is_nan());
+}
+
+/// Backwards in time the directions that shrank grow, so that a saddle has the same exponents.
+#[test]
+fn backwards_have_the_signs_of_growth() {
+    let integrator = Integrator::new(Saddle { k: 2.5, omega: 1.3 }, Midpoint);
+    let start = State::new([0.0, 0.3], [0.0, 0.2]);
+    let largest = |h: f64| {
+        let mut path = integrator.lyapunov(start, h, NoNoise, 4);
+        path.advance(1000).unwrap();
+        path.restart();
+        path.advance(1000).unwrap();
+        (path.exponents()[0], path.exponents()[3])
+    };
+    let (forwards, backwards) = (largest(0.1), largest(-0.1));
+    assert!((backwards.0 - forwards.0).abs() < 1e-12, "{backwards:?}");
+    assert!((backwards.1 - forwards.1).abs() < 1e-12, "{backwards:?}");
 }

@@ -104,3 +104,11 @@ fn a_function_of_another_system_is_a_mistake() {
     let table = StateTable::of(&row::Names, []).unwrap();
     let _ = table.with(&taken_apart::Names, "x", |_, state| state.q[0]);
 }
+
+#[test]
+#[should_panic(expected = "already: give the values another name")]
+fn a_second_column_of_a_name_is_a_mistake() {
+    let table = StateTable::of(&row::Names, []).unwrap();
+    let name = table.names().nth(1).unwrap().to_owned();
+    let _ = table.with(&row::Names, name, |_, state| state.q[0]);
+}

@@ -229,6 +229,15 @@ fn paths_of_ensembles() {
         column.retain(|_| *later.next().unwrap());
     }
     check(&read, &expected);
+    // a path that stops ends there
+    let stopping = self::ensemble(&method).stop_at("axis", |_, s| s.q[0]);
+    let ends = stopping.run().unwrap();
+    let (path, end) = ends
+        .final_states()
+        .find(|(_, s)| s.t % 0.1 != 0.0 && s.t < 1.0)
+        .unwrap();
+    let table = stopping.path_table([path]).unwrap();
+    assert_eq!(table.get("t").unwrap().last(), Some(&end.t));
     assert!(matches!(
         ensemble.path_table([150]),
         Err(EnsembleError::Path {

@@ -311,3 +311,58 @@ fn every_zeroth_state_is_a_mistake() {
     let system = Integrator::new(SYSTEM, Midpoint);
     let _ = system.trajectory(start(), 0.1, Wiener::new(1)).every(0);
 }
+
+/// Backwards in time too a state within a step is a step of a part of the length, with the increment of that part.
+#[test]
+fn states_within_a_step_backwards_are_parts_of_it() {
+    let system = Integrator::new(SYSTEM, Midpoint);
+    let (h, noise) = (-0.25, Wiener::new(4));
+    let start = State { t: 0.5, ..start() };
+    let path = system.trajectory(start, h, noise).at([0.25, 0.125]);
+    let saved: States = path.map(Result::unwrap).collect();
+    let mut state = start;
+    system
+        .step(&mut state, h, &[noise.increment(0, 0, h)])
+        .unwrap();
+    check(&saved[0], &state, 0.25);
+    let [left, _] = noise.halves(DyadicInterval::whole(1), 0, h, noise.increment(1, 0, h));
+    system.step(&mut state, 0.5 * h, &[left]).unwrap();
+    check(&saved[1], &state, 0.125);
+}
+
+/// For a large ΔW a step has no solution.
+struct Rotor;
+
+#[variational(midpoint)]
+impl Rotor {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v + q.cos()
+    }
+    #[h1]
+    fn jitter(&self, _q: f64, p: f64) -> f64 {
+        0.1 * p.powi(4)
+    }
+}
+
+/// Saved states after refined steps are those of the trajectory.
+#[test]
+fn states_after_refined_steps_are_saved() {
+    let system = Integrator::new(Rotor, Midpoint);
+    let mut refined = 0;
+    for number in 0..20 {
+        let noise = Wiener::new(1).path(number);
+        let path = || {
+            system
+                .trajectory(State::new([0.0], [2.0]), 0.5, noise)
+                .refine(16)
+        };
+        let whole: States = path().take(12).map(Result::unwrap).collect();
+        let mut saved = path().every(3).until(6.0);
+        let states: States = saved.by_ref().map(Result::unwrap).collect();
+        assert_eq!(states[1..], [2, 5, 8, 11].map(|k| whole[k]));
+        refined += saved.refinements().steps;
+        let at: States = path().at([2.5, 6.0]).map(Result::unwrap).collect();
+        assert_eq!(at, [whole[4], whole[11]]);
+    }
+    assert!(refined > 0);
+}

@@ -4,6 +4,7 @@ pub(crate) mod configuration;
 pub(crate) mod constraints;
 pub(crate) mod degeneracy;
 pub(crate) mod energy;
+pub(crate) mod euler;
 pub(crate) mod inverse_mass;
 pub(crate) mod mechanics;
 pub(crate) mod model;

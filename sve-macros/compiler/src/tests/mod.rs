@@ -4,6 +4,7 @@ mod absent;
 mod costs;
 mod energy;
 mod entries;
+mod euler;
 mod factors;
 mod growth;
 mod large_input;

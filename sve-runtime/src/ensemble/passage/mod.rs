@@ -3,11 +3,12 @@
 //! Input: functions of the system and a state. Output: the time of the first zero on each path, and the paths that were never seen to pass. Invariant: a passage is
 //! a function of the path's states and noise only, not of its lane, block or thread.
 //!
-//! Files: [`watch`] compares signs after each step, [`search`] finds the zero within a step, [`counts`] sums up, [`survival`] is what users read.
+//! Files: [`watch`] compares signs after each step, [`search`] finds the zero within a step, [`counts`] sums up, [`survival`] is what users read, [`table`] what they write into files.
 
 pub(super) mod counts;
 mod search;
 mod survival;
+mod table;
 pub(super) mod watch;
 
 pub use survival::{Passages, Rate};
@@ -72,6 +73,7 @@ where
     /// // escapes per time, after the first ten units of time
     /// let rate = escape.rate(1);
     /// println!("{inside} ± {error}, {} ± {}", rate.value, rate.standard_error);
+    /// escape.write_csv(std::io::sink()).expect("a writer"); // `t,passed,censored,at_risk,survival,survival_standard_error`; `to_csv` writes a file
     /// # assert!(inside > 0.0 && inside < 1.0 && rate.standard_error < 0.1 * rate.value);
     /// # Ok(())
     /// # }
@@ -84,7 +86,7 @@ where
     /// sizes, or move the boundary by this distance. A path that starts at a zero does not stop there; it has the side that it is on after the first step.
     ///
     /// The noise has to be known within steps: [`Wiener`](crate::noise::Wiener), also refined, or [`NoNoise`](crate::noise::NoNoise). A path whose function is not finite after a step fails, and so
-    /// does a path on which a part of a step has no solution.
+    /// does a path on which the function jumps to the other sign, as at a pole, or a part of a step has no solution; such parts are made in smaller steps with [`refine`](Self::refine).
     #[must_use]
     pub fn stop_at<F, O>(self, name: impl Into<String>, function: F) -> Self
     where
@@ -95,6 +97,14 @@ where
     }
 
     /// Records the first zero of a function along each path, as [`stop_at`](Self::stop_at) does, and lets the path go on.
+    ///
+    #[doc = include_str!("../example.md")]
+    /// let summary = ensemble().first_passage("zero", |_, state| state.q[0]).run()?;
+    /// let passed = summary.passage("zero").unwrap().passed()[1];
+    /// assert!(passed > 0 && passed < 100);
+    /// // the paths that passed go on
+    /// assert_eq!(summary["q"].counts()[1], 100);
+    #[doc = include_str!("../../example_end.md")]
     #[must_use]
     pub fn first_passage<F, O>(self, name: impl Into<String>, function: F) -> Self
     where

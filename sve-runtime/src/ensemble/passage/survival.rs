@@ -58,6 +58,11 @@ impl Passages {
         self.paths
     }
 
+    /// The recorded times, those of the [summary](super::super::Summary::times).
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
     /// Returns the number of paths that have passed until each recorded time.
     pub fn passed(&self) -> Vec<u64> {
         cumulative(&self.counts.passed)

@@ -133,6 +133,7 @@ where
                 .increments_of(tile, step)
                 .0
                 .map(|process| process[lane]),
+            depth: settings.ensemble.refine,
         };
         let mut zeros = Vec::new();
         for (number, watched) in self.watch.functions.iter().enumerate() {

@@ -6,7 +6,7 @@
 use super::Update;
 use crate::lanes::solve::{Solved, solve};
 use crate::lanes::{LANES, Lane};
-use crate::solve::newton::convergence::{Evaluation, ROOT_OF_ROUNDING};
+use crate::solve::newton::convergence::{ERROR_OF_UPDATE, Evaluation, ROOT_OF_ROUNDING};
 
 /// Which roots are accepted.
 pub trait Acceptance<const K: usize> {
@@ -133,7 +133,10 @@ impl<const K: usize> Acceptance<K> for ByContraction<K> {
     ) -> bool {
         let mut is_within = true;
         for i in 0..K {
-            is_within &= at.residual[i].abs() <= self.largest[i][lane];
+            // terms that were all small at the point before give a bound below the rounding errors here
+            let rounding = ERROR_OF_UPDATE * at.magnitude[i];
+            let (size, largest) = (at.residual[i].abs(), self.largest[i][lane]);
+            is_within &= (size <= largest) | (size <= rounding);
         }
         let (sign, expected) = (update.solved.determinant, self.sign[lane]);
         let is_opposite = ((sign < 0.0) & (expected > 0.0)) | ((sign > 0.0) & (expected < 0.0));

@@ -77,7 +77,7 @@ impl<'a> BlockSolver<'a> {
         self.is_fast_path()
     }
 
-    /// Solves a block. Starts from `guess`, then from what `fallback` returns; `rounding` bounds the rounding errors of the residual.
+    /// Solves a block. Starts from `guess`, which is not copied on its way to the first evaluation, then from what `fallback` returns; `rounding` bounds the rounding errors of the residual.
     /// The header of `solve/newton/mod.rs` says which attempts follow a failure.
     ///
     /// # Errors
@@ -86,7 +86,7 @@ impl<'a> BlockSolver<'a> {
     pub fn solve_block<const K: usize, J: Matrix<K>>(
         &self,
         block: BlockProperties,
-        guess: [f64; K],
+        guess: &[f64; K],
         fallback: impl FnOnce() -> [f64; K],
         rounding: impl Fn(&[f64; K]) -> [f64; K],
         evaluate: impl Fn(&[f64; K]) -> Evaluation<K, J>,
@@ -104,7 +104,7 @@ impl<'a> BlockSolver<'a> {
         };
         let guess = match self.mode {
             Mode::FastPath | Mode::Unchecked => guess,
-            Mode::Continuation(solutions) => block_of(solutions, first).unwrap_or(guess),
+            Mode::Continuation(solutions) => block_of(solutions, first, guess),
         };
         let test = RootTest { sign, acceptance };
         self.newton
@@ -112,8 +112,15 @@ impl<'a> BlockSolver<'a> {
     }
 }
 
-/// Returns the numbers of a block with its first unknown at `first`.
+/// Returns the numbers of a block with its first unknown at `first`; `guess` if there are none.
 #[cold]
-fn block_of<const K: usize>(solutions: &[f64], first: usize) -> Option<[f64; K]> {
-    solutions.get(first..first + K)?.try_into().ok()
+fn block_of<'a, const K: usize>(
+    solutions: &'a [f64],
+    first: usize,
+    guess: &'a [f64; K],
+) -> &'a [f64; K] {
+    let block = solutions.get(first..first + K);
+    block
+        .and_then(|block| block.try_into().ok())
+        .unwrap_or(guess)
 }

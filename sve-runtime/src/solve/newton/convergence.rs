@@ -38,6 +38,9 @@ pub(crate) const STALL: f64 = 0.5;
 /// start inside its ball.
 pub(super) const CONTRACTION: f64 = 0.25;
 
+/// Residual after an update that can be rounding error of the update, relative to the terms: the solution of a small linear system loses a few digits.
+pub(crate) const ERROR_OF_UPDATE: f64 = 64.0 * f64::EPSILON;
+
 /// The verdict on two successive residuals.
 #[derive(Clone, Copy)]
 pub(crate) struct Verdict {

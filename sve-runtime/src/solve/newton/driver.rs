@@ -3,7 +3,9 @@
 //! The loop of [`Newton::solve_from`] is the fast path: evaluate, judge, update. What is rare is decided in `#[cold]` functions, which get the iteration
 //! by value so that its numbers stay in registers on the fast path.
 
-use super::convergence::{ROOT_OF_ROUNDING, judge, predicts_negligible};
+use super::convergence::{
+    CONTRACTION, ERROR_OF_UPDATE, ROOT_OF_ROUNDING, judge, predicts_negligible,
+};
 use super::iteration::{Decision, Iteration, Judged, Phase};
 use super::update::{Update, is_regular_with};
 use super::{Evaluation, Newton};
@@ -68,7 +70,7 @@ impl Newton {
             acceptance: Acceptance::Any,
         };
         let no_fallback = None::<fn() -> [f64; K]>;
-        self.solve_from(guess, test, no_fallback, |_| [0.0; K], evaluate)
+        self.solve_from(&guess, test, no_fallback, |_| [0.0; K], evaluate)
     }
 
     /// Finds a root and tests it.
@@ -85,14 +87,14 @@ impl Newton {
     #[inline]
     pub(super) fn solve_from<const K: usize, J: Matrix<K>>(
         &self,
-        guess: [f64; K],
+        guess: &[f64; K],
         test: RootTest,
         mut fallback: Option<impl FnOnce() -> [f64; K]>,
         rounding: impl Fn(&[f64; K]) -> [f64; K],
         evaluate: impl Fn(&[f64; K]) -> Evaluation<K, J>,
     ) -> Result<[f64; K], SolveError> {
         let mut is_last_attempt = fallback.is_none() || !test.accepts_without_contraction(K);
-        let mut iteration = Iteration::new(guess);
+        let mut iteration = Iteration::new(*guess);
         loop {
             // The only call of `evaluate`, so that the equations are compiled once, into this loop.
             let at = evaluate(&iteration.x);
@@ -114,7 +116,7 @@ impl Newton {
                 && iteration.updates < self.max_iterations
                 && let Some(update) = &update
                 && let Some(is_root) =
-                    self.update(&mut iteration, update, residual, bounds(), test.sign)
+                    self.update(&mut iteration, update, residual, &bounds(), test.sign)
             {
                 is_root
             } else {
@@ -147,7 +149,7 @@ impl Newton {
                             is_last_attempt = true;
                             Iteration {
                                 phase: Phase::DampedSteps,
-                                ..Iteration::new(guess)
+                                ..Iteration::new(*guess)
                             }
                         };
                         continue;
@@ -162,7 +164,7 @@ impl Newton {
                 if !accepts_any {
                     return Err(SolveError::OtherBranch);
                 }
-                iteration = iteration.into_verification(&guess);
+                iteration = iteration.into_verification(guess);
             }
         }
     }
@@ -175,7 +177,7 @@ impl Newton {
         iteration: &mut Iteration<K>,
         update: &Update<K>,
         residual: f64,
-        contraction_bounds: [f64; K],
+        contraction_bounds: &[f64; K],
         expected: DeterminantSign,
     ) -> Option<bool> {
         let Update {
@@ -199,7 +201,7 @@ impl Newton {
             x,
             previous_x: iteration.x,
             previous_residual: residual,
-            contraction_bounds,
+            contraction_bounds: *contraction_bounds,
             updates: iteration.updates + 1,
             halvings: 0,
             // For a single unknown, the condition for third order is Kantorovich's.
@@ -218,7 +220,7 @@ impl Newton {
         judged: Judged<K>,
         contraction_bounds: [f64; K],
         test: RootTest,
-        guess: [f64; K],
+        guess: &[f64; K],
         rounding: &impl Fn(&[f64; K]) -> [f64; K],
     ) -> Result<Decision<K>, SolveError> {
         let residual = judged.relative;
@@ -226,7 +228,7 @@ impl Newton {
             if !residual.is_finite() || !is_regular_with(judged.update.as_ref(), test.sign) {
                 return Err(SolveError::OtherBranch);
             }
-            return Ok(iteration.verify_next(&guess, root, point));
+            return Ok(iteration.verify_next(guess, root, point));
         }
         if !residual.is_finite() {
             return iteration.halve_update().map(Decision::Continue);
@@ -249,7 +251,8 @@ impl Newton {
             }
         }
         // At smaller residuals, rounding errors can prevent contraction.
-        iteration.is_contracting &= iteration.previous_residual < ROOT_OF_ROUNDING;
+        iteration.is_contracting &= iteration.previous_residual < ROOT_OF_ROUNDING
+            || Self::contracts_to_rounding(&iteration, &judged, test.sign);
         let can_be_accepted = iteration.is_contracting || test.accepts_without_contraction(K);
         if iteration.updates >= self.max_iterations || !can_be_accepted {
             return Err(not_converged);
@@ -272,13 +275,29 @@ impl Newton {
             &mut iteration,
             update,
             residual,
-            contraction_bounds,
+            &contraction_bounds,
             unknown,
         ) {
             Some(true) => Ok(Decision::Root(iteration)),
             Some(false) => Ok(Decision::Continue(iteration)),
             None => Err(SolveError::NonFinite),
         }
+    }
+
+    /// Returns whether the iteration contracts but for rounding errors: each residual is within its bound or is a rounding error, of its own terms or of the
+    /// last update, which has those of the terms before it. This is so at a solution at which all terms of an equation vanish, such as the momentum of a
+    /// system at rest that noise alone moves.
+    fn contracts_to_rounding<const K: usize>(
+        iteration: &Iteration<K>,
+        judged: &Judged<K>,
+        sign: DeterminantSign,
+    ) -> bool {
+        let of_update = (ERROR_OF_UPDATE / (CONTRACTION * iteration.previous_residual)).max(1.0);
+        is_regular_with(judged.update.as_ref(), sign)
+            && (0..K).all(|i| {
+                let own = ERROR_OF_UPDATE * judged.magnitude[i];
+                judged.residual[i].abs() <= own.max(of_update * iteration.contraction_bounds[i])
+            })
     }
 
     /// Returns whether rounding errors keep the residual from decreasing.

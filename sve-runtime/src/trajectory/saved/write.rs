@@ -10,6 +10,11 @@ use crate::table::{SaveError, StateTable};
 impl<T: Steps> Saved<T> {
     /// Makes the steps and returns the saved states as a table, to which columns can be [added](StateTable::with).
     ///
+    #[doc = include_str!("../../example.md")]
+    /// let table = pendulum.trajectory(start, 0.1, NoNoise).every(2).until(1.0).table()?;
+    /// assert_eq!(table.get("t").unwrap(), [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]);
+    #[doc = include_str!("../../example_end.md")]
+    ///
     /// # Errors
     /// [`SaveError::NoEnd`] without [`at`](crate::Trajectory::at) or [`until`](Self::until); the error of a step.
     pub fn table(mut self) -> Result<StateTable, SaveError> {
@@ -55,6 +60,13 @@ impl<T: Steps> Saved<T> {
 
     /// Makes the steps and writes the saved states as a structured array of `NumPy` into a file; see [`StateTable::write_npy`].
     ///
+    #[doc = include_str!("../../example.md")]
+    /// let path = std::env::temp_dir().join(format!("saved-{}.npy", std::process::id()));
+    /// pendulum.trajectory(start, 0.1, NoNoise).every(2).until(1.0).to_npy(&path)?;
+    /// assert!(std::fs::read(&path)?.starts_with(b"\x93NUMPY"));
+    /// # std::fs::remove_file(path)?;
+    #[doc = include_str!("../../example_end.md")]
+    ///
     /// # Errors
     /// As [`to_csv`](Self::to_csv).
     #[cfg(feature = "npy")]
@@ -63,6 +75,13 @@ impl<T: Steps> Saved<T> {
     }
 
     /// Makes the steps and writes the saved states as Parquet into a file; see [`StateTable::write_parquet`].
+    ///
+    #[doc = include_str!("../../example.md")]
+    /// let path = std::env::temp_dir().join(format!("saved-{}.parquet", std::process::id()));
+    /// pendulum.trajectory(start, 0.1, NoNoise).every(2).until(1.0).to_parquet(&path)?;
+    /// assert!(std::fs::read(&path)?.starts_with(b"PAR1"));
+    /// # std::fs::remove_file(path)?;
+    #[doc = include_str!("../../example_end.md")]
     ///
     /// # Errors
     /// As [`to_csv`](Self::to_csv).

@@ -17,7 +17,7 @@ const LARGE: usize = 7;
 const SPARSE: usize = 4;
 
 /// Variables of emitted code that are no values of the program.
-const DECLARED: [&str; 46] = [
+const DECLARED: [&str; 50] = [
     "angle",
     "limit",
     "q",
@@ -64,6 +64,10 @@ const DECLARED: [&str; 46] = [
     "kicks",
     "memory",
     "carried",
+    "tangents",
+    "pairs",
+    "varied",
+    "seeds",
 ];
 
 /// What printed statements are part of.

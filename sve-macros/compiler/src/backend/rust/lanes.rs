@@ -15,6 +15,7 @@ use quote::{format_ident, quote};
 use super::code::Printer;
 use super::pivots::{self, Sparse};
 use super::solve::{accepted, names, residuals, sum_of_stages};
+use super::tangents::bound;
 use crate::algebra::{Arena, Expr};
 use crate::program::{
     BY_FORMULA, Factored, Loops, Operation, Residual, Step, Tier, Value, in_lanes, is_single,
@@ -52,6 +53,7 @@ pub(super) fn lanes(
             h: f64,
             dw: &[#private::lane::Lane; #m],
             newton: &#private::Newton,
+            unknowns: &mut impl #private::lane::KeepUnknowns,
         ) -> #private::lane::Mask {
             #body
         }
@@ -86,15 +88,15 @@ impl Writer<'_> {
             let after = printer.statements(Tier::Solved(at));
             match &block.solution {
                 Solution::Formula(_) => section.extend(after),
-                Solution::System { linear, solved } => {
-                    let solved = names(solved, self.symbols);
+                Solution::System { linear, .. } => {
                     let solution = if self.step.scheme.is_constrained() {
                         let solution = self.solved_by_pivots(at, &linear.matrix, &linear.rhs, true);
                         quote!(#solution.by)
                     } else {
                         self.solution(at, &linear.matrix, &linear.rhs)
                     };
-                    section.extend(quote!(let #solved = #solution; #after));
+                    let solved = bound(&self.step.scheme, at, &solution, self.symbols);
+                    section.extend(quote!(#solved #after));
                 }
                 Solution::Iteration(iteration) => {
                     let course = course(at);
@@ -107,13 +109,11 @@ impl Writer<'_> {
                         #one
                         #iterate
                     });
-                    let solved = names(&iteration.solved, self.symbols);
-                    let judge = self.judge(&course, iteration);
-                    section = match judge {
-                        Some([limits, judge]) => {
-                            quote!(let #solved = #course.point(lane); #limits #after #judge)
-                        }
-                        None => quote!(let #solved = #course.point(lane); #after),
+                    let solution = quote!(#course.point(lane));
+                    let solved = bound(&self.step.scheme, at, &solution, self.symbols);
+                    section = match self.judge(&course, iteration) {
+                        Some([limits, judge]) => quote!(#solved #limits #after #judge),
+                        None => quote!(#solved #after),
                     };
                 }
             }

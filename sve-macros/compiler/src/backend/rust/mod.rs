@@ -4,6 +4,7 @@ mod calls;
 mod code;
 mod configuration;
 mod energy;
+mod euler;
 mod factors;
 mod gauss;
 mod identity;
@@ -22,6 +23,7 @@ mod stages;
 mod step;
 mod straight;
 mod system;
+mod tangents;
 mod unstructured;
 
 pub(crate) use gauss::gauss;

@@ -67,6 +67,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
         impl #generics #private::System for #self_ty #clause {
             type Dims = #private::Dims<#n, #m #configuration>;
             const AFFINE_MOMENTUM: bool = true;
+            type EulerNumbers = ();
             const PARAMETERS: &'static [&'static str] = &[];
             fn lagrangian_jet(&self, time: f64, q: &#runtime::FlatOf<Self>, v: &[f64; #n]) -> #private::LagrangianJet<#n> { #fail }
             fn noise_jets(&self, time: f64, q: &#runtime::FlatOf<Self>, p: &[f64; #n]) -> [#private::NoiseJet<#n>; #m] { #fail }

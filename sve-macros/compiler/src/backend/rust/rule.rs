@@ -9,6 +9,7 @@ use super::linearise::linearise;
 use super::multipliers::multipliers;
 use super::plan::plan;
 use super::step::{self, Code};
+use super::tangents::linearise_lanes;
 use super::{Context, Derived, attributes, documented, private, unstructured, verbatim};
 use crate::algebra::Symbol;
 use crate::explain::StepTexts;
@@ -120,7 +121,7 @@ pub(crate) fn rule(
     }
 }
 
-/// `increment_lanes`, if ensembles step this system in lanes. Rotations are stepped lane by lane.
+/// `increment_lanes`, if ensembles step this system in lanes, with `linearise_lanes` where there is one. Rotations are stepped lane by lane.
 fn in_lanes(
     context: &Context<'_>,
     derived: &Derived,
@@ -128,12 +129,18 @@ fn in_lanes(
 ) -> Option<TokenStream> {
     let (model, arena) = (context.model, context.arena);
     let has_lanes = context.settings.lanes && !model.configuration().has_rotations();
-    (has_lanes && !derived.is_unstructured)
-        .then(|| {
-            let noises = model.noises.len();
-            lanes(&derived.scheme, noises, &derived.symbols, private, arena)
-        })
-        .flatten()
+    if !has_lanes || derived.is_unstructured {
+        return None;
+    }
+    let Derived {
+        scheme,
+        symbols,
+        linearisation,
+        ..
+    } = derived;
+    let step = lanes(scheme, model.noises.len(), symbols, private, arena)?;
+    let tangents = linearise_lanes(private, model, scheme, linearisation, symbols, arena);
+    Some(quote!(#step #tangents))
 }
 
 /// The argument for what a trajectory carries, `count` numbers, with its type.

@@ -149,7 +149,7 @@ impl Solver<'_> {
             let rounding = |&#iterates: &[f64; #size]| { #reopen #rounding };
             let block = #private::BlockProperties { first: #first, has_bounds: #judged, limit_sign: origin };
             #limits
-            let #solved = newton.solve_block(block, guess, fallback, rounding, |&#iterates: &[f64; #size]| {
+            let #solved = newton.solve_block(block, &guess, fallback, rounding, |&#iterates: &[f64; #size]| {
                 #statements
                 #private::Evaluation {
                     residual: #residual,

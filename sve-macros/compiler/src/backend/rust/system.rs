@@ -5,6 +5,7 @@ use quote::{quote, quote_spanned};
 
 use super::configuration::{Received, received, written};
 use super::energy::energy_lanes;
+use super::euler::{euler_increment, no_euler};
 use super::identity::identity;
 use super::straight::{Straight, rows};
 use super::{Context, attributes, documented, private};
@@ -13,6 +14,7 @@ use crate::explain::SystemTexts;
 use crate::syntax::parse::Annotated;
 use crate::system::degeneracy::{Degeneracy, Role};
 use crate::system::energy::Energy;
+use crate::system::euler::Euler;
 use crate::system::mechanics::{ConstraintJet, ForceJet, LagrangianJet, Mechanics, NoiseJet};
 use crate::system::model::{Model, Symbols};
 
@@ -20,7 +22,7 @@ pub(crate) fn system(
     block: &Annotated,
     model: &Model,
     mechanics: &Mechanics,
-    energy: Option<&Energy>,
+    (energy, euler, has_lanes): (Option<&Energy>, Option<&Euler>, bool),
     about: &SystemTexts,
     arena: &Arena,
 ) -> TokenStream {
@@ -61,6 +63,9 @@ pub(crate) fn system(
         .as_ref()
         .map(|jet| force_jet(&private, jet, &received, &model.symbols, arena));
     let energy = energy.and_then(|energy| energy_lanes(energy, model, &private, arena));
+    let euler = euler
+        .and_then(|euler| euler_increment(euler, has_lanes, model, &private, arena))
+        .unwrap_or_else(no_euler);
     let constraints = constraint_jets(&private, model, mechanics, arena);
     let identity = identity(model, arena, &private);
     let roles = model.degeneracy.as_ref().map(|d| roles(d, &private));
@@ -108,6 +113,7 @@ pub(crate) fn system(
             #force
             #constraints
             #energy
+            #euler
         }
         #separable
         #quadratic

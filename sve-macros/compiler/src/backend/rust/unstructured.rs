@@ -47,7 +47,7 @@ pub(super) fn code(
             let guess = { #guess };
             let rounding = |&#iterates: &[f64; #size]| { #rounding };
             let block = #private::BlockProperties { first: 0, has_bounds: false, limit_sign: #private::DeterminantSign::UNKNOWN };
-            let #solved = newton.solve_block(block, guess, || #rest, rounding, |&#iterates: &[f64; #size]| {
+            let #solved = newton.solve_block(block, &guess, || #rest, rounding, |&#iterates: &[f64; #size]| {
                 #evaluation
             })?;
             #results

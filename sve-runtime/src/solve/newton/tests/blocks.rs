@@ -13,7 +13,13 @@ fn solve_with_limit_sign(
 ) -> Result<[f64; 1], SolveError> {
     let newton = Newton::default();
     let solver = BlockSolver::new(&newton);
-    solver.solve_block(block(limit_sign), [guess], || [-guess], |_| [0.0], evaluate)
+    solver.solve_block(
+        block(limit_sign),
+        &[guess],
+        || [-guess],
+        |_| [0.0],
+        evaluate,
+    )
 }
 
 const POSITIVE: DeterminantSign = DeterminantSign::of(1.0);
@@ -81,7 +87,7 @@ fn a_warm_start_has_to_contract() {
     };
     let follow = |guesses: Vec<f64>| {
         let solver = BlockSolver::warm_started(&newton, &guesses);
-        solver.solve_block(block(POSITIVE), [2.0], || [8.0], |_| [0.0], evaluate)
+        solver.solve_block(block(POSITIVE), &[2.0], || [8.0], |_| [0.0], evaluate)
     };
     let x = follow(vec![1.5]).unwrap();
     assert!((x[0] - 2.0_f64.sqrt()).abs() < 1e-15);

@@ -1,0 +1,340 @@
+//! `linearise_lanes`: tangent vectors of many states at once, carried along a step that was solved in lanes.
+//!
+//! Input: the linearised step. Output: the function, or nothing for a system that is too large for it, or has constraints. A first loop over the lanes evaluates the
+//! entries of the linearised step and the inverse of ∂R/∂x; entries that depend on parameters and step size alone are computed before it. For each tangent vector a
+//! further loop over the lanes multiplies the vector by the entries, without branches. Vectors that are not finite are left to `linearise`.
+
+use std::collections::BTreeMap;
+
+use proc_macro2::{Literal, TokenStream};
+use quote::quote;
+
+use super::code::Printer;
+use super::solve::names;
+use crate::algebra::{Arena, Expr};
+use crate::discretise::tangent::{Entry, Linearisation};
+use crate::program::{Labels, Operation, Program, Scheduler, Tier, Tiers, Value};
+use crate::structure::{Returns, Scheme};
+use crate::system::model::{Model, Symbols};
+
+/// Largest number of unknowns of a step: the inverse of ∂R/∂x is dense.
+const MAX_UNKNOWNS: usize = 6;
+
+/// Largest number of instructions, as for steps in lanes.
+const MAX_INSTRUCTIONS: usize = 1500;
+
+/// Largest number of values that are kept between the loops, as for steps in lanes.
+const MAX_KEPT: usize = 96;
+
+/// Returns the function, unless the step has constraints or takes too many operations.
+pub(super) fn linearise_lanes(
+    private: &TokenStream,
+    model: &Model,
+    scheme: &Scheme<Expr>,
+    linearisation: &Linearisation,
+    symbols: &Symbols,
+    arena: &Arena,
+) -> Option<TokenStream> {
+    let unknowns = linearisation.unknowns.len();
+    if scheme.is_constrained() || unknowns > MAX_UNKNOWNS {
+        return None;
+    }
+    let tiers: Tiers = (linearisation.unknowns.iter())
+        .map(|&symbol| (symbol, Tier::Solved(0)))
+        .collect();
+    let roots: Vec<Expr> = (linearisation.matrices.iter().flatten())
+        .map(|entry| entry.value)
+        .collect();
+    let mut scheduler = Scheduler::new(arena, symbols, tiers, &roots);
+    scheduler.disable_angle_addition();
+    let values = scheduler.values(&roots);
+    let mut labels = Labels::default();
+    labels.expressions(&scheduler, arena, symbols, &[], &roots);
+    let program = scheduler.finish(&values);
+    let kept = Kept::new(&program, linearisation, &values);
+    if program.all().count() > MAX_INSTRUCTIONS || kept.count > MAX_KEPT {
+        return None;
+    }
+    let writer = Writer {
+        private,
+        printer: &Printer::of_lanes(&program, symbols, &labels, private),
+        linearisation,
+        kept,
+        program: &program,
+        matrices: by_matrix(linearisation, &values),
+        is_increment: scheme.returns != Returns::State,
+    };
+    let evaluate = writer.evaluate(symbols);
+    let carry = writer.carry(model.dof());
+    let [n, m, k] = [model.dof(), model.noises.len(), unknowns].map(Literal::usize_unsuffixed);
+    Some(quote! {
+        #[inline(always)]
+        fn linearise_lanes(
+            &self,
+            states: &#private::lane::StateLanes<#n>,
+            h: f64,
+            dw: &[#private::lane::Lane; #m],
+            unknowns: &#private::lane::Aligned<[#private::lane::Lane; #k]>,
+            tangents: #private::lane::LaneDirections<'_, #private::lane::TangentLanes<#n>>,
+        ) -> #private::lane::Mask {
+            #evaluate
+            #carry
+        }
+    })
+}
+
+/// Binds the unknowns of a block that a step in lanes has solved, and stores them for the linearised step. They follow those of the blocks before it.
+pub(super) fn bound<T, R>(
+    scheme: &Scheme<T, R>,
+    at: usize,
+    solution: &TokenStream,
+    symbols: &Symbols,
+) -> TokenStream {
+    let names = names(scheme.blocks[at].solution.solved(), symbols);
+    let before = scheme.blocks[..at].iter();
+    let first: usize = before.map(|block| block.solution.solved().len()).sum();
+    let first = Literal::usize_unsuffixed(first);
+    quote!(let #names = #solution; unknowns.keep(lane, #first, #names);)
+}
+
+/// The entries of the four matrices, as values.
+type Entries<'a> = Vec<(&'a Entry, Value)>;
+
+fn by_matrix<'a>(linearisation: &'a Linearisation, values: &[Value]) -> [Entries<'a>; 4] {
+    let mut values = values.iter().copied();
+    linearisation
+        .matrices
+        .each_ref()
+        .map(|matrix| matrix.iter().zip(values.by_ref()).collect())
+}
+
+/// What the first loop keeps for the later ones.
+struct Kept {
+    /// The row of each entry that differs from lane to lane.
+    rows: BTreeMap<Value, usize>,
+    /// The first row of the inverse of ∂R/∂x, if it differs from lane to lane.
+    inverse: Option<usize>,
+    count: usize,
+}
+
+impl Kept {
+    fn new(program: &Program, linearisation: &Linearisation, values: &[Value]) -> Self {
+        let (mut rows, mut inverse) = (BTreeMap::new(), false);
+        let (of_unknowns, others) = values.split_at(linearisation.matrices[0].len());
+        for &value in others.iter().filter(|&&value| is_in_lanes(program, value)) {
+            let next = rows.len();
+            rows.entry(value).or_insert(next);
+        }
+        inverse |= of_unknowns.iter().any(|&value| is_in_lanes(program, value));
+        let unknowns = linearisation.unknowns.len();
+        let count = rows.len() + usize::from(inverse) * unknowns * unknowns;
+        Self {
+            inverse: inverse.then_some(rows.len()),
+            rows,
+            count,
+        }
+    }
+}
+
+/// Returns whether a value differs from lane to lane.
+fn is_in_lanes(program: &Program, value: Value) -> bool {
+    let instruction = program.get(value);
+    instruction.tier != Tier::Prepare && !matches!(instruction.operation, Operation::Constant(_))
+}
+
+/// Writes the loops.
+struct Writer<'a> {
+    private: &'a TokenStream,
+    printer: &'a Printer<'a>,
+    linearisation: &'a Linearisation,
+    kept: Kept,
+    program: &'a Program,
+    matrices: [Entries<'a>; 4],
+    /// Whether the results are differences to the state at the start, whose derivative is added.
+    is_increment: bool,
+}
+
+impl Writer<'_> {
+    /// The statements that evaluate the entries of the linearised step.
+    fn evaluate(&self, symbols: &Symbols) -> TokenStream {
+        let (private, printer) = (self.private, self.printer);
+        let prepare = printer.statements(Tier::Prepare);
+        let unknowns = self.linearisation.unknowns.len();
+        let inverse = (unknowns > 0).then(|| {
+            let matrix = self.residual_by_unknowns();
+            quote!(let inverse = #private::lane::regular_inverse(&#matrix);)
+        });
+        if self.kept.count == 0 {
+            return quote!(#prepare #inverse);
+        }
+        let statements = [Tier::Noise, Tier::State, Tier::Solved(0)].map(|t| printer.statements(t));
+        let solved = (unknowns > 0).then(|| {
+            let pattern = names(&self.linearisation.unknowns, symbols);
+            let numbers = (0..unknowns).map(Literal::usize_unsuffixed);
+            quote!(let #pattern = [#(unknowns.0[#numbers][lane]),*];)
+        });
+        let entries = self.kept.rows.iter().map(|(&value, &row)| {
+            let (value, row) = (printer.operand(value), Literal::usize_unsuffixed(row));
+            quote!(kept.0[#row][lane] = #value;)
+        });
+        let of_inverse = self.kept.inverse.into_iter().flat_map(|first| {
+            (0..unknowns * unknowns).map(move |at| {
+                let [i, j, row] =
+                    [at / unknowns, at % unknowns, first + at].map(Literal::usize_unsuffixed);
+                quote!(kept.0[#row][lane] = inverse[#i][#j];)
+            })
+        });
+        let (early, late) = match self.kept.inverse {
+            None => (inverse, None),
+            Some(_) => (None, inverse),
+        };
+        let rows = Literal::usize_unsuffixed(self.kept.count);
+        quote! {
+            #prepare
+            #early
+            let mut kept = #private::lane::rows::<#rows>();
+            for lane in 0..#private::lane::LANES {
+                #solved
+                #(#statements)*
+                #late
+                #(#entries)*
+                #(#of_inverse)*
+            }
+        }
+    }
+
+    /// The matrix ∂R/∂x.
+    fn residual_by_unknowns(&self) -> TokenStream {
+        let unknowns = self.linearisation.unknowns.len();
+        let mut rows = vec![vec![quote!(0f64); unknowns]; unknowns];
+        for &(entry, value) in &self.matrices[0] {
+            rows[entry.row][entry.column] = self.printer.operand(value);
+        }
+        let rows = rows.iter().map(|row| quote!([#(#row),*]));
+        quote!([#(#rows),*])
+    }
+
+    /// An entry, in a loop over the lanes.
+    fn entry(&self, value: Value) -> TokenStream {
+        if !is_in_lanes(self.program, value) {
+            return self.printer.operand(value);
+        }
+        let row = Literal::usize_unsuffixed(self.kept.rows[&value]);
+        quote!(kept.0[#row][lane])
+    }
+
+    /// The loop over the tangent vectors, and the mask of the lanes where one is not finite.
+    fn carry(&self, n: usize) -> TokenStream {
+        let private = self.private;
+        let unknowns = self.linearisation.unknowns.len();
+        let [_, by_inputs, _, _] = &self.matrices;
+        let rhs = (0..unknowns).map(|row| {
+            let terms = of_row(by_inputs, row).map(|(entry, value)| {
+                let (value, input) = (self.entry(value), input(entry.column, n));
+                quote!(+ #value * #input)
+            });
+            quote!(0f64 #(#terms)*)
+        });
+        let solution = (0..unknowns).map(|i| {
+            let terms = (0..unknowns).map(|j| {
+                let inverse = self.inverse(i, j);
+                let j = Literal::usize_unsuffixed(j);
+                quote!(+ #inverse * rhs[#j])
+            });
+            quote!(0f64 #(#terms)*)
+        });
+        let solve = (unknowns > 0).then(|| {
+            quote! {
+                let rhs = [#(#rhs),*];
+                let solution = [#(#solution),*];
+            }
+        });
+        let result = |row: usize| self.result(row, n);
+        let (q, p) = ((0..n).map(result), (n..2 * n).map(result));
+        let store = |name: &TokenStream, lane: &TokenStream| -> TokenStream {
+            let numbers = (0..n).map(Literal::usize_unsuffixed);
+            numbers
+                .map(|i| quote!(next.#name[#i][lane] = #lane[#i];))
+                .collect()
+        };
+        let store_q = store(&quote!(q), &quote!(q_lane));
+        let store_p = store(&quote!(p), &quote!(p_lane));
+        let [outputs, inputs] = [self.linearisation.outputs, self.linearisation.inputs];
+        let has_seeds = (self.matrices.iter().skip(1).flatten())
+            .any(|(entry, _)| entry.column >= outputs && inputs > outputs);
+        let parameters = Literal::usize_unsuffixed(inputs - outputs);
+        let seeds =
+            has_seeds.then(|| quote!(let seeds = #private::lane::seeds::<#parameters>(*varied);));
+        let varied = if has_seeds { quote!(varied) } else { quote!(_) };
+        quote! {
+            let mut any = 0u64;
+            let pairs = ::core::iter::Iterator::zip(tangents.start.iter(), tangents.next.iter_mut());
+            for ((start, next), #varied) in ::core::iter::Iterator::zip(pairs, tangents.parameters) {
+                #seeds
+                for lane in 0..#private::lane::LANES {
+                    #solve
+                    let q_lane = [#(#q),*];
+                    let p_lane = [#(#p),*];
+                    #store_q
+                    #store_p
+                    any |= #private::lane::needs_scalar_step(q_lane, p_lane, true);
+                }
+            }
+            #private::lane::unfinished(any, tangents.next)
+        }
+    }
+
+    /// An entry of the inverse of ∂R/∂x, in a loop over the lanes.
+    fn inverse(&self, i: usize, j: usize) -> TokenStream {
+        let unknowns = self.linearisation.unknowns.len();
+        match self.kept.inverse {
+            Some(first) => {
+                let row = Literal::usize_unsuffixed(first + i * unknowns + j);
+                quote!(kept.0[#row][lane])
+            }
+            None => {
+                let [i, j] = [i, j].map(Literal::usize_unsuffixed);
+                quote!(inverse[#i][#j])
+            }
+        }
+    }
+
+    /// A component of the vector after the step: ∂y/∂z of the vector before it, less ∂y/∂x of the solution. The terms have the order of `linearise`.
+    fn result(&self, row: usize, n: usize) -> TokenStream {
+        let [_, _, by_unknowns, by_inputs] = &self.matrices;
+        let first = if self.is_increment {
+            input(row, n)
+        } else {
+            quote!(0f64)
+        };
+        let direct = of_row(by_inputs, row).map(|(entry, value)| {
+            let (value, input) = (self.entry(value), input(entry.column, n));
+            quote!(+ #value * #input)
+        });
+        let through_unknowns = of_row(by_unknowns, row).map(|(entry, value)| {
+            let (value, j) = (self.entry(value), Literal::usize_unsuffixed(entry.column));
+            quote!(- #value * solution[#j])
+        });
+        quote!(#first #(#direct)* #(#through_unknowns)*)
+    }
+}
+
+/// The entries of a row.
+fn of_row<'a>(entries: &'a Entries<'a>, row: usize) -> impl Iterator<Item = (&'a Entry, Value)> {
+    let entries = entries.iter().copied();
+    entries.filter(move |(entry, _)| entry.row == row)
+}
+
+/// A component of the vector before the step, or the derivative of a parameter.
+fn input(column: usize, n: usize) -> TokenStream {
+    if column < n {
+        let i = Literal::usize_unsuffixed(column);
+        quote!(start.q[#i][lane])
+    } else if column < 2 * n {
+        let i = Literal::usize_unsuffixed(column - n);
+        quote!(start.p[#i][lane])
+    } else {
+        let i = Literal::usize_unsuffixed(column - 2 * n);
+        quote!(seeds[#i])
+    }
+}

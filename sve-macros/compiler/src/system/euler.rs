@@ -1,0 +1,152 @@
+//! The increment of Euler's method: `h f(z) + Σ g_a(z) ΔW_a` for `z = (q, p)`, with the drift f and the noise fields g of the first-order form, and the Itô
+//! correction `½ h Σ (Dg_a) g_a`. The explicit baselines consist of such increments.
+//!
+//! Input: the derivatives of L, the noises and the force. Output: expressions in t, q, p, h and ΔW. If the mass matrix is diagonal the velocity is a formula in
+//! them, `v = (p − ∂L/∂v(q, 0))/M`; otherwise it is a symbol, for which the code solves. The expressions are made last, so that they change the order of terms
+//! in no step.
+
+use std::collections::HashMap;
+
+use crate::algebra::{Arena, Expr, Symbol};
+use crate::system::mechanics::{Mechanics, NoiseJet};
+use crate::system::model::{Meaning, Model, Symbols};
+
+/// Largest number of coordinates that a mass matrix may couple.
+const MAX_COUPLED: usize = 6;
+
+/// Largest number of coordinates.
+const MAX_COORDINATES: usize = 32;
+
+/// The increment of Euler's method.
+pub(crate) struct Euler {
+    /// The symbols of the model, with the step size and the increments of the noises.
+    pub(crate) symbols: Symbols,
+    /// What the velocity is solved from, unless it is a formula.
+    pub(crate) solved: Option<Solved>,
+    /// The increment of q.
+    pub(crate) dq: Vec<Expr>,
+    /// The increment of p.
+    pub(crate) dp: Vec<Expr>,
+    /// The Itô correction of q and p over the step, unless it vanishes.
+    pub(crate) correction: Option<[Vec<Expr>; 2]>,
+}
+
+/// A linear system for the velocity.
+pub(crate) struct Solved {
+    /// ∂²L/∂v².
+    pub(crate) mass: Vec<Vec<Expr>>,
+    /// Whether the matrix depends on parameters alone.
+    pub(crate) is_constant: bool,
+    /// p − ∂L/∂v(q, 0).
+    pub(crate) rhs: Vec<Expr>,
+}
+
+/// Returns the increment of a system, unless its velocity has to be searched for, its motion is not that of the first-order form in a vector space, or it is
+/// too large.
+pub(crate) fn euler(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> Option<Euler> {
+    let is_plain = mechanics.affine_momentum
+        && model.degeneracy.is_none()
+        && model.constraints.is_empty()
+        && !model.configuration().has_rotations();
+    let jet = &mechanics.lagrangian;
+    let n = model.dof();
+    let is_zero = |e: Expr| arena.constant_value(e) == Some(0.0);
+    let is_diagonal = (0..n).all(|i| (0..n).all(|j| i == j || is_zero(jet.dvv[i][j])));
+    if !is_plain || n > MAX_COORDINATES || (!is_diagonal && n > MAX_COUPLED) {
+        return None;
+    }
+    let zero = arena.constant(0.0);
+    let rest: HashMap<Symbol, Expr> = model.v.iter().map(|&v| (v, zero)).collect();
+    let rows = jet.dvv.iter();
+    let mass: Vec<Vec<Expr>> = rows.map(|row| arena.substitute_all(row, &rest)).collect();
+    let at_rest = arena.substitute_all(&jet.dv, &rest);
+    let p = model.p.iter().map(|&p| arena.symbol(p));
+    let p: Vec<Expr> = p.collect();
+    let rhs = p.iter().zip(&at_rest).map(|(&p, &r)| arena.sub(p, r));
+    let rhs: Vec<Expr> = rhs.collect();
+    let depends = |e: Expr, arena: &Arena| {
+        let mut moving = model.q.iter().chain([&model.time]);
+        moving.any(|&s| arena.contains(e, s))
+    };
+    let mut kick = jet.dq.clone();
+    if let Some(force) = &mechanics.force {
+        let sum = kick.iter().zip(&force.value);
+        kick = sum.map(|(&a, &b)| arena.add(a, b)).collect();
+    }
+    let mut v: Vec<Expr> = model.v.iter().map(|&v| arena.symbol(v)).collect();
+    let solved = if is_diagonal {
+        for i in 0..n {
+            v[i] = arena.div(rhs[i], mass[i][i]);
+            if depends(mass[i][i], arena) {
+                // the force takes the velocity, and not a formula that divides once more
+                v[i] = arena.opaque(v[i]);
+            }
+        }
+        let formulas = model.v.iter().copied().zip(v.iter().copied()).collect();
+        kick = arena.substitute_all(&kick, &formulas);
+        None
+    } else {
+        let is_constant = !mass.iter().flatten().any(|&e| depends(e, arena));
+        Some(Solved {
+            mass,
+            is_constant,
+            rhs,
+        })
+    };
+    let mut symbols = model.symbols.clone();
+    let h = symbols.declare(Meaning::StepSize);
+    let h = arena.symbol(h);
+    let dw = symbols.declare_all(mechanics.noises.len(), Meaning::Wiener);
+    let dw: Vec<Expr> = dw.into_iter().map(|s| arena.symbol(s)).collect();
+    let noises = &mechanics.noises;
+    let mut row = |drift: &[Expr], sign: f64, slopes: fn(&NoiseJet) -> &[Expr]| {
+        let entries = (0..n).map(|i| {
+            let mut terms = vec![(1.0, arena.mul(h, drift[i]))];
+            for (noise, &dw) in noises.iter().zip(&dw) {
+                terms.push((sign, arena.mul(dw, slopes(noise)[i])));
+            }
+            arena.sum(0.0, &terms)
+        });
+        entries.collect::<Vec<Expr>>()
+    };
+    let dq = row(&v, 1.0, |noise| &noise.dp);
+    let dp = row(&kick, -1.0, |noise| &noise.dq);
+    let correction = correction(noises, h, n, arena);
+    Some(Euler {
+        symbols,
+        solved,
+        dq,
+        dp,
+        correction,
+    })
+}
+
+/// The terms of an entry of the Itô correction: signed products of two derivatives of a noise, for two coordinates.
+type Terms<'a> = &'a dyn Fn(&NoiseJet, usize, usize) -> [(f64, Expr, Expr); 2];
+
+/// Returns `½ h Σ (Dg_a) g_a`, unless it vanishes.
+fn correction(noises: &[NoiseJet], h: Expr, n: usize, arena: &mut Arena) -> Option<[Vec<Expr>; 2]> {
+    let mut row = |entry: Terms<'_>| {
+        let entries = (0..n).map(|i| {
+            let mut terms = Vec::new();
+            for noise in noises {
+                for j in 0..n {
+                    for (sign, a, b) in entry(noise, i, j) {
+                        // most noises depend on few coordinates
+                        if [a, b].iter().all(|&e| arena.constant_value(e) != Some(0.0)) {
+                            terms.push((0.5 * sign, arena.mul(a, b)));
+                        }
+                    }
+                }
+            }
+            let sum = arena.sum(0.0, &terms);
+            arena.mul(h, sum)
+        });
+        entries.collect::<Vec<Expr>>()
+    };
+    let q = row(&|g, i, j| [(1.0, g.dqp[j][i], g.dp[j]), (-1.0, g.dpp[i][j], g.dq[j])]);
+    let p = row(&|g, i, j| [(-1.0, g.dqq[i][j], g.dp[j]), (1.0, g.dqp[i][j], g.dq[j])]);
+    let is_zero = |e: &Expr| arena.constant_value(*e) == Some(0.0);
+    let vanishes = q.iter().chain(&p).all(is_zero);
+    (!vanishes).then_some([q, p])
+}

@@ -1,0 +1,38 @@
+//! Increments of Euler's method: which systems have them, and for how many stages they are stepped in lanes.
+
+use proc_macro2::TokenStream;
+
+use crate::tests::expand;
+
+/// The expansion of a system, as text.
+fn expansion(lagrangian: &str) -> String {
+    let parse = |text: &str| text.parse::<TokenStream>().expect("tokens");
+    expand(
+        &parse("midpoint"),
+        &parse(&format!("impl P {{ {lagrangian} }}")),
+    )
+    .to_string()
+}
+
+#[test]
+fn increments_are_written_where_the_velocity_is_a_formula_or_solved_for() {
+    let plain = "fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + q.cos() }";
+    assert!(expansion(plain).contains("fn euler_increment ("));
+    let relativistic =
+        "fn lagrangian(&self, q: f64, v: f64) -> f64 { -(1.0 - v * v).sqrt() - q * q }";
+    let code = expansion(relativistic);
+    assert!(!code.contains("fn euler_increment") && code.contains("type EulerNumbers = () ;"));
+}
+
+#[test]
+fn long_increments_are_not_stepped_in_lanes() {
+    let short = "fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + q.cos() }";
+    let code = expansion(short);
+    assert!(code.contains("fn euler_increment_in_lane"), "{code}");
+    assert!(code.contains("EULER_STAGES_IN_LANES"), "{code}");
+    let long = "fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        v[0] * v[0] + 0.5 * v[1] * v[1] + v[0] * v[1] * (q[0] - q[1]).cos() + 2.0 * q[0].cos() + q[1].cos()
+    }";
+    let code = expansion(long);
+    assert!(code.contains("fn euler_increment (") && !code.contains("fn euler_increment_in_lane"));
+}
