@@ -403,7 +403,7 @@ pub mod __private {
     /// The interface of generated steps in lanes.
     pub mod lane {
         pub use crate::lanes::elementary::*;
-        pub use crate::lanes::newton::{ContractingLanes, NewtonLanes};
+        pub use crate::lanes::newton::{ContractingLanes, NewtonLanes, SingleLanes};
         pub use crate::lanes::solve::{Solved, factored, has_digits, inverse, solve, solved};
         pub use crate::lanes::tangents::{
             KeepUnknowns, LaneDirections, TangentLanes, regular_inverse, seeds, unfinished,

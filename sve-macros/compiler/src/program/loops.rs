@@ -3,7 +3,7 @@
 //! Input: a scheme. Output: its program and its loops, or `None` if the system is too large for lanes. A loop ends where an iteration
 //! begins or ends. A value that a later loop uses is kept in an array over the lanes.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::step::Step;
 use super::{Operation, Tier, Value, operands};
@@ -77,17 +77,13 @@ fn fits(block: &Block<Expr>, is_constrained: bool, arena: &Arena) -> bool {
 }
 
 /// Returns the variant of a scheme that is used in lanes. Lanes have no second attempt after a failure, so the tightest bounds judge
-/// their solutions, and a single unknown starts from the linearly implicit step. This guess is accurate to second order in h, so that
-/// two evaluations mostly suffice. It is worth a division, since all lanes wait for the slowest one.
+/// their solutions.
 fn for_lanes(scheme: &Scheme<Expr>) -> Scheme<Expr> {
     let mut scheme = scheme.clone();
     for block in &mut scheme.blocks {
         let Solution::Iteration(iteration) = &mut block.solution else {
             continue;
         };
-        if iteration.iterates.len() == 1 && !iteration.needs_guess {
-            iteration.guess = iteration.fallback.clone();
-        }
         if let Some(judge) = &mut iteration.judge
             && let Some(full) = judge.full.take()
         {
@@ -95,6 +91,14 @@ fn for_lanes(scheme: &Scheme<Expr>) -> Scheme<Expr> {
         }
     }
     scheme
+}
+
+/// Returns whether a block is iterated in a single unknown whose root is accepted by bounds. The evaluation at its guess belongs to the loop before its iteration.
+pub(crate) fn is_single<E, R>(solution: &Solution<E, R>) -> bool {
+    match solution {
+        Solution::Iteration(iteration) => iteration.iterates.len() == 1 && !iteration.needs_guess,
+        Solution::Formula(_) | Solution::System { .. } => false,
+    }
 }
 
 /// The loops that compute and use each value. Loop 0 runs up to the first iteration, loop 1 is this iteration, loop 2 runs from there
@@ -106,6 +110,10 @@ pub(crate) struct Loops {
     pub(crate) uses: Vec<Vec<Value>>,
     /// The row of each of these values in the array `kept`. Inputs have rows too, but are read again.
     pub(crate) rows: BTreeMap<Value, usize>,
+    /// The angle additions whose base moves to the guess, each with its base. Sine and cosine of the base itself are not needed.
+    pub(crate) moved: BTreeMap<Value, Value>,
+    /// The values that are not needed since a base moves.
+    pub(crate) omitted: BTreeSet<Value>,
 }
 
 impl Loops {
@@ -123,15 +131,33 @@ impl Loops {
             of_block,
             uses: vec![Vec::new(); current + 1],
             rows: BTreeMap::new(),
+            moved: BTreeMap::new(),
+            omitted: BTreeSet::new(),
         };
-        for (_, instruction) in step.program.all() {
+        loops.move_bases(step);
+        for (value, instruction) in step.program.all() {
+            if loops.omitted.contains(&value) {
+                continue;
+            }
             let user = loops.of_tier(instruction.tier, step);
+            let guess = evaluated_at_guess(instruction.tier, step);
             for operand in operands(instruction.operation) {
-                loops.note(operand, user, step);
+                if !loops.omitted.contains(&operand) {
+                    loops.note(operand, user, step);
+                    loops.note_at_guess(operand, guess, step);
+                }
+            }
+            if let Some(&base) = loops.moved.get(&value) {
+                loops.note_at_guess(base, guess, step);
             }
         }
         for (at, block) in scheme.blocks.iter().enumerate() {
             let begin = loops.of_block[at];
+            if is_single(&block.solution) {
+                for value in block.solution.each() {
+                    loops.note_at_guess(value, Some(at), step);
+                }
+            }
             for value in block.solution.before() {
                 loops.note(value, Some(begin), step);
             }
@@ -170,6 +196,50 @@ impl Loops {
         }
     }
 
+    /// Finds the angle additions of blocks in a single unknown whose base has no other use, so that the angle at the guess can be the base.
+    fn move_bases(&mut self, step: &Step) {
+        let program = &step.program;
+        let mut used: BTreeSet<Value> = step.results().into_iter().collect();
+        let mut candidates = Vec::new();
+        for (value, instruction) in program.all() {
+            match instruction.operation {
+                Operation::AngleAddition(sin, cos, by)
+                    if evaluated_at_guess(instruction.tier, step).is_some() =>
+                {
+                    candidates.push((value, sin, cos));
+                    used.insert(by);
+                }
+                Operation::SinOf(_) | Operation::CosOf(_) => {}
+                operation => used.extend(operands(operation)),
+            }
+        }
+        for (value, sin, cos) in candidates {
+            let (Operation::SinOf(pair), Operation::CosOf(other)) =
+                (program.get(sin).operation, program.get(cos).operation)
+            else {
+                continue;
+            };
+            let Operation::SinCos(base) = program.get(pair).operation else {
+                continue;
+            };
+            let is_of_lane = self.of_tier(program.get(pair).tier, step).is_some();
+            if pair == other && is_of_lane && ![sin, cos, pair].iter().any(|x| used.contains(x)) {
+                self.moved.insert(value, base);
+                self.omitted.extend([sin, cos, pair]);
+            }
+        }
+    }
+
+    /// Records that the evaluation of a block at its guess uses a value.
+    fn note_at_guess(&mut self, value: Value, block: Option<usize>, step: &Step) {
+        let Some(at) = block else {
+            return;
+        };
+        if step.program.get(value).tier != Tier::Iterate(at) {
+            self.note(value, Some(self.of_block[at]), step);
+        }
+    }
+
     /// Records that a loop uses a value.
     fn note(&mut self, value: Value, user: Option<usize>, step: &Step) {
         let instruction = step.program.get(value);
@@ -182,5 +252,13 @@ impl Loops {
         self.uses[user].push(value);
         let next = self.rows.len();
         self.rows.entry(value).or_insert(next);
+    }
+}
+
+/// Returns the block in a single unknown that values of a tier are computed for, first at its guess.
+fn evaluated_at_guess(tier: Tier, step: &Step) -> Option<usize> {
+    match tier {
+        Tier::Iterate(at) if is_single(&step.scheme.blocks[at].solution) => Some(at),
+        _ => None,
     }
 }

@@ -28,7 +28,7 @@ pub(crate) use costs::{Operations, Work};
 pub(crate) use factors::Factored;
 pub(crate) use instructions::{Operation, Program, Tier, Value, operands};
 pub(crate) use labels::Labels;
-pub(crate) use loops::{BY_FORMULA, Loops, in_lanes};
+pub(crate) use loops::{BY_FORMULA, Loops, in_lanes, is_single};
 pub(crate) use names::{Names, symbol_name};
 pub(crate) use scheduler::{Scheduler, Tiers};
 pub(crate) use step::{Residual, Step};

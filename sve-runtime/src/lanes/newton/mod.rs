@@ -5,11 +5,12 @@
 //! not accepted. As in the scalar method a root is accepted either by bounds of the Jacobian ([`ByBounds`]) or by the path of the iteration
 //! ([`ByContraction`]).
 //! A residual passes the same tests in a lane and in the scalar method ([`judge`]). The last digit of a root may differ: quotients share a division, and
-//! a converged residual leads to the last update without a test of the Jacobian.
+//! a converged residual leads to the last update without a test of the Jacobian. A single unknown with bounds has an iteration of its own, [`SingleLanes`].
 
 #![allow(clippy::needless_bitwise_bool)] // both sides are computed: a branch would prevent vector instructions
 
 mod acceptance;
+mod single;
 
 use super::solve::Solved;
 use super::{LANES, Lane};
@@ -17,6 +18,8 @@ use crate::solve::newton::Newton;
 use crate::solve::newton::convergence::{Evaluation, judge, predicts_negligible};
 use crate::solve::newton::update::{LARGEST_CORRECTION, tie_breaking_factor};
 use acceptance::{Acceptance, ByBounds, ByContraction};
+
+pub use single::SingleLanes;
 
 /// Iterations after which a lane fails: slow lanes must not delay the others.
 const MAX_ITERATIONS: u32 = 12;

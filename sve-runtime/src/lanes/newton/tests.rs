@@ -1,6 +1,6 @@
 //! Iterations in lanes against the scalar method.
 
-use super::{ContractingLanes, Evaluation, LANES, Lane, Newton, NewtonLanes};
+use super::{ContractingLanes, Evaluation, LANES, Lane, Newton, NewtonLanes, SingleLanes};
 use crate::lanes::solve::{Solved, solved};
 
 /// `x³ + x = a` from `x = a` with Chebyshev's update, all lanes.
@@ -223,4 +223,127 @@ fn a_single_unknown_contracts_by_its_second_derivative() {
         assert_eq!(iterations.has_converged(lane), is_near, "{x}");
         assert!(!is_near || (iterations.point(lane)[0] - 2.0).abs() < 1e-15);
     }
+}
+
+/// `x³ + x = a` from `x = a`, all lanes, with a number of evaluations.
+fn single_cubic(a: &Lane, newton: &Newton) -> (SingleLanes, u32) {
+    let at = |x: f64, a: f64| Evaluation {
+        residual: [x * x * x + x - a],
+        magnitude: [(x * x * x).abs() + x.abs() + a.abs()],
+        jacobian: [[3.0 * x * x + 1.0]],
+        curvature: 6.0 * x,
+    };
+    let mut iterations = SingleLanes::new(newton);
+    for lane in 0..LANES {
+        iterations.start(lane, [a[lane]], [0.0], &at(a[lane], a[lane]));
+    }
+    let mut evaluations = 1;
+    while iterations.next_iteration() {
+        for lane in 0..LANES {
+            let [x] = iterations.point(lane);
+            iterations.update(lane, &at(x, a[lane]));
+        }
+        evaluations += 1;
+    }
+    (iterations, evaluations)
+}
+
+#[test]
+fn single_roots_are_those_of_the_scalar_method_in_any_units() {
+    let newton = Newton::default();
+    for scale in [1.0, 0.1, 1e-3, 1e-9, 1e-60, 1e-120, 1e-300, 0.0] {
+        let a = values().map(|a| scale * a);
+        let (iterations, evaluations) = single_cubic(&a, &newton);
+        assert!(scale > 0.1 || evaluations <= 3, "{scale:e}: {evaluations}");
+        for lane in 0..LANES {
+            let [expected] = newton
+                .solve([a[lane]], |&[x]| Evaluation {
+                    residual: [x * x * x + x - a[lane]],
+                    magnitude: [(x * x * x).abs() + x.abs() + a[lane].abs()],
+                    jacobian: [[3.0 * x * x + 1.0]],
+                    curvature: 6.0 * x,
+                })
+                .unwrap();
+            let x = iterations.point(lane)[0];
+            assert!(iterations.has_converged(lane), "{scale:e} {x:e}");
+            assert!(
+                (x - expected).abs() <= 2.0 * f64::EPSILON * x.abs(),
+                "{x} {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_third_evaluation_is_omitted_only_if_it_would_change_nothing() {
+    // the residual after the last update, in twice the precision: (x³ + x − a) at x + e
+    let (a, newton) = (values().map(|a| 0.3 * a), Newton::default());
+    let loose = Newton {
+        tolerance: 0.0,
+        ..newton
+    };
+    let (quick, few) = single_cubic(&a, &newton);
+    let (slow, many) = single_cubic(&a, &loose);
+    assert!(few < many, "{few} {many}");
+    for lane in 0..LANES {
+        let (x, y) = (quick.point(lane)[0], slow.point(lane)[0]);
+        assert!((x - y).abs() <= f64::EPSILON * x.abs(), "{x} {y}");
+    }
+}
+
+#[test]
+fn single_lanes_do_not_feel_their_neighbours() {
+    let newton = Newton::default();
+    let (together, _) = single_cubic(&values(), &newton);
+    for lane in 0..LANES {
+        let (alone, _) = single_cubic(&[values()[lane]; LANES], &newton);
+        assert_eq!(alone.point(0), together.point(lane));
+    }
+}
+
+#[test]
+fn single_lanes_fail_where_they_do_not_converge() {
+    let newton = Newton::default();
+    let mut a = values();
+    (a[3], a[5], a[7]) = (f64::NAN, f64::INFINITY, 1e200);
+    let (iterations, _) = single_cubic(&a, &newton);
+    for lane in 0..LANES {
+        let fails = [3, 5, 7].contains(&lane);
+        assert_eq!(iterations.has_converged(lane), !fails, "{lane}");
+    }
+    for max_iterations in [0, 1] {
+        let few = Newton {
+            max_iterations,
+            ..newton
+        };
+        let (iterations, evaluations) = single_cubic(&[0.5; LANES], &few);
+        assert_eq!(evaluations, 1);
+        assert!((0..LANES).all(|lane| !iterations.has_converged(lane)));
+    }
+    let (mut iterations, _) = single_cubic(&values(), &newton);
+    for lane in 0..LANES {
+        iterations.accept(lane, lane % 3 != 0);
+    }
+    assert!((0..LANES).all(|lane| iterations.has_converged(lane) == (lane % 3 != 0)));
+}
+
+/// Evaluations whose magnitude overflows: no residual is small relative to infinity.
+#[test]
+fn an_infinite_magnitude_is_no_scale() {
+    let at = Evaluation {
+        residual: [1.0],
+        magnitude: [f64::INFINITY],
+        jacobian: [[1.0]],
+        curvature: 0.0,
+    };
+    let mut iterations = SingleLanes::new(&Newton::default());
+    for lane in 0..LANES {
+        iterations.start(lane, [0.0], [0.0], &at);
+    }
+    while iterations.next_iteration() {
+        for lane in 0..LANES {
+            iterations.update(lane, &at);
+        }
+    }
+    assert!((0..LANES).all(|lane| !iterations.has_converged(lane)));
 }

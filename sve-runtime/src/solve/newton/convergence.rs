@@ -32,7 +32,7 @@ const ASYMPTOTIC: f64 = 0.1;
 pub(crate) const NEGLIGIBLE: f64 = 1.0 / 16384.0;
 
 /// Largest factor by which an iteration decreases the residual and is not stalled.
-const STALL: f64 = 0.5;
+pub(crate) const STALL: f64 = 0.5;
 
 /// Largest ratio of successive residuals at which the iteration counts as contracting. Kantorovich's theorem guarantees ¼ for a
 /// start inside its ball.

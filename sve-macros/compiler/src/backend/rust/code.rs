@@ -1,6 +1,6 @@
 //! Instructions → `let` statements, one each, named by what they are.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::quote;
@@ -17,7 +17,9 @@ const LARGE: usize = 7;
 const SPARSE: usize = 4;
 
 /// Variables of emitted code that are no values of the program.
-const DECLARED: [&str; 48] = [
+const DECLARED: [&str; 50] = [
+    "angle",
+    "limit",
     "q",
     "v",
     "p",
@@ -90,6 +92,8 @@ pub(super) struct Printer<'a> {
     prepared: HashMap<Value, usize>,
     /// What the statements are part of.
     place: Place,
+    /// Values that are not printed.
+    omitted: BTreeSet<Value>,
 }
 
 impl<'a> Printer<'a> {
@@ -106,6 +110,15 @@ impl<'a> Printer<'a> {
             names: Names::new(program, symbols, labels, &DECLARED),
             prepared: HashMap::new(),
             place: Place::Single,
+            omitted: BTreeSet::new(),
+        }
+    }
+
+    /// The same without the statements of some values.
+    pub(super) fn without(self, omitted: &BTreeSet<Value>) -> Self {
+        Self {
+            omitted: omitted.clone(),
+            ..self
         }
     }
 
@@ -194,8 +207,14 @@ impl<'a> Printer<'a> {
     pub(super) fn statements(&self, tier: Tier) -> TokenStream {
         self.program
             .of_tier(tier)
+            .filter(|(value, _)| !self.omitted.contains(value))
             .map(|(value, operation)| self.statement(value, operation))
             .collect()
+    }
+
+    /// The names of sine and cosine in a pair.
+    pub(super) fn pair(&self, both: Value) -> [String; 2] {
+        self.names.pair(both)
     }
 
     /// The expression that names a value.

@@ -4,6 +4,9 @@
 //! branches within a loop; what leaves the fast path is marked, and stepped by `increment`. A value that a later loop needs is
 //! stored in a row of `kept`.
 
+mod advance;
+mod single;
+
 use std::collections::BTreeMap;
 
 use proc_macro2::{Ident, Literal, TokenStream};
@@ -12,13 +15,12 @@ use quote::{format_ident, quote};
 use super::code::Printer;
 use super::pivots::{self, Sparse};
 use super::solve::{accepted, names, residuals, sum_of_stages};
-use super::step::inside;
 use super::tangents::bound;
 use crate::algebra::{Arena, Expr};
 use crate::program::{
-    BY_FORMULA, Factored, Loops, Operation, Residual, Step, Tier, Value, in_lanes,
+    BY_FORMULA, Factored, Loops, Operation, Residual, Step, Tier, Value, in_lanes, is_single,
 };
-use crate::structure::{Iteration, Linear, Matrix, Returns, Scheme, Solution, Storage};
+use crate::structure::{Iteration, Linear, Matrix, Scheme, Solution, Storage};
 use crate::system::model::{Meaning, Symbols};
 
 /// `increment_lanes` of a scheme with so many noises.
@@ -31,6 +33,7 @@ pub(super) fn lanes(
 ) -> Option<TokenStream> {
     let (step, loops) = in_lanes(scheme, symbols, arena)?;
     let printer = Printer::of_lanes(&step.program, symbols, &step.labels, private);
+    let printer = printer.without(&loops.omitted);
     let writer = Writer {
         step: &step,
         loops: &loops,
@@ -98,16 +101,11 @@ impl Writer<'_> {
                 Solution::Iteration(iteration) => {
                     let course = course(at);
                     section.extend(self.start(at, iteration));
-                    let size = Literal::usize_unsuffixed(iteration.iterates.len());
                     let one = self.one(self.loops.of_block[at], &section);
+                    let declared = self.declared(at, iteration);
                     let iterate = self.iterate(at, iteration);
-                    let accepting = if iteration.needs_guess {
-                        quote!(ContractingLanes)
-                    } else {
-                        quote!(NewtonLanes)
-                    };
                     tokens.extend(quote! {
-                        let mut #course = #private::lane::#accepting::<#size>::new(newton);
+                        #declared
                         #one
                         #iterate
                     });
@@ -237,6 +235,9 @@ impl Writer<'_> {
     /// The start of an iteration: its guess, and what its root is accepted by.
     fn start(&self, at: usize, iteration: &Iteration<Value, Residual>) -> TokenStream {
         let course = course(at);
+        if self.is_single(at) {
+            return self.start_single(at, iteration);
+        }
         if !iteration.needs_guess {
             let (guess, limit) = (self.guess(at, iteration), self.limit(at, iteration));
             return quote!(#course.start(lane, #guess, #limit););
@@ -299,11 +300,41 @@ impl Writer<'_> {
         ])
     }
 
+    /// The variables that an iteration needs in all its loops.
+    fn declared(&self, at: usize, iteration: &Iteration<Value, Residual>) -> TokenStream {
+        let (private, course) = (self.private, course(at));
+        let size = Literal::usize_unsuffixed(iteration.iterates.len());
+        let kind = if self.is_single(at) {
+            quote!(SingleLanes)
+        } else if iteration.needs_guess {
+            quote!(ContractingLanes::<#size>)
+        } else {
+            quote!(NewtonLanes::<#size>)
+        };
+        let angles = self.angles_at_guess(at);
+        quote! {
+            let mut #course = #private::lane::#kind::new(newton);
+            #angles
+        }
+    }
+
     fn iterate(&self, at: usize, iteration: &Iteration<Value, Residual>) -> TokenStream {
-        let (private, printer) = (self.private, self.printer);
         let course = course(at);
         let iterates = names(&iteration.iterates, self.symbols);
-        let statements = printer.statements(Tier::Iterate(at));
+        let statements = self.statements_from_guess(at);
+        let evaluation = self.evaluation(at, iteration);
+        let body = quote! {
+            let #iterates = #course.point(lane);
+            #statements
+            #course.update(lane, &#evaluation);
+        };
+        let body = self.one(self.loops.of_block[at] + 1, &body);
+        quote!(while #course.next_iteration() { #body })
+    }
+
+    /// The evaluation at a point, from the statements of the iteration.
+    fn evaluation(&self, at: usize, iteration: &Iteration<Value, Residual>) -> TokenStream {
+        let (private, printer) = (self.private, self.printer);
         let [residual, magnitude] = residuals(&iteration.residual, printer);
         let jacobian = if iteration.needs_guess {
             let residuals: Vec<Value> = iteration.residual.iter().map(|r| r.value).collect();
@@ -314,75 +345,14 @@ impl Writer<'_> {
         let curvature = iteration
             .curvature
             .map_or_else(|| quote!(f64::NAN), |c| printer.operand(c));
-        let body = quote! {
-            let #iterates = #course.point(lane);
-            #statements
-            #course.update(lane, &#private::Evaluation {
+        quote! {
+            #private::Evaluation {
                 residual: #residual,
                 magnitude: #magnitude,
                 jacobian: #jacobian,
                 curvature: #curvature,
-            });
-        };
-        let body = self.one(self.loops.of_block[at] + 1, &body);
-        quote!(while #course.next_iteration() { #body })
-    }
-
-    /// The new state of a lane.
-    fn advance(&self) -> TokenStream {
-        let (dq, dp) = (&self.step.scheme.dq, &self.step.scheme.dp);
-        let new = |row: &TokenStream, values: &[Value]| {
-            let entries = values.iter().enumerate().map(|(i, &value)| {
-                let (i, value) = (Literal::usize_unsuffixed(i), self.printer.operand(value));
-                match self.step.scheme.returns {
-                    Returns::Increment | Returns::MatrixTimesState => {
-                        quote!(states.#row[#i][lane] + #value)
-                    }
-                    Returns::State => quote!(#value),
-                }
-            });
-            quote!([#(#entries),*])
-        };
-        let (q, p) = (new(&quote!(q), dq), new(&quote!(p), dp));
-        let (solved, domain) = self.solved();
-        // a state outside of the domain of L is none
-        let poison = (!self.step.scheme.domain.is_empty()).then(|| {
-            let n = Literal::usize_unsuffixed(dq.len());
-            quote!(let p_lane = if true #domain { p_lane } else { [f64::NAN; #n] };)
-        });
-        let store = |row: &str| {
-            let (row, new) = (format_ident!("{row}"), format_ident!("{row}_lane"));
-            (0..dq.len()).map(move |i| {
-                let i = Literal::usize_unsuffixed(i);
-                quote!(next.#row[#i][lane] = #new[#i];)
-            })
-        };
-        let (store_q, store_p) = (store("q"), store("p"));
-        let private = self.private;
-        quote! {
-            let q_lane = #q;
-            let p_lane = #p;
-            #poison
-            #(#store_q)*
-            #(#store_p)*
-            any |= #private::lane::needs_scalar_step(q_lane, p_lane, #solved);
+            }
         }
-    }
-
-    /// Whether all iterations of a lane arrived, and, where the values are at hand, whether L is defined there.
-    fn solved(&self) -> (TokenStream, TokenStream) {
-        let iterations = self.step.scheme.blocks.iter().enumerate();
-        let arrived = iterations.filter_map(|(at, block)| {
-            let course = course(at);
-            matches!(block.solution, Solution::Iteration(_))
-                .then(|| quote!(& #course.has_converged(lane)))
-        });
-        let domain = self.step.scheme.domain.iter().map(|condition| {
-            let value = self.printer.operand(condition.value);
-            let holds = inside(&value, condition.is_closed);
-            quote!(& (#holds))
-        });
-        (quote!(true #(#arrived)*), quote!(#(#domain)*))
     }
 }
 

@@ -1,0 +1,67 @@
+//! The end of a step in lanes: the new state of a lane, and whether its equations are solved.
+
+use proc_macro2::{Literal, TokenStream};
+use quote::{format_ident, quote};
+
+use super::super::step::inside;
+use super::{Value, Writer, course};
+use crate::structure::{Returns, Solution};
+
+impl Writer<'_> {
+    /// The new state of a lane.
+    pub(super) fn advance(&self) -> TokenStream {
+        let (dq, dp) = (&self.step.scheme.dq, &self.step.scheme.dp);
+        let new = |row: &TokenStream, values: &[Value]| {
+            let entries = values.iter().enumerate().map(|(i, &value)| {
+                let (i, value) = (Literal::usize_unsuffixed(i), self.printer.operand(value));
+                match self.step.scheme.returns {
+                    Returns::Increment | Returns::MatrixTimesState => {
+                        quote!(states.#row[#i][lane] + #value)
+                    }
+                    Returns::State => quote!(#value),
+                }
+            });
+            quote!([#(#entries),*])
+        };
+        let (q, p) = (new(&quote!(q), dq), new(&quote!(p), dp));
+        let (solved, domain) = self.solved();
+        // a state outside of the domain of L is none
+        let poison = (!self.step.scheme.domain.is_empty()).then(|| {
+            let n = Literal::usize_unsuffixed(dq.len());
+            quote!(let p_lane = if true #domain { p_lane } else { [f64::NAN; #n] };)
+        });
+        let store = |row: &str| {
+            let (row, new) = (format_ident!("{row}"), format_ident!("{row}_lane"));
+            (0..dq.len()).map(move |i| {
+                let i = Literal::usize_unsuffixed(i);
+                quote!(next.#row[#i][lane] = #new[#i];)
+            })
+        };
+        let (store_q, store_p) = (store("q"), store("p"));
+        let private = self.private;
+        quote! {
+            let q_lane = #q;
+            let p_lane = #p;
+            #poison
+            #(#store_q)*
+            #(#store_p)*
+            any |= #private::lane::needs_scalar_step(q_lane, p_lane, #solved);
+        }
+    }
+
+    /// Whether all iterations of a lane arrived, and, where the values are at hand, whether L is defined there.
+    pub(super) fn solved(&self) -> (TokenStream, TokenStream) {
+        let iterations = self.step.scheme.blocks.iter().enumerate();
+        let arrived = iterations.filter_map(|(at, block)| {
+            let course = course(at);
+            matches!(block.solution, Solution::Iteration(_))
+                .then(|| quote!(& #course.has_converged(lane)))
+        });
+        let domain = self.step.scheme.domain.iter().map(|condition| {
+            let value = self.printer.operand(condition.value);
+            let holds = inside(&value, condition.is_closed);
+            quote!(& (#holds))
+        });
+        (quote!(true #(#arrived)*), quote!(#(#domain)*))
+    }
+}
