@@ -121,9 +121,15 @@ impl Dual {
     /// Returns a function of this number from the function's value and derivative.
     #[inline(always)]
     fn map(self, value: f64, derivative: f64) -> Self {
+        // a constant has no slope, also where the derivative is infinite: √σ at σ = 0
+        let is_constant = self.slope == 0.0 && value.is_finite();
         Self {
             value,
-            slope: derivative * self.slope,
+            slope: if is_constant {
+                0.0
+            } else {
+                derivative * self.slope
+            },
         }
     }
 }

@@ -4,7 +4,7 @@
 //! B  p += ½h (−∂V/∂q + F(q, 0))      A  q += ½h M⁻¹p      O  dp = −Γ p dt + Σ dW over h, exactly      A      B
 //! ```
 //!
-//! Input: L = ½ vᵀMv − V, a force F(q, v) = F(q, 0) − C v and noises γ of the configuration. The friction Γ = C M⁻¹ and the noise Σ = ∂γ/∂q follow from their derivatives, so the temperature is
+//! Input: L = ½ vᵀMv − V without terms linear in v, a force F(q, v) = F(q, 0) − C v and noises γ of the configuration. The friction Γ = C M⁻¹ and the noise Σ = ∂γ/∂q follow from their derivatives, so the temperature is
 //! that of the system's own friction and noise. Invariant: with a harmonic V, the distribution of q in equilibrium is exact for every stable h.
 //!
 //! Source: Leimkuhler, Matthews, *Rational construction of stochastic numerical methods for molecular sampling*, Appl. Math. Res. Express (2013) 34–56.
@@ -13,6 +13,7 @@ use crate::composition::QuadraticKineticEnergy;
 use crate::configuration::VectorCoordinates;
 use crate::error::{StepError, step_error};
 use crate::integrator::accept;
+use crate::jets::LagrangianJet;
 use crate::mechanics::{Field, noise_of};
 use crate::method::OneStepMethod;
 use crate::solve::SolveError;
@@ -116,8 +117,12 @@ impl<S> Baoab<S> {
         let half = 0.5 * h;
         let singular = || step_error(SolveError::Singular { iteration: 0 }, start, h, dw);
         let (mut q, mut p) = (start.q, start.p);
-        let (first, mass) = self.force(start.t, &q);
-        let mass = dense::factored(&mass).ok_or_else(singular)?;
+        let (first, rest) = self.force(start.t, &q);
+        if rest.dv != [0.0; N] {
+            let (t, what) = (start.t, "the momentum ∂L/∂v is not zero at rest".to_owned());
+            return Err(StepError::NotLangevin { t, what });
+        }
+        let mass = dense::factored(&rest.dvv).ok_or_else(singular)?;
         add(&mut p, half, &first);
         let v = mass.solve(&p);
         add(&mut q, half, &v);
@@ -133,12 +138,12 @@ impl<S> Baoab<S> {
         })
     }
 
-    /// Returns the force at rest, −∂V/∂q + F(q, 0), and the mass matrix.
+    /// Returns the force at rest, −∂V/∂q + F(q, 0), and the derivatives of L there.
     fn force<Q, const N: usize, const M: usize>(
         &self,
         t: f64,
         q: &[f64; N],
-    ) -> ([f64; N], [[f64; N]; N])
+    ) -> ([f64; N], LagrangianJet<N>)
     where
         S: System<Dims = Dims<N, M, Q>>,
         Q: VectorCoordinates<N>,
@@ -152,7 +157,7 @@ impl<S> Baoab<S> {
                 &self.system.force_jet(t, q, &[0.0; N]).value,
             );
         }
-        (force, jet.dvv)
+        (force, jet)
     }
 
     /// Returns the change of the momentum by friction and noise over a step, solved exactly in distribution.

@@ -152,6 +152,12 @@ impl Summary {
         self.failures = node.failures;
     }
 
+    /// Whether the paths are antithetic pairs.
+    #[cfg(feature = "plot")]
+    pub(crate) fn is_antithetic(&self) -> bool {
+        self.info.is_antithetic
+    }
+
     /// The recorded times: the start, the time after each `record_every` steps, and the end.
     pub fn times(&self) -> &[f64] {
         &self.info.times

@@ -25,6 +25,12 @@ pub(crate) const LABEL: f64 = 11.0;
 const NAME: f64 = 12.0;
 const TITLE: f64 = 13.0;
 const TICK: f64 = 4.0;
+/// Largest distance of a point from the frame, in device units.
+const FAR: f64 = 1e8;
+
+/// Largest number of labels of an axis.
+const MOST_LABELS: usize = 1000;
+
 /// Axes of powers that are shorter have three, or two, labels a decade.
 const ONE_DECADE: f64 = 1.5;
 const FEW_DECADES: f64 = 3.0;
@@ -87,9 +93,10 @@ impl Frame {
     pub(crate) fn device(&self, &(x, y): &(f64, f64)) -> (i32, i32) {
         let (width, height) = self.size();
         let [left, _, _, bottom] = self.edges;
+        let units = |part: f64, size: f64| (part * size).round().clamp(-FAR, FAR) as i32;
         (
-            left + ((x - self.x.start) / length(&self.x) * width).round() as i32,
-            bottom - ((y - self.y.start) / length(&self.y) * height).round() as i32,
+            left + units((x - self.x.start) / length(&self.x), width),
+            bottom - units((y - self.y.start) / length(&self.y), height),
         )
     }
 
@@ -118,31 +125,23 @@ impl Frame {
             let tick = vec![(left - px(TICK / 2.0), v), (left, v)];
             area.draw(&PathElement::new(tick, line))?;
         }
-        for x in labelled(&panel.x, &self.x) {
+        for (x, label) in labels(&panel.x, &self.x) {
             let (u, _) = self.device(&(x, self.y.start));
             let style = text(LABEL, HPos::Center, VPos::Top);
             area.draw(&PathElement::new(
                 vec![(u, bottom), (u, bottom + px(TICK))],
                 line,
             ))?;
-            area.draw(&Text::new(
-                label(&panel.x, x),
-                (u, bottom + px(TICK + 4.0)),
-                style,
-            ))?;
+            area.draw(&Text::new(label, (u, bottom + px(TICK + 4.0)), style))?;
         }
-        for y in labelled(&panel.y, &self.y) {
+        for (y, label) in labels(&panel.y, &self.y) {
             let (_, v) = self.device(&(self.x.start, y));
             let style = text(LABEL, HPos::Right, VPos::Center);
             area.draw(&PathElement::new(
                 vec![(left - px(TICK), v), (left, v)],
                 line,
             ))?;
-            area.draw(&Text::new(
-                label(&panel.y, y),
-                (left - px(TICK + 3.0), v),
-                style,
-            ))?;
+            area.draw(&Text::new(label, (left - px(TICK + 3.0), v), style))?;
         }
         let name = text(NAME, HPos::Center, VPos::Center);
         let under = (i32::midpoint(left, right), bottom + px(BOTTOM - 11.0));
@@ -181,7 +180,7 @@ fn labelled(axis: &Axis, range: &Range<f64>) -> Vec<f64> {
         return within_decades(range, &[1.0, 3.0]);
     }
     // exponents are whole, so at most one label a decade
-    let count = (1..axis.labels)
+    let count = (1..axis.labels.min(MOST_LABELS))
         .take_while(|k| *k as f64 <= decades)
         .count();
     let mut numbers = round_numbers(range, count);
@@ -209,7 +208,8 @@ fn within_decades(range: &Range<f64>, multiples: &[f64]) -> Vec<f64> {
 
 /// Multiples of 1, 2 or 5 times a power of ten in the range, about `count` of them.
 fn round_numbers(range: &Range<f64>, count: usize) -> Vec<f64> {
-    let rough = length(range) / count.max(1) as f64;
+    let count = count.clamp(1, MOST_LABELS);
+    let rough = length(range) / count as f64;
     let power = 10_f64.powf(rough.log10().floor());
     let factor = [1.0, 2.0, 5.0, 10.0]
         .into_iter()
@@ -226,7 +226,7 @@ fn round_numbers(range: &Range<f64>, count: usize) -> Vec<f64> {
 /// Multiples of π/4, π/2, π or a round number of π in the range, about `count` of them; of smaller parts in a short range.
 fn parts_of_pi(range: &Range<f64>, count: usize) -> Vec<f64> {
     let turns = range.start / PI..range.end / PI;
-    let rough = length(&turns) / count.max(1) as f64;
+    let rough = length(&turns) / count.clamp(1, MOST_LABELS) as f64;
     let part = [0.125, 0.25, 0.5, 1.0]
         .into_iter()
         .find(|part| *part >= 0.8 * rough);
@@ -244,12 +244,12 @@ fn parts_of_pi(range: &Range<f64>, count: usize) -> Vec<f64> {
     }
 }
 
-/// An angle in parts of π.
-fn angle(value: f64) -> String {
+/// An angle in parts of π; `spacing` is that of the labels in these parts.
+fn angle(value: f64, spacing: f64) -> String {
     let turns = value / PI;
     let eighths = 8.0 * turns;
     if (eighths - eighths.round()).abs() > 1e-9 {
-        return format!("{}π", plain(turns));
+        return format!("{}π", number(turns, spacing));
     }
     let (mut above, mut below) = (eighths.round() as i64, 8);
     while above % 2 == 0 && below > 1 {
@@ -267,30 +267,57 @@ fn angle(value: f64) -> String {
     }
 }
 
-/// A label: the number in full, a power of ten, or parts of π.
-fn label(axis: &Axis, value: f64) -> String {
-    if axis.scale == Scale::Angle {
-        return angle(value);
-    }
-    if axis.scale == Scale::Powers {
-        let exponent = (value + 1e-9).floor();
-        let multiple = 10_f64.powf(value - exponent).round() as i64;
-        let power = format!("10{}", superscript(exponent as i64));
-        return match multiple {
-            1 => power,
-            multiple => format!("{multiple}·{power}"),
-        };
-    }
-    plain(value)
+/// The labels of an axis and where they stand: numbers, powers of ten, or parts of π.
+fn labels(axis: &Axis, range: &Range<f64>) -> Vec<(f64, String)> {
+    let values = labelled(axis, range);
+    let spacing = match values.as_slice() {
+        [first, second, ..] => second - first,
+        [only] => only.abs(),
+        [] => return Vec::new(),
+    };
+    let label = |value: f64| match axis.scale {
+        Scale::Angle => angle(value, spacing / PI),
+        Scale::Powers => power(value),
+        Scale::Linear => number(value, spacing),
+    };
+    values.into_iter().map(|x| (x, label(x))).collect()
 }
 
-fn plain(value: f64) -> String {
-    let text = format!("{value:.4}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" {
-        "0".to_owned()
-    } else {
-        text.replace('-', "−")
+/// A power of ten, or a multiple of one, of which this is the logarithm.
+fn power(logarithm: f64) -> String {
+    let exponent = (logarithm + 1e-9).floor();
+    let multiple = 10_f64.powf(logarithm - exponent).round() as i64;
+    let power = format!("10{}", superscript(exponent as i64));
+    match multiple {
+        1 => power,
+        multiple => format!("{multiple}·{power}"),
+    }
+}
+
+/// A number with the digits that tell it from its neighbours, as a multiple of a power of ten if it is very small or large.
+fn number(value: f64, spacing: f64) -> String {
+    if value.abs() < 1e-9 * spacing {
+        return "0".to_owned();
+    }
+    let last_digit = (spacing * (1.0 + 1e-9)).log10().floor() as i32;
+    let first_digit = (value.abs() * (1.0 + 1e-9)).log10().floor() as i32;
+    let digits = |value: f64, count: i32| {
+        let count = usize::try_from(count).unwrap_or(0);
+        let text = format!("{value:.count$}").replace('-', "−");
+        match text.contains('.') {
+            true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+            false => text,
+        }
+    };
+    if last_digit >= -5 && first_digit < 6 {
+        return digits(value, -last_digit);
+    }
+    let power = format!("10{}", superscript(i64::from(first_digit)));
+    let factor = digits(value / 10_f64.powi(first_digit), first_digit - last_digit);
+    match factor.as_str() {
+        "1" => power,
+        "−1" => format!("−{power}"),
+        factor => format!("{factor}·{power}"),
     }
 }
 
@@ -338,23 +365,23 @@ mod tests {
 
     #[test]
     fn labels_are_short() {
-        let axis = Axis::new("", 0.0..1.0);
-        assert_eq!(label(&axis, -0.5), "−0.5");
-        assert_eq!(label(&axis, -1e-12), "0");
-        assert_eq!(label(&axis, 2000.0), "2000");
-        let powers = Axis::powers("", 0.0..1.0);
-        assert_eq!(label(&powers, -10.0), "10⁻¹⁰");
-        assert_eq!(label(&powers, 2e-3_f64.log10()), "2·10⁻³");
+        assert_eq!(number(-0.5, 0.5), "−0.5");
+        assert_eq!(number(-1e-12, 0.5), "0");
+        assert_eq!(number(2000.0, 500.0), "2000");
+        assert_eq!(number(0.00015, 0.00005), "0.00015");
+        assert_eq!(number(1.5e-6, 5e-7), "1.5·10⁻⁶");
+        assert_eq!(number(-1e-7, 1e-7), "−10⁻⁷");
+        assert_eq!(number(2.5e11, 5e10), "2.5·10¹¹");
+        assert_eq!(power(-10.0), "10⁻¹⁰");
+        assert_eq!(power(2e-3_f64.log10()), "2·10⁻³");
     }
 
     #[test]
     fn angles_are_parts_of_pi() {
         let labels = |range: Range<f64>| -> Vec<String> {
             let axis = Axis::angle("", range);
-            labelled(&axis, &axis.range)
-                .iter()
-                .map(|x| label(&axis, *x))
-                .collect()
+            let labels = super::labels(&axis, &axis.range);
+            labels.into_iter().map(|(_, label)| label).collect()
         };
         assert_eq!(labels(-PI..PI), ["−π", "−π/2", "0", "π/2", "π"]);
         assert_eq!(labels(0.0..1.0), ["0", "π/8", "π/4"]);
@@ -373,10 +400,8 @@ mod tests {
     #[test]
     fn short_axes_of_powers_are_labelled_within_their_decades() {
         let axis = Axis::powers("", -3.1..-1.9);
-        let labels: Vec<String> = labelled(&axis, &axis.range)
-            .iter()
-            .map(|x| label(&axis, *x))
-            .collect();
+        let labels = labels(&axis, &axis.range);
+        let labels: Vec<String> = labels.into_iter().map(|(_, label)| label).collect();
         assert_eq!(labels, ["10⁻³", "2·10⁻³", "5·10⁻³", "10⁻²"]);
         let axis = Axis::powers("", -3.1..0.1);
         assert_eq!(labelled(&axis, &axis.range), [-3.0, -2.0, -1.0, 0.0]);

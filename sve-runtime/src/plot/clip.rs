@@ -26,10 +26,14 @@ pub(crate) fn polyline(points: &[Point], x: &Range<f64>, y: &Range<f64>) -> Vec<
 }
 
 fn segment(from: Point, to: Point, x: &Range<f64>, y: &Range<f64>) -> Option<(Point, Point)> {
-    if ![from.0, from.1, to.0, to.1].iter().all(|z| z.is_finite()) {
+    let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+    // also where two points are so far apart that their distance overflows
+    if ![from.0, from.1, to.0, to.1, dx, dy]
+        .iter()
+        .all(|z| z.is_finite())
+    {
         return None;
     }
-    let (dx, dy) = (to.0 - from.0, to.1 - from.1);
     let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
     for (direction, room) in [
         (-dx, from.0 - x.start),

@@ -94,7 +94,8 @@ impl Summary {
 fn figure(summary: &Summary) -> Figure {
     let times = summary.times();
     let means = summary.statistics().iter().map(|s| mean(times, s));
-    let histograms = summary.histograms().iter().map(histogram);
+    let histograms = summary.histograms().iter();
+    let histograms = histograms.map(|of| histogram(of, summary.is_antithetic()));
     let passages = summary.passages().iter().map(survival);
     let panels: Vec<Panel> = means.chain(histograms).chain(passages).collect();
     let row = |panels: &[Panel]| Row {
@@ -141,7 +142,8 @@ fn mean(times: &[f64], statistics: &Statistics) -> Panel {
     panel.with(layer).legend(Corner::Outside)
 }
 
-fn histogram(histogram: &Histogram) -> Panel {
+/// A histogram. Its bars are the errors of a multinomial count, which antithetic pairs do not have.
+fn histogram(histogram: &Histogram, are_pairs: bool) -> Panel {
     let (edges, counts) = (histogram.edges(), histogram.counts());
     let last = histogram.rows() - 1;
     let inside: u64 = counts.iter().sum();
@@ -157,6 +159,8 @@ fn histogram(histogram: &Histogram) -> Panel {
         ends.push((density((n - error).max(0.0)), density(n + error)));
     }
     let top = ends.iter().fold(0.0, |top: f64, end| top.max(end.1));
+    let errors = Layer::new("", points, Pen::dots(palette::BLUE, 0.0));
+    let errors = if are_pairs { errors } else { errors.bars(ends) };
     let name = histogram.name();
     let (first, end) = (edges[0], edges[edges.len() - 1]);
     let title = match outside {
@@ -170,7 +174,7 @@ fn histogram(histogram: &Histogram) -> Panel {
         Axis::new("density", 0.0..top),
     )
     .with(Layer::new("", outline, Pen::line(palette::BLUE, 1.2)).filled(0.0))
-    .with(Layer::new("", points, Pen::dots(palette::BLUE, 0.0)).bars(ends))
+    .with(errors)
 }
 
 /// The curve of survival with its band.

@@ -15,7 +15,13 @@ impl Layer {
     ) -> [Self; 2] {
         let (mut found, mut bars, mut limits) = (Vec::new(), Vec::new(), Vec::new());
         for (x, error, standard_error) in points {
-            let (x, error, spread) = (x.log10(), error.abs(), SIGNIFICANT * standard_error);
+            // of a single path there is no standard error, and no bar
+            let spread = if standard_error.is_nan() {
+                0.0
+            } else {
+                SIGNIFICANT * standard_error
+            };
+            let (x, error) = (x.log10(), error.abs());
             if error > spread {
                 found.push((x, error.log10()));
                 bars.push(((error - spread).log10(), (error + spread).log10()));
@@ -53,6 +59,8 @@ mod tests {
         assert!((found.points[0].1 + 2.0).abs() < 1e-12);
         assert!(found.points[1].1.is_nan() && found.points[2].1 == -4.0);
         assert_eq!(limits.points.len(), 1);
+        let [single, none] = Layer::errors("method", Pen::series(0), [(0.1, 1e-2, f64::NAN)]);
+        assert!(single.points[0].1 == -2.0 && none.points.is_empty());
         assert!((limits.points[0].1 - 3e-3_f64.log10()).abs() < 1e-12);
     }
 }

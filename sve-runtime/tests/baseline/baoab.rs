@@ -217,6 +217,16 @@ impl Kubo {
     }
 }
 
+/// A term linear in v: p = v + 1.
+struct Shifted;
+
+#[variational(midpoint)]
+impl Shifted {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v + v - 0.5 * q * q
+    }
+}
+
 #[test]
 fn what_cannot_be_solved_exactly_is_refused() {
     fn check<I: Method>(method: &I, start: sve_runtime::StateOf<I::System>, message: &str)
@@ -230,6 +240,8 @@ fn what_cannot_be_solved_exactly_is_refused() {
         assert!(error.to_string().contains(message), "{error}");
         assert_eq!(state, start);
     }
+    let rest = State::new([1.0], [1.0]);
+    check(&Baoab::new(Shifted), rest, "not zero at rest");
     let start = State::new([1.0, 2.0], [0.5, 1.0]);
     check(
         &Baoab::new(Drag),
