@@ -27,6 +27,8 @@ use crate::system::System;
 pub struct Dual {
     value: f64,
     slope: f64,
+    /// A constant has the slope 0 also where a derivative is infinite: √σ at σ = 0.
+    is_constant: bool,
 }
 
 /// A state whose coordinates vary in a direction: what smooth functions of a state are given.
@@ -83,13 +85,18 @@ pub(crate) fn with_dual_state<S: System, T, const N: usize>(
             }
             at += 1;
         });
-        let slope = f64::from(u8::from(varied == Some(number)));
-        Dual { value, slope }
+        let is_constant = varied != Some(number);
+        Dual {
+            value,
+            slope: f64::from(u8::from(!is_constant)),
+            is_constant,
+        }
     };
     let row = |values: &[f64; N], slopes: &[f64; N]| {
         core::array::from_fn(|i| Dual {
             value: values[i],
             slope: slopes[i],
+            is_constant: false,
         })
     };
     let result = function(&DualState {
@@ -121,15 +128,27 @@ impl Dual {
     /// Returns a function of this number from the function's value and derivative.
     #[inline(always)]
     fn map(self, value: f64, derivative: f64) -> Self {
-        // a constant has no slope, also where the derivative is infinite: √σ at σ = 0
-        let is_constant = self.slope == 0.0 && value.is_finite();
         Self {
             value,
-            slope: if is_constant {
+            slope: if self.is_constant {
                 0.0
             } else {
                 derivative * self.slope
             },
+            ..self
+        }
+    }
+}
+
+impl Dual {
+    /// Returns a function of this number and another one from the function's value and slope.
+    #[inline(always)]
+    fn with(self, other: Self, value: f64, slope: f64) -> Self {
+        let is_constant = self.is_constant && other.is_constant;
+        Self {
+            value,
+            slope: if is_constant { 0.0 } else { slope },
+            is_constant,
         }
     }
 }
@@ -138,7 +157,11 @@ impl From<f64> for Dual {
     /// A constant.
     #[inline(always)]
     fn from(value: f64) -> Self {
-        Self { value, slope: 0.0 }
+        Self {
+            value,
+            slope: 0.0,
+            is_constant: true,
+        }
     }
 }
 
@@ -236,7 +259,7 @@ impl Dual {
         let other = other.into();
         let value = self.value.hypot(other.value);
         let slope = self.value / value * self.slope + other.value / value * other.slope;
-        Self { value, slope }
+        self.with(other, value, slope)
     }
 
     /// The angle of the point (x, y), where this number is y. An angle jumps by 2π: use its sine and cosine in means.
@@ -244,10 +267,8 @@ impl Dual {
     pub fn atan2(self, x: impl Into<Self>) -> Self {
         let x = x.into();
         let (y, square) = (self, self.value * self.value + x.value * x.value);
-        Self {
-            value: y.value.atan2(x.value),
-            slope: (x.value * y.slope - y.value * x.slope) / square,
-        }
+        let slope = (x.value * y.slope - y.value * x.slope) / square;
+        y.with(x, y.value.atan2(x.value), slope)
     }
 
     /// This number times `a` plus `b`.
@@ -274,7 +295,7 @@ macro_rules! operators {
             #[inline(always)]
             fn $function(self, other: Self) -> Self {
                 let ($a, $b) = (self, other);
-                Self { value: $value, slope: $slope }
+                self.with(other, $value, $slope)
             }
         }
 

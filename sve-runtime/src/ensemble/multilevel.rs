@@ -48,7 +48,7 @@ where
     /// For an error ε it needs about ε⁻² path-steps where the differences between levels have a variance that falls faster than h, as with rules of strong order 1. Plain Monte Carlo needs
     /// ε^(−2−1/w), where w is the weak order of the rule.
     ///
-    /// **Where it does not win.** The gain over plain Monte Carlo with the same rule is about the number of plain steps that a bias of ε needs, divided by a factor of up to 10 for the coarse levels.
+    /// **Where it does not win.** The gain over plain Monte Carlo with the same rule is about the number of plain steps that a bias of ε needs, divided by what the coarse levels cost.
     /// Where a few steps suffice, for large ε or with a rule of weak order 2, plain Monte Carlo is as fast or faster. It does not help for indicators and other observables with jumps, whose
     /// differences between levels have a large variance; nor where the coarse steps are unstable, or lose the features of the motion.
     ///

@@ -2,6 +2,7 @@
 //!
 //! Input: a [`Summary`]. Output: HTML. Invariant: what is drawn has its standard error beside it.
 
+use core::ops::Range;
 use std::path::Path;
 
 use super::bounds::around;
@@ -11,6 +12,8 @@ use crate::ensemble::{Histogram, Passages, Statistics, Summary};
 
 /// Half the width of bands and bars, in standard errors.
 const ERRORS: f64 = 2.0;
+/// Part of the height of a panel that a legend needs.
+const LEGEND: f64 = 0.15;
 /// Points of a line with symbols of their own.
 const SYMBOLS: usize = 12;
 
@@ -123,10 +126,15 @@ fn mean(times: &[f64], statistics: &Statistics) -> Panel {
     let all = points.iter().map(|p| p.1);
     let all = all.chain(ends.iter().flat_map(|&(low, high)| [low, high]));
     let name = statistics.name();
+    let (x, mut y) = (around(times.iter().copied()), around(all));
+    let corner = free_corner(&points, &ends, &x, &y).unwrap_or_else(|| {
+        y.end += LEGEND * (y.end - y.start);
+        Corner::TopLeft
+    });
     let panel = Panel::new(
         format!("Mean of {name}"),
-        Axis::new("time t", around(times.iter().copied())),
-        Axis::new(name, around(all)),
+        Axis::new("time t", x),
+        Axis::new(name, y),
     );
     let pen = if points.len() > SYMBOLS {
         Pen::line(palette::BLUE, 1.5)
@@ -139,7 +147,34 @@ fn mean(times: &[f64], statistics: &Statistics) -> Panel {
     } else {
         layer.bars(ends)
     };
-    panel.with(layer).legend(Corner::Outside)
+    panel.with(layer).legend(corner)
+}
+
+/// Returns a corner with room for a legend of half of the width, in which no point and no end of a bar is.
+fn free_corner(
+    points: &[(f64, f64)],
+    ends: &[(f64, f64)],
+    x: &Range<f64>,
+    y: &Range<f64>,
+) -> Option<Corner> {
+    let middle = f64::midpoint(x.start, x.end);
+    let high = y.end - LEGEND * (y.end - y.start);
+    let low = y.start + LEGEND * (y.end - y.start);
+    let is_free = |is_left: bool, is_top: bool| {
+        points.iter().zip(ends).all(|(&(x, value), &(from, to))| {
+            let is_beside = (x > middle) == is_left && x != middle;
+            let is_there = |y: f64| if is_top { y > high } else { y < low };
+            is_beside || ![value, from, to].into_iter().any(is_there)
+        })
+    };
+    [
+        (Corner::TopRight, false, true),
+        (Corner::TopLeft, true, true),
+        (Corner::BottomRight, false, false),
+        (Corner::BottomLeft, true, false),
+    ]
+    .into_iter()
+    .find_map(|(corner, is_left, is_top)| is_free(is_left, is_top).then_some(corner))
 }
 
 /// A histogram. Its bars are the errors of a multinomial count, which antithetic pairs do not have.

@@ -73,6 +73,19 @@ fn a_derivative_that_is_not_finite_is_a_failure() {
     assert_eq!(summary.failed(), 100);
     let failure = summary.failures()[0].to_string();
     assert!(failure.contains("∂root/∂q[0] at the start"), "{failure}");
+    // a constant has no derivative by q, also where its own derivative is infinite
+    let summary = Ensemble::new(&swing)
+        .paths(10)
+        .steps(H, 4)
+        .start(State::new([0.8], [0.0]))
+        .gradient("x", [By::q(0)], |s| {
+            let zero = s.parameter("g") - s.parameter("g");
+            s.q[0] + zero.sqrt()
+        })
+        .run()
+        .unwrap();
+    assert_eq!(summary.failed(), 0);
+    assert_eq!(summary.derivative("x", By::q(0)).unwrap().mean()[0], 1.0);
 }
 
 #[test]
