@@ -244,7 +244,12 @@ impl Dual {
     #[inline(always)]
     #[must_use]
     pub fn powf(self, n: f64) -> Self {
-        self.map(self.value.powf(n), n * self.value.powf(n - 1.0))
+        let derivative = if n == 0.0 {
+            0.0
+        } else {
+            n * self.value.powf(n - 1.0)
+        };
+        self.map(self.value.powf(n), derivative)
     }
 
     /// Sine and cosine.
@@ -351,6 +356,7 @@ mod tests {
         let dual = function(Dual {
             value: x,
             slope: 1.0,
+            is_constant: false,
         });
         assert!(
             (dual.value - plain(x)).abs() <= 2e-15 * plain(x).abs(),

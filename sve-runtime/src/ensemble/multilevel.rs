@@ -120,13 +120,42 @@ where
     Q: Coordinates<N>,
 {
     /// Sets the order of the rule's errors of means, from which the bias is estimated. The default of 1 holds for all rules, and overestimates the bias of rules of higher order.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// struct Oscillator { sigma: f64 }
+    ///
+    /// #[variational(midpoint)]
+    /// impl Oscillator {
+    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v - 0.5 * q * q }
+    ///     #[gamma]
+    ///     fn push(&self, q: f64) -> f64 { self.sigma * q }
+    /// }
+    ///
+    /// # fn main() -> Result<(), EnsembleError> {
+    /// let oscillator = Integrator::new(Oscillator { sigma: 1.0 }, Midpoint);
+    /// let estimate = Ensemble::new(&oscillator)
+    ///     .paths(1024).seed(1).steps(0.25, 4)
+    ///     .start(State::new([1.0], [0.0]))
+    ///     .observe("q²", |_, state| state.q[0].powi(2))
+    ///     .multilevel("q²")
+    ///     .weak_order(2.0) // midpoint, additive noise
+    ///     .deepest(5)
+    ///     .run(0.03)?;
+    /// // cos² 1 + ∫ sin² over the time 1
+    /// let exact = 1.0_f64.cos().powi(2) + 0.5 - 0.25 * 2.0_f64.sin();
+    /// assert!((estimate.mean() - exact).abs() < 4.0 * estimate.error());
+    /// # Ok(())
+    /// # }
+    /// ```
     #[must_use]
     pub fn weak_order(mut self, order: f64) -> Self {
         self.weak_order = order;
         self
     }
 
-    /// Sets the number of the deepest level, with steps of `h / 2^level`: at least 2. The default is 12.
+    /// Sets the number of the deepest level, with steps of `h / 2^level`: at least 2. The default is 12. [`weak_order`](Self::weak_order) has an example.
     #[must_use]
     pub fn deepest(mut self, level: u32) -> Self {
         self.deepest = level;

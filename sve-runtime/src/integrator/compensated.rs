@@ -118,7 +118,7 @@ where
     S: Discretised<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    /// Compensates the rounding errors of the state, see [`Trajectory::compensated`].
+    /// Compensates the rounding errors of the state, see [`Trajectory::compensated`], which has an example.
     #[must_use]
     pub fn compensated(self) -> Self {
         const {

@@ -19,6 +19,7 @@ pub struct TangentLanes<const N: usize> {
 
 impl<const N: usize> TangentLanes<N> {
     /// The same vector in each lane.
+    #[cfg(feature = "ensemble")]
     pub(crate) fn splat(field: &Field<[f64; N]>) -> Self {
         Self {
             q: field.q.map(|x| [x; LANES]),
@@ -36,6 +37,7 @@ impl<const N: usize> TangentLanes<N> {
     }
 
     /// Replaces the vector of a lane.
+    #[cfg(feature = "ensemble")]
     #[inline(always)]
     pub(crate) fn set(&mut self, lane: usize, field: &Field<[f64; N]>) {
         for i in 0..N {

@@ -304,9 +304,10 @@ fn number(value: f64, spacing: f64) -> String {
     let digits = |value: f64, count: i32| {
         let count = usize::try_from(count).unwrap_or(0);
         let text = format!("{value:.count$}").replace('-', "−");
-        match text.contains('.') {
-            true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-            false => text,
+        if text.contains('.') {
+            text.trim_end_matches('0').trim_end_matches('.').to_owned()
+        } else {
+            text
         }
     };
     if last_digit >= -5 && first_digit < 6 {

@@ -193,7 +193,7 @@ where
     W: Replayable,
 {
     /// Sets the number of states that are kept at the same time, besides the first one. By default it is √(2 steps), with which each step is made three times at most.
-    /// With fewer states the steps are made more often: `c` states are enough for (c + r)!/(c! r!) steps that are made `r` + 1 times.
+    /// With fewer states the steps are made more often: `c` states are enough for (c + r)!/(c! r!) steps that are made `r` + 1 times. [`Trajectory::adjoint`] has an example.
     #[must_use]
     pub fn checkpoints(mut self, states: usize) -> Self {
         self.checkpoints = Some(states);
@@ -201,7 +201,7 @@ where
     }
 
     /// Differentiates by the values of the parameters in each piece of so many steps, as if the parameters were step functions of time: [`Gradient::pieces`].
-    /// A parameter that the loss itself reads belongs to the step before the state. With 0 there is one piece.
+    /// A parameter that the loss itself reads belongs to the step before the state. With 0 there is one piece. [`Trajectory::adjoint`] has an example.
     #[must_use]
     pub fn pieces_of(mut self, steps: u64) -> Self {
         self.piece = if steps == 0 { self.steps.max(1) } else { steps };

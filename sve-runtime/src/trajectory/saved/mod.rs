@@ -145,7 +145,7 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
 }
 
 impl<I: Method, W: Halves> RefinedTrajectory<'_, I, W> {
-    /// Saves the state that the trajectory is at, and every `n`-th state after it; see [`Trajectory::every`].
+    /// Saves the state that the trajectory is at, and every `n`-th state after it; see [`Trajectory::every`], which has an example.
     ///
     /// # Panics
     /// If `n` is 0.
@@ -154,13 +154,13 @@ impl<I: Method, W: Halves> RefinedTrajectory<'_, I, W> {
         Saved::every(self, n)
     }
 
-    /// Saves the states at these times; see [`Trajectory::at`]. A part of a step is not refined.
+    /// Saves the states at these times; see [`Trajectory::at`], which has an example. A part of a step is not refined.
     #[must_use]
     pub fn at<T: Borrow<f64>>(self, times: impl IntoIterator<Item = T>) -> Saved<Self> {
         Saved::at(self, times)
     }
 
-    /// Ends the trajectory at a time; see [`Trajectory::until`]. A part of a step is not refined.
+    /// Ends the trajectory at a time; see [`Trajectory::until`], which has an example. A part of a step is not refined.
     #[must_use]
     pub fn until(self, t: f64) -> Saved<Self> {
         Saved::after_each_step(self).until(t)
