@@ -17,10 +17,10 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 use twox_hash::XxHash64;
 
-use super::error::{Damage, Difference};
+use super::difference::{Damage, Difference};
+use super::info::Info;
 use super::merge_tree::MergeTree;
 use super::stored::{LoadedSummary, StoredSummary};
-use super::summary::Info;
 use super::{Ensemble, EnsembleError};
 use crate::configuration::Coordinates;
 use crate::method::Method;

@@ -5,10 +5,10 @@
 
 use super::EnsembleError;
 use super::fingerprint::Fingerprint;
+use super::info::Info;
 use super::merge_tree::PartialResult;
 use super::path_block::PathBlock;
 use super::settings::Settings;
-use super::summary::Info;
 use crate::configuration::Coordinates;
 use crate::lanes::Lane;
 use crate::method::Method;

@@ -10,12 +10,13 @@ use std::sync::Mutex;
 use serde::{Deserialize, Serialize};
 
 use super::checkpoint::CheckpointFile;
-use super::error::Difference;
+use super::difference::Difference;
 use super::execution::locked;
+use super::info::Info;
 use super::merge_tree::{MergeTree, PartialResult, insert_shared};
 use super::settings::Settings;
 use super::stored::checked_tree;
-use super::summary::{Info, Summary};
+use super::summary::Summary;
 use super::{BLOCK_PATHS, Ensemble, EnsembleError};
 use crate::configuration::Coordinates;
 use crate::method::Method;

@@ -87,3 +87,19 @@ impl fmt::Display for MultilevelEstimate {
         Ok(())
     }
 }
+
+/// Returns the numbers of paths that give the mean this standard error for the smallest number of steps: proportional to √(variance / steps).
+pub(super) fn paths_of_levels(levels: &[Level], standard_error: f64) -> Vec<f64> {
+    let all = levels.iter();
+    let sum: f64 = all.map(|l| (l.variance * l.steps as f64).sqrt()).sum();
+    let each = |l: &Level| (l.variance / l.steps as f64).sqrt() * sum / standard_error.powi(2);
+    levels.iter().map(each).collect()
+}
+
+/// Returns the bias of the last level if errors fall like hʷ: each of the last three differences gives an estimate, and the largest counts, since one of them may be small by chance.
+pub(super) fn bias(levels: &[Level], weak_order: f64) -> f64 {
+    let factor = weak_order.exp2();
+    let differences = levels[1..].iter().rev().take(3).zip(0..);
+    let estimates = differences.map(|(l, before): (_, i32)| l.mean.abs() / factor.powi(before));
+    estimates.fold(0.0, f64::max) / (factor - 1.0)
+}

@@ -9,12 +9,12 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 #[cfg(feature = "checkpoint")]
 use super::checkpoint::CheckpointFile;
+#[cfg(feature = "checkpoint")]
+use super::info::Info;
 use super::merge_tree::{MergeTree, PartialResult, insert_shared};
 use super::path_block::PathBlock;
 use super::progress::Progress;
 use super::settings::Settings;
-#[cfg(feature = "checkpoint")]
-use super::summary::Info;
 use super::summary::Summary;
 use super::{BLOCK_PATHS, EnsembleError};
 use crate::configuration::Coordinates;

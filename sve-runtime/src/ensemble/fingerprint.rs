@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 
 use twox_hash::XxHash64;
 
-use super::error::Difference;
+use super::difference::Difference;
 use super::memory::{Kind, LastStep};
 use super::path_noise::PathNoise;
 use super::settings::Settings;

@@ -16,6 +16,7 @@ mod checkpoint;
 mod columns;
 mod coupled;
 mod covariance;
+mod difference;
 #[cfg(feature = "distributed")]
 mod distribution;
 mod edges;
@@ -29,6 +30,7 @@ pub(crate) mod fingerprint;
 mod gradient;
 mod histogram;
 mod increment_buffer;
+mod info;
 mod integral;
 mod joint;
 mod memory;
@@ -64,11 +66,12 @@ mod warning;
 pub use crate::observed::Observed;
 pub use by::By;
 pub use covariance::{Covariance, TwoTime};
+#[cfg(feature = "checkpoint")]
+pub use difference::Damage;
+pub use difference::Difference;
 #[cfg(feature = "distributed")]
 pub use distribution::{Checkpoint, Distribution, PartialResults, SharedResults};
-#[cfg(feature = "checkpoint")]
-pub use error::Damage;
-pub use error::{Difference, EnsembleError};
+pub use error::EnsembleError;
 pub use estimate::{Level, MultilevelEstimate};
 pub use failure::{Cause, FAILURES_KEPT, Failure};
 pub use final_state::FinalState;

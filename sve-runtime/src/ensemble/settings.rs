@@ -6,10 +6,10 @@ use core::ops::Range;
 
 use super::fingerprint::Fingerprint;
 use super::increment_buffer::IncrementBuffer;
+use super::info::Info;
 use super::memory::Kind;
 use super::path_noise::PathNoise;
 use super::starts::{StartRng, Starts};
-use super::summary::Info;
 use super::{BLOCK_PATHS, Ensemble, EnsembleError, path_at, sizes};
 use crate::configuration::FixedSize;
 use crate::method::Method;

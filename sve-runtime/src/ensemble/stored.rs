@@ -7,9 +7,10 @@ use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::histogram::{Bins, HistogramRequest};
+use super::info::Info;
 use super::merge_tree::{MergeTree, PartialResult};
 use super::moments::Column;
-use super::summary::{Info, Summary};
+use super::summary::Summary;
 use super::{BLOCK_PATHS, FAILURES_KEPT, path_at};
 
 /// The data that are written.

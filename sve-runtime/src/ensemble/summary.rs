@@ -7,39 +7,15 @@ use core::fmt;
 use core::ops::Index;
 
 use super::covariance::{Covariance, Joint, TwoTime};
-use super::error::Difference;
 use super::failure::Failure;
 use super::final_state::FinalState;
-use super::fingerprint::Fingerprint;
-use super::histogram::HistogramRequest;
-use super::joint::JointRequest;
+use super::info::Info;
 use super::merge_tree::{MergeTree, PartialResult};
 use super::passage::Passages;
 use super::quantiles::Quantiles;
-use super::sketch::QuantileRequest;
 use super::statistics::{Histogram, Statistics};
 use super::warning::Warning;
 use super::{BLOCK_PATHS, EnsembleError, path_at};
-
-/// The data that summaries of the same run have in common.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Info {
-    pub(super) names: Vec<String>,
-    /// The names of functions whose first passages are recorded.
-    pub(super) passages: Vec<String>,
-    pub(super) histograms: Vec<HistogramRequest>,
-    pub(super) joints: Vec<JointRequest>,
-    pub(super) quantiles: Vec<QuantileRequest>,
-    /// Whether paths are antithetic pairs.
-    pub(super) is_antithetic: bool,
-    pub(super) times: Vec<f64>,
-    pub(super) paths: u64,
-    pub(super) coordinates: usize,
-    /// Number of momenta of a final state.
-    pub(super) momenta: usize,
-    pub(super) fingerprint: Fingerprint,
-}
 
 /// Statistics of the paths of an [`Ensemble`](super::Ensemble): of all, or of the shards merged so far.
 #[derive(Clone)]
@@ -56,28 +32,6 @@ pub struct Summary {
     refined: u64,
     failed: u64,
     failures: Vec<Failure>,
-}
-
-impl Info {
-    /// Returns the first difference to another run; `None` for the same run.
-    pub(super) fn difference(&self, other: &Self) -> Option<Difference> {
-        let same = [
-            (self.names == other.names, Difference::Observables),
-            (self.passages == other.passages, Difference::Observables),
-            (self.histograms == other.histograms, Difference::Histograms),
-            (self.joints == other.joints, Difference::Covariances),
-            (self.quantiles == other.quantiles, Difference::Quantiles),
-            (self.times == other.times, Difference::Times),
-            (self.paths == other.paths, Difference::Paths),
-            (self.coordinates == other.coordinates, Difference::Formulas),
-            (self.momenta == other.momenta, Difference::Formulas),
-            (self.is_antithetic == other.is_antithetic, Difference::Noise),
-        ];
-        let differs = same
-            .into_iter()
-            .find_map(|(same, what)| (!same).then_some(what));
-        differs.or_else(|| self.fingerprint.difference(&other.fingerprint))
-    }
 }
 
 impl Summary {

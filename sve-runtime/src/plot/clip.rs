@@ -89,6 +89,19 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_line_of_a_length_that_overflows_is_left_out() {
+        let points = [(-1e308, 0.5), (1e308, 0.5), (0.5, 0.5), (0.6, 0.5)];
+        let parts = polyline(&points, &(0.0..1.0), &(0.0..1.0));
+        assert!(
+            parts
+                .iter()
+                .flatten()
+                .all(|p| p.0.is_finite() && p.1.is_finite())
+        );
+        assert_eq!(parts.last().unwrap().last(), Some(&(0.6, 0.5)));
+    }
+
+    #[test]
     fn a_line_that_leaves_and_returns_has_two_parts() {
         let points = [(0.0, 0.5), (2.0, 0.5), (2.0, 0.25), (0.0, 0.25)];
         let parts = polyline(&points, &(0.0..1.0), &(0.0..1.0));

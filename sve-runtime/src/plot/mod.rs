@@ -27,6 +27,7 @@ mod draw;
 mod ensemble;
 mod error;
 pub mod figure;
+mod labels;
 mod limits;
 pub mod page;
 pub mod palette;

@@ -5,6 +5,7 @@ mod drift;
 mod ensembles;
 mod errors;
 mod forces;
+mod lane_failures;
 mod lanes;
 mod plan;
 mod preserved;
@@ -12,7 +13,6 @@ mod rattle;
 mod reference;
 mod rest;
 mod roots;
-
 mod starts;
 mod symplectic;
 mod systems;

@@ -70,3 +70,17 @@ fn intervals_contain_the_quantile_as_often_as_they_say() {
     // four standard errors of 0.0066 below 95.4 %; the widest interval that two more ranks on each side allow contains 98.5 %
     assert!((0.928..0.998).contains(&part), "{part}");
 }
+
+#[test]
+#[should_panic(expected = "0 or more")]
+fn an_interval_of_no_width_is_a_mistake() {
+    let method = particle();
+    let ensemble = Ensemble::new(&method).paths(4).steps(0.1, 1);
+    let ensemble = ensemble.start(State::new([1.0], [0.0]));
+    let summary = ensemble
+        .observe("q", |_, s| s.q[0])
+        .quantiles("q", 4)
+        .run()
+        .unwrap();
+    let _ = summary.quantiles("q").unwrap().interval(0.5, f64::NAN);
+}

@@ -79,3 +79,19 @@ fn jumps_are_no_passages() {
     assert_eq!(summary.failed(), 0);
     assert!(summary.passage("rough").unwrap().passed()[1] > 1000);
 }
+
+#[test]
+fn a_function_that_is_not_finite_fails_the_path() {
+    let method = Integrator::new(Particle { sigma: 0.0 }, Midpoint);
+    let summary = Ensemble::new(&method)
+        .paths(2)
+        .steps(0.125, 8)
+        .start_with(|path, _| State::new([0.0], [1.0 - 2.0 * path as f64]))
+        .stop_at("root", |_, state| 1.0 - (state.q[0] + 0.5).sqrt())
+        .run()
+        .unwrap();
+    assert_eq!((summary.failed(), summary.failures()[0].path), (1, 1));
+    let root = summary.passage("root").unwrap();
+    assert_eq!((root.passed()[1], root.censored()[1]), (1, 1));
+    assert!(summary.failures()[0].to_string().contains("`root`"));
+}

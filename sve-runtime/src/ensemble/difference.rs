@@ -1,0 +1,86 @@
+//! In what two runs differ, and how a checkpoint is damaged.
+
+use crate::readable::debug_is_display;
+
+/// How a checkpoint is damaged.
+#[cfg(feature = "checkpoint")]
+#[derive(Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Damage {
+    /// It has another length than it says.
+    #[error("it has {found} bytes where {expected} were written")]
+    Length {
+        /// Bytes that were written; at least so many where the file does not say.
+        expected: u64,
+        /// Bytes there are.
+        found: u64,
+    },
+    /// Its content has another checksum than it says.
+    #[error("its content has the checksum {found:016x} where {expected:016x} was written")]
+    Checksum {
+        /// Checksum that was written.
+        expected: u64,
+        /// Checksum of what is there.
+        found: u64,
+    },
+    /// Its checksum is right and its content is not that of a run.
+    #[error("its content does not fit together, though its checksum is right")]
+    Content,
+}
+
+/// A difference between two runs.
+#[derive(Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Difference {
+    /// Names or order of the observables.
+    #[error("observables (their names and order)")]
+    Observables,
+    /// The histograms.
+    #[error("histograms")]
+    Histograms,
+    /// The covariances that are taken.
+    #[error("covariances")]
+    Covariances,
+    /// The quantiles that are taken.
+    #[error("quantiles")]
+    Quantiles,
+    /// The recorded times.
+    #[error("recorded times")]
+    Times,
+    /// The number of paths.
+    #[error("a number of paths")]
+    Paths,
+    /// The part of the run.
+    #[error("a shard")]
+    Shard,
+    /// The seed.
+    #[error("a seed")]
+    Seed,
+    /// The noise.
+    #[error("a law of the noise (truncation, three points, antithetic pairs or none)")]
+    Noise,
+    /// Other settings of the ensemble: step size, number of steps, bounds, kinds of observables, stops, `settle`, `refine`, whether final states are kept.
+    #[error(
+        "settings (step size, number of steps, bounds, kinds of observables, stops, `settle`, `refine`, or whether final states are kept)"
+    )]
+    Settings,
+    /// The formulas of the system: another program.
+    #[error("formulas of the system (another program)")]
+    Formulas,
+    /// The values of the system's parameters.
+    #[error("values of the system's parameters")]
+    Parameters,
+    /// The method or its options.
+    #[error("a method (rule or options of Newton's method)")]
+    Method,
+    /// The starts of the paths.
+    #[error("starts of the paths")]
+    Starts,
+    /// The values along the paths.
+    #[error("values along its paths (observables, or functions of another machine)")]
+    Values,
+}
+
+debug_is_display!(Difference);
+#[cfg(feature = "checkpoint")]
+debug_is_display!(Damage);

@@ -1,0 +1,51 @@
+//! The data that summaries of the same run have in common.
+//!
+//! Input: the settings of a run. Output: the first difference between two runs, by which shards and checkpoints of another run are refused.
+
+use super::difference::Difference;
+use super::fingerprint::Fingerprint;
+use super::histogram::HistogramRequest;
+use super::joint::JointRequest;
+use super::sketch::QuantileRequest;
+
+/// The data that summaries of the same run have in common.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Info {
+    pub(super) names: Vec<String>,
+    /// The names of functions whose first passages are recorded.
+    pub(super) passages: Vec<String>,
+    pub(super) histograms: Vec<HistogramRequest>,
+    pub(super) joints: Vec<JointRequest>,
+    pub(super) quantiles: Vec<QuantileRequest>,
+    /// Whether paths are antithetic pairs.
+    pub(super) is_antithetic: bool,
+    pub(super) times: Vec<f64>,
+    pub(super) paths: u64,
+    pub(super) coordinates: usize,
+    /// Number of momenta of a final state.
+    pub(super) momenta: usize,
+    pub(super) fingerprint: Fingerprint,
+}
+
+impl Info {
+    /// Returns the first difference to another run; `None` for the same run.
+    pub(super) fn difference(&self, other: &Self) -> Option<Difference> {
+        let same = [
+            (self.names == other.names, Difference::Observables),
+            (self.passages == other.passages, Difference::Observables),
+            (self.histograms == other.histograms, Difference::Histograms),
+            (self.joints == other.joints, Difference::Covariances),
+            (self.quantiles == other.quantiles, Difference::Quantiles),
+            (self.times == other.times, Difference::Times),
+            (self.paths == other.paths, Difference::Paths),
+            (self.coordinates == other.coordinates, Difference::Formulas),
+            (self.momenta == other.momenta, Difference::Formulas),
+            (self.is_antithetic == other.is_antithetic, Difference::Noise),
+        ];
+        let differs = same
+            .into_iter()
+            .find_map(|(same, what)| (!same).then_some(what));
+        differs.or_else(|| self.fingerprint.difference(&other.fingerprint))
+    }
+}
