@@ -1,6 +1,7 @@
 //! What is written is read with the same bits.
 
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
@@ -20,8 +21,12 @@ fn start() -> State<[f64; 1]> {
     State::new([1.0], [1e-300])
 }
 
+/// Returns a path of which no other test knows.
 fn scratch(name: &str) -> PathBuf {
-    std::env::temp_dir().join(format!("sve-tables-{}-{name}", std::process::id()))
+    static NUMBER: AtomicU32 = AtomicU32::new(0);
+    let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+    let process = std::process::id();
+    std::env::temp_dir().join(format!("sve-tables-{process}-{number}-{name}"))
 }
 
 /// Reads CSV without quotes.
