@@ -99,8 +99,9 @@ where
         };
         match explained(self.system, self.formula, error, (*state, h, *dw)) {
             Err(error) => Err(error),
-            // The compiler has to see that a loop of steps ends here: a loop that may go on after a call cannot keep the state in registers.
-            Ok(()) => unreachable!("a step that failed has an error"),
+            // No input comes here: `explained` ends with an error. Written as `Err(explained(…))`, the compiler would not see that a loop of steps ends here, since the
+            // value of an error has room for `Ok`, and a loop that may go on after a call cannot keep the state in registers.
+            Ok(()) => unreachable!("`explained` ends with an error"),
         }
     }
 
