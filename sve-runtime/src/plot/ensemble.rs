@@ -276,3 +276,28 @@ fn table(summary: &Summary) -> String {
     ];
     page::table(&head, &rows)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Corner, free_corner};
+
+    #[test]
+    fn a_legend_stands_where_no_curve_and_no_bar_is() {
+        let corner = |points: &[(f64, f64)], bar: f64| {
+            let ends: Vec<_> = points.iter().map(|p| (p.1 - bar, p.1 + bar)).collect();
+            free_corner(points, &ends, &(0.0..1.0), &(0.0..1.0))
+        };
+        let curve = |y: fn(f64) -> f64| -> Vec<(f64, f64)> {
+            (0..=20)
+                .map(|k| f64::from(k) / 20.0)
+                .map(|x| (x, y(x)))
+                .collect()
+        };
+        let (falling, rising) = (curve(|x| 1.0 - x), curve(|x| x));
+        assert_eq!(corner(&falling, 0.0), Some(Corner::TopRight));
+        assert_eq!(corner(&rising, 0.0), Some(Corner::TopLeft));
+        let high = curve(|x| if x < 0.9 { 0.95 } else { 0.5 });
+        assert_eq!(corner(&high, 0.0), Some(Corner::BottomRight));
+        assert_eq!(corner(&falling, 0.4), None);
+    }
+}
