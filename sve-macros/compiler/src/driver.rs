@@ -2,13 +2,13 @@
 
 mod nodes;
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 use proc_macro2::{Span, TokenStream, TokenTree};
 use quote::quote;
 use syn::ItemImpl;
 
-use self::nodes::Nodes;
 use crate::algebra::Arena;
 use crate::backend::rust::{self, Context, Derived};
 use crate::discretise::equations;
@@ -17,7 +17,7 @@ use crate::errors::Errors;
 use crate::explain;
 use crate::interpret;
 use crate::rules::weak2::{self, Potential};
-use crate::rules::{Rule, RuleOption, action, applicable};
+use crate::rules::{RuleOption, action, applicable};
 use crate::structure::{self, Degenerate};
 use crate::syntax::arguments::ListedRule;
 use crate::syntax::nesting;
@@ -26,8 +26,7 @@ use crate::syntax::recovery;
 use crate::syntax::roles;
 use crate::system::constraints;
 use crate::system::degeneracy::{self, brackets};
-use crate::system::energy;
-use crate::system::euler;
+use crate::system::functions;
 use crate::system::mechanics::{self, Mechanics};
 use crate::system::model::{Meaning, Model};
 use crate::system::symmetry::{self, MomentumMap};
@@ -158,34 +157,13 @@ fn derive(
     let mut momenta =
         budget.stage(&mut arena, |arena| symmetry::check(&block, &model, arena))??;
     restrict_to_nodes(&mut momenta, &block, &model, &arena);
-    // Rules with a potential come last: what is made for it must not change the order of terms in others, and so their rounding.
-    let has_potential = |listed: &&ListedRule| listed.rule.options.contain(RuleOption::Weak2);
-    let (with, without): (Vec<_>, Vec<_>) = block.arguments.rules.iter().partition(has_potential);
-    let mut steps = steps(&without, &vec![None; without.len()], &budget, &mut arena)?;
-    let mut nodes = Nodes::new(&budget, &mechanics, &mut arena)?;
-    let potentials = potentials(&with, &budget, &mechanics, &mut arena)?;
-    steps.extend(self::steps(&with, &potentials, &budget, &mut arena)?);
-    nodes.correct(&with, &potentials, &budget, &mechanics, &mut arena)?;
-    budget.stage(&mut arena, |arena| {
-        mechanics.differentiate_constraints(&model, arena);
-    })?;
+    let starts = starts(&budget, &mechanics, &arena)?;
+    let nodes = nodes::nodes(&starts, &budget, &mechanics)?;
+    let steps = steps(&starts, &budget, &mechanics)?;
     // what is left to do is in proportion to what has been built
     arena.grant(usize::MAX);
     let about = explain::system(&model, &mechanics, &momenta, &arena);
-    let mut weak_order = |rule| weak2::weak_order(rule, &model, &mechanics, &mut arena);
-    let weak_orders: Vec<u32> = steps.iter().map(|step| weak_order(step.rule)).collect();
-    let rules = block.arguments.rules.iter().map(|listed| listed.rule);
-    let of_stages = rules.filter(|rule| rule.stages().is_some());
-    let of_stages: Vec<(Rule, u32)> = of_stages.map(|rule| (rule, weak_order(rule))).collect();
-    mechanics.stabilise(&mut arena);
-    nodes.stabilise(&mut arena);
-    let energy = (settings.lanes)
-        .then(|| energy::energy(&model, &mechanics, &mut arena))
-        .flatten();
-    let euler = euler::euler(&model, &mechanics, &mut arena);
-    let last = (energy.as_ref(), euler.as_ref(), settings.lanes);
-    let mut output = rust::system(&block, &model, &mechanics, last, &about, &arena);
-    output.extend(rust::momenta(&block, &model, &momenta, &arena));
+    let functions = functions::functions(&model, &mechanics, settings.lanes, &mut arena);
     let context = Context {
         settings,
         block: &block,
@@ -195,17 +173,21 @@ fn derive(
         about: &about,
         arena: &arena,
     };
-    output.extend(nodes.output(&of_stages, &context));
-    for (derived, weak_order) in steps.iter().zip(weak_orders) {
+    let mut output = rust::system(&context, &functions);
+    output.extend(rust::momenta(&block, &model, &momenta, &arena));
+    output.extend(nodes.iter().map(|nodes| nodes.output(&context)));
+    for derived in &steps {
         let Derived {
             rule,
             symbols,
             action,
             scheme,
+            arena,
             ..
         } = derived;
-        let texts = explain::step(*rule, &model, &mechanics, action, scheme, symbols, &arena);
-        output.extend(rust::rule(&context, derived, weak_order, &texts));
+        let texts = explain::step(*rule, &model, &mechanics, action, scheme, symbols, arena);
+        let context = Context { arena, ..context };
+        output.extend(rust::rule(&context, derived, &texts));
     }
     Ok(output)
 }
@@ -224,12 +206,56 @@ fn restrict_to_nodes(momenta: &mut [MomentumMap], block: &Annotated, model: &Mod
     }
 }
 
-/// Derives the steps of some rules, with the potentials of the option `weak2`.
+/// What the derivation of a rule starts from.
+struct Start<'a> {
+    listed: &'a ListedRule,
+    /// The potential of the option `weak2`, where it changes the step.
+    potential: Option<Potential>,
+    /// The derivatives, and the potential. Each step is derived in a copy of this arena: the terms of a sum stand in the order in which
+    /// their expressions were made, so that in a common arena a rule would change the rounding of other rules.
+    arena: Cow<'a, Arena>,
+}
+
+/// Returns what the rules start from, or an error at each option `weak2` that is of no use.
+fn starts<'a>(
+    budget: &Budget<'a>,
+    mechanics: &Mechanics,
+    arena: &'a Arena,
+) -> syn::Result<Vec<Start<'a>>> {
+    let mut errors = Errors::new();
+    let mut starts = Vec::new();
+    for listed in &budget.block.arguments.rules {
+        let mut start = Start {
+            listed,
+            potential: None,
+            arena: Cow::Borrowed(arena),
+        };
+        if listed.rule.options.contain(RuleOption::Weak2) {
+            let option = listed.rule.weak2(listed.rule.options);
+            let takes_h1 = option.is_some_and(|option| option.takes_h1);
+            let own = start.arena.to_mut();
+            own.grant(budget.work);
+            let potential = budget.stage(own, |own| {
+                weak2::potential(budget.model, mechanics, takes_h1, own)
+            })?;
+            match potential {
+                Ok(potential) => start.potential = potential,
+                Err(obstacle) => errors.push(
+                    listed.place_of(RuleOption::Weak2),
+                    obstacle.message(listed.rule),
+                ),
+            }
+        }
+        starts.push(start);
+    }
+    errors.finish(starts)
+}
+
+/// Derives the steps of the rules with few nodes; and, if the attribute asks for steps without structure, those of all rules.
 fn steps(
-    rules: &[&ListedRule],
-    potentials: &[Option<Potential>],
+    starts: &[Start<'_>],
     budget: &Budget<'_>,
-    arena: &mut Arena,
+    mechanics: &Mechanics,
 ) -> syn::Result<Vec<Derived>> {
     let forms = if budget.block.arguments.derives_unstructured {
         &[false, true][..]
@@ -238,64 +264,30 @@ fn steps(
     };
     let mut steps = Vec::new();
     for &is_unstructured in forms {
-        for (listed, potential) in rules.iter().zip(potentials) {
+        for start in starts {
             // the Gauss rules are derived from one node, and from the whole action for comparison only
-            let has_stage_noise = listed.rule.options.contain(RuleOption::StageNoise);
-            if listed.rule.stages().is_some() && (!is_unstructured || has_stage_noise) {
-                continue;
+            let rule = start.listed.rule;
+            let has_stage_noise = rule.options.contain(RuleOption::StageNoise);
+            if rule.stages().is_none() || (is_unstructured && !has_stage_noise) {
+                steps.push(step(start, is_unstructured, budget, mechanics)?);
             }
-            arena.grant(budget.work);
-            steps.push(step(
-                listed.rule,
-                potential.as_ref(),
-                is_unstructured,
-                budget,
-                arena,
-            )?);
         }
     }
     Ok(steps)
 }
 
-/// The potentials of rules with the option `weak2`, or an error at each option that is of no use.
-fn potentials(
-    rules: &[&ListedRule],
-    budget: &Budget<'_>,
-    mechanics: &Mechanics,
-    arena: &mut Arena,
-) -> syn::Result<Vec<Option<Potential>>> {
-    let mut errors = Errors::new();
-    let mut potentials = Vec::new();
-    for listed in rules {
-        arena.grant(budget.work);
-        let takes_h1 = listed
-            .rule
-            .weak2(listed.rule.options)
-            .is_some_and(|w| w.takes_h1);
-        let potential = budget.stage(arena, |arena| {
-            weak2::potential(budget.model, mechanics, takes_h1, arena)
-        })?;
-        match potential {
-            Ok(potential) => potentials.push(potential),
-            Err(obstacle) => errors.push(
-                listed.place_of(RuleOption::Weak2),
-                obstacle.message(listed.rule),
-            ),
-        }
-    }
-    errors.finish(potentials)
-}
-
-/// Derives the step of a rule, with the potential of the option `weak2`.
+/// Derives the step of a rule.
 fn step(
-    rule: Rule,
-    potential: Option<&Potential>,
+    start: &Start<'_>,
     is_unstructured: bool,
     budget: &Budget<'_>,
-    arena: &mut Arena,
+    mechanics: &Mechanics,
 ) -> syn::Result<Derived> {
+    let (rule, potential) = (start.listed.rule, start.potential.as_ref());
+    let mut arena = start.arena.clone().into_owned();
+    arena.grant(budget.work);
     let mut symbols = budget.model.symbols.clone();
-    let (action, scheme) = budget.stage(arena, |arena| {
+    let (action, scheme) = budget.stage(&mut arena, |arena| {
         let action = action::discretise(rule, budget.model, potential, &mut symbols, arena);
         let equations = equations::equations(&action, &symbols, arena);
         let scheme = if is_unstructured {
@@ -306,16 +298,19 @@ fn step(
         (action, scheme)
     })?;
     let scheme = scheme.map_err(|degenerate| singular(&degenerate, budget.block, &symbols))?;
-    let linearisation = budget.stage(arena, |arena| {
+    let linearisation = budget.stage(&mut arena, |arena| {
         tangent::linearise(&scheme, &action, &symbols, arena)
     })?;
+    let weak_order = weak2::weak_order(rule, budget.model, mechanics, &mut arena);
     Ok(Derived {
         rule,
         is_unstructured,
+        weak_order,
         symbols,
         action,
         scheme,
         linearisation,
+        arena,
     })
 }
 

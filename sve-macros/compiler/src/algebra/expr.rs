@@ -4,7 +4,7 @@
 //! recursion; equal nodes have equal names; the interning maps are only looked up, never iterated, so that the same input
 //! gives the same output.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
 
 pub(crate) use super::functions::{Binary, Function};
@@ -69,7 +69,8 @@ const OPERAND: usize = 300;
 /// The symbols that an expression contains, as an index of interned sets.
 type SetId = u32;
 
-/// Owner of all expressions of one expansion.
+/// Owner of the expressions of one derivation. An expression means the same in every copy that was made after it.
+#[derive(Clone)]
 pub(crate) struct Arena {
     nodes: Vec<Node>,
     names: Map<Node, Expr>,
@@ -79,7 +80,7 @@ pub(crate) struct Arena {
     set_names: Map<Vec<u64>, SetId>,
     pub(super) derivatives: Map<(Expr, Symbol), Expr>,
     /// What the walks have seen.
-    marks: Cell<Marks>,
+    marks: RefCell<Marks>,
     /// Whether folding has lost a constant: one too small beside another to change it, or a product that underflowed. Then an
     /// expression that the algebra makes 0 may be another one.
     pub(super) has_lost_constants: Cell<bool>,
@@ -88,7 +89,7 @@ pub(crate) struct Arena {
 }
 
 /// Marks of a walk: a node is marked where it has the number of the walk.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Marks {
     walk: u32,
     of: Vec<u32>,
@@ -103,7 +104,7 @@ impl Arena {
             sets: vec![Vec::new()],
             set_names: Map::from_iter([(Vec::new(), 0)]),
             derivatives: Map::default(),
-            marks: Cell::default(),
+            marks: RefCell::default(),
             has_lost_constants: Cell::new(false),
             budget: Cell::new(usize::MAX),
         }
@@ -250,7 +251,7 @@ impl Arena {
                 visit(operand, &mut marks, &mut stack);
             });
         }
-        self.marks.set(marks);
+        self.marks.replace(marks);
         self.spend(work);
         found.sort_unstable();
         found

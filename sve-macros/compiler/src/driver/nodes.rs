@@ -2,162 +2,119 @@
 
 use proc_macro2::TokenStream;
 
-use super::Budget;
+use super::{Budget, Start};
 use crate::algebra::Arena;
 use crate::backend::rust::{self, Context};
 use crate::discretise::stages::{self, Stages};
 use crate::errors::Errors;
 use crate::explain;
-use crate::rules::weak2::Potential;
-use crate::rules::{Rule, RuleOption};
+use crate::rules::Rule;
+use crate::rules::weak2::{self, Potential};
 use crate::syntax::arguments::ListedRule;
-use crate::syntax::parse::Annotated;
 use crate::system::mechanics::Mechanics;
 use crate::system::model::Model;
 
-/// The equations at a node.
+/// The equations at a node, in an arena of their own, with the rules that share these equations.
 pub(super) struct Nodes {
-    /// Without a potential, if there is a rule of many stages.
-    plain: Option<Stages>,
-    /// With the potential, if a rule has one.
-    corrected: Option<Corrected>,
+    /// The system; if the rules have a potential, it is the last of the noises.
+    model: Model,
+    stages: Stages,
+    /// Each rule with its weak order.
+    rules: Vec<(Rule, u32)>,
+    has_potential: bool,
+    arena: Arena,
 }
 
-/// A system with the potential as the last of its noises.
-struct Corrected {
-    model: Model,
-    mechanics: Mechanics,
-    stages: Stages,
+/// Derives the equations at a node of the rules of many stages: of those without a potential, and of those with the potential, which
+/// is the same for all of these.
+pub(super) fn nodes(
+    starts: &[Start<'_>],
+    budget: &Budget<'_>,
+    mechanics: &Mechanics,
+) -> syn::Result<Vec<Nodes>> {
+    let of_stages = starts
+        .iter()
+        .filter(|start| start.listed.rule.stages().is_some());
+    let (with, without): (Vec<_>, Vec<_>) = of_stages.partition(|start| start.potential.is_some());
+    let groups = [without, with].into_iter();
+    groups
+        .filter(|group| !group.is_empty())
+        .map(|group| Nodes::new(&group, budget, mechanics))
+        .collect()
 }
 
 impl Nodes {
-    /// Derives the equations without a potential.
-    pub(super) fn new(
-        budget: &Budget<'_>,
-        mechanics: &Mechanics,
-        arena: &mut Arena,
-    ) -> syn::Result<Self> {
-        let mut nodes = Self {
-            plain: None,
-            corrected: None,
+    /// Derives the equations of rules that have the same potential, or none of which has one.
+    fn new(group: &[&Start<'_>], budget: &Budget<'_>, mechanics: &Mechanics) -> syn::Result<Self> {
+        let mut arena = group[0].arena.clone().into_owned();
+        let potential = group[0].potential.as_ref();
+        arena.grant(budget.work);
+        let (model, stages) = budget.stage(&mut arena, |arena| {
+            stages_with(potential, budget.model, mechanics, arena)
+        })?;
+        let listed: Vec<&ListedRule> = group.iter().map(|start| start.listed).collect();
+        check(&listed, &model, &stages)?;
+        let mut weak_order = |rule| weak2::weak_order(rule, budget.model, mechanics, &mut arena);
+        let rules = listed.iter().map(|listed| listed.rule);
+        let rules = rules.map(|rule| (rule, weak_order(rule))).collect();
+        Ok(Self {
+            model,
+            stages,
+            rules,
+            has_potential: potential.is_some(),
+            arena,
+        })
+    }
+
+    /// Prints the equations, and the steps of the rules.
+    pub(super) fn output(&self, context: &Context<'_>) -> TokenStream {
+        let (stages, arena) = (&self.stages, &self.arena);
+        let context = Context { arena, ..*context };
+        let of_node = Context {
+            model: &self.model,
+            ..context
         };
-        let mut rules = budget.block.arguments.rules.iter();
-        if rules.any(|listed| listed.rule.stages().is_some()) {
-            arena.grant(budget.work);
-            let stages = |arena: &mut Arena| stages::stages(budget.model, mechanics, arena);
-            let plain = budget.stage(arena, stages)?;
-            check(budget.block, budget.model, &plain)?;
-            nodes.plain = Some(plain);
-        }
-        Ok(nodes)
-    }
-
-    /// Derives the equations with the potential, if a rule of many stages among these has one. The potential of all these rules is the same.
-    pub(super) fn correct(
-        &mut self,
-        rules: &[&ListedRule],
-        potentials: &[Option<Potential>],
-        budget: &Budget<'_>,
-        mechanics: &Mechanics,
-        arena: &mut Arena,
-    ) -> syn::Result<()> {
-        let mut of_stages = rules.iter().zip(potentials);
-        let potential = of_stages.find_map(|(listed, potential)| {
-            listed.rule.stages()?;
-            potential.as_ref()
-        });
-        if let Some(potential) = potential {
-            arena.grant(budget.work);
-            let corrected = |arena: &mut Arena| {
-                let (noise, jet) = potential.noise(budget.model, arena);
-                let model = budget.model.with_noise(noise);
-                let mechanics = mechanics.with_noise(jet);
-                let stages = stages::stages(&model, &mechanics, arena);
-                Corrected {
-                    model,
-                    mechanics,
-                    stages,
-                }
-            };
-            self.corrected = Some(budget.stage(arena, corrected)?);
-        }
-        Ok(())
-    }
-
-    /// Replaces the derivatives by forms that are stable in floating-point arithmetic.
-    pub(super) fn stabilise(&mut self, arena: &mut Arena) {
-        if let Some(corrected) = &mut self.corrected {
-            corrected.mechanics.stabilise(arena);
-        }
-    }
-
-    /// Prints the equations, and the steps of the rules, beside which their weak orders stand.
-    pub(super) fn output(&self, rules: &[(Rule, u32)], context: &Context<'_>) -> TokenStream {
-        let has_term =
-            |rule: Rule| self.corrected.is_some() && rule.options.contain(RuleOption::Weak2);
-        let (with, without): (Vec<_>, Vec<_>) = rules.iter().partition(|(rule, _)| has_term(*rule));
+        let code = rust::stages(&of_node, stages, self.has_potential);
         let mut output = TokenStream::new();
-        if let Some(stages) = self.plain.as_ref().filter(|_| !without.is_empty()) {
-            output.extend(steps(&without, context, context, stages));
+        for &(rule, weak_order) in &self.rules {
+            let count = rule.stages().unwrap_or_default();
+            let term = rule.weak2(rule.options).filter(|_| self.has_potential);
+            let half = term.map(|term| 0.5 * term.factor);
+            let (model, mechanics) = (context.model, context.mechanics);
+            let texts = explain::gauss(rule, count, half, stages, model, mechanics, arena);
+            let rule = (rule, weak_order);
+            output.extend(rust::gauss(
+                &context, rule, count, half, stages, &code, &texts,
+            ));
         }
-        if let Some(corrected) = &self.corrected {
-            let of_node = Context {
-                model: &corrected.model,
-                mechanics: &corrected.mechanics,
-                ..*context
-            };
-            output.extend(steps(&with, context, &of_node, &corrected.stages));
-        }
+        output.extend(code.tokens);
         output
     }
 }
 
-/// Prints the equations of a system, whose noises may have the potential among them, and the steps of some rules.
-fn steps(
-    rules: &[&(Rule, u32)],
-    context: &Context<'_>,
-    of_node: &Context<'_>,
-    stages: &Stages,
-) -> TokenStream {
-    let has_potential = of_node.model.noises.len() > context.model.noises.len();
-    let code = rust::stages(of_node, stages, has_potential);
-    let mut output = TokenStream::new();
-    for &&(rule, weak_order) in rules {
-        let count = rule.stages().unwrap_or_default();
-        let term = rule.weak2(rule.options).filter(|_| has_potential);
-        let half_factor = term.map(|term| 0.5 * term.factor);
-        let (model, mechanics) = (context.model, context.mechanics);
-        let texts = explain::gauss(
-            rule,
-            count,
-            half_factor,
-            stages,
-            model,
-            mechanics,
-            context.arena,
-        );
-        let rule = (rule, weak_order);
-        output.extend(rust::gauss(
-            context,
-            rule,
-            count,
-            half_factor,
-            stages,
-            &code,
-            &texts,
-        ));
-    }
-    output.extend(code.tokens);
-    output
+/// The equations at a node of a system, and the system with the potential as the last of its noises.
+fn stages_with(
+    potential: Option<&Potential>,
+    model: &Model,
+    mechanics: &Mechanics,
+    arena: &mut Arena,
+) -> (Model, Stages) {
+    let Some(potential) = potential else {
+        return (model.clone(), stages::stages(model, mechanics, arena));
+    };
+    let (noise, jet) = potential.noise(model, arena);
+    let model = model.with_noise(noise);
+    let stages = stages::stages(&model, &mechanics.with_noise(jet), arena);
+    (model, stages)
 }
 
 /// Unknowns of all stages of a step. Newton's method keeps a matrix of this size on the stack, where it is needed.
 const UNKNOWNS_OF_STAGES: usize = 160;
 
 /// Returns an error for each rule whose stages have too many unknowns together.
-fn check(block: &Annotated, model: &Model, at_node: &Stages) -> syn::Result<()> {
+fn check(rules: &[&ListedRule], model: &Model, at_node: &Stages) -> syn::Result<()> {
     let mut errors = Errors::new();
-    for listed in &block.arguments.rules {
+    for listed in rules {
         let Some(stages) = listed.rule.stages() else {
             continue;
         };

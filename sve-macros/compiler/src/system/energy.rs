@@ -1,7 +1,6 @@
 //! What the energy as a function of q and p needs beside L: the mass matrix and the momentum at rest.
 //!
-//! Input: the derivatives of L. Output: expressions for v = M⁻¹ (p − ∂L/∂v(q, 0)), the velocity of a momentum. They are made last, so that they change the
-//! order of terms in no step.
+//! Input: the derivatives of L. Output: expressions for v = M⁻¹ (p − ∂L/∂v(q, 0)), the velocity of a momentum.
 
 use std::collections::HashMap;
 

@@ -108,9 +108,6 @@ pub(crate) struct Mechanics {
     pub(crate) noises: Vec<NoiseJet>,
     pub(crate) force: Option<ForceJet>,
     pub(crate) constraints: Vec<ConstraintJet>,
-    /// The second time derivative of each constraint in motion without acceleration, `∂²φ/∂t² + 2 ⟨∂²φ/∂t∂q, v⟩ + ⟨v, ∂²φ/∂q² v⟩`; see
-    /// [`Mechanics::differentiate_constraints`].
-    pub(crate) constraint_curvatures: Vec<Expr>,
     /// Whether `∂L/∂v` is affine in v.
     pub(crate) affine_momentum: bool,
     /// Whether L = T(v) − V(t, q).
@@ -194,7 +191,6 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
         noises,
         force,
         constraints,
-        constraint_curvatures: Vec::new(),
         affine_momentum,
         is_separable,
         is_additive,
@@ -210,23 +206,19 @@ impl Mechanics {
         mechanics
     }
 
-    /// Differentiates the constraints twice. Steps do not need this, so it is done after them: terms of a sum stand in the order in which their expressions were made.
-    pub(crate) fn differentiate_constraints(&mut self, model: &Model, arena: &mut Arena) {
-        let twice = model.constraints.iter().map(|constraint| {
-            let once = constraints::rate(constraint.value, model, arena);
-            constraints::rate(once, model, arena)
-        });
-        self.constraint_curvatures = twice.collect();
+    /// The derivatives in forms that are stable in floating-point arithmetic.
+    pub(crate) fn stabilised(&self, arena: &mut Arena) -> Self {
+        let mut mechanics = self.clone();
+        mechanics.stabilise(arena);
+        mechanics
     }
 
-    /// Replaces all expressions by forms that are stable in floating-point arithmetic.
-    pub(crate) fn stabilise(&mut self, arena: &mut Arena) {
+    fn stabilise(&mut self, arena: &mut Arena) {
         let jets = self.noises.iter_mut().flat_map(NoiseJet::exprs);
         let force = self.force.iter_mut().flat_map(ForceJet::exprs);
         let constraints = self.constraints.iter_mut().flat_map(ConstraintJet::exprs);
         let exprs = self.lagrangian.exprs().into_iter().chain(jets).chain(force);
         let exprs = exprs.chain(constraints);
-        let exprs = exprs.chain(&mut self.constraint_curvatures);
         arena.stabilise(Purpose::Values, exprs.collect());
     }
 }

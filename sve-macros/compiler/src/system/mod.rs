@@ -5,6 +5,7 @@ pub(crate) mod constraints;
 pub(crate) mod degeneracy;
 pub(crate) mod energy;
 pub(crate) mod euler;
+pub(crate) mod functions;
 pub(crate) mod inverse_mass;
 pub(crate) mod mechanics;
 pub(crate) mod model;

@@ -10,15 +10,8 @@ use syn::visit::{self, Visit};
 use syn::{Expr, ImplItem, ItemImpl, Lit, Member, Pat, Stmt};
 
 use super::growth::scenes::Scene;
+use super::models::models;
 use crate::tests::expand;
-
-const MODELS: [&str; 5] = [
-    include_str!("../../../../tests/models/src/models/banded.rs"),
-    include_str!("../../../../tests/models/src/models/deterministic.rs"),
-    include_str!("../../../../tests/models/src/models/forced.rs"),
-    include_str!("../../../../tests/models/src/models/noisy.rs"),
-    include_str!("../../../../tests/models/src/models/symmetric.rs"),
-];
 
 /// Arithmetic operations, calls of functions, and angle additions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -304,22 +297,9 @@ pub(super) fn compare(what: &str, expansion: &TokenStream) -> (usize, [Counts; 3
 #[test]
 fn plans_tell_the_operations_of_the_models() {
     let mut rules = 0;
-    for text in MODELS {
-        let file = syn::parse_file(text).expect("a file of models");
-        for item in file.items {
-            let syn::Item::Impl(mut block) = item else {
-                continue;
-            };
-            let is_this = |a: &syn::Attribute| a.path().is_ident("variational");
-            let Some(at) = block.attrs.iter().position(is_this) else {
-                continue;
-            };
-            let attribute = block.attrs.remove(at).meta;
-            let attribute = &attribute.require_list().expect("rules").tokens;
-            let self_ty = &block.self_ty;
-            let name = quote::quote!(#self_ty).to_string();
-            rules += compare(&name, &expand(attribute, &quote::quote!(#block))).0;
-        }
+    for model in models() {
+        let (attribute, block) = (&model.attribute, &model.block);
+        rules += compare(&model.name, &expand(attribute, &quote::quote!(#block))).0;
     }
     assert!(rules > 120, "{rules}");
 }

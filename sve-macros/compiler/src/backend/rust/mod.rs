@@ -64,10 +64,13 @@ pub(crate) struct Derived {
     pub(crate) rule: Rule,
     /// Whether it is the step without structure.
     pub(crate) is_unstructured: bool,
+    pub(crate) weak_order: u32,
     pub(crate) symbols: Symbols,
     pub(crate) action: Action,
     pub(crate) scheme: Scheme<Expr>,
     pub(crate) linearisation: Linearisation,
+    /// Owner of the expressions.
+    pub(crate) arena: Arena,
 }
 
 /// Path of what generated code calls in the runtime.

@@ -17,7 +17,7 @@ pub(super) fn plan(
     private: &TokenStream,
     context: &Context<'_>,
     derived: &Derived,
-    (weak_order, in_lanes): (u32, bool),
+    in_lanes: bool,
     texts: &StepTexts,
     work: &Work,
 ) -> TokenStream {
@@ -26,7 +26,7 @@ pub(super) fn plan(
     plan_with(
         private,
         context,
-        (derived.rule, weak_order),
+        (derived.rule, derived.weak_order),
         texts,
         (&quote!(#(#blocks),*), in_lanes),
         work,

@@ -16,21 +16,18 @@ use crate::explain::StepTexts;
 use crate::structure::{Block, Returns, Solution};
 use crate::system::model::{Family, Meaning, Symbols, Unknown};
 
-pub(crate) fn rule(
-    context: &Context<'_>,
-    derived: &Derived,
-    weak_order: u32,
-    texts: &StepTexts,
-) -> TokenStream {
+pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) -> TokenStream {
     let (private, attributes) = (private(context.block), attributes());
     let (model, arena) = (context.model, context.arena);
     let Derived {
         rule: _,
         is_unstructured: _,
+        weak_order: _,
         symbols,
         action: _,
         scheme,
         linearisation,
+        arena: _,
     } = derived;
     let self_ty = &context.block.item.self_ty;
     let rule_type = rule_type(context, derived);
@@ -70,8 +67,7 @@ pub(crate) fn rule(
         arena,
     );
     let lanes = in_lanes(context, derived, &private);
-    let properties = (weak_order, lanes.is_some());
-    let plan = plan(&private, context, derived, properties, texts, &work);
+    let plan = plan(&private, context, derived, lanes.is_some(), texts, &work);
     let [doc, increment_doc] = documentation(texts);
     let start = start(&linearisation.unknowns, model.dof(), symbols);
     let domain = domain(texts);

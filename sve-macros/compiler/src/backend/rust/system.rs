@@ -11,21 +11,20 @@ use super::straight::{Straight, rows};
 use super::{Context, attributes, documented, private};
 use crate::algebra::{Arena, Expr};
 use crate::explain::SystemTexts;
-use crate::syntax::parse::Annotated;
 use crate::system::degeneracy::{Degeneracy, Role};
-use crate::system::energy::Energy;
-use crate::system::euler::Euler;
+use crate::system::functions::Functions;
 use crate::system::mechanics::{ConstraintJet, ForceJet, LagrangianJet, Mechanics, NoiseJet};
 use crate::system::model::{Model, Symbols};
 
-pub(crate) fn system(
-    block: &Annotated,
-    model: &Model,
-    mechanics: &Mechanics,
-    (energy, euler, has_lanes): (Option<&Energy>, Option<&Euler>, bool),
-    about: &SystemTexts,
-    arena: &Arena,
-) -> TokenStream {
+pub(crate) fn system(context: &Context<'_>, functions: &Functions) -> TokenStream {
+    let Context {
+        settings,
+        block,
+        model,
+        about,
+        arena,
+        ..
+    } = *context;
     let (private, attributes) = (private(block), attributes());
     let self_ty = &block.item.self_ty;
     let n = Literal::usize_unsuffixed(model.dof());
@@ -35,12 +34,11 @@ pub(crate) fn system(
         noises,
         force,
         constraints,
-        constraint_curvatures: _,
         affine_momentum,
         is_separable,
         is_additive: _,
         commutation: _,
-    } = mechanics;
+    } = &functions.mechanics;
     let is_regular = model.degeneracy.is_none();
     let separable =
         (*is_separable && is_regular).then(|| quote!(impl #private::Separable for #self_ty {}));
@@ -62,11 +60,13 @@ pub(crate) fn system(
     let force = force
         .as_ref()
         .map(|jet| force_jet(&private, jet, &received, &model.symbols, arena));
+    let energy = functions.energy.as_ref();
     let energy = energy.and_then(|energy| energy_lanes(energy, model, &private, arena));
+    let euler = functions.euler.as_ref();
     let euler = euler
-        .and_then(|euler| euler_increment(euler, has_lanes, model, &private, arena))
+        .and_then(|euler| euler_increment(euler, settings.lanes, model, &private, arena))
         .unwrap_or_else(no_euler);
-    let constraints = constraint_jets(&private, model, mechanics, arena);
+    let constraint_jets = constraint_jets(&private, model, functions, arena);
     let identity = identity(model, arena, &private);
     let roles = model.degeneracy.as_ref().map(|d| roles(d, &private));
     let parameters = model.symbols.parameters().map(|s| model.symbols.source(s));
@@ -111,7 +111,7 @@ pub(crate) fn system(
                 #noise_body
             }
             #force
-            #constraints
+            #constraint_jets
             #energy
             #euler
         }
@@ -235,14 +235,14 @@ fn force_jet(
 fn constraint_jets(
     private: &TokenStream,
     model: &Model,
-    mechanics: &Mechanics,
+    functions: &Functions,
     arena: &Arena,
 ) -> Option<TokenStream> {
-    let jets = &mechanics.constraints;
+    let jets = &functions.mechanics.constraints;
     if jets.is_empty() {
         return None;
     }
-    let curvatures = [mechanics.constraint_curvatures.clone()];
+    let curvatures = [functions.constraint_curvatures.clone()];
     let straight = Straight::new(arena, &model.symbols, &curvatures[0]);
     let (of_curvatures, array) =
         straight.finish(private, &[(&curvatures, vec!["curvature".to_owned()])]);

@@ -1,0 +1,48 @@
+//! The functions of a system that no step needs, in the forms in which they are computed.
+//!
+//! Input: the model with its derivatives. Output: what `impl System` prints, made in the arena of the derivatives.
+
+use super::energy::{self, Energy};
+use super::euler::{self, Euler};
+use super::mechanics::Mechanics;
+use super::model::Model;
+use crate::algebra::{Arena, Expr, Purpose};
+use crate::rules::constraints::rate;
+
+/// What `impl System` computes.
+pub(crate) struct Functions {
+    /// The derivatives, in stable forms.
+    pub(crate) mechanics: Mechanics,
+    /// The second time derivative of each constraint in motion without acceleration, `∂²φ/∂t² + 2 ⟨∂²φ/∂t∂q, v⟩ + ⟨v, ∂²φ/∂q² v⟩`.
+    pub(crate) constraint_curvatures: Vec<Expr>,
+    /// Energies of many states at once.
+    pub(crate) energy: Option<Energy>,
+    /// Increments of the first-order form.
+    pub(crate) euler: Option<Euler>,
+}
+
+/// Makes the functions. `has_lanes` says whether there are functions of many states at once.
+pub(crate) fn functions(
+    model: &Model,
+    mechanics: &Mechanics,
+    has_lanes: bool,
+    arena: &mut Arena,
+) -> Functions {
+    let twice = model.constraints.iter().map(|constraint| {
+        let once = rate(constraint.value, model, arena);
+        rate(once, model, arena)
+    });
+    let mut constraint_curvatures: Vec<Expr> = twice.collect();
+    let mechanics = mechanics.stabilised(arena);
+    arena.stabilise(Purpose::Values, constraint_curvatures.iter_mut().collect());
+    let energy = has_lanes
+        .then(|| energy::energy(model, &mechanics, arena))
+        .flatten();
+    let euler = euler::euler(model, &mechanics, arena);
+    Functions {
+        mechanics,
+        constraint_curvatures,
+        energy,
+        euler,
+    }
+}

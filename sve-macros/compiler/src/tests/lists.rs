@@ -1,0 +1,96 @@
+//! What is derived for a rule does not depend on the other rules of the list.
+
+use std::collections::BTreeSet;
+
+use proc_macro2::TokenStream;
+use quote::ToTokens;
+use syn::punctuated::Punctuated;
+use syn::{Meta, Token};
+
+use super::models::models;
+use crate::tests::expand;
+
+/// The rules of an attribute. `structure = both` is left out: it doubles the work, and its rules are made by the same functions.
+fn rules(attribute: TokenStream) -> Vec<String> {
+    let parser = Punctuated::<Meta, Token![,]>::parse_terminated;
+    let listed = syn::parse::Parser::parse2(parser, attribute).expect("a list of rules");
+    let rules = listed
+        .iter()
+        .filter(|meta| !meta.path().is_ident("structure"));
+    rules
+        .map(|rule| rule.to_token_stream().to_string())
+        .collect()
+}
+
+/// The items of an expansion.
+fn items(rules: &[String], block: &str) -> BTreeSet<String> {
+    let attribute = rules.join(", ").parse().expect("rules");
+    let expansion = expand(&attribute, &block.parse().expect("a block"));
+    let file: syn::File = syn::parse2(expansion).expect("items");
+    let items = file.items.iter();
+    items
+        .map(|item| item.to_token_stream().to_string())
+        .collect()
+}
+
+/// Checks that what each rule alone makes is part of what the list makes.
+fn compare(name: &str, rules: &[String], block: &str) {
+    let together = items(rules, block);
+    for rule in rules {
+        let alone = items(std::slice::from_ref(rule), block);
+        let others: Vec<_> = alone.difference(&together).collect();
+        assert!(others.is_empty(), "{name}, `{rule}` alone: {others:?}");
+    }
+}
+
+#[test]
+fn each_rule_of_each_model_expands_alone_as_in_its_list() {
+    let models = models();
+    assert!(models.len() > 40, "{}", models.len());
+    for model in models {
+        let block = model.block.to_token_stream().to_string();
+        compare(&model.name, &rules(model.attribute), &block);
+    }
+}
+
+/// A charge in a magnetic field about a centre, with a mass that depends on the velocity: of its eleven steps, six depended on the list.
+#[test]
+fn each_rule_of_a_magnetic_kepler_problem_expands_alone_as_in_its_list() {
+    let block = "impl Charge {
+        fn lagrangian(&self, q: [f64; 3], v: [f64; 3]) -> f64 {
+            let r = (q[0] * q[0] + q[1] * q[1] + q[2] * q[2]).sqrt();
+            let speed = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+            0.5 * self.m * speed * (1.0 + self.a * speed / r) + self.b * (q[0] * v[1] - q[1] * v[0]) / r + self.k / r
+        }
+        #[gamma] fn kicks(&self, q: [f64; 3]) -> [f64; 2] { [self.s * q[0].sin(), self.s * q[1] * q[2]] }
+    }";
+    let rules = [
+        "initial_point",
+        "endpoint",
+        "midpoint",
+        "stormer_verlet",
+        "gauss(2)",
+        "gauss(4)",
+    ];
+    let rules = rules.map(str::to_owned);
+    compare("Charge", &rules, block);
+}
+
+#[test]
+fn rules_with_options_expand_alone_as_in_their_list() {
+    let block = "impl Kubo {
+        fn lagrangian(&self, q: f64, v: f64) -> f64 { v * v / (2.0 * self.a) - self.a / 2.0 * q * q * (1.0 + q * q) }
+        #[gamma] fn kick(&self, q: f64) -> f64 { self.s * (q + q.sin()) }
+    }";
+    let rules = [
+        "midpoint",
+        "midpoint(weak2)",
+        "gauss(2)",
+        "gauss(2, weak2)",
+        "gauss(2, stage_noise)",
+        "stormer_verlet(weak2)",
+        "endpoint",
+    ];
+    let rules = rules.map(str::to_owned);
+    compare("Kubo", &rules, block);
+}
