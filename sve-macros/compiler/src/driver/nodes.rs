@@ -9,7 +9,7 @@ use crate::discretise::stages::{self, Stages};
 use crate::errors::Errors;
 use crate::explain;
 use crate::rules::Rule;
-use crate::rules::weak2::{self, Potential};
+use crate::rules::weak2;
 use crate::syntax::arguments::ListedRule;
 use crate::system::mechanics::Mechanics;
 use crate::system::model::Model;
@@ -18,6 +18,8 @@ use crate::system::model::Model;
 pub(super) struct Nodes {
     /// The system; if the rules have a potential, it is the last of the noises.
     model: Model,
+    /// The derivatives of this system, in stable forms.
+    mechanics: Mechanics,
     stages: Stages,
     /// Each rule with its weak order.
     rules: Vec<(Rule, u32)>,
@@ -49,8 +51,13 @@ impl Nodes {
         let mut arena = group[0].arena.clone().into_owned();
         let potential = group[0].potential.as_ref();
         arena.grant(budget.work);
-        let (model, stages) = budget.stage(&mut arena, |arena| {
-            stages_with(potential, budget.model, mechanics, arena)
+        let (mut model, mut own) = (budget.model.clone(), mechanics.clone());
+        let stages = budget.stage(&mut arena, |arena| {
+            if let Some(potential) = potential {
+                let (noise, jet) = potential.noise(&model, arena);
+                (model, own) = (model.with_noise(noise), own.with_noise(jet));
+            }
+            stages::stages(&model, &own, arena)
         })?;
         let listed: Vec<&ListedRule> = group.iter().map(|start| start.listed).collect();
         check(&listed, &model, &stages)?;
@@ -59,6 +66,7 @@ impl Nodes {
         let rules = rules.map(|rule| (rule, weak_order(rule))).collect();
         Ok(Self {
             model,
+            mechanics: own.stabilised(&mut arena),
             stages,
             rules,
             has_potential: potential.is_some(),
@@ -72,6 +80,7 @@ impl Nodes {
         let context = Context { arena, ..*context };
         let of_node = Context {
             model: &self.model,
+            mechanics: &self.mechanics,
             ..context
         };
         let code = rust::stages(&of_node, stages, self.has_potential);
@@ -90,22 +99,6 @@ impl Nodes {
         output.extend(code.tokens);
         output
     }
-}
-
-/// The equations at a node of a system, and the system with the potential as the last of its noises.
-fn stages_with(
-    potential: Option<&Potential>,
-    model: &Model,
-    mechanics: &Mechanics,
-    arena: &mut Arena,
-) -> (Model, Stages) {
-    let Some(potential) = potential else {
-        return (model.clone(), stages::stages(model, mechanics, arena));
-    };
-    let (noise, jet) = potential.noise(model, arena);
-    let model = model.with_noise(noise);
-    let stages = stages::stages(&model, &mechanics.with_noise(jet), arena);
-    (model, stages)
 }
 
 /// Unknowns of all stages of a step. Newton's method keeps a matrix of this size on the stack, where it is needed.
