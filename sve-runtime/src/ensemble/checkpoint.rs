@@ -20,7 +20,7 @@ use twox_hash::XxHash64;
 use super::difference::{Damage, Difference};
 use super::info::Info;
 use super::merge_tree::MergeTree;
-use super::stored::{LoadedSummary, StoredSummary};
+use super::stored::{FORMAT, LoadedSummary, StoredSummary};
 use super::{Ensemble, EnsembleError};
 use crate::configuration::Coordinates;
 use crate::method::Method;
@@ -28,9 +28,6 @@ use crate::system::{Dims, System};
 
 /// The first bytes of a file of any version.
 const MAGIC: &[u8; 8] = b"sve run\0";
-
-/// Version of the content.
-const VERSION: u32 = 4;
 
 /// Bytes before the content.
 const HEADER_LENGTH: usize = MAGIC.len() + 4 + 8 + 8;
@@ -135,7 +132,7 @@ impl CheckpointFile {
                 return Err(EnsembleError::CheckpointVersion {
                     path: path(),
                     version,
-                    expected: VERSION,
+                    expected: FORMAT,
                 });
             }
             Err(Unreadable::Damaged(damage)) => {
@@ -201,7 +198,7 @@ fn failed(path: &Path, source: io::Error) -> EnsembleError {
 
 /// Returns the bytes that precede a content.
 fn header(content: &[u8]) -> Vec<u8> {
-    let (version, length) = (VERSION.to_le_bytes(), (content.len() as u64).to_le_bytes());
+    let (version, length) = (FORMAT.to_le_bytes(), (content.len() as u64).to_le_bytes());
     let checksum = checksum(&version, &length, content).to_le_bytes();
     [&MAGIC[..], &version, &length, &checksum].concat()
 }
@@ -255,7 +252,7 @@ fn content_of(bytes: &[u8]) -> Result<&[u8], Unreadable> {
         return damaged(Damage::Checksum { expected, found });
     }
     match u32::from_le_bytes(*version) {
-        VERSION => Ok(content),
+        FORMAT => Ok(content),
         other => Err(Unreadable::Version(other)),
     }
 }

@@ -15,7 +15,7 @@ pub const FAILURES_KEPT: usize = 256;
 pub struct Failure {
     /// Number of the path, from 0; [`replay`](super::Ensemble::replay) repeats it.
     pub path: u64,
-    /// Number of steps before the failure.
+    /// Number of steps before the failure. Where a path was to stop, the last one is a part of a step.
     pub step: u64,
     /// Time of the failure.
     #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
@@ -65,7 +65,7 @@ pub enum Cause {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         value: f64,
     },
-    /// An observable left the range that was given for it.
+    /// An observable is outside of the range that was given for it, at a recorded time or where the path was to stop.
     #[error(
         "the observable `{name}` is {value:e}, outside of the bound {low:e}..={high:e} that was given for it"
     )]

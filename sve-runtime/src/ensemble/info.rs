@@ -15,6 +15,8 @@ pub(super) struct Info {
     pub(super) names: Vec<String>,
     /// The names of functions whose first passages are recorded.
     pub(super) passages: Vec<String>,
+    /// Number of bins between two recorded times in which passages are counted.
+    pub(super) passage_bins: u64,
     pub(super) histograms: Vec<HistogramRequest>,
     pub(super) joints: Vec<JointRequest>,
     pub(super) quantiles: Vec<QuantileRequest>,
@@ -38,6 +40,10 @@ impl Info {
             (self.joints == other.joints, Difference::Covariances),
             (self.quantiles == other.quantiles, Difference::Quantiles),
             (self.times == other.times, Difference::Times),
+            (
+                self.passage_bins == other.passage_bins,
+                Difference::Settings,
+            ),
             (self.paths == other.paths, Difference::Paths),
             (self.coordinates == other.coordinates, Difference::Formulas),
             (self.momenta == other.momenta, Difference::Formulas),

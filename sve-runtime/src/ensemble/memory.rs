@@ -255,7 +255,7 @@ where
             for lane in lanes(failed) {
                 let state = S::Dims::get(self.tiles[tile].states(), lane);
                 let cause = not_finite_cause(name, function.value(system, &state));
-                self.fail(tile, lane, step.number, cause);
+                self.fail_at(state.t, tile, lane, step.number, cause);
             }
         }
     }

@@ -277,9 +277,14 @@ where
         }
     }
 
-    /// Records the failure of a path after so many steps, and deactivates its lane.
-    #[cold]
+    /// Records the failure of a path after so many whole steps, and deactivates its lane.
     pub(super) fn fail(&mut self, tile: usize, lane: usize, step: u64, cause: Cause) {
+        self.fail_at(self.settings.time(step), tile, lane, step, cause);
+    }
+
+    /// Records the failure of a path at a time after so many steps, the last of which may be a part of one, and deactivates its lane.
+    #[cold]
+    pub(super) fn fail_at(&mut self, t: f64, tile: usize, lane: usize, step: u64, cause: Cause) {
         self.tiles[tile].active &= !(1 << lane);
         let path = self.tiles[tile].paths[lane];
         let home = self.home_of(path);
@@ -287,7 +292,7 @@ where
         self.failures.push(Failure {
             path,
             step,
-            t: self.settings.time(step),
+            t,
             cause,
         });
         if self.settings.ensemble.stop_on_failure {

@@ -96,7 +96,7 @@ where
         self.work = values;
     }
 
-    /// Evaluates the observables of a tile, and lets paths of these lanes fail.
+    /// Evaluates the observables of a tile, and lets paths of these lanes fail, at the times of their states.
     fn evaluate_all(&mut self, tile: usize, among: Mask, last: &LastStep, values: &mut [Lane]) {
         let ensemble = self.settings.ensemble;
         let system = self.settings.method.system();
@@ -110,7 +110,8 @@ where
                     Ok(value) if value.is_finite() => Ok(values[k][lane]),
                     other => other,
                 };
-                self.fail(tile, lane, last.number, not_finite_cause(name, value));
+                let cause = not_finite_cause(name, value);
+                self.fail_at(state.t, tile, lane, last.number, cause);
             }
         }
         for (name, [low, high]) in &ensemble.bounds {
@@ -125,7 +126,8 @@ where
                     low: *low,
                     high: *high,
                 };
-                self.fail(tile, lane, last.number, cause);
+                let t = S::Dims::get(self.tiles[tile].states(), lane).t;
+                self.fail_at(t, tile, lane, last.number, cause);
             }
         }
     }

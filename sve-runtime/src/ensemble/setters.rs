@@ -128,9 +128,9 @@ where
         self
     }
 
-    /// Bounds an observable, as `.bound("energy", ..=1e3)`. A path whose observable is outside of the range at a recorded time fails: a motion without
-    /// physical meaning then counts as a [`Failure`](super::Failure) and does not enter the statistics. The ends belong to the range, and
-    /// several ranges can be given.
+    /// Bounds an observable, as `.bound("energy", ..=1e3)`. A path whose observable is outside of the range at a recorded time, or where it
+    /// [stops](Self::stop_at), fails there: a motion without physical meaning then counts as a [`Failure`](super::Failure) and does not enter the statistics, nor does its passage.
+    /// The ends belong to the range, and several ranges can be given.
     ///
     /// Without a bound, a path fails if its state or an observable is not finite. [`Summary::warnings`](super::Summary::warnings) reports observables that diverge.
     ///

@@ -8,6 +8,7 @@ use super::fingerprint::Fingerprint;
 use super::increment_buffer::IncrementBuffer;
 use super::info::Info;
 use super::memory::Kind;
+use super::passage::counts::Grid;
 use super::path_noise::PathNoise;
 use super::starts::{StartRng, Starts};
 use super::{BLOCK_PATHS, Ensemble, EnsembleError, path_at, sizes};
@@ -221,6 +222,11 @@ impl<'a, I: Method> Settings<'a, I> {
         (step.div_ceil(self.every) as usize).min(self.records - 1)
     }
 
+    /// Returns the bins in which passages are counted.
+    pub(super) fn passage_grid(&self) -> Grid {
+        Grid::new(self.steps, self.every)
+    }
+
     /// Returns an empty buffer of increments.
     pub(super) fn increments<const M: usize>(&self) -> IncrementBuffer<M> {
         IncrementBuffer::new(self.noise, self.h)
@@ -239,6 +245,7 @@ impl<'a, I: Method> Settings<'a, I> {
             passages: (self.ensemble.passages.iter())
                 .map(|passage| passage.name.clone())
                 .collect(),
+            passage_bins: self.passage_grid().between_records(),
             histograms: self.ensemble.histograms.clone(),
             joints: self.ensemble.joints.clone(),
             quantiles: self.ensemble.quantiles.clone(),

@@ -1,7 +1,7 @@
 //! The stored form of summaries, for serde.
 //!
 //! Input: the stored data of a summary. Output: the summary, or an error if the data are inconsistent. Invariant: consistent data
-//! give a summary whose functions do not panic, whoever wrote them.
+//! give a summary whose functions do not panic, whoever wrote them. Data of another format are an error that says so.
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -13,31 +13,60 @@ use super::moments::Column;
 use super::summary::Summary;
 use super::{BLOCK_PATHS, FAILURES_KEPT, path_at};
 
-/// The data that are written.
+/// Version of the stored form of summaries and checkpoints.
+pub(super) const FORMAT: u32 = 5;
+
+/// The version of stored data, which is read only if it is [`FORMAT`].
+#[derive(Serialize)]
+struct Format(u32);
+
+impl<'de> Deserialize<'de> for Format {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        match u32::deserialize(deserializer)? {
+            FORMAT => Ok(Self(FORMAT)),
+            other => Err(D::Error::custom(format_args!(
+                "this summary has format {other}, and this version of sve reads format {FORMAT}; read it with the version that wrote it"
+            ))),
+        }
+    }
+}
+
+/// The data that are written. Data without a `format` are of versions before 5, whose lists have other names.
 #[derive(Serialize)]
 pub(super) struct StoredSummary<'a> {
+    format: Format,
+    #[serde(rename = "settings")]
     run: &'a Info,
+    #[serde(rename = "results")]
     nodes: Vec<&'a PartialResult>,
 }
 
 impl<'a> StoredSummary<'a> {
     pub(super) fn new(run: &'a Info, tree: &'a MergeTree) -> Self {
         let nodes = tree.nodes.values().collect();
-        Self { run, nodes }
+        Self {
+            format: Format(FORMAT),
+            run,
+            nodes,
+        }
     }
 }
 
 /// The data that are read.
 #[derive(Deserialize)]
 pub(super) struct LoadedSummary {
+    #[serde(rename = "format")]
+    _format: Format,
+    #[serde(rename = "settings")]
     pub(super) run: Info,
+    #[serde(rename = "results")]
     nodes: Vec<PartialResult>,
 }
 
 impl LoadedSummary {
     /// Returns the run and its results, if the data are consistent.
     pub(super) fn checked(self) -> Option<(Info, MergeTree)> {
-        let Self { run, nodes } = self;
+        let Self { run, nodes, .. } = self;
         if !is_valid(&run) || nodes.is_empty() {
             return None;
         }
@@ -82,6 +111,7 @@ fn is_valid(run: &Info) -> bool {
         joints.all(|joint| run.names.contains(&joint.first) && run.names.contains(&joint.second));
     let mut quantiles = run.quantiles.iter();
     run.paths > 0
+        && run.passage_bins > 0
         && !run.times.is_empty()
         && run.histograms.iter().all(known)
         && names_are_known
@@ -140,7 +170,7 @@ fn fits(run: &Info, tree: &MergeTree, node: &PartialResult) -> bool {
         && node
             .passages
             .iter()
-            .all(|counts| counts.fit(records, end - first))
+            .all(|counts| counts.fit(records, run.passage_bins, end - first))
         && node.counts.iter().all(|&count| count <= end - first)
         && node.columns.len() == run.names.len()
         && columns

@@ -83,11 +83,11 @@ impl Summary {
             }
         }
         let quantiles = self.info.quantiles.iter().zip(node.quantiles);
-        self.quantiles = quantiles
-            .map(|(request, column)| {
-                Quantiles::new(request.name.clone(), node.counts.clone(), column)
-            })
-            .collect();
+        let quantiles = quantiles.filter_map(|(request, column)| {
+            let of = self.statistics.iter().find(|s| s.name() == request.name)?;
+            Some(Quantiles::new(of, column))
+        });
+        self.quantiles = quantiles.collect();
         let bins = self.info.histograms.iter().zip(node.histograms);
         self.histograms = bins
             .map(|(request, bins)| Histogram::new(request.clone(), bins, &self.info.times))
@@ -96,8 +96,8 @@ impl Summary {
         let passages = self.info.passages.iter().zip(node.passages);
         self.passages = passages
             .map(|(name, counts)| {
-                let times = self.info.times.clone();
-                Passages::new(name.clone(), times, paths, counts)
+                let grid = (self.info.times.clone(), self.info.passage_bins);
+                Passages::new(name.clone(), grid, paths, counts)
             })
             .collect();
         self.counts = node.counts;

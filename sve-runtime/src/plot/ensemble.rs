@@ -212,28 +212,28 @@ fn histogram(histogram: &Histogram, are_pairs: bool) -> Panel {
     .with(errors)
 }
 
-/// The curve of survival with its band.
+/// The curve of survival with its band, as far as it is known.
 fn survival(passages: &Passages) -> Panel {
     let times = passages.times();
-    let survival = passages.survival();
-    let ends = survival.iter().zip(passages.survival_error());
-    let ends = ends.map(|(&s, error)| {
+    let survival = times.iter().zip(passages.survival());
+    let points: Vec<(f64, f64)> = survival.filter_map(|(&t, s)| Some((t, s?))).collect();
+    let ends = points.iter().zip(passages.survival_error());
+    let ends = ends.map(|(&(_, s), error)| {
         // without a survivor there is no error
-        let error = if error.is_nan() { 0.0 } else { ERRORS * error };
+        let error = ERRORS * error.unwrap_or(0.0);
         ((s - error).max(0.0), (s + error).min(1.0))
     });
     let ends: Vec<(f64, f64)> = ends.collect();
-    let points = times.iter().copied().zip(survival).collect();
     let last = |counts: Vec<u64>| counts.last().copied().unwrap_or(0);
     let (passed, censored) = (last(passages.passed()), last(passages.censored()));
     let name = passages.name();
-    let title = match censored {
-        0 => format!("{name}: {passed} of {} paths passed", passages.paths()),
-        n => format!(
-            "{name}: {passed} of {} paths passed, {n} censored",
-            passages.paths()
-        ),
-    };
+    let mut title = format!("{name}: {passed} of {} paths passed", passages.paths());
+    if censored > 0 {
+        title += &format!(", {censored} censored");
+    }
+    if let Some(t) = passages.unknown_from() {
+        title += &format!(", unknown from t = {t} on");
+    }
     let layer = Layer::new(
         "survival ± 2 standard errors",
         points,

@@ -183,7 +183,7 @@ fn serde_of_summaries() {
             ("\"coordinates\":1", "\"coordinates\":2"),
             ("\"bins\":5", "\"bins\":18446744073709551615"),
             ("\"bins\":5", "\"bins\":0"),
-            ("\"nodes\":[{", "\"nodes\":[],\"others\":[{"),
+            ("\"results\":[{", "\"results\":[],\"others\":[{"),
             ("\"first\":0", "\"first\":18446744073709551615"),
             ("\"level\":", "\"level\":99"),
             ("\"blocks\":", "\"blocks\":9"),

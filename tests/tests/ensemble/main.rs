@@ -22,6 +22,7 @@ mod settings;
 mod shards;
 mod statistics;
 mod stopped;
+mod survival;
 mod sweeps;
 mod threads;
 mod zeros;

@@ -36,13 +36,14 @@ fn passages() -> Summary {
 /// The columns of the passages as the functions of [`Passages`] have them.
 fn columns(passages: &Passages) -> [Vec<f64>; 6] {
     let counts = |counts: Vec<u64>| counts.into_iter().map(|n| n as f64).collect();
+    let known = |values: Vec<Option<f64>>| values.into_iter().flatten().collect();
     [
         passages.times().to_vec(),
         counts(passages.passed()),
         counts(passages.censored()),
         counts(passages.at_risk()),
-        passages.survival(),
-        passages.survival_error(),
+        known(passages.survival()),
+        known(passages.survival_error()),
     ]
 }
 

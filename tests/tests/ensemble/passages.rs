@@ -1,5 +1,6 @@
-//! First passages: exact times of free particles, exact laws, competing ends, survival with censoring, refused noises.
+//! First passages: exact times of free particles, exact laws, competing ends, paths out of bounds, refused noises.
 
+use sve_runtime::ensemble::Cause;
 use sve_runtime::noise::{ThreePoint, Truncated};
 use sve_runtime::prelude::*;
 
@@ -78,9 +79,9 @@ fn free_particles_pass_at_their_exact_times() {
         assert_eq!(wall.censored()[record], 0);
         // without censoring Kaplan–Meier is the fraction, and Greenwood the error of a fraction
         let survival = 1.0 - passed as f64 / n;
-        assert!((wall.survival()[record] - survival).abs() < 1e-14);
+        assert!((wall.survival()[record].unwrap() - survival).abs() < 1e-15);
         let error = (survival * (1.0 - survival) / n).sqrt();
-        assert!((wall.survival_error()[record] - error).abs() < 1e-14);
+        assert!((wall.survival_error()[record].unwrap() - error).abs() < 1e-15);
         // stopped paths stay in the statistics, with their last values
         assert_eq!(summary.counts()[record], paths);
         let mean: f64 = times.iter().map(|time| time.min(t)).sum::<f64>() / n;
@@ -194,10 +195,11 @@ fn brownian_passages_have_their_law_with_the_documented_shift() {
     let seen = level + 0.5826 * sigma * h.sqrt();
     for record in 1..=4 {
         let scale = sigma * (2.0 * summary.times()[record]).sqrt();
-        let z = (survival[record] - erf(seen / scale)) / errors[record];
+        let (survival, error) = (survival[record].unwrap(), errors[record].unwrap());
+        let z = (survival - erf(seen / scale)) / error;
         assert!(z.abs() < 4.5, "record {record}: z = {z}");
         // the shift is resolved
-        let z = (survival[record] - erf(level / scale)) / errors[record];
+        let z = (survival - erf(level / scale)) / error;
         assert!(z > 4.0, "record {record}: z = {z}");
     }
 }
@@ -246,128 +248,71 @@ fn competing_ends_and_failures_are_censored() {
     }
 }
 
-/// Kaplan and Meier's estimate from single events, and Greenwood's error: `(time, has passed)`, in the order of time, passages first.
-fn kaplan_meier(mut ends: Vec<(f64, bool)>, t: f64) -> (f64, f64) {
-    ends.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
-    let (mut survival, mut sum, mut n) = (1.0, 0.0, ends.len() as f64);
-    for (time, has_passed) in ends {
-        if time > t {
-            break;
-        }
-        if has_passed {
-            survival *= 1.0 - 1.0 / n;
-            sum += 1.0 / (n * (n - 1.0));
-        }
-        n -= 1.0;
-    }
-    (survival, survival * f64::sqrt(sum))
-}
-
-/// The documented estimate from counts: a path that is censored between two recorded times counts there for the part of that time in which it was at risk.
-fn from_counts(ends: &[(f64, bool)], times: &[f64]) -> Vec<(f64, f64)> {
-    let (mut survival, mut sum, mut all) = (1.0, 0.0, vec![(1.0, 0.0)]);
-    for pair in times.windows(2) {
-        let is_within = |end: &&(f64, bool)| end.0 > pair[0] && end.0 <= pair[1];
-        let part = |time: f64| (time - pair[0]) / (pair[1] - pair[0]);
-        let passed = ends.iter().filter(is_within).filter(|end| end.1).count() as f64;
-        let censored = ends.iter().filter(is_within).filter(|end| !end.1);
-        let at_risk = ends.iter().filter(|end| end.0 > pair[0]).count() as f64;
-        let at_risk = at_risk - censored.map(|end| 1.0 - part(end.0)).sum::<f64>();
-        survival *= 1.0 - passed / at_risk;
-        sum += passed / (at_risk * (at_risk - passed));
-        all.push((survival, survival * f64::sqrt(sum)));
-    }
-    all
-}
-
-/// Few paths are censored between recorded times, so that the estimate from counts is nearly that from single events.
+/// A path that is out of its bound where it stops fails at the time of the zero, and has not passed. One that goes on has passed, and fails at the next recorded time.
 #[test]
-fn survival_with_censoring_is_that_of_kaplan_and_meier() {
+fn paths_out_of_bounds_where_they_stop_have_not_passed() {
     let method = free();
-    let paths = 200;
-    let summary = Ensemble::new(&method)
-        .paths(paths)
-        .steps(0.125, 24)
-        .record_every(4)
-        .start_with(|path, _| State::new([0.0], [velocity(path)]))
-        // every third path fails at the first recorded time from its own on
-        .observe("age", |_, state| {
-            let number = (state.p[0] - 0.25) / 1.75 * 1000.0;
-            if number.round() % 3.0 == 0.0 {
-                state.t
-            } else {
-                0.0
-            }
-        })
-        .bound("age", ..=1.2)
+    let ensemble = |bound: f64| {
+        Ensemble::new(&method)
+            .paths(100)
+            .steps(H, 40)
+            .record_every(10)
+            .start_with(|path, _| State::new([0.0], [velocity(path)]))
+            .observe("v", |_, state| state.p[0])
+            .observe("q", |_, state| state.q[0])
+            .bound("q", ..=bound)
+    };
+    let arrives = |path: u64| velocity(path) > 0.5;
+    let arrivals = (0..100).filter(|&path| arrives(path)).count() as u64;
+    let summary = ensemble(0.99)
         .stop_at("wall", |_, state| state.q[0] - 1.0)
         .run()
         .unwrap();
-    let ends = (0..paths).map(|path| {
-        let number = (path * 37) % 1000;
-        let time = 1.0 / velocity(path);
-        // it fails where its age is above 1.2: at t = 1.5, or where it stops with that age
-        let fails = number % 3 == 0;
-        if fails && time > 1.2 {
-            (time.min(1.5), false)
-        } else {
-            (time, true)
-        }
-    });
-    let ends: Vec<(f64, bool)> = ends.collect();
     let wall = summary.passage("wall").unwrap();
-    assert!(wall.censored()[6] > 20, "{}", wall.censored()[6]);
-    let is_between = |end: &&(f64, bool)| !end.1 && end.0 > 1.2 && end.0 < 1.5;
-    assert!(ends.iter().filter(is_between).count() > 2);
-    // the time of a failure is that of the whole step
-    let whole = |end: &(f64, bool)| {
-        if end.1 {
-            *end
-        } else {
-            ((8.0 * end.0).ceil() / 8.0, false)
+    // fast paths are beyond 0.99 at a recorded time before they arrive, none has passed
+    assert_eq!((wall.passed()[4], wall.censored()[4]), (0, arrivals));
+    assert_eq!(summary.failed(), arrivals);
+    assert_eq!(summary.counts()[4], 100 - arrivals);
+    let mut exposure = 0.0;
+    let mut within_steps = 0;
+    for path in 0..100 {
+        // seen at a recorded time between 0.99/v and 1/v, or where it stops
+        let v = velocity(path);
+        let recorded = (0..=4).map(|k| 0.5 * f64::from(k));
+        let seen = recorded.into_iter().find(|t| v * t > 0.99);
+        let end = seen.unwrap_or(f64::INFINITY).min(1.0 / v).min(2.0);
+        exposure += end;
+        let failure = summary.failures().iter().find(|f| f.path == path);
+        assert_eq!(failure.is_some(), arrives(path), "{path}");
+        if let Some(failure) = failure {
+            assert!((failure.t - end).abs() < 1e-12, "{failure} {end}");
+            assert!(matches!(failure.cause, Cause::OutOfBound { .. }));
+            assert!(
+                failure
+                    .to_string()
+                    .contains(&format!("at t = {}", failure.t))
+            );
+            within_steps += u32::from((failure.t / H - (failure.t / H).round()).abs() > 1e-9);
         }
-    };
-    let ends: Vec<(f64, bool)> = ends.iter().map(whole).collect();
-    let exact = from_counts(&ends, summary.times());
-    for (record, (survival, error)) in exact.into_iter().enumerate() {
-        assert!(
-            (wall.survival()[record] - survival).abs() < 1e-12,
-            "{record}"
-        );
-        assert!(
-            (wall.survival_error()[record] - error).abs() < 1e-12,
-            "{record}"
-        );
     }
-    // passages and time at risk from t = 1 on, with the time of the censored paths
-    let (events, exposure) = ends
-        .iter()
-        .filter(|end| end.0 > 1.0)
-        .fold((0, 0.0), |sum, end| {
-            let has_passed = u64::from(end.1 && end.0 <= 3.0);
-            (sum.0 + has_passed, sum.1 + end.0.min(3.0) - 1.0)
-        });
-    let rate = wall.rate(2);
-    assert_eq!(rate.events, events);
+    assert!(within_steps > 50, "{within_steps}");
+    let rate = wall.rate(0);
     assert!(
         (rate.exposure - exposure).abs() < 1e-10,
-        "{}",
-        rate.exposure
+        "{rate:?} {exposure}"
     );
-    for record in 0..=6 {
-        let t = summary.times()[record];
-        let (survival, error) = kaplan_meier(ends.clone(), t);
-        // a few fail between two recorded times and count for a part of it
-        let tolerance = if record <= 2 { 1e-12 } else { 3e-3 };
-        assert!(
-            (wall.survival()[record] - survival).abs() < tolerance,
-            "{record}"
-        );
-        assert!(
-            (wall.survival_error()[record] - error).abs() < tolerance,
-            "{record}"
-        );
-    }
+    // on the bound they pass
+    let summary = ensemble(1.0 + 1e-9);
+    let summary = summary.stop_at("wall", |_, state| state.q[0] - 1.0);
+    let summary = summary.run().unwrap();
+    assert_eq!(summary.passage("wall").unwrap().passed()[4], arrivals);
+    assert_eq!(summary.failed(), 0);
+    // paths that go on pass, unless they are seen beyond the bound before
+    let summary = ensemble(1.0).first_passage("wall", |_, state| state.q[0] - 1.0);
+    let summary = summary.run().unwrap();
+    let wall = summary.passage("wall").unwrap();
+    assert_eq!((wall.passed()[4], wall.censored()[4]), (arrivals, 0));
+    assert_eq!(summary.failed(), arrivals);
 }
 
 #[test]

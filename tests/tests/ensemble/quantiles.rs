@@ -1,4 +1,4 @@
-//! Intervals of quantiles: their ranks, and how often they contain the quantile of the distribution.
+//! Quantiles: the errors of their ranks over many seeds, extremes, threads and shards; intervals: their ranks, and how often they contain the quantile of the distribution.
 
 use sve_runtime::prelude::*;
 
@@ -44,6 +44,86 @@ fn ends_have_the_ranks_of_so_many_deviations() {
     // 2 of 1000 values are not enough to tell 1/500 from 0
     assert_eq!(quantiles.interval(0.002, 2.0)[1][0], f64::NEG_INFINITY);
     assert_eq!(quantiles.interval(0.998, 2.0)[1][1], f64::INFINITY);
+}
+
+fn normals(
+    method: &Integrator<Particle, Midpoint>,
+    size: usize,
+    seed: u64,
+) -> Ensemble<'_, Integrator<Particle, Midpoint>> {
+    Ensemble::new(method)
+        .paths(6000)
+        .seed(seed)
+        .steps(0.1, 1)
+        .start_with(|_, rng| State::new([rng.normal()], [0.0]))
+        .observe("q", |_, state| state.q[0])
+        .quantiles("q", size)
+}
+
+/// Ranks of quantiles of normal numbers, from many seeds: no part of the bound is a bias. The deviation is below √2/size, the bound holds, the extremes are exact.
+#[test]
+fn ranks_are_right_in_the_mean_over_seeds() {
+    const SIZES: [usize; 7] = [16, 33, 45, 100, 128, 250, 1000];
+    const PARTS: [f64; 5] = [0.01, 0.1, 0.5, 0.9, 0.99];
+    let method = particle();
+    let (paths, seeds) = (6000_u32, 60_u32);
+    let mut sums = [[[0.0; 2]; PARTS.len()]; SIZES.len()];
+    for seed in 0..seeds {
+        let mut ensemble = normals(&method, 2, u64::from(seed)).keep_final_states(true);
+        for size in SIZES {
+            let name = size.to_string();
+            ensemble = ensemble
+                .observe(name.clone(), |_, state| state.q[0])
+                .quantiles(name, size);
+        }
+        let summary = ensemble.run().unwrap();
+        let mut sorted: Vec<f64> = summary.final_states().map(|(_, end)| end.q[0]).collect();
+        sorted.sort_by(f64::total_cmp);
+        for (size, sums) in SIZES.into_iter().zip(&mut sums) {
+            let sketch = summary.quantiles(&size.to_string()).unwrap();
+            assert_eq!(sketch.quantile(0.0)[1], sorted[0]);
+            assert_eq!(sketch.quantile(1.0)[1], sorted[5999]);
+            let bound = sketch.rank_error()[1];
+            for (p, sums) in PARTS.into_iter().zip(sums) {
+                let value = sketch.quantile(p)[1];
+                let rank = sorted.partition_point(|&x| x <= value);
+                let error = rank as f64 / f64::from(paths) - p;
+                assert!(error.abs() < bound + 2e-4, "{size} {p}: {error} {bound}");
+                sums[0] += error;
+                sums[1] += error * error;
+            }
+        }
+    }
+    let n = f64::from(seeds);
+    for (size, sums) in SIZES.into_iter().zip(sums) {
+        for (p, [sum, squares]) in PARTS.into_iter().zip(sums) {
+            let deviation = (squares / n).sqrt();
+            assert!(deviation < 1.42 / size as f64, "{size} {p}: {deviation}");
+            // nearer to the end than a few values of the sketch, an error has no room to both sides
+            if p.min(1.0 - p) * size as f64 > 4.0 {
+                let z = sum / n / (deviation / n.sqrt());
+                assert!(z.abs() < 4.5, "{size} {p}: {z}");
+            }
+        }
+    }
+}
+
+/// A rule that depended on the order of merges would differ here.
+#[test]
+fn threads_and_shards_have_the_same_quantiles() {
+    let method = particle();
+    for size in [2, 33, 64, 200] {
+        let whole = normals(&method, size, 4).threads(1).run().unwrap();
+        let threads = normals(&method, size, 4).threads(3).run().unwrap();
+        assert_eq!(threads, whole);
+        let shard = |index| normals(&method, size, 4).shard(index, 5).run().unwrap();
+        let mut merged = shard(3);
+        for index in [0, 4, 2, 1] {
+            merged.merge(shard(index)).unwrap();
+        }
+        assert_eq!(merged, whole);
+        assert_eq!(merged.quantiles("q"), whole.quantiles("q"));
+    }
 }
 
 /// With two deviations 95 % of the intervals contain the quantile, and a few more, since the ends are whole ranks.

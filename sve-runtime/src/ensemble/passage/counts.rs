@@ -1,7 +1,10 @@
-//! Counts of passages: how many paths passed, and how many were lost from sight, between two recorded times.
+//! Counts of passages: how many paths passed, and how many were lost from sight, in each of many short bins of time.
 //!
 //! Input: the passages and failures of the paths of a block. Output: counts and sums of times, which merge by addition. Invariant: the passages of a block
 //! are added in the order of its paths, so the sums have the same bits for any layout of the lanes.
+//!
+//! The bins belong to the run, so counts of different blocks add up, and their number does not grow with the paths. All recorded times and, in runs of up to [`BINS`] steps, the times of all steps are ends
+//! of bins. Within a bin the order of the ends is not kept.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,52 +12,92 @@ use super::super::failure::Failure;
 use super::super::settings::Settings;
 use crate::method::Method;
 
-/// What is counted of a function between recorded times: entry `j` is about the times after record `j − 1` until record `j`, entry 0 about the start.
+/// Number of bins of a run, unless it has more recorded times: what depends on the order of the ends within a bin is at most of the order of 1/4096 of the run, and a bin has 5 to 40 bytes.
+const BINS: u64 = 4096;
+
+/// The bins of a run. Bin 0 is the start; of the bins after it, as many are between each two recorded times.
+#[derive(Clone, Copy, Debug)]
+pub(in super::super) struct Grid {
+    /// Steps between two recorded times.
+    every: u64,
+    /// Equal parts of a step.
+    parts: u64,
+    /// Parts in a bin: 1 if a step has several of them.
+    group: u64,
+}
+
+impl Grid {
+    pub(in super::super) fn new(steps: u64, every: u64) -> Self {
+        Self {
+            every: every.min(steps),
+            parts: (BINS / steps).max(1),
+            group: steps.div_ceil(BINS),
+        }
+    }
+
+    /// Returns the number of bins between two recorded times.
+    pub(in super::super) fn between_records(self) -> u64 {
+        (self.every * self.parts).div_ceil(self.group)
+    }
+}
+
+/// The paths whose observation ends in a bin.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in super::super) struct Ends {
+    /// Paths that passed.
+    pub(in super::super) passed: u64,
+    /// Paths that ended within the bin before they passed: they failed, or were stopped by another function.
+    pub(in super::super) censored: u64,
+    /// Paths that failed at the end of the bin, after all its passages.
+    pub(in super::super) censored_at_end: u64,
+}
+
+/// What is counted of a function.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in super::super) struct PassageCounts {
-    /// Paths that passed.
-    pub(in super::super) passed: Vec<u64>,
-    /// The sum of their times since record `j − 1`.
+    /// The bins in which a path ends.
+    pub(in super::super) bins: BTreeMap<u64, Ends>,
+    /// The times since record `j − 1` of the paths that end after it until record `j`, added up; entry 0 is about the start.
     #[cfg_attr(feature = "serde", serde(with = "crate::floats::many"))]
-    pub(in super::super) passed_time: Vec<f64>,
-    /// Paths that ended before they passed: they failed, or were stopped by another function.
-    pub(in super::super) censored: Vec<u64>,
-    /// The sum of their times since record `j − 1`.
-    #[cfg_attr(feature = "serde", serde(with = "crate::floats::many"))]
-    pub(in super::super) censored_time: Vec<f64>,
+    pub(in super::super) times: Vec<f64>,
 }
 
 impl PassageCounts {
-    pub(in super::super) fn new(records: usize) -> Self {
+    fn new(records: usize) -> Self {
         Self {
-            passed: vec![0; records],
-            passed_time: vec![0.0; records],
-            censored: vec![0; records],
-            censored_time: vec![0.0; records],
+            bins: BTreeMap::new(),
+            times: vec![0.0; records],
         }
     }
 
     /// Adds the counts of other paths.
     pub(in super::super) fn merge(&mut self, other: &Self) {
-        for record in 0..self.passed.len() {
-            self.passed[record] += other.passed[record];
-            self.passed_time[record] += other.passed_time[record];
-            self.censored[record] += other.censored[record];
-            self.censored_time[record] += other.censored_time[record];
+        for (bin, other) in &other.bins {
+            let ends = self.bins.entry(*bin).or_default();
+            ends.passed += other.passed;
+            ends.censored += other.censored;
+            ends.censored_at_end += other.censored_at_end;
+        }
+        for (sum, time) in self.times.iter_mut().zip(&other.times) {
+            *sum += time;
         }
     }
 
-    /// Returns whether the counts have so many records and at most so many paths.
+    /// Returns whether the counts have so many records, as many bins between two of them, and at most so many paths.
     #[cfg(feature = "serde")]
-    pub(in super::super) fn fit(&self, records: usize, paths: u64) -> bool {
-        let counts = self.passed.iter().chain(&self.censored);
-        let counted = counts.fold(0_u64, |sum, &count| sum.saturating_add(count));
-        let lengths = [self.passed.len(), self.censored.len()];
-        let times = [&self.passed_time, &self.censored_time];
-        lengths.iter().all(|&length| length == records)
-            && times.iter().all(|times| times.len() == records)
-            && counted <= paths
+    pub(in super::super) fn fit(&self, records: usize, between: u64, paths: u64) -> bool {
+        let counts = self.bins.values();
+        let counts = counts.flat_map(|ends| [ends.passed, ends.censored, ends.censored_at_end]);
+        let counted = counts.fold(0_u64, |sum, count| sum.saturating_add(count));
+        let last = between.saturating_mul(records as u64 - 1);
+        self.times.len() == records && self.bins.keys().all(|&bin| bin <= last) && counted <= paths
+    }
+
+    fn add(&mut self, place: &Place, count: impl FnOnce(&mut Ends) -> &mut u64) {
+        *count(self.bins.entry(place.bin).or_default()) += 1;
+        self.times[place.record] += place.time;
     }
 }
 
@@ -64,6 +107,48 @@ pub(in super::super) struct End {
     pub(in super::super) path: u64,
     pub(in super::super) step: u64,
     pub(in super::super) t: f64,
+}
+
+/// The place of an end among the records and bins of a run.
+struct Place {
+    /// The first recorded time that is not before it.
+    record: usize,
+    /// The time since the record before.
+    time: f64,
+    bin: u64,
+    /// Whether it is the end of the bin.
+    is_at_end: bool,
+}
+
+impl Place {
+    fn of<I: Method>(end: End, settings: &Settings<'_, I>) -> Self {
+        let (grid, step) = (settings.passage_grid(), end.step);
+        let record = settings.record_after(step);
+        let from = settings.step_of(record.saturating_sub(1));
+        let time = (end.t - settings.time(from)).abs();
+        if step == 0 {
+            let (bin, is_at_end) = (0, true);
+            return Self {
+                record,
+                time,
+                bin,
+                is_at_end,
+            };
+        }
+        let fraction = (end.t - settings.time(step - 1)) / settings.h;
+        let parts = grid.parts as f64;
+        // a number from 1 to `parts`
+        #[allow(clippy::cast_sign_loss)]
+        let within = (fraction * parts).ceil().clamp(1.0, parts) as u64;
+        let part = (step - 1 - from) * grid.parts + within;
+        let is_step = end.t == settings.time(step);
+        Self {
+            record,
+            time,
+            bin: (record as u64 - 1) * grid.between_records() + part.div_ceil(grid.group),
+            is_at_end: is_step && (part.is_multiple_of(grid.group) || settings.records_after(step)),
+        }
+    }
 }
 
 /// The passage of a path.
@@ -83,11 +168,6 @@ pub(in super::super) fn count<I: Method>(
     functions: usize,
 ) -> Vec<PassageCounts> {
     let mut counts = vec![PassageCounts::new(settings.records); functions];
-    let place = |end: End| {
-        let record = settings.record_after(end.step);
-        let from = settings.time(settings.step_of(record.saturating_sub(1)));
-        (record, (end.t - from).abs())
-    };
     let mut ends = BTreeMap::new();
     for &Failure { path, step, t, .. } in failures {
         ends.insert(path, End { path, step, t });
@@ -97,22 +177,26 @@ pub(in super::super) fn count<I: Method>(
     passages.sort_by_key(|passage| passage.end.path);
     let mut passed = BTreeSet::new();
     for passage in passages {
-        let (record, time) = place(passage.end);
-        let counts = &mut counts[passage.function];
-        counts.passed[record] += 1;
-        counts.passed_time[record] += time;
+        let place = Place::of(passage.end, settings);
+        counts[passage.function].add(&place, |ends| &mut ends.passed);
         passed.insert((passage.end.path, passage.function));
         if passage.stops {
             ends.insert(passage.end.path, passage.end);
         }
     }
     for (path, end) in ends {
-        let (record, time) = place(end);
+        let place = Place::of(end, settings);
         for (function, counts) in counts.iter_mut().enumerate() {
-            if !passed.contains(&(path, function)) {
-                counts.censored[record] += 1;
-                counts.censored_time[record] += time;
+            if passed.contains(&(path, function)) {
+                continue;
             }
+            counts.add(&place, |ends| {
+                if place.is_at_end {
+                    &mut ends.censored_at_end
+                } else {
+                    &mut ends.censored
+                }
+            });
         }
     }
     counts

@@ -43,6 +43,7 @@ where
     /// mean of min(t, τ), and [`keep_final_states`](Self::keep_final_states) the time and the place of each passage. A [`weight`](Self::weight) is integrated up to τ.
     ///
     /// Several functions may be given: a path stops at the first zero of any, and the others then count it as censored.
+    /// A path with an observable that is out of its [`bound`](Self::bound) or not finite where it stops has not passed: it fails there, and all functions count it as censored.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -68,8 +69,9 @@ where
     ///     .stop_at("escape", |_, state| state.q[0] - 1.5)
     ///     .run()?;
     /// let escape = summary.passage("escape").unwrap();
-    /// // the fraction that has not escaped, with its standard error
-    /// let (inside, error) = (escape.survival()[20], escape.survival_error()[20]);
+    /// // the fraction that has not escaped, with its standard error; `None` once every path has been lost from sight
+    /// let inside = escape.survival()[20].expect("there are paths in the well");
+    /// let error = escape.survival_error()[20].unwrap_or(0.0);
     /// // escapes per time, after the first ten units of time
     /// let rate = escape.rate(1);
     /// println!("{inside} ± {error}, {} ± {}", rate.value, rate.standard_error);

@@ -1,12 +1,14 @@
 //! First-passage times as a distribution: survival, rates, and the paths that were not seen to pass.
 //!
-//! Input: merged counts. Output: the numbers that users read. Invariant: at each recorded time the paths that have passed, those that were censored and those at risk sum up to all paths.
+//! Input: merged counts. Output: the numbers that users read. Invariant: at each recorded time the paths that have passed, those that were censored and those at risk sum up to all paths. Nothing is NaN
+//! but the error of a rate without an event.
 //!
-//! Sources: E. L. Kaplan, P. Meier, *Nonparametric estimation from incomplete observations*, J. Am. Stat. Assoc. 53 (1958); M. Greenwood, *The errors of sampling of the survivorship tables* (1926).
+//! Sources: E. L. Kaplan, P. Meier, *Nonparametric estimation from incomplete observations*, J. Am. Stat. Assoc. 53 (1958); M. Greenwood, *The errors of sampling of the survivorship tables* (1926);
+//! for passages and other ends in one bin, C. L. Chiang, *Introduction to Stochastic Processes in Biostatistics* (1968), chapter 11.
 
 use core::fmt;
 
-use super::counts::PassageCounts;
+use super::counts::{Ends, PassageCounts};
 
 /// The first passages of the paths of an ensemble, from [`Summary::passage`](super::super::Summary::passage): the distribution of the time τ of the first zero of a function.
 ///
@@ -18,6 +20,8 @@ pub struct Passages {
     times: Vec<f64>,
     paths: u64,
     counts: PassageCounts,
+    /// Number of bins between two recorded times.
+    between: u64,
 }
 
 /// A rate with its standard error.
@@ -36,7 +40,7 @@ pub struct Rate {
 impl Passages {
     pub(in super::super) fn new(
         name: String,
-        times: Vec<f64>,
+        (times, between): (Vec<f64>, u64),
         paths: u64,
         counts: PassageCounts,
     ) -> Self {
@@ -45,6 +49,7 @@ impl Passages {
             times,
             paths,
             counts,
+            between,
         }
     }
 
@@ -65,12 +70,12 @@ impl Passages {
 
     /// Returns the number of paths that have passed until each recorded time.
     pub fn passed(&self) -> Vec<u64> {
-        cumulative(&self.counts.passed)
+        self.cumulative(|ends| ends.passed)
     }
 
     /// Returns the number of paths that were censored until each recorded time: that failed, or were stopped by another function, before they passed.
     pub fn censored(&self) -> Vec<u64> {
-        cumulative(&self.counts.censored)
+        self.cumulative(|ends| ends.censored + ends.censored_at_end)
     }
 
     /// Returns the number of paths that are still at risk at each recorded time. Those at the last one are censored by the end of the run.
@@ -81,37 +86,66 @@ impl Passages {
             .collect()
     }
 
-    /// Returns the estimate of P(τ > t) of Kaplan and Meier at each recorded time t: the fraction of paths that have not passed, as it would be without censoring.
+    /// Returns the estimate of P(τ > t) of Kaplan and Meier at each recorded time t: the fraction of paths that have not passed, as it would be without censoring. `None` where it is unknown: after the last
+    /// path at risk was censored.
     ///
-    /// A path that is censored between two recorded times counts there for the part of that time in which it was at risk. If none is censored, the estimate is the fraction of the paths that have not passed.
+    /// The estimate does not depend on how many times are recorded. Ends of paths are counted in bins, at least 4096 in the run, or a bin for each recorded time if there are more. If paths pass and paths are censored in one
+    /// bin, they are taken to do so in random order. That is exact where the two rates have a constant ratio within the bin, and off by an error of the second order in its length otherwise. If no path
+    /// is censored, the estimate is the fraction of the paths that have not passed.
+    ///
     /// Paths have to be censored by what does not tell how soon they would have passed: for functions that stop paths in competition, `passed` over `paths` is the probability of each end.
-    pub fn survival(&self) -> Vec<f64> {
-        self.survival_and_error().0
+    pub fn survival(&self) -> Vec<Option<f64>> {
+        let points = self.points().into_iter();
+        points.map(|point| Some(point?.survival)).collect()
     }
 
-    /// Returns the standard error of [`survival`](Self::survival) by Greenwood's formula, S √Σ d/(n(n − d)) for d passages of n paths at risk in each interval. Where no path survives it is NaN.
-    pub fn survival_error(&self) -> Vec<f64> {
-        self.survival_and_error().1
+    /// Returns the standard error of [`survival`](Self::survival) by Greenwood's formula, S √Σ d/(n m) for d passages in a bin with n paths at risk before and m after it, where m = n − d without censoring. `None`
+    /// where the survival is unknown, and where no path survives: an estimate of 0 has no error by this formula.
+    pub fn survival_error(&self) -> Vec<Option<f64>> {
+        let points = self.points().into_iter();
+        let error = |point: Point| point.survival * point.sum.sqrt();
+        let known = points.map(|point| point.filter(|point| point.survival > 0.0));
+        known.map(|point| point.map(error)).collect()
     }
 
-    fn survival_and_error(&self) -> (Vec<f64>, Vec<f64>) {
-        let at_risk = self.at_risk();
-        let (mut survival, mut sum) = (1.0, 0.0);
-        let (mut values, mut errors) = (vec![1.0], vec![0.0]);
-        for record in 1..self.times.len() {
-            let (passed, censored) = (self.counts.passed[record], self.counts.censored[record]);
-            if passed > 0 {
-                let interval = (self.times[record] - self.times[record - 1]).abs();
-                let unseen = censored as f64 - self.counts.censored_time[record] / interval;
-                let n = at_risk[record - 1] as f64 - unseen;
-                let d = passed as f64;
-                survival *= 1.0 - d / n;
-                sum += d / (n * (n - d));
+    /// Returns the first recorded time at which the survival is unknown.
+    pub(crate) fn unknown_from(&self) -> Option<f64> {
+        let first = self.points().iter().position(Option::is_none)?;
+        Some(self.times[first])
+    }
+
+    /// Returns the point of the curve of survival at each recorded time; `None` where the curve is unknown.
+    fn points(&self) -> Vec<Option<Point>> {
+        let mut curve = Curve::new(self.paths);
+        let mut bins = self.counts.bins.iter().peekable();
+        let records = 0..self.times.len() as u64;
+        let at = records.map(|record| {
+            let end = record * self.between;
+            // paths that are censored at the recorded time itself are at risk until then
+            let mut until_now = 0;
+            while let Some((&bin, ends)) = bins.next_if(|(bin, _)| **bin <= end) {
+                curve.add(ends);
+                until_now = if bin == end { ends.censored_at_end } else { 0 };
             }
-            values.push(survival);
-            errors.push(survival * f64::sqrt(sum));
+            let point = curve.point();
+            let is_known = point.survival == 0.0 || point.at_risk + until_now > 0;
+            is_known.then_some(point)
+        });
+        at.collect()
+    }
+
+    /// Returns the sum of a count of the ends until each recorded time.
+    fn cumulative(&self, count: impl Fn(&Ends) -> u64) -> Vec<u64> {
+        let mut sums = vec![0; self.times.len()];
+        for (bin, ends) in &self.counts.bins {
+            sums[bin.div_ceil(self.between) as usize] += count(ends);
         }
-        (values, errors)
+        let mut sum = 0;
+        for value in &mut sums {
+            sum += *value;
+            *value = sum;
+        }
+        sums
     }
 
     /// Returns the number of passages after recorded time number `from`, divided by the time that paths were at risk: the maximum-likelihood estimate of a constant rate λ, with P(τ > t) ∝ e^(−λt), and its
@@ -121,13 +155,12 @@ impl Passages {
     /// Unless there is a recorded time of that number.
     pub fn rate(&self, from: usize) -> Rate {
         assert!(from < self.times.len(), "no recorded time number {from}");
-        let at_risk = self.at_risk();
-        let (mut events, mut exposure) = (0, 0.0);
+        let (passed, at_risk) = (self.passed(), self.at_risk());
+        let events = passed[passed.len() - 1] - passed[from];
+        let mut exposure = 0.0;
         for record in from + 1..self.times.len() {
             let interval = (self.times[record] - self.times[record - 1]).abs();
-            events += self.counts.passed[record];
-            exposure += at_risk[record] as f64 * interval
-                + (self.counts.passed_time[record] + self.counts.censored_time[record]);
+            exposure += at_risk[record] as f64 * interval + self.counts.times[record];
         }
         let value = if events == 0 {
             0.0
@@ -148,6 +181,86 @@ impl Passages {
     }
 }
 
+/// A point of the curve of survival.
+#[derive(Clone, Copy, Debug)]
+struct Point {
+    survival: f64,
+    /// Greenwood's sum.
+    sum: f64,
+    /// Paths at risk after it.
+    at_risk: u64,
+}
+
+impl Point {
+    /// Returns the point after so many passages, with no path censored between.
+    fn after(self, passed: u64) -> Self {
+        if passed == 0 {
+            return self;
+        }
+        let left = self.at_risk - passed;
+        let (n, m) = (self.at_risk as f64, left as f64);
+        Self {
+            survival: self.survival * m / n,
+            sum: self.sum + passed as f64 / (n * m),
+            at_risk: left,
+        }
+    }
+}
+
+/// The curve of survival, followed bin by bin.
+struct Curve {
+    /// Where a path was censored last.
+    last: Point,
+    /// Passages since. Their factors have a product without rounding errors: a fraction of two counts.
+    passed: u64,
+}
+
+impl Curve {
+    fn new(paths: u64) -> Self {
+        let last = Point {
+            survival: 1.0,
+            sum: 0.0,
+            at_risk: paths,
+        };
+        Self { last, passed: 0 }
+    }
+
+    /// Returns the point that the curve has reached.
+    fn point(&self) -> Point {
+        self.last.after(self.passed)
+    }
+
+    /// Adds the ends of a bin.
+    fn add(&mut self, ends: &Ends) {
+        let (passed, censored) = (ends.passed, ends.censored);
+        if censored == 0 {
+            self.passed += passed;
+        } else {
+            let mut point = self.point();
+            let before = point.at_risk as f64;
+            point.at_risk -= passed + censored;
+            let after = point.at_risk as f64;
+            // if no path is left, it is unknown whether the last one passed or was censored
+            if passed > 0 && after > 0.0 {
+                // in random order, each end is a passage with this probability
+                let share = passed as f64 / (passed + censored) as f64;
+                point.survival *= (after / before).powf(share);
+                point.sum += passed as f64 / (before * after);
+            }
+            self.restart(point);
+        }
+        if ends.censored_at_end > 0 {
+            let mut point = self.point();
+            point.at_risk -= ends.censored_at_end;
+            self.restart(point);
+        }
+    }
+
+    fn restart(&mut self, last: Point) {
+        *self = Self { last, passed: 0 };
+    }
+}
+
 impl fmt::Display for Passages {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Rate {
@@ -157,20 +270,18 @@ impl fmt::Display for Passages {
             ..
         } = self.rate(0);
         write!(f, "{}: {events} of {} paths passed", self.name, self.paths)?;
-        if events == 0 {
-            return Ok(());
+        if events > 0 {
+            write!(
+                f,
+                ", {value:.4e} ± {standard_error:.1e} per unit of time at risk"
+            )?;
         }
-        write!(
-            f,
-            ", {value:.4e} ± {standard_error:.1e} per unit of time at risk"
-        )
+        match self.unknown_from() {
+            Some(t) => write!(
+                f,
+                ", survival unknown from t = {t} on, since all other paths were censored before"
+            ),
+            None => Ok(()),
+        }
     }
-}
-
-fn cumulative(counts: &[u64]) -> Vec<u64> {
-    let sums = counts.iter().scan(0, |sum, count| {
-        *sum += count;
-        Some(*sum)
-    });
-    sums.collect()
 }

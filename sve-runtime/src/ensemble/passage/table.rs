@@ -1,6 +1,6 @@
 //! First passages as a table: the columns of every format.
 //!
-//! Input: [`Passages`]. Output: a row for each recorded time. Invariant: in each row `passed`, `censored` and `at_risk` sum up to all paths; a number that does not exist is NaN.
+//! Input: [`Passages`]. Output: a row for each recorded time. Invariant: in each row `passed`, `censored` and `at_risk` sum up to all paths; a number that is unknown is NaN.
 
 use super::Passages;
 use crate::table::{Table, Values, table_writers};
@@ -12,9 +12,13 @@ impl Passages {
             ("censored", self.censored()),
             ("at_risk", self.at_risk()),
         ];
+        let known = |values: Vec<Option<f64>>| {
+            let values = values.into_iter();
+            values.map(|value| value.unwrap_or(f64::NAN)).collect()
+        };
         let numbers = [
-            ("survival", self.survival()),
-            ("survival_standard_error", self.survival_error()),
+            ("survival", known(self.survival())),
+            ("survival_standard_error", known(self.survival_error())),
         ];
         let mut columns = vec![("t".to_owned(), Values::Numbers(self.times().to_vec()))];
         columns.extend(counts.map(|(name, counts)| (name.to_owned(), Values::Counts(counts))));
