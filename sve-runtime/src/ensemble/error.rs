@@ -256,6 +256,48 @@ pub enum EnsembleError {
         /// Paths that were run.
         paths: u64,
     },
+    /// A multilevel estimate of what is the same on all paths that were run.
+    #[error(
+        "`multilevel`: all of the first {paths} paths of each level have one value of `{name}`, {value:e} on the longest steps, so nothing tells its error: it is a constant, whose mean `run` gives, \
+         or what changes it happens on fewer than one path in {}; begin with more `paths`, several times as many as it needs to happen once", paths / 3
+    )]
+    OneValue {
+        /// The observable.
+        name: String,
+        /// Its value on level 0.
+        value: f64,
+        /// Paths of a level.
+        paths: u64,
+    },
+    /// A level of a multilevel estimate whose variance is that of a few paths, however many are run.
+    #[error(
+        "`multilevel`: on level {level} the variance of `{name}` is that of about {carriers:.0} of {paths} paths, and more paths did not give it more: its tails are too heavy for a variance; \
+         take an observable with a bounded range, or let paths fail that leave one with `bound`"
+    )]
+    HeavyTails {
+        /// The observable.
+        name: String,
+        /// The level.
+        level: u32,
+        /// Number of paths that have the variance.
+        carriers: f64,
+        /// Paths that were run.
+        paths: u64,
+    },
+    /// A multilevel estimate of a mean whose differences between levels do not fall.
+    #[error(
+        "`multilevel`: halving the steps changes the mean of `{name}` by {:.2e}, then by {:.2e} and {:.2e} at level {level}: the changes do not fall, so the mean has no limit for short steps, as that of a sum over \
+         steps, or the first steps are too long for the motion; divide the observable by the number of steps, or start from shorter steps",
+        changes[0], changes[1], changes[2]
+    )]
+    NoLimit {
+        /// The observable.
+        name: String,
+        /// The last level.
+        level: u32,
+        /// The sizes of the last three differences of means.
+        changes: [f64; 3],
+    },
     /// A multilevel estimate that needs more levels than it may have.
     #[error(
         "`multilevel`: at level {level} the bias of the mean of `{name}` is estimated as {bias:.1e}, above {wanted:.1e}; allow more levels with `deepest`, start from shorter steps, or ask for a larger error"

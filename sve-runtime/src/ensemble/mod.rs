@@ -53,6 +53,7 @@ mod setters;
 mod settings;
 mod sizes;
 mod sketch;
+mod spread;
 mod starts;
 mod statistics;
 #[cfg(feature = "serde")]

@@ -67,6 +67,14 @@ impl Column {
         }
     }
 
+    /// Returns the value that is farthest from the mean at a recorded time, and its part of the sum of squared deviations; NaN if that is 0.
+    pub(super) fn farthest(&self, record: usize) -> (f64, f64) {
+        let (mean, min, max) = (self.mean[record], self.min[record], self.max[record]);
+        let value = if max - mean > mean - min { max } else { min };
+        let share = ((value - mean) / self.squares_at(record).sqrt()).powi(2);
+        (value, share)
+    }
+
     #[inline]
     fn at(&self, record: usize, count: u64) -> Moments {
         Moments {

@@ -6,23 +6,22 @@
 //! Level l has steps of h/2ˡ. Its contribution is the mean of the difference between level l and level l − 1 along common paths: an increment of the coarse step is the sum of the two of the
 //! fine steps. Different levels have different paths of the noise.
 //!
+//! Files: [`runs`] has the paths of a level, [`checks`] the settings and the levels that give no mean.
+//!
 //! Source: M. B. Giles, *Multilevel Monte Carlo path simulation*, Oper. Res. 56 (2008) 607–617, and *Multilevel Monte Carlo methods*, Acta Numerica 24 (2015) 259–328, section 3.
+
+mod checks;
+mod runs;
 
 use core::fmt;
 
-use super::coupled::Coupled;
+use self::checks::{check_fall, check_values, least_size};
+use self::runs::{PATHS_OF_LEVEL, Run, largest_range, levels};
 use super::estimate::{Level, MultilevelEstimate, bias, paths_of_levels};
-use super::fingerprint::Fingerprint;
-use super::info::Info;
-use super::merge_tree::{MergeTree, PartialResult};
-use super::settings::{Leg, Settings};
-use super::{BLOCK_PATHS, Ensemble, EnsembleError, Summary};
+use super::{BLOCK_PATHS, Ensemble, EnsembleError};
 use crate::configuration::Coordinates;
 use crate::method::Method;
 use crate::system::{Dims, System};
-
-/// Number of paths of the noise that are reserved for a level.
-const PATHS_OF_LEVEL: u64 = 1 << 48;
 
 /// Number of levels that are always run: a bias is estimated from two differences at least.
 const FIRST_LEVELS: u32 = 3;
@@ -35,6 +34,12 @@ const SURE: f64 = 4.0;
 
 /// Part of the paths of a level by which their wanted number has to exceed them, so that more are run.
 const TOLERANCE: f64 = 0.01;
+
+/// Largest factor by which the paths of a level become more at once: the variance that asks for them is known better with each time.
+const GROWTH: f64 = 16.0;
+
+/// Largest number of times that the paths of a level are doubled in search of more that carry its variance. A rare event that was seen once is seen a thousand times then.
+const DOUBLINGS: u32 = 10;
 
 impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
 where
@@ -51,6 +56,10 @@ where
     /// **Where it does not win.** The gain over plain Monte Carlo with the same rule is about the number of plain steps that a bias of ε needs, divided by what the coarse levels cost.
     /// Where a few steps suffice, for large ε or with a rule of weak order 2, plain Monte Carlo is as fast or faster. It does not help for indicators and other observables with jumps, whose
     /// differences between levels have a large variance; nor where the coarse steps are unstable, or lose the features of the motion.
+    ///
+    /// **Rare events.** A level on which fewer than 8 paths carry the variance gets twice the paths, until 8 do, or until 8 more would change the mean by less than its error. Events that no path of any level shows are
+    /// an error, [`EnsembleError::OneValue`]. What changes few of otherwise different values, and is not seen among the first [`paths`](Self::paths), cannot be known: let these be many times the paths that it needs to
+    /// happen once.
     ///
     /// Settings that count steps, such as [`settle`](Self::settle), count those of the coarsest level. Histograms, covariances and quantiles are not taken. A path that fails on either of its two
     /// levels does not count, so where paths fail the sum of the levels has a bias of the size of their part; [`Level::failed`] has their numbers.
@@ -100,17 +109,6 @@ pub struct Multilevel<'a, I: Method> {
     name: String,
     weak_order: f64,
     deepest: u32,
-}
-
-/// A level that has been run so far.
-struct Run<'a, I: Method> {
-    number: u32,
-    /// The coarse and the fine run; on level 0 one run.
-    legs: Coupled<'a, I>,
-    info: Info,
-    tree: Option<MergeTree>,
-    blocks: u64,
-    level: Level,
 }
 
 impl<'a, I, S, Q, const N: usize, const M: usize> Multilevel<'a, I>
@@ -165,38 +163,28 @@ where
     /// Adds paths and levels until the root of the mean squared error is estimated to be at most `error`: half of its square is left to the variance of the mean, half to its bias.
     ///
     /// # Errors
-    /// As [`Ensemble::run`]; [`EnsembleError::Bias`] if the deepest level is not deep enough; [`EnsembleError::NoLevel`] if the paths of a level fail; [`EnsembleError::NoSums`] with
+    /// As [`Ensemble::run`]; [`EnsembleError::Bias`] if the deepest level is not deep enough; [`EnsembleError::NoLimit`] if the differences between levels do not fall; [`EnsembleError::OneValue`] if no path
+    /// differs from another one; [`EnsembleError::HeavyTails`] if a few paths have the whole variance of a level, however many are run; [`EnsembleError::NoLevel`] if the paths of a level fail; [`EnsembleError::NoSums`] with
     /// [`ThreePoint`](crate::noise::ThreePoint) increments; [`EnsembleError::MultilevelInParts`] with a shard, a checkpoint or `stop_when`;
     /// [`EnsembleError::NotTogether`] with refined noise, `refine`, stops, passages or kept final states.
     pub fn run(&self, error: f64) -> Result<MultilevelEstimate, EnsembleError> {
         let first_blocks = self.checked(error)?;
         let wanted = error / f64::sqrt(2.0);
-        let mut runs: Vec<Run<'_, I>> = Vec::new();
+        let mut runs: Vec<Run<'a, I>> = Vec::new();
         while runs.len() < FIRST_LEVELS as usize {
             runs.push(self.begin(runs.len() as u32, first_blocks)?);
         }
+        check_values(self, &runs)?;
         loop {
-            self.check_depth(&levels(&runs), wanted)?;
-            let mut is_done = true;
-            let paths = paths_of_levels(&levels(&runs), wanted);
-            for (run, paths) in runs.iter_mut().zip(paths) {
-                let Level {
-                    paths: run_so_far,
-                    failed,
-                    ..
-                } = run.level;
-                let counted = (run_so_far - failed) as f64;
-                if paths > (1.0 + TOLERANCE) * counted {
-                    let most = (PATHS_OF_LEVEL / BLOCK_PATHS) as f64;
-                    // as large a part of the further paths will fail
-                    let more = paths / counted * run.blocks as f64;
-                    #[allow(clippy::cast_sign_loss)] // a number of blocks
-                    let blocks = more.ceil().min(most) as u64;
-                    self.extend(run, blocks)?;
-                    is_done = false;
-                }
+            let sure = self.sure_bias(&levels(&runs));
+            if sure > wanted {
+                // more paths would not help
+                check_fall(&self.name, &levels(&runs))?;
+                let level = self.next_level(&runs, sure, wanted)?;
+                runs.push(self.begin(level, first_blocks)?);
+                continue;
             }
-            if !is_done {
+            if self.extend_all(&mut runs, wanted)? {
                 continue;
             }
             let levels = levels(&runs);
@@ -208,185 +196,73 @@ where
                     bias,
                 });
             }
-            let level = runs.len() as u32;
-            if level > self.deepest {
-                return Err(EnsembleError::Bias {
-                    name: self.name.clone(),
-                    level: level - 1,
-                    bias,
-                    wanted,
-                });
-            }
+            let level = self.next_level(&runs, bias, wanted)?;
             runs.push(self.begin(level, first_blocks)?);
         }
     }
 
-    /// Returns an error if the deepest level is reached and its bias is too large, beyond the statistical error of the differences: more paths would not help.
-    fn check_depth(&self, levels: &[Level], wanted: f64) -> Result<(), EnsembleError> {
-        let level = levels.len() as u32 - 1;
-        let at_least = |l: &Level| Level {
-            mean: (l.mean.abs() - SURE * l.standard_error).max(0.0),
-            ..*l
-        };
-        let least: Vec<_> = levels.iter().map(at_least).collect();
-        let bias = bias(&least, self.weak_order);
-        if level < self.deepest || bias <= wanted {
-            return Ok(());
+    /// Adds paths to the levels that need more for a standard error of the mean, or before their variances are trusted. Returns whether there were any.
+    fn extend_all(&self, runs: &mut [Run<'a, I>], error: f64) -> Result<bool, EnsembleError> {
+        let largest = largest_range(runs);
+        let wanted = paths_of_levels(&levels(runs), error);
+        let mut are_more = false;
+        for (run, mut paths) in runs.iter_mut().zip(wanted) {
+            let counted = (run.level.paths - run.level.failed) as f64;
+            let least = run.spread.least_paths(largest, error);
+            if least > counted {
+                // its variance is not known, so it cannot say how many paths are wanted
+                paths = least.min(2.0 * counted);
+                run.doublings += u32::from(run.spread.range > 0.0);
+                if run.doublings > DOUBLINGS {
+                    return Err(EnsembleError::HeavyTails {
+                        name: self.name.clone(),
+                        level: run.number,
+                        carriers: run.spread.carriers,
+                        paths: run.level.paths,
+                    });
+                }
+            }
+            if paths > (1.0 + TOLERANCE) * counted {
+                let most = (PATHS_OF_LEVEL / BLOCK_PATHS) as f64;
+                // as large a part of the further paths will fail
+                let more = (paths / counted).min(GROWTH) * run.blocks as f64;
+                #[allow(clippy::cast_sign_loss)] // a number of blocks
+                let blocks = more.ceil().min(most) as u64;
+                self.extend(run, blocks)?;
+                are_more = true;
+            }
+        }
+        Ok(are_more)
+    }
+
+    /// Returns the number of the next level, or an error if there is none.
+    fn next_level(
+        &self,
+        runs: &[Run<'_, I>],
+        bias: f64,
+        wanted: f64,
+    ) -> Result<u32, EnsembleError> {
+        let level = runs.len() as u32;
+        if level <= self.deepest {
+            return Ok(level);
         }
         Err(EnsembleError::Bias {
             name: self.name.clone(),
-            level,
+            level: level - 1,
             bias,
             wanted,
         })
     }
 
-    /// Checks the settings. Returns the first number of blocks of each level.
-    fn checked(&self, error: f64) -> Result<u64, EnsembleError> {
-        let ensemble = self.ensemble;
-        let settings = Settings::of_leg(
-            ensemble,
-            &Leg {
-                of: Some(MULTILEVEL),
-                ..Leg::of(ensemble)
-            },
-        )?;
-        #[cfg(feature = "checkpoint")]
-        let has_file = ensemble.checkpoint.is_some();
-        #[cfg(not(feature = "checkpoint"))]
-        let has_file = false;
-        if ensemble.shard != (0, 1) || ensemble.stop_when.is_some() || has_file {
-            return Err(EnsembleError::MultilevelInParts);
-        }
-        if self.deepest < FIRST_LEVELS - 1 {
-            return Err(EnsembleError::TooFewLevels {
-                deepest: self.deepest,
-            });
-        }
-        let settings_without = [
-            (settings.noise.depth > 0, "refined noise"),
-            (ensemble.keep_final_states, "keep_final_states"),
-        ];
-        if let Some((_, setting)) = settings_without.into_iter().find(|(is_set, _)| *is_set) {
-            return Err(EnsembleError::NotTogether {
-                settings: [MULTILEVEL, setting],
-                why: "each level has paths and steps of its own",
-            });
-        }
-        for (what, value) in [("error", error), ("weak order", self.weak_order)] {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(EnsembleError::MultilevelTarget { what, value });
-            }
-        }
-        if !ensemble.names.contains(&self.name) {
-            return Err(EnsembleError::UnknownObservable {
-                name: self.name.clone(),
-                purpose: "take the mean of",
-                known: ensemble.names.clone(),
-            });
-        }
-        Ok(settings.paths.div_ceil(BLOCK_PATHS))
+    /// Returns the size that the bias has for certain, beyond the statistical error of the differences.
+    fn sure_bias(&self, levels: &[Level]) -> f64 {
+        let at_least = |l: &Level| Level {
+            mean: least_size(l),
+            ..*l
+        };
+        let least: Vec<_> = levels.iter().map(at_least).collect();
+        bias(&least, self.weak_order)
     }
-
-    /// Runs the first blocks of a level.
-    fn begin(&self, number: u32, blocks: u64) -> Result<Run<'a, I>, EnsembleError> {
-        let leg = |halvings, is_coarsened| {
-            let leg = Leg {
-                halvings,
-                is_coarsened,
-                first_path: u64::from(number).wrapping_mul(PATHS_OF_LEVEL),
-                paths: Some(PATHS_OF_LEVEL),
-                of: Some(MULTILEVEL),
-                ..Leg::of(self.ensemble)
-            };
-            Settings::of_leg(self.ensemble, &leg)
-        };
-        let fine = leg(number, false)?;
-        let mut legs = Vec::new();
-        if number > 0 {
-            legs.push(leg(number - 1, true)?);
-        }
-        legs.push(fine);
-        let steps = legs.iter().map(|leg| leg.steps).sum();
-        let legs = Coupled { legs };
-        // never merged with another run, so it needs no fingerprint
-        let info = legs.info_of_differences(legs.legs.len() - 1, Fingerprint::default());
-        let mut run = Run {
-            number,
-            legs,
-            info,
-            tree: None,
-            blocks: 0,
-            level: Level {
-                h: fine.h,
-                steps,
-                paths: 0,
-                failed: 0,
-                mean: f64::NAN,
-                variance: f64::NAN,
-                standard_error: f64::NAN,
-            },
-        };
-        self.extend(&mut run, blocks)?;
-        Ok(run)
-    }
-
-    /// Runs the blocks of a level up to this number, and updates its numbers.
-    fn extend(&self, run: &mut Run<'a, I>, blocks: u64) -> Result<(), EnsembleError> {
-        let legs = &run.legs;
-        let mut settings = legs.legs[0];
-        settings.shard = [run.blocks, blocks];
-        let trees = settings.execute_with(1, |block| {
-            // the last result is the difference, or the only run
-            let last = legs.run_block(block)?.pop();
-            Ok(last.map(PartialResult::without_distributions))
-                .map(|result| result.into_iter().collect())
-        })?;
-        for mut tree in trees {
-            let old = run
-                .tree
-                .take()
-                .into_iter()
-                .flat_map(|old| old.nodes.into_values());
-            old.for_each(|node| tree.insert(node));
-            run.tree = Some(tree);
-        }
-        run.blocks = blocks;
-        let Some(tree) = &run.tree else {
-            return Err(EnsembleError::NothingRun);
-        };
-        let summary = Summary::new(run.info.clone(), tree.clone());
-        let Some(statistics) = summary.get(&self.name) else {
-            return Err(EnsembleError::NothingRun);
-        };
-        let last = summary.times().len() - 1;
-        let paths = blocks * BLOCK_PATHS;
-        let (counted, mean) = (summary.counts()[last], statistics.mean()[last]);
-        let standard_error = statistics.standard_error()[last];
-        run.level = Level {
-            paths,
-            failed: paths - counted,
-            mean,
-            // for each path also where paths are pairs
-            variance: standard_error.powi(2) * counted as f64,
-            standard_error,
-            ..run.level
-        };
-        if !(mean.is_finite() && run.level.variance.is_finite()) {
-            return Err(EnsembleError::NoLevel {
-                name: self.name.clone(),
-                level: run.number,
-                h: run.level.h,
-                failed: run.level.failed,
-                paths,
-            });
-        }
-        Ok(())
-    }
-}
-
-fn levels<I: Method>(runs: &[Run<'_, I>]) -> Vec<Level> {
-    runs.iter().map(|run| run.level).collect()
 }
 
 impl<I: Method> fmt::Debug for Multilevel<'_, I> {

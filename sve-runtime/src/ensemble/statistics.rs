@@ -5,6 +5,7 @@
 
 use super::histogram::{Bins, HistogramRequest};
 use super::moments::{Column, Squares};
+use super::spread::Spread;
 use super::warning::{self, Warning};
 use crate::table::{Table, Values, table_writers};
 
@@ -78,6 +79,11 @@ impl Statistics {
             None => self.of_squares(of),
             Some((counts, column)) => of_squares(counts, column, of),
         }
+    }
+
+    /// Returns how the values of the paths are spread at a recorded time.
+    pub(super) fn spread(&self, record: usize) -> Spread {
+        Spread::of(&self.column, record)
     }
 
     /// Returns a function of the sum of squared deviations and the number of paths, at each recorded time; NaN for fewer than two paths.

@@ -124,10 +124,7 @@ fn diverges(name: &str, times: &[f64], end: usize, column: &Column) -> Option<Wa
 }
 
 fn one_path(name: &str, t: f64, record: usize, paths: u64, column: &Column) -> Option<Warning> {
-    let (mean, min, max) = (column.mean[record], column.min[record], column.max[record]);
-    let value = if max - mean > mean - min { max } else { min };
-    let all = column.squares_at(record).sqrt();
-    let share = ((value - mean) / all).powi(2);
+    let (value, share) = column.farthest(record);
     (paths >= MANY && share > SHARE).then(|| Warning::OnePath {
         name: name.to_owned(),
         t,

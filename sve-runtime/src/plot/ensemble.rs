@@ -2,6 +2,7 @@
 //!
 //! Input: a [`Summary`]. Output: HTML. Invariant: what is drawn has its standard error beside it.
 
+use core::fmt::Write as _;
 use core::ops::Range;
 use std::path::Path;
 
@@ -228,11 +229,12 @@ fn survival(passages: &Passages) -> Panel {
     let (passed, censored) = (last(passages.passed()), last(passages.censored()));
     let name = passages.name();
     let mut title = format!("{name}: {passed} of {} paths passed", passages.paths());
+    // writing into a String cannot fail
     if censored > 0 {
-        title += &format!(", {censored} censored");
+        let _ = write!(title, ", {censored} censored");
     }
     if let Some(t) = passages.unknown_from() {
-        title += &format!(", unknown from t = {t} on");
+        let _ = write!(title, ", unknown from t = {t} on");
     }
     let layer = Layer::new(
         "survival ± 2 standard errors",

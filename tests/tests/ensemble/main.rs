@@ -17,6 +17,7 @@ mod other_runs;
 mod passage_files;
 mod passages;
 mod quantiles;
+mod rare;
 mod refined;
 mod settings;
 mod shards;

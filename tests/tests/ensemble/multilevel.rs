@@ -276,6 +276,7 @@ fn impossible_estimates_are_errors() {
 fn steps_in_settings_are_those_of_the_coarsest_level() {
     let method = method();
     let estimate = ensemble(&method)
+        .noise(NoNoise)
         .steps(H, 8)
         .settle(2)
         .average("t", |_, s| s.t)

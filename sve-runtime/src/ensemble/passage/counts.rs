@@ -90,7 +90,7 @@ impl PassageCounts {
     pub(in super::super) fn fit(&self, records: usize, between: u64, paths: u64) -> bool {
         let counts = self.bins.values();
         let counts = counts.flat_map(|ends| [ends.passed, ends.censored, ends.censored_at_end]);
-        let counted = counts.fold(0_u64, |sum, count| sum.saturating_add(count));
+        let counted = counts.fold(0, u64::saturating_add);
         let last = between.saturating_mul(records as u64 - 1);
         self.times.len() == records && self.bins.keys().all(|&bin| bin <= last) && counted <= paths
     }
