@@ -336,17 +336,20 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
     },
-    /// A snapshot of a trajectory was given to a method that carries other numbers from step to step.
+    /// A snapshot has numbers that its method carries from step to step, and the system or the method have changed since, so that the numbers are of other steps.
     #[error(
-        "the snapshot at t = {t} has {numbers} numbers that its method carries from step to step, and this method does not carry so many: \
-         resume it with the integrator that made it"
+        "the snapshot at t = {t} has {numbers} numbers that its method carried from step to step, and it was made with other {differs}: \
+         resume it with the integrator as it was, or begin a new trajectory at its state, \
+         `integrator.trajectory(*snapshot.state(), snapshot.h(), noise.from_step(snapshot.step()))`"
     )]
-    OtherMethod {
+    OtherSteps {
         /// Time of the snapshot.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
         /// How many numbers the snapshot has.
         numbers: usize,
+        /// What differs: formulas, values of parameters, the method.
+        differs: Box<str>,
     },
     /// A time at which a state is to be saved is not ahead of the trajectory.
     #[error(

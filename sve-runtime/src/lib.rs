@@ -136,6 +136,7 @@ mod equations;
 mod error;
 mod euler;
 mod file;
+mod fingerprint;
 #[cfg(feature = "serde")]
 mod floats;
 mod gauss;

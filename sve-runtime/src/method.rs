@@ -32,7 +32,7 @@ pub trait OneStepMethod {
     /// [`StepError::StepSize`] if `h` is zero or not finite.
     fn prepare(&self, h: f64) -> Result<Self::Prepared, StepError>;
 
-    /// Makes one step, with the values that [`prepare`](Self::prepare) returned for the same `h`.
+    /// Makes one step, with the values that [`prepare`](Self::prepare) returned for the same `h` and the same parameters.
     ///
     /// # Errors
     /// A [`StepError`] when the step fails; `state` is then unchanged.
@@ -251,7 +251,10 @@ pub trait Method:
 
     /// Continues the trajectory of a [`Snapshot`], with the bits of one that was not interrupted.
     ///
-    /// System, method and noise have to be those of the first trajectory. The noise starts from its beginning, since the snapshot contains the number of
+    /// System, method and noise have to be those of the first trajectory. A trajectory borrows its method, so nothing of these changes between its steps, and some
+    /// rules carry what the next step would compute again, such as the force at the end of a step. A snapshot with such numbers is refused if a parameter, a
+    /// formula or an option has another value than at the snapshot. A snapshot without them, of [`Midpoint`](crate::Midpoint) say, goes on with the present parameters.
+    /// To change parameters along a path, begin a [`trajectory`](Self::trajectory) at the state of the snapshot. The noise starts from its beginning, since the snapshot contains the number of
     /// the step; a source whose increments [follow one another](crate::noise::FromRng) has to be in the state that it had at the snapshot.
     /// A refined trajectory needs [`refine`](Trajectory::refine) again; a
     /// [compensated](Trajectory::compensated) one continues to be compensated.
@@ -284,6 +287,7 @@ pub trait Method:
     /// ```
     ///
     /// # Errors
+    /// [`StepError::OtherSteps`] for a snapshot with numbers that were carried by steps of another method or of other parameters;
     /// [`StepError::Uncompensated`] for a snapshot of a compensated trajectory, if this method makes no such steps.
     fn resume<W: Noise>(
         &self,

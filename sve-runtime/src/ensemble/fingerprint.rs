@@ -5,19 +5,15 @@
 //!
 //! Closures cannot be read, so they are sampled: starts of up to 33 paths; observables along path 0 at its recorded times, and along
 //! three others for a few steps; memories of [`fold`](super::Ensemble::fold) along the first steps of these paths. What a closure does elsewhere is not seen.
-//!
-//! Source of the hash: XXH64 (Y. Collet, `https://xxhash.com`), by the crate `twox-hash`.
 
-use core::hash::Hasher as _;
 use std::collections::BTreeSet;
-
-use twox_hash::XxHash64;
 
 use super::difference::Difference;
 use super::memory::{Kind, LastStep};
 use super::path_noise::PathNoise;
 use super::settings::Settings;
 use crate::configuration::{Configuration, Coordinates, FixedSize};
+use crate::fingerprint::{Hash, StepsDifference, StepsFingerprint, hash};
 use crate::method::Method;
 use crate::noise::lanes::DistributionKind;
 use crate::noise::{self, Noise, ThreePoint, Wiener};
@@ -44,9 +40,7 @@ pub(super) struct Fingerprint {
     seed: u64,
     noise: u64,
     settings: u64,
-    formulas: u64,
-    parameters: u64,
-    method: u64,
+    steps: StepsFingerprint,
     starts: u64,
     values: u64,
 }
@@ -54,10 +48,14 @@ pub(super) struct Fingerprint {
 impl Fingerprint {
     /// Returns the first difference to another run.
     pub(super) fn difference(&self, other: &Self) -> Option<Difference> {
+        if let Some(steps) = self.steps.difference(&other.steps) {
+            return Some(match steps {
+                StepsDifference::Formulas => Difference::Formulas,
+                StepsDifference::Parameters => Difference::Parameters,
+                StepsDifference::Method => Difference::Method,
+            });
+        }
         [
-            (self.formulas == other.formulas, Difference::Formulas),
-            (self.parameters == other.parameters, Difference::Parameters),
-            (self.method == other.method, Difference::Method),
             (self.seed == other.seed, Difference::Seed),
             (self.noise == other.noise, Difference::Noise),
             (self.settings == other.settings, Difference::Settings),
@@ -69,51 +67,16 @@ impl Fingerprint {
     }
 }
 
-/// A hasher with the same bits on machines of either byte order.
-#[derive(Default)]
-pub(crate) struct Hash(XxHash64);
-
-impl Hash {
-    pub(crate) fn add(&mut self, word: u64) {
-        self.0.write(&word.to_le_bytes());
+/// Adds time, configuration and momentum.
+fn add_state<Q: FixedSize>(hash: &mut Hash, state: &State<Q>) {
+    hash.add_number(state.t);
+    let mut values = vec![0.0; Q::STORED_VALUES + Q::DEGREES_OF_FREEDOM];
+    let (q, p) = values.split_at_mut(Q::STORED_VALUES);
+    state.q.store(q);
+    state.p.store(p);
+    for x in values {
+        hash.add_number(x);
     }
-
-    /// Adds all bits of a number; any NaN is the same.
-    pub(crate) fn add_number(&mut self, x: f64) {
-        self.add(if x.is_nan() { f64::NAN } else { x }.to_bits());
-    }
-
-    fn add_state<Q: FixedSize>(&mut self, state: &State<Q>) {
-        self.add_number(state.t);
-        let mut values = vec![0.0; Q::STORED_VALUES + Q::DEGREES_OF_FREEDOM];
-        let (q, p) = values.split_at_mut(Q::STORED_VALUES);
-        state.q.store(q);
-        state.p.store(p);
-        for x in values {
-            self.add_number(x);
-        }
-    }
-
-    pub(crate) fn finish(&self) -> u64 {
-        self.0.finish()
-    }
-}
-
-/// Returns the hash of the data that a function adds.
-pub(crate) fn hash(of: impl FnOnce(&mut Hash)) -> u64 {
-    let mut hash = Hash::default();
-    of(&mut hash);
-    hash.finish()
-}
-
-/// The hash of the values of a system's parameters.
-pub(crate) fn parameters<S: System>(system: &S) -> u64 {
-    hash(|hash| system.parameters(&mut |x| hash.add_number(x)))
-}
-
-/// The hash of a method and its options, without the system.
-pub(crate) fn method<I: Method>(method: &I) -> u64 {
-    hash(|hash| method.identify(&mut hash.0))
 }
 
 impl<I, S, Q, const N: usize, const M: usize> Settings<'_, I>
@@ -177,9 +140,7 @@ where
                     }
                 }
             }),
-            formulas: hash(|hash| hash.add(S::FORMULAS)),
-            parameters: parameters(self.method.system()),
-            method: method(self.method),
+            steps: StepsFingerprint::of(self.method),
             starts: hash(|hash| self.add_starts(hash)),
             values: hash(|hash| self.add_values(hash)),
         }
@@ -191,7 +152,7 @@ where
         paths.extend((0..STARTS).map(even));
         paths.insert(self.paths - 1);
         for path in paths {
-            hash.add_state(&self.start_of(path));
+            add_state(hash, &self.start_of(path));
         }
     }
 
@@ -241,7 +202,7 @@ where
             }
             let recorded = self.records_after(step);
             if recorded || step.is_power_of_two() {
-                hash.add_state(&state);
+                add_state(hash, &state);
             }
             if recorded {
                 for observable in observables {

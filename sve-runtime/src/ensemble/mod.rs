@@ -26,7 +26,7 @@ mod estimate;
 mod execution;
 mod failure;
 mod final_state;
-pub(crate) mod fingerprint;
+mod fingerprint;
 mod gradient;
 mod histogram;
 mod increment_buffer;

@@ -6,8 +6,8 @@
 use core::hint::black_box;
 use std::time::{Duration, Instant};
 
-use crate::ensemble::fingerprint;
 use crate::error::StepError;
+use crate::fingerprint::StepsFingerprint;
 use crate::method::{Method, OneStepMethod};
 use crate::noise::Recorded;
 use crate::system::{Increments, IncrementsOf, StateOf, System};
@@ -24,8 +24,8 @@ pub(super) trait AnyMethod<S: System>: Sync {
 
     /// The order of the method, if it is known.
     fn order(&self) -> Option<f64>;
-    /// Hashes that identify the method with its options, and the parameters of its system.
-    fn identity(&self) -> [u64; 2];
+    /// Identifies the method with its options, and the parameters of its system.
+    fn identity(&self) -> StepsFingerprint;
 
     /// Solves along the path, calls `visit` with each state and returns the last one.
     fn solve(
@@ -66,11 +66,8 @@ impl<S: System, I: Method<System = S> + Sync> AnyMethod<S> for I {
     fn order(&self) -> Option<f64> {
         OneStepMethod::order(self)
     }
-    fn identity(&self) -> [u64; 2] {
-        [
-            fingerprint::method(self),
-            fingerprint::parameters(OneStepMethod::system(self)),
-        ]
+    fn identity(&self) -> StepsFingerprint {
+        StepsFingerprint::of(self)
     }
 
     fn solve(

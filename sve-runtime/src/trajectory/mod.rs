@@ -22,6 +22,7 @@ pub use saved::Saved;
 pub use snapshot::Snapshot;
 
 use crate::error::StepError;
+use crate::fingerprint::{StepsDifference, StepsFingerprint};
 use crate::method::OneStepMethod;
 use crate::noise::{Noise, NoiseError};
 use crate::system::{Increments, StateOf};
@@ -46,8 +47,6 @@ pub struct Trajectory<'a, I: OneStepMethod, W> {
     refinements: Refinements,
     /// The low parts of the state, if rounding errors are compensated.
     low: Option<StateOf<I::System>>,
-    /// The numbers of the method that a snapshot had, until the first step.
-    recalled: Vec<f64>,
 }
 
 impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
@@ -63,7 +62,6 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
             has_ended: false,
             refinements: Refinements::default(),
             low: None,
-            recalled: Vec::new(),
         }
     }
 
@@ -80,19 +78,42 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
             state,
             low,
             memory,
+            steps,
             refinements,
         } = snapshot;
+        let t = state.t;
         if low.is_some() && !method.has_compensated_step() {
-            return Err(StepError::Uncompensated { t: state.t });
+            return Err(StepError::Uncompensated { t });
         }
-        Ok(Self {
+        let mut resumed = Self {
             start,
             step,
             refinements,
             low,
-            recalled: memory,
             ..Self::new(method, state, h, noise)
-        })
+        };
+        if memory.is_empty() {
+            // Nothing is carried, so the next step reads the state and the present parameters alone.
+            return Ok(resumed);
+        }
+        let other = |differs: &str| StepError::OtherSteps {
+            t,
+            numbers: memory.len(),
+            differs: differs.into(),
+        };
+        if let Some(what) = steps.difference(&StepsFingerprint::of(method)) {
+            return Err(other(match what {
+                StepsDifference::Formulas => "formulas of the system",
+                StepsDifference::Parameters => "values of the system's parameters",
+                StepsDifference::Method => "a method (rule or options of Newton's method)",
+            }));
+        }
+        let mut prepared = method.prepare(h)?;
+        if !method.recall(&mut prepared, &memory) {
+            return Err(other("a version of the library"));
+        }
+        resumed.prepared = Some(prepared);
+        Ok(resumed)
     }
 
     /// Returns what is needed to continue from here with [`Method::resume`](crate::Method::resume), with the bits of this trajectory.
@@ -103,10 +124,9 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
             step: self.step,
             state: self.state,
             low: self.low,
-            memory: match &self.prepared {
-                Some(prepared) => self.method.memory(prepared),
-                None => self.recalled.clone(),
-            },
+            memory: (self.prepared.as_ref())
+                .map_or_else(Vec::new, |prepared| self.method.memory(prepared)),
+            steps: StepsFingerprint::of(self.method),
             refinements: self.refinements,
         }
     }
@@ -126,15 +146,10 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         &self.state
     }
 
-    /// Computes what depends on the step size alone, and recalls the numbers of a snapshot.
+    /// Computes what depends on the step size alone.
     #[cold]
     fn prepare(&mut self) -> Result<(), StepError> {
-        let mut prepared = self.method.prepare(self.h)?;
-        if !self.method.recall(&mut prepared, &self.recalled) {
-            let (t, numbers) = (self.state.t, self.recalled.len());
-            return Err(StepError::OtherMethod { t, numbers });
-        }
-        self.prepared = Some(prepared);
+        self.prepared = Some(self.method.prepare(self.h)?);
         Ok(())
     }
 

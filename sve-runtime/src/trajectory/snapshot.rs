@@ -1,12 +1,14 @@
 //! The stored form of a trajectory.
 
 use super::Refinements;
+use crate::fingerprint::StepsFingerprint;
 
 /// The stored form of a trajectory after some steps, from [`Trajectory::snapshot`](crate::Trajectory::snapshot).
 ///
 /// It contains everything that a trajectory carries from step to step: its first time, step size, number of steps, state, the low parts of
 /// [compensated](crate::Trajectory::compensated) sums, the numbers that the method carries (the force at the end of a step, say), and the count of refined steps. It contains neither the system nor the method nor the noise:
-/// [`Method::resume`](crate::Method::resume) takes them again.
+/// [`Method::resume`](crate::Method::resume) takes them again. Hashes of the formulas, of the parameters and of the method tell `resume` whether the numbers
+/// that the method carries belong to them.
 ///
 /// With the feature `serde` it can be serialised. The format has to keep all bits of numbers: `serde_json` does so with its feature `float_roundtrip`.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +26,9 @@ pub struct Snapshot<T> {
     /// What the method carries from step to step.
     #[cfg_attr(feature = "serde", serde(default, with = "crate::floats::many"))]
     pub(super) memory: Vec<f64>,
+    /// What determines the steps that were made, and with them `memory`.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) steps: StepsFingerprint,
     pub(super) refinements: Refinements,
 }
 
