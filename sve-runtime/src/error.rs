@@ -338,7 +338,7 @@ pub enum StepError {
     },
     /// A snapshot has numbers that its method carries from step to step, and the system or the method have changed since, so that the numbers are of other steps.
     #[error(
-        "the snapshot at t = {t} has {numbers} numbers that its method carried from step to step, and it was made with other {differs}: \
+        "the snapshot at t = {t} has numbers that its method carried from step to step ({numbers} of them), and it was made with other {differs}: \
          resume it with the integrator as it was, or begin a new trajectory at its state, \
          `integrator.trajectory(*snapshot.state(), snapshot.h(), noise.from_step(snapshot.step()))`"
     )]
@@ -350,6 +350,15 @@ pub enum StepError {
         numbers: usize,
         /// What differs: formulas, values of parameters, the method.
         differs: Box<str>,
+    },
+    /// Every 0th state of a trajectory is to be saved.
+    #[error(
+        "`every(0)` for the trajectory at t = {t}: the number is that of steps from one saved state to the next, so it is at least 1; `every(1)` saves each state"
+    )]
+    SavedInterval {
+        /// The time that the trajectory has reached.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
     },
     /// A time at which a state is to be saved is not ahead of the trajectory.
     #[error(

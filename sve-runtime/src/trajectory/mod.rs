@@ -105,12 +105,12 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
             return Err(other(match what {
                 StepsDifference::Formulas => "formulas of the system",
                 StepsDifference::Parameters => "values of the system's parameters",
-                StepsDifference::Method => "a method (rule or options of Newton's method)",
+                StepsDifference::Method => "rules or options of Newton's method",
             }));
         }
         let mut prepared = method.prepare(h)?;
         if !method.recall(&mut prepared, &memory) {
-            return Err(other("a version of the library"));
+            return Err(other("versions of this library"));
         }
         resumed.prepared = Some(prepared);
         Ok(resumed)

@@ -14,7 +14,7 @@ use std::collections::HashMap;
 
 use super::constrained;
 use crate::algebra::{Arena, Expr, Node, Symbol};
-use crate::rules::action::{Action, Work, values_at_nodes};
+use crate::rules::action::{Action, Place, Work, values_at_nodes};
 use crate::structure::Condition;
 use crate::system::configuration::{
     Block, Factor, cross, directions_of_rotation, momentum_at_start,
@@ -178,7 +178,10 @@ fn momenta_of_rotation(action: &Action, block: &Block, arena: &mut Arena) -> Mom
             .iter()
             .map(|&s| variation(action, s, arena))
             .collect();
-        let torque = directions_of_rotation(&slopes, &node.entries, arena);
+        let mut torque = directions_of_rotation(&slopes, &node.entries, arena);
+        for (k, i) in block.directions.clone().enumerate() {
+            torque[k] = with_torque(torque[k], i, &action.work, arena);
+        }
         let across = cross(&node.half, &torque, arena);
         for k in 0..torque.len() {
             balance[k].extend([(-0.5, torque[k]), (-0.25, across[k])]);
@@ -207,13 +210,25 @@ fn at_nodes(action: &Action, expr: Expr, arena: &mut Arena) -> Expr {
     arena.substitute(expr, &values_at_nodes(&action.rotations))
 }
 
-/// Returns `∂S/∂x` plus the work of the force.
+/// Returns `∂S/∂x` plus the work of the force on the coordinates of the nodes.
 fn variation(action: &Action, x: Symbol, arena: &mut Arena) -> Expr {
     let mut terms = vec![(1.0, arena.diff(action.varied, x))];
     for Work { impulse, place } in &action.work {
-        let displacement = arena.diff(*place, x);
-        terms.push((1.0, arena.mul(*impulse, displacement)));
+        if let Place::Coordinate(place) = place {
+            let displacement = arena.diff(*place, x);
+            terms.push((1.0, arena.mul(*impulse, displacement)));
+        }
     }
+    arena.sum(0.0, &terms)
+}
+
+/// Returns the derivative by a rotation at a node in a direction plus the torque of the force about that axis.
+fn with_torque(slope: Expr, direction: usize, work: &[Work], arena: &mut Arena) -> Expr {
+    let turns = work.iter().filter_map(|work| match work.place {
+        Place::Turn(turned) if turned == direction => Some((1.0, work.impulse)),
+        _ => None,
+    });
+    let terms: Vec<(f64, Expr)> = [(1.0, slope)].into_iter().chain(turns).collect();
     arena.sum(0.0, &terms)
 }
 

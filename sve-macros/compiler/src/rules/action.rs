@@ -53,8 +53,16 @@ pub(crate) struct RotationAtNode {
 pub(crate) struct Work {
     /// A component of F at a node, times its weight in time.
     pub(crate) impulse: Expr,
-    /// The coordinate of the node.
-    pub(crate) place: Expr,
+    pub(crate) place: Place,
+}
+
+/// What a component of the force moves.
+#[derive(Clone, Copy)]
+pub(crate) enum Place {
+    /// A coordinate of the node.
+    Coordinate(Expr),
+    /// The rotation at the node turns in this direction of the configuration, about an axis of the body.
+    Turn(usize),
 }
 
 /// What holds at the two ends of a step beside the momentum balance of each coordinate, `p₀ = −∂S_d/∂q₀`. Empty for regular Lagrangians.
@@ -247,34 +255,18 @@ impl Variables<'_> {
         };
         let mut work = Vec::new();
         for block in self.model.configuration().blocks() {
-            let places: Vec<Expr> = self.model.q[block.entries]
-                .iter()
-                .map(|q| node[q])
-                .collect();
-            for (k, &f) in force[block.directions].iter().enumerate() {
-                let f = self.arena.substitute(f, node);
+            let entries = &self.model.q[block.entries];
+            for (k, direction) in block.directions.enumerate() {
+                let f = self.arena.substitute(force[direction], node);
                 let impulse = self.arena.mul(h, f);
                 let impulse = self.arena.scale(part, impulse);
-                match block.factor {
-                    Factor::Vector(_) => work.push(Work {
-                        impulse,
-                        place: places[k],
-                    }),
-                    Factor::Rotation => work.extend(self.work_of_torque(impulse, k, &places)),
-                }
+                let place = match block.factor {
+                    Factor::Vector(_) => Place::Coordinate(node[&entries[k]]),
+                    Factor::Rotation => Place::Turn(direction),
+                };
+                work.push(Work { impulse, place });
             }
         }
         work
-    }
-
-    /// The work of a component of a torque in the body frame: with R the rotation at the node, its angle in the direction k is
-    /// `Σᵢ Rᵢₘ δRᵢₗ`, with `e_k × e_l = e_m`.
-    fn work_of_torque(&mut self, impulse: Expr, k: usize, rotation: &[Expr]) -> Vec<Work> {
-        let (l, m) = ((k + 1) % 3, (k + 2) % 3);
-        let parts = (0..3).map(|row| Work {
-            impulse: self.arena.mul(impulse, rotation[3 * m + row]),
-            place: rotation[3 * l + row],
-        });
-        parts.collect()
     }
 }

@@ -73,10 +73,7 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
     /// # }
     /// ```
     ///
-    /// [`until`](Saved::until) ends it.
-    ///
-    /// # Panics
-    /// If `n` is 0.
+    /// [`until`](Saved::until) ends it. If `n` is 0, the first item is the error [`StepError::SavedInterval`](crate::StepError::SavedInterval).
     #[must_use]
     pub fn every(self, n: u64) -> Saved<Self> {
         Saved::every(self, n)
@@ -146,9 +143,6 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
 
 impl<I: Method, W: Halves> RefinedTrajectory<'_, I, W> {
     /// Saves the state that the trajectory is at, and every `n`-th state after it; see [`Trajectory::every`], which has an example.
-    ///
-    /// # Panics
-    /// If `n` is 0.
     #[must_use]
     pub fn every(self, n: u64) -> Saved<Self> {
         Saved::every(self, n)
@@ -180,7 +174,6 @@ impl<T: Steps> Saved<T> {
     }
 
     fn every(path: T, every: u64) -> Self {
-        assert!(every > 0, "`every(0)`: every how many states?");
         let next = path.steps_made();
         Self::new(path, Wanted::Steps { next, every })
     }

@@ -102,6 +102,10 @@ impl<T: Steps> Saved<T> {
     /// Returns the next point to save; `None` after the last one.
     fn next_point(&mut self) -> Result<Option<Point>, StepError> {
         let point = match &mut self.wanted {
+            Wanted::Steps { every: 0, .. } => {
+                let t = self.path.reached().t;
+                return Err(StepError::SavedInterval { t });
+            }
             Wanted::Steps { next, every } => {
                 let step = *next;
                 *next = step.saturating_add(*every);
