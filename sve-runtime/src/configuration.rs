@@ -14,6 +14,7 @@ pub use flat::{FlatConfiguration, Flatten};
 pub use reduced::Reduced;
 pub use rotations::WithRotations;
 
+use crate::dual::Dual;
 use crate::state::State;
 
 mod bodies;
@@ -84,6 +85,13 @@ pub trait FixedSize: Configuration<Momentum: Copy> + Copy {
     /// The form in which a step computes with the configuration `Whole`, if all parts of it are of this type: a row of coordinates in a
     /// vector space.
     type FlatForm<Whole: FixedSize, const N: usize>: FlatConfiguration<N> + Flatten<Whole, N>;
+    /// The configuration in dual numbers, as it stands beside others.
+    type DualPart;
+    /// Returns the configuration in dual numbers that vary with an increment of length [`DEGREES_OF_FREEDOM`](Self::DEGREES_OF_FREEDOM).
+    ///
+    /// # Panics
+    /// If `along` has another length.
+    fn dual_part(&self, along: &[f64]) -> Self::DualPart;
     /// Returns the momentum zero.
     fn no_momentum() -> Self::Momentum;
     /// Writes the entries that a Lagrangian reads to `values`, which has the length [`ENTRIES`](Self::ENTRIES): the coordinates in a vector space,
@@ -117,6 +125,11 @@ pub trait FixedSize: Configuration<Momentum: Copy> + Copy {
 pub trait Coordinates<const N: usize>: FixedSize {
     /// The form in which generated code computes with the configuration: `[f64; N]` in a vector space.
     type Flat: FlatConfiguration<N> + Flatten<Self, N>;
+    /// The configuration in dual numbers, as functions that are differentiated read it: a row in a vector space.
+    type Dual;
+
+    /// Returns the configuration in dual numbers that vary with an increment.
+    fn dual(&self, along: &[f64; N]) -> Self::Dual;
 
     /// Returns the coordinates of this configuration.
     #[inline(always)]
@@ -225,6 +238,11 @@ impl<const N: usize> FixedSize for [f64; N] {
     const DEGREES_OF_FREEDOM: usize = N;
     const STORED_VALUES: usize = N;
     type FlatForm<Whole: FixedSize, const D: usize> = [f64; D];
+    type DualPart = [Dual; N];
+
+    fn dual_part(&self, along: &[f64]) -> [Dual; N] {
+        core::array::from_fn(|i| Dual::varying(self[i], along[i]))
+    }
 
     #[inline(always)]
     fn origin() -> Self {
@@ -249,6 +267,11 @@ impl<const N: usize> FixedSize for [f64; N] {
 
 impl<const N: usize> Coordinates<N> for [f64; N] {
     type Flat = Self;
+    type Dual = [Dual; N];
+
+    fn dual(&self, along: &[f64; N]) -> [Dual; N] {
+        self.dual_part(along)
+    }
 
     #[inline(always)]
     fn coordinates(&self) -> [f64; N] {
@@ -310,6 +333,11 @@ impl<const N: usize> FixedSize for SVector<f64, N> {
     const DEGREES_OF_FREEDOM: usize = N;
     const STORED_VALUES: usize = N;
     type FlatForm<Whole: FixedSize, const D: usize> = [f64; D];
+    type DualPart = [Dual; N];
+
+    fn dual_part(&self, along: &[f64]) -> [Dual; N] {
+        core::array::from_fn(|i| Dual::varying(self[i], along[i]))
+    }
 
     #[inline(always)]
     fn origin() -> Self {
@@ -334,6 +362,11 @@ impl<const N: usize> FixedSize for SVector<f64, N> {
 
 impl<const N: usize> Coordinates<N> for SVector<f64, N> {
     type Flat = [f64; N];
+    type Dual = [Dual; N];
+
+    fn dual(&self, along: &[f64; N]) -> [Dual; N] {
+        self.dual_part(along)
+    }
 
     #[inline(always)]
     fn coordinates(&self) -> [f64; N] {

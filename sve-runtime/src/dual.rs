@@ -5,6 +5,9 @@ use core::cell::OnceCell;
 use core::iter::Sum;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
+pub use rotation::DualRotation;
+
+use crate::configuration::{Coordinates, FlatConfiguration};
 use crate::error::StepError;
 use crate::mechanics::Field;
 use crate::state::State;
@@ -33,19 +36,20 @@ pub struct Dual {
 
 /// A state whose coordinates vary in a direction: what smooth functions of a state are given.
 ///
-/// Coordinates and momenta stand in one row, also for `[[f64; 3]; B]` and vectors: those of body 1 in space begin at `q[3]`.
+/// Coordinates and momenta stand in one row, also for `[[f64; 3]; B]` and vectors: those of body 1 in space begin at `q[3]`. In systems with rotations `q` has the parts of the
+/// state's `q`: a [`DualRotation`] for each rotation, a row for what stands beside it, `state.q.0` and `state.q.1`, and nothing for a reduced system. The momenta are one row there too.
 #[allow(missing_debug_implementations)] // a view that lives as long as a call
-pub struct DualState<'a, const N: usize> {
+pub struct DualState<'a, const N: usize, Q = [Dual; N]> {
     /// Time.
     pub t: f64,
     /// Coordinates.
-    pub q: [Dual; N],
+    pub q: Q,
     /// Momenta.
     pub p: [Dual; N],
     parameter: &'a dyn Fn(&str) -> Dual,
 }
 
-impl<const N: usize> DualState<'_, N> {
+impl<const N: usize, Q> DualState<'_, N, Q> {
     /// Returns a parameter of the system by its name in the source without `self`, as `k`, `l[0]`, `body.mass`.
     ///
     /// A function that depends on a parameter has to take it from here. A number from elsewhere counts as a constant.
@@ -58,18 +62,18 @@ impl<const N: usize> DualState<'_, N> {
     }
 }
 
-/// Calls a function with a state that varies in a direction, as does the parameter number `varied`. Calls `read` with the number of each parameter
-/// that the function asks for.
+/// Calls a function with a state that varies in a direction of its canonical coordinates, as does the parameter number `varied`. Calls `read` with the number of each
+/// parameter that the function asks for.
 ///
 /// # Errors
 /// [`StepError::UnknownParameter`].
-pub(crate) fn with_dual_state<S: System, T, const N: usize>(
+pub(crate) fn with_dual_state<S: System, Q: Coordinates<N>, T, const N: usize>(
     system: &S,
-    state: &State<[f64; N]>,
+    state: &State<Q>,
     direction: &Field<[f64; N]>,
     varied: Option<usize>,
     read: &dyn Fn(usize),
-    function: impl FnOnce(&DualState<'_, N>) -> T,
+    function: impl FnOnce(&DualState<'_, N, Q::Dual>) -> T,
 ) -> Result<T, StepError> {
     let unknown = OnceCell::new();
     let parameter = |name: &str| {
@@ -92,17 +96,13 @@ pub(crate) fn with_dual_state<S: System, T, const N: usize>(
             is_constant,
         }
     };
-    let row = |values: &[f64; N], slopes: &[f64; N]| {
-        core::array::from_fn(|i| Dual {
-            value: values[i],
-            slope: slopes[i],
-            is_constant: false,
-        })
-    };
+    // of a rotation Π = y − ½ ε × Π to first order
+    let (p, mut dp) = (Q::components(&state.p), direction.p);
+    Q::Flat::add_transport(&p.map(|p| 0.5 * p), &direction.q, &mut dp);
     let result = function(&DualState {
         t: state.t,
-        q: row(&state.q, &direction.q),
-        p: row(&state.p, &direction.p),
+        q: state.q.dual(&direction.q),
+        p: Dual::row(&p, &dp),
         parameter: &parameter,
     });
     match unknown.into_inner() {
@@ -115,6 +115,20 @@ pub(crate) fn with_dual_state<S: System, T, const N: usize>(
 }
 
 impl Dual {
+    /// A number that varies with this slope.
+    pub(crate) fn varying(value: f64, slope: f64) -> Self {
+        Self {
+            value,
+            slope,
+            is_constant: false,
+        }
+    }
+
+    /// Numbers that vary with these slopes.
+    pub(crate) fn row<const N: usize>(values: &[f64; N], slopes: &[f64; N]) -> [Self; N] {
+        core::array::from_fn(|i| Self::varying(values[i], slopes[i]))
+    }
+
     /// The number itself.
     pub(crate) fn value(self) -> f64 {
         self.value
@@ -347,5 +361,6 @@ impl Sum for Dual {
     }
 }
 
+mod rotation;
 #[cfg(test)]
 mod tests;

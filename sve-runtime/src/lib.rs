@@ -180,7 +180,7 @@ pub use configuration::{
 };
 pub use constraints::{ConstraintForce, ConstraintForces};
 pub use degenerate::CoordinateRole;
-pub use dual::{Dual, DualState};
+pub use dual::{Dual, DualRotation, DualState};
 pub use equations::{StepEquations, StepOf};
 pub use error::StepError;
 pub use euler::EulerIncrement;

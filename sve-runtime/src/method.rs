@@ -301,4 +301,6 @@ pub trait Method:
     }
 }
 
+// the message of the trait says more than that of the increments
+#[diagnostic::do_not_recommend]
 impl<I: OneStepMethod<Increments = IncrementsOf<<I as OneStepMethod>::System>>> Method for I {}

@@ -6,7 +6,7 @@ use nalgebra::{Rotation, SMatrix};
 #[diagnostic::on_unimplemented(
     message = "this parameter is taken for an `f64`, and it has another type",
     label = "not an `f64`",
-    note = "the macro does not see the types of fields: name the type of a vector or matrix first, as in \
+    note = "the macro does not see the types of fields: name the type of a vector or matrix once in the block, as in \
             `let m: Matrix2<f64> = self.m;`"
 )]
 pub trait Number {

@@ -51,6 +51,17 @@ impl Errors {
         &self.places
     }
 
+    /// Records the mistakes of another sink after its own.
+    pub(crate) fn append(&mut self, other: Self) {
+        self.count += other.count;
+        self.places.extend(other.places);
+        match (&mut self.first, other.first) {
+            (Some(first), Some(error)) => first.combine(error),
+            (None, error) => self.first = error,
+            (Some(_), None) => {}
+        }
+    }
+
     /// Mistakes so far.
     pub(crate) fn count(&self) -> usize {
         self.count

@@ -1,6 +1,6 @@
 //! Arrays of configurations: several bodies.
 
-use super::{Configuration, Coordinates, FixedSize, largest};
+use super::{Configuration, Coordinates, FixedSize, FlatConfiguration, largest};
 
 /// Several bodies. Their stored values and their increments follow one another in the order of the bodies.
 impl<Q: Configuration, const B: usize> Configuration for [Q; B] {
@@ -57,6 +57,12 @@ impl<Q: FixedSize, const B: usize> FixedSize for [Q; B] {
     const ENTRIES: usize = B * Q::ENTRIES;
     const HAS_ROTATIONS: bool = Q::HAS_ROTATIONS;
     type FlatForm<Whole: FixedSize, const N: usize> = Q::FlatForm<Whole, N>;
+    type DualPart = [Q::DualPart; B];
+
+    fn dual_part(&self, along: &[f64]) -> [Q::DualPart; B] {
+        let n = Q::DEGREES_OF_FREEDOM;
+        core::array::from_fn(|b| self[b].dual_part(&along[n * b..n * (b + 1)]))
+    }
 
     #[inline(always)]
     fn origin() -> Self {
@@ -112,4 +118,9 @@ impl<Q: FixedSize, const B: usize> FixedSize for [Q; B] {
 
 impl<Q: FixedSize, const B: usize, const N: usize> Coordinates<N> for [Q; B] {
     type Flat = Q::FlatForm<Self, N>;
+    type Dual = <Q::FlatForm<Self, N> as FlatConfiguration<N>>::Dual;
+
+    fn dual(&self, along: &[f64; N]) -> Self::Dual {
+        self.coordinates().dual(along)
+    }
 }

@@ -4,6 +4,7 @@
 //! is the form of vector spaces; [`WithRotations`](super::WithRotations) is that of configurations with rotations.
 
 use super::{Configuration, FixedSize, largest};
+use crate::dual::Dual;
 use crate::lanes::{LaneStates, StateLanes};
 use crate::state::State;
 
@@ -11,8 +12,12 @@ use crate::state::State;
 pub trait FlatConfiguration<const N: usize>: Configuration<Momentum = [f64; N]> + Copy {
     /// A state in each lane.
     type Lanes: LaneStates<Self>;
+    /// The configuration in dual numbers: a row in a vector space.
+    type Dual;
     /// Whether rounding errors of the configuration can be carried from step to step.
     const HAS_LOW_PARTS: bool;
+    /// Returns the configuration in dual numbers that vary with an increment.
+    fn dual(&self, along: &[f64; N]) -> Self::Dual;
     /// Returns the configuration that a row of coordinates describes: the increment from the origin.
     fn of_row(coordinates: &[f64; N]) -> Self;
     /// Returns configuration and momenta after an increment.
@@ -51,7 +56,12 @@ pub trait Flatten<Whole, const N: usize>: Sized {
 
 impl<const N: usize> FlatConfiguration<N> for [f64; N] {
     type Lanes = StateLanes<N>;
+    type Dual = [Dual; N];
     const HAS_LOW_PARTS: bool = true;
+
+    fn dual(&self, along: &[f64; N]) -> [Dual; N] {
+        self.dual_part(along)
+    }
 
     #[inline]
     fn size(&self) -> f64 {

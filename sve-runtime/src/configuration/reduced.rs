@@ -105,6 +105,9 @@ impl<Q: FixedSize> FixedSize for Reduced<Q> {
     const STORED_VALUES: usize = 0;
     const HAS_ROTATIONS: bool = Q::HAS_ROTATIONS;
     type FlatForm<Whole: FixedSize, const N: usize> = WithRotations<Whole, N>;
+    type DualPart = ();
+
+    fn dual_part(&self, _: &[f64]) {}
 
     #[inline(always)]
     fn origin() -> Self {
@@ -139,6 +142,9 @@ impl<Q: FixedSize> FixedSize for Reduced<Q> {
 
 impl<Q: FixedSize, const N: usize> Coordinates<N> for Reduced<Q> {
     type Flat = WithRotations<Q, N>;
+    type Dual = ();
+
+    fn dual(&self, _: &[f64; N]) {}
 }
 
 impl<Q: FixedSize, const N: usize> Flatten<Reduced<Q>, N> for WithRotations<Q, N> {

@@ -9,6 +9,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::flat::two_sum;
 use super::{Configuration, Coordinates, FixedSize, FlatConfiguration, Flatten, largest};
+use crate::dual::DualRotation;
 use crate::lanes::ScalarLanes;
 use crate::state::State;
 
@@ -78,6 +79,14 @@ impl FixedSize for UnitQuaternion<f64> {
     const ENTRIES: usize = 9;
     const HAS_ROTATIONS: bool = true;
     type FlatForm<Whole: FixedSize, const N: usize> = WithRotations<Whole, N>;
+    type DualPart = DualRotation;
+
+    fn dual_part(&self, along: &[f64]) -> DualRotation {
+        let [x, y, z] = *along else {
+            panic!("an increment of a rotation has three components");
+        };
+        DualRotation::new(self, [x, y, z])
+    }
 
     #[inline(always)]
     fn origin() -> Self {
@@ -134,6 +143,11 @@ impl FixedSize for UnitQuaternion<f64> {
 
 impl Coordinates<3> for UnitQuaternion<f64> {
     type Flat = WithRotations<Self, 3>;
+    type Dual = DualRotation;
+
+    fn dual(&self, along: &[f64; 3]) -> DualRotation {
+        DualRotation::new(self, *along)
+    }
 }
 
 /// Two configurations beside each other, such as the position and the attitude of a body. Their stored values and their increments follow one
@@ -177,6 +191,12 @@ impl<Q: FixedSize, R: FixedSize> FixedSize for (Q, R) {
     const ENTRIES: usize = Q::ENTRIES + R::ENTRIES;
     const HAS_ROTATIONS: bool = Q::HAS_ROTATIONS || R::HAS_ROTATIONS;
     type FlatForm<Whole: FixedSize, const N: usize> = WithRotations<Whole, N>;
+    type DualPart = (Q::DualPart, R::DualPart);
+
+    fn dual_part(&self, along: &[f64]) -> (Q::DualPart, R::DualPart) {
+        let (first, second) = along.split_at(Q::DEGREES_OF_FREEDOM);
+        (self.0.dual_part(first), self.1.dual_part(second))
+    }
 
     #[inline(always)]
     fn origin() -> Self {
@@ -222,6 +242,11 @@ impl<Q: FixedSize, R: FixedSize> FixedSize for (Q, R) {
 
 impl<Q: FixedSize, R: FixedSize, const N: usize> Coordinates<N> for (Q, R) {
     type Flat = WithRotations<Self, N>;
+    type Dual = (Q::DualPart, R::DualPart);
+
+    fn dual(&self, along: &[f64; N]) -> Self::Dual {
+        self.dual_part(along)
+    }
 }
 
 /// A configuration with rotations, as steps compute with it: an increment moves it by [`retract`](Configuration::retract).
@@ -274,7 +299,12 @@ impl<Q: FixedSize, const N: usize> Configuration for WithRotations<Q, N> {
 
 impl<Q: FixedSize, const N: usize> FlatConfiguration<N> for WithRotations<Q, N> {
     type Lanes = ScalarLanes<Self>;
+    type Dual = Q::DualPart;
     const HAS_LOW_PARTS: bool = false;
+
+    fn dual(&self, along: &[f64; N]) -> Q::DualPart {
+        self.0.dual_part(along)
+    }
 
     #[inline]
     fn size(&self) -> f64 {

@@ -14,7 +14,7 @@ use super::statistics::Statistics;
 use super::summary::Summary;
 use super::tangents::{CarryTiles, carry_tiles};
 use super::{Ensemble, EnsembleError};
-use crate::configuration::{Coordinates, FixedSize, VectorCoordinates};
+use crate::configuration::{Coordinates, FixedSize};
 use crate::dual::{Dual, DualState, with_dual_state};
 use crate::error::StepError;
 use crate::lanes::Lane;
@@ -44,8 +44,8 @@ struct SmoothClosure<F, const N: usize>(F);
 impl<S, F, Q, const N: usize, const M: usize> Smooth<S> for SmoothClosure<F, N>
 where
     S: System<Dims = Dims<N, M, Q>>,
-    Q: VectorCoordinates<N>,
-    F: Fn(&DualState<'_, N>) -> Dual + Send + Sync,
+    Q: Coordinates<N>,
+    F: Fn(&DualState<'_, N, Q::Dual>) -> Dual + Send + Sync,
 {
     fn slope(
         &self,
@@ -54,14 +54,12 @@ where
         direction: &Field<[f64; N]>,
         varied: Option<usize>,
     ) -> f64 {
-        let state = state.to_coordinates();
-        let dual = with_dual_state(system, &state, direction, varied, &|_| {}, &self.0);
+        let dual = with_dual_state(system, state, direction, varied, &|_| {}, &self.0);
         dual.map_or(f64::NAN, Dual::slope)
     }
 
     fn check(&self, system: &S, state: &State<Q>) -> Result<(), StepError> {
-        let state = state.to_coordinates();
-        let dual = with_dual_state(system, &state, &Field::ZERO, None, &|_| {}, &self.0);
+        let dual = with_dual_state(system, state, &Field::ZERO, None, &|_| {}, &self.0);
         dual.map(|_| ())
     }
 }
@@ -69,8 +67,8 @@ where
 impl<S, F, Q, const N: usize, const M: usize> Observable<S> for Arc<SmoothClosure<F, N>>
 where
     S: System<Dims = Dims<N, M, Q>>,
-    Q: VectorCoordinates<N>,
-    F: Fn(&DualState<'_, N>) -> Dual + Send + Sync,
+    Q: Coordinates<N>,
+    F: Fn(&DualState<'_, N, Q::Dual>) -> Dual + Send + Sync,
 {
     fn tile(&self, system: &S, states: &<S::Dims as Dimensions>::StateLanes, values: &mut Lane) {
         for (lane, value) in values.iter_mut().enumerate() {
@@ -80,8 +78,7 @@ where
     }
 
     fn value(&self, system: &S, state: &State<Q>) -> Result<f64, StepError> {
-        let state = state.to_coordinates();
-        let dual = with_dual_state(system, &state, &Field::ZERO, None, &|_| {}, &self.0)?;
+        let dual = with_dual_state(system, state, &Field::ZERO, None, &|_| {}, &self.0)?;
         Ok(dual.value())
     }
 }
@@ -217,7 +214,7 @@ where
     ///
     /// The tangent vectors are carried in lanes, as the states are: a run with gradients by one to four quantities takes 1.3 to 3 times as long as without. Where the step is not in lanes
     /// ([`Plan::in_lanes`](crate::Plan::in_lanes)), has constraints or large derivatives, a step with tangent vectors is made for one path after the other, which takes 10 to 30 times as
-    /// long as a step in lanes. The other statistics of a run keep their bits. Systems with rotations are excluded.
+    /// long as a step in lanes. The other statistics of a run keep their bits.
     ///
     /// # Errors
     /// [`run`](Self::run) returns [`EnsembleError::Gradient`] for a quantity that the system does not have, and [`EnsembleError::GradientFunction`] for a function that asks for such a
@@ -227,11 +224,10 @@ where
         mut self,
         name: impl Into<String>,
         by: impl IntoIterator<Item = B>,
-        function: impl Fn(&DualState<'_, N>) -> Dual + Send + Sync + 'a,
+        function: impl Fn(&DualState<'_, N, Q::Dual>) -> Dual + Send + Sync + 'a,
     ) -> Self
     where
         I: Differentiable,
-        Q: VectorCoordinates<N>,
     {
         let name = name.into();
         let smooth = Arc::new(SmoothClosure(function));

@@ -10,7 +10,7 @@ use core::fmt;
 use super::Trajectory;
 use super::checkpoints::enough;
 use super::sweep::Sweep;
-use crate::configuration::{Coordinates, VectorCoordinates};
+use crate::configuration::Coordinates;
 use crate::dual::{Dual, DualState};
 use crate::error::StepError;
 use crate::mechanics::Field;
@@ -128,7 +128,7 @@ where
     /// ```
     ///
     /// The steps are made without what a trajectory carries and without compensated sums, so that they agree with those of the trajectory to rounding. The noise is
-    /// asked for the increments of a step several times. Systems with rotations are excluded.
+    /// asked for the increments of a step several times.
     ///
     /// # Errors
     /// A [`StepError`] if a step fails, if the noise has no increments for it, or if its equations are singular; [`StepError::NonFiniteLoss`];
@@ -136,12 +136,11 @@ where
     pub fn gradient(
         self,
         steps: u64,
-        loss: impl Fn(u64, &DualState<'_, N>) -> Option<Dual>,
+        loss: impl Fn(u64, &DualState<'_, N, Q::Dual>) -> Option<Dual>,
     ) -> Result<Gradient<Q::Momentum>, StepError>
     where
         I: Differentiable,
         W: Replayable,
-        Q: VectorCoordinates<N>,
     {
         self.adjoint(steps).gradient(loss)
     }
@@ -174,7 +173,6 @@ where
     where
         I: Differentiable,
         W: Replayable,
-        Q: VectorCoordinates<N>,
     {
         Adjoint {
             trajectory: self,
@@ -189,7 +187,7 @@ impl<I, W, S, Q, const N: usize, const M: usize> Adjoint<'_, I, W>
 where
     I: Differentiable<System = S>,
     S: System<Dims = Dims<N, M, Q>>,
-    Q: VectorCoordinates<N>,
+    Q: Coordinates<N>,
     W: Replayable,
 {
     /// Sets the number of states that are kept at the same time, besides the first one. By default it is √(2 steps), with which each step is made three times at most.
@@ -214,7 +212,7 @@ where
     /// As that function.
     pub fn gradient(
         self,
-        loss: impl Fn(u64, &DualState<'_, N>) -> Option<Dual>,
+        loss: impl Fn(u64, &DualState<'_, N, Q::Dual>) -> Option<Dual>,
     ) -> Result<Gradient<Q::Momentum>, StepError> {
         let Self {
             trajectory,

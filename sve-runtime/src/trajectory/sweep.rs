@@ -6,7 +6,7 @@
 use core::cell::RefCell;
 
 use super::checkpoints::distance;
-use crate::configuration::VectorCoordinates;
+use crate::configuration::Coordinates;
 use crate::dual::{Dual, DualState, with_dual_state};
 use crate::error::StepError;
 use crate::linearisation::Covector;
@@ -41,9 +41,9 @@ impl<I, W, F, S, Q, const N: usize, const M: usize> Sweep<'_, I, W, F, N>
 where
     I: Differentiable<System = S>,
     S: System<Dims = Dims<N, M, Q>>,
-    Q: VectorCoordinates<N>,
+    Q: Coordinates<N>,
     W: Replayable,
-    F: Fn(u64, &DualState<'_, N>) -> Option<Dual>,
+    F: Fn(u64, &DualState<'_, N, Q::Dual>) -> Option<Dual>,
 {
     /// Walks from the end to the first state.
     pub(super) fn back(
@@ -127,7 +127,6 @@ where
 
     /// Adds the loss of a state and its derivatives.
     fn add_loss(&mut self, number: u64, state: &State<Q>) -> Result<(), StepError> {
-        let flat = state.to_coordinates();
         let reads = RefCell::new(Vec::new());
         let read = |parameter| {
             let mut reads = reads.borrow_mut();
@@ -137,7 +136,7 @@ where
         };
         let system = self.method.system();
         let along = |direction: &Field<[f64; N]>, varied| {
-            with_dual_state(system, &flat, direction, varied, &read, |state| {
+            with_dual_state(system, state, direction, varied, &read, |state| {
                 (self.loss)(number, state)
             })
         };

@@ -52,6 +52,8 @@ mod degenerate_gradient;
 mod degenerate_mass_without_velocity;
 #[path = "degenerate/masses_of_a_sum.rs"]
 mod degenerate_masses_of_a_sum;
+#[path = "degenerate/multiplier.rs"]
+mod degenerate_multiplier;
 #[path = "degenerate/noise_of_momenta.rs"]
 mod degenerate_noise_of_momenta;
 #[path = "degenerate/noise_without_inertia.rs"]
@@ -68,6 +70,8 @@ mod degenerate_stormer_verlet;
 mod degenerate_taylor2;
 #[path = "degenerate/time_dependent.rs"]
 mod degenerate_time_dependent;
+#[path = "degenerate/two_multipliers.rs"]
+mod degenerate_two_multipliers;
 #[path = "degenerate/weak2.rs"]
 mod degenerate_weak2;
 #[path = "force/also_a_noise.rs"]
@@ -248,8 +252,12 @@ mod language_recursion;
 mod language_recursive_constant;
 #[path = "language/remainder.rs"]
 mod language_remainder;
+#[path = "language/remainder_in_a_condition.rs"]
+mod language_remainder_in_a_condition;
 #[path = "language/return_statement.rs"]
 mod language_return_statement;
+#[path = "language/rounding_in_a_condition.rs"]
+mod language_rounding_in_a_condition;
 #[path = "language/self_as_a_number.rs"]
 mod language_self_as_a_number;
 #[path = "language/semicolon_after_the_value.rs"]
@@ -370,6 +378,8 @@ mod parse_conditional_function;
 mod parse_doubled_rule;
 #[path = "parse/doubled_rule_with_an_option.rs"]
 mod parse_doubled_rule_with_an_option;
+#[path = "parse/drift_without_a_lagrangian.rs"]
+mod parse_drift_without_a_lagrangian;
 #[path = "parse/foreign_function.rs"]
 mod parse_foreign_function;
 #[path = "parse/four_arguments.rs"]
@@ -496,6 +506,8 @@ mod rotation_reduced_with_a_rotation;
 mod rotation_rotation_before_vector;
 #[path = "rotation/rotation_in_the_plane.rs"]
 mod rotation_rotation_in_the_plane;
+#[path = "rotation/scaled_axis.rs"]
+mod rotation_scaled_axis;
 #[path = "rotation/single_precision.rs"]
 mod rotation_single_precision;
 #[path = "rotation/symmetry_as_a_rotation.rs"]

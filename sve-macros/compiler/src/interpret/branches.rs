@@ -76,6 +76,11 @@ impl Lowering<'_> {
         let (left, right) = (self.eval(&binary.left), self.eval(&binary.right));
         let (a, b) = match (left, right) {
             (Value::Int(a), Value::Int(b)) => (a.value, b.value),
+            // beside a number a mistake was one of numbers too, and the condition has a mistake of its own
+            (Value::Poison, Value::Scalar(_) | Value::Field(_))
+            | (Value::Scalar(_) | Value::Field(_), Value::Poison) => {
+                return Err(Undecided::Unknown);
+            }
             (Value::Poison, _) | (_, Value::Poison) => return Err(Undecided::Reported),
             _ => return Err(Undecided::Unknown),
         };

@@ -29,7 +29,8 @@ impl Lowering<'_> {
         let value = self
             .deeper(expr, |this| this.eval_inner(expr))
             .unwrap_or(Value::Poison);
-        self.read_through(value)
+        let value = self.read_through(value);
+        self.typed(value)
     }
 
     /// Calls `run` one level of nesting deeper, or reports that the nesting is too deep.

@@ -25,6 +25,21 @@ const COMPOSED: &[(&str, usize)] = &[
     ("log", 1),
 ];
 
+/// What to write for a function of whole numbers.
+macro_rules! staircase {
+    () => {
+        ": `x - (TAU * x).sin() / TAU` is a smooth staircase through the integers; a value that is held for several steps is a parameter, changed between steps through `system_mut`"
+    };
+}
+
+/// What to write for a remainder.
+macro_rules! periodic {
+    () => {
+        ": an angle needs no reduction in `sin` and `cos`; a function of the period P is made of `(TAU * x / P).sin()` and `.cos()`, and one that switches twice in a period is `((TAU * x / P).sin() / width).tanh()`"
+    };
+}
+pub(super) use periodic;
+
 /// Methods of `f64` that are not smooth, and what to write instead.
 const ROUGH: &[(&str, &str)] = &[
     (
@@ -49,27 +64,33 @@ const ROUGH: &[(&str, &str)] = &[
     ),
     (
         "floor",
-        "`floor` is not continuous, and its slope is 0: leave it out, or use a periodic function of `sin` and `cos`",
+        concat!(
+            "`floor` is not continuous, and its slope is 0",
+            staircase!()
+        ),
     ),
     (
         "ceil",
-        "`ceil` is not continuous, and its slope is 0: leave it out, or use a periodic function of `sin` and `cos`",
+        concat!("`ceil` is not continuous, and its slope is 0", staircase!()),
     ),
     (
         "round",
-        "`round` is not continuous, and its slope is 0: leave it out, or use a periodic function of `sin` and `cos`",
+        concat!(
+            "`round` is not continuous, and its slope is 0",
+            staircase!()
+        ),
     ),
     (
         "trunc",
-        "`trunc` is not continuous, and its slope is 0: leave it out, or use a periodic function of `sin` and `cos`",
+        concat!(
+            "`trunc` is not continuous, and its slope is 0",
+            staircase!()
+        ),
     ),
-    (
-        "fract",
-        "`fract` is not continuous: a periodic function is made of `sin` and `cos`",
-    ),
+    ("fract", concat!("`fract` is not continuous", periodic!())),
     (
         "rem_euclid",
-        "`rem_euclid` is not continuous: an angle needs no reduction, use `sin` and `cos`",
+        concat!("`rem_euclid` is not continuous", periodic!()),
     ),
     (
         "div_euclid",

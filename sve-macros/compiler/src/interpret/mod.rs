@@ -62,6 +62,8 @@ pub(crate) struct Lowering<'a> {
     constants: Vec<(TokenStream, f64)>,
     /// Fields that are used as vectors or matrices of a known type.
     vectors: HashMap<String, MatrixType>,
+    /// Types of fields that an earlier execution found.
+    known_types: HashMap<String, MatrixType>,
     /// Entries of vectors and matrices that are written in several ways. Maps each spelling to the one that generated code reads.
     spellings: HashMap<String, FieldPath>,
     block: &'a Annotated,
@@ -93,21 +95,25 @@ pub(crate) struct Lowering<'a> {
 
 /// Executes all functions with roles. Mistakes are added to `errors`.
 ///
-/// The type of a field may become known only after its entries have been read. If an entry was read in several ways, the block is
-/// executed once more with one symbol for the entry.
+/// The type of a field may become known only after the field has been used. If a field of a type that is known at the end was taken for a number, the block is
+/// executed once more with the types of all fields. If an entry was read in several ways, the block is executed once more with one symbol for the entry.
 pub(crate) fn interpret(
     block: &Annotated,
     arena: &mut Arena,
     errors: &mut Errors,
 ) -> Option<Model> {
-    let mut lowering = Lowering::new(block, arena, std::mem::take(errors));
+    let mut lowering = Lowering::new(block, arena);
     let mut model = lowering.model();
+    if lowering.has_mistaken_types() {
+        lowering = lowering.with_known_types();
+        model = lowering.model();
+    }
     lowering.spellings = lowering.unify_spellings();
     if lowering.errors.count() == 0 && !lowering.spellings.is_empty() {
         lowering = lowering.restarted();
         model = lowering.model();
     }
-    *errors = lowering.errors;
+    errors.append(lowering.errors);
     let symbols = lowering.symbols;
     if model.is_none() && errors.count() == 0 {
         errors.push(
@@ -119,7 +125,7 @@ pub(crate) fn interpret(
 }
 
 impl<'a> Lowering<'a> {
-    fn new(block: &'a Annotated, arena: &'a mut Arena, errors: Errors) -> Self {
+    fn new(block: &'a Annotated, arena: &'a mut Arena) -> Self {
         Self {
             initial_nodes: arena.len(),
             arena,
@@ -129,9 +135,10 @@ impl<'a> Lowering<'a> {
             paths: Vec::new(),
             constants: Vec::new(),
             vectors: HashMap::new(),
+            known_types: HashMap::new(),
             spellings: HashMap::new(),
             block,
-            errors,
+            errors: Errors::new(),
             scopes: Vec::new(),
             floor: 0,
             frame: 0,
@@ -146,12 +153,26 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// Returns the initial state of a second execution, which uses the spellings found by the first one.
+    /// Returns the initial state of another execution, which uses the spellings and the types that earlier ones found.
     fn restarted(self) -> Self {
         Self {
             spellings: self.spellings,
-            ..Self::new(self.block, self.arena, self.errors)
+            known_types: self.known_types,
+            ..Self::new(self.block, self.arena)
         }
+    }
+
+    /// Returns whether another execution can do better that knows the types of fields from this one: a vector or matrix was taken for a number, or a mistake was
+    /// reported that may come from an unknown type.
+    fn has_mistaken_types(&self) -> bool {
+        let is_number = |field| self.parameters.contains_key(field);
+        !self.vectors.is_empty() && (self.errors.count() > 0 || self.vectors.keys().any(is_number))
+    }
+
+    /// Returns the initial state of an execution that knows the types of fields from this one. It finds the mistakes that are left anew.
+    fn with_known_types(mut self) -> Self {
+        self.known_types = std::mem::take(&mut self.vectors);
+        self.restarted()
     }
 }
 

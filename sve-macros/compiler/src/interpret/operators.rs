@@ -143,8 +143,7 @@ fn as_number(syntax: &Syntax) -> Option<String> {
 pub(super) const DIVISION_BY_ZERO: &str = "this divides by zero: the denominator is the constant 0";
 
 /// The message for `%` of numbers.
-pub(super) const REMAINDER: &str =
-    "`%` is not smooth: an angle needs no reduction, use `sin` and `cos`";
+pub(super) const REMAINDER: &str = concat!("`%` is not continuous", super::floats::periodic!());
 
 /// Returns the message for an operator that is not arithmetic.
 fn no_derivative(op: &BinOp) -> &'static str {

@@ -121,7 +121,10 @@ pub(crate) fn annotated(
             Some(name) => (name.span(), format!("rename `{name}` to `lagrangian`")),
             None => (
                 item.self_ty.span(),
-                format!("add `{}`", Role::Lagrangian.signature()),
+                format!(
+                    "add `{}`; equations that follow from none are not planned, and `sve_runtime::guide::not_planned` says what to use for them",
+                    Role::Lagrangian.signature()
+                ),
             ),
         };
         errors.push(at, format!("this block has no Lagrangian: {hint}"));

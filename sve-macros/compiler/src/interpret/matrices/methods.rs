@@ -168,7 +168,7 @@ impl Lowering<'_> {
         }
         let is_of_numbers = floats::is_method(&name) || floats::other_name(&name).is_some();
         if refused::is_listed(&name) && !is_of_numbers {
-            return Some(self.refuse(&at, refused::refusal(&name)));
+            return Some(self.refuse(&at, refused::refusal(&name, None)));
         }
         let method = METHODS.iter().find(|method| method.name == name)?;
         let arguments: Vec<Argument> = call.args.iter().map(|a| self.argument(a)).collect();

@@ -236,6 +236,20 @@ impl From<Matrix<Expr>> for Value {
 }
 
 impl Lowering<'_> {
+    /// Returns the vector or matrix of a parameter whose type an earlier execution found; other values as they are.
+    pub(super) fn typed(&self, value: Value) -> Value {
+        let Value::Field(path) = &value else {
+            return value;
+        };
+        if self.known_types.is_empty() || path.is_converted() {
+            return value;
+        }
+        match self.known_types.get(&path.access().to_string()) {
+            Some(&ty) => Value::Matrix(Matrix::of_field(path, ty)),
+            None => value,
+        }
+    }
+
     /// Calls a method of a vector or matrix; `None` if the receiver is neither, or is a parameter and no such method exists.
     pub(super) fn matrix_method(
         &mut self,
@@ -274,7 +288,10 @@ impl Lowering<'_> {
             return Some(self.transposed_product(matrix, &arguments, at));
         }
         let value = self.tabled_method(call, matrix, &arguments, receiver.at);
-        Some(value.unwrap_or_else(|| self.refuse(&at, refused::refusal(&name))))
+        Some(
+            value
+                .unwrap_or_else(|| self.refuse(&at, refused::refusal(&name, Some(matrix.ty.kind)))),
+        )
     }
 
     /// Evaluates `a.tr_mul(&b)`, the product of the transpose of `a` and `b`.

@@ -1,6 +1,6 @@
 //! Methods of vectors and matrices that are not smooth or not supported, and the replacements that messages offer.
 
-use super::methods;
+use super::{Kind, methods};
 use crate::errors::nearest;
 use crate::interpret::fields::FieldPath;
 use crate::interpret::floats;
@@ -8,6 +8,7 @@ use crate::interpret::floats;
 const NOT_SMOOTH: &str =
     "it is not smooth in the entries; use `norm`, or a smooth function of each entry in `map`";
 const FACTORISATION: &str = "a factorisation is no formula; make the result a parameter, or write the formula of a small matrix with `determinant`";
+const OF_ROTATIONS: &str = "an angle of a rotation is not smooth everywhere; a spring that holds the attitude `r` is `0.5 * k * (3.0 - r.matrix().trace())`, which is ½kθ² for a small angle θ, with `(a.inverse() * b)` for `r` between two bodies; else use directions `r * Vector3::x()` and entries `r[(i, j)]`";
 const IN_PLACE: &str = "methods that change a vector in place are not followed; assign to it, `v = …`, `v += …` or `v[i] = …`";
 
 /// Methods, and the end of the message that says what to write instead.
@@ -90,7 +91,7 @@ const REFUSED: &[(&[&str], &str)] = &[
             "rotation_to",
             "powf",
         ],
-        "an angle of a rotation is not smooth everywhere; write the formula from the angles that the rotation was made of",
+        OF_ROTATIONS,
     ),
     (
         &[
@@ -132,9 +133,10 @@ pub(super) fn is_listed(name: &str) -> bool {
 }
 
 /// Returns the message for a method of vectors and matrices that is not supported.
-pub(super) fn refusal(name: &str) -> String {
+pub(super) fn refusal(name: &str, kind: Option<Kind>) -> String {
     let listed = REFUSED.iter().find(|(names, _)| names.contains(&name));
     let instead = match listed {
+        Some(_) if name == "angle" && kind == Some(Kind::Rotation) => OF_ROTATIONS.to_owned(),
         Some((_, instead)) => (*instead).to_owned(),
         None if name.ends_with("_mut") || name.ends_with("_assign") => IN_PLACE.to_owned(),
         None if floats::is_method(name) => {
@@ -145,7 +147,11 @@ pub(super) fn refusal(name: &str) -> String {
             None => "write it with `dot`, `cross`, `norm_squared`, `component_mul`, `transpose`, products, or entries `v[i]` and `m[(i, j)]`".to_owned(),
         },
     };
-    format!("`{name}` of a vector or matrix is not understood: {instead}")
+    let what = match kind {
+        Some(Kind::Rotation) => "rotation",
+        _ => "vector or matrix",
+    };
+    format!("`{name}` of a {what} is not understood: {instead}")
 }
 
 /// What to say of a parameter whose type is needed and not known.

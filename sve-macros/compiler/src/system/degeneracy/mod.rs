@@ -268,10 +268,37 @@ fn check_algebraic(
     }
     let all: Vec<usize> = (0..algebraic.len()).collect();
     if is_regular(&hessian, &all, arena) {
-        Ok(())
-    } else {
-        Err(Refused::Undetermined(algebraic.to_vec()))
+        return Ok(());
     }
+    let multipliers = multipliers(algebraic, massive, &hessian, rest, model, arena);
+    Err(if multipliers.is_empty() {
+        Refused::Undetermined(algebraic.to_vec())
+    } else {
+        Refused::Multipliers(multipliers)
+    })
+}
+
+/// Returns the algebraic coordinates in which L is linear, with a factor that depends on massive coordinates. `hessian` is that of L by the algebraic coordinates.
+fn multipliers(
+    algebraic: &[usize],
+    massive: &[usize],
+    hessian: &[Vec<Expr>],
+    rest: Expr,
+    model: &Model,
+    arena: &mut Arena,
+) -> Vec<usize> {
+    let mut found = Vec::new();
+    for (&i, row) in algebraic.iter().zip(hessian) {
+        let factor = arena.diff(rest, model.q[i]);
+        let slopes: Vec<Expr> = massive
+            .iter()
+            .map(|&j| arena.diff(factor, model.q[j]))
+            .collect();
+        if row.iter().all(|&e| arena.is_zero(e)) && !slopes.iter().all(|&e| arena.is_zero(e)) {
+            found.push(i);
+        }
+    }
+    found
 }
 
 /// Returns ω, `ω_ij = ∂_iα_j − ∂_jα_i`, from the slopes `∂_iα_j`.

@@ -13,6 +13,8 @@ pub(super) enum Refused {
     TimeDependent(usize),
     /// ω is singular everywhere; its null vectors have these coordinates.
     SingularForm(Vec<usize>),
+    /// L is linear in these algebraic coordinates: their equations are constraints on others, 0 = φ(q).
+    Multipliers(Vec<usize>),
     /// ∂L/∂q of this algebraic coordinate depends on velocities.
     WithVelocity(usize),
     /// A noise depends on this algebraic coordinate.
@@ -58,6 +60,25 @@ impl Refused {
                 names(coordinates, q),
                 kinetic_term(block, coordinates, n),
             ),
+            Self::Multipliers(coordinates) => {
+                let (what, constraint) = match coordinates.len() {
+                    1 => (
+                        "its equation, 0 = ∂L/∂q, is a constraint on the others, and the coordinate a multiplier",
+                        "the constraint",
+                    ),
+                    _ => (
+                        "their equations, 0 = ∂L/∂q, are constraints on the others, and the coordinates multipliers",
+                        "each constraint",
+                    ),
+                };
+                let listed = names(coordinates, q);
+                format!(
+                    "this Lagrangian is degenerate: it is linear in {listed} without {}, so {what}; leave {listed} out of the coordinates and of L, \
+                     and write {constraint} as `#[constraint] fn name(&self, q: …) -> f64`, whose value is to be 0; or {}",
+                    names(coordinates, v),
+                    kinetic_term(block, coordinates, n),
+                )
+            }
             Self::WithVelocity(i) => format!(
                 "this Lagrangian is degenerate: `{v}` does not occur in it, and the equation of `{q}`, 0 = ∂L/∂{q}, has other velocities; \
                  solve this equation for `{q}` and insert the solution into L, or {term}",
