@@ -120,11 +120,11 @@ use sve_compiler::Settings;
 /// - in a sum, the other operand has the same type: `q - self.anchor`;
 /// - in a call, the receiver or an argument has it: `self.gravity.dot(&q)`, `a.cross(&self.b)`, `self.f(self.gravity)`;
 /// - entries are numbers: `self.gravity.z`, `self.inertia[(0, 1)]`;
-/// - in a product or a quotient the field is a number: `self.mass * v`. If it is none, its type has to be written,
-///   `let inertia: Matrix3<f64> = self.inertia;`, or be the result of a function of the block. Otherwise the compiler finds another type than `f64` and
+/// - in a product or a quotient the field is a number: `self.mass * v`. If it is none, its type has to be known from another use in the block, or be
+///   written once, as in `let inertia: Matrix3<f64> = self.inertia;` or as the result of a function. Otherwise the compiler finds another type than `f64` and
 ///   reports it at the field.
 ///
-/// Where the type does not follow, the error at the token asks for `let g: Vector3<f64> = self.g;`.
+/// A type that follows from one use holds for the whole block. Where the type does not follow, the error at the token asks for `let g: Vector3<f64> = self.g;`.
 ///
 /// # Language of a body
 ///

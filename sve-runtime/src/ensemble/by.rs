@@ -79,7 +79,8 @@ impl By {
         Self(Quantity::During(name.into(), steps))
     }
 
-    /// A coordinate of the start, by its number in a row of all. Random starts are moved together.
+    /// A coordinate of the start, by its number in a row of all. Random starts are moved together. A rotation has three, the canonical coordinates of a
+    /// [`Tangent`](crate::Tangent).
     #[must_use]
     pub fn q(number: usize) -> Self {
         Self(Quantity::Q(number))

@@ -54,7 +54,8 @@ impl<V> Gradient<V> {
 
     /// The derivatives by the coordinates and momenta of the first state.
     ///
-    /// Under constraints, and for a degenerate Lagrangian, they are derivatives along the states that are allowed.
+    /// Under constraints, and for a degenerate Lagrangian, they are derivatives along the states that are allowed. Of a rotation they are along canonical
+    /// coordinates, those of a [`Tangent`](crate::Tangent).
     pub fn start(&self) -> &Field<V> {
         &self.start
     }

@@ -6,6 +6,10 @@
 use sve_runtime::nalgebra::{DMatrix, Quaternion};
 use sve_runtime::prelude::*;
 
+/// The distance of differences, and the weights of one, two and three distances.
+const STEP: f64 = 2e-3;
+const WEIGHTS: [f64; 3] = [0.75, -0.15, 1.0 / 60.0];
+
 /// A state that has canonical coordinates: `2 N` numbers.
 pub(crate) trait Chart: Copy {
     const N: usize;
@@ -106,10 +110,24 @@ impl<const K: usize> Chart for State<[UnitQuaternion<f64>; K]> {
     }
 }
 
+/// Returns the derivatives of a function by the canonical coordinates around a state, by differences of sixth order.
+pub(crate) fn slopes<C: Chart>(start: &C, function: impl Fn(&C) -> f64) -> Vec<f64> {
+    let size = 2 * C::N;
+    let slope = |column: usize| -> f64 {
+        let at = |distance: f64| {
+            let mut z = vec![0.0; size];
+            z[column] = distance;
+            function(&start.moved(&z))
+        };
+        let difference = |k: f64| (at(k * STEP) - at(-k * STEP)) / STEP;
+        let terms = WEIGHTS.iter().zip([1.0, 2.0, 3.0]);
+        terms.map(|(weight, k)| weight * difference(k)).sum()
+    };
+    (0..size).map(slope).collect()
+}
+
 /// Returns the derivative of a map in canonical coordinates at its start and its end, by differences of sixth order.
 pub(crate) fn differences<C: Chart>(start: &C, map: impl Fn(&C) -> C) -> DMatrix<f64> {
-    const STEP: f64 = 2e-3;
-    const WEIGHTS: [f64; 3] = [0.75, -0.15, 1.0 / 60.0];
     let end = map(start);
     let size = 2 * C::N;
     let mut matrix = DMatrix::zeros(size, size);

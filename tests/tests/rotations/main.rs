@@ -1,6 +1,7 @@
 //! Rotations as configurations: rigid bodies, alone, several, and beside vectors.
 
 mod charts;
+mod gradients;
 mod motion;
 mod reduced;
 mod reference;

@@ -39,6 +39,20 @@ fn check(state: &State<[f64; 1]>, same: &State<[f64; 1]>, t: f64) {
     assert_eq!((state.q, state.p, state.t), (same.q, same.p, t));
 }
 
+/// Each 0th state is none: an error with the time, for plain and refined trajectories, and no panic.
+#[test]
+fn an_interval_of_no_steps_is_an_error() {
+    let system = Integrator::new(SYSTEM, Midpoint);
+    let path = || system.trajectory(start(), 0.1, Wiener::new(1));
+    let error = Some(Err(StepError::SavedInterval { t: 0.3 }));
+    let mut plain = path().every(0);
+    assert_eq!(plain.next(), error);
+    assert_eq!(plain.next(), None);
+    assert_eq!(path().refine(3).every(0).until(0.9).next(), error);
+    let failed = path().every(0).until(0.9).table().map(|_| ()).unwrap_err();
+    assert!(failed.to_string().contains("every(0)"), "{failed}");
+}
+
 #[test]
 fn every_nth_state_has_the_bits_of_the_trajectory() {
     let system = Integrator::new(SYSTEM, StormerVerlet);

@@ -64,6 +64,23 @@ fn types_of_parameters_follow_from_their_uses() {
             "let (g, a): (Vector2<f64>, [Vector2<f64>; 2]) = (self.g, self.a); g.dot(&a[1]) + q.x",
             &["self.g.x", "self.a[1].x", "self.g.y", "self.a[1].y"],
         ),
+        // by the type that is written for another use, before or after
+        (
+            "let m: Matrix2<f64> = self.m; (self.m * Vector2::y()).x + m[(1, 1)] * q.x",
+            &["self.m[(0,1)]", "self.m[(1,1)]"],
+        ),
+        (
+            "(self.m * Vector2::y()).x + { let m: Matrix2<f64> = self.m; m[(1, 1)] } * q.x",
+            &["self.m[(0,1)]", "self.m[(1,1)]"],
+        ),
+        (
+            "(self.m.transpose() * Vector2::y()).x + Self::corner(self.m) + q.x",
+            &["self.m[(1,0)]", "self.m[(1,1)]"],
+        ),
+        (
+            "self.g.norm() + q.x * { let g: Vector2<f64> = self.g; g.y }",
+            &["self.g.x", "self.g.y"],
+        ),
         ("Self::length(self.g) + q.x", &["self.g.x", "self.g.y"]),
         ("self.arm().y + q.x", &["self.arm.y"]),
         ("Vector2::from(self.w).y + q.x", &["self.w[1]"]),
@@ -73,6 +90,7 @@ fn types_of_parameters_follow_from_their_uses() {
         let members = format!(
             "fn lagrangian(&self, q: Vector3<f64>, v: Vector3<f64>) -> f64 {{ {body} }}
             fn length(x: Vector2<f64>) -> f64 {{ x.norm() }}
+            fn corner(m: Matrix2<f64>) -> f64 {{ m[(1, 1)] }}
             fn arm(&self) -> Vector3<f64> {{ self.arm }}"
         );
         let mut arena = Arena::new();
