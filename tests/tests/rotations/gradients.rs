@@ -2,7 +2,7 @@
 
 use sve_runtime::ensemble::By;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dual, Gradient, Mechanics as _};
+use sve_runtime::{Dual, Gradient};
 
 use crate::charts::{Chart, slopes};
 use crate::starts::{body, pair, three};

@@ -319,13 +319,6 @@ fn times_that_cannot_be_reached_are_errors() {
     );
 }
 
-#[test]
-#[should_panic(expected = "every how many states?")]
-fn every_zeroth_state_is_a_mistake() {
-    let system = Integrator::new(SYSTEM, Midpoint);
-    let _ = system.trajectory(start(), 0.1, Wiener::new(1)).every(0);
-}
-
 /// Backwards in time too a state within a step is a step of a part of the length, with the increment of that part.
 #[test]
 fn states_within_a_step_backwards_are_parts_of_it() {
