@@ -6,7 +6,7 @@ use core::ops::Deref;
 use super::Trajectory;
 use crate::error::StepError;
 use crate::method::{Method, OneStepMethod};
-use crate::noise::{DyadicInterval, Halves};
+use crate::noise::{DyadicInterval, Halves, Noise};
 use crate::system::StateOf;
 
 /// The numbers of refined steps of a trajectory, see [`Trajectory::refine`].
@@ -27,7 +27,7 @@ pub struct RefinedTrajectory<'a, I: OneStepMethod, W> {
     depth: u32,
 }
 
-impl<'a, I: Method, W: Halves> Trajectory<'a, I, W> {
+impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     /// Refines steps that fail: divides such a step into two halves on the same path, and each half that fails likewise, up to `depth` times.
     ///
     /// The increments of the halves are those of a Brownian bridge, a pure function of seed, path, step and interval, so a
@@ -67,13 +67,19 @@ impl<'a, I: Method, W: Halves> Trajectory<'a, I, W> {
     /// # }
     /// ```
     #[must_use]
-    pub fn refine(self, depth: u32) -> RefinedTrajectory<'a, I, W> {
+    pub fn refine(self, depth: u32) -> RefinedTrajectory<'a, I, W>
+    where
+        I: Method,
+        W: Halves,
+    {
         RefinedTrajectory {
             trajectory: self,
             depth,
         }
     }
+}
 
+impl<I: Method, W: Halves> Trajectory<'_, I, W> {
     /// Makes a step that failed with `error` in smaller steps.
     #[cold]
     #[inline(never)]

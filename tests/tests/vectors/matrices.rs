@@ -1,6 +1,7 @@
 //! Construction, parts and products of matrices.
 
-use sve_models::language::check;
+use sve_models::language::{check, close};
+use sve_runtime::System;
 use sve_runtime::nalgebra as na;
 use sve_runtime::nalgebra::{Matrix2, Matrix2x3, Matrix3, Matrix3x2, SMatrix, Vector2, Vector3};
 use sve_runtime::prelude::*;
@@ -91,4 +92,37 @@ fn matrices_have_the_derivatives_of_the_users_functions() {
     check(&system, |_, q, v| {
         system.lagrangian(Vector2::from(*q), Vector2::from(*v))
     });
+}
+
+/// The type of the stiffness is written in the noise alone, and holds where L multiplies by it.
+struct TypedOnce {
+    stiffness: Matrix2<f64>,
+    scale: f64,
+}
+
+#[variational(midpoint)]
+impl TypedOnce {
+    fn lagrangian(&self, q: Vector2<f64>, v: Vector2<f64>) -> f64 {
+        0.5 * v.norm_squared() - 0.5 * q.dot(&(self.stiffness * q)) - self.scale * q.x.powi(4)
+    }
+
+    #[gamma]
+    fn push(&self, q: Vector2<f64>) -> f64 {
+        let stiffness: Matrix2<f64> = self.stiffness;
+        (stiffness * q).y
+    }
+}
+
+#[test]
+fn the_type_of_a_matrix_holds_in_the_whole_block() {
+    let system = TypedOnce {
+        stiffness: Matrix2::new(2.0, 0.3, -0.4, 1.5),
+        scale: 0.7,
+    };
+    check(&system, |_, q, v| {
+        system.lagrangian(Vector2::from(*q), Vector2::from(*v))
+    });
+    let [noise] = system.noise_jets(0.0, &[0.5, 0.2], &[0.0, 0.0]);
+    close("by x", noise.dq[0], 0.4, 1e-15);
+    close("by y", noise.dq[1], -1.5, 1e-15);
 }
