@@ -96,7 +96,7 @@ const MISTAKES: &[(&str, &str, &str)] = &[
     ("(m * q.xy()).x", "*", "the columns of the first"),
     ("(1.0 / q).x", "/", "component_div"),
     ("(q / m).x", "/", "nothing is divided by a matrix"),
-    ("(q % 2.0).x", "%", "not smooth"),
+    ("(q % 2.0).x", "%", "not continuous"),
     ("(q / 0.0).x", "0.0", "divides by zero"),
     ("(2 * q).x", "2", "write `2.0`"),
     ("(q.x + q)", "+", "have no sum"),

@@ -8,8 +8,7 @@ use super::model;
 /// Each body, with the entries of parameters that generated code reads.
 #[test]
 fn types_of_parameters_follow_from_their_uses() {
-    let mut wrong = Vec::new();
-    for (body, reads) in [
+    check(&[
         // beside a vector in a sum, as an argument or receiver, and by components
         (
             "(q - self.g).norm_squared()",
@@ -64,7 +63,18 @@ fn types_of_parameters_follow_from_their_uses() {
             "let (g, a): (Vector2<f64>, [Vector2<f64>; 2]) = (self.g, self.a); g.dot(&a[1]) + q.x",
             &["self.g.x", "self.a[1].x", "self.g.y", "self.a[1].y"],
         ),
-        // by the type that is written for another use, before or after
+        ("Self::length(self.g) + q.x", &["self.g.x", "self.g.y"]),
+        ("self.arm().y + q.x", &["self.arm.y"]),
+        ("Vector2::from(self.w).y + q.x", &["self.w[1]"]),
+        ("Matrix2::from(self.w)[(0, 1)] + q.x", &["self.w[1][0]"]),
+        ("WIND.dot(&q)", &["WIND.x", "WIND.y", "WIND.z"]),
+    ]);
+}
+
+/// The type that is known from one use holds for the uses before and after it.
+#[test]
+fn types_of_parameters_hold_in_the_whole_block() {
+    check(&[
         (
             "let m: Matrix2<f64> = self.m; (self.m * Vector2::y()).x + m[(1, 1)] * q.x",
             &["self.m[(0,1)]", "self.m[(1,1)]"],
@@ -81,12 +91,13 @@ fn types_of_parameters_follow_from_their_uses() {
             "self.g.norm() + q.x * { let g: Vector2<f64> = self.g; g.y }",
             &["self.g.x", "self.g.y"],
         ),
-        ("Self::length(self.g) + q.x", &["self.g.x", "self.g.y"]),
-        ("self.arm().y + q.x", &["self.arm.y"]),
-        ("Vector2::from(self.w).y + q.x", &["self.w[1]"]),
-        ("Matrix2::from(self.w)[(0, 1)] + q.x", &["self.w[1][0]"]),
-        ("WIND.dot(&q)", &["WIND.x", "WIND.y", "WIND.z"]),
-    ] {
+    ]);
+}
+
+/// Checks the entries of parameters that generated code reads for each body.
+fn check(bodies: &[(&str, &[&str])]) {
+    let mut wrong = Vec::new();
+    for &(body, reads) in bodies {
         let members = format!(
             "fn lagrangian(&self, q: Vector3<f64>, v: Vector3<f64>) -> f64 {{ {body} }}
             fn length(x: Vector2<f64>) -> f64 {{ x.norm() }}
