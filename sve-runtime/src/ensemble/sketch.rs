@@ -13,7 +13,7 @@
 //! Source: G. S. Manku, S. Rajagopalan, B. G. Lindsay, *Approximate medians and other order statistics in one pass and with limited memory*, SIGMOD (1998); P. K. Agarwal, G. Cormode, Z. Huang,
 //! J. M. Phillips, Z. Wei, K. Yi, *Mergeable summaries*, ACM Trans. Database Syst. 38, 26 (2013), which also has the random choice.
 
-use super::fingerprint::hash;
+use crate::fingerprint::hash;
 use crate::lanes::{LANES, Lane, Mask};
 
 /// The request of quantiles.
