@@ -194,7 +194,7 @@ where
     Q: Coordinates<N>,
 {
     let (h, is_certain) = match error {
-        StepError::Singular { h, .. } => (h, true),
+        StepError::Singular { h, .. } | StepError::SingularMass { h, .. } => (h, true),
         StepError::NonFiniteResult { h, .. }
         | StepError::NotConverged { h, .. }
         | StepError::OutsideDomain { h, .. }

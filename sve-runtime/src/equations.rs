@@ -8,8 +8,9 @@ use crate::linearisation::{Linearisation, Unknowns};
 use crate::plan::Plan;
 use crate::solve::SolveError;
 use crate::solve::newton::{BlockSolver, Newton};
+use crate::start::StartOfStep;
 use crate::system::{
-    FlatStateOf, IncrementLanesOf, Increments, StateLanesOf, System, TangentLanesOf, VectorOf,
+    FlatStateOf, IncrementLanesOf, Increments, StateLanesOf, TangentLanesOf, VectorOf,
 };
 use crate::variational::Memory;
 
@@ -35,7 +36,7 @@ impl Returns {
 /// The equations of the step of a rule, solved and linearised: what `#[variational]` implements for each rule that it derives.
 ///
 /// [`Variational`](crate::Variational) is what integrators use.
-pub trait StepEquations<R>: System {
+pub trait StepEquations<R>: StartOfStep {
     /// The increments of a step, one number for each process.
     type Increments: Increments;
     /// Values that depend on parameters and step size only.
@@ -50,6 +51,9 @@ pub trait StepEquations<R>: System {
     const STAGES: usize = 1;
     /// The plan of the step.
     const PLAN: &'static Plan;
+    /// Whether the equations are not solved where the mass matrix at the start is singular, or where no velocity of the momentum is found, so that the start needs no
+    /// test beside them.
+    const PROVES_START: bool = false;
     /// What [`increment`](Self::increment) returns.
     const RETURNS: Returns;
     /// Computes the values that depend on parameters and step size only.

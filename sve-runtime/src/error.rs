@@ -4,10 +4,11 @@ mod convert;
 mod messages;
 
 pub(crate) use convert::step_error;
-use messages::{branch_lost, iteration_limit, no_time, within_step};
+use messages::{branch_lost, iteration_limit, no_time, singular_mass, within_step};
 
 use crate::noise::NoiseError;
 use crate::readable::debug_is_display;
+use crate::solve::MomentumVelocities;
 
 /// Why a step could not be made. The state it was given is unchanged.
 #[derive(Clone, PartialEq, thiserror::Error)]
@@ -182,21 +183,26 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         value: f64,
     },
-    /// The momentum has no velocity that is connected with the reference velocity of the Legendre transform, rest where L is defined there.
+    /// No velocity with the momentum was found: none that is connected with the reference velocity of the Legendre transform, which is rest where L is defined there.
     #[error(
-        "no velocity with the momentum p = {p:?} was found at t = {t}: velocities of momenta from that of rest towards it \
-         were followed and end at {reached:.3} of the way, where ∂²L/∂v² is singular or ∂L/∂v has no larger value; \
-         look at the range of ∂L/∂v"
+        "no velocity with the momentum p = {p:?} was found at t = {t}, q = {q:?}, and a step needs one to start with: from a reference velocity, which is rest where L allows it, \
+         velocities were followed to {reached:.3} of the way to p, where ∂²L/∂v² is singular or ∂L/∂v has no larger value; \
+         the momentum found last is {distance:e} away from p; look at the range of ∂L/∂v"
     )]
     NoVelocity {
         /// Time.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
+        /// Configuration.
+        q: Vec<f64>,
         /// Momentum.
         p: Vec<f64>,
         /// Fraction of the path to the momentum along which velocities were found.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         reached: f64,
+        /// Distance of the momentum from that of the last velocity found: the largest of its components.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        distance: f64,
     },
     /// The step ends where a function in L or in a noise is not defined.
     #[error(
@@ -232,22 +238,44 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         angle: f64,
     },
-    /// The equations of the step have a singular Jacobian.
-    #[error(
-        "the equations of the step from t = {t} with h = {h:e} are singular (iteration {iteration}): \
-         the mass matrix ∂²L/∂v² has no inverse near q = {q:?}, or none at v = 0; \
-         choose coordinates that are regular there, or start elsewhere"
-    )]
-    Singular {
+    /// The mass matrix ∂²L/∂v² is singular at the start, so velocities are no differentiable function of the momentum there: none has it, or many, or one next to which the function has no derivative.
+    #[error("{}", singular_mass([*t, *h], q, p, *row, [*pivot, *terms], *velocities))]
+    SingularMass {
         /// Time at the start of the step.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
         /// Step size; 0 where the Legendre transform itself was to be inverted.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         h: f64,
+        /// Configuration.
+        q: Vec<f64>,
+        /// Momentum.
+        p: Vec<f64>,
+        /// The row of the mass matrix that its elimination leaves without a pivot, by the component of the momentum.
+        row: usize,
+        /// The largest entry that is left of this row.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        pivot: f64,
+        /// The sum of the magnitudes of the terms of that entry: the pivot is 0 or their rounding error.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        terms: f64,
+        /// The velocities that have the momentum.
+        velocities: MomentumVelocities,
+    },
+    /// The equations of the step have a singular Jacobian.
+    #[error(
+        "the equations of the step from t = {t} with h = {h:e} are singular near q = {q:?} (iteration {iteration}, 0 without one): take another h, or start elsewhere"
+    )]
+    Singular {
+        /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Step size; 0 where no step was involved.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        h: f64,
         /// Configuration at the start of the step.
         q: Vec<f64>,
-        /// Newton iteration; 0 for a linear step.
+        /// Newton iteration; 0 for a linear system.
         iteration: u32,
     },
     /// The momentum of a coordinate without mass is not that of its configuration, or an algebraic coordinate does not solve its equation.

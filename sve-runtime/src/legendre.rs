@@ -13,9 +13,10 @@ use crate::configuration::{Coordinates, FlatConfiguration};
 use crate::degenerate::{self, is_degenerate};
 use crate::error::{StepError, step_error};
 use crate::jets::LagrangianJet;
-use crate::solve::SolveError;
+use crate::solve::deficiency::{Deficiency, deficiency};
 use crate::solve::dense::{self, DeterminantSign};
 use crate::solve::newton::{Evaluation, Newton};
+use crate::solve::{MomentumVelocities, SolveError};
 use crate::state::State;
 use crate::system::{Dims, System};
 
@@ -37,6 +38,9 @@ const CONTRACTION: f64 = 0.25;
 /// Relative residual at which a point of the path before its end is accepted.
 const INTERMEDIATE_TOLERANCE: f64 = 1e-9;
 
+/// Relative residual at which a velocity is taken for one that has the momentum: some thousand units of rounding, which functions of L may lose.
+const EXISTENCE_TOLERANCE: f64 = 1e-12;
+
 /// Relative change of a velocity that is only rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
@@ -46,7 +50,7 @@ const SCALES: i32 = 40;
 /// Returns the velocity with the momentum of `state`.
 ///
 /// # Errors
-/// [`SolveError::Singular`] if the mass matrix has no inverse; [`SolveError::NonFinite`] if L is not defined;
+/// [`SolveError::SingularMass`] if the mass matrix has no inverse; [`SolveError::NonFinite`] if L is not defined;
 /// [`SolveError::NoVelocity`] if no velocity with this momentum is connected with the reference.
 #[inline]
 pub(crate) fn velocity<S, Q, const N: usize, const M: usize>(
@@ -149,8 +153,82 @@ where
     for i in 0..N {
         rhs[i] -= at_rest.dv[i];
     }
-    let v = dense::solve(&at_rest.dvv, &rhs).ok_or(SolveError::Singular { iteration: 0 })?;
+    let v = dense::solve(&at_rest.dvv, &rhs).ok_or_else(|| {
+        singular_mass(&at_rest.dvv, &rhs, |rest| match rest {
+            0.0 => MomentumVelocities::Many,
+            distance => MomentumVelocities::None { distance },
+        })
+    })?;
     finite(v)
+}
+
+/// Returns the error at a singular mass matrix, where the velocities of the momentum follow from what the elimination leaves of the right-hand side.
+#[cold]
+fn singular_mass<const N: usize>(
+    mass: &[[f64; N]; N],
+    rhs: &[f64; N],
+    velocities: impl FnOnce(f64) -> MomentumVelocities,
+) -> SolveError {
+    if !mass.as_flattened().iter().chain(rhs).all(|x| x.is_finite()) {
+        return SolveError::NonFinite;
+    }
+    let Deficiency {
+        row,
+        pivot,
+        terms,
+        rest,
+    } = deficiency(mass, rhs);
+    SolveError::SingularMass {
+        row,
+        pivot,
+        terms,
+        velocities: velocities(rest),
+    }
+}
+
+/// Returns whether an isolated velocity has the momentum of `state`: one that Newton's method reaches from `guess` by contracting updates, or one that is connected with the
+/// reference.
+#[inline]
+pub(crate) fn has_velocity_near<S, Q, const N: usize, const M: usize>(
+    system: &S,
+    state: &State<Q::Flat>,
+    guess: &[f64; N],
+) -> bool
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    let at = |v: &[f64; N]| momentum_equation::<S, Q, N, M>(system, state, v, &state.p);
+    let found = contract(*guess, DeterminantSign::UNKNOWN, EXISTENCE_TOLERANCE, at);
+    found.is_some() || velocity(system, state).is_ok()
+}
+
+/// Evaluates ∂L/∂v − `target` at the configuration of a state.
+#[inline(always)]
+fn momentum_equation<S, Q, const N: usize, const M: usize>(
+    system: &S,
+    state: &State<Q::Flat>,
+    v: &[f64; N],
+    target: &[f64; N],
+) -> Evaluation<N>
+where
+    S: System<Dims = Dims<N, M, Q>> + ?Sized,
+    Q: Coordinates<N>,
+{
+    let jet = jet(system, state.t, &state.q, v);
+    let mut at = Evaluation {
+        residual: jet.dv,
+        magnitude: *target,
+        jacobian: jet.dvv,
+        curvature: f64::NAN,
+    };
+    // Outside of its domain L is NaN, while its derivatives may be finite.
+    let undefined = 0.0 * jet.value;
+    for i in 0..N {
+        at.residual[i] += undefined - target[i];
+        at.magnitude[i] = jet.dv[i].abs() + target[i].abs();
+    }
+    at
 }
 
 /// Returns the velocity if the momentum is not affine in it, by continuation from the reference velocity.
@@ -168,22 +246,8 @@ where
     {
         return Err(SolveError::NonFinite);
     }
-    let at = |v: &[f64; N], target: &[f64; N]| {
-        let jet = jet(system, *t, q, v);
-        let mut at = Evaluation {
-            residual: jet.dv,
-            magnitude: *target,
-            jacobian: jet.dvv,
-            curvature: f64::NAN,
-        };
-        // Outside of its domain L is NaN, while its derivatives may be finite.
-        let undefined = 0.0 * jet.value;
-        for i in 0..N {
-            at.residual[i] += undefined - target[i];
-            at.magnitude[i] = jet.dv[i].abs() + target[i].abs();
-        }
-        at
-    };
+    let at =
+        |v: &[f64; N], target: &[f64; N]| momentum_equation::<S, Q, N, M>(system, state, v, target);
     let Reference {
         mut v,
         p: from,
@@ -198,7 +262,7 @@ where
             here + stride
         };
         let target: [f64; N] = core::array::from_fn(|i| (1.0 - there) * from[i] + there * p[i]);
-        match contract(v, sign, |v| at(v, &target)) {
+        match contract(v, sign, INTERMEDIATE_TOLERANCE, |v| at(v, &target)) {
             Some((found, sign_there)) => {
                 (v, here, sign) = (found, there, sign_there);
                 stride *= 2.0;
@@ -213,7 +277,11 @@ where
             break;
         }
     }
-    Err(SolveError::NoVelocity { reached: here })
+    let distances = at(&v, p).residual.map(f64::abs);
+    Err(SolveError::NoVelocity {
+        reached: here,
+        distance: distances.into_iter().fold(0.0, f64::max),
+    })
 }
 
 /// The start of the continuation.
@@ -232,6 +300,8 @@ fn reference<const N: usize>(
     at: &impl Fn(&[f64; N], &[f64; N]) -> Evaluation<N>,
 ) -> Result<Reference<N>, SolveError> {
     let mut undefined = SolveError::NonFinite;
+    let rest = at(&[0.0; N], p);
+    let has_momentum = (0..N).all(|i| rest.residual[i].abs() <= ROUNDING * rest.magnitude[i]);
     let scales = (0..=SCALES).flat_map(|k| [f64::from(k).exp2(), f64::from(-k).exp2()]);
     let candidates = scales.flat_map(|scale| {
         let along = p.map(|p| scale * p);
@@ -249,7 +319,14 @@ fn reference<const N: usize>(
                 let p = point.residual;
                 return Ok(Reference { v, p, sign });
             }
-            None => undefined = SolveError::Singular { iteration: 1 },
+            None if has_momentum => {
+                let rest_has = |_| MomentumVelocities::Rest;
+                return Err(singular_mass(&point.jacobian, &point.residual, rest_has));
+            }
+            None => {
+                let unknown = |_| MomentumVelocities::Unknown;
+                undefined = singular_mass(&point.jacobian, &point.residual, unknown);
+            }
         }
     }
     Err(undefined)
@@ -260,6 +337,7 @@ fn reference<const N: usize>(
 fn contract<const N: usize>(
     mut v: [f64; N],
     expected: DeterminantSign,
+    tolerance: f64,
     at: impl Fn(&[f64; N]) -> Evaluation<N>,
 ) -> Option<([f64; N], DeterminantSign)> {
     let mut previous = f64::INFINITY;
@@ -272,7 +350,7 @@ fn contract<const N: usize>(
         }
         // If ∂L/∂v is steep, it changes by more than the tolerance between two neighbouring floating-point velocities.
         let at_rounding = |i: usize| update[i].abs() <= ROUNDING * v[i].abs();
-        if relative <= INTERMEDIATE_TOLERANCE || (0..N).all(at_rounding) {
+        if relative <= tolerance || (0..N).all(at_rounding) {
             return Some((v, sign));
         }
         if relative > CONTRACTION * previous {

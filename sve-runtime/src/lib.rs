@@ -160,6 +160,7 @@ mod power;
 mod readable;
 mod rules;
 mod solve;
+mod start;
 mod state;
 #[cfg(feature = "study")]
 pub mod study;
@@ -198,6 +199,7 @@ pub use plan::{
 pub use rules::{
     Endpoint, Gauss, InitialPoint, Midpoint, StageNoise, StormerVerlet, Taylor2, Weak2,
 };
+pub use solve::MomentumVelocities;
 pub use solve::newton::{BlockSolver, Newton};
 pub use state::State;
 /// Derives the steps of a system from its Lagrangian. The simplest block has L alone:
@@ -405,11 +407,15 @@ pub mod __private {
     pub mod lane {
         pub use crate::lanes::elementary::*;
         pub use crate::lanes::newton::{ContractingLanes, NewtonLanes, SingleLanes};
-        pub use crate::lanes::solve::{Solved, factored, has_digits, inverse, solve, solved};
+        pub use crate::lanes::solve::{
+            Solved, factored, has_digits, inverse, is_regular, solve, solved,
+        };
         pub use crate::lanes::tangents::{
             KeepUnknowns, LaneDirections, TangentLanes, regular_inverse, seeds, unfinished,
         };
-        pub use crate::lanes::{Aligned, LANES, Lane, Mask, StateLanes, needs_scalar_step, rows};
+        pub use crate::lanes::{
+            Aligned, LANES, Lane, Mask, StateLanes, marked, needs_scalar_step, rows,
+        };
         pub use crate::solve::diagonal::solve_in_lane as solve_diagonal;
         pub use crate::system::TangentLanesOf;
     }
@@ -426,8 +432,9 @@ pub mod __private {
         pub use crate::euler::*;
     }
     pub use crate::integrator::derived::{
-        DerivedStep, count_iterations, pull_back, push_forward, push_forward_lanes,
-        solve_compensated_step, solve_step, solve_with_derivatives, solve_with_impulses,
+        DerivedStep, count_iterations, increment_lanes, prepare, pull_back, push_forward,
+        push_forward_lanes, solve_compensated_step, solve_step, solve_with_derivatives,
+        solve_with_impulses,
     };
     pub use crate::lanes::Mask;
     pub use crate::linearisation::{Covector, Directions, Entries, Linearisation};
@@ -440,12 +447,15 @@ pub mod __private {
     pub use crate::solve::SolveError;
     pub use crate::solve::banded::Banded;
     pub use crate::solve::cofactors::Cofactors;
-    pub use crate::solve::dense::{DeterminantSign, Factors, factored, solve, solve_with_sign};
+    pub use crate::solve::dense::{
+        DeterminantSign, Factors, factored, is_regular, solve, solve_with_sign,
+    };
     pub use crate::solve::diagonal::Diagonal;
     pub use crate::solve::newton::{
         BlockProperties, BlockSolver, Evaluation, Newton, propagated_error,
     };
     pub use crate::solve::regularity::{all_positive, cold, is_regular_within};
+    pub use crate::start::{StartOfStep, Tested};
     pub use crate::state::{State, in_coordinates, with_entries};
     pub use crate::system::{ConstraintJet, Dims, ForceJet, LagrangianJet, NoiseJet, System};
     pub use crate::variational::Discretised;

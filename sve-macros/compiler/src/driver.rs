@@ -18,7 +18,7 @@ use crate::explain;
 use crate::interpret;
 use crate::rules::weak2::{self, Potential};
 use crate::rules::{RuleOption, action, applicable};
-use crate::structure::{self, Degenerate};
+use crate::structure::{self, Degenerate, StartTest};
 use crate::syntax::arguments::ListedRule;
 use crate::syntax::nesting;
 use crate::syntax::parse::{self, Annotated};
@@ -164,6 +164,7 @@ fn derive(
     arena.grant(usize::MAX);
     let about = explain::system(&model, &mechanics, &momenta, &arena);
     let functions = functions::functions(&model, &mechanics, settings.lanes, &mut arena);
+    let start = StartTest::new(&model, &functions.mechanics, &mut arena);
     let context = Context {
         settings,
         block: &block,
@@ -174,6 +175,7 @@ fn derive(
         arena: &arena,
     };
     let mut output = rust::system(&context, &functions);
+    output.extend(rust::start_of_step(&context, &start));
     output.extend(rust::momenta(&block, &model, &momenta, &arena));
     output.extend(nodes.iter().map(|nodes| nodes.output(&context)));
     for derived in &steps {

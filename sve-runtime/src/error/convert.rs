@@ -61,10 +61,27 @@ pub(crate) fn step_error<F: FlatConfiguration<N>, const N: usize>(
             step: 0.0,
             reached: 0.0,
         },
-        SolveError::NoVelocity { reached } => StepError::NoVelocity {
+        SolveError::NoVelocity { reached, distance } => StepError::NoVelocity {
             t,
+            q,
             p: state.p.to_vec(),
             reached,
+            distance,
+        },
+        SolveError::SingularMass {
+            row,
+            pivot,
+            terms,
+            velocities,
+        } => StepError::SingularMass {
+            t,
+            h,
+            q,
+            p: state.p.to_vec(),
+            row,
+            pivot,
+            terms,
+            velocities,
         },
         SolveError::LargeRotation { angle } => StepError::LargeRotation { t, h, angle },
         SolveError::Singular { iteration } => StepError::Singular { t, h, q, iteration },

@@ -1,5 +1,7 @@
 //! Messages of errors that depend on their numbers.
 
+use crate::solve::MomentumVelocities;
+
 /// The message of `StepError::Time`.
 pub(super) fn no_time(t: f64, h: f64, end: f64) -> String {
     if end.is_finite() {
@@ -54,5 +56,51 @@ pub(super) fn branch_lost(t: f64, h: f64, dw: &[f64], step: f64, reached: f64) -
     format!(
         "the step from t = {t} with h = {h:e} and the increments {dw:?}: its solution was followed from no noise and lost at \
          {reached:.3} of the increments, where it ends, branches or leaves the domain of L: {knobs}"
+    )
+}
+
+/// The message of `StepError::SingularMass`.
+pub(super) fn singular_mass(
+    [t, h]: [f64; 2],
+    q: &[f64],
+    p: &[f64],
+    row: usize,
+    [pivot, terms]: [f64; 2],
+    velocities: MomentumVelocities,
+) -> String {
+    let step = if h == 0.0 {
+        String::new()
+    } else {
+        format!(", where the step with h = {h:e} starts")
+    };
+    let elsewhere =
+        "choose coordinates that are regular there, give the coordinate a mass, or start elsewhere";
+    let (found, remedy) = match velocities {
+        MomentumVelocities::None { distance } => (
+            format!(
+                "to rounding no velocity has the momentum p = {p:?}, whose p[{row}] is {distance:e} away from its only value beside the others"
+            ),
+            elsewhere,
+        ),
+        MomentumVelocities::Many => (
+            format!("many velocities have the momentum p = {p:?}"),
+            elsewhere,
+        ),
+        MomentumVelocities::Rest => (
+            format!(
+                "rest has the momentum p = {p:?}, but velocities are no differentiable function of the momentum there, as a step needs"
+            ),
+            "start with another momentum, or add a quadratic kinetic energy",
+        ),
+        MomentumVelocities::Unknown => (
+            format!(
+                "∂²L/∂v² is singular at all velocities that were tried for the momentum p = {p:?}"
+            ),
+            elsewhere,
+        ),
+    };
+    format!(
+        "the mass matrix ∂²L/∂v² is singular at t = {t}, q = {q:?}{step}: its elimination leaves {pivot:e} of the row of p[{row}], with terms of size {terms:e}; \
+         {found}, so no step starts there: {remedy}"
     )
 }

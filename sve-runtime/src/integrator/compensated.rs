@@ -3,15 +3,16 @@
 //! Source: Kahan's sum as in Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006), section VIII.5.
 
 use super::accept::replace;
-use super::rescue::check_mass_matrix;
+use super::rescue::explain_step;
+use super::start;
 use super::step::solve_step;
 use super::{DerivedStep, Integrator};
 use crate::configuration::{Coordinates, FlatConfiguration};
 use crate::equations::StepEquations;
-use crate::error::{StepError, step_error};
+use crate::error::StepError;
 use crate::noise::Noise;
 use crate::solve::SolveError;
-use crate::solve::newton::BlockSolver;
+use crate::start::Tested;
 use crate::state::State;
 use crate::system::{Dims, System};
 use crate::trajectory::{RefinedTrajectory, Trajectory};
@@ -24,7 +25,7 @@ use crate::variational::Discretised;
 #[inline]
 pub fn solve_compensated_step<S, R, Q, const N: usize, const M: usize>(
     derived: DerivedStep<'_, S, R>,
-    prepared: &S::Prepared,
+    prepared: &Tested<S::Prepared>,
     memory: &mut S::Memory,
     [state, low]: [&mut State<Q::Flat>; 2],
     h: f64,
@@ -34,17 +35,20 @@ where
     S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    let solver = BlockSolver::new(derived.newton);
-    let system = derived.system;
-    let Ok((dq, dp, _)) = system.increment(prepared, memory, state, h, dw, &solver) else {
+    let Ok((dq, dp, _)) = start::increment(derived, prepared, memory, state, h, dw) else {
         // Continuation is rare, and returns a state without the digits that compensation needs.
         return solve_step(derived, prepared, memory, state, h, dw).map(|_| ());
     };
     let mut new_low = *low;
     let (q, p) = Q::Flat::moved_with_low_parts(state, &mut new_low, &dq, &dp);
     if !replace(state, h, &q, &p) {
-        let error = step_error(SolveError::NonFinite, &{ *state }, h, { *dw }.as_ref());
-        return Err(check_mass_matrix(system, error));
+        return Err(explain_step(
+            derived,
+            SolveError::NonFinite,
+            &{ *state },
+            h,
+            &{ *dw },
+        ));
     }
     *low = new_low;
     Ok(())

@@ -3,15 +3,18 @@
 
 use core::marker::PhantomData;
 
+use super::start;
 use crate::configuration::Coordinates;
 use crate::equations::StepEquations;
-use crate::solve::newton::{BlockSolver, Newton};
+use crate::solve::newton::Newton;
+use crate::start::Tested;
 use crate::state::State;
 use crate::system::{Dims, System};
 use crate::variational::Memory;
 
 pub use super::compensated::solve_compensated_step;
 pub use super::gradient::{pull_back, push_forward, push_forward_lanes};
+pub use super::start::{increment_lanes, prepare};
 pub use super::step::solve_step;
 pub use super::tangent::solve_with_derivatives;
 
@@ -50,7 +53,7 @@ impl<'a, S, R> DerivedStep<'a, S, R> {
 /// the root along another path.
 pub fn count_iterations<S, R, Q, const N: usize, const M: usize>(
     derived: DerivedStep<'_, S, R>,
-    prepared: &S::Prepared,
+    prepared: &Tested<S::Prepared>,
     state: &State<Q::Flat>,
     h: f64,
     dw: &S::Increments,
@@ -64,11 +67,12 @@ where
             max_iterations,
             ..*derived.newton
         };
-        let solver = BlockSolver::new(&newton);
+        let derived = DerivedStep {
+            newton: &newton,
+            ..derived
+        };
         let memory = &mut S::Memory::none();
-        let step = derived
-            .system
-            .increment(prepared, memory, state, h, dw, &solver);
+        let step = start::increment(derived, prepared, memory, state, h, dw);
         step.ok().map(|(q, p, _)| (q, p))
     };
     let max_iterations = derived.newton.max_iterations;
@@ -94,7 +98,7 @@ where
     let system = derived.system;
     let start = *state;
     let memory = &mut S::Memory::none();
-    let unknowns = solve_step(derived, &system.prepare(h), memory, state, h, dw)?;
+    let unknowns = solve_step(derived, &start::prepare(system, h), memory, state, h, dw)?;
     system.multipliers(&start, h, dw, &unknowns, visit);
     Ok(())
 }
@@ -120,7 +124,9 @@ macro_rules! __derived_rule {
 
         impl $crate::Discretised<$rule> for $system {
             type Increments = <Self as $crate::__private::StepEquations<$rule>>::Increments;
-            type Prepared = <Self as $crate::__private::StepEquations<$rule>>::Prepared;
+            type Prepared = $crate::__private::Tested<
+                <Self as $crate::__private::StepEquations<$rule>>::Prepared,
+            >;
             type Memory = <Self as $crate::__private::StepEquations<$rule>>::Memory;
             const STAGES: usize = <Self as $crate::__private::StepEquations<$rule>>::STAGES;
             const PLAN: &'static $crate::Plan =
@@ -132,7 +138,7 @@ macro_rules! __derived_rule {
 
             #[inline]
             fn prepare(&self, h: f64) -> Self::Prepared {
-                $crate::__private::StepEquations::<$rule>::prepare(self, h)
+                $crate::__private::prepare::<Self, $rule>(self, h)
             }
 
             // see `solve_step`
@@ -174,16 +180,8 @@ macro_rules! __derived_rule {
                 h: f64,
                 dw: &$crate::IncrementLanesOf<Self>,
             ) -> $crate::__private::Mask {
-                $crate::__private::StepEquations::<$rule>::increment_lanes(
-                    self,
-                    prepared,
-                    states,
-                    next,
-                    h,
-                    dw,
-                    newton,
-                    &mut (),
-                )
+                let derived = $crate::__private::DerivedStep::<Self, $rule>::new(self, newton);
+                $crate::__private::increment_lanes(derived, prepared, states, next, h, dw, &mut ())
             }
 
             #[inline(always)]

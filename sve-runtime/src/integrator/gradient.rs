@@ -1,6 +1,6 @@
 //! Derivatives along paths: steps that carry tangent vectors forwards, and derivatives of a function of their results backwards.
 
-use super::{DerivedStep, Integrator};
+use super::{DerivedStep, Integrator, start};
 use crate::configuration::Coordinates;
 use crate::equations::StepEquations;
 use crate::error::{StepError, step_error};
@@ -8,6 +8,7 @@ use crate::lanes::Mask;
 use crate::lanes::tangents::LaneDirections;
 use crate::linearisation::{Covector, Directions, Unknowns};
 use crate::method::{Differentiable, OneStepMethod};
+use crate::start::Tested;
 use crate::state::State;
 use crate::system::{Dims, IncrementLanesOf, StateLanesOf, System, TangentLanesOf};
 use crate::variational::{Discretised, Memory};
@@ -21,7 +22,7 @@ use super::step::solve_step;
 #[inline]
 pub fn push_forward<S, R, Q, const N: usize, const M: usize>(
     derived: DerivedStep<'_, S, R>,
-    prepared: &S::Prepared,
+    prepared: &Tested<S::Prepared>,
     state: &mut State<Q::Flat>,
     h: f64,
     dw: &S::Increments,
@@ -43,19 +44,22 @@ where
 
 /// Makes a derived step in every lane and carries tangent vectors along it, see [`Discretised::push_forward_lanes`].
 #[inline(always)]
-pub fn push_forward_lanes<S: StepEquations<R>, R>(
+pub fn push_forward_lanes<S, R, Q, const N: usize, const M: usize>(
     derived: DerivedStep<'_, S, R>,
-    prepared: &S::Prepared,
+    prepared: &Tested<S::Prepared>,
     states: &StateLanesOf<S>,
     next: &mut StateLanesOf<S>,
     h: f64,
     dw: &IncrementLanesOf<S>,
     tangents: LaneDirections<'_, TangentLanesOf<S>>,
-) -> [Mask; 2] {
-    let (system, newton) = (derived.system, derived.newton);
+) -> [Mask; 2]
+where
+    S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
     let mut unknowns = S::Unknowns::lanes();
-    let unsolved = system.increment_lanes(prepared, states, next, h, dw, newton, &mut unknowns);
-    let unfinished = system.linearise_lanes(states, h, dw, &unknowns, tangents);
+    let unsolved = start::increment_lanes(derived, prepared, states, next, h, dw, &mut unknowns);
+    let unfinished = (derived.system).linearise_lanes(states, h, dw, &unknowns, tangents);
     [unsolved, unsolved | unfinished]
 }
 
@@ -66,7 +70,7 @@ pub fn push_forward_lanes<S: StepEquations<R>, R>(
 #[inline]
 pub fn pull_back<S, R, Q, const N: usize, const M: usize>(
     derived: DerivedStep<'_, S, R>,
-    prepared: &S::Prepared,
+    prepared: &Tested<S::Prepared>,
     state: &State<Q::Flat>,
     h: f64,
     dw: &S::Increments,

@@ -3,6 +3,7 @@
 //! | file | part of a step |
 //! | --- | --- |
 //! | `derived.rs` | the step of a rule as the integrator calls it |
+//! | `start.rs` | the test of the start |
 //! | `step.rs` | the fast path |
 //! | `accept.rs` | the tests of a result |
 //! | `rescue.rs` | what happens if the fast path fails |
@@ -18,6 +19,7 @@ pub(crate) mod derived;
 mod gradient;
 mod method;
 mod rescue;
+mod start;
 mod step;
 mod tangent;
 

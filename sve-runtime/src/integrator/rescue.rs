@@ -10,18 +10,18 @@ use crate::constraints::explain::constraint_error;
 use crate::degenerate::{self, is_degenerate};
 use crate::equations::StepEquations;
 use crate::error::{StepError, step_error};
+use crate::legendre;
 use crate::solve::SolveError;
-use crate::solve::dense;
 use crate::solve::newton::BlockSolver;
 use crate::state::State;
 use crate::system::{Dims, System};
 use crate::variational::Memory;
 
-/// Solves a step on which the fast path failed with `failure`. First follows the solution by continuation from zero noise and h → 0. If the mass
+/// Solves a step on which the fast path failed with `failure`: follows the solution by continuation from zero noise and h → 0. If constraints hold and the mass
 /// matrix is singular at the start, continuation cannot start, and Newton's result is accepted without that check.
 ///
 /// # Errors
-/// The [`StepError`] if neither yields a solution.
+/// The [`StepError`] if this yields no solution, or if no isolated velocity has the momentum at the start.
 #[cold]
 #[inline(never)]
 pub(super) fn solve_by_continuation<S, R, Q, const N: usize, const M: usize>(
@@ -61,8 +61,9 @@ where
             let lost = explained(lost);
             return Err(constraint_error(system, &lost, state, h, dw.as_ref()).unwrap_or(lost));
         }
-        Err(ContinuationError::NoStart(SolveError::Singular { .. }))
-            if !const { is_degenerate::<S>() } =>
+        // what counts is the mass matrix along the constraints
+        Err(ContinuationError::NoStart(SolveError::SingularMass { .. }))
+            if !S::CONSTRAINTS.is_empty() =>
         {
             let solver = BlockSolver::unchecked(derived.newton);
             let memory = &mut S::Memory::none();
@@ -84,7 +85,7 @@ where
     Err(explain_step(derived, error, state, h, dw))
 }
 
-/// Returns the error of a step, completed by the conditions of the domain and by a test of the mass matrix.
+/// Returns the error of a step in the words of the first thing that is wrong: the start, the domain, or the solution.
 #[cold]
 pub(super) fn explain_step<S, R, Q, const N: usize, const M: usize>(
     derived: DerivedStep<'_, S, R>,
@@ -106,6 +107,9 @@ where
         if explained != plain {
             return explained;
         }
+    } else if let Some(error) = start_error(derived.system, state) {
+        // inputs that are not finite come first there too
+        return step_error(error, state, h, dw.as_ref());
     }
     match (error, plain) {
         (SolveError::OutsideDomain { condition }, StepError::NonFiniteResult { t, h, q, .. }) => {
@@ -117,32 +121,23 @@ where
                 condition: condition.into(),
             }
         }
-        (_, plain) if const { is_degenerate::<S>() } => plain,
-        (_, plain) => check_mass_matrix(derived.system, plain),
+        (_, plain) => plain,
     }
 }
 
-/// Returns [`StepError::Singular`] in place of `error` if a result is not finite because the mass matrix has no inverse: explicit formulas divide by it
-/// without a test.
-#[cold]
-pub(super) fn check_mass_matrix<S, Q, const N: usize, const M: usize>(
+/// Returns why no step starts from `state`: no velocity of its momentum was found, or none that is isolated.
+fn start_error<S, Q, const N: usize, const M: usize>(
     system: &S,
-    error: StepError,
-) -> StepError
+    state: &State<Q::Flat>,
+) -> Option<SolveError>
 where
     S: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    let StepError::NonFiniteResult { t, h, q, p } = error else {
-        return error;
-    };
-    let mut at = Q::origin();
-    at.restore(&q);
-    let mass = system.lagrangian_jet(t, &at.coordinates(), &[0.0; N]).dvv;
-    if mass.iter().flatten().all(|x| x.is_finite()) && dense::solve(&mass, &[0.0; N]).is_none() {
-        let iteration = 0;
-        StepError::Singular { t, h, q, iteration }
-    } else {
-        StepError::NonFiniteResult { t, h, q, p }
-    }
+    let error = legendre::velocity(system, state).err()?;
+    let names_start = matches!(
+        error,
+        SolveError::SingularMass { .. } | SolveError::NoVelocity { .. }
+    );
+    names_start.then_some(error)
 }

@@ -6,12 +6,13 @@
 use super::DerivedStep;
 use super::accept::{add, refusal, replace};
 use super::rescue::{explain_step, solve_by_continuation};
+use super::start;
 use crate::configuration::{Coordinates, FlatConfiguration};
 use crate::equations::StepEquations;
 use crate::error::StepError;
 use crate::plan::{BlockKind, Plan};
 use crate::solve::SolveError;
-use crate::solve::newton::BlockSolver;
+use crate::start::Tested;
 use crate::state::State;
 use crate::system::{Dims, System};
 use crate::variational::Memory;
@@ -25,7 +26,7 @@ use crate::variational::Memory;
 #[inline(always)]
 pub fn solve_step<S, R, Q, const N: usize, const M: usize>(
     derived: DerivedStep<'_, S, R>,
-    prepared: &S::Prepared,
+    prepared: &Tested<S::Prepared>,
     memory: &mut S::Memory,
     state: &mut State<Q::Flat>,
     h: f64,
@@ -48,7 +49,7 @@ where
 #[inline]
 fn solve_iterating_step<S, R, Q, const N: usize, const M: usize>(
     derived: DerivedStep<'_, S, R>,
-    prepared: &S::Prepared,
+    prepared: &Tested<S::Prepared>,
     memory: &mut S::Memory,
     state: &mut State<Q::Flat>,
     h: f64,
@@ -73,7 +74,7 @@ where
 #[inline(always)]
 fn fast_step<S, R, Q, const N: usize, const M: usize>(
     derived: DerivedStep<'_, S, R>,
-    prepared: &S::Prepared,
+    prepared: &Tested<S::Prepared>,
     memory: &mut S::Memory,
     state: &mut State<Q::Flat>,
     h: f64,
@@ -83,10 +84,7 @@ where
     S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    let solver = BlockSolver::new(derived.newton);
-    let (q, p, x) = derived
-        .system
-        .increment(prepared, memory, state, h, dw, &solver)?;
+    let (q, p, x) = start::increment(derived, prepared, memory, state, h, dw)?;
     let is_accepted = if S::RETURNS.is_state() {
         replace(state, h, &Q::Flat::of_row(&q), &p)
     } else {

@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, SMatrix};
 
 use super::accept::check_step_size;
 use super::step::solve_step;
-use super::{DerivedStep, Integrator};
+use super::{DerivedStep, Integrator, start};
 use crate::configuration::{Coordinates, FixedSize};
 use crate::equations::StepEquations;
 use crate::error::{StepError, step_error};
@@ -259,7 +259,7 @@ where
     S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    let prepared = derived.system.prepare(h);
+    let prepared = start::prepare(derived.system, h);
     let mut end = *state;
     let unknowns = solve_step(derived, &prepared, &mut S::Memory::none(), &mut end, h, dw)?;
     let system = derived.system;

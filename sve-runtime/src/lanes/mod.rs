@@ -188,6 +188,24 @@ pub fn needs_scalar_step<const N: usize>(q: [f64; N], p: [f64; N], solved: bool)
     u64::from(!((sum.abs() < f64::INFINITY) & solved))
 }
 
+/// Returns the lanes whose number is not zero.
+#[inline(always)]
+pub fn marked(numbers: &Lane) -> Mask {
+    let mut any = false;
+    for number in numbers {
+        any |= *number != 0.0;
+    }
+    if any { collect(numbers) } else { 0 }
+}
+
+#[cold]
+fn collect(numbers: &Lane) -> Mask {
+    let lanes = numbers.iter().enumerate();
+    lanes.fold(0, |mask, (lane, &number)| {
+        mask | Mask::from(number != 0.0) << lane
+    })
+}
+
 /// Numbers for the lanes, aligned to cache lines: loads and stores across two cache lines take twice as long.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]

@@ -62,6 +62,41 @@ pub fn has_digits<const K: usize>(pivot: f64, terms: f64) -> bool {
     pivot.abs() > SURE * K as f64 * SINGULAR * terms
 }
 
+/// Returns whether a matrix is surely regular, without branches. The scalar test decides where a lane is not sure.
+#[inline(always)]
+pub fn is_regular<const K: usize>(a: &[[f64; K]; K]) -> bool {
+    if K == 1 {
+        return a[0][0] != 0.0;
+    }
+    let (mut a, mut terms) = (*a, *a);
+    for entry in terms.as_flattened_mut() {
+        *entry = entry.abs();
+    }
+    let mut is_sure = true;
+    for k in 0..K {
+        for i in k + 1..K {
+            let is_larger = a[i][k].abs() > a[k][k].abs();
+            for j in k..K {
+                for rows in [&mut a, &mut terms] {
+                    let (upper, lower) = (rows[k][j], rows[i][j]);
+                    rows[k][j] = if is_larger { lower } else { upper };
+                    rows[i][j] = if is_larger { upper } else { lower };
+                }
+            }
+        }
+        is_sure &= has_digits::<K>(a[k][k], terms[k][k]);
+        let inverse = 1.0 / a[k][k];
+        for i in k + 1..K {
+            let factor = a[i][k] * inverse;
+            for j in k + 1..K {
+                a[i][j] -= factor * a[k][j];
+                terms[i][j] += factor.abs() * terms[k][j];
+            }
+        }
+    }
+    is_sure
+}
+
 /// The LU factors of a matrix, for several right-hand sides.
 #[derive(Clone, Copy)]
 pub struct Factors<const K: usize> {

@@ -82,6 +82,12 @@ pub fn solve_with_sign<const K: usize>(
     a.solve_with_sign(b)
 }
 
+/// Returns whether a matrix is regular, by the pivots of its elimination.
+#[inline(always)]
+pub fn is_regular<const K: usize>(a: &impl Matrix<K>) -> bool {
+    a.solve_with_sign(&[0.0; K]).is_some()
+}
+
 impl<const K: usize> Matrix<K> for [[f64; K]; K] {
     #[inline(always)]
     fn solve_with_sign(&self, b: &[f64; K]) -> Option<([f64; K], DeterminantSign)> {

@@ -1,5 +1,24 @@
 //! Why the equations of a step were not solved.
 
+/// The velocities that have a momentum at a singular mass matrix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum MomentumVelocities {
+    /// None, to rounding.
+    None {
+        /// Distance of a component of the momentum from its only value with the other components.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        distance: f64,
+    },
+    /// Infinitely many.
+    Many,
+    /// Rest, where the mass matrix vanishes in some direction.
+    Rest,
+    /// Not known: ∂L/∂v is not affine in v, and the mass matrix is singular at all velocities that were tried.
+    Unknown,
+}
+
 /// Why an equation was not solved. [`StepError`](crate::StepError) is the form that users see.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SolveError {
@@ -17,6 +36,17 @@ pub enum SolveError {
         /// Iteration of Newton's method, from 1; 0 for a linear block.
         iteration: u32,
     },
+    /// The mass matrix ∂²L/∂v² is singular where a velocity is sought, so that no isolated velocity has the momentum.
+    SingularMass {
+        /// The row that its elimination leaves without a pivot.
+        row: usize,
+        /// The largest entry that is left of this row.
+        pivot: f64,
+        /// The sum of the magnitudes of the terms of that entry.
+        terms: f64,
+        /// The velocities that have the momentum.
+        velocities: MomentumVelocities,
+    },
     /// The residual or the Jacobian is NaN or infinite.
     NonFinite,
     /// A root was found, and nothing shows that it is connected with the limit of no noise and h → 0.
@@ -25,6 +55,8 @@ pub enum SolveError {
     NoVelocity {
         /// Fraction of the path to the momentum along which velocities were found.
         reached: f64,
+        /// Distance of the momentum from that of the last velocity found: the largest of its components.
+        distance: f64,
     },
     /// The solution turns a rotation by more than a step may.
     LargeRotation {

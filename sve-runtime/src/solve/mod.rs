@@ -6,6 +6,7 @@
 //! | [`banded`] | the same with a banded matrix |
 //! | [`diagonal`] | the same with a diagonal matrix |
 //! | [`cofactors`] | the same with three rows, by Cramer's rule |
+//! | [`deficiency`] | no system: names the equation that makes a matrix singular |
 //! | [`lu`] | a dense linear system of a size known at run time, for many right-hand sides |
 //! | [`newton`] | a system of nonlinear equations |
 //! | [`regularity`] | no system: decides whether all matrices of an interval matrix are regular |
@@ -14,6 +15,7 @@
 
 pub(crate) mod banded;
 pub(crate) mod cofactors;
+pub(crate) mod deficiency;
 pub(crate) mod dense;
 pub(crate) mod diagonal;
 mod error;
@@ -21,4 +23,4 @@ pub(crate) mod lu;
 pub(crate) mod newton;
 pub(crate) mod regularity;
 
-pub use error::SolveError;
+pub use error::{MomentumVelocities, SolveError};

@@ -18,6 +18,7 @@ mod matrix;
 mod outputs;
 mod pivots;
 mod scheme;
+mod start;
 mod tearing;
 
 use std::collections::HashMap;
@@ -35,6 +36,7 @@ use outputs::{cheapest, linear_map};
 pub(crate) use scheme::{
     Block, Iteration, Kind, Linear, Lower, Refinement, Returns, Scheme, Solution,
 };
+pub(crate) use start::StartTest;
 
 /// The equations do not determine these unknowns.
 pub(crate) struct Degenerate {

@@ -52,6 +52,12 @@ pub(crate) fn gauss(
         &cost(&names, code, count, dof),
     );
     let doc = documentation(texts);
+    // Newton's method starts from the velocity of the momentum
+    let proves_start = (!context.mechanics.affine_momentum).then(|| {
+        quote!(
+            const PROVES_START: bool = true;
+        )
+    });
     quote! {
         #doc
         #attributes
@@ -63,6 +69,7 @@ pub(crate) fn gauss(
             type Unknowns = [f64; #k];
             const PLAN: &'static #private::Plan = &#plan;
             const RETURNS: #private::Returns = #private::Returns::Increment;
+            #proves_start
             #[inline]
             fn prepare(&self, h: f64) -> #prepared {
                 #prepare

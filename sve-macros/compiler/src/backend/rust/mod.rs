@@ -20,6 +20,7 @@ mod rounding;
 mod rule;
 mod solve;
 mod stages;
+mod start;
 mod step;
 mod straight;
 mod system;
@@ -31,6 +32,7 @@ pub(crate) use momenta::momenta;
 pub(crate) use placeholders::placeholders;
 pub(crate) use rule::rule;
 pub(crate) use stages::stages;
+pub(crate) use start::start_of_step;
 pub(crate) use system::system;
 
 use proc_macro2::{Ident, Literal, Span, TokenStream, TokenTree};

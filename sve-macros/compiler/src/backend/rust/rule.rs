@@ -11,7 +11,7 @@ use super::plan::plan;
 use super::step::{self, Code};
 use super::tangents::linearise_lanes;
 use super::{Context, Derived, attributes, documented, private, unstructured, verbatim};
-use crate::algebra::Symbol;
+use crate::algebra::{Expr, Symbol};
 use crate::explain::StepTexts;
 use crate::structure::{Block, Returns, Solution};
 use crate::system::model::{Family, Meaning, Symbols, Unknown};
@@ -68,6 +68,11 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
     );
     let lanes = in_lanes(context, derived, &private);
     let plan = plan(&private, context, derived, lanes.is_some(), texts, &work);
+    let proves_start = finds_singular_masses(context, derived).then(|| {
+        quote!(
+            const PROVES_START: bool = true;
+        )
+    });
     let [doc, increment_doc] = documentation(texts);
     let start = start(&linearisation.unknowns, model.dof(), symbols);
     let domain = domain(texts);
@@ -80,6 +85,7 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
             type Prepared = #prepared;
             const PLAN: &'static #private::Plan = &#plan;
             const RETURNS: #private::Returns = #private::Returns::#returns;
+            #proves_start
             /// What depends on parameters and step size alone.
             #[inline]
             fn prepare(&self, h: f64) -> #prepared {
@@ -115,6 +121,21 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
         }
         #private::derived_rule! { #self_ty, #rule_type }
     }
+}
+
+/// Whether the blocks of a step are not solved where the mass matrix at the start is singular. All blocks are iterated, and in the limit of no noise and h → 0, in which
+/// the product of their determinants is that of the mass matrix, their matrices are known.
+fn finds_singular_masses(context: &Context<'_>, derived: &Derived) -> bool {
+    let (model, mechanics) = (context.model, context.mechanics);
+    let has_own_start = model.degeneracy.is_some() || !mechanics.constraints.is_empty();
+    let has_limit = |block: &Block<Expr>| match &block.solution {
+        Solution::Iteration(iteration) => iteration.limit.is_some(),
+        Solution::Formula(_) | Solution::System { .. } => false,
+    };
+    mechanics.affine_momentum
+        && !has_own_start
+        && !derived.is_unstructured
+        && derived.scheme.blocks.iter().all(has_limit)
 }
 
 /// `increment_lanes`, if ensembles step this system in lanes, with `linearise_lanes` where there is one. Rotations are stepped lane by lane.
@@ -219,6 +240,7 @@ fn code(
         }
         _ => step::code(
             scheme,
+            finds_singular_masses(context, derived),
             &linearisation.unknowns,
             symbols,
             received,

@@ -20,6 +20,8 @@ pub(super) struct Solver<'a> {
     pub(super) symbols: &'a Symbols,
     pub(super) arena: &'a Arena,
     pub(super) factors: &'a Factors<'a>,
+    /// Whether the step fails where the matrix of a limit, which has the determinant of the mass matrix, is singular.
+    pub(super) finds_singular_masses: bool,
     /// What reads the entries of the state in closures of the rarely taken paths.
     pub(super) reopen: &'a TokenStream,
 }
@@ -79,6 +81,7 @@ impl Solver<'_> {
             symbols,
             arena,
             factors,
+            finds_singular_masses,
             reopen,
         } = self;
         let Iteration {
@@ -135,7 +138,7 @@ impl Solver<'_> {
             }
             None => quote!(#private::solve_with_sign(&#matrix, &#rhs)),
         };
-        let without_guess = if iteration.needs_guess {
+        let without_guess = if iteration.needs_guess || *finds_singular_masses {
             quote!(return ::core::result::Result::Err(#private::SolveError::Singular { iteration: 0 }))
         } else {
             quote!((#rest, #private::DeterminantSign::UNKNOWN, [f64::NAN; #size]))
@@ -195,6 +198,7 @@ impl Solver<'_> {
             symbols,
             arena,
             factors: _,
+            finds_singular_masses: _,
             reopen,
         } = self;
         let Enclosure {
@@ -321,7 +325,11 @@ pub(super) fn residuals(residuals: &[Residual], printer: &Printer<'_>) -> [Token
 }
 
 /// Printed rows of stored entries as a matrix of the runtime.
-fn typed<T: Copy>(private: &TokenStream, matrix: &Matrix<T>, rows: &TokenStream) -> TokenStream {
+pub(super) fn typed<T: Copy>(
+    private: &TokenStream,
+    matrix: &Matrix<T>,
+    rows: &TokenStream,
+) -> TokenStream {
     match matrix.storage {
         Storage::Dense => rows.clone(),
         Storage::Cofactors => quote!(#private::Cofactors(#rows)),

@@ -31,6 +31,7 @@ pub(super) struct Code {
 /// The code of a scheme, in tiers.
 pub(super) fn code(
     scheme: &Scheme<Expr>,
+    finds_singular_masses: bool,
     unknowns: &[Symbol],
     symbols: &Symbols,
     received: &Received,
@@ -50,6 +51,7 @@ pub(super) fn code(
         symbols,
         arena,
         factors: &factors,
+        finds_singular_masses,
         reopen: &received.reopen_state,
     };
     let (kept, array, open) = factors.beside(&kept, &array, &printer, private);

@@ -1,0 +1,139 @@
+//! The tests of the start of a step, around the equations of any derived rule.
+//!
+//! Input: the step of a rule. Output: the same step, or an error where no isolated velocity has the momentum at the start ([`start`](crate::start)). Single steps,
+//! compensated steps, derivatives and lanes call the equations through the functions of this file.
+//!
+//! What costs nothing comes first: the mass matrix of parameters was tested in `prepare`; a rule whose equations cannot be solved where the mass matrix is singular
+//! ([`StepEquations::PROVES_START`]) tests nothing. A lane that is not sure takes the scalar step.
+
+use super::DerivedStep;
+use crate::configuration::Coordinates;
+use crate::equations::{StepEquations, StepOf};
+use crate::lanes::tangents::KeepUnknowns;
+use crate::lanes::{ALL, LANES, Mask};
+use crate::legendre;
+use crate::solve::SolveError;
+use crate::solve::newton::BlockSolver;
+use crate::start::{StartOfStep, Tested};
+use crate::state::State;
+use crate::system::{Dimensions, Dims, IncrementLanesOf, StateLanesOf, System};
+use crate::variational::Memory;
+
+/// Returned by a failed test. The error of the step is made off the fast path, from the inverse Legendre transform.
+const NO_START: SolveError = SolveError::Singular { iteration: 0 };
+
+/// Whether the mass matrix has to be tested in each step.
+const fn tests_state<S: StepEquations<R>, R>() -> bool {
+    S::TESTS_STATE && !S::PROVES_START
+}
+
+/// Whether a velocity of the momentum has to be found in each step.
+const fn tests_velocity<S: StepEquations<R>, R>() -> bool {
+    S::TESTS_VELOCITY && !S::PROVES_START
+}
+
+/// Computes what depends on parameters and step size alone.
+#[inline(always)]
+pub fn prepare<S: StepEquations<R>, R>(system: &S, h: f64) -> Tested<S::Prepared> {
+    Tested {
+        coefficients: system.prepare(h),
+        has_regular_mass: system.parameters_give_regular_mass(),
+    }
+}
+
+/// Solves the equations of a step from a start that is tested.
+///
+/// # Errors
+/// As [`StepEquations::increment`]; a [`SolveError`] if no isolated velocity has the momentum at the start.
+#[inline(always)]
+pub(super) fn increment<S, R, Q, const N: usize, const M: usize>(
+    derived: DerivedStep<'_, S, R>,
+    prepared: &Tested<S::Prepared>,
+    memory: &mut S::Memory,
+    state: &State<Q::Flat>,
+    h: f64,
+    dw: &S::Increments,
+) -> Result<StepOf<S, R>, SolveError>
+where
+    S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    let system = derived.system;
+    if const { S::TESTS_PARAMETERS } && !prepared.has_regular_mass {
+        return Err(NO_START);
+    }
+    if const { tests_state::<S, R>() } && !system.state_gives_regular_mass(state.t, &state.q) {
+        return Err(NO_START);
+    }
+    let solver = BlockSolver::new(derived.newton);
+    let step = system.increment(&prepared.coefficients, memory, state, h, dw, &solver)?;
+    if const { tests_velocity::<S, R>() } {
+        let (dq, ..) = &step;
+        let guess = dq.map(|d| d / h);
+        if !legendre::has_velocity_near(system, state, &guess) {
+            *memory = S::Memory::none();
+            return Err(NO_START);
+        }
+    }
+    Ok(step)
+}
+
+/// Advances every lane whose start is tested, as [`StepEquations::increment_lanes`] does.
+#[inline(always)]
+#[allow(clippy::too_many_arguments)] // those of a step and the unknowns
+pub fn increment_lanes<S, R, Q, const N: usize, const M: usize>(
+    derived: DerivedStep<'_, S, R>,
+    prepared: &Tested<S::Prepared>,
+    states: &StateLanesOf<S>,
+    next: &mut StateLanesOf<S>,
+    h: f64,
+    dw: &IncrementLanesOf<S>,
+    unknowns: &mut impl KeepUnknowns,
+) -> Mask
+where
+    S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    let DerivedStep { system, newton, .. } = derived;
+    let fails = const { S::TESTS_PARAMETERS } && !prepared.has_regular_mass;
+    if fails || const { tests_velocity::<S, R>() } {
+        next.clone_from(states);
+        return ALL;
+    }
+    let coefficients = &prepared.coefficients;
+    let unsolved = system.increment_lanes(coefficients, states, next, h, dw, newton, unknowns);
+    if !const { tests_state::<S, R>() } {
+        return unsolved;
+    }
+    let unsure = system.lanes_of_singular_mass(states);
+    let unsure = unsure.unwrap_or_else(|| singular_masses(system, states));
+    if unsure != 0 {
+        restore::<S>(unsure, states, next);
+    }
+    unsolved | unsure
+}
+
+/// Returns the lanes where the mass matrix is singular, tested lane by lane.
+fn singular_masses<S, Q, const N: usize, const M: usize>(
+    system: &S,
+    states: &StateLanesOf<S>,
+) -> Mask
+where
+    S: StartOfStep + System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    let mut mask = 0;
+    for lane in 0..LANES {
+        let State { t, q, .. } = S::Dims::get(states, lane).to_coordinates();
+        mask |= Mask::from(!system.state_gives_regular_mass(t, &q)) << lane;
+    }
+    mask
+}
+
+/// Copies the states of some lanes back.
+#[cold]
+fn restore<S: System>(lanes: Mask, states: &StateLanesOf<S>, next: &mut StateLanesOf<S>) {
+    for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
+        S::Dims::set(next, lane, &S::Dims::get(states, lane));
+    }
+}
