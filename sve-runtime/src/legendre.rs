@@ -187,18 +187,22 @@ fn singular_mass<const N: usize>(
 }
 
 /// Returns whether an isolated velocity has the momentum of `state`: one that Newton's method reaches from `guess` by contracting updates, or one that is connected with the
-/// reference.
+/// reference. A residual is compared with the momentum and its `change` in a step, since the momentum itself may vanish.
 #[inline]
 pub(crate) fn has_velocity_near<S, Q, const N: usize, const M: usize>(
     system: &S,
     state: &State<Q::Flat>,
     guess: &[f64; N],
+    change: &[f64; N],
 ) -> bool
 where
     S: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    let at = |v: &[f64; N]| momentum_equation::<S, Q, N, M>(system, state, v, &state.p);
+    let at = |v: &[f64; N]| Evaluation {
+        magnitude: core::array::from_fn(|i| state.p[i].abs() + change[i].abs()),
+        ..momentum_equation::<S, Q, N, M>(system, state, v, &state.p)
+    };
     let found = contract(*guess, DeterminantSign::UNKNOWN, EXISTENCE_TOLERANCE, at);
     found.is_some() || velocity(system, state).is_ok()
 }

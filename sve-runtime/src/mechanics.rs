@@ -84,7 +84,7 @@ pub trait Mechanics: System {
     /// The velocity of a state, the inverse of the Legendre transform; [`State::from_velocity`] goes the other way.
     ///
     /// # Errors
-    /// [`StepError::Singular`] if the mass matrix `∂²L/∂v²` has no inverse; [`StepError::NonFiniteInput`];
+    /// [`StepError::SingularMass`] if the mass matrix `∂²L/∂v²` has no inverse; [`StepError::NonFiniteInput`];
     /// [`StepError::NoVelocity`] if L is not quadratic in v and no velocity with that momentum is found.
     fn velocity(&self, state: &StateOf<Self>) -> Result<MomentumOf<Self>, StepError>;
 

@@ -222,6 +222,7 @@ where
                 StepError::BranchLost { .. } => "BranchLost",
                 StepError::NotConverged { .. } => "NotConverged",
                 StepError::Singular { .. } => "Singular",
+                StepError::SingularMass { .. } => "SingularMass",
                 StepError::NonFiniteResult { .. } => "NonFiniteResult",
                 other => return (Verdict::Stops, other.to_string()),
             };

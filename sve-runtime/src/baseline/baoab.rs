@@ -14,6 +14,7 @@ use crate::configuration::VectorCoordinates;
 use crate::error::{StepError, step_error};
 use crate::integrator::accept;
 use crate::jets::LagrangianJet;
+use crate::legendre;
 use crate::mechanics::{Field, noise_of};
 use crate::method::OneStepMethod;
 use crate::solve::SolveError;
@@ -115,7 +116,11 @@ impl<S> Baoab<S> {
         Q: VectorCoordinates<N>,
     {
         let half = 0.5 * h;
-        let singular = || step_error(SolveError::Singular { iteration: 0 }, start, h, dw);
+        let singular = || {
+            let error = legendre::velocity(&self.system, start).err();
+            let error = error.unwrap_or(SolveError::Singular { iteration: 0 });
+            step_error(error, start, h, dw)
+        };
         let (mut q, mut p) = (start.q, start.p);
         let (first, rest) = self.force(start.t, &q);
         if rest.dv != [0.0; N] {

@@ -68,9 +68,9 @@ where
     let solver = BlockSolver::new(derived.newton);
     let step = system.increment(&prepared.coefficients, memory, state, h, dw, &solver)?;
     if const { tests_velocity::<S, R>() } {
-        let (dq, ..) = &step;
+        let (dq, dp, _) = &step;
         let guess = dq.map(|d| d / h);
-        if !legendre::has_velocity_near(system, state, &guess) {
+        if !legendre::has_velocity_near(system, state, &guess, dp) {
             *memory = S::Memory::none();
             return Err(NO_START);
         }

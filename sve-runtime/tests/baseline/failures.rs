@@ -139,7 +139,7 @@ fn a_singular_mass_matrix_is_named() {
         assert!(
             matches!(
                 error,
-                StepError::Singular { h: 0.1, .. } | StepError::NonFiniteResult { .. }
+                StepError::SingularMass { h: 0.1, .. } | StepError::NonFiniteResult { .. }
             ),
             "{error}"
         );

@@ -228,7 +228,7 @@ where
 fn singular_masses_are_named() {
     let is_singular = |error: StepError| {
         assert!(
-            matches!(error, StepError::Singular { t: 2.0, h: 0.1, .. }),
+            matches!(error, StepError::SingularMass { t: 2.0, h: 0.1, .. }),
             "{error}"
         );
     };

@@ -296,7 +296,7 @@ fn nothing_non_finite_is_returned() {
     let state = State::new([0.0, 0.0], [1.0, 0.0]);
     assert!(matches!(
         polar.drift(&state),
-        Err(StepError::Singular { .. })
+        Err(StepError::SingularMass { .. })
     ));
     let kubo = Kubo {
         a: 1e200,

@@ -50,6 +50,7 @@ where
 fn place(error: &StepError) -> (f64, f64) {
     match *error {
         StepError::Singular { t, h, .. }
+        | StepError::SingularMass { t, h, .. }
         | StepError::NonFiniteResult { t, h, .. }
         | StepError::NotConverged { t, h, .. }
         | StepError::BranchLost { t, h, .. } => (t, h),

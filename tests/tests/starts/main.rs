@@ -1,5 +1,7 @@
 //! Starts from velocities: p = ∂L/∂v, in the shape in which the Lagrangian is written.
 
+mod singular;
+
 use sve_models::models::Relativistic;
 use sve_runtime::prelude::*;
 

@@ -1,0 +1,571 @@
+//! Starts at which no isolated velocity has the momentum: no rule makes a step from them, in single steps, along trajectories, with derivatives and in ensembles, and
+//! all rules say the same. Near them steps are made.
+
+use sve_models::random::Random;
+use sve_runtime::ensemble::Cause;
+use sve_runtime::prelude::*;
+use sve_runtime::{
+    BlanesMoan4, Composed, Dims, Discretised, KahanLi8, MomentumVelocities, Split, System,
+    Variational,
+};
+
+/// A mass that is a parameter.
+struct Mass {
+    m: f64,
+}
+
+#[variational(
+    initial_point,
+    endpoint,
+    midpoint,
+    stormer_verlet,
+    gauss(2),
+    gauss(4),
+    midpoint(weak2),
+    gauss(2, stage_noise)
+)]
+impl Mass {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * self.m * v * v - 0.5 * q * q
+    }
+    #[gamma]
+    fn push(&self, q: f64) -> f64 {
+        0.1 * q * q
+    }
+}
+
+/// Two velocities that are coupled; for a = 1 they have one momentum.
+struct Coupled {
+    a: f64,
+}
+
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, gauss(2), gauss(4))]
+impl Coupled {
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        0.5 * (v[0] * v[0] + v[1] * v[1]) + self.a * v[0] * v[1]
+            - 0.5 * (q[0] * q[0] + 2.0 * q[1] * q[1])
+    }
+}
+
+/// A mass that vanishes at the origin.
+struct Vanishing;
+
+#[variational(
+    initial_point,
+    endpoint,
+    midpoint,
+    stormer_verlet,
+    gauss(2),
+    gauss(4),
+    taylor2
+)]
+impl Vanishing {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * q * q * v * v - 0.5 * q * q
+    }
+}
+
+/// Polar coordinates, with noise.
+struct Polar;
+
+#[variational(
+    initial_point,
+    endpoint,
+    midpoint,
+    stormer_verlet,
+    gauss(2),
+    gauss(4),
+    stormer_verlet(weak2),
+    gauss(4, stage_noise)
+)]
+impl Polar {
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        0.5 * (v[0] * v[0] + q[0] * q[0] * v[1] * v[1]) - 0.5 * q[0] * q[0]
+    }
+    #[gamma]
+    fn push(&self, q: [f64; 2]) -> f64 {
+        0.1 * q[0]
+    }
+}
+
+/// A mass matrix that loses a rank where q₀ = c, in five coordinates: more than bounds judge.
+struct Fold {
+    b: [[f64; 5]; 5],
+    c: f64,
+}
+
+#[variational(endpoint, midpoint, stormer_verlet, gauss(2), gauss(4))]
+impl Fold {
+    fn lagrangian(&self, q: [f64; 5], v: [f64; 5]) -> f64 {
+        let mut l = -0.5 * q[0] * q[0] - q[1].cos();
+        for k in 0..5 {
+            let mut along = 0.0;
+            for i in 0..5 {
+                along += self.b[k][i] * v[i];
+            }
+            if k == 0 {
+                along *= q[0] - self.c;
+            }
+            l += 0.5 * along * along;
+        }
+        l
+    }
+}
+
+/// A mass matrix of parameters, of three coordinates.
+#[derive(Clone)]
+struct Gram {
+    b: [[f64; 3]; 3],
+}
+
+#[variational(endpoint, midpoint, stormer_verlet, gauss(2), gauss(4))]
+impl Gram {
+    fn lagrangian(&self, q: [f64; 3], v: [f64; 3]) -> f64 {
+        let mut l = q[0].cos() + q[1].cos() - 0.5 * q[2] * q[2];
+        for k in 0..3 {
+            let along = self.b[k][0] * v[0] + self.b[k][1] * v[1] + self.b[k][2] * v[2];
+            l += 0.5 * along * along;
+        }
+        l
+    }
+}
+
+/// A light ray in a layered medium, whose momentum is bounded.
+struct Ray;
+
+#[variational(
+    initial_point,
+    endpoint,
+    midpoint,
+    stormer_verlet,
+    gauss(2),
+    gauss(4),
+    gauss(2, stage_noise)
+)]
+impl Ray {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        1.5 * (1.0 - 0.2 * q * q) * (1.0 + v * v).sqrt()
+    }
+    #[gamma]
+    fn push(&self, q: f64) -> f64 {
+        0.1 * q
+    }
+}
+
+/// A mass that vanishes at rest.
+struct Quartic;
+
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, gauss(2), gauss(4))]
+impl Quartic {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.25 * v.powi(4) - 0.5 * q * q
+    }
+}
+
+/// Makes steps from a start that has none by functions of an integrator. Returns the errors of steps of some lengths.
+macro_rules! refused_alone {
+    ($method:expr, $bad:expr, $good:expr, $what:expr) => {{
+        let (method, bad, what) = ($method, $bad, $what);
+        let errors = [0.01, -0.01, 1e-6].map(|h| {
+            let error = method.trajectory(bad, h, Wiener::new(1)).next().unwrap();
+            let error = error.expect_err(what);
+            let mut state = bad;
+            let dw = none(method);
+            assert_eq!(
+                method.step(&mut state, h, &dw),
+                Err(error.clone()),
+                "{what}"
+            );
+            assert_eq!(state, bad, "{what}");
+            let tangent = method.tangent(&bad, h, &dw).map(|_| ());
+            assert_eq!(tangent, Err(error.clone()), "{what}");
+            error
+        });
+        let stepped = method.step(&mut { $good }, 0.01, &none(method));
+        assert_eq!(stepped, Ok(()), "{what}");
+        errors
+    }};
+}
+
+/// Makes steps from a start that has none by every function that steps. Returns the error of a step.
+macro_rules! refused {
+    ($system:expr, $rule:expr, $bad:expr, $good:expr) => {{
+        let (method, bad, good) = (Integrator::new($system, $rule), $bad, $good);
+        let what = stringify!($rule);
+        let [error, ..] = refused_alone!(&method, bad, good, what);
+        // paths with and without a start beside one another, more than there are lanes
+        let paths = 70;
+        let summary = Ensemble::new(&method)
+            .paths(paths)
+            .seed(3)
+            .steps(0.01, 2)
+            .start_with(|path, _| if path % 3 == 1 { bad } else { good })
+            .run()
+            .unwrap();
+        let failed: Vec<u64> = summary.failures().iter().map(|f| f.path).collect();
+        let expected: Vec<u64> = (0..paths).filter(|path| path % 3 == 1).collect();
+        assert_eq!(failed, expected, "{what}");
+        for failure in summary.failures() {
+            assert_eq!(failure.cause, Cause::Step(error.clone()), "{what}");
+            assert_eq!(failure.step, 0, "{what}");
+        }
+        error
+    }};
+}
+
+/// As `refused`, of a rule with increments at the stages, which ensembles do not take.
+macro_rules! refused_by_stages {
+    ($system:expr, $rule:expr, $bad:expr, $good:expr) => {{
+        let method = Integrator::new($system, $rule);
+        let [error, ..] = refused_alone!(&method, $bad, $good, stringify!($rule));
+        error
+    }};
+}
+
+/// No increments of noise for a step of a rule.
+fn none<S: Discretised<R>, R>(_: &Integrator<S, R>) -> S::Increments {
+    sve_runtime::Increments::NONE
+}
+
+/// Checks that all rules give the same error. Returns it.
+fn same(errors: &[StepError]) -> StepError {
+    for error in errors {
+        assert_eq!(error, &errors[0]);
+    }
+    errors[0].clone()
+}
+
+/// The numbers of an error that names a singular mass matrix.
+fn singular(error: &StepError) -> (usize, f64, MomentumVelocities) {
+    match *error {
+        StepError::SingularMass {
+            row,
+            pivot,
+            velocities,
+            ..
+        } => (row, pivot, velocities),
+        ref other => panic!("{other}"),
+    }
+}
+
+#[test]
+fn a_mass_of_zero() {
+    for (p, expected) in [
+        (0.5, MomentumVelocities::None { distance: 0.5 }),
+        (0.0, MomentumVelocities::Many),
+    ] {
+        // the mass belongs to the system, so no path of an ensemble has a start
+        let method = Integrator::new(Mass { m: 0.0 }, Midpoint);
+        let start = State::at(2.0, [1.0], [p]);
+        let summary = Ensemble::new(&method)
+            .paths(40)
+            .steps(0.01, 2)
+            .start_with(|_, _| start)
+            .run()
+            .unwrap();
+        assert_eq!(summary.failed(), 40);
+        let mut errors = Vec::new();
+        macro_rules! rules {
+            ($($rule:expr),*) => {$({
+                let method = Integrator::new(Mass { m: 0.0 }, $rule);
+                let mut state = start;
+                errors.push(method.step(&mut state, 0.01, &none(&method)).unwrap_err());
+                assert_eq!(state, start);
+                let path = method.trajectory(start, 0.01, Wiener::new(1)).take(1);
+                errors.extend(path.map(Result::unwrap_err));
+            })*};
+        }
+        rules!(
+            InitialPoint,
+            Endpoint,
+            Midpoint,
+            StormerVerlet,
+            Gauss::<2>,
+            Gauss::<4>,
+            Weak2(Midpoint),
+            StageNoise(Gauss::<2>),
+            Split::new(BlanesMoan4),
+            Composed::new(StormerVerlet, KahanLi8)
+        );
+        let of_composition = errors.split_off(errors.len() - 4);
+        for error in of_composition {
+            assert_eq!(singular(&error), (0, 0.0, expected));
+        }
+        let error = same(&errors);
+        assert_eq!(singular(&error), (0, 0.0, expected));
+        let text = error.to_string();
+        for part in [
+            "t = 2",
+            "q = [1.0]",
+            "h = 1e-2",
+            "p[0]",
+            "mass matrix",
+            &format!("p = [{p:?}]"),
+        ] {
+            assert!(text.contains(part), "{text}");
+        }
+        for failure in summary.failures() {
+            assert_eq!(failure.cause, Cause::Step(error.clone()));
+        }
+        let compensated = Integrator::new(Mass { m: 0.0 }, StormerVerlet);
+        let mut path = compensated
+            .trajectory(start, 0.01, Wiener::new(1))
+            .compensated();
+        assert_eq!(path.next(), Some(Err(error.clone())));
+    }
+}
+
+#[test]
+fn velocities_with_one_momentum() {
+    let at = |p| State::new([1.0, 0.3], p);
+    for p in [[0.2, 0.1], [0.2, 0.2]] {
+        let mut errors = Vec::new();
+        macro_rules! rules {
+            ($($rule:expr),*) => {$({
+                let method = Integrator::new(Coupled { a: 1.0 }, $rule);
+                let mut state = at(p);
+                errors.push(method.step(&mut state, 0.01, &[]).unwrap_err());
+                let near = Integrator::new(Coupled { a: 1.0 - 1e-12 }, $rule);
+                near.step(&mut at([0.2, 0.2]), 1e-9, &[]).unwrap();
+            })*};
+        }
+        rules!(
+            InitialPoint,
+            Endpoint,
+            Midpoint,
+            StormerVerlet,
+            Gauss::<2>,
+            Gauss::<4>
+        );
+        let (_, pivot, velocities) = singular(&same(&errors));
+        assert_eq!(pivot, 0.0);
+        if p[0] == p[1] {
+            assert_eq!(velocities, MomentumVelocities::Many);
+        } else {
+            assert!(
+                matches!(velocities, MomentumVelocities::None { distance } if (distance - 0.1).abs() < 1e-15),
+                "{velocities:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_mass_that_vanishes_at_a_place() {
+    let good = State::new([1.0], [0.3]);
+    for (p, expected) in [
+        (1.0, MomentumVelocities::None { distance: 1.0 }),
+        (0.0, MomentumVelocities::Many),
+    ] {
+        let bad = State::new([0.0], [p]);
+        let errors = [
+            refused!(Vanishing, InitialPoint, bad, good),
+            refused!(Vanishing, Endpoint, bad, good),
+            refused!(Vanishing, Midpoint, bad, good),
+            refused!(Vanishing, StormerVerlet, bad, good),
+            refused!(Vanishing, Gauss::<2>, bad, good),
+            refused!(Vanishing, Gauss::<4>, bad, good),
+            refused!(Vanishing, Taylor2, bad, good),
+            refused!(&Vanishing, Midpoint, bad, good),
+        ];
+        assert_eq!(singular(&same(&errors)), (0, 0.0, expected));
+        assert_eq!(
+            singular(&Vanishing.velocity(&bad).unwrap_err()),
+            (0, 0.0, expected)
+        );
+    }
+}
+
+#[test]
+fn the_pole_of_polar_coordinates() {
+    let good = State::new([1.0, 0.3], [0.5, 0.2]);
+    for (p, expected) in [
+        (0.2, MomentumVelocities::None { distance: 0.2 }),
+        (0.0, MomentumVelocities::Many),
+    ] {
+        let bad = State::new([0.0, 0.3], [0.5, p]);
+        let errors = [
+            refused!(Polar, InitialPoint, bad, good),
+            refused!(Polar, Endpoint, bad, good),
+            refused!(Polar, Midpoint, bad, good),
+            refused!(Polar, StormerVerlet, bad, good),
+            refused!(Polar, Gauss::<2>, bad, good),
+            refused!(Polar, Gauss::<4>, bad, good),
+            refused!(Polar, Weak2(StormerVerlet), bad, good),
+            refused_by_stages!(Polar, StageNoise(Gauss::<4>), bad, good),
+        ];
+        assert_eq!(singular(&same(&errors)), (1, 0.0, expected));
+    }
+    // next to the pole nothing is refused by the test of the start: the explicit parts of steps are made
+    let near = State::new([1e-3, 0.3], [0.5, 1e-9]);
+    Integrator::new(Polar, Endpoint)
+        .step(&mut { near }, 1e-4, &[0.0])
+        .unwrap();
+}
+
+fn random_rows<const N: usize>(random: &mut Random) -> [[f64; N]; N] {
+    core::array::from_fn(|_| random.array(-1.0, 1.0))
+}
+
+#[test]
+fn random_mass_matrices_that_lose_a_rank_at_a_place() {
+    let mut random = Random::new(5);
+    for _ in 0..4 {
+        let (b, c) = (random_rows(&mut random), random.array::<1>(-1.0, 1.0)[0]);
+        let fold = || Fold { b, c };
+        let [mut q, p]: [[f64; 5]; 2] = core::array::from_fn(|_| random.array(-1.0, 1.0));
+        q[0] = c;
+        let bad = State::new(q, p);
+        q[0] = c + 2.0;
+        let good = State::new(q, p.map(|p| 0.1 * p));
+        let errors = [
+            refused!(fold(), Endpoint, bad, good),
+            refused!(fold(), Midpoint, bad, good),
+            refused!(fold(), StormerVerlet, bad, good),
+            refused!(fold(), Gauss::<2>, bad, good),
+            refused!(fold(), Gauss::<4>, bad, good),
+        ];
+        let (_, _, velocities) = singular(&same(&errors));
+        assert!(
+            matches!(velocities, MomentumVelocities::None { .. }),
+            "{velocities:?}"
+        );
+    }
+}
+
+fn steps<R>(gram: &Gram, rule: R, start: State<[f64; 3]>) -> Result<State<[f64; 3]>, StepError>
+where
+    Gram: Variational<R> + System<Dims = Dims<3, 0>>,
+{
+    let (method, mut state) = (Integrator::new(gram.clone(), rule), start);
+    let h = 1e-3;
+    method.step(&mut state, h, &[])?;
+    let mut path = method.trajectory(start, h, NoNoise);
+    assert_eq!(path.next().unwrap()?.t, h);
+    Ok(state)
+}
+
+#[test]
+fn random_mass_matrices_of_parameters() {
+    let mut random = Random::new(9);
+    for _ in 0..200 {
+        let mut b: [[f64; 3]; 3] = random_rows(&mut random);
+        let start = State::new(random.array(-1.0, 1.0), random.array(-1.0, 1.0));
+        let [x, y] = random.array(-2.0, 2.0);
+        b[2] = core::array::from_fn(|i| x * b[0][i] + y * b[1][i]);
+        let singular_gram = Gram { b };
+        macro_rules! rules {
+            ($($rule:expr),*) => {$({
+                let error = steps(&singular_gram, $rule, start).unwrap_err();
+                let (_, pivot, velocities) = singular(&error);
+                assert!(pivot < 1e-14, "{error}");
+                assert!(matches!(velocities, MomentumVelocities::None { .. }), "{error}");
+                // masses in units of 2^±60
+                for unit in [30.0_f64.exp2(), (-30.0_f64).exp2()] {
+                    let b = b.map(|row| row.map(|x| unit * x));
+                    let error = steps(&Gram { b }, $rule, start).unwrap_err();
+                    assert!(matches!(error, StepError::SingularMass { .. }), "{error}");
+                }
+            })*};
+        }
+        rules!(Endpoint, Midpoint, StormerVerlet, Gauss::<2>, Gauss::<4>);
+    }
+}
+
+/// A mass of 10⁻¹², and masses in units of 2^±60, are legal: positions have the bits of the closed form in these units.
+#[test]
+fn small_masses_step() {
+    for m in [
+        1e-12,
+        60.0_f64.exp2(),
+        (-60.0_f64).exp2(),
+        f64::MIN_POSITIVE,
+    ] {
+        let (h, q, p) = (0.01, 1.0, 0.3 * m);
+        let mut state = State::new([q], [p]);
+        Integrator::new(Mass { m }, Endpoint)
+            .step(&mut state, h, &[0.0])
+            .unwrap();
+        let end = q + h * (p / m);
+        assert!((state.q[0] - end).abs() <= 2.0 * f64::EPSILON, "{m:e}");
+        assert_eq!(state.p[0], p - h * state.q[0]);
+        for error in [
+            Integrator::new(Mass { m }, Midpoint).step(&mut { state }, 1e-9, &[0.0]),
+            Integrator::new(Mass { m }, StormerVerlet).step(&mut { state }, 1e-9, &[0.0]),
+            Integrator::new(Mass { m }, Gauss::<2>).step(&mut { state }, 1e-9, &[0.0]),
+        ] {
+            let is_refused = matches!(error, Err(StepError::SingularMass { .. }));
+            assert!(!is_refused, "{m:e}");
+        }
+    }
+}
+
+#[test]
+fn a_momentum_that_no_velocity_has() {
+    let good = State::new([0.3], [1.2]);
+    let bad = State::new([0.3], [2.0]);
+    let errors = [
+        refused!(Ray, InitialPoint, bad, good),
+        refused!(Ray, Endpoint, bad, good),
+        refused!(Ray, Midpoint, bad, good),
+        refused!(Ray, StormerVerlet, bad, good),
+        refused!(Ray, Gauss::<2>, bad, good),
+        refused!(Ray, Gauss::<4>, bad, good),
+        refused_by_stages!(Ray, StageNoise(Gauss::<2>), bad, good),
+        refused!(Ray, Composed::new(Midpoint, KahanLi8), bad, good),
+    ];
+    let StepError::NoVelocity { q, p, distance, .. } = same(&errors) else {
+        panic!("{}", errors[0]);
+    };
+    assert_eq!((q.as_slice(), p.as_slice()), (&[0.3][..], &[2.0][..]));
+    // ∂L/∂v is below n = 1.473
+    assert!((distance - (2.0 - 1.473)).abs() < 1e-9, "{distance}");
+    assert_eq!(
+        Ray.velocity(&bad).map_err(|e| e.to_string()),
+        Err(errors[0].to_string())
+    );
+    // up to the bound there are velocities
+    for p in [1.4, 1.47, 1.4729] {
+        for h in [1e-3, 1e-6] {
+            let mut state = State::new([0.3], [p]);
+            Integrator::new(Ray, StormerVerlet)
+                .step(&mut state, h, &[0.0])
+                .unwrap_or_else(|error| panic!("{p}: {error}"));
+        }
+    }
+    for p in [1.4731, 1.5, 1e3] {
+        let error = Integrator::new(Ray, Midpoint).step(&mut State::new([0.3], [p]), 1e-6, &[0.0]);
+        assert!(
+            matches!(error, Err(StepError::NoVelocity { .. })),
+            "{p}: {error:?}"
+        );
+    }
+}
+
+/// A velocity of zero has the momentum, and the mass matrix is singular there: the solutions of a step are no differentiable function of its start.
+#[test]
+fn a_mass_that_vanishes_at_rest() {
+    let good = State::new([0.3], [8.0]);
+    let bad = State::new([0.3], [0.0]);
+    let errors = [
+        refused!(Quartic, InitialPoint, bad, good),
+        refused!(Quartic, Endpoint, bad, good),
+        refused!(Quartic, Midpoint, bad, good),
+        refused!(Quartic, StormerVerlet, bad, good),
+        refused!(Quartic, Gauss::<2>, bad, good),
+        refused!(Quartic, Gauss::<4>, bad, good),
+    ];
+    let error = same(&errors);
+    let of_composition = refused!(Quartic, Composed::new(Midpoint, KahanLi8), bad, good);
+    assert_eq!(singular(&of_composition), singular(&error));
+    assert_eq!(singular(&error), (0, 0.0, MomentumVelocities::Rest));
+    assert!(
+        error.to_string().contains("rest has the momentum"),
+        "{error}"
+    );
+    for p in [1e-3, -1e-12, 1e-100] {
+        Integrator::new(Quartic, Endpoint)
+            .step(&mut State::new([0.3], [p]), 0.01, &[])
+            .unwrap();
+    }
+}
