@@ -14,7 +14,7 @@ use crate::degenerate::{self, is_degenerate};
 use crate::error::{StepError, step_error};
 use crate::jets::LagrangianJet;
 use crate::solve::deficiency::{Deficiency, deficiency};
-use crate::solve::dense::{self, DeterminantSign};
+use crate::solve::dense::{self, DeterminantSign, Matrix, WITHOUT_DIGITS};
 use crate::solve::newton::{Evaluation, Newton};
 use crate::solve::{MomentumVelocities, SolveError};
 use crate::state::State;
@@ -153,7 +153,8 @@ where
     for i in 0..N {
         rhs[i] -= at_rest.dv[i];
     }
-    let v = dense::solve(&at_rest.dvv, &rhs).ok_or_else(|| {
+    let solved = at_rest.dvv.solve_above(WITHOUT_DIGITS, &rhs);
+    let (v, _) = solved.ok_or_else(|| {
         singular_mass(&at_rest.dvv, &rhs, |rest| match rest {
             0.0 => MomentumVelocities::Many,
             distance => MomentumVelocities::None { distance },

@@ -5,7 +5,7 @@
 //! Each elimination step shifts the rows below the pivot by one entry to the left, so that the factors need no more room than
 //! the matrix (Martin and Wilkinson, *Solution of symmetric and unsymmetric band equations*, 1967).
 
-use super::dense::{DeterminantSign, Matrix, SINGULAR, all_finite, largest_magnitude};
+use super::dense::{DeterminantSign, Matrix, all_finite, largest_magnitude};
 
 /// A matrix of `K` rows with at most `LOWER` entries before the diagonal, and `WIDTH` entries in a row.
 ///
@@ -14,7 +14,7 @@ use super::dense::{DeterminantSign, Matrix, SINGULAR, all_finite, largest_magnit
 pub struct Banded<const K: usize, const LOWER: usize, const WIDTH: usize>(pub [[f64; WIDTH]; K]);
 
 impl<const K: usize, const LOWER: usize, const WIDTH: usize> Matrix<K> for Banded<K, LOWER, WIDTH> {
-    fn solve_with_sign(&self, rhs: &[f64; K]) -> Option<([f64; K], DeterminantSign)> {
+    fn solve_above(&self, rounding: f64, rhs: &[f64; K]) -> Option<([f64; K], DeterminantSign)> {
         let (mut a, mut b) = (self.0, *rhs);
         let mut is_negative = false;
         let mut scale = a.map(|row| largest_magnitude(&row));
@@ -22,7 +22,7 @@ impl<const K: usize, const LOWER: usize, const WIDTH: usize> Matrix<K> for Bande
             let end = end_of_column::<K, LOWER>(k);
             let pivot = pivot_row(&a, &scale, k, end);
             let size = a[pivot][0].abs();
-            if size <= K as f64 * SINGULAR * scale[pivot] && self.is_rounding_error(k) {
+            if size <= K as f64 * rounding * scale[pivot] && self.is_rounding_error(rounding, k) {
                 return None;
             }
             a.swap(k, pivot);
@@ -63,7 +63,7 @@ impl<const K: usize, const LOWER: usize, const WIDTH: usize> Matrix<K> for Bande
 impl<const K: usize, const LOWER: usize, const WIDTH: usize> Banded<K, LOWER, WIDTH> {
     /// Returns whether the pivot of column `column` is only rounding error, by the method of [`dense`](super::dense).
     #[cold]
-    fn is_rounding_error(&self, column: usize) -> bool {
+    fn is_rounding_error(&self, rounding: f64, column: usize) -> bool {
         let mut a = self.0;
         let mut terms = a.map(|row| row.map(f64::abs));
         let mut scale = a.map(|row| largest_magnitude(&row));
@@ -86,7 +86,7 @@ impl<const K: usize, const LOWER: usize, const WIDTH: usize> Banded<K, LOWER, WI
                 terms[i][WIDTH - 1] = 0.0;
             }
         }
-        a[column][0].abs() <= K as f64 * SINGULAR * terms[column][0]
+        a[column][0].abs() <= K as f64 * rounding * terms[column][0]
     }
 }
 

@@ -7,10 +7,10 @@
 //! then. The relative error of the solution is bounded by the condition number of the matrix times a few units of rounding (Higham, *Accuracy and Stability of
 //! Numerical Algorithms*, section 1.10.1), and Newton's method, which uses it, corrects such errors in its next update.
 
-use super::dense::{DeterminantSign, Matrix, SINGULAR, all_finite};
+use super::dense::{DeterminantSign, Matrix, all_finite};
 
-/// Rounding errors of a determinant of three rows, in units of the sum of the magnitudes of its terms.
-const SINGULAR_OF_THREE: f64 = 3.0 * SINGULAR;
+/// Number of rows, to which the rounding errors of a determinant are in proportion.
+const ROWS: f64 = 3.0;
 
 /// A dense matrix that is solved by Cramer's rule.
 #[derive(Clone, Copy, Debug)]
@@ -18,7 +18,7 @@ pub struct Cofactors(pub [[f64; 3]; 3]);
 
 impl Matrix<3> for Cofactors {
     #[inline(always)]
-    fn solve_with_sign(&self, b: &[f64; 3]) -> Option<([f64; 3], DeterminantSign)> {
+    fn solve_above(&self, rounding: f64, b: &[f64; 3]) -> Option<([f64; 3], DeterminantSign)> {
         let [x, y, z] = self.0;
         // the columns of the inverse, but for the determinant
         let columns = [cross(y, z), cross(z, x), cross(x, y)];
@@ -27,8 +27,8 @@ impl Matrix<3> for Cofactors {
         let size = |row: [f64; 3]| (row[0].abs() + row[1].abs()) + row[2].abs();
         let bound = size(x) * size(y) * size(z);
         // false for NaN
-        let is_clear = determinant.abs() > SINGULAR_OF_THREE * bound;
-        if !is_clear && self.is_singular(determinant) {
+        let is_clear = determinant.abs() > ROWS * rounding * bound;
+        if !is_clear && self.is_singular(rounding, determinant) {
             return None;
         }
         let inverse = 1.0 / determinant;
@@ -54,11 +54,11 @@ impl Matrix<3> for Cofactors {
 impl Cofactors {
     /// Returns whether the determinant is only rounding error: far below the sum of the magnitudes of its terms.
     #[cold]
-    fn is_singular(&self, determinant: f64) -> bool {
+    fn is_singular(&self, rounding: f64, determinant: f64) -> bool {
         let [x, y, z] = self.0.map(|row| row.map(f64::abs));
         let minor = |i: usize, j: usize| y[i] * z[j] + y[j] * z[i];
         let terms = x[0] * minor(1, 2) + x[1] * minor(2, 0) + x[2] * minor(0, 1);
-        determinant.abs() <= SINGULAR_OF_THREE * terms
+        determinant.abs() <= ROWS * rounding * terms
     }
 }
 

@@ -2,10 +2,10 @@
 //!
 //! Input: matrix and right-hand side. Output: numbers for a message. Runs off the hot path.
 
-use super::dense::SINGULAR;
+use super::dense::WITHOUT_DIGITS;
 
 /// Rounding errors of a right-hand side in the elimination, in units of those of a pivot.
-const ROUNDING_OF_RIGHT_SIDE: f64 = 16.0;
+const ROUNDING_OF_RIGHT_SIDE: f64 = 4.0;
 
 /// An equation of a singular system for which the elimination found no pivot.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +20,7 @@ pub(crate) struct Deficiency {
     pub(crate) rest: f64,
 }
 
-/// Eliminates with scaled partial pivoting and passes over columns whose pivots are only rounding error, as [`dense`](super::dense) decides it. Returns, of the equations that are left, the one with the
+/// Eliminates with scaled partial pivoting and passes over columns whose pivots are only rounding error, as [`is_regular`](super::dense::is_regular) decides it. Returns, of the equations that are left, the one with the
 /// largest contradiction.
 pub(crate) fn deficiency<const K: usize>(matrix: &[[f64; K]; K], b: &[f64; K]) -> Deficiency {
     let (mut a, mut terms) = (*matrix, matrix.map(|row| row.map(f64::abs)));
@@ -28,7 +28,7 @@ pub(crate) fn deficiency<const K: usize>(matrix: &[[f64; K]; K], b: &[f64; K]) -
     let scale = terms.map(|row| row.into_iter().fold(0.0, f64::max));
     let mut is_left = [true; K];
     let mut has_pivot = [false; K];
-    let is_rounding = |x: f64, terms: f64| x.abs() <= K as f64 * SINGULAR * terms;
+    let is_rounding = |x: f64, terms: f64| x.abs() <= K as f64 * WITHOUT_DIGITS * terms;
     for k in 0..K {
         let candidates = (0..K).filter(|&i| is_left[i] && !is_rounding(a[i][k], terms[i][k]));
         let relative = |i: usize| a[i][k].abs() / scale[i];

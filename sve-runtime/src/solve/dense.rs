@@ -9,6 +9,9 @@
 /// K terms, so its threshold is K times this one.
 pub(crate) const SINGULAR: f64 = 4.0 * f64::EPSILON;
 
+/// The same size for a matrix whose entries are sums with rounding errors of their own, as those of a mass matrix.
+pub(crate) const WITHOUT_DIGITS: f64 = 16.0 * SINGULAR;
+
 /// The sign of a determinant, as a number of that sign.
 ///
 /// Two regular matrices between which a path of regular matrices exists have determinants of the same sign.
@@ -50,7 +53,12 @@ impl DeterminantSign {
 /// A square matrix of `K` rows that a step solves with.
 pub trait Matrix<const K: usize>: Copy {
     /// Solves `a x = b`. Returns the solution and the sign of the determinant, or `None` if the matrix is singular to rounding.
-    fn solve_with_sign(&self, b: &[f64; K]) -> Option<([f64; K], DeterminantSign)>;
+    #[inline(always)]
+    fn solve_with_sign(&self, b: &[f64; K]) -> Option<([f64; K], DeterminantSign)> {
+        self.solve_above(SINGULAR, b)
+    }
+    /// Solves `a x = b` as [`solve_with_sign`](Self::solve_with_sign) does, with another relative size of the pivots that count as rounding error.
+    fn solve_above(&self, rounding: f64, b: &[f64; K]) -> Option<([f64; K], DeterminantSign)>;
     /// Returns whether all entries are finite.
     fn is_finite(&self) -> bool;
     /// Returns the entry of the first row and column.
@@ -82,16 +90,16 @@ pub fn solve_with_sign<const K: usize>(
     a.solve_with_sign(b)
 }
 
-/// Returns whether a matrix is regular, by the pivots of its elimination.
+/// Returns whether the pivots of a matrix whose entries are sums have digits.
 #[inline(always)]
 pub fn is_regular<const K: usize>(a: &impl Matrix<K>) -> bool {
-    a.solve_with_sign(&[0.0; K]).is_some()
+    a.solve_above(WITHOUT_DIGITS, &[0.0; K]).is_some()
 }
 
 impl<const K: usize> Matrix<K> for [[f64; K]; K] {
     #[inline(always)]
-    fn solve_with_sign(&self, b: &[f64; K]) -> Option<([f64; K], DeterminantSign)> {
-        solve_dense(self, b)
+    fn solve_above(&self, rounding: f64, b: &[f64; K]) -> Option<([f64; K], DeterminantSign)> {
+        solve_dense(self, rounding, b)
     }
 
     #[inline(always)]
@@ -108,6 +116,7 @@ impl<const K: usize> Matrix<K> for [[f64; K]; K] {
 #[inline(always)]
 fn solve_dense<const K: usize>(
     a: &[[f64; K]; K],
+    rounding: f64,
     b: &[f64; K],
 ) -> Option<([f64; K], DeterminantSign)> {
     let mut x = [0.0; K];
@@ -124,7 +133,7 @@ fn solve_dense<const K: usize>(
         2 => {
             let (ad, bc) = (a[0][0] * a[1][1], a[0][1] * a[1][0]);
             let det = ad - bc;
-            if det.abs() <= SINGULAR * (ad.abs() + bc.abs()) {
+            if det.abs() <= rounding * (ad.abs() + bc.abs()) {
                 return None;
             }
             let inverse = 1.0 / det;
@@ -132,7 +141,7 @@ fn solve_dense<const K: usize>(
             x[1] = (b[1] * a[0][0] - b[0] * a[1][0]) * inverse;
             sign = DeterminantSign::of(det);
         }
-        _ => return eliminate(a, b),
+        _ => return eliminate(a, rounding, b),
     }
     Some((x, sign))
 }
@@ -140,10 +149,11 @@ fn solve_dense<const K: usize>(
 /// Solves a system of three and more unknowns by its factors.
 fn eliminate<const K: usize>(
     matrix: &[[f64; K]; K],
+    rounding: f64,
     rhs: &[f64; K],
 ) -> Option<([f64; K], DeterminantSign)> {
     let mut lu = *matrix;
-    let (rows, sign) = factor(matrix, &mut lu)?;
+    let (rows, sign) = factor(matrix, rounding, &mut lu)?;
     Some((substitute(&lu, &rows, rhs), sign))
 }
 
@@ -174,7 +184,7 @@ impl<const K: usize> Factors<K> {
 /// Factors a matrix of three and more rows. Returns `None` if it is singular to rounding.
 pub fn factored<const K: usize>(matrix: &[[f64; K]; K]) -> Option<Factors<K>> {
     let mut lu = *matrix;
-    let (rows, sign) = factor(matrix, &mut lu)?;
+    let (rows, sign) = factor(matrix, SINGULAR, &mut lu)?;
     Some(Factors { lu, rows, sign })
 }
 
@@ -202,6 +212,7 @@ fn substitute<const K: usize>(lu: &[[f64; K]; K], rows: &[usize; K], b: &[f64; K
 #[inline(always)]
 fn factor<const K: usize>(
     matrix: &[[f64; K]; K],
+    rounding: f64,
     a: &mut [[f64; K]; K],
 ) -> Option<([usize; K], DeterminantSign)> {
     let mut rows = core::array::from_fn(|i| i);
@@ -215,7 +226,7 @@ fn factor<const K: usize>(
         // A pivot that is small beside its row may be a rounding error, or its unknown may have a large unit.
         // The slower test distinguishes the two.
         let size = a[pivot][k].abs();
-        if size <= K as f64 * SINGULAR * scale[pivot] && is_rounding_error(matrix, k) {
+        if size <= K as f64 * rounding * scale[pivot] && is_rounding_error(matrix, rounding, k) {
             return None;
         }
         a.swap(k, pivot);
@@ -251,7 +262,7 @@ fn pivot_row<const K: usize>(a: &[[f64; K]; K], scale: &[f64; K], k: usize) -> u
 /// Repeats the elimination and accumulates, for each entry, the sum of the magnitudes of the terms subtracted to form it. A pivot
 /// far below that sum has no correct digits. Unlike the largest entry of a row or column, the sum has the unit of the pivot.
 #[cold]
-fn is_rounding_error<const K: usize>(matrix: &[[f64; K]; K], k: usize) -> bool {
+fn is_rounding_error<const K: usize>(matrix: &[[f64; K]; K], rounding: f64, k: usize) -> bool {
     let mut a = *matrix;
     let mut terms = matrix.map(|row| row.map(f64::abs));
     let mut scale = matrix.map(|row| largest_magnitude(&row));
@@ -271,7 +282,7 @@ fn is_rounding_error<const K: usize>(matrix: &[[f64; K]; K], k: usize) -> bool {
             }
         }
     }
-    a[k][k].abs() <= K as f64 * SINGULAR * terms[k][k]
+    a[k][k].abs() <= K as f64 * rounding * terms[k][k]
 }
 
 /// Returns the largest magnitude of a row's entries.

@@ -11,7 +11,7 @@ pub struct Diagonal<const K: usize>(pub [[f64; 1]; K]);
 
 impl<const K: usize> Matrix<K> for Diagonal<K> {
     #[inline(always)]
-    fn solve_with_sign(&self, b: &[f64; K]) -> Option<([f64; K], DeterminantSign)> {
+    fn solve_above(&self, _: f64, b: &[f64; K]) -> Option<([f64; K], DeterminantSign)> {
         let (mut x, mut is_negative, mut is_singular) = ([0.0; K], false, false);
         for i in 0..K {
             let pivot = self.0[i][0];

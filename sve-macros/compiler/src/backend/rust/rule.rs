@@ -123,19 +123,19 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
     }
 }
 
-/// Whether the blocks of a step are not solved where the mass matrix at the start is singular. All blocks are iterated, and in the limit of no noise and h → 0, in which
-/// the product of their determinants is that of the mass matrix, their matrices are known.
+/// Whether the solution of a step is not accepted where the mass matrix at the start is singular. Bounds judge all blocks, and contain their matrices in the limit of no noise and
+/// h → 0, where the product of the determinants is that of the mass matrix.
 fn finds_singular_masses(context: &Context<'_>, derived: &Derived) -> bool {
     let (model, mechanics) = (context.model, context.mechanics);
     let has_own_start = model.degeneracy.is_some() || !mechanics.constraints.is_empty();
-    let has_limit = |block: &Block<Expr>| match &block.solution {
-        Solution::Iteration(iteration) => iteration.limit.is_some(),
+    let is_judged = |block: &Block<Expr>| match &block.solution {
+        Solution::Iteration(iteration) => iteration.judge.is_some(),
         Solution::Formula(_) | Solution::System { .. } => false,
     };
     mechanics.affine_momentum
         && !has_own_start
         && !derived.is_unstructured
-        && derived.scheme.blocks.iter().all(has_limit)
+        && derived.scheme.blocks.iter().all(is_judged)
 }
 
 /// `increment_lanes`, if ensembles step this system in lanes, with `linearise_lanes` where there is one. Rotations are stepped lane by lane.
