@@ -196,6 +196,7 @@ use sve_compiler::Settings;
 ///
 /// - `impl System`: the type `Q` of configurations, which is that of `q` in the signature (`[f64; 1]` for `f64`); L and the noise Hamiltonians with their first and second derivatives, on which energy, Legendre transform, drift
 ///   and the baseline methods rest; differences such as `1 − cos x` or `√(1 + x) − 1` are computed in forms that do not cancel;
+/// - `impl StartOfStep`: the test that one velocity has the momentum where a step starts, as far as L leaves it open;
 /// - for each `#[symmetry] fn name` a function `name_momentum(&self, &State<Q>) -> f64`, the momentum ⟨p, ξ⟩, of the same visibility;
 /// - for each rule `impl StepEquations<Rule>`: `prepare`, what depends on parameters and step size alone; `increment`, the
 ///   step; and `PLAN`, what the step became.

@@ -196,7 +196,7 @@ pub fn inverse<const K: usize>(a: &[[f64; K]; K]) -> [[f64; K]; K] {
 
 #[cfg(test)]
 mod tests {
-    use super::{factored, inverse, solve};
+    use super::{factored, inverse, is_regular, solve};
     use crate::solve::dense::{self, tests::Random};
 
     fn compare_with_the_scalar_solve<const K: usize>(random: &mut Random, tolerance: f64) {
@@ -273,6 +273,23 @@ mod tests {
         assert!(!finite(&solve(&[[1.0, 2.0], [0.5, 1.0]], &[1.0, 1.0])));
         let a = [[1.0, 2.0, 3.0], [2.0, 4.0, 6.0], [1.0, 1.0, 1.0]];
         assert!(!finite(&solve(&a, &[1.0, 1.0, 1.0])));
+    }
+
+    #[test]
+    fn a_lane_is_sure_of_no_singular_matrix() {
+        let mut random = Random(7);
+        for _ in 0..500 {
+            let mut a: [[f64; 4]; 4] =
+                core::array::from_fn(|_| core::array::from_fn(|_| random.next()));
+            assert!(is_regular(&a), "{a:?}");
+            let (x, y) = (random.next(), random.next());
+            a[3] = core::array::from_fn(|j| x * a[0][j] + y * a[1][j]);
+            assert!(!is_regular(&a), "{a:?}");
+        }
+        assert!(is_regular(&[[1e-300]]) && !is_regular(&[[0.0]]));
+        assert!(is_regular(&[[1.0, 1.0], [1.0, 1.0 + 1e-9]]));
+        assert!(!is_regular(&[[1.0, 1.0], [1.0, 1.0]]));
+        assert!(!is_regular(&[[f64::NAN, 1.0], [1.0, 1.0]]));
     }
 
     /// Elimination with the right-hand side carried along.

@@ -248,15 +248,19 @@ fn same(errors: &[StepError]) -> StepError {
     errors[0].clone()
 }
 
-/// The numbers of an error that names a singular mass matrix.
+/// The row, the relative pivot and the velocities of an error that names a singular mass matrix.
 fn singular(error: &StepError) -> (usize, f64, MomentumVelocities) {
     match *error {
         StepError::SingularMass {
             row,
             pivot,
+            terms,
             velocities,
             ..
-        } => (row, pivot, velocities),
+        } => {
+            let relative = if pivot == 0.0 { 0.0 } else { pivot / terms };
+            (row, relative, velocities)
+        }
         ref other => panic!("{other}"),
     }
 }
@@ -579,4 +583,31 @@ fn a_mass_that_vanishes_at_rest() {
             .step(&mut State::new([0.3], [p]), 0.01, &[])
             .unwrap();
     }
+}
+
+/// A rigid body without mass, or without inertia about an axis.
+#[test]
+fn bodies_without_mass_or_inertia() {
+    let start = State::new(
+        (Vector3::x(), UnitQuaternion::identity()),
+        (Vector3::y(), Vector3::new(0.5, 0.5, 0.5)),
+    );
+    for (m, i, expected) in [
+        (0.0, Vector3::new(1.0, 2.0, 3.0), 1),
+        (2.0, Vector3::new(1.0, 0.0, 3.0), 4),
+    ] {
+        let method = Integrator::new(super::Body { m, i }, Midpoint);
+        let mut state = start;
+        let error = method.step(&mut state, 0.01, &[]).unwrap_err();
+        let (row, _, velocities) = singular(&error);
+        assert_eq!(row, expected);
+        assert!(
+            matches!(velocities, MomentumVelocities::None { .. }),
+            "{error}"
+        );
+        assert_eq!(state, start);
+    }
+    let i = Vector3::new(1.0, 2.0, 3.0);
+    let method = Integrator::new(super::Body { m: 2.0, i }, Midpoint);
+    assert_eq!(method.step(&mut { start }, 0.01, &[]), Ok(()));
 }

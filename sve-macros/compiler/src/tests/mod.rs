@@ -17,6 +17,7 @@ mod readable;
 mod robustness;
 mod rotations;
 mod scheme;
+mod starts;
 mod vectors;
 mod zero;
 
