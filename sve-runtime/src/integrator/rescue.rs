@@ -107,7 +107,9 @@ where
         if explained != plain {
             return explained;
         }
-    } else if let Some(error) = start_error(derived.system, state) {
+    } else if (S::CONSTRAINTS.is_empty() || matches!(plain, StepError::NonFiniteResult { .. }))
+        && let Some(error) = start_error(derived.system, state)
+    {
         // inputs that are not finite come first there too
         return step_error(error, state, h, dw.as_ref());
     }
