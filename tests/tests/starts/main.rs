@@ -1,6 +1,8 @@
 //! Starts from velocities: p = ∂L/∂v, in the shape in which the Lagrangian is written.
 
+mod refused;
 mod singular;
+mod systems;
 
 use sve_models::models::Relativistic;
 use sve_runtime::prelude::*;
