@@ -52,7 +52,8 @@ fn probabilities_of_rare_events_are_within_their_errors() {
     let far = 3.23;
     let (mut squares, mut estimates) = (0.0, 0);
     for seed in 0..12 {
-        for wanted in [1e-3, 4e-4] {
+        // small errors of a few seeds: they take most of the time
+        for wanted in [1e-3, 4e-4].into_iter().take(1 + usize::from(seed < 3)) {
             let ensemble =
                 ensemble(&method, seed).observe("is far", move |_, s| f64::from(s.q[0] > far));
             let estimate = match ensemble.multilevel("is far").run(wanted) {
@@ -79,10 +80,10 @@ fn probabilities_of_rare_events_are_within_their_errors() {
             estimates += 1;
         }
     }
-    // a sum of about 20 squares, of which some belong to few events
-    assert!(estimates >= 16, "{estimates}");
+    // the mean of about 12 squares, of which some belong to few events
+    assert!(estimates >= 10, "{estimates}");
     let mean = squares / f64::from(estimates);
-    assert!((0.3..2.5).contains(&mean), "{mean}");
+    assert!((0.2..2.5).contains(&mean), "{mean}");
 }
 
 fn message(result: Result<MultilevelEstimate, EnsembleError>) -> String {
