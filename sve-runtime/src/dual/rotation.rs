@@ -34,8 +34,10 @@ use crate::configuration::FixedSize;
 ///     (k == 100).then_some(z)
 /// })?;
 /// println!("∂z/∂weight = {:?}, by the body momentum {}", height.get("weight"), height.start().p);
-/// // about the vertical nothing changes
-/// assert!(height.start().q.dot(&(start.q.inverse() * Vector3::z())).abs() < 1e-12);
+/// // a turn e about the vertical, which keeps Π = y − ½ e × Π, changes nothing
+/// let e = start.q.inverse() * Vector3::z();
+/// let change = height.start().q.dot(&e) + height.start().p.dot(&(0.5 * e.cross(&start.p)));
+/// assert!(change.abs() < 1e-12);
 /// # Ok(())
 /// # }
 /// ```
