@@ -48,7 +48,7 @@ pub struct DualRotation {
 }
 
 impl DualRotation {
-    /// Returns the rotation R, which moves by R ê along the direction e: column j by R (e × e_j).
+    /// Returns the rotation R, which moves by R ê along the direction e: column `j` by `R (e × e_j)`.
     pub(crate) fn new(rotation: &UnitQuaternion<f64>, along: [f64; 3]) -> Self {
         let mut entries = [0.0; 9];
         rotation.entries(&mut entries);
