@@ -8,7 +8,7 @@ use messages::{branch_lost, iteration_limit, no_time, singular_mass, within_step
 
 use crate::noise::NoiseError;
 use crate::readable::debug_is_display;
-use crate::solve::MomentumVelocities;
+use crate::solve::SingularRow;
 
 /// Why a step could not be made. The state it was given is unchanged.
 #[derive(Clone, PartialEq, thiserror::Error)]
@@ -239,7 +239,7 @@ pub enum StepError {
         angle: f64,
     },
     /// The mass matrix ∂²L/∂v² is singular at the start, so velocities are no differentiable function of the momentum there: none has it, or many, or one next to which the function has no derivative.
-    #[error("{}", singular_mass([*t, *h], q, p, *row, [*pivot, *terms], *velocities))]
+    #[error("{}", singular_mass([*t, *h], q, p, found))]
     SingularMass {
         /// Time at the start of the step.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
@@ -251,16 +251,8 @@ pub enum StepError {
         q: Vec<f64>,
         /// Momentum.
         p: Vec<f64>,
-        /// The row of the mass matrix that its elimination leaves without a pivot, by the component of the momentum.
-        row: usize,
-        /// The largest entry that is left of this row.
-        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
-        pivot: f64,
-        /// The sum of the magnitudes of the terms of that entry: the pivot is 0 or their rounding error.
-        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
-        terms: f64,
-        /// The velocities that have the momentum.
-        velocities: MomentumVelocities,
+        /// What is left of the mass matrix, and the velocities that have the momentum.
+        found: Box<SingularRow>,
     },
     /// The equations of the step have a singular Jacobian.
     #[error(

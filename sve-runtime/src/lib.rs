@@ -199,8 +199,8 @@ pub use plan::{
 pub use rules::{
     Endpoint, Gauss, InitialPoint, Midpoint, StageNoise, StormerVerlet, Taylor2, Weak2,
 };
-pub use solve::MomentumVelocities;
 pub use solve::newton::{BlockSolver, Newton};
+pub use solve::{MomentumVelocities, SingularRow};
 pub use state::State;
 /// Derives the steps of a system from its Lagrangian. The simplest block has L alone:
 ///

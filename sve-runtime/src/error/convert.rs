@@ -2,7 +2,7 @@
 
 use super::StepError;
 use crate::configuration::FlatConfiguration;
-use crate::solve::SolveError;
+use crate::solve::{SingularRow, SolveError};
 use crate::state::State;
 use crate::time::is_next_time;
 
@@ -78,10 +78,12 @@ pub(crate) fn step_error<F: FlatConfiguration<N>, const N: usize>(
             h,
             q,
             p: state.p.to_vec(),
-            row,
-            pivot,
-            terms,
-            velocities,
+            found: Box::new(SingularRow {
+                row,
+                pivot,
+                terms,
+                velocities,
+            }),
         },
         SolveError::LargeRotation { angle } => StepError::LargeRotation { t, h, angle },
         SolveError::Singular { iteration } => StepError::Singular { t, h, q, iteration },

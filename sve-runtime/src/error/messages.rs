@@ -1,6 +1,6 @@
 //! Messages of errors that depend on their numbers.
 
-use crate::solve::MomentumVelocities;
+use crate::solve::{MomentumVelocities, SingularRow};
 
 /// The message of `StepError::Time`.
 pub(super) fn no_time(t: f64, h: f64, end: f64) -> String {
@@ -60,14 +60,13 @@ pub(super) fn branch_lost(t: f64, h: f64, dw: &[f64], step: f64, reached: f64) -
 }
 
 /// The message of `StepError::SingularMass`.
-pub(super) fn singular_mass(
-    [t, h]: [f64; 2],
-    q: &[f64],
-    p: &[f64],
-    row: usize,
-    [pivot, terms]: [f64; 2],
-    velocities: MomentumVelocities,
-) -> String {
+pub(super) fn singular_mass([t, h]: [f64; 2], q: &[f64], p: &[f64], found: &SingularRow) -> String {
+    let SingularRow {
+        row,
+        pivot,
+        terms,
+        velocities,
+    } = *found;
     let step = if h == 0.0 {
         String::new()
     } else {

@@ -1,5 +1,21 @@
 //! Why the equations of a step were not solved.
 
+/// The row of a singular mass matrix that its elimination leaves without a pivot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SingularRow {
+    /// Number of the row, that of the component of the momentum.
+    pub row: usize,
+    /// The largest entry that is left of the row: 0, or rounding error.
+    #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+    pub pivot: f64,
+    /// The sum of the magnitudes of the terms of that entry.
+    #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+    pub terms: f64,
+    /// The velocities that have the momentum.
+    pub velocities: MomentumVelocities,
+}
+
 /// The velocities that have a momentum at a singular mass matrix.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -23,4 +23,4 @@ pub(crate) mod lu;
 pub(crate) mod newton;
 pub(crate) mod regularity;
 
-pub use error::{MomentumVelocities, SolveError};
+pub use error::{MomentumVelocities, SingularRow, SolveError};

@@ -19,18 +19,13 @@ fn same(errors: &[StepError]) -> StepError {
 
 /// The row, the relative pivot and the velocities of an error that names a singular mass matrix.
 fn singular(error: &StepError) -> (usize, f64, MomentumVelocities) {
-    match *error {
-        StepError::SingularMass {
-            row,
-            pivot,
-            terms,
-            velocities,
-            ..
-        } => {
+    match error {
+        StepError::SingularMass { found, .. } => {
+            let (pivot, terms) = (found.pivot, found.terms);
             let relative = if pivot == 0.0 { 0.0 } else { pivot / terms };
-            (row, relative, velocities)
+            (found.row, relative, found.velocities)
         }
-        ref other => panic!("{other}"),
+        other => panic!("{other}"),
     }
 }
 

@@ -68,11 +68,7 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
     );
     let lanes = in_lanes(context, derived, &private);
     let plan = plan(&private, context, derived, lanes.is_some(), texts, &work);
-    let proves_start = finds_singular_masses(context, derived).then(|| {
-        quote!(
-            const PROVES_START: bool = true;
-        )
-    });
+    let proves_start = proves_start(context, derived);
     let [doc, increment_doc] = documentation(texts);
     let start = start(&linearisation.unknowns, model.dof(), symbols);
     let domain = domain(texts);
@@ -121,6 +117,15 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
         }
         #private::derived_rule! { #self_ty, #rule_type }
     }
+}
+
+/// `PROVES_START`, where it holds.
+fn proves_start(context: &Context<'_>, derived: &Derived) -> Option<TokenStream> {
+    finds_singular_masses(context, derived).then(|| {
+        quote!(
+            const PROVES_START: bool = true;
+        )
+    })
 }
 
 /// Whether the solution of a step is not accepted where the mass matrix at the start is singular. Bounds judge all blocks, and contain their matrices in the limit of no noise and
