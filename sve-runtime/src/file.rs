@@ -3,11 +3,16 @@
 //! Input: a path, and what writes the content. Output: the file, or an error with the path. Invariant: at any time the path leads to
 //! the old file or to the complete new one; after an error nothing of the new file remains.
 //!
-//! The content goes into a new file of the same folder, which is flushed, synchronised with the disk and renamed. A path that is
+//! The content goes into a temporary file of the same folder, which is flushed, synchronised with the disk and renamed. A path that is
 //! not a regular file, such as a device or a pipe, is written directly: it has no content to replace.
+//!
+//! A killed process leaves its temporary file. A writer holds a lock on its temporary file until the file is renamed, and the system releases
+//! the locks of a process that ends. So a temporary file that can be locked has no writer, on whichever machine, and is removed by
+//! [`remove_leftovers`].
 
 use core::fmt;
-use std::fs::{self, File, OpenOptions};
+use std::ffi::{OsStr, OsString};
+use std::fs::{self, File, OpenOptions, Permissions, TryLockError};
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -31,40 +36,138 @@ pub(crate) fn with_path(path: &Path, source: io::Error) -> io::Error {
     io::Error::new(source.kind(), AtPath { path, source })
 }
 
-fn replace(
+/// Writes a file as [`write`] does, with the errors of the system themselves.
+pub(crate) fn replace(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> io::Result<()> {
-    let old = match fs::metadata(path) {
-        Ok(old) if old.is_file() => {
-            // a file without write permission is not replaced
-            OpenOptions::new().write(true).open(path)?;
-            Some(old)
+    match Target::of(path)? {
+        Target::Special => write_special(path, write),
+        Target::Regular { path, permissions } => {
+            let (new, file) = NewFile::with_content(&path, permissions, write)?;
+            let renamed = new.rename(&path);
+            // no other process takes the file for a leftover before it has its name
+            drop(file);
+            renamed
         }
-        Ok(_) => {
-            let mut special = BufWriter::new(OpenOptions::new().write(true).open(path)?);
-            write(&mut special)?;
-            return special.flush();
-        }
-        Err(error) if error.kind() == io::ErrorKind::NotFound => None,
-        Err(error) => return Err(error),
-    };
-    // the target of a link is replaced, and the link stays
-    let target = if old.is_some() {
-        fs::canonicalize(path)?
-    } else {
-        path.to_owned()
-    };
-    let (new, file) = NewFile::beside(&target)?;
-    let mut to = BufWriter::new(file);
-    write(&mut to)?;
-    let file = to.into_inner().map_err(io::IntoInnerError::into_error)?;
-    if let Some(old) = old {
-        file.set_permissions(old.permissions())?;
     }
-    file.sync_all()?;
-    drop(file);
-    new.rename(&target)
+}
+
+/// Checks that a file can be written: does all that [`replace`] does, except that an old file stays as it is.
+///
+/// # Errors
+/// Those of [`replace`].
+#[cfg(feature = "checkpoint")]
+pub(crate) fn try_replace(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> io::Result<()> {
+    match Target::of(path)? {
+        Target::Special => write_special(path, write),
+        Target::Regular { path, permissions } => {
+            NewFile::with_content(&path, permissions, write).map(drop)
+        }
+    }
+}
+
+/// Removes the temporary files that killed writers of a file have left. Files that cannot be removed, and those of a file system without locks, stay.
+#[cfg(feature = "checkpoint")]
+pub(crate) fn remove_leftovers(path: &Path) {
+    let Ok(Target::Regular { path, .. }) = Target::of(path) else {
+        return;
+    };
+    let Some(name) = path.file_name() else {
+        return;
+    };
+    let folder = folder_of(&path);
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
+        if !is_file || !is_temporary_name(&entry.file_name(), name) {
+            continue;
+        }
+        let path = entry.path();
+        if let Ok(file) = OpenOptions::new().write(true).open(&path)
+            && file.try_lock().is_ok()
+        {
+            let _ = fs::remove_file(path);
+        }
+    }
+}
+
+/// What a path leads to.
+enum Target {
+    /// A device, a pipe or a folder.
+    Special,
+    /// A regular file, or none yet. Links are followed: the file that a link leads to is replaced, and the link stays.
+    Regular {
+        path: PathBuf,
+        /// Those of the old file, if there is one.
+        permissions: Option<Permissions>,
+    },
+}
+
+impl Target {
+    fn of(path: &Path) -> io::Result<Self> {
+        match fs::metadata(path) {
+            Ok(old) if old.is_file() => {
+                // a file without write permission is not replaced
+                OpenOptions::new().write(true).open(path)?;
+                Ok(Self::Regular {
+                    path: fs::canonicalize(path)?,
+                    permissions: Some(old.permissions()),
+                })
+            }
+            Ok(_) => Ok(Self::Special),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                let mut path = path.to_owned();
+                // a chain of links without an end is another error than a missing file
+                while let Ok(next) = fs::read_link(&path) {
+                    path = folder_of(&path).join(next);
+                }
+                let permissions = None;
+                Ok(Self::Regular { path, permissions })
+            }
+            Err(error) => Err(error),
+        }
+    }
+}
+
+fn write_special(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut special = BufWriter::new(OpenOptions::new().write(true).open(path)?);
+    write(&mut special)?;
+    special.flush()
+}
+
+/// Returns the folder of a file.
+fn folder_of(path: &Path) -> &Path {
+    let folder = path.parent().filter(|folder| folder != &Path::new(""));
+    folder.unwrap_or(Path::new("."))
+}
+
+/// Returns the name of a temporary file: that of the target between dots, the number of the process, and a number of its own.
+fn temporary_name(target: &OsStr, number: u64) -> OsString {
+    let mut name = OsString::from(".");
+    name.push(target);
+    name.push(format!(".{}-{number}.new", std::process::id()));
+    name
+}
+
+/// Returns whether a file has the name of a temporary file of this target.
+#[cfg(feature = "checkpoint")]
+fn is_temporary_name(name: &OsStr, target: &OsStr) -> bool {
+    let are_digits = |bytes: &[u8]| !bytes.is_empty() && bytes.iter().all(u8::is_ascii_digit);
+    let name = name.as_encoded_bytes();
+    let numbers = (name.strip_prefix(b"."))
+        .and_then(|rest| rest.strip_prefix(target.as_encoded_bytes()))
+        .and_then(|rest| rest.strip_prefix(b"."))
+        .and_then(|rest| rest.strip_suffix(b".new"));
+    let mut numbers = numbers.into_iter().flat_map(|n| n.split(|&b| b == b'-'));
+    numbers.next().is_some_and(are_digits)
+        && numbers.next().is_some_and(are_digits)
+        && numbers.next().is_none()
 }
 
 /// A temporary file that is removed unless it is renamed.
@@ -74,7 +177,24 @@ struct NewFile {
 }
 
 impl NewFile {
-    /// Creates a temporary file in the folder of another one.
+    /// Writes a temporary file in the folder of another one, and synchronises it with the disk.
+    fn with_content(
+        target: &Path,
+        permissions: Option<Permissions>,
+        write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+    ) -> io::Result<(Self, File)> {
+        let (new, file) = Self::beside(target)?;
+        let mut to = BufWriter::new(file);
+        write(&mut to)?;
+        let file = to.into_inner().map_err(io::IntoInnerError::into_error)?;
+        if let Some(permissions) = permissions {
+            file.set_permissions(permissions)?;
+        }
+        file.sync_all()?;
+        Ok((new, file))
+    }
+
+    /// Creates a temporary file in the folder of another one, and locks it.
     fn beside(target: &Path) -> io::Result<(Self, File)> {
         static NUMBER: AtomicU64 = AtomicU64::new(0);
         let Some(name) = target.file_name() else {
@@ -85,18 +205,20 @@ impl NewFile {
         };
         loop {
             let number = NUMBER.fetch_add(1, Ordering::Relaxed);
-            let mut new = std::ffi::OsString::from(".");
-            new.push(name);
-            new.push(format!(".{}-{number}.new", std::process::id()));
-            let path = target.with_file_name(new);
-            match OpenOptions::new().write(true).create_new(true).open(&path) {
-                Ok(file) => {
-                    let is_renamed = false;
-                    return Ok((Self { path, is_renamed }, file));
-                }
+            let path = target.with_file_name(temporary_name(name, number));
+            let file = match OpenOptions::new().write(true).create_new(true).open(&path) {
+                Ok(file) => file,
                 // a killed process with this number left the file
-                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
                 Err(error) => return Err(error),
+            };
+            let is_renamed = false;
+            let new = Self { path, is_renamed };
+            // Before the lock, another process can have taken the file for a leftover. A file system without locks gives another error.
+            let is_taken = matches!(file.try_lock(), Err(TryLockError::WouldBlock))
+                || matches!(new.path.try_exists(), Ok(false));
+            if !is_taken {
+                return Ok((new, file));
             }
         }
     }
@@ -106,11 +228,7 @@ impl NewFile {
         self.is_renamed = true;
         // Synchronising the folder writes the new name. Some file systems do not support this, and write the name later.
         #[cfg(unix)]
-        if let Some(folder) = target
-            .parent()
-            .filter(|folder| !folder.as_os_str().is_empty())
-            && let Ok(folder) = File::open(folder)
-        {
+        if let Ok(folder) = File::open(folder_of(target)) {
             let _ = folder.sync_all();
         }
         Ok(())
@@ -147,99 +265,5 @@ impl core::error::Error for AtPath {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::fs;
-    use std::io::{self, Write as _};
-    use std::path::PathBuf;
-
-    use super::write;
-
-    /// An empty folder of its own.
-    fn folder(name: &str) -> PathBuf {
-        let folder = std::env::temp_dir().join(format!("sve-{}-{name}", std::process::id()));
-        let _ = fs::remove_dir_all(&folder);
-        fs::create_dir_all(&folder).unwrap();
-        folder
-    }
-
-    fn files(folder: &PathBuf) -> usize {
-        fs::read_dir(folder).unwrap().count()
-    }
-
-    #[test]
-    fn a_write_that_fails_half_way_leaves_the_old_file_and_nothing_else() {
-        let folder = folder("half");
-        let path = folder.join("x.csv");
-        let half = |to: &mut io::BufWriter<fs::File>| {
-            to.write_all(&vec![b'x'; 100_000])?;
-            Err(io::Error::from(io::ErrorKind::StorageFull))
-        };
-        let error = write(&path, half).unwrap_err();
-        assert_eq!(error.kind(), io::ErrorKind::StorageFull);
-        assert!(error.to_string().contains("x.csv"), "{error}");
-        assert_eq!(files(&folder), 0);
-        write(&path, |to| to.write_all(b"old")).unwrap();
-        write(&path, half).unwrap_err();
-        assert_eq!(
-            (fs::read(&path).unwrap(), files(&folder)),
-            (b"old".to_vec(), 1)
-        );
-        write(&path, |to| to.write_all(b"new")).unwrap();
-        assert_eq!(
-            (fs::read(&path).unwrap(), files(&folder)),
-            (b"new".to_vec(), 1)
-        );
-        fs::remove_dir_all(folder).unwrap();
-    }
-
-    #[test]
-    fn a_panic_leaves_nothing() {
-        let folder = folder("panic");
-        let path = folder.join("x");
-        let panics = std::panic::catch_unwind(|| write(&path, |_| panic!("as if killed")));
-        assert!(panics.is_err());
-        assert_eq!(files(&folder), 0);
-        fs::remove_dir_all(folder).unwrap();
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn links_and_permissions_stay() {
-        use std::os::unix::fs::PermissionsExt as _;
-        let folder = folder("links");
-        let (file, link) = (folder.join("file"), folder.join("link"));
-        fs::write(&file, b"old").unwrap();
-        fs::set_permissions(&file, fs::Permissions::from_mode(0o640)).unwrap();
-        std::os::unix::fs::symlink("file", &link).unwrap();
-        write(&link, |to| to.write_all(b"new")).unwrap();
-        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
-        assert_eq!(fs::read(&file).unwrap(), b"new");
-        let mode = fs::metadata(&file).unwrap().permissions().mode();
-        assert_eq!(mode & 0o777, 0o640);
-        fs::remove_dir_all(folder).unwrap();
-    }
-
-    #[test]
-    fn folders_that_are_none_are_errors() {
-        let folder = folder("none");
-        let file = folder.join("file");
-        fs::write(&file, b"").unwrap();
-        for path in [file.join("x"), folder.join("no/x"), folder.clone()] {
-            let error = write(&path, |to| to.write_all(b"x")).unwrap_err();
-            assert!(error.to_string().contains("sve-"), "{error}");
-        }
-        assert_eq!(files(&folder), 1);
-        fs::remove_dir_all(folder).unwrap();
-    }
-
-    #[cfg(target_os = "linux")]
-    #[test]
-    fn full_devices_are_errors() {
-        let path = std::path::Path::new("/dev/full");
-        // few bytes, which only the flush writes
-        let error = write(path, |to| to.write_all(b"x")).unwrap_err();
-        assert_eq!(error.kind(), io::ErrorKind::StorageFull);
-        assert!(error.to_string().contains("/dev/full"), "{error}");
-        assert!(!path.metadata().unwrap().is_file());
-    }
-}
+#[path = "file_tests.rs"]
+mod tests;

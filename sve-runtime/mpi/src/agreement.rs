@@ -79,6 +79,9 @@ where
     S: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
+    if rank == 0 {
+        ensemble.try_checkpoint()?;
+    }
     let distribution = ensemble.distribute()?;
     let checkpoint = distribution.checkpoint().filter(|_| rank == 0);
     let loaded = match &checkpoint {

@@ -98,12 +98,6 @@ impl Coordinator {
         self.schedule.left_per_rank()
     }
 
-    /// Adds a reason to end that rank 0 found itself.
-    pub(crate) fn stop(&mut self, stop: Stop) {
-        self.schedule.cut(stop.limit);
-        add_stop(&mut self.stop, stop);
-    }
-
     fn limit(&self) -> u64 {
         self.stop.as_ref().map_or(u64::MAX, |stop| stop.limit)
     }

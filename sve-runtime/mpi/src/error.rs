@@ -11,7 +11,7 @@ use super::message::Cause;
 #[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A rank has an error: a setting that is wrong there, or a checkpoint that cannot be read or written.
+    /// A rank has an error: a setting that is wrong there, or a checkpoint that cannot be read and written when the run starts.
     #[error("rank {rank}: {message}")]
     OnRank {
         /// The rank.

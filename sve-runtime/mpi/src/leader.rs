@@ -4,12 +4,12 @@ use std::sync::{Mutex, PoisonError};
 use std::thread::{Scope, ScopedJoinHandle};
 use std::time::Duration;
 
-use sve_runtime::ensemble::{Checkpoint, Distribution, EnsembleError, PartialResults};
+use sve_runtime::ensemble::{Checkpoint, Distribution, PartialResults};
 use sve_runtime::{Coordinates, Dims, Method, System};
 
 use super::coordinator::Coordinator;
 use super::link::Link;
-use super::message::{Cause, Report, Stop};
+use super::message::{Report, Stop};
 use super::pool::{Pool, panic_message};
 use super::progress::Progress;
 
@@ -33,8 +33,8 @@ pub(crate) struct Leader<'r, I: Method> {
     pub(crate) gathered: &'r Mutex<PartialResults>,
 }
 
-/// A checkpoint that is being written. It returns its outcome.
-type Writing<'s> = ScopedJoinHandle<'s, Result<(), EnsembleError>>;
+/// A checkpoint that is being written.
+type Writing<'s> = ScopedJoinHandle<'s, ()>;
 
 impl<'r, I, S, Q, const N: usize, const M: usize> Leader<'r, I>
 where
@@ -42,18 +42,17 @@ where
     S: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    /// Leads the run until all blocks have ended. Returns why it ended early, and the error of a checkpoint.
+    /// Leads the run until all blocks have ended. Returns why it ended early.
     pub(crate) fn lead<'s>(
         &self,
         scope: &'s Scope<'s, '_>,
         mut coordinator: Coordinator,
-    ) -> (Option<Stop>, Option<EnsembleError>)
+    ) -> Option<Stop>
     where
         'r: 's,
     {
         let mut writing: Option<Writing<'s>> = None;
         let mut is_collecting = false;
-        let mut error = None;
         loop {
             while let Some((rank, report)) = self.link.try_receive::<Report>() {
                 self.progress.add(report.paths);
@@ -70,14 +69,9 @@ where
             }
             if writing.as_ref().is_some_and(ScopedJoinHandle::is_finished)
                 && let Some(ended) = writing.take()
-                && let Err(failed) = joined(ended)
+                && let Err(payload) = ended.join()
             {
-                let cause = Some(Cause::Error {
-                    rank: 0,
-                    message: failed.to_string(),
-                });
-                coordinator.stop(Stop { limit: 0, cause });
-                error = Some(failed);
+                panic!("{}", panic_message(payload.as_ref()));
             }
             if is_collecting && !coordinator.is_collecting() {
                 is_collecting = false;
@@ -85,7 +79,7 @@ where
             } else if coordinator.has_ended() && !is_collecting && writing.is_none() {
                 break;
             }
-            let may_collect = !is_collecting && writing.is_none() && error.is_none();
+            let may_collect = !is_collecting && writing.is_none();
             if may_collect && self.checkpoint.is_some_and(Checkpoint::is_due) {
                 is_collecting = true;
                 for (rank, answer) in coordinator.collect() {
@@ -100,7 +94,7 @@ where
         for rank in 1..self.link.size() {
             self.link.send(rank, &last);
         }
-        (coordinator.into_stop(), error)
+        coordinator.into_stop()
     }
 
     /// Writes a checkpoint with all results that ranks have sent and those of rank 0, in a thread of its own: disks are slow.
@@ -116,7 +110,7 @@ where
                 gathered.merge(received_results(distribution, &bytes));
             }
             gathered.merge(pool.results.take());
-            checkpoint.save(&gathered)
+            checkpoint.save(&gathered);
         }))
     }
 }
@@ -134,12 +128,5 @@ where
     match distribution.results_from(bytes) {
         Some(results) => results,
         None => panic!("a rank sent results that are not of this run"),
-    }
-}
-
-fn joined(writing: Writing<'_>) -> Result<(), EnsembleError> {
-    match writing.join() {
-        Ok(written) => written,
-        Err(payload) => panic!("{}", panic_message(payload.as_ref())),
     }
 }

@@ -38,7 +38,7 @@
 //! | setting | on several ranks |
 //! | --- | --- |
 //! | `threads` | the threads of each rank; may differ between ranks. By default as many as the cores that the rank may use |
-//! | `checkpoint`, `resume` | of rank 0, which writes one file for all ranks. [`Ensemble::run`] reads and writes the same file, and so does a run on another number of ranks |
+//! | `checkpoint`, `resume` | of rank 0, which tries the write before the first path and writes one file for all ranks. [`Ensemble::run`] reads and writes the same file, and so does a run on another number of ranks. A write that fails later does not end the run: the summaries of all ranks have the [warning](Summary::warnings) |
 //! | `progress` | of rank 0, which shows the paths of all ranks |
 //! | `stop_when` | each rank asks its own function; the first `true` ends the run on all ranks |
 //! | `stop_on_failure` | the error is that of the failing path with the lowest number, as on one machine |
@@ -71,7 +71,7 @@ use std::thread;
 use std::time::Duration;
 
 use mpi::traits::Communicator;
-use sve_runtime::ensemble::{Distribution, Ensemble, EnsembleError, PartialResults, Summary};
+use sve_runtime::ensemble::{Distribution, Ensemble, PartialResults, Summary};
 use sve_runtime::{Coordinates, Dims, Method, System};
 
 pub use self::error::Error;
@@ -81,7 +81,7 @@ use self::coordinator::Coordinator;
 use self::error::SentError;
 use self::leader::{Leader, received_results};
 use self::link::Link;
-use self::message::{Answer, Cause, Stop};
+use self::message::{Answer, Stop};
 use self::pool::Pool;
 use self::progress::Progress;
 use self::schedule::Schedule;
@@ -136,22 +136,16 @@ where
     let threads = distribution.threads();
     let pool = Pool::new(rank, threads, interval, distribution.no_results());
     let ended = run_blocks(&link, &pool, &beginning, interval);
-    let results = gather(&link, distribution, ended.results);
-    let mut known = ended.error.or_else(|| pool.take_error());
+    let mut results = gather(&link, distribution, ended.results);
+    let known = pool.take_error();
     let outcome = (rank == 0).then(|| {
-        let checkpoint = beginning.checkpoint.as_ref();
-        let saved = checkpoint.map_or(Ok(()), |checkpoint| checkpoint.save(&results));
-        let stop = match saved {
-            // the first error is reported
-            Err(error) if known.is_none() => {
-                let message = error.to_string();
-                known = Some(error);
-                let cause = Some(Cause::Error { rank, message });
-                Some(Stop { limit: 0, cause })
+        if let Some(checkpoint) = &beginning.checkpoint {
+            checkpoint.save(&results);
+            if let Some(warning) = checkpoint.warning() {
+                results.warn(warning);
             }
-            _ => ended.stop,
-        };
-        outcome(distribution, &results, stop)
+        }
+        outcome(distribution, &results, ended.stop)
     });
     let outcome: Result<Vec<u8>, SentError> = link.broadcast(0, outcome);
     match outcome {
@@ -170,8 +164,6 @@ struct Ended {
     results: PartialResults,
     /// Why the run ended early, on rank 0.
     stop: Option<Stop>,
-    /// The error of a checkpoint, on rank 0.
-    error: Option<EnsembleError>,
 }
 
 /// Runs blocks until none is left on any rank.
@@ -201,11 +193,9 @@ where
             follow(link, pool, QUIET_INTERVALS * interval);
             pool.end();
         });
-        let (results, stop, error) = (pool.results.take(), None, None);
         return Ended {
-            results,
-            stop,
-            error,
+            results: pool.results.take(),
+            stop: None,
         };
     }
     let ranks = link.size().unsigned_abs() as usize;
@@ -224,7 +214,7 @@ where
         checkpoint: beginning.checkpoint.as_ref(),
         gathered: &gathered,
     };
-    let (stop, error) = thread::scope(|scope| {
+    let stop = thread::scope(|scope| {
         let _guard = AbortOnPanic(link);
         for _ in 0..threads {
             scope.spawn(|| pool.run(distribution));
@@ -237,11 +227,7 @@ where
         .into_inner()
         .unwrap_or_else(PoisonError::into_inner);
     results.merge(pool.results.take());
-    Ended {
-        results,
-        stop,
-        error,
-    }
+    Ended { results, stop }
 }
 
 /// Asks rank 0 for blocks until the run has ended.

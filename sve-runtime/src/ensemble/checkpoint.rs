@@ -2,7 +2,8 @@
 //!
 //! Input: the merged results of the finished blocks. Output: a file, which replaces the previous file atomically, so that a complete
 //! file always exists. Invariants: a continued run has the bits of an uninterrupted run, since blocks merge in the same tree; the
-//! content of a file is read only if its length and checksum are right.
+//! content of a file is read only if its length and checksum are right; a file that cannot be written is an error before the first path,
+//! and a warning after it, so that no results are lost.
 //!
 //! Layout: [`MAGIC`], version (4 bytes), length of the content (8), checksum (8), content. Numbers are little-endian.
 //! The checksum is XXH64 of version, length and content. The content is [`Contents`], serialised by postcard.
@@ -11,17 +12,20 @@ use core::hash::Hasher as _;
 use std::fs;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 use twox_hash::XxHash64;
 
+use super::attempts::Attempts;
 use super::difference::{Damage, Difference};
+use super::execution::locked;
 use super::info::Info;
 use super::merge_tree::MergeTree;
+use super::settings::Settings;
 use super::stored::{FORMAT, LoadedSummary, StoredSummary};
-use super::{Ensemble, EnsembleError};
+use super::{Ensemble, EnsembleError, Warning};
 use crate::configuration::Coordinates;
 use crate::method::Method;
 use crate::system::{Dims, System};
@@ -42,6 +46,11 @@ where
     ///
     /// The file is always complete: a new file is written, synchronised with the disk and renamed. A run without `resume`
     /// replaces an existing file once a block of paths has ended.
+    ///
+    /// A file that cannot be written is an error before the first path is computed: the run tries the write. If a later write fails, for example
+    /// since the disk is full, the run goes on. It says so on standard error, tries again after the interval, or after 10 s if the interval is longer, and at the end. The summary
+    /// then has a [`Warning::Checkpoint`]. Temporary files that killed runs have left beside this file are removed; those of
+    /// runs that still write are locked, and stay. On a file system without locks all of them stay: `.checkpoint.sve.1234-0.new` is one of `checkpoint.sve`.
     ///
     #[doc = include_str!("example.md")]
     /// # let folder = std::env::temp_dir().join(format!("sve-checkpoint-{}", std::process::id()));
@@ -80,6 +89,39 @@ where
     }
 }
 
+impl<I: Method> Ensemble<'_, I> {
+    /// Checks that the file of [`checkpoint`](Self::checkpoint) can be written, if there is one, and that a file to [`resume`](Self::resume) is undamaged. Removes the
+    /// temporary files that killed runs have left. [`run`](Self::run) begins with this check.
+    ///
+    /// # Errors
+    /// [`EnsembleError::Checkpoint`] if the file cannot be read or written, and errors that say what is wrong with its content.
+    pub fn try_checkpoint(&self) -> Result<(), EnsembleError> {
+        let Some((path, _)) = &self.checkpoint else {
+            return Ok(());
+        };
+        if self.resume {
+            read(path)?;
+        }
+        crate::file::remove_leftovers(path);
+        // a device that is full takes no byte
+        crate::file::try_replace(path, |to| to.write_all(&header(&[])))
+            .map_err(|error| failed(path, error))
+    }
+}
+
+impl<I: Method> Settings<'_, I> {
+    /// Returns the checkpoint of the run, if there is one.
+    pub(super) fn checkpoint(&self, info: &Info) -> Option<CheckpointFile> {
+        let (path, interval) = self.ensemble.checkpoint.clone()?;
+        Some(CheckpointFile {
+            path,
+            info: info.clone(),
+            shard: self.shard,
+            attempts: Mutex::new(Attempts::new(interval)),
+        })
+    }
+}
+
 /// The content of a file, as it is written.
 #[derive(Serialize)]
 struct Contents<'a> {
@@ -97,54 +139,25 @@ struct LoadedContents {
 /// The checkpoint file of a run.
 pub(super) struct CheckpointFile {
     path: PathBuf,
-    interval: Duration,
     info: Info,
     shard: [u64; 2],
-    last_saved: Mutex<Instant>,
+    attempts: Mutex<Attempts>,
 }
 
 impl CheckpointFile {
-    pub(super) fn new(path: PathBuf, interval: Duration, info: Info, shard: [u64; 2]) -> Self {
-        Self {
-            path,
-            interval,
-            info,
-            shard,
-            last_saved: Mutex::new(Instant::now()),
-        }
-    }
-
     /// Reads the results of the file, if it exists.
     pub(super) fn load(&self) -> Result<Option<MergeTree>, EnsembleError> {
-        let path = self.path.as_path();
-        let bytes = match fs::read(path) {
-            Ok(bytes) => bytes,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-            Err(error) => return Err(failed(path, error)),
-        };
-        let path = || path.to_owned();
-        let content = match content_of(&bytes) {
-            Ok(content) => content,
-            Err(Unreadable::NotACheckpoint) => {
-                return Err(EnsembleError::NotACheckpoint { path: path() });
-            }
-            Err(Unreadable::Version(version)) => {
-                return Err(EnsembleError::CheckpointVersion {
-                    path: path(),
-                    version,
-                    expected: FORMAT,
-                });
-            }
-            Err(Unreadable::Damaged(damage)) => {
-                let path = path();
-                return Err(EnsembleError::DamagedCheckpoint { path, damage });
-            }
+        let path = || self.path.clone();
+        let Some(bytes) = read(&self.path)? else {
+            return Ok(None);
         };
         let inconsistent = || EnsembleError::DamagedCheckpoint {
             path: path(),
             damage: Damage::Content,
         };
-        let Ok((LoadedContents { shard, summary }, [])) = postcard::take_from_bytes(content) else {
+        let Ok((LoadedContents { shard, summary }, [])) =
+            postcard::take_from_bytes(&bytes[HEADER_LENGTH..])
+        else {
             return Err(inconsistent());
         };
         let of_another_run = |what| Err(EnsembleError::OtherCheckpoint { path: path(), what });
@@ -161,33 +174,61 @@ impl CheckpointFile {
     /// Returns whether the file is due to be written, and starts the next interval if it is. The caller that gets `true` writes the
     /// file.
     pub(super) fn is_due(&self) -> bool {
-        let last_saved = self.last_saved.lock();
-        let mut last_saved = last_saved.unwrap_or_else(PoisonError::into_inner);
-        let is_due = last_saved.elapsed() >= self.interval;
-        if is_due {
-            *last_saved = Instant::now();
-        }
-        is_due
+        locked(&self.attempts).is_due(Instant::now())
     }
 
-    /// Writes the file, if there are results.
-    pub(super) fn save(&self, tree: &MergeTree) -> Result<(), EnsembleError> {
+    /// Writes the file, if there are results. If that fails, says so on standard error, unless the attempt before has failed too; the next attempt comes soon.
+    pub(super) fn save(&self, tree: &MergeTree) {
         if tree.nodes.is_empty() {
-            return Ok(());
+            return;
         }
-        let path = self.path.as_path();
+        let written = self.write(tree);
+        let error = written.as_ref().err().map(io::Error::to_string);
+        let is_first = locked(&self.attempts).add(written);
+        if let Some(error) = error.filter(|_| is_first) {
+            let path = self.path.display();
+            eprintln!(
+                "the checkpoint {path} could not be written: {error}; the run goes on and tries again"
+            );
+        }
+    }
+
+    fn write(&self, tree: &MergeTree) -> io::Result<()> {
         let contents = Contents {
             shard: self.shard,
             summary: StoredSummary::new(&self.info, tree),
         };
-        let content =
-            postcard::to_stdvec(&contents).map_err(|e| failed(path, io::Error::other(e)))?;
+        let content = postcard::to_stdvec(&contents).map_err(io::Error::other)?;
         let header = header(&content);
-        crate::file::write(path, |to| {
+        crate::file::replace(&self.path, |to| {
             to.write_all(&header)?;
             to.write_all(&content)
         })
-        .map_err(|error| failed(path, error))
+    }
+
+    /// Returns the warning about attempts to write the file that failed, if there are some.
+    pub(super) fn warning(&self) -> Option<Warning> {
+        locked(&self.attempts).warning(&self.path)
+    }
+}
+
+/// Reads a file, if it exists, and checks its length, checksum and version.
+fn read(path: &Path) -> Result<Option<Vec<u8>>, EnsembleError> {
+    let bytes = match fs::read(path) {
+        Ok(bytes) => bytes,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(failed(path, error)),
+    };
+    let path = path.to_owned();
+    match check(&bytes) {
+        Ok(()) => Ok(Some(bytes)),
+        Err(Unreadable::NotACheckpoint) => Err(EnsembleError::NotACheckpoint { path }),
+        Err(Unreadable::Version(version)) => Err(EnsembleError::CheckpointVersion {
+            path,
+            version,
+            expected: FORMAT,
+        }),
+        Err(Unreadable::Damaged(damage)) => Err(EnsembleError::DamagedCheckpoint { path, damage }),
     }
 }
 
@@ -221,8 +262,8 @@ enum Unreadable {
     Damaged(Damage),
 }
 
-/// Returns the content of a file whose length, checksum and version are right.
-fn content_of(bytes: &[u8]) -> Result<&[u8], Unreadable> {
+/// Checks that the length, checksum and version of a file are right.
+fn check(bytes: &[u8]) -> Result<(), Unreadable> {
     let found = bytes.len() as u64;
     let rest = bytes
         .strip_prefix(MAGIC)
@@ -252,7 +293,7 @@ fn content_of(bytes: &[u8]) -> Result<&[u8], Unreadable> {
         return damaged(Damage::Checksum { expected, found });
     }
     match u32::from_le_bytes(*version) {
-        FORMAT => Ok(content),
+        FORMAT => Ok(()),
         other => Err(Unreadable::Version(other)),
     }
 }

@@ -17,7 +17,7 @@ use super::merge_tree::{MergeTree, PartialResult, insert_shared};
 use super::settings::Settings;
 use super::stored::checked_tree;
 use super::summary::Summary;
-use super::{BLOCK_PATHS, Ensemble, EnsembleError};
+use super::{BLOCK_PATHS, Ensemble, EnsembleError, Warning};
 use crate::configuration::Coordinates;
 use crate::method::Method;
 use crate::system::{Dims, System};
@@ -156,16 +156,15 @@ where
     /// Returns the results that another process has written by [`PartialResults::to_bytes`], or `None` if they are not of this run.
     pub fn results_from(&self, bytes: &[u8]) -> Option<PartialResults> {
         let (nodes, rest) = postcard::take_from_bytes::<Vec<PartialResult>>(bytes).ok()?;
+        let (warnings, rest) = postcard::take_from_bytes(rest).ok()?;
         let tree = checked_tree(&self.info, nodes)?;
-        rest.is_empty().then_some(PartialResults { tree })
+        rest.is_empty().then_some(PartialResults { tree, warnings })
     }
 
     /// Returns the file of [`checkpoint`](Ensemble::checkpoint), if one was asked for.
     pub fn checkpoint(&self) -> Option<Checkpoint> {
-        let (path, every) = self.settings.ensemble.checkpoint.as_ref()?;
-        let (info, shard) = (self.info.clone(), self.settings.shard);
         Some(Checkpoint {
-            file: CheckpointFile::new(path.clone(), *every, info, shard),
+            file: self.settings.checkpoint(&self.info)?,
             is_resumed: self.settings.ensemble.resume,
         })
     }
@@ -183,7 +182,7 @@ where
         if results.is_empty() {
             return Err(EnsembleError::NothingRun);
         }
-        Ok(Summary::new(self.info.clone(), results.tree))
+        Ok(Summary::new(self.info.clone(), results.tree).warned(results.warnings))
     }
 }
 
@@ -200,6 +199,8 @@ impl<I: Method> fmt::Debug for Distribution<'_, I> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartialResults {
     tree: MergeTree,
+    /// Warnings about the run.
+    warnings: Vec<Warning>,
 }
 
 impl PartialResults {
@@ -216,11 +217,18 @@ impl PartialResults {
 
     /// Returns the results with all their bits, for [`Distribution::results_from`] in another process.
     pub fn to_bytes(&self) -> Vec<u8> {
-        bytes(&self.tree.nodes.values().collect::<Vec<_>>())
+        let nodes: Vec<_> = self.tree.nodes.values().collect();
+        bytes(&(nodes, &self.warnings))
+    }
+
+    /// Adds a warning that the summary is to have, as that of a [checkpoint](Checkpoint::warning).
+    pub fn warn(&mut self, warning: Warning) {
+        self.warnings.push(warning);
     }
 
     /// Adds the results of other blocks.
     pub fn merge(&mut self, other: Self) {
+        self.warnings.extend(other.warnings);
         for node in other.tree.nodes.into_values() {
             self.tree.insert(node);
         }
@@ -245,6 +253,7 @@ impl SharedResults {
         let empty = MergeTree::new(tree.blocks);
         PartialResults {
             tree: core::mem::replace(&mut *tree, empty),
+            warnings: Vec::new(),
         }
     }
 }
@@ -265,7 +274,8 @@ impl Checkpoint {
             return Ok(None);
         }
         let tree = self.file.load()?;
-        Ok(tree.map(|tree| PartialResults { tree }))
+        let warnings = Vec::new();
+        Ok(tree.map(|tree| PartialResults { tree, warnings }))
     }
 
     /// Returns whether the file is due to be written, and starts the next interval if it is.
@@ -273,12 +283,14 @@ impl Checkpoint {
         self.file.is_due()
     }
 
-    /// Replaces the file, if there are results.
-    ///
-    /// # Errors
-    /// [`EnsembleError::Checkpoint`] if it cannot be written.
-    pub fn save(&self, results: &PartialResults) -> Result<(), EnsembleError> {
-        self.file.save(&results.tree)
+    /// Replaces the file, if there are results. If this fails, says so on standard error and in [`warning`](Self::warning), and the file is [due](Self::is_due) again soon.
+    pub fn save(&self, results: &PartialResults) {
+        self.file.save(&results.tree);
+    }
+
+    /// Returns a warning if the file could not be written. Check before the run by [`Ensemble::try_checkpoint`] that it can.
+    pub fn warning(&self) -> Option<Warning> {
+        self.file.warning()
     }
 }
 

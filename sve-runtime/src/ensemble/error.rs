@@ -369,9 +369,12 @@ pub enum EnsembleError {
         /// Last of a run of common paths.
         last: u64,
     },
-    /// The file of a checkpoint could not be read or written.
+    /// The file of a checkpoint could not be read, or written on trial, so that no path was computed.
     #[cfg(feature = "checkpoint")]
-    #[error("the checkpoint {} could not be read or written: {source}", path.display())]
+    #[error(
+        "the checkpoint {} cannot be read and written, so no path was computed: {source}; make the file accessible, or give another path",
+        path.display()
+    )]
     Checkpoint {
         /// The file.
         path: std::path::PathBuf,

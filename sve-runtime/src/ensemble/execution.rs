@@ -16,7 +16,7 @@ use super::path_block::PathBlock;
 use super::progress::Progress;
 use super::settings::Settings;
 use super::summary::Summary;
-use super::{BLOCK_PATHS, EnsembleError};
+use super::{BLOCK_PATHS, EnsembleError, Warning};
 use crate::configuration::Coordinates;
 use crate::method::Method;
 use crate::system::{Dims, System};
@@ -35,18 +35,19 @@ where
 {
     /// Runs the blocks of the shard.
     pub(super) fn execute(&self) -> Result<Summary, EnsembleError> {
+        #[cfg(feature = "checkpoint")]
+        self.ensemble.try_checkpoint()?;
         let info = self.info(self.fingerprint());
         let shared = Shared::new(self, 1);
         #[cfg(feature = "checkpoint")]
-        let shared = shared.load(self, &info)?;
-        let trees = self.run_on_threads(shared, |blocks| {
+        let shared = shared.with_checkpoint(self, &info)?;
+        let finished = self.run_on_threads(shared, |blocks| {
             let results = self.run_some(blocks)?;
             Ok(results.into_iter().map(|result| vec![result]).collect())
         })?;
-        trees.into_iter().next().map_or_else(
-            || Err(EnsembleError::NothingRun),
-            |tree| Ok(Summary::new(info.clone(), tree)),
-        )
+        let tree = finished.trees.into_iter().next();
+        let tree = tree.ok_or(EnsembleError::NothingRun)?;
+        Ok(Summary::new(info, tree).warned(finished.warning))
     }
 
     /// Runs the blocks of the shard with `results` results each, and returns a tree for each of them.
@@ -56,7 +57,8 @@ where
         run_block: impl Fn(u64) -> Result<Vec<PartialResult>, EnsembleError> + Sync,
     ) -> Result<Vec<MergeTree>, EnsembleError> {
         let run_some = |blocks: Range<u64>| blocks.map(&run_block).collect();
-        self.run_on_threads(Shared::new(self, results), run_some)
+        let finished = self.run_on_threads(Shared::new(self, results), run_some)?;
+        Ok(finished.trees)
     }
 
     /// Runs the blocks of the shard on all threads. `run_some` returns the results of each block; result number k becomes a part of tree number k.
@@ -64,7 +66,7 @@ where
         &self,
         shared: Shared,
         run_some: impl Fn(Range<u64>) -> Result<Vec<Vec<PartialResult>>, EnsembleError> + Sync,
-    ) -> Result<Vec<MergeTree>, EnsembleError> {
+    ) -> Result<Finished, EnsembleError> {
         let run_blocks = || {
             rayon::scope(|scope| {
                 for _ in 0..rayon::current_num_threads() {
@@ -79,11 +81,11 @@ where
                 .build()?
                 .install(run_blocks),
         }
-        let trees = shared.end()?;
-        if trees.iter().any(|tree| tree.nodes.is_empty()) {
+        let finished = shared.end()?;
+        if finished.trees.iter().any(|tree| tree.nodes.is_empty()) {
             return Err(EnsembleError::NothingRun);
         }
-        Ok(trees)
+        Ok(finished)
     }
 
     /// Runs blocks until none is left.
@@ -103,14 +105,14 @@ where
                 if self.ensemble.stop_when.as_ref().is_some_and(|stop| stop()) {
                     return;
                 }
-                let done = run_some(blocks.clone()).and_then(|results| {
-                    shared.progress.add(self.paths_of(blocks));
-                    results
-                        .into_iter()
-                        .try_for_each(|results| shared.insert(results))
-                });
-                if let Err(error) = done {
-                    shared.stop(error);
+                match run_some(blocks.clone()) {
+                    Ok(results) => {
+                        shared.progress.add(self.paths_of(blocks));
+                        for results in results {
+                            shared.insert(results);
+                        }
+                    }
+                    Err(error) => shared.stop(error),
                 }
             }
         }
@@ -151,6 +153,13 @@ where
             _ => Ok(results),
         }
     }
+}
+
+/// The results of all threads.
+struct Finished {
+    trees: Vec<MergeTree>,
+    /// A checkpoint that could not be written.
+    warning: Option<Warning>,
 }
 
 /// The state that the threads share.
@@ -200,26 +209,23 @@ impl Shared {
 
     /// Inserts the results of a block into their trees. Results are merged outside of the lock. With a checkpoint they are merged inside, since the written
     /// tree has to contain all blocks.
-    // only a checkpoint can fail
-    #[cfg_attr(not(feature = "checkpoint"), allow(clippy::unnecessary_wraps))]
-    fn insert(&self, results: Vec<PartialResult>) -> Result<(), EnsembleError> {
+    fn insert(&self, results: Vec<PartialResult>) {
         for (tree, result) in self.trees.iter().zip(results) {
             #[cfg(feature = "checkpoint")]
             if let Some(checkpoint) = &self.checkpoint {
                 let mut tree = locked(tree);
                 tree.insert(result);
                 if checkpoint.is_due() {
-                    checkpoint.save(&tree)?;
+                    checkpoint.save(&tree);
                 }
                 continue;
             }
             insert_shared(tree, result);
         }
-        Ok(())
     }
 
     /// Returns the results, after all threads have ended.
-    fn end(self) -> Result<Vec<MergeTree>, EnsembleError> {
+    fn end(self) -> Result<Finished, EnsembleError> {
         self.progress.end();
         let trees = self.trees.into_iter().map(Mutex::into_inner);
         let trees: Vec<_> = trees
@@ -227,11 +233,15 @@ impl Shared {
             .collect();
         #[cfg(feature = "checkpoint")]
         if let Some(checkpoint) = &self.checkpoint {
-            trees.iter().try_for_each(|tree| checkpoint.save(tree))?;
+            trees.iter().for_each(|tree| checkpoint.save(tree));
         }
+        #[cfg(feature = "checkpoint")]
+        let warning = self.checkpoint.and_then(|checkpoint| checkpoint.warning());
+        #[cfg(not(feature = "checkpoint"))]
+        let warning = None;
         match (self.stop.into_inner()).unwrap_or_else(PoisonError::into_inner) {
             Some(error) => Err(error),
-            None => Ok(trees),
+            None => Ok(Finished { trees, warning }),
         }
     }
 
@@ -253,16 +263,15 @@ impl Shared {
 
 #[cfg(feature = "checkpoint")]
 impl Shared {
-    /// Loads the results of a checkpoint, if there is one.
-    fn load<I: Method>(
+    /// Loads the results of a checkpoint, if there are some and the ensemble is to continue them.
+    fn with_checkpoint<I: Method>(
         mut self,
         settings: &Settings<'_, I>,
         info: &Info,
     ) -> Result<Self, EnsembleError> {
-        let Some((path, every)) = &settings.ensemble.checkpoint else {
+        let Some(checkpoint) = settings.checkpoint(info) else {
             return Ok(self);
         };
-        let checkpoint = CheckpointFile::new(path.clone(), *every, info.clone(), settings.shard);
         if settings.ensemble.resume
             && let Some(tree) = checkpoint.load()?
         {

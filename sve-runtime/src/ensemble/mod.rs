@@ -10,6 +10,8 @@
 
 mod along;
 mod antithetic;
+#[cfg(feature = "checkpoint")]
+mod attempts;
 mod by;
 #[cfg(feature = "checkpoint")]
 mod checkpoint;

@@ -32,6 +32,8 @@ pub struct Summary {
     refined: u64,
     failed: u64,
     failures: Vec<Failure>,
+    /// Warnings about the runs, and not about their results.
+    run_warnings: Vec<Warning>,
 }
 
 impl Summary {
@@ -48,6 +50,7 @@ impl Summary {
             refined: 0,
             failed: 0,
             failures: Vec::new(),
+            run_warnings: Vec::new(),
             info,
             tree,
         };
@@ -62,6 +65,12 @@ impl Summary {
             summary.show(whole);
         }
         summary
+    }
+
+    /// Adds warnings about the run.
+    pub(super) fn warned(mut self, warnings: impl IntoIterator<Item = Warning>) -> Self {
+        self.run_warnings.extend(warnings);
+        self
     }
 
     fn show(&mut self, node: PartialResult) {
@@ -197,7 +206,8 @@ impl Summary {
         self.passages.iter().find(|p| p.name() == name)
     }
 
-    /// Returns warnings about unreliable statistics: observables that diverge, and means that depend on one path. See [`Warning`] for the criteria.
+    /// Returns warnings about unreliable statistics: observables that diverge, and means that depend on one path; and about a checkpoint that could not be
+    /// written. See [`Warning`] for the criteria. `Display` and `write_html` show them.
     ///
     /// ```
     /// use sve_runtime::ensemble::Warning;
@@ -230,7 +240,10 @@ impl Summary {
     /// ```
     pub fn warnings(&self) -> Vec<Warning> {
         let all = self.statistics.iter();
-        all.flat_map(|s| s.warnings(&self.info.times)).collect()
+        let of_statistics = all.flat_map(|s| s.warnings(&self.info.times));
+        of_statistics
+            .chain(self.run_warnings.iter().cloned())
+            .collect()
     }
 
     /// The final states of the paths that did not fail, with their numbers, in their order; none unless
@@ -283,12 +296,15 @@ impl Summary {
         }
         let blocks = self.tree.blocks;
         let tree = core::mem::replace(&mut self.tree, MergeTree::new(blocks));
+        let mut run_warnings = core::mem::take(&mut self.run_warnings);
+        run_warnings.extend(other.run_warnings);
         *self = Self::new(self.info.clone(), tree);
+        self.run_warnings = run_warnings;
         Ok(())
     }
 }
 
-/// Summaries are equal if settings, statistics, failures and final states are equal.
+/// Summaries are equal if settings, statistics, failures and final states are equal. Warnings about files are not compared.
 impl PartialEq for Summary {
     fn eq(&self, other: &Self) -> bool {
         self.info == other.info && self.tree == other.tree

@@ -1,7 +1,7 @@
-//! Warnings about unreliable statistics.
+//! Warnings about unreliable statistics and missing files.
 //!
 //! Input: the statistics of observables. Output: warnings about observables that diverge, and about means that depend on one path. Both criteria are fixed and
-//! documented at [`Warning`]; they use the recorded times only.
+//! documented at [`Warning`]; they use the recorded times only. The warning about a checkpoint comes from the run.
 
 use core::fmt;
 
@@ -19,8 +19,9 @@ const MANY: u64 = 100;
 /// Largest fraction of the sum of squared deviations of one path.
 const SHARE: f64 = 0.5;
 
-/// Why a statistic is unreliable, from [`Summary::warnings`](super::Summary::warnings).
+/// Why a statistic is unreliable, or a file has not the results, from [`Summary::warnings`](super::Summary::warnings).
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Warning {
     /// An observable diverges: its largest magnitude over the paths at the end is more than 1000 times the largest one at all
@@ -54,6 +55,18 @@ pub enum Warning {
         /// Its fraction of the sum of squared deviations.
         share: f64,
     },
+    /// The file of [`Ensemble::checkpoint`](super::Ensemble::checkpoint) could not be written during the run. The statistics are not affected.
+    #[cfg(feature = "checkpoint")]
+    Checkpoint {
+        /// The file.
+        path: String,
+        /// Number of attempts that failed.
+        failed: u64,
+        /// The error of the system at the last of them.
+        error: String,
+        /// Whether a later attempt, at the end, wrote the file with all results of the run.
+        is_written: bool,
+    },
 }
 
 impl fmt::Display for Warning {
@@ -81,6 +94,24 @@ impl fmt::Display for Warning {
                 "one path of {paths} has {:.0} % of the variance of `{name}` at t = {t}, with the value {value:.1e}: its mean is not resolved",
                 100.0 * share
             ),
+            #[cfg(feature = "checkpoint")]
+            Self::Checkpoint {
+                path,
+                failed,
+                error,
+                is_written,
+            } => {
+                let times = if *failed == 1 { "time" } else { "times" };
+                write!(
+                    f,
+                    "the checkpoint {path} could not be written {failed} {times}, at last because of: {error}; "
+                )?;
+                f.write_str(if *is_written {
+                    "a later attempt wrote the file, which has these results"
+                } else {
+                    "the file lacks these results, or does not exist: store the summary in another place"
+                })
+            }
         }
     }
 }

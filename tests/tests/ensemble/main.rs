@@ -26,4 +26,5 @@ mod stopped;
 mod survival;
 mod sweeps;
 mod threads;
+mod unwritable;
 mod zeros;

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use sve_mpi::Error;
-use sve_runtime::ensemble::Failure;
+use sve_runtime::ensemble::{Failure, Warning};
 use sve_runtime::prelude::*;
 
 use super::World;
@@ -143,7 +143,7 @@ fn differs(error: &Error, last: i32, expected: &str) {
     }
 }
 
-/// Checkpoints that cannot be read or written are errors of rank 0, on all ranks.
+/// Checkpoints that cannot be read or written at the start are errors of rank 0, on all ranks.
 pub(crate) fn bad_files(given: &World) {
     let method = kubo();
     let damaged = scratch(&format!("damaged-{}.sve", given.last));
@@ -172,6 +172,37 @@ pub(crate) fn bad_files(given: &World) {
                 other => panic!("{other:?}"),
             }
         }
+    }
+}
+
+/// A checkpoint that cannot be written during the run is a warning on all ranks, and no results are lost.
+pub(crate) fn vanishing_folders(given: &World) {
+    let method = kubo();
+    let folder = scratch(&format!("vanishing-{}", given.last));
+    let file = folder.join("x.sve");
+    for interval in [Duration::from_millis(1), Duration::from_secs(600)] {
+        if given.rank == 0 {
+            std::fs::create_dir_all(&folder).unwrap();
+        }
+        let is_first = given.rank == 0;
+        let vanish = || {
+            if is_first {
+                let _ = std::fs::remove_dir_all(&folder);
+            }
+            false
+        };
+        let run = with_all(&method, 6400).checkpoint(&file, interval);
+        let summary = sve_mpi::run(&run.stop_when(vanish), &given.communicator).unwrap();
+        assert_eq!(
+            bits(&summary),
+            bits(&with_all(&method, 6400).run().unwrap())
+        );
+        let is_of_file = |warning: &Warning| matches!(warning, Warning::Checkpoint { path, is_written: false, .. } if *path == file.display().to_string());
+        assert!(
+            summary.warnings().iter().any(is_of_file),
+            "{:?}",
+            summary.warnings()
+        );
     }
 }
 

@@ -71,6 +71,7 @@ const CASES: &[Case] = &[
     case("wrong_settings", ALL, errors::wrong_settings),
     case("differing_settings", SEVERAL, errors::differing_settings),
     case("bad_files", ALL, errors::bad_files),
+    case("vanishing_folders", ALL, errors::vanishing_folders),
     Case {
         threading: Threading::Single,
         ..case("thread_level", ALL, errors::thread_level)
