@@ -129,6 +129,8 @@ mod composition;
 mod configuration;
 mod constraints;
 mod degenerate;
+#[cfg(feature = "ensemble")]
+mod description;
 mod dual;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;

@@ -111,6 +111,13 @@ pub trait OneStepMethod {
         to.write(name.split('<').next().unwrap_or(name).as_bytes());
     }
 
+    /// Returns the name of the method with its options, as pages of ensembles and studies show it. The default is the name of the type.
+    fn describe(&self) -> String {
+        let name = type_name::<Self>();
+        let name = name.split('<').next().unwrap_or(name);
+        name.rsplit("::").next().unwrap_or(name).to_owned()
+    }
+
     /// Returns the largest number of Newton iterations of a block in a step from `state`; 0 if the equations are explicit or linear.
     /// `None` if the method does not count iterations, or the step fails.
     ///

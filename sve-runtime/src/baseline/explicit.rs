@@ -284,6 +284,11 @@ macro_rules! explicit_method {
                 $(to.write(format!("{:?}", self.$option).as_bytes());)*
             }
 
+            fn describe(&self) -> String {
+                let options: &[String] = &[$(format!(", {} = {:?}", stringify!($option), self.$option)),*];
+                stringify!($name).to_owned() + &options.concat()
+            }
+
             #[inline]
             fn prepare(&self, h: f64) -> Result<Self::Prepared, crate::error::StepError> {
                 const { crate::constraints::assert_unconstrained::<S>() }

@@ -44,6 +44,11 @@ macro_rules! method_by_increment {
                 $(to.write(format!("{:?}", self.$option).as_bytes());)*
             }
 
+            fn describe(&self) -> String {
+                let options: &[String] = &[$(format!(", {} = {:?}", stringify!($option), self.$option)),*];
+                stringify!($name).to_owned() + &options.concat()
+            }
+
             #[inline]
             fn prepare(&self, h: f64) -> Result<(), crate::error::StepError> {
                 const { crate::constraints::assert_unconstrained::<S>() }

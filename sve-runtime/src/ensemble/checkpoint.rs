@@ -214,7 +214,13 @@ impl CheckpointFile {
 
 /// Reads a file, if it exists, and checks its length, checksum and version.
 fn read(path: &Path) -> Result<Option<Vec<u8>>, EnsembleError> {
-    let bytes = match fs::read(path) {
+    let bytes = match fs::metadata(path).map(|old| old.is_file()) {
+        // a device has no results, and may have no end
+        Ok(false) => return Ok(None),
+        Ok(true) => fs::read(path),
+        Err(error) => Err(error),
+    };
+    let bytes = match bytes {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(failed(path, error)),

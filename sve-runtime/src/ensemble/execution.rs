@@ -233,7 +233,9 @@ impl Shared {
             .collect();
         #[cfg(feature = "checkpoint")]
         if let Some(checkpoint) = &self.checkpoint {
-            trees.iter().for_each(|tree| checkpoint.save(tree));
+            for tree in &trees {
+                checkpoint.save(tree);
+            }
         }
         #[cfg(feature = "checkpoint")]
         let warning = self.checkpoint.and_then(|checkpoint| checkpoint.warning());

@@ -7,6 +7,7 @@ use super::fingerprint::Fingerprint;
 use super::histogram::HistogramRequest;
 use super::joint::JointRequest;
 use super::sketch::QuantileRequest;
+use crate::description::RunDescription;
 
 /// The data that summaries of the same run have in common.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +29,8 @@ pub(super) struct Info {
     /// Number of momenta of a final state.
     pub(super) momenta: usize,
     pub(super) fingerprint: Fingerprint,
+    /// What pages show. Runs are not compared by it.
+    pub(super) description: RunDescription,
 }
 
 impl Info {

@@ -264,7 +264,7 @@ where
     /// Runs all paths.
     ///
     /// # Errors
-    /// An [`EnsembleError`] for invalid settings, or if the results do not fit into memory; [`EnsembleError::Failed`] with
+    /// An [`EnsembleError`] for invalid settings, if the results do not fit into memory, or if a checkpoint cannot be read and written; [`EnsembleError::Failed`] with
     /// [`stop_on_failure`](Self::stop_on_failure); [`EnsembleError::NothingRun`] if [`stop_when`](Self::stop_when) ended
     /// the run before its first block of paths. A path that fails is not an error of the run, see [`Summary::failures`].
     pub fn run(&self) -> Result<Summary, EnsembleError>

@@ -59,6 +59,27 @@ impl PathNoise {
         })
     }
 
+    /// Returns the kind of the increments, for people; empty without noise.
+    pub(super) fn describe(&self) -> String {
+        let kind = match self.distribution {
+            None => return String::new(),
+            Some(DistributionKind::Normal) => "normal increments",
+            Some(DistributionKind::ThreePoint) => "increments of three values",
+        };
+        let is_truncated = self.largest.is_finite();
+        let truncated = if is_truncated { ", truncated" } else { "" };
+        let pairs = if self.is_antithetic {
+            ", antithetic pairs"
+        } else {
+            ""
+        };
+        let from = match self.first_path {
+            0 => String::new(),
+            path => format!(", from path {path} on"),
+        };
+        format!("{kind}{truncated}{pairs}{from}")
+    }
+
     /// Returns the number of the source's path, counted from its first one, that belongs to a path of the ensemble.
     pub(super) fn path_within(&self, path: u64) -> u64 {
         if self.is_antithetic { path / 2 } else { path }

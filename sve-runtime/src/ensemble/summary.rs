@@ -16,6 +16,8 @@ use super::quantiles::Quantiles;
 use super::statistics::{Histogram, Statistics};
 use super::warning::Warning;
 use super::{BLOCK_PATHS, EnsembleError, path_at};
+#[cfg(feature = "plot")]
+use crate::description::RunDescription;
 
 /// Statistics of the paths of an [`Ensemble`](super::Ensemble): of all, or of the shards merged so far.
 #[derive(Clone)]
@@ -119,6 +121,18 @@ impl Summary {
     #[cfg(feature = "plot")]
     pub(crate) fn is_antithetic(&self) -> bool {
         self.info.is_antithetic
+    }
+
+    /// What was run.
+    #[cfg(feature = "plot")]
+    pub(crate) fn description(&self) -> &RunDescription {
+        &self.info.description
+    }
+
+    /// Number of paths of the whole ensemble.
+    #[cfg(feature = "plot")]
+    pub(crate) fn paths_of_ensemble(&self) -> u64 {
+        self.info.paths
     }
 
     /// The recorded times: the start, the time after each `record_every` steps, and the end.

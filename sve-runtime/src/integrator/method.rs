@@ -9,7 +9,7 @@ use crate::configuration::Coordinates;
 use crate::error::StepError;
 use crate::lanes::{Lane, Mask};
 use crate::method::OneStepMethod;
-use crate::plan::StrongOrder;
+use crate::plan::{Plan, StrongOrder, Substeps};
 use crate::state::State;
 use crate::system::{Dims, StateLanesOf, System};
 use crate::variational::{Discretised, Memory};
@@ -148,6 +148,16 @@ where
         to.write(type_name::<R>().as_bytes());
         // the printed form of a number is the shortest one that reads back as the same number
         to.write(format!("{:?}", self.newton()).as_bytes());
+    }
+
+    fn describe(&self) -> String {
+        let Plan { rule, substeps, .. } = self.plan();
+        match substeps {
+            None => (*rule).to_owned(),
+            Some(Substeps { composition, count }) => {
+                format!("{composition} of {rule}, {count} substeps")
+            }
+        }
     }
 
     fn order(&self) -> Option<f64> {

@@ -9,12 +9,13 @@ use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::axes::{Frame, LABEL};
+use super::axes::Frame;
 use super::clip;
-use super::figure::{Corner, Figure, Layer, Panel, Pen, Shape, Symbols};
+use super::figure::{Figure, Layer, Panel, Pen, Shape, Symbols};
 use super::palette;
 use super::render::SCALE;
 use super::spread;
+use super::text::{self, LABEL};
 
 type Outcome = Result<(), Box<dyn Error>>;
 /// An area of device units.
@@ -46,11 +47,9 @@ pub(crate) fn rgb((r, g, b): palette::Color) -> RGBColor {
     RGBColor(r, g, b)
 }
 
-/// Text of a size in CSS pixels; plotters measures a font by its line height, 1.24 times that.
+/// Text of a size in CSS pixels.
 pub(crate) fn font(size: f64, color: palette::Color) -> TextStyle<'static> {
-    ("sans-serif", 1.24 * size * f64::from(SCALE))
-        .into_font()
-        .color(&rgb(color))
+    text::font(size).color(&rgb(color))
 }
 
 /// Draws the whole figure.
@@ -89,8 +88,8 @@ where
         let style = font(LABEL, note.color).pos(Pos::new(HPos::Left, VPos::Center));
         area.draw(&Text::new(note.text.clone(), frame.device(&note.at), style))?;
     }
-    if let Some(corner) = panel.legend {
-        draw_legend(area, &frame, panel, corner)?;
+    if let Some(legend) = &frame.legend {
+        legend.draw(area, frame.edges, &panel.layers)?;
     }
     frame.draw(area, panel)
 }
@@ -134,7 +133,7 @@ where
     Ok(())
 }
 
-fn draw_line<DB>(
+pub(crate) fn draw_line<DB>(
     canvas: &Area<DB>,
     path: Vec<(i32, i32)>,
     dash: Option<(f64, f64)>,
@@ -153,7 +152,12 @@ where
     Ok(())
 }
 
-fn draw_symbol<DB>(canvas: &Area<DB>, (x, y): (i32, i32), pen: &Pen, symbols: Symbols) -> Outcome
+pub(crate) fn draw_symbol<DB>(
+    canvas: &Area<DB>,
+    (x, y): (i32, i32),
+    pen: &Pen,
+    symbols: Symbols,
+) -> Outcome
 where
     DB: DrawingBackend,
     DB::ErrorType: 'static,
@@ -224,57 +228,6 @@ where
                 style,
             ))?;
         }
-    }
-    Ok(())
-}
-
-fn draw_legend<DB>(canvas: &Area<DB>, frame: &Frame, panel: &Panel, corner: Corner) -> Outcome
-where
-    DB: DrawingBackend,
-    DB::ErrorType: 'static,
-{
-    let (line, sample, gap) = (16.0, 30.0, 6.0);
-    let listed: Vec<&Layer> = panel.layers.iter().filter(|layer| layer.listed).collect();
-    let text = font(LABEL, palette::BLACK).pos(Pos::new(HPos::Left, VPos::Center));
-    let mut widest = 0;
-    for layer in &listed {
-        widest = widest.max(canvas.estimate_text_size(&layer.label, &text)?.0);
-    }
-    // fonts of a browser may be wider than the embedded one: a tenth more
-    let box_width = px(sample + 3.0 * gap) + (1.1 * f64::from(widest)) as i32;
-    let box_height = px(line * listed.len() as f64 + gap);
-    let [west, north, east, south] = frame.edges;
-    let left = match corner {
-        Corner::TopLeft | Corner::BottomLeft => west + px(8.0),
-        Corner::TopRight | Corner::BottomRight => east - box_width - px(4.0),
-        Corner::Outside => east + px(8.0),
-    };
-    let top = match corner {
-        Corner::TopLeft | Corner::TopRight | Corner::Outside => north + px(4.0),
-        Corner::BottomLeft | Corner::BottomRight => south - box_height - px(4.0),
-    };
-    let corners = [(left, top), (left + box_width, top + box_height)];
-    canvas.draw(&Rectangle::new(corners, WHITE.filled()))?;
-    for (k, layer) in listed.into_iter().enumerate() {
-        let y = top + px(gap / 2.0 + line * (k as f64 + 0.5));
-        let (from, to) = (left + px(gap), left + px(gap + sample));
-        if layer.is_filled() {
-            let corners = [(from, y - px(4.0)), (to, y + px(4.0))];
-            canvas.draw(&Rectangle::new(corners, spread::style(layer)))?;
-        }
-        if let Some(stroke_of) = layer.pen.line {
-            let style = stroke(layer.pen.color, stroke_of.width.max(1.2));
-            draw_line(canvas, vec![(from, y), (to, y)], stroke_of.dash, style)?;
-        }
-        if let Some(mut symbols) = layer.pen.symbol {
-            symbols.radius = symbols.radius.max(1.5);
-            draw_symbol(canvas, (i32::midpoint(from, to), y), &layer.pen, symbols)?;
-        }
-        canvas.draw(&Text::new(
-            layer.label.clone(),
-            (to + px(gap), y),
-            text.clone(),
-        ))?;
     }
     Ok(())
 }

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use super::bounds::around;
 use super::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
-use super::{PlotError, page, palette, render};
+use super::{PlotError, page, palette};
 use crate::ensemble::{Histogram, Passages, Statistics, Summary};
 
 /// Half the width of bands and bars, in standard errors.
@@ -19,7 +19,8 @@ const LEGEND: f64 = 0.15;
 const SYMBOLS: usize = 12;
 
 impl Summary {
-    /// Writes a page with pictures of the means, histograms and first passages, and a table of the statistics at the end.
+    /// Writes a page that says what was run (system with its parameters, method, steps, paths, noise and seed), with pictures of the means, histograms and first
+    /// passages, and tables of the statistics at the end and of the rates of first passages.
     ///
     /// Bands and bars have two standard errors on either side; of a histogram's bin with n of N paths that is √(n (1 − n/N)).
     ///
@@ -55,6 +56,7 @@ impl Summary {
     /// summary.write_html(path)?;
     /// # let page = std::fs::read_to_string(&written)?;
     /// # assert!(page.contains("<svg") && page.contains("of 200 paths passed") && page.contains("survival ± 2 standard errors"));
+    /// # assert!(page.contains("<code>Oscillator</code>") && page.contains("<code>sigma</code> = 1") && page.contains("100 steps of h = 0.1"));
     /// # std::fs::remove_dir_all(&folder)?;
     /// # Ok(())
     /// # }
@@ -63,54 +65,92 @@ impl Summary {
     /// # Errors
     /// [`PlotError`] when the page cannot be written.
     pub fn write_html(&self, path: impl AsRef<Path>) -> Result<(), PlotError> {
-        let mut title = format!("Ensemble of {} paths", self.paths());
-        if let Some(t) = self.times().last() {
+        let mut title = format!("Ensemble of {}", page::count(self.paths(), "path"));
+        if let Some(&t) = self.times().last() {
             title.push_str(" to t = ");
-            title.push_str(&t.to_string());
+            title.push_str(&page::number(t, 6));
         }
-        let figure = figure(self);
-        let mut body = String::new();
-        if !figure.rows.is_empty() {
-            body.push_str("<figure>\n");
-            body.push_str(&render::svg(&figure)?);
-            body += "\n<figcaption>Bands and bars: two standard errors on either side.</figcaption>\n</figure>\n";
+        let mut body = page::facts(&facts(self));
+        for warning in self.warnings() {
+            body.push_str("<p class=\"warning\">");
+            body.push_str(&page::escape(&warning.to_string()));
+            body.push_str("</p>\n");
+        }
+        let figures = figures(self);
+        if !figures.is_empty() {
+            body += &page::panels(
+                &figures,
+                "Bands and bars: two standard errors on either side.",
+            )?;
         }
         body += &table(self);
-        let notes = self
-            .warnings()
-            .into_iter()
-            .map(|warning| warning.to_string());
-        let failures = (self.failed() > 0).then(|| format!("{} paths failed", self.failed()));
-        let first = self
-            .failures()
-            .first()
-            .map(|f| format!("first failure: {f}"));
-        for note in notes.chain(failures).chain(first) {
-            body.push_str("<p>");
-            body.push_str(&page::escape(&note));
+        body += &table_of_passages(self);
+        if let Some(first) = self.failures().first() {
+            body.push_str("<p>First failure: ");
+            body.push_str(&page::escape(&first.to_string()));
             body.push_str("</p>\n");
         }
         page::write(path.as_ref(), &page::document(&title, &body))
     }
 }
 
-/// Panels of all observables, then of all histograms, then of all first passages, two a row.
-fn figure(summary: &Summary) -> Figure {
+/// What was run.
+fn facts(summary: &Summary) -> Vec<(&'static str, String)> {
+    let run = summary.description();
+    let mut facts = page::facts_of_system(&run.system);
+    facts.push(("method", run.method.clone()));
+    let h = page::exact(run.h);
+    facts.push((
+        "steps",
+        format!("{} of h = {h}", page::count(run.steps, "step")),
+    ));
+    let mut paths = vec![page::count(summary.paths(), "path")];
+    if !summary.is_complete() {
+        paths.push(format!("of {}", summary.paths_of_ensemble()));
+    }
+    if summary.failed() > 0 {
+        paths.push(format!("of which {} failed", summary.failed()));
+    }
+    if summary.refined_steps() > 0 {
+        let refined = page::count(summary.refined_steps(), "step");
+        paths.push(format!("{refined} made in smaller ones"));
+    }
+    facts.push(("paths", paths.join(", ")));
+    let noise = if run.noise.is_empty() {
+        "none"
+    } else {
+        &run.noise
+    };
+    facts.push(("noise", noise.to_owned()));
+    let seed = if run.seed == run.start_seed {
+        run.seed.to_string()
+    } else {
+        format!(
+            "{} of the noise, {} of the starts",
+            run.seed, run.start_seed
+        )
+    };
+    facts.push(("seed", seed));
+    facts
+}
+
+/// A figure for each observable, then for each histogram, then for each first passage.
+fn figures(summary: &Summary) -> Vec<Figure> {
     let times = summary.times();
     let means = summary.statistics().iter().map(|s| mean(times, s));
     let histograms = summary.histograms().iter();
     let histograms = histograms.map(|of| histogram(of, summary.is_antithetic()));
     let passages = summary.passages().iter().map(survival);
-    let panels: Vec<Panel> = means.chain(histograms).chain(passages).collect();
-    let row = |panels: &[Panel]| Row {
-        height: 320,
-        panels: panels.to_vec(),
-    };
-    Figure {
+    let panels = means.chain(histograms).chain(passages);
+    let figure = |panel| Figure {
         name: "ensemble",
-        width: 1080,
-        rows: panels.chunks(2).map(row).collect(),
-    }
+        width: 540,
+        rows: vec![Row {
+            height: 320,
+            panels: vec![panel],
+        }],
+    };
+    panels.map(figure).collect()
 }
 
 fn mean(times: &[f64], statistics: &Statistics) -> Panel {
@@ -234,7 +274,7 @@ fn survival(passages: &Passages) -> Panel {
         let _ = write!(title, ", {censored} censored");
     }
     if let Some(t) = passages.unknown_from() {
-        let _ = write!(title, ", unknown from t = {t} on");
+        let _ = write!(title, ", unknown from t = {} on", page::number(t, 6));
     }
     let layer = Layer::new(
         "survival ± 2 standard errors",
@@ -250,31 +290,77 @@ fn survival(passages: &Passages) -> Panel {
     .legend(Corner::BottomLeft)
 }
 
+/// The statistics at the end; nothing without observables.
 fn table(summary: &Summary) -> String {
-    let last = |values: &[f64]| {
-        values
-            .last()
-            .map_or_else(String::new, |x| format!("{x:.6e}"))
-    };
+    let paths = summary.counts().last().copied().unwrap_or(0);
+    let last = |values: &[f64]| values.last().copied().filter(|_| paths > 0);
     let row = |s: &Statistics| {
-        let cells = vec![
-            s.name().to_owned(),
+        let mut cells = vec![s.name().to_owned(), paths.to_string()];
+        cells.extend(page::known_with_error(
             last(s.mean()),
             last(&s.standard_error()),
-            last(&s.standard_deviation()),
-            last(s.min()),
-            last(s.max()),
-        ];
+        ));
+        cells.push(page::known(last(&s.standard_deviation()), 4));
+        let deviation = last(&s.standard_deviation()).unwrap_or(f64::NAN);
+        for value in [last(s.min()), last(s.max())] {
+            let text = value.map(|value| page::number_beside(value, deviation));
+            cells.push(text.unwrap_or_else(|| page::NONE.to_owned()));
+        }
         ("", cells)
     };
     let rows: Vec<_> = summary.statistics().iter().map(row).collect();
+    if rows.is_empty() {
+        return String::new();
+    }
     let head = [
         "at the end",
+        "paths",
         "mean",
-        "standard error",
+        "± standard error",
         "standard deviation",
         "least",
         "greatest",
+    ];
+    page::table(&head, &rows)
+}
+
+/// The first passages with their rates; nothing without such functions.
+fn table_of_passages(summary: &Summary) -> String {
+    let last = |counts: Vec<u64>| counts.last().copied().unwrap_or(0).to_string();
+    let row = |passages: &Passages| {
+        let mut cells = vec![
+            passages.name().to_owned(),
+            last(passages.passed()),
+            last(passages.censored()),
+            last(passages.at_risk()),
+        ];
+        let (survival, error) = (passages.survival(), passages.survival_error());
+        cells.extend(page::known_with_error(
+            survival.last().copied().flatten(),
+            error.last().copied().flatten(),
+        ));
+        let rate = passages.rate(0);
+        cells.extend(page::known_with_error(
+            Some(rate.value),
+            Some(rate.standard_error),
+        ));
+        cells.push(page::known(Some(rate.exposure), 6));
+        ("", cells)
+    };
+    let rows: Vec<_> = summary.passages().iter().map(row).collect();
+    if rows.is_empty() {
+        return String::new();
+    }
+    let head = [
+        "first passage",
+        "passed",
+        "censored",
+        "at risk at the end",
+        "survival at the end",
+        "± standard error",
+        "rate",
+        "± standard error",
+        "time at risk",
     ];
     page::table(&head, &rows)
 }

@@ -83,6 +83,8 @@ pub enum Corner {
     BottomRight,
     /// Right of the axes, which become so much shorter.
     Outside,
+    /// Below the axes, which become so much lower.
+    Below,
 }
 
 /// A text at a point of the axes.

@@ -1,15 +1,25 @@
 //! Labels of axes: where they stand, and their digits.
 //!
-//! Input: an axis and its range. Output: numbers with their texts. Invariant: the texts of an axis differ.
+//! Input: an axis and its range. Output: numbers with their texts. Invariant: the texts of an axis differ, and all its numbers are finite.
+//!
+//! Labels are integers times a power of ten, so their texts are exact, also where floating-point numbers have few digits: near the
+//! smallest numbers, and on short axes far from zero. On the latter a round number is subtracted from all labels, and the name of the axis says so.
 
 use std::f64::consts::PI;
 use std::ops::Range;
 
 use super::axes::length;
 use super::figure::{Axis, Scale};
+use super::numbers::{MOST_PLAIN, leading, plain, series, shortened, superscript, with_power};
 
 /// Largest number of labels of an axis.
-const MOST_LABELS: usize = 1000;
+pub(super) const MOST_LABELS: usize = 1000;
+
+/// Labels with more digits have a round number subtracted from them.
+const MOST_DIGITS: i32 = 6;
+
+/// Smallest power of ten that has all digits of an `f64`.
+const SUBNORMAL: i32 = -307;
 
 /// Axes of powers that are shorter have three, or two, labels a decade.
 const ONE_DECADE: f64 = 1.5;
@@ -17,30 +27,46 @@ const FEW_DECADES: f64 = 3.0;
 /// One that is longer has no ticks there.
 const MANY_DECADES: f64 = 6.0;
 
-/// Where the labels of an axis stand.
-fn labelled(axis: &Axis, range: &Range<f64>) -> Vec<f64> {
-    if axis.labels == 0 {
-        return Vec::new();
+/// The labels of an axis.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Labels {
+    /// Where each stands, and its text.
+    pub(super) marks: Vec<(f64, String)>,
+    /// What is subtracted from the numbers, with its sign, as it follows the name: `− 10⁹`.
+    pub(super) offset: Option<String>,
+}
+
+impl Labels {
+    fn new(marks: impl IntoIterator<Item = (f64, String)>) -> Self {
+        let mut labels = Self::default();
+        for (at, text) in marks {
+            let is_new = |(other, known): &(f64, String)| *other != at && *known != text;
+            if at.is_finite() && labels.marks.iter().all(is_new) {
+                labels.marks.push((at, text));
+            }
+        }
+        labels
+    }
+
+    /// The name of an axis with these labels.
+    pub(super) fn name(&self, name: &str) -> String {
+        match &self.offset {
+            Some(offset) => format!("{name} {offset}").trim_start().to_owned(),
+            None => name.to_owned(),
+        }
+    }
+}
+
+/// The labels of an axis, about `count` of them: numbers, powers of ten, or parts of π.
+pub(super) fn labels(axis: &Axis, range: &Range<f64>, count: usize) -> Labels {
+    if count == 0 {
+        return Labels::default();
     }
     match axis.scale {
-        Scale::Linear => return round_numbers(range, axis.labels),
-        Scale::Angle => return parts_of_pi(range, axis.labels),
-        Scale::Powers => {}
+        Scale::Linear => numbers(range, count),
+        Scale::Angle => Labels::new(parts_of_pi(range, count)),
+        Scale::Powers => powers(range, count),
     }
-    let decades = length(range);
-    if decades < ONE_DECADE {
-        return within_decades(range, &[1.0, 2.0, 5.0]);
-    }
-    if decades < FEW_DECADES {
-        return within_decades(range, &[1.0, 3.0]);
-    }
-    // exponents are whole, so at most one label a decade
-    let count = (1..axis.labels.min(MOST_LABELS))
-        .take_while(|k| *k as f64 <= decades)
-        .count();
-    let mut numbers = round_numbers(range, count);
-    numbers.retain(|x| (x - x.round()).abs() < 1e-9);
-    numbers
 }
 
 /// Where ticks without labels stand: between powers of ten, where there are not too many.
@@ -52,6 +78,146 @@ pub(super) fn ticks(axis: &Axis, range: &Range<f64>) -> Vec<f64> {
     }
 }
 
+/// Multiples of a power of ten: the integers, and the power.
+struct Round {
+    multiples: Vec<i128>,
+    exponent: i32,
+}
+
+impl Round {
+    /// Multiples of 1, 2 or 5 times a power of ten in a range, about `count` of them.
+    fn of(range: &Range<f64>, count: usize) -> Self {
+        let count = count.clamp(1, MOST_LABELS);
+        // numbers are no closer than this
+        let largest = range.start.abs().max(range.end.abs());
+        let rough = (length(range) / count as f64).max(largest - largest.next_down());
+        let decade = rough.log10().floor() as i32;
+        let candidates = [(1, decade), (2, decade), (5, decade), (1, decade + 1)];
+        let is_long = |&(factor, exponent): &(i128, i32)| float(factor, exponent) >= 0.8 * rough;
+        let chosen = candidates.into_iter().find(is_long);
+        let (factor, exponent) = chosen.unwrap_or((2, decade + 1));
+        let step = float(factor, exponent);
+        // a label may stand on the very end of the axis, up to rounding
+        let slack = 1e-9 * step;
+        let within = range.start - slack..=range.end + slack;
+        // where numbers have few digits, the quotients are not exact
+        let first = quotient(range.start, factor, exponent).floor() as i128 - 1;
+        let last = quotient(range.end, factor, exponent).ceil() as i128 + 1;
+        Self {
+            multiples: (first..=last)
+                .map(|multiple| multiple * factor)
+                .filter(|&multiple| within.contains(&float(multiple, exponent)))
+                .take(4 * count + 1)
+                .collect(),
+            exponent,
+        }
+    }
+
+    /// Returns the roundest number that is not above the labels, nor farther below them than they are from one another, if the labels are long without it.
+    fn offset(&self) -> Option<i128> {
+        let (first, last) = (*self.multiples.first()?, *self.multiples.last()?);
+        let largest = first.abs().max(last.abs());
+        if leading(largest, 0) < MOST_DIGITS {
+            return None;
+        }
+        let least = first - (last - first).max(1);
+        let powers = core::iter::successors(Some(1), |power: &i128| power.checked_mul(10));
+        let rounded = powers
+            .take_while(|&power| power <= 10 * largest)
+            .map(|power| last.div_euclid(power) * power)
+            .filter(|&number| number > least);
+        rounded.last().filter(|&number| number != 0)
+    }
+
+    fn floats(&self) -> Vec<f64> {
+        let multiples = self.multiples.iter();
+        multiples
+            .map(|&multiple| float(multiple, self.exponent))
+            .collect()
+    }
+}
+
+/// Returns a number divided by an integer times a power of ten. Subnormal numbers have fewer digits than the quotient.
+fn quotient(value: f64, factor: i128, exponent: i32) -> f64 {
+    if exponent < SUBNORMAL {
+        let scaled = value * float(1, -SUBNORMAL) * float(1, SUBNORMAL - exponent);
+        return scaled / factor as f64;
+    }
+    value / float(factor, exponent)
+}
+
+/// Returns the number that is nearest to an integer times a power of ten.
+fn float(mantissa: i128, exponent: i32) -> f64 {
+    // the text of a number always is one
+    format!("{mantissa}e{exponent}").parse().unwrap_or(f64::NAN)
+}
+
+/// Round numbers with the digits that tell them apart.
+fn numbers(range: &Range<f64>, count: usize) -> Labels {
+    let round = Round::of(range, count);
+    let offset = round.offset();
+    let shown: Vec<i128> = round
+        .multiples
+        .iter()
+        .map(|m| m - offset.unwrap_or(0))
+        .collect();
+    let texts = series(&shown, round.exponent);
+    let mut labels = Labels::new(round.floats().into_iter().zip(texts));
+    labels.offset = offset.map(|offset| {
+        let sign = if offset < 0 { '+' } else { '−' };
+        let (mantissa, exponent) = shortened(offset.abs(), round.exponent);
+        let power = leading(mantissa, exponent);
+        let number = if (-MOST_PLAIN..=MOST_PLAIN).contains(&power) {
+            plain(mantissa, exponent)
+        } else {
+            with_power(mantissa, exponent, power)
+        };
+        format!("{sign} {number}")
+    });
+    labels
+}
+
+/// Powers of ten, of which the range has the logarithms; multiples of them on short axes.
+fn powers(range: &Range<f64>, count: usize) -> Labels {
+    let decades = length(range);
+    let of = |logarithms: Vec<f64>| Labels::new(logarithms.into_iter().map(|x| (x, power(x))));
+    if decades < FEW_DECADES {
+        let multiples: &[f64] = if decades < ONE_DECADE {
+            &[1.0, 2.0, 5.0]
+        } else {
+            &[1.0, 3.0]
+        };
+        let labels = of(within_decades(range, multiples));
+        if labels.marks.len() > 1 {
+            return labels;
+        }
+        return within_one_decade(range, count);
+    }
+    // exponents are whole, so at most one label a decade
+    let count = (1..count.min(MOST_LABELS))
+        .take_while(|k| *k as f64 <= decades)
+        .count();
+    let mut exponents = Round::of(range, count).floats();
+    exponents.retain(|x| x.fract() == 0.0);
+    of(exponents)
+}
+
+/// Round numbers whose logarithms are in a range.
+fn within_one_decade(range: &Range<f64>, count: usize) -> Labels {
+    // the power is taken out, so that nothing overflows
+    let decade = range.start.floor();
+    let round = Round::of(
+        &(10_f64.powf(range.start - decade)..10_f64.powf(range.end - decade)),
+        count,
+    );
+    let texts = series(
+        &round.multiples,
+        round.exponent.saturating_add(decade as i32),
+    );
+    let logarithms = round.floats().into_iter().map(|x| x.log10() + decade);
+    Labels::new(logarithms.zip(texts))
+}
+
 /// Decimal logarithms of some multiples of the powers of ten in a range.
 fn within_decades(range: &Range<f64>, multiples: &[f64]) -> Vec<f64> {
     let decades = range.start.floor() as i32..=range.end.ceil() as i32;
@@ -61,25 +227,8 @@ fn within_decades(range: &Range<f64>, multiples: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Multiples of 1, 2 or 5 times a power of ten in the range, about `count` of them.
-fn round_numbers(range: &Range<f64>, count: usize) -> Vec<f64> {
-    let count = count.clamp(1, MOST_LABELS);
-    let rough = length(range) / count as f64;
-    let power = 10_f64.powf(rough.log10().floor());
-    let factor = [1.0, 2.0, 5.0, 10.0]
-        .into_iter()
-        .find(|f| f * power >= 0.8 * rough);
-    let step = factor.unwrap_or(10.0) * power;
-    // a label may stand on the very end of the axis, up to rounding
-    let first = (range.start / step - 1e-9).ceil();
-    (0..=4 * count)
-        .map(|k| (first + k as f64) * step)
-        .take_while(|x| *x <= range.end + 1e-9 * step)
-        .collect()
-}
-
 /// Multiples of π/4, π/2, π or a round number of π in the range, about `count` of them; of smaller parts in a short range.
-fn parts_of_pi(range: &Range<f64>, count: usize) -> Vec<f64> {
+fn parts_of_pi(range: &Range<f64>, count: usize) -> Vec<(f64, String)> {
     let turns = range.start / PI..range.end / PI;
     let rough = length(&turns) / count.clamp(1, MOST_LABELS) as f64;
     let part = [0.125, 0.25, 0.5, 1.0]
@@ -89,24 +238,30 @@ fn parts_of_pi(range: &Range<f64>, count: usize) -> Vec<f64> {
         Some(part) if part / 8.0 < rough => {
             let first = (turns.start / part - 1e-9).ceil() as i64;
             let last = (turns.end / part + 1e-9).floor() as i64;
-            (first..=last).map(|k| k as f64 * part * PI).collect()
+            let eighths = (8.0 * part) as i64;
+            (first..=last)
+                .map(|k| (k as f64 * part * PI, angle(k * eighths)))
+                .collect()
         }
         // many turns, or a small part of one
-        _ => round_numbers(&turns, count)
-            .iter()
-            .map(|x| x * PI)
-            .collect(),
+        _ => {
+            let round = Round::of(&turns, count);
+            let texts = series(&round.multiples, round.exponent);
+            let texts = texts.into_iter().map(|text| match text.as_str() {
+                "0" => text,
+                "1" => "π".to_owned(),
+                "−1" => "−π".to_owned(),
+                _ => format!("{text}π"),
+            });
+            let places = round.floats().into_iter().map(|turns| turns * PI);
+            places.zip(texts).collect()
+        }
     }
 }
 
-/// An angle in parts of π; `spacing` is that of the labels in these parts.
-fn angle(value: f64, spacing: f64) -> String {
-    let turns = value / PI;
-    let eighths = 8.0 * turns;
-    if (eighths - eighths.round()).abs() > 1e-9 {
-        return format!("{}π", number(turns, spacing));
-    }
-    let (mut above, mut below) = (eighths.round() as i64, 8);
+/// A number of eighths of π.
+fn angle(eighths: i64) -> String {
+    let (mut above, mut below) = (eighths, 8);
     while above % 2 == 0 && below > 1 {
         (above, below) = (above / 2, below / 2);
     }
@@ -122,22 +277,6 @@ fn angle(value: f64, spacing: f64) -> String {
     }
 }
 
-/// The labels of an axis and where they stand: numbers, powers of ten, or parts of π.
-pub(super) fn labels(axis: &Axis, range: &Range<f64>) -> Vec<(f64, String)> {
-    let values = labelled(axis, range);
-    let spacing = match values.as_slice() {
-        [first, second, ..] => second - first,
-        [only] => only.abs(),
-        [] => return Vec::new(),
-    };
-    let label = |value: f64| match axis.scale {
-        Scale::Angle => angle(value, spacing / PI),
-        Scale::Powers => power(value),
-        Scale::Linear => number(value, spacing),
-    };
-    values.into_iter().map(|x| (x, label(x))).collect()
-}
-
 /// A power of ten, or a multiple of one, of which this is the logarithm.
 fn power(logarithm: f64) -> String {
     let exponent = (logarithm + 1e-9).floor();
@@ -149,90 +288,133 @@ fn power(logarithm: f64) -> String {
     }
 }
 
-/// A number with the digits that tell it from its neighbours, as a multiple of a power of ten if it is very small or large.
-fn number(value: f64, spacing: f64) -> String {
-    if value.abs() < 1e-9 * spacing {
-        return "0".to_owned();
-    }
-    let last_digit = (spacing * (1.0 + 1e-9)).log10().floor() as i32;
-    let first_digit = (value.abs() * (1.0 + 1e-9)).log10().floor() as i32;
-    let digits = |value: f64, count: i32| {
-        let count = usize::try_from(count).unwrap_or(0);
-        let text = format!("{value:.count$}").replace('-', "−");
-        if text.contains('.') {
-            text.trim_end_matches('0').trim_end_matches('.').to_owned()
-        } else {
-            text
-        }
-    };
-    if last_digit >= -5 && first_digit < 6 {
-        return digits(value, -last_digit);
-    }
-    let power = format!("10{}", superscript(i64::from(first_digit)));
-    let factor = digits(value / 10_f64.powi(first_digit), first_digit - last_digit);
-    match factor.as_str() {
-        "1" => power,
-        "−1" => format!("−{power}"),
-        factor => format!("{factor}·{power}"),
-    }
-}
-
-fn superscript(exponent: i64) -> String {
-    let raised = |c: char| match c {
-        '-' => '⁻',
-        '1' => '¹',
-        '2' => '²',
-        '3' => '³',
-        digit => digit
-            .to_digit(10)
-            .and_then(|d| char::from_u32(0x2070 + d))
-            .unwrap_or(digit),
-    };
-    exponent.to_string().chars().map(raised).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn texts(range: Range<f64>, count: usize) -> Vec<String> {
+        let labels = numbers(&range, count);
+        labels.marks.into_iter().map(|(_, text)| text).collect()
+    }
+
     #[test]
     fn labels_stand_at_round_numbers() {
+        let round = |range: Range<f64>| Round::of(&range, 6).floats();
+        assert_eq!(round(0.0..2000.0), [0.0, 500.0, 1000.0, 1500.0, 2000.0]);
+        assert_eq!(round(-1.5..1.5), [-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5]);
         assert_eq!(
-            round_numbers(&(0.0..2000.0), 6),
-            [0.0, 500.0, 1000.0, 1500.0, 2000.0]
-        );
-        assert_eq!(
-            round_numbers(&(-1.5..1.5), 6),
-            [-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5]
-        );
-        assert_eq!(
-            round_numbers(&(-13.2..332.7), 6),
+            round(-13.2..332.7),
             [0.0, 50.0, 100.0, 150.0, 200.0, 250.0, 300.0]
         );
     }
 
     #[test]
     fn labels_are_short() {
-        assert_eq!(number(-0.5, 0.5), "−0.5");
-        assert_eq!(number(-1e-12, 0.5), "0");
-        assert_eq!(number(2000.0, 500.0), "2000");
-        assert_eq!(number(0.00015, 0.00005), "0.00015");
-        assert_eq!(number(1.5e-6, 5e-7), "1.5·10⁻⁶");
-        assert_eq!(number(-1e-7, 1e-7), "−10⁻⁷");
-        assert_eq!(number(2.5e11, 5e10), "2.5·10¹¹");
-        let mut many = Axis::new("", 0.0..1.0);
-        many.labels = usize::MAX;
-        assert!((100..10_000).contains(&labels(&many, &(0.0..1.0)).len()));
+        assert_eq!(texts(-0.5..0.5, 2), ["−0.5", "0", "0.5"]);
+        assert_eq!(texts(0.0..2000.0, 4), ["0", "500", "1000", "1500", "2000"]);
+        assert_eq!(texts(0.000_1..0.000_2, 2), ["0.0001", "0.00015", "0.0002"]);
+        assert_eq!(texts(1e-6..2e-6, 2), ["10⁻⁶", "1.5·10⁻⁶", "2·10⁻⁶"]);
+        assert_eq!(texts(-2e-7..0.0, 2), ["−2·10⁻⁷", "−10⁻⁷", "0"]);
+        assert_eq!(texts(2e11..3e11, 2), ["2·10¹¹", "2.5·10¹¹", "3·10¹¹"]);
+        let many = labels(&Axis::new("", 0.0..1.0), &(0.0..1.0), usize::MAX);
+        assert!((100..10_000).contains(&many.marks.len()));
         assert_eq!(power(-10.0), "10⁻¹⁰");
         assert_eq!(power(2e-3_f64.log10()), "2·10⁻³");
     }
 
     #[test]
+    fn a_round_number_is_subtracted_from_long_labels() {
+        for (range, offset, expected) in [
+            (1e9..1e9 + 3.0, "− 1000000000", vec!["0", "1", "2", "3"]),
+            (
+                999_999_998.0..1_000_000_003.0,
+                "− 1000000000",
+                vec!["−2", "0", "2"],
+            ),
+            (
+                -1e9 - 3.0..-1e9,
+                "+ 1000000000",
+                vec!["−3", "−2", "−1", "0"],
+            ),
+            (1e12..1e12 + 3.0, "− 10¹²", vec!["0", "1", "2", "3"]),
+            (1_234_567.0..1_234_567.9, "− 1234567", vec!["0", "0.5"]),
+            (
+                1.0..1.0 + 3e-9,
+                "− 1",
+                vec!["0", "10⁻⁹", "2·10⁻⁹", "3·10⁻⁹"],
+            ),
+            (
+                1e300..1e300 + 3e290,
+                "− 10³⁰⁰",
+                vec!["0", "10²⁹⁰", "2·10²⁹⁰", "3·10²⁹⁰"],
+            ),
+        ] {
+            let labels = numbers(&range, 3);
+            let texts: Vec<_> = labels.marks.iter().map(|mark| &mark.1).collect();
+            assert_eq!(texts, expected, "{range:?}");
+            assert_eq!(labels.name("q"), format!("q {offset}"));
+            assert_eq!(labels.name(""), offset);
+        }
+        for range in [0.0..1e9, 1e9..2e9, 123_450.0..123_455.0] {
+            assert_eq!(numbers(&range, 6).offset, None, "{range:?}");
+        }
+    }
+
+    /// On every axis with a length there are labels within the axis, in order; all texts differ, and name finite numbers.
+    #[test]
+    fn texts_differ_on_every_axis() {
+        let mut ends = vec![
+            0.0,
+            1.0,
+            1e9,
+            1e9 + 1.0,
+            0.1,
+            PI,
+            1e-300,
+            5e-324,
+            1e-310,
+            1e300,
+            12345.678,
+        ];
+        ends.extend(ends.clone().iter().map(|x| -x));
+        let mut lengths: Vec<f64> = (-323..=307).map(|k| float(3, k)).collect();
+        lengths.extend([5e-324, 1e-323, 1.5e-323, f64::MAX]);
+        let mut seen = 0;
+        for &start in &ends {
+            for &length in &lengths {
+                for end in [start + length, start.next_up(), start.next_up().next_up()] {
+                    let range = start..end;
+                    if !(end > start && (end - start).is_finite()) {
+                        continue;
+                    }
+                    for count in [1, 6, 40] {
+                        seen += 1;
+                        let labels = numbers(&range, count);
+                        let all = format!("{range:?}: {labels:?}");
+                        assert!(!all.contains("inf") && !all.contains("NaN"), "{all}");
+                        assert!(count == 1 || !labels.marks.is_empty(), "{all}");
+                        assert!(labels.marks.len() <= 4 * count + 1, "{all}");
+                        assert!(labels.marks.is_sorted_by(|a, b| a.0 < b.0), "{all}");
+                        let texts: std::collections::BTreeSet<_> =
+                            labels.marks.iter().map(|mark| &mark.1).collect();
+                        assert_eq!(texts.len(), labels.marks.len(), "{all}");
+                        let longest = texts.iter().map(|text| text.chars().count()).max();
+                        assert!(longest <= Some(16), "{all}");
+                        let slack = 1e-6 * (end - start);
+                        let is_inside = |at: f64| at >= start - slack && at <= end + slack;
+                        assert!(labels.marks.iter().all(|mark| is_inside(mark.0)), "{all}");
+                    }
+                }
+            }
+        }
+        assert!(seen > 10_000, "{seen}");
+    }
+
+    #[test]
     fn angles_are_parts_of_pi() {
         let labels = |range: Range<f64>| -> Vec<String> {
-            let axis = Axis::angle("", range);
-            let labels = super::labels(&axis, &axis.range);
-            labels.into_iter().map(|(_, label)| label).collect()
+            let labels = labels(&Axis::angle("", 0.0..1.0), &range, 6);
+            labels.marks.into_iter().map(|(_, label)| label).collect()
         };
         assert_eq!(labels(-PI..PI), ["−π", "−π/2", "0", "π/2", "π"]);
         assert_eq!(labels(0.0..1.0), ["0", "π/8", "π/4"]);
@@ -250,11 +432,17 @@ mod tests {
 
     #[test]
     fn short_axes_of_powers_are_labelled_within_their_decades() {
-        let axis = Axis::powers("", -3.1..-1.9);
-        let labels = labels(&axis, &axis.range);
-        let labels: Vec<String> = labels.into_iter().map(|(_, label)| label).collect();
-        assert_eq!(labels, ["10⁻³", "2·10⁻³", "5·10⁻³", "10⁻²"]);
-        let axis = Axis::powers("", -3.1..0.1);
-        assert_eq!(labelled(&axis, &axis.range), [-3.0, -2.0, -1.0, 0.0]);
+        let labels = |exponents: Range<f64>| -> Vec<String> {
+            let axis = Axis::powers("", exponents.clone());
+            let labels = labels(&axis, &exponents, 6);
+            labels.marks.into_iter().map(|(_, label)| label).collect()
+        };
+        assert_eq!(labels(-3.1..-1.9), ["10⁻³", "2·10⁻³", "5·10⁻³", "10⁻²"]);
+        assert_eq!(labels(-3.1..0.1), ["10⁻³", "10⁻²", "10⁻¹", "10⁰"]);
+        // no multiple by 1, 2 or 5 is here
+        let short = labels(-2.5..-2.4);
+        assert!(short.len() > 2 && short[0] == "0.0032", "{short:?}");
+        let short = labels(-320.5..-320.4);
+        assert!(short.len() > 2 && short[0] == "3.2·10⁻³²¹", "{short:?}");
     }
 }

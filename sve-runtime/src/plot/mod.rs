@@ -28,7 +28,11 @@ mod ensemble;
 mod error;
 pub mod figure;
 mod labels;
+#[cfg(test)]
+mod layout_tests;
+mod legend;
 mod limits;
+mod numbers;
 pub mod page;
 pub mod palette;
 mod raster;
@@ -36,6 +40,7 @@ pub mod render;
 mod spread;
 #[cfg(feature = "study")]
 mod study;
+mod text;
 mod vision;
 
 pub use error::PlotError;

@@ -2,18 +2,36 @@
 
 use std::fmt::Write as _;
 
+#[cfg(feature = "ensemble")]
+use super::figure::Figure;
+use super::numbers::is_number;
+#[cfg(feature = "ensemble")]
+pub(super) use super::numbers::{exact, number_beside};
+pub use super::numbers::{number, with_error};
+#[cfg(feature = "ensemble")]
+use crate::description::SystemDescription;
+
 const STYLE: &str = "
-body { font: 16px/1.5 sans-serif; max-width: 1160px; margin: 2rem auto; padding: 0 1rem; color: #111; background: #fff }
+body { font: 16px/1.5 sans-serif; max-width: 1160px; margin: 2rem auto; padding: 0 1rem; color: #111; background: #fff; overflow-wrap: anywhere }
 figure { margin: 1rem 0 }
 svg { max-width: 100%; height: auto }
 figcaption { max-width: 75ch }
+.panels { display: flex; flex-wrap: wrap; gap: 0 1rem; align-items: flex-start }
+.wide { overflow-x: auto }
+.warning { border-left: 4px solid #d55e00; padding-left: .75rem; max-width: 75ch }
 table { border-collapse: collapse; font-size: 14px; font-variant-numeric: tabular-nums; margin: 1rem 0 2rem }
 th, td { text-align: left; padding: .25rem .75rem .25rem 0; border-bottom: 1px solid #ccc; vertical-align: top }
-.number { text-align: right; white-space: nowrap }
+.number { text-align: right; overflow-wrap: normal }
+td.number { white-space: nowrap }
+.wide td:first-child, .wide th:first-child { min-width: 9rem }
+.facts th { font-weight: normal; color: #555; white-space: nowrap }
 code { font-size: inherit }
 .off td { font-weight: bold; background: #fbe3d6 }
 @media print { section { break-inside: avoid } }
 ";
+
+/// What stands in a table where there is no number.
+pub(super) const NONE: &str = "–";
 
 /// A page with a body of any markup.
 pub fn document(title: &str, body: &str) -> String {
@@ -25,12 +43,86 @@ pub fn document(title: &str, body: &str) -> String {
     )
 }
 
+/// A table of names and what they stand for.
+#[cfg(feature = "ensemble")]
+pub(super) fn facts(facts: &[(&str, String)]) -> String {
+    let mut text = String::from("<table class=\"facts\">\n<tbody>\n");
+    for (name, value) in facts {
+        // writing into a String cannot fail
+        let _ = writeln!(
+            text,
+            "<tr><th>{}</th><td>{}</td></tr>",
+            escape(name),
+            with_code(value)
+        );
+    }
+    text.push_str("</tbody>\n</table>\n");
+    text
+}
+
+/// The facts about a system.
+#[cfg(feature = "ensemble")]
+pub(super) fn facts_of_system(system: &SystemDescription) -> Vec<(&'static str, String)> {
+    let mut facts = vec![("system", format!("`{}`", system.name))];
+    let values = system.parameters.iter().zip(&system.values);
+    let mut parameters: Vec<_> = values
+        .map(|(name, &value)| format!("`{name}` = {}", exact(value)))
+        .collect();
+    if system.others > 0 {
+        parameters.push(format!("and {} more", system.others));
+    }
+    if !parameters.is_empty() {
+        facts.push(("parameters", parameters.join(", ")));
+    }
+    facts
+}
+
+/// A number that may not be there.
+#[cfg(feature = "ensemble")]
+pub(super) fn known(value: Option<f64>, digits: usize) -> String {
+    let value = value.filter(|value| !value.is_nan());
+    value.map_or_else(|| NONE.to_owned(), |value| number(value, digits))
+}
+
+/// A number and its standard error, which may not be there.
+#[cfg(feature = "ensemble")]
+pub(super) fn known_with_error(value: Option<f64>, error: Option<f64>) -> [String; 2] {
+    let known = |value: Option<f64>| value.filter(|value| !value.is_nan());
+    match (known(value), known(error)) {
+        (Some(value), Some(error)) => with_error(value, error).into(),
+        (value, _) => [self::known(value, 6), NONE.to_owned()],
+    }
+}
+
+/// A number of things.
+#[cfg(feature = "ensemble")]
+pub(super) fn count(number: u64, thing: &str) -> String {
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{number} {thing}{plural}")
+}
+
+/// Figures beside one another, as many as the page has room for, with a text.
+#[cfg(feature = "ensemble")]
+pub(super) fn panels(figures: &[Figure], caption: &str) -> Result<String, super::PlotError> {
+    let mut text = String::from("<figure>\n<div class=\"panels\">\n");
+    for figure in figures {
+        text += &super::render::svg(figure)?;
+        text.push('\n');
+    }
+    text += "</div>\n<figcaption>";
+    text += &escape(caption);
+    text += "</figcaption>\n</figure>\n";
+    Ok(text)
+}
+
 /// A table: a head, and rows with the class of each, which may be empty. Columns of numbers stand to the right, words between backticks are code.
 pub fn table<T: AsRef<str>>(head: &[&str], rows: &[(&str, Vec<T>)]) -> String {
     let numbers: Vec<bool> = (0..head.len())
         .map(|column| {
             let cells = rows.iter().filter_map(|(_, cells)| cells.get(column));
-            let mut cells = cells.map(AsRef::as_ref).filter(|cell| !cell.is_empty());
+            let mut cells = cells
+                .map(AsRef::as_ref)
+                .filter(|cell| !["", NONE].contains(cell));
             let mut has_numbers = false;
             cells.all(|cell| {
                 has_numbers = true;
@@ -38,7 +130,7 @@ pub fn table<T: AsRef<str>>(head: &[&str], rows: &[(&str, Vec<T>)]) -> String {
             }) && has_numbers
         })
         .collect();
-    let mut text = String::from("<table>\n<thead>");
+    let mut text = String::from("<div class=\"wide\"><table>\n<thead>");
     row(&mut text, "<tr>", "th", head, &numbers);
     text.push_str("</thead>\n<tbody>\n");
     for (class, cells) in rows {
@@ -49,14 +141,8 @@ pub fn table<T: AsRef<str>>(head: &[&str], rows: &[(&str, Vec<T>)]) -> String {
         };
         row(&mut text, &open, "td", cells, &numbers);
     }
-    text.push_str("</tbody>\n</table>\n");
+    text.push_str("</tbody>\n</table></div>\n");
     text
-}
-
-/// Returns whether a cell is a number, also with the sign ± or a minus of typography.
-fn is_number(cell: &str) -> bool {
-    let digits = cell.trim_start_matches(['±', ' ']).replace('−', "-");
-    digits.parse::<f64>().is_ok()
 }
 
 fn row<T: AsRef<str>>(text: &mut String, open: &str, cell: &str, cells: &[T], numbers: &[bool]) {

@@ -3,34 +3,19 @@
 //! Both are drawn with the same code at `SCALE` device units a CSS pixel: plotters has integer coordinates, and whole
 //! CSS pixels would make curves jagged. The font is embedded in the program; SVG names the generic family.
 
-use std::sync::Once;
-
 use plotters::backend::SVGBackend;
 use plotters::drawing::IntoDrawingArea;
-use plotters::style::{FontStyle, register_font};
 
 use super::PlotError;
 use super::draw;
 use super::figure::Figure;
 use super::raster::{self, Raster};
+use super::text::prepare_font;
 
 /// Device units a CSS pixel.
 pub(crate) const SCALE: u32 = 4;
 /// Device units averaged into a pixel of the PNG, which so has two pixels a CSS pixel.
 const SMOOTHING: u32 = 2;
-
-fn prepare_font() {
-    static ONCE: Once = Once::new();
-    ONCE.call_once(|| {
-        for (style, font) in [
-            (FontStyle::Normal, dejavu::sans::regular()),
-            (FontStyle::Bold, dejavu::sans::bold()),
-        ] {
-            // the bytes are part of the program: a font that does not parse shows up as an error of the first text
-            let _ = register_font("sans-serif", style, font);
-        }
-    });
-}
 
 fn device_size(figure: &Figure) -> (u32, u32) {
     let (width, height) = figure.size();

@@ -6,7 +6,8 @@ use std::path::Path;
 
 use super::bounds::around;
 use super::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row as Panels};
-use super::{PlotError, page, render};
+use super::legend::Legend;
+use super::{PlotError, page};
 use crate::study::{Estimate, Report, Row};
 
 /// An error with its standard error; 0 where it has none.
@@ -16,13 +17,18 @@ type Kind = (String, Box<dyn Fn(&Row) -> Option<Estimate>>);
 /// What errors are drawn against.
 type Abscissa = (&'static str, fn(&Row) -> Option<f64>);
 
+/// Height of a figure without its legend, and about the width of its axes, in CSS pixels.
+const HEIGHT: u32 = 360;
+const AXES: f64 = 440.0;
+
 const TIME: Abscissa = ("time to solution of one path (s)", |row| {
     row.timing.map(|timing| timing.time_to_solution)
 });
 const STEP: Abscissa = ("step size h", |row| Some(row.h));
 
 impl Report {
-    /// Writes a page with pictures of the errors against time to solution and step size, and the table.
+    /// Writes a page that says what was measured (system with its parameters, methods, reference, paths and seed), with pictures of the errors against time to
+    /// solution and step size, and the table.
     ///
     /// Bars have two standard errors on either side. An error below two standard errors is an upper limit.
     ///
@@ -64,18 +70,108 @@ impl Report {
     /// # Errors
     /// [`PlotError`] when the page cannot be written.
     pub fn write_html(&self, path: impl AsRef<Path>) -> Result<(), PlotError> {
-        let title = format!("{} to t = {}", self.problem(), self.horizon());
-        let mut body = format!("<figure>\n{}\n", render::svg(&figure(self))?);
-        body += "<figcaption>Bars: two standard errors on either side. Arrows: upper limits of errors below two standard errors.</figcaption>\n</figure>\n";
-        body.push_str("<pre>");
-        body.push_str(&page::escape(&self.to_string()));
-        body.push_str("</pre>\n");
+        let title = format!(
+            "{} to t = {}",
+            self.problem(),
+            page::number(self.horizon(), 6)
+        );
+        let mut body = page::facts(&facts(self));
+        body += &page::panels(
+            &figures(self),
+            "Bars: two standard errors on either side. Arrows: upper limits of errors below two standard errors.",
+        )?;
+        body += &table(self);
+        let orders = self.orders().iter().map(ToString::to_string);
+        let others = self.not_asymptotic().iter().map(ToString::to_string);
+        for order in orders.chain(others) {
+            body.push_str("<p>Order of ");
+            body.push_str(&page::escape(&order));
+            body.push_str("</p>\n");
+        }
         page::write(path.as_ref(), &page::document(&title, &body))
     }
 }
 
-/// A row of panels for each kind of error: against time, where times were measured, and step size.
-fn figure(report: &Report) -> Figure {
+/// What was measured.
+fn facts(report: &Report) -> Vec<(&'static str, String)> {
+    let mut facts = page::facts_of_system(&report.system);
+    let method = |(name, what): &(String, String)| {
+        if name == what {
+            name.clone()
+        } else {
+            format!("{name} ({what})")
+        }
+    };
+    let methods: Vec<_> = report.methods.iter().map(method).collect();
+    facts.push(("methods", methods.join(", ")));
+    facts.push(("compared with", report.reference.clone()));
+    facts.push(("paths", page::count(report.paths(), "path")));
+    if let Some(seed) = report.seed {
+        facts.push(("seed", seed.to_string()));
+    }
+    facts
+}
+
+/// A row for each method and number of steps. Columns without a number are left out.
+fn table(report: &Report) -> String {
+    let mut head = vec!["method".to_owned(), "steps".to_owned(), "h".to_owned()];
+    let mut pair = |name: &str| head.extend([name.to_owned(), "±".to_owned()]);
+    pair("error");
+    for name in report.observables() {
+        pair(&format!("weak error of {name}"));
+    }
+    head.push("largest error of the invariant".to_owned());
+    head.extend(["drift".to_owned(), "±".to_owned()]);
+    head.extend(
+        [
+            "ns a step",
+            "±",
+            "time to solution (s)",
+            "iterations",
+            "failures",
+        ]
+        .map(String::from),
+    );
+    let estimate = |estimate: Option<Estimate>| {
+        let value = estimate.map(|estimate| estimate.value);
+        page::known_with_error(value, estimate.map(|estimate| estimate.standard_error))
+    };
+    let cells = |row: &Row| {
+        let mut cells = vec![
+            row.method.clone(),
+            row.steps.to_string(),
+            page::number(row.h, 4),
+        ];
+        cells.extend(estimate(row.error));
+        for number in 0..report.observables().len() {
+            cells.extend(estimate(row.weak_errors.get(number).copied()));
+        }
+        cells.push(page::known(row.invariant.map(|i| i.largest), 3));
+        cells.extend(estimate(row.invariant.map(|i| i.drift)));
+        cells.push(page::known(row.timing.map(|t| t.ns_per_step), 4));
+        cells.push(page::known(row.timing.map(|t| t.ns_spread), 2));
+        cells.push(page::known(row.timing.map(|t| t.time_to_solution), 3));
+        cells.push(page::known(row.newton_iterations, 3));
+        cells.push(row.failures.to_string());
+        cells
+    };
+    let rows: Vec<Vec<String>> = report.rows().iter().map(cells).collect();
+    let is_there = |column: &usize| rows.iter().any(|row| row[*column] != page::NONE);
+    let columns: Vec<usize> = (0..head.len()).filter(is_there).collect();
+    let chosen = |cells: &[String]| {
+        columns
+            .iter()
+            .map(|&column| cells[column].clone())
+            .collect()
+    };
+    let head: Vec<String> = chosen(&head);
+    let head: Vec<&str> = head.iter().map(String::as_str).collect();
+    let rows: Vec<(&str, Vec<String>)> = rows.iter().map(|row| ("", chosen(row))).collect();
+    page::table(&head, &rows)
+}
+
+/// Figures of each kind of error: against time, where times were measured, and step size.
+fn figures(report: &Report) -> Vec<Figure> {
     let strong = |row: &Row| row.error;
     let mut kinds: Vec<Kind> = vec![(
         "error at the end (root of the mean square)".to_owned(),
@@ -98,22 +194,26 @@ fn figure(report: &Report) -> Figure {
         ));
     }
     let timed = report.rows().iter().any(|row| row.timing.is_some());
-    let row = |(name, error): &Kind| {
-        let against = |x| panel(report, x, (name, error));
-        let mut panels = vec![against(STEP).legend(Corner::Outside)];
-        if timed {
-            panels.insert(0, against(TIME));
-        }
-        Panels {
-            height: 380,
-            panels,
+    let against = |x: Abscissa, (name, error): &Kind| {
+        let panel = panel(report, x, (name, error)).legend(Corner::Below);
+        // the axes keep their height, however long the legend is
+        let room = Legend::new(&panel.layers, Corner::Below, AXES).rows_below();
+        Figure {
+            name: "study",
+            width: 540,
+            rows: vec![Panels {
+                height: HEIGHT + room,
+                panels: vec![panel],
+            }],
         }
     };
-    Figure {
-        name: "study",
-        width: if timed { 1240 } else { 780 },
-        rows: kinds.iter().map(row).collect(),
-    }
+    let of = |kind: &Kind| {
+        let time = timed.then(|| against(TIME, kind));
+        time.into_iter()
+            .chain([against(STEP, kind)])
+            .collect::<Vec<_>>()
+    };
+    kinds.iter().flat_map(of).collect()
 }
 
 fn panel(report: &Report, (x_name, x): Abscissa, (y_name, error): (&str, Error<'_>)) -> Panel {

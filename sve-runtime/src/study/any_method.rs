@@ -22,6 +22,8 @@ pub(super) type Visit<'a, S> = dyn FnMut(&StateOf<S>) -> Result<(), StepError> +
 pub(super) trait AnyMethod<S: System>: Sync {
     fn system(&self) -> &S;
 
+    /// The name of the method with its options.
+    fn describe(&self) -> String;
     /// The order of the method, if it is known.
     fn order(&self) -> Option<f64>;
     /// Identifies the method with its options, and the parameters of its system.
@@ -61,6 +63,10 @@ pub(super) fn increments<S: System>(path: &Recorded, step: usize) -> IncrementsO
 impl<S: System, I: Method<System = S> + Sync> AnyMethod<S> for I {
     fn system(&self) -> &S {
         OneStepMethod::system(self)
+    }
+
+    fn describe(&self) -> String {
+        OneStepMethod::describe(self)
     }
 
     fn order(&self) -> Option<f64> {

@@ -49,6 +49,24 @@ impl<S: System> PathRequest<'_, S> {
 }
 
 impl<S: System> Reference<'_, S> {
+    /// Returns what errors are measured against, for people.
+    pub(super) fn describe(&self) -> String {
+        match self {
+            Self::Exact(_) | Self::Drawn(_) => "the exact solution".to_owned(),
+            Self::Fine(method, factor) => {
+                format!(
+                    "{} in steps {factor} times shorter than the finest ones",
+                    method.describe()
+                )
+            }
+        }
+    }
+
+    /// Returns whether the seed of the study decides the paths of so many processes.
+    pub(super) fn has_seed(&self, processes: usize) -> bool {
+        processes > 0 && !matches!(self, Self::Drawn(_))
+    }
+
     /// Returns the path and the reference state at its end.
     pub(super) fn get(
         &self,

@@ -3,6 +3,7 @@
 use super::csv::Record;
 use super::estimate::Estimate;
 use super::order::{NotAsymptotic, Order};
+use crate::description::SystemDescription;
 
 /// The results of a [`Study`](super::Study): a row for each method and number of steps.
 ///
@@ -16,6 +17,14 @@ pub struct Report {
     pub(super) rows: Vec<Row>,
     pub(super) orders: Vec<Order>,
     pub(super) not_asymptotic: Vec<NotAsymptotic>,
+    /// What pages show of the system.
+    pub(crate) system: SystemDescription,
+    /// The name of each method, and what it is.
+    pub(crate) methods: Vec<(String, String)>,
+    /// What errors are measured against.
+    pub(crate) reference: String,
+    /// The seed of the paths; `None` without noise, or where the reference draws them.
+    pub(crate) seed: Option<u64>,
 }
 
 /// One method with one step size.

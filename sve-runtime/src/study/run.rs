@@ -11,6 +11,7 @@ use super::settings::Settings;
 use super::stopwatch::Stopwatch;
 use super::{Study, StudyError};
 use crate::configuration::Coordinates;
+use crate::description::SystemDescription;
 use crate::error::StepError;
 use crate::noise::{NoNoise, Recorded};
 use crate::state::State;
@@ -67,6 +68,12 @@ where
         rows,
         orders,
         not_asymptotic,
+        system: SystemDescription::of(settings.system()),
+        methods: (study.methods.iter())
+            .map(|candidate| (candidate.name.to_string(), candidate.method.describe()))
+            .collect(),
+        reference: settings.reference.describe(),
+        seed: settings.reference.has_seed(M).then_some(study.seed),
     })
 }
 

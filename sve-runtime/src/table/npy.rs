@@ -60,10 +60,21 @@ fn literal(name: &str) -> String {
     for c in name.chars() {
         match c {
             '\'' | '\\' => literal.extend(['\\', c]),
-            '\n' => literal.push_str("\\n"),
-            '\r' => literal.push_str("\\r"),
+            // Python refuses some of them within a literal
+            _ if c.is_control() => literal.extend(format!("\\u{:04x}", u32::from(c)).chars()),
             _ => literal.push(c),
         }
     }
     literal + "'"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::literal;
+
+    #[test]
+    fn names_are_literals_of_python() {
+        assert_eq!(literal("a 'b' \\ ä"), r"'a \'b\' \\ ä'");
+        assert_eq!(literal("\0\n\t"), r"'\u0000\u000a\u0009'");
+    }
 }

@@ -16,7 +16,14 @@ use super::{Table, Values};
 
 impl Table {
     pub(crate) fn write_parquet(&self, to: impl Write + Send) -> io::Result<()> {
-        self.write_group(to).map_err(io::Error::other)
+        self.write_group(to).map_err(|error| match error {
+            // an error of the writer keeps its kind
+            ParquetError::External(source) => match source.downcast::<io::Error>() {
+                Ok(error) => *error,
+                Err(source) => io::Error::other(source),
+            },
+            error => io::Error::other(error),
+        })
     }
 
     fn write_group(&self, to: impl Write + Send) -> Result<(), ParquetError> {

@@ -83,6 +83,17 @@ fn a_path_that_cannot_be_written_is_an_error_before_the_first_path() {
     }
 }
 
+/// A device without an end is not read, and takes what is written.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_device_has_no_results() {
+    let method = kubo();
+    let run = ensemble(&method).checkpoint("/dev/zero", Duration::ZERO);
+    let summary = run.resume(true).run().unwrap();
+    assert_eq!(summary, ensemble(&method).run().unwrap());
+    assert!(summary.warnings().is_empty());
+}
+
 /// The checkpoint of a run whose file another function takes away before block 2 and gives back before another block, and the summary.
 fn disturbed(
     method: &Method,

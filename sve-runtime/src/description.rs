@@ -1,0 +1,90 @@
+//! What was run, in the words and numbers that a page shows: the system with its parameters, the method, steps, paths and seeds.
+//!
+//! Input: a method. Output: names and values. Invariant: descriptions decide nothing; runs are recognised by their fingerprints.
+
+use core::any::type_name;
+
+use crate::system::System;
+
+/// Largest number of parameters that are described.
+const MOST_PARAMETERS: usize = 60;
+
+/// The name of a system, and the values of its parameters.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct SystemDescription {
+    pub(crate) name: String,
+    /// The names of the first parameters, as the source has them.
+    pub(crate) parameters: Vec<String>,
+    /// Their values.
+    #[cfg_attr(feature = "serde", serde(with = "crate::floats::many"))]
+    pub(crate) values: Vec<f64>,
+    /// Number of further parameters.
+    pub(crate) others: u64,
+}
+
+impl SystemDescription {
+    pub(crate) fn of<S: System>(system: &S) -> Self {
+        let mut values = Vec::new();
+        system.parameters(&mut |value| values.push(value));
+        let others = values.len().saturating_sub(MOST_PARAMETERS);
+        values.truncate(MOST_PARAMETERS);
+        let names = S::PARAMETERS.iter().take(values.len());
+        Self {
+            name: short_name::<S>(),
+            parameters: names.map(|&name| name.to_owned()).collect(),
+            values,
+            others: others as u64,
+        }
+    }
+}
+
+/// What the paths of an ensemble are.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct RunDescription {
+    pub(crate) system: SystemDescription,
+    pub(crate) method: String,
+    #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+    pub(crate) h: f64,
+    pub(crate) steps: u64,
+    /// The kind of the increments.
+    pub(crate) noise: String,
+    /// The seed of the increments.
+    pub(crate) seed: u64,
+    /// The seed of random starts.
+    pub(crate) start_seed: u64,
+}
+
+/// The name of a type without the paths of its parts: `Chain<3>` of `&models::Chain<3>`.
+fn short_name<T: ?Sized>() -> String {
+    let mut short = String::new();
+    // where the last path begins
+    let mut start = 0;
+    for character in type_name::<T>().trim_start_matches('&').chars() {
+        match character {
+            ':' => short.truncate(start),
+            _ if character.is_alphanumeric() || character == '_' => short.push(character),
+            _ => {
+                short.push(character);
+                start = short.len();
+            }
+        }
+    }
+    short
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_types_have_no_paths() {
+        assert_eq!(
+            short_name::<&Option<std::path::PathBuf>>(),
+            "Option<PathBuf>"
+        );
+        assert_eq!(short_name::<[std::vec::Vec<f64>; 3]>(), "[Vec<f64>; 3]");
+        assert_eq!(short_name::<f64>(), "f64");
+    }
+}

@@ -1,0 +1,108 @@
+//! Texts of figures: their widths in the embedded font, and their division into lines.
+//!
+//! Input: a text with its size. Output: widths and lines in CSS pixels. Invariant: no line is wider than asked for, unless a single character is.
+
+use std::sync::Once;
+
+use plotters::style::{FontDesc, FontStyle, IntoFont, register_font};
+
+use super::render::SCALE;
+
+/// Height of a line of text, in units of its size.
+pub(super) const LINE: f64 = 1.24;
+
+/// Sizes of labels, names and titles, in CSS pixels.
+pub(super) const LABEL: f64 = 11.0;
+pub(super) const NAME: f64 = 12.0;
+pub(super) const TITLE: f64 = 13.0;
+
+/// Registers the embedded font, so that no font of the machine is asked for.
+pub(super) fn prepare_font() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        for (style, font) in [
+            (FontStyle::Normal, dejavu::sans::regular()),
+            (FontStyle::Bold, dejavu::sans::bold()),
+        ] {
+            // the bytes are part of the program: a font that does not parse shows up as an error of the first text
+            let _ = register_font("sans-serif", style, font);
+        }
+    });
+}
+
+/// The font of a size; plotters measures a font by its line height.
+pub(super) fn font(size: f64) -> FontDesc<'static> {
+    ("sans-serif", LINE * size * f64::from(SCALE)).into_font()
+}
+
+/// Returns the width of a text.
+pub(super) fn width(text: &str, size: f64) -> f64 {
+    prepare_font();
+    // a text without a size is an error where it is drawn
+    let (width, _) = font(size).box_size(text).unwrap_or_default();
+    f64::from(width) / f64::from(SCALE)
+}
+
+/// Divides a text into lines of at most this width: between words, or within a word that is longer than a line. What does not fit into so many lines is left out, and `…` says so.
+pub(super) fn lines(text: &str, size: f64, widest: f64, most: usize) -> Vec<String> {
+    let fits = |text: &str| width(text, size) <= widest;
+    let mut lines = vec![String::new()];
+    for word in text.split_whitespace() {
+        let last = lines.last_mut().map_or(String::new(), std::mem::take);
+        let joined = if last.is_empty() {
+            word.to_owned()
+        } else {
+            format!("{last} {word}")
+        };
+        lines.pop();
+        if fits(&joined) {
+            lines.push(joined);
+            continue;
+        }
+        if !last.is_empty() {
+            lines.push(last);
+        }
+        let mut part = String::new();
+        for character in word.chars() {
+            part.push(character);
+            if part.chars().count() > 1 && !fits(&part) {
+                part.pop();
+                lines.push(std::mem::replace(&mut part, character.to_string()));
+            }
+        }
+        lines.push(part);
+    }
+    if lines.len() > most.max(1) {
+        lines.truncate(most.max(1));
+        if let Some(last) = lines.last_mut() {
+            last.push('…');
+            while last.chars().count() > 2 && !fits(last) {
+                last.pop();
+                last.pop();
+                last.push('…');
+            }
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_texts_are_divided_between_words_and_within_long_ones() {
+        assert_eq!(lines("two words", NAME, 500.0, 3), ["two words"]);
+        assert_eq!(lines("two words", NAME, 45.0, 3), ["two", "words"]);
+        assert_eq!(lines("", NAME, 45.0, 3), [""]);
+        let name = "a_long_name_of_an_observable_without_any_space_in_it";
+        let parts = lines(name, NAME, 90.0, 9);
+        assert_eq!(parts.concat(), name);
+        assert!(parts.len() > 2 && parts.iter().all(|part| width(part, NAME) <= 90.0));
+        let short = lines(name, NAME, 90.0, 2);
+        assert_eq!(short[0], parts[0]);
+        assert!(short.len() == 2 && short[1].ends_with('…') && width(&short[1], NAME) <= 90.0);
+        // no width is too small to end
+        assert_eq!(lines("ab", NAME, 0.0, 9), ["a", "b"]);
+    }
+}
