@@ -291,3 +291,107 @@ fn beside_shadowed_types() {
     let mut state = State::new([0.1, 0.2], [0.3, 0.4]);
     shadowed.step(&mut state, 0.01, &[]).unwrap();
 }
+
+/// Systems with the names that generic parameters usually have.
+mod single_letters {
+    #![allow(non_snake_case, unreachable_pub)]
+
+    macro_rules! systems {
+        ($($name:ident)*) => {
+            $(
+                pub struct $name {
+                    pub $name: f64,
+                }
+
+                #[sve_runtime::variational(initial_point, endpoint, gauss(2))]
+                impl $name {
+                    const F: f64 = 0.5;
+
+                    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+                        Self::F * (1.0 + q * q) * v * v - self.$name * self.T(q)
+                    }
+
+                    fn T(&self, q: f64) -> f64 {
+                        q.powi(4)
+                    }
+
+                    #[gamma]
+                    fn S(&self, q: f64) -> f64 {
+                        0.1 * q
+                    }
+                }
+            )*
+
+            /// The states of all systems after the same steps.
+            pub fn ends() -> Vec<[f64; 2]> {
+                vec![$({
+                    use sve_runtime::prelude::{Gauss, Integrator, Split, State};
+                    let mut state = State::new([0.3], [0.5]);
+                    let system = || $name { $name: 2.0 };
+                    let gauss = Integrator::new(system(), Gauss::<2>);
+                    gauss.step(&mut state, 0.01, &[0.1]).unwrap();
+                    let tangent = gauss.tangent(&state, 0.01, &[0.1]).unwrap();
+                    assert!((tangent.to_dmatrix().determinant() - 1.0).abs() < 1e-12);
+                    let split = Integrator::new(system(), Split::strang());
+                    split.step(&mut state, 0.01, &[0.1]).unwrap();
+                    [state.q[0], state.p[0]]
+                }),*]
+            }
+        };
+    }
+
+    systems! { A B C D E F G H I J K L M N O P Q R S T U V W X Y Z }
+}
+
+#[test]
+fn systems_of_one_letter() {
+    let ends = single_letters::ends();
+    assert_eq!(ends.len(), 26);
+    assert!(ends.iter().all(|end| *end == ends[0]), "{ends:?}");
+}
+
+/// A system with a lifetime, and labels and helpers with names of generated code.
+mod lifetimes {
+    #![allow(unreachable_pub)]
+
+    pub struct Borrowed<'a, 's> {
+        pub name: &'a str,
+        pub note: &'s str,
+        pub k: f64,
+    }
+
+    #[sve_runtime::variational(initial_point, endpoint, midpoint, gauss(2))]
+    impl Borrowed<'_, '_> {
+        fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+            0.5 * (v[0] * v[0] + v[1] * v[1]) - self.increment(self.rounding(q[0]), q[1])
+        }
+
+        fn increment(&self, state: f64, newton: f64) -> f64 {
+            self.k * state * newton
+        }
+
+        fn rounding(&self, fallback: f64) -> f64 {
+            fallback.sin()
+        }
+
+        #[symmetry]
+        fn state(&self, q: [f64; 2]) -> [f64; 2] {
+            let _ = q;
+            [0.0, 0.0]
+        }
+    }
+}
+
+#[test]
+fn a_system_with_lifetimes() {
+    let (name, note) = (String::from("a"), String::from("b"));
+    let system = lifetimes::Borrowed {
+        name: &name,
+        note: &note,
+        k: 1.0,
+    };
+    assert_eq!([system.name, system.note], ["a", "b"]);
+    let integrator = Integrator::new(system, Split::strang());
+    let mut state = State::new([0.3, 0.1], [0.5, 0.0]);
+    integrator.step(&mut state, 0.01, &[]).unwrap();
+}

@@ -191,7 +191,7 @@ fn derive(
         let context = Context { arena, ..context };
         output.extend(rust::rule(&context, derived, &texts));
     }
-    Ok(output)
+    Ok(rust::bounded(output))
 }
 
 /// Degenerate Lagrangians: momenta are conserved as affine functions only if the nodes of all rules keep them.

@@ -1,12 +1,13 @@
 //! The macro that makes a system with compositions of its rules a [`Discretised`](crate::Discretised) system. Generated code calls it once for each system.
 
-/// Implements [`Discretised`](crate::Discretised) for a system with compositions of its rules.
+/// Implements [`Discretised`](crate::Discretised) for a system with compositions of its rules. A generic parameter hides a type of
+/// the user with the same name, so the names of generic parameters begin with two underscores.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __compositions {
     ($system:ty) => {
-        $crate::__compositions! { @ $system, [R, C], $crate::Composed<R, C> }
-        $crate::__compositions! { @ $system, [C], $crate::Split<C> }
+        $crate::__compositions! { @ $system, [__R, __C], $crate::Composed<__R, __C> }
+        $crate::__compositions! { @ $system, [__C], $crate::Split<__C> }
     };
     (@ $system:ty, [$($generic:ident),*], $rule:ty) => {
         impl<$($generic),*> $crate::Discretised<$rule> for $system

@@ -12,5 +12,7 @@ impl<const N: usize> Pendulum<N> {
 }
 
 fn main() {
-    let _ = Pendulum::<2> { g: 1.0 }.g;
+    let integrator = Integrator::new(Pendulum::<2> { g: 1.0 }, Midpoint);
+    let mut state = State::new([0.1, 0.2], [0.0, 0.0]);
+    let _ = integrator.step(&mut state, 0.01, &[]);
 }

@@ -14,5 +14,8 @@ impl<'a> Pendulum<'a> {
 
 fn main() {
     let pendulum = Pendulum { g: 1.0, name: "" };
-    let _ = (pendulum.name, Integrator::new(pendulum, Midpoint));
+    let _ = pendulum.name;
+    let integrator = Integrator::new(pendulum, Midpoint);
+    let mut state = State::new([0.1, 0.2], [0.0, 0.0]);
+    let _ = integrator.step(&mut state, 0.01, &[]);
 }

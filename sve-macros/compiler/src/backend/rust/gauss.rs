@@ -94,14 +94,14 @@ pub(crate) fn gauss(
             ) -> ::core::result::Result<([f64; #n], [f64; #n], [f64; #k]), #private::SolveError> {
                 #increment
             }
-            fn linearise<T>(
+            fn linearise<__T>(
                 &self,
                 state: &#private::State<[f64; #n]>,
                 h: f64,
                 dw: &[f64; #increments],
                 unknowns: &[f64; #k],
-                then: impl ::core::ops::FnOnce(#private::Linearisation<'_>) -> T,
-            ) -> T {
+                then: impl ::core::ops::FnOnce(#private::Linearisation<'_>) -> __T,
+            ) -> __T {
                 #private::gauss::linearise(#system, state, h, #at_stages, unknowns, then)
             }
         }

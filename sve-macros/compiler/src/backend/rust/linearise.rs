@@ -61,14 +61,14 @@ pub(super) fn linearise(
     quote! {
         type Unknowns = [f64; #size];
         #[inline]
-        fn linearise<T>(
+        fn linearise<__T>(
             &self,
             state: &#private::State<#flat>,
             h: f64,
             dw: &[f64; #m],
             unknowns: &[f64; #size],
-            then: impl ::core::ops::FnOnce(#private::Linearisation<'_>) -> T,
-        ) -> T {
+            then: impl ::core::ops::FnOnce(#private::Linearisation<'_>) -> __T,
+        ) -> __T {
             #open_state
             let time = state.t;
             let #unknowns = *unknowns;

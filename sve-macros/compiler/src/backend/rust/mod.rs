@@ -1,4 +1,7 @@
 //! Plans and instructions → tokens. Infallible, and the only place that knows it prints Rust.
+//!
+//! A generic parameter hides a type or a constant of the user with the same name, so the names of generic parameters begin with two
+//! underscores.
 
 mod calls;
 mod code;
@@ -18,6 +21,7 @@ mod placeholders;
 mod plan;
 mod rounding;
 mod rule;
+mod scopes;
 mod solve;
 mod stages;
 mod start;
@@ -31,6 +35,7 @@ pub(crate) use gauss::gauss;
 pub(crate) use momenta::momenta;
 pub(crate) use placeholders::placeholders;
 pub(crate) use rule::rule;
+pub(crate) use scopes::bounded;
 pub(crate) use stages::stages;
 pub(crate) use start::start_of_step;
 pub(crate) use system::system;

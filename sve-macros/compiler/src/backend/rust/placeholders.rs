@@ -3,8 +3,8 @@
 //! Sizes come from the signatures, by the compiler where they are not literal.
 
 use proc_macro2::{Ident, Literal, TokenStream};
-use quote::quote;
-use syn::{Expr, FnArg, ImplItem, ImplItemFn, ItemImpl, Lit, ReturnType, Type};
+use quote::{ToTokens, quote};
+use syn::{Expr, FnArg, GenericParam, ImplItem, ImplItemFn, ItemImpl, Lit, ReturnType, Type};
 
 use super::configuration::{is_vector_or_nested, stored};
 use crate::errors::Errors;
@@ -30,13 +30,13 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
     let private = quote!(#runtime::__private);
     let attributes = super::attributes();
     let (generics, _, clause) = block.generics.split_for_impl();
-    // lengths that are generic have no place in constants
-    let is_generic = !block.generics.params.is_empty();
+    // no constant is computed from a generic parameter other than a lifetime
+    let mut generic = block.generics.params.iter();
+    let is_generic = generic.any(|parameter| !matches!(parameter, GenericParam::Lifetime(_)));
     let with_rotations = configuration_with_rotations(block, &private).filter(|_| !is_generic);
     let n = match &with_rotations {
         Some(ty) => quote!({ <#ty as #private::FixedSize>::DEGREES_OF_FREEDOM }),
-        None if is_generic => quote!(1),
-        None => coordinates(block),
+        None => coordinates(block, is_generic),
     };
     let m = processes(block, is_generic);
     let fail = quote!(::core::unreachable!("the macro reported an error"));
@@ -248,9 +248,9 @@ fn functions(block: &ItemImpl) -> impl Iterator<Item = &ImplItemFn> {
     })
 }
 
-fn coordinates(block: &ItemImpl) -> TokenStream {
+fn coordinates(block: &ItemImpl, is_generic: bool) -> TokenStream {
     match coordinates_type(block) {
-        Some(ty) => size(&[ty]),
+        Some(ty) => size(&[ty], is_generic),
         None => quote!(1),
     }
 }
@@ -292,9 +292,6 @@ fn coordinates_type(block: &ItemImpl) -> Option<&Type> {
 }
 
 fn processes(block: &ItemImpl, is_generic: bool) -> TokenStream {
-    if is_generic {
-        return quote!(1);
-    }
     let is_noise = |f: &&ImplItemFn| {
         f.attrs
             .iter()
@@ -307,15 +304,23 @@ fn processes(block: &ItemImpl, is_generic: bool) -> TokenStream {
             ReturnType::Default => None,
         })
         .collect();
-    size(&outputs)
+    size(&outputs, is_generic)
 }
 
-/// Numbers in some types, as a constant argument.
-fn size(types: &[&Type]) -> TokenStream {
+/// Numbers in some types, as a constant argument. In a block that is generic, a length is a literal or a name.
+fn size(types: &[&Type], is_generic: bool) -> TokenStream {
     let literal: Option<usize> = types.iter().map(|ty| entries(ty)).sum();
     if let Some(n) = literal {
         let n = Literal::usize_unsuffixed(n);
         return quote!(#n);
+    }
+    if is_generic {
+        return match types {
+            [Type::Array(array)] if is_f64(&array.elem) && matches!(array.len, Expr::Path(_)) => {
+                array.len.to_token_stream()
+            }
+            _ => quote!(1),
+        };
     }
     let types = types.iter().map(|ty| match ty {
         Type::Reference(reference) => &*reference.elem,

@@ -188,13 +188,13 @@ impl Writer<'_> {
         let private = self.private;
         let tokens = quote! {
             #[inline(always)]
-            fn impulses<const S: usize>(
+            fn impulses<const __S: usize>(
                 &self,
-                stages: &#private::gauss::StageLanes<'_, S, #sizes>,
-            ) -> [[f64; S]; #n] {
+                stages: &#private::gauss::StageLanes<'_, __S, #sizes>,
+            ) -> [[f64; __S]; #n] {
                 #before
-                let mut impulses = [[0f64; S]; #n];
-                for stage in 0..S {
+                let mut impulses = [[0f64; __S]; #n];
+                for stage in 0..__S {
                     #inputs
                     #known
                     #late
@@ -251,18 +251,18 @@ impl Writer<'_> {
         let private = self.private;
         let tokens = quote! {
             #[inline(always)]
-            fn impulses<const S: usize>(
+            fn impulses<const __S: usize>(
                 &self,
-                stages: &#private::gauss::StageLanes<'_, S, #sizes>,
-                kicks: &[[f64; S]; #size],
-            ) -> ([[f64; S]; #size], #private::gauss::Masses<S, #size>) {
+                stages: &#private::gauss::StageLanes<'_, __S, #sizes>,
+                kicks: &[[f64; __S]; #size],
+            ) -> ([[f64; __S]; #size], #private::gauss::Masses<__S, #size>) {
                 let mut masses = #private::gauss::Masses {
-                    inverse: [[[0f64; S]; #size]; #size],
-                    offset: [[0f64; S]; #size],
+                    inverse: [[[0f64; __S]; #size]; #size],
+                    offset: [[0f64; __S]; #size],
                 };
-                let mut impulses = [[0f64; S]; #size];
+                let mut impulses = [[0f64; __S]; #size];
                 #before
-                for stage in 0..S {
+                for stage in 0..__S {
                     #inputs
                     #known
                     #inverse
@@ -277,18 +277,18 @@ impl Writer<'_> {
                 (impulses, masses)
             }
             #[inline(always)]
-            fn displacements<const S: usize>(
+            fn displacements<const __S: usize>(
                 &self,
-                stages: &#private::gauss::StageLanes<'_, S, #sizes>,
-                kicks: &[[f64; S]; #size],
-                masses: &#private::gauss::Masses<S, #size>,
-            ) -> #private::gauss::Motion<S, #size> {
+                stages: &#private::gauss::StageLanes<'_, __S, #sizes>,
+                kicks: &[[f64; __S]; #size],
+                masses: &#private::gauss::Masses<__S, #size>,
+            ) -> #private::gauss::Motion<__S, #size> {
                 let mut motion = #private::gauss::Motion {
-                    velocities: [[0f64; S]; #size],
-                    displacements: [[0f64; S]; #size],
+                    velocities: [[0f64; __S]; #size],
+                    displacements: [[0f64; __S]; #size],
                 };
                 #before_shift
-                for stage in 0..S {
+                for stage in 0..__S {
                     #inputs
                     #kept_inverse
                     let offset: [f64; #size] = [#(#kept_offsets),*];
