@@ -29,6 +29,12 @@ pub struct Entries<'a> {
 }
 
 impl Entries<'_> {
+    /// A matrix without entries.
+    const NONE: Self = Entries {
+        places: &[],
+        values: &[],
+    };
+
     fn dense(&self, rows: usize, columns: usize) -> DMatrix<f64> {
         let mut dense = DMatrix::zeros(rows, columns);
         for (row, column, value) in self.iter() {
@@ -55,6 +61,8 @@ pub struct Linearisation<'a> {
     residual_by_inputs: Entries<'a>,
     output_by_unknowns: Entries<'a>,
     output_by_inputs: Entries<'a>,
+    intermediate_by_inputs: Entries<'a>,
+    output_by_intermediates: Entries<'a>,
 }
 
 /// Tangent vectors of the states of a path, which a step carries along.
@@ -113,6 +121,20 @@ impl<'a> Linearisation<'a> {
             residual_by_inputs: rz,
             output_by_unknowns: yx,
             output_by_inputs: yz,
+            intermediate_by_inputs: Entries::NONE,
+            output_by_intermediates: Entries::NONE,
+        }
+    }
+
+    /// Adds intermediate values w(z), at most as many as coordinates, by dw/dz and ∂y/∂w: the derivative of y is then
+    /// `∂y/∂z + ∂y/∂w dw/dz`.
+    #[inline(always)]
+    #[must_use]
+    pub fn through(self, [wz, yw]: [Entries<'a>; 2]) -> Self {
+        Self {
+            intermediate_by_inputs: wz,
+            output_by_intermediates: yw,
+            ..self
         }
     }
 
@@ -130,6 +152,13 @@ impl<'a> Linearisation<'a> {
         let mut all = self.output_by_inputs.dense(outputs, inputs);
         if increments {
             (0..all.nrows()).for_each(|i| all[(i, i)] += 1.0);
+        }
+        let coordinates = outputs / 2;
+        let intermediates = self.intermediate_by_inputs.dense(coordinates, inputs);
+        for (row, intermediate, value) in self.output_by_intermediates.iter() {
+            for column in 0..inputs {
+                all[(row, column)] += value * intermediates[(intermediate, column)];
+            }
         }
         // Term by term: a product of matrices may contract operations, with other bits on other machines.
         for column in 0..all.ncols() {
@@ -209,6 +238,13 @@ impl<const K: usize> Unknowns for [f64; K] {
             for (row, unknown, value) in linear.output_by_unknowns.iter() {
                 *entry(field, row) -= value * moves[unknown];
             }
+            let mut intermediates = [0.0; N];
+            for (row, column, value) in linear.intermediate_by_inputs.iter() {
+                intermediates[row] += value * input(column);
+            }
+            for (row, intermediate, value) in linear.output_by_intermediates.iter() {
+                *entry(field, row) += value * intermediates[intermediate];
+            }
             finite(field)?;
         }
         Ok(())
@@ -240,6 +276,13 @@ impl<const K: usize> Unknowns for [f64; K] {
         }
         for (row, column, value) in linear.residual_by_inputs.iter() {
             add(column, -value * multipliers[row]);
+        }
+        let mut intermediates = [0.0; N];
+        for (row, intermediate, value) in linear.output_by_intermediates.iter() {
+            intermediates[intermediate] += value * *entry(&mut after, row);
+        }
+        for (row, column, value) in linear.intermediate_by_inputs.iter() {
+            add(column, value * intermediates[row]);
         }
         finite(state)?;
         if parameters.iter().all(|x| x.is_finite()) {

@@ -1,6 +1,7 @@
 //! The whole pipeline, a line a stage: attribute → block → model → action → equations → scheme → tokens.
 
 mod nodes;
+mod size;
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -9,6 +10,7 @@ use proc_macro2::{Span, TokenStream, TokenTree};
 use quote::quote;
 use syn::ItemImpl;
 
+use self::size::{Budget, Exhausted, WORK, within_budget};
 use crate::algebra::Arena;
 use crate::backend::rust::{self, Context, Derived};
 use crate::discretise::equations;
@@ -17,7 +19,7 @@ use crate::errors::Errors;
 use crate::explain;
 use crate::interpret;
 use crate::rules::weak2::{self, Potential};
-use crate::rules::{RuleOption, action, applicable};
+use crate::rules::{Rule, RuleOption, action, applicable};
 use crate::structure::{self, Degenerate, StartTest};
 use crate::syntax::arguments::ListedRule;
 use crate::syntax::nesting;
@@ -28,7 +30,7 @@ use crate::system::constraints;
 use crate::system::degeneracy::{self, brackets};
 use crate::system::functions;
 use crate::system::mechanics::{self, Mechanics};
-use crate::system::model::{Meaning, Model};
+use crate::system::model::{Meaning, Model, Symbols};
 use crate::system::symmetry::{self, MomentumMap};
 
 /// What an expansion is made for.
@@ -127,7 +129,7 @@ fn derive(
         ));
     };
     applicable::check(&block, &model)?;
-    check_size(&block, &model)?;
+    size::check_entries(&block, &model)?;
     arena.grant(work);
     let (mut mechanics, degeneracy) = {
         let budget = Budget::new(&block, &model, work);
@@ -278,7 +280,7 @@ fn steps(
     Ok(steps)
 }
 
-/// Derives the step of a rule.
+/// Derives the step of a listed rule.
 fn step(
     start: &Start<'_>,
     is_unstructured: bool,
@@ -288,8 +290,38 @@ fn step(
     let (rule, potential) = (start.listed.rule, start.potential.as_ref());
     let mut arena = start.arena.clone().into_owned();
     arena.grant(budget.work);
+    let derived = derive_step(rule, potential, is_unstructured, budget, mechanics, arena);
+    derived.map_err(|obstacle| match obstacle {
+        Obstacle::Work => budget.rule_too_large(rule, mechanics, &start.arena),
+        Obstacle::Degenerate(degenerate, symbols) => singular(&degenerate, budget.block, &symbols),
+    })
+}
+
+/// Why a rule has no step.
+enum Obstacle {
+    /// The work that was granted is used up.
+    Work,
+    /// The equations do not determine some unknowns, which are named by the symbols.
+    Degenerate(Degenerate, Symbols),
+}
+
+impl From<Exhausted> for Obstacle {
+    fn from(_: Exhausted) -> Self {
+        Self::Work
+    }
+}
+
+/// Derives the step of a rule in an arena that has the derivatives, with the work that is granted to the arena.
+fn derive_step(
+    rule: Rule,
+    potential: Option<&Potential>,
+    is_unstructured: bool,
+    budget: &Budget<'_>,
+    mechanics: &Mechanics,
+    mut arena: Arena,
+) -> Result<Derived, Obstacle> {
     let mut symbols = budget.model.symbols.clone();
-    let (action, scheme) = budget.stage(&mut arena, |arena| {
+    let (action, scheme) = within_budget(&mut arena, |arena| {
         let action = action::discretise(rule, budget.model, potential, &mut symbols, arena);
         let equations = equations::equations(&action, &symbols, arena);
         let scheme = if is_unstructured {
@@ -299,8 +331,11 @@ fn step(
         };
         (action, scheme)
     })?;
-    let scheme = scheme.map_err(|degenerate| singular(&degenerate, budget.block, &symbols))?;
-    let linearisation = budget.stage(&mut arena, |arena| {
+    let scheme = match scheme {
+        Ok(scheme) => scheme,
+        Err(degenerate) => return Err(Obstacle::Degenerate(degenerate, symbols)),
+    };
+    let linearisation = within_budget(&mut arena, |arena| {
         tangent::linearise(&scheme, &action, &symbols, arena)
     })?;
     let weak_order = weak2::weak_order(rule, budget.model, mechanics, &mut arena);
@@ -316,61 +351,8 @@ fn step(
     })
 }
 
-/// Work that the derivatives may take, and then each rule, in the units of the arena's budget; a unit is some 20 nanoseconds of
-/// an optimised build. A dense system of 48 coordinates takes five sixths of it.
-const WORK: usize = 200_000_000;
-
-/// Second derivatives of L and of the noises that are written down, zeros included.
-const ENTRIES: usize = 200_000;
-
-/// An error where there would be too many second derivatives.
-fn check_size(block: &Annotated, model: &Model) -> syn::Result<()> {
-    let (n, m) = (model.dof(), model.noises.len());
-    let entries = (m + 1).saturating_mul(3 * n * n);
-    if entries <= ENTRIES {
-        return Ok(());
-    }
-    let message = format!(
-        "this system is too large to unroll: {n} coordinates and {m} noise terms have {entries} second derivatives, and the limit is {ENTRIES}; use fewer of them"
-    );
-    Err(syn::Error::new(block.lagrangian.name.span(), message))
-}
-
-/// The work that is granted to the derivatives, and then to each rule.
-struct Budget<'a> {
-    block: &'a Annotated,
-    model: &'a Model,
-    work: usize,
-}
-
-impl<'a> Budget<'a> {
-    fn new(block: &'a Annotated, model: &'a Model, work: usize) -> Self {
-        Self { block, model, work }
-    }
-
-    /// Runs a stage. Returns an error if the work that was granted is used up.
-    fn stage<T>(&self, arena: &mut Arena, run: impl FnOnce(&mut Arena) -> T) -> syn::Result<T> {
-        let result = run(arena);
-        if !arena.is_exhausted() {
-            return Ok(result);
-        }
-        let message = format!(
-            "this system is too large to unroll: with {} coordinates and {} noise terms its derivatives take more than {} operations of the macro, which is the limit; use fewer coordinates or noise terms, shorter loops, or helpers that are called less often",
-            self.model.dof(),
-            self.model.noises.len(),
-            self.work,
-        );
-        let place = self.block.lagrangian.name.span();
-        Err(syn::Error::new(place, message))
-    }
-}
-
 /// A structurally singular step: L does not determine some velocities.
-fn singular(
-    degenerate: &Degenerate,
-    block: &Annotated,
-    symbols: &crate::system::model::Symbols,
-) -> syn::Error {
+fn singular(degenerate: &Degenerate, block: &Annotated, symbols: &Symbols) -> syn::Error {
     let names: Vec<String> = degenerate
         .unknowns
         .iter()

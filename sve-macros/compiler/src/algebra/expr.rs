@@ -293,6 +293,20 @@ impl Arena {
         results
     }
 
+    /// Each of `exprs` with subexpressions replaced; what they share is rebuilt once.
+    pub(crate) fn replace_all(&mut self, exprs: &[Expr], by: &HashMap<Expr, Expr>) -> Vec<Expr> {
+        let none = HashMap::new();
+        let mut done: Map<Expr, Expr> = by.iter().map(|(&old, &new)| (old, new)).collect();
+        for e in self.reachable(exprs, |e| !by.contains_key(&e)) {
+            let new = self.rebuild(e, &none, &done);
+            done.insert(e, new);
+        }
+        exprs
+            .iter()
+            .map(|e| done.get(e).copied().unwrap_or(*e))
+            .collect()
+    }
+
     /// Whether any symbol of a set occurs in `expr`.
     fn has_any(&self, expr: Expr, set: &[u64]) -> bool {
         let own = &self.sets[self.contents[expr.index()] as usize];

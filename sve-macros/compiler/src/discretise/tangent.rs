@@ -8,6 +8,13 @@
 //! ```
 //!
 //! Output: the non-zero entries of the four matrices. A quantity that has a formula is not among the unknowns.
+//!
+//! Where forces act at both ends of an explicit step, ∂y/∂z is a sum over intermediate values w(z), and an entry of it has as many
+//! terms as there are coordinates. In a step of many coordinates such values are kept apart:
+//!
+//! ```text
+//! dy/dz = ∂y/∂z + ∂y/∂w dw/dz
+//! ```
 
 use std::collections::HashMap;
 
@@ -34,7 +41,12 @@ pub(crate) struct Linearisation {
     pub(crate) inputs: usize,
     /// ∂R/∂x, ∂R/∂z, ∂y/∂x, ∂y/∂z.
     pub(crate) matrices: [Vec<Entry>; 4],
+    /// dw/dz and ∂y/∂w, if there are intermediate values, which are at most as many as coordinates.
+    pub(crate) through: Option<[Vec<Entry>; 2]>,
 }
+
+/// Coordinates of a step up to which there are no intermediate values.
+const WITHOUT_INTERMEDIATES: usize = 8;
 
 /// Differentiates the residuals and the results of a scheme.
 pub(crate) fn linearise(
@@ -62,6 +74,9 @@ pub(crate) fn linearise(
     inputs.extend(symbols.parameters().map(Input::Symbol));
     let by_unknowns: Vec<Input> = unknowns.iter().map(|&s| Input::Symbol(s)).collect();
     let results = [scheme.dq.as_slice(), &scheme.dp].concat();
+    if let Some(split) = through_intermediates(&results, &inputs, scheme, action, arena) {
+        return split;
+    }
     let has_rotations = action.configuration.has_rotations();
     let of_results = |columns: &[Input], first: bool, arena: &mut Arena| {
         if !has_rotations {
@@ -84,8 +99,73 @@ pub(crate) fn linearise(
             of_results(&by_unknowns, false, arena),
             of_results(&inputs, true, arena),
         ],
+        through: None,
         unknowns,
     }
+}
+
+/// Differentiates the results of an explicit step by way of the formulas of its blocks. Returns nothing for steps of few coordinates,
+/// and for steps that are not explicit.
+fn through_intermediates(
+    results: &[Expr],
+    inputs: &[Input],
+    scheme: &Scheme<Expr>,
+    action: &Action,
+    arena: &mut Arena,
+) -> Option<Linearisation> {
+    let coordinates = scheme.dq.len();
+    if coordinates <= WITHOUT_INTERMEDIATES || action.configuration.has_rotations() {
+        return None;
+    }
+    let mut formulas = Vec::new();
+    let mut names = HashMap::new();
+    let mut back = HashMap::new();
+    for block in &scheme.blocks {
+        let Solution::Formula(formula) = block.solution else {
+            return None;
+        };
+        if names.contains_key(&formula) {
+            continue;
+        }
+        // the results have the formula in place of this symbol
+        let symbol = block.unknowns[0];
+        names.insert(formula, arena.symbol(symbol));
+        back.insert(symbol, formula);
+        formulas.push((symbol, formula));
+    }
+    let open = arena.replace_all(results, &names);
+    formulas.retain(|&(symbol, _)| open.iter().any(|&result| arena.contains(result, symbol)));
+    if formulas.is_empty() || formulas.len() > coordinates {
+        return None;
+    }
+    let (symbols, values): (Vec<Symbol>, Vec<Expr>) = formulas.into_iter().unzip();
+    let symbols: Vec<Input> = symbols.into_iter().map(Input::Symbol).collect();
+    let in_inputs = |entries: Vec<Entry>, arena: &mut Arena| -> Vec<Entry> {
+        let values: Vec<Expr> = entries.iter().map(|entry| entry.value).collect();
+        let values = arena.substitute_all(&values, &back);
+        let entries = entries.into_iter().zip(values);
+        entries
+            .map(|(entry, value)| Entry { value, ..entry })
+            .collect()
+    };
+    let by_inputs = jacobian(&open, inputs, arena);
+    let by_intermediates = jacobian(&open, &symbols, arena);
+    let through = [
+        jacobian(&values, inputs, arena),
+        in_inputs(by_intermediates, arena),
+    ];
+    Some(Linearisation {
+        unknowns: Vec::new(),
+        outputs: results.len(),
+        inputs: inputs.len(),
+        matrices: [
+            Vec::new(),
+            Vec::new(),
+            Vec::new(),
+            in_inputs(by_inputs, arena),
+        ],
+        through: Some(through),
+    })
 }
 
 /// Returns the residuals of a linear system.

@@ -2,7 +2,8 @@
 
 use proc_macro2::TokenStream;
 
-use super::{Budget, Start};
+use super::Start;
+use super::size::{Budget, Exhausted, within_budget};
 use crate::algebra::Arena;
 use crate::backend::rust::{self, Context};
 use crate::discretise::stages::{self, Stages};
@@ -52,12 +53,15 @@ impl Nodes {
         let potential = group[0].potential.as_ref();
         arena.grant(budget.work);
         let (mut model, mut own) = (budget.model.clone(), mechanics.clone());
-        let stages = budget.stage(&mut arena, |arena| {
+        let stages = within_budget(&mut arena, |arena| {
             if let Some(potential) = potential {
                 let (noise, jet) = potential.noise(&model, arena);
                 (model, own) = (model.with_noise(noise), own.with_noise(jet));
             }
             stages::stages(&model, &own, arena)
+        });
+        let stages = stages.map_err(|Exhausted| {
+            budget.rule_too_large(group[0].listed.rule, mechanics, &group[0].arena)
         })?;
         let listed: Vec<&ListedRule> = group.iter().map(|start| start.listed).collect();
         check(&listed, &model, &stages)?;
@@ -103,6 +107,12 @@ impl Nodes {
 
 /// Unknowns of all stages of a step. Newton's method keeps a matrix of this size on the stack, where it is needed.
 const UNKNOWNS_OF_STAGES: usize = 160;
+
+/// Returns whether the rule of so many stages is within the limits, in an arena that has the derivatives.
+pub(super) fn fits(count: usize, model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> bool {
+    let at_node = within_budget(arena, |arena| stages::stages(model, mechanics, arena));
+    at_node.is_ok_and(|stages| stages.unknowns(count, model.dof()) <= UNKNOWNS_OF_STAGES)
+}
 
 /// Returns an error for each rule whose stages have too many unknowns together.
 fn check(rules: &[&ListedRule], model: &Model, at_node: &Stages) -> syn::Result<()> {

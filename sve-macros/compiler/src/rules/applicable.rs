@@ -57,6 +57,21 @@ pub(crate) fn check(block: &Annotated, model: &Model) -> syn::Result<()> {
     errors.finish(())
 }
 
+/// Returns whether a rule without options is for a system whose Lagrangian determines every velocity.
+pub(crate) fn is_for(rule: Rule, model: &Model) -> bool {
+    let is_taken = [
+        (!model.noises.is_empty(), rule.takes_noise()),
+        (model.force.is_some(), rule.takes_force()),
+        (!model.constraints.is_empty(), rule.takes_constraints()),
+        (
+            model.configuration().has_rotations(),
+            rule.takes_rotations(rule.options),
+        ),
+    ];
+    let is_regular = model.degeneracy.is_none();
+    is_regular && is_taken.iter().all(|&(has, takes)| !has || takes)
+}
+
 /// Reports a rule or an option that is not for systems with constraints.
 fn check_constrained(listed: &ListedRule, errors: &mut Errors) {
     let (rule, name) = (listed.rule, listed.rule.name());

@@ -23,10 +23,15 @@ pub(super) fn linearise(
         outputs,
         inputs,
         matrices,
+        through,
     } = linearisation;
     let m = Literal::usize_unsuffixed(model.noises.len());
     let size = Literal::usize_unsuffixed(unknowns.len());
-    let roots: Vec<Expr> = matrices.iter().flatten().map(|entry| entry.value).collect();
+    let matrices: Vec<&Vec<Entry>> = matrices.iter().chain(through.iter().flatten()).collect();
+    let roots: Vec<Expr> = matrices
+        .iter()
+        .flat_map(|matrix| matrix.iter().map(|entry| entry.value))
+        .collect();
     let rows: Vec<Vec<Expr>> = matrices
         .iter()
         .map(|matrix| matrix.iter().map(|entry| entry.value).collect())
@@ -37,6 +42,8 @@ pub(super) fn linearise(
         "residual_by_z",
         "output_by_x",
         "output_by_z",
+        "intermediate_by_z",
+        "output_by_intermediate",
     ];
     let views: Vec<(&[Vec<Expr>], Vec<String>)> = rows
         .iter()
@@ -44,13 +51,16 @@ pub(super) fn linearise(
         .map(|(row, name)| (row.as_slice(), vec![name.to_owned()]))
         .collect();
     let (statements, values) = Straight::new(arena, symbols, &roots).finish(private, &views);
-    let matrices = matrices.iter().zip(values).map(|(entries, values)| {
+    let matrices = matrices.into_iter().zip(values).map(|(entries, values)| {
         let places = entries.iter().map(|&Entry { row, column, .. }| {
             let [row, column] = [row, column].map(Literal::usize_unsuffixed);
             quote!((#row, #column))
         });
         quote!(#private::Entries { places: &[#(#places),*], values: &#values[0] })
     });
+    let matrices: Vec<TokenStream> = matrices.collect();
+    let (matrices, through) = matrices.split_at(4);
+    let through = (!through.is_empty()).then(|| quote!(.through([#(#through),*])));
     let unknowns = pattern(unknowns, symbols);
     let Received {
         flat,
@@ -73,7 +83,7 @@ pub(super) fn linearise(
             let time = state.t;
             let #unknowns = *unknowns;
             #statements
-            then(#private::Linearisation::new([#size, #outputs, #inputs], [#(#matrices),*]))
+            then(#private::Linearisation::new([#size, #outputs, #inputs], [#(#matrices),*])#through)
         }
     }
 }

@@ -14,10 +14,10 @@ use proc_macro2::{Delimiter, Group, Ident, TokenStream, TokenTree};
 use quote::quote;
 
 /// Largest number of `let` statements in a block that is not cut.
-static LARGEST: std::sync::LazyLock<usize> = std::sync::LazyLock::new(|| std::env::var("LARGEST").map_or(300, |s| s.parse().unwrap()));
+const LARGEST: usize = 500;
 
 /// Smallest number of `let` statements in an inner block. Smaller inner blocks have to return more of their values.
-static PART: std::sync::LazyLock<usize> = std::sync::LazyLock::new(|| std::env::var("PART").map_or(100, |s| s.parse().unwrap()));
+const PART: usize = 250;
 
 /// Cuts every block with too many `let` statements.
 pub(crate) fn bounded(code: TokenStream) -> TokenStream {
@@ -39,7 +39,7 @@ pub(crate) fn bounded(code: TokenStream) -> TokenStream {
 /// The content of a block, cut until the block is not too large.
 fn cut(mut block: TokenStream) -> TokenStream {
     let mut lets = number_of_lets(&block);
-    while lets > *LARGEST {
+    while lets > LARGEST {
         block = cut_once(block);
         let before = mem::replace(&mut lets, number_of_lets(&block));
         if lets == before {
@@ -65,7 +65,7 @@ fn cut_once(block: TokenStream) -> TokenStream {
             output.extend(statement.tokens());
             continue;
         }
-        if part.lets >= *PART && part.may_end(at) {
+        if part.lets >= PART && part.may_end(at) {
             output.extend(mem::take(&mut part).block(at));
         }
         part.push(statement, &last_reads);

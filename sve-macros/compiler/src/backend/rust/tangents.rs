@@ -26,7 +26,7 @@ const MAX_INSTRUCTIONS: usize = 1500;
 /// Largest number of values that are kept between the loops, as for steps in lanes.
 const MAX_KEPT: usize = 96;
 
-/// Returns the function, unless the step has constraints or takes too many operations.
+/// Returns the function, unless the step has constraints or intermediate values, or takes too many operations.
 pub(super) fn linearise_lanes(
     private: &TokenStream,
     model: &Model,
@@ -36,7 +36,8 @@ pub(super) fn linearise_lanes(
     arena: &Arena,
 ) -> Option<TokenStream> {
     let unknowns = linearisation.unknowns.len();
-    if scheme.is_constrained() || unknowns > MAX_UNKNOWNS {
+    let is_split = linearisation.through.is_some();
+    if scheme.is_constrained() || is_split || unknowns > MAX_UNKNOWNS {
         return None;
     }
     let tiers: Tiers = (linearisation.unknowns.iter())
