@@ -303,7 +303,7 @@ mod single_letters {
                     pub $name: f64,
                 }
 
-                #[sve_runtime::variational(initial_point, endpoint, gauss(2))]
+                #[sve_runtime::variational(midpoint, gauss(2))]
                 impl $name {
                     const F: f64 = 0.5;
 
@@ -325,15 +325,15 @@ mod single_letters {
             /// The states of all systems after the same steps.
             pub fn ends() -> Vec<[f64; 2]> {
                 vec![$({
-                    use sve_runtime::prelude::{Gauss, Integrator, Split, State};
+                    use sve_runtime::prelude::{Composed, Gauss, Integrator, KahanLi8, Midpoint, State};
                     let mut state = State::new([0.3], [0.5]);
                     let system = || $name { $name: 2.0 };
                     let gauss = Integrator::new(system(), Gauss::<2>);
                     gauss.step(&mut state, 0.01, &[0.1]).unwrap();
                     let tangent = gauss.tangent(&state, 0.01, &[0.1]).unwrap();
                     assert!((tangent.to_dmatrix().determinant() - 1.0).abs() < 1e-12);
-                    let split = Integrator::new(system(), Split::strang());
-                    split.step(&mut state, 0.01, &[0.1]).unwrap();
+                    let composed = Integrator::new(system(), Composed::new(Midpoint, KahanLi8));
+                    composed.step(&mut state, 0.01, &[0.1]).unwrap();
                     [state.q[0], state.p[0]]
                 }),*]
             }
@@ -391,7 +391,7 @@ fn a_system_with_lifetimes() {
         k: 1.0,
     };
     assert_eq!([system.name, system.note], ["a", "b"]);
-    let integrator = Integrator::new(system, Split::strang());
+    let integrator = Integrator::new(system, Split::new(BlanesMoan4));
     let mut state = State::new([0.3, 0.1], [0.5, 0.0]);
     integrator.step(&mut state, 0.01, &[]).unwrap();
 }

@@ -7,5 +7,6 @@ mod adjoint;
 mod ensembles;
 mod lanes;
 mod likelihood;
+mod many_coordinates;
 mod means;
 mod moments;

@@ -68,14 +68,64 @@ fn residuals_and_jacobians_cost_a_few_times_the_function() {
     }
 }
 
-/// The sizes that the documentation of the macro names, and the next.
+/// The compiler of Rust overflows its stack at about 2,500 `let` statements that are in scope together, if debug information is written.
+const SCOPES: usize = 1500;
+
+/// The largest number of `let` statements that are in scope together, and those of a closure with those around it.
+fn scopes(code: TokenStream) -> usize {
+    let (mut open, mut deepest) = (0, 0);
+    for tree in code {
+        match tree {
+            TokenTree::Ident(word) => open += usize::from(word == "let"),
+            TokenTree::Group(group) => {
+                let inner = scopes(group.stream());
+                // a function is not in the scope of what stands before it
+                deepest = deepest.max(open + inner);
+            }
+            _ => {}
+        }
+        deepest = deepest.max(open);
+    }
+    deepest
+}
+
+/// The sizes that the documentation names, and the next.
 #[test]
 fn limits_are_those_of_the_documentation() {
-    for (scene, largest, next) in [(Scene::Pendulum, 33, 34), (Scene::Bodies, 48, 50)] {
-        let expanded = |n| expand(&parse("midpoint"), &parse(&scene.block(n))).to_string();
-        assert!(!expanded(largest).contains("compile_error"), "{largest}");
-        let refused = expanded(next);
+    for (scene, rule, largest, next) in [
+        (Scene::Pendulum, "midpoint", 33, Some(34)),
+        (Scene::Bodies, "midpoint", 48, Some(50)),
+        (Scene::Bodies, "stormer_verlet", 48, None),
+        (Scene::Bodies, "initial_point, endpoint, gauss(2)", 48, None),
+    ] {
+        let expanded = |n| expand(&parse(rule), &parse(&scene.block(n)));
+        let accepted = expanded(largest);
+        let deepest = scopes(accepted.clone());
+        assert!(deepest < SCOPES, "{rule} {largest}: {deepest}");
+        assert!(
+            !accepted.to_string().contains("compile_error"),
+            "{rule} {largest}"
+        );
+        let Some(next) = next else {
+            continue;
+        };
+        let refused = expanded(next).to_string();
         assert_eq!(refused.matches("compile_error").count(), 1, "{next}");
         assert!(refused.contains("which is the limit"), "{next}");
+    }
+}
+
+#[test]
+fn explicit_steps_of_coupled_systems_grow_quadratically() {
+    let exponent = exponent("stormer_verlet", Scene::Bodies, 12);
+    assert!(exponent < 2.05, "{exponent}");
+}
+
+#[test]
+fn scopes_do_not_nest_in_long_chains() {
+    for rule in ["midpoint", "endpoint", "stormer_verlet"] {
+        let expansion = expand(&parse(rule), &parse(&Scene::Chain.block(240)));
+        let deepest = scopes(expansion);
+        assert!(deepest < SCOPES, "{rule}: {deepest}");
     }
 }

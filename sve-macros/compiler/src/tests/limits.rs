@@ -105,6 +105,65 @@ fn large_systems_are_one_error_with_a_limit() {
     }
 }
 
+/// The rules that an error of size says to be within the limit.
+fn named(error: &str) -> Vec<String> {
+    let rules = [
+        "initial_point",
+        "endpoint",
+        "midpoint",
+        "stormer_verlet",
+        "gauss(2)",
+    ];
+    let Some((_, after)) = error.split_once("which is the limit; ") else {
+        return Vec::new();
+    };
+    let names = after.split(';').next().unwrap_or_default();
+    let is_named = |rule: &&str| names.contains(&format!("`{rule}`"));
+    let rules = rules.into_iter().filter(is_named);
+    rules.map(ToOwned::to_owned).collect()
+}
+
+/// An error of size names those rules that a system of this size may have, and no others.
+#[test]
+fn an_error_of_size_names_the_rules_that_fit() {
+    let rules = [
+        "initial_point",
+        "endpoint",
+        "midpoint",
+        "stormer_verlet",
+        "gauss(2)",
+    ];
+    let bodies = system(
+        6,
+        "for i in 0..6 { for j in 0..i { s -= 1.0 / (1.0 + (q[i] - q[j]).powi(2)).sqrt(); } } s",
+    );
+    let pendulum = system(
+        4,
+        "for i in 0..4 { s += q[i].cos(); for j in 0..i { s += v[i] * v[j] * (q[i] - q[j]).cos(); } } s",
+    );
+    let mut claims = 0;
+    for members in [bodies, pendulum] {
+        let item = tokens(&format!("impl P {{ {members} }}"));
+        for work in [20_000, 50_000, 100_000, 200_000, 400_000, 800_000] {
+            let output =
+                |rule| expand_within(&tokens(rule), &item, Settings::default(), work).to_string();
+            let is_refused = |text: &str| text.contains("compile_error");
+            let fit: Vec<&str> = rules
+                .into_iter()
+                .filter(|rule| !is_refused(&output(rule)))
+                .collect();
+            for rule in rules {
+                let text = output(rule);
+                if is_refused(&text) {
+                    assert_eq!(named(&text), fit, "{rule} {work}");
+                    claims += usize::from(!fit.is_empty());
+                }
+            }
+        }
+    }
+    assert!(claims > 4, "{claims}");
+}
+
 #[test]
 fn systems_of_48_coordinates_are_accepted() {
     let chain = "fn lagrangian(&self, q: [f64; 48], v: [f64; 48]) -> f64 {
@@ -123,9 +182,22 @@ fn systems_of_48_coordinates_are_accepted() {
         }
         s
     }";
+    let in_space = "fn lagrangian(&self, q: [[f64; 3]; 16], v: [[f64; 3]; 16]) -> f64 {
+        let mut s = 0.0;
+        for i in 0..16 {
+            s += 0.5 * self.m[i] * (v[i][0].powi(2) + v[i][1].powi(2) + v[i][2].powi(2));
+            for j in 0..i {
+                let (x, y, z) = (q[i][0] - q[j][0], q[i][1] - q[j][1], q[i][2] - q[j][2]);
+                let s6 = (x * x + y * y + z * z).powi(-3);
+                s -= self.m[j] * (s6 * s6 - s6);
+            }
+        }
+        s
+    }";
     for (attribute, members) in [
         ("initial_point, endpoint, midpoint, taylor2", chain),
         ("midpoint", bodies),
+        ("stormer_verlet", in_space),
     ] {
         let item = tokens(&format!("impl P {{ {members} }}"));
         let output = expanded(&tokens(attribute), &item);

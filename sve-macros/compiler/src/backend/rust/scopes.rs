@@ -265,3 +265,82 @@ fn is_word(tree: &TokenTree, text: &str) -> bool {
 fn is_mark(tree: &TokenTree, character: char) -> bool {
     matches!(tree, TokenTree::Punct(mark) if mark.as_char() == character)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write as _;
+
+    use super::*;
+
+    fn parse(text: &str) -> TokenStream {
+        text.parse().expect("tokens")
+    }
+
+    /// A block of `count` sums, each of the one before and the tenth before.
+    fn sums(count: usize) -> String {
+        let mut text = String::from("let a0 = x;");
+        for i in 1..count {
+            let _ = write!(text, "let a{i} = a{} + a{};", i - 1, i.saturating_sub(10));
+        }
+        text
+    }
+
+    /// The largest number of `let` statements of a block, inner blocks on their own.
+    fn largest(code: TokenStream) -> usize {
+        let inner = code.clone().into_iter().map(|tree| match tree {
+            TokenTree::Group(group) => largest(group.stream()),
+            _ => 0,
+        });
+        inner.max().unwrap_or_default().max(number_of_lets(&code))
+    }
+
+    /// The statements without the inner blocks around them.
+    fn flat(code: &str) -> String {
+        let statements = code.split(';').map(str::trim);
+        let plain = statements.map(|s| s.rsplit('{').next().unwrap_or_default().trim());
+        let sums: Vec<&str> = plain.filter(|s| s.starts_with("let a")).collect();
+        sums.join(";")
+    }
+
+    #[test]
+    fn a_small_block_stays_as_it_is() {
+        let code = format!("{{ {} a9 }}", sums(LARGEST));
+        assert_eq!(bounded(parse(&code)).to_string(), parse(&code).to_string());
+    }
+
+    #[test]
+    fn a_large_block_is_cut_and_keeps_its_statements() {
+        for count in [LARGEST + 1, 5000, 200_000] {
+            let code = format!("{{ {} a{} }}", sums(count), count - 1);
+            let cut = bounded(parse(&code));
+            assert!(largest(cut.clone()) <= LARGEST, "{count}");
+            assert_eq!(flat(&cut.to_string()), flat(&parse(&code).to_string()));
+        }
+    }
+
+    #[test]
+    fn an_inner_block_returns_what_is_read_later_and_nothing_else() {
+        let code = format!("{{ {} a{} }}", sums(LARGEST + 1), LARGEST);
+        let cut = bounded(parse(&code)).to_string();
+        let names: Vec<String> = (PART - 10..PART).map(|i| format!("a{i}")).collect();
+        let names = names.join(" , ");
+        assert!(cut.contains(&format!("let ({names}) = {{")), "{cut}");
+        assert!(cut.contains(&format!("({names}) }} ;")), "{cut}");
+    }
+
+    /// The second `guess` hides the first, a closure stays in the block of the values that it borrows, and a mutable variable outside.
+    #[test]
+    fn hidden_names_closures_and_mutable_variables() {
+        let (first, second) = (sums(PART - 2), sums(LARGEST));
+        let code = format!(
+            "{{ let guess = x; {first} let y = 1.0; let f = || y + guess; let z = f(); let mut sum = z; {second} let guess = a3; sum += guess; sum }}"
+        );
+        let cut = bounded(parse(&code)).to_string();
+        assert!(cut.contains("let z = { let guess = x ;"), "{cut}");
+        assert!(
+            cut.contains("let z = f () ; z } ; let mut sum = z ;"),
+            "{cut}"
+        );
+        assert!(!cut.contains("f)") && !cut.contains("(guess"), "{cut}");
+    }
+}
