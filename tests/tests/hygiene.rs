@@ -350,7 +350,7 @@ fn systems_of_one_letter() {
     assert!(ends.iter().all(|end| *end == ends[0]), "{ends:?}");
 }
 
-/// A system with a lifetime, and labels and helpers with names of generated code.
+/// A system with lifetimes, and with helper functions that have names of generated code.
 mod lifetimes {
     #![allow(unreachable_pub)]
 
@@ -363,7 +363,8 @@ mod lifetimes {
     #[sve_runtime::variational(initial_point, endpoint, midpoint, gauss(2))]
     impl Borrowed<'_, '_> {
         fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
-            0.5 * (v[0] * v[0] + v[1] * v[1]) - self.increment(self.rounding(q[0]), q[1])
+            0.5 * (v[0] * v[0] + v[1] * v[1])
+                - self.increment(self.rounding(q[0]), self.state(q[1]))
         }
 
         fn increment(&self, state: f64, newton: f64) -> f64 {
@@ -374,10 +375,8 @@ mod lifetimes {
             fallback.sin()
         }
 
-        #[symmetry]
-        fn state(&self, q: [f64; 2]) -> [f64; 2] {
-            let _ = q;
-            [0.0, 0.0]
+        fn state(&self, memory: f64) -> f64 {
+            memory.cos()
         }
     }
 }

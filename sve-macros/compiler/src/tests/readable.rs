@@ -181,6 +181,7 @@ fn texts_are_short() {
 fn check_scope(stream: TokenStream, outer: &[String], count: &mut usize) {
     let mut names = outer.to_vec();
     let trees: Vec<TokenTree> = stream.into_iter().collect();
+    let mut pending: Vec<String> = Vec::new();
     for (at, tree) in trees.iter().enumerate() {
         match tree {
             TokenTree::Group(group) if group.delimiter() == Delimiter::Brace => {
@@ -199,7 +200,11 @@ fn check_scope(stream: TokenStream, outer: &[String], count: &mut usize) {
                     // the unknowns of a block, which become known one after the other
                     _ => continue,
                 };
-                for name in bound {
+                pending = bound;
+            }
+            // the names are in scope after the statement
+            TokenTree::Punct(mark) if mark.as_char() == ';' => {
+                for name in pending.drain(..) {
                     assert!(!names.contains(&name) || name == "_", "`{name}` twice");
                     *count += 1;
                     names.push(name);

@@ -331,7 +331,7 @@ mod tests {
     /// The second `guess` hides the first, a closure stays in the block of the values that it borrows, and a mutable variable outside.
     #[test]
     fn hidden_names_closures_and_mutable_variables() {
-        let (first, second) = (sums(PART - 2), sums(LARGEST));
+        let (first, second) = (sums(PART - 10), sums(LARGEST));
         let code = format!(
             "{{ let guess = x; {first} let y = 1.0; let f = || y + guess; let z = f(); let mut sum = z; {second} let guess = a3; sum += guess; sum }}"
         );
