@@ -191,7 +191,7 @@ fn check_scope(stream: TokenStream, outer: &[String], count: &mut usize) {
             TokenTree::Ident(word) if word == "let" => {
                 let is_mut = |t: &TokenTree| matches!(t, TokenTree::Ident(word) if word == "mut");
                 let pattern = at + 1 + usize::from(trees.get(at + 1).is_some_and(is_mut));
-                let bound = match trees.get(pattern) {
+                pending = match trees.get(pattern) {
                     Some(TokenTree::Ident(name)) => vec![name.to_string()],
                     Some(TokenTree::Group(pair)) if pair.delimiter() == Delimiter::Parenthesis => {
                         let parts = pair.stream().into_iter();
@@ -200,7 +200,6 @@ fn check_scope(stream: TokenStream, outer: &[String], count: &mut usize) {
                     // the unknowns of a block, which become known one after the other
                     _ => continue,
                 };
-                pending = bound;
             }
             // the names are in scope after the statement
             TokenTree::Punct(mark) if mark.as_char() == ';' => {
