@@ -12,20 +12,20 @@ macro_rules! __compositions {
     (@ $system:ty, [$($generic:ident),*], $rule:ty) => {
         impl<$($generic),*> $crate::Discretised<$rule> for $system
         where
-            $rule: $crate::__private::sequence::Sequence<$system>,
+            $rule: $crate::__private::sequence::Sequence<Self>,
         {
-            type Increments = <$rule as $crate::__private::sequence::Sequence<$system>>::Increments;
-            type Prepared = <$rule as $crate::__private::sequence::Sequence<$system>>::Prepared;
-            type Memory = <$rule as $crate::__private::sequence::Sequence<$system>>::Memory;
+            type Increments = <$rule as $crate::__private::sequence::Sequence<Self>>::Increments;
+            type Prepared = <$rule as $crate::__private::sequence::Sequence<Self>>::Prepared;
+            type Memory = <$rule as $crate::__private::sequence::Sequence<Self>>::Memory;
             const STAGES: usize =
-                <$rule as $crate::__private::sequence::Sequence<$system>>::STAGES;
+                <$rule as $crate::__private::sequence::Sequence<Self>>::STAGES;
             const PLAN: &'static $crate::Plan =
-                <$rule as $crate::__private::sequence::Sequence<$system>>::PLAN;
+                <$rule as $crate::__private::sequence::Sequence<Self>>::PLAN;
             const HAS_INCREMENTS: bool =
-                <$rule as $crate::__private::sequence::Sequence<$system>>::HAS_INCREMENTS;
+                <$rule as $crate::__private::sequence::Sequence<Self>>::HAS_INCREMENTS;
 
             fn prepare(&self, h: f64) -> Self::Prepared {
-                <$rule as $crate::__private::sequence::Sequence<$system>>::prepare(self, h)
+                <$rule as $crate::__private::sequence::Sequence<Self>>::prepare(self, h)
             }
 
             #[inline]
