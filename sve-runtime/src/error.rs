@@ -137,6 +137,55 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         pivot: f64,
     },
+    /// The gradient of a constraint vanishes where the constraint holds, as that of f² does for every f: a function with a double root is no constraint.
+    #[error(
+        "the gradient of the constraint `{constraint}` vanishes where the constraint does, near t = {t}, q = {q:?}: the constraint is {value:e} with terms of size {magnitude:e}, its gradient is \
+         {gradient:?}, and that changes by {change:.2} of itself as far as its value and rounding errors are open; the constraint forces are not determined there; \
+         write it as a function with a simple root, f and not f²"
+    )]
+    ConstraintGradient {
+        /// Time.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Configuration.
+        q: Vec<f64>,
+        /// The constraint.
+        constraint: Box<str>,
+        /// Its value.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        value: f64,
+        /// The sum of the magnitudes of its terms.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        magnitude: f64,
+        /// ∂φ/∂q.
+        gradient: Vec<f64>,
+        /// Change of the gradient along its own direction, relative to the gradient, over the distance at which the constraint changes by its value and its rounding errors.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        change: f64,
+    },
+    /// The step passes a place near which the gradients of the constraints become dependent, such as a linkage that is almost stretched into a line: the motion turns there within a distance
+    /// that is short beside the step.
+    #[error(
+        "the step from t = {t} with h = {h:e} passes near a fold of the constraints: at {step:.3} of h and {noise:.3} of the increments ∂φ/∂q M⁻¹ ∂φ/∂qᵀ has shrunk to {part:e} of that at the \
+         start for some combination of constraints; the motion turns there within a distance that is short beside the step; take a smaller h"
+    )]
+    NearFold {
+        /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Step size.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        h: f64,
+        /// Fraction of the step size at the place.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        step: f64,
+        /// Fraction of the increments there.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        noise: f64,
+        /// Smallest eigenvalue of ∂φ/∂q M⁻¹ ∂φ/∂qᵀ there, relative to that of the start.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        part: f64,
+    },
     /// The step is longer than the curvature of the constraints allows: their solution ends within the step.
     #[error(
         "the step from t = {t} with h = {h:e} loses the constraints: its solution was followed to {step:.3} of h without noise and to {noise:.3} of the increments, and ends there; \

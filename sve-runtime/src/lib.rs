@@ -456,7 +456,7 @@ pub mod __private {
     pub use crate::solve::newton::{
         BlockProperties, BlockSolver, Evaluation, Newton, propagated_error,
     };
-    pub use crate::solve::regularity::{all_positive, cold, is_regular_within};
+    pub use crate::solve::regularity::{all_positive, cold, contains_path, is_regular_within};
     pub use crate::start::{StartOfStep, Tested};
     pub use crate::state::{State, in_coordinates, with_entries};
     pub use crate::system::{ConstraintJet, Dims, ForceJet, LagrangianJet, NoiseJet, System};

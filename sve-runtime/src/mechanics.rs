@@ -119,7 +119,7 @@ pub trait Mechanics: System {
     /// `∂φ/∂qᵀ λ` and without the part of the momentum across them, which has no effect on the motion.
     ///
     /// # Errors
-    /// As [`velocity`](Self::velocity); [`StepError::InconsistentStart`] and [`StepError::ConstraintRank`] as in a step.
+    /// As [`velocity`](Self::velocity); [`StepError::InconsistentStart`], [`StepError::ConstraintRank`] and [`StepError::ConstraintGradient`] as in a step.
     fn drift(&self, state: &StateOf<Self>) -> Result<Field<MomentumOf<Self>>, StepError>;
 
     /// The second time derivatives `(q̈, p̈)` of the motion without noise. Does not compile for a system with constraints, whose multipliers would have to be

@@ -63,7 +63,7 @@ where
     ///
     /// # Errors
     /// [`StepError::NoConsistentState`] if no such configuration is found near the given one; [`StepError::ConstraintRank`] where the constraints are
-    /// dependent; [`StepError::Singular`]; [`StepError::NonFiniteInput`].
+    /// dependent, [`StepError::ConstraintGradient`] where the gradient of one vanishes with it; [`StepError::Singular`]; [`StepError::NonFiniteInput`].
     pub fn consistent(&self, state: State<Q>) -> Result<State<Q>, StepError> {
         if S::CONSTRAINTS.is_empty() {
             return Ok(state);
@@ -113,7 +113,7 @@ where
         if iterations == MAX_ITERATIONS || !violation.is_finite() {
             return Err(lost());
         }
-        if let Some(error) = rank_error::<S, Q, N, M>(&here, t, &q) {
+        if let Some(error) = dependence_error::<S, Q, N, M>(&here, t, &q) {
             return Err(error);
         }
         let values = DVector::from_iterator(here.jets.len(), here.jets.iter().map(|j| j.value));
@@ -137,7 +137,7 @@ where
         }
         iterations += 1;
     }
-    if let Some(error) = rank_error::<S, Q, N, M>(&here, t, &q) {
+    if let Some(error) = rank_error::<S, Q, N, M>(system, &here, t, &q) {
         return Err(error);
     }
     let mut p = given.p;
@@ -165,8 +165,35 @@ where
     Ok(State { t, q, p })
 }
 
-/// The error of dependent constraints.
+/// The error of dependent constraints, or of one whose gradient vanishes with it.
 pub(super) fn rank_error<S, Q, const N: usize, const M: usize>(
+    system: &S,
+    here: &Linearised<N>,
+    t: f64,
+    q: &Q::Flat,
+) -> Option<StepError>
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    if let Some(error) = dependence_error::<S, Q, N, M>(here, t, q) {
+        return Some(error);
+    }
+    let Dependent { k, pivot } = here.vanishing::<S, Q, M>(system, t, q)?;
+    let jet = &here.jets[k];
+    Some(StepError::ConstraintGradient {
+        t,
+        q: q.values(),
+        constraint: S::CONSTRAINTS[k].into(),
+        value: jet.value,
+        magnitude: jet.magnitude,
+        gradient: jet.dq.to_vec(),
+        change: pivot,
+    })
+}
+
+/// The error of dependent constraints.
+fn dependence_error<S, Q, const N: usize, const M: usize>(
     here: &Linearised<N>,
     t: f64,
     q: &Q::Flat,

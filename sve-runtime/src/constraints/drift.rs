@@ -25,7 +25,7 @@ use crate::system::{Dims, System};
 /// Returns the drift with the forces of the constraints. The part of the momentum across the constraints is left out, as in a step.
 ///
 /// # Errors
-/// [`StepError::InconsistentStart`] beside the constraints, [`StepError::ConstraintRank`] where they are dependent; otherwise those of the velocity.
+/// [`StepError::InconsistentStart`] beside the constraints, [`StepError::ConstraintRank`] and [`StepError::ConstraintGradient`] where their gradients do not determine forces; otherwise those of the velocity.
 pub(crate) fn drift<S, Q, const N: usize, const M: usize>(
     system: &S,
     state: &State<Q::Flat>,
@@ -42,7 +42,7 @@ where
     if let Some(error) = inconsistent_start::<S, N>(&here, t) {
         return Err(error);
     }
-    if let Some(error) = rank_error::<S, Q, N, M>(&here, t, q) {
+    if let Some(error) = rank_error::<S, Q, N, M>(system, &here, t, q) {
         return Err(error);
     }
     // the second pass removes the rounding errors of the first

@@ -36,7 +36,7 @@ where
     if let Some(error) = inconsistent_start::<S, N>(&here, state.t) {
         return Some(error);
     }
-    if let Some(error) = rank_error::<S, Q, N, M>(&here, state.t, &state.q) {
+    if let Some(error) = rank_error::<S, Q, N, M>(system, &here, state.t, &state.q) {
         return Some(error);
     }
     let (step, noise) = match *error {
@@ -60,6 +60,29 @@ where
         constraint: S::CONSTRAINTS[k].into(),
         violation,
     })
+}
+
+/// Returns the error of a start at which the gradient of a constraint vanishes with the constraint; `None` for systems without constraints.
+#[cold]
+pub(crate) fn gradient_error<S, Q, const N: usize, const M: usize>(
+    system: &S,
+    state: &State<Q::Flat>,
+) -> Option<StepError>
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    let is_finite = state.t.is_finite() && state.q.values().iter().all(|x| x.is_finite());
+    if S::CONSTRAINTS.is_empty() || !is_finite {
+        return None;
+    }
+    let here = Linearised::at(system, state.t, &state.q)?;
+    if !here.matrix.iter().all(|x| x.is_finite()) {
+        return None;
+    }
+    let error = rank_error::<S, Q, N, M>(system, &here, state.t, &state.q)?;
+    let is_inconsistent = inconsistent_start::<S, N>(&here, state.t);
+    Some(is_inconsistent.unwrap_or(error))
 }
 
 /// Returns the error of a state beside the constraints.

@@ -6,6 +6,7 @@
 //! | file | part |
 //! | --- | --- |
 //! | `consistent.rs` | projection of a state onto the constraints |
+//! | `fold.rs` | places where the gradients become dependent, along a step |
 //! | `forces.rs` | the forces of the constraints in a step |
 //! | `drift.rs` | the motion without noise, with the forces of the constraints |
 //! | `explain.rs` | the error of a step that lost the constraints |
@@ -13,13 +14,15 @@
 mod consistent;
 pub(crate) mod drift;
 pub(crate) mod explain;
+pub(crate) mod fold;
 mod forces;
 
 pub use forces::{ConstraintForce, ConstraintForces};
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::configuration::Coordinates;
+use crate::configuration::{Coordinates, FlatConfiguration};
+use crate::state::State;
 use crate::system::{ConstraintJet, Dims, System};
 
 /// Smallest pivot of a regular system of constraints, relative to its diagonal entry: gradients that differ in direction by 10⁻⁵. Below it, a step has lost
@@ -53,6 +56,13 @@ struct Dependent {
     k: usize,
     pivot: f64,
 }
+
+/// Rounding errors of a constraint, in units of the magnitudes of its terms.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Largest change of a gradient, relative to the gradient, over a distance at which the constraint changes by its violation and its rounding errors. At a double root it
+/// is ½, and more at a root of higher multiplicity.
+const LARGEST_CHANGE: f64 = 0.125;
 
 impl<const N: usize> Linearised<N> {
     /// The constraints of a system at a point; `None` if the mass matrix is singular there.
@@ -95,6 +105,46 @@ impl<const N: usize> Linearised<N> {
                     let product = factor * matrix[(k, j)];
                     matrix[(i, j)] -= product;
                 }
+            }
+        }
+        None
+    }
+
+    /// Returns the first constraint whose gradient vanishes where the constraint holds, as that of f² does for every f: within the distance that its violation and rounding errors leave open, its
+    /// gradient along its own direction changes by much of itself. The number returned is that change, relative to the gradient.
+    fn vanishing<S, Q, const M: usize>(&self, system: &S, t: f64, q: &Q::Flat) -> Option<Dependent>
+    where
+        S: System<Dims = Dims<N, M, Q>>,
+        Q: Coordinates<N>,
+    {
+        let start = State::at(t, *q, [0.0; N]);
+        for (k, jet) in self.jets.iter().enumerate() {
+            let (along, open) = (
+                self.matrix[(k, k)],
+                jet.value.abs() + ROUNDING * jet.magnitude,
+            );
+            let mut change: f64 = 0.0;
+            for sign in [-1.0, 1.0] {
+                let by: [f64; N] =
+                    core::array::from_fn(|i| sign * open / along * self.directions[(i, k)]);
+                let (there, _) = Q::Flat::moved(&start, &by, &[0.0; N]);
+                system.constraint_jets(t, &there, &mut {
+                    let mut at = 0;
+                    let change = &mut change;
+                    move |other: ConstraintJet<N>| {
+                        if at == k {
+                            let slopes = other.dq.iter().zip(&jet.dq).enumerate();
+                            let rates = slopes
+                                .map(|(i, (there, here))| (there - here) * self.directions[(i, k)]);
+                            let relative = rates.sum::<f64>() / along;
+                            *change = change.max(relative.abs()) + 0.0 * relative;
+                        }
+                        at += 1;
+                    }
+                });
+            }
+            if change > LARGEST_CHANGE {
+                return Some(Dependent { k, pivot: change });
             }
         }
         None

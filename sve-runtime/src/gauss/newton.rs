@@ -49,6 +49,7 @@ where
         let block = BlockProperties {
             first: 0,
             has_bounds: false,
+            is_constrained: false,
             limit_sign: sign,
         };
         let x = solver.solve_block(

@@ -7,7 +7,7 @@
 //! The path is that of the definition (`docs/mathematics.md`, section 6). It starts at the known limit: for h = 0 and no noise v is the velocity of p₀
 //! ([`legendre`](crate::legendre)) and nothing moves. First the step size grows to `h` without noise, then the increments grow to `ΔW` at
 //! that `h`, along `s ΔW`. A stride that fails is halved. A fold, where the solution turns back, ends the path.
-//! Nothing is allocated.
+//! Nothing is allocated, but for systems with constraints, whose gradients are compared with those of the start at each point.
 //!
 //! Source: Allgower, Georg, *Introduction to Numerical Continuation Methods* (2003), chapter 2 and, for the choice of strides,
 //! chapter 6. Paths are not followed around folds.
@@ -15,6 +15,7 @@
 use super::DerivedStep;
 use super::accept::all_finite;
 use crate::configuration::{Coordinates, FlatConfiguration};
+use crate::constraints::fold::Fold;
 use crate::equations::{StepEquations, StepOf};
 use crate::legendre;
 use crate::mechanics;
@@ -66,6 +67,15 @@ pub(super) enum ContinuationError {
         /// Fraction of the increments up to which the solution was followed at the whole step size.
         noise: f64,
     },
+    /// The path passes near a fold of the constraints.
+    NearFold {
+        /// Fraction of the step size there.
+        step: f64,
+        /// Fraction of the increments.
+        noise: f64,
+        /// What is left there of the gradients of the constraints, see [`Fold`].
+        part: f64,
+    },
 }
 
 /// Follows the solution of a step.
@@ -108,19 +118,26 @@ where
         let memory = &mut S::Memory::none();
         system.increment(&system.prepare(h), memory, state, h, &dw, &solver)
     };
+    let fold = Fold::from(system, state.t, &state.q);
+    let meets_fold = |part: f64, q: &[f64; N]| {
+        let (there, _) = Q::Flat::moved(state, q, &[0.0; N]);
+        fold.as_ref()?.met_at(system, state.t + part * h, &there)
+    };
     let mut end = follow_path(
         start,
         |part| at_whole_step.of_part(part),
         |part, x| step(part, 0.0, x),
+        meets_fold,
     )
-    .map_err(|step| ContinuationError::PathEnds { step, noise: 0.0 })?;
+    .map_err(|end| end.in_step())?;
     if dw.as_ref().iter().any(|&w| w != 0.0) {
         end = follow_path(
             Point { at: 0.0, ..end },
             |_| at_whole_step,
             |noise, x| step(1.0, noise, x),
+            |_, q| meets_fold(1.0, q),
         )
-        .map_err(|noise| ContinuationError::PathEnds { step: 1.0, noise })?;
+        .map_err(|end| end.in_noise())?;
     }
     Ok((end.q, end.p, end.x))
 }
@@ -178,15 +195,43 @@ impl Scale {
     }
 }
 
-/// Follows a path from a point at 0 to 1. Returns its end.
+/// Where a path ends before 1.
+struct End {
+    at: f64,
+    /// What is left of the gradients of the constraints, if the path ends near a fold.
+    fold: Option<f64>,
+}
+
+impl End {
+    /// The error if the path is that of the step size.
+    fn in_step(self) -> ContinuationError {
+        let (step, noise) = (self.at, 0.0);
+        match self.fold {
+            Some(part) => ContinuationError::NearFold { step, noise, part },
+            None => ContinuationError::PathEnds { step, noise },
+        }
+    }
+
+    /// The error if the path is that of the noise.
+    fn in_noise(self) -> ContinuationError {
+        let (step, noise) = (1.0, self.at);
+        match self.fold {
+            Some(part) => ContinuationError::NearFold { step, noise, part },
+            None => ContinuationError::PathEnds { step, noise },
+        }
+    }
+}
+
+/// Follows a path from a point at 0 to 1. Returns its end. `meets_fold` gets each point.
 ///
 /// # Errors
-/// The fraction at which the path ends before 1.
+/// The [`End`] before 1.
 fn follow_path<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>>(
     start: Point<N, X>,
     scale: impl Fn(f64) -> Scale,
     solve: impl Fn(f64, &X) -> Result<([f64; N], [f64; N], X), SolveError>,
-) -> Result<Point<N, X>, f64> {
+    meets_fold: impl Fn(f64, &[f64; N]) -> Option<f64>,
+) -> Result<Point<N, X>, End> {
     let mut here = start;
     let mut before: Option<Point<N, X>> = None;
     let mut stride: f64 = FIRST;
@@ -205,6 +250,10 @@ fn follow_path<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>>(
             Some(found)
                 if before.is_none() || found.is_near(&ahead, &here, &start, scale(there)) =>
             {
+                if let Some(part) = meets_fold(there, &found.q) {
+                    let fold = Some(part);
+                    return Err(End { at: there, fold });
+                }
                 if there >= 1.0 {
                     return Ok(found);
                 }
@@ -223,7 +272,10 @@ fn follow_path<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>>(
             }
         }
     }
-    Err(here.at)
+    Err(End {
+        at: here.at,
+        fold: None,
+    })
 }
 
 impl<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>> Point<N, X> {

@@ -6,7 +6,7 @@ use super::DerivedStep;
 use super::accept::{add, refusal, replace};
 use super::continuation::{self, ContinuationError};
 use crate::configuration::{Coordinates, FlatConfiguration};
-use crate::constraints::explain::constraint_error;
+use crate::constraints::explain::{constraint_error, gradient_error};
 use crate::degenerate::{self, is_degenerate};
 use crate::equations::StepEquations;
 use crate::error::{StepError, step_error};
@@ -42,6 +42,20 @@ where
         }
         error
     };
+    if let Some(error) = gradient_error(system, state) {
+        return Err(error);
+    }
+    if !S::CONSTRAINTS.is_empty() {
+        let solver = BlockSolver::by_bounds(derived.newton);
+        let memory = &mut S::Memory::none();
+        let found = system.increment(&system.prepare(h), memory, state, h, dw, &solver);
+        let mut end = *state;
+        if let Ok((q, p, x)) = found
+            && add(&mut end, h, &q, &p)
+        {
+            return Ok((end, x));
+        }
+    }
     let found = match continuation::follow(derived, state, h, dw) {
         Ok(found) => Ok(found),
         // The path ends at once: the failure of the fast path says more.
@@ -60,6 +74,15 @@ where
             };
             let lost = explained(lost);
             return Err(constraint_error(system, &lost, state, h, dw.as_ref()).unwrap_or(lost));
+        }
+        Err(ContinuationError::NearFold { step, noise, part }) => {
+            return Err(StepError::NearFold {
+                t: state.t,
+                h,
+                step,
+                noise,
+                part,
+            });
         }
         // what counts is the mass matrix along the constraints
         Err(ContinuationError::NoStart(SolveError::SingularMass { .. }))

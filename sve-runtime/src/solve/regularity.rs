@@ -8,11 +8,14 @@
 //! regular if the spectral radius of E is below 1. This holds if `1 − E` is an M-matrix, whose pivots are positive. The test
 //! does not depend on the units of equations and unknowns.
 //!
+//! A box contains a path of solutions if `|A⁻¹ F|` is within the box for all these matrices and the residuals F at its centre. `(1 − E)⁻¹ |C| |F|` bounds it.
+//!
 //! Sources: Neumaier, *Interval Methods for Systems of Equations* (1990), proposition 4.1.1; Berman, Plemmons, *Nonnegative
 //! Matrices in the Mathematical Sciences* (1994), chapter 6, for M-matrices.
 
 #![allow(clippy::needless_bitwise_bool)] // both sides are computed: a branch would prevent vector instructions
 
+use super::banded::Banded;
 use super::diagonal::Diagonal;
 
 /// Bound of the spectral radius. Its distance from 1 covers the rounding errors of the radii and of a nearly singular inverse.
@@ -20,30 +23,107 @@ const BOUND: f64 = 0.95;
 
 /// The midpoints of an interval matrix.
 pub trait Midpoints<const K: usize> {
+    /// The radii of the stored entries.
+    type Radii;
     /// Returns whether every matrix whose entries are within `radius` of the midpoints is regular.
-    fn is_regular_within(&self, radius: &[[f64; K]; K]) -> bool;
+    fn is_regular_within(&self, radius: &Self::Radii) -> bool;
+    /// Returns whether every such matrix A is regular with `|A⁻¹ b| ≤ reach` for `|b| ≤ defects`. See [`contains_path`].
+    fn contains_path(&self, radius: &Self::Radii, defects: &[f64; K], reach: &[f64; K]) -> bool;
 }
 
 /// Returns whether every matrix whose entries are within `radius` of those of `middle` is regular; `false` if an entry is NaN.
 #[inline(always)]
-pub fn is_regular_within<const K: usize>(
-    middle: &impl Midpoints<K>,
-    radius: &[[f64; K]; K],
-) -> bool {
+pub fn is_regular_within<const K: usize, A: Midpoints<K>>(middle: &A, radius: &A::Radii) -> bool {
     middle.is_regular_within(radius)
 }
 
+/// Returns whether a box contains the path of solutions of equations from the limit x₀ of no noise and h → 0 to the step, and no other solution; `false` if a number is NaN.
+///
+/// The box is `|x − x₀| ≤ reach`. The radii hold within it, and `defects` bound the residuals at x₀, for every smaller step. As long as the path is in the box,
+/// `x − x₀ = −A⁻¹ F` with a matrix A within the radii and F within the defects. If this is within the box for all of them, the path cannot leave the box.
+#[inline(always)]
+pub fn contains_path<const K: usize, A: Midpoints<K>>(
+    middle: &A,
+    radius: &A::Radii,
+    defects: &[f64; K],
+    reach: &[f64; K],
+) -> bool {
+    middle.contains_path(radius, defects, reach)
+}
+
 impl<const K: usize> Midpoints<K> for [[f64; K]; K] {
+    type Radii = Self;
+
     #[inline(always)]
-    fn is_regular_within(&self, radius: &[[f64; K]; K]) -> bool {
+    fn is_regular_within(&self, radius: &Self) -> bool {
         is_regular_within_dense(self, radius)
+    }
+
+    #[inline(always)]
+    fn contains_path(&self, radius: &Self, defects: &[f64; K], reach: &[f64; K]) -> bool {
+        if K == 1 {
+            let size = BOUND * self[0][0].abs() - radius[0][0];
+            return (size > 0.0) & (defects[0] <= size * reach[0]);
+        }
+        let inverse = if K == 2 {
+            let [a, b, c, d] = [self[0][0], self[0][1], self[1][0], self[1][1]];
+            let scale = 1.0 / (a * d - b * c);
+            let mut inverse = *self;
+            [inverse[0][0], inverse[0][1]] = [d * scale, -b * scale];
+            [inverse[1][0], inverse[1][1]] = [-c * scale, a * scale];
+            inverse
+        } else {
+            inverse(*self)
+        };
+        let step = deviation(&inverse, &core::array::from_fn(|i| [defects[i]]));
+        let matrix = distance_from_one(&deviation(&inverse, radius));
+        let solution = solve_by_positive_pivots(matrix, &step.map(|[x]| x));
+        is_within(&solution, reach)
+    }
+}
+
+impl<const K: usize, const LOWER: usize, const WIDTH: usize> Midpoints<K>
+    for Banded<K, LOWER, WIDTH>
+{
+    type Radii = [[f64; WIDTH]; K];
+
+    #[inline(always)]
+    fn is_regular_within(&self, radius: &Self::Radii) -> bool {
+        self.contains_path(radius, &[0.0; K], &[0.0; K])
+    }
+
+    fn contains_path(&self, radius: &Self::Radii, defects: &[f64; K], reach: &[f64; K]) -> bool {
+        let (mut middle, mut radii) = ([[0.0; K]; K], [[0.0; K]; K]);
+        for i in 0..K {
+            let begin = i.saturating_sub(LOWER);
+            for j in 0..WIDTH.min(K - begin) {
+                middle[i][begin + j] = self.0[i][j];
+                radii[i][begin + j] = radius[i][j];
+            }
+        }
+        middle.contains_path(&radii, defects, reach)
     }
 }
 
 impl<const K: usize> Midpoints<K> for Diagonal<K> {
+    type Radii = [[f64; K]; K];
+
     /// `1 − E` times the midpoint is an M-matrix if `1 − E` is, so that no inverse is needed.
     #[inline(always)]
     fn is_regular_within(&self, radius: &[[f64; K]; K]) -> bool {
+        has_positive_pivots(self.less(radius))
+    }
+
+    #[inline(always)]
+    fn contains_path(&self, radius: &[[f64; K]; K], defects: &[f64; K], reach: &[f64; K]) -> bool {
+        is_within(&solve_by_positive_pivots(self.less(radius), defects), reach)
+    }
+}
+
+impl<const K: usize> Diagonal<K> {
+    /// Returns the magnitudes, but for [`BOUND`], less the radii.
+    #[inline(always)]
+    fn less(&self, radius: &[[f64; K]; K]) -> [[f64; K]; K] {
         let mut difference = *radius;
         for i in 0..K {
             for j in 0..K {
@@ -51,7 +131,7 @@ impl<const K: usize> Midpoints<K> for Diagonal<K> {
             }
             difference[i][i] += BOUND * self.0[i][0].abs();
         }
-        has_positive_pivots(difference)
+        difference
     }
 }
 
@@ -87,12 +167,15 @@ pub fn cold<T>(f: impl FnOnce() -> T) -> T {
 
 /// Returns `E = |C| R`.
 #[inline(always)]
-fn deviation<const K: usize>(inverse: &[[f64; K]; K], radius: &[[f64; K]; K]) -> [[f64; K]; K] {
-    let mut e = [[0.0; K]; K];
+fn deviation<const K: usize, const C: usize>(
+    inverse: &[[f64; K]; K],
+    radius: &[[f64; C]; K],
+) -> [[f64; C]; K] {
+    let mut e = [[0.0; C]; K];
     for i in 0..K {
         for k in 0..K {
             let size = inverse[i][k].abs();
-            for j in 0..K {
+            for j in 0..C {
                 e[i][j] += size * radius[k][j];
             }
         }
@@ -126,6 +209,45 @@ fn has_positive_pivots<const K: usize>(mut a: [[f64; K]; K]) -> bool {
                 a[i][j] -= factor * a[k][j];
             }
         }
+    }
+    all
+}
+
+/// Returns the solution of a system by elimination; NaN if a pivot is not positive.
+#[inline(always)]
+fn solve_by_positive_pivots<const K: usize>(mut a: [[f64; K]; K], b: &[f64; K]) -> [f64; K] {
+    let (mut x, mut inverses) = (*b, [0.0; K]);
+    for k in 0..K {
+        inverses[k] = positive_inverse(a[k][k]);
+        for i in k + 1..K {
+            let factor = a[i][k] * inverses[k];
+            for j in k + 1..K {
+                a[i][j] -= factor * a[k][j];
+            }
+            x[i] -= factor * x[k];
+        }
+    }
+    for k in (0..K).rev() {
+        for j in k + 1..K {
+            x[k] -= a[k][j] * x[j];
+        }
+        x[k] *= inverses[k];
+    }
+    x
+}
+
+/// Returns the inverse of a positive number, and NaN for others.
+#[inline(always)]
+fn positive_inverse(x: f64) -> f64 {
+    if x > 0.0 { 1.0 / x } else { f64::NAN }
+}
+
+/// Returns whether no number exceeds its bound; `false` if one is NaN.
+#[inline(always)]
+fn is_within<const K: usize>(x: &[f64; K], bounds: &[f64; K]) -> bool {
+    let mut all = true;
+    for i in 0..K {
+        all &= x[i] <= bounds[i];
     }
     all
 }
@@ -167,8 +289,9 @@ fn inverse<const K: usize>(mut a: [[f64; K]; K]) -> [[f64; K]; K] {
 
 #[cfg(test)]
 mod tests {
-    use super::is_regular_within;
-    use crate::solve::dense::tests::Random;
+    use super::{contains_path, is_regular_within};
+    use crate::solve::banded::Banded;
+    use crate::solve::dense::{self, tests::Random};
     use crate::solve::diagonal::Diagonal;
 
     /// Returns the determinant of a small matrix, by elimination with partial pivoting.
@@ -228,6 +351,108 @@ mod tests {
         for [refused, accepted] in counts {
             assert!(refused > 10 && accepted > 50, "{counts:?}");
         }
+    }
+
+    /// Checks that solutions with matrices within the radii and right-hand sides within the defects of an accepted box are in the box. Returns the numbers of refused and accepted boxes.
+    fn boxes<const K: usize>(random: &mut Random) -> [u32; 2] {
+        let mut counts = [0; 2];
+        for _ in 0..400 {
+            let middle: [[f64; K]; K] = core::array::from_fn(|i| {
+                core::array::from_fn(|j| random.next() + if i == j { 2.0 } else { 0.0 })
+            });
+            let size = 0.4 * random.next().abs();
+            let radius = middle.map(|row| row.map(|x| size * (x.abs() + 0.1)));
+            let defects: [f64; K] = core::array::from_fn(|_| random.next().abs());
+            let reach = [2.0 * random.next().abs(); K];
+            let accepted = contains_path(&middle, &radius, &defects, &reach);
+            counts[usize::from(accepted)] += 1;
+            if !accepted {
+                continue;
+            }
+            for _ in 0..50 {
+                let matrix: [[f64; K]; K] = core::array::from_fn(|i| {
+                    core::array::from_fn(|j| middle[i][j] + radius[i][j] * random.next().signum())
+                });
+                let rhs: [f64; K] = core::array::from_fn(|i| defects[i] * random.next().signum());
+                let solution = dense::solve(&matrix, &rhs).expect("a regular matrix");
+                for i in 0..K {
+                    assert!(solution[i].abs() <= reach[i], "{middle:?} {radius:?}");
+                }
+            }
+        }
+        counts
+    }
+
+    #[test]
+    fn accepted_boxes_contain_all_solutions() {
+        let mut random = Random(17);
+        let counts = [
+            boxes::<1>(&mut random),
+            boxes::<2>(&mut random),
+            boxes::<3>(&mut random),
+            boxes::<5>(&mut random),
+        ];
+        for [refused, accepted] in counts {
+            assert!(refused > 40 && accepted > 10, "{counts:?}");
+        }
+    }
+
+    #[test]
+    fn boxes_that_are_just_too_small_or_not_numbers_are_refused() {
+        let middle = [[2.0, 0.0], [0.0, 4.0]];
+        let none = [[0.0; 2]; 2];
+        // 1/0.95 of the solution
+        assert!(contains_path(&middle, &none, &[1.0, 1.0], &[0.53, 0.27]));
+        assert!(!contains_path(&middle, &none, &[1.0, 1.0], &[0.52, 0.27]));
+        assert!(!contains_path(&middle, &none, &[1.0, 1.0], &[0.53, 0.26]));
+        assert!(contains_path(&middle, &none, &[0.0; 2], &[0.0; 2]));
+        assert!(!contains_path(&middle, &none, &[f64::NAN, 0.0], &[1.0; 2]));
+        assert!(!contains_path(&middle, &none, &[1.0; 2], &[f64::NAN; 2]));
+        assert!(!contains_path(&[[1.0]], &[[0.96]], &[0.0], &[1.0]));
+        assert!(!contains_path(&[[f64::NAN]], &[[0.0]], &[0.0], &[1.0]));
+        assert!(!contains_path(
+            &[[0.0; 3]; 3],
+            &[[0.0; 3]; 3],
+            &[0.0; 3],
+            &[1.0; 3]
+        ));
+    }
+
+    #[test]
+    fn boxes_of_bands_are_those_of_the_same_matrix_written_in_full() {
+        let mut random = Random(23);
+        let mut counts = [0; 2];
+        for _ in 0..1000 {
+            let cosines: [f64; 5] = core::array::from_fn(|_| random.next());
+            let rows: [[f64; 3]; 6] = core::array::from_fn(|i| match i {
+                0 => [2.0, cosines[0], 0.0],
+                5 => [cosines[4], 2.0, 0.0],
+                _ => [cosines[i - 1], 2.0, cosines[i]],
+            });
+            let size = 0.3 * random.next().abs();
+            let radii = rows.map(|row| row.map(|x| size * x.abs()));
+            let full = |rows: &[[f64; 3]; 6]| -> [[f64; 6]; 6] {
+                let mut full = [[0.0; 6]; 6];
+                for i in 0..6_usize {
+                    for j in 0..3 {
+                        let column = i.saturating_sub(1) + j;
+                        if column < 6 {
+                            full[i][column] = rows[i][j];
+                        }
+                    }
+                }
+                full
+            };
+            let defects: [f64; 6] = core::array::from_fn(|_| random.next().abs());
+            let reach = [3.0 * random.next().abs(); 6];
+            let banded = contains_path(&Banded::<6, 1, 3>(rows), &radii, &defects, &reach);
+            assert_eq!(
+                banded,
+                contains_path(&full(&rows), &full(&radii), &defects, &reach)
+            );
+            counts[usize::from(banded)] += 1;
+        }
+        assert!(counts.iter().all(|&count| count > 100), "{counts:?}");
     }
 
     #[test]

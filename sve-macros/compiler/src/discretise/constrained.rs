@@ -33,6 +33,7 @@ pub(super) fn extend(
             .collect()
     };
     let (mut order, mut beside) = (Vec::new(), vec![None; rows.len()]);
+    let mut means = vec![None; rows.len()];
     for (residual, variation) in rows {
         order.push(of_variation(
             residual, variation, enforced, action, symbols, arena,
@@ -43,6 +44,7 @@ pub(super) fn extend(
         end_multipliers,
         end_velocity,
         end_values,
+        mean_values,
         end_rates,
         start_rates,
         end_momentum,
@@ -50,11 +52,13 @@ pub(super) fn extend(
         scales,
         has_sign,
         at_start,
+        guard,
     } = enforced;
     equations.residuals.extend(end_values);
     equations.variations.extend(end_multipliers);
     order.extend(start_rates);
     beside.extend(scales.iter().copied().map(Some));
+    means.extend(mean_values.iter().copied().map(Some));
     for (i, &momentum) in end_momentum.iter().enumerate() {
         let row = arena.sub(momentum, ends[i]);
         equations.residuals.push(row);
@@ -73,9 +77,12 @@ pub(super) fn extend(
         pairs.map(|&s| arena.symbol(s)).collect()
     };
     equations.conditions.clone_from(at_start);
+    equations.guards.extend(guard);
     beside.resize(order.len(), None);
+    means.resize(order.len(), None);
     equations.leading = Some(Leading {
         residuals: order,
+        mean_values: means,
         variations: equations.variations.clone(),
         scales: beside,
         has_sign: *has_sign,

@@ -41,12 +41,25 @@ pub(crate) struct Equations {
     pub(crate) conditions: Vec<Condition<Expr>>,
     /// What a step can tell beside its result.
     pub(crate) reported: Vec<Expr>,
+    /// What must not be negative where a solution is accepted by the contraction of its iteration.
+    pub(crate) guards: Vec<Expr>,
+}
+
+/// φ(t₁,q₁)/h by the mean-value theorem.
+#[derive(Clone, Copy)]
+pub(crate) struct MeanValue {
+    /// `∂φ/∂t + Σ ∂φ/∂q_i d_i/h` at some point between the ends, which is written as the end.
+    pub(crate) rate: Expr,
+    /// φ(t₀,q₀)/h, which is rounding error.
+    pub(crate) start: Expr,
 }
 
 /// The equations to leading order in the step size.
 pub(crate) struct Leading {
     /// One for each residual.
     pub(crate) residuals: Vec<Expr>,
+    /// For each equation of a constraint a form that has a limit for h → 0. For others nothing.
+    pub(crate) mean_values: Vec<Option<MeanValue>>,
     /// For each residual its variation, as in the equations themselves.
     pub(crate) variations: Vec<Symbol>,
     /// For each residual what it is small beside, where that is not the sum of the magnitudes of its terms.
@@ -138,6 +151,7 @@ pub(crate) fn equations(action: &Action, symbols: &Symbols, arena: &mut Arena) -
         torn: Vec::new(),
         conditions: Vec::new(),
         reported: Vec::new(),
+        guards: Vec::new(),
     };
     match &action.enforced {
         Some(enforced) => constrained::extend(equations, &p1, enforced, action, symbols, arena),

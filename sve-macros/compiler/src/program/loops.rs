@@ -172,7 +172,13 @@ impl Loops {
             }
         }
         let domain = scheme.domain.iter().map(|c| &c.value);
-        for &value in scheme.dq.iter().chain(&scheme.dp).chain(domain) {
+        for &value in scheme
+            .dq
+            .iter()
+            .chain(&scheme.dp)
+            .chain(&scheme.guards)
+            .chain(domain)
+        {
             loops.note(value, Some(current), step);
         }
         for uses in &mut loops.uses {

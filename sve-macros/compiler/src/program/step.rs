@@ -104,6 +104,7 @@ fn results(
     let outputs = scheme.dq.iter().chain(&scheme.dp).copied();
     outputs
         .chain(scheme.domain.iter().map(|c| c.value))
+        .chain(scheme.guards.iter().copied())
         .chain(solves.flatten())
         .collect()
 }

@@ -20,6 +20,7 @@ use std::collections::HashMap;
 
 use super::action::Action;
 use crate::algebra::{Arena, Bits, Expr, Function, Node, Symbol};
+use crate::discretise::equations::MeanValue;
 use crate::structure::Condition;
 use crate::system::model::{AtNode, Family, Meaning, Model, NodeQuantity, Symbols, Unknown};
 
@@ -32,6 +33,8 @@ pub(crate) struct Enforced {
     pub(crate) end_velocity: Vec<Symbol>,
     /// φ(t₁,q₁)/h, in a form that does not cancel where φ is of second degree.
     pub(crate) end_values: Vec<Expr>,
+    /// `∂φ/∂t + Dφ d/h` and φ(t₀,q₀)/h.
+    pub(crate) mean_values: Vec<MeanValue>,
     /// ∂φ/∂t + Dφ(t₁,q₁) v₁.
     pub(crate) end_rates: Vec<Expr>,
     /// ∂φ/∂t + Dφ(t₀,q₀) v with the velocity of the rule: φ(t₁,q₁)/h to leading order.
@@ -46,6 +49,8 @@ pub(crate) struct Enforced {
     pub(crate) has_sign: bool,
     /// That φ(t₀,q₀) vanishes to rounding.
     pub(crate) at_start: Vec<Condition<Expr>>,
+    /// With noise: what is negative if the noise undoes most of the motion of the step, see [`guard`].
+    pub(crate) guard: Option<Expr>,
 }
 
 /// Largest φ at the start of a step, relative to the sum of the magnitudes of its terms. Steps leave some rounding errors.
@@ -82,6 +87,7 @@ pub(crate) fn enforce(
     let mut terms = vec![(1.0, action.value)];
     let mut enforced = Enforced {
         end_values: Vec::new(),
+        mean_values: Vec::new(),
         end_rates: Vec::new(),
         start_rates: Vec::new(),
         scales: velocity_scales(&action, model, symbols, &start, arena),
@@ -89,6 +95,7 @@ pub(crate) fn enforce(
         start_impulse: vec![arena.constant(0.0); n],
         has_sign: !is_curved(model, arena),
         at_start: Vec::new(),
+        guard: guard(&action, model, &start, arena),
         start_multipliers,
         end_multipliers,
         end_velocity,
@@ -109,6 +116,21 @@ pub(crate) fn enforce(
         let [start_rate, end_rate] = [&start, &end].map(|at| arena.substitute(rate, at));
         enforced.start_rates.push(start_rate);
         enforced.end_rates.push(end_rate);
+        let by: HashMap<Symbol, Expr> = {
+            let h = arena.symbol(action.h);
+            let ends = enforced.end_velocity.iter().zip(&action.displacement);
+            ends.map(|(&v, &d)| {
+                let d = arena.symbol(d);
+                (v, arena.product(&[(d, 1), (h, -1)]))
+            })
+            .collect()
+        };
+        let h = arena.symbol(action.h);
+        let value = arena.opaque(first);
+        enforced.mean_values.push(MeanValue {
+            rate: arena.substitute(end_rate, &by),
+            start: arena.product(&[(value, 1), (h, -1)]),
+        });
         let value = end_value(constraint.value, &start, last, &action, model, arena);
         enforced.end_values.push(value);
         let size = magnitude(constraint.value, model, arena);
@@ -333,6 +355,35 @@ fn velocity_scales(
         scales.push(arena.mul(speed, sum));
     }
     scales
+}
+
+/// `Σ M_ii (d_i/h)² − ¼ Σ (p₀ − a)²_i / M_ii` for a system with noise. If this is negative, the noise undoes much of the motion: then the equations of the step say little of
+/// those of the step without noise, from which its solution is followed.
+fn guard(
+    action: &Action,
+    model: &Model,
+    start: &HashMap<Symbol, Expr>,
+    arena: &mut Arena,
+) -> Option<Expr> {
+    if model.noises.is_empty() {
+        return None;
+    }
+    let zero = arena.constant(0.0);
+    let mut at = start.clone();
+    at.extend(model.v.iter().map(|&v| (v, zero)));
+    let h = arena.symbol(action.h);
+    let mut terms = Vec::new();
+    for i in 0..model.dof() {
+        let momentum = arena.diff(model.lagrangian, model.v[i]);
+        let mass = arena.diff(momentum, model.v[i]);
+        let mass = arena.substitute(mass, &at);
+        let rest = arena.substitute(momentum, &at);
+        let [d, p] = [action.displacement[i], action.start_p[i]].map(|s| arena.symbol(s));
+        let relative = arena.sub(p, rest);
+        terms.push((1.0, arena.product(&[(d, 2), (h, -2), (mass, 1)])));
+        terms.push((-0.25, arena.product(&[(relative, 2), (mass, -1)])));
+    }
+    Some(arena.sum(0.0, &terms))
 }
 
 /// Whether some noise has second derivatives by the momentum.

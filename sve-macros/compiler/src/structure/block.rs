@@ -5,8 +5,10 @@ use std::collections::HashMap;
 use super::band::{self, Order};
 use super::elimination::Reduced;
 use super::matrix::Matrix;
+use super::path::Constrained;
 use super::scheme::{Block, Iteration, Kind, Linear, Solution};
 use crate::algebra::{Expr, Symbol};
+use crate::discretise::equations::MeanValue;
 use crate::system::configuration::Factor;
 use crate::system::model::{Meaning, Unknown};
 
@@ -20,6 +22,8 @@ type Rows = (Vec<Vec<Expr>>, Vec<Expr>);
 struct LeadingRows {
     residuals: Vec<Expr>,
     variations: Vec<Symbol>,
+    /// As in [`Leading`](crate::discretise::equations::Leading).
+    mean_values: Vec<Option<MeanValue>>,
     scales: Vec<Option<Expr>>,
     has_sign: bool,
 }
@@ -30,6 +34,7 @@ impl LeadingRows {
         Self {
             residuals: rows.iter().map(|&r| self.residuals[r]).collect(),
             variations: rows.iter().map(|&r| self.variations[r]).collect(),
+            mean_values: rows.iter().map(|&r| self.mean_values[r]).collect(),
             scales: rows.iter().map(|&r| self.scales[r]).collect(),
             has_sign: self.has_sign,
         }
@@ -95,14 +100,29 @@ impl Reduced<'_> {
         let scales = leading
             .as_ref()
             .map_or_else(Vec::new, |leading| leading.scales.clone());
-        let (judge, explicit, has_sign) = match leading {
+        let (judge, path, explicit, has_sign) = match leading {
             Some(leading) => {
                 let guess = self.guess_from(&leading.residuals, &unknowns);
-                (None, Some((guess, Vec::new())), leading.has_sign)
+                let block = Constrained {
+                    residual: &residual,
+                    leading: &leading.residuals,
+                    mean_values: &leading.mean_values,
+                    jacobian: &jacobian,
+                    variations: &leading.variations,
+                    unknowns: &unknowns,
+                };
+                let path = self.judge_path(&block, known);
+                let path = path.filter(|_| leading.has_sign);
+                (None, path, Some((guess, Vec::new())), leading.has_sign)
             }
             None => {
                 let judge = self.judge(&residual, &jacobian, &unknowns, known);
-                (judge, self.guess(&residual, &jacobian, &unknowns), true)
+                (
+                    judge,
+                    None,
+                    self.guess(&residual, &jacobian, &unknowns),
+                    true,
+                )
             }
         };
         let fallback = self.linear(at_zero);
@@ -118,6 +138,7 @@ impl Reduced<'_> {
             guess,
             scales,
             judge: judge.filter(|_| limit.is_some()),
+            path,
             limit,
             refinements,
             jacobian: if self.is_rotation(&unknowns) {
@@ -162,6 +183,7 @@ impl Reduced<'_> {
             scales: Vec::new(),
             curvature: None,
             judge: None,
+            path: None,
             fallback: at_zero,
             needs_guess: false,
             iterates: unknowns.clone(),
@@ -217,11 +239,21 @@ impl Reduced<'_> {
             .find(|&&c| self.torn.contains(&self.unknowns[c]))?;
         let leading = self.leading.as_ref()?;
         let (has_sign, list) = (leading.has_sign, leading.residuals.clone());
+        let means: Vec<_> = rows.iter().map(|&r| leading.mean_values[r]).collect();
         let scales = rows.iter().map(|&r| leading.scales[r]).collect();
         let variations = rows.iter().map(|&r| leading.variations[r]).collect();
         let residuals = rows.iter().map(|&r| self.arena.substitute(list[r], known));
+        let residuals = residuals.collect();
+        let means = means.into_iter();
+        let mean_values = means.map(|mean| {
+            mean.map(|MeanValue { rate, start }| MeanValue {
+                rate: self.arena.substitute(rate, known),
+                start,
+            })
+        });
         Some(LeadingRows {
-            residuals: residuals.collect(),
+            residuals,
+            mean_values: mean_values.collect(),
             variations,
             scales,
             has_sign,

@@ -27,6 +27,8 @@ pub(super) struct Reduced<'a> {
     pub(super) leading: Option<Leading>,
     /// Unknowns that are taken as known where this makes the others explicit.
     pub(super) torn: Vec<Symbol>,
+    /// What must not be negative where a solution is accepted by contraction.
+    pub(super) guards: Vec<Expr>,
     /// What a step can tell beside its result.
     pub(super) reported: Vec<Expr>,
 }
@@ -78,6 +80,7 @@ impl Reduced<'_> {
             let equation = self.residuals.remove(row);
             if let Some(leading) = &mut self.leading {
                 leading.residuals.remove(row);
+                leading.mean_values.remove(row);
                 leading.scales.remove(row);
                 leading.variations.remove(row);
             }
@@ -98,13 +101,17 @@ impl Reduced<'_> {
                 .leading
                 .iter_mut()
                 .map(|leading| &mut leading.residuals);
-            let lists = [&mut self.dq, &mut self.reported].into_iter();
+            let lists = [&mut self.dq, &mut self.reported, &mut self.guards].into_iter();
             for list in lists.chain(&mut self.dp).chain(leading) {
                 for expr in list {
                     if self.arena.contains(*expr, unknown) {
                         *expr = self.arena.substitute(*expr, &by);
                     }
                 }
+            }
+            let means = self.leading.iter_mut().flat_map(|l| &mut l.mean_values);
+            for mean in means.flatten() {
+                mean.rate = self.arena.substitute(mean.rate, &by);
             }
             for condition in &mut self.domain {
                 condition.value = self.arena.substitute(condition.value, &by);

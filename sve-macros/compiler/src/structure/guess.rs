@@ -60,9 +60,13 @@ impl Reduced<'_> {
             .chain(refined)
             .copied()
             .collect();
-        let mut nodes = self.arena.reachable(&all, |_| true).into_iter();
-        let defined = nodes.all(|e| self.arena.constant_value(e).is_none_or(f64::is_finite));
-        (regular && defined).then(|| (self.linear((matrix, rhs)), refinements))
+        (regular && self.is_defined(&all)).then(|| (self.linear((matrix, rhs)), refinements))
+    }
+
+    /// Whether no constant in some expressions is infinite or NaN.
+    pub(super) fn is_defined(&self, exprs: &[Expr]) -> bool {
+        let mut nodes = self.arena.reachable(exprs, |_| true).into_iter();
+        nodes.all(|e| self.arena.constant_value(e).is_none_or(f64::is_finite))
     }
 
     /// The step size and the increments of the noise, as far as they occur.

@@ -1,7 +1,7 @@
 //! What decides whether a solution of a block is the one that is connected with no noise and h → 0.
 //!
 //! Input: a block. Output: its limit, and bounds of its Jacobian between the limit and the solution ([`enclosure`](super::enclosure)).
-//! Where every matrix within them is regular the solution is accepted. There are two sets of bounds: quick ones for the
+//! Where every matrix within them is regular the solution is accepted. `structure/path.rs` has the bounds of blocks with multipliers of constraints. There are two sets of bounds: quick ones for the
 //! fast path of a single step, and full ones for what these do not accept, and for lanes.
 
 use std::collections::HashMap;

@@ -8,6 +8,7 @@
 
 mod band;
 mod block;
+mod cancel;
 pub(crate) mod domain;
 mod elimination;
 mod enclosure;
@@ -16,6 +17,7 @@ mod guess;
 mod judge;
 mod matrix;
 mod outputs;
+mod path;
 mod pivots;
 mod scheme;
 mod start;
@@ -33,6 +35,7 @@ use elimination::Reduced;
 pub(crate) use enclosure::Enclosure;
 pub(crate) use matrix::{Matrix, Storage};
 use outputs::{cheapest, linear_map};
+pub(crate) use path::PathJudge;
 pub(crate) use scheme::{
     Block, Iteration, Kind, Linear, Lower, Refinement, Returns, Scheme, Solution,
 };
@@ -62,6 +65,7 @@ pub(crate) fn analyse(
         domain: Vec::new(),
         leading: equations.leading,
         torn: equations.torn,
+        guards: equations.guards,
         reported: equations.reported,
     };
     let roots = roots(action, system.arena);
@@ -82,6 +86,8 @@ pub(crate) fn analyse(
     }
     let reported = system.reported.clone();
     let reported = system.arena.substitute_all(&reported, &known);
+    let guards = system.guards.clone();
+    let guards = system.arena.substitute_all(&guards, &known);
     let dq: Vec<Expr> = system
         .dq
         .clone()
@@ -108,6 +114,7 @@ pub(crate) fn analyse(
         domain: domain::at_start(&action.ends)
             .chain(system.domain_at(&known))
             .collect(),
+        guards,
         reported,
     };
     let mut scheme = linear_map(increments, action, symbols, arena);
@@ -132,6 +139,7 @@ pub(crate) fn unstructured(
         domain: Vec::new(),
         leading: None,
         torn: Vec::new(),
+        guards: Vec::new(),
         reported: equations.reported,
     };
     let mut known = HashMap::new();
@@ -146,6 +154,7 @@ pub(crate) fn unstructured(
         dq,
         dp,
         domain: Vec::new(),
+        guards: Vec::new(),
         reported: system.arena.substitute_all(&system.reported, &known),
     };
     arena.stabilise(Purpose::Step, scheme.exprs_mut());

@@ -8,6 +8,7 @@ use super::domain::Condition;
 use super::enclosure::Enclosure;
 use super::judge::Judge;
 use super::matrix::Matrix;
+use super::path::PathJudge;
 use super::pivots::Pivots;
 use crate::algebra::{Expr, Symbol};
 
@@ -21,6 +22,8 @@ pub(crate) struct Scheme<T, R = T> {
     pub(crate) dp: Vec<T>,
     /// What has to hold at the solution, so that L is defined there.
     pub(crate) domain: Vec<Condition<T>>,
+    /// What must not be negative where a solution is accepted by the contraction of its iteration.
+    pub(crate) guards: Vec<T>,
     /// `q₁ − q₀` and `p₁ − p₀` as the equations give them, for readers.
     pub(crate) increments: [Vec<Expr>; 2],
     /// What a step can tell beside its result, in the names of the solution: the multipliers of constraints, at the start and at the end.
@@ -113,6 +116,8 @@ pub(crate) struct Iteration<T, R = T> {
     pub(crate) curvature: Option<T>,
     /// What decides whether a solution is connected with its limit, where that can be bounded.
     pub(crate) judge: Option<Judge<T>>,
+    /// The same for a block with multipliers of constraints. Its bounds are computed where the iteration does not contract enough.
+    pub(crate) path: Option<PathJudge>,
     /// The guess after a failure: the Newton step from zero, which is the linearly implicit step.
     pub(crate) fallback: Linear<Expr>,
     /// Whether the step fails where the matrix of the guess is singular: no other guess replaces it.
@@ -154,6 +159,7 @@ impl Scheme<Expr> {
             dq: by.values(&self.dq),
             dp: by.values(&self.dp),
             domain: self.domain.iter().map(|c| c.lower(by)).collect(),
+            guards: by.values(&self.guards),
             increments: self.increments.clone(),
             reported: self.reported.clone(),
         }
@@ -186,10 +192,16 @@ impl Scheme<Expr> {
             dq,
             dp,
             domain,
+            guards,
             increments: _,
             reported,
         } = self;
-        let mut exprs: Vec<&mut Expr> = dq.iter_mut().chain(dp).chain(reported).collect();
+        let mut exprs: Vec<&mut Expr> = dq
+            .iter_mut()
+            .chain(dp)
+            .chain(reported)
+            .chain(guards)
+            .collect();
         exprs.extend(domain.iter_mut().map(|condition| &mut condition.value));
         for block in blocks {
             match &mut block.solution {
@@ -260,7 +272,7 @@ impl<T: PartialEq, R> Iteration<T, R> {
 }
 
 impl Linear<Expr> {
-    fn exprs_mut(&mut self) -> impl Iterator<Item = &mut Expr> {
+    pub(super) fn exprs_mut(&mut self) -> impl Iterator<Item = &mut Expr> {
         let Self { matrix, rhs } = self;
         matrix.rows.iter_mut().flatten().chain(rhs)
     }
@@ -293,6 +305,7 @@ impl Iteration<Expr> {
             scales,
             curvature,
             judge,
+            path,
             fallback,
             needs_guess: _,
             iterates: _,
@@ -306,8 +319,10 @@ impl Iteration<Expr> {
         let linear = guess.exprs_mut().chain(limit).chain(fallback.exprs_mut());
         let judged = judge.iter_mut().flat_map(Judge::exprs_mut);
         let all = linear.chain(refined).chain(entries);
+        let path = path.iter_mut().flat_map(PathJudge::exprs_mut);
         all.chain(curvature)
             .chain(judged)
+            .chain(path)
             .chain(scales.iter_mut().flatten())
     }
 
@@ -328,6 +343,7 @@ impl Iteration<Expr> {
             scales: self.scales.clone(),
             curvature: self.curvature.map(|c| by.value(c)),
             judge: self.judge.as_ref().map(|j| j.lower(by)),
+            path: self.path.clone(),
             fallback: self.fallback.clone(),
             needs_guess: self.needs_guess,
             iterates: self.iterates.clone(),

@@ -80,6 +80,9 @@ impl Reduced<'_> {
         self.residuals[row] = self.arena.substitute(self.residuals[row], by);
         if let Some(leading) = &mut self.leading {
             leading.residuals[row] = self.arena.substitute(leading.residuals[row], by);
+            if let Some(mean) = &mut leading.mean_values[row] {
+                mean.rate = self.arena.substitute(mean.rate, by);
+            }
         }
     }
 

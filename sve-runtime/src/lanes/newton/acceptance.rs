@@ -6,7 +6,9 @@
 use super::Update;
 use crate::lanes::solve::{Solved, solve};
 use crate::lanes::{LANES, Lane};
-use crate::solve::newton::convergence::{ERROR_OF_UPDATE, Evaluation, ROOT_OF_ROUNDING};
+use crate::solve::newton::convergence::{
+    CONTRACTION_OF_CONSTRAINTS, ERROR_OF_UPDATE, Evaluation, ROOT_OF_ROUNDING,
+};
 
 /// Which roots are accepted.
 pub trait Acceptance<const K: usize> {
@@ -148,7 +150,7 @@ impl<const K: usize> Acceptance<K> for ByContraction<K> {
 
     #[inline(always)]
     fn note(&mut self, lane: usize, at: &Evaluation<K, Solved<K>>, relative: f64) {
-        let bounds = at.contraction_bounds(relative);
+        let bounds = at.contraction_bounds(relative, CONTRACTION_OF_CONSTRAINTS);
         for i in 0..K {
             self.largest[i][lane] = bounds[i];
         }

@@ -2,6 +2,7 @@
 //!
 //! Input: guess and equations of a block. Output: its solution. Invariant: on the fast path the interface costs one test of its mode.
 
+use super::convergence::{CONTRACTION, CONTRACTION_OF_CONSTRAINTS};
 use super::driver::{Acceptance, RootTest};
 use super::{Evaluation, Newton};
 use crate::solve::SolveError;
@@ -17,9 +18,11 @@ pub struct BlockSolver<'a> {
 /// Which guesses blocks start from, and which roots they accept.
 #[derive(Clone, Copy, Debug)]
 enum Mode<'a> {
-    /// Starts from the guesses of the blocks. A root is accepted by the bounds of the block's Jacobian if it has such bounds, otherwise by
+    /// Starts from the guesses of the blocks. A root is accepted by the bounds of the block's Jacobian if it has such bounds and no multipliers, otherwise by
     /// the path of the iteration.
     FastPath,
+    /// As on the fast path, but blocks with multipliers of constraints are accepted by the bounds of their paths.
+    Bounds,
     /// Starts from the given solutions, one number for each unknown of the step (warm start). Rejects a root that Newton does not reach by
     /// contracting steps.
     Continuation(&'a [f64]),
@@ -34,6 +37,8 @@ pub struct BlockProperties {
     pub first: usize,
     /// Whether the step tests the root by bounds of the Jacobian afterwards.
     pub has_bounds: bool,
+    /// Whether the block has multipliers of constraints.
+    pub is_constrained: bool,
     /// The sign of the Jacobian's determinant in the limit of no noise and h → 0.
     pub limit_sign: DeterminantSign,
 }
@@ -57,6 +62,14 @@ impl<'a> BlockSolver<'a> {
         }
     }
 
+    /// A solver that accepts roots of blocks with multipliers by bounds.
+    pub(crate) fn by_bounds(newton: &'a Newton) -> Self {
+        Self {
+            newton,
+            mode: Mode::Bounds,
+        }
+    }
+
     /// A solver that accepts any root.
     pub(crate) fn unchecked(newton: &'a Newton) -> Self {
         Self {
@@ -67,14 +80,20 @@ impl<'a> BlockSolver<'a> {
 
     /// Returns whether the step is solved on its own, from its own guesses and with its own tests of the root.
     #[inline(always)]
-    pub(crate) fn is_fast_path(&self) -> bool {
+    pub fn is_fast_path(&self) -> bool {
         matches!(self.mode, Mode::FastPath)
     }
 
     /// Returns whether the step has to test roots by the bounds of their blocks.
     #[inline(always)]
     pub fn tests_bounds(&self) -> bool {
-        self.is_fast_path()
+        matches!(self.mode, Mode::FastPath | Mode::Bounds)
+    }
+
+    /// Returns whether the step has to test roots by the bounds of the paths of their blocks.
+    #[inline(always)]
+    pub fn tests_paths(&self) -> bool {
+        matches!(self.mode, Mode::Bounds)
     }
 
     /// Solves a block. Starts from `guess`, which is not copied on its way to the first evaluation, then from what `fallback` returns; `rounding` bounds the rounding errors of the residual.
@@ -94,19 +113,32 @@ impl<'a> BlockSolver<'a> {
         let BlockProperties {
             first,
             has_bounds,
+            is_constrained,
             limit_sign,
         } = block;
         let (acceptance, sign) = match self.mode {
-            Mode::FastPath if has_bounds => (Acceptance::Any, DeterminantSign::UNKNOWN),
-            Mode::FastPath => (Acceptance::OneUnknownOnSegment, limit_sign),
+            Mode::FastPath if is_constrained => (Acceptance::Contracting, limit_sign),
+            Mode::Bounds if is_constrained && !has_bounds => return Err(SolveError::OtherBranch),
+            Mode::FastPath | Mode::Bounds if has_bounds => {
+                (Acceptance::Any, DeterminantSign::UNKNOWN)
+            }
+            Mode::FastPath | Mode::Bounds => (Acceptance::OneUnknownOnSegment, limit_sign),
             Mode::Continuation(_) => (Acceptance::Contracting, limit_sign),
             Mode::Unchecked => (Acceptance::Any, limit_sign),
         };
         let guess = match self.mode {
-            Mode::FastPath | Mode::Unchecked => guess,
+            Mode::FastPath | Mode::Bounds | Mode::Unchecked => guess,
             Mode::Continuation(solutions) => block_of(solutions, first, guess),
         };
-        let test = RootTest { sign, acceptance };
+        let contraction = match self.mode {
+            Mode::FastPath if is_constrained => CONTRACTION_OF_CONSTRAINTS,
+            _ => CONTRACTION,
+        };
+        let test = RootTest {
+            sign,
+            acceptance,
+            contraction,
+        };
         self.newton
             .solve_from(guess, test, Some(fallback), rounding, evaluate)
     }

@@ -36,7 +36,11 @@ pub(crate) const STALL: f64 = 0.5;
 
 /// Largest ratio of successive residuals at which the iteration counts as contracting. Kantorovich's theorem guarantees ¼ for a
 /// start inside its ball.
-pub(super) const CONTRACTION: f64 = 0.25;
+pub(crate) const CONTRACTION: f64 = 0.25;
+
+/// The same for blocks with multipliers of constraints on the fast path. A step whose velocity turns by an angle α has a ratio of about α²/4, so this is a turn of a quarter of a radian: far from
+/// one at which the path of solutions ends, and from a fold. At a double root, where the gradient of a constraint vanishes with it, the ratio is ¼.
+pub(crate) const CONTRACTION_OF_CONSTRAINTS: f64 = 1.0 / 64.0;
 
 /// Residual after an update that can be rounding error of the update, relative to the terms: the solution of a small linear system loses a few digits.
 pub(crate) const ERROR_OF_UPDATE: f64 = 64.0 * f64::EPSILON;
@@ -99,16 +103,16 @@ impl<const K: usize, J> Evaluation<K, J> {
         largest + 0.0 * sum
     }
 
-    /// Returns the largest residuals of the next point at which the iteration counts as contracting; `relative` is the relative residual here.
+    /// Returns the largest residuals of the next point at which the iteration counts as contracting by this ratio; `relative` is the relative residual here.
     #[inline(always)]
-    pub(crate) fn contraction_bounds(&self, relative: f64) -> [f64; K] {
+    pub(crate) fn contraction_bounds(&self, relative: f64, ratio: f64) -> [f64; K] {
         let mut bounds = [0.0; K];
         for i in 0..K {
             bounds[i] = if K == 1 {
                 // A single residual needs no division, so its bound is known earlier.
-                CONTRACTION * self.residual[i].abs()
+                ratio * self.residual[i].abs()
             } else {
-                CONTRACTION * relative * self.magnitude[i]
+                ratio * relative * self.magnitude[i]
             };
         }
         bounds

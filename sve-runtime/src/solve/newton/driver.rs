@@ -28,6 +28,8 @@ pub(super) struct RootTest {
     /// The sign of the Jacobian's determinant in the limit of no noise and h → 0.
     pub(super) sign: DeterminantSign,
     pub(super) acceptance: Acceptance,
+    /// Largest ratio of successive residuals at which the iteration counts as contracting.
+    pub(super) contraction: f64,
 }
 
 /// Which roots are accepted besides that of a contracting iteration.
@@ -68,6 +70,7 @@ impl Newton {
         let test = RootTest {
             sign: DeterminantSign::UNKNOWN,
             acceptance: Acceptance::Any,
+            contraction: CONTRACTION,
         };
         let no_fallback = None::<fn() -> [f64; K]>;
         self.solve_from(&guess, test, no_fallback, |_| [0.0; K], evaluate)
@@ -100,7 +103,7 @@ impl Newton {
             let at = evaluate(&iteration.x);
             let residual = at.relative_residual();
             let update = at.update();
-            let bounds = || at.contraction_bounds(residual);
+            let bounds = || at.contraction_bounds(residual, test.contraction);
             let verdict = judge(residual, iteration.previous_residual, self.tolerance);
             let iterates = !matches!(iteration.phase, Phase::Verification { .. });
             // A guess at which the Jacobian is singular is one of many roots, or next to none.
@@ -252,7 +255,7 @@ impl Newton {
         }
         // At smaller residuals, rounding errors can prevent contraction.
         iteration.is_contracting &= iteration.previous_residual < ROOT_OF_ROUNDING
-            || Self::contracts_to_rounding(&iteration, &judged, test.sign);
+            || Self::contracts_to_rounding(&iteration, &judged, test);
         let can_be_accepted = iteration.is_contracting || test.accepts_without_contraction(K);
         if iteration.updates >= self.max_iterations || !can_be_accepted {
             return Err(not_converged);
@@ -290,10 +293,11 @@ impl Newton {
     fn contracts_to_rounding<const K: usize>(
         iteration: &Iteration<K>,
         judged: &Judged<K>,
-        sign: DeterminantSign,
+        test: RootTest,
     ) -> bool {
-        let of_update = (ERROR_OF_UPDATE / (CONTRACTION * iteration.previous_residual)).max(1.0);
-        is_regular_with(judged.update.as_ref(), sign)
+        let contracted = test.contraction * iteration.previous_residual;
+        let of_update = (ERROR_OF_UPDATE / contracted).max(1.0);
+        is_regular_with(judged.update.as_ref(), test.sign)
             && (0..K).all(|i| {
                 let own = ERROR_OF_UPDATE * judged.magnitude[i];
                 judged.residual[i].abs() <= own.max(of_update * iteration.contraction_bounds[i])

@@ -29,15 +29,16 @@
 //!   needs |f f″| ≤ ½ f′² too. Kantorovich's theorem gives these bounds. Of a single unknown the root of another iteration
 //!   is accepted too, if the sign is that of the limit at 17 points of the segment from the guess to the root.
 //!
-//! Blocks with multipliers of constraints, whole or torn, are of the second class: their equation φ(t₁,q₁)/h has no value in the limit h → 0, where the bounds begin, and
-//! a box around the limit of the multipliers would have to be followed through their formulas. Lanes accept their roots by the same test.
+//! Blocks with multipliers of constraints are accepted by the path of their iteration, with a ratio of 1/64 in the place of ¼, if noise does not undo most of the motion. Lanes accept
+//! their roots by the same test. Off the fast path such blocks have bounds that contain the whole path of solutions
+//! ([`contains_path`](super::regularity::contains_path)), if they have up to four unknowns, or no others than multipliers and are small or banded.
 //!
 //! [`continuation`](crate::continuation) treats a step whose root is not accepted.
 //!
 //! What is proved: every Jacobian within accepted bounds is regular, so the bounds contain at most one solution for each smaller
 //! step and increment, but for rounding errors of the radii, for which the bound of the spectral radius leaves room. A path from the
-//! limit that leaves the bounds and comes back is not excluded. The test of the iteration's path samples the Jacobian, as
-//! continuation does. For constrained systems a test of the repository compares the roots of random large steps with a continuation of finer strides.
+//! limit that leaves the bounds and comes back is excluded for blocks with multipliers of constraints alone. The test of the iteration's path samples the Jacobian, as
+//! continuation does. For constrained systems a test of the repository compares the roots of random long steps with a continuation of its own.
 //!
 //! Sources: Neumaier, *Interval Methods for Systems of Equations* (1990), chapter 5;
 //! Ortega, Rheinboldt, *Iterative Solution of Nonlinear Equations in Several Variables* (1970), section 12.6;

@@ -10,7 +10,9 @@ use super::rounding::rounding;
 use super::straight::{Printed, Straight, rows};
 use crate::algebra::{Arena, Expr, Symbol};
 use crate::program::{Operations, Residual, Tier, Value, symbol_name};
-use crate::structure::{Enclosure, Iteration, Linear, Matrix, Refinement, Solution, Storage};
+use crate::structure::{
+    Enclosure, Iteration, Linear, Matrix, PathJudge, Refinement, Solution, Storage,
+};
 use crate::system::model::Symbols;
 
 /// Writes solves.
@@ -127,7 +129,9 @@ impl Solver<'_> {
             again.solve(&rhs, &quote!(limit), &quote!(limit), &none)
         });
         let limit = limit.unwrap_or_else(|| quote!([f64::NAN; #size]));
-        let (first, judged) = (Literal::usize_unsuffixed(first), judge.is_some());
+        let first = Literal::usize_unsuffixed(first);
+        let judged = judge.is_some() || iteration.path.is_some();
+        let constrained = iteration.needs_guess;
         let limits = judge.as_ref().map(|j| {
             let names = names(&j.limit, symbols);
             quote!(let #names = limit;)
@@ -150,7 +154,7 @@ impl Solver<'_> {
             };
             let fallback = || { #reopen #fallback };
             let rounding = |&#iterates: &[f64; #size]| { #reopen #rounding };
-            let block = #private::BlockProperties { first: #first, has_bounds: #judged, limit_sign: origin };
+            let block = #private::BlockProperties { first: #first, has_bounds: #judged, is_constrained: #constrained, limit_sign: origin };
             #limits
             let #solved = newton.solve_block(block, &guess, fallback, rounding, |&#iterates: &[f64; #size]| {
                 #statements
@@ -169,6 +173,9 @@ impl Solver<'_> {
         let Solution::Iteration(iteration) = solution else {
             return TokenStream::new();
         };
+        if let Some(path) = &iteration.path {
+            return self.path(path);
+        }
         let Some(judge) = &iteration.judge else {
             return TokenStream::new();
         };
@@ -223,6 +230,63 @@ impl Solver<'_> {
             #statements
             let [distances] = #distances;
             #private::is_regular_within(&#middle, &#radii) && #private::all_positive(&distances)
+        }
+    }
+
+    /// The test of the solution of a block with multipliers of constraints, computed where it stands.
+    fn path(&self, judge: &PathJudge) -> TokenStream {
+        let Self {
+            private,
+            printer: _,
+            symbols,
+            arena,
+            factors: _,
+            reopen,
+            finds_singular_masses: _,
+        } = self;
+        let PathJudge {
+            limit,
+            of_limit,
+            bounds,
+            reach,
+            defects,
+        } = judge;
+        let size = Literal::usize_unsuffixed(limit.len());
+        let none = quote!([f64::NAN; #size]);
+        let (of_limit, _) = start(of_limit, &none, symbols, private, arena);
+        let names = names(limit, symbols);
+        let roots: Vec<Expr> = bounds
+            .entries()
+            .chain(reach)
+            .chain(defects)
+            .copied()
+            .collect();
+        let lists = [defects, reach, &bounds.conditions].map(|list| [list.clone()]);
+        let parts: [(&[Vec<Expr>], Vec<String>); 5] = [
+            (
+                &bounds.middle.rows,
+                rows("middle", bounds.middle.rows.len()),
+            ),
+            (&bounds.radii, rows("radius", bounds.radii.len())),
+            (&lists[0], vec!["defect".to_owned()]),
+            (&lists[1], vec!["reach".to_owned()]),
+            (&lists[2], vec!["distance".to_owned()]),
+        ];
+        let (statements, arrays) = Straight::new(arena, symbols, &roots).finish(private, &parts);
+        let [middle, radii, defects, reach, distances] = arrays.as_slice() else {
+            return TokenStream::new();
+        };
+        let middle = typed(private, &bounds.middle, middle);
+        quote! {
+            if newton.tests_paths() {
+                let #names = { #reopen #of_limit };
+                #reopen
+                #statements
+                let ([defects], [reach], [distances]) = (#defects, #reach, #distances);
+                if !(#private::contains_path(&#middle, &#radii, &defects, &reach) && #private::all_positive(&distances)) {
+                    return ::core::result::Result::Err(#private::SolveError::OtherBranch);
+                }
+            }
         }
     }
 

@@ -80,6 +80,14 @@ pub(super) fn code(
             }
         }
     });
+    let guards = scheme.guards.iter().map(|&guard| {
+        let guard = printer.operand(guard);
+        quote! {
+            if newton.is_fast_path() && !(#guard >= 0f64) {
+                return ::core::result::Result::Err(#private::SolveError::OtherBranch);
+            }
+        }
+    });
     let (dq, dp) = (printer.array(&scheme.dq), printer.array(&scheme.dp));
     let unknowns = unknowns.iter().map(|&s| ident(&symbol_name(symbols, s)));
     let time = uses_time(&step.program, symbols).then(|| quote!(let time = state.t;));
@@ -95,6 +103,7 @@ pub(super) fn code(
             #state
             #(#blocks)*
             #(#domain)*
+            #(#guards)*
             #remember
             ::core::result::Result::Ok((#dq, #dp, [#(#unknowns),*]))
         },

@@ -78,6 +78,7 @@ impl Bounds<'_> {
         match self.ranges.get(&symbol) {
             None => self.exact(e),
             Some(Range::Small) => self.up_to(e),
+            Some(&Range::Around { limit, reach }) => around(self.arena.symbol(limit), reach),
             Some(&Range::Unknown { limit, moved }) => {
                 let limit = self.arena.symbol(limit);
                 let distance = self.arena.sub(e, limit);

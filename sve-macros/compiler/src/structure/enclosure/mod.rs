@@ -15,7 +15,8 @@ mod bounds;
 
 use std::collections::HashMap;
 
-use super::matrix::Matrix;
+use super::band::Band;
+use super::matrix::{Matrix, Storage};
 use crate::algebra::{Arena, Expr, Map, Symbol};
 use bounds::{Bounds, Interval};
 
@@ -32,6 +33,7 @@ const EXPONENT: u32 = 16;
 pub(crate) struct Enclosure<T> {
     /// Midpoints of the entries.
     pub(crate) middle: Matrix<T>,
+    /// Radii of all entries, or of those in the band of a banded matrix.
     pub(crate) radii: Vec<Vec<T>>,
     /// What has to be positive for the radii to hold: distances to poles and to the borders of domains.
     pub(crate) conditions: Vec<T>,
@@ -65,9 +67,7 @@ impl Enclosure<Expr> {
     /// Whether it holds wherever the unknowns are.
     pub(super) fn is_free_of(&self, ranges: &HashMap<Symbol, Range>, arena: &Arena) -> bool {
         let contains = |e: &Expr| {
-            let mut unknowns = ranges
-                .iter()
-                .filter(|r| matches!(r.1, Range::Unknown { .. }));
+            let mut unknowns = ranges.iter().filter(|r| !matches!(r.1, Range::Small));
             unknowns.any(|(&u, _)| arena.contains(*e, u))
         };
         !self.entries().any(contains)
@@ -93,6 +93,8 @@ pub(super) enum Range {
     Small,
     /// An unknown, with its limit, and how far each small quantity by itself moves it from there, to first order.
     Unknown { limit: Symbol, moved: Expr },
+    /// An unknown, with its limit and the half width of the box around it.
+    Around { limit: Symbol, reach: Expr },
 }
 
 /// Bounds of the entries of a matrix, while the values in `domain` stay positive. Nothing where a function has no bound here.
@@ -122,9 +124,59 @@ pub(super) fn enclose(
         flat.chunks(matrix.len()).map(<[Expr]>::to_vec).collect()
     };
     let (middle, radii) = (rows(|i| i.mid), rows(|i| i.radius));
+    let (middle, radii) = stored(middle, radii, bounds.arena);
     Some(Enclosure {
-        middle: Matrix::new(middle, bounds.arena),
+        middle,
         radii,
         conditions: bounds.conditions,
     })
+}
+
+/// The largest magnitudes of some expressions, and what has to be positive for these to hold. Nothing where a function has no bound here.
+pub(super) fn largest(
+    exprs: &[Expr],
+    ranges: &HashMap<Symbol, Range>,
+    flavour: Flavour,
+    arena: &mut Arena,
+) -> Option<(Vec<Expr>, Vec<Expr>)> {
+    let mut bounds = Bounds {
+        arena,
+        ranges,
+        flavour,
+        done: Map::default(),
+        conditions: Vec::new(),
+    };
+    let found = bounds.all(exprs)?;
+    let sizes = found.into_iter().map(|interval| {
+        let middle = bounds.arena.abs(interval.mid);
+        bounds.arena.add(middle, interval.radius)
+    });
+    let sizes = sizes.collect();
+    Some((sizes, bounds.conditions))
+}
+
+/// Midpoints and radii in the storage of both. A midpoint may be zero where the radius is not.
+fn stored(
+    middle: Vec<Vec<Expr>>,
+    radii: Vec<Vec<Expr>>,
+    arena: &mut Arena,
+) -> (Matrix<Expr>, Vec<Vec<Expr>>) {
+    let zero = arena.constant(0.0);
+    let either = |(&mid, &radius): (&Expr, &Expr)| if mid == zero { radius } else { mid };
+    let rows = middle.iter().zip(&radii);
+    let present: Vec<Vec<Expr>> = rows
+        .map(|(middle, radii)| middle.iter().zip(radii).map(either).collect())
+        .collect();
+    if let Some(band) = Band::of(&present, |e| e == zero) {
+        let middle = Matrix {
+            storage: Storage::Banded(band),
+            rows: band.rows(&middle, zero),
+        };
+        return (middle, band.rows(&radii, zero));
+    }
+    let matrix = Matrix::new(middle.clone(), arena);
+    match matrix.storage {
+        Storage::Banded(_) => (Matrix::dense(middle), radii),
+        Storage::Dense | Storage::Cofactors | Storage::Diagonal => (matrix, radii),
+    }
 }

@@ -26,7 +26,9 @@ impl Writer<'_> {
         let (q, p) = (new(&quote!(q), dq), new(&quote!(p), dp));
         let (solved, domain) = self.solved();
         // a state outside of the domain of L is none
-        let poison = (!self.step.scheme.domain.is_empty()).then(|| {
+        let has_conditions =
+            !self.step.scheme.domain.is_empty() || !self.step.scheme.guards.is_empty();
+        let poison = has_conditions.then(|| {
             let n = Literal::usize_unsuffixed(dq.len());
             quote!(let p_lane = if true #domain { p_lane } else { [f64::NAN; #n] };)
         });
@@ -62,6 +64,10 @@ impl Writer<'_> {
             let holds = inside(&value, condition.is_closed);
             quote!(& (#holds))
         });
-        (quote!(true #(#arrived)*), quote!(#(#domain)*))
+        let guards = self.step.scheme.guards.iter().map(|&guard| {
+            let guard = self.printer.operand(guard);
+            quote!(& (#guard >= 0f64))
+        });
+        (quote!(true #(#arrived)*), quote!(#(#domain)* #(#guards)*))
     }
 }

@@ -1,0 +1,285 @@
+//! What decides whether a solution of a block with multipliers of constraints is the one that is connected with no noise and h → 0.
+//!
+//! Input: a block. Output: a [`PathJudge`] whose bounds contain the path of solutions from the limit to the step. The equation φ(t₁, q₀ + d)/h has no value at h = 0, but its Jacobian
+//! has one, and so has `φ/h = ∂φ/∂t + Σ ∂φ/∂q_i d_i/h` with the gradient at some point between the ends.
+//!
+//! Let x₀ be the limit, `|x − x₀| ≤ r` a box, F the largest residuals at x₀ and A the Jacobians in the box, all over every smaller step and increment. If every A is regular
+//! and `|A⁻¹ F| ≤ r` for all of them, then the path of solutions that starts at x₀ exists for the whole step, does not leave the box, and ends at the only
+//! solution in the box. So it is not assumed that the path stays in the bounds.
+//!
+//! Source: Neumaier, *Interval Methods for Systems of Equations* (1990), sections 5.1 and 5.4.
+
+use std::collections::HashMap;
+
+use super::band::Band;
+use super::block::Replacement;
+use super::cancel::Cancellation;
+use super::elimination::Reduced;
+use super::enclosure::{Enclosure, Flavour, Range, enclose, largest};
+use super::matrix::Matrix;
+use super::scheme::Linear;
+use crate::algebra::{Expr, Node, Symbol};
+use crate::discretise::equations::MeanValue;
+use crate::system::model::Meaning;
+
+/// Unknowns of a block up to which its solutions are judged by bounds: the test inverts a matrix.
+const JUDGED: usize = 4;
+
+/// Multipliers of a block without other unknowns up to which its solutions are judged, if its Jacobian is not banded.
+const JUDGED_MULTIPLIERS: usize = 8;
+
+/// Half the width of the box, in units of the distance of the solution from the limit and of the solution of the equations at the limit with one unknown each. Steps
+/// that are short beside the curvature of the constraints pass with any number; the bounds of the residuals exceed the residuals, most where forces cancel.
+const REACH: f64 = 8.0;
+
+/// What decides whether a solution of a block is connected with its limit, and whether the limit is connected with any solution.
+#[derive(Clone)]
+pub(crate) struct PathJudge {
+    /// Names of the limit in the bounds, and the system that it solves.
+    pub(crate) limit: Vec<Symbol>,
+    pub(crate) of_limit: Linear<Expr>,
+    /// The bounds in a box around the limit.
+    pub(crate) bounds: Enclosure<Expr>,
+    /// Half the widths of the box.
+    pub(crate) reach: Vec<Expr>,
+    /// Largest residuals at the limit.
+    pub(crate) defects: Vec<Expr>,
+}
+
+impl PathJudge {
+    /// All that is to be computed.
+    pub(super) fn exprs_mut(&mut self) -> impl Iterator<Item = &mut Expr> {
+        let Self {
+            limit: _,
+            of_limit,
+            bounds,
+            reach,
+            defects,
+        } = self;
+        let bounds = bounds.exprs_mut().chain(reach).chain(defects);
+        of_limit.exprs_mut().chain(bounds)
+    }
+}
+
+/// A block with multipliers of constraints.
+pub(super) struct Constrained<'a> {
+    pub(super) residual: &'a [Expr],
+    /// The equations to leading order.
+    pub(super) leading: &'a [Expr],
+    /// Those of the constraints in a form that has a limit.
+    pub(super) mean_values: &'a [Option<MeanValue>],
+    pub(super) jacobian: &'a [Vec<Expr>],
+    pub(super) variations: &'a [Symbol],
+    pub(super) unknowns: &'a [Symbol],
+}
+
+/// A block in the names of its solution, with its limit.
+struct Limit<'a> {
+    /// The Jacobian, and that in the limit.
+    matrix: Vec<Vec<Expr>>,
+    at_limit: Vec<Vec<Expr>>,
+    /// The equations at the limit.
+    defects: Vec<Expr>,
+    /// The constraints at the start of the step, divided by h: rounding errors, which join the equations.
+    starts: Vec<Option<Expr>>,
+    /// Names of the solution and of the limit.
+    solution: Vec<Symbol>,
+    limit: Vec<Symbol>,
+    small: &'a [Symbol],
+    /// The row and column of each pivot, with those of constraints behind the others.
+    pivots: Vec<(usize, usize)>,
+}
+
+impl Reduced<'_> {
+    /// What judges a solution of a block, where all that it contains has bounds. `known` has the names of its solution.
+    pub(super) fn judge_path(
+        &mut self,
+        block: &Constrained<'_>,
+        known: &Replacement,
+    ) -> Option<PathJudge> {
+        let unknowns = block.unknowns;
+        if unknowns.len() > self.largest_judged(block) {
+            return None;
+        }
+        let is_step = |s: &Symbol| matches!(self.symbols.meaning(*s), Meaning::StepSize);
+        let step = *self.small(block.residual).iter().find(|s| is_step(s))?;
+        let h = self.arena.symbol(step);
+        let zero = self.arena.constant(0.0);
+        let is_wiener = |s: &Symbol| matches!(self.symbols.meaning(*s), Meaning::Wiener(_));
+        let wiener = self.small(block.residual).into_iter().filter(is_wiener);
+        let without_noise: Replacement = wiener.map(|s| (s, zero)).collect();
+        let whole = self.symbols.declare(Meaning::StepSize);
+        let mut cancellation = Cancellation {
+            h,
+            whole: self.arena.symbol(whole),
+            arena: self.arena,
+            still: &without_noise,
+            done: HashMap::new(),
+        };
+        let entries = cancellation.all(&block.jacobian.concat())?;
+        let defects: Vec<Expr> = {
+            let means = block.mean_values.iter().zip(block.residual);
+            means
+                .map(|(mean, &r)| mean.map_or(r, |mean| mean.rate))
+                .collect()
+        };
+        let defects = cancellation.all(&defects)?;
+        let small = self.small(&[entries.as_slice(), &defects].concat());
+        let small: Vec<Symbol> = small.into_iter().filter(|&s| s != whole).collect();
+        let still: Replacement = small.iter().map(|&s| (s, zero)).collect();
+        let at_limit = self.arena.substitute_all(&entries, &still);
+        let resting = self.arena.substitute_all(&defects, &still);
+        let moves = |e: &Expr| unknowns.iter().any(|&u| self.arena.contains(*e, u));
+        if at_limit.iter().any(moves) || !self.is_defined(&[at_limit.as_slice(), &resting].concat())
+        {
+            return None;
+        }
+        let mut limit_of: Replacement = unknowns.iter().map(|&u| (u, zero)).collect();
+        limit_of.extend(still);
+        let limit_rhs = self.arena.substitute_all(block.leading, &limit_of);
+        let limit_rhs: Vec<Expr> = limit_rhs.into_iter().map(|r| self.arena.neg(r)).collect();
+        let (mut limit, mut solution) = (Vec::new(), Vec::new());
+        for unknown in unknowns {
+            let Meaning::Unknown(named) = *self.symbols.meaning(*unknown) else {
+                return None;
+            };
+            let Node::Symbol(solved) = *self.arena.node(known[unknown]) else {
+                return None;
+            };
+            limit.push(self.symbols.declare(Meaning::Limit(named)));
+            solution.push(solved);
+        }
+        let at: Replacement = {
+            let limits = unknowns.iter().zip(&limit);
+            limits.map(|(&u, &l)| (u, self.arena.symbol(l))).collect()
+        };
+        let defects = self.arena.substitute_all(&defects, &at);
+        let entries = self.arena.substitute_all(&entries, known);
+        let is_open = |&e: &Expr| {
+            let mut symbols = self.arena.symbols_of(e);
+            let is_unknown = |s: Symbol| matches!(self.symbols.meaning(s), Meaning::Unknown(_));
+            symbols.any(|s| is_unknown(s) && !solution.contains(&s))
+        };
+        if entries.iter().chain(&defects).any(is_open) {
+            return None;
+        }
+        let rows = |entries: &[Expr]| -> Vec<Vec<Expr>> {
+            let rows = entries.chunks(unknowns.len());
+            rows.map(<[Expr]>::to_vec).collect()
+        };
+        let at_limit = rows(&at_limit);
+        let matrix = Matrix::dense(at_limit.clone());
+        let pivots = self.pivots(block.variations, unknowns, &matrix)?.0;
+        let block = Limit {
+            matrix: rows(&entries),
+            at_limit,
+            defects,
+            starts: {
+                let means = block.mean_values.iter();
+                means.map(|mean| mean.map(|mean| mean.start)).collect()
+            },
+            solution,
+            limit: limit.clone(),
+            small: &small,
+            pivots,
+        };
+        let of_limit = self.linear((block.at_limit.clone(), limit_rhs));
+        let (bounds, reach, defects) = self.path(&block)?;
+        Some(PathJudge {
+            limit,
+            of_limit,
+            bounds,
+            reach,
+            defects,
+        })
+    }
+
+    /// The bounds, with the half widths of the box and the residuals at the limit.
+    fn path(&mut self, block: &Limit<'_>) -> Option<(Enclosure<Expr>, Vec<Expr>, Vec<Expr>)> {
+        let flavour = Flavour::Box;
+        let mut ranges: HashMap<Symbol, Range> = HashMap::new();
+        ranges.extend(block.small.iter().map(|&s| (s, Range::Small)));
+        let (mut defects, mut conditions) = largest(&block.defects, &ranges, flavour, self.arena)?;
+        for (defect, start) in defects.iter_mut().zip(&block.starts) {
+            if let &Some(start) = start {
+                let size = self.arena.abs(start);
+                *defect = self.arena.add(*defect, size);
+            }
+        }
+        let steps = self.single_steps(block, &defects);
+        let mut reach = Vec::new();
+        for (at, (&solution, &limit)) in block.solution.iter().zip(&block.limit).enumerate() {
+            let [x, x0] = [solution, limit].map(|s| self.arena.symbol(s));
+            let distance = self.arena.sub(x, x0);
+            let distance = self.arena.abs(distance);
+            let reach_of = self
+                .arena
+                .sum(0.0, &[(REACH, distance), (REACH, steps[at])]);
+            reach.push(reach_of);
+            let range = Range::Around {
+                limit,
+                reach: reach_of,
+            };
+            ranges.insert(solution, range);
+        }
+        let mut bounds = enclose(&block.matrix, &[], &ranges, flavour, self.arena)?;
+        conditions.append(&mut bounds.conditions);
+        bounds.conditions = conditions;
+        Some((bounds, reach, defects))
+    }
+
+    /// How far each unknown is moved by residuals of these sizes, roughly: each equation is solved for the unknown of its pivot, those of the constraints after
+    /// elimination of the others.
+    fn single_steps(&mut self, block: &Limit<'_>, defects: &[Expr]) -> Vec<Expr> {
+        let zero = self.arena.constant(0.0);
+        let a = &block.at_limit;
+        let mut steps = vec![zero; defects.len()];
+        let (motion, of_constraints) = {
+            let is_multiplier = |s: &&Symbol| matches!(self.symbols.meaning(**s), Meaning::Limit(u) if u.family.is_multiplier_of_constraint());
+            let multipliers = block.limit.iter().filter(is_multiplier).count();
+            block.pivots.split_at(block.pivots.len() - multipliers)
+        };
+        for &(row, column) in motion {
+            steps[column] = self.quotient(defects[row], a[row][column]);
+        }
+        for &(row, column) in of_constraints {
+            let (mut terms, mut sizes) = (vec![(1.0, a[row][column])], vec![(1.0, defects[row])]);
+            for &(r, c) in motion {
+                let term = [(a[row][c], 1), (a[r][column], 1), (a[r][c], -1)];
+                terms.push((-1.0, self.arena.product(&term)));
+                let slope = self.arena.abs(a[row][c]);
+                sizes.push((1.0, self.arena.mul(slope, steps[c])));
+            }
+            let (complement, size) = (self.arena.sum(0.0, &terms), self.arena.sum(0.0, &sizes));
+            steps[column] = self.quotient(size, complement);
+        }
+        for &(row, column) in motion {
+            let mut terms = vec![(1.0, steps[column])];
+            for &(_, multiplier) in of_constraints {
+                let slope = self.arena.abs(a[row][multiplier]);
+                let moved = self.arena.mul(slope, steps[multiplier]);
+                terms.push((1.0, self.quotient(moved, a[row][column])));
+            }
+            steps[column] = self.arena.sum(0.0, &terms);
+        }
+        steps
+    }
+
+    fn quotient(&mut self, size: Expr, divisor: Expr) -> Expr {
+        let divisor = self.arena.abs(divisor);
+        self.arena.div(size, divisor)
+    }
+
+    /// The number of unknowns up to which a block is judged.
+    fn largest_judged(&self, block: &Constrained<'_>) -> usize {
+        let is_multiplier = |s: &Symbol| matches!(self.symbols.meaning(*s), Meaning::Unknown(u) if u.family.is_multiplier_of_constraint());
+        if !block.unknowns.iter().all(is_multiplier) {
+            return JUDGED;
+        }
+        let is_zero = |e| self.arena.constant_value(e) == Some(0.0);
+        match Band::of(block.jacobian, is_zero) {
+            Some(_) => usize::MAX,
+            None => JUDGED_MULTIPLIERS,
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! Steps across places where linkages are almost stretched into a line, and motions that pass no such place.
+
+use sve_models::models::OnSphere;
+use sve_runtime::ensemble::Cause;
+use sve_runtime::prelude::*;
+use sve_runtime::{ConstraintImpulses, Dims, System, Variational, VectorCoordinates};
+
+use super::systems::{Check, conservative, two_rods};
+
+/// A linkage of two cranks with their pivots at a distance of 1, and a coupler. A spring pulls at the ends of the coupler.
+#[derive(Clone, Copy)]
+struct Linkage {
+    lengths: [f64; 3],
+    spring: f64,
+}
+
+#[variational(initial_point, endpoint, midpoint, stormer_verlet)]
+impl Linkage {
+    fn lagrangian(&self, q: [Vector2<f64>; 2], v: [Vector2<f64>; 2]) -> f64 {
+        let potential = q[0].y + 0.5 * self.spring * (q[0].x * q[1].y).powi(2);
+        0.5 * (v[0].norm_squared() + v[1].norm_squared()) - potential
+    }
+
+    #[constraint]
+    fn bars(&self, q: [Vector2<f64>; 2]) -> [f64; 3] {
+        let [first, coupler, second] = self.lengths;
+        let arm = q[1] - Vector2::new(1.0, 0.0);
+        [
+            0.5 * (q[0].norm_squared() - first * first),
+            0.5 * (arm.norm_squared() - second * second),
+            0.5 * ((q[1] - q[0]).norm_squared() - coupler * coupler),
+        ]
+    }
+
+    #[gamma]
+    fn shake(&self, q: [Vector2<f64>; 2]) -> f64 {
+        0.01 * q[0].x
+    }
+}
+
+/// The same without the spring: Newton's method has the multipliers for unknowns.
+#[derive(Clone, Copy)]
+struct Torn {
+    coupler: f64,
+}
+
+#[variational(initial_point, endpoint, midpoint, stormer_verlet)]
+impl Torn {
+    fn lagrangian(&self, q: [Vector2<f64>; 2], v: [Vector2<f64>; 2]) -> f64 {
+        0.5 * (v[0].norm_squared() + v[1].norm_squared()) - q[0].y
+    }
+
+    #[constraint]
+    fn bars(&self, q: [Vector2<f64>; 2]) -> [f64; 3] {
+        let arm = q[1] - Vector2::new(1.0, 0.0);
+        [
+            0.5 * (q[0].norm_squared() - 0.25),
+            0.5 * (arm.norm_squared() - 0.25),
+            0.5 * ((q[1] - q[0]).norm_squared() - self.coupler * self.coupler),
+        ]
+    }
+
+    #[gamma]
+    fn shake(&self, q: [Vector2<f64>; 2]) -> f64 {
+        0.01 * q[0].x
+    }
+}
+
+type Two = [Vector2<f64>; 2];
+
+fn start(angle: f64, speed: f64) -> State<Two> {
+    let (sin, cos) = angle.sin_cos();
+    let arm = 0.5 * Vector2::new(cos, sin);
+    let along = speed * Vector2::new(-sin, cos);
+    State::new([arm, arm + Vector2::new(1.0, 0.0)], [along; 2])
+}
+
+/// Steps a linkage until it fails, or to the end. Returns the error and the largest change of the kinetic energy in a step, relative to the energy.
+fn run<S, R>(
+    integrator: &Integrator<S, R>,
+    state: State<Two>,
+    h: f64,
+    steps: u32,
+) -> (Option<StepError>, f64)
+where
+    S: Variational<R> + System<Dims = Dims<4, 1, Two>>,
+{
+    let mut state = integrator.consistent(state).unwrap();
+    let energy = |state: &State<Two>| 0.5 * (state.p[0].norm_squared() + state.p[1].norm_squared());
+    let mut largest: f64 = 0.0;
+    for _ in 0..steps {
+        let before = state;
+        if let Err(error) = integrator.step(&mut state, h, &[0.0]) {
+            assert_eq!(state, before);
+            return (Some(error), largest);
+        }
+        let change = energy(&state) - energy(&before);
+        largest = largest.max(change.abs() / energy(&before));
+    }
+    (None, largest)
+}
+
+/// A coupler that is longer than the distance of the pivots by 10⁻⁹ lets the linkage turn by 60 degrees where it is almost a line. A step of 0.01 across this place multiplied the energy by 4.
+#[test]
+fn a_step_across_a_near_fold_is_an_error() {
+    fn check<S, R: Copy>(system: S, rule: R)
+    where
+        S: Copy + Variational<R> + System<Dims = Dims<4, 1, Two>>,
+        R: sve_runtime::DerivedFor<S>,
+    {
+        let integrator = Integrator::new(system, rule);
+        for k in 0..12 {
+            let at = start(0.7 + 0.05 * f64::from(k), 1.0);
+            let (error, largest) = run(&integrator, at, 0.01, 400);
+            let Some(StepError::NearFold { step, part, .. }) = error else {
+                panic!("{error:?}, {largest}");
+            };
+            assert!(part < 0.25 && step > 0.0 && step <= 1.0);
+            assert!(largest < 0.1, "{largest}");
+        }
+    }
+    let torn = Torn {
+        coupler: 1.0 + 1e-9,
+    };
+    check(torn, InitialPoint);
+    check(torn, Endpoint);
+    check(torn, Midpoint);
+    check(torn, StormerVerlet);
+    let linkage = Linkage {
+        lengths: [0.5, 1.0 + 1e-9, 0.5],
+        spring: 0.3,
+    };
+    check(linkage, InitialPoint);
+    check(linkage, Endpoint);
+    check(linkage, Midpoint);
+    check(linkage, StormerVerlet);
+}
+
+#[test]
+fn lanes_find_the_same_folds() {
+    let integrator = Integrator::new(
+        Torn {
+            coupler: 1.0 + 1e-9,
+        },
+        StormerVerlet,
+    );
+    assert!(integrator.plan().in_lanes);
+    let summary = Ensemble::new(&integrator)
+        .paths(64)
+        .seed(1)
+        .steps(0.01, 400)
+        .start_with(|path, _| {
+            let at = start(0.7 + 0.01 * path as f64, 1.0);
+            integrator.consistent(at).unwrap()
+        })
+        .observe("x", |_, state: &State<Two>| state.q[0].x)
+        .run()
+        .unwrap();
+    assert_eq!(summary.failures().len(), 64);
+    for failure in summary.failures() {
+        let is_fold = matches!(failure.cause, Cause::Step(StepError::NearFold { .. }));
+        assert!(is_fold, "{failure}");
+    }
+}
+
+/// Linkages away from folds turn and swing for many steps.
+#[test]
+fn closed_loops_away_from_folds_go_on() {
+    fn check<R: Copy + sve_runtime::DerivedFor<Torn>>(rule: R)
+    where
+        Torn: Variational<R> + System<Dims = Dims<4, 1, Two>>,
+    {
+        for coupler in [1.05, 1.3, 0.8] {
+            let integrator = Integrator::new(Torn { coupler }, rule);
+            let (error, largest) = run(&integrator, start(1.0, 1.0), 0.01, 3000);
+            assert!(error.is_none(), "{coupler}: {error:?} {largest}");
+        }
+    }
+    check(Midpoint);
+    check(StormerVerlet);
+}
+
+/// A pendulum that turns over and one that swings through both extremes, and a double pendulum.
+#[test]
+fn pendulums_go_on() {
+    let sphere = OnSphere { g: 9.8, s: 0.0 };
+    let integrator = Integrator::new(&sphere, StormerVerlet);
+    for speed in [1.0, 4.0, 6.2, 6.4, 9.0] {
+        let mut state = State::new([0.0, 0.0, -1.0], [speed, 0.0, 0.0]);
+        for _ in 0..4000 {
+            integrator.step(&mut state, 0.01, &[0.0; 2]).unwrap();
+        }
+    }
+    let rods = two_rods();
+    for speed in [1.0, 4.0, 8.0] {
+        let integrator = Integrator::new(&rods, Midpoint);
+        let near = State::new([0.9, -0.4, 0.6, -1.0], [0.2, speed, 0.4, 0.1]);
+        let mut state = integrator.consistent(near).unwrap();
+        for _ in 0..4000 {
+            integrator.step(&mut state, 0.01, &[0.0; 2]).unwrap();
+        }
+    }
+}
+
+/// Long runs of all systems with steps of a twentieth of their lengths.
+struct Long;
+
+impl Check for Long {
+    fn run<S, R, Q, const N: usize, const M: usize>(
+        &mut self,
+        name: &str,
+        integrator: &Integrator<S, R>,
+        start: State<Q>,
+    ) where
+        S: Variational<R> + ConstraintImpulses<R> + System<Dims = Dims<N, M, Q>>,
+        Q: VectorCoordinates<N>,
+    {
+        let trajectory = integrator.trajectory(start, 0.02, Wiener::new(5));
+        for (step, state) in trajectory.take(600).enumerate() {
+            if let Err(error) = state {
+                panic!("{name}, step {step}: {error}");
+            }
+        }
+    }
+}
+
+#[test]
+fn no_system_meets_a_fold_in_a_long_run() {
+    conservative(&mut Long);
+}
