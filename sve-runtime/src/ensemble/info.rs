@@ -6,8 +6,11 @@ use super::difference::Difference;
 use super::fingerprint::Fingerprint;
 use super::histogram::HistogramRequest;
 use super::joint::JointRequest;
+use super::settings::Settings;
 use super::sketch::QuantileRequest;
-use crate::description::RunDescription;
+use crate::description::{RunDescription, SystemDescription};
+use crate::method::Method;
+use crate::system::{Increments as _, IncrementsOf};
 
 /// The data that summaries of the same run have in common.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,5 +59,25 @@ impl Info {
             .into_iter()
             .find_map(|(same, what)| (!same).then_some(what));
         differs.or_else(|| self.fingerprint.difference(&other.fingerprint))
+    }
+}
+
+impl<I: Method> Settings<'_, I> {
+    /// Returns what pages show of the run.
+    pub(super) fn description(&self) -> RunDescription {
+        let has_noise = !<IncrementsOf<I::System>>::NONE.as_ref().is_empty();
+        RunDescription {
+            system: SystemDescription::of(self.method.system()),
+            method: self.method.describe(),
+            h: self.h,
+            steps: self.steps,
+            noise: if has_noise {
+                self.noise.describe()
+            } else {
+                String::new()
+            },
+            seed: self.noise.seed,
+            start_seed: self.start_seed,
+        }
     }
 }

@@ -13,10 +13,9 @@ use super::path_noise::PathNoise;
 use super::starts::{StartRng, Starts};
 use super::{BLOCK_PATHS, Ensemble, EnsembleError, path_at, sizes};
 use crate::configuration::FixedSize;
-use crate::description::{RunDescription, SystemDescription};
 use crate::method::Method;
 use crate::noise::lanes::DistributionKind;
-use crate::system::{ConfigurationOf, Increments, IncrementsOf, StateOf};
+use crate::system::{ConfigurationOf, StateOf};
 use crate::time::time_after;
 
 /// What a run of an ensemble has of its own where several runs share their noise.
@@ -257,25 +256,6 @@ impl<'a, I: Method> Settings<'a, I> {
             momenta: ConfigurationOf::<I::System>::DEGREES_OF_FREEDOM,
             fingerprint,
             description: self.description(),
-        }
-    }
-
-    fn description(&self) -> RunDescription {
-        let has_noise = !<IncrementsOf<I::System> as Increments>::NONE
-            .as_ref()
-            .is_empty();
-        RunDescription {
-            system: SystemDescription::of(self.method.system()),
-            method: self.method.describe(),
-            h: self.h,
-            steps: self.steps,
-            noise: if has_noise {
-                self.noise.describe()
-            } else {
-                String::new()
-            },
-            seed: self.noise.seed,
-            start_seed: self.start_seed,
         }
     }
 }
