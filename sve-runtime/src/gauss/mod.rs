@@ -6,14 +6,22 @@
 //! | `step.rs` | a step: its equations, and the forces at a stage |
 //! | `newton.rs` | Newton's method for the equations of all stages |
 //! | `fixed_point.rs`, `scaled.rs`, `stages.rs`, `convergence.rs` | fixed-point iteration with the stages in lanes |
+//! | `bounds.rs`, `connected.rs`, `room.rs` | the proof that a solution is the connected one |
 //! | `stage_noise.rs` | increments at the stages |
 //! | `memory.rs` | what a trajectory carries from step to step |
 //! | `linearise.rs` | the linearised step |
 //! | `potential.rs` | the term of the option `weak2` |
 //!
-//! A step with four stages or more is first solved by fixed-point iteration if its Lagrangian allows that. Where the iteration does not contract, and with fewer
-//! stages, Newton's method solves it with the tests of any step.
+//! A step with four stages or more is first solved by fixed-point iteration if its Lagrangian allows that. Its solution is accepted if the iteration contracts, which is sampled along
+//! the iterates. Where the iteration does not contract, and with fewer stages, Newton's method solves the step. Its solution is accepted
+//! - for linear equations, which have one;
+//! - for systems of up to four coordinates whose functions have bounds, if the bounds prove that it is the connected one;
+//! - for other systems, if the iteration contracts, as in any step.
+//!
+//! What is not accepted is followed by [`continuation`](crate::continuation).
 
+mod bounds;
+mod connected;
 mod convergence;
 mod double_double;
 mod fixed_point;
@@ -22,12 +30,14 @@ mod memory;
 mod newton;
 mod nodes;
 mod potential;
+mod room;
 mod scaled;
 pub(crate) mod stage_noise;
 mod stages;
 mod step;
 mod tableau;
 
+pub use bounds::{NodeBounds, NoiseBounds, Radii, StageBounds, Uniqueness};
 pub use fixed_point::{Masses, Motion, Partitioned, SecondOrder, StageLanes};
 pub use linearise::{ByParameters, ParameterJet};
 pub use potential::{Corrected, WithPotential, with_potential};
@@ -59,7 +69,7 @@ pub fn newton_increment<Sys, Q, const S: usize, const N: usize, const M: usize, 
     solver: &BlockSolver<'_>,
 ) -> Result<Solved<N, K>, SolveError>
 where
-    Sys: System<Dims = Dims<N, M, Q>>,
+    Sys: StageBounds<N, M, Dims = Dims<N, M, Q>>,
     Q: VectorCoordinates<N>,
 {
     Step::<_, S, N, M>::new(system, state, h, noise).solve(solver)
@@ -88,7 +98,7 @@ pub fn second_order_increment<
     solver: &BlockSolver<'_>,
 ) -> Result<Solved<N, K>, SolveError>
 where
-    Sys: System<Dims = Dims<N, M, Q>> + SecondOrder<N, M>,
+    Sys: StageBounds<N, M, Dims = Dims<N, M, Q>> + SecondOrder<N, M>,
     Q: VectorCoordinates<N>,
 {
     let step = Step::<_, S, N, M>::new(system, state, h, noise);
@@ -127,7 +137,7 @@ pub fn partitioned_increment<
     solver: &BlockSolver<'_>,
 ) -> Result<Solved<N, K>, SolveError>
 where
-    Sys: System<Dims = Dims<N, M, Q>> + Partitioned<N, M>,
+    Sys: StageBounds<N, M, Dims = Dims<N, M, Q>> + Partitioned<N, M>,
     Q: VectorCoordinates<N>,
 {
     let step = Step::<_, S, N, M>::new(system, state, h, noise);
@@ -148,7 +158,7 @@ fn solve_by_newton<Sys, Q, const S: usize, const N: usize, const M: usize, const
     solver: &BlockSolver<'_>,
 ) -> Result<Solved<N, K>, SolveError>
 where
-    Sys: System<Dims = Dims<N, M, Q>>,
+    Sys: StageBounds<N, M, Dims = Dims<N, M, Q>>,
     Q: VectorCoordinates<N>,
 {
     step.solve(solver)

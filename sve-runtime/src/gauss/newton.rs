@@ -7,6 +7,8 @@
 //! L_v(Q_i, V_i) − p₀ − Σ_j μ_ij F_j          Y_i − h b_i V_i − Σ_a ∂G_a/∂p ω_ai
 //! ```
 
+use super::bounds::{StageBounds, Uniqueness};
+use super::connected::{Solution, is_connected};
 use super::step::{Stage, Step, at_stage, total};
 use super::tableau::Tableau;
 use crate::configuration::VectorCoordinates;
@@ -29,13 +31,13 @@ pub(super) struct Unknowns<const S: usize, const N: usize> {
 
 impl<Sys, Q, const S: usize, const N: usize, const M: usize> Step<'_, Sys, S, N, M>
 where
-    Sys: System<Dims = Dims<N, M, Q>>,
+    Sys: StageBounds<N, M, Dims = Dims<N, M, Q>>,
     Q: VectorCoordinates<N>,
 {
     /// Solves the step.
     ///
     /// # Errors
-    /// As [`BlockSolver::solve_block`].
+    /// As [`BlockSolver::solve_block`]; [`SolveError::OtherBranch`] if the step is to be judged and bounds do not prove that the solution is connected.
     pub(super) fn solve<const K: usize>(
         &self,
         solver: &BlockSolver<'_>,
@@ -48,7 +50,7 @@ where
         };
         let block = BlockProperties {
             first: 0,
-            has_bounds: false,
+            has_bounds: Sys::UNIQUENESS != Uniqueness::Unknown,
             is_constrained: false,
             limit_sign: sign,
         };
@@ -59,9 +61,57 @@ where
             |x| self.rounding(x),
             |x| self.evaluate(x),
         )?;
-        Ok(self.increments(x))
+        let unknowns = self.unknowns(&x);
+        let stages = self.stages(&unknowns);
+        let impulses = stages.each_ref().map(|stage| stage.impulse.value);
+        let solved = (total(&unknowns.displacements), total(&impulses), x);
+        if !solver.tests_bounds() {
+            return Ok(solved);
+        }
+        let is_accepted = match Sys::UNIQUENESS {
+            Uniqueness::Linear | Uniqueness::Unknown => true,
+            Uniqueness::Bounded => {
+                let solution = self.solution(&unknowns, &stages, &guess);
+                is_connected::<_, _, S, N, M, K>(self, &solution)
+            }
+        };
+        if is_accepted {
+            Ok(solved)
+        } else {
+            Err(SolveError::OtherBranch)
+        }
     }
 
+    /// The solution as it is judged, with the velocity at the start.
+    #[inline]
+    fn solution(
+        &self,
+        unknowns: &Unknowns<S, N>,
+        stages: &[Stage<N>; S],
+        start: &[f64; N],
+    ) -> Solution<S, N> {
+        let mut solution = Solution {
+            start: *start,
+            moves: [[0.0; S]; N],
+            changes: [[0.0; S]; N],
+            kicks: [[0.0; S]; N],
+        };
+        for i in 0..S {
+            for n in 0..N {
+                solution.moves[n][i] = unknowns.moves[i][n];
+                solution.changes[n][i] = unknowns.velocities[i][n] - start[n];
+                solution.kicks[n][i] = stages[i].lagrangian.dv[n] - self.state.p[n];
+            }
+        }
+        solution
+    }
+}
+
+impl<Sys, Q, const S: usize, const N: usize, const M: usize> Step<'_, Sys, S, N, M>
+where
+    Sys: System<Dims = Dims<N, M, Q>>,
+    Q: VectorCoordinates<N>,
+{
     /// Returns the velocity at the start, and the sign of the Jacobian's determinant in the limit of no noise and h → 0: there it is that of the mass
     /// matrix, once for each stage.
     fn velocity_at_start(&self) -> Result<([f64; N], DeterminantSign), SolveError> {
@@ -169,13 +219,6 @@ where
             }
             self.stage(i, &q, &unknowns.velocities[i])
         })
-    }
-
-    /// Returns the increments of the solved step.
-    fn increments<const K: usize>(&self, x: [f64; K]) -> Solved<N, K> {
-        let unknowns = self.unknowns(&x);
-        let impulses = self.stages(&unknowns).map(|stage| stage.impulse.value);
-        (total(&unknowns.displacements), total(&impulses), x)
     }
 
     /// Evaluates the residuals, the magnitudes of their terms and the Jacobian.

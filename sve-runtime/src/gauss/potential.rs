@@ -3,6 +3,7 @@
 //! It is that of one more noise, with the Hamiltonian `½ Σ_a K_a` and the increment `κ h |h| b_i` at stage i. So a step with the term is a step of a system with this noise behind its
 //! own: equations, solvers and derivatives are those of any step.
 
+use super::bounds::{NodeBounds, Radii, StageBounds, Uniqueness};
 use super::linearise::{ByParameters, ParameterJet};
 use super::tableau::Tableau;
 use super::{Masses, Motion, Partitioned, SecondOrder, StageLanes};
@@ -67,6 +68,19 @@ where
     #[inline]
     fn force_jet(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> ForceJet<N> {
         self.0.force_jet(t, q, v)
+    }
+}
+
+impl<Sys, const N: usize, const E: usize> StageBounds<N, E> for Corrected<'_, Sys, E>
+where
+    Sys: StageBounds<N, E>,
+    Self: System,
+{
+    const UNIQUENESS: Uniqueness = Sys::UNIQUENESS;
+
+    #[inline]
+    fn bounds(&self, time: f64, centre: [&[f64; N]; 3], radii: &Radii<N>) -> NodeBounds<N, E> {
+        self.0.bounds(time, centre, radii)
     }
 }
 

@@ -37,6 +37,16 @@ pub(super) struct Tableau<const S: usize> {
     pub(super) ratio_ahead: [[f64; S]; S],
     /// `Σ_k η_ik x_kj`.
     pub(super) second_order_ahead: [[f64; S]; S],
+    /// `1 / b_i`.
+    pub(super) inverse_b: [f64; S],
+    /// `1 / w_i`, with the positive eigenvector w of `|a_ij|`, whose largest entry is 1.
+    pub(super) inverse_units: [f64; S],
+    /// The norm of `|a_ij|` in these units, its spectral radius.
+    pub(super) norm: f64,
+    /// The largest `Σ_j |a_ij| / w_i`.
+    pub(super) reach: f64,
+    /// The largest `c_i / w_i`.
+    pub(super) latest: f64,
 }
 
 impl<const S: usize> Tableau<S> {
@@ -56,6 +66,11 @@ impl<const S: usize> Tableau<S> {
             second_order: [[0.0; S]; S],
             ratio_ahead: [[0.0; S]; S],
             second_order_ahead: [[0.0; S]; S],
+            inverse_b: [0.0; S],
+            inverse_units: [0.0; S],
+            norm: 0.0,
+            reach: 0.0,
+            latest: 0.0,
         };
         let mut i = 0;
         while i < S {
@@ -89,8 +104,60 @@ impl<const S: usize> Tableau<S> {
             }
             i += 1;
         }
-        all
+        all.with_norm()
     }
+
+    /// Computes the norm of `|a_ij|` by the power method.
+    const fn with_norm(mut self) -> Self {
+        let mut units = [1.0; S];
+        let mut sweep = 0;
+        while sweep < SWEEPS {
+            let image = self.magnitudes(&units);
+            let (mut largest, mut i) = (0.0, 0);
+            while i < S {
+                largest = larger(largest, image[i]);
+                i += 1;
+            }
+            let mut i = 0;
+            while i < S {
+                units[i] = image[i] / largest;
+                i += 1;
+            }
+            sweep += 1;
+        }
+        let (image, sums) = (self.magnitudes(&units), self.magnitudes(&[1.0; S]));
+        let mut i = 0;
+        while i < S {
+            self.inverse_b[i] = 1.0 / self.b[i];
+            self.inverse_units[i] = 1.0 / units[i];
+            self.norm = larger(self.norm, image[i] / units[i]);
+            self.reach = larger(self.reach, sums[i] / units[i]);
+            self.latest = larger(self.latest, self.c[i] / units[i]);
+            i += 1;
+        }
+        self
+    }
+
+    /// `Σ_j |a_ij| x_j`.
+    const fn magnitudes(&self, x: &[f64; S]) -> [f64; S] {
+        let (mut sums, mut i) = ([0.0; S], 0);
+        while i < S {
+            let mut j = 0;
+            while j < S {
+                sums[i] += self.ratio[j][i].abs() * self.b[j] * x[j];
+                j += 1;
+            }
+            i += 1;
+        }
+        sums
+    }
+}
+
+/// Sweeps of the power method. The second eigenvalue is at most half of the first one.
+const SWEEPS: u32 = 100;
+
+const fn larger(x: f64, y: f64) -> f64 {
+    if x > y { x } else { y }
 }
 
 /// The coefficients to 106 bits; `ratio[i][j]` is `a_ij / b_j`.

@@ -5,6 +5,7 @@ mod derivatives;
 mod failures;
 mod orders;
 mod reference;
+mod roots;
 mod solvers;
 mod stage_noise;
 mod systems;

@@ -3,5 +3,6 @@
 mod chart;
 mod constrained;
 pub(crate) mod equations;
+pub(crate) mod node_bounds;
 pub(crate) mod stages;
 pub(crate) mod tangent;

@@ -5,6 +5,7 @@
 
 use std::collections::HashMap;
 
+use super::node_bounds::{self, Uniqueness};
 use crate::algebra::{Arena, Expr, Purpose, Symbol};
 use crate::structure::domain::{self, Condition};
 use crate::system::mechanics::Mechanics;
@@ -22,9 +23,16 @@ pub(crate) struct Stages {
     pub(crate) moves_position: bool,
     /// The derivatives by each parameter.
     pub(crate) parameters: Vec<ParameterJet>,
+    /// What is known of the number of solutions of a step.
+    pub(crate) uniqueness: Uniqueness,
 }
 
 impl Stages {
+    /// Derives bounds, by which a step judges its solution. They come last, so that the order of terms elsewhere does not depend on them.
+    pub(crate) fn bound(&mut self, model: &Model, mechanics: &Mechanics, arena: &mut Arena) {
+        self.uniqueness = node_bounds::uniqueness(model, mechanics, &mut self.symbols, arena);
+    }
+
     /// The number of unknowns of so many stages: velocities, and displacements if they are unknowns of their own.
     pub(crate) fn unknowns(&self, stages: usize, coordinates: usize) -> usize {
         stages * coordinates * if self.moves_position { 2 } else { 1 }
@@ -84,6 +92,7 @@ pub(crate) fn stages(model: &Model, mechanics: &Mechanics, arena: &mut Arena) ->
         dw,
         moves_position,
         parameters,
+        uniqueness: Uniqueness::Unknown,
     }
 }
 

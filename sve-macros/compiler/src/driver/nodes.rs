@@ -60,7 +60,7 @@ impl Nodes {
             }
             stages::stages(&model, &own, arena)
         });
-        let stages = stages.map_err(|Exhausted| {
+        let mut stages = stages.map_err(|Exhausted| {
             budget.rule_too_large(group[0].listed.rule, mechanics, &group[0].arena)
         })?;
         let listed: Vec<&ListedRule> = group.iter().map(|start| start.listed).collect();
@@ -68,9 +68,13 @@ impl Nodes {
         let mut weak_order = |rule| weak2::weak_order(rule, budget.model, mechanics, &mut arena);
         let rules = listed.iter().map(|listed| listed.rule);
         let rules = rules.map(|rule| (rule, weak_order(rule))).collect();
+        // what is left to do is in proportion to what has been built
+        arena.grant(usize::MAX);
+        let stable = own.stabilised(&mut arena);
+        stages.bound(&model, &own, &mut arena);
         Ok(Self {
             model,
-            mechanics: own.stabilised(&mut arena),
+            mechanics: stable,
             stages,
             rules,
             has_potential: potential.is_some(),

@@ -227,6 +227,7 @@ impl Notation for Names<'_> {
             Meaning::Wiener(i) => indexed("ΔW", *i, processes(self.symbols)),
             Meaning::NodeEntry(i) => self.entry("q̄", "R̄", *i),
             Meaning::Attitude(i) => format!("attitude[{i}]"),
+            Meaning::Radius(_) => self.symbols.name(symbol),
             Meaning::End(i) => self.component("p₁", *i),
             Meaning::Unknown(_) | Meaning::Limit(_) => unknown(self.symbols, symbol),
         }

@@ -11,7 +11,7 @@ mod block;
 mod cancel;
 pub(crate) mod domain;
 mod elimination;
-mod enclosure;
+pub(crate) mod enclosure;
 mod graph;
 mod guess;
 mod judge;

@@ -37,6 +37,17 @@ pub(crate) enum Meaning {
     Attitude(usize),
     /// Component of the momentum at the end of the step, which the action gives.
     End(usize),
+    /// Half the width of a box around a point, in the direction of a coordinate.
+    Radius(Axis),
+}
+
+/// A coordinate of the space of times, configurations, velocities and momenta.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Axis {
+    Time,
+    Position(usize),
+    Velocity(usize),
+    Momentum(usize),
 }
 
 /// A quantity at a quadrature node of a rule.
@@ -281,6 +292,10 @@ impl Symbols {
             Meaning::NodeEntry(i) => format!("node_{i}"),
             Meaning::Attitude(i) => format!("attitude_{i}"),
             Meaning::End(i) => format!("p1_{i}"),
+            Meaning::Radius(Axis::Time) => "radius_t".to_owned(),
+            Meaning::Radius(Axis::Position(i)) => format!("radius_q{i}"),
+            Meaning::Radius(Axis::Velocity(i)) => format!("radius_v{i}"),
+            Meaning::Radius(Axis::Momentum(i)) => format!("radius_p{i}"),
         }
     }
 }

@@ -20,10 +20,13 @@
 //! Source: Hairer, `McLachlan`, Razakarivony, *Achieving Brouwer's law with implicit Runge–Kutta methods*, BIT 48 (2008).
 //!
 //! **Which root.** The equations of a step may have several solutions. The step is the solution connected with the limit of no noise
-//! and h → 0, where the velocity is that of the momentum at the start. Blocks fall into two classes.
+//! and h → 0, where the velocity is that of the momentum at the start. Blocks fall into three classes.
 //! - The macro derives, for blocks of up to four unknowns whose equations are affine in that limit, bounds of the Jacobian
 //!   between the limit and the root. The step accepts the root if every matrix within the bounds is regular, see [`regularity`](super::regularity).
 //!   The iteration may take any path.
+//! - The stages of a Gauss rule, for systems of up to four coordinates: the macro derives bounds of the derivatives at a node, and
+//!   the step accepts the root if the equations are a contraction in a box that contains the root and the limit (`gauss/connected.rs`). The iteration may take any path.
+//!   Linear equations of stages have one root, which is accepted.
 //! - The other blocks are accepted by the path of their iteration. It has to contract: the determinant of each Jacobian has the sign
 //!   that it has in the limit, and each residual is at most ¼ of the one before, relative to the magnitudes at the one before. A single unknown
 //!   needs |f f″| ≤ ½ f′² too. Kantorovich's theorem gives these bounds. Of a single unknown the root of another iteration
@@ -37,8 +40,8 @@
 //!
 //! What is proved: every Jacobian within accepted bounds is regular, so the bounds contain at most one solution for each smaller
 //! step and increment, but for rounding errors of the radii, for which the bound of the spectral radius leaves room. A path from the
-//! limit that leaves the bounds and comes back is excluded for blocks with multipliers of constraints alone. The test of the iteration's path samples the Jacobian, as
-//! continuation does. For constrained systems a test of the repository compares the roots of random long steps with a continuation of its own.
+//! limit that leaves the bounds and comes back is excluded for blocks with multipliers of constraints and for the stages of Gauss rules alone, where the bounds show that it stays in the box. The test of the iteration's path samples the Jacobian, as
+//! continuation does, and so does the fixed-point iteration of Gauss rules from four stages on (`gauss/convergence.rs`). For constrained systems a test of the repository compares the roots of random long steps with a continuation of its own.
 //!
 //! Sources: Neumaier, *Interval Methods for Systems of Equations* (1990), chapter 5;
 //! Ortega, Rheinboldt, *Iterative Solution of Nonlinear Equations in Several Variables* (1970), section 12.6;

@@ -8,7 +8,7 @@ use quote::quote;
 use super::calls::{call, call_in_lane, call2, call2_in_lane};
 use super::{ident, number};
 use crate::program::{Labels, Names, Operation, Program, Tier, Value, operands, symbol_name};
-use crate::system::model::{Meaning, Quantity, Symbols};
+use crate::system::model::{Axis, Meaning, Quantity, Symbols};
 
 /// Rows and columns from which on a matrix may be written by its entries.
 const LARGE: usize = 7;
@@ -17,7 +17,7 @@ const LARGE: usize = 7;
 const SPARSE: usize = 4;
 
 /// Variables of emitted code that are no values of the program.
-const DECLARED: [&str; 50] = [
+const DECLARED: [&str; 51] = [
     "angle",
     "limit",
     "q",
@@ -68,6 +68,7 @@ const DECLARED: [&str; 50] = [
     "pairs",
     "varied",
     "seeds",
+    "radii",
 ];
 
 /// What printed statements are part of.
@@ -384,5 +385,9 @@ fn input(meaning: &Meaning, lanes: bool) -> Option<TokenStream> {
         Meaning::Start(Quantity::Position, i) => entry(quote!(state.q), i),
         Meaning::Start(Quantity::Momentum, i) => entry(quote!(state.p), i),
         Meaning::Wiener(i) => entry(quote!(dw), i),
+        Meaning::Radius(Axis::Time) => Some(quote!(radii.t)),
+        Meaning::Radius(Axis::Position(i)) => entry(quote!(radii.q), i),
+        Meaning::Radius(Axis::Velocity(i)) => entry(quote!(radii.v), i),
+        Meaning::Radius(Axis::Momentum(i)) => entry(quote!(radii.p), i),
     }
 }

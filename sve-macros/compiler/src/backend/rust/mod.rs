@@ -15,6 +15,7 @@ mod lanes;
 mod linearise;
 mod momenta;
 mod multipliers;
+mod node_bounds;
 mod parameters;
 mod pivots;
 mod placeholders;

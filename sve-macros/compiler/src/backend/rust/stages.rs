@@ -7,6 +7,7 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use super::code::Printer;
+use super::node_bounds::node_bounds;
 use super::parameters::parameter_jets;
 use super::step::inside;
 use super::system::with_potential;
@@ -29,6 +30,7 @@ pub(crate) fn stages(context: &Context<'_>, stages: &Stages, has_potential: bool
     let self_ty = &context.block.item.self_ty;
     let parameters = parameter_jets(context, stages, &private);
     let potential = has_potential.then(|| with_potential(context, &private));
+    let bounds = node_bounds(context, &stages.symbols, &stages.uniqueness, &private);
     let writer = Writer {
         private: &private,
         model: context.model,
@@ -76,6 +78,7 @@ pub(crate) fn stages(context: &Context<'_>, stages: &Stages, has_potential: bool
                 #parameters
             }
             #kernel
+            #bounds
             #potential
         },
         operations,

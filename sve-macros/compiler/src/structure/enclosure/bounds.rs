@@ -79,6 +79,7 @@ impl Bounds<'_> {
             None => self.exact(e),
             Some(Range::Small) => self.up_to(e),
             Some(&Range::Around { limit, reach }) => around(self.arena.symbol(limit), reach),
+            Some(&Range::Within(radius)) => around(e, self.arena.symbol(radius)),
             Some(&Range::Unknown { limit, moved }) => {
                 let limit = self.arena.symbol(limit);
                 let distance = self.arena.sub(e, limit);

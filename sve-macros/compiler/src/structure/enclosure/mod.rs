@@ -76,7 +76,7 @@ impl Enclosure<Expr> {
 
 /// How wide the bounds are, and what they cost.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Flavour {
+pub(crate) enum Flavour {
     /// Sines and cosines of what varies are anything between −1 and 1.
     Global,
     /// Around the limit, where most of what is needed is at hand. What is proportional to a small quantity is bounded by its size, with
@@ -88,9 +88,11 @@ pub(super) enum Flavour {
 
 /// What varies between the limit and the step.
 #[derive(Clone, Copy)]
-pub(super) enum Range {
+pub(crate) enum Range {
     /// The step size or an increment, from 0 to its value.
     Small,
+    /// A coordinate, within this radius of its value.
+    Within(Symbol),
     /// An unknown, with its limit, and how far each small quantity by itself moves it from there, to first order.
     Unknown { limit: Symbol, moved: Expr },
     /// An unknown, with its limit and the half width of the box around it.
@@ -105,7 +107,39 @@ pub(super) fn enclose(
     flavour: Flavour,
     arena: &mut Arena,
 ) -> Option<Enclosure<Expr>> {
-    let roots: Vec<Expr> = matrix.iter().flatten().chain(domain).copied().collect();
+    let Intervals {
+        middle,
+        radii,
+        conditions,
+    } = intervals(&matrix.concat(), domain, ranges, flavour, arena)?;
+    let rows = |flat: &[Expr]| -> Vec<Vec<Expr>> {
+        flat.chunks(matrix.len()).map(<[Expr]>::to_vec).collect()
+    };
+    let (middle, radii) = stored(rows(&middle), rows(&radii), arena);
+    Some(Enclosure {
+        middle,
+        radii,
+        conditions,
+    })
+}
+
+/// Bounds of expressions.
+pub(crate) struct Intervals {
+    /// Midpoints.
+    pub(crate) middle: Vec<Expr>,
+    pub(crate) radii: Vec<Expr>,
+    /// What has to be positive for the radii to hold.
+    pub(crate) conditions: Vec<Expr>,
+}
+
+/// Bounds of expressions, while the values in `domain` stay positive. Nothing where a function has no bound here.
+pub(crate) fn intervals(
+    roots: &[Expr],
+    domain: &[Expr],
+    ranges: &HashMap<Symbol, Range>,
+    flavour: Flavour,
+    arena: &mut Arena,
+) -> Option<Intervals> {
     let mut bounds = Bounds {
         arena,
         ranges,
@@ -113,21 +147,16 @@ pub(super) fn enclose(
         done: Map::default(),
         conditions: Vec::new(),
     };
-    let found = bounds.all(&roots)?;
-    let (entries, borders) = found.split_at(roots.len() - domain.len());
+    let found = bounds.all(&[roots, domain].concat())?;
+    let (entries, borders) = found.split_at(roots.len());
     for border in borders {
         let distance = bounds.arena.sub(border.mid, border.radius);
         bounds.conditions.push(distance);
     }
-    let rows = |part: fn(&Interval) -> Expr| -> Vec<Vec<Expr>> {
-        let flat: Vec<Expr> = entries.iter().map(part).collect();
-        flat.chunks(matrix.len()).map(<[Expr]>::to_vec).collect()
-    };
-    let (middle, radii) = (rows(|i| i.mid), rows(|i| i.radius));
-    let (middle, radii) = stored(middle, radii, bounds.arena);
-    Some(Enclosure {
-        middle,
-        radii,
+    let part = |part: fn(&Interval) -> Expr| entries.iter().map(part).collect();
+    Some(Intervals {
+        middle: part(|i| i.mid),
+        radii: part(|i| i.radius),
         conditions: bounds.conditions,
     })
 }

@@ -80,7 +80,8 @@ impl Case {
             | Meaning::Limit(_)
             | Meaning::End(_)
             | Meaning::NodeEntry(_)
-            | Meaning::Attitude(_) => f64::NAN,
+            | Meaning::Attitude(_)
+            | Meaning::Radius(_) => f64::NAN,
             Meaning::Unknown(unknown) => {
                 let (list, symbols) = (&self.action.internal, &self.symbols);
                 let same = |s: &&Symbol| matches!(symbols.meaning(**s), Meaning::Unknown(u) if u == unknown);

@@ -1,0 +1,205 @@
+//! Bounds of the derivatives at a node over a box of times, positions, velocities and momenta: what the Gauss rules need to prove which solution of a step they found.
+//!
+//! Input: the derivatives of the model. Output: expressions of the magnitudes of second derivatives, from the centre of the box and half its widths, or nothing
+//! where the system is too large or has a function without bounds. The runtime combines the magnitudes for all stages (`gauss/connected.rs`).
+
+use std::collections::HashMap;
+
+use crate::algebra::{Arena, Expr, Symbol};
+use crate::structure::domain;
+use crate::structure::enclosure::{Flavour, Intervals, Range, intervals};
+use crate::system::mechanics::{Mechanics, NoiseJet};
+use crate::system::model::{Axis, Meaning, Model, Symbols};
+
+/// Largest number of coordinates of a system with bounds. They take about as long to compute as the second derivatives.
+const BOUNDED: usize = 4;
+
+/// What is known of the number of solutions of a step of many stages.
+pub(crate) enum Uniqueness {
+    /// The equations are linear: there is one solution.
+    Linear,
+    /// There is one solution where the bounds prove it.
+    Bounded(NodeBounds),
+    /// There are no bounds.
+    Unknown,
+}
+
+/// Bounds over a box. Matrices have rows by the component that is differentiated.
+pub(crate) struct NodeBounds {
+    /// Midpoints and radii of `∂²L/∂v²`.
+    pub(crate) mass: [Vec<Vec<Expr>>; 2],
+    /// Magnitudes and radii of the derivatives of `∂L/∂v` by time, and by position.
+    pub(crate) momentum_by_time: [Vec<Expr>; 2],
+    pub(crate) momentum_by_position: [Vec<Vec<Expr>>; 2],
+    /// Magnitudes of the derivatives of `∂L/∂q + F` by time, position and velocity.
+    pub(crate) force: (Vec<Expr>, [Vec<Vec<Expr>>; 2]),
+    pub(crate) noises: Vec<NoiseBounds>,
+    /// What has to be positive for the bounds to hold.
+    pub(crate) conditions: Vec<Expr>,
+}
+
+/// Magnitudes of derivatives of a noise Hamiltonian G over a box.
+pub(crate) struct NoiseBounds {
+    /// `∂G/∂q`, `∂G/∂p`, and their derivatives by time.
+    pub(crate) vectors: [Vec<Expr>; 4],
+    /// `∂²G/∂q²`, `∂²G/∂q∂p` with rows by q, `∂²G/∂p²`.
+    pub(crate) matrices: [Vec<Vec<Expr>>; 3],
+}
+
+/// Derives the bounds. Declares the radii of the box in `symbols`.
+pub(crate) fn uniqueness(
+    model: &Model,
+    mechanics: &Mechanics,
+    symbols: &mut Symbols,
+    arena: &mut Arena,
+) -> Uniqueness {
+    let derivatives = Derivatives::new(model, mechanics, arena);
+    let moving = [&model.q[..], &model.v, &model.p].concat();
+    let second = derivatives.second();
+    if second
+        .iter()
+        .all(|&e| !moving.iter().any(|&s| arena.contains(e, s)))
+    {
+        return Uniqueness::Linear;
+    }
+    if model.dof() > BOUNDED {
+        return Uniqueness::Unknown;
+    }
+    let ranges = ranges(model, symbols);
+    match derivatives.bounds(model, &ranges, arena) {
+        Some(bounds) => Uniqueness::Bounded(bounds),
+        None => Uniqueness::Unknown,
+    }
+}
+
+fn ranges(model: &Model, symbols: &mut Symbols) -> HashMap<Symbol, Range> {
+    let mut ranges = HashMap::new();
+    let mut within = |symbol: Symbol, axis: Axis| {
+        let radius = symbols.declare(Meaning::Radius(axis));
+        ranges.insert(symbol, Range::Within(radius));
+    };
+    within(model.time, Axis::Time);
+    let axes: [(&[Symbol], fn(usize) -> Axis); 3] = [
+        (&model.q, Axis::Position),
+        (&model.v, Axis::Velocity),
+        (&model.p, Axis::Momentum),
+    ];
+    for (symbols, axis) in axes {
+        for (i, &symbol) in symbols.iter().enumerate() {
+            within(symbol, axis(i));
+        }
+    }
+    ranges
+}
+
+/// The derivatives that are bounded, in rows.
+struct Derivatives {
+    /// Of the momentum: by velocity, by position, by time.
+    momentum: Vec<Vec<Expr>>,
+    /// Of the force: by time, by position, by velocity.
+    force: Vec<Vec<Expr>>,
+    /// Of each noise: the gradient, its derivatives by time, the second derivatives.
+    noises: Vec<Vec<Vec<Expr>>>,
+}
+
+impl Derivatives {
+    fn new(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> Self {
+        let l = &mechanics.lagrangian;
+        let n = model.dof();
+        let transposed = |m: &[Vec<Expr>]| -> Vec<Vec<Expr>> {
+            (0..n).map(|i| (0..n).map(|j| m[j][i]).collect()).collect()
+        };
+        let mut momentum = l.dvv.clone();
+        momentum.extend(transposed(&l.dqv));
+        momentum.push(l.dvt.clone());
+        let mut force = vec![l.dqt.clone()];
+        force.extend(l.dqq.iter().chain(&l.dqv).cloned());
+        if let Some(jet) = &mechanics.force {
+            let more = std::iter::once(&jet.dt).chain(&jet.dq).chain(&jet.dv);
+            for (row, more) in force.iter_mut().zip(more) {
+                for (entry, &more) in row.iter_mut().zip(more) {
+                    *entry = arena.add(*entry, more);
+                }
+            }
+        }
+        let noises = mechanics.noises.iter().map(|jet| {
+            let NoiseJet {
+                dq,
+                dp,
+                dqq,
+                dqp,
+                dpp,
+            } = jet;
+            let mut by_time = |row: &[Expr]| -> Vec<Expr> {
+                row.iter().map(|&e| arena.diff(e, model.time)).collect()
+            };
+            let mut rows = vec![dq.clone(), dp.clone(), by_time(dq), by_time(dp)];
+            rows.extend([dqq, dqp, dpp].into_iter().flatten().cloned());
+            rows
+        });
+        Self {
+            noises: noises.collect(),
+            momentum,
+            force,
+        }
+    }
+
+    /// The second derivatives. If they are free of positions, velocities and momenta, the equations of a step are linear.
+    fn second(&self) -> Vec<Expr> {
+        let of_noises = self.noises.iter().flat_map(|noise| &noise[4..]);
+        let rows = self.momentum.iter().chain(&self.force).chain(of_noises);
+        rows.flatten().copied().collect()
+    }
+
+    fn bounds(
+        &self,
+        model: &Model,
+        ranges: &HashMap<Symbol, Range>,
+        arena: &mut Arena,
+    ) -> Option<NodeBounds> {
+        let n = model.dof();
+        let rows =
+            |flat: &[Expr]| -> Vec<Vec<Expr>> { flat.chunks(n).map(<[Expr]>::to_vec).collect() };
+        let noises = model.noises.iter().map(|noise| noise.hamiltonian);
+        let mut defined: Vec<Expr> = noises.chain([model.lagrangian]).collect();
+        defined.extend(model.force.iter().flatten());
+        let domain = domain::conditions(&defined, arena);
+        let domain: Vec<Expr> = domain.iter().map(|c| c.value).collect();
+        // Of the momentum it matters how much its derivatives vary. Of all else magnitudes are enough, and waves need not be called.
+        let momentum = self.momentum.concat();
+        let momentum = intervals(&momentum, &domain, ranges, Flavour::Box, arena)?;
+        let others = [&self.force[..], &self.noises.concat()].concat().concat();
+        let others = intervals(&others, &[], ranges, Flavour::Global, arena)?;
+        let [of_momentum, others_size] =
+            [&momentum, &others].map(|intervals| rows(&magnitudes(intervals, arena)));
+        let (middle, radii) = (rows(&momentum.middle), rows(&momentum.radii));
+        let mut conditions = [momentum.conditions, others.conditions].concat();
+        conditions.sort_unstable();
+        conditions.dedup();
+        let mut others = others_size.into_iter();
+        let mut next = |count: usize| -> Vec<Vec<Expr>> { others.by_ref().take(count).collect() };
+        let force = (next(1).concat(), [next(n), next(n)]);
+        let noises = (0..model.noises.len()).map(|_| NoiseBounds {
+            vectors: std::array::from_fn(|_| next(1).concat()),
+            matrices: std::array::from_fn(|_| next(n)),
+        });
+        Some(NodeBounds {
+            noises: noises.collect(),
+            mass: [middle[..n].to_vec(), radii[..n].to_vec()],
+            momentum_by_position: [of_momentum[n..2 * n].to_vec(), radii[n..2 * n].to_vec()],
+            momentum_by_time: [of_momentum[2 * n].clone(), radii[2 * n].clone()],
+            force,
+            conditions,
+        })
+    }
+}
+
+/// `|middle| + radius`.
+fn magnitudes(intervals: &Intervals, arena: &mut Arena) -> Vec<Expr> {
+    let parts = intervals.middle.iter().zip(&intervals.radii);
+    let magnitude = |(&middle, &radius): (&Expr, &Expr)| {
+        let size = arena.abs(middle);
+        arena.add(size, radius)
+    };
+    parts.map(magnitude).collect()
+}

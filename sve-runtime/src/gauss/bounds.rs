@@ -1,0 +1,112 @@
+//! Bounds of the derivatives at a node over a box: what the macro knows of a system to judge a solution of many stages.
+//!
+//! Input: the centre of a box of times, positions, velocities and momenta, and half its widths. Output: magnitudes that the derivatives do not exceed in the box.
+
+use crate::system::System;
+
+/// What is known of the number of solutions of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Uniqueness {
+    /// The equations are linear: there is one solution.
+    Linear,
+    /// There is one solution where the bounds prove it.
+    Bounded,
+    /// There are no bounds: the system has too many coordinates, or a function without bounds.
+    Unknown,
+}
+
+/// Half the widths of a box.
+#[derive(Clone, Copy, Debug)]
+pub struct Radii<const N: usize> {
+    /// Of times.
+    pub t: f64,
+    /// Of positions.
+    pub q: [f64; N],
+    /// Of velocities.
+    pub v: [f64; N],
+    /// Of momenta.
+    pub p: [f64; N],
+}
+
+/// Magnitudes of derivatives in a box. Matrices have rows by the component that is differentiated.
+#[derive(Clone, Copy, Debug)]
+pub struct NodeBounds<const N: usize, const M: usize> {
+    /// Midpoints of `∂²L/∂v²`.
+    pub mass: [[f64; N]; N],
+    /// Largest distances of `∂²L/∂v²` from the midpoints.
+    pub mass_radius: [[f64; N]; N],
+    /// Of `∂²L/∂v∂t`.
+    pub momentum_by_time: [f64; N],
+    /// Largest distances of `∂²L/∂v∂t` from its midpoint.
+    pub momentum_by_time_radius: [f64; N],
+    /// Of `∂²L/∂v∂q`.
+    pub momentum_by_position: [[f64; N]; N],
+    /// Largest distances of `∂²L/∂v∂q` from its midpoint.
+    pub momentum_by_position_radius: [[f64; N]; N],
+    /// Of the derivatives of `∂L/∂q + F` by t.
+    pub force_by_time: [f64; N],
+    /// Of the derivatives of `∂L/∂q + F` by q.
+    pub force_by_position: [[f64; N]; N],
+    /// Of the derivatives of `∂L/∂q + F` by v.
+    pub force_by_velocity: [[f64; N]; N],
+    /// Of each noise Hamiltonian.
+    pub noises: [NoiseBounds<N>; M],
+    /// Whether the bounds hold: the functions are defined in the whole box.
+    pub hold: bool,
+}
+
+/// Magnitudes of derivatives of a noise Hamiltonian in a box.
+#[derive(Clone, Copy, Debug)]
+pub struct NoiseBounds<const N: usize> {
+    /// Of `∂G/∂q`.
+    pub dq: [f64; N],
+    /// Of `∂G/∂p`.
+    pub dp: [f64; N],
+    /// Of `∂²G/∂q∂t`.
+    pub dqt: [f64; N],
+    /// Of `∂²G/∂p∂t`.
+    pub dpt: [f64; N],
+    /// Of `∂²G/∂q²`.
+    pub dqq: [[f64; N]; N],
+    /// Of `∂²G/∂q∂p`, with rows by q.
+    pub dqp: [[f64; N]; N],
+    /// Of `∂²G/∂p²`.
+    pub dpp: [[f64; N]; N],
+}
+
+impl<const N: usize> NoiseBounds<N> {
+    const UNBOUNDED: Self = Self {
+        dq: [f64::INFINITY; N],
+        dp: [f64::INFINITY; N],
+        dqt: [f64::INFINITY; N],
+        dpt: [f64::INFINITY; N],
+        dqq: [[f64::INFINITY; N]; N],
+        dqp: [[f64::INFINITY; N]; N],
+        dpp: [[f64::INFINITY; N]; N],
+    };
+}
+
+/// A system whose derivatives have bounds, as far as the macro found some.
+pub trait StageBounds<const N: usize, const M: usize>: System {
+    /// What is known of the number of solutions.
+    const UNIQUENESS: Uniqueness;
+
+    /// Returns bounds over the box with this centre, `[q, v, p]`. Without an implementation there are none.
+    #[inline]
+    fn bounds(&self, time: f64, centre: [&[f64; N]; 3], radii: &Radii<N>) -> NodeBounds<N, M> {
+        let _ = (time, centre, radii);
+        NodeBounds {
+            mass: [[f64::INFINITY; N]; N],
+            mass_radius: [[f64::INFINITY; N]; N],
+            momentum_by_time: [f64::INFINITY; N],
+            momentum_by_time_radius: [f64::INFINITY; N],
+            momentum_by_position: [[f64::INFINITY; N]; N],
+            momentum_by_position_radius: [[f64::INFINITY; N]; N],
+            force_by_time: [f64::INFINITY; N],
+            force_by_position: [[f64::INFINITY; N]; N],
+            force_by_velocity: [[f64::INFINITY; N]; N],
+            noises: [NoiseBounds::UNBOUNDED; M],
+            hold: false,
+        }
+    }
+}
