@@ -82,3 +82,16 @@ fn stage_noise_takes_the_same_solution() {
     let connected = [-4.246_180_321_121_49, 7.794_555_133_366_677];
     assert_near(Ok([state.q[0], state.p[0]]), connected);
 }
+
+/// Newton's method has solutions at these step sizes, but the path from small steps ends before.
+#[test]
+fn steps_beyond_the_end_of_the_path_are_refused() {
+    let lost_at = |result: Result<[f64; 2], StepError>| match result {
+        Err(StepError::BranchLost { step, reached, .. }) => (step, reached),
+        other => panic!("{other:?}"),
+    };
+    let (step, reached) = lost_at(end(PENDULUM, Gauss::<2>, [2.07196, -0.33162], 4.65841, 0.0));
+    assert!((step - 0.903).abs() < 1e-3 && reached == 0.0, "{step}");
+    let (step, reached) = lost_at(end(PENDULUM, Gauss::<3>, [2.49141, -1.29913], 4.97305, 0.0));
+    assert!((step - 0.964).abs() < 1e-3 && reached == 0.0, "{step}");
+}
