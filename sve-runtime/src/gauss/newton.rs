@@ -61,17 +61,30 @@ where
             |x| self.rounding(x),
             |x| self.evaluate(x),
         )?;
+        self.judged(x, &guess, solver.tests_bounds())
+    }
+
+    /// Returns the increments of a solution, of which `start` is the velocity at the start. If it is to be judged, only the connected one is returned.
+    ///
+    /// A function apart, so that the jets of many coordinates are not on the stack beside Newton's matrix.
+    #[inline(never)]
+    fn judged<const K: usize>(
+        &self,
+        x: [f64; K],
+        start: &[f64; N],
+        is_judged: bool,
+    ) -> Result<Solved<N, K>, SolveError> {
         let unknowns = self.unknowns(&x);
         let stages = self.stages(&unknowns);
         let impulses = stages.each_ref().map(|stage| stage.impulse.value);
         let solved = (total(&unknowns.displacements), total(&impulses), x);
-        if !solver.tests_bounds() {
+        if !is_judged {
             return Ok(solved);
         }
         let is_accepted = match Sys::UNIQUENESS {
             Uniqueness::Linear | Uniqueness::Unknown => true,
             Uniqueness::Bounded => {
-                let solution = self.solution(&unknowns, &stages, &guess);
+                let solution = self.solution(&unknowns, &stages, start);
                 is_connected::<_, _, S, N, M, K>(self, &solution)
             }
         };
