@@ -54,7 +54,7 @@ impl DualRotation {
         rotation.entries(&mut entries);
         let column = |j: usize| -> [f64; 3] { core::array::from_fn(|i| entries[3 * j + i]) };
         let columns = core::array::from_fn(|j| {
-            // e × e_j has the components e_l along m and −e_m along l, with e_j × e_l = e_m
+            // `e × e_j` has the components `e_l` along m and `−e_m` along l, with `e_j × e_l = e_m`
             let (l, m) = ((j + 1) % 3, (j + 2) % 3);
             let (to_l, to_m) = (column(l), column(m));
             let value = column(j);

@@ -158,7 +158,7 @@ pub enum EnsembleError {
         name: String,
         /// Why.
         #[source]
-        error: StepError,
+        error: Box<StepError>,
     },
     /// Quantiles from too few values.
     #[error("`quantiles(\"{name}\", {size})` keeps {size} values; quantiles need at least 2")]

@@ -154,7 +154,7 @@ impl<I: Method> Gradients<'_, I> {
                 .check(system, first)
                 .map_err(|error| EnsembleError::GradientFunction {
                     name: name.clone(),
-                    error,
+                    error: Box::new(error),
                 })?;
         }
         Ok(())

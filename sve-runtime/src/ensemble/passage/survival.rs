@@ -89,7 +89,7 @@ impl Passages {
     /// Returns the estimate of P(τ > t) of Kaplan and Meier at each recorded time t: the fraction of paths that have not passed, as it would be without censoring. `None` where it is unknown: after the last
     /// path at risk was censored.
     ///
-    /// The estimate does not depend on how many times are recorded. Ends of paths are counted in bins, at least 4096 in the run, or a bin for each recorded time if there are more. If paths pass and paths are censored in one
+    /// The estimate does not depend on how many times are recorded. Ends of paths are counted in bins, some 2,000 to 4,096 in the run, or a bin for each recorded time if there are more. If paths pass and paths are censored in one
     /// bin, they are taken to do so in random order. That is exact where the two rates have a constant ratio within the bin, and off by an error of the second order in its length otherwise. If no path
     /// is censored, the estimate is the fraction of the paths that have not passed.
     ///

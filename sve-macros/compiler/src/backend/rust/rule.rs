@@ -46,11 +46,7 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
         work,
     } = code(derived, &received, &private, context);
     let (memory, memory_type) = memory(carried);
-    let returns = match scheme.returns {
-        Returns::Increment => quote!(Increment),
-        Returns::State => quote!(State),
-        Returns::MatrixTimesState => quote!(MatrixTimesState),
-    };
+    let returns = returns(scheme.returns);
     let linearise = linearise(&private, model, &received, linearisation, symbols, arena);
     let Received {
         flat,
@@ -175,6 +171,15 @@ fn memory(count: usize) -> (TokenStream, TokenStream) {
         quote!(memory),
         quote!(::core::option::Option<[f64; #count]>),
     )
+}
+
+/// The name in the runtime of what a step returns.
+fn returns(of_scheme: Returns) -> TokenStream {
+    match of_scheme {
+        Returns::Increment => quote!(Increment),
+        Returns::State => quote!(State),
+        Returns::MatrixTimesState => quote!(MatrixTimesState),
+    }
 }
 
 /// The conditions on where functions are evaluated, if there are any.

@@ -210,7 +210,7 @@ struct Part {
 }
 
 struct Name {
-    name: Ident,
+    ident: Ident,
     /// The number of the last statement that reads the name.
     last_read: usize,
     is_closure: bool,
@@ -222,7 +222,7 @@ impl Part {
         let is_closure = statement.is_closure();
         let names = statement.names.iter().zip(last_reads);
         self.names.extend(names.map(|(name, &last_read)| Name {
-            name: name.clone(),
+            ident: name.clone(),
             last_read,
             is_closure,
         }));
@@ -249,7 +249,7 @@ impl Part {
             return tokens.collect();
         }
         let results = names.iter().filter(|name| name.last_read >= end);
-        let results: Vec<&Ident> = results.map(|name| &name.name).collect();
+        let results: Vec<&Ident> = results.map(|name| &name.ident).collect();
         match results.as_slice() {
             [] => quote!({ #(#tokens)* }),
             [result] => quote!(let #result = { #(#tokens)* #result };),
