@@ -129,7 +129,7 @@ where
         |part, x| step(part, 0.0, x),
         meets_fold,
     )
-    .map_err(|end| end.in_step())?;
+    .map_err(End::in_step)?;
     if dw.as_ref().iter().any(|&w| w != 0.0) {
         end = follow_path(
             Point { at: 0.0, ..end },
@@ -137,7 +137,7 @@ where
             |noise, x| step(1.0, noise, x),
             |_, q| meets_fold(1.0, q),
         )
-        .map_err(|end| end.in_noise())?;
+        .map_err(End::in_noise)?;
     }
     Ok((end.q, end.p, end.x))
 }

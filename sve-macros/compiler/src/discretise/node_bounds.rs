@@ -19,7 +19,7 @@ pub(crate) enum Uniqueness {
     /// The equations are linear: there is one solution.
     Linear,
     /// There is one solution where the bounds prove it.
-    Bounded(NodeBounds),
+    Bounded(Box<NodeBounds>),
     /// There are no bounds.
     Unknown,
 }
@@ -67,7 +67,7 @@ pub(crate) fn uniqueness(
     }
     let ranges = ranges(model, symbols);
     match derivatives.bounds(model, &ranges, arena) {
-        Some(bounds) => Uniqueness::Bounded(bounds),
+        Some(bounds) => Uniqueness::Bounded(Box::new(bounds)),
         None => Uniqueness::Unknown,
     }
 }
@@ -79,15 +79,10 @@ fn ranges(model: &Model, symbols: &mut Symbols) -> HashMap<Symbol, Range> {
         ranges.insert(symbol, Range::Within(radius));
     };
     within(model.time, Axis::Time);
-    let axes: [(&[Symbol], fn(usize) -> Axis); 3] = [
-        (&model.q, Axis::Position),
-        (&model.v, Axis::Velocity),
-        (&model.p, Axis::Momentum),
-    ];
-    for (symbols, axis) in axes {
-        for (i, &symbol) in symbols.iter().enumerate() {
-            within(symbol, axis(i));
-        }
+    for i in 0..model.dof() {
+        within(model.q[i], Axis::Position(i));
+        within(model.v[i], Axis::Velocity(i));
+        within(model.p[i], Axis::Momentum(i));
     }
     ranges
 }

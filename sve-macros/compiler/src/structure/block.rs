@@ -4,9 +4,11 @@ use std::collections::HashMap;
 
 use super::band::{self, Order};
 use super::elimination::Reduced;
+use super::judge::Judge;
 use super::matrix::Matrix;
 use super::path::Constrained;
-use super::scheme::{Block, Iteration, Kind, Linear, Solution};
+use super::path::PathJudge;
+use super::scheme::{Block, Iteration, Kind, Linear, Refinement, Solution};
 use crate::algebra::{Expr, Symbol};
 use crate::discretise::equations::MeanValue;
 use crate::system::configuration::Factor;
@@ -25,6 +27,16 @@ struct LeadingRows {
     /// As in [`Leading`](crate::discretise::equations::Leading).
     mean_values: Vec<Option<MeanValue>>,
     scales: Vec<Option<Expr>>,
+    has_sign: bool,
+}
+
+/// How an iteration starts, and what judges its solution.
+struct Start {
+    judge: Option<Judge<Expr>>,
+    path: Option<PathJudge>,
+    /// The guess with its refinements; without it the iteration starts from the linearly implicit step.
+    explicit: Option<(Linear<Expr>, Vec<Refinement<Expr>>)>,
+    /// Whether the matrix of the guess has the sign of the determinant in the limit.
     has_sign: bool,
 }
 
@@ -100,31 +112,12 @@ impl Reduced<'_> {
         let scales = leading
             .as_ref()
             .map_or_else(Vec::new, |leading| leading.scales.clone());
-        let (judge, path, explicit, has_sign) = match leading {
-            Some(leading) => {
-                let guess = self.guess_from(&leading.residuals, &unknowns);
-                let block = Constrained {
-                    residual: &residual,
-                    leading: &leading.residuals,
-                    mean_values: &leading.mean_values,
-                    jacobian: &jacobian,
-                    variations: &leading.variations,
-                    unknowns: &unknowns,
-                };
-                let path = self.judge_path(&block, known);
-                let path = path.filter(|_| leading.has_sign);
-                (None, path, Some((guess, Vec::new())), leading.has_sign)
-            }
-            None => {
-                let judge = self.judge(&residual, &jacobian, &unknowns, known);
-                (
-                    judge,
-                    None,
-                    self.guess(&residual, &jacobian, &unknowns),
-                    true,
-                )
-            }
-        };
+        let Start {
+            judge,
+            path,
+            explicit,
+            has_sign,
+        } = self.start(leading.as_ref(), (&residual, &jacobian), &unknowns, known);
         let fallback = self.linear(at_zero);
         let limit = explicit.as_ref().map(|(guess, _)| guess.matrix.clone());
         let limit = limit.filter(|_| has_sign);
@@ -159,6 +152,40 @@ impl Reduced<'_> {
             nonzeros,
             pivots,
             solution: Solution::Iteration(Box::new(iteration)),
+        }
+    }
+
+    /// Finds the guess of an iteration and what judges its solution. The guess of a block with multipliers is solved from its equations to leading order.
+    fn start(
+        &mut self,
+        leading: Option<&LeadingRows>,
+        (residual, jacobian): (&[Expr], &[Vec<Expr>]),
+        unknowns: &[Symbol],
+        known: &Replacement,
+    ) -> Start {
+        let Some(leading) = leading else {
+            return Start {
+                judge: self.judge(residual, jacobian, unknowns, known),
+                path: None,
+                explicit: self.guess(residual, jacobian, unknowns),
+                has_sign: true,
+            };
+        };
+        let guess = self.guess_from(&leading.residuals, unknowns);
+        let block = Constrained {
+            residual,
+            leading: &leading.residuals,
+            mean_values: &leading.mean_values,
+            jacobian,
+            variations: &leading.variations,
+            unknowns,
+        };
+        let path = self.judge_path(&block, known);
+        Start {
+            judge: None,
+            path: path.filter(|_| leading.has_sign),
+            explicit: Some((guess, Vec::new())),
+            has_sign: leading.has_sign,
         }
     }
 

@@ -66,7 +66,7 @@ impl Cancellation<'_> {
             (rest, power) = (quotient, power + 1);
         }
         let factors: Vec<(Expr, i32)> = match self.arena.node(rest) {
-            Node::Product(factors) => factors.to_vec(),
+            Node::Product(factors) => factors.clone(),
             _ => vec![(rest, 1)],
         };
         let mut product = Vec::new();
@@ -133,13 +133,13 @@ fn divided(e: Expr, h: Expr, arena: &mut Arena) -> Option<Expr> {
         Node::Opaque(inner, _) => divided(inner, h, arena),
         Node::Sum(constant, terms) if constant.get() == 0.0 => {
             let mut parts = Vec::new();
-            for &(x, c) in terms.iter() {
+            for &(x, c) in &terms {
                 parts.push((c.get(), divided(x, h, arena)?));
             }
             Some(arena.sum(0.0, &parts))
         }
         Node::Product(factors) => {
-            let mut factors: Vec<(Expr, i32)> = factors.to_vec();
+            let mut factors: Vec<(Expr, i32)> = factors.clone();
             // the step size itself first
             factors.sort_by_key(|f| f.0 != h);
             for at in 0..factors.len() {

@@ -74,7 +74,7 @@ pub(super) struct Constrained<'a> {
 }
 
 /// A block in the names of its solution, with its limit.
-struct Limit<'a> {
+struct NamedBlock<'a> {
     /// The Jacobian, and that in the limit.
     matrix: Vec<Vec<Expr>>,
     at_limit: Vec<Vec<Expr>>,
@@ -170,7 +170,7 @@ impl Reduced<'_> {
         let at_limit = rows(&at_limit);
         let matrix = Matrix::dense(at_limit.clone());
         let pivots = self.pivots(block.variations, unknowns, &matrix)?.0;
-        let block = Limit {
+        let block = NamedBlock {
             matrix: rows(&entries),
             at_limit,
             defects,
@@ -195,7 +195,7 @@ impl Reduced<'_> {
     }
 
     /// The bounds, with the half widths of the box and the residuals at the limit.
-    fn path(&mut self, block: &Limit<'_>) -> Option<(Enclosure<Expr>, Vec<Expr>, Vec<Expr>)> {
+    fn path(&mut self, block: &NamedBlock<'_>) -> Option<(Enclosure<Expr>, Vec<Expr>, Vec<Expr>)> {
         let flavour = Flavour::Box;
         let mut ranges: HashMap<Symbol, Range> = HashMap::new();
         ranges.extend(block.small.iter().map(|&s| (s, Range::Small)));
@@ -230,7 +230,7 @@ impl Reduced<'_> {
 
     /// How far each unknown is moved by residuals of these sizes, roughly: each equation is solved for the unknown of its pivot, those of the constraints after
     /// elimination of the others.
-    fn single_steps(&mut self, block: &Limit<'_>, defects: &[Expr]) -> Vec<Expr> {
+    fn single_steps(&mut self, block: &NamedBlock<'_>, defects: &[Expr]) -> Vec<Expr> {
         let zero = self.arena.constant(0.0);
         let a = &block.at_limit;
         let mut steps = vec![zero; defects.len()];
