@@ -153,7 +153,7 @@ fn several_unknowns_converge() {
 fn intersection(sign: f64) -> ContractingLanes<2> {
     let mut iterations = ContractingLanes::<2>::new(&Newton::default());
     for lane in 0..LANES {
-        iterations.start(lane, [1.0 + 0.2 * lane as f64, 1.0], sign);
+        iterations.start(lane, [1.0 + 0.006 * lane as f64, 1.0], sign);
     }
     while iterations.next_iteration() {
         for lane in 0..LANES {
@@ -180,7 +180,7 @@ fn the_root_of_a_contracting_iteration_is_accepted() {
     let iterations = intersection(-1.0);
     assert!((0..5).all(|lane| iterations.has_converged(lane)));
     assert!((0..5).all(|lane| (iterations.point(lane)[0] - 1.0).abs() < 1e-15));
-    // from afar the first update leaves more than a quarter of the first residual
+    // from afar the first update leaves more than 1/64 of the first residual
     assert!((20..LANES).all(|lane| !iterations.has_converged(lane)));
     let unknown = intersection(f64::NAN);
     assert!((0..5).all(|lane| unknown.has_converged(lane)));
@@ -192,7 +192,7 @@ fn a_determinant_of_the_other_sign_fails_a_lane() {
     assert!((0..LANES).all(|lane| !iterations.has_converged(lane)));
 }
 
-/// `x² = 4` from points of which the larger ones are out of reach by Kantorovich's condition, |f f″| ≤ ½ f′².
+/// `x² = 4` from points of which some are out of reach by Kantorovich's condition, |f f″| ≤ ½ f′², or leave more than 1/64 of the residual.
 #[test]
 fn a_single_unknown_contracts_by_its_second_derivative() {
     let mut iterations = ContractingLanes::<1>::new(&Newton::default());
@@ -219,7 +219,11 @@ fn a_single_unknown_contracts_by_its_second_derivative() {
     }
     for lane in 0..LANES {
         let x = guess(lane);
-        let is_near = (x * x - 4.0).abs() <= x * x;
+        let (residual, slope) = (x * x - 4.0, 2.0 * x);
+        let newton = residual / slope;
+        let next = x - newton * (1.0 + newton / slope);
+        let contracts = (next * next - 4.0).abs() <= residual.abs() / 64.0;
+        let is_near = residual.abs() <= x * x && contracts;
         assert_eq!(iterations.has_converged(lane), is_near, "{x}");
         assert!(!is_near || (iterations.point(lane)[0] - 2.0).abs() < 1e-15);
     }

@@ -278,14 +278,15 @@ impl Solver<'_> {
         };
         let middle = typed(private, &bounds.middle, middle);
         quote! {
-            if newton.tests_paths() {
+            let full = || {
                 let #names = { #reopen #of_limit };
                 #reopen
                 #statements
                 let ([defects], [reach], [distances]) = (#defects, #reach, #distances);
-                if !(#private::contains_path(&#middle, &#radii, &defects, &reach) && #private::all_positive(&distances)) {
-                    return ::core::result::Result::Err(#private::SolveError::OtherBranch);
-                }
+                #private::contains_path(&#middle, &#radii, &defects, &reach) && #private::all_positive(&distances)
+            };
+            if newton.tests_paths() && !#private::cold(full) {
+                return ::core::result::Result::Err(#private::SolveError::OtherBranch);
             }
         }
     }
