@@ -79,10 +79,14 @@ fn ranges(model: &Model, symbols: &mut Symbols) -> HashMap<Symbol, Range> {
         ranges.insert(symbol, Range::Within(radius));
     };
     within(model.time, Axis::Time);
-    for i in 0..model.dof() {
-        within(model.q[i], Axis::Position(i));
-        within(model.v[i], Axis::Velocity(i));
-        within(model.p[i], Axis::Momentum(i));
+    for (i, &symbol) in model.q.iter().enumerate() {
+        within(symbol, Axis::Position(i));
+    }
+    for (i, &symbol) in model.v.iter().enumerate() {
+        within(symbol, Axis::Velocity(i));
+    }
+    for (i, &symbol) in model.p.iter().enumerate() {
+        within(symbol, Axis::Momentum(i));
     }
     ranges
 }
