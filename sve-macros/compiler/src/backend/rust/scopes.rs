@@ -206,11 +206,12 @@ fn for_each_word(trees: &[TokenTree], visit: &mut impl FnMut(&Ident)) {
 struct Part {
     tokens: Vec<TokenTree>,
     lets: usize,
-    names: Vec<Name>,
+    names: Vec<Bound>,
 }
 
-struct Name {
-    ident: Ident,
+/// A name that a statement binds.
+struct Bound {
+    name: Ident,
     /// The number of the last statement that reads the name.
     last_read: usize,
     is_closure: bool,
@@ -221,8 +222,8 @@ impl Part {
         self.lets += usize::from(!statement.pattern.is_empty());
         let is_closure = statement.is_closure();
         let names = statement.names.iter().zip(last_reads);
-        self.names.extend(names.map(|(name, &last_read)| Name {
-            ident: name.clone(),
+        self.names.extend(names.map(|(name, &last_read)| Bound {
+            name: name.clone(),
             last_read,
             is_closure,
         }));
@@ -249,7 +250,7 @@ impl Part {
             return tokens.collect();
         }
         let results = names.iter().filter(|name| name.last_read >= end);
-        let results: Vec<&Ident> = results.map(|name| &name.ident).collect();
+        let results: Vec<&Ident> = results.map(|name| &name.name).collect();
         match results.as_slice() {
             [] => quote!({ #(#tokens)* }),
             [result] => quote!(let #result = { #(#tokens)* #result };),
