@@ -103,10 +103,10 @@ where
 /// A coupler that is longer than the distance of the pivots by 10⁻⁹ lets the linkage turn by 60 degrees where it is almost a line. A step of 0.01 across this place multiplied the energy by 4.
 #[test]
 fn a_step_across_a_near_fold_is_an_error() {
-    fn check<S, R: Copy>(system: S, rule: R)
+    fn check<S, R>(system: S, rule: R)
     where
         S: Copy + Variational<R> + System<Dims = Dims<4, 1, Two>>,
-        R: sve_runtime::DerivedFor<S>,
+        R: Copy + sve_runtime::DerivedFor<S>,
     {
         let integrator = Integrator::new(system, rule);
         for k in 0..12 {

@@ -59,7 +59,6 @@ pub(crate) fn start_of_step(context: &Context<'_>, test: &StartTest) -> TokenStr
         )
     });
     quote! {
-        /// The test of the mass matrix `∂²L/∂v²` at the start of a step.
         #attributes
         impl #private::StartOfStep for #self_ty {
             #by_parameters
