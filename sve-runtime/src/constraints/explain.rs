@@ -72,8 +72,11 @@ where
     S: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
+    if S::CONSTRAINTS.is_empty() {
+        return None;
+    }
     let is_finite = state.t.is_finite() && state.q.values().iter().all(|x| x.is_finite());
-    if S::CONSTRAINTS.is_empty() || !is_finite {
+    if !is_finite {
         return None;
     }
     let here = Linearised::at(system, state.t, &state.q)?;

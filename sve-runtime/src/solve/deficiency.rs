@@ -100,6 +100,14 @@ mod tests {
                 let unit = (60.0 * random.next()).round().exp2();
                 *row = row.map(|x| unit * x);
             }
+            // rows that are nearly parallel lose the digits that tell a contradiction
+            let sine = |i: usize, j: usize| {
+                let cross = b[i][0] * b[j][1] - b[i][1] * b[j][0];
+                (cross / (b[i][0].hypot(b[i][1]) * b[j][0].hypot(b[j][1]))).abs()
+            };
+            if sine(0, 1).min(sine(1, 2)).min(sine(2, 0)) < 0.05 {
+                continue;
+            }
             let matrix: [[f64; 3]; 3] = core::array::from_fn(|i| {
                 core::array::from_fn(|j| b[i][0] * b[j][0] + b[i][1] * b[j][1])
             });
@@ -108,8 +116,10 @@ mod tests {
             let found = deficiency(&matrix, &image);
             assert!(found.pivot <= 1e-14 * found.terms, "{found:?}");
             assert_eq!(found.rest, 0.0, "{matrix:?} {image:?}");
+            // a change of the size of the terms: the image itself may be a small difference of these
             let mut outside = image;
-            outside[found.row] *= 1.5;
+            let terms = (0..2).map(|j| (b[found.row][j] * v[j]).abs());
+            outside[found.row] += terms.sum::<f64>();
             let found = deficiency(&matrix, &outside);
             assert!(found.rest > 0.0, "{matrix:?} {outside:?}");
         }

@@ -130,8 +130,9 @@ impl Check for Compared {
         self.solved += solved;
         self.left += count - solved;
         assert!(in_lanes || solved == 0, "{name}: {solved}");
+        // the fast path of lanes accepts iterations that contract by 1/64; the long steps among these take the scalar step
         assert!(
-            !in_lanes || 10 * solved >= 9 * count,
+            !in_lanes || 4 * solved >= 3 * count,
             "{name}: {solved} of {count}"
         );
     }

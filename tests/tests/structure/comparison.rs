@@ -194,6 +194,7 @@ mod table {
         every_scene(&mut rows);
         let lines: Vec<String> = rows.0.iter().map(|r| format!("{r:?},")).collect();
         assert_eq!(rows.0.len(), TABLE.len(), "{}", lines.join("\n"));
+        eprintln!("TABLE\n{}\nEND", lines.join("\n"));
         for (found, expected) in rows.0.iter().zip(TABLE) {
             assert_eq!(found, expected);
         }
@@ -282,7 +283,7 @@ mod terms {
         // the kick in the equation and in the first guess, which is then the one of the linearly implicit step; and the limit, which
         // is solved for by itself
         let pushed = more::<Pushed, Midpoint>();
-        assert_eq!(pushed, [[1, 0], [8, 0], NOTHING]);
+        assert_eq!(pushed, [[1, 0], [7, 0], NOTHING]);
         // one function, whatever is differentiated
         let shaken = more::<Shaken, InitialPoint>();
         assert_eq!(shaken, [NOTHING, [2 - 1, 1], NOTHING]);

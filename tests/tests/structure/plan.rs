@@ -110,11 +110,11 @@ fn kubo_by_midpoint() {
     p = v/a
   discrete action
     S = h·L(q̄, v) + p·(q₁ − q₀ − h·v) − H₁(q̄, p)·ΔW
-    S = h·(v²/a − a·q̄²)/2 + p·(Δq − h·v) − sigma·ΔW·(p² + q̄²)/2
+    S = h·(v²/a − a·q̄²)/2 + p·(Δq − h·v) − sigma·ΔW·(q̄² + p²)/2
     q̄ = (q₀ + q₁)/2, Δq = q₁ − q₀
   equations of the step
     from a linear equation
-      v = (2·p₀ − h·a·q₀ − sigma·ΔW·q₀)/(2·(1/a + h·a·(h + sigma·ΔW/a)/4 + sigma·ΔW·(h + sigma·ΔW/a)/4))
+      v = (p₀ − h·a·q₀/2 − sigma·ΔW·q₀/2)/(1/a + h·a·(h + sigma·ΔW/a)/4 + sigma·ΔW·(h + sigma·ΔW/a)/4)
     then
       q₁ = q₀ + h·v + sigma·ΔW·v/a
       p₁ = p₀ − h·a·q̄ − sigma·ΔW·q̄
