@@ -186,6 +186,7 @@ fn paths_that_fail_are_at_risk_until_then() {
     let method = pair();
     let paths = 200;
     let velocity = |path: u64| 0.25 + 1.75 * ((path * 37) % 1000) as f64 / 1000.0;
+    #[allow(clippy::cast_sign_loss)] // values from 0.25 on
     let number = |v: f64| ((v - 0.25) / 1.75 * 1000.0).round() as u64;
     let summary = Ensemble::new(&method)
         .paths(paths)

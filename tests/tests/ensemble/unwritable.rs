@@ -155,7 +155,7 @@ fn a_folder_that_vanishes_during_the_run_is_a_warning() {
     let resumed = ensemble(&method)
         .checkpoint(&path, Duration::ZERO)
         .resume(true);
-    let resumed = resumed.stop_when(|| never()).run().unwrap();
+    let resumed = resumed.stop_when(never).run().unwrap();
     assert_eq!(resumed, summary);
     assert!(resumed.warnings().is_empty());
     // blocks 2 to 5 and the end are not written
