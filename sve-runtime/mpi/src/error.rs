@@ -92,7 +92,7 @@ impl SentError {
                 source: known.filter(|_| rank == here).map(Box::new),
             },
             Self::Cause(Cause::Panic { rank, message }) => Error::Panicked { rank, message },
-            Self::Cause(Cause::Failed(failure)) => Error::Failed(Box::new(failure)),
+            Self::Cause(Cause::Failed(failure)) => Error::Failed(failure),
             Self::Differs { rank, what } => Error::Differs { rank, what },
             Self::ThreadLevel { rank } => Error::ThreadLevel { rank },
             Self::NothingRun => Error::NothingRun(Box::new(EnsembleError::NothingRun)),

@@ -54,7 +54,7 @@ pub(crate) struct Stop {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Cause {
     /// A path failed, and `stop_on_failure` was asked for.
-    Failed(Failure),
+    Failed(Box<Failure>),
     /// A rank has an error.
     Error { rank: i32, message: String },
     /// A rank panicked.

@@ -222,7 +222,7 @@ impl Pool {
             Ok(Ok(None)) => (Some((0, None)), None),
             Ok(Err(EnsembleError::Failed(failure))) => {
                 let limit = failure.path / BLOCK_PATHS + 1;
-                (Some((limit, Some(Cause::Failed(*failure)))), None)
+                (Some((limit, Some(Cause::Failed(failure)))), None)
             }
             Ok(Err(error)) => {
                 let message = error.to_string();
