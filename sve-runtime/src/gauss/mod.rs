@@ -16,7 +16,7 @@
 //! the iterates. Where the iteration does not contract, and with fewer stages, Newton's method solves the step. Its solution is accepted
 //! - for linear equations, which have one;
 //! - for systems of up to four coordinates whose functions have bounds, if the bounds prove that it is the connected one;
-//! - for other systems, if the iteration contracts, as in any step.
+//! - for other systems, if each iteration leaves at most 1/64 of the residual.
 //!
 //! What is not accepted is followed by [`continuation`](crate::continuation).
 

@@ -51,7 +51,7 @@ where
         let block = BlockProperties {
             first: 0,
             has_bounds: Sys::UNIQUENESS != Uniqueness::Unknown,
-            is_constrained: false,
+            needs_strong_contraction: Sys::UNIQUENESS == Uniqueness::Unknown,
             limit_sign: sign,
         };
         let x = solver.solve_block(

@@ -95,3 +95,36 @@ fn steps_beyond_the_end_of_the_path_are_refused() {
     let (step, reached) = lost_at(end(PENDULUM, Gauss::<3>, [2.49141, -1.29913], 4.97305, 0.0));
     assert!((step - 0.964).abs() < 1e-3 && reached == 0.0, "{step}");
 }
+
+/// Five pendulums beside one another: more coordinates than have bounds.
+#[derive(Clone, Copy, Debug)]
+struct Pendulums;
+
+#[variational(gauss(2), gauss(3))]
+impl Pendulums {
+    fn lagrangian(&self, q: [f64; 5], v: [f64; 5]) -> f64 {
+        (0..5).map(|i| 0.5 * v[i] * v[i] + q[i].cos()).sum()
+    }
+}
+
+#[test]
+fn many_coordinates_take_the_solution_of_each() {
+    let ([q, p], h) = START;
+    let mut state = State::new([q, 0.1, -0.2, 0.3, 0.0], [p, 0.0, 0.1, 0.0, -0.2]);
+    let integrator = Integrator::new(Pendulums, Gauss::<2>);
+    integrator.step(&mut state, h, &[]).unwrap();
+    let connected = [-1.808_352_783_411_216_7, 0.641_961_110_511_242_2];
+    assert_near(Ok([state.q[0], state.p[0]]), connected);
+    // one of the paths ends
+    let start = State::new(
+        [2.49141, 0.1, 0.0, 0.0, 0.0],
+        [-1.29913, 0.0, 0.0, 0.0, 0.1],
+    );
+    let mut state = start;
+    let result = Integrator::new(Pendulums, Gauss::<3>).step(&mut state, 4.97305, &[]);
+    assert!(
+        matches!(result, Err(StepError::BranchLost { .. })),
+        "{result:?}"
+    );
+    assert_eq!(state, start);
+}

@@ -7,7 +7,7 @@ use super::Update;
 use crate::lanes::solve::{Solved, solve};
 use crate::lanes::{LANES, Lane};
 use crate::solve::newton::convergence::{
-    CONTRACTION_OF_CONSTRAINTS, ERROR_OF_UPDATE, Evaluation, ROOT_OF_ROUNDING,
+    ERROR_OF_UPDATE, Evaluation, ROOT_OF_ROUNDING, STRONG_CONTRACTION,
 };
 
 /// Which roots are accepted.
@@ -150,7 +150,7 @@ impl<const K: usize> Acceptance<K> for ByContraction<K> {
 
     #[inline(always)]
     fn note(&mut self, lane: usize, at: &Evaluation<K, Solved<K>>, relative: f64) {
-        let bounds = at.contraction_bounds(relative, CONTRACTION_OF_CONSTRAINTS);
+        let bounds = at.contraction_bounds(relative, STRONG_CONTRACTION);
         for i in 0..K {
             self.largest[i][lane] = bounds[i];
         }

@@ -2,7 +2,7 @@
 //!
 //! Input: guess and equations of a block. Output: its solution. Invariant: on the fast path the interface costs one test of its mode.
 
-use super::convergence::{CONTRACTION, CONTRACTION_OF_CONSTRAINTS};
+use super::convergence::{CONTRACTION, STRONG_CONTRACTION};
 use super::driver::{Acceptance, RootTest};
 use super::{Evaluation, Newton};
 use crate::solve::SolveError;
@@ -18,10 +18,10 @@ pub struct BlockSolver<'a> {
 /// Which guesses blocks start from, and which roots they accept.
 #[derive(Clone, Copy, Debug)]
 enum Mode<'a> {
-    /// Starts from the guesses of the blocks. A root is accepted by the bounds of the block's Jacobian if it has such bounds and no multipliers, otherwise by
-    /// the path of the iteration.
+    /// Starts from the guesses of the blocks. A root is accepted by the path of the iteration if the block needs strong contraction or has no bounds, otherwise by
+    /// the bounds of the block's Jacobian.
     FastPath,
-    /// As on the fast path, but blocks with multipliers of constraints are accepted by the bounds of their paths.
+    /// As on the fast path, but blocks that need strong contraction are accepted by the bounds of their paths.
     Bounds,
     /// Starts from the given solutions, one number for each unknown of the step (warm start). Rejects a root that Newton does not reach by
     /// contracting steps.
@@ -37,8 +37,9 @@ pub struct BlockProperties {
     pub first: usize,
     /// Whether the step tests the root by bounds of the Jacobian afterwards.
     pub has_bounds: bool,
-    /// Whether the block has multipliers of constraints.
-    pub is_constrained: bool,
+    /// Whether the fast path accepts a root only if the iteration contracts strongly, and never by its determinant: for many stages without bounds, and for multipliers of
+    /// constraints.
+    pub needs_strong_contraction: bool,
     /// The sign of the Jacobian's determinant in the limit of no noise and h → 0.
     pub limit_sign: DeterminantSign,
 }
@@ -113,12 +114,14 @@ impl<'a> BlockSolver<'a> {
         let BlockProperties {
             first,
             has_bounds,
-            is_constrained,
+            needs_strong_contraction,
             limit_sign,
         } = block;
         let (acceptance, sign) = match self.mode {
-            Mode::FastPath if is_constrained => (Acceptance::Contracting, limit_sign),
-            Mode::Bounds if is_constrained && !has_bounds => return Err(SolveError::OtherBranch),
+            Mode::FastPath if needs_strong_contraction => (Acceptance::Contracting, limit_sign),
+            Mode::Bounds if needs_strong_contraction && !has_bounds => {
+                return Err(SolveError::OtherBranch);
+            }
             Mode::FastPath | Mode::Bounds if has_bounds => {
                 (Acceptance::Any, DeterminantSign::UNKNOWN)
             }
@@ -131,7 +134,7 @@ impl<'a> BlockSolver<'a> {
             Mode::Continuation(solutions) => block_of(solutions, first, guess),
         };
         let contraction = match self.mode {
-            Mode::FastPath if is_constrained => CONTRACTION_OF_CONSTRAINTS,
+            Mode::FastPath if needs_strong_contraction => STRONG_CONTRACTION,
             _ => CONTRACTION,
         };
         let test = RootTest {

@@ -38,9 +38,9 @@ pub(crate) const STALL: f64 = 0.5;
 /// start inside its ball.
 pub(crate) const CONTRACTION: f64 = 0.25;
 
-/// The same for blocks with multipliers of constraints on the fast path. A step whose velocity turns by an angle α has a ratio of about α²/4, so this is a turn of a quarter of a radian: far from
+/// The same for roots that no bounds judge, on the fast path: stages of many coordinates, and multipliers of constraints. A step whose velocity turns by an angle α has a ratio of about α²/4, so this is a turn of a quarter of a radian: far from
 /// one at which the path of solutions ends, and from a fold. At a double root, where the gradient of a constraint vanishes with it, the ratio is ¼.
-pub(crate) const CONTRACTION_OF_CONSTRAINTS: f64 = 1.0 / 64.0;
+pub(crate) const STRONG_CONTRACTION: f64 = 1.0 / 64.0;
 
 /// Residual after an update that can be rounding error of the update, relative to the terms: the solution of a small linear system loses a few digits.
 pub(crate) const ERROR_OF_UPDATE: f64 = 64.0 * f64::EPSILON;
@@ -65,6 +65,25 @@ pub(crate) fn judge(residual: f64, previous: f64, tolerance: f64) -> Verdict {
         has_halved,
         is_stalled_by_rounding: !has_halved & (residual < ROOT_OF_ROUNDING),
     }
+}
+
+/// Largest growth of the terms of an equation at which two relative residuals are comparable. The prediction errs by its square, which [`NEGLIGIBLE`] leaves room for.
+const COMPARABLE: f64 = 64.0;
+
+/// Returns whether the relative residuals of two successive points are in the same units: no equation has terms that are much larger at the second one. An equation whose
+/// terms all vanish at the root, but for rounding errors, can have a relative residual of any size, which then says nothing about the others. `bounds` are those of
+/// [`Evaluation::contraction_bounds`], the residuals times the magnitudes of the terms.
+#[inline(always)]
+pub(crate) fn are_comparable<const K: usize>(
+    [previous, residual]: [f64; 2],
+    [before, here]: [&[f64; K]; 2],
+) -> bool {
+    let largest = COMPARABLE * residual;
+    let mut all = true;
+    for i in 0..K {
+        all &= here[i] * previous <= largest * before[i];
+    }
+    all
 }
 
 /// Returns whether the residual after an update of second or third order is predicted to be negligible beside the tolerance.

@@ -4,7 +4,7 @@
 //! by value so that its numbers stay in registers on the fast path.
 
 use super::convergence::{
-    CONTRACTION, ERROR_OF_UPDATE, ROOT_OF_ROUNDING, judge, predicts_negligible,
+    CONTRACTION, ERROR_OF_UPDATE, ROOT_OF_ROUNDING, are_comparable, judge, predicts_negligible,
 };
 use super::iteration::{Decision, Iteration, Judged, Phase};
 use super::update::{Update, is_regular_with};
@@ -199,7 +199,12 @@ impl Newton {
             return None;
         }
         let previous = iteration.previous_residual;
-        let is_root = predicts_negligible(residual, previous, is_third_order, self.tolerance);
+        let is_root = predicts_negligible(residual, previous, is_third_order, self.tolerance)
+            && (K == 1
+                || are_comparable(
+                    [previous, residual],
+                    [&iteration.contraction_bounds, contraction_bounds],
+                ));
         *iteration = Iteration {
             x,
             previous_x: iteration.x,

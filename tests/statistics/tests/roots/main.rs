@@ -69,6 +69,28 @@ impl Jittered {
     }
 }
 
+/// Pendulums on a line, joined by springs: more coordinates than have bounds.
+#[derive(Clone, Copy, Debug)]
+struct Joined;
+
+#[variational(gauss(2), gauss(3), gauss(4), gauss(6))]
+impl Joined {
+    fn lagrangian(&self, q: [f64; 5], v: [f64; 5]) -> f64 {
+        let apart: f64 = (0..5).map(|i| 0.5 * v[i] * v[i] + q[i].cos()).sum();
+        let springs: f64 = (0..4).map(|i| 0.25 * (q[i + 1] - q[i]).powi(2)).sum();
+        apart - springs
+    }
+}
+
+fn joined(z: &[f64]) -> Vec<Vec<f64>> {
+    let force = |i: usize| {
+        let left = if i > 0 { z[i - 1] - z[i] } else { 0.0 };
+        let right = if i < 4 { z[i + 1] - z[i] } else { 0.0 };
+        0.5 * (left + right) - z[i].sin()
+    };
+    vec![z[5..].iter().copied().chain((0..5).map(force)).collect()]
+}
+
 fn waves(k: f64, gamma: f64) -> impl Fn(&[f64]) -> Vec<Vec<f64>> {
     move |z| {
         let motion = vec![z[1], -k * (k * z[0]).sin()];
@@ -176,8 +198,11 @@ where
 
 /// Compares all rules for a system; returns the counts.
 macro_rules! all_rules {
-    ($system:expr, $fields:expr, $size:expr, $sizes:expr) => {{
-        let (mut random, count) = (Random::new(7), STEPS / 24);
+    ($system:expr, $fields:expr, $size:expr, $sizes:expr) => {
+        all_rules!($system, $fields, $size, $sizes, STEPS / 24)
+    };
+    ($system:expr, $fields:expr, $size:expr, $sizes:expr, $count:expr) => {{
+        let (mut random, count) = (Random::new(7), $count);
         let mut all = Counts::default();
         all_rules!(@ $system, $fields, $size, $sizes, random, count, all; 2, 3, 4, 6);
         all
@@ -232,6 +257,18 @@ fn random_steps_of_a_double_pendulum() {
         double_pendulum,
         [3.0, 2.0],
         [0.1, 3.0]
+    ));
+}
+
+#[test]
+fn random_steps_of_joined_pendulums() {
+    // continuation with differences of ten variables takes long
+    check(all_rules!(
+        Joined,
+        joined,
+        [3.2, 3.0],
+        [0.3, 5.0],
+        STEPS / 400
     ));
 }
 

@@ -154,7 +154,7 @@ impl Solver<'_> {
             };
             let fallback = || { #reopen #fallback };
             let rounding = |&#iterates: &[f64; #size]| { #reopen #rounding };
-            let block = #private::BlockProperties { first: #first, has_bounds: #judged, is_constrained: #constrained, limit_sign: origin };
+            let block = #private::BlockProperties { first: #first, has_bounds: #judged, needs_strong_contraction: #constrained, limit_sign: origin };
             #limits
             let #solved = newton.solve_block(block, &guess, fallback, rounding, |&#iterates: &[f64; #size]| {
                 #statements

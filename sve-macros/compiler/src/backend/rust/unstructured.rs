@@ -46,7 +46,7 @@ pub(super) fn code(
             let time = state.t;
             let guess = { #guess };
             let rounding = |&#iterates: &[f64; #size]| { #rounding };
-            let block = #private::BlockProperties { first: 0, has_bounds: false, is_constrained: false, limit_sign: #private::DeterminantSign::UNKNOWN };
+            let block = #private::BlockProperties { first: 0, has_bounds: false, needs_strong_contraction: false, limit_sign: #private::DeterminantSign::UNKNOWN };
             let #solved = newton.solve_block(block, &guess, || #rest, rounding, |&#iterates: &[f64; #size]| {
                 #evaluation
             })?;

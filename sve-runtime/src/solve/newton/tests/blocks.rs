@@ -30,7 +30,7 @@ fn block(limit_sign: DeterminantSign) -> BlockProperties {
     BlockProperties {
         first: 0,
         has_bounds: false,
-        is_constrained: false,
+        needs_strong_contraction: false,
         limit_sign,
     }
 }
