@@ -23,7 +23,17 @@ pub(crate) fn stopped(given: &World) {
         let _ = std::fs::remove_file(&file);
     }
     let is_last = given.rank == given.last;
+    // the other ranks are slow, so that they cannot end the run before the last one is asked
+    let start = |sleep: u64| {
+        move |path: u64, rng: &mut StartRng| {
+            if path % 64 == 33 {
+                thread::sleep(Duration::from_millis(sleep));
+            }
+            State::new([rng.normal()], [rng.uniform()])
+        }
+    };
     let ensemble = with_all(&method, PATHS)
+        .start_with(start(if is_last { 0 } else { 20 }))
         .threads(1)
         .checkpoint(&file, Duration::from_millis(1))
         .stop_when(|| is_last && asked.fetch_add(1, Ordering::Relaxed) >= 9);
@@ -33,10 +43,11 @@ pub(crate) fn stopped(given: &World) {
         "{summary:?}"
     );
     same_on_all(given, &bits(&summary));
-    let whole = with_all(&method, PATHS)
+    let again = || with_all(&method, PATHS).start_with(start(0));
+    let whole = again()
         .checkpoint(&file, Duration::from_secs(60))
         .resume(true);
-    let alone = bits(&with_all(&method, PATHS).run().unwrap());
+    let alone = bits(&again().run().unwrap());
     assert_eq!(
         bits(&sve_mpi::run(&whole, &given.communicator).unwrap()),
         alone
@@ -100,7 +111,7 @@ fn slow<'a>(method: &'a Method, ran: &'a AtomicU64) -> Ensemble<'a, Method> {
     })
 }
 
-/// The last rank dies once a second checkpoint exists.
+/// The last rank dies once a few checkpoints exist.
 pub(crate) fn killed(given: &World) {
     let (method, ran) = (kubo(), AtomicU64::new(0));
     let file = killed_file(given.last + 1);
@@ -112,11 +123,13 @@ pub(crate) fn killed(given: &World) {
     let (is_last, watched) = (given.rank == given.last, file.clone());
     if is_last {
         thread::spawn(move || {
-            // the second file has more blocks than the first one
+            // each file has more blocks than the one before
             let written = || watched.metadata().and_then(|file| file.modified()).ok();
-            let mut first = None;
-            while first.is_none() || written() == first {
-                first = first.or_else(written);
+            let (mut last, mut files) = (None, 0);
+            while files < 4 {
+                let now = written();
+                files += u32::from(now != last);
+                last = now;
                 thread::sleep(Duration::from_millis(1));
             }
             // as the system ends a process that takes too much memory
