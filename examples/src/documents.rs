@@ -160,7 +160,10 @@ fn every_page_of_the_guide_is_in_its_contents_and_in_the_documentation() {
     }
 }
 
-/// Where paths in ARCHITECTURE.md start: at the root, or in the folder that their part is about.
+/// Documents that name files of the repository.
+const MAPS: [&str; 3] = ["ARCHITECTURE.md", "docs/decisions.md", "tests/README.md"];
+
+/// Where their paths start: at the root, or in the folder that their part is about.
 const FOLDERS: [&str; 4] = [
     "",
     "sve-macros/compiler/src",
@@ -169,8 +172,8 @@ const FOLDERS: [&str; 4] = [
 ];
 
 #[test]
-fn the_files_that_the_architecture_names_are_there() {
-    let architecture = read("ARCHITECTURE.md");
+fn the_files_that_documents_name_are_there() {
+    let maps = MAPS.map(read).concat();
     let inline = |line: &str| -> Vec<String> {
         let quoted = line.split('`').skip(1).step_by(2);
         quoted.map(str::to_owned).collect()
@@ -182,7 +185,7 @@ fn the_files_that_the_architecture_names_are_there() {
         let ending = [".rs", ".py", ".md", ".toml", "/"];
         plain && ending.iter().any(|end| name.ends_with(end))
     };
-    let names: Vec<String> = architecture.lines().flat_map(inline).filter(file).collect();
+    let names: Vec<String> = maps.lines().flat_map(inline).filter(file).collect();
     assert!(names.len() > 80, "{} names", names.len());
     let missing: Vec<&String> = names
         .iter()
