@@ -18,6 +18,7 @@ use crate::discretise::tangent;
 use crate::errors::Errors;
 use crate::explain;
 use crate::interpret;
+use crate::model::{Meaning, Model, Symbols};
 use crate::rules::weak2::{self, Potential};
 use crate::rules::{Rule, RuleOption, action, applicable};
 use crate::structure::{self, Degenerate, StartTest};
@@ -30,7 +31,6 @@ use crate::system::constraints;
 use crate::system::degeneracy::{self, brackets};
 use crate::system::functions;
 use crate::system::mechanics::{self, Mechanics};
-use crate::system::model::{Meaning, Model, Symbols};
 use crate::system::symmetry::{self, MomentumMap};
 
 /// What an expansion is made for.

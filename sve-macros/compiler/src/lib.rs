@@ -17,6 +17,7 @@ mod driver;
 mod errors;
 mod explain;
 mod interpret;
+mod model;
 mod operations;
 mod program;
 mod rules;

@@ -10,11 +10,11 @@ use crate::algebra::{Arena, Expr};
 use crate::discretise::equations;
 use crate::errors::Errors;
 use crate::interpret;
+use crate::model::Symbols;
 use crate::program::{Operation, Scheduler, Tier};
 use crate::rules::{Options, action};
 use crate::structure::{self, Solution};
 use crate::syntax::parse;
-use crate::system::model::Symbols;
 
 /// Operations that a call of a function counts for.
 pub const CALL: usize = 20;

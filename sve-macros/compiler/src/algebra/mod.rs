@@ -15,6 +15,7 @@ mod elementary;
 mod expr;
 mod functions;
 mod hash;
+pub(crate) mod intervals;
 mod number;
 #[cfg(test)]
 mod reader;

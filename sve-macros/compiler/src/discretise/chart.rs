@@ -11,9 +11,9 @@
 //! ```
 
 use crate::algebra::{Arena, Expr, Symbol};
+use crate::model::configuration::{Block, Factor, cross, differential, transposed_cayley};
 use crate::rules::action::Action;
 use crate::structure::Scheme;
-use crate::system::configuration::{Block, Factor, cross, differential, transposed_cayley};
 
 /// A variable by which a step is differentiated.
 pub(super) enum Input {

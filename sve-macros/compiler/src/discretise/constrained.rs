@@ -13,9 +13,9 @@ use std::collections::HashMap;
 
 use super::equations::{Equations, Leading};
 use crate::algebra::{Arena, Expr, Symbol};
+use crate::model::{Family, Meaning, Symbols};
 use crate::rules::action::Action;
 use crate::rules::constraints::{Enforced, leading};
-use crate::system::model::{Family, Meaning, Symbols};
 
 /// Adds the equations of constraints. `ends` is `∂S/∂d`, which is p₁.
 pub(super) fn extend(

@@ -6,7 +6,7 @@
 //! 0 = ∂S/∂x   (each internal x)        0 = ∂S/∂d − ∂S/∂q₀ − p₀        p₁ − p₀ = ∂S/∂q₀
 //! ```
 //!
-//! These are the equations of a vector; those of a rotation are in [`configuration`](crate::system::configuration).
+//! These are the equations of a vector; those of a rotation are in [`configuration`](crate::model::configuration).
 //! Where a momentum is a function of the configuration, p₀ and p₁ are that function, and equations at the end may be added ([`Ends`](crate::rules::action::Ends)).
 //! If there is a force, its work under a variation of x is added to each ∂S/∂x (Lagrange–d'Alembert principle).
 
@@ -14,12 +14,13 @@ use std::collections::HashMap;
 
 use super::constrained;
 use crate::algebra::{Arena, Expr, Node, Symbol};
-use crate::rules::action::{Action, Place, Work, values_at_nodes};
-use crate::structure::Condition;
-use crate::system::configuration::{
+use crate::model::Symbols;
+use crate::model::configuration::{
     Block, Factor, cross, directions_of_rotation, momentum_at_start,
 };
-use crate::system::model::Symbols;
+use crate::model::domain::Condition;
+use crate::rules::action::{Action, Place, Work, values_at_nodes};
+use crate::rules::constraints::MeanValue;
 
 /// The equations of a step.
 pub(crate) struct Equations {
@@ -43,15 +44,6 @@ pub(crate) struct Equations {
     pub(crate) reported: Vec<Expr>,
     /// What must not be negative where a solution is accepted by the contraction of its iteration.
     pub(crate) guards: Vec<Expr>,
-}
-
-/// φ(t₁,q₁)/h by the mean-value theorem.
-#[derive(Clone, Copy)]
-pub(crate) struct MeanValue {
-    /// `∂φ/∂t + Σ ∂φ/∂q_i d_i/h` at some point between the ends, which is written as the end.
-    pub(crate) rate: Expr,
-    /// φ(t₀,q₀)/h, which is rounding error.
-    pub(crate) start: Expr,
 }
 
 /// The equations to leading order in the step size.
@@ -168,7 +160,7 @@ struct MomentaOfRotation {
 }
 
 /// Derives the momenta of a rotation from `g = ∂S/∂x` and τ, the derivative by the rotation at the node
-/// ([`configuration`](crate::system::configuration)): `Π₁ − Π₀ = τ − x × g`.
+/// ([`configuration`](crate::model::configuration)): `Π₁ − Π₀ = τ − x × g`.
 fn momenta_of_rotation(action: &Action, block: &Block, arena: &mut Arena) -> MomentaOfRotation {
     let displacement = &action.displacement[block.directions.clone()];
     let x: Vec<Expr> = displacement.iter().map(|&s| arena.symbol(s)).collect();

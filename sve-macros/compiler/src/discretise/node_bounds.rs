@@ -5,11 +5,11 @@
 
 use std::collections::HashMap;
 
+use crate::algebra::intervals::{Flavour, Intervals, Range, intervals};
 use crate::algebra::{Arena, Expr, Symbol};
-use crate::structure::domain;
-use crate::structure::enclosure::{Flavour, Intervals, Range, intervals};
+use crate::model::domain;
+use crate::model::{Axis, Meaning, Model, Symbols};
 use crate::system::mechanics::{Mechanics, NoiseJet};
-use crate::system::model::{Axis, Meaning, Model, Symbols};
 
 /// Largest number of coordinates of a system with bounds. They take about as long to compute as the second derivatives.
 const BOUNDED: usize = 4;

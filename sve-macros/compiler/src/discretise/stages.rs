@@ -7,9 +7,9 @@ use std::collections::HashMap;
 
 use super::node_bounds::{self, Uniqueness};
 use crate::algebra::{Arena, Expr, Purpose, Symbol};
-use crate::structure::domain::{self, Condition};
+use crate::model::domain::{self, Condition};
+use crate::model::{Meaning, Model, Symbols};
 use crate::system::mechanics::Mechanics;
-use crate::system::model::{Meaning, Model, Symbols};
 
 /// The equations at a node.
 pub(crate) struct Stages {

@@ -20,9 +20,9 @@ use std::collections::HashMap;
 
 use super::chart::{self, Input};
 use crate::algebra::{Arena, Expr, Symbol};
+use crate::model::Symbols;
 use crate::rules::action::Action;
 use crate::structure::{Iteration, Linear, Scheme, Solution};
-use crate::system::model::Symbols;
 
 /// An entry of a matrix.
 pub(crate) struct Entry {

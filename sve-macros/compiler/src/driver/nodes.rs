@@ -9,11 +9,11 @@ use crate::backend::rust::{self, Context};
 use crate::discretise::stages::{self, Stages};
 use crate::errors::Errors;
 use crate::explain;
+use crate::model::Model;
 use crate::rules::Rule;
 use crate::rules::weak2;
 use crate::syntax::arguments::ListedRule;
 use crate::system::mechanics::Mechanics;
-use crate::system::model::Model;
 
 /// The equations at a node, in an arena of their own, with the rules that share these equations.
 pub(super) struct Nodes {

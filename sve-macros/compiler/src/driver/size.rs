@@ -2,10 +2,10 @@
 
 use super::{derive_step, nodes};
 use crate::algebra::Arena;
+use crate::model::Model;
 use crate::rules::{Rule, applicable};
 use crate::syntax::parse::Annotated;
 use crate::system::mechanics::Mechanics;
-use crate::system::model::Model;
 
 /// Work that the derivatives may take, and then each rule, in the units of the arena's budget; a unit is some 20 nanoseconds of
 /// an optimised build. A dense system of 48 coordinates takes five sixths of it.

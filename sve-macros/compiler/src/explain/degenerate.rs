@@ -5,9 +5,9 @@ use super::page::Page;
 use super::shown;
 use super::system::{Line, increment};
 use crate::algebra::{Arena, Expr, Sum};
+use crate::model::Model;
 use crate::system::degeneracy::{Degeneracy, Role};
 use crate::system::mechanics::Mechanics;
-use crate::system::model::Model;
 
 /// The equations of motion, coordinate by coordinate, and the momenta.
 pub(super) fn motion(
@@ -43,7 +43,7 @@ pub(super) fn motion(
         lines.push(format!("… ({} more coordinates)", n - count));
     }
     let momenta = (0..count).map(|i| {
-        let name = page.names.component("p", i);
+        let name = page.names.symbols.component("p", i);
         format!("{name} = {}", page.formula(mechanics.lagrangian.dv[i]))
     });
     let momenta: Vec<String> = momenta.collect();
@@ -54,15 +54,18 @@ pub(super) fn motion(
 
 /// `dq = v dt + ∂G/∂p ∘ dW`.
 fn moved(i: usize, mechanics: &Mechanics, page: &mut Page<'_>) -> String {
-    let mut line = Line::new(&page.names.component("dq", i));
-    line.push(false, &format!("{} dt", page.names.component("v", i)));
+    let mut line = Line::new(&page.names.symbols.component("dq", i));
+    line.push(
+        false,
+        &format!("{} dt", page.names.symbols.component("v", i)),
+    );
     kicks(&mut line, mechanics, page, |noise| (1.0, noise.dp[i]));
     line.text
 }
 
 /// `dp = ∂L₀/∂q dt + Σ ∂α_k/∂q ∘ dq_k − ∂G/∂q ∘ dW`.
 fn pushed(i: usize, degeneracy: &Degeneracy, mechanics: &Mechanics, page: &mut Page<'_>) -> String {
-    let mut line = Line::new(&page.names.component("dp", i));
+    let mut line = Line::new(&page.names.symbols.component("dp", i));
     let mut force = Sum::default();
     force.add(1.0, degeneracy.rest_slopes[i], page.arena);
     line.add(page, &force, "dt");
@@ -96,7 +99,7 @@ fn moving(line: &mut Line, coefficient: Expr, of: usize, page: &mut Page<'_>) {
         return;
     }
     let (negative, factor) = page.factor(&term);
-    let differential = page.names.component("dq", of);
+    let differential = page.names.symbols.component("dq", of);
     match factor.as_str() {
         "1" => line.push(negative, &differential),
         factor => line.push(negative, &format!("{factor} ∘ {differential}")),

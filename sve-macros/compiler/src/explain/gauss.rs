@@ -5,10 +5,10 @@ use std::fmt::Write as _;
 use super::step::{StepTexts, features, potential};
 use crate::algebra::Arena;
 use crate::discretise::stages::{Form, Stages};
+use crate::model::Model;
 use crate::rules::gauss::Quadrature;
 use crate::rules::{Features, Rule, Textbook};
 use crate::system::mechanics::Mechanics;
-use crate::system::model::Model;
 
 /// Fewest stages with which the runtime begins by fixed-point iteration.
 pub(crate) const STAGES_OF_FIXED_POINT: usize = 4;

@@ -21,23 +21,8 @@ mod step;
 mod system;
 
 pub(crate) use gauss::{STAGES_OF_FIXED_POINT, gauss};
-pub(crate) use names::unknown;
 pub(crate) use step::{StepTexts, step};
 pub(crate) use system::{SystemTexts, symmetry_caveat, system};
-
-use crate::algebra::{Arena, Expr};
-use crate::system::model::Symbols;
-
-/// A formula of the system, where it is no longer than `limit`.
-pub(crate) fn formula(
-    symbols: &Symbols,
-    expr: Expr,
-    limit: usize,
-    arena: &Arena,
-) -> Option<String> {
-    let text = arena.display(expr, limit, &names::Names::new(symbols, None))?;
-    Some(text.text)
-}
 
 /// Lines of a list that are shown where it is longer than [`ALL`].
 const SOME: usize = 3;

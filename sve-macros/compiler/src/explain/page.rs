@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use super::names::Names;
 use super::shown;
 use crate::algebra::{Arena, Expr, Node, Notation, Sum, Text};
-use crate::system::model::AtNode;
+use crate::model::AtNode;
 
 /// Characters of a formula; beyond, it is cut off.
 const FORMULA: usize = 240;

@@ -1,17 +1,16 @@
 //! The discrete action of a rule in its textbook form, and the equations of the step that it gives.
 
-use super::names::{Names, unknown};
+use super::names::Names;
 use super::page::Page;
 use super::shown;
 use crate::algebra::{Arena, Expr, Node, Notation, Sum, Symbol};
+use crate::model::configuration::Factor;
+use crate::model::{AtNode, Constraint, END, Meaning, Model, NodeQuantity, Symbols, unknown};
 use crate::rules::action::Action;
-use crate::rules::constraints::END;
 use crate::rules::degenerate;
 use crate::rules::{Features, Rule, RuleOption, Textbook};
 use crate::structure::{Block, Kind, Matrix, Scheme, Solution};
-use crate::system::configuration::Factor;
 use crate::system::mechanics::Mechanics;
-use crate::system::model::{AtNode, Constraint, Meaning, Model, NodeQuantity, Symbols};
 
 /// Texts of a rule.
 pub(crate) struct StepTexts {
@@ -227,7 +226,7 @@ fn equations(
         Some(start) => end("q", i, start, dq[i], &mut page),
         // the increment of a rotation
         None => {
-            let name = page.names.component("Δq", i);
+            let name = page.names.symbols.component("Δq", i);
             format!("{name} = {}", page.formula(dq[i]))
         }
     });
@@ -376,7 +375,7 @@ fn positions(action: &Action) -> Vec<Option<Symbol>> {
 fn end(letter: &str, i: usize, start: Symbol, increment: Expr, page: &mut Page<'_>) -> String {
     let mut sum = Sum::default();
     let start_name = page.names.symbol(start);
-    let name = page.names.component(&format!("{letter}₁"), i);
+    let name = page.names.symbols.component(&format!("{letter}₁"), i);
     match page.arena.known_symbol(start) {
         Some(start) => {
             sum.add(1.0, start, page.arena);

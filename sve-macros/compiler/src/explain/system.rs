@@ -5,8 +5,8 @@ use super::names::Names;
 use super::page::Page;
 use super::shown;
 use crate::algebra::{Arena, Expr, Sum, Vanishing};
+use crate::model::{Constraint, Model, NoiseTerm};
 use crate::system::mechanics::{Commutation, Mechanics};
-use crate::system::model::{Constraint, Model, NoiseTerm};
 use crate::system::symmetry::MomentumMap;
 
 /// Texts that no rule changes.
@@ -146,7 +146,7 @@ fn force(model: &Model, page: &mut Page<'_>) -> Vec<String> {
     let some = &force[..shown(force.len())];
     page.name_parts(some);
     let lines = some.iter().enumerate().map(|(i, &f)| {
-        let name = page.names.component("F", i);
+        let name = page.names.symbols.component("F", i);
         format!("{name} = {}", page.formula(f))
     });
     let mut lines = Page::list(lines.collect(), force.len(), "components of F");
@@ -227,8 +227,11 @@ fn motion(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Vec<String> {
     };
     let moved: Vec<String> = (0..count)
         .map(|i| {
-            let mut line = Line::new(&page.names.component("dq", i));
-            line.push(false, &format!("{} dt", page.names.component("v", i)));
+            let mut line = Line::new(&page.names.symbols.component("dq", i));
+            line.push(
+                false,
+                &format!("{} dt", page.names.symbols.component("v", i)),
+            );
             kicks(&mut page, &mut line, &|a| noises[a].dp[i], 1.0);
             line.text
         })
@@ -236,9 +239,9 @@ fn motion(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Vec<String> {
     lines.extend(Page::list(moved, n, "coordinates"));
     let pushed: Vec<String> = (0..count)
         .map(|i| {
-            let mut line = Line::new(&page.names.component("dp", i));
+            let mut line = Line::new(&page.names.symbols.component("dp", i));
             // a body momentum turns against the body
-            if let Some(turned) = page.names.transport(i) {
+            if let Some(turned) = page.names.symbols.transport(i) {
                 line.push(false, &turned);
             }
             let mut force = Sum::default();
@@ -255,7 +258,7 @@ fn motion(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Vec<String> {
     lines.extend(Page::list(pushed, n, "momenta"));
     let momenta: Vec<String> = (0..count)
         .map(|i| {
-            let name = page.names.component("p", i);
+            let name = page.names.symbols.component("p", i);
             format!("{name} = {}", page.formula(jet.dv[i]))
         })
         .collect();

@@ -151,7 +151,7 @@ impl Entries<'_> {
                         .is_some_and(|i| i % column == 0 && i / column > last_row)
             });
             if let Some((row, column)) = same {
-                let name = super::readable(&self.base.access());
+                let name = crate::syntax::readable(&self.base.access());
                 let message = format!(
                     "`{name}[{index}]` and `{name}[({row}, {column})]` may be the same entry, and the type of `{name}` is not known to the macro: name it, `let {}: Matrix2<f64> = {name};`, or write rows and columns",
                     self.base.name()

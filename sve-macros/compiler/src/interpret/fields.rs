@@ -6,7 +6,7 @@ use quote::{quote, quote_spanned};
 use super::Lowering;
 use super::matrices::MatrixType;
 use crate::algebra::Expr;
-use crate::system::model::Meaning;
+use crate::model::Meaning;
 
 /// The path of a parameter: `self.a`, `self.m[2]`, `self.body.mass`; `GRAVITY`, `constants::MASSES[2]`.
 #[derive(Clone)]
@@ -59,7 +59,7 @@ impl FieldPath {
 
     /// Describes the parameter for messages.
     pub(super) fn kind(&self) -> String {
-        let path = super::readable(&self.access());
+        let path = crate::syntax::readable(&self.access());
         match (&self.outside, self.steps.is_empty()) {
             (Some(_), _) => {
                 format!("`{path}`, a constant from outside this block, whose value is not seen")
@@ -73,7 +73,10 @@ impl FieldPath {
     pub(super) fn unseen(&self) -> Option<String> {
         let path = self.outside.as_ref().filter(|_| self.steps.is_empty())?;
         let name = path.segments.last().map(|last| last.ident.to_string());
-        Some(unseen(&name.unwrap_or_default(), &super::readable(path)))
+        Some(unseen(
+            &name.unwrap_or_default(),
+            &crate::syntax::readable(path),
+        ))
     }
 
     pub(super) fn is_self(&self) -> bool {

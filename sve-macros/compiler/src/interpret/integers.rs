@@ -237,7 +237,7 @@ impl Lowering<'_> {
     /// Evaluates `as`, for integers only.
     pub(super) fn cast(&mut self, cast: &syn::ExprCast) -> Value {
         let value = self.eval(&cast.expr).unconverted();
-        let target = super::readable(&cast.ty);
+        let target = crate::syntax::readable(&cast.ty);
         match (value, Kind::of(&cast.ty)) {
             (Value::Poison, _) => Value::Poison,
             (Value::Int(i), _) if is_f64(&cast.ty) => {

@@ -32,13 +32,12 @@ mod value;
 use std::collections::{HashMap, HashSet};
 
 use proc_macro2::TokenStream;
-use quote::ToTokens;
 use syn::spanned::Spanned;
 
 use crate::algebra::{Arena, Expr, Symbol};
 use crate::errors::Errors;
+use crate::model::{Model, Symbols};
 use crate::syntax::parse::Annotated;
-use crate::system::model::{Model, Symbols};
 use branches::LoopExit;
 use fields::FieldPath;
 use matrices::MatrixType;
@@ -268,18 +267,4 @@ impl Lowering<'_> {
 /// Returns the message for an integer in the place of an `f64`.
 fn integer(i: i64) -> String {
     format!("an integer stands where an `f64` belongs: write `{i}.0`")
-}
-
-/// Returns the source text of a type, for messages.
-pub(crate) fn readable(ty: &impl ToTokens) -> String {
-    ty.to_token_stream()
-        .to_string()
-        .replace(" ;", ";")
-        .replace(" [", "[")
-        .replace("& ", "&")
-        .replace(" < ", "<")
-        .replace(" >", ">")
-        .replace(" ::", "::")
-        .replace(":: ", "::")
-        .replace(" . ", ".")
 }

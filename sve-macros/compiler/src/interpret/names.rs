@@ -9,8 +9,8 @@ use syn::{Expr as Syntax, Pat, Stmt};
 
 use super::matrices::{COMPONENTS, Kind};
 use super::types::Shape;
+use crate::model::CoordinateNames;
 use crate::syntax::parse::RoleFunction;
-use crate::system::model::CoordinateNames;
 
 /// Names that columns beside coordinates have.
 const TAKEN: [&str; 2] = ["t", "path"];

@@ -118,7 +118,7 @@ impl Lowering<'_> {
 
 /// Returns a message that says how to write an integer expression as a number; `None` if its value can be written.
 fn as_number(syntax: &Syntax) -> Option<String> {
-    let text = super::readable(syntax);
+    let text = crate::syntax::readable(syntax);
     match syntax {
         Syntax::Paren(inner) => as_number(&inner.expr),
         Syntax::Path(_) | Syntax::MethodCall(_) => Some(format!(

@@ -3,13 +3,14 @@
 use syn::Type;
 use syn::spanned::Spanned;
 
+use super::Lowering;
 use super::matrices::Matrix;
 use super::roles::Space;
 use super::types::Shape;
 use super::value::Value;
-use super::{Lowering, readable};
 use crate::algebra::Expr;
 use crate::syntax::parse::RoleFunction;
+use crate::syntax::readable;
 
 impl Lowering<'_> {
     pub(super) fn scalar_result(&mut self, function: &RoleFunction, value: &Value) -> Option<Expr> {

@@ -4,16 +4,17 @@ use std::collections::HashMap;
 
 use syn::spanned::Spanned;
 
+use super::Lowering;
 use super::names::names;
 use super::results::{Mismatch, components};
 use super::types::Shape;
 use super::value::Value;
-use super::{Lowering, readable};
 use crate::algebra::{Expr, Symbol};
+use crate::model::configuration::Configuration;
+use crate::model::{Constraint, Generator, Meaning, Model, NoiseTerm, Symbols};
 use crate::syntax::parse::RoleFunction;
+use crate::syntax::readable;
 use crate::syntax::roles::Role;
-use crate::system::configuration::Configuration;
-use crate::system::model::{Constraint, Generator, Meaning, Model, NoiseTerm, Symbols};
 
 /// The shapes of the parts of the configuration, and those of their velocities and momenta.
 pub(super) struct Space {

@@ -179,7 +179,7 @@ impl Lowering<'_> {
             }
             ("map" | "fold", _) => {
                 let vector = self.example_of_vector();
-                let (name, field) = (path.name(), super::readable(&path.access()));
+                let (name, field) = (path.name(), crate::syntax::readable(&path.access()));
                 let of_vector = format!(" of a vector write `let {name}: {vector} = {field};`");
                 self.refuse(&call.method, no_length(path) + &of_vector)
             }
@@ -292,7 +292,7 @@ impl Lowering<'_> {
         if is_sum && let Some(sum) = self.sum_of_matrices(call, &items) {
             return sum;
         }
-        let named = call.turbofish.as_ref().map(super::readable);
+        let named = call.turbofish.as_ref().map(crate::syntax::readable);
         let floats = match &named {
             Some(name) => name.contains("f64") || name.contains('_'),
             None => items.is_empty(),
@@ -363,7 +363,7 @@ fn argument(value: Value, at: &Syntax) -> Argument {
 }
 
 fn no_length(path: &FieldPath) -> String {
-    let name = super::readable(&path.access());
+    let name = crate::syntax::readable(&path.access());
     format!(
         "the length of `{name}` is not known to the macro: write `for i in 0..N` and `{name}[i]`, zip it with the coordinates, or name its type, `let a: [f64; N] = {name};`"
     )

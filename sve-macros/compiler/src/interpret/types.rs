@@ -3,14 +3,15 @@
 use syn::spanned::Spanned;
 use syn::{Expr as Syntax, Ident, Type};
 
+use super::Lowering;
 use super::fields::unseen;
 use super::matrices::{Kind, Matrix, MatrixType};
 use super::value::Value;
-use super::{Lowering, readable};
+use crate::model::configuration::Factor;
 use crate::syntax::nalgebra::{Size, Written};
 use crate::syntax::parse::is_f64;
+use crate::syntax::readable;
 use crate::syntax::signature::is_rotation;
-use crate::system::configuration::Factor;
 
 /// The type of an argument or result: `f64`, a vector, or arrays of these.
 #[derive(Clone, Debug, PartialEq, Eq)]

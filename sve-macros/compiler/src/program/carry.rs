@@ -8,8 +8,8 @@ use std::collections::{HashMap, HashSet};
 use super::instructions::{Operation, Program, Tier, Value, operands};
 use super::step::Step;
 use crate::algebra::Function;
+use crate::model::{Meaning, Quantity, Symbols};
 use crate::structure::{Returns, Solution};
-use crate::system::model::{Meaning, Quantity, Symbols};
 
 /// Work that a carried value has to save, in additions: it is stored and loaded between two steps.
 const WORTH: usize = 3;

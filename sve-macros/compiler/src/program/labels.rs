@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use super::names::symbol_name;
 use super::{Operation, Scheduler, Value};
 use crate::algebra::{self, Arena, Expr};
+use crate::model::{AtNode, Meaning, Quantity, Symbols};
 use crate::structure::Matrix;
-use crate::system::model::{AtNode, Meaning, Quantity, Symbols};
 
 /// Longest label of an angle or argument, in bytes.
 const LONGEST: usize = 40;

@@ -8,8 +8,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::step::Step;
 use super::{Operation, Tier, Value, operands};
 use crate::algebra::{Arena, Expr};
+use crate::model::Symbols;
 use crate::structure::{Block, Matrix, Scheme, Solution, Storage};
-use crate::system::model::Symbols;
 
 /// Largest number of unknowns of a block that is solved in lanes.
 const MAX_UNKNOWNS: usize = 6;

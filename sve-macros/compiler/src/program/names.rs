@@ -8,7 +8,7 @@ use std::collections::{HashMap, HashSet};
 use super::labels::Labels;
 use super::{Operation, Program, Tier, Value};
 use crate::algebra::{Function, Symbol};
-use crate::system::model::{Meaning, Symbols};
+use crate::model::{Meaning, Symbols};
 
 /// Returns the name of a symbol in generated code. The prefix of parameters separates them from all other names.
 pub(crate) fn symbol_name(symbols: &Symbols, symbol: Symbol) -> String {
@@ -158,8 +158,8 @@ impl Scope {
 mod tests {
     use super::*;
     use crate::algebra::Arena;
+    use crate::model::{Family, Unknown};
     use crate::program::{Scheduler, Tiers};
-    use crate::system::model::{Family, Unknown};
 
     /// The values are `x + h`, where x is known before an iteration, in it, or after it.
     #[test]

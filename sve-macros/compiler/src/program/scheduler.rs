@@ -5,8 +5,8 @@ use std::collections::{HashMap, HashSet};
 use super::angles::Angles;
 use super::instructions::{Operation, Program, Tier, Value};
 use crate::algebra::{Arena, Expr, Function, Map, Node, Symbol};
+use crate::model::{Meaning, Symbols};
 use crate::structure::is_state;
-use crate::system::model::{Meaning, Symbols};
 
 /// The tier of each unknown of the blocks.
 pub(crate) type Tiers = HashMap<Symbol, Tier>;

@@ -5,8 +5,8 @@
 use super::labels::Labels;
 use super::{Factored, Operation, Program, Scheduler, Tier, Tiers, Value};
 use crate::algebra::{Arena, Expr};
+use crate::model::Symbols;
 use crate::structure::{Block, Iteration, Lower, Matrix, Returns, Scheme, Solution};
-use crate::system::model::Symbols;
 
 /// A scheduled step.
 pub(crate) struct Step {

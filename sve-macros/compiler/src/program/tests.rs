@@ -7,8 +7,8 @@ use proptest::test_runner::RngSeed;
 
 use crate::algebra::tests::number::Number;
 use crate::algebra::{Arena, Expr, Function, Symbol};
+use crate::model::{Family, Meaning, Quantity, Symbols, Unknown};
 use crate::program::{Operation, Program, Scheduler, Tier, Value, operands};
-use crate::system::model::{Family, Meaning, Quantity, Symbols, Unknown};
 
 /// Runs all instructions in order. The type of numbers is generic.
 pub(crate) fn run<T: Number>(program: &Program, at: &dyn Fn(Symbol) -> T) -> HashMap<Value, T> {

@@ -11,10 +11,9 @@ use super::degenerate;
 use super::weak2::Potential;
 use super::{Rule, RuleOption};
 use crate::algebra::{Arena, Expr, Symbol};
-use crate::system::configuration::{Configuration, Factor};
-use crate::system::model::{
-    AtNode, Family, Meaning, Model, NodeQuantity, Quantity, Symbols, Unknown,
-};
+use crate::model::configuration::{Configuration, Factor};
+use crate::model::domain::Condition;
+use crate::model::{AtNode, Family, Meaning, Model, NodeQuantity, Quantity, Symbols, Unknown};
 
 /// A discrete action with its variables.
 pub(crate) struct Action {
@@ -80,6 +79,17 @@ pub(crate) struct Ends {
     pub(crate) closures: Vec<Closure>,
     /// What must not be negative at the start of the step.
     pub(crate) conditions: Vec<Expr>,
+}
+
+impl Ends {
+    /// Returns the conditions on the start of the step.
+    pub(crate) fn at_start(&self) -> impl Iterator<Item = Condition<Expr>> {
+        self.conditions.iter().map(|&value| Condition {
+            value,
+            is_closed: true,
+            text: value,
+        })
+    }
 }
 
 /// An equation at the end of the step, with the unknown that it is there for.

@@ -2,11 +2,11 @@
 
 use super::{Rule, RuleOption, names};
 use crate::errors::Errors;
+use crate::model::Model;
 use crate::syntax::arguments::ListedRule;
 use crate::syntax::parse::Annotated;
 use crate::syntax::roles::Role as FunctionRole;
 use crate::system::degeneracy::{Degeneracy, Role};
-use crate::system::model::Model;
 
 /// Returns an error for each rule that is not for this system.
 pub(crate) fn check(block: &Annotated, model: &Model) -> syn::Result<()> {

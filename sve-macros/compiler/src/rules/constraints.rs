@@ -19,10 +19,9 @@
 use std::collections::HashMap;
 
 use super::action::Action;
-use crate::algebra::{Arena, Bits, Expr, Function, Node, Symbol};
-use crate::discretise::equations::MeanValue;
-use crate::structure::Condition;
-use crate::system::model::{AtNode, Family, Meaning, Model, NodeQuantity, Symbols, Unknown};
+use crate::algebra::{Arena, Expr, Function, Symbol};
+use crate::model::domain::Condition;
+use crate::model::{AtNode, END, Family, Meaning, Model, NodeQuantity, Symbols, Unknown};
 
 /// What constraints add to an action.
 pub(crate) struct Enforced {
@@ -53,11 +52,17 @@ pub(crate) struct Enforced {
     pub(crate) guard: Option<Expr>,
 }
 
+/// φ(t₁,q₁)/h by the mean-value theorem.
+#[derive(Clone, Copy)]
+pub(crate) struct MeanValue {
+    /// `∂φ/∂t + Σ ∂φ/∂q_i d_i/h` at some point between the ends, which is written as the end.
+    pub(crate) rate: Expr,
+    /// φ(t₀,q₀)/h, which is rounding error.
+    pub(crate) start: Expr,
+}
+
 /// Largest φ at the start of a step, relative to the sum of the magnitudes of its terms. Steps leave some rounding errors.
 pub(crate) const INCONSISTENT: f64 = 1e-8;
-
-/// The node at the end of the step, whose number no rule uses.
-pub(crate) const END: usize = 1 << 20;
 
 /// Adds the constraints of the model to an action.
 pub(crate) fn enforce(
@@ -112,7 +117,7 @@ pub(crate) fn enforce(
             let impulse = arena.mul(slope, lambda);
             enforced.start_impulse[i] = arena.add(enforced.start_impulse[i], impulse);
         }
-        let rate = rate(constraint.value, model, arena);
+        let rate = model.rate(constraint.value, arena);
         let [start_rate, end_rate] = [&start, &end].map(|at| arena.substitute(rate, at));
         enforced.start_rates.push(start_rate);
         enforced.end_rates.push(end_rate);
@@ -133,7 +138,7 @@ pub(crate) fn enforce(
         });
         let value = end_value(constraint.value, &start, last, &action, model, arena);
         enforced.end_values.push(value);
-        let size = magnitude(constraint.value, model, arena);
+        let size = model.magnitude(constraint.value, arena);
         let size = arena.substitute(size, &start);
         enforced.at_start.push(consistency(first, size, arena));
     }
@@ -191,17 +196,6 @@ fn at_end(
         end.insert(model.v[i], arena.symbol(velocity[i]));
     }
     end
-}
-
-/// `∂φ/∂t + Dφ v` in the model's variables.
-pub(crate) fn rate(value: Expr, model: &Model, arena: &mut Arena) -> Expr {
-    let mut terms = vec![(1.0, arena.diff(value, model.time))];
-    for (&q, &v) in model.q.iter().zip(&model.v) {
-        let slope = arena.diff(value, q);
-        let v = arena.symbol(v);
-        terms.push((1.0, arena.mul(slope, v)));
-    }
-    arena.sum(0.0, &terms)
 }
 
 /// φ(t₁,q₁)/h. A φ(q) of second degree is written as `φ(q₀)/h + ⟨Dφ(q₀) + ½ D²φ d, d/h⟩`: the difference of φ at the ends has no rounding errors of the
@@ -268,25 +262,6 @@ fn consistency(value: Expr, size: Expr, arena: &mut Arena) -> Condition<Expr> {
         is_closed: true,
         text: value,
     }
-}
-
-/// What rounding errors of φ are relative to: the sum of the magnitudes of its terms, and `Σ |∂φ/∂q| |q|` for the rounding of the coordinates.
-pub(crate) fn magnitude(value: Expr, model: &Model, arena: &mut Arena) -> Expr {
-    let (constant, terms) = match arena.node(value) {
-        Node::Sum(constant, terms) => (constant.get(), terms.clone()),
-        _ => (0.0, vec![(value, Bits::new(1.0))]),
-    };
-    let mut sizes = Vec::new();
-    for (term, c) in terms {
-        sizes.push((c.get().abs(), arena.abs(term)));
-    }
-    for &q in &model.q {
-        let slope = arena.diff(value, q);
-        let q = arena.symbol(q);
-        let moved = arena.mul(slope, q);
-        sizes.push((1.0, arena.abs(moved)));
-    }
-    arena.sum(constant.abs(), &sizes)
 }
 
 /// For each constraint the rate of φ at which a velocity of the size of that in the step crosses it, `√E Σ |∂φ/∂q_i| M_ii^(−½)` with

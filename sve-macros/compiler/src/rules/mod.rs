@@ -20,7 +20,7 @@ pub(crate) mod weak2;
 use std::fmt;
 use std::ops::Deref;
 
-use crate::system::model::NodeQuantity;
+use crate::model::NodeQuantity;
 use action::{Discrete, Variables};
 pub(crate) use options::{Options, RuleOption};
 pub(crate) use weak2::Weak2;

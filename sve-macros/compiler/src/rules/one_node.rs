@@ -12,8 +12,8 @@ use super::action::{Discrete, RotationAtNode, Variables};
 use super::degenerate::{END, INNER, SHIFTED};
 use super::{Discretisation, Features, Options, RuleOption, StrongOrder, Textbook, Weak2};
 use crate::algebra::{Expr, Symbol};
-use crate::system::configuration::{Block, Factor, Midpoint, midpoint_of_rotation};
-use crate::system::model::{Family, Meaning, NodeQuantity, Unknown};
+use crate::model::configuration::{Block, Factor, Midpoint, midpoint_of_rotation};
+use crate::model::{Family, Meaning, NodeQuantity, Unknown};
 
 /// A rule with one node.
 pub(super) struct OneNode {

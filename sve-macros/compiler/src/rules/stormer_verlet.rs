@@ -13,7 +13,7 @@ use std::collections::HashMap;
 use super::action::{Discrete, Variables};
 use super::{Discretisation, Features, Options, RuleOption, StrongOrder, Textbook, Weak2};
 use crate::algebra::{Expr, Symbol};
-use crate::system::model::{Family, NodeQuantity, Unknown};
+use crate::model::{Family, NodeQuantity, Unknown};
 
 pub(super) struct StormerVerlet;
 

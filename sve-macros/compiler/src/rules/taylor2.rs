@@ -14,7 +14,7 @@ use std::collections::HashMap;
 use super::action::{Discrete, Variables};
 use super::{Discretisation, Features, StrongOrder, Textbook};
 use crate::algebra::{Expr, Symbol};
-use crate::system::model::{Family, NodeQuantity, Unknown};
+use crate::model::{Family, NodeQuantity, Unknown};
 
 pub(super) struct Taylor2;
 

@@ -19,9 +19,9 @@ use std::collections::HashMap;
 
 use super::{Rule, RuleOption};
 use crate::algebra::{Arena, Expr, Symbol};
+use crate::model::{Model, NoiseTerm};
 use crate::system::inverse_mass::{self, NoFormula};
 use crate::system::mechanics::{self, Commutation, Mechanics, NoiseJet};
-use crate::system::model::{Model, NoiseTerm};
 
 /// What a rule says of the option.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,9 +10,9 @@ use super::path::Constrained;
 use super::path::PathJudge;
 use super::scheme::{Block, Iteration, Kind, Linear, Refinement, Solution};
 use crate::algebra::{Expr, Symbol};
-use crate::discretise::equations::MeanValue;
-use crate::system::configuration::Factor;
-use crate::system::model::{Meaning, Unknown};
+use crate::model::configuration::Factor;
+use crate::model::{Meaning, Unknown};
+use crate::rules::constraints::MeanValue;
 
 /// Expressions that take the place of symbols.
 pub(super) type Replacement = HashMap<Symbol, Expr>;

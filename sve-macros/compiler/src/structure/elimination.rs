@@ -3,11 +3,11 @@
 use std::collections::{HashMap, HashSet};
 
 use super::Degenerate;
-use super::domain::Condition;
 use super::graph::{match_columns, strong_components};
 use crate::algebra::{Arena, Expr, Node, Symbol};
 use crate::discretise::equations::{Equations, Leading};
-use crate::system::model::{Family, Meaning, Symbols, Unknown};
+use crate::model::domain::Condition;
+use crate::model::{Family, Meaning, Symbols, Unknown};
 
 /// Equations and the unknowns that they determine.
 type RowsAndColumns = (Vec<usize>, Vec<usize>);

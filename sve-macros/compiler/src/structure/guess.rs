@@ -6,7 +6,7 @@ use super::block::Replacement;
 use super::elimination::Reduced;
 use super::scheme::{Linear, Refinement};
 use crate::algebra::{Expr, Symbol};
-use crate::system::model::Meaning;
+use crate::model::Meaning;
 
 impl Reduced<'_> {
     /// The Newton step from zero of the equations to leading order.

@@ -8,9 +8,10 @@ use std::collections::HashMap;
 
 use super::block::Replacement;
 use super::elimination::Reduced;
-use super::enclosure::{Enclosure, Flavour, Range, enclose};
+use super::enclosure::{Enclosure, enclose};
+use crate::algebra::intervals::{Flavour, Range};
 use crate::algebra::{Expr, Node, Symbol};
-use crate::system::model::Meaning;
+use crate::model::Meaning;
 
 /// Unknowns of a block up to which its solutions are judged by bounds of its Jacobian, which take about as long to compute as the
 /// Jacobian itself, and a product of matrices.

@@ -9,9 +9,8 @@
 mod band;
 mod block;
 mod cancel;
-pub(crate) mod domain;
 mod elimination;
-pub(crate) mod enclosure;
+mod enclosure;
 mod graph;
 mod guess;
 mod judge;
@@ -27,10 +26,10 @@ use std::collections::HashMap;
 
 use crate::algebra::{Arena, Expr, Purpose, Symbol};
 use crate::discretise::equations::Equations;
+use crate::model::domain;
+use crate::model::{Meaning, Quantity, Symbols};
 use crate::rules::action::{Action, values_at_nodes};
-use crate::system::model::{Meaning, Quantity, Symbols};
 pub(crate) use band::Band;
-pub(crate) use domain::Condition;
 use elimination::Reduced;
 pub(crate) use enclosure::Enclosure;
 pub(crate) use matrix::{Matrix, Storage};
@@ -111,7 +110,9 @@ pub(crate) fn analyse(
         returns: Returns::Increment,
         dq,
         dp,
-        domain: domain::at_start(&action.ends)
+        domain: action
+            .ends
+            .at_start()
             .chain(system.domain_at(&known))
             .collect(),
         guards,

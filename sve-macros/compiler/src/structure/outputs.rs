@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use super::scheme::{Block, Kind, Returns, Scheme, Solution};
 use crate::algebra::{Arena, Expr, Node, Symbol};
+use crate::model::{Meaning, Symbols};
 use crate::rules::action::Action;
-use crate::system::model::{Meaning, Symbols};
 
 /// Degrees of freedom up to which a linear step is written as a matrix.
 const MATRIX: usize = 2;

@@ -15,12 +15,13 @@ use super::band::Band;
 use super::block::Replacement;
 use super::cancel::Cancellation;
 use super::elimination::Reduced;
-use super::enclosure::{Enclosure, Flavour, Range, enclose, largest};
+use super::enclosure::{Enclosure, enclose};
 use super::matrix::Matrix;
 use super::scheme::Linear;
+use crate::algebra::intervals::{Flavour, Range, largest};
 use crate::algebra::{Expr, Node, Symbol};
-use crate::discretise::equations::MeanValue;
-use crate::system::model::Meaning;
+use crate::model::Meaning;
+use crate::rules::constraints::MeanValue;
 
 /// Unknowns of a block up to which its solutions are judged by bounds: the test inverts a matrix.
 const JUDGED: usize = 4;

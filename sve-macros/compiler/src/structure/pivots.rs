@@ -9,7 +9,7 @@
 use super::elimination::Reduced;
 use super::matrix::Matrix;
 use crate::algebra::{Arena, Expr, Symbol};
-use crate::system::model::{Meaning, Unknown};
+use crate::model::{Meaning, Unknown};
 
 /// The row and column of each pivot, in the order of elimination.
 #[derive(Clone, Debug)]

@@ -4,13 +4,13 @@
 //! after scheduling ([`Lower`]). `R` is what stands for a residual, which has a magnitude beside its value once it is
 //! scheduled. What a step computes only where its fast path fails stays an expression; it is computed where it stands.
 
-use super::domain::Condition;
 use super::enclosure::Enclosure;
 use super::judge::Judge;
 use super::matrix::Matrix;
 use super::path::PathJudge;
 use super::pivots::Pivots;
 use crate::algebra::{Expr, Symbol};
+use crate::model::domain::Condition;
 
 /// A step.
 #[derive(Clone)]

@@ -10,8 +10,8 @@ use std::collections::{BTreeSet, HashMap};
 
 use super::matrix::Matrix;
 use crate::algebra::{Arena, Expr, Symbol};
+use crate::model::Model;
 use crate::system::mechanics::Mechanics;
-use crate::system::model::Model;
 
 /// What is tested of the start of a step.
 #[derive(Default)]

@@ -9,3 +9,19 @@ mod reduced;
 pub(crate) mod roles;
 mod rule_arguments;
 pub(crate) mod signature;
+
+use quote::ToTokens;
+
+/// Returns the source text of a type, for messages.
+pub(crate) fn readable(ty: &impl ToTokens) -> String {
+    ty.to_token_stream()
+        .to_string()
+        .replace(" ;", ";")
+        .replace(" [", "[")
+        .replace("& ", "&")
+        .replace(" < ", "<")
+        .replace(" >", ">")
+        .replace(" ::", "::")
+        .replace(":: ", "::")
+        .replace(" . ", ".")
+}

@@ -8,9 +8,9 @@ use proc_macro2::Ident;
 use syn::spanned::Spanned;
 use syn::{Pat, Type};
 
-use crate::interpret::readable;
 use crate::syntax::nalgebra::{Kind, Written};
 use crate::syntax::parse::is_f64;
+use crate::syntax::readable;
 use crate::syntax::roles::Role;
 
 /// Quantities of the arguments: the name in signatures, and what it stands for.

@@ -17,10 +17,10 @@ use points::{Point, points};
 
 use crate::algebra::{Arena, Expr, Vanishing};
 use crate::errors::Errors;
+use crate::model::Model;
 use crate::rules::Rule;
 use crate::syntax::parse::{Annotated, RoleFunction};
 use crate::system::mechanics::{Commutation, Mechanics};
-use crate::system::model::Model;
 
 /// Size of a sum beside the magnitudes of its terms from which on it does not vanish. The points lie on φ = 0 to rounding, which is amplified where gradients are
 /// nearly dependent.

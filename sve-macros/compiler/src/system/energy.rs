@@ -5,8 +5,8 @@
 use std::collections::HashMap;
 
 use crate::algebra::{Arena, Expr, Symbol};
+use crate::model::Model;
 use crate::system::mechanics::Mechanics;
-use crate::system::model::Model;
 
 /// Largest number of coordinates that a mass matrix may couple.
 const MAX_COUPLED: usize = 6;

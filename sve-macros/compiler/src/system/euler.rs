@@ -8,8 +8,8 @@
 use std::collections::HashMap;
 
 use crate::algebra::{Arena, Expr, Symbol};
+use crate::model::{Meaning, Model, Symbols};
 use crate::system::mechanics::{Mechanics, NoiseJet};
-use crate::system::model::{Meaning, Model, Symbols};
 
 /// Largest number of coordinates that a mass matrix may couple.
 const MAX_COUPLED: usize = 6;

@@ -5,9 +5,8 @@
 use super::energy::{self, Energy};
 use super::euler::{self, Euler};
 use super::mechanics::Mechanics;
-use super::model::Model;
 use crate::algebra::{Arena, Expr, Purpose};
-use crate::rules::constraints::rate;
+use crate::model::Model;
 
 /// What `impl System` computes.
 pub(crate) struct Functions {
@@ -29,8 +28,8 @@ pub(crate) fn functions(
     arena: &mut Arena,
 ) -> Functions {
     let twice = model.constraints.iter().map(|constraint| {
-        let once = rate(constraint.value, model, arena);
-        rate(once, model, arena)
+        let once = model.rate(constraint.value, arena);
+        model.rate(once, arena)
     });
     let mut constraint_curvatures: Vec<Expr> = twice.collect();
     let mechanics = mechanics.stabilised(arena);

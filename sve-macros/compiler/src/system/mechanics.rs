@@ -1,8 +1,7 @@
 //! Model → the derivatives of L, the noises and the force, and whether the noises commute. The runtime needs them beside the steps.
 
 use crate::algebra::{Arena, Expr, Purpose, Symbol, Vanishing};
-use crate::rules::constraints;
-use crate::system::model::{Constraint, Model, NoiseTerm};
+use crate::model::{Constraint, Model, NoiseTerm};
 
 /// Derivatives of the Lagrangian, in the order of the runtime's `LagrangianJet`.
 #[derive(Clone)]
@@ -287,7 +286,7 @@ fn commutation(model: &Model, jets: &[NoiseJet], arena: &mut Arena) -> Commutati
 fn constraint_jet(constraint: &Constraint, model: &Model, arena: &mut Arena) -> ConstraintJet {
     ConstraintJet {
         value: constraint.value,
-        magnitude: constraints::magnitude(constraint.value, model, arena),
+        magnitude: model.magnitude(constraint.value, arena),
         dt: arena.diff(constraint.value, model.time),
         dq: gradient(arena, constraint.value, &model.q),
     }

@@ -1,6 +1,5 @@
 //! The mechanical system: its symbols and formulas, their derivatives, and the checks that do not depend on a rule.
 
-pub(crate) mod configuration;
 pub(crate) mod constraints;
 pub(crate) mod degeneracy;
 pub(crate) mod energy;
@@ -8,6 +7,5 @@ pub(crate) mod euler;
 pub(crate) mod functions;
 pub(crate) mod inverse_mass;
 pub(crate) mod mechanics;
-pub(crate) mod model;
 pub(crate) mod regular;
 pub(crate) mod symmetry;

@@ -7,9 +7,9 @@
 use syn::{Pat, Type};
 
 use crate::algebra::{Arena, Sharp, Verdict};
+use crate::model::Model;
 use crate::syntax::parse::Annotated;
 use crate::system::mechanics::Mechanics;
-use crate::system::model::Model;
 
 /// Smallest pivot of an elimination in `f64`, relative to the largest entry of its row. Rounding errors are about 1e-15.
 const SMALLEST_PIVOT: f64 = 1e-11;

@@ -17,10 +17,9 @@ use quote::format_ident;
 
 use crate::algebra::{Arena, Expr, Symbol, Vanishing};
 use crate::errors::Errors;
-use crate::explain;
+use crate::model::configuration::{Block, Factor, cross};
+use crate::model::{Generator, Model};
 use crate::syntax::parse::{Annotated, RoleFunction};
-use crate::system::configuration::{Block, Factor, cross};
-use crate::system::model::{Generator, Model};
 
 /// Returns the name of the function that returns the momentum of a symmetry.
 pub(crate) fn momentum_name(symmetry: &Ident) -> Ident {
@@ -95,7 +94,9 @@ fn broken(
     arena: &Arena,
 ) -> String {
     let name = &symmetry.name;
-    let rate = explain::formula(&model.symbols, change, READABLE, arena)
+    let rate = model
+        .symbols
+        .formula(change, READABLE, arena)
         .map(|formula| format!(" at the rate {formula}"))
         .unwrap_or_default();
     match what {

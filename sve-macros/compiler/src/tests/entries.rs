@@ -2,7 +2,7 @@
 
 use super::vectors::model;
 use crate::algebra::Arena;
-use crate::system::model::{Meaning, Symbols};
+use crate::model::{Meaning, Symbols};
 
 /// A block of this body, whose coordinates are vectors of length 2.
 fn block(body: &str) -> String {

@@ -7,8 +7,8 @@ use quote::quote;
 
 use super::calls::{call, call_in_lane, call2, call2_in_lane};
 use super::{ident, number};
+use crate::model::{Axis, Meaning, Quantity, Symbols};
 use crate::program::{Labels, Names, Operation, Program, Tier, Value, operands, symbol_name};
-use crate::system::model::{Axis, Meaning, Quantity, Symbols};
 
 /// Rows and columns from which on a matrix may be written by its entries.
 const LARGE: usize = 7;

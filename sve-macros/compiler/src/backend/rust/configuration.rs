@@ -6,10 +6,10 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 use syn::Type;
 
+use crate::model::Model;
 use crate::syntax::nalgebra::Written;
 use crate::syntax::parse::{Annotated, is_f64};
 use crate::syntax::signature::is_rotation;
-use crate::system::model::Model;
 
 /// The type of the configuration, unless it is `f64` or a row `[f64; N]`: the type of `q` in the Lagrangian, with a quaternion in place of each
 /// rotation, and a tuple where a rotation stands beside a vector.

@@ -8,9 +8,9 @@ use quote::quote;
 
 use super::code::Printer;
 use crate::algebra::{Arena, Expr};
+use crate::model::Model;
 use crate::program::{Labels, Program, Scheduler, Tier, Tiers, Value};
 use crate::system::energy::Energy;
-use crate::system::model::Model;
 
 /// Largest number of instructions, beyond which the loop is not worth its code.
 const MAX_INSTRUCTIONS: usize = 1500;

@@ -8,9 +8,9 @@ use quote::quote;
 
 use super::code::Printer;
 use crate::algebra::{Arena, Expr};
+use crate::model::Model;
 use crate::program::{Labels, Operation, Program, Scheduler, Tier, Tiers, Value};
 use crate::system::euler::Euler;
-use crate::system::model::Model;
 
 /// Largest number of instructions of the increment.
 const MAX_INSTRUCTIONS: usize = 4000;

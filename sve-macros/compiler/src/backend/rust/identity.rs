@@ -13,7 +13,7 @@ use twox_hash::XxHash64;
 
 use super::number;
 use crate::algebra::{Arena, Expr, Node};
-use crate::system::model::{Meaning, Model};
+use crate::model::{Meaning, Model};
 
 /// `FORMULAS`, and `parameters` where there are some.
 pub(super) fn identity(model: &Model, arena: &Arena, private: &TokenStream) -> TokenStream {

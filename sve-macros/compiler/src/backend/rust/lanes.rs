@@ -17,11 +17,11 @@ use super::pivots::{self, Sparse};
 use super::solve::{accepted, names, residuals, sum_of_stages};
 use super::tangents::bound;
 use crate::algebra::{Arena, Expr};
+use crate::model::{Meaning, Symbols};
 use crate::program::{
     BY_FORMULA, Factored, Loops, Operation, Residual, Step, Tier, Value, in_lanes, is_single,
 };
 use crate::structure::{Iteration, Linear, Matrix, Scheme, Solution, Storage};
-use crate::system::model::{Meaning, Symbols};
 
 /// `increment_lanes` of a scheme with so many noises.
 pub(super) fn lanes(

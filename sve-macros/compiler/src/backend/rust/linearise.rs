@@ -8,7 +8,7 @@ use super::solve::names as pattern;
 use super::straight::Straight;
 use crate::algebra::{Arena, Expr};
 use crate::discretise::tangent::{Entry, Linearisation};
-use crate::system::model::{Model, Symbols};
+use crate::model::{Model, Symbols};
 
 pub(super) fn linearise(
     private: &TokenStream,

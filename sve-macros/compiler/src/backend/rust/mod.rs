@@ -48,12 +48,12 @@ use crate::algebra::{Arena, Expr};
 use crate::discretise::tangent::Linearisation;
 use crate::driver::Settings;
 use crate::explain::SystemTexts;
+use crate::model::{Model, Symbols};
 use crate::rules::Rule;
 use crate::rules::action::Action;
 use crate::structure::Scheme;
 use crate::syntax::parse::Annotated;
 use crate::system::mechanics::Mechanics;
-use crate::system::model::{Model, Symbols};
 use crate::system::symmetry::{MomentumMap, momentum_name};
 
 /// What the rules of a block share.

@@ -8,8 +8,8 @@ use super::straight::Straight;
 use super::{attributes, momentum_name, private};
 use crate::algebra::{Arena, Vanishing};
 use crate::explain;
+use crate::model::Model;
 use crate::syntax::parse::Annotated;
-use crate::system::model::Model;
 use crate::system::symmetry::MomentumMap;
 
 /// Longest formula that is worth reading, in characters.
@@ -45,7 +45,7 @@ pub(crate) fn momenta(
         let visibility = &part.item.vis;
         let (statements, values) = Straight::new(arena, &model.symbols, &[*value])
             .finish(&private, &[(&[vec![*value]], vec!["momentum".to_owned()])]);
-        let formula = explain::formula(&model.symbols, *value, READABLE, arena);
+        let formula = model.symbols.formula(*value, READABLE, arena);
         let doc = doc(name, formula.as_deref(), *is_affine, *evidence);
         quote! {
             #[doc = #doc]

@@ -7,7 +7,7 @@ use super::solve::names as pattern;
 use super::straight::Straight;
 use crate::algebra::{Arena, Expr};
 use crate::discretise::tangent::Linearisation;
-use crate::system::model::{Model, Symbols};
+use crate::model::{Model, Symbols};
 
 /// The function that tells what a step can report beside its result; nothing where there is nothing.
 pub(super) fn multipliers(

@@ -7,7 +7,7 @@ use super::straight::{Named, Straight, rows};
 use super::{Context, attributes};
 use crate::algebra::Expr;
 use crate::discretise::node_bounds::{NodeBounds, NoiseBounds, Uniqueness};
-use crate::system::model::Symbols;
+use crate::model::Symbols;
 
 /// Prints the implementation.
 pub(super) fn node_bounds(

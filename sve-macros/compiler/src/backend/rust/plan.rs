@@ -5,13 +5,13 @@ use quote::quote;
 
 use super::{Context, Derived, verbatim};
 use crate::algebra::Expr;
-use crate::explain::{self, StepTexts};
+use crate::explain::StepTexts;
+use crate::model::{Model, Symbols, unknown};
 use crate::program::{Operations, Work};
 use crate::rules::{Rule, RuleOption, StrongOrder};
 use crate::structure::{Block, Kind};
 use crate::system::degeneracy::Form;
 use crate::system::mechanics::{Commutation, Mechanics};
-use crate::system::model::{Model, Symbols};
 
 pub(super) fn plan(
     private: &TokenStream,
@@ -162,7 +162,7 @@ fn block(private: &TokenStream, block: &Block<Expr>, symbols: &Symbols) -> Token
         Kind::Linear => quote!(Linear),
         Kind::Newton => quote!(Newton),
     };
-    let unknowns = unknowns.iter().map(|&u| explain::unknown(symbols, u));
+    let unknowns = unknowns.iter().map(|&u| unknown(symbols, u));
     let band = match block.bandwidths() {
         Some((lower, upper)) => quote!(::core::option::Option::Some((#lower, #upper))),
         None => quote!(::core::option::Option::None),

@@ -11,8 +11,8 @@ use super::calls::{call, call2};
 use super::code::Printer;
 use super::straight::Straight;
 use crate::algebra::{Arena, Expr};
+use crate::model::Symbols;
 use crate::program::{Labels, Operation, Program, Value};
-use crate::system::model::Symbols;
 
 /// Statements, and the array of the bounds.
 pub(super) fn rounding(

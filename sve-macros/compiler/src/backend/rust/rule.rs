@@ -13,8 +13,8 @@ use super::tangents::linearise_lanes;
 use super::{Context, Derived, attributes, documented, private, unstructured, verbatim};
 use crate::algebra::{Expr, Symbol};
 use crate::explain::StepTexts;
+use crate::model::{Family, Meaning, Symbols, Unknown};
 use crate::structure::{Block, Returns, Solution};
-use crate::system::model::{Family, Meaning, Symbols, Unknown};
 
 pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) -> TokenStream {
     let (private, attributes) = (private(context.block), attributes());

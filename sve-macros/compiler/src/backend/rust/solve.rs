@@ -9,11 +9,11 @@ use super::ident;
 use super::rounding::rounding;
 use super::straight::{Printed, Straight, rows};
 use crate::algebra::{Arena, Expr, Symbol};
+use crate::model::Symbols;
 use crate::program::{Operations, Residual, Tier, Value, symbol_name};
 use crate::structure::{
     Enclosure, Iteration, Linear, Matrix, PathJudge, Refinement, Solution, Storage,
 };
-use crate::system::model::Symbols;
 
 /// Writes solves.
 pub(super) struct Solver<'a> {

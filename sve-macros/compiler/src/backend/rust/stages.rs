@@ -14,9 +14,9 @@ use super::system::with_potential;
 use super::{Context, attributes, private};
 use crate::algebra::{Arena, Expr};
 use crate::discretise::stages::{Form, Impulse, Stages};
+use crate::model::Model;
+use crate::model::domain::Condition;
 use crate::program::{Labels, Operations, Program, Scheduler, Tier, Tiers, Value};
-use crate::structure::domain::Condition;
-use crate::system::model::Model;
 
 /// The implementations, and the operations of a sweep at one stage.
 pub(crate) struct StageCode {

@@ -11,9 +11,9 @@ use super::factors::Factors;
 use super::ident;
 use super::solve::Solver;
 use crate::algebra::{Arena, Expr, Symbol};
+use crate::model::{Meaning, Symbols};
 use crate::program::{Carried, Operation, Program, Step, Tier, Value, Work, operands, symbol_name};
 use crate::structure::Scheme;
-use crate::system::model::{Meaning, Symbols};
 
 /// The code of a step.
 pub(super) struct Code {

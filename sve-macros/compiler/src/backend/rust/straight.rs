@@ -5,8 +5,8 @@ use quote::quote;
 
 use super::code::Printer;
 use crate::algebra::{Arena, Expr};
+use crate::model::Symbols;
 use crate::program::{Labels, Operations, Program, Scheduler, Tier, Tiers, Value};
-use crate::system::model::Symbols;
 
 /// Code of one tier: everything in it is computed where it is called.
 pub(super) struct Straight<'a> {

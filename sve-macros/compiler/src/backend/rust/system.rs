@@ -11,10 +11,10 @@ use super::straight::{Straight, rows};
 use super::{Context, attributes, documented, private};
 use crate::algebra::{Arena, Expr};
 use crate::explain::SystemTexts;
+use crate::model::{Model, Symbols};
 use crate::system::degeneracy::{Degeneracy, Role};
 use crate::system::functions::Functions;
 use crate::system::mechanics::{ConstraintJet, ForceJet, LagrangianJet, Mechanics, NoiseJet};
-use crate::system::model::{Model, Symbols};
 
 pub(crate) fn system(context: &Context<'_>, functions: &Functions) -> TokenStream {
     let Context {

@@ -13,9 +13,9 @@ use super::code::Printer;
 use super::solve::names;
 use crate::algebra::{Arena, Expr};
 use crate::discretise::tangent::{Entry, Linearisation};
+use crate::model::{Model, Symbols};
 use crate::program::{Labels, Operation, Program, Scheduler, Tier, Tiers, Value};
 use crate::structure::{Returns, Scheme};
-use crate::system::model::{Model, Symbols};
 
 /// Largest number of unknowns of a step: the inverse of ∂R/∂x is dense.
 const MAX_UNKNOWNS: usize = 6;

@@ -12,9 +12,9 @@ use super::solve::{names, start};
 use super::step::Code;
 use super::straight::{Printed, Straight, rows};
 use crate::algebra::{Arena, Expr};
+use crate::model::Symbols;
 use crate::program::{Factored, Operations, Work};
 use crate::structure::{Iteration, Scheme};
-use crate::system::model::Symbols;
 
 /// The code of a scheme whose only block is this iteration.
 pub(super) fn code(

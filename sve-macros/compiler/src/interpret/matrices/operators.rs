@@ -9,9 +9,10 @@ use syn::{BinOp, Expr as Syntax};
 use super::refused::unknown_type;
 use super::{Kind, Matrix, MatrixType};
 use crate::algebra::Expr;
+use crate::interpret::Lowering;
 use crate::interpret::operators::{DIVISION_BY_ZERO, REMAINDER};
 use crate::interpret::value::Value;
-use crate::interpret::{Lowering, readable};
+use crate::syntax::readable;
 
 /// An operand.
 enum Operand {

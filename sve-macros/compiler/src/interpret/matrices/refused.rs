@@ -156,7 +156,7 @@ pub(super) fn refusal(name: &str, kind: Option<Kind>) -> String {
 
 /// What to say of a parameter whose type is needed and not known.
 pub(in crate::interpret) fn unknown_type(path: &FieldPath, example: &str) -> String {
-    let name = crate::interpret::readable(&path.access());
+    let name = crate::syntax::readable(&path.access());
     format!(
         "the type of `{name}` is not known to the macro: name it, `let {}: {example} = {name};`",
         path.name()

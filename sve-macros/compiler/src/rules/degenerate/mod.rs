@@ -20,8 +20,8 @@ use std::collections::HashMap;
 
 use super::action::{Closure, Discrete, Ends, Variables};
 use crate::algebra::{Expr, Symbol};
+use crate::model::{Family, Meaning, NodeQuantity, Unknown};
 use crate::system::degeneracy::{Degeneracy, Form, Internal, Role};
-use crate::system::model::{Family, Meaning, NodeQuantity, Unknown};
 pub(crate) use textbook::textbook;
 
 /// The end of the step as a node.

@@ -7,11 +7,11 @@ use super::{Obstacle, potential, weak_order};
 use crate::algebra::{Arena, Expr};
 use crate::errors::Errors;
 use crate::interpret;
+use crate::model::Model;
 use crate::rules::{Rule, RuleOption};
 use crate::syntax::parse;
 use crate::system::inverse_mass::NoFormula;
 use crate::system::mechanics::{Mechanics, mechanics};
-use crate::system::model::Model;
 
 /// The model of a block.
 fn read(members: &str) -> (Model, Mechanics, Arena) {

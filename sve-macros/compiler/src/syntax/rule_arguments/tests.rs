@@ -4,10 +4,10 @@
 use proc_macro2::TokenStream;
 
 use crate::errors::Errors;
+use crate::model::NodeQuantity;
 use crate::rules::action::{Discrete, Variables};
 use crate::rules::{Discretisation, Features, Rule, RuleOption, StrongOrder, Textbook};
 use crate::syntax::arguments::Arguments;
-use crate::system::model::NodeQuantity;
 
 /// A rule that has a name and nothing else.
 struct Named {

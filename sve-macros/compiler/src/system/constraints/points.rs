@@ -1,8 +1,8 @@
 //! Random points at which constraints hold, with velocities along them.
 
 use crate::algebra::{Arena, Expr, Symbol, random_coordinate};
+use crate::model::Model;
 use crate::system::mechanics::Mechanics;
-use crate::system::model::Model;
 
 /// Points that are sought.
 const POINTS: usize = 6;

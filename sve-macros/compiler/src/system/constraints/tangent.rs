@@ -10,11 +10,11 @@ use std::collections::HashMap;
 
 use crate::algebra::{Arena, Expr, Symbol};
 use crate::errors::Errors;
+use crate::model::Model;
 use crate::syntax::parse::Annotated;
 use crate::syntax::roles::Role;
 use crate::system::inverse_mass::{self, NoFormula};
 use crate::system::mechanics::Mechanics;
-use crate::system::model::Model;
 
 /// Puts the momentum along the constraints in the place of p in the noises that ask for it. Returns whether some do.
 pub(crate) fn with_tangent_noises(

@@ -5,8 +5,8 @@
 
 use super::{Degeneracy, Role, part};
 use crate::algebra::{Arena, Expr, Sharp, Vanishing, Verdict};
+use crate::model::Model;
 use crate::system::mechanics::{Commutation, Mechanics};
-use crate::system::model::Model;
 
 /// Evaluates the brackets of all pairs of noises at random points, in 106 bits. Each bracket takes a linear solve with ω.
 pub(crate) fn commutation(

@@ -6,8 +6,8 @@
 
 use super::{is_constant, is_regular};
 use crate::algebra::{Arena, Expr, Symbol};
+use crate::model::Model;
 use crate::system::inverse_mass;
-use crate::system::model::Model;
 
 /// Sets of coordinates that are tried for y.
 const TRIED: usize = 500;

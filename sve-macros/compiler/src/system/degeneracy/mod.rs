@@ -18,9 +18,9 @@ mod refused;
 use std::collections::HashMap;
 
 use crate::algebra::{Arena, Expr, Sharp, Symbol, Vanishing};
+use crate::model::Model;
 use crate::syntax::parse::Annotated;
 use crate::system::mechanics::Mechanics;
-use crate::system::model::Model;
 use crate::system::regular;
 pub(crate) use internal::Internal;
 use refused::Refused;

@@ -12,12 +12,12 @@ use crate::algebra::tests::number::{Bounded, Dual, Number};
 use crate::algebra::tests::recipe::{Random, values};
 use crate::algebra::{Arena, Expr, Purpose, Symbol};
 use crate::discretise::equations::equations;
+use crate::model::{Meaning, Quantity, Symbols};
 use crate::program::tests::run;
 use crate::program::{Scheduler, Tier, Tiers};
 use crate::rules::Rule;
 use crate::rules::action::{Action, discretise};
 use crate::structure::{Iteration, Matrix, Scheme, Solution, analyse};
-use crate::system::model::{Meaning, Quantity, Symbols};
 use solve::solution;
 use system::{Point, System, gradient};
 

@@ -6,9 +6,9 @@ use quote::quote;
 use crate::algebra::tests::number::{Bounded, Dual, Number};
 use crate::algebra::tests::recipe::{Make, Random, build, evaluate, grow};
 use crate::algebra::{Arena, Symbol};
+use crate::model::configuration::{Configuration, Factor};
+use crate::model::{CoordinateNames, Meaning, Model, NoiseTerm, Symbols};
 use crate::rules::Rule;
-use crate::system::configuration::{Configuration, Factor};
-use crate::system::model::{CoordinateNames, Meaning, Model, NoiseTerm, Symbols};
 
 /// `L = Σ v_i² m/2 + a part of any form`, and noises of any form.
 #[derive(Debug)]

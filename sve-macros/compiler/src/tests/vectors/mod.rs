@@ -11,8 +11,8 @@ use proc_macro2::TokenStream;
 use crate::algebra::Arena;
 use crate::errors::Errors;
 use crate::interpret;
+use crate::model::Model;
 use crate::syntax::parse;
-use crate::system::model::Model;
 
 fn tokens(text: &str) -> TokenStream {
     text.parse().expect("tokens")

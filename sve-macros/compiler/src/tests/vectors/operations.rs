@@ -1,7 +1,7 @@
 //! Every operation on vectors, matrices and rotations has the expressions of its entries written out.
 
 use crate::algebra::{Arena, Expr};
-use crate::system::model::Model;
+use crate::model::Model;
 
 use super::model;
 

@@ -1,7 +1,7 @@
 //! The macro does not see the types of fields: types of nalgebra follow from how a body uses a field.
 
 use crate::algebra::Arena;
-use crate::system::model::Meaning;
+use crate::model::Meaning;
 
 use super::model;
 

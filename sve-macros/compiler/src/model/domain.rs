@@ -5,7 +5,6 @@
 //! listed, so that a step does not compute it.
 
 use crate::algebra::{Arena, Domain, Expr, Node, Sign};
-use crate::rules::action::Ends;
 
 /// A condition on where a function is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,15 +39,6 @@ pub(crate) fn conditions(roots: &[Expr], arena: &mut Arena) -> Vec<Condition<Exp
         }
     }
     found
-}
-
-/// The conditions on the start of a step.
-pub(super) fn at_start(ends: &Ends) -> impl Iterator<Item = Condition<Expr>> {
-    ends.conditions.iter().map(|&value| Condition {
-        value,
-        is_closed: true,
-        text: value,
-    })
 }
 
 /// What has to be positive where a function is called, and whether 0 is allowed.

@@ -1,0 +1,144 @@
+//! The mechanical system as expressions, which all later stages read.
+//!
+//! Invariant: the Lagrangian and the force contain only the symbols of time, `q`, `v` and parameters, a noise Hamiltonian only those
+//! of time, `q`, `p` and parameters, a generator only those of time, `q` and parameters.
+
+use proc_macro2::TokenStream;
+
+pub(crate) mod configuration;
+pub(crate) mod domain;
+mod names;
+mod nodes;
+mod symbols;
+mod unknowns;
+
+use crate::algebra::{Arena, Bits, Expr, Node, Symbol};
+use crate::system::degeneracy::Degeneracy;
+use configuration::Configuration;
+pub(crate) use names::{SymbolNames, unknown};
+pub(crate) use nodes::{AtNode, END, NodeQuantity};
+pub(crate) use symbols::{Axis, Meaning, Quantity, Symbols};
+pub(crate) use unknowns::{Family, Unknown};
+
+/// A noise Hamiltonian: `−γ` or `H₁`.
+#[derive(Clone)]
+pub(crate) struct NoiseTerm {
+    /// Source name, with an index if the function returns an array.
+    pub(crate) name: String,
+    /// Whether the user wrote γ; the Hamiltonian is then −γ.
+    pub(crate) is_gamma: bool,
+    /// Whether the momentum along the constraints is to take the place of p.
+    pub(crate) is_tangent: bool,
+    pub(crate) hamiltonian: Expr,
+}
+
+/// A generator ξ of a symmetry.
+#[derive(Clone)]
+pub(crate) struct Generator {
+    /// Source name.
+    pub(crate) name: String,
+    pub(crate) field: Vec<Expr>,
+}
+
+/// A holonomic constraint, φ = 0.
+#[derive(Clone)]
+pub(crate) struct Constraint {
+    /// Source name, with an index if the function returns an array.
+    pub(crate) name: String,
+    /// φ.
+    pub(crate) value: Expr,
+}
+
+/// The names of the numbers that a state stores.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct CoordinateNames {
+    pub(crate) configuration: Vec<String>,
+    pub(crate) momenta: Vec<String>,
+}
+
+/// The mechanical system.
+#[derive(Clone)]
+pub(crate) struct Model {
+    pub(crate) symbols: Symbols,
+    pub(crate) time: Symbol,
+    /// The entries of the configuration.
+    pub(crate) q: Vec<Symbol>,
+    pub(crate) v: Vec<Symbol>,
+    pub(crate) p: Vec<Symbol>,
+    /// The parameters of rotations, see [`on_rotations`](Self::on_rotations).
+    pub(crate) attitude: Vec<Symbol>,
+    pub(crate) names: CoordinateNames,
+    pub(crate) lagrangian: Expr,
+    /// What L is if it does not determine every velocity; known after the stage `system`.
+    pub(crate) degeneracy: Option<Degeneracy>,
+    pub(crate) noises: Vec<NoiseTerm>,
+    /// F, if there is a force.
+    pub(crate) force: Option<Vec<Expr>>,
+    pub(crate) symmetries: Vec<Generator>,
+    pub(crate) constraints: Vec<Constraint>,
+    /// The paths that are read as constants of `std::f64::consts` and may lead elsewhere, each with the value it is read as.
+    pub(crate) constants: Vec<(TokenStream, f64)>,
+}
+
+impl Model {
+    pub(crate) fn dof(&self) -> usize {
+        self.v.len()
+    }
+
+    pub(crate) fn configuration(&self) -> &Configuration {
+        &self.symbols.configuration
+    }
+
+    /// Returns the derivative of an expression in each direction of the configuration.
+    pub(crate) fn gradient(&self, expr: Expr, arena: &mut Arena) -> Vec<Expr> {
+        self.configuration().gradient(expr, &self.q, arena)
+    }
+
+    /// Returns an expression as a function of free parameters of the rotations. It vanishes identically if the expression vanishes for all rotations.
+    pub(crate) fn on_rotations(&self, expr: Expr, arena: &mut Arena) -> Expr {
+        if !self.configuration().has_rotations() {
+            return expr;
+        }
+        let entries = self
+            .configuration()
+            .parametrised(&self.q, &self.attitude, arena);
+        arena.substitute(expr, &entries)
+    }
+
+    /// `∂φ/∂t + Dφ v` in the model's variables.
+    pub(crate) fn rate(&self, value: Expr, arena: &mut Arena) -> Expr {
+        let mut terms = vec![(1.0, arena.diff(value, self.time))];
+        for (&q, &v) in self.q.iter().zip(&self.v) {
+            let slope = arena.diff(value, q);
+            let v = arena.symbol(v);
+            terms.push((1.0, arena.mul(slope, v)));
+        }
+        arena.sum(0.0, &terms)
+    }
+
+    /// What rounding errors of φ are relative to: the sum of the magnitudes of its terms, and `Σ |∂φ/∂q| |q|` for the rounding of the coordinates.
+    pub(crate) fn magnitude(&self, value: Expr, arena: &mut Arena) -> Expr {
+        let (constant, terms) = match arena.node(value) {
+            Node::Sum(constant, terms) => (constant.get(), terms.clone()),
+            _ => (0.0, vec![(value, Bits::new(1.0))]),
+        };
+        let mut sizes = Vec::new();
+        for (term, c) in terms {
+            sizes.push((c.get().abs(), arena.abs(term)));
+        }
+        for &q in &self.q {
+            let slope = arena.diff(value, q);
+            let q = arena.symbol(q);
+            let moved = arena.mul(slope, q);
+            sizes.push((1.0, arena.abs(moved)));
+        }
+        arena.sum(constant.abs(), &sizes)
+    }
+
+    /// The model with one more noise Hamiltonian.
+    pub(crate) fn with_noise(&self, noise: NoiseTerm) -> Self {
+        let mut model = self.clone();
+        model.noises.push(noise);
+        model
+    }
+}

@@ -1,0 +1,129 @@
+//! What the symbols of the arena stand for.
+
+use proc_macro2::TokenStream;
+
+use super::Unknown;
+use super::configuration::Configuration;
+use crate::algebra::Symbol;
+
+/// The quantity for which a symbol stands.
+#[derive(Clone, Debug)]
+pub(crate) enum Meaning {
+    /// A field of the user's struct: its name, and the expression that reads it.
+    Parameter {
+        name: String,
+        access: TokenStream,
+    },
+    Time,
+    StepSize,
+    /// Entry of the configuration, component of the velocity or of the momentum of the continuous system.
+    Position(usize),
+    Velocity(usize),
+    Momentum(usize),
+    /// Component of the state at the start of a step.
+    Start(Quantity, usize),
+    /// Increment of a Wiener process.
+    Wiener(usize),
+    /// An unknown of the step.
+    Unknown(Unknown),
+    /// The limit of an unknown for h → 0 without noise.
+    Limit(Unknown),
+    /// Entry of a rotation at a node of a rule, for which its value is substituted once the action is differentiated.
+    NodeEntry(usize),
+    /// A parameter of rotations, on which only tests of identities depend (`Configuration::parametrised`).
+    Attitude(usize),
+    /// Component of the momentum at the end of the step, which the action gives.
+    End(usize),
+    /// Half the width of a box around a point, in the direction of a coordinate.
+    Radius(Axis),
+}
+
+/// A coordinate of the space of times, configurations, velocities and momenta.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Axis {
+    Time,
+    Position(usize),
+    Velocity(usize),
+    Momentum(usize),
+}
+
+/// `q₀` or `p₀`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Quantity {
+    Position,
+    Momentum,
+}
+
+/// The meanings of all symbols, indexed by symbol.
+#[derive(Clone, Default)]
+pub(crate) struct Symbols {
+    meanings: Vec<Meaning>,
+    /// What the entries of the configuration and the components of velocity and momentum are.
+    pub(crate) configuration: Configuration,
+}
+
+impl Symbols {
+    /// Creates a symbol.
+    pub(crate) fn declare(&mut self, meaning: Meaning) -> Symbol {
+        self.meanings.push(meaning);
+        Symbol(self.meanings.len() as u32 - 1)
+    }
+
+    pub(crate) fn declare_all(
+        &mut self,
+        n: usize,
+        meaning: impl Fn(usize) -> Meaning,
+    ) -> Vec<Symbol> {
+        (0..n).map(|i| self.declare(meaning(i))).collect()
+    }
+
+    pub(crate) fn meaning(&self, symbol: Symbol) -> &Meaning {
+        &self.meanings[symbol.0 as usize]
+    }
+
+    /// Returns the symbols of the parameters, in the order of their first use.
+    pub(crate) fn parameters(&self) -> impl Iterator<Item = Symbol> + '_ {
+        (0..self.meanings.len() as u32)
+            .map(Symbol)
+            .filter(|&s| matches!(self.meaning(s), Meaning::Parameter { .. }))
+    }
+
+    /// Returns a parameter as it is written in the source, without `self`.
+    pub(crate) fn source(&self, parameter: Symbol) -> String {
+        match self.meaning(parameter) {
+            Meaning::Parameter { access, .. } => {
+                let path = access.to_string().replace(' ', "");
+                path.strip_prefix("self.").unwrap_or(&path).to_owned()
+            }
+            _ => self.name(parameter),
+        }
+    }
+
+    pub(crate) fn meanings(&self) -> &[Meaning] {
+        &self.meanings
+    }
+
+    /// Returns the name of a symbol in generated code and messages.
+    pub(crate) fn name(&self, symbol: Symbol) -> String {
+        match self.meaning(symbol) {
+            Meaning::Parameter { name, .. } => name.clone(),
+            Meaning::Unknown(unknown) => unknown.to_string(),
+            Meaning::Limit(unknown) => format!("{unknown}_limit"),
+            Meaning::Time => "t".to_owned(),
+            Meaning::StepSize => "h".to_owned(),
+            Meaning::Position(i) => format!("q_{i}"),
+            Meaning::Velocity(i) => format!("v_{i}"),
+            Meaning::Momentum(i) => format!("p_{i}"),
+            Meaning::Start(Quantity::Position, i) => format!("q0_{i}"),
+            Meaning::Start(Quantity::Momentum, i) => format!("p0_{i}"),
+            Meaning::Wiener(i) => format!("dw_{i}"),
+            Meaning::NodeEntry(i) => format!("node_{i}"),
+            Meaning::Attitude(i) => format!("attitude_{i}"),
+            Meaning::End(i) => format!("p1_{i}"),
+            Meaning::Radius(Axis::Time) => "radius_t".to_owned(),
+            Meaning::Radius(Axis::Position(i)) => format!("radius_q{i}"),
+            Meaning::Radius(Axis::Velocity(i)) => format!("radius_v{i}"),
+            Meaning::Radius(Axis::Momentum(i)) => format!("radius_p{i}"),
+        }
+    }
+}
