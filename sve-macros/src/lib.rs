@@ -20,7 +20,6 @@ use sve_compiler::Settings;
 /// | `midpoint` | `Midpoint` | middle of the step | 2 |
 /// | `stormer_verlet` | `StormerVerlet` | start and end, with one velocity | 2 |
 /// | `gauss(2)` … `gauss(8)` | `Gauss::<2>` … `Gauss::<8>` | 2 to 8 nodes of Gauss quadrature | 4, 6, …, 16 |
-/// | `gauss(2, stage_noise)` … | `StageNoise<Gauss<2>>` … | as without the option, with an increment of each process for each node | 4, 6, …, 16 |
 /// | `taylor2` | `Taylor2` | start and end, with the Taylor expansion of the flow; for blocks without noise | 2 |
 /// | `midpoint(weak2)`, `stormer_verlet(weak2)` | `Weak2<Midpoint>`, `Weak2<StormerVerlet>` | as without the option, with a potential that makes the weak order 2; for commuting noises in q alone | 2 |
 /// | `gauss(2, weak2)` … | `Weak2<Gauss<2>>` … | as without the option, with a term that makes the weak order 2; for commuting noises, which may move the position where no force acts | 4, 6, …, 16 |

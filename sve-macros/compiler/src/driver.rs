@@ -13,14 +13,15 @@ use syn::ItemImpl;
 use self::size::{Budget, Exhausted, WORK, within_budget};
 use crate::algebra::Arena;
 use crate::backend::rust::{self, Context, Derived};
+use crate::catalogue::{Rule, RuleOption};
 use crate::discretise::equations;
-use crate::discretise::tangent;
 use crate::errors::Errors;
 use crate::explain;
 use crate::interpret;
+use crate::linearise;
 use crate::model::{Meaning, Model, Symbols};
 use crate::rules::weak2::{self, Potential};
-use crate::rules::{Rule, RuleOption, action, applicable};
+use crate::rules::{action, applicable};
 use crate::structure::{self, Degenerate, StartTest};
 use crate::syntax::arguments::ListedRule;
 use crate::syntax::nesting;
@@ -235,7 +236,7 @@ fn starts<'a>(
             arena: Cow::Borrowed(arena),
         };
         if listed.rule.options.contain(RuleOption::Weak2) {
-            let option = listed.rule.weak2(listed.rule.options);
+            let option = listed.rule.weak2();
             let takes_h1 = option.is_some_and(|option| option.takes_h1);
             let own = start.arena.to_mut();
             own.grant(budget.work);
@@ -336,7 +337,7 @@ fn derive_step(
         Err(degenerate) => return Err(Obstacle::Degenerate(degenerate, symbols)),
     };
     let linearisation = within_budget(&mut arena, |arena| {
-        tangent::linearise(&scheme, &action, &symbols, arena)
+        linearise::linearise(&scheme, &action, &symbols, arena)
     })?;
     let weak_order = weak2::weak_order(rule, budget.model, mechanics, &mut arena);
     Ok(Derived {

@@ -12,11 +12,13 @@
 
 mod algebra;
 mod backend;
+mod catalogue;
 mod discretise;
 mod driver;
 mod errors;
 mod explain;
 mod interpret;
+mod linearise;
 mod model;
 mod operations;
 mod program;

@@ -7,12 +7,13 @@ use proc_macro2::{Span, TokenStream};
 use syn::ItemImpl;
 
 use crate::algebra::{Arena, Expr};
+use crate::catalogue::Options;
 use crate::discretise::equations;
 use crate::errors::Errors;
 use crate::interpret;
 use crate::model::Symbols;
 use crate::program::{Operation, Scheduler, Tier};
-use crate::rules::{Options, action};
+use crate::rules::action;
 use crate::structure::{self, Solution};
 use crate::syntax::parse;
 

@@ -6,11 +6,11 @@ use super::Start;
 use super::size::{Budget, Exhausted, within_budget};
 use crate::algebra::Arena;
 use crate::backend::rust::{self, Context};
+use crate::catalogue::Rule;
 use crate::discretise::stages::{self, Stages};
 use crate::errors::Errors;
 use crate::explain;
 use crate::model::Model;
-use crate::rules::Rule;
 use crate::rules::weak2;
 use crate::syntax::arguments::ListedRule;
 use crate::system::mechanics::Mechanics;
@@ -95,7 +95,7 @@ impl Nodes {
         let mut output = TokenStream::new();
         for &(rule, weak_order) in &self.rules {
             let count = rule.stages().unwrap_or_default();
-            let term = rule.weak2(rule.options).filter(|_| self.has_potential);
+            let term = rule.weak2().filter(|_| self.has_potential);
             let half = term.map(|term| 0.5 * term.factor);
             let (model, mechanics) = (context.model, context.mechanics);
             let texts = explain::gauss(rule, count, half, stages, model, mechanics, arena);

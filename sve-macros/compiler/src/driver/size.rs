@@ -2,8 +2,9 @@
 
 use super::{derive_step, nodes};
 use crate::algebra::Arena;
+use crate::catalogue::Rule;
 use crate::model::Model;
-use crate::rules::{Rule, applicable};
+use crate::rules::applicable;
 use crate::syntax::parse::Annotated;
 use crate::system::mechanics::Mechanics;
 

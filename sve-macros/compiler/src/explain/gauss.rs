@@ -4,10 +4,11 @@ use std::fmt::Write as _;
 
 use super::step::{StepTexts, features, potential};
 use crate::algebra::Arena;
+use crate::catalogue::Rule;
 use crate::discretise::stages::{Form, Stages};
 use crate::model::Model;
 use crate::rules::gauss::Quadrature;
-use crate::rules::{Features, Rule, Textbook};
+use crate::rules::{Features, Textbook, discretisation};
 use crate::system::mechanics::Mechanics;
 
 /// Fewest stages with which the runtime begins by fixed-point iteration.
@@ -28,7 +29,7 @@ pub(crate) fn gauss(
         action,
         mut notation,
         work,
-    } = rule.textbook(&features);
+    } = discretisation(rule).textbook(&features);
     let mut lines = vec![action];
     if model.force.is_some() {
         lines.push(format!("with the virtual work h·{work} beside δS"));

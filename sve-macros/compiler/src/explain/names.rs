@@ -3,14 +3,15 @@
 use std::collections::HashMap;
 
 use crate::algebra::{self, Arena, Expr, Notation, Symbol};
+use crate::catalogue::Rule;
 use crate::model::{AtNode, END, NodeQuantity, SymbolNames, Symbols};
-use crate::rules::Rule;
+use crate::rules::{self, Discretisation};
 
 /// Names of symbols and of subexpressions.
 pub(super) struct Names<'a> {
     pub(super) symbols: SymbolNames<'a>,
     /// The rule, in the equations of a step.
-    rule: Option<Rule>,
+    rule: Option<Box<dyn Discretisation>>,
     /// The names of parameters.
     parameters: Vec<String>,
     named: HashMap<Expr, String>,
@@ -21,7 +22,8 @@ pub(super) struct Names<'a> {
 
 impl<'a> Names<'a> {
     pub(super) fn new(symbols: &'a Symbols, rule: Option<Rule>) -> Self {
-        let symbols = match rule {
+        let rule = rule.map(rules::discretisation);
+        let symbols = match &rule {
             Some(rule) => SymbolNames::of_step(symbols, rule.letters()),
             None => SymbolNames::of_system(symbols),
         };
@@ -65,7 +67,7 @@ impl<'a> Names<'a> {
 
     /// Calls an intermediate result of the step, `q₀ + c d` and the like, by its name; others have none and are written out.
     pub(super) fn call_node(&mut self, expr: Expr, arena: &Arena) {
-        let Some(rule) = self.rule else { return };
+        let Some(rule) = &self.rule else { return };
         let Some(AtNode { node, quantity }) = AtNode::of(expr, arena) else {
             return;
         };

@@ -4,11 +4,12 @@ use super::names::Names;
 use super::page::Page;
 use super::shown;
 use crate::algebra::{Arena, Expr, Node, Notation, Sum, Symbol};
+use crate::catalogue::{Rule, RuleOption};
 use crate::model::configuration::Factor;
 use crate::model::{AtNode, Constraint, END, Meaning, Model, NodeQuantity, Symbols, unknown};
 use crate::rules::action::Action;
 use crate::rules::degenerate;
-use crate::rules::{Features, Rule, RuleOption, Textbook};
+use crate::rules::{Features, Textbook, discretisation};
 use crate::structure::{Block, Kind, Matrix, Scheme, Solution};
 use crate::system::mechanics::Mechanics;
 
@@ -80,7 +81,7 @@ fn constraints(model: &Model, arena: &Arena) -> String {
 
 /// The action in its textbook form.
 fn textbook(rule: Rule, model: &Model, features: &Features) -> Textbook {
-    let plain = rule.textbook(features);
+    let plain = discretisation(rule).textbook(features);
     match (&model.degeneracy, rule.node()) {
         (Some(degeneracy), Some(node)) => degenerate::textbook(degeneracy, node, plain, features),
         _ => plain,
@@ -244,7 +245,7 @@ fn equations(
         let node = AtNode::of(e, arena);
         let is_end = node.is_some_and(|at| {
             matches!(at.quantity, NodeQuantity::Position(_))
-                && (at.node == END || rule.is_end(at.node))
+                && (at.node == END || discretisation(rule).is_end(at.node))
         });
         is_end || is_formula(e, scheme)
     });

@@ -8,9 +8,10 @@ use std::collections::{BTreeSet, HashMap};
 
 use super::constraints::{self, Enforced};
 use super::degenerate;
+use super::discretisation;
 use super::weak2::Potential;
-use super::{Rule, RuleOption};
 use crate::algebra::{Arena, Expr, Symbol};
+use crate::catalogue::{Rule, RuleOption};
 use crate::model::configuration::{Configuration, Factor};
 use crate::model::domain::Condition;
 use crate::model::{AtNode, Family, Meaning, Model, NodeQuantity, Quantity, Symbols, Unknown};
@@ -137,7 +138,7 @@ pub(crate) fn discretise(
     let displacement = symbols.declare_all(n, Unknown::of(Family::Displacement));
     let dw = symbols.declare_all(model.noises.len(), Meaning::Wiener);
     let term = rule
-        .weak2(rule.options)
+        .weak2()
         .filter(|_| rule.options.contain(RuleOption::Weak2));
     let potential = term.map(|term| 0.5 * term.factor).zip(potential);
     let mut variables = Variables {
@@ -153,7 +154,7 @@ pub(crate) fn discretise(
     };
     let (discrete, ends) = match (&model.degeneracy, rule.node()) {
         (Some(degeneracy), Some(node)) => degenerate::action(node, degeneracy, &mut variables),
-        _ => (rule.action(&mut variables), Ends::default()),
+        _ => (discretisation(rule).action(&mut variables), Ends::default()),
     };
     let Discrete {
         value,

@@ -1,6 +1,6 @@
 //! Which rules are for a system: errors for those that take no noise, no force, no constraint or no rotations, and for options that need noise.
 
-use super::{Rule, RuleOption, names};
+use crate::catalogue::{Rule, RuleOption, names};
 use crate::errors::Errors;
 use crate::model::Model;
 use crate::syntax::arguments::ListedRule;
@@ -21,8 +21,8 @@ pub(crate) fn check(block: &Annotated, model: &Model) -> syn::Result<()> {
     }
     for listed in &block.arguments.rules {
         let (rule, name) = (listed.rule, listed.rule.name());
-        if !model.noises.is_empty() && !rule.takes_noise() {
-            let others = listed_where(|rule| rule.takes_noise());
+        if !model.noises.is_empty() && !rule.takes.noise {
+            let others = listed_where(|rule| rule.takes.noise);
             errors.push(
                 listed.place,
                 format!("`{name}` is a rule for systems without noise, and this block has noise terms: use {others}"),
@@ -37,7 +37,7 @@ pub(crate) fn check(block: &Annotated, model: &Model) -> syn::Result<()> {
                 errors.push(place, message);
             }
         }
-        if model.configuration().has_rotations() && !rule.takes_rotations(rule.options) {
+        if model.configuration().has_rotations() && !rule.takes_rotations() {
             errors.push(
                 listed.place,
                 format!("`{name}` is not for rotations, and the configuration of this block has one: use `midpoint`, or a composition of it (`Composed::new(Midpoint, KahanLi8)`)"),
@@ -46,8 +46,8 @@ pub(crate) fn check(block: &Annotated, model: &Model) -> syn::Result<()> {
         if !model.constraints.is_empty() {
             check_constrained(listed, &mut errors);
         }
-        if model.force.is_some() && !rule.takes_force() {
-            let others = listed_where(|rule| rule.takes_force());
+        if model.force.is_some() && !rule.takes.force {
+            let others = listed_where(|rule| rule.takes.force);
             errors.push(
                 listed.place,
                 format!("`{name}` is a rule for systems without forces, and this block has a force: use {others}"),
@@ -60,12 +60,12 @@ pub(crate) fn check(block: &Annotated, model: &Model) -> syn::Result<()> {
 /// Returns whether a rule without options is for a system whose Lagrangian determines every velocity.
 pub(crate) fn is_for(rule: Rule, model: &Model) -> bool {
     let is_taken = [
-        (!model.noises.is_empty(), rule.takes_noise()),
-        (model.force.is_some(), rule.takes_force()),
-        (!model.constraints.is_empty(), rule.takes_constraints()),
+        (!model.noises.is_empty(), rule.takes.noise),
+        (model.force.is_some(), rule.takes.force),
+        (!model.constraints.is_empty(), rule.takes.constraints),
         (
             model.configuration().has_rotations(),
-            rule.takes_rotations(rule.options),
+            rule.takes_rotations(),
         ),
     ];
     let is_regular = model.degeneracy.is_none();
@@ -75,7 +75,7 @@ pub(crate) fn is_for(rule: Rule, model: &Model) -> bool {
 /// Reports a rule or an option that is not for systems with constraints.
 fn check_constrained(listed: &ListedRule, errors: &mut Errors) {
     let (rule, name) = (listed.rule, listed.rule.name());
-    if rule.takes_constraints() {
+    if rule.takes.constraints {
         let weak2 = listed.options.iter().filter(|o| o.0 == RuleOption::Weak2);
         for &(_, place) in weak2 {
             let without = rule.without(RuleOption::Weak2).name();
@@ -86,8 +86,8 @@ fn check_constrained(listed: &ListedRule, errors: &mut Errors) {
         }
         return;
     }
-    let others = listed_where(|rule| rule.takes_constraints());
-    let order = if rule.deterministic_order() > 2 {
+    let others = listed_where(|rule| rule.takes.constraints);
+    let order = if rule.order > 2 {
         "; for a higher order compose one of them, as in `Composed::new(Midpoint, KahanLi8)`"
     } else {
         ""

@@ -17,7 +17,7 @@
 use std::collections::HashMap;
 
 use super::action::{Discrete, Variables};
-use super::{Discretisation, Features, Options, RuleOption, StrongOrder, Textbook, Weak2};
+use super::{Discretisation, Features, Textbook};
 use crate::algebra::{Expr, Symbol};
 use crate::model::{Family, NodeQuantity, Unknown};
 
@@ -26,71 +26,7 @@ pub(super) struct Gauss {
     pub(super) stages: usize,
 }
 
-/// The rules from 2 to 8 stages.
-pub(super) static GAUSS: [Gauss; 7] = [
-    Gauss { stages: 2 },
-    Gauss { stages: 3 },
-    Gauss { stages: 4 },
-    Gauss { stages: 5 },
-    Gauss { stages: 6 },
-    Gauss { stages: 7 },
-    Gauss { stages: 8 },
-];
-
 impl Discretisation for Gauss {
-    fn attribute_name(&self) -> &'static str {
-        "gauss"
-    }
-
-    fn type_name(&self) -> &'static str {
-        "Gauss"
-    }
-
-    fn stages(&self) -> Option<usize> {
-        Some(self.stages)
-    }
-
-    fn with_one_stage(&self) -> Option<&'static str> {
-        Some("midpoint")
-    }
-
-    fn options(&self) -> &'static [RuleOption] {
-        &[RuleOption::StageNoise, RuleOption::Weak2]
-    }
-
-    fn weak2(&self, options: Options) -> Option<Weak2> {
-        let has_stage_noise = options.contain(RuleOption::StageNoise);
-        let divisor = if has_stage_noise {
-            4 * (2 * self.stages - 1)
-        } else {
-            6
-        };
-        Some(Weak2 {
-            factor: 1.0 / divisor as f64,
-            takes_h1: !has_stage_noise,
-        })
-    }
-
-    fn deterministic_order(&self) -> u32 {
-        2 * self.stages as u32
-    }
-
-    fn strong_order(&self, noises_commute: bool) -> StrongOrder {
-        if noises_commute {
-            StrongOrder::One
-        } else {
-            StrongOrder::Half
-        }
-    }
-
-    fn takes_noise(&self) -> bool {
-        true
-    }
-
-    fn takes_force(&self) -> bool {
-        true
-    }
-
     fn action(&self, x: &mut Variables<'_>) -> Discrete {
         let (n, stages) = (x.model.dof(), self.stages);
         let family = |x: &mut Variables<'_>, family| {
@@ -158,10 +94,6 @@ impl Discretisation for Gauss {
 
     fn is_end(&self, _: usize) -> bool {
         false
-    }
-
-    fn letters(&self) -> &'static [&'static str] {
-        &[]
     }
 
     fn textbook(&self, system: &Features) -> Textbook {

@@ -10,85 +10,54 @@ use std::collections::HashMap;
 
 use super::action::{Discrete, RotationAtNode, Variables};
 use super::degenerate::{END, INNER, SHIFTED};
-use super::{Discretisation, Features, Options, RuleOption, StrongOrder, Textbook, Weak2};
+use super::{Discretisation, Features, Textbook};
 use crate::algebra::{Expr, Symbol};
 use crate::model::configuration::{Block, Factor, Midpoint, midpoint_of_rotation};
 use crate::model::{Family, Meaning, NodeQuantity, Unknown};
 
 /// A rule with one node.
 pub(super) struct OneNode {
-    pub(super) attribute_name: &'static str,
-    pub(super) type_name: &'static str,
-    pub(super) deterministic_order: u32,
-    /// What the rule says of the option `weak2`, if it takes the option.
-    pub(super) weak2: Option<Weak2>,
     /// c.
     pub(super) place: f64,
-    /// How the node's time and position are written.
-    pub(super) time: &'static str,
-    pub(super) position: &'static str,
+}
+
+/// How the node's time and position are written.
+struct Notation {
+    time: &'static str,
+    position: &'static str,
     /// What these stand for, where that is not their notation.
-    pub(super) time_is: Option<&'static str>,
-    pub(super) position_is: Option<&'static str>,
+    time_is: Option<&'static str>,
+    position_is: Option<&'static str>,
+}
+
+impl OneNode {
+    fn notation(&self) -> Notation {
+        if self.place == 0.0 {
+            Notation {
+                time: "t₀",
+                position: "q₀",
+                time_is: None,
+                position_is: None,
+            }
+        } else if self.place == 1.0 {
+            Notation {
+                time: "t₁",
+                position: "q₁",
+                time_is: Some("t₁ = t₀ + h"),
+                position_is: None,
+            }
+        } else {
+            Notation {
+                time: "t̄",
+                position: "q̄",
+                time_is: Some("t̄ = t₀ + h/2"),
+                position_is: Some("q̄ = (q₀ + q₁)/2"),
+            }
+        }
+    }
 }
 
 impl Discretisation for OneNode {
-    fn attribute_name(&self) -> &'static str {
-        self.attribute_name
-    }
-
-    fn type_name(&self) -> &'static str {
-        self.type_name
-    }
-
-    fn node(&self) -> Option<f64> {
-        Some(self.place)
-    }
-
-    fn deterministic_order(&self) -> u32 {
-        self.deterministic_order
-    }
-
-    fn options(&self) -> &'static [RuleOption] {
-        match self.weak2 {
-            Some(_) => &[RuleOption::Weak2],
-            None => &[],
-        }
-    }
-
-    fn weak2(&self, _: Options) -> Option<Weak2> {
-        self.weak2
-    }
-
-    fn strong_order(&self, noises_commute: bool) -> StrongOrder {
-        if noises_commute {
-            StrongOrder::One
-        } else {
-            StrongOrder::Half
-        }
-    }
-
-    fn takes_noise(&self) -> bool {
-        true
-    }
-
-    fn takes_force(&self) -> bool {
-        true
-    }
-
-    fn takes_rotations(&self, options: Options) -> bool {
-        // the node in the middle is the half of the way along a geodesic; others need the Stratonovich correction on a group
-        self.place == 0.5 && !options.contain(RuleOption::Weak2)
-    }
-
-    fn takes_constraints(&self) -> bool {
-        true
-    }
-
-    fn has_correction(&self) -> bool {
-        self.place != 0.5
-    }
-
     fn action(&self, x: &mut Variables<'_>) -> Discrete {
         let c = self.place;
         let n = x.model.dof();
@@ -131,7 +100,8 @@ impl Discretisation for OneNode {
             let dw = x.arena.symbol(dw);
             terms.push((-1.0, x.arena.mul(g, dw)));
         }
-        if self.has_correction() {
+        // in the middle of the step the factor is zero
+        if c != 0.5 {
             let correction = stratonovich(x, &node);
             terms.push((c - 0.5, correction));
         }
@@ -149,8 +119,8 @@ impl Discretisation for OneNode {
             NodeQuantity::Position(_) if node == END => "q₁",
             NodeQuantity::Position(_) if node == INNER => "q̄",
             NodeQuantity::Position(_) if node == SHIFTED => "q*",
-            NodeQuantity::Time => self.time,
-            NodeQuantity::Position(_) => self.position,
+            NodeQuantity::Time => self.notation().time,
+            NodeQuantity::Position(_) => self.notation().position,
             NodeQuantity::Velocity(_) => "v",
         }
     }
@@ -159,21 +129,20 @@ impl Discretisation for OneNode {
         self.place == 1.0 && node == 0 || node == END
     }
 
-    fn letters(&self) -> &'static [&'static str] {
-        &[]
-    }
-
     fn textbook(&self, system: &Features) -> Textbook {
-        let Self {
-            time, position: q, ..
-        } = self;
+        let Notation {
+            time,
+            position: q,
+            time_is,
+            position_is,
+        } = self.notation();
         let t = if system.is_timed {
             format!("{time}, ")
         } else {
             String::new()
         };
-        let mut notation: Vec<&str> = self.position_is.into_iter().collect();
-        notation.extend(self.time_is.filter(|_| system.is_timed));
+        let mut notation: Vec<&str> = position_is.into_iter().collect();
+        notation.extend(time_is.filter(|_| system.is_timed));
         let constraint = system.pairing("p", "q₁ − q₀ − h·v");
         let potential = system.potential("h·|h|", &format!("K({t}{q})"), 1);
         let mut terms = vec![format!("S = h·L({t}{q}, v){potential} + {constraint}")];

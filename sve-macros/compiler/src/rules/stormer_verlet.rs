@@ -11,7 +11,7 @@
 use std::collections::HashMap;
 
 use super::action::{Discrete, Variables};
-use super::{Discretisation, Features, Options, RuleOption, StrongOrder, Textbook, Weak2};
+use super::{Discretisation, Features, Textbook};
 use crate::algebra::{Expr, Symbol};
 use crate::model::{Family, NodeQuantity, Unknown};
 
@@ -21,49 +21,6 @@ pub(super) struct StormerVerlet;
 const END: usize = 0;
 
 impl Discretisation for StormerVerlet {
-    fn attribute_name(&self) -> &'static str {
-        "stormer_verlet"
-    }
-
-    fn type_name(&self) -> &'static str {
-        "StormerVerlet"
-    }
-
-    fn deterministic_order(&self) -> u32 {
-        2
-    }
-
-    fn options(&self) -> &'static [RuleOption] {
-        &[RuleOption::Weak2]
-    }
-
-    fn weak2(&self, _: Options) -> Option<Weak2> {
-        Some(Weak2 {
-            factor: 0.25,
-            takes_h1: false,
-        })
-    }
-
-    fn strong_order(&self, noises_commute: bool) -> StrongOrder {
-        if noises_commute {
-            StrongOrder::One
-        } else {
-            StrongOrder::Half
-        }
-    }
-
-    fn takes_noise(&self) -> bool {
-        true
-    }
-
-    fn takes_force(&self) -> bool {
-        true
-    }
-
-    fn takes_constraints(&self) -> bool {
-        true
-    }
-
     fn action(&self, x: &mut Variables<'_>) -> Discrete {
         let n = x.model.dof();
         let v = x.symbols.declare_all(n, Unknown::of(Family::Velocity));
@@ -105,10 +62,6 @@ impl Discretisation for StormerVerlet {
 
     fn is_end(&self, _: usize) -> bool {
         true
-    }
-
-    fn letters(&self) -> &'static [&'static str] {
-        &[]
     }
 
     fn textbook(&self, system: &Features) -> Textbook {

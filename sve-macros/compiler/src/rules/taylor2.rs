@@ -12,7 +12,7 @@
 use std::collections::HashMap;
 
 use super::action::{Discrete, Variables};
-use super::{Discretisation, Features, StrongOrder, Textbook};
+use super::{Discretisation, Features, Textbook};
 use crate::algebra::{Expr, Symbol};
 use crate::model::{Family, NodeQuantity, Unknown};
 
@@ -22,30 +22,6 @@ pub(super) struct Taylor2;
 const END: usize = 0;
 
 impl Discretisation for Taylor2 {
-    fn attribute_name(&self) -> &'static str {
-        "taylor2"
-    }
-
-    fn type_name(&self) -> &'static str {
-        "Taylor2"
-    }
-
-    fn deterministic_order(&self) -> u32 {
-        2
-    }
-
-    fn strong_order(&self, _: bool) -> StrongOrder {
-        StrongOrder::Half
-    }
-
-    fn takes_noise(&self) -> bool {
-        false
-    }
-
-    fn takes_force(&self) -> bool {
-        true
-    }
-
     fn action(&self, x: &mut Variables<'_>) -> Discrete {
         let n = x.model.dof();
         let families = [

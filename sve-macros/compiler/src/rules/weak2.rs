@@ -17,20 +17,11 @@
 
 use std::collections::HashMap;
 
-use super::{Rule, RuleOption};
 use crate::algebra::{Arena, Expr, Symbol};
+use crate::catalogue::{Rule, RuleOption};
 use crate::model::{Model, NoiseTerm};
 use crate::system::inverse_mass::{self, NoFormula};
 use crate::system::mechanics::{self, Commutation, Mechanics, NoiseJet};
-
-/// What a rule says of the option.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Weak2 {
-    /// κ.
-    pub(crate) factor: f64,
-    /// Whether the term raises the weak order with noise that moves the position too.
-    pub(crate) takes_h1: bool,
-}
 
 /// Why the option is refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -259,7 +250,7 @@ pub(crate) fn weak_order(
     mechanics: &Mechanics,
     arena: &mut Arena,
 ) -> u32 {
-    let order = rule.deterministic_order();
+    let order = rule.order;
     if model.noises.is_empty() {
         return order;
     }
@@ -292,8 +283,7 @@ impl Obstacle {
             } => {
                 let others = Rule::all().into_iter();
                 let mut others = others.map(|rule| rule.with(RuleOption::Weak2));
-                let other =
-                    others.find(|rule| rule.weak2(rule.options).is_some_and(|w| w.takes_h1));
+                let other = others.find(|rule| rule.weak2().is_some_and(|w| w.takes_h1));
                 let other = other.filter(|_| !is_forced);
                 let other =
                     other.map_or_else(String::new, |rule| format!(", or `{}`", rule.name()));

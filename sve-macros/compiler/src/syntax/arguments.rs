@@ -6,8 +6,8 @@ use proc_macro2::{Span, TokenStream};
 use syn::parse::{ParseStream, Parser};
 use syn::{Ident, Token};
 
+use crate::catalogue::{self, Rule, RuleOption};
 use crate::errors::{Errors, nearest};
-use crate::rules::{self, Rule, RuleOption};
 use crate::syntax::rule_arguments::{self, RuleArguments};
 
 /// The arguments of the attribute.
@@ -117,7 +117,7 @@ impl Arguments {
         input: ParseStream<'_>,
         errors: &mut Errors,
     ) -> syn::Result<()> {
-        let known = all.iter().any(|rule| name == rule.attribute_name());
+        let known = all.iter().any(|rule| name == rule.attribute_name);
         let arguments = if input.peek(syn::token::Paren) {
             let content;
             let parentheses = syn::parenthesized!(content in input);
@@ -175,7 +175,7 @@ fn no_comma(name: &Ident, is_rule: bool, follows: Span, all: &[Rule]) -> syn::Er
 
 fn unknown_rule(name: &str, all: &[Rule]) -> String {
     let listed = listed(all);
-    match nearest(name, all.iter().map(|r| r.attribute_name())) {
+    match nearest(name, all.iter().map(|r| r.attribute_name)) {
         Some(near) => {
             format!("there is no rule `{name}`; did you mean `{near}`? The rules are {listed}")
         }
@@ -185,5 +185,5 @@ fn unknown_rule(name: &str, all: &[Rule]) -> String {
 
 /// The names of rules in a sentence.
 fn listed(rules: &[Rule]) -> String {
-    rules::names(rules).join(", ")
+    catalogue::names(rules).join(", ")
 }

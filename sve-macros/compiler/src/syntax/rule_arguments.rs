@@ -7,8 +7,8 @@ use syn::parse::ParseBuffer;
 use syn::{Ident, LitInt, Token, token::Paren};
 
 use super::arguments::ListedRule;
+use crate::catalogue::{Rule, RuleOption, names, written};
 use crate::errors::{Errors, nearest};
-use crate::rules::{Rule, RuleOption, written};
 
 /// What stands in the parentheses after the name of a rule.
 pub(super) struct RuleArguments {
@@ -59,7 +59,7 @@ impl RuleArguments {
 
 /// The rules of a name, in ascending numbers of stages.
 fn members(name: &Ident, all: &[Rule]) -> Vec<Rule> {
-    let members = all.iter().filter(|rule| name == rule.attribute_name());
+    let members = all.iter().filter(|rule| name == rule.attribute_name);
     members.copied().collect()
 }
 
@@ -82,8 +82,12 @@ fn meant(family: &[Rule], arguments: &[Argument]) -> Rule {
 fn expected(name: &Ident, all: &[Rule]) -> String {
     let members = members(name, all);
     let rule = example(&members);
-    let with_options = rule.options().iter().fold(rule, |rule, &o| rule.with(o));
-    match (rule.stages(), rule.options()) {
+    let with_options = rule
+        .takes
+        .options
+        .iter()
+        .fold(rule, |rule, &o| rule.with(o));
+    match (rule.stages(), rule.takes.options) {
         (None, []) => format!("`{name}` takes no arguments: write `{}`", rule.name()),
         (None, _) => format!(
             "expected options, separated by commas, as in `{}`",
@@ -110,7 +114,7 @@ pub(super) fn resolve(
     let given = arguments.map_or(&[][..], |a| &a.arguments);
     let options = options(name, given, meant(&members, given), all, errors);
     let base = if members[0].stages().is_some() {
-        member(name, arguments, &members, errors)
+        member(name, arguments, &members, all, errors)
     } else {
         without_stages(name, arguments, &members, errors);
         Some(members[0])
@@ -144,7 +148,7 @@ fn without_stages(
     let instead = written(name.to_string().as_str(), &options_of(arguments));
     for argument in arguments {
         if let Argument::Number(number) = argument {
-            let order = members[0].deterministic_order();
+            let order = members[0].order;
             let message = format!(
                 "`{name}` has no number of stages, and its order is {order}: write `{instead}`"
             );
@@ -158,6 +162,7 @@ fn member(
     name: &Ident,
     arguments: Option<&RuleArguments>,
     family: &[Rule],
+    all: &[Rule],
     errors: &mut Errors,
 ) -> Option<Rule> {
     let first_and_last = [family.first()?, family.last()?];
@@ -180,7 +185,7 @@ fn member(
             let message = format!(
                 "`{name}` needs its number of stages, {least} to {most}: write `{}`, which has order {}",
                 write(&stages),
-                example.deterministic_order()
+                example.order
             );
             errors.push(place, message);
             return None;
@@ -198,10 +203,11 @@ fn member(
     let stages = number.base10_digits().parse::<usize>().ok();
     let found = family.iter().find(|rule| rule.stages() == stages);
     let Some(&rule) = found else {
-        let message = match (stages, family[0].with_one_stage()) {
-            (Some(1), Some(other)) => format!(
-                "with one stage this is the rule `{other}`: write `{}`",
-                written(other, &options)
+        let message = match (stages, all.iter().find(|rule| rule.node() == Some(0.5))) {
+            (Some(1), Some(midpoint)) => format!(
+                "with one stage this is the rule `{}`: write `{}`",
+                midpoint.attribute_name,
+                written(midpoint.attribute_name, &options)
             ),
             _ => other_stages(name, number, family, &write),
         };
@@ -227,7 +233,7 @@ fn other_stages(
     write: &impl Fn(&str) -> String,
 ) -> String {
     let digits = number.base10_digits();
-    let is_order = |rule: &&Rule| rule.deterministic_order().to_string() == digits;
+    let is_order = |rule: &&Rule| rule.order.to_string() == digits;
     let end = if digits == "0" || digits.starts_with('-') {
         &family[0]
     } else {
@@ -240,7 +246,7 @@ fn other_stages(
         stages(&family[0]),
         stages(&family[family.len() - 1]),
         write(&stages(meant).to_string()),
-        meant.deterministic_order()
+        meant.order
     )
 }
 
@@ -276,7 +282,7 @@ fn options(
         let word = word.to_string();
         match RuleOption::named(&word) {
             None => errors.push(place, unknown_option(name, &word, rule)),
-            Some(option) if !rule.options().contains(&option) => {
+            Some(option) if !rule.takes.options.contains(&option) => {
                 errors.push(place, not_taken(name, option, rule, all));
             }
             Some(option) if found.iter().any(|(other, _)| *other == option) => {
@@ -291,13 +297,13 @@ fn options(
 
 /// The options of a rule in a sentence; nothing if there are none.
 fn taken(rule: Rule) -> Option<String> {
-    let options = rule.options().iter();
+    let options = rule.takes.options.iter();
     let names: Vec<String> = options.map(|o| format!("`{}`", o.name())).collect();
     (!names.is_empty()).then(|| names.join(", "))
 }
 
 fn unknown_option(name: &Ident, word: &str, rule: Rule) -> String {
-    let options = rule.options().iter().map(|option| option.name());
+    let options = rule.takes.options.iter().map(|option| option.name());
     match (nearest(word, options), taken(rule)) {
         (Some(near), _) => format!("there is no option `{word}`; did you mean `{near}`?"),
         (None, Some(taken)) => {
@@ -309,9 +315,9 @@ fn unknown_option(name: &Ident, word: &str, rule: Rule) -> String {
 
 /// What to say of an option that is one of other rules.
 fn not_taken(name: &Ident, option: RuleOption, rule: Rule, all: &[Rule]) -> String {
-    let takes = |other: &Rule| other.options().contains(&option);
+    let takes = |other: &Rule| other.takes.options.contains(&option);
     let others: Vec<Rule> = all.iter().copied().filter(takes).collect();
-    let others = crate::rules::names(&others).join(", ");
+    let others = names(&others).join(", ");
     let option = option.name();
     match (taken(rule), others.is_empty()) {
         (Some(taken), true) => format!(

@@ -16,9 +16,9 @@ pub(crate) use tangent::with_tangent_noises;
 use points::{Point, points};
 
 use crate::algebra::{Arena, Expr, Vanishing};
+use crate::catalogue::Rule;
 use crate::errors::Errors;
 use crate::model::Model;
-use crate::rules::Rule;
 use crate::syntax::parse::{Annotated, RoleFunction};
 use crate::system::mechanics::{Commutation, Mechanics};
 

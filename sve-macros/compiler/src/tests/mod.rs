@@ -1,6 +1,7 @@
 //! Tests of the pipeline as a whole.
 
 mod absent;
+mod catalogue;
 mod costs;
 mod energy;
 mod entries;

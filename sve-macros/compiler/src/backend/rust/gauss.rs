@@ -6,10 +6,10 @@ use quote::{ToTokens, quote};
 use super::plan::{Cost, plan_of};
 use super::stages::StageCode;
 use super::{Context, attributes, documented, private};
+use crate::catalogue::{Rule, RuleOption};
 use crate::discretise::stages::{Form, Stages};
 use crate::explain::{STAGES_OF_FIXED_POINT, StepTexts};
 use crate::program::{Operations, Work};
-use crate::rules::{Rule, RuleOption};
 
 /// Prints the step of a rule; `half_factor` is ½κ of the option `weak2`, if the action has its term.
 pub(crate) fn gauss(

@@ -7,7 +7,7 @@ use super::configuration::Received;
 use super::solve::names as pattern;
 use super::straight::Straight;
 use crate::algebra::{Arena, Expr};
-use crate::discretise::tangent::{Entry, Linearisation};
+use crate::linearise::{Entry, Linearisation};
 use crate::model::{Model, Symbols};
 
 pub(super) fn linearise(

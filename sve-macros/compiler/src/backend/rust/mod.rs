@@ -45,11 +45,11 @@ use proc_macro2::{Ident, Literal, Span, TokenStream, TokenTree};
 use quote::{quote, quote_spanned};
 
 use crate::algebra::{Arena, Expr};
-use crate::discretise::tangent::Linearisation;
+use crate::catalogue::Rule;
 use crate::driver::Settings;
 use crate::explain::SystemTexts;
+use crate::linearise::Linearisation;
 use crate::model::{Model, Symbols};
-use crate::rules::Rule;
 use crate::rules::action::Action;
 use crate::structure::Scheme;
 use crate::syntax::parse::Annotated;
@@ -89,7 +89,7 @@ fn private(block: &Annotated) -> TokenStream {
 
 /// The type of a rule in the runtime: each option wraps the rule.
 fn rule_type(rule: Rule, runtime: &TokenStream) -> TokenStream {
-    let name = ident(rule.type_name());
+    let name = ident(rule.type_name);
     let stages = rule.stages().map(Literal::usize_unsuffixed);
     let stages = stages.map(|stages| quote!(<#stages>));
     rule.options

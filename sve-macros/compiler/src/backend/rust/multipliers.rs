@@ -6,7 +6,7 @@ use quote::quote;
 use super::solve::names as pattern;
 use super::straight::Straight;
 use crate::algebra::{Arena, Expr};
-use crate::discretise::tangent::Linearisation;
+use crate::linearise::Linearisation;
 use crate::model::{Model, Symbols};
 
 /// The function that tells what a step can report beside its result; nothing where there is nothing.

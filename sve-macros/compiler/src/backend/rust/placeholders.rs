@@ -7,8 +7,8 @@ use quote::{ToTokens, quote};
 use syn::{Expr, FnArg, GenericParam, ImplItem, ImplItemFn, ItemImpl, Lit, ReturnType, Type};
 
 use super::configuration::{is_vector_or_nested, stored};
+use crate::catalogue::Rule;
 use crate::errors::Errors;
-use crate::rules::Rule;
 use crate::syntax::arguments::Arguments;
 use crate::syntax::parse::{is_f64, is_this};
 use crate::syntax::signature::is_rotation;

@@ -5,10 +5,10 @@ use quote::quote;
 
 use super::{Context, Derived, verbatim};
 use crate::algebra::Expr;
+use crate::catalogue::{Rule, RuleOption};
 use crate::explain::StepTexts;
 use crate::model::{Model, Symbols, unknown};
 use crate::program::{Operations, Work};
-use crate::rules::{Rule, RuleOption, StrongOrder};
 use crate::structure::{Block, Kind};
 use crate::system::degeneracy::Form;
 use crate::system::mechanics::{Commutation, Mechanics};
@@ -86,15 +86,15 @@ fn plan_with(
     let [terms, motion, action, equations] = texts.map(|text| verbatim(text));
     let self_ty = &block.item.self_ty;
     let system = quote!(#self_ty).to_string();
-    let (name, order) = (rule.name(), rule.deterministic_order());
+    let (name, order) = (rule.name(), rule.order);
     let (n, m) = (model.dof(), model.noises.len());
     let strong = match &mechanics.commutation {
         _ if m == 0 => quote!(Deterministic),
         Commutation::All(_) if rule.options.contain(RuleOption::StageNoise) => {
             of_stage_noise(rule, mechanics)
         }
-        Commutation::All(_) => strong_order(rule, None),
-        Commutation::NonCommuting(a, b) => strong_order(rule, Some((a, b))),
+        Commutation::All(_) => quote!(One),
+        Commutation::NonCommuting(a, b) => quote!(Half { pair: (#a, #b) }),
     };
     let conserved = momenta.iter().filter(|map| map.is_affine);
     let conserved = conserved.map(|map| format!("{}_momentum", map.name));
@@ -188,14 +188,6 @@ fn of_stage_noise(rule: Rule, mechanics: &Mechanics) -> TokenStream {
         Some(2) if mechanics.is_additive => quote!(Two),
         Some(3..) if mechanics.is_additive => quote!(Three),
         Some(2..) if rule.options.contain(RuleOption::Weak2) => quote!(OneAndAHalf),
-        _ => quote!(One),
-    }
-}
-
-/// The strong order of a rule, with the pair of noises that does not commute.
-fn strong_order(rule: Rule, pair: Option<(&String, &String)>) -> TokenStream {
-    match (rule.strong_order(pair.is_none()), pair) {
-        (StrongOrder::Half, Some((a, b))) => quote!(Half { pair: (#a, #b) }),
         _ => quote!(One),
     }
 }

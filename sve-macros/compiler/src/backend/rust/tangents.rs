@@ -12,7 +12,7 @@ use quote::quote;
 use super::code::Printer;
 use super::solve::names;
 use crate::algebra::{Arena, Expr};
-use crate::discretise::tangent::{Entry, Linearisation};
+use crate::linearise::{Entry, Linearisation};
 use crate::model::{Model, Symbols};
 use crate::program::{Labels, Operation, Program, Scheduler, Tier, Tiers, Value};
 use crate::structure::{Returns, Scheme};

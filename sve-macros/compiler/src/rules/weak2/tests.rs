@@ -5,10 +5,10 @@ use proc_macro2::TokenStream;
 
 use super::{Obstacle, potential, weak_order};
 use crate::algebra::{Arena, Expr};
+use crate::catalogue::{Rule, RuleOption};
 use crate::errors::Errors;
 use crate::interpret;
 use crate::model::Model;
-use crate::rules::{Rule, RuleOption};
 use crate::syntax::parse;
 use crate::system::inverse_mass::NoFormula;
 use crate::system::mechanics::{Mechanics, mechanics};
@@ -193,14 +193,6 @@ fn noise_in_momentum_beside_a_force_is_an_obstacle_of_rules_that_take_it() {
 }
 
 #[test]
-fn rules_that_take_the_option_say_what_it_multiplies() {
-    for rule in Rule::all_with_options() {
-        let takes = rule.options().contains(&RuleOption::Weak2);
-        assert_eq!(rule.weak2(rule.options).is_some(), takes, "{rule:?}");
-    }
-}
-
-#[test]
 fn weak_orders_of_all_rules() {
     let additive = format!("{FREE} #[gamma] fn push(&self, q: [f64; 2]) -> f64 {{ q[0] }}");
     let multiplicative =
@@ -210,7 +202,7 @@ fn weak_orders_of_all_rules() {
             let (model, mechanics, mut arena) = read(members);
             weak_order(rule, &model, &mechanics, &mut arena)
         };
-        let deterministic = rule.deterministic_order();
+        let deterministic = rule.order;
         assert_eq!(order(FREE), deterministic, "{rule:?}");
         assert_eq!(order(&additive), deterministic.min(2), "{rule:?}");
         let is_corrected = rule.options.contain(RuleOption::Weak2);

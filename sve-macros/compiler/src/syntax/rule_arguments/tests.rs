@@ -3,96 +3,47 @@
 
 use proc_macro2::TokenStream;
 
+use crate::catalogue::{Entry, Nodes, Rule, RuleOption, Takes};
 use crate::errors::Errors;
-use crate::model::NodeQuantity;
-use crate::rules::action::{Discrete, Variables};
-use crate::rules::{Discretisation, Features, Rule, RuleOption, StrongOrder, Textbook};
 use crate::syntax::arguments::Arguments;
 
-/// A rule that has a name and nothing else.
-struct Named {
-    name: &'static str,
-    stages: Option<usize>,
-    options: &'static [RuleOption],
-}
-
-impl Discretisation for Named {
-    fn attribute_name(&self) -> &'static str {
-        self.name
-    }
-    fn stages(&self) -> Option<usize> {
-        self.stages
-    }
-    fn with_one_stage(&self) -> Option<&'static str> {
-        self.stages.map(|_| "middle")
-    }
-    fn options(&self) -> &'static [RuleOption] {
-        self.options
-    }
-    fn type_name(&self) -> &'static str {
-        ""
-    }
-    fn deterministic_order(&self) -> u32 {
-        2 * self.stages.unwrap_or(1) as u32
-    }
-    fn strong_order(&self, _: bool) -> StrongOrder {
-        StrongOrder::One
-    }
-    fn takes_noise(&self) -> bool {
-        true
-    }
-    fn takes_force(&self) -> bool {
-        true
-    }
-    fn action(&self, _: &mut Variables<'_>) -> Discrete {
-        unreachable!("only the name is asked for")
-    }
-    fn notation(&self, _: usize, _: NodeQuantity) -> &'static str {
-        ""
-    }
-    fn is_end(&self, _: usize) -> bool {
-        false
-    }
-    fn letters(&self) -> &'static [&'static str] {
-        &[]
-    }
-    fn textbook(&self, _: &Features) -> Textbook {
-        unreachable!("only the name is asked for")
-    }
-}
-
-const fn member(stages: usize) -> Named {
-    Named {
-        name: "stages",
-        stages: Some(stages),
-        options: &RuleOption::ALL,
-    }
-}
-
-const fn bare(stages: usize) -> Named {
-    Named {
-        name: "bare",
-        stages: Some(stages),
-        options: &[],
-    }
-}
-
-const fn single(name: &'static str, options: &'static [RuleOption]) -> Named {
-    Named {
-        name,
-        stages: None,
+const fn entry(name: &'static str, nodes: Nodes, options: &'static [RuleOption]) -> Entry {
+    let order = match nodes {
+        Nodes::Gauss { stages } => 2 * stages as u32,
+        _ => 2,
+    };
+    let takes = Takes {
+        noise: true,
+        force: true,
+        constraints: true,
+        rotations: true,
         options,
+    };
+    Entry {
+        attribute_name: name,
+        type_name: "",
+        nodes,
+        order,
+        takes,
     }
 }
 
-static START: Named = single("start", &[]);
-static MIDDLE: Named = single("middle", &[RuleOption::Weak2]);
-static BARE: [Named; 2] = [bare(2), bare(3)];
-static FAMILY: [Named; 4] = [member(2), member(3), member(4), member(5)];
+const fn member(stages: usize) -> Entry {
+    entry("stages", Nodes::Gauss { stages }, &RuleOption::ALL)
+}
+
+const fn bare(stages: usize) -> Entry {
+    entry("bare", Nodes::Gauss { stages }, &[])
+}
+
+static START: Entry = entry("start", Nodes::One { c: 0.0 }, &[]);
+static MIDDLE: Entry = entry("middle", Nodes::One { c: 0.5 }, &[RuleOption::Weak2]);
+static BARE: [Entry; 2] = [bare(2), bare(3)];
+static FAMILY: [Entry; 4] = [member(2), member(3), member(4), member(5)];
 
 /// The rules that an attribute names, or the first error with the columns of its token.
 fn read(attribute: &str) -> Result<Vec<String>, (String, usize, usize)> {
-    let family = FAMILY.iter().chain(&BARE).map(|rule| Rule::plain(rule));
+    let family = FAMILY.iter().chain(&BARE).map(Rule::plain);
     let all: Vec<Rule> = [Rule::plain(&START), Rule::plain(&MIDDLE)]
         .into_iter()
         .chain(family)

@@ -11,11 +11,11 @@ use std::collections::HashMap;
 use crate::algebra::tests::number::{Bounded, Dual, Number};
 use crate::algebra::tests::recipe::{Random, values};
 use crate::algebra::{Arena, Expr, Purpose, Symbol};
+use crate::catalogue::Rule;
 use crate::discretise::equations::equations;
 use crate::model::{Meaning, Quantity, Symbols};
 use crate::program::tests::run;
 use crate::program::{Scheduler, Tier, Tiers};
-use crate::rules::Rule;
 use crate::rules::action::{Action, discretise};
 use crate::structure::{Iteration, Matrix, Scheme, Solution, analyse};
 use solve::solution;
@@ -40,7 +40,7 @@ impl Case {
         let rule = rules[seed as usize % rules.len()];
         let (system, point) = loop {
             let (system, point) = System::random(random, momenta);
-            if rule.takes_noise() || point.dw.is_empty() {
+            if rule.takes.noise || point.dw.is_empty() {
                 break (system, point);
             }
         };
@@ -299,7 +299,7 @@ fn residuals_in_the_velocity() {
     let mut compared = 0;
     for seed in 0..400 {
         let mut case = Case::new(seed, false);
-        if !case.rule.takes_noise() {
+        if !case.rule.takes.noise {
             continue;
         }
         let scheme = case.scheme();
@@ -349,7 +349,7 @@ fn solutions_satisfy_the_discrete_equations() {
     let (mut solved, mut tried) = (0, 0);
     for seed in 0..300 {
         let mut case = Case::new(seed, true);
-        let c = match case.rule.attribute_name() {
+        let c = match case.rule.attribute_name {
             "initial_point" => 0.0,
             "midpoint" => 0.5,
             "endpoint" => 1.0,

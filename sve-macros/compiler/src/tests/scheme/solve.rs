@@ -4,9 +4,9 @@ use super::system::{Point, System, gradient};
 use super::{Case, Known};
 use crate::algebra::tests::number::{Bounded, Dual, Number};
 use crate::algebra::{Expr, Symbol};
+use crate::catalogue::Rule;
 use crate::program::tests::run;
 use crate::program::{Scheduler, Tiers};
-use crate::rules::Rule;
 use crate::structure::{Linear, Matrix, Returns, Scheme, Solution};
 
 /// The solution of a small linear system.

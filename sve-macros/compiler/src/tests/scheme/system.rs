@@ -6,9 +6,9 @@ use quote::quote;
 use crate::algebra::tests::number::{Bounded, Dual, Number};
 use crate::algebra::tests::recipe::{Make, Random, build, evaluate, grow};
 use crate::algebra::{Arena, Symbol};
+use crate::catalogue::Rule;
 use crate::model::configuration::{Configuration, Factor};
 use crate::model::{CoordinateNames, Meaning, Model, NoiseTerm, Symbols};
-use crate::rules::Rule;
 
 /// `L = Σ v_i² m/2 + a part of any form`, and noises of any form.
 #[derive(Debug)]
@@ -148,7 +148,7 @@ impl System {
 
     /// The discrete action (`docs/mathematics.md`, section 2).
     pub(super) fn action<T: Number>(&self, rule: Rule, x: &Variables<T>) -> T {
-        match rule.attribute_name() {
+        match rule.attribute_name {
             "initial_point" => self.one_node(0.0, x),
             "midpoint" => self.one_node(0.5, x),
             "endpoint" => self.one_node(1.0, x),

@@ -16,13 +16,15 @@
 //! dy/dz = ∂y/∂z + ∂y/∂w dw/dz
 //! ```
 
+mod chart;
+
 use std::collections::HashMap;
 
-use super::chart::{self, Input};
 use crate::algebra::{Arena, Expr, Symbol};
 use crate::model::Symbols;
 use crate::rules::action::Action;
 use crate::structure::{Iteration, Linear, Scheme, Solution};
+use chart::Input;
 
 /// An entry of a matrix.
 pub(crate) struct Entry {
