@@ -38,6 +38,7 @@ pub(crate) enum Nodes {
 
 /// What a rule is for beside systems without noise, force and constraints on vectors.
 #[derive(Clone, Copy, Debug)]
+#[allow(clippy::struct_excessive_bools)] // columns of a table
 pub(crate) struct Takes {
     pub(crate) noise: bool,
     pub(crate) force: bool,

@@ -132,10 +132,10 @@ fn check(rules: &[&ListedRule], model: &Model, at_node: &Stages) -> syn::Result<
         }
         let name = listed.rule.name();
         let most = UNKNOWNS_OF_STAGES / of_one;
-        let fewer = Rule::all()
+        let mut fewer = Rule::all()
             .into_iter()
             .filter(|rule| rule.stages().is_some_and(|s| s <= most));
-        let instead = match fewer.last() {
+        let instead = match fewer.next_back() {
             Some(rule) => format!("`{}`, or a composition of `midpoint`", rule.name()),
             None => "a composition of `midpoint`".to_owned(),
         };
