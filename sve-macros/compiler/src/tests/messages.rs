@@ -1,36 +1,12 @@
-//! The messages of mistakes and their places, as the compiler of Rust prints them. Each file of `tests/mistakes/ui` is expanded here, and its
-//! errors are printed and compared with the file's `.stderr`. Errors of the compiler of Rust itself, which have a code, are compared in
-//! `tests/mistakes`.
-
-use std::fmt::Write as _;
-use std::fs;
-use std::path::{Path, PathBuf};
+//! The messages of mistakes and their places: each case of `tests/mistakes/cases` is expanded here, and its errors are compared with those
+//! of the table. With `MISTAKES=overwrite` in the environment the tables are written instead.
 
 use proc_macro2::{LineColumn, Span, TokenStream, TokenTree};
 use quote::ToTokens;
+use sve_tests_mistakes::{Case, Message, tables};
 use syn::{Attribute, Item, Meta};
 
 use crate::tests::expand;
-
-/// What the compiler of Rust adds to an error at the attribute as a whole.
-const AT_THE_ATTRIBUTE: &str = "  = note: this error originates in the attribute macro `variational` (in Nightly builds, run with -Z macro-backtrace for more info)\n";
-
-/// All files with mistakes, in a fixed order.
-fn files() -> Vec<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/mistakes/ui");
-    let entries = |folder: &Path| {
-        let entries = fs::read_dir(folder).expect("a folder");
-        let mut paths: Vec<_> = entries
-            .map(|entry| entry.expect("an entry").path())
-            .collect();
-        paths.sort();
-        paths
-    };
-    let folders = entries(&root).into_iter().filter(|path| path.is_dir());
-    let files = folders.flat_map(|folder| entries(&folder));
-    let is_source = |path: &PathBuf| path.extension().is_some_and(|end| end == "rs");
-    files.filter(is_source).collect()
-}
 
 /// The attributes of an item that a procedural macro can be on.
 fn attributes(item: &mut Item) -> Option<&mut Vec<Attribute>> {
@@ -59,14 +35,8 @@ fn annotated(mut item: Item) -> Option<(Attribute, TokenStream, TokenStream)> {
     Some((attribute, arguments, item.into_token_stream()))
 }
 
-/// An error of an expansion: the message, and the first token that it is about, which is what the compiler of Rust marks.
-struct Mistake {
-    message: String,
-    token: Span,
-}
-
-/// The `compile_error!("…")` of an expansion.
-fn mistakes(expansion: TokenStream) -> Vec<Mistake> {
+/// The `compile_error!("…")` of an expansion: the message, and the first token that it is about, which is what the compiler of Rust marks.
+fn mistakes(expansion: TokenStream) -> Vec<(String, Span)> {
     let tokens: Vec<TokenTree> = expansion.into_iter().collect();
     let is_error =
         |token: &TokenTree| matches!(token, TokenTree::Ident(word) if word == "compile_error");
@@ -76,11 +46,8 @@ fn mistakes(expansion: TokenStream) -> Vec<Mistake> {
             panic!("no message: {}", tokens[at]);
         };
         let message: syn::LitStr = syn::parse2(group.stream()).expect("a message");
-        Mistake {
-            // tokens outside of the compiler of Rust are printed with a space before a comma
-            message: message.value().replace(" ,", ","),
-            token: tokens[at].span(),
-        }
+        // tokens outside of the compiler of Rust are printed with a space before a comma
+        (message.value().replace(" ,", ","), tokens[at].span())
     };
     errors.map(mistake).collect()
 }
@@ -99,87 +66,65 @@ fn end_of_token(tokens: TokenStream, start: LineColumn) -> Option<LineColumn> {
     })
 }
 
-/// A file: its name in messages, its text and its tokens.
-struct Source {
-    name: String,
-    text: String,
-    tokens: TokenStream,
-}
-
-/// The error as the compiler of Rust prints it for this file.
-fn printed(mistake: &Mistake, attribute: &Attribute, file: &Source) -> String {
-    let Source { name, text, .. } = file;
+/// The place of an error in a program. A span of no token is that of the attribute as a whole.
+fn place(span: Span, attribute: &Attribute, program: &TokenStream) -> (LineColumn, LineColumn) {
     let of_nothing = LineColumn { line: 1, column: 0 };
-    // a span of no token is that of the attribute as a whole
-    let at_the_attribute = mistake.token.start() == of_nothing;
-    let (start, end) = if at_the_attribute {
+    if span.start() == of_nothing {
         let [first, last] = [
             attribute.pound_token.span,
             attribute.bracket_token.span.close(),
         ];
-        (first.start(), last.end())
-    } else {
-        let start = mistake.token.start();
-        let end = end_of_token(file.tokens.clone(), start);
-        (start, end.expect("a token").min(mistake.token.end()))
-    };
-    let line = text.lines().nth(start.line - 1).expect("a line");
-    assert_eq!(start.line, end.line, "{name}: an error over several lines");
-    let margin = " ".repeat(start.line.to_string().len());
-    let mark = " ".repeat(start.column) + &"^".repeat(end.column - start.column);
-    let mut out = format!(
-        "error: {}\n{margin}--> {name}:{}:{}\n{margin} |\n{} | {line}\n{margin} | {mark}\n",
-        mistake.message,
-        start.line,
-        start.column + 1,
-        start.line,
-    );
-    if at_the_attribute {
-        write!(out, "{margin} |\n{}{AT_THE_ATTRIBUTE}", &margin[1..]).expect("text");
+        return (first.start(), last.end());
     }
-    out
+    let end = end_of_token(program.clone(), span.start());
+    (span.start(), end.expect("a token").min(span.end()))
 }
 
-/// All errors of a file.
-fn errors(path: &Path) -> String {
-    let text = fs::read_to_string(path).expect("a file");
-    let tokens: TokenStream = text.parse().expect("tokens");
-    let items = syn::parse2::<syn::File>(tokens.clone())
-        .expect("Rust")
-        .items;
-    let folder = path.parent().and_then(Path::file_name).expect("a folder");
-    let own = path.file_name().expect("a name");
-    let file = Source {
-        name: format!("ui/{}/{}", folder.display(), own.display()),
-        text,
-        tokens,
-    };
-    let blocks = items.into_iter().filter_map(annotated);
-    let texts = blocks.flat_map(|(attribute, arguments, item)| {
-        let all = mistakes(expand(&arguments, &item));
-        let print = |mistake: &Mistake| printed(mistake, &attribute, &file);
-        all.iter().map(print).collect::<Vec<_>>()
-    });
-    texts.collect::<Vec<_>>().join("\n")
+/// All messages of a case, by their lines.
+fn messages(case: &Case) -> Vec<Message> {
+    let program: TokenStream = case.source().parse().expect("tokens");
+    let file: syn::File = syn::parse2(program.clone()).expect("Rust");
+    let blocks = file.items.into_iter().filter_map(annotated);
+    let mut messages: Vec<Message> = blocks
+        .flat_map(|(attribute, arguments, item)| {
+            let all = mistakes(expand(&arguments, &item)).into_iter();
+            let message = |(text, span)| {
+                let (start, end) = place(span, &attribute, &program);
+                assert_eq!(start.line, end.line, "{}: several lines", case.name);
+                Message {
+                    line: start.line - 1,
+                    column: start.column,
+                    width: end.column - start.column,
+                    text,
+                }
+            };
+            all.map(message).collect::<Vec<_>>()
+        })
+        .collect();
+    messages.sort_by_key(|message| message.line);
+    messages
 }
 
 #[test]
 fn mistakes_have_their_messages_at_their_tokens() {
-    let files = files();
-    assert!(files.len() > 200, "{}", files.len());
-    let mut wrong = Vec::new();
-    for path in &files {
-        let expected = fs::read_to_string(path.with_extension("stderr")).expect("the message");
-        // errors with a code are those of the compiler of Rust
-        let expected = if expected.contains("error[") {
-            String::new()
-        } else {
-            expected
-        };
-        let found = errors(path);
-        if found != expected {
-            wrong.push(format!("{}:\n{found}\nnot\n{expected}", path.display()));
+    let is_to_overwrite = std::env::var("MISTAKES").is_ok_and(|value| value == "overwrite");
+    let (mut count, mut wrong) = (0, Vec::new());
+    for table in tables() {
+        let mut all = Vec::new();
+        for case in table.cases() {
+            let found = messages(case);
+            assert!(!found.is_empty(), "{} {}", table.name, case.name);
+            if found != case.messages {
+                let written = case.written(&found);
+                wrong.push(format!("{}.cases should have\n{written}", table.name));
+            }
+            count += 1;
+            all.push(found);
+        }
+        if is_to_overwrite {
+            table.overwrite(&all);
         }
     }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+    assert!(count > 200, "{count}");
+    assert!(is_to_overwrite || wrong.is_empty(), "{}", wrong.join("\n"));
 }
