@@ -13,6 +13,7 @@
 mod algebra;
 mod backend;
 mod catalogue;
+mod derivation;
 mod discretise;
 mod driver;
 mod errors;
@@ -23,11 +24,13 @@ mod model;
 mod operations;
 mod program;
 mod rules;
+mod settings;
 mod structure;
 mod syntax;
 mod system;
 #[cfg(test)]
 mod tests;
 
-pub use driver::{Settings, expand};
+pub use driver::expand;
 pub use operations::{CALL, Operations};
+pub use settings::Settings;

@@ -6,10 +6,9 @@ use super::step::{StepTexts, features, potential};
 use crate::algebra::Arena;
 use crate::catalogue::Rule;
 use crate::discretise::stages::{Form, Stages};
-use crate::model::Model;
 use crate::rules::gauss::Quadrature;
 use crate::rules::{Features, Textbook, discretisation};
-use crate::system::mechanics::Mechanics;
+use crate::system::classify::Classified;
 
 /// Fewest stages with which the runtime begins by fixed-point iteration.
 pub(crate) const STAGES_OF_FIXED_POINT: usize = 4;
@@ -20,11 +19,11 @@ pub(crate) fn gauss(
     count: usize,
     half_factor: Option<f64>,
     stages: &Stages,
-    model: &Model,
-    mechanics: &Mechanics,
+    system: &Classified,
     arena: &Arena,
 ) -> StepTexts {
-    let features = features(rule, model, mechanics, half_factor, arena);
+    let model = &system.model;
+    let features = features(rule, system, half_factor, arena);
     let Textbook {
         action,
         mut notation,

@@ -5,13 +5,14 @@ use super::page::Page;
 use super::shown;
 use crate::algebra::{Arena, Expr, Node, Notation, Sum, Symbol};
 use crate::catalogue::{Rule, RuleOption};
+use crate::derivation::Derived;
 use crate::model::configuration::Factor;
 use crate::model::{AtNode, Constraint, END, Meaning, Model, NodeQuantity, Symbols, unknown};
 use crate::rules::action::Action;
 use crate::rules::degenerate;
 use crate::rules::{Features, Textbook, discretisation};
 use crate::structure::{Block, Kind, Matrix, Scheme, Solution};
-use crate::system::mechanics::Mechanics;
+use crate::system::classify::Classified;
 
 /// Texts of a rule.
 pub(crate) struct StepTexts {
@@ -24,23 +25,24 @@ pub(crate) struct StepTexts {
 }
 
 /// Writes down a step.
-pub(crate) fn step(
-    rule: Rule,
-    model: &Model,
-    mechanics: &Mechanics,
-    action: &Action,
-    scheme: &Scheme<Expr>,
-    symbols: &Symbols,
-    arena: &Arena,
-) -> StepTexts {
+pub(crate) fn step(derived: &Derived, system: &Classified) -> StepTexts {
+    let Derived {
+        rule,
+        symbols,
+        action,
+        scheme,
+        arena,
+        ..
+    } = derived;
+    let (rule, model) = (*rule, &system.model);
     let Textbook {
         action: textbook,
         mut notation,
         work,
     } = textbook(
         rule,
-        model,
-        &features(rule, model, mechanics, action.half_factor, arena),
+        system,
+        &features(rule, system, action.half_factor, arena),
     );
     let mut lines = vec![format!("{textbook}{}", constraints(model, arena))];
     if let Some((text, parts)) = written_out(rule, action, symbols, arena) {
@@ -80,9 +82,9 @@ fn constraints(model: &Model, arena: &Arena) -> String {
 }
 
 /// The action in its textbook form.
-fn textbook(rule: Rule, model: &Model, features: &Features) -> Textbook {
+fn textbook(rule: Rule, system: &Classified, features: &Features) -> Textbook {
     let plain = discretisation(rule).textbook(features);
-    match (&model.degeneracy, rule.node()) {
+    match (&system.degeneracy, rule.node()) {
         (Some(degeneracy), Some(node)) => degenerate::textbook(degeneracy, node, plain, features),
         _ => plain,
     }
@@ -109,11 +111,11 @@ fn domain(rule: Rule, scheme: &Scheme<Expr>, symbols: &Symbols, arena: &Arena) -
 /// What of the system shows in the textbook form of an action.
 pub(super) fn features(
     rule: Rule,
-    model: &Model,
-    mechanics: &Mechanics,
+    system: &Classified,
     potential: Option<f64>,
     arena: &Arena,
 ) -> Features {
+    let (model, mechanics) = (&system.model, &system.mechanics);
     let timed = |e: Expr| arena.contains(e, model.time);
     let noises = &model.noises;
     let gammas = noises.iter().filter(|g| g.is_gamma).count();

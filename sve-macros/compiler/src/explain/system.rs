@@ -6,7 +6,9 @@ use super::page::Page;
 use super::shown;
 use crate::algebra::{Arena, Expr, Sum, Vanishing};
 use crate::model::{Constraint, Model, NoiseTerm};
-use crate::system::mechanics::{Commutation, Mechanics};
+use crate::system::classify::Classified;
+use crate::system::commutation::Commutation;
+use crate::system::mechanics::Mechanics;
 use crate::system::symmetry::MomentumMap;
 
 /// Texts that no rule changes.
@@ -47,20 +49,16 @@ impl SystemTexts {
 }
 
 /// Writes down the system.
-pub(crate) fn system(
-    model: &Model,
-    mechanics: &Mechanics,
-    momenta: &[MomentumMap],
-    arena: &Arena,
-) -> SystemTexts {
+pub(crate) fn system(system: &Classified, arena: &Arena) -> SystemTexts {
+    let model = &system.model;
     let mut page = Page::new(arena, Names::new(&model.symbols, None));
     SystemTexts {
         lagrangian: lagrangian(model, &mut page).join("\n"),
-        noises: noises(model, &mechanics.commutation, &mut page).join("\n"),
+        noises: noises(model, &system.commutation, &mut page).join("\n"),
         force: force(model, &mut page).join("\n"),
         constraints: constraints(model, &mut page).join("\n"),
-        momenta: conserved(momenta, &mut page).join("\n"),
-        motion: motion(model, mechanics, arena).join("\n"),
+        momenta: conserved(&system.momenta, &mut page).join("\n"),
+        motion: motion(system, arena).join("\n"),
     }
 }
 
@@ -197,8 +195,9 @@ fn constraint_force(i: usize, mechanics: &Mechanics, page: &mut Page<'_>, line: 
     }
 }
 
-fn motion(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Vec<String> {
-    if let Some(degeneracy) = &model.degeneracy {
+fn motion(system: &Classified, arena: &Arena) -> Vec<String> {
+    let (model, mechanics) = (&system.model, &system.mechanics);
+    if let Some(degeneracy) = &system.degeneracy {
         return degenerate::motion(degeneracy, model, mechanics, arena);
     }
     let n = model.dof();

@@ -126,7 +126,6 @@ impl Lowering<'_> {
             attitude,
             names,
             lagrangian: lagrangian?,
-            degeneracy: None,
             noises,
             force,
             symmetries,

@@ -13,7 +13,6 @@ mod symbols;
 mod unknowns;
 
 use crate::algebra::{Arena, Bits, Expr, Node, Symbol};
-use crate::system::degeneracy::Degeneracy;
 use configuration::Configuration;
 pub(crate) use names::{SymbolNames, unknown};
 pub(crate) use nodes::{AtNode, END, NodeQuantity};
@@ -69,8 +68,6 @@ pub(crate) struct Model {
     pub(crate) attitude: Vec<Symbol>,
     pub(crate) names: CoordinateNames,
     pub(crate) lagrangian: Expr,
-    /// What L is if it does not determine every velocity; known after the stage `system`.
-    pub(crate) degeneracy: Option<Degeneracy>,
     pub(crate) noises: Vec<NoiseTerm>,
     /// F, if there is a force.
     pub(crate) force: Option<Vec<Expr>>,

@@ -15,6 +15,7 @@ use crate::catalogue::{Rule, RuleOption};
 use crate::model::configuration::{Configuration, Factor};
 use crate::model::domain::Condition;
 use crate::model::{AtNode, Family, Meaning, Model, NodeQuantity, Quantity, Symbols, Unknown};
+use crate::system::degeneracy::Degeneracy;
 
 /// A discrete action with its variables.
 pub(crate) struct Action {
@@ -122,10 +123,11 @@ pub(crate) struct Variables<'a> {
     potential: Option<(f64, &'a Potential)>,
 }
 
-/// The discrete action of `rule`, with the potential that the option `weak2` adds (`weak2::potential`).
+/// The discrete action of `rule`: that of `degeneracy` if L does not determine every velocity, with the potential that the option `weak2` adds (`weak2::potential`).
 pub(crate) fn discretise(
     rule: Rule,
     model: &Model,
+    degeneracy: Option<&Degeneracy>,
     potential: Option<&Potential>,
     symbols: &mut Symbols,
     arena: &mut Arena,
@@ -152,7 +154,7 @@ pub(crate) fn discretise(
         dw,
         potential,
     };
-    let (discrete, ends) = match (&model.degeneracy, rule.node()) {
+    let (discrete, ends) = match (degeneracy, rule.node()) {
         (Some(degeneracy), Some(node)) => degenerate::action(node, degeneracy, &mut variables),
         _ => (discretisation(rule).action(&mut variables), Ends::default()),
     };

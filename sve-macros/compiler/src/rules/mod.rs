@@ -4,7 +4,6 @@
 //! A new rule is a row of the catalogue, its action here, and its type in the runtime.
 
 pub(crate) mod action;
-pub(crate) mod applicable;
 pub(crate) mod constraints;
 pub(crate) mod degenerate;
 pub(crate) mod gauss;

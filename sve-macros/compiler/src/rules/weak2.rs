@@ -20,8 +20,10 @@ use std::collections::HashMap;
 use crate::algebra::{Arena, Expr, Symbol};
 use crate::catalogue::{Rule, RuleOption};
 use crate::model::{Model, NoiseTerm};
+use crate::system::classify::Classified;
+use crate::system::commutation::Commutation;
 use crate::system::inverse_mass::{self, NoFormula};
-use crate::system::mechanics::{self, Commutation, Mechanics, NoiseJet};
+use crate::system::mechanics::{self, Mechanics, NoiseJet};
 
 /// Why the option is refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -43,13 +45,9 @@ pub(crate) enum Obstacle {
 }
 
 /// The reason why the option is refused, as far as it does not concern the inverse of the mass matrix.
-fn obstacle(
-    model: &Model,
-    mechanics: &Mechanics,
-    takes_h1: bool,
-    arena: &mut Arena,
-) -> Option<Obstacle> {
-    if let Commutation::NonCommuting(a, b) = &mechanics.commutation {
+fn obstacle(system: &Classified, takes_h1: bool, arena: &mut Arena) -> Option<Obstacle> {
+    let (model, mechanics) = (&system.model, &system.mechanics);
+    if let Commutation::NonCommuting(a, b) = &system.commutation {
         return Some(Obstacle::NonCommuting(a.clone(), b.clone()));
     }
     let is_forced = model.force.is_some();
@@ -95,12 +93,12 @@ pub(crate) struct Potential {
 
 /// Returns `Σ_a K_a`; nothing if it does not depend on the state, so that it would not change a step.
 pub(crate) fn potential(
-    model: &Model,
-    mechanics: &Mechanics,
+    system: &Classified,
     takes_h1: bool,
     arena: &mut Arena,
 ) -> Result<Option<Potential>, Obstacle> {
-    if let Some(obstacle) = obstacle(model, mechanics, takes_h1, arena) {
+    let (model, mechanics) = (&system.model, &system.mechanics);
+    if let Some(obstacle) = obstacle(system, takes_h1, arena) {
         return Err(obstacle);
     }
     let n = model.dof();
@@ -244,20 +242,15 @@ fn double_bracket(
 }
 
 /// The weak order of a rule: that without noise, at most 1 with noise, and 2 with the option or where K is a constant, which needs no term.
-pub(crate) fn weak_order(
-    rule: Rule,
-    model: &Model,
-    mechanics: &Mechanics,
-    arena: &mut Arena,
-) -> u32 {
+pub(crate) fn weak_order(rule: Rule, system: &Classified, arena: &mut Arena) -> u32 {
     let order = rule.order;
-    if model.noises.is_empty() {
+    if system.model.noises.is_empty() {
         return order;
     }
     if rule.options.contain(RuleOption::Weak2)
-        || mechanics.is_additive
-            && model.degeneracy.is_none()
-            && obstacle(model, mechanics, false, arena).is_none()
+        || system.mechanics.is_additive
+            && system.degeneracy.is_none()
+            && obstacle(system, false, arena).is_none()
     {
         order.min(2)
     } else {

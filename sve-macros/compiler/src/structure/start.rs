@@ -10,7 +10,7 @@ use std::collections::{BTreeSet, HashMap};
 
 use super::matrix::Matrix;
 use crate::algebra::{Arena, Expr, Symbol};
-use crate::model::Model;
+use crate::system::classify::Classified;
 use crate::system::mechanics::Mechanics;
 
 /// What is tested of the start of a step.
@@ -26,9 +26,10 @@ pub(crate) struct StartTest {
 
 impl StartTest {
     /// Finds out what has to be tested. The mass matrix has its stable form already, so that no step changes.
-    pub(crate) fn new(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> Self {
+    pub(crate) fn new(system: &Classified, mechanics: &Mechanics, arena: &mut Arena) -> Self {
+        let model = &system.model;
         let mut test = Self::default();
-        if model.degeneracy.is_some() || !mechanics.constraints.is_empty() {
+        if system.degeneracy.is_some() || !mechanics.constraints.is_empty() {
             return test;
         }
         if !mechanics.affine_momentum {

@@ -11,16 +11,16 @@
 mod points;
 mod tangent;
 
-pub(crate) use tangent::with_tangent_noises;
+pub(crate) use tangent::tangent_noises;
 
 use points::{Point, points};
 
-use crate::algebra::{Arena, Expr, Vanishing};
+use crate::algebra::{Arena, Expr};
 use crate::catalogue::Rule;
 use crate::errors::Errors;
 use crate::model::Model;
 use crate::syntax::parse::{Annotated, RoleFunction};
-use crate::system::mechanics::{Commutation, Mechanics};
+use crate::system::mechanics::Mechanics;
 
 /// Size of a sum beside the magnitudes of its terms from which on it does not vanish. The points lie on φ = 0 to rounding, which is amplified where gradients are
 /// nearly dependent.
@@ -32,15 +32,15 @@ const SMALLEST_PIVOT: f64 = 1e-10;
 /// Largest gradient of φ where it vanishes, relative to that where it does not, that counts as zero: the gradient of a squared constraint has the size of the root of rounding.
 const NO_GRADIENT: f64 = 1e-5;
 
-/// Checks the constraints of a block, and corrects whether its noises commute: on the constraints.
+/// Checks the constraints of a block. Returns whether there are constraints, and its noises commute where they hold.
 pub(crate) fn check(
     block: &Annotated,
     model: &Model,
-    mechanics: &mut Mechanics,
+    mechanics: &Mechanics,
     arena: &mut Arena,
-) -> syn::Result<()> {
+) -> syn::Result<bool> {
     if model.constraints.is_empty() {
-        return Ok(());
+        return Ok(false);
     }
     let quantities = Quantities::new(model, mechanics, arena);
     let points = points(model, mechanics, arena);
@@ -49,7 +49,7 @@ pub(crate) fn check(
         // what cannot be tested is not accepted
         let message = "no configuration that satisfies the constraints was found for any of the random parameters that were tried, so that noises and gradients cannot be tested there: write them such that small positive parameters have a configuration";
         errors.push(block.constraints[0].name.span(), message);
-        return errors.finish(());
+        return errors.finish(false);
     }
     let values: Vec<Values> = points.iter().map(|at| quantities.at(at, arena)).collect();
     let is_regular = check_gradients(block, model, &points, &mut errors);
@@ -58,14 +58,8 @@ pub(crate) fn check(
     }
     errors.finish(())?;
     check_correction(block, model, &quantities, &values, arena)?;
-    if let Commutation::NonCommuting(..) = mechanics.commutation
-        && values
-            .iter()
-            .all(|at| at.brackets.iter().all(Sum::vanishes))
-    {
-        mechanics.commutation = Commutation::All(Vanishing::Evaluated);
-    }
-    Ok(())
+    let mut brackets = values.iter().flat_map(|at| &at.brackets);
+    Ok(brackets.all(Sum::vanishes))
 }
 
 /// Checks that the momentum of a system with constraints is affine in the velocity: then the projection of the momentum is a linear equation.

@@ -24,11 +24,9 @@ pub(crate) struct Energy {
     pub(crate) at_rest: Vec<Expr>,
 }
 
-/// Returns the energy of a system, unless a velocity has to be searched for or the system is too large.
+/// Returns the energy of a system whose L determines every velocity, unless a velocity has to be searched for or the system is too large.
 pub(crate) fn energy(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> Option<Energy> {
-    let is_plain = mechanics.affine_momentum
-        && model.degeneracy.is_none()
-        && !model.configuration().has_rotations();
+    let is_plain = mechanics.affine_momentum && !model.configuration().has_rotations();
     let jet = &mechanics.lagrangian;
     let n = model.dof();
     let is_zero = |e: Expr| arena.constant_value(e) == Some(0.0);

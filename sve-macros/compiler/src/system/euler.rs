@@ -41,11 +41,10 @@ pub(crate) struct Solved {
     pub(crate) rhs: Vec<Expr>,
 }
 
-/// Returns the increment of a system, unless its velocity has to be searched for, its motion is not that of the first-order form in a vector space, or it is
+/// Returns the increment of a system whose L determines every velocity, unless its velocity has to be searched for, its motion is not that of the first-order form in a vector space, or it is
 /// too large.
 pub(crate) fn euler(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> Option<Euler> {
     let is_plain = mechanics.affine_momentum
-        && model.degeneracy.is_none()
         && model.constraints.is_empty()
         && !model.configuration().has_rotations();
     let jet = &mechanics.lagrangian;

@@ -2,11 +2,11 @@
 //!
 //! Input: the model with its derivatives. Output: what `impl System` prints, made in the arena of the derivatives.
 
+use super::classify::Classified;
 use super::energy::{self, Energy};
 use super::euler::{self, Euler};
 use super::mechanics::Mechanics;
 use crate::algebra::{Arena, Expr, Purpose};
-use crate::model::Model;
 
 /// What `impl System` computes.
 pub(crate) struct Functions {
@@ -21,23 +21,22 @@ pub(crate) struct Functions {
 }
 
 /// Makes the functions. `has_lanes` says whether there are functions of many states at once.
-pub(crate) fn functions(
-    model: &Model,
-    mechanics: &Mechanics,
-    has_lanes: bool,
-    arena: &mut Arena,
-) -> Functions {
+pub(crate) fn functions(system: &Classified, has_lanes: bool, arena: &mut Arena) -> Functions {
+    let model = &system.model;
     let twice = model.constraints.iter().map(|constraint| {
         let once = model.rate(constraint.value, arena);
         model.rate(once, arena)
     });
     let mut constraint_curvatures: Vec<Expr> = twice.collect();
-    let mechanics = mechanics.stabilised(arena);
+    let mechanics = system.mechanics.stabilised(arena);
+    let is_regular = system.degeneracy.is_none();
     arena.stabilise(Purpose::Values, constraint_curvatures.iter_mut().collect());
-    let energy = has_lanes
+    let energy = (has_lanes && is_regular)
         .then(|| energy::energy(model, &mechanics, arena))
         .flatten();
-    let euler = euler::euler(model, &mechanics, arena);
+    let euler = is_regular
+        .then(|| euler::euler(model, &mechanics, arena))
+        .flatten();
     Functions {
         mechanics,
         constraint_curvatures,

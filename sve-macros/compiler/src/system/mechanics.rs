@@ -1,6 +1,6 @@
-//! Model → the derivatives of L, the noises and the force, and whether the noises commute. The runtime needs them beside the steps.
+//! Model → the derivatives of L, the noises and the force. The runtime needs them beside the steps.
 
-use crate::algebra::{Arena, Expr, Purpose, Symbol, Vanishing};
+use crate::algebra::{Arena, Expr, Purpose, Symbol};
 use crate::model::{Constraint, Model, NoiseTerm};
 
 /// Derivatives of the Lagrangian, in the order of the runtime's `LagrangianJet`.
@@ -113,17 +113,6 @@ pub(crate) struct Mechanics {
     pub(crate) is_separable: bool,
     /// Whether the noises are additive: γ's that are linear in q, with constant masses. They may depend on time.
     pub(crate) is_additive: bool,
-    /// Whether the noises commute.
-    pub(crate) commutation: Commutation,
-}
-
-/// Whether the noises of a model commute.
-#[derive(Clone)]
-pub(crate) enum Commutation {
-    /// All pairs of noises commute, as proved or as found at random points.
-    All(Vanishing),
-    /// The source names of the first pair of noises that does not commute.
-    NonCommuting(String, String),
 }
 
 /// Differentiates the model.
@@ -173,7 +162,6 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
         && shifts.all(|shift| arena.constant_value(shift) == Some(0.0))
         // the constraint force of an additive noise depends on the configuration
         && model.constraints.is_empty();
-    let commutation = commutation(model, &noises, arena);
     let force = model.force.as_ref().map(|force| ForceJet {
         dq: gradients(arena, force, model),
         dv: hessian(arena, force, &model.v),
@@ -193,7 +181,6 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
         affine_momentum,
         is_separable,
         is_additive,
-        commutation,
     }
 }
 
@@ -245,44 +232,6 @@ pub(crate) fn noise_jet_of(
     }
 }
 
-/// Checks whether the Poisson bracket `{G_a, G_b} = ⟨∂G_a/∂q, ∂G_b/∂p⟩ − ⟨∂G_a/∂p, ∂G_b/∂q⟩` vanishes for all pairs. Each rotation adds
-/// `− Π·(∂G_a/∂Π × ∂G_b/∂Π)`, with left-trivialised derivatives by R.
-fn commutation(model: &Model, jets: &[NoiseJet], arena: &mut Arena) -> Commutation {
-    let jets: Vec<[Vec<Expr>; 2]> = jets.iter().map(|jet| scaled(jet, arena)).collect();
-    let mut evidence = Vanishing::Proved;
-    for (i, [a_q, a_p]) in jets.iter().enumerate() {
-        for (j, [b_q, b_p]) in jets.iter().enumerate().skip(i + 1) {
-            if arena.is_exhausted() {
-                return Commutation::All(evidence);
-            }
-            let mut terms = Vec::new();
-            for k in 0..model.dof() {
-                for (sign, x, y) in [(1.0, a_q[k], b_p[k]), (-1.0, a_p[k], b_q[k])] {
-                    // most noises depend on few coordinates
-                    if [x, y].iter().all(|&e| arena.constant_value(e) != Some(0.0)) {
-                        terms.push((sign, arena.mul(x, y)));
-                    }
-                }
-            }
-            if model.configuration().has_rotations() {
-                let p: Vec<Expr> = model.p.iter().map(|&s| arena.symbol(s)).collect();
-                let transport = model.configuration().transport(&p, a_p, b_p, arena);
-                terms.push((-1.0, transport));
-            }
-            let bracket = arena.sum(0.0, &terms);
-            let bracket = model.on_rotations(bracket, arena);
-            match arena.vanishing(bracket) {
-                Some(vanishing) => evidence = evidence.max(vanishing),
-                None => {
-                    let [a, b] = [i, j].map(|at| model.noises[at].name.clone());
-                    return Commutation::NonCommuting(a, b);
-                }
-            }
-        }
-    }
-    Commutation::All(evidence)
-}
-
 fn constraint_jet(constraint: &Constraint, model: &Model, arena: &mut Arena) -> ConstraintJet {
     ConstraintJet {
         value: constraint.value,
@@ -290,19 +239,6 @@ fn constraint_jet(constraint: &Constraint, model: &Model, arena: &mut Arena) -> 
         dt: arena.diff(constraint.value, model.time),
         dq: gradient(arena, constraint.value, &model.q),
     }
-}
-
-/// Returns the gradients of a noise by q and p. If a product of two components might underflow or overflow, the gradients are
-/// multiplied with a power of two that brings them to the order of 1.
-fn scaled(jet: &NoiseJet, arena: &mut Arena) -> [Vec<Expr>; 2] {
-    let factor = arena.scale_of(&[jet.dq.as_slice(), &jet.dp].concat());
-    [&jet.dq, &jet.dp].map(|gradient| {
-        if factor == 1.0 {
-            gradient.clone()
-        } else {
-            gradient.iter().map(|&x| arena.scale(factor, x)).collect()
-        }
-    })
 }
 
 fn gradient(arena: &mut Arena, expr: Expr, symbols: &[Symbol]) -> Vec<Expr> {

@@ -1,5 +1,8 @@
 //! The mechanical system: its symbols and formulas, their derivatives, and the checks that do not depend on a rule.
 
+pub(crate) mod applicable;
+pub(crate) mod classify;
+pub(crate) mod commutation;
 pub(crate) mod constraints;
 pub(crate) mod degeneracy;
 pub(crate) mod energy;
@@ -8,4 +11,5 @@ pub(crate) mod functions;
 pub(crate) mod inverse_mass;
 pub(crate) mod mechanics;
 pub(crate) mod regular;
+pub(crate) mod size;
 pub(crate) mod symmetry;

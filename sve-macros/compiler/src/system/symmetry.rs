@@ -20,6 +20,7 @@ use crate::errors::Errors;
 use crate::model::configuration::{Block, Factor, cross};
 use crate::model::{Generator, Model};
 use crate::syntax::parse::{Annotated, RoleFunction};
+use crate::system::degeneracy::Degeneracy;
 
 /// Returns the name of the function that returns the momentum of a symmetry.
 pub(crate) fn momentum_name(symmetry: &Ident) -> Ident {
@@ -45,6 +46,7 @@ const READABLE: usize = 160;
 pub(crate) fn check(
     block: &Annotated,
     model: &Model,
+    degeneracy: Option<&Degeneracy>,
     arena: &mut Arena,
 ) -> syn::Result<Vec<MomentumMap>> {
     let mut errors = Errors::new();
@@ -81,9 +83,26 @@ pub(crate) fn check(
                 }
             }
         }
-        maps.push(momentum(generator, evidence, model, arena));
+        let mut map = momentum(generator, evidence, model, arena);
+        map.is_affine &= is_kept(generator, block, degeneracy, model, arena);
+        maps.push(map);
     }
     errors.finish(maps)
+}
+
+/// Whether the nodes of all rules keep the momentum of a generator, if it is affine. A regular Lagrangian lets every node keep it.
+fn is_kept(
+    generator: &Generator,
+    block: &Annotated,
+    degeneracy: Option<&Degeneracy>,
+    model: &Model,
+    arena: &Arena,
+) -> bool {
+    degeneracy.is_none_or(|degeneracy| {
+        let rules = block.arguments.rules.iter();
+        let mut nodes = rules.filter_map(|listed| listed.rule.node());
+        nodes.all(|c| degeneracy.keeps_momentum(&generator.field, c == 0.5, model, arena))
+    })
 }
 
 fn broken(

@@ -7,6 +7,7 @@ mod energy;
 mod entries;
 mod euler;
 mod factors;
+mod floors;
 mod growth;
 mod large_input;
 mod limits;

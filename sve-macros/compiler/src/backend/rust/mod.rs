@@ -20,6 +20,7 @@ mod parameters;
 mod pivots;
 mod placeholders;
 mod plan;
+mod print;
 mod rounding;
 mod rule;
 mod scopes;
@@ -32,27 +33,28 @@ mod system;
 mod tangents;
 mod unstructured;
 
-pub(crate) use gauss::gauss;
-pub(crate) use momenta::momenta;
+use gauss::gauss;
+use momenta::momenta;
 pub(crate) use placeholders::placeholders;
-pub(crate) use rule::rule;
-pub(crate) use scopes::bounded;
-pub(crate) use stages::stages;
-pub(crate) use start::start_of_step;
-pub(crate) use system::system;
+pub(crate) use print::print;
+use rule::rule;
+use scopes::bounded;
+use stages::stages;
+use start::start_of_step;
+use system::system;
 
 use proc_macro2::{Ident, Literal, Span, TokenStream, TokenTree};
 use quote::{quote, quote_spanned};
 
-use crate::algebra::{Arena, Expr};
+use crate::algebra::Arena;
 use crate::catalogue::Rule;
-use crate::driver::Settings;
+use crate::derivation::Derived;
 use crate::explain::SystemTexts;
-use crate::linearise::Linearisation;
-use crate::model::{Model, Symbols};
-use crate::rules::action::Action;
-use crate::structure::Scheme;
+use crate::model::Model;
+use crate::settings::Settings;
 use crate::syntax::parse::Annotated;
+use crate::system::commutation::Commutation;
+use crate::system::degeneracy::Degeneracy;
 use crate::system::mechanics::Mechanics;
 use crate::system::symmetry::{MomentumMap, momentum_name};
 
@@ -62,23 +64,11 @@ pub(crate) struct Context<'a> {
     pub(crate) block: &'a Annotated,
     pub(crate) model: &'a Model,
     pub(crate) mechanics: &'a Mechanics,
+    pub(crate) commutation: &'a Commutation,
+    pub(crate) degeneracy: Option<&'a Degeneracy>,
     pub(crate) momenta: &'a [MomentumMap],
     pub(crate) about: &'a SystemTexts,
     pub(crate) arena: &'a Arena,
-}
-
-/// A rule with what was derived for it.
-pub(crate) struct Derived {
-    pub(crate) rule: Rule,
-    /// Whether it is the step without structure.
-    pub(crate) is_unstructured: bool,
-    pub(crate) weak_order: u32,
-    pub(crate) symbols: Symbols,
-    pub(crate) action: Action,
-    pub(crate) scheme: Scheme<Expr>,
-    pub(crate) linearisation: Linearisation,
-    /// Owner of the expressions.
-    pub(crate) arena: Arena,
 }
 
 /// Path of what generated code calls in the runtime.

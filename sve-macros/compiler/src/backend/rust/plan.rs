@@ -7,11 +7,12 @@ use super::{Context, Derived, verbatim};
 use crate::algebra::Expr;
 use crate::catalogue::{Rule, RuleOption};
 use crate::explain::StepTexts;
-use crate::model::{Model, Symbols, unknown};
+use crate::model::{Symbols, unknown};
 use crate::program::{Operations, Work};
 use crate::structure::{Block, Kind};
-use crate::system::degeneracy::Form;
-use crate::system::mechanics::{Commutation, Mechanics};
+use crate::system::commutation::Commutation;
+use crate::system::degeneracy::{Degeneracy, Form};
+use crate::system::mechanics::Mechanics;
 
 pub(super) fn plan(
     private: &TokenStream,
@@ -73,6 +74,8 @@ fn plan_with(
         block,
         model,
         mechanics,
+        commutation,
+        degeneracy,
         momenta,
         about,
         arena: _,
@@ -88,7 +91,7 @@ fn plan_with(
     let system = quote!(#self_ty).to_string();
     let (name, order) = (rule.name(), rule.order);
     let (n, m) = (model.dof(), model.noises.len());
-    let strong = match &mechanics.commutation {
+    let strong = match commutation {
         _ if m == 0 => quote!(Deterministic),
         Commutation::All(_) if rule.options.contain(RuleOption::StageNoise) => {
             of_stage_noise(rule, mechanics)
@@ -98,7 +101,7 @@ fn plan_with(
     };
     let conserved = momenta.iter().filter(|map| map.is_affine);
     let conserved = conserved.map(|map| format!("{}_momentum", map.name));
-    let degenerate = degenerate(private, rule, model);
+    let degenerate = degenerate(private, rule, *degeneracy);
     let Work {
         prepare,
         step,
@@ -136,8 +139,8 @@ fn plan_with(
 }
 
 /// How the step treats a degenerate Lagrangian.
-fn degenerate(private: &TokenStream, rule: Rule, model: &Model) -> TokenStream {
-    let Some(degeneracy) = &model.degeneracy else {
+fn degenerate(private: &TokenStream, rule: Rule, degeneracy: Option<&Degeneracy>) -> TokenStream {
+    let Some(degeneracy) = degeneracy else {
         return quote!(::core::option::Option::None);
     };
     let form = match degeneracy.form(rule.node() == Some(0.5)) {

@@ -127,8 +127,8 @@ fn proves_start(context: &Context<'_>, derived: &Derived) -> Option<TokenStream>
 /// Whether the solution of a step is not accepted where the mass matrix at the start is singular. Bounds judge all blocks, and contain their matrices in the limit of no noise and
 /// h → 0, where the product of the determinants is that of the mass matrix.
 fn finds_singular_masses(context: &Context<'_>, derived: &Derived) -> bool {
-    let (model, mechanics) = (context.model, context.mechanics);
-    let has_own_start = model.degeneracy.is_some() || !mechanics.constraints.is_empty();
+    let mechanics = context.mechanics;
+    let has_own_start = context.degeneracy.is_some() || !mechanics.constraints.is_empty();
     let is_judged = |block: &Block<Expr>| match &block.solution {
         Solution::Iteration(iteration) => iteration.judge.is_some(),
         Solution::Formula(_) | Solution::System { .. } => false,

@@ -37,9 +37,8 @@ pub(crate) fn system(context: &Context<'_>, functions: &Functions) -> TokenStrea
         affine_momentum,
         is_separable,
         is_additive: _,
-        commutation: _,
     } = &functions.mechanics;
-    let is_regular = model.degeneracy.is_none();
+    let is_regular = context.degeneracy.is_none();
     let separable =
         (*is_separable && is_regular).then(|| quote!(impl #private::Separable for #self_ty {}));
     // conditions of order for the splitting of a quadratic kinetic energy do not hold for steps that constraints couple
@@ -68,7 +67,7 @@ pub(crate) fn system(context: &Context<'_>, functions: &Functions) -> TokenStrea
         .unwrap_or_else(no_euler);
     let constraint_jets = constraint_jets(&private, model, functions, arena);
     let identity = identity(model, arena, &private);
-    let roles = model.degeneracy.as_ref().map(|d| roles(d, &private));
+    let roles = context.degeneracy.map(|d| roles(d, &private));
     let parameters = model.symbols.parameters().map(|s| model.symbols.source(s));
     let (coordinates, momenta) = (&model.names.configuration, &model.names.momenta);
     // the user's functions are not called by what is derived from them, and yet are not dead

@@ -10,19 +10,21 @@ use crate::errors::Errors;
 use crate::interpret;
 use crate::model::Model;
 use crate::syntax::parse;
+use crate::system::classify::{Classified, classify};
 use crate::system::inverse_mass::NoFormula;
-use crate::system::mechanics::{Mechanics, mechanics};
+use crate::system::size::{Budget, WORK};
 
 /// The model of a block.
-fn read(members: &str) -> (Model, Mechanics, Arena) {
+fn read(members: &str) -> (Classified, Arena) {
     let tokens = |text: &str| -> TokenStream { text.parse().expect("tokens") };
     let item = syn::parse2(tokens(&format!("impl P {{ {members} }}"))).expect("a block");
     let (mut arena, mut errors) = (Arena::new(), Errors::new());
     let block = parse::annotated(tokens("midpoint"), item, &mut errors).expect("a block");
     let model = interpret::interpret(&block, &mut arena, &mut errors);
     let model = errors.finish(model).expect("no mistakes").expect("a model");
-    let mechanics = mechanics(&model, &mut arena);
-    (model, mechanics, arena)
+    let budget = Budget::new(&block, &model, WORK).expect("a small system");
+    let system = classify(&block, model, &budget, &mut arena).expect("no mistakes");
+    (system, arena)
 }
 
 /// {f, g}.
@@ -55,17 +57,18 @@ fn the_potential_is_the_double_bracket_with_the_hamiltonian() {
     ] {
         // the Hamiltonian is read as another noise
         let members = format!("{LAGRANGIAN} {noise} #[h1] {HAMILTONIAN}");
-        let (mut model, mut mechanics, mut arena) = read(&members);
-        let hamiltonian = model.noises.pop().expect("two noises").hamiltonian;
-        mechanics.noises.pop();
-        mechanics.commutation = super::Commutation::All(crate::algebra::Vanishing::Proved);
+        let (mut system, mut arena) = read(&members);
+        let hamiltonian = system.model.noises.pop().expect("two noises").hamiltonian;
+        system.mechanics.noises.pop();
+        system.commutation = super::Commutation::All(crate::algebra::Vanishing::Proved);
+        let model = &system.model;
         let g = model.noises[0].hamiltonian;
-        let found = potential(&model, &mechanics, true, &mut arena);
+        let found = potential(&system, true, &mut arena);
         let found = found.expect("no obstacle").expect("a potential");
-        let inner = bracket(g, hamiltonian, &model, &mut arena);
+        let inner = bracket(g, hamiltonian, model, &mut arena);
         let drift = arena.diff(g, model.time);
         let inner = arena.add(inner, drift);
-        let expected = bracket(g, inner, &model, &mut arena);
+        let expected = bracket(g, inner, model, &mut arena);
         let difference = arena.sub(found.value, expected);
         assert!(arena.constant_value(expected).is_none());
         assert!(arena.is_zero(difference), "{noise}");
@@ -123,8 +126,8 @@ fn a_constant_potential_needs_no_term() {
             true,
         ),
     ] {
-        let (model, mechanics, mut arena) = read(&members);
-        let found = potential(&model, &mechanics, false, &mut arena).expect("no obstacle");
+        let (system, mut arena) = read(&members);
+        let found = potential(&system, false, &mut arena).expect("no obstacle");
         assert_eq!(found.is_some(), needs_term, "{members}");
     }
 }
@@ -175,8 +178,8 @@ fn obstacles_are_found() {
             Some(Obstacle::NoInverseMass(NoFormula::NoPivot(4))),
         ),
     ] {
-        let (model, mechanics, mut arena) = read(&members);
-        let found = potential(&model, &mechanics, false, &mut arena);
+        let (system, mut arena) = read(&members);
+        let found = potential(&system, false, &mut arena);
         assert_eq!(found.err(), expected, "{members}");
     }
 }
@@ -186,8 +189,8 @@ fn noise_in_momentum_beside_a_force_is_an_obstacle_of_rules_that_take_it() {
     let members = "fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v - q * q }
         #[h1] fn drag(&self, q: f64, p: f64) -> f64 { q * p }
         #[force] fn air(&self, q: f64, v: f64) -> f64 { -v }";
-    let (model, mechanics, mut arena) = read(members);
-    let found = potential(&model, &mechanics, true, &mut arena);
+    let (system, mut arena) = read(members);
+    let found = potential(&system, true, &mut arena);
     let expected = Obstacle::MovesPositionWithForce("drag".to_owned());
     assert_eq!(found.err(), Some(expected));
 }
@@ -199,8 +202,8 @@ fn weak_orders_of_all_rules() {
         format!("{FREE} #[gamma] fn push(&self, q: [f64; 2]) -> f64 {{ q[0] * q[0] }}");
     for rule in Rule::all_with_options() {
         let order = |members: &str| {
-            let (model, mechanics, mut arena) = read(members);
-            weak_order(rule, &model, &mechanics, &mut arena)
+            let (system, mut arena) = read(members);
+            weak_order(rule, &system, &mut arena)
         };
         let deterministic = rule.order;
         assert_eq!(order(FREE), deterministic, "{rule:?}");

@@ -10,21 +10,21 @@ use std::collections::HashMap;
 
 use crate::algebra::{Arena, Expr, Symbol};
 use crate::errors::Errors;
-use crate::model::Model;
+use crate::model::{Model, NoiseTerm};
 use crate::syntax::parse::Annotated;
 use crate::syntax::roles::Role;
 use crate::system::inverse_mass::{self, NoFormula};
 use crate::system::mechanics::Mechanics;
 
-/// Puts the momentum along the constraints in the place of p in the noises that ask for it. Returns whether some do.
-pub(crate) fn with_tangent_noises(
+/// Returns the noises with the momentum along the constraints in the place of p in those that ask for it; nothing if none does.
+pub(crate) fn tangent_noises(
     block: &Annotated,
-    model: &mut Model,
+    model: &Model,
     mechanics: &Mechanics,
     arena: &mut Arena,
-) -> syn::Result<bool> {
+) -> syn::Result<Option<Vec<NoiseTerm>>> {
     if !model.noises.iter().any(|noise| noise.is_tangent) {
-        return Ok(false);
+        return Ok(None);
     }
     let mut errors = Errors::new();
     let mut functions = block.noises.iter().filter(|f| f.role == Role::TangentH1);
@@ -36,11 +36,12 @@ pub(crate) fn with_tangent_noises(
             place,
             "`tangent` is for systems with constraints, and this block has none: write `#[h1]`",
         );
-        return errors.finish(true);
+        return errors.finish(None);
     }
+    let mut noises = model.noises.clone();
     match projected(model, mechanics, arena) {
         Ok(by) => {
-            for noise in model.noises.iter_mut().filter(|noise| noise.is_tangent) {
+            for noise in noises.iter_mut().filter(|noise| noise.is_tangent) {
                 noise.hamiltonian = arena.substitute(noise.hamiltonian, &by);
             }
         }
@@ -51,7 +52,7 @@ pub(crate) fn with_tangent_noises(
             errors.push(place, message);
         }
     }
-    errors.finish(true)
+    errors.finish(Some(noises))
 }
 
 /// What stands for each momentum.

@@ -6,7 +6,8 @@
 use super::{Degeneracy, Role, part};
 use crate::algebra::{Arena, Expr, Sharp, Vanishing, Verdict};
 use crate::model::Model;
-use crate::system::mechanics::{Commutation, Mechanics};
+use crate::system::commutation::Commutation;
+use crate::system::mechanics::Mechanics;
 
 /// Evaluates the brackets of all pairs of noises at random points, in 106 bits. Each bracket takes a linear solve with ω.
 pub(crate) fn commutation(
@@ -16,10 +17,6 @@ pub(crate) fn commutation(
     arena: &Arena,
 ) -> Commutation {
     let paired = degeneracy.of(Role::Massless);
-    if paired.is_empty() {
-        // γ's of the coordinates that are left commute as they always do
-        return mechanics.commutation.clone();
-    }
     let omega = part(&degeneracy.two_form, &paired);
     let gradients: Vec<Vec<Expr>> = mechanics
         .noises

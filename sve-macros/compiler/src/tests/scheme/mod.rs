@@ -47,7 +47,7 @@ impl Case {
         let mut arena = Arena::new();
         let model = system.model(&mut arena);
         let mut symbols = model.symbols.clone();
-        let action = discretise(rule, &model, None, &mut symbols, &mut arena);
+        let action = discretise(rule, &model, None, None, &mut symbols, &mut arena);
         Self {
             system,
             point,

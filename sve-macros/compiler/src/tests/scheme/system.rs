@@ -110,7 +110,6 @@ impl System {
             });
         }
         Model {
-            degeneracy: None,
             constants: Vec::new(),
             names: CoordinateNames::default(),
             symbols,

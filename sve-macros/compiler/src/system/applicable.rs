@@ -6,6 +6,7 @@ use crate::model::Model;
 use crate::syntax::arguments::ListedRule;
 use crate::syntax::parse::Annotated;
 use crate::syntax::roles::Role as FunctionRole;
+use crate::system::classify::Classified;
 use crate::system::degeneracy::{Degeneracy, Role};
 
 /// Returns an error for each rule that is not for this system.
@@ -58,7 +59,8 @@ pub(crate) fn check(block: &Annotated, model: &Model) -> syn::Result<()> {
 }
 
 /// Returns whether a rule without options is for a system whose Lagrangian determines every velocity.
-pub(crate) fn is_for(rule: Rule, model: &Model) -> bool {
+pub(crate) fn is_for(rule: Rule, system: &Classified) -> bool {
+    let model = &system.model;
     let is_taken = [
         (!model.noises.is_empty(), rule.takes.noise),
         (model.force.is_some(), rule.takes.force),
@@ -68,7 +70,7 @@ pub(crate) fn is_for(rule: Rule, model: &Model) -> bool {
             rule.takes_rotations(),
         ),
     ];
-    let is_regular = model.degeneracy.is_none();
+    let is_regular = system.degeneracy.is_none();
     is_regular && is_taken.iter().all(|&(has, takes)| !has || takes)
 }
 

@@ -1,0 +1,121 @@
+//! `Classified` → [`Derivation`]: the steps of all rules of a block, each in an arena of its own, with the functions that no step needs.
+//!
+//! Invariant: a rule is derived from the classified system alone. The terms of a sum stand in the order in which their expressions were
+//! made, so that in a common arena a rule would change the rounding of other rules.
+
+mod nodes;
+mod step;
+
+use std::borrow::Cow;
+
+use crate::algebra::Arena;
+use crate::catalogue::RuleOption;
+use crate::errors::Errors;
+use crate::rules::weak2::{self, Potential};
+use crate::settings::Settings;
+use crate::structure::StartTest;
+use crate::syntax::arguments::ListedRule;
+use crate::syntax::parse::Annotated;
+use crate::system::classify::Classified;
+use crate::system::functions::{Functions, functions};
+use crate::system::size::Budget;
+pub(crate) use nodes::Nodes;
+pub(crate) use step::Derived;
+
+/// All that is derived from a block.
+pub(crate) struct Derivation {
+    pub(crate) settings: Settings,
+    pub(crate) block: Annotated,
+    pub(crate) system: Classified,
+    /// The functions of the system that no step needs.
+    pub(crate) functions: Functions,
+    /// What a step tests of its start.
+    pub(crate) start: StartTest,
+    /// The rules of many stages, in groups that share the equations at a node.
+    pub(crate) nodes: Vec<Nodes>,
+    /// The other rules, and the steps without structure.
+    pub(crate) steps: Vec<Derived>,
+    /// Owner of the expressions of `system`, `functions` and `start`.
+    pub(crate) arena: Arena,
+}
+
+/// Derives the rules of a block. The arena has the expressions of the system.
+pub(crate) fn derive(
+    block: Annotated,
+    system: Classified,
+    budget: &Budget,
+    settings: Settings,
+    mut arena: Arena,
+) -> syn::Result<Derivation> {
+    let source = Source {
+        block: &block,
+        system: &system,
+        budget,
+    };
+    let starts = source.starts(&arena)?;
+    let nodes = source.nodes(&starts)?;
+    let steps = source.steps(&starts)?;
+    drop(starts);
+    // what is left to do is in proportion to what has been built
+    arena.grant(usize::MAX);
+    let functions = functions(&system, settings.lanes, &mut arena);
+    let start = StartTest::new(&system, &functions.mechanics, &mut arena);
+    Ok(Derivation {
+        settings,
+        block,
+        system,
+        functions,
+        start,
+        nodes,
+        steps,
+        arena,
+    })
+}
+
+/// What all rules are derived from.
+struct Source<'a> {
+    block: &'a Annotated,
+    system: &'a Classified,
+    budget: &'a Budget,
+}
+
+/// What the derivation of a rule starts from.
+struct Start<'a> {
+    listed: &'a ListedRule,
+    /// The potential of the option `weak2`, where it changes the step.
+    potential: Option<Potential>,
+    /// The derivatives, and the potential.
+    arena: Cow<'a, Arena>,
+}
+
+impl<'a> Source<'a> {
+    /// Returns what the rules start from, or an error at each option `weak2` that is of no use.
+    fn starts(&self, arena: &'a Arena) -> syn::Result<Vec<Start<'a>>> {
+        let mut errors = Errors::new();
+        let mut starts = Vec::new();
+        for listed in &self.block.arguments.rules {
+            let mut start = Start {
+                listed,
+                potential: None,
+                arena: Cow::Borrowed(arena),
+            };
+            if listed.rule.options.contain(RuleOption::Weak2) {
+                let takes_h1 = listed.rule.weak2().is_some_and(|option| option.takes_h1);
+                let own = start.arena.to_mut();
+                own.grant(self.budget.work);
+                let potential = self
+                    .budget
+                    .stage(own, |own| weak2::potential(self.system, takes_h1, own))?;
+                match potential {
+                    Ok(potential) => start.potential = potential,
+                    Err(obstacle) => errors.push(
+                        listed.place_of(RuleOption::Weak2),
+                        obstacle.message(listed.rule),
+                    ),
+                }
+            }
+            starts.push(start);
+        }
+        errors.finish(starts)
+    }
+}

@@ -1,0 +1,14 @@
+//! What an expansion is made for.
+
+/// What an expansion is made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Settings {
+    /// Whether steps of many states at once are derived too, for ensembles.
+    pub lanes: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { lanes: true }
+    }
+}
