@@ -30,7 +30,7 @@ const FLOORS: [&str; 19] = [
 fn files(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).expect("a folder");
     let paths = entries.map(|entry| entry.expect("an entry").path());
-    let sources = paths.filter(|path| !path.file_stem().is_some_and(|name| name == "tests"));
+    let sources = paths.filter(|path| path.file_stem().is_none_or(|name| name != "tests"));
     sources
         .flat_map(|path| {
             if path.is_dir() {
