@@ -54,9 +54,6 @@ use newton::Solved;
 use step::Step;
 use tableau::Tableau;
 
-/// Fewest stages with which a step is first solved by fixed-point iteration: with fewer stages Newton's systems are small.
-const STAGES_OF_FIXED_POINT: usize = 4;
-
 /// Solves a step by Newton's method.
 ///
 /// # Errors
@@ -75,7 +72,7 @@ where
     Step::<_, S, N, M>::new(system, state, h, noise).solve(solver)
 }
 
-/// Solves a step of a system of second order. `memory` has what the step before left: its impulses.
+/// Solves a step of a system of second order, first by fixed-point iteration. `memory` has what the step before left: its impulses.
 ///
 /// # Errors
 /// As [`newton_increment`].
@@ -102,7 +99,7 @@ where
     Q: VectorCoordinates<N>,
 {
     let step = Step::<_, S, N, M>::new(system, state, h, noise);
-    if S >= STAGES_OF_FIXED_POINT && solver.is_fast_path() {
+    if solver.is_fast_path() {
         let solve = |before: Option<&[_; 1]>| {
             let before = before.map(|[impulses]| impulses);
             let (solved, impulses) = fixed_point::solve_second_order(&step, coefficients, before)?;
@@ -115,7 +112,7 @@ where
     solve_by_newton(&step, solver)
 }
 
-/// Solves a step of a system with ∂L/∂v affine in v. `memory` has what the step before left: its displacements and impulses.
+/// Solves a step of a system with ∂L/∂v affine in v, first by fixed-point iteration. `memory` has what the step before left: its displacements and impulses.
 ///
 /// # Errors
 /// As [`newton_increment`].
@@ -141,7 +138,7 @@ where
     Q: VectorCoordinates<N>,
 {
     let step = Step::<_, S, N, M>::new(system, state, h, noise);
-    if S >= STAGES_OF_FIXED_POINT && solver.is_fast_path() {
+    if solver.is_fast_path() {
         let solve = |before: Option<&_>| fixed_point::solve_partitioned(&step, before);
         if let Some(solved) = solve_from_memory(memory, h, solve) {
             return Ok(solved);

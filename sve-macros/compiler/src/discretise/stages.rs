@@ -27,6 +27,9 @@ pub(crate) struct Stages {
     pub(crate) uniqueness: Uniqueness,
 }
 
+/// Fewest stages with which a step is first solved by fixed-point iteration: with fewer stages Newton's systems are small.
+const STAGES_OF_FIXED_POINT: usize = 4;
+
 impl Stages {
     /// Derives bounds, by which a step judges its solution. They come last, so that the order of terms elsewhere does not depend on them.
     pub(crate) fn bound(&mut self, model: &Model, mechanics: &Mechanics, arena: &mut Arena) {
@@ -36,6 +39,11 @@ impl Stages {
     /// The number of unknowns of so many stages: velocities, and displacements if they are unknowns of their own.
     pub(crate) fn unknowns(&self, stages: usize, coordinates: usize) -> usize {
         stages * coordinates * if self.moves_position { 2 } else { 1 }
+    }
+
+    /// Whether a step of so many stages is first solved by fixed-point iteration. The runtime iterates where the generated code asks for it.
+    pub(crate) fn has_fixed_point(&self, stages: usize) -> bool {
+        stages >= STAGES_OF_FIXED_POINT && !matches!(self.form, Form::General)
     }
 }
 

@@ -5,13 +5,10 @@ use std::fmt::Write as _;
 use super::step::{StepTexts, features, potential};
 use crate::algebra::Arena;
 use crate::catalogue::Rule;
-use crate::discretise::stages::{Form, Stages};
+use crate::discretise::stages::Stages;
 use crate::rules::gauss::Quadrature;
 use crate::rules::{Features, Textbook, discretisation};
 use crate::system::classify::Classified;
-
-/// Fewest stages with which the runtime begins by fixed-point iteration.
-pub(crate) const STAGES_OF_FIXED_POINT: usize = 4;
 
 /// Writes down a step of so many stages; `half_factor` is ½κ of the option `weak2`, if the action has its term.
 pub(crate) fn gauss(
@@ -59,8 +56,7 @@ fn equations(count: usize, stages: &Stages, features: &Features) -> Vec<String> 
     } else {
         "Vᵢ"
     };
-    let has_fixed_point = !matches!(stages.form, Form::General) && count >= STAGES_OF_FIXED_POINT;
-    let solver = if has_fixed_point {
+    let solver = if stages.has_fixed_point(count) {
         "fixed-point iteration, Newton's method where it does not contract,"
     } else {
         "Newton's method"

@@ -20,7 +20,7 @@ mod page;
 mod step;
 mod system;
 
-pub(crate) use gauss::{STAGES_OF_FIXED_POINT, gauss};
+pub(crate) use gauss::gauss;
 pub(crate) use step::{StepTexts, step};
 pub(crate) use system::{SystemTexts, symmetry_caveat, system};
 

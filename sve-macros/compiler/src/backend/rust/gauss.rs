@@ -8,7 +8,7 @@ use super::stages::StageCode;
 use super::{Context, attributes, documented, private};
 use crate::catalogue::{Rule, RuleOption};
 use crate::discretise::stages::{Form, Stages};
-use crate::explain::{STAGES_OF_FIXED_POINT, StepTexts};
+use crate::explain::StepTexts;
 use crate::program::{Operations, Work};
 
 /// Prints the step of a rule; `half_factor` is ½κ of the option `weak2`, if the action has its term.
@@ -134,7 +134,12 @@ fn solve(
         ..
     } = noise;
     let (dof, processes) = (context.model.dof(), context.model.noises.len());
-    let rows = match stages.form {
+    let form = if stages.has_fixed_point(count) {
+        &stages.form
+    } else {
+        &Form::General
+    };
+    let rows = match form {
         Form::General => 0,
         Form::SecondOrder { .. } => 1,
         Form::Partitioned { .. } => 2,
@@ -146,14 +151,14 @@ fn solve(
         1 + rows * dof * count,
     ];
     let [s, n, k, l] = sizes.map(Literal::usize_unsuffixed);
-    // with noise, stages say nothing of those of the next step; with few stages none are iterated
-    let carries = processes == 0 && count >= STAGES_OF_FIXED_POINT && rows > 0;
+    // with noise, stages say nothing of those of the next step
+    let carries = processes == 0 && rows > 0;
     let (memory_type, memory) = if carries {
         (quote!(::core::option::Option<[f64; #l]>), quote!(memory))
     } else {
         (quote!(()), quote!(&mut ::core::option::Option::None))
     };
-    let (prepared, prepare, increment) = match stages.form {
+    let (prepared, prepare, increment) = match form {
         Form::General => (
             quote!(()),
             quote!(),
