@@ -11,11 +11,40 @@ const BATCHES: u64 = 24;
 const PATHS: u64 = 20;
 const SEED: u64 = 31;
 
-/// Exponents of the numbers of steps.
-const LEVELS: [u32; 4] = [7, 8, 9, 10];
+/// Numbers of steps that are measured.
+const LEVELS: usize = 4;
 
-/// That of references with finer steps.
-const FINE: u32 = 15;
+/// Exponents of numbers of steps.
+#[derive(Clone, Copy)]
+struct Steps {
+    /// The fewest steps that are measured; the others are twice, four and eight times as many.
+    fewest: u32,
+    /// The steps of the reference.
+    reference: u32,
+}
+
+/// Steps with which an error of order ½ is far below its next term.
+const SMALL: Steps = Steps {
+    fewest: 7,
+    reference: 15,
+};
+
+/// Steps with which an error of order 1 is far below its next term. The ratio to those of the reference, and so the error of the slope that the
+/// reference makes, is that of the small steps.
+const STEPS: Steps = if cfg!(feature = "thorough") {
+    SMALL
+} else {
+    Steps {
+        fewest: 5,
+        reference: 13,
+    }
+};
+
+/// For exact paths, which need no finer steps.
+const EXACT: Steps = Steps {
+    reference: STEPS.fewest + LEVELS as u32 - 1,
+    ..STEPS
+};
 
 /// Largest standard error of an order.
 const STANDARD_ERROR: f64 = 0.03;
@@ -123,8 +152,8 @@ impl Angles {
 
 /// Slope of the least-squares line through the logarithms of mean squares at the levels.
 fn slope(squares: &[f64]) -> f64 {
-    let n = LEVELS.len() as f64;
-    let x = LEVELS.map(|k| -f64::from(k));
+    let n = LEVELS as f64;
+    let x: [f64; LEVELS] = core::array::from_fn(|k| -(k as f64));
     let y: Vec<f64> = squares.iter().map(|s| 0.5 * s.log2()).collect();
     let (mx, my) = (x.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
     let covariance: f64 = x.iter().zip(&y).map(|(x, y)| (x - mx) * (y - my)).sum();
@@ -133,7 +162,7 @@ fn slope(squares: &[f64]) -> f64 {
 
 /// Prints a line of the table from the mean squares of each batch, and checks it.
 fn line(system: &str, rule: &str, noise: &str, expected: f64, batches: &[Vec<f64>]) {
-    let levels = 0..LEVELS.len();
+    let levels = 0..LEVELS;
     let total: Vec<f64> = levels.map(|k| batches.iter().map(|b| b[k]).sum()).collect();
     let order = slope(&total);
     let slopes: Vec<f64> = batches.iter().map(|batch| slope(batch)).collect();
@@ -177,7 +206,7 @@ fn all_rules<S, Q, const N: usize, const M: usize>(
     system: &S,
     noise: &str,
     start: State<Q>,
-    level: u32,
+    Steps { fewest, reference }: Steps,
     exact: impl Fn(State<Q>, &Recorded) -> Vec<f64>,
 ) where
     S: System<Dims = Dims<N, M, Q>>
@@ -195,14 +224,14 @@ fn all_rules<S, Q, const N: usize, const M: usize>(
     let names = ["initial_point", "midpoint", "stormer_verlet", "endpoint"];
     let mut tables = [const { Vec::new() }; 4];
     for batch in 0..BATCHES {
-        let mut squares = [(); 4].map(|()| vec![0.0; LEVELS.len()]);
+        let mut squares = [(); 4].map(|()| vec![0.0; LEVELS]);
         for member in 0..PATHS {
             let wiener = Wiener::new(SEED).path(batch * PATHS + member);
-            let h = 0.5_f64.powi(level as i32);
-            let fine = Recorded::record(wiener, h, M, 1 << level).unwrap();
+            let h = 0.5_f64.powi(reference as i32);
+            let fine = Recorded::record(wiener, h, M, 1 << reference).unwrap();
             let exact = exact(start, &fine);
-            for (k, &steps) in LEVELS.iter().enumerate() {
-                let path = fine.coarsen(1 << (level - steps)).unwrap();
+            for (k, steps) in (fewest..).take(LEVELS).enumerate() {
+                let path = fine.coarsen(1 << (reference - steps)).unwrap();
                 let ends = [
                     end(&initial_point, start, &path),
                     end(&midpoint, start, &path),
@@ -265,7 +294,13 @@ fn a_rotation_has_its_exact_path() {
         let turn = Rotation3::new(axis * (0.7 * total(path)));
         [(turn * q).as_slice(), (turn * p).as_slice()].concat()
     };
-    all_rules(&system, "rotation, exact path", State::new(Q, P), 10, exact);
+    all_rules(
+        &system,
+        "rotation, exact path",
+        State::new(Q, P),
+        EXACT,
+        exact,
+    );
 }
 
 #[test]
@@ -279,7 +314,7 @@ fn a_fluctuating_time_has_its_exact_path() {
         &system,
         "H₁ = s|p|²/2, exact path",
         State::new(Q, P),
-        10,
+        EXACT,
         exact,
     );
 }
@@ -287,7 +322,7 @@ fn a_fluctuating_time_has_its_exact_path() {
 #[test]
 fn position_noises_on_the_sphere() {
     let system = OnSphere { g: 1.3, s: 0.7 };
-    all_rules(&system, "two γ", State::new(Q, P), FINE, fine(&system));
+    all_rules(&system, "two γ", State::new(Q, P), STEPS, fine(&system));
 }
 
 #[test]
@@ -316,7 +351,7 @@ fn rods_against_angles() {
         let end = end(&angles, from, path);
         cartesian(end.q, angles.system().velocity(&end).unwrap())
     };
-    all_rules(&rods, "two γ, in angles", start, FINE, exact);
+    all_rules(&rods, "two γ, in angles", start, STEPS, exact);
 }
 
 #[test]
@@ -327,14 +362,14 @@ fn tangent_noise_on_an_ellipsoid() {
         s: 0.4,
     };
     let start = State::new(Vector3::from(Q), Vector3::from(P));
-    all_rules(&system, "tangent H₁", start, FINE, fine(&system));
+    all_rules(&system, "tangent H₁", start, STEPS, fine(&system));
 }
 
 #[test]
 fn curved_noise_with_the_momentum_along_the_sphere() {
     let system = Curved { g: 1.0, s: 0.3 };
     let start = State::new(Vector3::from(Q), Vector3::from(P));
-    all_rules(&system, "f(q)|Πp|²/2", start, FINE, fine(&system));
+    all_rules(&system, "f(q)|Πp|²/2", start, STEPS, fine(&system));
 }
 
 /// The criterion by which the macro accepts a curved noise for the rules with one node at an end.
@@ -345,7 +380,7 @@ fn curved_noise_whose_correction_is_tangent() {
         &system,
         "f(q/|q|)|p|²/2",
         State::new(Q, P),
-        FINE,
+        STEPS,
         fine(&system),
     );
 }
@@ -357,7 +392,7 @@ fn rotations_that_do_not_commute() {
         &system,
         "three rotations",
         State::new(Q, P),
-        FINE,
+        SMALL,
         fine(&system),
     );
 }
