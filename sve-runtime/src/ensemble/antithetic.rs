@@ -3,8 +3,10 @@
 //! Input: the observables of tiles. Output: statistics of the means of pairs, which are independent of one another where the paths of a pair are not.
 //! Invariant: a pair of which one path has failed does not count.
 
-use super::Ensemble;
-use super::moments::Column;
+use super::difference::Difference;
+use super::statistic::{AnyRequest, Extent, Recorded, Size, Statistic};
+use super::statistics::{Moments, MomentsRequest, Statistics};
+use super::{Ensemble, Summary};
 use crate::configuration::Coordinates;
 use crate::lanes::{LANES, Lane, Mask};
 use crate::method::Method;
@@ -51,54 +53,100 @@ where
     /// ```
     #[must_use]
     pub fn antithetic(mut self, are_paired: bool) -> Self {
-        self.antithetic = are_paired;
-        self
+        (self.statistics).retain(|request| !matches!(request, AnyRequest::Pairs(_)));
+        if are_paired {
+            self.take(AnyRequest::Pairs(PairsRequest))
+        } else {
+            self
+        }
     }
 }
 
-/// The means over antithetic pairs of paths, of which neither has failed.
-#[derive(Clone, Debug, Default, PartialEq)]
+impl<I: Method> Ensemble<'_, I> {
+    /// Returns whether the paths are antithetic pairs.
+    pub(super) fn is_antithetic(&self) -> bool {
+        are_pairs(&self.statistics)
+    }
+}
+
+/// Returns whether a run with these requests has antithetic pairs.
+pub(super) fn are_pairs(requests: &[AnyRequest]) -> bool {
+    (requests.iter()).any(|request| matches!(request, AnyRequest::Pairs(_)))
+}
+
+/// The request of the means of antithetic pairs, which makes the paths such pairs.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct PairsRequest;
+
+/// The moments of the means over antithetic pairs of paths, of which neither has failed.
+#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Pairs {
-    /// Number of pairs at each recorded time; none without antithetic pairs.
-    pub(super) counts: Vec<u64>,
-    /// Statistics of the means of each observable.
-    pub(super) columns: Vec<Column>,
+    /// Number of pairs at each recorded time.
+    counts: Vec<u64>,
+    /// The moments of the means.
+    moments: Moments,
 }
 
-impl Pairs {
-    pub(super) fn new(records: usize, observables: usize) -> Self {
-        Self {
-            counts: vec![0; records],
-            columns: vec![Column::new(records); observables],
+impl Statistic for Pairs {
+    type Request = PairsRequest;
+
+    const DIFFERENCE: Difference = Difference::Noise;
+    const IS_OF_DIFFERENCES: bool = true;
+
+    fn size(_: &PairsRequest, extent: &Extent<'_>) -> Size {
+        Size {
+            bytes: Moments::bytes(extent),
+            ..Moments::size(&MomentsRequest, extent)
         }
     }
 
-    /// Adds the means of the pairs of a tile.
-    pub(super) fn add(&mut self, record: usize, values: &[Lane], lanes: Mask) {
-        let Some(count) = self.counts.get(record).copied() else {
-            return;
-        };
+    fn empty(_: &PairsRequest, extent: &Extent<'_>) -> Self {
+        Self {
+            counts: vec![0; extent.rows()],
+            moments: Moments::empty(&MomentsRequest, extent),
+        }
+    }
+
+    fn add(&mut self, at: &Recorded<'_>) {
         let mut pairs = 0;
         for pair in 0..LANES / 2 {
-            pairs |= Mask::from(lanes >> (2 * pair) & 3 == 3) << pair;
+            pairs |= Mask::from(at.lanes >> (2 * pair) & 3 == 3) << pair;
         }
-        for (column, values) in self.columns.iter_mut().zip(values) {
-            let mut means = [0.0; LANES];
+        let means = at.values.iter().map(|values| {
+            let mut means: Lane = [0.0; LANES];
             for pair in 0..LANES / 2 {
                 means[pair] = 0.5 * values[2 * pair] + 0.5 * values[2 * pair + 1];
             }
-            column.add(record, count, &means, pairs);
-        }
-        self.counts[record] += u64::from(pairs.count_ones());
+            means
+        });
+        let count = &mut self.counts[at.record];
+        self.moments.add_to(at.record, *count, means, pairs);
+        *count += u64::from(pairs.count_ones());
     }
 
-    pub(super) fn merge(&mut self, other: &Self) {
-        for (column, more) in self.columns.iter_mut().zip(&other.columns) {
-            column.merge(&self.counts, more, &other.counts);
-        }
+    fn merge(&mut self, _: &[u64], other: &Self, _: &[u64]) {
+        self.moments
+            .merge(&self.counts, &other.moments, &other.counts);
         for (count, more) in self.counts.iter_mut().zip(&other.counts) {
             *count += more;
+        }
+    }
+
+    #[cfg(feature = "serde")]
+    fn fits(&self, _: &PairsRequest, extent: &Extent<'_>, counts: &[u64]) -> bool {
+        let mut pairs = self.counts.iter().zip(counts);
+        self.counts.len() == counts.len()
+            && pairs.all(|(pairs, paths)| *pairs <= paths / 2)
+            && (self.moments).fits(&MomentsRequest, extent, counts)
+    }
+
+    /// Gives the statistics of all observables the moments of the pairs, from which their standard errors are.
+    fn show(self, summary: &mut Summary) {
+        let statistics = summary.shown.list_mut::<Statistics>().into_iter().flatten();
+        for (statistics, column) in statistics.zip(self.moments.into_columns()) {
+            statistics.pairs = Some((self.counts.clone(), column));
         }
     }
 }

@@ -9,6 +9,7 @@ use super::info::Info;
 use super::merge_tree::PartialResult;
 use super::path_block::PathBlock;
 use super::settings::Settings;
+use super::statistic::AnyRequest;
 use crate::configuration::Coordinates;
 use crate::lanes::Lane;
 use crate::method::Method;
@@ -32,14 +33,12 @@ impl<I: Method> Coupled<'_, I> {
 
     /// Returns the data of the differences to a run.
     pub(super) fn info_of_differences(&self, to: usize, fingerprint: Fingerprint) -> Info {
+        let mut info = self.legs[to].info(fingerprint);
+        info.statistics.retain(AnyRequest::is_of_differences);
         Info {
-            histograms: Vec::new(),
-            joints: Vec::new(),
-            quantiles: Vec::new(),
-            passages: Vec::new(),
             coordinates: 0,
             momenta: 0,
-            ..self.legs[to].info(fingerprint)
+            ..info
         }
     }
 }
@@ -57,10 +56,9 @@ where
             .map(|leg| PathBlock::new(*leg, block..block + 1, None))
             .collect();
         let mut paths = paths?;
-        let empty = |leg: &Settings<'_, I>| PartialResult::new(block, leg.records, leg.ensemble);
-        let mut results: Vec<_> = self.legs.iter().map(empty).collect();
+        let mut results: Vec<_> = self.legs.iter().map(|leg| leg.empty(block)).collect();
         let mut differences: Vec<_> = (0..self.differences())
-            .map(|_| empty(&self.legs[0]).without_distributions())
+            .map(|_| self.legs[0].empty(block).of_differences())
             .collect();
         for record in 0..self.legs[0].records {
             for ((leg, paths), result) in self.legs.iter().zip(&mut paths).zip(&mut results) {
@@ -101,6 +99,6 @@ fn add_difference<I: Method, const N: usize, const M: usize>(
         let values: Vec<Lane> = pairs
             .map(|(to, from)| core::array::from_fn(|lane| to[lane] - from[lane]))
             .collect();
-        result.add(record, &values, counted.0 & counted.1);
+        result.add(record, &values, counted.0 & counted.1, &[]);
     }
 }

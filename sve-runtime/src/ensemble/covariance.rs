@@ -1,9 +1,12 @@
 //! Covariances of observables over the paths, as users read them.
 //!
-//! Input: merged joint moments. Output: covariances, correlations and standard errors. Invariant: they are NaN for fewer than two paths.
+//! Input: tiles of values; merged joint moments. Output: covariances, correlations and standard errors. Invariant: they are NaN for fewer than two paths.
 
-use super::Ensemble;
-use super::joint::{JointColumn, JointMoments, JointRequest};
+use super::difference::Difference;
+use super::joint::{JointColumn, JointMoments, ROW_BYTES, rows};
+use super::sizes::AT_ONCE;
+use super::statistic::{AnyRequest, Extent, Recorded, Size, Statistic, check_known};
+use super::{Ensemble, EnsembleError, Summary};
 use crate::configuration::Coordinates;
 use crate::method::Method;
 use crate::system::{Dims, System};
@@ -87,13 +90,115 @@ where
         self.request_joint(first.into(), second.into(), true)
     }
 
-    fn request_joint(mut self, first: String, second: String, is_two_time: bool) -> Self {
-        self.joints.push(JointRequest {
+    fn request_joint(self, first: String, second: String, is_two_time: bool) -> Self {
+        self.take(AnyRequest::Covariance(JointRequest {
             first,
             second,
             is_two_time,
-        });
-        self
+        }))
+    }
+}
+
+/// The request of covariances of two observables.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct JointRequest {
+    /// Names of the observables.
+    pub(super) first: String,
+    pub(super) second: String,
+    /// Whether the first observable is taken at each recorded time s, and the second one at each recorded time t, instead of both at the same times.
+    pub(super) is_two_time: bool,
+}
+
+/// The joint moments of two observables.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Joint {
+    request: JointRequest,
+    /// Numbers of the observables.
+    columns: [usize; 2],
+    moments: JointColumn,
+}
+
+impl JointRequest {
+    fn columns(&self, extent: &Extent<'_>) -> [usize; 2] {
+        [&self.first, &self.second].map(|name| extent.column(name))
+    }
+}
+
+impl Statistic for Joint {
+    type Request = JointRequest;
+
+    const DIFFERENCE: Difference = Difference::Statistic("covariances");
+    const NEEDS_INDEPENDENT_PATHS: bool = true;
+
+    fn check(request: &JointRequest, names: &[String]) -> Result<(), EnsembleError> {
+        check_known(&request.first, names, "take a covariance of")?;
+        check_known(&request.second, names, "take a covariance of")
+    }
+
+    fn size(request: &JointRequest, extent: &Extent<'_>) -> Size {
+        let (first, second) = (&request.first, &request.second);
+        Size {
+            bytes: rows(request.is_two_time, extent.records).saturating_mul(AT_ONCE * ROW_BYTES),
+            what: format!("the covariances of `{first}` and `{second}`"),
+            remedy: "record less often with `record_every`",
+        }
+    }
+
+    fn needs_history(request: &JointRequest) -> bool {
+        request.is_two_time
+    }
+
+    fn empty(request: &JointRequest, extent: &Extent<'_>) -> Self {
+        Self {
+            request: request.clone(),
+            columns: request.columns(extent),
+            moments: JointColumn::new(request.is_two_time, extent.records),
+        }
+    }
+
+    fn add(&mut self, at: &Recorded<'_>) {
+        self.moments.add(self.columns, at);
+    }
+
+    fn merge(&mut self, counts: &[u64], other: &Self, others: &[u64]) {
+        self.moments.merge(counts, &other.moments, others);
+    }
+
+    #[cfg(feature = "serde")]
+    fn fits(&self, request: &JointRequest, extent: &Extent<'_>, _: &[u64]) -> bool {
+        self.request == *request
+            && self.columns == request.columns(extent)
+            && self.moments.fits(request.is_two_time, extent.records)
+    }
+
+    fn show(self, summary: &mut Summary) {
+        let is_two_time = self.request.is_two_time;
+        let over_paths = OverPaths {
+            names: [self.request.first, self.request.second],
+            counts: summary.counts().to_vec(),
+            column: self.moments,
+        };
+        if is_two_time {
+            summary.shown.push(TwoTime(over_paths));
+        } else {
+            summary.shown.push(Covariance(over_paths));
+        }
+    }
+}
+
+impl Summary {
+    /// The covariance of two observables, in the order in which [`Ensemble::covariance`](super::Ensemble::covariance) asked for them.
+    pub fn covariance(&self, first: &str, second: &str) -> Option<&Covariance> {
+        let mut all = self.shown.all::<Covariance>().iter();
+        all.find(|covariance| covariance.names() == [first, second])
+    }
+
+    /// The covariance of two observables at two times, in the order in which [`Ensemble::two_time`](super::Ensemble::two_time) asked for them.
+    pub fn two_time(&self, first: &str, second: &str) -> Option<&TwoTime> {
+        let mut all = self.shown.all::<TwoTime>().iter();
+        all.find(|covariance| covariance.names() == [first, second])
     }
 }
 
@@ -101,41 +206,29 @@ where
 ///
 /// Observables beyond 1e75 in size overflow the fourth moments: the standard error is infinite or NaN then.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Covariance(Joint);
+pub struct Covariance(OverPaths);
 
 /// The covariance over the paths of one observable at a time s and another one at a time t. From [`Summary::two_time`](super::Summary::two_time).
 ///
 /// Times are given by their numbers among the [recorded times](super::Summary::times). A pair of times has the paths that have not failed until the later one.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TwoTime(Joint);
+pub struct TwoTime(OverPaths);
 
-/// The moments of a request.
+/// The joint moments of two observables and the numbers of paths.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Joint {
-    request: JointRequest,
+struct OverPaths {
+    names: [String; 2],
     counts: Vec<u64>,
     column: JointColumn,
 }
 
-impl Joint {
-    pub(super) fn new(request: JointRequest, counts: Vec<u64>, column: JointColumn) -> Self {
-        Self {
-            request,
-            counts,
-            column,
-        }
-    }
-
+impl OverPaths {
     fn names(&self) -> [&str; 2] {
-        [&self.request.first, &self.request.second]
+        [&self.names[0], &self.names[1]]
     }
 }
 
 impl Covariance {
-    pub(super) fn new(joint: Joint) -> Self {
-        Self(joint)
-    }
-
     /// The observables.
     pub fn names(&self) -> [&str; 2] {
         self.0.names()
@@ -164,10 +257,6 @@ impl Covariance {
 }
 
 impl TwoTime {
-    pub(super) fn new(joint: Joint) -> Self {
-        Self(joint)
-    }
-
     /// The observables: that of the time s, and that of the time t.
     pub fn names(&self) -> [&str; 2] {
         self.0.names()

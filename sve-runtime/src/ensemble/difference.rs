@@ -35,15 +35,9 @@ pub enum Difference {
     /// Names or order of the observables.
     #[error("observables (their names and order)")]
     Observables,
-    /// The histograms.
-    #[error("histograms")]
-    Histograms,
-    /// The covariances that are taken.
-    #[error("covariances")]
-    Covariances,
-    /// The quantiles that are taken.
-    #[error("quantiles")]
-    Quantiles,
+    /// The requests of a statistic, as `"histograms"`, `"covariances"` or `"quantiles"`.
+    #[error("{0}")]
+    Statistic(&'static str),
     /// The recorded times.
     #[error("recorded times")]
     Times,

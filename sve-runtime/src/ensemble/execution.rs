@@ -137,9 +137,7 @@ where
     /// Runs the paths of some blocks from start to end. Returns the results of each block.
     fn run_some(&self, blocks: Range<u64>) -> Result<Vec<PartialResult>, EnsembleError> {
         let mut paths = PathBlock::new(*self, blocks.clone(), None)?;
-        let ensemble = self.ensemble;
-        let empty = |block| PartialResult::new(block, self.records, ensemble);
-        let mut results: Vec<PartialResult> = blocks.map(empty).collect();
+        let mut results: Vec<_> = blocks.map(|block| self.empty(block)).collect();
         for record in 0..self.records {
             paths.advance(self.step_of(record));
             paths.record(record, &mut results);

@@ -5,11 +5,15 @@
 
 use core::ops::Range;
 
-use super::{Ensemble, edges};
+use super::difference::Difference;
+use super::sizes::{AT_ONCE, NUMBER};
+use super::statistic::{AnyRequest, Extent, Recorded, Size, Statistic, check_known};
+use super::{Ensemble, EnsembleError, Summary, edges};
 use crate::configuration::Coordinates;
-use crate::lanes::{LANES, Lane, Mask};
+use crate::lanes::{LANES, Lane};
 use crate::method::Method;
 use crate::system::{Dims, System};
+use crate::table::{Table, Values, table_writers};
 
 impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
 where
@@ -44,15 +48,14 @@ where
         self.request(name.into(), &range, bins, false)
     }
 
-    fn request(mut self, name: String, range: &Range<f64>, bins: usize, always: bool) -> Self {
+    fn request(self, name: String, range: &Range<f64>, bins: usize, always: bool) -> Self {
         let range = [range.start, range.end];
-        self.histograms.push(HistogramRequest {
+        self.take(AnyRequest::Histogram(HistogramRequest {
             name,
             range,
             bins,
             always,
-        });
-        self
+        }))
     }
 }
 
@@ -72,23 +75,23 @@ pub(super) struct HistogramRequest {
 
 impl HistogramRequest {
     /// Returns whether the bounds are finite, the lower one is below the upper one, and there is a bin.
-    pub(super) fn is_valid(&self) -> bool {
+    fn is_valid(&self) -> bool {
         let [low, high] = self.range;
         (high - low).is_finite() && low < high && self.bins > 0
     }
 
     /// Returns the lower edge of a bin.
-    pub(super) fn edge(&self, bin: usize) -> f64 {
+    fn edge(&self, bin: usize) -> f64 {
         edges::edge(self.range, bin, self.bins)
     }
 
     /// Returns the number of recorded times at which it counts.
-    fn rows(&self, records: usize) -> usize {
+    fn rows(&self, records: u64) -> u64 {
         if self.always { records } else { 1 }
     }
 
     /// Returns the row of counts of a record; `None` if it does not count then.
-    pub(super) fn row(&self, record: usize, records: usize) -> Option<usize> {
+    fn row(&self, record: usize, records: usize) -> Option<usize> {
         if self.always {
             Some(record)
         } else {
@@ -97,8 +100,8 @@ impl HistogramRequest {
     }
 
     /// Returns the number of counts, which may exceed any memory.
-    pub(super) fn counts(&self, records: usize) -> u128 {
-        self.rows(records) as u128 * (self.bins as u128 + 2)
+    fn counts(&self, records: u64) -> u128 {
+        u128::from(self.rows(records)) * (self.bins as u128 + 2)
     }
 
     /// Returns the distance from an edge, in bins, within which rounding errors can place a value into the wrong bin, so that the value has to be compared with the edges.
@@ -136,36 +139,204 @@ impl HistogramRequest {
     }
 }
 
-/// The counts of a histogram, a row for each recorded time: below the range, in its bins, above.
+/// The counts of a histogram.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Bins(pub(super) Vec<u64>);
+pub(super) struct Bins {
+    request: HistogramRequest,
+    /// Number of the observable.
+    column: usize,
+    /// A row for each recorded time: below the range, in its bins, above.
+    counts: Vec<u64>,
+}
 
-impl Bins {
-    pub(super) fn new(request: &HistogramRequest, records: usize) -> Self {
-        Self(vec![0; request.rows(records) * (request.bins + 2)])
+impl Statistic for Bins {
+    type Request = HistogramRequest;
+
+    const DIFFERENCE: Difference = Difference::Statistic("histograms");
+
+    fn check(request: &HistogramRequest, names: &[String]) -> Result<(), EnsembleError> {
+        check_known(&request.name, names, "make a histogram of")?;
+        if request.is_valid() {
+            return Ok(());
+        }
+        let ([low, high], bins) = (request.range, request.bins);
+        Err(EnsembleError::Histogram {
+            name: request.name.clone(),
+            low,
+            high,
+            bins,
+        })
     }
 
-    pub(super) fn add(
-        &mut self,
-        request: &HistogramRequest,
-        row: usize,
-        values: &Lane,
-        lanes: Mask,
-    ) {
-        let row = &mut self.0[row * (request.bins + 2)..][..request.bins + 2];
+    fn size(request: &HistogramRequest, extent: &Extent<'_>) -> Size {
+        let HistogramRequest { name, bins, .. } = request;
+        let rows = request.rows(extent.records);
+        Size {
+            bytes: request
+                .counts(extent.records)
+                .saturating_mul(AT_ONCE * NUMBER),
+            what: format!("the histogram of `{name}` with {bins} bins at {rows} recorded times"),
+            remedy: "take fewer bins, or `final_histogram`",
+        }
+    }
+
+    fn empty(request: &HistogramRequest, extent: &Extent<'_>) -> Self {
+        let counts = usize::try_from(request.counts(extent.records));
+        Self {
+            request: request.clone(),
+            column: extent.column(&request.name),
+            // counts that fit into memory
+            counts: vec![0; counts.unwrap_or(0)],
+        }
+    }
+
+    fn add(&mut self, at: &Recorded<'_>) {
+        let Self {
+            request, counts, ..
+        } = self;
+        let Some(row) = request.row(at.record, at.counts.len()) else {
+            return;
+        };
+        let row = &mut counts[row * (request.bins + 2)..][..request.bins + 2];
         let margin = request.rounding_margin();
-        for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
+        let values: &Lane = &at.values[self.column];
+        for lane in (0..LANES).filter(|lane| at.lanes >> lane & 1 == 1) {
             row[request.place(values[lane], margin)] += 1;
         }
     }
 
-    pub(super) fn merge(&mut self, other: &Self) {
-        for (count, other) in self.0.iter_mut().zip(&other.0) {
+    fn merge(&mut self, _: &[u64], other: &Self, _: &[u64]) {
+        for (count, other) in self.counts.iter_mut().zip(&other.counts) {
             *count += other;
         }
     }
+
+    #[cfg(feature = "serde")]
+    fn fits(&self, request: &HistogramRequest, extent: &Extent<'_>, _: &[u64]) -> bool {
+        self.request == *request
+            && self.column == extent.column(&request.name)
+            && self.counts.len() as u128 == request.counts(extent.records)
+    }
+
+    fn show(self, summary: &mut Summary) {
+        let Self {
+            request, counts, ..
+        } = self;
+        let times = summary.times();
+        let rows = counts.len() / (request.bins + 2);
+        let histogram = Histogram {
+            times: times[times.len().saturating_sub(rows)..].to_vec(),
+            request,
+            counts,
+        };
+        summary.shown.push(histogram);
+    }
 }
+
+impl Summary {
+    /// The histograms, in the order in which they were asked for.
+    pub fn histograms(&self) -> &[Histogram] {
+        self.shown.all()
+    }
+
+    /// The first histogram of an observable.
+    pub fn histogram(&self, name: &str) -> Option<&Histogram> {
+        self.histograms().iter().find(|h| h.name() == name)
+    }
+}
+
+/// The number of paths with an observable in each of equal bins of a range.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Histogram {
+    request: HistogramRequest,
+    times: Vec<f64>,
+    counts: Vec<u64>,
+}
+
+impl Histogram {
+    /// The observable.
+    pub fn name(&self) -> &str {
+        &self.request.name
+    }
+
+    /// Returns the edges of the bins, one more than there are bins. A value on an edge is in the bin above it.
+    pub fn edges(&self) -> Vec<f64> {
+        (0..=self.request.bins)
+            .map(|bin| self.request.edge(bin))
+            .collect()
+    }
+
+    /// Returns the number of recorded times: all of them, or 1 for a final histogram.
+    pub fn rows(&self) -> usize {
+        self.counts.len() / (self.request.bins + 2)
+    }
+
+    /// The recorded times of the rows.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// Paths in each bin at the end.
+    pub fn counts(&self) -> &[u64] {
+        self.counts_at(self.rows() - 1)
+    }
+
+    /// Paths in each bin at a recorded time.
+    ///
+    /// # Panics
+    /// Unless `row` is below [`rows`](Self::rows).
+    pub fn counts_at(&self, row: usize) -> &[u64] {
+        &self.row(row)[1..=self.request.bins]
+    }
+
+    /// Paths below the range at a recorded time.
+    ///
+    /// # Panics
+    /// As [`counts_at`](Self::counts_at).
+    pub fn below_at(&self, row: usize) -> u64 {
+        self.row(row)[0]
+    }
+
+    /// Paths above the range at a recorded time, or on its upper bound.
+    ///
+    /// # Panics
+    /// As [`counts_at`](Self::counts_at).
+    pub fn above_at(&self, row: usize) -> u64 {
+        self.row(row)[self.request.bins + 1]
+    }
+
+    fn row(&self, row: usize) -> &[u64] {
+        let width = self.request.bins + 2;
+        &self.counts[row * width..][..width]
+    }
+
+    /// The columns: the time, the bounds of a bin, and the paths in it, with the paths below and above the range in bins without a bound.
+    fn table(&self) -> Table {
+        let [mut t, mut low, mut high] = [const { Vec::new() }; 3];
+        let mut paths = Vec::new();
+        let edges = self.edges();
+        for (row, time) in self.times.iter().enumerate() {
+            t.extend(vec![*time; self.request.bins + 2]);
+            low.push(f64::NEG_INFINITY);
+            low.extend(&edges);
+            high.extend(&edges);
+            high.push(f64::INFINITY);
+            paths.extend_from_slice(self.row(row));
+        }
+        let numbers = [("t", t), ("low", low), ("high", high)];
+        let numbers = numbers.map(|(name, values)| (name.to_owned(), Values::Numbers(values)));
+        let mut columns: Vec<_> = numbers.into();
+        columns.push(("paths".to_owned(), Values::Counts(paths)));
+        let name = "histogram";
+        Table { name, columns }
+    }
+}
+
+table_writers!(
+    Histogram,
+    "the histogram, a row for each recorded time and bin with `t`, `low`, `high` and `paths`, and two for the paths below and above the range, from −∞ and to ∞,"
+);
 
 #[cfg(test)]
 mod tests {

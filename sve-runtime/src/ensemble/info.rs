@@ -4,10 +4,10 @@
 
 use super::difference::Difference;
 use super::fingerprint::Fingerprint;
-use super::histogram::HistogramRequest;
-use super::joint::JointRequest;
 use super::settings::Settings;
-use super::sketch::QuantileRequest;
+#[cfg(feature = "serde")]
+use super::statistic::Extent;
+use super::statistic::{self, AnyRequest};
 use crate::description::{RunDescription, SystemDescription};
 use crate::method::Method;
 use crate::system::{Increments as _, IncrementsOf};
@@ -17,15 +17,9 @@ use crate::system::{Increments as _, IncrementsOf};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Info {
     pub(super) names: Vec<String>,
-    /// The names of functions whose first passages are recorded.
-    pub(super) passages: Vec<String>,
     /// Number of bins between two recorded times in which passages are counted.
     pub(super) passage_bins: u64,
-    pub(super) histograms: Vec<HistogramRequest>,
-    pub(super) joints: Vec<JointRequest>,
-    pub(super) quantiles: Vec<QuantileRequest>,
-    /// Whether paths are antithetic pairs.
-    pub(super) is_antithetic: bool,
+    pub(super) statistics: Vec<AnyRequest>,
     pub(super) times: Vec<f64>,
     pub(super) paths: u64,
     pub(super) coordinates: usize,
@@ -39,12 +33,10 @@ pub(super) struct Info {
 impl Info {
     /// Returns the first difference to another run; `None` for the same run.
     pub(super) fn difference(&self, other: &Self) -> Option<Difference> {
+        if self.names != other.names {
+            return Some(Difference::Observables);
+        }
         let same = [
-            (self.names == other.names, Difference::Observables),
-            (self.passages == other.passages, Difference::Observables),
-            (self.histograms == other.histograms, Difference::Histograms),
-            (self.joints == other.joints, Difference::Covariances),
-            (self.quantiles == other.quantiles, Difference::Quantiles),
             (self.times == other.times, Difference::Times),
             (
                 self.passage_bins == other.passage_bins,
@@ -53,12 +45,24 @@ impl Info {
             (self.paths == other.paths, Difference::Paths),
             (self.coordinates == other.coordinates, Difference::Formulas),
             (self.momenta == other.momenta, Difference::Formulas),
-            (self.is_antithetic == other.is_antithetic, Difference::Noise),
         ];
         let differs = same
             .into_iter()
             .find_map(|(same, what)| (!same).then_some(what));
-        differs.or_else(|| self.fingerprint.difference(&other.fingerprint))
+        statistic::difference(&self.statistics, &other.statistics)
+            .or(differs)
+            .or_else(|| self.fingerprint.difference(&other.fingerprint))
+    }
+
+    /// Returns the extent of results of so many paths.
+    #[cfg(feature = "serde")]
+    pub(super) fn extent(&self, paths: u64) -> Extent<'_> {
+        Extent {
+            names: &self.names,
+            records: self.times.len() as u64,
+            paths,
+            passage_bins: self.passage_bins,
+        }
     }
 }
 

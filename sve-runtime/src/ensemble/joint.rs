@@ -7,28 +7,16 @@
 //! covariance: M. G. Kendall, A. Stuart, *The Advanced Theory of Statistics*, vol. 1, section 13.3.
 
 use super::moments::by_halves;
+use super::statistic::Recorded;
 use crate::lanes::{Lane, Mask};
 
-/// The request of covariances of two observables.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct JointRequest {
-    /// Names of the observables.
-    pub(super) first: String,
-    pub(super) second: String,
-    /// Whether the first observable is taken at each recorded time s, and the second one at each recorded time t, instead of both at the same times.
-    pub(super) is_two_time: bool,
-}
-
-impl JointRequest {
-    /// Returns the number of rows of moments, which may exceed any memory.
-    pub(super) fn rows(&self, records: usize) -> u128 {
-        let records = records as u128;
-        if self.is_two_time {
-            records.saturating_mul(records)
-        } else {
-            records
-        }
+/// Returns the number of rows of moments, which may exceed any memory.
+pub(super) fn rows(is_two_time: bool, records: u64) -> u128 {
+    let records = u128::from(records);
+    if is_two_time {
+        records.saturating_mul(records)
+    } else {
+        records
     }
 }
 
@@ -38,7 +26,7 @@ pub(super) const ROW_BYTES: u128 = 8 * NUMBERS as u128;
 /// Numbers of a row.
 const NUMBERS: usize = 8;
 
-/// The moments of a request, a row for each recorded time or for each pair of two: row `s · records + t`.
+/// The moments of two observables, a row for each recorded time or for each pair of two: row `s · records + t`.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct JointColumn {
@@ -62,39 +50,32 @@ pub(super) struct JointMoments {
 }
 
 impl JointColumn {
-    pub(super) fn new(request: &JointRequest, records: usize) -> Self {
-        // a number of rows that fits into memory
-        let rows = usize::try_from(request.rows(records)).unwrap_or(0);
+    /// Empty moments, in a number of rows that fits into memory.
+    pub(super) fn new(is_two_time: bool, records: u64) -> Self {
+        let rows = usize::try_from(rows(is_two_time, records)).unwrap_or(0);
         Self {
-            is_two_time: request.is_two_time,
+            is_two_time,
             numbers: vec![0.0; NUMBERS * rows],
         }
     }
 
-    /// Returns whether the column is one of a request.
+    /// Returns whether the column has the rows of so many records.
     #[cfg(feature = "serde")]
-    pub(super) fn fits(&self, request: &JointRequest, records: usize) -> bool {
-        self.is_two_time == request.is_two_time
-            && self.numbers.len() as u128 == NUMBERS as u128 * request.rows(records)
+    pub(super) fn fits(&self, is_two_time: bool, records: u64) -> bool {
+        self.is_two_time == is_two_time
+            && self.numbers.len() as u128 == NUMBERS as u128 * rows(is_two_time, records)
     }
 
-    /// Adds the observables of a tile at a recorded time, whose counts are those before this tile. `columns` are the numbers of both
-    /// observables, `history` those of the tile at earlier times.
-    pub(super) fn add(
-        &mut self,
-        [first, second]: [usize; 2],
-        record: usize,
-        counts: &[u64],
-        (now, lanes): (&[Lane], Mask),
-        history: &[&[Lane]],
-    ) {
-        let [x, y] = [&now[first], &now[second]];
-        let (records, count) = (counts.len(), counts[record]);
+    /// Adds two observables of a tile, by their numbers.
+    pub(super) fn add(&mut self, [first, second]: [usize; 2], at: &Recorded<'_>) {
+        let [x, y] = [&at.values[first], &at.values[second]];
+        let (record, records, lanes) = (at.record, at.counts.len(), at.lanes);
+        let count = at.counts[record];
         if !self.is_two_time {
             return self.add_to(record, count, x, y, lanes);
         }
         self.add_to(record * records + record, count, x, y, lanes);
-        for (earlier, then) in history.iter().enumerate() {
+        for (earlier, then) in at.history.iter().enumerate() {
             let [before_x, before_y] = [&then[first], &then[second]];
             self.add_to(earlier * records + record, count, before_x, y, lanes);
             self.add_to(record * records + earlier, count, x, before_y, lanes);
@@ -246,7 +227,7 @@ impl JointMoments {
 
 #[cfg(test)]
 mod tests {
-    use super::{JointColumn, JointMoments, JointRequest, Lane};
+    use super::{JointColumn, JointMoments, Lane};
     use crate::lanes::{LANES, Mask};
 
     fn values() -> Vec<(f64, f64)> {
@@ -274,14 +255,9 @@ mod tests {
 
     #[test]
     fn moments_of_tiles_and_of_merged_columns_are_those_of_all_values() {
-        let request = JointRequest {
-            first: String::new(),
-            second: String::new(),
-            is_two_time: false,
-        };
         let all = values();
         let column = |values: &[(f64, f64)]| {
-            let mut column = JointColumn::new(&request, 1);
+            let mut column = JointColumn::new(false, 1);
             let mut count = 0;
             for tile in values.chunks(LANES) {
                 let at = |lane: usize| tile.get(lane).copied().unwrap_or((f64::NAN, f64::NAN));

@@ -8,17 +8,10 @@
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 
-use super::Ensemble;
-use super::antithetic::Pairs;
 use super::execution::locked;
 use super::failure::{FAILURES_KEPT, Failure};
-use super::histogram::Bins;
-use super::joint::JointColumn;
-use super::moments::Column;
-use super::passage::counts::PassageCounts;
-use super::sketch::SketchColumn;
+use super::statistic::{AnyRequest, AnyStatistic, Extent, Recorded};
 use crate::lanes::{Lane, Mask};
-use crate::method::Method;
 
 /// The merged results of consecutive blocks: a node of the tree.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,18 +25,8 @@ pub(super) struct PartialResult {
     pub(super) blocks: u64,
     /// Number of paths in the statistics, at each recorded time.
     pub(super) counts: Vec<u64>,
-    /// Statistics of each observable.
-    pub(super) columns: Vec<Column>,
-    /// Counts of each histogram.
-    pub(super) histograms: Vec<Bins>,
-    /// Joint moments of pairs of observables.
-    pub(super) joints: Vec<JointColumn>,
-    /// Sketches of observables.
-    pub(super) quantiles: Vec<SketchColumn>,
-    /// Statistics of the means of antithetic pairs; no counts and no columns without such pairs.
-    pub(super) pairs: Pairs,
-    /// Counts of the passages of each function.
-    pub(super) passages: Vec<PassageCounts>,
+    /// The statistics of the run, in the order of their requests.
+    pub(super) statistics: Vec<AnyStatistic>,
     /// Number of steps that were made in smaller steps.
     pub(super) refined: u64,
     /// Number of paths that failed.
@@ -58,27 +41,14 @@ pub(super) struct PartialResult {
 
 impl PartialResult {
     /// The empty result of a block.
-    pub(super) fn new<I: Method>(block: u64, records: usize, ensemble: &Ensemble<'_, I>) -> Self {
-        let observables = ensemble.names.len();
-        let requests = ensemble.histograms.iter();
-        let joints = ensemble.joints.iter();
-        let quantiles = ensemble.quantiles.iter();
-        let pairs = if ensemble.antithetic {
-            Pairs::new(records, observables)
-        } else {
-            Pairs::default()
-        };
+    pub(super) fn new(block: u64, requests: &[AnyRequest], extent: &Extent<'_>) -> Self {
+        let empty = requests.iter().map(|request| request.empty(extent));
         Self {
             first: block,
             level: 0,
             blocks: 1,
-            counts: vec![0; records],
-            columns: vec![Column::new(records); observables],
-            histograms: requests.map(|r| Bins::new(r, records)).collect(),
-            joints: joints.map(|r| JointColumn::new(r, records)).collect(),
-            quantiles: quantiles.map(|r| SketchColumn::new(r, records)).collect(),
-            pairs,
-            passages: Vec::new(),
+            counts: vec![0; extent.rows()],
+            statistics: empty.collect(),
             refined: 0,
             failed: 0,
             failures: Vec::new(),
@@ -87,47 +57,34 @@ impl PartialResult {
         }
     }
 
-    /// Removes what is not a mean of observables: histograms, covariances, quantiles and passages.
-    pub(super) fn without_distributions(self) -> Self {
-        Self {
-            histograms: Vec::new(),
-            joints: Vec::new(),
-            quantiles: Vec::new(),
-            passages: Vec::new(),
-            ..self
-        }
+    /// Removes the statistics that are not taken of the differences of runs.
+    pub(super) fn of_differences(mut self) -> Self {
+        self.statistics.retain(AnyStatistic::is_of_differences);
+        self
     }
 
-    /// Adds the observables of a tile at a recorded time.
-    pub(super) fn add(&mut self, record: usize, values: &[Lane], lanes: Mask) {
-        let count = self.counts[record];
-        for (column, values) in self.columns.iter_mut().zip(values) {
-            column.add(record, count, values, lanes);
+    /// Adds the observables of a tile at a recorded time, with those at the recorded times before if a statistic needs them.
+    pub(super) fn add(&mut self, record: usize, values: &[Lane], lanes: Mask, history: &[&[Lane]]) {
+        let at = Recorded {
+            record,
+            counts: &self.counts,
+            values,
+            lanes,
+            history,
+        };
+        for statistic in &mut self.statistics {
+            statistic.add(&at);
         }
-        self.pairs.add(record, values, lanes);
         self.counts[record] += u64::from(lanes.count_ones());
     }
 
     /// Adds the results of the next blocks.
     pub(super) fn merge(&mut self, next: &Self) {
-        self.pairs.merge(&next.pairs);
-        for (column, other) in self.joints.iter_mut().zip(&next.joints) {
-            column.merge(&self.counts, other, &next.counts);
-        }
-        for (column, other) in self.quantiles.iter_mut().zip(&next.quantiles) {
-            column.merge(other);
-        }
-        for (column, other) in self.columns.iter_mut().zip(&next.columns) {
-            column.merge(&self.counts, other, &next.counts);
+        for (statistic, other) in self.statistics.iter_mut().zip(&next.statistics) {
+            statistic.merge(&self.counts, other, &next.counts);
         }
         for (count, other) in self.counts.iter_mut().zip(&next.counts) {
             *count += other;
-        }
-        for (bins, other) in self.histograms.iter_mut().zip(&next.histograms) {
-            bins.merge(other);
-        }
-        for (counts, other) in self.passages.iter_mut().zip(&next.passages) {
-            counts.merge(other);
         }
         self.refined = self.refined.saturating_add(next.refined);
         self.failed += next.failed;

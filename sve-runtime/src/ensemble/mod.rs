@@ -57,6 +57,7 @@ mod sizes;
 mod sketch;
 mod spread;
 mod starts;
+mod statistic;
 mod statistics;
 #[cfg(feature = "serde")]
 mod stored;
@@ -78,11 +79,12 @@ pub use error::EnsembleError;
 pub use estimate::{Level, MultilevelEstimate};
 pub use failure::{Cause, FAILURES_KEPT, Failure};
 pub use final_state::FinalState;
+pub use histogram::Histogram;
 pub use multilevel::Multilevel;
 pub use passage::{Passages, Rate};
 pub use quantiles::Quantiles;
 pub use starts::StartRng;
-pub use statistics::{Histogram, Statistics};
+pub use statistics::Statistics;
 pub use summary::Summary;
 pub use sweep::Sweep;
 pub use warning::Warning;
@@ -90,14 +92,13 @@ pub use warning::Warning;
 use core::fmt;
 
 use self::gradient::Gradients;
-use self::histogram::HistogramRequest;
-use self::joint::JointRequest;
 use self::memory::Kind;
 use self::observe::{Closure, Observable};
 use self::passage::PassageFunction;
 use self::settings::Settings;
-use self::sketch::QuantileRequest;
 use self::starts::Starts;
+use self::statistic::AnyRequest;
+use self::statistics::MomentsRequest;
 use crate::configuration::Coordinates;
 use crate::lanes::LANES;
 use crate::method::Method;
@@ -173,10 +174,8 @@ pub struct Ensemble<'a, I: Method> {
     gradients: Gradients<'a, I>,
     /// Functions whose first zero is recorded.
     passages: Vec<PassageFunction<'a, I::System>>,
-    histograms: Vec<HistogramRequest>,
-    joints: Vec<JointRequest>,
-    quantiles: Vec<QuantileRequest>,
-    antithetic: bool,
+    /// What is collected of the observables.
+    statistics: Vec<AnyRequest>,
     /// Observables with their least and greatest values.
     bounds: Vec<(String, [f64; 2])>,
     keep_final_states: bool,
@@ -217,10 +216,7 @@ where
             share_paths: false,
             gradients: Gradients::default(),
             passages: Vec::new(),
-            histograms: Vec::new(),
-            joints: Vec::new(),
-            quantiles: Vec::new(),
-            antithetic: false,
+            statistics: vec![AnyRequest::Moments(MomentsRequest)],
             bounds: Vec::new(),
             keep_final_states: false,
             refine: 0,

@@ -58,6 +58,16 @@ impl Column {
         }
     }
 
+    /// Returns whether the column has so many records, each with a valid unit.
+    #[cfg(feature = "serde")]
+    pub(super) fn fits(&self, records: usize) -> bool {
+        [&self.mean, &self.squares, &self.min, &self.max]
+            .into_iter()
+            .all(|values| values.len() == records)
+            && self.unit.len() == records
+            && self.unit.iter().all(|unit| (-1..=1).contains(unit))
+    }
+
     /// The sum of squared deviations at a recorded time.
     #[inline]
     pub(super) fn squares_at(&self, record: usize) -> Squares {

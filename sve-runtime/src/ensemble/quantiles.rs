@@ -1,12 +1,15 @@
 //! Quantiles of observables over the paths, as users read them.
 //!
-//! Input: merged sketches, and the extremes of the values. Output: quantiles with intervals and the error of their ranks. Invariant: they are NaN if all paths have failed; the first and the last rank
+//! Input: tiles of values; merged sketches, and the extremes of the values. Output: quantiles with intervals and the error of their ranks. Invariant: they are NaN if all paths have failed; the first and the last rank
 //! are exact.
 
-use super::Ensemble;
-use super::sketch::{QuantileRequest, Sketch, SketchColumn};
-use super::statistics::Statistics;
+use super::difference::Difference;
+use super::sizes::{AT_ONCE, NUMBER};
+use super::sketch::Sketch;
+use super::statistic::{AnyRequest, Extent, Recorded, Size, Statistic, check_known};
+use super::{Ensemble, EnsembleError, Summary};
 use crate::configuration::Coordinates;
+use crate::lanes::LANES;
 use crate::method::Method;
 use crate::system::{Dims, System};
 
@@ -55,10 +58,108 @@ where
     /// # }
     /// ```
     #[must_use]
-    pub fn quantiles(mut self, name: impl Into<String>, size: usize) -> Self {
+    pub fn quantiles(self, name: impl Into<String>, size: usize) -> Self {
         let name = name.into();
-        self.quantiles.push(QuantileRequest { name, size });
-        self
+        self.take(AnyRequest::Quantiles(QuantileRequest { name, size }))
+    }
+}
+
+/// The request of quantiles.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct QuantileRequest {
+    /// Name of the observable.
+    pub(super) name: String,
+    /// Largest number of values of a level.
+    pub(super) size: usize,
+}
+
+/// The sketches of an observable.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Sketches {
+    /// Number of the observable.
+    column: usize,
+    size: usize,
+    /// A sketch for each recorded time.
+    rows: Vec<Sketch>,
+}
+
+impl Statistic for Sketches {
+    type Request = QuantileRequest;
+
+    const DIFFERENCE: Difference = Difference::Statistic("quantiles");
+    const NEEDS_INDEPENDENT_PATHS: bool = true;
+
+    fn check(request: &QuantileRequest, names: &[String]) -> Result<(), EnsembleError> {
+        check_known(&request.name, names, "take quantiles of")?;
+        if request.size >= 2 {
+            return Ok(());
+        }
+        let (name, size) = (request.name.clone(), request.size);
+        Err(EnsembleError::Quantiles { name, size })
+    }
+
+    fn size(request: &QuantileRequest, extent: &Extent<'_>) -> Size {
+        let (QuantileRequest { name, size }, records) = (request, extent.records);
+        // all values of a level, for each time
+        let values = u128::from(extent.paths).min(*size as u128);
+        let bytes = u128::from(records).saturating_mul(values);
+        Size {
+            bytes: bytes.saturating_mul(AT_ONCE * NUMBER),
+            what: format!("quantiles of `{name}` with {size} values at {records} recorded times"),
+            remedy: "keep fewer values, or record less often with `record_every`",
+        }
+    }
+
+    fn empty(request: &QuantileRequest, extent: &Extent<'_>) -> Self {
+        Self {
+            column: extent.column(&request.name),
+            size: request.size,
+            rows: vec![Sketch::default(); extent.rows()],
+        }
+    }
+
+    fn add(&mut self, at: &Recorded<'_>) {
+        let values = &at.values[self.column];
+        let counted = (0..LANES).filter(|lane| at.lanes >> lane & 1 == 1);
+        self.rows[at.record].add(counted.map(|lane| values[lane]));
+    }
+
+    fn merge(&mut self, _: &[u64], other: &Self, _: &[u64]) {
+        for (sketch, other) in self.rows.iter_mut().zip(&other.rows) {
+            sketch.merge(other, self.size);
+        }
+    }
+
+    #[cfg(feature = "serde")]
+    fn fits(&self, request: &QuantileRequest, extent: &Extent<'_>, counts: &[u64]) -> bool {
+        let mut sketches = self.rows.iter().zip(counts);
+        self.size == request.size
+            && self.column == extent.column(&request.name)
+            && self.rows.len() == counts.len()
+            && sketches.all(|(sketch, &count)| sketch.has_weight(count))
+    }
+
+    fn show(self, summary: &mut Summary) {
+        let of = &summary.statistics()[self.column];
+        let sketches = self.rows.iter();
+        let quantiles = Quantiles {
+            name: of.name().to_owned(),
+            counts: of.counts().to_vec(),
+            extremes: [of.min().to_vec(), of.max().to_vec()],
+            rank_errors: sketches.clone().map(|sketch| sketch.rank_error).collect(),
+            values: sketches.map(Sketch::weighted).collect(),
+        };
+        summary.shown.push(quantiles);
+    }
+}
+
+impl Summary {
+    /// The quantiles of an observable, from [`Ensemble::quantiles`](super::Ensemble::quantiles).
+    pub fn quantiles(&self, name: &str) -> Option<&Quantiles> {
+        let mut all = self.shown.all::<Quantiles>().iter();
+        all.find(|quantiles| quantiles.name() == name)
     }
 }
 
@@ -75,18 +176,6 @@ pub struct Quantiles {
 }
 
 impl Quantiles {
-    #[allow(clippy::needless_pass_by_value)] // the quantiles take the place of the sketches
-    pub(super) fn new(of: &Statistics, column: SketchColumn) -> Self {
-        let sketches = column.sketches.iter();
-        Self {
-            name: of.name().to_owned(),
-            counts: of.counts().to_vec(),
-            extremes: [of.min().to_vec(), of.max().to_vec()],
-            rank_errors: sketches.clone().map(|sketch| sketch.rank_error).collect(),
-            values: sketches.map(Sketch::weighted).collect(),
-        }
-    }
-
     /// The observable.
     pub fn name(&self) -> &str {
         &self.name

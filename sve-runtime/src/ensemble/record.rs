@@ -7,9 +7,11 @@ use super::failure::{Cause, FAILURES_KEPT};
 use super::memory::{LastStep, not_finite_cause};
 use super::merge_tree::PartialResult;
 use super::observe::{not_finite, outside};
+use super::passage::counts::PathEnds;
 use super::path_block::PathBlock;
+use super::statistic::AnyRequest;
 use super::tile::lanes;
-use super::{BLOCK_PATHS, BLOCK_TILES, passage};
+use super::{BLOCK_PATHS, BLOCK_TILES};
 use crate::configuration::{Configuration, Coordinates};
 use crate::lanes::{ALL, Lane, Mask};
 use crate::method::Method;
@@ -24,38 +26,14 @@ where
     /// Adds the observables of the paths that have not failed to the statistics of a recorded time, block by block.
     pub(super) fn record(&mut self, record: usize, results: &mut [PartialResult]) {
         self.observe_all();
-        let settings = self.settings;
-        let requests = &settings.ensemble.histograms;
-        let column_of =
-            |name: &String| (settings.ensemble.names.iter()).position(|known| known == name);
+        let mut history = Vec::new();
         for (tile, (values, &counted)) in self.values.iter().zip(&self.counted).enumerate() {
-            let result = &mut results[tile / BLOCK_TILES];
-            for (bins, request) in result.histograms.iter_mut().zip(requests) {
-                let row = request.row(record, settings.records);
-                if let (Some(row), Some(column)) = (row, column_of(&request.name)) {
-                    bins.add(request, row, &values[column], counted);
-                }
-            }
-            for (column, request) in result.joints.iter_mut().zip(&settings.ensemble.joints) {
-                let history: Vec<_> = self.history.iter().map(|then| &then[tile][..]).collect();
-                let columns = [&request.first, &request.second].map(column_of);
-                if let [Some(first), Some(second)] = columns {
-                    let counts = &result.counts;
-                    column.add([first, second], record, counts, (values, counted), &history);
-                }
-            }
-            for (column, request) in result
-                .quantiles
-                .iter_mut()
-                .zip(&settings.ensemble.quantiles)
-            {
-                if let Some(of) = column_of(&request.name) {
-                    column.add(record, &values[of], counted);
-                }
-            }
-            result.add(record, values, counted);
+            history.clear();
+            history.extend(self.history.iter().map(|then| &then[tile][..]));
+            results[tile / BLOCK_TILES].add(record, values, counted, &history);
         }
-        if (settings.ensemble.joints.iter()).any(|joint| joint.is_two_time) {
+        let mut requests = self.settings.ensemble.statistics.iter();
+        if requests.any(AnyRequest::needs_history) {
             self.history.push(self.values.clone());
         }
     }
@@ -148,12 +126,10 @@ where
         let passages = core::mem::take(&mut self.watch.passages);
         for (number, result) in results.iter_mut().enumerate() {
             let of_block = passages.iter().filter(|p| block_of(p.end.path) == number);
-            result.passages = passage::counts::count(
-                &self.settings,
-                of_block.copied().collect(),
-                &result.failures,
-                self.settings.ensemble.passages.len(),
-            );
+            let ends = PathEnds::new(&self.settings, of_block.copied(), &result.failures);
+            for statistic in &mut result.statistics {
+                statistic.end(&ends);
+            }
         }
         if !self.settings.ensemble.keep_final_states {
             return;

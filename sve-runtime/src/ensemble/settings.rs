@@ -8,9 +8,11 @@ use super::fingerprint::Fingerprint;
 use super::increment_buffer::IncrementBuffer;
 use super::info::Info;
 use super::memory::Kind;
+use super::merge_tree::PartialResult;
 use super::passage::counts::Grid;
 use super::path_noise::PathNoise;
 use super::starts::{StartRng, Starts};
+use super::statistic::{AnyRequest, Extent, check_known};
 use super::{BLOCK_PATHS, Ensemble, EnsembleError, path_at, sizes};
 use crate::configuration::FixedSize;
 use crate::method::Method;
@@ -119,7 +121,7 @@ impl<'a, I: Method> Settings<'a, I> {
             let write = ".checkpoint(\"run.sve\", Duration::from_secs(60))";
             return Err(missing("file to resume from", write));
         }
-        if ensemble.antithetic && !paths.is_multiple_of(2) {
+        if ensemble.is_antithetic() && !paths.is_multiple_of(2) {
             return Err(EnsembleError::OddPaths { paths });
         }
         let parts = 1_u64.checked_shl(leg.halvings).unwrap_or(u64::MAX);
@@ -134,7 +136,7 @@ impl<'a, I: Method> Settings<'a, I> {
         leg.method.prepare(h).map_err(EnsembleError::Prepare)?;
         let mut noise = PathNoise::new(ensemble.noise, ensemble.seed.unwrap_or(0), h)?;
         noise.first_path = noise.first_path.wrapping_add(leg.first_path);
-        noise.is_antithetic = ensemble.antithetic;
+        noise.is_antithetic = ensemble.is_antithetic();
         noise.is_coarsened = leg.is_coarsened;
         if leg.is_coarsened && noise.distribution == Some(DistributionKind::ThreePoint) {
             return Err(EnsembleError::NoSums);
@@ -162,7 +164,14 @@ impl<'a, I: Method> Settings<'a, I> {
         (ensemble.gradients).check(system, first, ensemble.has_stops())?;
         let shard = blocks_of_shard(ensemble.shard, paths)?;
         let own = path_at(shard[1], paths) - path_at(shard[0], paths);
-        let records = sizes::records(ensemble, steps, every, own)?;
+        let extent = Extent {
+            names: &ensemble.names,
+            // times that differ are fewer than the numbers of 64 bits
+            records: steps.div_ceil(every).saturating_add(1),
+            paths: own,
+            passage_bins: Grid::new(steps, every).between_records(),
+        };
+        sizes::check_all(ensemble, &extent)?;
         Ok(Self {
             ensemble,
             method: leg.method,
@@ -176,7 +185,7 @@ impl<'a, I: Method> Settings<'a, I> {
             noise,
             start_seed,
             first_start: leg.first_path,
-            records,
+            records: extent.rows(),
             shard,
         })
     }
@@ -227,6 +236,17 @@ impl<'a, I: Method> Settings<'a, I> {
         Grid::new(self.steps, self.every)
     }
 
+    /// Returns the empty result of a block.
+    pub(super) fn empty(&self, block: u64) -> PartialResult {
+        let extent = Extent {
+            names: &self.ensemble.names,
+            records: self.records as u64,
+            paths: self.paths_of(block..block + 1),
+            passage_bins: self.passage_grid().between_records(),
+        };
+        PartialResult::new(block, &self.ensemble.statistics, &extent)
+    }
+
     /// Returns an empty buffer of increments.
     pub(super) fn increments<const M: usize>(&self) -> IncrementBuffer<M> {
         IncrementBuffer::new(self.noise, self.h)
@@ -242,14 +262,8 @@ impl<'a, I: Method> Settings<'a, I> {
         let times = (0..self.records).map(|record| self.time(self.step_of(record)));
         Info {
             names: self.ensemble.names.clone(),
-            passages: (self.ensemble.passages.iter())
-                .map(|passage| passage.name.clone())
-                .collect(),
             passage_bins: self.passage_grid().between_records(),
-            histograms: self.ensemble.histograms.clone(),
-            joints: self.ensemble.joints.clone(),
-            quantiles: self.ensemble.quantiles.clone(),
-            is_antithetic: self.ensemble.antithetic,
+            statistics: self.ensemble.statistics.clone(),
             times: times.collect(),
             paths: self.paths,
             coordinates: ConfigurationOf::<I::System>::STORED_VALUES,
@@ -271,7 +285,7 @@ fn check_steps<I: Method>(
         (!ensemble.passages.is_empty(), "first_passage"),
         (ensemble.refine > 0, "refine"),
     ];
-    let of = of.or(ensemble.antithetic.then_some("antithetic"));
+    let of = of.or(ensemble.is_antithetic().then_some("antithetic"));
     match divides.into_iter().find(|(is_set, _)| *is_set) {
         None => Ok(()),
         Some((_, setting)) => match of {
@@ -333,44 +347,15 @@ fn check_names<I: Method>(ensemble: &Ensemble<'_, I>) -> Result<(), EnsembleErro
         let name = (*name).clone();
         return Err(EnsembleError::TwiceNamed { name });
     }
-    let known = |name: &String, purpose| {
-        if names.contains(name) {
-            return Ok(());
-        }
-        Err(EnsembleError::UnknownObservable {
-            name: name.clone(),
-            purpose,
-            known: names.clone(),
-        })
-    };
-    for request in &ensemble.histograms {
-        known(&request.name, "make a histogram of")?;
-        if !request.is_valid() {
-            let ([low, high], bins) = (request.range, request.bins);
-            return Err(EnsembleError::Histogram {
-                name: request.name.clone(),
-                low,
-                high,
-                bins,
-            });
-        }
+    for request in &ensemble.statistics {
+        request.check(names)?;
     }
-    for request in &ensemble.joints {
-        known(&request.first, "take a covariance of")?;
-        known(&request.second, "take a covariance of")?;
-    }
-    for request in &ensemble.quantiles {
-        known(&request.name, "take quantiles of")?;
-        if request.size < 2 {
-            let (name, size) = (request.name.clone(), request.size);
-            return Err(EnsembleError::Quantiles { name, size });
-        }
-    }
-    if ensemble.antithetic && !(ensemble.joints.is_empty() && ensemble.quantiles.is_empty()) {
+    let mut requests = ensemble.statistics.iter();
+    if ensemble.is_antithetic() && requests.any(AnyRequest::needs_independent_paths) {
         return Err(EnsembleError::AntitheticPairs);
     }
     for (name, [low, high]) in &ensemble.bounds {
-        known(name, "bound")?;
+        check_known(name, names, "bound")?;
         if low.is_nan() || high.is_nan() || low > high {
             return Err(EnsembleError::Bound {
                 name: name.clone(),

@@ -14,17 +14,6 @@
 //! J. M. Phillips, Z. Wei, K. Yi, *Mergeable summaries*, ACM Trans. Database Syst. 38, 26 (2013), which also has the random choice.
 
 use crate::fingerprint::hash;
-use crate::lanes::{LANES, Lane, Mask};
-
-/// The request of quantiles.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct QuantileRequest {
-    /// Name of the observable.
-    pub(super) name: String,
-    /// Largest number of values of a level.
-    pub(super) size: usize,
-}
 
 /// A sketch of the values at one recorded time.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -42,46 +31,9 @@ pub(super) struct Sketch {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Level(#[cfg_attr(feature = "serde", serde(with = "crate::floats::many"))] Vec<f64>);
 
-/// The sketches of an observable, one for each recorded time.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct SketchColumn {
-    size: usize,
-    pub(super) sketches: Vec<Sketch>,
-}
-
-impl SketchColumn {
-    pub(super) fn new(request: &QuantileRequest, records: usize) -> Self {
-        Self {
-            size: request.size,
-            sketches: vec![Sketch::default(); records],
-        }
-    }
-
-    /// Returns whether the column is one of a request, with so many paths at each recorded time.
-    #[cfg(feature = "serde")]
-    pub(super) fn fits(&self, request: &QuantileRequest, counts: &[u64]) -> bool {
-        let mut sketches = self.sketches.iter().zip(counts);
-        self.size == request.size
-            && self.sketches.len() == counts.len()
-            && sketches.all(|(sketch, &count)| sketch.has_weight(count))
-    }
-
-    pub(super) fn add(&mut self, record: usize, values: &Lane, lanes: Mask) {
-        let counted = (0..LANES).filter(|lane| lanes >> lane & 1 == 1);
-        self.sketches[record].add(counted.map(|lane| values[lane]));
-    }
-
-    pub(super) fn merge(&mut self, other: &Self) {
-        for (sketch, other) in self.sketches.iter_mut().zip(&other.sketches) {
-            sketch.merge(other, self.size);
-        }
-    }
-}
-
 impl Sketch {
     /// Adds values of a block.
-    fn add(&mut self, values: impl Iterator<Item = f64> + Clone) {
+    pub(super) fn add(&mut self, values: impl Iterator<Item = f64> + Clone) {
         self.choices = hash(|hash| {
             hash.add(self.choices);
             values.clone().for_each(|value| hash.add_number(value));
@@ -97,7 +49,7 @@ impl Sketch {
     }
 
     /// Adds the values of another sketch.
-    fn merge(&mut self, other: &Self, size: usize) {
+    pub(super) fn merge(&mut self, other: &Self, size: usize) {
         for (number, level) in other.levels.iter().enumerate() {
             self.level(number).0.extend_from_slice(&level.0);
         }
@@ -120,7 +72,7 @@ impl Sketch {
 
     /// Returns whether the weights add up to a number of paths.
     #[cfg(any(test, feature = "serde"))]
-    fn has_weight(&self, count: u64) -> bool {
+    pub(super) fn has_weight(&self, count: u64) -> bool {
         let levels = self.levels.iter().enumerate();
         let weights = levels.map(|(number, level)| (level.0.len() as u128) << number.min(64));
         self.levels.len() <= 64 && weights.sum::<u128>() == u128::from(count)

@@ -1,13 +1,131 @@
-//! The statistics and histograms of one observable, at each recorded time.
+//! The moments of each observable, at each recorded time.
 //!
-//! Input: merged columns. Output: the numbers that users read. Invariant: a mean of no paths and a variance of fewer than two are NaN,
+//! Input: tiles of values; merged columns. Output: the numbers that users read. Invariant: a mean of no paths and a variance of fewer than two are NaN,
 //! and nothing else is.
 
-use super::histogram::{Bins, HistogramRequest};
-use super::moments::{Column, Squares};
+use core::borrow::Borrow;
+use core::ops::Index;
+
+use super::difference::Difference;
+use super::moments::{COLUMN_BYTES, Column, Squares};
+use super::sizes::{AT_ONCE, NUMBER};
 use super::spread::Spread;
+use super::statistic::{Extent, Recorded, Size, Statistic};
+use super::summary::Summary;
 use super::warning::{self, Warning};
-use crate::table::{Table, Values, table_writers};
+use crate::lanes::{Lane, Mask};
+
+/// The request of the moments of all observables, which every ensemble has.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct MomentsRequest;
+
+/// The moments of each observable.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Moments(Vec<Column>);
+
+impl Moments {
+    /// Returns the memory that moments of all observables need beside their counts.
+    pub(super) fn bytes(extent: &Extent<'_>) -> u128 {
+        let of_paths = NUMBER + u128::from(COLUMN_BYTES) * extent.names.len() as u128;
+        u128::from(extent.records) * AT_ONCE * of_paths
+    }
+
+    /// Returns the moments of each observable.
+    pub(super) fn into_columns(self) -> Vec<Column> {
+        self.0
+    }
+
+    /// Adds the values of a tile, where so many were added before.
+    pub(super) fn add_to(
+        &mut self,
+        record: usize,
+        count: u64,
+        values: impl IntoIterator<Item = impl Borrow<Lane>>,
+        lanes: Mask,
+    ) {
+        for (column, values) in self.0.iter_mut().zip(values) {
+            column.add(record, count, values.borrow(), lanes);
+        }
+    }
+}
+
+impl Statistic for Moments {
+    type Request = MomentsRequest;
+
+    const DIFFERENCE: Difference = Difference::Observables;
+    const IS_OF_DIFFERENCES: bool = true;
+
+    fn size(_: &MomentsRequest, extent: &Extent<'_>) -> Size {
+        let (records, observables) = (extent.records, extent.names.len());
+        Size {
+            // and the times
+            bytes: Self::bytes(extent) + u128::from(records) * NUMBER,
+            what: format!("{records} recorded times of {observables} observables"),
+            remedy: "record less often with `record_every`",
+        }
+    }
+
+    fn empty(_: &MomentsRequest, extent: &Extent<'_>) -> Self {
+        Self(vec![Column::new(extent.rows()); extent.names.len()])
+    }
+
+    fn add(&mut self, at: &Recorded<'_>) {
+        self.add_to(at.record, at.counts[at.record], at.values, at.lanes);
+    }
+
+    fn merge(&mut self, counts: &[u64], other: &Self, others: &[u64]) {
+        for (column, other) in self.0.iter_mut().zip(&other.0) {
+            column.merge(counts, other, others);
+        }
+    }
+
+    #[cfg(feature = "serde")]
+    fn fits(&self, _: &MomentsRequest, extent: &Extent<'_>, _: &[u64]) -> bool {
+        self.0.len() == extent.names.len() && self.0.iter().all(|column| column.fits(extent.rows()))
+    }
+
+    fn show(self, summary: &mut Summary) {
+        for (number, column) in self.0.into_iter().enumerate() {
+            let (name, counts) = (
+                summary.info.names[number].clone(),
+                summary.counts().to_vec(),
+            );
+            summary.shown.push(Statistics::new(name, counts, column));
+        }
+    }
+}
+
+impl Summary {
+    /// The statistics of an observable; `summary["name"]` is the same for a name that is known to be there.
+    pub fn get(&self, name: &str) -> Option<&Statistics> {
+        self.statistics().iter().find(|s| s.name() == name)
+    }
+
+    /// The statistics of all observables, in the order in which they were given.
+    pub fn statistics(&self) -> &[Statistics] {
+        self.shown.all()
+    }
+}
+
+impl Index<&str> for Summary {
+    type Output = Statistics;
+
+    /// The statistics of an observable.
+    ///
+    /// # Panics
+    /// If there is no observable of that name; [`get`](Summary::get) returns `None` then.
+    fn index(&self, name: &str) -> &Statistics {
+        match self.get(name) {
+            Some(statistics) => statistics,
+            None => panic!(
+                "there is no observable `{name}`; there are {:?}",
+                self.info.names
+            ),
+        }
+    }
+}
 
 /// An observable at each recorded time, over the paths that have not failed until then.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,16 +134,11 @@ pub struct Statistics {
     counts: Vec<u64>,
     column: Column,
     /// Numbers and statistics of the means of antithetic pairs.
-    pairs: Option<(Vec<u64>, Column)>,
+    pub(super) pairs: Option<(Vec<u64>, Column)>,
 }
 
 impl Statistics {
-    pub(super) fn new(
-        name: String,
-        counts: Vec<u64>,
-        mut column: Column,
-        pairs: Option<(Vec<u64>, Column)>,
-    ) -> Self {
+    fn new(name: String, counts: Vec<u64>, mut column: Column) -> Self {
         for (mean, &count) in column.mean.iter_mut().zip(&counts) {
             if count == 0 {
                 *mean = f64::NAN;
@@ -35,7 +148,7 @@ impl Statistics {
             name,
             counts,
             column,
-            pairs,
+            pairs: None,
         }
     }
 
@@ -110,108 +223,3 @@ fn of_squares(counts: &[u64], column: &Column, of: impl Fn(Squares, f64) -> f64)
     };
     counts.iter().enumerate().map(at).collect()
 }
-
-/// The number of paths with an observable in each of equal bins of a range.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Histogram {
-    request: HistogramRequest,
-    times: Vec<f64>,
-    bins: Bins,
-}
-
-impl Histogram {
-    /// A histogram of bins at recorded times.
-    pub(super) fn new(request: HistogramRequest, bins: Bins, times: &[f64]) -> Self {
-        let rows = bins.0.len() / (request.bins + 2);
-        let times = times[times.len().saturating_sub(rows)..].to_vec();
-        Self {
-            request,
-            times,
-            bins,
-        }
-    }
-
-    /// The observable.
-    pub fn name(&self) -> &str {
-        &self.request.name
-    }
-
-    /// Returns the edges of the bins, one more than there are bins. A value on an edge is in the bin above it.
-    pub fn edges(&self) -> Vec<f64> {
-        (0..=self.request.bins)
-            .map(|bin| self.request.edge(bin))
-            .collect()
-    }
-
-    /// Returns the number of recorded times: all of them, or 1 for a final histogram.
-    pub fn rows(&self) -> usize {
-        self.bins.0.len() / (self.request.bins + 2)
-    }
-
-    /// The recorded times of the rows.
-    pub fn times(&self) -> &[f64] {
-        &self.times
-    }
-
-    /// Paths in each bin at the end.
-    pub fn counts(&self) -> &[u64] {
-        self.counts_at(self.rows() - 1)
-    }
-
-    /// Paths in each bin at a recorded time.
-    ///
-    /// # Panics
-    /// Unless `row` is below [`rows`](Self::rows).
-    pub fn counts_at(&self, row: usize) -> &[u64] {
-        &self.row(row)[1..=self.request.bins]
-    }
-
-    /// Paths below the range at a recorded time.
-    ///
-    /// # Panics
-    /// As [`counts_at`](Self::counts_at).
-    pub fn below_at(&self, row: usize) -> u64 {
-        self.row(row)[0]
-    }
-
-    /// Paths above the range at a recorded time, or on its upper bound.
-    ///
-    /// # Panics
-    /// As [`counts_at`](Self::counts_at).
-    pub fn above_at(&self, row: usize) -> u64 {
-        self.row(row)[self.request.bins + 1]
-    }
-
-    fn row(&self, row: usize) -> &[u64] {
-        let width = self.request.bins + 2;
-        &self.bins.0[row * width..][..width]
-    }
-}
-
-impl Histogram {
-    /// The columns: the time, the bounds of a bin, and the paths in it, with the paths below and above the range in bins without a bound.
-    fn table(&self) -> Table {
-        let [mut t, mut low, mut high] = [const { Vec::new() }; 3];
-        let mut paths = Vec::new();
-        let edges = self.edges();
-        for (row, time) in self.times.iter().enumerate() {
-            t.extend(vec![*time; self.request.bins + 2]);
-            low.push(f64::NEG_INFINITY);
-            low.extend(&edges);
-            high.extend(&edges);
-            high.push(f64::INFINITY);
-            paths.extend_from_slice(self.row(row));
-        }
-        let numbers = [("t", t), ("low", low), ("high", high)];
-        let numbers = numbers.map(|(name, values)| (name.to_owned(), Values::Numbers(values)));
-        let mut columns: Vec<_> = numbers.into();
-        columns.push(("paths".to_owned(), Values::Counts(paths)));
-        let name = "histogram";
-        Table { name, columns }
-    }
-}
-
-table_writers!(
-    Histogram,
-    "the histogram, a row for each recorded time and bin with `t`, `low`, `high` and `paths`, and two for the paths below and above the range, from −∞ and to ∞,"
-);

@@ -6,15 +6,13 @@
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::histogram::{Bins, HistogramRequest};
 use super::info::Info;
 use super::merge_tree::{MergeTree, PartialResult};
-use super::moments::Column;
 use super::summary::Summary;
 use super::{BLOCK_PATHS, FAILURES_KEPT, path_at};
 
 /// Version of the stored form of summaries and checkpoints.
-pub(super) const FORMAT: u32 = 5;
+pub(super) const FORMAT: u32 = 6;
 
 /// The version of stored data, which is read only if it is [`FORMAT`].
 #[derive(Serialize)]
@@ -104,46 +102,14 @@ impl<'de> Deserialize<'de> for Summary {
 }
 
 fn is_valid(run: &Info) -> bool {
-    let known =
-        |request: &HistogramRequest| request.is_valid() && run.names.contains(&request.name);
-    let mut joints = run.joints.iter();
-    let names_are_known =
-        joints.all(|joint| run.names.contains(&joint.first) && run.names.contains(&joint.second));
-    let mut quantiles = run.quantiles.iter();
     run.paths > 0
         && run.passage_bins > 0
         && !run.times.is_empty()
-        && run.histograms.iter().all(known)
-        && names_are_known
-        && quantiles.all(|request| request.size >= 2 && run.names.contains(&request.name))
-}
-
-/// Returns whether a column has so many records, each with a valid unit.
-fn is_column(column: &Column, records: usize) -> bool {
-    [&column.mean, &column.squares, &column.min, &column.max]
-        .into_iter()
-        .all(|values| values.len() == records)
-        && column.unit.len() == records
-        && column.unit.iter().all(|unit| (-1..=1).contains(unit))
-}
-
-/// Returns whether a node has antithetic pairs if and only if the run has.
-fn have_pairs(run: &Info, node: &PartialResult) -> bool {
-    let (counts, columns) = (&node.pairs.counts, &node.pairs.columns);
-    if !run.is_antithetic {
-        return counts.is_empty() && columns.is_empty();
-    }
-    counts.len() == run.times.len()
-        && columns.len() == run.names.len()
-        && counts
-            .iter()
-            .zip(&node.counts)
-            .all(|(pairs, paths)| *pairs <= paths / 2)
+        && (run.statistics.iter()).all(|request| request.check(&run.names).is_ok())
 }
 
 /// Returns whether a node can belong to this run, after the nodes of the tree.
 fn fits(run: &Info, tree: &MergeTree, node: &PartialResult) -> bool {
-    let records = run.times.len();
     let after = tree.nodes.values().next_back();
     let from = after.map_or(0, |node| node.first + node.blocks);
     // the number of blocks from the node to the end of the ensemble
@@ -158,30 +124,14 @@ fn fits(run: &Info, tree: &MergeTree, node: &PartialResult) -> bool {
     }
     let first = path_at(node.first, run.paths);
     let end = path_at(node.first + node.blocks, run.paths);
-    let mut columns = node.columns.iter().chain(&node.pairs.columns);
-    let columns = columns.all(|column| is_column(column, records));
-    let bins = |(request, bins): (&HistogramRequest, &Bins)| {
-        request.counts(records) == bins.0.len() as u128
-    };
     let width = 1 + run.coordinates as u128 + run.momenta as u128;
     let states = node.final_paths.len() as u128 * width == node.final_states.len() as u128;
-    node.counts.len() == records
-        && node.passages.len() == run.passages.len()
-        && node
-            .passages
-            .iter()
-            .all(|counts| counts.fit(records, run.passage_bins, end - first))
+    let extent = run.extent(end - first);
+    let mut statistics = run.statistics.iter().zip(&node.statistics);
+    node.counts.len() == run.times.len()
         && node.counts.iter().all(|&count| count <= end - first)
-        && node.columns.len() == run.names.len()
-        && columns
-        && node.histograms.len() == run.histograms.len()
-        && run.histograms.iter().zip(&node.histograms).all(bins)
-        && have_pairs(run, node)
-        && node.joints.len() == run.joints.len()
-        && (run.joints.iter().zip(&node.joints)).all(|(r, column)| column.fits(r, records))
-        && node.quantiles.len() == run.quantiles.len()
-        && (run.quantiles.iter().zip(&node.quantiles))
-            .all(|(r, column)| column.fits(r, &node.counts))
+        && node.statistics.len() == run.statistics.len()
+        && statistics.all(|(request, own)| own.fits(request, &extent, &node.counts))
         && node.failures.len() as u64 == node.failed.min(FAILURES_KEPT as u64)
         && node.failed <= end - first
         && states

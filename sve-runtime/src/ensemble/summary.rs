@@ -4,16 +4,14 @@
 //! statistics of several nodes are their merge from left to right.
 
 use core::fmt;
-use core::ops::Index;
 
-use super::covariance::{Covariance, Joint, TwoTime};
+#[cfg(feature = "plot")]
+use super::antithetic::are_pairs;
 use super::failure::Failure;
 use super::final_state::FinalState;
 use super::info::Info;
 use super::merge_tree::{MergeTree, PartialResult};
-use super::passage::Passages;
-use super::quantiles::Quantiles;
-use super::statistics::{Histogram, Statistics};
+use super::statistic::Shown;
 use super::warning::Warning;
 use super::{BLOCK_PATHS, EnsembleError, path_at};
 #[cfg(feature = "plot")]
@@ -24,12 +22,8 @@ use crate::description::RunDescription;
 pub struct Summary {
     pub(super) info: Info,
     pub(super) tree: MergeTree,
-    statistics: Vec<Statistics>,
-    histograms: Vec<Histogram>,
-    covariances: Vec<Covariance>,
-    two_times: Vec<TwoTime>,
-    quantiles: Vec<Quantiles>,
-    passages: Vec<Passages>,
+    /// What users read of the statistics.
+    pub(super) shown: Shown,
     counts: Vec<u64>,
     refined: u64,
     failed: u64,
@@ -42,12 +36,7 @@ impl Summary {
     /// Summarises the nodes of a tree, which has at least one.
     pub(super) fn new(info: Info, tree: MergeTree) -> Self {
         let mut summary = Self {
-            statistics: Vec::new(),
-            histograms: Vec::new(),
-            covariances: Vec::new(),
-            two_times: Vec::new(),
-            quantiles: Vec::new(),
-            passages: Vec::new(),
+            shown: Shown::default(),
             counts: Vec::new(),
             refined: 0,
             failed: 0,
@@ -76,51 +65,19 @@ impl Summary {
     }
 
     fn show(&mut self, node: PartialResult) {
-        let pairs = node.pairs.columns.into_iter().map(Some);
-        let pairs = pairs.chain(core::iter::repeat(None));
-        let columns = self.info.names.iter().zip(node.columns).zip(pairs);
-        self.statistics = columns
-            .map(|((name, column), pairs)| {
-                let pairs = pairs.map(|pairs| (node.pairs.counts.clone(), pairs));
-                Statistics::new(name.clone(), node.counts.clone(), column, pairs)
-            })
-            .collect();
-        for (request, column) in self.info.joints.iter().zip(node.joints) {
-            let joint = Joint::new(request.clone(), node.counts.clone(), column);
-            if request.is_two_time {
-                self.two_times.push(TwoTime::new(joint));
-            } else {
-                self.covariances.push(Covariance::new(joint));
-            }
-        }
-        let quantiles = self.info.quantiles.iter().zip(node.quantiles);
-        let quantiles = quantiles.filter_map(|(request, column)| {
-            let of = self.statistics.iter().find(|s| s.name() == request.name)?;
-            Some(Quantiles::new(of, column))
-        });
-        self.quantiles = quantiles.collect();
-        let bins = self.info.histograms.iter().zip(node.histograms);
-        self.histograms = bins
-            .map(|(request, bins)| Histogram::new(request.clone(), bins, &self.info.times))
-            .collect();
-        let paths = self.paths();
-        let passages = self.info.passages.iter().zip(node.passages);
-        self.passages = passages
-            .map(|(name, counts)| {
-                let grid = (self.info.times.clone(), self.info.passage_bins);
-                Passages::new(name.clone(), grid, paths, counts)
-            })
-            .collect();
         self.counts = node.counts;
         self.refined = node.refined;
         self.failed = node.failed;
         self.failures = node.failures;
+        for statistic in node.statistics {
+            statistic.show(self);
+        }
     }
 
     /// Whether the paths are antithetic pairs.
     #[cfg(feature = "plot")]
     pub(crate) fn is_antithetic(&self) -> bool {
-        self.info.is_antithetic
+        are_pairs(&self.info.statistics)
     }
 
     /// What was run.
@@ -173,53 +130,6 @@ impl Summary {
         &self.failures
     }
 
-    /// The statistics of an observable; `summary["name"]` is the same for a name that is known to be there.
-    pub fn get(&self, name: &str) -> Option<&Statistics> {
-        self.statistics.iter().find(|s| s.name() == name)
-    }
-
-    /// The statistics of all observables, in the order in which they were given.
-    pub fn statistics(&self) -> &[Statistics] {
-        &self.statistics
-    }
-
-    /// The histograms, in the order in which they were asked for.
-    pub fn histograms(&self) -> &[Histogram] {
-        &self.histograms
-    }
-
-    /// The first histogram of an observable.
-    pub fn histogram(&self, name: &str) -> Option<&Histogram> {
-        self.histograms.iter().find(|h| h.name() == name)
-    }
-
-    /// The covariance of two observables, in the order in which [`Ensemble::covariance`](super::Ensemble::covariance) asked for them.
-    pub fn covariance(&self, first: &str, second: &str) -> Option<&Covariance> {
-        let mut all = self.covariances.iter();
-        all.find(|covariance| covariance.names() == [first, second])
-    }
-
-    /// The covariance of two observables at two times, in the order in which [`Ensemble::two_time`](super::Ensemble::two_time) asked for them.
-    pub fn two_time(&self, first: &str, second: &str) -> Option<&TwoTime> {
-        let mut all = self.two_times.iter();
-        all.find(|covariance| covariance.names() == [first, second])
-    }
-
-    /// The quantiles of an observable, from [`Ensemble::quantiles`](super::Ensemble::quantiles).
-    pub fn quantiles(&self, name: &str) -> Option<&Quantiles> {
-        self.quantiles.iter().find(|q| q.name() == name)
-    }
-
-    /// The first passages through the zeros of functions, in the order in which they were given.
-    pub fn passages(&self) -> &[Passages] {
-        &self.passages
-    }
-
-    /// The first passages through the zero of a function, from [`stop_at`](super::Ensemble::stop_at) or [`first_passage`](super::Ensemble::first_passage).
-    pub fn passage(&self, name: &str) -> Option<&Passages> {
-        self.passages.iter().find(|p| p.name() == name)
-    }
-
     /// Returns warnings about unreliable statistics: observables that diverge, and means that depend on one path; and about a checkpoint that could not be
     /// written. See [`Warning`] for the criteria. `Display` and `write_html` show them.
     ///
@@ -253,7 +163,7 @@ impl Summary {
     /// # }
     /// ```
     pub fn warnings(&self) -> Vec<Warning> {
-        let all = self.statistics.iter();
+        let all = self.statistics().iter();
         let of_statistics = all.flat_map(|s| s.warnings(&self.info.times));
         of_statistics
             .chain(self.run_warnings.iter().cloned())
@@ -325,24 +235,6 @@ impl PartialEq for Summary {
     }
 }
 
-impl Index<&str> for Summary {
-    type Output = Statistics;
-
-    /// The statistics of an observable.
-    ///
-    /// # Panics
-    /// If there is no observable of that name; [`get`](Summary::get) returns `None` then.
-    fn index(&self, name: &str) -> &Statistics {
-        match self.get(name) {
-            Some(statistics) => statistics,
-            None => panic!(
-                "there is no observable `{name}`; there are {:?}",
-                self.info.names
-            ),
-        }
-    }
-}
-
 impl fmt::Debug for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Summary")
@@ -370,7 +262,7 @@ impl fmt::Display for Summary {
         }
         let width = self.info.names.iter().map(|n| n.chars().count()).max();
         let width = width.unwrap_or(0);
-        for s in &self.statistics {
+        for s in self.statistics() {
             write!(f, "\n  {:width$}  ", s.name())?;
             let last = |values: &[f64]| values.last().copied().unwrap_or(f64::NAN);
             match self.counts.last() {
@@ -386,7 +278,7 @@ impl fmt::Display for Summary {
                 )?,
             }
         }
-        for passages in &self.passages {
+        for passages in self.passages() {
             write!(f, "\n  {passages}")?;
         }
         for warning in self.warnings() {

@@ -115,13 +115,13 @@ fn versions_and_contents_are_checked() {
         let checksum = std::hash::Hasher::finish(&hash).to_le_bytes();
         [&bytes[..8], &head, &checksum, content].concat()
     };
-    assert_eq!(with(5, &bytes[28..]), bytes);
-    for version in [4, 7] {
+    assert_eq!(with(6, &bytes[28..]), bytes);
+    for version in [5, 7] {
         std::fs::write(&path, with(version, &bytes[28..])).unwrap();
         let error = resumed(&method, &path).unwrap_err().to_string();
         let found = format!("version.sve has format {version}");
         assert!(
-            error.contains(&found) && error.contains("reads format 5"),
+            error.contains(&found) && error.contains("reads format 6"),
             "{error}"
         );
     }
@@ -130,7 +130,7 @@ fn versions_and_contents_are_checked() {
     for at in (28..bytes.len()).step_by(5) {
         let mut content = bytes[28..].to_vec();
         content[at - 28] ^= 0x55;
-        replaced(&path, &with(5, &content));
+        replaced(&path, &with(6, &content));
         if let Err(error) = resumed(&method, &path) {
             assert!(error.to_string().contains("version.sve"), "{error}");
             refused += 1;

@@ -341,9 +341,12 @@ fn shards_merge_into_the_bits_of_the_whole() {
     };
     assert_eq!(
         other(ensemble().covariance("q", "q")),
-        Difference::Covariances
+        Difference::Statistic("covariances")
     );
-    assert_eq!(other(ensemble().quantiles("q", 100)), Difference::Quantiles);
+    assert_eq!(
+        other(ensemble().quantiles("q", 100)),
+        Difference::Statistic("quantiles")
+    );
 }
 
 #[test]

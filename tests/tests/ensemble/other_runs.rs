@@ -80,12 +80,12 @@ const CASES: [(Change, Change, Difference); 14] = [
     (
         |e| e.covariance("q", "q"),
         |e| e.two_time("q", "q"),
-        Difference::Covariances,
+        Difference::Statistic("covariances"),
     ),
     (
         |e| e.quantiles("q", 10),
         |e| e.quantiles("q", 11),
-        Difference::Quantiles,
+        Difference::Statistic("quantiles"),
     ),
 ];
 

@@ -152,6 +152,31 @@ fn of_other_runs_do_not_merge() {
     other(|e| e.steps(0.025, 80).record_every(20), "settings");
 }
 
+#[test]
+fn of_statistics_in_another_order_merge() {
+    let method = kubo();
+    let shard = |index| ensemble(&method).shard(index, 2);
+    let histogram_last = shard(0)
+        .two_time("energy", "q")
+        .quantiles("q", 100)
+        .histogram("q", 0.0..1.0, 3);
+    let histogram_first = shard(1)
+        .histogram("q", 0.0..1.0, 3)
+        .two_time("energy", "q")
+        .quantiles("q", 100);
+    let mut merged = histogram_last.run().unwrap();
+    merged.merge(histogram_first.run().unwrap()).unwrap();
+    assert_eq!(merged, histogram_first.shard(0, 1).run().unwrap());
+    // two requests of one kind have the order in which they were made
+    let [a, b] = [0.0..1.0, 0.0..2.0];
+    let first = (shard(0).histogram("q", a.clone(), 3)).histogram("q", b.clone(), 3);
+    let second = (shard(1).histogram("q", b, 3)).histogram("q", a, 3);
+    let error = (first.run().unwrap())
+        .merge(second.run().unwrap())
+        .unwrap_err();
+    assert!(error.to_string().contains("histograms"), "{error}");
+}
+
 /// Merges shard 0 of one ensemble with shard 1 of another. Returns the difference that the error names.
 fn refused<I, J>(first: &Ensemble<'_, I>, second: &Ensemble<'_, J>) -> Difference
 where

@@ -327,15 +327,15 @@ fn threads_shards_and_stored_forms_have_the_same_bits() {
     let read: Summary = serde_json::from_str(&text).unwrap();
     assert_eq!(read.passages(), whole.passages());
     // another format, none, a bin beyond the run, and more ends than paths
-    let other = text.replacen("\"format\":5", "\"format\":4", 1);
+    let other = text.replacen("\"format\":6", "\"format\":5", 1);
     let error = serde_json::from_str::<Summary>(&other)
         .unwrap_err()
         .to_string();
     assert!(
-        error.contains("has format 4, and this version of sve reads format 5"),
+        error.contains("has format 5, and this version of sve reads format 6"),
         "{error}"
     );
-    let old = text.replacen("\"format\":5,\"settings\"", "\"run\"", 1);
+    let old = text.replacen("\"format\":6,\"settings\"", "\"run\"", 1);
     let old = old.replacen("\"results\"", "\"nodes\"", 1);
     let error = serde_json::from_str::<Summary>(&old)
         .unwrap_err()

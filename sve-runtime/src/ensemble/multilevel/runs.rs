@@ -94,8 +94,7 @@ where
         let trees = settings.execute_with(1, |block| {
             // the last result is the difference, or the only run
             let last = legs.run_block(block)?.pop();
-            Ok(last.map(PartialResult::without_distributions))
-                .map(|result| result.into_iter().collect())
+            Ok(last.map(PartialResult::of_differences)).map(|result| result.into_iter().collect())
         })?;
         for mut tree in trees {
             let old = run

@@ -8,8 +8,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::super::difference::Difference;
 use super::super::failure::Failure;
 use super::super::settings::Settings;
+use super::super::sizes::{AT_ONCE, NUMBER};
+use super::super::statistic::{Extent, Size, Statistic};
+use super::super::summary::Summary;
+use super::survival::Passages;
 use crate::method::Method;
 
 /// Number of bins of a run, unless it has more recorded times: what depends on the order of the ends within a bin is at most of the order of 1/4096 of the run, and a bin has 5 to 40 bytes.
@@ -53,10 +58,22 @@ pub(in super::super) struct Ends {
     pub(in super::super) censored_at_end: u64,
 }
 
+/// The request of the passages of a function.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in super::super) struct PassageRequest {
+    pub(in super::super) name: String,
+    /// Number of the function.
+    pub(in super::super) function: usize,
+}
+
 /// What is counted of a function.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in super::super) struct PassageCounts {
+    request: PassageRequest,
+    /// Number of bins between two recorded times.
+    pub(in super::super) between_records: u64,
     /// The bins in which a path ends.
     pub(in super::super) bins: BTreeMap<u64, Ends>,
     /// The times since record `j − 1` of the paths that end after it until record `j`, added up; entry 0 is about the start.
@@ -64,16 +81,53 @@ pub(in super::super) struct PassageCounts {
     pub(in super::super) times: Vec<f64>,
 }
 
-impl PassageCounts {
-    fn new(records: usize) -> Self {
-        Self {
-            bins: BTreeMap::new(),
-            times: vec![0.0; records],
+impl Statistic for PassageCounts {
+    type Request = PassageRequest;
+
+    const DIFFERENCE: Difference = Difference::Observables;
+
+    fn size(request: &PassageRequest, extent: &Extent<'_>) -> Size {
+        let records = extent.records;
+        Size {
+            bytes: u128::from(records) * AT_ONCE * NUMBER,
+            what: format!(
+                "the passages of `{}` at {records} recorded times",
+                request.name
+            ),
+            remedy: "record less often with `record_every`",
         }
     }
 
-    /// Adds the counts of other paths.
-    pub(in super::super) fn merge(&mut self, other: &Self) {
+    fn empty(request: &PassageRequest, extent: &Extent<'_>) -> Self {
+        Self {
+            request: request.clone(),
+            between_records: extent.passage_bins,
+            bins: BTreeMap::new(),
+            times: vec![0.0; extent.rows()],
+        }
+    }
+
+    fn end(&mut self, ends: &PathEnds) {
+        let mut passed = BTreeSet::new();
+        let function = self.request.function;
+        let own = (ends.passages.iter()).filter(|(passage, _)| passage.function == function);
+        for (passage, place) in own {
+            self.count(place, |ends| &mut ends.passed);
+            passed.insert(passage.end.path);
+        }
+        let others = ends.last.iter().filter(|(path, _)| !passed.contains(path));
+        for (_, place) in others {
+            self.count(place, |ends| {
+                if place.is_at_end {
+                    &mut ends.censored_at_end
+                } else {
+                    &mut ends.censored
+                }
+            });
+        }
+    }
+
+    fn merge(&mut self, _: &[u64], other: &Self, _: &[u64]) {
         for (bin, other) in &other.bins {
             let ends = self.bins.entry(*bin).or_default();
             ends.passed += other.passed;
@@ -85,19 +139,42 @@ impl PassageCounts {
         }
     }
 
-    /// Returns whether the counts have so many records, as many bins between two of them, and at most so many paths.
     #[cfg(feature = "serde")]
-    pub(in super::super) fn fit(&self, records: usize, between: u64, paths: u64) -> bool {
+    fn fits(&self, request: &PassageRequest, extent: &Extent<'_>, _: &[u64]) -> bool {
         let counts = self.bins.values();
         let counts = counts.flat_map(|ends| [ends.passed, ends.censored, ends.censored_at_end]);
         let counted = counts.fold(0, u64::saturating_add);
-        let last = between.saturating_mul(records as u64 - 1);
-        self.times.len() == records && self.bins.keys().all(|&bin| bin <= last) && counted <= paths
+        let last = extent.passage_bins.saturating_mul(extent.records - 1);
+        self.request == *request
+            && self.between_records == extent.passage_bins
+            && self.times.len() == extent.rows()
+            && self.bins.keys().all(|&bin| bin <= last)
+            && counted <= extent.paths
     }
 
-    fn add(&mut self, place: &Place, count: impl FnOnce(&mut Ends) -> &mut u64) {
+    fn show(self, summary: &mut Summary) {
+        let name = self.request.name.clone();
+        let passages = Passages::new(name, summary.times().to_vec(), summary.paths(), self);
+        summary.shown.push(passages);
+    }
+}
+
+impl PassageCounts {
+    fn count(&mut self, place: &Place, count: impl FnOnce(&mut Ends) -> &mut u64) {
         *count(self.bins.entry(place.bin).or_default()) += 1;
         self.times[place.record] += place.time;
+    }
+}
+
+impl Summary {
+    /// The first passages through the zeros of functions, in the order in which they were given.
+    pub fn passages(&self) -> &[Passages] {
+        self.shown.all()
+    }
+
+    /// The first passages through the zero of a function, from [`stop_at`](super::super::Ensemble::stop_at) or [`first_passage`](super::super::Ensemble::first_passage).
+    pub fn passage(&self, name: &str) -> Option<&Passages> {
+        self.passages().iter().find(|p| p.name() == name)
     }
 }
 
@@ -110,6 +187,7 @@ pub(in super::super) struct End {
 }
 
 /// The place of an end among the records and bins of a run.
+#[derive(Clone, Copy)]
 struct Place {
     /// The first recorded time that is not before it.
     record: usize,
@@ -160,44 +238,31 @@ pub(in super::super) struct Passage {
     pub(in super::super) stops: bool,
 }
 
-/// Counts the passages and failures of the paths of a block, for each of so many functions.
-pub(in super::super) fn count<I: Method>(
-    settings: &Settings<'_, I>,
-    mut passages: Vec<Passage>,
-    failures: &[Failure],
-    functions: usize,
-) -> Vec<PassageCounts> {
-    let mut counts = vec![PassageCounts::new(settings.records); functions];
-    let mut ends = BTreeMap::new();
-    for &Failure { path, step, t, .. } in failures {
-        ends.insert(path, End { path, step, t });
+/// The ends of the observation of the paths of a block, in the order of the paths.
+pub(in super::super) struct PathEnds {
+    /// The passages, with their places.
+    passages: Vec<(Passage, Place)>,
+    /// The places at which paths failed or were stopped, by path.
+    last: BTreeMap<u64, Place>,
+}
+
+impl PathEnds {
+    /// Sorts the passages of a block. A path that failed where it was to stop has not passed.
+    pub(in super::super) fn new<I: Method>(
+        settings: &Settings<'_, I>,
+        passages: impl Iterator<Item = Passage>,
+        failures: &[Failure],
+    ) -> Self {
+        let of_failure = |&Failure { path, step, t, .. }: &Failure| {
+            (path, Place::of(End { path, step, t }, settings))
+        };
+        let mut last: BTreeMap<u64, Place> = failures.iter().map(of_failure).collect();
+        let has_passed = |p: &Passage| !(p.stops && last.contains_key(&p.end.path));
+        let with_place = |p: Passage| (p, Place::of(p.end, settings));
+        let mut passages: Vec<_> = passages.filter(has_passed).map(with_place).collect();
+        passages.sort_by_key(|(passage, _)| passage.end.path);
+        let stops = passages.iter().filter(|(passage, _)| passage.stops);
+        last.extend(stops.map(|(passage, place)| (passage.end.path, *place)));
+        Self { passages, last }
     }
-    // a path that failed where it was to stop has not passed
-    passages.retain(|passage| !(passage.stops && ends.contains_key(&passage.end.path)));
-    passages.sort_by_key(|passage| passage.end.path);
-    let mut passed = BTreeSet::new();
-    for passage in passages {
-        let place = Place::of(passage.end, settings);
-        counts[passage.function].add(&place, |ends| &mut ends.passed);
-        passed.insert((passage.end.path, passage.function));
-        if passage.stops {
-            ends.insert(passage.end.path, passage.end);
-        }
-    }
-    for (path, end) in ends {
-        let place = Place::of(end, settings);
-        for (function, counts) in counts.iter_mut().enumerate() {
-            if passed.contains(&(path, function)) {
-                continue;
-            }
-            counts.add(&place, |ends| {
-                if place.is_at_end {
-                    &mut ends.censored_at_end
-                } else {
-                    &mut ends.censored
-                }
-            });
-        }
-    }
-    counts
 }

@@ -13,8 +13,10 @@ pub(super) mod watch;
 
 pub use survival::{Passages, Rate};
 
+use self::counts::PassageRequest;
 use super::Ensemble;
 use super::observe::{Closure, Observable};
+use super::statistic::AnyRequest;
 use crate::configuration::Coordinates;
 use crate::method::Method;
 use crate::observed::Observed;
@@ -117,13 +119,16 @@ where
     }
 
     fn add_passage(mut self, name: String, function: impl Observable<S> + 'a, stops: bool) -> Self {
-        let function = Box::new(function);
+        let request = PassageRequest {
+            name: name.clone(),
+            function: self.passages.len(),
+        };
         self.passages.push(PassageFunction {
             name,
-            function,
+            function: Box::new(function),
             stops,
         });
-        self
+        self.take(AnyRequest::Passages(request))
     }
 }
 

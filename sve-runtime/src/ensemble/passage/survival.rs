@@ -20,8 +20,6 @@ pub struct Passages {
     times: Vec<f64>,
     paths: u64,
     counts: PassageCounts,
-    /// Number of bins between two recorded times.
-    between: u64,
 }
 
 /// A rate with its standard error.
@@ -40,7 +38,7 @@ pub struct Rate {
 impl Passages {
     pub(in super::super) fn new(
         name: String,
-        (times, between): (Vec<f64>, u64),
+        times: Vec<f64>,
         paths: u64,
         counts: PassageCounts,
     ) -> Self {
@@ -49,7 +47,6 @@ impl Passages {
             times,
             paths,
             counts,
-            between,
         }
     }
 
@@ -120,7 +117,7 @@ impl Passages {
         let mut bins = self.counts.bins.iter().peekable();
         let records = 0..self.times.len() as u64;
         let at = records.map(|record| {
-            let end = record * self.between;
+            let end = record * self.counts.between_records;
             // paths that are censored at the recorded time itself are at risk until then
             let mut until_now = 0;
             while let Some((&bin, ends)) = bins.next_if(|(bin, _)| **bin <= end) {
@@ -138,7 +135,7 @@ impl Passages {
     fn cumulative(&self, count: impl Fn(&Ends) -> u64) -> Vec<u64> {
         let mut sums = vec![0; self.times.len()];
         for (bin, ends) in &self.counts.bins {
-            sums[bin.div_ceil(self.between) as usize] += count(ends);
+            sums[bin.div_ceil(self.counts.between_records) as usize] += count(ends);
         }
         let mut sum = 0;
         for value in &mut sums {
