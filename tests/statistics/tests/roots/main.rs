@@ -267,7 +267,7 @@ fn random_steps_of_joined_pendulums() {
         Joined,
         joined,
         [3.2, 3.0],
-        [0.3, 5.0],
+        [0.5, 8.0],
         STEPS / 400
     ));
 }
