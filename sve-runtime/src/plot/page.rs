@@ -21,7 +21,8 @@ figcaption { max-width: 75ch }
 .warning { border-left: 4px solid #d55e00; padding-left: .75rem; max-width: 75ch }
 table { border-collapse: collapse; font-size: 14px; font-variant-numeric: tabular-nums; margin: 1rem 0 2rem }
 th, td { text-align: left; padding: .25rem .75rem .25rem 0; border-bottom: 1px solid #ccc; vertical-align: top }
-.number { text-align: right; overflow-wrap: normal }
+.number { text-align: right }
+th, .number { overflow-wrap: normal }
 td.number { white-space: nowrap }
 .wide td:first-child, .wide th:first-child { min-width: 9rem }
 .facts th { font-weight: normal; color: #555; white-space: nowrap }
