@@ -253,36 +253,43 @@ pub(crate) fn momentum_at_start(x: &[Expr], g: &[Expr], arena: &mut Arena) -> Ve
 /// Returns the matrix A(x) of the differential of the Cayley transform, `(cay(x)ᵀ d cay(x))^∨ = A dx`: `(1 − ½ x̂)/(1 + ¼|x|²)`, by rows.
 pub(crate) fn differential(x: &[Expr], arena: &mut Arena) -> [[Expr; 3]; 3] {
     let scale = shortening(x, arena);
-    let zero = arena.constant(0.0);
-    let one = arena.constant(1.0);
-    let mut matrix = [[zero; 3]; 3];
-    for k in 0..3 {
-        let mut unit = [zero; 3];
-        unit[k] = one;
-        let across = cross(x, &unit, arena);
-        for row in 0..3 {
+    by_columns(arena, |unit, arena| {
+        let across = cross(x, unit, arena);
+        std::array::from_fn(|row| {
             let entry = arena.sum(0.0, &[(1.0, unit[row]), (-0.5, across[row])]);
-            matrix[row][k] = arena.mul(scale, entry);
-        }
-    }
-    matrix
+            arena.mul(scale, entry)
+        })
+    })
 }
 
 /// Returns cay(x)ᵀ, by rows: the image of a direction at R₀ in the frame of R₁ = R₀ cay(x).
 pub(crate) fn transposed_cayley(x: &[Expr], arena: &mut Arena) -> [[Expr; 3]; 3] {
     let scale = shortening(x, arena);
+    by_columns(arena, |unit, arena| {
+        let once = cross(x, unit, arena);
+        let twice = cross(x, &once, arena);
+        std::array::from_fn(|row| {
+            let change = arena.sum(0.0, &[(-1.0, once[row]), (0.5, twice[row])]);
+            let change = arena.mul(scale, change);
+            arena.add(unit[row], change)
+        })
+    })
+}
+
+/// Returns the matrix of a linear map, by rows, from the images of the unit vectors.
+fn by_columns(
+    arena: &mut Arena,
+    image: impl Fn(&[Expr; 3], &mut Arena) -> [Expr; 3],
+) -> [[Expr; 3]; 3] {
     let zero = arena.constant(0.0);
     let one = arena.constant(1.0);
     let mut matrix = [[zero; 3]; 3];
     for k in 0..3 {
         let mut unit = [zero; 3];
         unit[k] = one;
-        let once = cross(x, &unit, arena);
-        let twice = cross(x, &once, arena);
+        let column = image(&unit, arena);
         for row in 0..3 {
-            let change = arena.sum(0.0, &[(-1.0, once[row]), (0.5, twice[row])]);
-            let change = arena.mul(scale, change);
-            matrix[row][k] = arena.add(unit[row], change);
+            matrix[row][k] = column[row];
         }
     }
     matrix

@@ -16,13 +16,28 @@ pub(super) struct Interval {
 
 pub(super) struct Bounds<'a> {
     pub(super) arena: &'a mut Arena,
-    pub(super) ranges: &'a HashMap<Symbol, Range>,
-    pub(super) flavour: Flavour,
-    pub(super) done: Map<Expr, Interval>,
+    ranges: &'a HashMap<Symbol, Range>,
+    flavour: Flavour,
+    done: Map<Expr, Interval>,
     pub(super) conditions: Vec<Expr>,
 }
 
-impl Bounds<'_> {
+impl<'a> Bounds<'a> {
+    /// No bounds yet.
+    pub(super) fn new(
+        ranges: &'a HashMap<Symbol, Range>,
+        flavour: Flavour,
+        arena: &'a mut Arena,
+    ) -> Self {
+        Self {
+            arena,
+            ranges,
+            flavour,
+            done: Map::default(),
+            conditions: Vec::new(),
+        }
+    }
+
     pub(super) fn all(&mut self, roots: &[Expr]) -> Option<Vec<Interval>> {
         for e in self.arena.reachable(roots, |_| true) {
             let interval = self.of(e)?;

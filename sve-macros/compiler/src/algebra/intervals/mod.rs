@@ -9,7 +9,7 @@ mod bounds;
 
 use std::collections::HashMap;
 
-use super::{Arena, Expr, Map, Symbol};
+use super::{Arena, Expr, Symbol};
 use bounds::{Bounds, Interval};
 
 /// Half the width of the box in each unknown, in distances of the solution from the limit. The box is centred between the two and
@@ -62,13 +62,7 @@ pub(crate) fn intervals(
     flavour: Flavour,
     arena: &mut Arena,
 ) -> Option<Intervals> {
-    let mut bounds = Bounds {
-        arena,
-        ranges,
-        flavour,
-        done: Map::default(),
-        conditions: Vec::new(),
-    };
+    let mut bounds = Bounds::new(ranges, flavour, arena);
     let found = bounds.all(&[roots, domain].concat())?;
     let (entries, borders) = found.split_at(roots.len());
     for border in borders {
@@ -90,13 +84,7 @@ pub(crate) fn largest(
     flavour: Flavour,
     arena: &mut Arena,
 ) -> Option<(Vec<Expr>, Vec<Expr>)> {
-    let mut bounds = Bounds {
-        arena,
-        ranges,
-        flavour,
-        done: Map::default(),
-        conditions: Vec::new(),
-    };
+    let mut bounds = Bounds::new(ranges, flavour, arena);
     let found = bounds.all(exprs)?;
     let sizes = found.into_iter().map(|interval| {
         let middle = bounds.arena.abs(interval.mid);
