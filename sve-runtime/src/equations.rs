@@ -2,6 +2,8 @@
 //!
 //! Invariant: nothing here changes a state. The integrator decides what is accepted.
 
+use core::fmt::Debug;
+
 use crate::lanes::tangents::{KeepUnknowns, LaneDirections};
 use crate::lanes::{ALL, Mask};
 use crate::linearisation::{Linearisation, Unknowns};
@@ -12,7 +14,51 @@ use crate::start::StartOfStep;
 use crate::system::{
     FlatStateOf, IncrementLanesOf, Increments, StateLanesOf, TangentLanesOf, VectorOf,
 };
-use crate::variational::Memory;
+
+/// What a trajectory carries from one step to the next: numbers that the next step would compute again, or that its iteration starts from.
+///
+/// A step from no numbers gives the same result, up to the rounding error of the iteration.
+pub trait Memory: Clone + Debug {
+    /// Returns the memory before the first step.
+    fn none() -> Self;
+    /// Returns the numbers; none before the first step.
+    fn numbers(&self) -> &[f64];
+    /// Returns the memory with these numbers; `None` if their count is wrong.
+    fn from_numbers(numbers: &[f64]) -> Option<Self>;
+}
+
+/// Nothing is carried.
+impl Memory for () {
+    #[inline(always)]
+    fn none() -> Self {}
+
+    fn numbers(&self) -> &[f64] {
+        &[]
+    }
+
+    fn from_numbers(numbers: &[f64]) -> Option<Self> {
+        numbers.is_empty().then_some(())
+    }
+}
+
+/// `K` numbers, or none before the first step.
+impl<const K: usize> Memory for Option<[f64; K]> {
+    #[inline(always)]
+    fn none() -> Self {
+        None
+    }
+
+    fn numbers(&self) -> &[f64] {
+        self.as_ref().map_or(&[], |numbers| numbers.as_slice())
+    }
+
+    fn from_numbers(numbers: &[f64]) -> Option<Self> {
+        if numbers.is_empty() {
+            return Some(None);
+        }
+        numbers.try_into().ok().map(Some)
+    }
+}
 
 /// What the increment of a step is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,7 +81,13 @@ impl Returns {
 
 /// The equations of the step of a rule, solved and linearised: what `#[variational]` implements for each rule that it derives.
 ///
-/// [`Variational`](crate::Variational) is what integrators use.
+/// Integrators and code for all rules ask for a [`Rule`](crate::Rule), which compositions are too.
+#[diagnostic::on_unimplemented(
+    message = "no step of the rule `{R}` has been derived for `{Self}`",
+    label = "this rule is not in the attribute of the `impl` block",
+    note = "list the rule in the attribute, for example `#[variational(midpoint, endpoint)]`; \
+            the attribute names are `initial_point`, `endpoint`, `midpoint`, `stormer_verlet`, `gauss(2)` to `gauss(8)`, `taylor2`"
+)]
 pub trait StepEquations<R>: StartOfStep {
     /// The increments of a step, one number for each process.
     type Increments: Increments;

@@ -67,7 +67,7 @@
 //! | evaluate energy, momentum, velocity, drift | [`Mechanics`] |
 //! | compare with other methods | [`baseline`] |
 //! | measure what an error costs, method by method | `study::Study`, with the feature `study` |
-//! | write code for any system and rule | [`System`], [`Variational`], [`Dims`] |
+//! | write code for any system and rule | [`System`], [`Rule`], [`Variational`], [`Dims`] |
 //! | change Newton's method | [`Newton`], [`Integrator::with_newton`] |
 //!
 //! [`prelude`] has what a program that integrates a system imports. With features:
@@ -125,7 +125,6 @@
 mod angle_addition;
 pub mod baseline;
 mod blocking;
-mod composition;
 mod configuration;
 mod constraints;
 mod degenerate;
@@ -160,7 +159,7 @@ mod plan;
 pub mod plot;
 mod power;
 mod readable;
-mod rules;
+mod rule;
 mod solve;
 mod start;
 mod state;
@@ -170,13 +169,8 @@ mod system;
 mod table;
 mod time;
 mod trajectory;
-mod variational;
 
 pub use blocking::{BlockEstimate, Blocking};
-pub use composition::{
-    BlanesMoan4, BlanesMoanRkn6, Coefficients, Composed, Composition, KahanLi8,
-    QuadraticKineticEnergy, Separable, Split, Splitting, Symmetric,
-};
 pub use configuration::{
     Configuration, Coordinates, FixedSize, FlatConfiguration, Flatten, Reduced, VectorCoordinates,
     VectorSpace, WithRotations,
@@ -184,7 +178,7 @@ pub use configuration::{
 pub use constraints::{ConstraintForce, ConstraintForces};
 pub use degenerate::CoordinateRole;
 pub use dual::{Dual, DualRotation, DualState};
-pub use equations::{StepEquations, StepOf};
+pub use equations::{Memory, StepEquations, StepOf};
 pub use error::StepError;
 pub use euler::EulerIncrement;
 pub use integrator::{Integrator, Sensitivity, Tangent};
@@ -198,8 +192,10 @@ pub use nalgebra;
 pub use plan::{
     Block, BlockKind, DegenerateStep, Formulas, Operations, Plan, StrongOrder, Substeps,
 };
-pub use rules::{
-    Endpoint, Gauss, InitialPoint, Midpoint, StageNoise, StormerVerlet, Taylor2, Weak2,
+pub use rule::{
+    BlanesMoan4, BlanesMoanRkn6, Coefficients, Composed, Composition, ConstraintImpulses, Endpoint,
+    Gauss, InitialPoint, KahanLi8, Midpoint, QuadraticKineticEnergy, Rule, Separable, Split,
+    Splitting, StageNoise, StormerVerlet, Symmetric, Taylor2, Variational, Weak2,
 };
 pub use solve::newton::{BlockSolver, Newton};
 pub use solve::{MomentumVelocities, SingularRow};
@@ -377,7 +373,6 @@ pub use table::{SaveError, StateTable};
 pub use trajectory::{
     Adjoint, Events, Gradient, RefinedTrajectory, Refinements, Saved, Snapshot, Trajectory,
 };
-pub use variational::{ConstraintImpulses, DerivedFor, Discretised, Memory, Variational};
 
 /// The items that a program imports to integrate a system: `use sve_runtime::prelude::*;`.
 pub mod prelude {
@@ -421,10 +416,6 @@ pub mod __private {
         pub use crate::solve::diagonal::solve_in_lane as solve_diagonal;
         pub use crate::system::TangentLanesOf;
     }
-    pub use crate::__compositions as compositions;
-    pub use crate::__derived_rule as derived_rule;
-    pub use crate::composition::sequence;
-    pub use crate::composition::{QuadraticKineticEnergy, Separable};
     pub use crate::configuration::{FixedSize, Reduced, WithRotations};
     pub use crate::degenerate::CoordinateRole;
     pub use crate::equations::{Returns, StepEquations};
@@ -433,11 +424,6 @@ pub mod __private {
     pub mod euler {
         pub use crate::euler::*;
     }
-    pub use crate::integrator::derived::{
-        DerivedStep, count_iterations, increment_lanes, prepare, pull_back, push_forward,
-        push_forward_lanes, solve_compensated_step, solve_step, solve_with_derivatives,
-        solve_with_impulses,
-    };
     pub use crate::lanes::Mask;
     pub use crate::linearisation::{Covector, Directions, Entries, Linearisation};
     pub use crate::parameter::{entry, number};
@@ -445,7 +431,7 @@ pub mod __private {
         Block, BlockKind, DegenerateStep, Formulas, Operations, Plan, StrongOrder,
     };
     pub use crate::power::power_log;
-    pub use crate::rules::Unstructured;
+    pub use crate::rule::{QuadraticKineticEnergy, Separable, Unstructured};
     pub use crate::solve::SolveError;
     pub use crate::solve::banded::Banded;
     pub use crate::solve::cofactors::Cofactors;
@@ -460,7 +446,6 @@ pub mod __private {
     pub use crate::start::{StartOfStep, Tested};
     pub use crate::state::{State, in_coordinates, with_entries};
     pub use crate::system::{ConstraintJet, Dims, ForceJet, LagrangianJet, NoiseJet, System};
-    pub use crate::variational::Discretised;
     pub use nalgebra::UnitQuaternion;
     /// The derivatives of a step.
     pub type DMatrix = nalgebra::DMatrix<f64>;

@@ -15,17 +15,18 @@ use crate::configuration::Coordinates;
 use crate::error::StepError;
 use crate::integrator::{Integrator, Tangent};
 use crate::noise::{Noise, NoiseError, Wiener};
+use crate::rule::Rule;
 use crate::state::State;
 use crate::system::{Dims, Increments as _, StateOf, System};
 use crate::time::{is_next_time, time_after};
-use crate::variational::Discretised;
 
 /// Part of its length before the Gram–Schmidt process below which what is left of a vector is only rounding error.
 const ROUNDING: f64 = 1e-13;
 
 impl<S, R, Q, const N: usize, const M: usize> Integrator<S, R>
 where
-    S: Discretised<R> + System<Dims = Dims<N, M, Q>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    R: Rule<S::Itself>,
     Q: Coordinates<N>,
 {
     /// Returns the states along a path, as [`trajectory`](Self::trajectory) does, and computes its first `count` Lyapunov exponents, the largest ones first: of all 2N of the system
@@ -108,7 +109,8 @@ struct Growth {
 
 impl<S, R, Q, W: Noise, const N: usize, const M: usize> Lyapunov<'_, S, R, W>
 where
-    S: Discretised<R> + System<Dims = Dims<N, M, Q>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    R: Rule<S::Itself>,
     Q: Coordinates<N>,
 {
     /// Makes so many steps.
@@ -127,9 +129,9 @@ where
 
     /// Makes a step. Returns the error of a recorded path at its end.
     fn next_state(&mut self) -> Result<Option<NoiseError>, StepError> {
-        let mut dw = S::Increments::NONE;
+        let mut dw = R::Increments::NONE;
         let (step, h) = (self.step, self.h);
-        let drawn = match S::STAGES {
+        let drawn = match R::STAGES {
             1 => self.noise.increments(step, h, dw.as_mut()),
             stages => self.noise.stage_increments(step, h, stages, dw.as_mut()),
         };
@@ -226,7 +228,8 @@ impl<S: System, R, W> Lyapunov<'_, S, R, W> {
 
 impl<S, R, Q, W: Noise, const N: usize, const M: usize> Iterator for Lyapunov<'_, S, R, W>
 where
-    S: Discretised<R> + System<Dims = Dims<N, M, Q>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    R: Rule<S::Itself>,
     Q: Coordinates<N>,
 {
     type Item = Result<State<Q>, StepError>;

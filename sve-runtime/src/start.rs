@@ -45,3 +45,14 @@ pub struct Tested<C> {
     /// Whether the part of the mass matrix that depends on parameters alone is regular.
     pub(crate) has_regular_mass: bool,
 }
+
+impl<C> Tested<C> {
+    /// What a rule computes for a system.
+    #[inline(always)]
+    pub(crate) fn of(system: &impl StartOfStep, coefficients: C) -> Self {
+        Self {
+            coefficients,
+            has_regular_mass: system.parameters_give_regular_mass(),
+        }
+    }
+}

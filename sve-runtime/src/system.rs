@@ -154,6 +154,10 @@ pub type TangentLanesOf<S> = <<S as System>::Dims as Dimensions>::TangentLanes;
 pub trait System {
     /// Its sizes and its configuration, `Dims<N, M, Q>`.
     type Dims: Dimensions;
+    /// The system for which steps are derived: its own type; of a reference, the type behind it.
+    type Itself: System<Dims = Self::Dims, Itself = Self::Itself>;
+    /// Returns the system, behind all references.
+    fn itself(&self) -> &Self::Itself;
     /// Whether `∂L/∂v` is affine in `v`, so that the Legendre transform is inverted by one linear solve.
     const AFFINE_MOMENTUM: bool;
     /// The role of each coordinate, if L does not determine every velocity; empty for a regular L.
@@ -272,6 +276,7 @@ pub trait System {
 #[diagnostic::do_not_recommend]
 impl<S: System> System for &S {
     type Dims = S::Dims;
+    type Itself = S::Itself;
     const AFFINE_MOMENTUM: bool = S::AFFINE_MOMENTUM;
     const ROLES: &'static [CoordinateRole] = S::ROLES;
     const FORCED: bool = S::FORCED;
@@ -283,6 +288,11 @@ impl<S: System> System for &S {
     type EulerNumbers = S::EulerNumbers;
     const HAS_EULER_INCREMENT: bool = S::HAS_EULER_INCREMENT;
     const EULER_STAGES_IN_LANES: usize = S::EULER_STAGES_IN_LANES;
+
+    #[inline(always)]
+    fn itself(&self) -> &S::Itself {
+        (**self).itself()
+    }
 
     #[inline]
     fn euler_numbers(&self, h: f64) -> Option<S::EulerNumbers> {

@@ -4,7 +4,7 @@
 use sve_runtime::__private::Unstructured;
 use sve_runtime::prelude::*;
 use sve_runtime::{
-    BlockKind, Dims, Operations, Plan, StateOf, System, Variational, VectorCoordinates,
+    BlockKind, Dims, Operations, Plan, Rule, StateOf, System, Variational, VectorCoordinates,
 };
 
 #[derive(Clone, Copy, Debug)]
@@ -277,7 +277,7 @@ pub(crate) struct Facts {
 impl Facts {
     /// Returns the facts about the step of a system by a rule.
     pub(crate) fn of<S: Variational<R>, R>() -> Self {
-        let plan = S::PLAN;
+        let plan = <R as Rule<S::Itself>>::PLAN;
         let count = |of: fn(&Operations) -> usize| {
             let (step, iteration) = (of(&plan.step), of(&plan.iteration));
             match (step, iteration) {
@@ -296,7 +296,7 @@ impl Facts {
             calls: count(|o| o.transcendental),
             additions: count(|o| o.angle_additions),
             state: size_of::<StateOf<S>>(),
-            beside: size_of::<S::Prepared>() + equations.max().unwrap_or(0),
+            beside: size_of::<<R as Rule<S::Itself>>::Prepared>() + equations.max().unwrap_or(0),
         }
     }
 }

@@ -3,7 +3,7 @@
 use sve_runtime::baseline::{BackwardEulerMaruyama, EulerMaruyama, Heun};
 use sve_runtime::prelude::*;
 use sve_runtime::study::{Study, StudyError};
-use sve_runtime::{DerivedFor, Dims, System, Variational};
+use sve_runtime::{Dims, System, Variational};
 
 use crate::problem::{Problem, powers};
 use crate::systems::{HenonHeiles, Kubo, Langevin, Oscillator, Synchrotron};
@@ -33,7 +33,6 @@ where
         + Variational<Midpoint>
         + Variational<StormerVerlet>
         + Variational<Gauss<2>>,
-    InitialPoint: DerivedFor<S>,
 {
     fn new(system: S) -> Self {
         Self {

@@ -9,7 +9,6 @@
 //!
 //! Source: Leimkuhler, Matthews, *Rational construction of stochastic numerical methods for molecular sampling*, Appl. Math. Res. Express (2013) 34–56.
 
-use crate::composition::QuadraticKineticEnergy;
 use crate::configuration::VectorCoordinates;
 use crate::error::{StepError, step_error};
 use crate::integrator::accept;
@@ -17,6 +16,7 @@ use crate::jets::LagrangianJet;
 use crate::legendre;
 use crate::mechanics::{Field, noise_of};
 use crate::method::OneStepMethod;
+use crate::rule::QuadraticKineticEnergy;
 use crate::solve::SolveError;
 use crate::solve::dense;
 use crate::state::State;

@@ -8,9 +8,9 @@ use super::{Dependent, Linearised};
 use crate::configuration::{Coordinates, FlatConfiguration, VectorCoordinates};
 use crate::error::StepError;
 use crate::integrator::Integrator;
+use crate::rule::Rule;
 use crate::state::State;
 use crate::system::{Dims, System};
-use crate::variational::Discretised;
 
 /// Gauss–Newton steps. From a start within reach some 5 are made.
 const MAX_ITERATIONS: u32 = 60;
@@ -23,7 +23,8 @@ const ROUNDING_OF_FUNCTIONS: f64 = 1e-12;
 
 impl<S, R, Q, const N: usize, const M: usize> Integrator<S, R>
 where
-    S: Discretised<R> + System<Dims = Dims<N, M, Q>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    R: Rule<S::Itself>,
     Q: VectorCoordinates<N>,
 {
     /// Returns the state on the constraints that is nearest to `state` in the metric of the masses: first the configuration, then the momentum, whose part across

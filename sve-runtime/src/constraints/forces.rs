@@ -3,10 +3,11 @@
 use crate::configuration::VectorCoordinates;
 use crate::error::StepError;
 use crate::integrator::Integrator;
-use crate::integrator::accept::check_step_size;
+use crate::integrator::step::Impulses;
+use crate::method::OneStepMethod;
+use crate::rule::{Rule, TellsImpulses};
 use crate::state::State;
 use crate::system::{Dims, System};
-use crate::variational::ConstraintImpulses;
 
 /// The forces of all constraints in a step. `P` is the type of momenta.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,7 +45,8 @@ impl<P> ConstraintForces<P> {
 
 impl<S, R, Q, const N: usize, const M: usize> Integrator<S, R>
 where
-    S: ConstraintImpulses<R> + System<Dims = Dims<N, M, Q>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    R: Rule<S::Itself> + TellsImpulses,
     Q: VectorCoordinates<N>,
 {
     /// Returns the forces of the constraints in the step of length `h` from `state`: the impulses at both ends, and their mean force, in the units of the
@@ -88,15 +90,15 @@ where
         &self,
         state: &State<Q>,
         h: f64,
-        dw: &S::Increments,
+        dw: &R::Increments,
     ) -> Result<ConstraintForces<Q::Momentum>, StepError> {
-        check_step_size(h)?;
+        let prepared = self.prepare(h)?;
         let system = self.system();
         let start = state.to_coordinates();
         let mut end = start;
         let mut multipliers = Vec::new();
-        let report = &mut |multiplier| multipliers.push(multiplier);
-        system.advance_with_impulses(self.newton(), &mut end, h, dw, report)?;
+        let visit = &mut |multiplier| multipliers.push(multiplier);
+        self.walk_from(&prepared, &mut end, h, dw, Impulses { visit })?;
         let slopes = |state: &State<[f64; N]>| {
             let mut slopes: Vec<[f64; N]> = Vec::new();
             system.constraint_jets(state.t, &state.q, &mut |jet| slopes.push(jet.dq));

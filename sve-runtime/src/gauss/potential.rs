@@ -38,18 +38,24 @@ pub fn with_potential<const S: usize, const M: usize, const E: usize>(
     })
 }
 
+#[diagnostic::do_not_recommend]
 impl<Sys, Q, const N: usize, const M: usize, const E: usize> System for Corrected<'_, Sys, E>
 where
     Sys: System<Dims = Dims<N, M, Q>> + WithPotential<N, E>,
     Q: VectorCoordinates<N>,
 {
     type Dims = Dims<N, E, Q>;
+    type Itself = Self;
     type EulerNumbers = ();
     const AFFINE_MOMENTUM: bool = Sys::AFFINE_MOMENTUM;
     const ROLES: &'static [CoordinateRole] = Sys::ROLES;
     const FORCED: bool = Sys::FORCED;
     const PARAMETERS: &'static [&'static str] = Sys::PARAMETERS;
     const FORMULAS: u64 = Sys::FORMULAS;
+
+    fn itself(&self) -> &Self {
+        self
+    }
 
     fn parameters(&self, visit: &mut dyn FnMut(f64)) {
         self.0.parameters(visit);

@@ -2,56 +2,61 @@
 //!
 //! Source: Kahan's sum as in Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006), section VIII.5.
 
+use super::Integrator;
 use super::accept::replace;
+use super::modes::SingleMode;
 use super::rescue::explain_step;
 use super::start;
 use super::step::solve_step;
-use super::{DerivedStep, Integrator};
 use crate::configuration::{Coordinates, FlatConfiguration};
 use crate::equations::StepEquations;
 use crate::error::StepError;
 use crate::noise::Noise;
+use crate::rule::{Rule, Walker};
 use crate::solve::SolveError;
 use crate::start::Tested;
 use crate::state::State;
-use crate::system::{Dims, System};
+use crate::system::{Dims, Increments, System};
 use crate::trajectory::{RefinedTrajectory, Trajectory};
-use crate::variational::Discretised;
 
-/// Makes one step. Adds the low parts `low` of the state, and writes its new rounding errors to `low`.
-///
-/// # Errors
-/// As [`Discretised::advance_compensated`](crate::Discretised::advance_compensated).
-#[inline]
-pub fn solve_compensated_step<S, R, Q, const N: usize, const M: usize>(
-    derived: DerivedStep<'_, S, R>,
-    prepared: &Tested<S::Prepared>,
-    memory: &mut S::Memory,
-    [state, low]: [&mut State<Q::Flat>; 2],
-    h: f64,
-    dw: &S::Increments,
-) -> Result<(), StepError>
+/// The mode that makes steps with compensated sums. It adds the low parts of the state, and writes its rounding errors there. After a failure
+/// they are those of the substeps before it.
+pub(super) struct Compensate<'a, F> {
+    pub(super) low: &'a mut F,
+}
+
+impl<S, I, Q, const N: usize, const M: usize> SingleMode<S, I> for Compensate<'_, State<Q::Flat>>
 where
-    S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    I: Increments,
     Q: Coordinates<N>,
 {
-    let Ok((dq, dp, _)) = start::increment(derived, prepared, memory, state, h, dw) else {
-        // Continuation is rare, and returns a state without the digits that compensation needs.
-        return solve_step(derived, prepared, memory, state, h, dw).map(|_| ());
-    };
-    let mut new_low = *low;
-    let (q, p) = Q::Flat::moved_with_low_parts(state, &mut new_low, &dq, &dp);
-    if !replace(state, h, &q, &p) {
-        return Err(explain_step(
-            derived,
-            SolveError::NonFinite,
-            &{ *state },
-            h,
-            &{ *dw },
-        ));
+    #[inline]
+    fn substep<R>(
+        &mut self,
+        walker: Walker<'_, S, R>,
+        prepared: &Tested<S::Prepared>,
+        memory: &mut S::Memory,
+        state: &mut State<Q::Flat>,
+        h: f64,
+        dw: &I,
+    ) -> Result<(), StepError>
+    where
+        S: StepEquations<R, Increments = I>,
+    {
+        let Ok((dq, dp, _)) = start::increment(walker, prepared, memory, state, h, dw) else {
+            // Continuation is rare, and returns a state without the digits that compensation needs.
+            return solve_step(walker, prepared, memory, state, h, dw).map(|_| ());
+        };
+        let mut new_low = *self.low;
+        let (q, p) = Q::Flat::moved_with_low_parts(state, &mut new_low, &dq, &dp);
+        if !replace(state, h, &q, &p) {
+            let error = SolveError::NonFinite;
+            return Err(explain_step(walker, error, &{ *state }, h, &{ *dw }));
+        }
+        *self.low = new_low;
+        Ok(())
     }
-    *low = new_low;
-    Ok(())
 }
 
 /// Fails to compile if the rounding errors of a configuration cannot be carried.
@@ -63,16 +68,17 @@ const fn assert_low_parts<F: FlatConfiguration<N>, const N: usize>() {
 }
 
 /// Fails to compile if a step returns states and no increments.
-const fn assert_increments<S: Discretised<R>, R>() {
+const fn assert_increments<S, R: Rule<S>>() {
     assert!(
-        S::HAS_INCREMENTS,
+        R::HAS_INCREMENTS,
         "this step is a linear map from state to state: it has no increments to be summed with compensation"
     );
 }
 
 impl<S, R, W: Noise, Q, const N: usize, const M: usize> Trajectory<'_, Integrator<S, R>, W>
 where
-    S: Discretised<R> + System<Dims = Dims<N, M, Q>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    R: Rule<S::Itself>,
     Q: Coordinates<N>,
 {
     /// Compensates the rounding errors of the state: keeps the rounding errors of coordinates and momenta at each step, and adds them at the next
@@ -110,7 +116,7 @@ where
     #[must_use]
     pub fn compensated(self) -> Self {
         const {
-            assert_increments::<S, R>();
+            assert_increments::<S::Itself, R>();
             assert_low_parts::<Q::Flat, N>();
         }
         self.carry_low_parts(State::new(Q::origin(), Q::no_momentum()))
@@ -119,14 +125,15 @@ where
 
 impl<S, R, W: Noise, Q, const N: usize, const M: usize> RefinedTrajectory<'_, Integrator<S, R>, W>
 where
-    S: Discretised<R> + System<Dims = Dims<N, M, Q>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    R: Rule<S::Itself>,
     Q: Coordinates<N>,
 {
     /// Compensates the rounding errors of the state, see [`Trajectory::compensated`], which has an example.
     #[must_use]
     pub fn compensated(self) -> Self {
         const {
-            assert_increments::<S, R>();
+            assert_increments::<S::Itself, R>();
             assert_low_parts::<Q::Flat, N>();
         }
         self.carry_low_parts(State::new(Q::origin(), Q::no_momentum()))

@@ -12,18 +12,18 @@
 //! Source: Allgower, Georg, *Introduction to Numerical Continuation Methods* (2003), chapter 2 and, for the choice of strides,
 //! chapter 6. Paths are not followed around folds.
 
-use super::DerivedStep;
 use super::accept::all_finite;
 use crate::configuration::{Coordinates, FlatConfiguration};
 use crate::constraints::fold::Fold;
+use crate::equations::Memory;
 use crate::equations::{StepEquations, StepOf};
 use crate::legendre;
 use crate::mechanics;
+use crate::rule::Walker;
 use crate::solve::SolveError;
 use crate::solve::newton::BlockSolver;
 use crate::state::State;
 use crate::system::{Dims, Increments, System};
-use crate::variational::Memory;
 
 /// Smallest stride, relative to the part of the path behind it; at the start relative to the first stride.
 const SMALLEST: f64 = 1e-7;
@@ -84,7 +84,7 @@ pub(super) enum ContinuationError {
 /// A [`ContinuationError`] if the path cannot start, or ends before the whole step.
 #[cold]
 pub(super) fn follow<S, R, Q, const N: usize, const M: usize>(
-    derived: DerivedStep<'_, S, R>,
+    walker: Walker<'_, S, R>,
     state: &State<Q::Flat>,
     h: f64,
     dw: &S::Increments,
@@ -93,7 +93,7 @@ where
     S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    let system = derived.system;
+    let system = walker.system;
     // the sum is finite only if all numbers are; one that overflows by itself is excluded
     let has_state =
         state.q.sum_with(&state.p).is_finite() || all_finite(&state.q.values(), &state.p);
@@ -113,7 +113,7 @@ where
     let at_whole_step = Scale::of(system, state, &velocity, h);
     let step = |part: f64, noise: f64, guesses: &S::Unknowns| {
         let h = part * h;
-        let solver = BlockSolver::warm_started(derived.newton, guesses.as_ref());
+        let solver = BlockSolver::warm_started(walker.newton, guesses.as_ref());
         let dw = dw.times(noise);
         let memory = &mut S::Memory::none();
         system.increment(&system.prepare(h), memory, state, h, &dw, &solver)

@@ -1,96 +1,201 @@
 //! Derivatives along paths: steps that carry tangent vectors forwards, and derivatives of a function of their results backwards.
 
-use super::{DerivedStep, Integrator, start};
+use super::modes::{LanesMode, SingleMode};
+use super::step::solve_step;
+use super::{Integrator, start};
 use crate::configuration::Coordinates;
-use crate::equations::StepEquations;
+use crate::equations::{Memory, StepEquations};
 use crate::error::{StepError, step_error};
 use crate::lanes::Mask;
 use crate::lanes::tangents::LaneDirections;
 use crate::linearisation::{Covector, Directions, Unknowns};
-use crate::method::{Differentiable, OneStepMethod};
+use crate::method::Differentiable;
+use crate::rule::{Mode, Rule, Walker};
 use crate::start::Tested;
 use crate::state::State;
-use crate::system::{Dims, IncrementLanesOf, StateLanesOf, System, TangentLanesOf};
-use crate::variational::{Discretised, Memory};
+use crate::system::{Dims, IncrementLanesOf, Increments, StateLanesOf, System, TangentLanesOf};
 
-use super::step::solve_step;
-
-/// Makes a derived step and carries tangent vectors along it, see [`Discretised::push_forward`].
-///
-/// # Errors
-/// As that function.
-#[inline]
-pub fn push_forward<S, R, Q, const N: usize, const M: usize>(
-    derived: DerivedStep<'_, S, R>,
-    prepared: &Tested<S::Prepared>,
-    state: &mut State<Q::Flat>,
-    h: f64,
-    dw: &S::Increments,
-    directions: Directions<'_, [f64; N]>,
-) -> Result<(), StepError>
-where
-    S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
-    let (system, mut end) = (derived.system, *state);
-    let unknowns = solve_step(derived, prepared, &mut S::Memory::none(), &mut end, h, dw)?;
-    let carried = system.linearise(state, h, dw, &unknowns, |linear| {
-        S::Unknowns::push_forward(&linear, !S::RETURNS.is_state(), directions)
-    });
-    carried.map_err(|error| step_error(error, state, h, dw.as_ref()))?;
-    *state = end;
-    Ok(())
+/// The mode that makes steps and carries tangent vectors along them.
+struct PushForward<'a, V> {
+    directions: Directions<'a, V>,
 }
 
-/// Makes a derived step in every lane and carries tangent vectors along it, see [`Discretised::push_forward_lanes`].
-#[inline(always)]
-pub fn push_forward_lanes<S, R, Q, const N: usize, const M: usize>(
-    derived: DerivedStep<'_, S, R>,
-    prepared: &Tested<S::Prepared>,
-    states: &StateLanesOf<S>,
-    next: &mut StateLanesOf<S>,
-    h: f64,
-    dw: &IncrementLanesOf<S>,
-    tangents: LaneDirections<'_, TangentLanesOf<S>>,
-) -> [Mask; 2]
+impl<S, I, Q, const N: usize, const M: usize> SingleMode<S, I> for PushForward<'_, [f64; N]>
 where
-    S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    I: Increments,
     Q: Coordinates<N>,
 {
-    let mut unknowns = S::Unknowns::lanes();
-    let unsolved = start::increment_lanes(derived, prepared, states, next, h, dw, &mut unknowns);
-    let unfinished = (derived.system).linearise_lanes(states, h, dw, &unknowns, tangents);
-    [unsolved, unsolved | unfinished]
+    #[inline]
+    fn substep<R>(
+        &mut self,
+        walker: Walker<'_, S, R>,
+        prepared: &Tested<S::Prepared>,
+        _: &mut S::Memory,
+        state: &mut State<Q::Flat>,
+        h: f64,
+        dw: &I,
+    ) -> Result<(), StepError>
+    where
+        S: StepEquations<R, Increments = I>,
+    {
+        let (mut end, memory) = (*state, &mut S::Memory::none());
+        let unknowns = solve_step(walker, prepared, memory, &mut end, h, dw)?;
+        let directions = self.directions.reborrow();
+        let carried = (walker.system).linearise(state, h, dw, &unknowns, |linear| {
+            S::Unknowns::push_forward(&linear, !S::RETURNS.is_state(), directions)
+        });
+        carried.map_err(|error| step_error(error, state, h, dw.as_ref()))?;
+        *state = end;
+        Ok(())
+    }
 }
 
-/// Carries derivatives by the result of a derived step back to its start, see [`Discretised::pull_back`].
-///
-/// # Errors
-/// As that function.
-#[inline]
-pub fn pull_back<S, R, Q, const N: usize, const M: usize>(
-    derived: DerivedStep<'_, S, R>,
-    prepared: &Tested<S::Prepared>,
-    state: &State<Q::Flat>,
-    h: f64,
-    dw: &S::Increments,
-    covector: Covector<'_, [f64; N]>,
-) -> Result<(), StepError>
+/// The mode that stores the starts of all substeps but the first, which is known. The last substep is not made.
+struct Starts<F> {
+    has_begun: bool,
+    states: Vec<F>,
+    /// How many are stored in the end.
+    count: usize,
+}
+
+impl<S, I, Q, const N: usize, const M: usize> SingleMode<S, I> for Starts<State<Q::Flat>>
 where
-    S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    I: Increments,
     Q: Coordinates<N>,
 {
-    let (system, end) = (derived.system, &mut { *state });
-    let unknowns = solve_step(derived, prepared, &mut S::Memory::none(), end, h, dw)?;
-    let carried = system.linearise(state, h, dw, &unknowns, |linear| {
-        S::Unknowns::pull_back(&linear, !S::RETURNS.is_state(), covector)
-    });
-    carried.map_err(|error| step_error(error, state, h, dw.as_ref()))
+    #[inline]
+    fn substep<R>(
+        &mut self,
+        walker: Walker<'_, S, R>,
+        prepared: &Tested<S::Prepared>,
+        _: &mut S::Memory,
+        state: &mut State<Q::Flat>,
+        h: f64,
+        dw: &I,
+    ) -> Result<(), StepError>
+    where
+        S: StepEquations<R, Increments = I>,
+    {
+        if self.has_begun {
+            self.states.push(*state);
+        }
+        self.has_begun = true;
+        if self.states.len() == self.count {
+            return Ok(());
+        }
+        solve_step(walker, prepared, &mut S::Memory::none(), state, h, dw).map(|_| ())
+    }
+}
+
+/// The mode that carries derivatives by the result of a step back to its start.
+struct PullBack<'a, F, V> {
+    first: &'a F,
+    /// The starts of the substeps that are left, without the first.
+    starts: Vec<F>,
+    covector: Covector<'a, V>,
+}
+
+impl<S, I, Q, const N: usize, const M: usize> Mode<S, I> for PullBack<'_, State<Q::Flat>, [f64; N]>
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    I: Increments,
+    Q: Coordinates<N>,
+{
+    type Increments = I;
+    type Failure = StepError;
+    type Start = ();
+    const IS_BACKWARD: bool = true;
+
+    #[inline]
+    fn substep<R>(
+        &mut self,
+        walker: Walker<'_, S, R>,
+        prepared: &Tested<S::Prepared>,
+        _: &mut S::Memory,
+        h: f64,
+        dw: &I,
+    ) -> Result<(), StepError>
+    where
+        S: StepEquations<R, Increments = I>,
+    {
+        let state = &self.starts.pop().unwrap_or(*self.first);
+        let (end, memory) = (&mut { *state }, &mut S::Memory::none());
+        let unknowns = solve_step(walker, prepared, memory, end, h, dw)?;
+        let covector = self.covector.reborrow();
+        let carried = (walker.system).linearise(state, h, dw, &unknowns, |linear| {
+            S::Unknowns::pull_back(&linear, !S::RETURNS.is_state(), covector)
+        });
+        carried.map_err(|error| step_error(error, state, h, dw.as_ref()))
+    }
+
+    #[inline]
+    fn begin(&mut self) {}
+
+    #[inline]
+    fn end(&mut self, (): (), _: f64) {}
+
+    #[inline]
+    fn part(dw: &I, part: f64) -> I {
+        dw.times(part)
+    }
+}
+
+/// The mode that makes steps in lanes and carries tangent vectors along them.
+struct PushForwardLanes<'a, L> {
+    tangents: LaneDirections<'a, L>,
+    /// The vectors before the substep, from the second one on.
+    start: Vec<L>,
+    has_begun: bool,
+    /// The lanes whose vectors have no meaning.
+    unfinished: Mask,
+}
+
+impl<S, Q, const N: usize, const M: usize> LanesMode<S> for PushForwardLanes<'_, TangentLanesOf<S>>
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    #[inline(always)]
+    fn substep<R>(
+        &mut self,
+        walker: Walker<'_, S, R>,
+        prepared: &Tested<S::Prepared>,
+        states: &StateLanesOf<S>,
+        next: &mut StateLanesOf<S>,
+        h: f64,
+        dw: &IncrementLanesOf<S>,
+    ) -> Mask
+    where
+        S: StepEquations<R>,
+    {
+        if self.has_begun {
+            self.start.clear();
+            self.start.extend_from_slice(self.tangents.next);
+        }
+        let directions = LaneDirections {
+            start: if self.has_begun {
+                &self.start
+            } else {
+                self.tangents.start
+            },
+            next: &mut *self.tangents.next,
+            parameters: self.tangents.parameters,
+        };
+        self.has_begun = true;
+        let mut unknowns = S::Unknowns::lanes();
+        let unsolved = start::increment_lanes(walker, prepared, states, next, h, dw, &mut unknowns);
+        let unfinished = (walker.system).linearise_lanes(states, h, dw, &unknowns, directions);
+        self.unfinished |= unsolved | unfinished;
+        unsolved
+    }
 }
 
 impl<S, R, Q, const N: usize, const M: usize> Differentiable for Integrator<S, R>
 where
-    S: Discretised<R> + System<Dims = Dims<N, M, Q>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    R: Rule<S::Itself>,
     Q: Coordinates<N>,
 {
     #[inline]
@@ -99,12 +204,12 @@ where
         prepared: &Self::Prepared,
         state: &mut State<Q>,
         h: f64,
-        dw: &S::Increments,
+        dw: &R::Increments,
         directions: Directions<'_, [f64; N]>,
     ) -> Result<(), StepError> {
-        let (system, prepared) = (OneStepMethod::system(self), prepared.coefficients());
         Q::in_coordinates(state, |state| {
-            system.push_forward(self.newton(), prepared, state, h, dw, directions)
+            let mode = PushForward { directions };
+            self.walk_from(prepared, state, h, dw, mode).map(|_| ())
         })
     }
 
@@ -118,9 +223,14 @@ where
         dw: &IncrementLanesOf<S>,
         tangents: LaneDirections<'_, TangentLanesOf<S>>,
     ) -> [Mask; 2] {
-        let (system, newton) = (OneStepMethod::system(self), self.newton());
-        let prepared = prepared.coefficients();
-        system.push_forward_lanes(newton, prepared, states, next, h, dw, tangents)
+        let mode = PushForwardLanes {
+            tangents,
+            start: Vec::new(),
+            has_begun: false,
+            unfinished: 0,
+        };
+        let (unsolved, mode) = self.walk_in_lanes(prepared, states, next, h, dw, mode);
+        [unsolved, mode.unfinished]
     }
 
     #[inline]
@@ -129,11 +239,23 @@ where
         prepared: &Self::Prepared,
         state: &State<Q>,
         h: f64,
-        dw: &S::Increments,
+        dw: &R::Increments,
         covector: Covector<'_, [f64; N]>,
     ) -> Result<(), StepError> {
-        let (system, prepared) = (OneStepMethod::system(self), prepared.coefficients());
-        let state = &state.to_coordinates();
-        system.pull_back(self.newton(), prepared, state, h, dw, covector)
+        let first = &state.to_coordinates();
+        let count = R::SUBSTEPS - 1;
+        let mode = Starts {
+            has_begun: false,
+            states: Vec::with_capacity(count),
+            count,
+        };
+        let Starts { states, .. } = self.walk_from(prepared, &mut { *first }, h, dw, mode)?;
+        let mut mode = PullBack {
+            first,
+            starts: states,
+            covector,
+        };
+        let (prepared, memory) = (prepared.coefficients(), &mut R::Memory::none());
+        R::walk(self.walker(), prepared, memory, h, dw, &mut mode)
     }
 }

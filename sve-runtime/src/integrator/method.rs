@@ -1,18 +1,23 @@
-//! An integrator is a [`OneStepMethod`].
+//! An integrator is a [`OneStepMethod`]: each of its functions is a walk over the substeps of the rule in a mode.
 
 use core::any::type_name;
 use core::hash::Hasher;
 
 use super::Integrator;
 use super::accept::check_step_size;
+use super::compensated::Compensate;
+use super::modes::{Lanes, LanesMode, Single, SingleMode};
+use super::start::AdvanceLanes;
+use super::step::{Advance, Count};
 use crate::configuration::Coordinates;
+use crate::equations::Memory;
 use crate::error::StepError;
-use crate::lanes::{Lane, Mask};
+use crate::lanes::Mask;
 use crate::method::OneStepMethod;
 use crate::plan::{Plan, StrongOrder, Substeps};
+use crate::rule::{Rule, Walker};
 use crate::state::State;
-use crate::system::{Dims, StateLanesOf, System};
-use crate::variational::{Discretised, Memory};
+use crate::system::{Dims, IncrementLanesOf, StateLanesOf, System};
 
 /// What an integrator computes before the first step, and carries from step to step.
 #[derive(Clone, Copy, Debug)]
@@ -29,14 +34,104 @@ impl<C, K> Prepared<C, K> {
     }
 }
 
+impl<S, R, Q, const N: usize, const M: usize> Integrator<S, R>
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    R: Rule<S::Itself>,
+    Q: Coordinates<N>,
+{
+    /// What walks over the substeps of a step.
+    #[inline(always)]
+    pub(super) fn walker(&self) -> Walker<'_, S::Itself, R> {
+        Walker::new(self.system().itself(), self.newton())
+    }
+
+    /// Makes one step from a state in a mode, and carries nothing. Returns the mode.
+    ///
+    /// # Errors
+    /// A [`StepError`] when the step fails; `state` is then unchanged.
+    #[inline(always)]
+    pub(crate) fn walk_from<K: SingleMode<S::Itself, R::Increments>>(
+        &self,
+        prepared: &Prepared<R::Prepared, R::Memory>,
+        state: &mut State<Q::Flat>,
+        h: f64,
+        dw: &R::Increments,
+        mode: K,
+    ) -> Result<K, StepError> {
+        let (prepared, memory) = (&prepared.coefficients, &mut R::Memory::none());
+        Self::moved(state, |state| {
+            let mut single = Single { state, mode };
+            R::walk(self.walker(), prepared, memory, h, dw, &mut single)?;
+            Ok(single.mode)
+        })
+    }
+
+    /// Makes one step from a state in a mode, with what the step before left in `prepared`.
+    ///
+    /// # Errors
+    /// As [`walk_from`](Self::walk_from).
+    #[inline(always)]
+    fn walk_on(
+        &self,
+        prepared: &mut Prepared<R::Prepared, R::Memory>,
+        state: &mut State<Q::Flat>,
+        h: f64,
+        dw: &R::Increments,
+        mode: impl SingleMode<S::Itself, R::Increments>,
+    ) -> Result<(), StepError> {
+        let Prepared {
+            coefficients,
+            memory,
+        } = prepared;
+        Self::moved(state, |state| {
+            let mut single = Single { state, mode };
+            R::walk(self.walker(), coefficients, memory, h, dw, &mut single)
+        })
+    }
+
+    /// Changes a state by a walk, which works on a copy if a later substep may fail.
+    #[inline(always)]
+    fn moved<F: Copy, T>(
+        state: &mut F,
+        walk: impl FnOnce(&mut F) -> Result<T, StepError>,
+    ) -> Result<T, StepError> {
+        if const { R::SUBSTEPS == 1 } {
+            return walk(state);
+        }
+        let mut end = *state;
+        let made = walk(&mut end)?;
+        *state = end;
+        Ok(made)
+    }
+
+    /// Makes one step in lanes in a mode. Returns the mask of lanes that were not solved, and the mode.
+    #[inline(always)]
+    pub(super) fn walk_in_lanes<K: LanesMode<S::Itself>>(
+        &self,
+        prepared: &Prepared<R::Prepared, R::Memory>,
+        states: &StateLanesOf<S>,
+        next: &mut StateLanesOf<S>,
+        h: f64,
+        dw: &IncrementLanesOf<S>,
+        mode: K,
+    ) -> (Mask, K) {
+        let (prepared, memory) = (&prepared.coefficients, &mut R::Memory::none());
+        let mut lanes = Lanes::new(states, next, mode);
+        let Ok(()) = R::walk(self.walker(), prepared, memory, h, dw, &mut lanes);
+        lanes.finished()
+    }
+}
+
 impl<S, R, Q, const N: usize, const M: usize> OneStepMethod for Integrator<S, R>
 where
-    S: Discretised<R> + System<Dims = Dims<N, M, Q>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    R: Rule<S::Itself>,
     Q: Coordinates<N>,
 {
     type System = S;
-    type Increments = S::Increments;
-    type Prepared = Prepared<S::Prepared, S::Memory>;
+    type Increments = R::Increments;
+    type Prepared = Prepared<R::Prepared, R::Memory>;
 
     fn system(&self) -> &S {
         Integrator::system(self)
@@ -46,8 +141,8 @@ where
     fn prepare(&self, h: f64) -> Result<Self::Prepared, StepError> {
         check_step_size(h)?;
         Ok(Prepared {
-            coefficients: Integrator::system(self).prepare(h),
-            memory: S::Memory::none(),
+            coefficients: R::prepare(Integrator::system(self).itself(), h),
+            memory: R::Memory::none(),
         })
     }
 
@@ -57,17 +152,16 @@ where
         prepared: &Self::Prepared,
         state: &mut State<Q>,
         h: f64,
-        dw: &S::Increments,
+        dw: &R::Increments,
     ) -> Result<(), StepError> {
         Q::in_coordinates(state, |state| {
-            let (system, memory) = (Integrator::system(self), &mut S::Memory::none());
-            system.advance(self.newton(), &prepared.coefficients, memory, state, h, dw)
+            self.walk_from(prepared, state, h, dw, Advance).map(|_| ())
         })
     }
 
     #[inline]
     fn stages(&self) -> usize {
-        S::STAGES
+        R::STAGES
     }
 
     // see `solve_step`
@@ -77,15 +171,9 @@ where
         prepared: &mut Self::Prepared,
         state: &mut State<Q>,
         h: f64,
-        dw: &S::Increments,
+        dw: &R::Increments,
     ) -> Result<(), StepError> {
-        Q::in_coordinates(state, |state| {
-            let Prepared {
-                coefficients,
-                memory,
-            } = prepared;
-            Integrator::system(self).advance(self.newton(), coefficients, memory, state, h, dw)
-        })
+        Q::in_coordinates(state, |state| self.walk_on(prepared, state, h, dw, Advance))
     }
 
     fn memory(&self, prepared: &Self::Prepared) -> Vec<f64> {
@@ -93,9 +181,9 @@ where
     }
 
     fn recall(&self, prepared: &mut Self::Prepared, numbers: &[f64]) -> bool {
-        let memory = S::Memory::from_numbers(numbers);
+        let memory = R::Memory::from_numbers(numbers);
         let is_valid = memory.is_some();
-        prepared.memory = memory.unwrap_or(S::Memory::none());
+        prepared.memory = memory.unwrap_or(R::Memory::none());
         is_valid
     }
 
@@ -106,14 +194,14 @@ where
         states: &StateLanesOf<S>,
         next: &mut StateLanesOf<S>,
         h: f64,
-        dw: &[Lane; M],
+        dw: &IncrementLanesOf<S>,
     ) -> Mask {
-        let prepared = &prepared.coefficients;
-        Integrator::system(self).advance_lanes(self.newton(), prepared, states, next, h, dw)
+        let (unsolved, _) = self.walk_in_lanes(prepared, states, next, h, dw, AdvanceLanes);
+        unsolved
     }
 
     fn has_compensated_step(&self) -> bool {
-        S::HAS_INCREMENTS
+        R::HAS_INCREMENTS
     }
 
     #[inline]
@@ -123,23 +211,13 @@ where
         state: &mut State<Q>,
         low: &mut State<Q>,
         h: f64,
-        dw: &S::Increments,
+        dw: &R::Increments,
     ) -> Result<(), StepError> {
-        let Prepared {
-            coefficients,
-            memory,
-        } = prepared;
         Q::in_coordinates(state, |state| {
             Q::in_coordinates(low, |low| {
-                let state = [state, low];
-                Integrator::system(self).advance_compensated(
-                    self.newton(),
-                    coefficients,
-                    memory,
-                    state,
-                    h,
-                    dw,
-                )
+                Self::moved(low, |low| {
+                    self.walk_on(prepared, state, h, dw, Compensate { low })
+                })
             })
         })
     }
@@ -177,9 +255,10 @@ where
         prepared: &Self::Prepared,
         state: &State<Q>,
         h: f64,
-        dw: &S::Increments,
+        dw: &R::Increments,
     ) -> Option<u32> {
-        let (newton, state) = (self.newton(), &state.to_coordinates());
-        Integrator::system(self).newton_iterations(newton, &prepared.coefficients, state, h, dw)
+        let (state, mode) = (&mut state.to_coordinates(), Count { most: 0 });
+        let walk = self.walk_from(prepared, state, h, dw, mode);
+        walk.ok().map(|mode| mode.most)
     }
 }

@@ -2,9 +2,10 @@
 //!
 //! | file | part of a step |
 //! | --- | --- |
-//! | `derived.rs` | the step of a rule as the integrator calls it |
-//! | `start.rs` | the test of the start |
-//! | `step.rs` | the fast path |
+//! | `method.rs` | the integrator as a method: walks over the substeps of a rule |
+//! | `modes.rs` | what the modes of a walk have in common |
+//! | `start.rs` | the test of the start; steps in lanes |
+//! | `step.rs` | the fast path; the number of iterations, the impulses of constraints |
 //! | `accept.rs` | the tests of a result |
 //! | `rescue.rs` | what happens if the fast path fails |
 //! | `continuation.rs` | following the solution from the limit of no noise and h → 0 |
@@ -15,15 +16,15 @@
 pub(crate) mod accept;
 mod compensated;
 mod continuation;
-pub(crate) mod derived;
 mod gradient;
 mod method;
+pub(crate) mod modes;
 mod rescue;
 mod start;
-mod step;
+pub(crate) mod step;
 mod tangent;
 
-use derived::DerivedStep;
+use step::Advance;
 pub use tangent::{Sensitivity, Tangent};
 
 use crate::configuration::{Coordinates, Reduced, WithRotations};
@@ -31,11 +32,11 @@ use crate::error::StepError;
 use crate::method::OneStepMethod;
 use crate::noise::Noise;
 use crate::plan::Plan;
+use crate::rule::Rule;
 use crate::solve::newton::Newton;
 use crate::state::State;
 use crate::system::{Dims, System};
 use crate::trajectory::{Snapshot, Trajectory};
-use crate::variational::{DerivedFor, Discretised, Memory};
 
 /// A system and the rule that discretises its action.
 ///
@@ -69,21 +70,16 @@ pub struct Integrator<S, R> {
     newton: Newton,
 }
 
-impl<S, R> Integrator<S, R> {
+impl<S: System, R: Rule<S::Itself>> Integrator<S, R> {
     /// The integrator of `system` with a rule that the attribute lists.
-    pub fn new(system: S, rule: R) -> Self
-    where
-        R: DerivedFor<S>,
-    {
+    pub fn new(system: S, rule: R) -> Self {
         Self {
             system,
             rule,
             newton: Newton::default(),
         }
     }
-}
 
-impl<S: Discretised<R>, R> Integrator<S, R> {
     /// Replaces the options of the Newton iteration.
     ///
     #[doc = include_str!("../example.md")]
@@ -158,14 +154,15 @@ impl<S: Discretised<R>, R> Integrator<S, R> {
     /// assert_eq!((plan.degrees_of_freedom, plan.noises, plan.deterministic_order), (1, 1, 2));
     #[doc = include_str!("../example_end.md")]
     pub fn plan(&self) -> &'static Plan {
-        S::PLAN
+        R::PLAN
     }
 }
 
 /// The functions of [`Method`](crate::Method), for programs that do not import the trait.
 impl<S, R, Q, const N: usize, const M: usize> Integrator<S, R>
 where
-    S: Discretised<R> + System<Dims = Dims<N, M, Q>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    R: Rule<S::Itself>,
     Q: Coordinates<N>,
 {
     /// Makes one step of length `h` with the given Wiener increments, one for each process in source order.
@@ -179,7 +176,7 @@ where
     /// # Errors
     /// A [`StepError`] when an input is not finite, `h` is zero, or the step fails; `state` is then unchanged.
     #[inline]
-    pub fn step(&self, state: &mut State<Q>, h: f64, dw: &S::Increments) -> Result<(), StepError> {
+    pub fn step(&self, state: &mut State<Q>, h: f64, dw: &R::Increments) -> Result<(), StepError> {
         let prepared = OneStepMethod::prepare(self, h)?;
         self.step_prepared(&prepared, state, h, dw)
     }
@@ -214,7 +211,7 @@ where
         &self,
         state: &State<Q>,
         h: f64,
-        dw: &S::Increments,
+        dw: &R::Increments,
     ) -> Result<Tangent<N>, StepError> {
         self.step_with_derivatives(&mut { *state }, h, dw)
             .map(|(tangent, _)| tangent)
@@ -247,7 +244,7 @@ where
         &self,
         state: &State<Q>,
         h: f64,
-        dw: &S::Increments,
+        dw: &R::Increments,
     ) -> Result<Sensitivity<Q::Momentum>, StepError> {
         self.step_with_derivatives(&mut { *state }, h, dw)
             .map(|(_, sensitivity)| sensitivity)
@@ -267,7 +264,7 @@ where
         &self,
         state: &mut State<Q>,
         h: f64,
-        dw: &S::Increments,
+        dw: &R::Increments,
     ) -> Result<(Tangent<N>, Sensitivity<Q::Momentum>), StepError> {
         tangent::derivatives(self, state, h, dw)
     }
@@ -304,7 +301,8 @@ where
 
 impl<S, R, Q, const N: usize, const M: usize> Integrator<S, R>
 where
-    S: Discretised<R> + System<Dims = Dims<N, M, Reduced<Q>>>,
+    S: System<Dims = Dims<N, M, Reduced<Q>>>,
+    R: Rule<S::Itself>,
     Q: Coordinates<N, Flat = WithRotations<Q, N>>,
 {
     /// Makes one step of a reduced system and turns the attitude that its states leave out.
@@ -318,18 +316,15 @@ where
         state: &mut State<Reduced<Q>>,
         attitude: &mut Q,
         h: f64,
-        dw: &S::Increments,
+        dw: &R::Increments,
     ) -> Result<(), StepError> {
-        let prepared = self.system.prepare(h);
-        accept::check_step_size(h)?;
+        let prepared = OneStepMethod::prepare(self, h)?;
         let mut flat: State<WithRotations<Q, N>> = State {
             t: state.t,
             q: attitude.coordinates(),
             p: Q::components(&state.p),
         };
-        let memory = &mut S::Memory::none();
-        self.system
-            .advance(&self.newton, &prepared, memory, &mut flat, h, dw)?;
+        self.walk_from(&prepared, &mut flat, h, dw, Advance)?;
         *attitude = Q::from_coordinates(&flat.q);
         state.t = flat.t;
         state.p = Q::from_components(&flat.p);

@@ -2,20 +2,20 @@
 //!
 //! Input: the step and the failure of the fast path. Output: the state after the step, or a [`StepError`].
 
-use super::DerivedStep;
 use super::accept::{add, refusal, replace};
 use super::continuation::{self, ContinuationError};
 use crate::configuration::{Coordinates, FlatConfiguration};
 use crate::constraints::explain::{constraint_error, gradient_error};
 use crate::degenerate::{self, is_degenerate};
+use crate::equations::Memory;
 use crate::equations::StepEquations;
 use crate::error::{StepError, step_error};
 use crate::legendre;
+use crate::rule::Walker;
 use crate::solve::SolveError;
 use crate::solve::newton::BlockSolver;
 use crate::state::State;
 use crate::system::{Dims, System};
-use crate::variational::Memory;
 
 /// Solves a step on which the fast path failed with `failure`: follows the solution by continuation from zero noise and h → 0. If constraints hold and the mass
 /// matrix is singular at the start, continuation cannot start, and Newton's result is accepted without that check.
@@ -25,7 +25,7 @@ use crate::variational::Memory;
 #[cold]
 #[inline(never)]
 pub(super) fn solve_by_continuation<S, R, Q, const N: usize, const M: usize>(
-    derived: DerivedStep<'_, S, R>,
+    walker: Walker<'_, S, R>,
     failure: SolveError,
     state: &State<Q::Flat>,
     h: f64,
@@ -35,7 +35,7 @@ where
     S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    let system = derived.system;
+    let system = walker.system;
     let explained = |error| {
         if const { is_degenerate::<S>() } {
             return degenerate::explained(system, state, error);
@@ -46,7 +46,7 @@ where
         return Err(error);
     }
     if !S::CONSTRAINTS.is_empty() {
-        let solver = BlockSolver::by_bounds(derived.newton);
+        let solver = BlockSolver::by_bounds(walker.newton);
         let memory = &mut S::Memory::none();
         let found = system.increment(&system.prepare(h), memory, state, h, dw, &solver);
         let mut end = *state;
@@ -56,7 +56,7 @@ where
             return Ok((end, x));
         }
     }
-    let found = match continuation::follow(derived, state, h, dw) {
+    let found = match continuation::follow(walker, state, h, dw) {
         Ok(found) => Ok(found),
         // The path ends at once: the failure of the fast path says more.
         Err(ContinuationError::PathEnds { step: 0.0, .. })
@@ -88,7 +88,7 @@ where
         Err(ContinuationError::NoStart(SolveError::SingularMass { .. }))
             if !S::CONSTRAINTS.is_empty() =>
         {
-            let solver = BlockSolver::unchecked(derived.newton);
+            let solver = BlockSolver::unchecked(walker.newton);
             let memory = &mut S::Memory::none();
             system.increment(&system.prepare(h), memory, state, h, dw, &solver)
         }
@@ -105,13 +105,13 @@ where
         Ok((dq, ..)) => refusal::<Q::Flat, N>(&dq),
         Err(error) => error,
     };
-    Err(explain_step(derived, error, state, h, dw))
+    Err(explain_step(walker, error, state, h, dw))
 }
 
 /// Returns the error of a step in the words of the first thing that is wrong: the start, the domain, or the solution.
 #[cold]
 pub(super) fn explain_step<S, R, Q, const N: usize, const M: usize>(
-    derived: DerivedStep<'_, S, R>,
+    walker: Walker<'_, S, R>,
     error: SolveError,
     state: &State<Q::Flat>,
     h: f64,
@@ -122,16 +122,16 @@ where
     Q: Coordinates<N>,
 {
     let plain = step_error(error, state, h, dw.as_ref());
-    if let Some(error) = constraint_error(derived.system, &plain, state, h, dw.as_ref()) {
+    if let Some(error) = constraint_error(walker.system, &plain, state, h, dw.as_ref()) {
         return error;
     }
     if const { is_degenerate::<S>() } {
-        let explained = degenerate::explained(derived.system, state, plain.clone());
+        let explained = degenerate::explained(walker.system, state, plain.clone());
         if explained != plain {
             return explained;
         }
     } else if (S::CONSTRAINTS.is_empty() || matches!(plain, StepError::NonFiniteResult { .. }))
-        && let Some(error) = start_error(derived.system, state)
+        && let Some(error) = start_error(walker.system, state)
     {
         // inputs that are not finite come first there too
         return step_error(error, state, h, dw.as_ref());

@@ -6,18 +6,18 @@
 //! What costs nothing comes first: the mass matrix of parameters was tested in `prepare`; a rule whose equations cannot be solved where the mass matrix is singular
 //! ([`StepEquations::PROVES_START`]) tests nothing. A lane that is not sure takes the scalar step.
 
-use super::DerivedStep;
+use super::modes::LanesMode;
 use crate::configuration::Coordinates;
-use crate::equations::{StepEquations, StepOf};
+use crate::equations::{Memory, StepEquations, StepOf};
 use crate::lanes::tangents::KeepUnknowns;
 use crate::lanes::{ALL, LANES, Mask};
 use crate::legendre;
+use crate::rule::Walker;
 use crate::solve::SolveError;
 use crate::solve::newton::BlockSolver;
 use crate::start::{StartOfStep, Tested};
 use crate::state::State;
 use crate::system::{Dimensions, Dims, IncrementLanesOf, StateLanesOf, System};
-use crate::variational::Memory;
 
 /// Returned by a failed test. The error of the step is made off the fast path, from the inverse Legendre transform.
 const NO_START: SolveError = SolveError::Singular { iteration: 0 };
@@ -32,22 +32,13 @@ const fn tests_velocity<S: StepEquations<R>, R>() -> bool {
     S::TESTS_VELOCITY && !S::PROVES_START
 }
 
-/// Computes what depends on parameters and step size alone.
-#[inline(always)]
-pub fn prepare<S: StepEquations<R>, R>(system: &S, h: f64) -> Tested<S::Prepared> {
-    Tested {
-        coefficients: system.prepare(h),
-        has_regular_mass: system.parameters_give_regular_mass(),
-    }
-}
-
 /// Solves the equations of a step from a start that is tested.
 ///
 /// # Errors
 /// As [`StepEquations::increment`]; a [`SolveError`] if no isolated velocity has the momentum at the start.
 #[inline(always)]
 pub(super) fn increment<S, R, Q, const N: usize, const M: usize>(
-    derived: DerivedStep<'_, S, R>,
+    walker: Walker<'_, S, R>,
     prepared: &Tested<S::Prepared>,
     memory: &mut S::Memory,
     state: &State<Q::Flat>,
@@ -58,14 +49,14 @@ where
     S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    let system = derived.system;
+    let system = walker.system;
     if const { S::TESTS_PARAMETERS } && !prepared.has_regular_mass {
         return Err(NO_START);
     }
     if const { tests_state::<S, R>() } && !system.state_gives_regular_mass(state.t, &state.q) {
         return Err(NO_START);
     }
-    let solver = BlockSolver::new(derived.newton);
+    let solver = BlockSolver::new(walker.newton);
     let step = system.increment(&prepared.coefficients, memory, state, h, dw, &solver)?;
     if const { tests_velocity::<S, R>() } {
         let (dq, dp, _) = &step;
@@ -78,11 +69,36 @@ where
     Ok(step)
 }
 
+/// The mode that makes steps in lanes.
+pub(super) struct AdvanceLanes;
+
+impl<S, Q, const N: usize, const M: usize> LanesMode<S> for AdvanceLanes
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    #[inline(always)]
+    fn substep<R>(
+        &mut self,
+        walker: Walker<'_, S, R>,
+        prepared: &Tested<S::Prepared>,
+        states: &StateLanesOf<S>,
+        next: &mut StateLanesOf<S>,
+        h: f64,
+        dw: &IncrementLanesOf<S>,
+    ) -> Mask
+    where
+        S: StepEquations<R>,
+    {
+        increment_lanes(walker, prepared, states, next, h, dw, &mut ())
+    }
+}
+
 /// Advances every lane whose start is tested, as [`StepEquations::increment_lanes`] does.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)] // those of a step and the unknowns
-pub fn increment_lanes<S, R, Q, const N: usize, const M: usize>(
-    derived: DerivedStep<'_, S, R>,
+pub(super) fn increment_lanes<S, R, Q, const N: usize, const M: usize>(
+    walker: Walker<'_, S, R>,
     prepared: &Tested<S::Prepared>,
     states: &StateLanesOf<S>,
     next: &mut StateLanesOf<S>,
@@ -94,7 +110,7 @@ where
     S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
-    let DerivedStep { system, newton, .. } = derived;
+    let Walker { system, newton, .. } = walker;
     let fails = const { S::TESTS_PARAMETERS } && !prepared.has_regular_mass;
     if fails || const { tests_velocity::<S, R>() } {
         next.clone_from(states);

@@ -7,16 +7,18 @@ use core::ops::{Index, Mul};
 
 use nalgebra::{DMatrix, SMatrix};
 
-use super::accept::check_step_size;
+use super::Integrator;
+use super::modes::SingleMode;
 use super::step::solve_step;
-use super::{DerivedStep, Integrator, start};
 use crate::configuration::{Coordinates, FixedSize};
-use crate::equations::StepEquations;
+use crate::equations::{Memory, StepEquations};
 use crate::error::{StepError, step_error};
 use crate::mechanics::Field;
+use crate::method::OneStepMethod;
+use crate::rule::{Rule, Walker};
+use crate::start::Tested;
 use crate::state::State;
-use crate::system::{Dims, System};
-use crate::variational::{Discretised, Memory};
+use crate::system::{Dims, Increments, System};
 
 /// The tangent map of a step, `∂(q₁,p₁)/∂(q₀,p₀)`: a matrix of `2N` rows and columns, first the coordinates, then the momenta.
 ///
@@ -216,17 +218,18 @@ pub(crate) fn derivatives<S, R, Q, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     state: &mut State<Q>,
     h: f64,
-    dw: &S::Increments,
+    dw: &R::Increments,
 ) -> Result<(Tangent<N>, Sensitivity<Q::Momentum>), StepError>
 where
-    S: Discretised<R> + System<Dims = Dims<N, M, Q>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    R: Rule<S::Itself>,
     Q: Coordinates<N>,
 {
-    check_step_size(h)?;
-    let (system, newton) = (integrator.system(), integrator.newton());
-    let all = Q::in_coordinates(state, |state| {
-        system.advance_with_derivatives(newton, state, h, dw)
-    })?;
+    let prepared = integrator.prepare(h)?;
+    let mode = Derivatives { all: None };
+    let walk = |state: &mut _| integrator.walk_from(&prepared, state, h, dw, mode);
+    let Derivatives { all } = Q::in_coordinates(state, walk)?;
+    let all = all.unwrap_or_else(|| DMatrix::identity(2 * N, 2 * N + S::PARAMETERS.len()));
     // The matrix is stored column by column, so its transpose is the map row by row.
     let tangent = Tangent {
         entries: all.columns(0, 2 * N).transpose().as_slice().to_vec(),
@@ -244,29 +247,60 @@ where
     Ok((tangent, sensitivity))
 }
 
-/// Makes a derived step and returns the derivatives of its result, see
-/// [`Discretised::advance_with_derivatives`].
-///
-/// # Errors
-/// As that function.
-pub fn solve_with_derivatives<S, R, Q, const N: usize, const M: usize>(
-    derived: DerivedStep<'_, S, R>,
-    state: &mut State<Q::Flat>,
-    h: f64,
-    dw: &S::Increments,
-) -> Result<DMatrix<f64>, StepError>
+/// The mode that makes steps and computes the derivatives of their result: rows by `(q₁, p₁)`, columns by `(q₀, p₀)` and the parameters.
+struct Derivatives {
+    /// Those of the substeps so far.
+    all: Option<DMatrix<f64>>,
+}
+
+impl<S, I, Q, const N: usize, const M: usize> SingleMode<S, I> for Derivatives
 where
-    S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
+    S: System<Dims = Dims<N, M, Q>>,
+    I: Increments,
     Q: Coordinates<N>,
 {
-    let prepared = start::prepare(derived.system, h);
-    let mut end = *state;
-    let unknowns = solve_step(derived, &prepared, &mut S::Memory::none(), &mut end, h, dw)?;
-    let system = derived.system;
-    let solved = system.linearise(state, h, dw, &unknowns, |linear| {
-        linear.solve(!S::RETURNS.is_state())
-    });
-    let all = solved.map_err(|error| step_error(error, state, h, dw.as_ref()))?;
-    *state = end;
-    Ok(all)
+    fn substep<R>(
+        &mut self,
+        walker: Walker<'_, S, R>,
+        prepared: &Tested<S::Prepared>,
+        _: &mut S::Memory,
+        state: &mut State<Q::Flat>,
+        h: f64,
+        dw: &I,
+    ) -> Result<(), StepError>
+    where
+        S: StepEquations<R, Increments = I>,
+    {
+        let (mut end, memory) = (*state, &mut S::Memory::none());
+        let unknowns = solve_step(walker, prepared, memory, &mut end, h, dw)?;
+        let solved = (walker.system).linearise(state, h, dw, &unknowns, |linear| {
+            linear.solve(!S::RETURNS.is_state())
+        });
+        let step = solved.map_err(|error| step_error(error, state, h, dw.as_ref()))?;
+        self.all = Some(match self.all.take() {
+            None => step,
+            Some(before) => chained::<N>(&step, &before, S::PARAMETERS.len()),
+        });
+        *state = end;
+        Ok(())
+    }
+}
+
+/// Returns the derivatives of the result of a substep, from those of the substep and those of its start.
+#[inline]
+fn chained<const N: usize>(
+    step: &DMatrix<f64>,
+    before: &DMatrix<f64>,
+    parameters: usize,
+) -> DMatrix<f64> {
+    let (size, columns) = (2 * N, 2 * N + parameters);
+    // Term by term: a product of matrices may contract operations, with other bits on other machines.
+    DMatrix::from_fn(size, columns, |row, column| {
+        let direct = if column < size {
+            0.0
+        } else {
+            step[(row, column)]
+        };
+        (0..size).fold(direct, |sum, k| sum + step[(row, k)] * before[(k, column)])
+    })
 }

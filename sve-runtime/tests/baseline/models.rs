@@ -33,8 +33,13 @@ pub(crate) struct Oscillator {
 
 impl System for Oscillator {
     type Dims = Dims<1, 1>;
+    type Itself = Self;
     type EulerNumbers = ();
     const AFFINE_MOMENTUM: bool = true;
+
+    fn itself(&self) -> &Self {
+        self
+    }
 
     fn lagrangian_jet(&self, _t: f64, [q]: &[f64; 1], [v]: &[f64; 1]) -> LagrangianJet<1> {
         LagrangianJet {
@@ -64,8 +69,13 @@ pub(crate) struct Kubo {
 
 impl System for Kubo {
     type Dims = Dims<1, 1>;
+    type Itself = Self;
     type EulerNumbers = ();
     const AFFINE_MOMENTUM: bool = true;
+
+    fn itself(&self) -> &Self {
+        self
+    }
 
     fn lagrangian_jet(&self, _t: f64, [q]: &[f64; 1], [v]: &[f64; 1]) -> LagrangianJet<1> {
         let a = self.a;
@@ -98,8 +108,13 @@ pub(crate) struct Pendulum {
 
 impl System for Pendulum {
     type Dims = Dims<1, 0>;
+    type Itself = Self;
     type EulerNumbers = ();
     const AFFINE_MOMENTUM: bool = true;
+
+    fn itself(&self) -> &Self {
+        self
+    }
 
     fn lagrangian_jet(&self, _t: f64, [q]: &[f64; 1], [v]: &[f64; 1]) -> LagrangianJet<1> {
         LagrangianJet {
@@ -127,8 +142,13 @@ pub(crate) struct Polar {
 
 impl System for Polar {
     type Dims = Dims<2, 2>;
+    type Itself = Self;
     type EulerNumbers = ();
     const AFFINE_MOMENTUM: bool = true;
+
+    fn itself(&self) -> &Self {
+        self
+    }
 
     fn lagrangian_jet(&self, _t: f64, [r, _]: &[f64; 2], [vr, w]: &[f64; 2]) -> LagrangianJet<2> {
         let Self { m, k, .. } = self;
@@ -173,8 +193,13 @@ pub(crate) struct Damped {
 
 impl System for Damped {
     type Dims = Dims<1, 0>;
+    type Itself = Self;
     type EulerNumbers = ();
     const AFFINE_MOMENTUM: bool = true;
+
+    fn itself(&self) -> &Self {
+        self
+    }
 
     fn lagrangian_jet(&self, t: f64, [q]: &[f64; 1], [v]: &[f64; 1]) -> LagrangianJet<1> {
         let Self { c, k, b } = self;
@@ -204,8 +229,13 @@ pub(crate) struct Relativistic<const N: usize> {
 
 impl<const N: usize> System for Relativistic<N> {
     type Dims = Dims<N, 0>;
+    type Itself = Self;
     type EulerNumbers = ();
     const AFFINE_MOMENTUM: bool = false;
+
+    fn itself(&self) -> &Self {
+        self
+    }
 
     fn lagrangian_jet(&self, _t: f64, q: &[f64; N], v: &[f64; N]) -> LagrangianJet<N> {
         let s = (1.0 - v.iter().map(|v| v * v).sum::<f64>()).sqrt();

@@ -5,9 +5,7 @@ use sve_runtime::__private::Unstructured;
 use sve_runtime::__private::lane::{LaneDirections, TangentLanes};
 use sve_runtime::noise::Noise;
 use sve_runtime::prelude::*;
-use sve_runtime::{
-    Differentiable, Discretised, Dual, LANES, Lane, Mask, Plan, StateLanes, Variational,
-};
+use sve_runtime::{Differentiable, Dual, LANES, Lane, Mask, Plan, StateLanes, Variational};
 
 use crate::functions::{Functions, Matrix, Point, TypedModel, Vector, array};
 use crate::oracle::{Model, Nodes, Rule};
@@ -207,7 +205,7 @@ where
     }
 
     fn plan_without_structure(&self) -> &'static Plan {
-        <S as Discretised<Unstructured<R>>>::PLAN
+        <Unstructured<R> as sve_runtime::Rule<S::Itself>>::PLAN
     }
 
     fn rule(&self) -> &'static str {

@@ -2,11 +2,11 @@
 
 use std::marker::PhantomData;
 
-use sve_runtime::__private::{Covector, Directions, Mask};
-use sve_runtime::nalgebra::DMatrix;
+use sve_runtime::__private::lane::KeepUnknowns;
+use sve_runtime::__private::{Linearisation, Returns, SolveError, StartOfStep};
 use sve_runtime::{
-    Dimensions, Dims, Discretised, EulerIncrement, IncrementLanesOf, IncrementsOf, Lane, Newton,
-    Plan, State, StateLanesOf, StepError, System, VectorCoordinates, VectorOf,
+    BlockSolver, Dimensions, Dims, EulerIncrement, IncrementLanesOf, IncrementsOf, Lane, Mask,
+    Newton, Plan, State, StateLanesOf, StepEquations, System, VectorCoordinates, VectorOf,
 };
 
 /// The system `S` with configurations of the type `Q`.
@@ -34,6 +34,7 @@ where
     Q: VectorCoordinates<N>,
 {
     type Dims = Dims<N, M, Q>;
+    type Itself = Self;
     const AFFINE_MOMENTUM: bool = S::AFFINE_MOMENTUM;
     const FORCED: bool = S::FORCED;
     const PARAMETERS: &'static [&'static str] = S::PARAMETERS;
@@ -41,6 +42,10 @@ where
     type EulerNumbers = S::EulerNumbers;
     const HAS_EULER_INCREMENT: bool = S::HAS_EULER_INCREMENT;
     const EULER_STAGES_IN_LANES: usize = S::EULER_STAGES_IN_LANES;
+
+    fn itself(&self) -> &Self {
+        self
+    }
 
     fn euler_numbers(&self, h: f64) -> Option<S::EulerNumbers> {
         self.0.euler_numbers(h)
@@ -106,103 +111,102 @@ where
     }
 }
 
-impl<S, R, P, Q, const N: usize, const M: usize> Discretised<R> for Configured<S, Q>
+impl<S, P, Q, const N: usize, const M: usize> StartOfStep for Configured<S, Q>
 where
-    S: Discretised<R> + System<Dims = Dims<N, M, P>>,
+    S: StartOfStep + System<Dims = Dims<N, M, P>>,
+    P: VectorCoordinates<N>,
+    Q: VectorCoordinates<N>,
+{
+    const TESTS_PARAMETERS: bool = S::TESTS_PARAMETERS;
+    const TESTS_STATE: bool = S::TESTS_STATE;
+    const TESTS_VELOCITY: bool = S::TESTS_VELOCITY;
+
+    fn parameters_give_regular_mass(&self) -> bool {
+        self.0.parameters_give_regular_mass()
+    }
+
+    fn state_gives_regular_mass(&self, t: f64, q: &[f64; N]) -> bool {
+        self.0.state_gives_regular_mass(t, q)
+    }
+
+    fn lanes_of_singular_mass(&self, states: &StateLanesOf<Self>) -> Option<Mask> {
+        self.0.lanes_of_singular_mass(states)
+    }
+}
+
+impl<S, R, P, Q, const N: usize, const M: usize> StepEquations<R> for Configured<S, Q>
+where
+    S: StepEquations<R> + System<Dims = Dims<N, M, P>>,
     P: VectorCoordinates<N>,
     Q: VectorCoordinates<N>,
 {
     type Increments = S::Increments;
     type Prepared = S::Prepared;
     type Memory = S::Memory;
+    type Unknowns = S::Unknowns;
+    const DOMAIN: &'static [&'static str] = S::DOMAIN;
     const STAGES: usize = S::STAGES;
     const PLAN: &'static Plan = S::PLAN;
-    const HAS_INCREMENTS: bool = S::HAS_INCREMENTS;
+    const PROVES_START: bool = S::PROVES_START;
+    const RETURNS: Returns = S::RETURNS;
 
     fn prepare(&self, h: f64) -> S::Prepared {
         self.0.prepare(h)
     }
 
-    fn advance(
+    fn start(
         &self,
-        newton: &Newton,
-        prepared: &S::Prepared,
-        memory: &mut S::Memory,
-        state: &mut State<[f64; N]>,
-        h: f64,
-        dw: &S::Increments,
-    ) -> Result<(), StepError> {
-        self.0.advance(newton, prepared, memory, state, h, dw)
+        state: &State<[f64; N]>,
+        velocity: &[f64; N],
+        acceleration: &[f64; N],
+    ) -> S::Unknowns {
+        self.0.start(state, velocity, acceleration)
     }
 
-    fn advance_compensated(
+    fn increment(
         &self,
-        newton: &Newton,
         prepared: &S::Prepared,
         memory: &mut S::Memory,
-        state: [&mut State<[f64; N]>; 2],
+        state: &State<[f64; N]>,
         h: f64,
         dw: &S::Increments,
-    ) -> Result<(), StepError> {
-        self.0
-            .advance_compensated(newton, prepared, memory, state, h, dw)
+        newton: &BlockSolver<'_>,
+    ) -> Result<([f64; N], [f64; N], S::Unknowns), SolveError> {
+        self.0.increment(prepared, memory, state, h, dw, newton)
     }
 
-    fn advance_lanes(
+    fn increment_lanes(
         &self,
-        newton: &Newton,
         prepared: &S::Prepared,
         states: &StateLanesOf<Self>,
         next: &mut StateLanesOf<Self>,
         h: f64,
         dw: &IncrementLanesOf<Self>,
+        newton: &Newton,
+        unknowns: &mut impl KeepUnknowns,
     ) -> Mask {
-        self.0.advance_lanes(newton, prepared, states, next, h, dw)
+        (self.0).increment_lanes(prepared, states, next, h, dw, newton, unknowns)
     }
 
-    fn advance_with_derivatives(
+    fn multipliers(
         &self,
-        newton: &Newton,
-        state: &mut State<[f64; N]>,
-        h: f64,
-        dw: &S::Increments,
-    ) -> Result<DMatrix<f64>, StepError> {
-        self.0.advance_with_derivatives(newton, state, h, dw)
-    }
-
-    fn push_forward(
-        &self,
-        newton: &Newton,
-        prepared: &S::Prepared,
-        state: &mut State<[f64; N]>,
-        h: f64,
-        dw: &S::Increments,
-        directions: Directions<'_, [f64; N]>,
-    ) -> Result<(), StepError> {
-        self.0
-            .push_forward(newton, prepared, state, h, dw, directions)
-    }
-
-    fn pull_back(
-        &self,
-        newton: &Newton,
-        prepared: &S::Prepared,
         state: &State<[f64; N]>,
         h: f64,
         dw: &S::Increments,
-        covector: Covector<'_, [f64; N]>,
-    ) -> Result<(), StepError> {
-        self.0.pull_back(newton, prepared, state, h, dw, covector)
+        unknowns: &S::Unknowns,
+        visit: &mut dyn FnMut(f64),
+    ) {
+        self.0.multipliers(state, h, dw, unknowns, visit);
     }
 
-    fn newton_iterations(
+    fn linearise<T>(
         &self,
-        newton: &Newton,
-        prepared: &S::Prepared,
         state: &State<[f64; N]>,
         h: f64,
         dw: &S::Increments,
-    ) -> Option<u32> {
-        self.0.newton_iterations(newton, prepared, state, h, dw)
+        unknowns: &S::Unknowns,
+        then: impl FnOnce(Linearisation<'_>) -> T,
+    ) -> T {
+        self.0.linearise(state, h, dw, unknowns, then)
     }
 }

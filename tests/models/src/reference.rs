@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use serde::Deserialize;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, Discretised, Increments, System};
+use sve_runtime::{Dims, Increments, Rule, System};
 
 /// A run of steps by a rule.
 #[derive(Deserialize)]
@@ -42,14 +42,15 @@ impl ReferenceRun {
     /// If a step fails, or the integrator takes other states or increments.
     pub fn error<S, R, const N: usize, const M: usize>(&self, integrator: &Integrator<S, R>) -> f64
     where
-        S: Discretised<R> + System<Dims = Dims<N, M>>,
+        S: System<Dims = Dims<N, M>>,
+        R: Rule<S::Itself>,
     {
         let array = |z: &[f64]| -> [f64; N] { z.try_into().expect("coordinates") };
         let (q, p) = self.states[0].split_at(N);
         let mut state = State::new(array(q), array(p));
         let mut worst: f64 = 0.0;
         for (dw, expected) in self.dw.iter().zip(&self.states[1..]) {
-            let mut increments = S::Increments::NONE;
+            let mut increments = R::Increments::NONE;
             increments.as_mut().copy_from_slice(dw);
             let step = integrator.step(&mut state, self.h, &increments);
             step.unwrap_or_else(|error| panic!("{}: {error}", self.rule));

@@ -2,7 +2,7 @@
 
 use sve_models::models::TwoRods;
 use sve_runtime::prelude::*;
-use sve_runtime::{Discretised, Variational};
+use sve_runtime::{Rule, Variational};
 
 use super::systems::two_rods;
 
@@ -103,6 +103,6 @@ fn steps_lead_back() {
 
 #[test]
 fn a_composition_has_no_multipliers_and_says_its_substeps() {
-    let plan = <TwoRods as Discretised<Composed<Midpoint, KahanLi8>>>::PLAN;
+    let plan = <Composed<Midpoint, KahanLi8> as Rule<TwoRods>>::PLAN;
     assert_eq!(plan.deterministic_order, 8);
 }

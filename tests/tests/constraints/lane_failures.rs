@@ -101,7 +101,7 @@ fn failures_are_those_of_single_paths() {
 fn folded_linkages_are_errors_in_lanes() {
     fn check<R: Copy + Sync>(rule: R)
     where
-        FourBars: Variational<R, Increments = [f64; 0], Prepared: Sync, Memory: Sync>,
+        FourBars: Variational<R, Prepared: Sync, Memory: Sync>,
     {
         let start = |path: u64| {
             let angle = [0.0, std::f64::consts::PI, 1.0, 2.0][path as usize % 4];
@@ -129,7 +129,7 @@ fn folded_linkages_are_errors_in_lanes() {
 fn pivots_of_few_digits_are_judged_by_the_scalar_step() {
     fn check<R: Copy + Sync>(rule: R)
     where
-        FourBars: Variational<R, Increments = [f64; 0], Prepared: Sync, Memory: Sync>,
+        FourBars: Variational<R, Prepared: Sync, Memory: Sync>,
     {
         let start = |path: u64| {
             let folded = std::f64::consts::PI * (path % 2) as f64;

@@ -98,7 +98,7 @@ where
 fn a_squared_function_is_no_constraint() {
     fn check<R: Copy>(rule: R)
     where
-        Circle: Variational<R, Increments = [f64; 0]>,
+        Circle: Variational<R>,
     {
         for s in [1.0, 2.0_f64.powi(60), 2.0_f64.powi(-60)] {
             let integrator = Integrator::new(Circle { r: 0.0, s }, rule);
@@ -144,7 +144,7 @@ fn the_error_has_the_numbers() {
 fn constraints_of_any_size_are_taken() {
     fn check<R: Copy>(rule: R)
     where
-        Circle: Variational<R, Increments = [f64; 0]>,
+        Circle: Variational<R>,
     {
         let ends = [0, 60, -60].map(|power| {
             let s = 2.0_f64.powi(power);
@@ -170,7 +170,7 @@ fn constraints_of_any_size_are_taken() {
 fn roots_of_third_degree_are_refused_without_bounds() {
     fn check<R: Copy>(rule: R)
     where
-        Curved: Variational<R, Increments = [f64; 1]>,
+        Curved: Variational<R>,
     {
         let (projected, stepped, _) = made(&Integrator::new(Curved { r: 0.0 }, rule), &[0.05]);
         assert_eq!((projected, stepped), (0, 0));
@@ -189,7 +189,7 @@ fn roots_of_third_degree_are_refused_without_bounds() {
 fn lanes_refuse_them_too() {
     fn check<R: Copy + Sync>(rule: R)
     where
-        Circle: Variational<R, Increments = [f64; 0], Prepared: Sync, Memory: Sync>,
+        Circle: Variational<R, Prepared: Sync, Memory: Sync>,
     {
         let integrator = Integrator::new(Circle { r: 0.0, s: 1.0 }, rule);
         assert!(integrator.plan().in_lanes);

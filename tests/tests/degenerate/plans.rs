@@ -9,7 +9,7 @@ use sve_models::degenerate::{
 };
 
 fn plan<S: Variational<R>, R>(_: S, _: R) -> &'static Plan {
-    S::PLAN
+    <R as sve_runtime::Rule<S::Itself>>::PLAN
 }
 
 #[test]

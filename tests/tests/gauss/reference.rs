@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use sve_models::reference::ReferenceRun;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, Discretised, System, Variational};
+use sve_runtime::{Dims, Rule, System, Variational};
 
 use crate::systems::{DoublePendulum, Kubo, Pendulum};
 
@@ -63,10 +63,10 @@ fn check_stage_noise<S, const N: usize, const M: usize>(
     file: &str,
     system: impl Fn(&HashMap<String, f64>) -> S,
 ) where
-    S: System<Dims = Dims<N, M>>
-        + Discretised<StageNoise<Gauss<2>>>
-        + Discretised<StageNoise<Gauss<3>>>
-        + Discretised<StageNoise<Gauss<8>>>,
+    S: System<Dims = Dims<N, M>>,
+    StageNoise<Gauss<2>>: Rule<S::Itself>,
+    StageNoise<Gauss<3>>: Rule<S::Itself>,
+    StageNoise<Gauss<8>>: Rule<S::Itself>,
 {
     let runs = ReferenceRun::read(file);
     let mut compared = 0;

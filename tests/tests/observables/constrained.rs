@@ -1,7 +1,7 @@
 //! Sections, bounces and temperatures on a manifold; sections of a degenerate Lagrangian.
 
 use sve_runtime::prelude::*;
-use sve_runtime::{Blocking, Discretised};
+use sve_runtime::{Blocking, Rule};
 
 use super::systems::Sphere;
 
@@ -27,7 +27,7 @@ fn is_on_the_sphere(state: &Point) -> bool {
 /// The crossings of the equator by a rule, with error of order 2 at a fixed number of steps, and on the sphere.
 fn section<R>(motion: &Integrator<Sphere, R>, h: f64) -> Vec<Point>
 where
-    Sphere: Discretised<R, Increments = [f64; 3]>,
+    R: Rule<Sphere, Increments = [f64; 3]>,
 {
     let path = motion.trajectory(motion.consistent(start()).unwrap(), h, NoNoise);
     let section: Vec<Point> = path
@@ -46,7 +46,7 @@ where
 
 fn order<R>(rule: R)
 where
-    Sphere: Discretised<R, Increments = [f64; 3]>,
+    R: Rule<Sphere, Increments = [f64; 3]>,
 {
     let motion = Integrator::new(sphere(), rule);
     let exact = section(&motion, 0.1 / 64.0);

@@ -1,7 +1,7 @@
 //! Steps from a start that has none, by every function that steps.
 
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, Discretised, Increments, LANES, OneStepMethod, StateLanes, System};
+use sve_runtime::{Dims, Increments, LANES, OneStepMethod, Rule, StateLanes, System};
 
 /// Makes steps from `bad`, which is no start, and from `good` by every function that steps. Returns the error of a step.
 pub(crate) fn refused<S, R, const N: usize, const M: usize>(
@@ -11,12 +11,12 @@ pub(crate) fn refused<S, R, const N: usize, const M: usize>(
     good: State<[f64; N]>,
 ) -> StepError
 where
-    S: Discretised<R> + System<Dims = Dims<N, M>>,
-    S::Increments: PartialEq,
+    S: System<Dims = Dims<N, M>>,
+    R: Rule<S::Itself, Increments: PartialEq>,
 {
     let method = Integrator::new(system, rule);
     let what = core::any::type_name::<R>();
-    let dw = S::Increments::NONE;
+    let dw = R::Increments::NONE;
     let errors = [0.01, -0.01, 1e-6].map(|h| {
         let mut state = bad;
         let error = method.step(&mut state, h, &dw).expect_err(what);

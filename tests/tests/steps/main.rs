@@ -17,5 +17,6 @@ mod units;
 mod unresolved;
 mod vanishing_mass;
 mod verlet;
+mod walks;
 mod weak2;
 mod weak_coupling;

@@ -264,8 +264,8 @@ mod terms {
         let of = |o: Operations| [o.arithmetic, o.transcendental].map(|n| n as i64);
         let parts = |plan: &Plan| [plan.prepare, plan.step, plan.iteration].map(of);
         let (a, b) = (
-            parts(S::PLAN),
-            parts(<Bare as sve_runtime::Discretised<R>>::PLAN),
+            parts(<R as sve_runtime::Rule<S::Itself>>::PLAN),
+            parts(<R as sve_runtime::Rule<Bare>>::PLAN),
         );
         core::array::from_fn(|i| [0, 1].map(|j| a[i][j] - b[i][j]))
     }

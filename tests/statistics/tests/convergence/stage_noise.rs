@@ -1,7 +1,7 @@
 //! Strong orders with stage noise: min(S, 3) where the noise is additive, otherwise 1, and 1.5 with the option `weak2`. The reference is a finer step on the same path.
 
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, Discretised, StrongOrder, System};
+use sve_runtime::{Dims, Rule, StrongOrder, System};
 
 macro_rules! systems {
     ($($(#[$doc:meta])* $name:ident, $q:ident, $v:ident, $lagrangian:expr, $gamma:expr;)*) => {$(
@@ -53,7 +53,8 @@ const FINE: usize = 64;
 /// Slope of the RMS error at time 1 against the step, for numbers of paths and of fewest steps.
 fn order<S, R, const K: usize>(method: &Integrator<S, R>, [paths, fewest]: [u64; 2]) -> f64
 where
-    S: Discretised<R> + System<Dims = Dims<1, 1>>,
+    S: System<Dims = Dims<1, 1>>,
+    R: Rule<S::Itself>,
 {
     let start = State::new([1.0], [0.2]);
     let end = |path: &Recorded| {
@@ -78,7 +79,8 @@ where
 /// Checks the order that the plan states.
 fn check<S, R, const K: usize>(system: S, rule: R, numbers: [u64; 2], bias: f64)
 where
-    S: Discretised<R> + System<Dims = Dims<1, 1>>,
+    S: System<Dims = Dims<1, 1>>,
+    R: Rule<S::Itself>,
 {
     let method = Integrator::new(system, rule);
     let plan = method.plan();

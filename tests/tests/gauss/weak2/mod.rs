@@ -8,7 +8,7 @@ use sve_models::potential::{
 use sve_models::random::Random;
 use sve_runtime::__private::Unstructured;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, Discretised, StrongOrder, System, Variational};
+use sve_runtime::{Dims, Rule, StrongOrder, System, Variational};
 
 use systems::{Moved, Quadratic, Stretched};
 
@@ -54,7 +54,8 @@ fn numbers<T, R, const N: usize, const M: usize, const K: usize>(
     parameters: &[&str],
 ) -> [Vec<f64>; 2]
 where
-    T: Discretised<R, Increments = [f64; K]> + System<Dims = Dims<N, M>>,
+    T: System<Dims = Dims<N, M>>,
+    R: Rule<T::Itself, Increments = [f64; K]>,
 {
     let mut state = *start;
     let derivatives = integrator.step_with_derivatives(&mut state, H, dw);
@@ -74,8 +75,10 @@ fn agree<T, U, P, R, const N: usize, const M: usize, const K: usize>(
     other: &Integrator<U, R>,
     parameters: &[&str],
 ) where
-    T: Discretised<P, Increments = [f64; K]> + System<Dims = Dims<N, M>>,
-    U: Discretised<R, Increments = [f64; K]> + System<Dims = Dims<N, M>>,
+    T: System<Dims = Dims<N, M>>,
+    U: System<Dims = Dims<N, M>>,
+    P: Rule<T::Itself, Increments = [f64; K]>,
+    R: Rule<U::Itself, Increments = [f64; K]>,
 {
     let name = format!("{} by {}", one.plan().system, one.plan().rule);
     let mut random = Random::new(4);
@@ -174,7 +177,8 @@ fn steps_are_those_of_the_unrolled_action() {
 fn is_symplectic<T, R, const N: usize, const M: usize, const K: usize>(
     integrator: &Integrator<T, R>,
 ) where
-    T: Discretised<R, Increments = [f64; K]> + System<Dims = Dims<N, M>>,
+    T: System<Dims = Dims<N, M>>,
+    R: Rule<T::Itself, Increments = [f64; K]>,
 {
     const SHIFT: f64 = 1e-5;
     let name = format!("{} by {}", integrator.plan().system, integrator.plan().rule);
@@ -278,11 +282,10 @@ fn plans_state_the_orders_and_the_term() {
 
 #[test]
 fn additive_noise_has_no_term() {
-    fn check<R: Copy, const K: usize>(rule: R) -> StrongOrder
+    fn check<R, const K: usize>(rule: R) -> StrongOrder
     where
-        Additive: Discretised<R, Increments = [f64; K]>
-            + Discretised<Weak2<R>, Increments = [f64; K]>
-            + System<Dims = Dims<2, 1>>,
+        R: Copy + Rule<Additive, Increments = [f64; K]>,
+        Weak2<R>: Rule<Additive, Increments = [f64; K]>,
     {
         let (plain, corrected) = (
             Integrator::new(Additive, rule),

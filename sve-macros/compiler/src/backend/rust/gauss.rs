@@ -105,7 +105,6 @@ pub(crate) fn gauss(
                 #private::gauss::linearise(#system, state, h, #at_stages, unknowns, then)
             }
         }
-        #private::derived_rule! { #self_ty, #rule_type }
     }
 }
 

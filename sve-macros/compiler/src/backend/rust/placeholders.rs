@@ -51,12 +51,13 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
         let rule = super::rule_type(*rule, &runtime);
         quote! {
             #attributes
-            impl #generics #private::Discretised<#rule> for #self_ty #clause {
+            impl #generics #private::StepEquations<#rule> for #self_ty #clause {
                 type Increments = [f64; #m];
                 type Prepared = ();
                 type Memory = ();
+                type Unknowns = [f64; 0];
                 const PLAN: &'static #private::Plan = &#plan;
-                const HAS_INCREMENTS: bool = true;
+                const RETURNS: #private::Returns = #private::Returns::Increment;
                 fn prepare(&self, h: f64) {}
                 #steps
             }
@@ -66,12 +67,20 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
         #attributes
         impl #generics #private::System for #self_ty #clause {
             type Dims = #private::Dims<#n, #m #configuration>;
+            type Itself = Self;
             const AFFINE_MOMENTUM: bool = true;
             type EulerNumbers = ();
             const PARAMETERS: &'static [&'static str] = &[];
+            fn itself(&self) -> &Self { self }
             fn lagrangian_jet(&self, time: f64, q: &#runtime::FlatOf<Self>, v: &[f64; #n]) -> #private::LagrangianJet<#n> { #fail }
             fn noise_jets(&self, time: f64, q: &#runtime::FlatOf<Self>, p: &[f64; #n]) -> [#private::NoiseJet<#n>; #m] { #fail }
         }
+        #attributes
+        impl #generics #private::StartOfStep for #self_ty #clause {}
+        #attributes
+        impl #generics #private::Separable for #self_ty #clause {}
+        #attributes
+        impl #generics #private::QuadraticKineticEnergy for #self_ty #clause {}
         #(#rules)*
         #momenta
     }
@@ -86,78 +95,33 @@ fn steps(
     fail: &TokenStream,
 ) -> TokenStream {
     quote! {
-        fn advance(
+        fn start(
             &self,
-            newton: &#private::Newton,
+            state: &#runtime::FlatStateOf<Self>,
+            velocity: &[f64; #n],
+            acceleration: &[f64; #n],
+        ) -> [f64; 0] {
+            #fail
+        }
+        fn increment(
+            &self,
             prepared: &(),
             memory: &mut (),
-            state: &mut #runtime::FlatStateOf<Self>,
-            h: f64,
-            dw: &[f64; #m],
-        ) -> ::core::result::Result<(), #private::StepError> {
-            #fail
-        }
-        fn advance_compensated(
-            &self,
-            newton: &#private::Newton,
-            prepared: &(),
-            memory: &mut (),
-            state: [&mut #runtime::FlatStateOf<Self>; 2],
-            h: f64,
-            dw: &[f64; #m],
-        ) -> ::core::result::Result<(), #private::StepError> {
-            #fail
-        }
-        fn advance_lanes(
-            &self,
-            newton: &#private::Newton,
-            prepared: &(),
-            states: &#runtime::StateLanesOf<Self>,
-            next: &mut #runtime::StateLanesOf<Self>,
-            h: f64,
-            dw: &[#private::lane::Lane; #m],
-        ) -> #private::Mask {
-            #fail
-        }
-        fn advance_with_derivatives(
-            &self,
-            newton: &#private::Newton,
-            state: &mut #runtime::FlatStateOf<Self>,
-            h: f64,
-            dw: &[f64; #m],
-        ) -> ::core::result::Result<#private::DMatrix, #private::StepError> {
-            #fail
-        }
-        fn push_forward(
-            &self,
-            newton: &#private::Newton,
-            prepared: &(),
-            state: &mut #runtime::FlatStateOf<Self>,
-            h: f64,
-            dw: &[f64; #m],
-            directions: #private::Directions<'_, [f64; #n]>,
-        ) -> ::core::result::Result<(), #private::StepError> {
-            #fail
-        }
-        fn pull_back(
-            &self,
-            newton: &#private::Newton,
-            prepared: &(),
             state: &#runtime::FlatStateOf<Self>,
             h: f64,
             dw: &[f64; #m],
-            covector: #private::Covector<'_, [f64; #n]>,
-        ) -> ::core::result::Result<(), #private::StepError> {
+            newton: &#private::BlockSolver<'_>,
+        ) -> ::core::result::Result<([f64; #n], [f64; #n], [f64; 0]), #private::SolveError> {
             #fail
         }
-        fn newton_iterations(
+        fn linearise<__T>(
             &self,
-            newton: &#private::Newton,
-            prepared: &(),
             state: &#runtime::FlatStateOf<Self>,
             h: f64,
             dw: &[f64; #m],
-        ) -> ::core::option::Option<u32> {
+            unknowns: &[f64; 0],
+            then: impl ::core::ops::FnOnce(#private::Linearisation<'_>) -> __T,
+        ) -> __T {
             #fail
         }
     }

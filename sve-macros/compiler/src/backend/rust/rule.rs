@@ -111,7 +111,6 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
             #linearise
             #multipliers
         }
-        #private::derived_rule! { #self_ty, #rule_type }
     }
 }
 

@@ -91,12 +91,15 @@ pub(crate) fn system(context: &Context<'_>, functions: &Functions) -> TokenStrea
         #attributes
         impl #private::System for #self_ty {
             type Dims = #private::Dims<#n, #m #configuration>;
+            type Itself = Self;
             const AFFINE_MOMENTUM: bool = #affine_momentum;
             #roles
             const PARAMETERS: &'static [&'static str] = &[#(#parameters),*];
             const COORDINATES: &'static [&'static str] = &[#(#coordinates),*];
             const MOMENTA: &'static [&'static str] = &[#(#momenta),*];
             #identity
+            #[inline]
+            fn itself(&self) -> &Self { self }
             #jet_doc
             #[inline]
             fn lagrangian_jet(&self, time: f64, q: &#flat, v: &[f64; #n]) -> #private::LagrangianJet<#n> {
@@ -116,7 +119,6 @@ pub(crate) fn system(context: &Context<'_>, functions: &Functions) -> TokenStrea
         }
         #separable
         #quadratic
-        #private::compositions! { #self_ty }
     }
 }
 

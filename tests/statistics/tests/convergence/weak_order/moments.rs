@@ -1,7 +1,7 @@
 //! Second moments of linear systems: after steps, by expectations of the matrix of a step, and exact.
 
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, Discretised, System, Variational};
+use sve_runtime::{Dims, Rule, System, Variational};
 
 use super::quadrature::{gauss_hermite, tensor};
 
@@ -33,7 +33,8 @@ fn step_matrix<S, R, const N: usize, const M: usize, const K: usize>(
     dw: &[f64; K],
 ) -> Matrix
 where
-    S: Discretised<R, Increments = [f64; K]> + System<Dims = Dims<N, M>>,
+    S: System<Dims = Dims<N, M>>,
+    R: Rule<S::Itself, Increments = [f64; K]>,
 {
     let image = |unit: usize| {
         let mut state = State::at(t, [0.0; N], [0.0; N]);
@@ -80,7 +81,8 @@ pub(crate) fn moments_with<S, R, const N: usize, const M: usize, const K: usize>
     variances: [f64; K],
 ) -> Matrix
 where
-    S: Discretised<R, Increments = [f64; K]> + System<Dims = Dims<N, M>>,
+    S: System<Dims = Dims<N, M>>,
+    R: Rule<S::Itself, Increments = [f64; K]>,
 {
     let steps = 1_u32 << level;
     let h = 1.0 / f64::from(steps);

@@ -1,7 +1,7 @@
 //! Gauss–Hermite quadrature over normal variables, and expectations of paths by following all nodes of all steps.
 
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, Discretised, System};
+use sve_runtime::{Dims, Rule, System};
 
 /// Nodes and weights of the quadrature over a normal variable: zeros of the Hermite polynomial of degree n by Newton's method, from starts between
 /// those of the zeros of the polynomial of degree n − 1.
@@ -85,7 +85,8 @@ pub(crate) fn expectations<S, R, const N: usize, const M: usize, const K: usize>
     observe: &dyn Fn(&State<[f64; N]>) -> Vec<f64>,
 ) -> Vec<f64>
 where
-    S: Discretised<R, Increments = [f64; K]> + System<Dims = Dims<N, M>>,
+    S: System<Dims = Dims<N, M>>,
+    R: Rule<S::Itself, Increments = [f64; K]>,
 {
     if left == 0 {
         return observe(&state);

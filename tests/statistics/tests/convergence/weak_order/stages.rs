@@ -1,7 +1,7 @@
 //! Weak orders with stage noise.
 
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, Discretised, System};
+use sve_runtime::{Dims, Rule, System};
 
 use super::moments::{Matrix, distance, exact, matrix, moments_with};
 use super::quadrature::{expectations, gauss_hermite, tensor};
@@ -15,7 +15,8 @@ fn of_two_stages<S, R>(
     start: State<[f64; 1]>,
     exact: &Matrix,
 ) where
-    S: Discretised<R, Increments = [f64; 2]> + System<Dims = Dims<1, 1>>,
+    S: System<Dims = Dims<1, 1>>,
+    R: Rule<S::Itself, Increments = [f64; 2]>,
 {
     let error = |level| distance(&moments_with(integrator, start, level, [0.5; 2]), exact);
     let errors: Vec<f64> = (4..=7).map(error).collect();
@@ -61,7 +62,7 @@ fn errors<R>(
     observe: &dyn Fn(&State<[f64; 1]>) -> Vec<f64>,
 ) -> Vec<f64>
 where
-    Heavy: Discretised<R, Increments = [f64; 2]> + System<Dims = Dims<1, 1>>,
+    R: Rule<Heavy, Increments = [f64; 2]>,
 {
     let integrator = Integrator::new(heavy.clone(), rule);
     let error = |steps: u32| {

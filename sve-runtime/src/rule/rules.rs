@@ -1,6 +1,11 @@
 //! The discretisation rules: a unit type for each, which names the rule of an [`Integrator`](crate::Integrator).
 //!
-//! The macro defines a rule by its discrete action (`docs/mathematics.md`, section 2).
+//! The macro defines a rule by its discrete action (`docs/mathematics.md`, section 2). A step is one substep: the equations that the macro derived.
+
+use super::{Mode, Rule, TellsImpulses, Walker};
+use crate::equations::StepEquations;
+use crate::plan::Plan;
+use crate::start::Tested;
 
 macro_rules! rules {
     ($($(#[$doc:meta])* $name:ident)*) => {$(
@@ -116,3 +121,48 @@ pub struct Weak2<R>(pub R);
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Unstructured<R>(pub R);
+
+macro_rules! derived {
+    ($([$($generic:tt)*] $rule:ty,)*) => {$(
+        impl<S: StepEquations<$rule>, $($generic)*> Rule<S> for $rule {
+            type Increments = S::Increments;
+            type Prepared = Tested<S::Prepared>;
+            type Memory = S::Memory;
+            const STAGES: usize = S::STAGES;
+            const SUBSTEPS: usize = 1;
+            const PLAN: &'static Plan = S::PLAN;
+            const HAS_INCREMENTS: bool = !S::RETURNS.is_state();
+
+            #[inline]
+            fn prepare(system: &S, h: f64) -> Self::Prepared {
+                Tested::of(system, system.prepare(h))
+            }
+
+            #[inline(always)]
+            fn walk<M: Mode<S, S::Increments>>(
+                walker: Walker<'_, S, Self>,
+                prepared: &Self::Prepared,
+                memory: &mut S::Memory,
+                h: f64,
+                dw: &M::Increments,
+                mode: &mut M,
+            ) -> Result<(), M::Failure> {
+                mode.substep(walker, prepared, memory, h, dw)
+            }
+        }
+
+        impl<$($generic)*> TellsImpulses for $rule {}
+    )*};
+}
+
+derived! {
+    [] InitialPoint,
+    [] Endpoint,
+    [] Midpoint,
+    [] StormerVerlet,
+    [] Taylor2,
+    [const N: usize] Gauss<N>,
+    [R] StageNoise<R>,
+    [R] Weak2<R>,
+    [R] Unstructured<R>,
+}

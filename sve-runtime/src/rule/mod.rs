@@ -1,0 +1,163 @@
+//! Rules: how a step of a system is a walk over steps of derived rules.
+//!
+//! | file | part |
+//! | --- | --- |
+//! | `rules.rs` | the rules that the macro derives, of one substep each |
+//! | `composed.rs` | [`Composed`]: substeps of one symmetric rule |
+//! | `split.rs` | [`Split`]: substeps that alternate between the initial-point and the endpoint rule |
+//! | `coefficients.rs` | the fractions of the step in compositions and splittings, with their sources |
+//! | `sequence.rs` | what compositions and splittings have in common |
+//! | `variational.rs` | the same as a bound of the system |
+//!
+//! A rule knows its substeps, and a [`Mode`] what is done in each of them. The modes are in `integrator/`: neither kind knows the other one, so a new rule has all
+//! modes, and a new mode all rules.
+
+mod coefficients;
+mod composed;
+mod rules;
+mod sequence;
+mod split;
+mod variational;
+
+pub use coefficients::{BlanesMoan4, BlanesMoanRkn6, KahanLi8};
+pub use composed::{Composed, Composition, Symmetric};
+pub use rules::{
+    Endpoint, Gauss, InitialPoint, Midpoint, StageNoise, StormerVerlet, Taylor2, Unstructured,
+    Weak2,
+};
+pub use split::{Coefficients, QuadraticKineticEnergy, Separable, Split, Splitting};
+pub use variational::{ConstraintImpulses, Variational};
+
+use core::marker::PhantomData;
+
+use crate::equations::{Memory, StepEquations};
+use crate::plan::Plan;
+use crate::solve::newton::Newton;
+use crate::start::Tested;
+use crate::system::Increments;
+
+/// A rule with a step for the system `S`: a rule that the attribute of the system lists, a composition, or a splitting.
+///
+/// Code for all rules of a system asks for this trait, `R: Rule<Pendulum>`; code for all systems too asks for `S: Variational<R>`, or for `R: Rule<S::Itself>`, where
+/// [`Itself`](crate::System::Itself) is the type behind a reference: steps are those of the system, whether an integrator owns or borrows it.
+#[diagnostic::on_unimplemented(
+    message = "no step of the rule `{Self}` has been derived for `{S}`",
+    label = "this rule is not in the attribute of the `impl` block",
+    note = "list the rule in the attribute, for example `#[variational(midpoint, endpoint)]`; \
+            the attribute names are `initial_point`, `endpoint`, `midpoint`, `stormer_verlet`, `gauss(2)` to `gauss(8)`, `taylor2`"
+)]
+pub trait Rule<S>: Sized {
+    /// The increments of a step: one number for each process, or for each process and stage.
+    type Increments: Increments;
+    /// Values that depend on parameters and step size only.
+    type Prepared: Clone;
+    /// What a trajectory carries from step to step.
+    type Memory: Memory;
+    /// Increments of a process in a step: 1, or the stages of a rule with stage noise.
+    const STAGES: usize;
+    /// Number of steps of derived rules in a step.
+    const SUBSTEPS: usize;
+    /// The plan of the step.
+    const PLAN: &'static Plan;
+    /// Whether each substep adds an increment to the state, so that its rounding errors can be compensated.
+    const HAS_INCREMENTS: bool;
+
+    /// Computes the values that depend on parameters and step size only.
+    fn prepare(system: &S, h: f64) -> Self::Prepared;
+
+    /// Walks over the substeps of a step of length `h`, with the values that [`prepare`](Self::prepare) returned for the same `h`.
+    ///
+    /// # Errors
+    /// That of the first substep that fails. Nothing is carried then.
+    #[doc(hidden)]
+    fn walk<M: Mode<S, Self::Increments>>(
+        walker: Walker<'_, S, Self>,
+        prepared: &Self::Prepared,
+        memory: &mut Self::Memory,
+        h: f64,
+        dw: &M::Increments,
+        mode: &mut M,
+    ) -> Result<(), M::Failure>;
+}
+
+/// What is done in each substep of a step: it is made, in one of several ways, or differentiated. `I` are the increments of the rule.
+#[doc(hidden)]
+pub trait Mode<S, I> {
+    /// The increments of a step: `I`, or those of all lanes.
+    type Increments;
+    /// Why the walk ends before the last substep.
+    type Failure;
+    /// What is kept of the start of a sequence.
+    type Start;
+    /// Whether the walk goes from the last substep to the first.
+    const IS_BACKWARD: bool = false;
+
+    /// Makes a substep of length `h`.
+    ///
+    /// # Errors
+    /// The failure of the substep.
+    fn substep<R>(
+        &mut self,
+        walker: Walker<'_, S, R>,
+        prepared: &Tested<S::Prepared>,
+        memory: &mut S::Memory,
+        h: f64,
+        dw: &Self::Increments,
+    ) -> Result<(), Self::Failure>
+    where
+        S: StepEquations<R, Increments = I>;
+
+    /// Begins a sequence of substeps.
+    fn begin(&mut self) -> Self::Start;
+
+    /// Ends a sequence of substeps, whose lengths add up to `h`. It is not called if a substep fails.
+    fn end(&mut self, start: Self::Start, h: f64);
+
+    /// Returns the increments of a substep that is this part of a step.
+    fn part(dw: &Self::Increments, part: f64) -> Self::Increments;
+}
+
+/// A system with the rule that makes its steps, and the options of Newton's method.
+#[doc(hidden)]
+#[derive(Debug)]
+pub struct Walker<'a, S, R> {
+    pub(crate) system: &'a S,
+    pub(crate) newton: &'a Newton,
+    rule: PhantomData<R>,
+}
+
+impl<S, R> Clone for Walker<'_, S, R> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<S, R> Copy for Walker<'_, S, R> {}
+
+impl<'a, S, R> Walker<'a, S, R> {
+    /// Steps of a system.
+    #[inline(always)]
+    pub(crate) fn new(system: &'a S, newton: &'a Newton) -> Self {
+        Self {
+            system,
+            newton,
+            rule: PhantomData,
+        }
+    }
+
+    /// Returns the same with the rule of a substep.
+    #[inline(always)]
+    fn by<T>(self) -> Walker<'a, S, T> {
+        Walker::new(self.system, self.newton)
+    }
+}
+
+/// A rule whose step tells the impulses of constraints: every derived rule, and no composition.
+#[diagnostic::on_unimplemented(
+    message = "the step of the rule `{Self}` tells no forces of constraints",
+    label = "a composition has forces in each of its substeps",
+    note = "ask an integrator with one of the rules of the attribute"
+)]
+#[doc(hidden)]
+pub trait TellsImpulses {}
