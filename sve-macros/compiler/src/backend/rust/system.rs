@@ -33,18 +33,10 @@ pub(crate) fn system(context: &Context<'_>, functions: &Functions) -> TokenStrea
         lagrangian,
         noises,
         force,
-        constraints,
         affine_momentum,
-        is_separable,
-        is_additive: _,
+        ..
     } = &functions.mechanics;
-    let is_regular = context.degeneracy.is_none();
-    let separable =
-        (*is_separable && is_regular).then(|| quote!(impl #private::Separable for #self_ty {}));
-    // conditions of order for the splitting of a quadratic kinetic energy do not hold for steps that constraints couple
-    let is_free = is_regular && constraints.is_empty();
-    let quadratic = (*is_separable && *affine_momentum && is_free)
-        .then(|| quote!(impl #private::QuadraticKineticEnergy for #self_ty {}));
+    let markers = markers(context, &functions.mechanics, &private);
     let [doc, jet_doc, noise_doc] = documentation(about, !noises.is_empty());
     let configuration = written(block, &private).map(|ty| quote!(, #ty));
     let received = received(block, model, &private);
@@ -117,9 +109,25 @@ pub(crate) fn system(context: &Context<'_>, functions: &Functions) -> TokenStrea
             #energy
             #euler
         }
-        #separable
-        #quadratic
+        #markers
     }
+}
+
+/// Which splittings the structure of L allows.
+fn markers(
+    context: &Context<'_>,
+    mechanics: &Mechanics,
+    private: &TokenStream,
+) -> Option<TokenStream> {
+    let self_ty = &context.block.item.self_ty;
+    if !mechanics.is_separable || context.degeneracy.is_some() {
+        return None;
+    }
+    // conditions of order for the splitting of a quadratic kinetic energy do not hold for steps that constraints couple
+    let is_quadratic = mechanics.affine_momentum && mechanics.constraints.is_empty();
+    let quadratic =
+        is_quadratic.then(|| quote!(impl #private::QuadraticKineticEnergy for #self_ty {}));
+    Some(quote!(impl #private::Separable for #self_ty {} #quadratic))
 }
 
 /// `ROLES`, how the velocity of each coordinate occurs in a degenerate L.
