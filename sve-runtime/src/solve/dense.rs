@@ -264,8 +264,12 @@ fn pivot_row<const K: usize>(a: &[[f64; K]; K], scale: &[f64; K], k: usize) -> u
 #[cold]
 fn is_rounding_error<const K: usize>(matrix: &[[f64; K]; K], rounding: f64, k: usize) -> bool {
     let mut a = *matrix;
-    let mut terms = matrix.map(|row| row.map(f64::abs));
-    let mut scale = matrix.map(|row| largest_magnitude(&row));
+    // in place: `map` would pass copies of the largest matrices through the stack
+    let mut terms = *matrix;
+    for entry in terms.as_flattened_mut() {
+        *entry = entry.abs();
+    }
+    let mut scale: [f64; K] = core::array::from_fn(|i| largest_magnitude(&matrix[i]));
     for column in 0..=k {
         let pivot = pivot_row(&a, &scale, column);
         a.swap(column, pivot);
