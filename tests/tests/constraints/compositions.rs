@@ -21,12 +21,12 @@ where
 }
 
 /// The order of the error at time 1 between two numbers of steps.
-fn order<R: Clone>(rule: R, steps: u32, exact: &[f64; 8]) -> f64
+fn order<R: Copy>(rule: R, steps: u32, exact: &[f64; 8]) -> f64
 where
     TwoRods: Variational<R>,
 {
     let error = |steps| {
-        let found = end(rule.clone(), steps);
+        let found = end(rule, steps);
         let squares = found.iter().zip(exact).map(|(a, b)| (a - b).powi(2));
         squares.sum::<f64>().sqrt()
     };
