@@ -125,17 +125,11 @@
 mod angle_addition;
 pub mod baseline;
 mod blocking;
-mod configuration;
-mod constraints;
-mod degenerate;
 #[cfg(feature = "ensemble")]
 mod description;
-mod dual;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
-mod equations;
 mod error;
-mod euler;
 mod file;
 mod fingerprint;
 #[cfg(feature = "serde")]
@@ -144,25 +138,19 @@ mod gauss;
 #[cfg(doc)]
 pub mod guide;
 mod integrator;
-mod jets;
 mod lanes;
-mod legendre;
-mod linearisation;
 mod lyapunov;
 mod mechanics;
 mod method;
 pub mod noise;
-mod observed;
 mod parameter;
-mod plan;
+mod phase;
 #[cfg(feature = "plot")]
 pub mod plot;
 mod power;
 mod readable;
 mod rule;
 mod solve;
-mod start;
-mod state;
 #[cfg(feature = "study")]
 pub mod study;
 mod system;
@@ -171,27 +159,25 @@ mod time;
 mod trajectory;
 
 pub use blocking::{BlockEstimate, Blocking};
-pub use configuration::{
+pub use error::StepError;
+pub use integrator::{ConstraintForce, ConstraintForces};
+pub use integrator::{Integrator, Sensitivity, Tangent};
+#[cfg_attr(not(feature = "ensemble"), doc(hidden))]
+pub use lanes::{LANES, Lane, Mask};
+pub use lyapunov::Lyapunov;
+pub use mechanics::Mechanics;
+pub use method::{Differentiable, OneStepMethod};
+/// Vectors, matrices and rotations, in the version that this crate uses.
+pub use nalgebra;
+pub use phase::Field;
+pub use phase::configuration::{
     Configuration, Coordinates, FixedSize, FlatConfiguration, Flatten, Reduced, VectorCoordinates,
     VectorSpace, WithRotations,
 };
-pub use constraints::{ConstraintForce, ConstraintForces};
-pub use degenerate::CoordinateRole;
-pub use dual::{Dual, DualRotation, DualState};
-pub use equations::{Memory, StepEquations, StepOf};
-pub use error::StepError;
-pub use euler::EulerIncrement;
-pub use integrator::{Integrator, Sensitivity, Tangent};
+pub use phase::dual::{Dual, DualRotation, DualState};
 #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
-pub use lanes::{LANES, Lane, Mask, StateLanes};
-pub use lyapunov::Lyapunov;
-pub use mechanics::{Field, Mechanics};
-pub use method::{Differentiable, Method, OneStepMethod};
-/// Vectors, matrices and rotations, in the version that this crate uses.
-pub use nalgebra;
-pub use plan::{
-    Block, BlockKind, DegenerateStep, Formulas, Operations, Plan, StrongOrder, Substeps,
-};
+pub use phase::lanes::StateLanes;
+pub use phase::state::State;
 pub use rule::{
     BlanesMoan4, BlanesMoanRkn6, Coefficients, Composed, Composition, ConstraintImpulses, Endpoint,
     Gauss, InitialPoint, KahanLi8, Midpoint, QuadraticKineticEnergy, Rule, Separable, Split,
@@ -199,7 +185,6 @@ pub use rule::{
 };
 pub use solve::newton::{BlockSolver, Newton};
 pub use solve::{MomentumVelocities, SingularRow};
-pub use state::State;
 /// Derives the steps of a system from its Lagrangian. The simplest block has L alone:
 ///
 /// ```
@@ -363,6 +348,12 @@ pub use state::State;
 /// # fn main() {}
 /// ```
 pub use sve_macros::variational;
+pub use system::CoordinateRole;
+pub use system::equations::{Memory, StepEquations, StepOf};
+pub use system::euler::EulerIncrement;
+pub use system::plan::{
+    Block, BlockKind, DegenerateStep, Formulas, Operations, Plan, StrongOrder, Substeps,
+};
 pub use system::{
     ConfigurationOf, ConstraintJet, Dimensions, Dims, FlatOf, FlatStateOf, ForceJet, Increments,
     IncrementsOf, LagrangianJet, MomentumOf, NoiseJet, StateOf, System, VectorOf,
@@ -370,6 +361,7 @@ pub use system::{
 #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
 pub use system::{IncrementLanesOf, StateLanesOf};
 pub use table::{SaveError, StateTable};
+pub use trajectory::Method;
 pub use trajectory::{
     Adjoint, Events, Gradient, RefinedTrajectory, Refinements, Saved, Snapshot, Trajectory,
 };
@@ -407,29 +399,25 @@ pub mod __private {
         pub use crate::lanes::solve::{
             Solved, factored, has_digits, inverse, is_regular, solve, solved,
         };
-        pub use crate::lanes::tangents::{
+        pub use crate::lanes::{Aligned, LANES, Lane, Mask, marked, needs_scalar_step, rows};
+        pub use crate::phase::lanes::StateLanes;
+        pub use crate::phase::tangents::{
             KeepUnknowns, LaneDirections, TangentLanes, regular_inverse, seeds, unfinished,
-        };
-        pub use crate::lanes::{
-            Aligned, LANES, Lane, Mask, StateLanes, marked, needs_scalar_step, rows,
         };
         pub use crate::solve::diagonal::solve_in_lane as solve_diagonal;
         pub use crate::system::TangentLanesOf;
     }
-    pub use crate::configuration::{FixedSize, Reduced, WithRotations};
-    pub use crate::degenerate::CoordinateRole;
-    pub use crate::equations::{Returns, StepEquations};
     pub use crate::error::StepError;
+    pub use crate::phase::configuration::{FixedSize, Reduced, WithRotations};
+    pub use crate::system::CoordinateRole;
+    pub use crate::system::equations::{Returns, StepEquations};
     /// The interface of generated increments of Euler's method.
     pub mod euler {
-        pub use crate::euler::*;
+        pub use crate::system::euler::*;
     }
     pub use crate::lanes::Mask;
-    pub use crate::linearisation::{Covector, Directions, Entries, Linearisation};
     pub use crate::parameter::{entry, number};
-    pub use crate::plan::{
-        Block, BlockKind, DegenerateStep, Formulas, Operations, Plan, StrongOrder,
-    };
+    pub use crate::phase::state::{State, in_coordinates, with_entries};
     pub use crate::power::power_log;
     pub use crate::rule::{QuadraticKineticEnergy, Separable, Unstructured};
     pub use crate::solve::SolveError;
@@ -443,8 +431,11 @@ pub mod __private {
         BlockProperties, BlockSolver, Evaluation, Newton, propagated_error,
     };
     pub use crate::solve::regularity::{all_positive, cold, contains_path, is_regular_within};
-    pub use crate::start::{StartOfStep, Tested};
-    pub use crate::state::{State, in_coordinates, with_entries};
+    pub use crate::system::linearisation::{Covector, Directions, Entries, Linearisation};
+    pub use crate::system::plan::{
+        Block, BlockKind, DegenerateStep, Formulas, Operations, Plan, StrongOrder,
+    };
+    pub use crate::system::start::{StartOfStep, Tested};
     pub use crate::system::{ConstraintJet, Dims, ForceJet, LagrangianJet, NoiseJet, System};
     pub use nalgebra::UnitQuaternion;
     /// The derivatives of a step.

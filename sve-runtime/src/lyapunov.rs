@@ -11,12 +11,12 @@
 use core::fmt;
 
 use crate::blocking::Blocking;
-use crate::configuration::Coordinates;
 use crate::error::StepError;
 use crate::integrator::{Integrator, Tangent};
 use crate::noise::{Noise, NoiseError, Wiener};
+use crate::phase::configuration::Coordinates;
+use crate::phase::state::State;
 use crate::rule::Rule;
-use crate::state::State;
 use crate::system::{Dims, Increments as _, StateOf, System};
 use crate::time::{is_next_time, time_after};
 

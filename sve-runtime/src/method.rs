@@ -4,15 +4,12 @@ use core::any::type_name;
 use core::hash::Hasher;
 
 use crate::error::StepError;
-use crate::lanes::tangents::LaneDirections;
 use crate::lanes::{ALL, Mask};
-use crate::linearisation::{Covector, Directions};
-use crate::noise::Noise;
+use crate::phase::tangents::LaneDirections;
+use crate::system::linearisation::{Covector, Directions};
 use crate::system::{
-    IncrementLanesOf, Increments, IncrementsOf, StateLanesOf, StateOf, System, TangentLanesOf,
-    VectorOf,
+    IncrementLanesOf, Increments, StateLanesOf, StateOf, System, TangentLanesOf, VectorOf,
 };
-use crate::trajectory::{Snapshot, Trajectory};
 
 /// A one-step method for a system, with increments of any kind: an [`Integrator`](crate::Integrator) or a [`baseline`](crate::baseline).
 pub trait OneStepMethod {
@@ -213,101 +210,3 @@ pub trait Differentiable: OneStepMethod {
         covector: Covector<'_, VectorOf<Self::System>>,
     ) -> Result<(), StepError>;
 }
-
-/// A [`OneStepMethod`] that takes one increment for each Wiener process: what ensembles and studies run, and what code for any method asks for.
-///
-/// All methods do, except rules with stage noise.
-#[diagnostic::on_unimplemented(
-    message = "`{Self}` is no method with one increment for each Wiener process",
-    note = "ensembles and studies draw one increment for each process, and so do steps that are divided, at an event or where they fail: use the rule without stage noise"
-)]
-pub trait Method:
-    OneStepMethod<Increments = IncrementsOf<<Self as OneStepMethod>::System>>
-{
-    /// Makes one step of length `h` with the given Wiener increments, one for each process in source order.
-    ///
-    /// # Errors
-    /// A [`StepError`] when an input is not finite, `h` is zero, or the step fails; `state` is then unchanged.
-    #[inline]
-    fn step(
-        &self,
-        state: &mut StateOf<Self::System>,
-        h: f64,
-        dw: &IncrementsOf<Self::System>,
-    ) -> Result<(), StepError> {
-        let prepared = self.prepare(h)?;
-        self.step_prepared(&prepared, state, h, dw)
-    }
-
-    /// Returns the states after each step of length `h` from `state`, without end, or to the end of a recorded path.
-    ///
-    /// The state number `k` (from 1) has time `t₀ + k h`, rounded once. The first step has the increments of step 0 of the noise,
-    /// whatever the time of `state`. To continue after `k` steps of a path, give [`noise.from_step(k)`](crate::noise::Replayable::from_step), or
-    /// [`resume`](Self::resume) a snapshot.
-    fn trajectory<W: Noise>(
-        &self,
-        state: StateOf<Self::System>,
-        h: f64,
-        noise: W,
-    ) -> Trajectory<'_, Self, W>
-    where
-        Self: Sized,
-    {
-        Trajectory::new(self, state, h, noise)
-    }
-
-    /// Continues the trajectory of a [`Snapshot`], with the bits of one that was not interrupted.
-    ///
-    /// System, method and noise have to be those of the first trajectory. A trajectory borrows its method, so nothing of these changes between its steps, and some
-    /// rules carry what the next step would compute again, such as the force at the end of a step. A snapshot with such numbers is refused if a parameter, a
-    /// formula or an option has another value than at the snapshot. A snapshot without them, of [`Midpoint`](crate::Midpoint) say, goes on with the present parameters.
-    /// To change parameters along a path, begin a [`trajectory`](Self::trajectory) at the state of the snapshot. The noise starts from its beginning, since the snapshot contains the number of
-    /// the step; a source whose increments [follow one another](crate::noise::FromRng) has to be in the state that it had at the snapshot.
-    /// A refined trajectory needs [`refine`](Trajectory::refine) again; a
-    /// [compensated](Trajectory::compensated) one continues to be compensated.
-    ///
-    /// ```
-    /// use sve_runtime::prelude::*;
-    ///
-    /// struct Pendulum { g: f64, sigma: f64 }
-    ///
-    /// #[variational(midpoint)]
-    /// impl Pendulum {
-    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + self.g * q.cos() }
-    ///     #[gamma]
-    ///     fn push(&self, q: f64) -> f64 { self.sigma * q }
-    /// }
-    ///
-    /// # fn main() -> Result<(), StepError> {
-    /// let pendulum = Integrator::new(Pendulum { g: 9.8, sigma: 0.1 }, Midpoint);
-    /// let mut path = pendulum.trajectory(State::new([1.0], [0.0]), 0.01, Wiener::new(7)).compensated();
-    /// path.nth(999).unwrap()?;
-    /// let snapshot = path.snapshot(); // with the feature `serde`, into a file and back
-    ///
-    /// let mut continued = pendulum.resume(snapshot, Wiener::new(7))?;
-    /// assert_eq!(continued.step(), 1000);
-    /// for _ in 0..1000 {
-    ///     assert_eq!(continued.next().unwrap()?, path.next().unwrap()?);
-    /// }
-    /// # Ok(())
-    /// # }
-    /// ```
-    ///
-    /// # Errors
-    /// [`StepError::OtherSteps`] for a snapshot with numbers that were carried by steps of another method or of other parameters;
-    /// [`StepError::Uncompensated`] for a snapshot of a compensated trajectory, if this method makes no such steps.
-    fn resume<W: Noise>(
-        &self,
-        snapshot: Snapshot<StateOf<Self::System>>,
-        noise: W,
-    ) -> Result<Trajectory<'_, Self, W>, StepError>
-    where
-        Self: Sized,
-    {
-        Trajectory::resume(self, snapshot, noise)
-    }
-}
-
-// the message of the trait says more than that of the increments
-#[diagnostic::do_not_recommend]
-impl<I: OneStepMethod<Increments = IncrementsOf<<I as OneStepMethod>::System>>> Method for I {}

@@ -8,12 +8,13 @@
 //! Strong order ½ (1 where the noise is additive), deterministic order 1.
 //! This scheme is stable and damps oscillations: its energy settles where the exact energy grows.
 
-use crate::configuration::VectorCoordinates;
-use crate::legendre;
-use crate::mechanics::{Field, correction_of, noise_of};
+use crate::mechanics::legendre;
+use crate::mechanics::{correction_of, noise_of};
+use crate::phase::Field;
+use crate::phase::configuration::VectorCoordinates;
+use crate::phase::state::State;
 use crate::solve::SolveError;
 use crate::solve::newton::{Evaluation, Newton};
-use crate::state::State;
 use crate::system::{Dims, System};
 
 /// Backward Euler–Maruyama: implicit in the drift, explicit in the noise.

@@ -9,17 +9,18 @@
 //!
 //! Source: Leimkuhler, Matthews, *Rational construction of stochastic numerical methods for molecular sampling*, Appl. Math. Res. Express (2013) 34–56.
 
-use crate::configuration::VectorCoordinates;
 use crate::error::{StepError, step_error};
 use crate::integrator::accept;
-use crate::jets::LagrangianJet;
-use crate::legendre;
-use crate::mechanics::{Field, noise_of};
+use crate::mechanics::legendre;
+use crate::mechanics::noise_of;
 use crate::method::OneStepMethod;
+use crate::phase::Field;
+use crate::phase::configuration::VectorCoordinates;
+use crate::phase::state::State;
 use crate::rule::QuadraticKineticEnergy;
 use crate::solve::SolveError;
 use crate::solve::dense;
-use crate::state::State;
+use crate::system::jets::LagrangianJet;
 use crate::system::{Dims, System};
 
 /// Difference of two terms, relative to their size, up to which they are equal: rounding errors of derivatives and of the inverse mass matrix.

@@ -7,10 +7,10 @@
 //! Strong order ½ (1 where the noise is additive), deterministic order 1.
 //! This is the best known scheme. Its energy grows exponentially where the exact energy grows linearly.
 
-use crate::configuration::VectorCoordinates;
-use crate::euler::EulerIncrement;
-use crate::mechanics::Field;
-use crate::state::State;
+use crate::phase::Field;
+use crate::phase::configuration::VectorCoordinates;
+use crate::phase::state::State;
+use crate::system::euler::EulerIncrement;
 use crate::system::{Dims, System};
 
 use super::explicit::{ExplicitFormula, explicit_method};

@@ -6,14 +6,16 @@
 //!
 //! Invariant: a stage that is not finite is an error, also where the result is finite.
 
-use crate::configuration::{FlatConfiguration, VectorCoordinates};
 use crate::error::{StepError, step_error};
-use crate::euler::EulerIncrement;
 use crate::integrator::accept;
-use crate::lanes::{ALL, LANES, Lane, Mask, StateLanes, needs_scalar_step};
-use crate::mechanics::{Field, correction_of, noise_of, solve_drift};
+use crate::lanes::{ALL, LANES, Lane, Mask, needs_scalar_step};
+use crate::mechanics::{correction_of, noise_of, solve_drift};
+use crate::phase::Field;
+use crate::phase::configuration::{FlatConfiguration, VectorCoordinates};
+use crate::phase::lanes::StateLanes;
+use crate::phase::state::State;
 use crate::solve::SolveError;
-use crate::state::State;
+use crate::system::euler::EulerIncrement;
 use crate::system::{Dims, System};
 
 /// The formula of an explicit method.
@@ -291,7 +293,7 @@ macro_rules! explicit_method {
 
             #[inline]
             fn prepare(&self, h: f64) -> Result<Self::Prepared, crate::error::StepError> {
-                const { crate::constraints::assert_unconstrained::<S>() }
+                const { crate::mechanics::constraints::assert_unconstrained::<S>() }
                 crate::integrator::accept::check_step_size(h)?;
                 Ok(self.system.euler_numbers(h))
             }
@@ -304,7 +306,7 @@ macro_rules! explicit_method {
                 h: f64,
                 dw: &[f64; $m],
             ) -> Result<(), crate::error::StepError> {
-                const { assert!(S::ROLES.is_empty(), "{}", crate::degenerate::NEEDS_REGULAR) };
+                const { assert!(S::ROLES.is_empty(), "{}", crate::mechanics::degenerate::NEEDS_REGULAR) };
                 let explicit = crate::baseline::explicit::Explicit { system: &self.system, formula: self };
                 Q::in_coordinates(state, |state| explicit.step(prepared.as_ref(), state, h, dw))
             }
@@ -313,8 +315,8 @@ macro_rules! explicit_method {
             fn step_lanes(
                 &self,
                 prepared: &Self::Prepared,
-                states: &crate::lanes::StateLanes<N>,
-                next: &mut crate::lanes::StateLanes<N>,
+                states: &crate::phase::lanes::StateLanes<N>,
+                next: &mut crate::phase::lanes::StateLanes<N>,
                 h: f64,
                 dw: &[crate::lanes::Lane; $m],
             ) -> crate::lanes::Mask {

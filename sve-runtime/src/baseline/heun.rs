@@ -6,10 +6,10 @@
 //! Strong order 1 where the noises commute, else ½; deterministic order 2.
 //! This is the explicit Stratonovich scheme whose cost is closest to a variational step.
 
-use crate::configuration::VectorCoordinates;
-use crate::euler::EulerIncrement;
-use crate::mechanics::Field;
-use crate::state::State;
+use crate::phase::Field;
+use crate::phase::configuration::VectorCoordinates;
+use crate::phase::state::State;
+use crate::system::euler::EulerIncrement;
 use crate::system::{Dims, System};
 
 use super::explicit::{ExplicitFormula, explicit_method, stage};

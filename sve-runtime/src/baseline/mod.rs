@@ -51,7 +51,7 @@ macro_rules! method_by_increment {
 
             #[inline]
             fn prepare(&self, h: f64) -> Result<(), crate::error::StepError> {
-                const { crate::constraints::assert_unconstrained::<S>() }
+                const { crate::mechanics::constraints::assert_unconstrained::<S>() }
                 crate::integrator::accept::check_step_size(h)
             }
 
@@ -63,7 +63,7 @@ macro_rules! method_by_increment {
                 h: f64,
                 dw: &[f64; $m],
             ) -> Result<(), crate::error::StepError> {
-                const { assert!(S::ROLES.is_empty(), "{}", crate::degenerate::NEEDS_REGULAR) };
+                const { assert!(S::ROLES.is_empty(), "{}", crate::mechanics::degenerate::NEEDS_REGULAR) };
                 Q::in_coordinates(state, |state| match self.increment(state, h, dw) {
                     Ok(d) => crate::integrator::accept::advance(state, h, dw, &d.q, &d.p),
                     Err(error) => Err(crate::error::step_error(error, state, h, dw)),

@@ -5,10 +5,10 @@
 //! W. Kutta, Z. Math. Phys. 46 (1901). Order 4. The types admit only systems without noise.
 //! This is the accurate scheme of everyday use, and gives references over short times. Its energy drifts.
 
-use crate::configuration::VectorCoordinates;
-use crate::euler::EulerIncrement;
-use crate::mechanics::Field;
-use crate::state::State;
+use crate::phase::Field;
+use crate::phase::configuration::VectorCoordinates;
+use crate::phase::state::State;
+use crate::system::euler::EulerIncrement;
 use crate::system::{Dims, System};
 
 use super::NoiseFree;

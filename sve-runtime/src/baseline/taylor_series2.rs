@@ -6,11 +6,12 @@
 //! The second-order Taylor variational integrator uses the same derivatives in the action. The energy of the method here grows
 //! without bound.
 
-use crate::configuration::VectorCoordinates;
-use crate::legendre;
-use crate::mechanics::{Field, Motion, solve_motion};
+use crate::mechanics::legendre;
+use crate::mechanics::{Motion, solve_motion};
+use crate::phase::Field;
+use crate::phase::configuration::VectorCoordinates;
+use crate::phase::state::State;
 use crate::solve::SolveError;
-use crate::state::State;
 use crate::system::{Dims, System};
 
 use super::NoiseFree;

@@ -9,14 +9,14 @@ use super::Ensemble;
 use super::memory::{Kind, LastStep, PathMemory};
 use super::observe::{Closure, Observable};
 use super::tile::Place;
-use crate::configuration::Coordinates;
+use crate::error::Observed;
 use crate::error::StepError;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::lanes::{LANES, Lane, Mask};
-use crate::method::Method;
-use crate::observed::Observed;
-use crate::state::State;
+use crate::phase::configuration::Coordinates;
+use crate::phase::state::State;
 use crate::system::{Dimensions, Dims, StateLanesOf, StateOf, System};
+use crate::trajectory::Method;
 
 impl<'a, I, S, Q, const N: usize, const M: usize> Ensemble<'a, I>
 where

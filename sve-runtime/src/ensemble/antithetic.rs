@@ -7,10 +7,10 @@ use super::difference::Difference;
 use super::statistic::{AnyRequest, Extent, Recorded, Size, Statistic};
 use super::statistics::{Moments, MomentsRequest, Statistics};
 use super::{Ensemble, Summary};
-use crate::configuration::Coordinates;
 use crate::lanes::{LANES, Lane, Mask};
-use crate::method::Method;
+use crate::phase::configuration::Coordinates;
 use crate::system::{Dims, System};
+use crate::trajectory::Method;
 
 impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
 where

@@ -3,7 +3,7 @@
 use core::fmt;
 use core::ops::Range;
 
-use crate::mechanics::Field;
+use crate::phase::Field;
 use crate::system::System;
 
 /// The parameter that varies along a direction, if one does, and the steps in which it varies.

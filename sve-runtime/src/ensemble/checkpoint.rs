@@ -26,9 +26,9 @@ use super::merge_tree::MergeTree;
 use super::settings::Settings;
 use super::stored::{FORMAT, LoadedSummary, StoredSummary};
 use super::{Ensemble, EnsembleError, Warning};
-use crate::configuration::Coordinates;
-use crate::method::Method;
+use crate::phase::configuration::Coordinates;
 use crate::system::{Dims, System};
+use crate::trajectory::Method;
 
 /// The first bytes of a file of any version.
 const MAGIC: &[u8; 8] = b"sve run\0";

@@ -10,10 +10,10 @@ use super::merge_tree::PartialResult;
 use super::path_block::PathBlock;
 use super::settings::Settings;
 use super::statistic::AnyRequest;
-use crate::configuration::Coordinates;
 use crate::lanes::Lane;
-use crate::method::Method;
+use crate::phase::configuration::Coordinates;
 use crate::system::{Dims, System};
+use crate::trajectory::Method;
 
 /// Runs with common noise.
 pub(super) struct Coupled<'a, I: Method> {

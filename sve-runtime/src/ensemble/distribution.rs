@@ -18,9 +18,9 @@ use super::settings::Settings;
 use super::stored::checked_tree;
 use super::summary::Summary;
 use super::{BLOCK_PATHS, Ensemble, EnsembleError, Warning};
-use crate::configuration::Coordinates;
-use crate::method::Method;
+use crate::phase::configuration::Coordinates;
 use crate::system::{Dims, System};
+use crate::trajectory::Method;
 
 /// What two processes compare before they run blocks of the same ensemble.
 #[derive(Serialize, Deserialize)]

@@ -6,13 +6,13 @@
 use super::Ensemble;
 use super::memory::Kind;
 use super::observe::Observable;
-use crate::configuration::Coordinates;
 use crate::error::StepError;
 use crate::lanes::Lane;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::mechanics::Mechanics;
-use crate::method::Method;
+use crate::phase::configuration::Coordinates;
 use crate::system::{Dimensions, Dims, StateLanesOf, StateOf, System};
+use crate::trajectory::Method;
 
 impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
 where

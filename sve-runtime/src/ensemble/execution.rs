@@ -17,9 +17,9 @@ use super::progress::Progress;
 use super::settings::Settings;
 use super::summary::Summary;
 use super::{BLOCK_PATHS, EnsembleError, Warning};
-use crate::configuration::Coordinates;
-use crate::method::Method;
+use crate::phase::configuration::Coordinates;
 use crate::system::{Dims, System};
+use crate::trajectory::Method;
 
 /// Largest number of blocks that are run together: with paths that stop at a constant rate, a thousand paths keep nine of ten lanes full.
 const GROUP: u64 = 16;

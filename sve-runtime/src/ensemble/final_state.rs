@@ -1,7 +1,7 @@
 //! The state of a path at the end of a run.
 
-use crate::configuration::{Configuration, FixedSize};
-use crate::state::State;
+use crate::phase::configuration::{Configuration, FixedSize};
+use crate::phase::state::State;
 
 /// The state of a path at the end, from [`Summary::final_states`](super::Summary::final_states): its components are read like those of a
 /// [`State`], without a number of coordinates in the type.

@@ -12,13 +12,13 @@ use super::difference::Difference;
 use super::memory::{Kind, LastStep};
 use super::path_noise::PathNoise;
 use super::settings::Settings;
-use crate::configuration::{Configuration, Coordinates, FixedSize};
 use crate::fingerprint::{Hash, StepsDifference, StepsFingerprint, hash};
-use crate::method::Method;
 use crate::noise::lanes::DistributionKind;
 use crate::noise::{self, Noise, ThreePoint, Wiener};
-use crate::state::State;
+use crate::phase::configuration::{Configuration, Coordinates, FixedSize};
+use crate::phase::state::State;
 use crate::system::{Dimensions, Dims, System};
+use crate::trajectory::Method;
 
 /// Smallest number of steps of path 0 that are compared.
 const STEPS: u64 = 4096;

@@ -14,15 +14,17 @@ use super::statistics::Statistics;
 use super::summary::Summary;
 use super::tangents::{CarryTiles, carry_tiles};
 use super::{Ensemble, EnsembleError};
-use crate::configuration::{Coordinates, FixedSize};
-use crate::dual::{Dual, DualState, with_dual_state};
 use crate::error::StepError;
 use crate::lanes::Lane;
-use crate::linearisation::Directions;
-use crate::mechanics::Field;
-use crate::method::{Differentiable, Method};
-use crate::state::State;
+use crate::mechanics::with_dual_state;
+use crate::method::{Differentiable, OneStepMethod};
+use crate::phase::Field;
+use crate::phase::configuration::{Coordinates, FixedSize};
+use crate::phase::dual::{Dual, DualState};
+use crate::phase::state::State;
+use crate::system::linearisation::Directions;
 use crate::system::{ConfigurationOf, Dimensions, Dims, IncrementsOf, StateOf, System, VectorOf};
+use crate::trajectory::Method;
 
 /// A smooth function of a state, with its derivatives.
 pub(super) trait Smooth<S: System>: Send + Sync {
@@ -86,11 +88,11 @@ where
 /// Makes a step and carries tangent vectors along it, see [`Differentiable::push_forward`].
 pub(super) type PushForward<I> = fn(
     &I,
-    &<I as crate::OneStepMethod>::Prepared,
-    &mut StateOf<<I as crate::OneStepMethod>::System>,
+    &<I as OneStepMethod>::Prepared,
+    &mut StateOf<<I as OneStepMethod>::System>,
     f64,
-    &IncrementsOf<<I as crate::OneStepMethod>::System>,
-    Directions<'_, VectorOf<<I as crate::OneStepMethod>::System>>,
+    &IncrementsOf<<I as OneStepMethod>::System>,
+    Directions<'_, VectorOf<<I as OneStepMethod>::System>>,
 ) -> Result<(), StepError>;
 
 /// The steps of a method that carry tangent vectors.

@@ -9,11 +9,11 @@ use super::difference::Difference;
 use super::sizes::{AT_ONCE, NUMBER};
 use super::statistic::{AnyRequest, Extent, Recorded, Size, Statistic, check_known};
 use super::{Ensemble, EnsembleError, Summary, edges};
-use crate::configuration::Coordinates;
 use crate::lanes::{LANES, Lane};
-use crate::method::Method;
+use crate::phase::configuration::Coordinates;
 use crate::system::{Dims, System};
 use crate::table::{Table, Values, table_writers};
+use crate::trajectory::Method;
 
 impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
 where

@@ -9,8 +9,8 @@ use super::settings::Settings;
 use super::statistic::Extent;
 use super::statistic::{self, AnyRequest};
 use crate::description::{RunDescription, SystemDescription};
-use crate::method::Method;
 use crate::system::{Increments as _, IncrementsOf};
+use crate::trajectory::Method;
 
 /// The data that summaries of the same run have in common.
 #[derive(Clone, Debug, PartialEq)]

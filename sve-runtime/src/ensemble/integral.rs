@@ -7,11 +7,11 @@
 use super::Ensemble;
 use super::memory::Kind;
 use super::observe::Closure;
-use crate::configuration::Coordinates;
-use crate::method::Method;
-use crate::observed::Observed;
-use crate::state::State;
+use crate::error::Observed;
+use crate::phase::configuration::Coordinates;
+use crate::phase::state::State;
 use crate::system::{Dims, System};
+use crate::trajectory::Method;
 
 impl<'a, I, S, Q, const N: usize, const M: usize> Ensemble<'a, I>
 where

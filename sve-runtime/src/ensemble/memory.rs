@@ -8,10 +8,10 @@ use super::failure::Cause;
 use super::observe::{Observable, not_finite};
 use super::path_block::PathBlock;
 use super::tile::{Place, lanes};
-use crate::configuration::Coordinates;
 use crate::lanes::{LANES, Lane, Mask};
-use crate::method::Method;
+use crate::phase::configuration::Coordinates;
 use crate::system::{Dimensions, Dims, StateLanesOf, System};
+use crate::trajectory::Method;
 
 /// The name of the weight in messages.
 const WEIGHT: &str = "weight";

@@ -67,7 +67,7 @@ mod tangents;
 mod tile;
 mod warning;
 
-pub use crate::observed::Observed;
+pub use crate::error::Observed;
 pub use by::By;
 pub use covariance::{Covariance, TwoTime};
 #[cfg(feature = "checkpoint")]
@@ -99,12 +99,12 @@ use self::settings::Settings;
 use self::starts::Starts;
 use self::statistic::AnyRequest;
 use self::statistics::MomentsRequest;
-use crate::configuration::Coordinates;
 use crate::lanes::LANES;
-use crate::method::Method;
 use crate::noise::PathData;
-use crate::state::State;
+use crate::phase::configuration::Coordinates;
+use crate::phase::state::State;
 use crate::system::{Dims, StateOf, System};
+use crate::trajectory::Method;
 
 /// Number of paths of a block. One thread runs a block, and its statistics are merged with those of other blocks in a fixed order.
 /// The number is part of the contract: another one would change the last bits of statistics. It is small, so that a thousand paths occupy several threads.

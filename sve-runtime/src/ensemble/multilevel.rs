@@ -19,9 +19,9 @@ use self::checks::{check_fall, check_values, least_size};
 use self::runs::{PATHS_OF_LEVEL, Run, largest_range, levels};
 use super::estimate::{Level, MultilevelEstimate, bias, paths_of_levels};
 use super::{BLOCK_PATHS, Ensemble, EnsembleError};
-use crate::configuration::Coordinates;
-use crate::method::Method;
+use crate::phase::configuration::Coordinates;
 use crate::system::{Dims, System};
+use crate::trajectory::Method;
 
 /// Number of levels that are always run: a bias is estimated from two differences at least.
 const FIRST_LEVELS: u32 = 3;

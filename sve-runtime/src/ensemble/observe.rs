@@ -6,10 +6,10 @@
 use core::marker::PhantomData;
 
 use super::memory::PathMemory;
+use crate::error::Observed;
 use crate::error::StepError;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::lanes::{LANES, Lane, Mask};
-use crate::observed::Observed;
 use crate::system::{Dimensions, StateLanesOf, StateOf, System};
 
 /// An observable of a system with a closure of any type.

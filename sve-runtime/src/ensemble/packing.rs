@@ -4,10 +4,10 @@
 
 use super::path_block::PathBlock;
 use super::tile::{Place, lanes};
-use crate::configuration::Coordinates;
 use crate::lanes::{ALL, LANES};
-use crate::method::Method;
+use crate::phase::configuration::Coordinates;
 use crate::system::{Dimensions, Dims, System};
+use crate::trajectory::Method;
 
 impl<I, S, Q, const N: usize, const M: usize> PathBlock<'_, I, N, M>
 where

@@ -14,14 +14,14 @@ use super::settings::Settings;
 use super::tangents::Tangents;
 use super::tile::{Place, Tile, lanes};
 use super::{BLOCK_TILES, EnsembleError, path_at};
-use crate::configuration::{Configuration, Coordinates};
 use crate::error::StepError;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::lanes::{ALL, Aligned, LANES, Lane, Mask};
-use crate::method::Method;
-use crate::state::State;
+use crate::phase::configuration::{Configuration, Coordinates};
+use crate::phase::state::State;
 use crate::system::{Dimensions, Dims, StateLanesOf, StateOf, System};
 use crate::time::time_after;
+use crate::trajectory::Method;
 
 /// Paths of some consecutive blocks. Where no path can stop it is one block.
 pub(super) struct PathBlock<'a, I: Method, const N: usize, const M: usize> {

@@ -5,10 +5,10 @@
 use super::path_block::PathBlock;
 use super::settings::Settings;
 use super::{BLOCK_PATHS, Ensemble, EnsembleError, Summary};
-use crate::configuration::Coordinates;
-use crate::method::Method;
+use crate::phase::configuration::Coordinates;
 use crate::system::{Dims, System};
 use crate::table::StateTable;
+use crate::trajectory::Method;
 
 impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
 where

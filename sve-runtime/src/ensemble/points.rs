@@ -5,11 +5,11 @@
 
 use super::starts::Starts;
 use super::{Ensemble, EnsembleError, Summary};
-use crate::configuration::Coordinates;
-use crate::method::Method;
 use crate::noise::{ManyPaths as _, Wiener};
-use crate::state::State;
+use crate::phase::configuration::Coordinates;
+use crate::phase::state::State;
 use crate::system::{Dims, System};
+use crate::trajectory::Method;
 
 impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
 where

@@ -8,10 +8,10 @@ use super::sizes::{AT_ONCE, NUMBER};
 use super::sketch::Sketch;
 use super::statistic::{AnyRequest, Extent, Recorded, Size, Statistic, check_known};
 use super::{Ensemble, EnsembleError, Summary};
-use crate::configuration::Coordinates;
 use crate::lanes::LANES;
-use crate::method::Method;
+use crate::phase::configuration::Coordinates;
 use crate::system::{Dims, System};
+use crate::trajectory::Method;
 
 impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
 where

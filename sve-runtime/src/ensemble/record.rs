@@ -12,10 +12,10 @@ use super::path_block::PathBlock;
 use super::statistic::AnyRequest;
 use super::tile::lanes;
 use super::{BLOCK_PATHS, BLOCK_TILES};
-use crate::configuration::{Configuration, Coordinates};
 use crate::lanes::{ALL, Lane, Mask};
-use crate::method::Method;
+use crate::phase::configuration::{Configuration, Coordinates};
 use crate::system::{Dimensions, Dims, System};
+use crate::trajectory::Method;
 
 impl<I, S, Q, const N: usize, const M: usize> PathBlock<'_, I, N, M>
 where

@@ -4,13 +4,13 @@
 
 use super::Ensemble;
 use super::path_block::PathBlock;
-use crate::configuration::Coordinates;
 use crate::error::StepError;
-use crate::method::Method;
 use crate::noise::DyadicInterval;
-use crate::state::State;
+use crate::phase::configuration::Coordinates;
+use crate::phase::state::State;
 use crate::system::{Dims, System};
 use crate::trajectory::Halving;
+use crate::trajectory::Method;
 
 impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
 where

@@ -8,10 +8,10 @@ use super::path_block::PathBlock;
 use super::settings::Settings;
 use super::tile::lanes;
 use super::{BLOCK_PATHS, Ensemble, EnsembleError};
-use crate::configuration::Coordinates;
-use crate::method::Method;
-use crate::state::State;
+use crate::phase::configuration::Coordinates;
+use crate::phase::state::State;
 use crate::system::{Dimensions, Dims, System};
+use crate::trajectory::Method;
 
 impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
 where

@@ -6,11 +6,11 @@ use core::ops::{Bound, RangeBounds};
 
 use super::Ensemble;
 use super::starts::{StartRng, Starts};
-use crate::configuration::Coordinates;
-use crate::method::Method;
 use crate::noise::ManyPaths;
-use crate::state::State;
+use crate::phase::configuration::Coordinates;
+use crate::phase::state::State;
 use crate::system::{Dims, System};
+use crate::trajectory::Method;
 
 impl<'a, I, S, Q, const N: usize, const M: usize> Ensemble<'a, I>
 where

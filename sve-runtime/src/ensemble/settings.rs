@@ -14,11 +14,11 @@ use super::path_noise::PathNoise;
 use super::starts::{StartRng, Starts};
 use super::statistic::{AnyRequest, Extent, check_known};
 use super::{BLOCK_PATHS, Ensemble, EnsembleError, path_at, sizes};
-use crate::configuration::FixedSize;
-use crate::method::Method;
 use crate::noise::lanes::DistributionKind;
+use crate::phase::configuration::FixedSize;
 use crate::system::{ConfigurationOf, StateOf};
 use crate::time::time_after;
+use crate::trajectory::Method;
 
 /// What a run of an ensemble has of its own where several runs share their noise.
 pub(super) struct Leg<'a, I: Method> {

@@ -5,8 +5,8 @@
 use super::moments::COLUMN_BYTES;
 use super::statistic::{Extent, Size};
 use super::{Ensemble, EnsembleError};
-use crate::method::Method;
 use crate::system::StateOf;
+use crate::trajectory::Method;
 
 /// Bytes of a number.
 pub(super) const NUMBER: u128 = 8;

@@ -15,7 +15,7 @@ use super::quantiles::Sketches;
 use super::statistics::Moments;
 use super::{Ensemble, EnsembleError, Summary};
 use crate::lanes::{Lane, Mask};
-use crate::method::Method;
+use crate::trajectory::Method;
 
 /// The results of one statistic over some consecutive blocks of paths.
 pub(super) trait Statistic: Sized {

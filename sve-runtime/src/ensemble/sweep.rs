@@ -9,10 +9,10 @@ use super::coupled::{Coupled, difference_number};
 use super::settings::{Leg, Settings};
 use super::starts::Starts;
 use super::{Ensemble, EnsembleError, Summary, sizes};
-use crate::configuration::Coordinates;
-use crate::method::Method;
-use crate::state::State;
+use crate::phase::configuration::Coordinates;
+use crate::phase::state::State;
 use crate::system::{Dims, System};
+use crate::trajectory::Method;
 
 impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
 where

@@ -12,15 +12,16 @@ use super::gradient::Gradients;
 use super::increment_buffer::IncrementBuffer;
 use super::path_block::PathBlock;
 use super::tile::{Tile, lanes};
-use crate::configuration::Coordinates;
 use crate::lanes::dispatch::{Kernel, dispatch};
-use crate::lanes::tangents::{LaneDirections, TangentLanes};
 use crate::lanes::{Aligned, LANES, Lane, Mask};
-use crate::linearisation::Directions;
-use crate::mechanics::Field;
-use crate::method::{Differentiable, Method};
+use crate::method::Differentiable;
+use crate::phase::Field;
+use crate::phase::configuration::Coordinates;
+use crate::phase::tangents::{LaneDirections, TangentLanes};
+use crate::system::linearisation::Directions;
 use crate::system::{Dimensions, Dims, IncrementLanesOf, StateLanesOf, System, TangentLanesOf};
 use crate::time::time_after;
+use crate::trajectory::Method;
 
 /// The tangent vectors of the paths of a block.
 #[derive(Default)]

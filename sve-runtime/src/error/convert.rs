@@ -1,9 +1,9 @@
 //! The conversion of solver errors to errors of steps.
 
 use super::StepError;
-use crate::configuration::FlatConfiguration;
+use crate::phase::configuration::FlatConfiguration;
+use crate::phase::state::State;
 use crate::solve::{SingularRow, SolveError};
-use crate::state::State;
 use crate::time::is_next_time;
 
 /// Converts the error of a solver to that of a step from `state`. An input that is not finite is reported first.

@@ -32,8 +32,8 @@ use super::room::{Distances, Extent, Needed, Room, magnitudes, momentum};
 use super::stages::Rows;
 use super::step::Step;
 use super::tableau::Tableau;
-use crate::configuration::VectorCoordinates;
 use crate::lanes::solve::inverse;
+use crate::phase::configuration::VectorCoordinates;
 use crate::system::Dims;
 
 /// Number of rooms that are tried.

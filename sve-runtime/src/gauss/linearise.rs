@@ -5,8 +5,8 @@ use nalgebra::DMatrix;
 use super::newton::{displacement, jacobian, moves_position, velocity};
 use super::step::{Stage, Step};
 use super::tableau::Tableau;
-use crate::configuration::VectorCoordinates;
-use crate::linearisation::{Entries, Linearisation};
+use crate::phase::configuration::VectorCoordinates;
+use crate::system::linearisation::{Entries, Linearisation};
 use crate::system::{Dims, System};
 
 /// Derivatives by a parameter at a point.

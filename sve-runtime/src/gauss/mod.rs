@@ -43,11 +43,11 @@ pub use linearise::{ByParameters, ParameterJet};
 pub use potential::{Corrected, WithPotential, with_potential};
 pub use scaled::SecondOrderCoefficients;
 
-use crate::configuration::VectorCoordinates;
-use crate::linearisation::Linearisation;
+use crate::phase::configuration::VectorCoordinates;
+use crate::phase::state::State;
 use crate::solve::SolveError;
 use crate::solve::newton::BlockSolver;
-use crate::state::State;
+use crate::system::linearisation::Linearisation;
 use crate::system::{Dims, System};
 use memory::solve_from_memory;
 use newton::Solved;

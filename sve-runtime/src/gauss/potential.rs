@@ -7,8 +7,8 @@ use super::bounds::{NodeBounds, Radii, StageBounds, Uniqueness};
 use super::linearise::{ByParameters, ParameterJet};
 use super::tableau::Tableau;
 use super::{Masses, Motion, Partitioned, SecondOrder, StageLanes};
-use crate::configuration::VectorCoordinates;
-use crate::degenerate::CoordinateRole;
+use crate::phase::configuration::VectorCoordinates;
+use crate::system::CoordinateRole;
 use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System};
 
 /// A system with a potential. `E` is the number of its noises with the potential, which is the last of them.

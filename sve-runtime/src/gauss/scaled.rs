@@ -9,7 +9,7 @@
 //! No number of a step is multiplied by h itself. Where h is near a simple fraction, such as 0.2, the rounding error of products with h has a mean that depends on the other factor, and the energy drifts by some 10⁻¹⁸ a step.
 
 use super::tableau::Tableau;
-use crate::configuration::VectorCoordinates;
+use crate::phase::configuration::VectorCoordinates;
 use crate::solve::dense;
 use crate::system::{Dims, System};
 

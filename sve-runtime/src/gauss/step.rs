@@ -12,8 +12,8 @@
 //! `docs/mathematics.md`, section 2; the momenta need `1 − μ_ji`, which is `μ_ij`.
 
 use super::tableau::Tableau;
-use crate::configuration::VectorCoordinates;
-use crate::state::State;
+use crate::phase::configuration::VectorCoordinates;
+use crate::phase::state::State;
 use crate::system::{Dims, LagrangianJet, System};
 
 /// A step of the rule with `S` stages.

@@ -2,10 +2,10 @@
 //!
 //! Invariant: a state is only replaced by a finite one at another time.
 
-use crate::configuration::FlatConfiguration;
 use crate::error::{StepError, step_error};
+use crate::phase::configuration::FlatConfiguration;
+use crate::phase::state::State;
 use crate::solve::SolveError;
-use crate::state::State;
 use crate::time::is_next_time;
 
 /// Largest square of the Cayley vector of a rotation in a step, which turns by 127 degrees. The Cayley transform has its pole at 180 degrees, and

@@ -13,16 +13,16 @@
 //! chapter 6. Paths are not followed around folds.
 
 use super::accept::all_finite;
-use crate::configuration::{Coordinates, FlatConfiguration};
-use crate::constraints::fold::Fold;
-use crate::equations::Memory;
-use crate::equations::{StepEquations, StepOf};
-use crate::legendre;
 use crate::mechanics;
+use crate::mechanics::constraints::fold::Fold;
+use crate::mechanics::legendre;
+use crate::phase::configuration::{Coordinates, FlatConfiguration};
+use crate::phase::state::State;
 use crate::rule::Walker;
 use crate::solve::SolveError;
 use crate::solve::newton::BlockSolver;
-use crate::state::State;
+use crate::system::equations::Memory;
+use crate::system::equations::{StepEquations, StepOf};
 use crate::system::{Dims, Increments, System};
 
 /// Smallest stride, relative to the part of the path behind it; at the start relative to the first stride.

@@ -3,16 +3,16 @@
 use super::modes::{LanesMode, SingleMode};
 use super::step::solve_step;
 use super::{Integrator, start};
-use crate::configuration::Coordinates;
-use crate::equations::{Memory, StepEquations};
 use crate::error::{StepError, step_error};
 use crate::lanes::Mask;
-use crate::lanes::tangents::LaneDirections;
-use crate::linearisation::{Covector, Directions, Unknowns};
 use crate::method::Differentiable;
+use crate::phase::configuration::Coordinates;
+use crate::phase::state::State;
+use crate::phase::tangents::LaneDirections;
 use crate::rule::{Mode, Rule, Walker};
-use crate::start::Tested;
-use crate::state::State;
+use crate::system::equations::{Memory, StepEquations};
+use crate::system::linearisation::{Covector, Directions, Unknowns};
+use crate::system::start::Tested;
 use crate::system::{Dims, IncrementLanesOf, Increments, StateLanesOf, System, TangentLanesOf};
 
 /// The mode that makes steps and carries tangent vectors along them.

@@ -9,14 +9,14 @@ use super::compensated::Compensate;
 use super::modes::{Lanes, LanesMode, Single, SingleMode};
 use super::start::AdvanceLanes;
 use super::step::{Advance, Count};
-use crate::configuration::Coordinates;
-use crate::equations::Memory;
 use crate::error::StepError;
 use crate::lanes::Mask;
 use crate::method::OneStepMethod;
-use crate::plan::{Plan, StrongOrder, Substeps};
+use crate::phase::configuration::Coordinates;
+use crate::phase::state::State;
 use crate::rule::{Rule, Walker};
-use crate::state::State;
+use crate::system::equations::Memory;
+use crate::system::plan::{Plan, StrongOrder, Substeps};
 use crate::system::{Dims, IncrementLanesOf, StateLanesOf, System};
 
 /// What an integrator computes before the first step, and carries from step to step.

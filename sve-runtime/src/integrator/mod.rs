@@ -15,6 +15,8 @@
 
 pub(crate) mod accept;
 mod compensated;
+mod consistent;
+mod constraint_forces;
 mod continuation;
 mod gradient;
 mod method;
@@ -24,19 +26,18 @@ mod start;
 pub(crate) mod step;
 mod tangent;
 
+pub use constraint_forces::{ConstraintForce, ConstraintForces};
 use step::Advance;
 pub use tangent::{Sensitivity, Tangent};
 
-use crate::configuration::{Coordinates, Reduced, WithRotations};
 use crate::error::StepError;
 use crate::method::OneStepMethod;
-use crate::noise::Noise;
-use crate::plan::Plan;
+use crate::phase::configuration::{Coordinates, Reduced, WithRotations};
+use crate::phase::state::State;
 use crate::rule::Rule;
 use crate::solve::newton::Newton;
-use crate::state::State;
+use crate::system::plan::Plan;
 use crate::system::{Dims, System};
-use crate::trajectory::{Snapshot, Trajectory};
 
 /// A system and the rule that discretises its action.
 ///
@@ -267,35 +268,6 @@ where
         dw: &R::Increments,
     ) -> Result<(Tangent<N>, Sensitivity<Q::Momentum>), StepError> {
         tangent::derivatives(self, state, h, dw)
-    }
-
-    /// Returns the states after each step of length `h` from `state`; see [`Method::trajectory`](crate::Method::trajectory).
-    ///
-    #[doc = include_str!("../example.md")]
-    /// for state in pendulum.trajectory(start, 0.01, Wiener::new(42)).take(100) {
-    ///     let state = state?;
-    ///     println!("{} {}", state.t, state.q[0]);
-    /// }
-    #[doc = include_str!("../example_end.md")]
-    pub fn trajectory<W: Noise>(
-        &self,
-        state: State<Q>,
-        h: f64,
-        noise: W,
-    ) -> Trajectory<'_, Self, W> {
-        Trajectory::new(self, state, h, noise)
-    }
-
-    /// Continues a trajectory from a snapshot; see [`Method::resume`](crate::Method::resume).
-    ///
-    /// # Errors
-    /// As [`Method::resume`](crate::Method::resume).
-    pub fn resume<W: Noise>(
-        &self,
-        snapshot: Snapshot<State<Q>>,
-        noise: W,
-    ) -> Result<Trajectory<'_, Self, W>, StepError> {
-        Trajectory::resume(self, snapshot, noise)
     }
 }
 

@@ -5,13 +5,13 @@
 use core::convert::Infallible;
 use core::mem::replace;
 
-use crate::configuration::Coordinates;
-use crate::equations::StepEquations;
 use crate::error::StepError;
 use crate::lanes::{LANES, Mask};
+use crate::phase::configuration::Coordinates;
+use crate::phase::state::State;
 use crate::rule::{Mode, Walker};
-use crate::start::Tested;
-use crate::state::State;
+use crate::system::equations::StepEquations;
+use crate::system::start::Tested;
 use crate::system::{
     Dimensions, Dims, FlatStateOf, IncrementLanesOf, Increments, StateLanesOf, System,
 };

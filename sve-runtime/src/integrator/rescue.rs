@@ -4,17 +4,17 @@
 
 use super::accept::{add, refusal, replace};
 use super::continuation::{self, ContinuationError};
-use crate::configuration::{Coordinates, FlatConfiguration};
-use crate::constraints::explain::{constraint_error, gradient_error};
-use crate::degenerate::{self, is_degenerate};
-use crate::equations::Memory;
-use crate::equations::StepEquations;
 use crate::error::{StepError, step_error};
-use crate::legendre;
+use crate::mechanics::constraints::explain::{constraint_error, gradient_error};
+use crate::mechanics::degenerate::{self, is_degenerate};
+use crate::mechanics::legendre;
+use crate::phase::configuration::{Coordinates, FlatConfiguration};
+use crate::phase::state::State;
 use crate::rule::Walker;
 use crate::solve::SolveError;
 use crate::solve::newton::BlockSolver;
-use crate::state::State;
+use crate::system::equations::Memory;
+use crate::system::equations::StepEquations;
 use crate::system::{Dims, System};
 
 /// Solves a step on which the fast path failed with `failure`: follows the solution by continuation from zero noise and h → 0. If constraints hold and the mass

@@ -7,16 +7,16 @@
 //! ([`StepEquations::PROVES_START`]) tests nothing. A lane that is not sure takes the scalar step.
 
 use super::modes::LanesMode;
-use crate::configuration::Coordinates;
-use crate::equations::{Memory, StepEquations, StepOf};
-use crate::lanes::tangents::KeepUnknowns;
 use crate::lanes::{ALL, LANES, Mask};
-use crate::legendre;
+use crate::mechanics::legendre;
+use crate::phase::configuration::Coordinates;
+use crate::phase::state::State;
+use crate::phase::tangents::KeepUnknowns;
 use crate::rule::Walker;
 use crate::solve::SolveError;
 use crate::solve::newton::BlockSolver;
-use crate::start::{StartOfStep, Tested};
-use crate::state::State;
+use crate::system::equations::{Memory, StepEquations, StepOf};
+use crate::system::start::{StartOfStep, Tested};
 use crate::system::{Dimensions, Dims, IncrementLanesOf, StateLanesOf, System};
 
 /// Returned by a failed test. The error of the step is made off the fast path, from the inverse Legendre transform.

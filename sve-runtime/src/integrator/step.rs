@@ -7,15 +7,15 @@ use super::accept::{add, refusal, replace};
 use super::modes::SingleMode;
 use super::rescue::{explain_step, solve_by_continuation};
 use super::start;
-use crate::configuration::{Coordinates, FlatConfiguration};
-use crate::equations::{Memory, StepEquations};
 use crate::error::{StepError, step_error};
-use crate::plan::{BlockKind, Plan};
+use crate::phase::configuration::{Coordinates, FlatConfiguration};
+use crate::phase::state::State;
 use crate::rule::Walker;
 use crate::solve::SolveError;
 use crate::solve::newton::Newton;
-use crate::start::Tested;
-use crate::state::State;
+use crate::system::equations::{Memory, StepEquations};
+use crate::system::plan::{BlockKind, Plan};
+use crate::system::start::Tested;
 use crate::system::{Dims, Increments, System};
 
 /// The mode that makes steps.

@@ -10,14 +10,14 @@ use nalgebra::{DMatrix, SMatrix};
 use super::Integrator;
 use super::modes::SingleMode;
 use super::step::solve_step;
-use crate::configuration::{Coordinates, FixedSize};
-use crate::equations::{Memory, StepEquations};
 use crate::error::{StepError, step_error};
-use crate::mechanics::Field;
 use crate::method::OneStepMethod;
+use crate::phase::Field;
+use crate::phase::configuration::{Coordinates, FixedSize};
+use crate::phase::state::State;
 use crate::rule::{Rule, Walker};
-use crate::start::Tested;
-use crate::state::State;
+use crate::system::equations::{Memory, StepEquations};
+use crate::system::start::Tested;
 use crate::system::{Dims, Increments, System};
 
 /// The tangent map of a step, `∂(q₁,p₁)/∂(q₀,p₀)`: a matrix of `2N` rows and columns, first the coordinates, then the momenta.

@@ -3,12 +3,12 @@
 //! Input: a system and a flat state, or its derivatives there. Output: rates of change of (q, p). Errors are those of solvers: a method reports the error of a whole
 //! step, not of one stage.
 
-use super::Field;
-use crate::configuration::{Coordinates, FlatConfiguration};
-use crate::jets::NoiseJet;
-use crate::legendre;
+use crate::mechanics::legendre;
+use crate::phase::Field;
+use crate::phase::configuration::{Coordinates, FlatConfiguration};
+use crate::phase::state::State;
 use crate::solve::{SolveError, dense};
-use crate::state::State;
+use crate::system::jets::NoiseJet;
 use crate::system::{Dims, System};
 
 /// Returns the drift `(v, ∂L/∂q + F)`. Only the velocity is checked to be finite.

@@ -9,8 +9,8 @@
 //!
 //! Source: Lévy's construction; Karatzas, Shreve, *Brownian Motion and Stochastic Calculus*, 2nd ed., Springer (1991), section 2.3.
 
-use super::error::check_step;
 use super::{Halves, Noise, NoiseError, Wiener, box_muller, threefry};
+use crate::error::check_step;
 
 /// Separates these draws from the increments of the path itself.
 const DOMAIN: u64 = u64::from_le_bytes(*b"bridge  ");

@@ -7,7 +7,7 @@ use core::marker::PhantomData;
 
 use super::NoiseError;
 use super::distribution::{BY_STEPS, Distribution, PathKey, SHARED, Workspace};
-use super::error::check_step;
+use crate::error::check_step;
 use crate::lanes::Aligned;
 use crate::lanes::dispatch::{VectorKernel, dispatch_vectors};
 

@@ -3,8 +3,8 @@
 //! Input: a generator of random words. Output: √h z with z the next standard normal of its stream.
 //! Invariant: every two words become two normals, both of which are used.
 
-use super::error::check_step;
 use super::{Noise, NoiseError, box_muller};
+use crate::error::check_step;
 use crate::gauss::stage_noise;
 
 /// Increments drawn one after another from a generator of the `rand` crates (`rand_core` 0.10).

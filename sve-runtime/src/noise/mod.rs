@@ -34,7 +34,6 @@ pub(crate) mod box_muller;
 mod bridge;
 mod counter_path;
 mod distribution;
-mod error;
 mod from_rng;
 mod from_step;
 mod halves;
@@ -52,10 +51,10 @@ pub(crate) mod threefry;
 mod truncated;
 mod wiener;
 
+pub use crate::error::NoiseError;
 pub use bridge::{DyadicInterval, Refined};
 #[cfg(feature = "ensemble")]
 pub(crate) use distribution::VERSION;
-pub use error::NoiseError;
 pub use from_rng::FromRng;
 pub use from_step::{FromStep, Replayable};
 pub use halves::Halves;

@@ -3,8 +3,8 @@
 //! Input: a step size and the increments of every process over every step. Output: these increments, or their sums over larger steps.
 //! Invariant: the step size is finite and not zero, every increment is finite.
 
-use super::error::check_step;
 use super::{Noise, NoiseError};
+use crate::error::check_step;
 use crate::gauss::stage_noise;
 
 /// Largest relative difference between a step size and the recorded one: `k * h` and `T / n` have one or two rounding errors each. Step

@@ -5,8 +5,8 @@
 //! Source of the bound that grows like √|ln h|: Milstein, Repin, Tretyakov, *Numerical methods for stochastic systems preserving
 //! symplectic structure*, SIAM J. Numer. Anal. 40 (2002) 1583–1604.
 
-use super::error::check_step;
 use super::{Noise, NoiseError};
+use crate::error::check_step;
 use crate::gauss::stage_noise;
 
 /// Default bound, in standard deviations.

@@ -2,8 +2,8 @@
 
 use super::sequence::{plan_of, visited};
 use super::{Gauss, Midpoint, Mode, Rule, StormerVerlet, Walker};
-use crate::equations::Memory;
-use crate::plan::Plan;
+use crate::system::equations::Memory;
+use crate::system::plan::Plan;
 
 /// A symmetric rule: a step of length −h leads back. Compositions of substeps raise its order.
 #[diagnostic::on_unimplemented(

@@ -30,11 +30,11 @@ pub use variational::{ConstraintImpulses, Variational};
 
 use core::marker::PhantomData;
 
-use crate::equations::{Memory, StepEquations};
-use crate::plan::Plan;
 use crate::solve::newton::Newton;
-use crate::start::Tested;
 use crate::system::Increments;
+use crate::system::equations::{Memory, StepEquations};
+use crate::system::plan::Plan;
+use crate::system::start::Tested;
 
 /// A rule with a step for the system `S`: a rule that the attribute of the system lists, a composition, or a splitting.
 ///

@@ -3,9 +3,9 @@
 //! The macro defines a rule by its discrete action (`docs/mathematics.md`, section 2). A step is one substep: the equations that the macro derived.
 
 use super::{Mode, Rule, TellsImpulses, Walker};
-use crate::equations::StepEquations;
-use crate::plan::Plan;
-use crate::start::Tested;
+use crate::system::equations::StepEquations;
+use crate::system::plan::Plan;
+use crate::system::start::Tested;
 
 macro_rules! rules {
     ($($(#[$doc:meta])* $name:ident)*) => {$(

@@ -1,7 +1,7 @@
 //! What compositions and splittings have in common: substep `k` has the length `wₖ h` and the increments `wₖ ΔW`.
 
 use super::Mode;
-use crate::plan::{Operations, Plan, Substeps};
+use crate::system::plan::{Operations, Plan, Substeps};
 
 /// Returns number and fraction of the substep that a walk visits after `at` others.
 #[inline(always)]

@@ -3,8 +3,8 @@
 use super::coefficients::{BlanesMoan4, BlanesMoanRkn6};
 use super::sequence::{plan_of, visited};
 use super::{Endpoint, InitialPoint, Mode, Rule, Walker};
-use crate::equations::Memory;
-use crate::plan::Plan;
+use crate::system::equations::Memory;
+use crate::system::plan::Plan;
 use crate::system::{IncrementsOf, System};
 
 /// A system with `L = T(v) − V(t, q)`. Implemented by `#[variational(…)]`.

@@ -1,7 +1,7 @@
 //! [`Rule`] as a bound of the system: `S: Variational<R>`, `S: ConstraintImpulses<R>`.
 
 use super::{Rule, TellsImpulses};
-use crate::equations::Memory;
+use crate::system::equations::Memory;
 use crate::system::{IncrementsOf, System};
 
 /// A system with the step of the rule `R`, which takes one increment for each Wiener process: `R: Rule<S::Itself, Increments = IncrementsOf<S>>` in other words.

@@ -8,9 +8,10 @@ use std::time::{Duration, Instant};
 
 use crate::error::StepError;
 use crate::fingerprint::StepsFingerprint;
-use crate::method::{Method, OneStepMethod};
+use crate::method::OneStepMethod;
 use crate::noise::Recorded;
 use crate::system::{Increments, IncrementsOf, StateOf, System};
+use crate::trajectory::Method;
 
 /// Number of steps whose Newton iterations are counted: they vary little along a path.
 const COUNTED: usize = 256;

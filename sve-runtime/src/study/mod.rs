@@ -31,9 +31,9 @@ use std::borrow::Cow;
 
 use self::any_method::AnyMethod;
 use self::reference::Reference;
-use crate::configuration::Coordinates;
 use crate::error::StepError;
-use crate::state::State;
+use crate::phase::configuration::Coordinates;
+use crate::phase::state::State;
 use crate::system::{Dims, StateOf, System};
 
 /// Default number of repeats of each timing.

@@ -6,12 +6,12 @@ use std::borrow::Cow;
 
 use super::reference::Reference;
 use super::{Candidate, Observable, Study};
-use crate::configuration::Coordinates;
 use crate::ensemble::Observed;
-use crate::method::Method;
 use crate::noise::Recorded;
-use crate::state::State;
+use crate::phase::configuration::Coordinates;
+use crate::phase::state::State;
 use crate::system::{Dims, System};
+use crate::trajectory::Method;
 
 impl<'a, S, Q, const N: usize, const M: usize> Study<'a, S>
 where

@@ -10,11 +10,11 @@ use super::report::{Invariant, Report, Row};
 use super::settings::Settings;
 use super::stopwatch::Stopwatch;
 use super::{Study, StudyError};
-use crate::configuration::Coordinates;
 use crate::description::SystemDescription;
 use crate::error::StepError;
 use crate::noise::{NoNoise, Recorded};
-use crate::state::State;
+use crate::phase::configuration::Coordinates;
+use crate::phase::state::State;
 use crate::system::{Dims, System};
 
 /// The errors of one path, by one method with one step size.

@@ -5,7 +5,7 @@
 use super::any_method::AnyMethod;
 use super::reference::Reference;
 use super::{Study, StudyError};
-use crate::configuration::Coordinates;
+use crate::phase::configuration::Coordinates;
 use crate::system::{Dims, StateOf, System};
 
 /// The settings of a study, complete and checked.

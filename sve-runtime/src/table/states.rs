@@ -5,11 +5,11 @@
 use std::io;
 
 use super::{Table, Values, table_writers};
-use crate::configuration::{Configuration, FixedSize};
+use crate::error::Observed;
 use crate::error::StepError;
-use crate::observed::Observed;
+use crate::phase::configuration::{Configuration, FixedSize};
+use crate::phase::state::State;
 use crate::readable::debug_is_display;
-use crate::state::State;
 use crate::system::{ConfigurationOf, MomentumOf, StateOf, System};
 
 /// States as a table, to be written as CSV, as an array of `NumPy` (feature `npy`), or as Parquet (feature `parquet`).

@@ -10,12 +10,12 @@ use core::fmt;
 use super::Trajectory;
 use super::checkpoints::enough;
 use super::sweep::Sweep;
-use crate::configuration::Coordinates;
-use crate::dual::{Dual, DualState};
 use crate::error::StepError;
-use crate::mechanics::Field;
 use crate::method::{Differentiable, OneStepMethod};
 use crate::noise::{Noise, Replayable};
+use crate::phase::Field;
+use crate::phase::configuration::Coordinates;
+use crate::phase::dual::{Dual, DualState};
 use crate::system::{Dims, System};
 
 /// Steps of a trajectory along which a loss is differentiated, with the options of [`Trajectory::adjoint`].

@@ -8,6 +8,7 @@ mod checkpoints;
 mod compensated;
 mod events;
 mod gradient;
+mod method;
 mod refined;
 mod saved;
 mod snapshot;
@@ -15,6 +16,7 @@ mod sweep;
 
 pub use events::Events;
 pub use gradient::{Adjoint, Gradient};
+pub use method::Method;
 #[cfg(feature = "ensemble")]
 pub(crate) use refined::Halving;
 pub use refined::{RefinedTrajectory, Refinements};

@@ -3,9 +3,10 @@
 use core::fmt;
 use core::ops::Deref;
 
+use super::Method;
 use super::Trajectory;
 use crate::error::StepError;
-use crate::method::{Method, OneStepMethod};
+use crate::method::OneStepMethod;
 use crate::noise::{DyadicInterval, Halves, Noise};
 use crate::system::StateOf;
 

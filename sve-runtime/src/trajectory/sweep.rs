@@ -6,14 +6,15 @@
 use core::cell::RefCell;
 
 use super::checkpoints::distance;
-use crate::configuration::Coordinates;
-use crate::dual::{Dual, DualState, with_dual_state};
 use crate::error::StepError;
-use crate::linearisation::Covector;
-use crate::mechanics::Field;
+use crate::mechanics::with_dual_state;
 use crate::method::Differentiable;
 use crate::noise::Replayable;
-use crate::state::State;
+use crate::phase::Field;
+use crate::phase::configuration::Coordinates;
+use crate::phase::dual::{Dual, DualState};
+use crate::phase::state::State;
+use crate::system::linearisation::Covector;
 use crate::system::{Dims, Increments, System};
 use crate::time::{is_next_time, time_after};
 

@@ -4,13 +4,13 @@
 
 use super::runs::{Run, largest_range};
 use super::{FIRST_LEVELS, MULTILEVEL, Multilevel, SURE};
-use crate::configuration::Coordinates;
 use crate::ensemble::estimate::Level;
 use crate::ensemble::settings::{Leg, Settings};
 use crate::ensemble::starts::Starts;
 use crate::ensemble::{BLOCK_PATHS, EnsembleError};
-use crate::method::Method;
+use crate::phase::configuration::Coordinates;
 use crate::system::{Dims, Increments, IncrementsOf, System};
+use crate::trajectory::Method;
 
 impl<I, S, Q, const N: usize, const M: usize> Multilevel<'_, I>
 where

@@ -3,7 +3,6 @@
 //! Input: the number of a level and of its blocks. Output: the mean and the variance of the difference, and how it is spread. Invariant: blocks that were run are not run again.
 
 use super::Multilevel;
-use crate::configuration::Coordinates;
 use crate::ensemble::coupled::Coupled;
 use crate::ensemble::estimate::Level;
 use crate::ensemble::fingerprint::Fingerprint;
@@ -12,8 +11,9 @@ use crate::ensemble::merge_tree::{MergeTree, PartialResult};
 use crate::ensemble::settings::{Leg, Settings};
 use crate::ensemble::spread::Spread;
 use crate::ensemble::{BLOCK_PATHS, EnsembleError, Summary};
-use crate::method::Method;
+use crate::phase::configuration::Coordinates;
 use crate::system::{Dims, System};
+use crate::trajectory::Method;
 
 /// Number of paths of the noise that are reserved for a level.
 pub(super) const PATHS_OF_LEVEL: u64 = 1 << 48;

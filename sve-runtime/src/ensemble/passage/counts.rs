@@ -15,7 +15,7 @@ use super::super::sizes::{AT_ONCE, NUMBER};
 use super::super::statistic::{Extent, Size, Statistic};
 use super::super::summary::Summary;
 use super::survival::Passages;
-use crate::method::Method;
+use crate::trajectory::Method;
 
 /// Number of bins of a run, unless it has more recorded times: what depends on the order of the ends within a bin is at most of the order of 1/4096 of the run, and a bin has 5 to 40 bytes.
 const BINS: u64 = 4096;

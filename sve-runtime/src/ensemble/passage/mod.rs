@@ -17,11 +17,11 @@ use self::counts::PassageRequest;
 use super::Ensemble;
 use super::observe::{Closure, Observable};
 use super::statistic::AnyRequest;
-use crate::configuration::Coordinates;
-use crate::method::Method;
-use crate::observed::Observed;
-use crate::state::State;
+use crate::error::Observed;
+use crate::phase::configuration::Coordinates;
+use crate::phase::state::State;
 use crate::system::{Dims, System};
+use crate::trajectory::Method;
 
 /// A function whose first zero on each path is recorded.
 pub(super) struct PassageFunction<'a, S: System> {

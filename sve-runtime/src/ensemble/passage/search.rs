@@ -8,11 +8,11 @@
 //! in smaller steps, if the ensemble refines steps.
 
 use crate::error::StepError;
-use crate::method::Method;
 use crate::noise::{DyadicInterval, Halves};
 use crate::system::{Increments, IncrementsOf, StateOf};
 use crate::time::is_next_time;
 use crate::trajectory::Halving;
+use crate::trajectory::Method;
 
 use super::super::memory::crosses;
 use super::super::observe::Observable;

@@ -4,12 +4,12 @@
 
 use super::counts::{End, Passage};
 use super::search::{Crossing, Zero};
-use crate::configuration::Coordinates;
 use crate::error::StepError;
 use crate::lanes::{LANES, Lane, Mask};
-use crate::method::Method;
-use crate::state::State;
+use crate::phase::configuration::Coordinates;
+use crate::phase::state::State;
 use crate::system::{Dimensions, Dims, System};
+use crate::trajectory::Method;
 
 use super::super::Ensemble;
 use super::super::failure::Cause;

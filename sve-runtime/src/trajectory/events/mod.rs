@@ -18,11 +18,12 @@ use std::collections::VecDeque;
 
 use self::function::{Action, Direction, EventFunction, Function};
 use super::Trajectory;
+use crate::error::Observed;
 use crate::error::StepError;
-use crate::method::{Method, OneStepMethod};
+use crate::method::OneStepMethod;
 use crate::noise::{Halves, Noise};
-use crate::observed::Observed;
 use crate::system::StateOf;
+use crate::trajectory::Method;
 
 /// The events along a trajectory, from [`Trajectory::crossings`], [`Trajectory::stop_at`] and [`Trajectory::change_at`].
 ///

@@ -4,10 +4,10 @@
 //! the state at the beginning, the fraction and the path, so the same fraction gives the same bits.
 
 use crate::error::StepError;
-use crate::method::Method;
 use crate::noise::{Halves, increments_until};
 use crate::system::{IncrementsOf, StateOf, System};
 use crate::time::is_next_time;
+use crate::trajectory::Method;
 
 /// The fraction of a step after an event at which the function says on which side the motion goes on.
 pub(super) const PROBE: f64 = 1.0 / (1_u64 << 24) as f64;

@@ -7,12 +7,13 @@ use super::Events;
 use super::function::{Action, Side};
 use super::rest::{PROBE, Rest};
 use super::root::zero_between;
-use crate::configuration::FixedSize;
 use crate::error::StepError;
-use crate::method::{Method, OneStepMethod};
+use crate::method::OneStepMethod;
 use crate::noise::Halves;
-use crate::state::State;
+use crate::phase::configuration::FixedSize;
+use crate::phase::state::State;
 use crate::system::{ConfigurationOf, Increments, IncrementsOf, StateOf};
+use crate::trajectory::Method;
 
 /// Least time between two changes that a function causes, in steps. Changes that follow one another faster accumulate.
 const LEAST_INTERVAL: f64 = 1.0 / (1_u64 << 12) as f64;

@@ -12,9 +12,10 @@ use std::collections::VecDeque;
 
 use self::search::Steps;
 use super::{RefinedTrajectory, Trajectory};
-use crate::method::{Method, OneStepMethod};
+use crate::method::OneStepMethod;
 use crate::noise::{Halves, Noise};
 use crate::time::WrittenTimes;
+use crate::trajectory::Method;
 
 /// Saved states of a trajectory, from [`Trajectory::every`], [`Trajectory::at`] and [`Trajectory::until`].
 ///

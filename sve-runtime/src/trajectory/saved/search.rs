@@ -5,10 +5,11 @@
 
 use super::{Saved, Wanted};
 use crate::error::StepError;
-use crate::method::{Method, OneStepMethod};
+use crate::method::OneStepMethod;
 use crate::noise::{Halves, Noise, increments_until_if_known};
 use crate::system::{StateOf, System};
 use crate::time::{WrittenTimes, is_next_time};
+use crate::trajectory::Method;
 use crate::trajectory::{RefinedTrajectory, Trajectory};
 
 /// A trajectory whose states can be saved.

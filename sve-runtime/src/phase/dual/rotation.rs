@@ -5,7 +5,7 @@ use core::ops::{Index, Mul};
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::Dual;
-use crate::configuration::FixedSize;
+use crate::phase::configuration::FixedSize;
 
 /// The matrix of a rotation whose entries vary in a direction: the attitude in a [`DualState`](crate::DualState).
 ///

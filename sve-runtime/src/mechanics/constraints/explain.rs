@@ -2,11 +2,11 @@
 
 use super::Linearised;
 use super::consistent::rank_error;
-use crate::configuration::{Coordinates, FlatConfiguration};
 use crate::error::StepError;
-use crate::legendre;
+use crate::mechanics::legendre;
 use crate::mechanics::noise_of;
-use crate::state::State;
+use crate::phase::configuration::{Coordinates, FlatConfiguration};
+use crate::phase::state::State;
 use crate::system::{Dims, System};
 
 /// Largest violation of a constraint at the start of a step, relative to its terms; the macro has the same number in the conditions of a step.

@@ -1,17 +1,10 @@
 //! Dual numbers: a number with its derivative in one direction. Functions of a state that are written with them are differentiated exactly, and
 //! have no way to branch, so that they are smooth.
 
-use core::cell::OnceCell;
 use core::iter::Sum;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 pub use rotation::DualRotation;
-
-use crate::configuration::{Coordinates, FlatConfiguration};
-use crate::error::StepError;
-use crate::mechanics::Field;
-use crate::state::State;
-use crate::system::System;
 
 /// A number with its derivative (a dual number), from which smooth functions of a state are formed.
 ///
@@ -46,7 +39,7 @@ pub struct DualState<'a, const N: usize, Q = [Dual; N]> {
     pub q: Q,
     /// Momenta.
     pub p: [Dual; N],
-    parameter: &'a dyn Fn(&str) -> Dual,
+    pub(crate) parameter: &'a dyn Fn(&str) -> Dual,
 }
 
 impl<const N: usize, Q> DualState<'_, N, Q> {
@@ -62,58 +55,6 @@ impl<const N: usize, Q> DualState<'_, N, Q> {
     }
 }
 
-/// Calls a function with a state that varies in a direction of its canonical coordinates, as does the parameter number `varied`. Calls `read` with the number of each
-/// parameter that the function asks for.
-///
-/// # Errors
-/// [`StepError::UnknownParameter`].
-pub(crate) fn with_dual_state<S: System, Q: Coordinates<N>, T, const N: usize>(
-    system: &S,
-    state: &State<Q>,
-    direction: &Field<[f64; N]>,
-    varied: Option<usize>,
-    read: &dyn Fn(usize),
-    function: impl FnOnce(&DualState<'_, N, Q::Dual>) -> T,
-) -> Result<T, StepError> {
-    let unknown = OnceCell::new();
-    let parameter = |name: &str| {
-        let Some(number) = S::PARAMETERS.iter().position(|&known| known == name) else {
-            unknown.get_or_init(|| name.to_owned());
-            return Dual::from(f64::NAN);
-        };
-        read(number);
-        let (mut value, mut at) = (f64::NAN, 0);
-        system.parameters(&mut |parameter| {
-            if at == number {
-                value = parameter;
-            }
-            at += 1;
-        });
-        let is_constant = varied != Some(number);
-        Dual {
-            value,
-            slope: f64::from(u8::from(!is_constant)),
-            is_constant,
-        }
-    };
-    // of a rotation Π = y − ½ ε × Π to first order
-    let (p, mut dp) = (Q::components(&state.p), direction.p);
-    Q::Flat::add_transport(&p.map(|p| 0.5 * p), &direction.q, &mut dp);
-    let result = function(&DualState {
-        t: state.t,
-        q: state.q.dual(&direction.q),
-        p: Dual::row(&p, &dp),
-        parameter: &parameter,
-    });
-    match unknown.into_inner() {
-        None => Ok(result),
-        Some(parameter) => Err(StepError::UnknownParameter {
-            parameter,
-            known: S::PARAMETERS.iter().map(|&name| name.to_owned()).collect(),
-        }),
-    }
-}
-
 impl Dual {
     /// A number that varies with this slope.
     pub(crate) fn varying(value: f64, slope: f64) -> Self {
@@ -121,6 +62,15 @@ impl Dual {
             value,
             slope,
             is_constant: false,
+        }
+    }
+
+    /// A parameter with the slope 1 if it varies, and a constant otherwise.
+    pub(crate) fn parameter(value: f64, varies: bool) -> Self {
+        Self {
+            value,
+            slope: f64::from(u8::from(varies)),
+            is_constant: !varies,
         }
     }
 

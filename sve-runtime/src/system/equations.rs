@@ -4,13 +4,13 @@
 
 use core::fmt::Debug;
 
-use crate::lanes::tangents::{KeepUnknowns, LaneDirections};
 use crate::lanes::{ALL, Mask};
-use crate::linearisation::{Linearisation, Unknowns};
-use crate::plan::Plan;
+use crate::phase::tangents::{KeepUnknowns, LaneDirections};
 use crate::solve::SolveError;
 use crate::solve::newton::{BlockSolver, Newton};
-use crate::start::StartOfStep;
+use crate::system::linearisation::{Linearisation, Unknowns};
+use crate::system::plan::Plan;
+use crate::system::start::StartOfStep;
 use crate::system::{
     FlatStateOf, IncrementLanesOf, Increments, StateLanesOf, TangentLanesOf, VectorOf,
 };

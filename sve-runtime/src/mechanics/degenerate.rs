@@ -11,25 +11,14 @@
 
 use nalgebra::DMatrix;
 
-use crate::configuration::{Coordinates, FlatConfiguration, VectorCoordinates};
 use crate::error::{StepError, step_error};
-use crate::jets::LagrangianJet;
+use crate::phase::configuration::{Coordinates, FlatConfiguration, VectorCoordinates};
+use crate::phase::state::State;
 use crate::solve::SolveError;
 use crate::solve::dense;
 use crate::solve::newton::{Evaluation, Newton};
-use crate::state::State;
+use crate::system::jets::{CoordinateRole, LagrangianJet};
 use crate::system::{Dims, System};
-
-/// How the velocity of a coordinate occurs in the Lagrangian.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CoordinateRole {
-    /// The momentum determines the velocity.
-    Massive,
-    /// Linearly: the momentum is a function of the configuration, p = α(q).
-    Massless,
-    /// Not at all: the coordinate follows from the others by 0 = ∂L/∂q.
-    Algebraic,
-}
 
 use CoordinateRole::{Algebraic, Massive, Massless};
 

@@ -1,12 +1,12 @@
 //! The forces of the constraints in a step, from the multipliers of its equations.
 
-use crate::configuration::VectorCoordinates;
+use super::Integrator;
+use super::step::Impulses;
 use crate::error::StepError;
-use crate::integrator::Integrator;
-use crate::integrator::step::Impulses;
 use crate::method::OneStepMethod;
+use crate::phase::configuration::VectorCoordinates;
+use crate::phase::state::State;
 use crate::rule::{Rule, TellsImpulses};
-use crate::state::State;
 use crate::system::{Dims, System};
 
 /// The forces of all constraints in a step. `P` is the type of momenta.

@@ -61,3 +61,14 @@ pub struct ForceJet<const N: usize> {
     /// `∂F/∂t`.
     pub dt: [f64; N],
 }
+
+/// How the velocity of a coordinate occurs in the Lagrangian.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CoordinateRole {
+    /// The momentum determines the velocity.
+    Massive,
+    /// Linearly: the momentum is a function of the configuration, p = α(q).
+    Massless,
+    /// Not at all: the coordinate follows from the others by 0 = ∂L/∂q.
+    Algebraic,
+}

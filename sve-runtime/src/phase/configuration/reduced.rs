@@ -8,7 +8,7 @@ use core::marker::PhantomData;
 use nalgebra::UnitQuaternion;
 
 use super::{Configuration, Coordinates, FixedSize, Flatten, WithRotations};
-use crate::state::State;
+use crate::phase::state::State;
 
 /// The place of an attitude of the type `Q` that a reduced system, `#[variational(midpoint, reduced)]`, does not have in its state.
 ///

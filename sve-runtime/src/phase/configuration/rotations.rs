@@ -9,9 +9,9 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::flat::two_sum;
 use super::{Configuration, Coordinates, FixedSize, FlatConfiguration, Flatten, largest};
-use crate::dual::DualRotation;
-use crate::lanes::ScalarLanes;
-use crate::state::State;
+use crate::phase::dual::DualRotation;
+use crate::phase::lanes::ScalarLanes;
+use crate::phase::state::State;
 
 /// A rotation with three degrees of freedom, stored as the quaternion `[w, x, y, z]`. Its momentum is that of the body frame.
 ///

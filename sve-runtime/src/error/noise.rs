@@ -168,7 +168,7 @@ debug_is_display!(NoiseError);
 
 /// Accepts finite step sizes other than zero. Increments over a step back in time have the variance |h|.
 #[inline]
-pub(super) fn check_step(h: f64) -> Result<(), NoiseError> {
+pub(crate) fn check_step(h: f64) -> Result<(), NoiseError> {
     if h != 0.0 && h.is_finite() {
         Ok(())
     } else {

@@ -4,47 +4,24 @@
 //! The equations of motion are those of a stochastic Hamilton–Pontryagin system (`docs/mathematics.md`, sections 1 and 4),
 //! `dq = v dt + Σ ∂G_a/∂p ∘ dW_a`, `dp = (∂L/∂q + F) dt − Σ ∂G_a/∂q ∘ dW_a`, `p = ∂L/∂v`, with `G = −γ` or `G = H₁`.
 
+pub(crate) mod constraints;
+pub(crate) mod degenerate;
+mod dual_state;
+pub(crate) mod legendre;
 mod rates;
+mod starts;
 
+pub(crate) use dual_state::with_dual_state;
 pub(crate) use rates::{Motion, correction_of, noise_of, solve_drift, solve_motion};
 
-use crate::configuration::{Coordinates, FlatConfiguration, VectorSpace};
-use crate::constraints::{self, LEAVES_OUT_FORCES};
-use crate::degenerate::{self, NEEDS_REGULAR, is_degenerate};
 use crate::error::{StepError, step_error};
-use crate::legendre;
+use crate::phase::Field;
+use crate::phase::configuration::{Coordinates, FlatConfiguration, VectorSpace};
+use crate::phase::state::State;
 use crate::solve::SolveError;
-use crate::state::State;
 use crate::system::{ConfigurationOf, Dims, IncrementsOf, MomentumOf, StateOf, System};
-
-/// A tangent vector of phase space: `(q̇, ṗ)`, or the field of a noise.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Field<V> {
-    /// Component along `q`.
-    pub q: V,
-    /// Component along `p`.
-    pub p: V,
-}
-
-impl<const N: usize> Field<[f64; N]> {
-    /// The field of a configuration with these components.
-    #[inline(always)]
-    pub(crate) fn of<Q: Coordinates<N>>(self) -> Field<Q::Momentum> {
-        Field {
-            q: Q::from_components(&self.q),
-            p: Q::from_components(&self.p),
-        }
-    }
-
-    /// Adds a multiple of another field.
-    #[inline]
-    pub(crate) fn add_scaled(&mut self, scale: f64, other: &Self) {
-        for i in 0..N {
-            self.q[i] += scale * other.q[i];
-            self.p[i] += scale * other.p[i];
-        }
-    }
-}
+use constraints::LEAVES_OUT_FORCES;
+use degenerate::{NEEDS_REGULAR, is_degenerate};
 
 /// Mechanical quantities of a Lagrangian and its noises; implemented for every [`System`].
 ///

@@ -3,7 +3,7 @@
 //! Input: a state, a step size and increments of the noises. Output: `h f(z) + Σ g_a(z) ΔW_a` for `z = (q, p)`, with the drift f and the noise fields g of the
 //! first-order form, and the Itô correction. Invariant: nothing is checked here; a method checks its whole step.
 
-pub use crate::mechanics::Field;
+pub use crate::phase::Field;
 
 use crate::solve::dense;
 

@@ -5,9 +5,9 @@
 
 use nalgebra::DMatrix;
 
-use crate::lanes::tangents::KeepUnknowns;
 use crate::lanes::{Aligned, Lane, rows};
-use crate::mechanics::Field;
+use crate::phase::Field;
+use crate::phase::tangents::KeepUnknowns;
 use crate::solve::dense::{Factors, factored};
 use crate::solve::{SolveError, lu};
 

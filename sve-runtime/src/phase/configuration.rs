@@ -14,8 +14,8 @@ pub use flat::{FlatConfiguration, Flatten};
 pub use reduced::Reduced;
 pub use rotations::WithRotations;
 
-use crate::dual::Dual;
-use crate::state::State;
+use crate::phase::dual::Dual;
+use crate::phase::state::State;
 
 mod bodies;
 mod flat;

@@ -5,11 +5,9 @@
 use nalgebra::DVector;
 
 use super::{Dependent, Linearised};
-use crate::configuration::{Coordinates, FlatConfiguration, VectorCoordinates};
 use crate::error::StepError;
-use crate::integrator::Integrator;
-use crate::rule::Rule;
-use crate::state::State;
+use crate::phase::configuration::{Coordinates, FlatConfiguration, VectorCoordinates};
+use crate::phase::state::State;
 use crate::system::{Dims, System};
 
 /// Gauss–Newton steps. From a start within reach some 5 are made.
@@ -21,60 +19,8 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Largest violation at which the last iterations may stop: rounding errors of φ can be larger than those of its terms.
 const ROUNDING_OF_FUNCTIONS: f64 = 1e-12;
 
-impl<S, R, Q, const N: usize, const M: usize> Integrator<S, R>
-where
-    S: System<Dims = Dims<N, M, Q>>,
-    R: Rule<S::Itself>,
-    Q: VectorCoordinates<N>,
-{
-    /// Returns the state on the constraints that is nearest to `state` in the metric of the masses: first the configuration, then the momentum, whose part across
-    /// the constraints is removed. Without constraints it is the state itself.
-    ///
-    /// A step refuses a start whose configuration does not satisfy the constraints. It takes any momentum: the part across the constraints has no effect on
-    /// the motion.
-    ///
-    /// ```
-    /// use sve_runtime::prelude::*;
-    ///
-    /// /// A particle on the unit sphere.
-    /// struct Sphere { g: f64 }
-    ///
-    /// #[variational(midpoint)]
-    /// impl Sphere {
-    ///     fn lagrangian(&self, q: Vector3<f64>, v: Vector3<f64>) -> f64 {
-    ///         0.5 * v.norm_squared() - self.g * q.z
-    ///     }
-    ///     #[constraint]
-    ///     fn sphere(&self, q: Vector3<f64>) -> f64 {
-    ///         0.5 * (q.norm_squared() - 1.0)
-    ///     }
-    /// }
-    ///
-    /// # fn main() -> Result<(), StepError> {
-    /// let sphere = Integrator::new(Sphere { g: 9.8 }, Midpoint);
-    /// let near = State::new(Vector3::new(0.6, 0.0, 0.81), Vector3::new(0.1, 0.5, 0.0));
-    /// assert!(matches!(sphere.step(&mut near.clone(), 0.01, &[]), Err(StepError::InconsistentStart { .. })));
-    /// let mut state = sphere.consistent(near)?;
-    /// assert!((state.q.norm() - 1.0).abs() < 1e-15 && state.q.dot(&state.p).abs() < 1e-15);
-    /// sphere.step(&mut state, 0.01, &[])?;
-    /// assert!((state.q.norm() - 1.0).abs() < 1e-15 && state.q.dot(&state.p).abs() < 1e-15);
-    /// # Ok(())
-    /// # }
-    /// ```
-    ///
-    /// # Errors
-    /// [`StepError::NoConsistentState`] if no such configuration is found near the given one; [`StepError::ConstraintRank`] where the constraints are
-    /// dependent, [`StepError::ConstraintGradient`] where the gradient of one vanishes with it; [`StepError::Singular`]; [`StepError::NonFiniteInput`].
-    pub fn consistent(&self, state: State<Q>) -> Result<State<Q>, StepError> {
-        if S::CONSTRAINTS.is_empty() {
-            return Ok(state);
-        }
-        let flat = state.to_coordinates();
-        project(self.system(), &flat).map(|flat| State::from_coordinates(&flat))
-    }
-}
-
-fn project<S, Q, const N: usize, const M: usize>(
+/// Returns the state on the constraints that is nearest to a given one in the metric of the masses.
+pub(crate) fn project<S, Q, const N: usize, const M: usize>(
     system: &S,
     given: &State<[f64; N]>,
 ) -> Result<State<[f64; N]>, StepError>

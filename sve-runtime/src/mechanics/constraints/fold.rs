@@ -9,7 +9,7 @@
 use nalgebra::{Cholesky, DMatrix, Dyn};
 
 use super::Linearised;
-use crate::configuration::Coordinates;
+use crate::phase::configuration::Coordinates;
 use crate::system::{Dims, System};
 
 /// Smallest part of the start's `∂φ/∂q M⁻¹ ∂φ/∂qᵀ` that is left along a step, for the combination of gradients that shrinks most: the gradient falls to a half. The step is then as long as

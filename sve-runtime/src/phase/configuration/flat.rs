@@ -4,9 +4,9 @@
 //! is the form of vector spaces; [`WithRotations`](super::WithRotations) is that of configurations with rotations.
 
 use super::{Configuration, FixedSize, largest};
-use crate::dual::Dual;
-use crate::lanes::{LaneStates, StateLanes};
-use crate::state::State;
+use crate::phase::dual::Dual;
+use crate::phase::lanes::{LaneStates, StateLanes};
+use crate::phase::state::State;
 
 /// The form in which steps compute with a configuration of `N` degrees of freedom. Its momenta are rows of `N` numbers.
 pub trait FlatConfiguration<const N: usize>: Configuration<Momentum = [f64; N]> + Copy {

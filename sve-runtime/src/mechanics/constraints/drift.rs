@@ -14,12 +14,12 @@ use nalgebra::DVector;
 use super::Linearised;
 use super::consistent::rank_error;
 use super::explain::inconsistent_start;
-use crate::configuration::Coordinates;
 use crate::error::{StepError, step_error};
-use crate::legendre;
-use crate::mechanics::Field;
+use crate::mechanics::legendre;
+use crate::phase::Field;
+use crate::phase::configuration::Coordinates;
+use crate::phase::state::State;
 use crate::solve::SolveError;
-use crate::state::State;
 use crate::system::{Dims, System};
 
 /// Returns the drift with the forces of the constraints. The part of the momentum across the constraints is left out, as in a step.

@@ -7,7 +7,6 @@
 //! | --- | --- |
 //! | `consistent.rs` | projection of a state onto the constraints |
 //! | `fold.rs` | places where the gradients become dependent, along a step |
-//! | `forces.rs` | the forces of the constraints in a step |
 //! | `drift.rs` | the motion without noise, with the forces of the constraints |
 //! | `explain.rs` | the error of a step that lost the constraints |
 
@@ -15,14 +14,13 @@ mod consistent;
 pub(crate) mod drift;
 pub(crate) mod explain;
 pub(crate) mod fold;
-mod forces;
 
-pub use forces::{ConstraintForce, ConstraintForces};
+pub(crate) use consistent::project;
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::configuration::{Coordinates, FlatConfiguration};
-use crate::state::State;
+use crate::phase::configuration::{Coordinates, FlatConfiguration};
+use crate::phase::state::State;
 use crate::system::{ConstraintJet, Dims, System};
 
 /// Smallest pivot of a regular system of constraints, relative to its diagonal entry: gradients that differ in direction by 10⁻⁵. Below it, a step has lost

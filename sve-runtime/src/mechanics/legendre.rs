@@ -9,15 +9,15 @@
 //!
 //! Source: Allgower, Georg, *Introduction to Numerical Continuation Methods* (2003), chapter 2.
 
-use crate::configuration::{Coordinates, FlatConfiguration};
-use crate::degenerate::{self, is_degenerate};
 use crate::error::{StepError, step_error};
-use crate::jets::LagrangianJet;
+use crate::mechanics::degenerate::{self, is_degenerate};
+use crate::phase::configuration::{Coordinates, FlatConfiguration};
+use crate::phase::state::State;
 use crate::solve::deficiency::{Deficiency, deficiency};
 use crate::solve::dense::{self, DeterminantSign, Matrix, WITHOUT_DIGITS};
 use crate::solve::newton::{Evaluation, Newton};
 use crate::solve::{MomentumVelocities, SolveError};
-use crate::state::State;
+use crate::system::jets::LagrangianJet;
 use crate::system::{Dims, System};
 
 /// Largest number of strides. A relativistic momentum of 10⁶ mc needs about 50.

@@ -3,8 +3,8 @@
 //! Input: the unknowns of a step that was solved in lanes, and tangent vectors before the step. Output: the vectors after it. Invariant: a vector depends on its lane
 //! only. A vector that is not finite is left to the step of a single state, which says why.
 
-use super::{Aligned, LANES, Lane, Mask, needs_scalar_step};
-use crate::mechanics::Field;
+use crate::lanes::{Aligned, LANES, Lane, Mask, needs_scalar_step};
+use crate::phase::Field;
 use crate::solve::dense::SINGULAR;
 
 /// A tangent vector in each lane, each component an array over the lanes.
@@ -89,7 +89,7 @@ pub fn seeds<const P: usize>(varied: Option<usize>) -> [f64; P] {
 #[inline(always)]
 pub fn regular_inverse<const K: usize>(a: &[[f64; K]; K]) -> [[f64; K]; K] {
     if K != 2 {
-        return super::solve::inverse(a);
+        return crate::lanes::solve::inverse(a);
     }
     let (ad, bc) = (a[0][0] * a[1][1], a[0][1] * a[1][0]);
     let det = ad - bc;

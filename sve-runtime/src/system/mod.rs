@@ -3,16 +3,23 @@
 //! Everything that depends on the number of coordinates goes through one associated type,
 //! [`System::Dims`], so that `Integrator<S, R>` needs no constants in its type.
 
+pub(crate) mod equations;
+pub(crate) mod euler;
+pub(crate) mod jets;
+pub(crate) mod linearisation;
+pub(crate) mod plan;
+pub(crate) mod start;
+
 use core::marker::PhantomData;
 
-pub use crate::jets::{ConstraintJet, ForceJet, LagrangianJet, NoiseJet};
+pub use jets::{ConstraintJet, CoordinateRole, ForceJet, LagrangianJet, NoiseJet};
 
-use crate::configuration::{Configuration, Coordinates, FixedSize, FlatConfiguration};
-use crate::degenerate::CoordinateRole;
-use crate::euler::EulerIncrement;
-use crate::lanes::tangents::TangentLanes;
-use crate::lanes::{Lane, LaneStates};
-use crate::state::State;
+use crate::lanes::Lane;
+use crate::phase::configuration::{Configuration, Coordinates, FixedSize, FlatConfiguration};
+use crate::phase::lanes::LaneStates;
+use crate::phase::state::State;
+use crate::phase::tangents::TangentLanes;
+use crate::system::euler::EulerIncrement;
 
 /// The fixed sizes of a system, `N` degrees of freedom and `M` Wiener processes, and its type of configurations.
 #[derive(Clone, Copy, Debug)]
