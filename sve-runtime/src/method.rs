@@ -15,7 +15,7 @@ use crate::system::{
 pub trait OneStepMethod {
     /// The system it integrates.
     type System: System;
-    /// The increments of a step: [`IncrementsOf`] the system for methods that take one for each Wiener process.
+    /// The increments of a step: [`IncrementsOf`](crate::IncrementsOf) the system for methods that take one for each Wiener process.
     type Increments: Increments;
     /// Values that depend on parameters and step size only, and what a trajectory carries from step to step.
     type Prepared: Clone;
@@ -161,7 +161,7 @@ pub trait OneStepMethod {
 
 /// A method whose steps can be differentiated by their start and the parameters: every [`Integrator`](crate::Integrator).
 ///
-/// Gradients along paths ask for it: [`Ensemble::gradient`](crate::ensemble::Ensemble::gradient), [`Trajectory::gradient`].
+/// Gradients along paths ask for it: [`Ensemble::gradient`](crate::ensemble::Ensemble::gradient), [`Trajectory::gradient`](crate::Trajectory::gradient).
 #[diagnostic::on_unimplemented(
     message = "the steps of `{Self}` have no derivatives",
     label = "gradients need the derivatives of each step",
