@@ -24,14 +24,14 @@ pub(super) enum LoopExit {
 }
 
 impl Lowering<'_> {
-    pub(super) fn branch(&mut self, branch: &syn::ExprIf) -> Value {
+    pub(super) fn branch(&mut self, branch: &syn::ExprIf) -> Option<Value> {
         match self.decide(&branch.cond) {
             Ok(true) => self.block_value(&branch.then_branch),
             Ok(false) => match &branch.else_branch {
                 Some((_, other)) => self.eval(other),
-                None => Value::Unit,
+                None => Some(Value::Unit),
             },
-            Err(Undecided::Reported) => Value::Poison,
+            Err(Undecided::Reported) => None,
             Err(Undecided::Unknown) => self.refuse(
                 &branch.if_token,
                 "`if` on a number is not smooth: a Lagrangian is one formula everywhere; use a smooth transition such as `tanh` (conditions on indices, `if i != j`, are understood); for variants of a system write a type each",
@@ -41,9 +41,7 @@ impl Lowering<'_> {
 
     /// Evaluates a condition on integers.
     pub(super) fn decide(&mut self, condition: &Syntax) -> Result<bool, Undecided> {
-        if !self.tick(condition) {
-            return Err(Undecided::Reported);
-        }
+        self.tick(condition).ok_or(Undecided::Reported)?;
         match condition {
             Syntax::Paren(inner) => self.decide_deeper(&inner.expr),
             Syntax::Group(inner) => self.decide_deeper(&inner.expr),
@@ -73,7 +71,7 @@ impl Lowering<'_> {
     }
 
     fn compare(&mut self, binary: &syn::ExprBinary) -> Result<bool, Undecided> {
-        let (left, right) = (self.eval(&binary.left), self.eval(&binary.right));
+        let (left, right) = (self.value(&binary.left), self.value(&binary.right));
         let (a, b) = match (left, right) {
             (Value::Int(a), Value::Int(b)) => (a.value, b.value),
             // beside a number a mistake was one of numbers too, and the condition has a mistake of its own
@@ -96,8 +94,8 @@ impl Lowering<'_> {
     }
 
     /// Executes `continue` or `break`: the rest of the loop's body is skipped.
-    pub(super) fn leave(&mut self, exit: LoopExit) -> Value {
+    pub(super) fn leave(&mut self, exit: LoopExit) -> Option<Value> {
         self.leaving = Some(exit);
-        Value::Poison
+        None
     }
 }

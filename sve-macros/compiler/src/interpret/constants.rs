@@ -5,6 +5,7 @@ use std::f64::consts;
 use quote::quote;
 
 use super::Lowering;
+use super::calls::names;
 use super::fields::FieldPath;
 use super::integers::{integer_constant, is_integer};
 use super::value::Value;
@@ -55,19 +56,14 @@ pub(super) fn is_constant_name(name: &str) -> bool {
     name.chars().any(char::is_uppercase) && !name.chars().any(char::is_lowercase)
 }
 
-impl Lowering<'_> {
-    pub(super) fn constant_named(&self, name: &str) -> Option<&syn::ImplItemConst> {
+impl<'a> Lowering<'a> {
+    pub(super) fn constant_named(&self, name: &str) -> Option<&'a syn::ImplItemConst> {
         self.block.constants.iter().find(|c| c.ident == name)
     }
 
     /// Evaluates a path of several segments, such as `Self::K` or `std::f64::consts::PI`.
-    pub(super) fn long_path(&mut self, expr: &syn::ExprPath) -> Value {
-        let names: Vec<String> = expr
-            .path
-            .segments
-            .iter()
-            .map(|s| s.ident.to_string())
-            .collect();
+    pub(super) fn long_path(&mut self, expr: &syn::ExprPath) -> Option<Value> {
+        let names = names(expr);
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         if let [module @ .., name] = names.as_slice()
             && let Some(certainty) = self.standard_constants(module)
@@ -78,23 +74,25 @@ impl Lowering<'_> {
         if let [ty, name @ ("MAX" | "MIN" | "BITS")] = names.as_slice()
             && let Some(value) = integer_constant(ty, name)
         {
-            return Value::Int(value);
+            return Some(Value::Int(value));
         }
-        match names.as_slice() {
-            [owner, name] if self.is_self(owner) => self.block_constant(expr, name),
-            ["f64", "EPSILON"] => Value::Scalar(self.arena.constant(f64::EPSILON)),
-            ["f64", "MIN_POSITIVE"] => Value::Scalar(self.arena.constant(f64::MIN_POSITIVE)),
+        let message = match names.as_slice() {
+            [owner, name] if self.is_self(owner) => return self.block_constant(expr, name),
+            ["f64", "EPSILON"] => return Some(self.constant(f64::EPSILON)),
+            ["f64", "MIN_POSITIVE"] => return Some(self.constant(f64::MIN_POSITIVE)),
             ["f64", "MAX" | "MIN" | "INFINITY" | "NEG_INFINITY" | "NAN"] => {
-                self.refuse(expr, "this number has no place in a formula: it overflows, or is none")
+                "this number has no place in a formula: it overflows, or is none".to_owned()
             }
             ["f64", name] if super::floats::is_method(name) => {
-                let message = format!("a function is called, or named in `map` and its like: pass a closure, `|x| x.{name}()`");
-                self.refuse(expr, message)
+                format!("a function is called, or named in `map` and its like: pass a closure, `|x| x.{name}()`")
             }
             // a constant from outside the block
-            [.., name] if is_constant_name(name) && expr.qself.is_none() => Value::Field(FieldPath::outside(expr.path.clone())),
-            _ => self.refuse(expr, "this path is not known here: constants are `Self::NAME` of this block, `std::f64::consts::NAME`, or outside the block in capitals"),
-        }
+            [.., name] if is_constant_name(name) && expr.qself.is_none() => {
+                return Some(Value::Field(FieldPath::outside(expr.path.clone())));
+            }
+            _ => "this path is not known here: constants are `Self::NAME` of this block, `std::f64::consts::NAME`, or outside the block in capitals".to_owned(),
+        };
+        self.refuse(expr, message)
     }
 
     /// Whether a module is `std::f64::consts`: by its full path or an import within the body, or by its name, which may be that of
@@ -105,7 +103,7 @@ impl Lowering<'_> {
             [first @ "f64", "consts"] | [first @ "consts"] => first,
             _ => return None,
         };
-        let is_imported = self.held(&imported_module(first)).is_some();
+        let is_imported = self.frame.held(&imported_module(first)).is_some();
         Some(if is_imported {
             Certainty::Sure
         } else {
@@ -114,7 +112,12 @@ impl Lowering<'_> {
     }
 
     /// A constant of `std::f64::consts`.
-    fn standard_constant(&mut self, path: &syn::Path, name: &str, certainty: Certainty) -> Value {
+    fn standard_constant(
+        &mut self,
+        path: &syn::Path,
+        name: &str,
+        certainty: Certainty,
+    ) -> Option<Value> {
         let Some(value) = float_constant(name) else {
             let near = nearest(name, CONSTANTS.iter().map(|c| c.0))
                 .map(|near| format!("; did you mean `{near}`?"))
@@ -125,7 +128,7 @@ impl Lowering<'_> {
         if certainty == Certainty::ByName {
             self.read_as_standard(path, value);
         }
-        Value::Scalar(self.arena.constant(value))
+        Some(self.constant(value))
     }
 
     /// Notes a path that has to be checked: generated code compares its value with the one that it is read as.
@@ -137,47 +140,44 @@ impl Lowering<'_> {
         }
     }
 
-    fn block_constant(&mut self, expr: &syn::ExprPath, name: &str) -> Value {
+    fn block_constant(&mut self, expr: &syn::ExprPath, name: &str) -> Option<Value> {
         let last = expr.path.segments.last();
-        let block = self.block;
-        let Some(constant) = block.constants.iter().find(|c| c.ident == name) else {
-            let known: Vec<String> = block
-                .constants
-                .iter()
-                .map(|c| c.ident.to_string())
-                .collect();
-            if block.functions.iter().any(|f| f.sig.ident == name) {
-                let message = format!(
-                    "a function is called, or named in `map` and its like: pass a closure, `|x| Self::{name}(x)`"
-                );
-                return self.refuse(&last, message);
-            }
-            let message = match nearest(name, known.iter().map(String::as_str)) {
-                Some(near) => {
-                    format!("this block has no constant `{name}`; did you mean `{near}`?")
-                }
-                None => format!(
-                    "this block has no constant `{name}`: the macro sees only this `impl` block, so put `const {name}` here"
-                ),
-            };
+        let Some(constant) = self.constant_named(name) else {
+            let message = self.no_constant(name);
             return self.refuse(&last, message);
         };
         let key = format!("const {name}");
-        if self.active.contains(&key) {
+        if self.calls.is_active(&key) {
             return self.refuse(&last, format!("the constant `{name}` is defined by itself"));
         }
-        if self.broken.contains(&key) {
-            return Value::Poison;
+        if self.calls.broken.contains(&key) {
+            return None;
         }
-        self.enclosed(key, |this| match this.eval(&constant.expr) {
+        self.enclosed(key, |this| match this.eval(&constant.expr)? {
             Value::Field(path) if is_integer(&constant.ty) => {
                 let message = format!("this is {}: write the number itself", path.kind());
                 this.refuse(&constant.expr, message)
             }
             value => {
                 let value = this.ascribed(value, &constant.ty);
-                this.number(value, &constant.ty, &constant.expr)
+                Some(this.number(value, &constant.ty, &constant.expr))
             }
         })
+    }
+
+    fn no_constant(&self, name: &str) -> String {
+        let (functions, constants) = (&self.block.functions, &self.block.constants);
+        if functions.iter().any(|f| f.sig.ident == name) {
+            return format!(
+                "a function is called, or named in `map` and its like: pass a closure, `|x| Self::{name}(x)`"
+            );
+        }
+        let known: Vec<String> = constants.iter().map(|c| c.ident.to_string()).collect();
+        match nearest(name, known.iter().map(String::as_str)) {
+            Some(near) => format!("this block has no constant `{name}`; did you mean `{near}`?"),
+            None => format!(
+                "this block has no constant `{name}`: the macro sees only this `impl` block, so put `const {name}` here"
+            ),
+        }
     }
 }

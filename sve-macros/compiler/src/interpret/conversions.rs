@@ -2,15 +2,17 @@
 
 use std::rc::Rc;
 
+use proc_macro2::Span;
 use quote::quote;
 use syn::spanned::Spanned;
-use syn::{Expr as Syntax, GenericArgument, PathArguments, Type};
+use syn::{PathArguments, Type};
 
 use super::Lowering;
 use super::calls::Argument;
 use super::closures::Closure;
 use super::integers::Integer;
 use super::value::Value;
+use crate::syntax::nalgebra::length;
 use crate::syntax::parse::is_f64;
 
 /// The message for an array of `from_fn` whose length is not known.
@@ -49,44 +51,35 @@ impl Lowering<'_> {
     }
 
     /// Evaluates `array::from_fn(…)`. Without a length among the generic arguments, the array waits for a type annotation.
-    pub(super) fn array_from_fn(&mut self, path: &syn::ExprPath, arguments: &[Argument]) -> Value {
+    pub(super) fn array_from_fn(
+        &mut self,
+        path: &syn::ExprPath,
+        arguments: &[Argument],
+    ) -> Option<Value> {
         let closure = match arguments {
-            [
-                Argument {
-                    value: Value::Closure(closure),
-                    ..
-                },
-            ] => Rc::clone(closure),
-            [
-                Argument {
-                    value: Value::Poison,
-                    ..
-                },
-            ] => return Value::Poison,
-            _ => {
-                return self.refuse(
-                    path,
-                    "`from_fn` takes a closure, as in `std::array::from_fn(|i| 2.0 * q[i])`",
-                );
-            }
+            [argument] => match &argument.value {
+                Value::Closure(closure) => Some(closure),
+                Value::Poison => return None,
+                _ => None,
+            },
+            _ => None,
+        };
+        let Some(closure) = closure else {
+            return self.refuse(
+                path,
+                "`from_fn` takes a closure, as in `std::array::from_fn(|i| 2.0 * q[i])`",
+            );
         };
         let generics = match path.path.segments.last().map(|segment| &segment.arguments) {
-            Some(PathArguments::AngleBracketed(generics)) => &generics.args,
-            _ => return Value::Generated(closure),
+            Some(PathArguments::AngleBracketed(generics)) => generics.args.iter().nth(1),
+            _ => None,
         };
-        let length = match generics.iter().nth(1) {
-            Some(GenericArgument::Const(length)) => length.clone(),
-            // syn parses a single name as a type
-            Some(GenericArgument::Type(Type::Path(name))) => Syntax::Path(syn::ExprPath {
-                attrs: Vec::new(),
-                qself: None,
-                path: name.path.clone(),
-            }),
-            _ => return Value::Generated(closure),
-        };
-        match self.index_value(&length) {
-            Some(n) => self.generated(&closure, n, None, &length),
-            None => Value::Poison,
+        match generics.and_then(length) {
+            Some(length) => {
+                let n = self.index_value(&length)?;
+                self.generated(closure, n, None, &length)
+            }
+            None => Some(Value::Generated(Rc::clone(closure))),
         }
     }
 
@@ -97,28 +90,44 @@ impl Lowering<'_> {
         n: usize,
         entry: Option<&Type>,
         at: &impl Spanned,
-    ) -> Value {
+    ) -> Option<Value> {
+        let indices = (0..n).map(|i| vec![Value::count(i)]);
+        let values = self.called(closure, indices, &at.span())?;
+        let Some(ty) = entry else {
+            return Some(Value::Array(values));
+        };
         let mistakes = self.errors.count();
-        let mut values = Vec::new();
-        for i in 0..n {
-            if !self.tick(at) {
-                return Value::Poison;
-            }
-            let index = Argument {
-                value: Value::Int(Integer::count(i)),
-                at: at.span(),
-            };
-            let value = self.call_closure(closure, vec![index], at);
+        let mut entries = Vec::new();
+        for value in values {
+            entries.push(self.awaited(value, ty, at));
             if self.errors.count() > mistakes {
                 // the next entry would repeat the error
-                return Value::Poison;
+                return None;
             }
-            values.push(match entry {
-                Some(ty) => self.awaited(value, ty, at),
-                None => value,
-            });
         }
-        Value::Array(values)
+        Some(Value::Array(entries))
+    }
+
+    /// Calls a closure with each of the arguments. Returns `None` after the first mistake, which the next call would repeat.
+    pub(super) fn called(
+        &mut self,
+        closure: &Closure,
+        arguments: impl Iterator<Item = Vec<Value>>,
+        at: &Span,
+    ) -> Option<Vec<Value>> {
+        let mistakes = self.errors.count();
+        let mut results = Vec::new();
+        for values in arguments {
+            self.tick(at)?;
+            let values = values.into_iter();
+            let arguments = values.map(|value| Argument { value, at: *at }).collect();
+            let result = self.call_closure(closure, arguments, at);
+            if self.errors.count() > mistakes {
+                return None;
+            }
+            results.push(result.unwrap_or(Value::Poison));
+        }
+        Some(results)
     }
 
     /// Converts a value, or entries of it, that have waited for the annotated type.
@@ -126,44 +135,36 @@ impl Lowering<'_> {
         if !value.waits_for_type() {
             return value;
         }
+        let all = |this: &mut Self, values: Vec<Value>, ty: &Type| -> Vec<Value> {
+            let values = values.into_iter();
+            values.map(|value| this.awaited(value, ty, at)).collect()
+        };
         match (value, ty) {
             (value, Type::Paren(inner)) => self.awaited(value, &inner.elem, at),
             (value, Type::Group(inner)) => self.awaited(value, &inner.elem, at),
-            (Value::Generated(closure), Type::Array(array)) => match self.index_value(&array.len) {
-                Some(n) => self.generated(&closure, n, Some(&array.elem), at),
-                None => Value::Poison,
-            },
+            (Value::Generated(closure), Type::Array(array)) => {
+                let n = self.index_value(&array.len);
+                n.and_then(|n| self.generated(&closure, n, Some(&array.elem), at))
+                    .unwrap_or(Value::Poison)
+            }
             (Value::Converted(inner), ty) => match (inner.unconverted(), ty) {
-                (Value::Int(i), ty) if is_f64(ty) => {
-                    Value::Scalar(self.arena.constant(i.value as f64))
-                }
+                (Value::Int(i), ty) if is_f64(ty) => self.constant(i.value as f64),
                 (Value::Int(i), ty) => {
                     let value = Value::Int(Integer::from(i.value));
                     self.number(value, ty, at)
                 }
                 (Value::Tuple(values), Type::Array(array)) => {
-                    let entries = values.into_iter();
-                    Value::Array(
-                        entries
-                            .map(|value| self.awaited(value, &array.elem, at))
-                            .collect(),
-                    )
+                    Value::Array(all(self, values, &array.elem))
                 }
                 (inner, ty) => self.awaited(inner, ty, at),
             },
-            (Value::Array(values), Type::Array(array)) => Value::Array(
-                values
-                    .into_iter()
-                    .map(|value| self.awaited(value, &array.elem, at))
-                    .collect(),
-            ),
+            (Value::Array(values), Type::Array(array)) => {
+                Value::Array(all(self, values, &array.elem))
+            }
             (Value::Tuple(values), Type::Tuple(types)) if values.len() == types.elems.len() => {
                 let pairs = values.into_iter().zip(&types.elems);
-                Value::Tuple(
-                    pairs
-                        .map(|(value, ty)| self.awaited(value, ty, at))
-                        .collect(),
-                )
+                let awaited = pairs.map(|(value, ty)| self.awaited(value, ty, at));
+                Value::Tuple(awaited.collect())
             }
             (value, _) => value,
         }

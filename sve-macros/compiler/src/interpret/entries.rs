@@ -8,10 +8,10 @@ use std::collections::HashMap;
 use proc_macro2::Span;
 use syn::Member;
 
-use super::Lowering;
 use super::fields::{FieldPath, FieldStep};
 use super::matrices::{COMPONENTS, Kind, MatrixType, entry_of_field, row_and_column};
 use super::places::{Mistake, Pick, matrix_entry};
+use crate::errors::Errors;
 
 /// The entries of the same field that were read, in the order of their first use.
 struct Entries<'p> {
@@ -28,28 +28,28 @@ enum Place {
     Pair(usize, usize),
 }
 
-impl Lowering<'_> {
-    /// Chooses one spelling for each entry and maps the other spellings to it. Reports an error for an index out of range.
-    pub(super) fn unify_spellings(&mut self) -> HashMap<String, FieldPath> {
-        let paths = std::mem::take(&mut self.paths);
-        let mut spellings = HashMap::new();
-        for entries in grouped(&paths) {
-            let ty = self.vectors.get(&entries.base.access().to_string());
-            let found = match ty {
-                Some(&ty) => entries.spellings_of_type(ty),
-                None => entries.spellings(),
-            };
-            match found {
-                Ok(found) => spellings.extend(found.into_iter().filter(|(old, new)| {
-                    let new = new.access().to_string();
-                    *old != new
-                })),
-                Err((span, message)) => self.errors.push(span, message),
+/// Chooses one spelling for each entry and maps the other spellings to it. Reports an error for an index out of range. `vectors` has
+/// the types of fields that are known.
+pub(super) fn spellings(
+    paths: &[FieldPath],
+    vectors: &HashMap<String, MatrixType>,
+    errors: &mut Errors,
+) -> HashMap<String, FieldPath> {
+    let mut spellings = HashMap::new();
+    for entries in grouped(paths) {
+        let found = match vectors.get(&entries.base.access().to_string()) {
+            Some(&ty) => entries.spellings_of_type(ty),
+            None => entries.spellings(),
+        };
+        match found {
+            Ok(found) => {
+                let found = found.into_iter();
+                spellings.extend(found.filter(|(old, new)| *old != new.access().to_string()));
             }
+            Err((span, message)) => errors.push(span, message),
         }
-        self.paths = paths;
-        spellings
     }
+    spellings
 }
 
 fn grouped(paths: &[FieldPath]) -> Vec<Entries<'_>> {

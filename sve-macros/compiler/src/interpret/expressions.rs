@@ -15,22 +15,24 @@ use crate::errors::nearest;
 const DEPTH: usize = 200;
 
 impl Lowering<'_> {
-    /// Reports a mistake and returns a poisoned value.
-    pub(super) fn refuse(&mut self, at: &impl Spanned, message: impl std::fmt::Display) -> Value {
-        self.errors.push(at.span(), message);
-        Value::Poison
+    /// Evaluates an expression. After a mistake, the value is poisoned.
+    pub(super) fn value(&mut self, expr: &Syntax) -> Value {
+        self.eval(expr).unwrap_or(Value::Poison)
     }
 
-    /// Evaluates an expression.
-    pub(super) fn eval(&mut self, expr: &Syntax) -> Value {
-        if !self.tick(expr) {
-            return Value::Poison;
+    fn values<'e>(&mut self, exprs: impl IntoIterator<Item = &'e Syntax>) -> Vec<Value> {
+        exprs.into_iter().map(|expr| self.value(expr)).collect()
+    }
+
+    /// Evaluates an expression; `None` after a mistake in it, which has been reported.
+    pub(super) fn eval(&mut self, expr: &Syntax) -> Option<Value> {
+        self.tick(expr)?;
+        let value = self.deeper(expr, |this| this.eval_inner(expr))?;
+        let value = self.frame.read_through(value?);
+        match self.fields.typed(value) {
+            Value::Poison => None,
+            value => Some(value),
         }
-        let value = self
-            .deeper(expr, |this| this.eval_inner(expr))
-            .unwrap_or(Value::Poison);
-        let value = self.read_through(value);
-        self.typed(value)
     }
 
     /// Calls `run` one level of nesting deeper, or reports that the nesting is too deep.
@@ -39,20 +41,19 @@ impl Lowering<'_> {
         at: &impl Spanned,
         run: impl FnOnce(&mut Self) -> T,
     ) -> Option<T> {
-        if self.depth >= DEPTH {
+        if self.limits.depth >= DEPTH {
             let message = format!(
                 "this expression is nested more than {DEPTH} deep: name parts of it with `let`"
             );
-            self.refuse(at, message);
-            return None;
+            return self.refuse(at, message);
         }
-        self.depth += 1;
+        self.limits.depth += 1;
         let value = run(self);
-        self.depth -= 1;
+        self.limits.depth -= 1;
         Some(value)
     }
 
-    fn eval_inner(&mut self, expr: &Syntax) -> Value {
+    fn eval_inner(&mut self, expr: &Syntax) -> Option<Value> {
         match expr {
             Syntax::Lit(literal) => self.literal(&literal.lit),
             Syntax::Paren(inner) => self.eval(&inner.expr),
@@ -75,20 +76,16 @@ impl Lowering<'_> {
                 self.leave(LoopExit::Break)
             }
             Syntax::Cast(cast) => self.cast(cast),
-            Syntax::Array(array) => {
-                Value::Array(array.elems.iter().map(|e| self.eval(e)).collect())
-            }
-            Syntax::Tuple(tuple) if tuple.elems.is_empty() => Value::Unit,
-            Syntax::Tuple(tuple) => {
-                Value::Tuple(tuple.elems.iter().map(|e| self.eval(e)).collect())
-            }
+            Syntax::Array(array) => Some(Value::Array(self.values(&array.elems))),
+            Syntax::Tuple(tuple) if tuple.elems.is_empty() => Some(Value::Unit),
+            Syntax::Tuple(tuple) => Some(Value::Tuple(self.values(&tuple.elems))),
             Syntax::Repeat(repeat) => self.repeat(repeat),
             Syntax::Block(block) if block.label.is_none() => self.block_value(&block.block),
             Syntax::ForLoop(for_loop) => self.for_loop(for_loop),
             Syntax::Assign(assign) => {
-                let value = self.eval(&assign.right);
+                let value = self.value(&assign.right);
                 self.store(&assign.left, value);
-                Value::Unit
+                Some(Value::Unit)
             }
             Syntax::Closure(closure) => self.capture(closure),
             Syntax::Call(call) => self.call(call),
@@ -100,68 +97,57 @@ impl Lowering<'_> {
         }
     }
 
-    fn literal(&mut self, literal: &Lit) -> Value {
-        match literal {
-            Lit::Float(float) if matches!(float.suffix(), "" | "f64") => {
-                match float.base10_parse::<f64>() {
-                    Ok(value) if value.is_finite() => Value::Scalar(self.arena.constant(value)),
-                    _ => self.refuse(literal, "this number does not fit into an `f64`"),
-                }
+    fn literal(&mut self, literal: &Lit) -> Option<Value> {
+        let value = match literal {
+            Lit::Float(float) if matches!(float.suffix(), "" | "f64") => float.base10_parse(),
+            Lit::Int(int) if int.suffix() == "f64" => int.base10_parse(),
+            Lit::Int(int) => {
+                return match int.base10_parse::<i64>() {
+                    Ok(value) => self.typed_literal(value, Kind::named(int.suffix()), literal),
+                    Err(_) => self.refuse(literal, "this integer is too large"),
+                };
             }
-            Lit::Int(int) if int.suffix() == "f64" => match int.base10_parse::<f64>() {
-                Ok(value) => Value::Scalar(self.arena.constant(value)),
-                Err(_) => self.refuse(literal, "this number does not fit into an `f64`"),
-            },
-            Lit::Int(int) => match int.base10_parse::<i64>() {
-                Ok(value) => {
-                    let kind = Kind::named(int.suffix());
-                    self.typed_literal(value, kind, literal)
-                }
-                Err(_) => self.refuse(literal, "this integer is too large"),
-            },
-            Lit::Float(_) => self.refuse(
-                literal,
-                "every number of a body is an `f64`: leave out the suffix",
-            ),
-            _ => self.refuse(literal, "only numbers have a place here"),
+            Lit::Float(_) => {
+                let message = "every number of a body is an `f64`: leave out the suffix";
+                return self.refuse(literal, message);
+            }
+            _ => return self.refuse(literal, "only numbers have a place here"),
+        };
+        match value {
+            Ok(value) if f64::is_finite(value) => Some(self.constant(value)),
+            _ => self.refuse(literal, "this number does not fit into an `f64`"),
         }
     }
 
-    fn path(&mut self, expr: &syn::ExprPath) -> Value {
+    fn path(&mut self, expr: &syn::ExprPath) -> Option<Value> {
         let path = &expr.path;
-        if let Some(ident) = path.get_ident() {
-            let name = ident.to_string();
-            if name == "self" {
-                return Value::Field(FieldPath::new());
-            }
-            if let Some(value) = self.variable(&name) {
-                let (size, value) = (value.entries(), value.clone());
-                return if self.work(size, expr) {
-                    value
-                } else {
-                    Value::Poison
-                };
-            }
-            if self.constant_named(&name).is_some() {
-                return self.refuse(
-                    expr,
-                    format!("a constant of this block is written `Self::{name}`"),
-                );
-            }
-            if is_constant_name(&name) {
-                return Value::Field(FieldPath::outside(path.clone()));
-            }
-            let message = self.unknown(&name);
+        let Some(ident) = path.get_ident() else {
+            return self.long_path(expr);
+        };
+        let name = ident.to_string();
+        if name == "self" {
+            return Some(Value::Field(FieldPath::default()));
+        }
+        if let Some(value) = self.frame.variable(&name) {
+            let (size, value) = (value.entries(), value.clone());
+            self.work(size, expr)?;
+            return Some(value);
+        }
+        if self.constant_named(&name).is_some() {
+            let message = format!("a constant of this block is written `Self::{name}`");
             return self.refuse(expr, message);
         }
-        self.long_path(expr)
+        if is_constant_name(&name) {
+            return Some(Value::Field(FieldPath::outside(path.clone())));
+        }
+        let message = self.unknown(&name);
+        self.refuse(expr, message)
     }
 
     /// Returns the message for a name that is not a variable.
     fn unknown(&self, name: &str) -> String {
-        let mut known: Vec<&str> = self
-            .scopes
-            .iter()
+        let scopes = self.frame.scopes.iter();
+        let mut known: Vec<&str> = scopes
             .flat_map(|scope| scope.keys().map(String::as_str))
             .collect();
         known.sort_unstable();
@@ -173,25 +159,18 @@ impl Lowering<'_> {
         }
     }
 
-    fn repeat(&mut self, repeat: &syn::ExprRepeat) -> Value {
-        let value = self.eval(&repeat.expr);
-        let Some(n) = self.index_value(&repeat.len) else {
-            return Value::Poison;
-        };
+    fn repeat(&mut self, repeat: &syn::ExprRepeat) -> Option<Value> {
+        let value = self.value(&repeat.expr);
+        let n = self.index_value(&repeat.len)?;
         let size = n.saturating_mul(value.entries());
-        if size > super::STEPS / 20 {
-            return self.refuse(
-                &repeat.len,
-                format!(
-                    "an array of {size} numbers is too large to unroll; the limit is {}",
-                    super::STEPS / 20
-                ),
-            );
+        let limit = super::STEPS / 20;
+        if size > limit {
+            let message =
+                format!("an array of {size} numbers is too large to unroll; the limit is {limit}");
+            return self.refuse(&repeat.len, message);
         }
-        if !self.work(size, &repeat.len) {
-            return Value::Poison;
-        }
-        Value::Array(vec![value; n])
+        self.work(size, &repeat.len)?;
+        Some(Value::Array(vec![value; n]))
     }
 }
 

@@ -1,15 +1,19 @@
 //! Parameters: fields of the user's struct and constants from outside the block. Generated code reads their values.
 
+use std::collections::{HashMap, HashSet};
+
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{quote, quote_spanned};
 
 use super::Lowering;
-use super::matrices::MatrixType;
-use crate::algebra::Expr;
+use super::entries::spellings;
+use super::matrices::{Matrix, MatrixType};
+use super::value::Value;
+use crate::algebra::{Expr, Symbol};
 use crate::model::Meaning;
 
 /// The path of a parameter: `self.a`, `self.m[2]`, `self.body.mass`; `GRAVITY`, `constants::MASSES[2]`.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(super) struct FieldPath {
     /// A constant from outside the block; `self` if there is none.
     outside: Option<syn::Path>,
@@ -35,25 +39,11 @@ pub(super) enum FieldStep {
 }
 
 impl FieldPath {
-    /// Returns the path `self`.
-    pub(super) fn new() -> Self {
-        Self {
-            outside: None,
-            steps: Vec::new(),
-            is_number: false,
-            reader: None,
-            vector: None,
-        }
-    }
-
-    /// Returns the path of a constant from outside the block.
+    /// Returns the path of a constant from outside the block. The default is the path `self`.
     pub(super) fn outside(path: syn::Path) -> Self {
         Self {
             outside: Some(path),
-            steps: Vec::new(),
-            is_number: false,
-            reader: None,
-            vector: None,
+            ..Self::default()
         }
     }
 
@@ -153,9 +143,7 @@ impl FieldPath {
         let base = Self {
             outside: self.outside.clone(),
             steps: before.to_vec(),
-            is_number: false,
-            reader: None,
-            vector: None,
+            ..Self::default()
         };
         Some((base, last))
     }
@@ -173,11 +161,13 @@ impl FieldPath {
     }
 
     fn then(&self, step: FieldStep) -> Self {
-        let mut longer = self.clone();
-        longer.steps.push(step);
-        longer.vector = None;
-        longer.reader = None;
-        longer
+        let steps = self.steps.iter().cloned();
+        Self {
+            outside: self.outside.clone(),
+            steps: steps.chain([step]).collect(),
+            is_number: self.is_number,
+            ..Self::default()
+        }
     }
 
     /// Returns the expression that reads the parameter.
@@ -241,36 +231,101 @@ pub(super) fn unseen(name: &str, path: &str) -> String {
     )
 }
 
+/// What an execution can know of fields only from an earlier one.
+#[derive(Default)]
+pub(super) struct Known {
+    /// Types of vectors and matrices, which may be annotated after a use as a number.
+    types: HashMap<String, MatrixType>,
+    /// Entries of vectors and matrices that are written in several ways. Maps each spelling to the one that generated code reads.
+    spellings: HashMap<String, FieldPath>,
+}
+
+impl Known {
+    fn is_first(&self) -> bool {
+        self.types.is_empty() && self.spellings.is_empty()
+    }
+}
+
+/// The parameters of an execution.
+#[derive(Default)]
+pub(super) struct Fields {
+    known: Known,
+    symbols: HashMap<String, Symbol>,
+    names: HashSet<String>,
+    /// Parameters in the order of their first use.
+    paths: Vec<FieldPath>,
+    /// Fields that are used as vectors or matrices of a known type.
+    vectors: HashMap<String, MatrixType>,
+    /// The last parameter that was used as a number, for a hint in messages.
+    pub(super) taken_for_number: Option<FieldPath>,
+}
+
+impl Fields {
+    pub(super) fn new(known: Known) -> Self {
+        Self {
+            known,
+            ..Self::default()
+        }
+    }
+
+    /// Returns the vector or matrix of a parameter whose type an earlier execution found; other values as they are.
+    pub(super) fn typed(&self, value: Value) -> Value {
+        match &value {
+            Value::Field(path) if !self.known.types.is_empty() && !path.is_converted() => {
+                let ty = self.known.types.get(&path.access().to_string());
+                ty.map_or(value.clone(), |&ty| {
+                    Value::Matrix(Matrix::of_field(path, ty))
+                })
+            }
+            _ => value,
+        }
+    }
+}
+
 impl Lowering<'_> {
+    /// Returns what another execution should know. If a vector or matrix was taken for a number, or a mistake was reported that may
+    /// come from an unknown type, these are the types of fields. If an entry was read in several ways, this is its spelling.
+    pub(super) fn learnt(&mut self) -> Option<Known> {
+        let fields = &mut self.fields;
+        let is_number = |field| fields.symbols.contains_key(field);
+        let has_mistakes = self.errors.count() > 0 || fields.vectors.keys().any(is_number);
+        if fields.known.is_first() && !fields.vectors.is_empty() && has_mistakes {
+            let types = std::mem::take(&mut fields.vectors);
+            return Some(Known {
+                types,
+                ..Known::default()
+            });
+        }
+        if !fields.known.spellings.is_empty() {
+            return None;
+        }
+        let spellings = spellings(&fields.paths, &fields.vectors, &mut self.errors);
+        (self.errors.count() == 0 && !spellings.is_empty()).then(|| Known {
+            types: std::mem::take(&mut fields.known.types),
+            spellings,
+        })
+    }
+
     /// Returns the symbol of a parameter, and declares it at the first use.
     pub(super) fn parameter(&mut self, path: &FieldPath) -> Expr {
+        let fields = &mut self.fields;
         if let (Some(ty), Some((vector, _))) = (path.vector(), path.last_step()) {
             let vector = vector.access().to_string();
-            self.vectors.entry(vector).or_insert(ty);
+            fields.vectors.entry(vector).or_insert(ty);
         }
-        let path = self
-            .spellings
-            .get(&path.access().to_string())
-            .unwrap_or(path);
-        let key = path.access();
-        let symbol = match self.parameters.get(&key.to_string()) {
-            Some(&symbol) => symbol,
-            None => {
-                // `self.a_b` and `self.a.b` are two parameters with the same name
-                let mut name = path.name();
-                while !self.parameter_names.insert(name.clone()) {
-                    name.push('_');
-                }
-                let meaning = Meaning::Parameter {
-                    name,
-                    access: key.clone(),
-                };
-                let symbol = self.symbols.declare(meaning);
-                self.parameters.insert(key.to_string(), symbol);
-                self.paths.push(path.clone());
-                symbol
+        let spelling = fields.known.spellings.get(&path.access().to_string());
+        let path = spelling.unwrap_or(path);
+        let access = path.access();
+        let key = access.to_string();
+        let symbol = *fields.symbols.entry(key).or_insert_with(|| {
+            // `self.a_b` and `self.a.b` are two parameters with the same name
+            let mut name = path.name();
+            while !fields.names.insert(name.clone()) {
+                name.push('_');
             }
-        };
+            fields.paths.push(path.clone());
+            self.symbols.declare(Meaning::Parameter { name, access })
+        });
         self.arena.symbol(symbol)
     }
 }

@@ -1,12 +1,11 @@
-//! Methods of `f64`: those that are smooth, and what to write instead of the others.
-
-use std::f64::consts;
+//! Methods of `f64` that are smooth, by whichever name they are called.
 
 use proc_macro2::Span;
 
 use super::Lowering;
 use super::calls::Argument;
-use super::integers::Integer;
+use super::integers::{self, Integer};
+use super::methods::{Run, names_of_numbers, of_numbers, rough_method};
 use super::value::Value;
 use crate::algebra::{Binary, Expr, Function};
 use crate::errors::nearest;
@@ -14,212 +13,110 @@ use crate::errors::nearest;
 /// The largest power that `powi` takes.
 const POWER: u64 = 1024;
 
-/// The methods of `f64` that are made of functions of the algebra, with the number of their arguments beside the receiver.
-const COMPOSED: &[(&str, usize)] = &[
-    ("powi", 1),
-    ("recip", 0),
-    ("mul_add", 2),
-    ("sin_cos", 0),
-    ("to_radians", 0),
-    ("to_degrees", 0),
-    ("log", 1),
-];
-
-/// What to write for a function of whole numbers.
-macro_rules! staircase {
-    () => {
-        ": `x - (TAU * x).sin() / TAU` is a smooth staircase through the integers; a value that is held for several steps is a parameter, changed between steps through `system_mut`"
-    };
-}
-
-/// What to write for a remainder.
-macro_rules! periodic {
-    () => {
-        ": an angle needs no reduction in `sin` and `cos`; a function of the period P is made of `(TAU * x / P).sin()` and `.cos()`, and one that switches twice in a period is `((TAU * x / P).sin() / width).tanh()`"
-    };
-}
-pub(super) use periodic;
-
-/// Methods of `f64` that are not smooth, and what to write instead.
-const ROUGH: &[(&str, &str)] = &[
-    (
-        "abs",
-        "`abs` has no derivative at 0: write `x * x` for a square, or `(x * x + eps * eps).sqrt()` for a smooth modulus",
-    ),
-    (
-        "signum",
-        "`signum` is not continuous: use `(x / width).tanh()`",
-    ),
-    (
-        "min",
-        "`min` is not smooth: use a smooth penalty, such as `(-x / width).exp()`",
-    ),
-    (
-        "max",
-        "`max` is not smooth: use a smooth penalty, such as `(x / width).exp()`",
-    ),
-    (
-        "clamp",
-        "`clamp` is not smooth: use `width * (x / width).tanh()`",
-    ),
-    (
-        "floor",
-        concat!(
-            "`floor` is not continuous, and its slope is 0",
-            staircase!()
-        ),
-    ),
-    (
-        "ceil",
-        concat!("`ceil` is not continuous, and its slope is 0", staircase!()),
-    ),
-    (
-        "round",
-        concat!(
-            "`round` is not continuous, and its slope is 0",
-            staircase!()
-        ),
-    ),
-    (
-        "trunc",
-        concat!(
-            "`trunc` is not continuous, and its slope is 0",
-            staircase!()
-        ),
-    ),
-    ("fract", concat!("`fract` is not continuous", periodic!())),
-    (
-        "rem_euclid",
-        concat!("`rem_euclid` is not continuous", periodic!()),
-    ),
-    (
-        "div_euclid",
-        "`div_euclid` is not continuous: divide with `/`",
-    ),
-    (
-        "copysign",
-        "`copysign` is not continuous: use `(x / width).tanh()`",
-    ),
-];
-
 impl Lowering<'_> {
-    /// A method of `f64`; the receiver is the first of the arguments.
-    pub(super) fn float_method(&mut self, name: &str, at: Span, arguments: &[Argument]) -> Value {
-        if let Some((_, message)) = ROUGH.iter().find(|r| r.0 == name) {
+    /// Calls a method of a number; the receiver is the first of the arguments.
+    pub(super) fn number_method(
+        &mut self,
+        name: &str,
+        at: Span,
+        arguments: Vec<Argument>,
+    ) -> Option<Value> {
+        if let Some(message) = rough_method(name) {
             return self.refuse(&at, message);
         }
-        let unary = unary(name);
         let Some(expected) = operands(name) else {
             return self.refuse(&at, no_method(name));
         };
-        let [receiver, rest @ ..] = arguments else {
-            return Value::Poison;
-        };
-        if rest.len() != expected {
-            let message = format!(
-                "`{name}` takes {}, here {}",
-                plural(expected, "argument"),
-                are(rest.len())
-            );
-            return self.refuse(&at, message);
+        let found = arguments.len().saturating_sub(1);
+        if found != expected {
+            return self.refuse(&at, wrong_arity(&format!("`{name}`"), expected, found));
         }
-        let x = self.scalar(&receiver.value, &receiver.at);
-        if let ("powi", [exponent]) = (name, rest) {
+        if let ("powi", [base, exponent]) = (name, arguments.as_slice()) {
+            let x = self.scalar(&base.value, &base.at);
             return self.powi(x, exponent);
         }
-        let rest: Vec<Option<Expr>> = rest
-            .iter()
-            .map(|argument| self.scalar(&argument.value, &argument.at))
-            .collect();
-        let Some(rest) = rest.into_iter().collect::<Option<Vec<Expr>>>() else {
-            return Value::Poison;
+        let numbers = self.scalars(&arguments)?;
+        let value = match (unary(name), binary(name), of_numbers(name)) {
+            (Some(function), _, _) => Value::Scalar(self.arena.call(function, numbers[0])),
+            (_, Some(function), _) => {
+                Value::Scalar(self.arena.call2(function, numbers[0], numbers[1]))
+            }
+            (_, _, Some((_, Run::Float(compute)))) => compute(self.arena, &numbers),
+            _ => return None,
         };
-        let Some(x) = x else { return Value::Poison };
-        let value = self.smooth(name, x, &rest);
-        let outside = |x: f64| unary.is_some_and(|f| !f.evaluate(x).is_finite());
-        let undefined = match value {
-            Value::Scalar(e) => !self.arena.is_finite(e),
-            _ => false,
+        let is_outside = |x: f64| unary(name).is_some_and(|f| !f.evaluate(x).is_finite());
+        let constant = self.arena.constant_value(numbers[0]);
+        let is_defined = match value {
+            Value::Scalar(e) => self.arena.is_finite(e),
+            _ => true,
         };
-        if undefined || self.arena.constant_value(x).is_some_and(outside) {
-            let message = format!(
-                "`{name}` is not defined at this constant: its value is not a finite number"
-            );
-            return self.refuse(&at, message);
+        if is_defined && !constant.is_some_and(is_outside) {
+            return Some(value);
         }
-        value
+        let message =
+            format!("`{name}` is not defined at this constant: its value is not a finite number");
+        self.refuse(&at, message)
     }
 
-    fn smooth(&mut self, name: &str, x: Expr, rest: &[Expr]) -> Value {
-        let arena = &mut *self.arena;
-        if let Some(function) = unary(name) {
-            return Value::Scalar(arena.call(function, x));
-        }
-        if let (Some(function), [y]) = (binary(name), rest) {
-            return Value::Scalar(arena.call2(function, x, *y));
-        }
-        Value::Scalar(match (name, rest) {
-            ("recip", _) => arena.pow(x, -1),
-            ("to_radians", _) => arena.scale(consts::PI / 180.0, x),
-            ("to_degrees", _) => arena.scale(180.0 / consts::PI, x),
-            ("sin_cos", _) => {
-                let pair = [Function::Sin, Function::Cos].map(|f| Value::Scalar(arena.call(f, x)));
-                return Value::Tuple(pair.into());
-            }
-            ("log", [base]) => {
-                let [x, base] = [x, *base].map(|e| arena.call(Function::Ln, e));
-                arena.div(x, base)
-            }
-            ("mul_add", [y, z]) => {
-                let product = arena.mul(x, *y);
-                arena.add(product, *z)
-            }
-            _ => return Value::Poison,
-        })
+    /// Calls a method of integers; `None` if there is no such method, or an argument is not an integer.
+    pub(super) fn method_of_integers(
+        &mut self,
+        name: &str,
+        at: Span,
+        arguments: &[Argument],
+    ) -> Option<Option<Value>> {
+        let (_, compute) = integers::METHODS.iter().find(|method| method.0 == name)?;
+        let integer = |argument: &Argument| match argument.value {
+            Value::Int(i) => Some(i),
+            _ => None,
+        };
+        let values: Vec<Integer> = arguments.iter().map(integer).collect::<Option<_>>()?;
+        let operands = match (name, values.as_slice()) {
+            ("abs", &[i]) => [i, i],
+            ("abs", _) => return None,
+            (_, &[i, k]) => [i, k],
+            _ => return None,
+        };
+        Some(self.integer_method(name, *compute, operands, at))
     }
 
-    fn powi(&mut self, x: Option<Expr>, exponent: &Argument) -> Value {
+    fn powi(&mut self, x: Option<Expr>, exponent: &Argument) -> Option<Value> {
         let at = &exponent.at;
         let k = match &exponent.value {
-            Value::Int(k) if k.value.unsigned_abs() <= POWER => k.value as i32,
-            Value::Poison => return Value::Poison,
-            Value::Int(Integer { value: k, .. }) => {
-                return self.refuse(
-                    at,
-                    format!("the power {k} is out of proportion; the limit is {POWER}"),
-                );
-            }
-            Value::Scalar(e) if self.integral(*e).is_some() => {
-                let k = self.integral(*e).unwrap_or_default();
-                let message = format!("the exponent of `powi` is an integer: write `{k}`");
-                return self.refuse(at, message);
-            }
+            Value::Poison => return None,
+            Value::Int(Integer { value: k, .. }) if k.unsigned_abs() <= POWER => *k as i32,
             other => {
-                let message = format!(
-                    "the exponent of `powi` must be an integer known at compile time, and this is {}; for others use `powf`",
-                    other.kind()
-                );
+                let message = self.wrong_exponent(other);
                 return self.refuse(at, message);
             }
         };
-        let Some(x) = x else { return Value::Poison };
+        let x = x?;
         if k < 0 && self.arena.constant_value(x) == Some(0.0) {
-            return self.refuse(
-                at,
-                "this divides by zero: a negative power of the constant 0",
-            );
+            let message = "this divides by zero: a negative power of the constant 0";
+            return self.refuse(at, message);
         }
         let value = self.arena.pow(x, k);
-        if !self.arena.is_finite(value) {
-            return self.refuse(at, "the constants here overflow an `f64`");
-        }
-        Value::Scalar(value)
+        self.finite(value, at)
     }
 
-    /// The integer that an expression is.
-    fn integral(&self, expr: Expr) -> Option<i64> {
-        let value = self.arena.constant_value(expr)?;
-        (value.fract() == 0.0 && value.abs() < 1e9).then_some(value as i64)
+    /// Returns the message for an exponent that `powi` does not take.
+    fn wrong_exponent(&self, exponent: &Value) -> String {
+        let number = match exponent {
+            Value::Scalar(e) => self.arena.constant_value(*e),
+            _ => None,
+        };
+        match (exponent, number) {
+            (Value::Int(Integer { value: k, .. }), _) => {
+                format!("the power {k} is out of proportion; the limit is {POWER}")
+            }
+            (_, Some(k)) if k.fract() == 0.0 && k.abs() < 1e9 => {
+                format!("the exponent of `powi` is an integer: write `{k}`")
+            }
+            (other, _) => format!(
+                "the exponent of `powi` must be an integer known at compile time, and this is {}; for others use `powf`",
+                other.kind()
+            ),
+        }
     }
 }
 
@@ -230,7 +127,7 @@ pub(super) fn is_smooth_method(name: &str) -> bool {
 
 /// Whether `f64` has a method of this name, smooth or not.
 pub(super) fn is_method(name: &str) -> bool {
-    is_smooth_method(name) || ROUGH.iter().any(|r| r.0 == name)
+    is_smooth_method(name) || rough_method(name).is_some()
 }
 
 /// How a function that is written `sin(x)` is called as a method; of those that are smooth.
@@ -249,9 +146,11 @@ pub(super) fn method_meant(name: &str) -> Option<String> {
 
 /// Arguments of a method beside the receiver.
 fn operands(name: &str) -> Option<usize> {
-    let of_entries = unary(name).map(|_| 0).or(binary(name).map(|_| 1));
-    let composed = COMPOSED.iter().find(|m| m.0 == name);
-    of_entries.or(composed.map(|m| m.1))
+    let of_functions = unary(name).map(|_| 0).or(binary(name).map(|_| 1));
+    let other = || of_numbers(name).map(|(count, _)| count);
+    of_functions
+        .or_else(other)
+        .or((name == "powi").then_some(1))
 }
 
 /// The function of one argument with this method.
@@ -269,7 +168,7 @@ fn binary(name: &str) -> Option<Binary> {
 fn no_method(name: &str) -> String {
     let of_entries = Function::METHODS.iter().map(|f| f.name());
     let of_entries = of_entries.chain(Binary::METHODS.iter().map(|f| f.name()));
-    let known = of_entries.chain(COMPOSED.iter().map(|m| m.0));
+    let known = of_entries.chain(names_of_numbers()).chain(["powi"]);
     match other_name(name).or_else(|| nearest(name, known)) {
         Some(near) => format!("`{name}` is not a function of `f64`; did you mean `{near}`?"),
         None => format!(
@@ -296,6 +195,12 @@ pub(super) fn other_name(name: &str) -> Option<&'static str> {
         "norm" => "hypot",
         _ => return None,
     })
+}
+
+/// Returns the message for a call with too many or too few arguments.
+pub(super) fn wrong_arity(callee: &str, expected: usize, found: usize) -> String {
+    let takes = plural(expected, "argument");
+    format!("{callee} takes {takes}, here {}", are(found))
 }
 
 /// `1 argument`, `2 arguments`.

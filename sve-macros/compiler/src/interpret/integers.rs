@@ -8,9 +8,9 @@ use syn::spanned::Spanned;
 use syn::{BinOp, Type};
 
 use super::Lowering;
-use super::calls::Argument;
 use super::value::Value;
 use crate::syntax::parse::is_f64;
+use crate::syntax::readable;
 
 /// A type of integers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -136,44 +136,60 @@ pub(super) fn integer_constant(ty: &str, name: &str) -> Option<Integer> {
     })
 }
 
-/// Returns the common type of two integers, or both types if they differ.
-pub(super) fn common(a: Integer, b: Integer) -> Result<Option<Kind>, (Kind, Kind)> {
-    match (a.kind, b.kind) {
-        (Some(a), Some(b)) if a != b => Err((a, b)),
-        (a, b) => Ok(a.or(b)),
-    }
-}
+/// The methods of integers. `abs_diff` of signed integers returns the unsigned type.
+pub(super) const METHODS: &[(&str, fn(i64, i64) -> Option<i64>)] = &[
+    ("abs", |i, _| i.checked_abs()),
+    ("pow", |i, k| i.checked_pow(u32::try_from(k).ok()?)),
+    ("abs_diff", |i, k| i.checked_sub(k)?.checked_abs()),
+    ("min", |i, k| Some(i.min(k))),
+    ("max", |i, k| Some(i.max(k))),
+    ("rem_euclid", i64::checked_rem_euclid),
+];
 
 impl Lowering<'_> {
+    /// Returns the common type of two integers, or reports an error if they have two types.
+    pub(super) fn common(
+        &mut self,
+        a: Integer,
+        b: Integer,
+        at: &impl Spanned,
+    ) -> Option<Option<Kind>> {
+        match (a.kind, b.kind) {
+            (Some(a), Some(b)) if a != b => self.two_kinds(a, b, at),
+            (a, b) => Some(a.or(b)),
+        }
+    }
+
+    fn two_kinds<T>(&mut self, a: Kind, b: Kind, at: &impl Spanned) -> Option<T> {
+        let message = format!(
+            "`{}` and `{}` are two types of integers: convert one with `as`",
+            a.name, b.name
+        );
+        self.refuse(at, message)
+    }
+
     /// Returns the result of integer arithmetic, or reports an error if the result overflows its type.
     pub(super) fn computed(
         &mut self,
         value: Option<i64>,
         kind: Option<Kind>,
         at: &impl Spanned,
-    ) -> Value {
-        let range = kind.unwrap_or(I32);
-        match (value, kind) {
-            (Some(value), kind) if range.contains(value) => Value::Int(Integer { value, kind }),
-            (Some(value), Some(kind)) if value < 0 && !kind.signed => self.refuse(
-                at,
-                format!(
-                    "this is {value}, which overflows `{}`: begin the loop later, write `(i + N - 1) % N` on a ring, or `i as f64 - 1.0` for a number",
-                    kind.name
-                ),
+    ) -> Option<Value> {
+        let message = match (value, kind) {
+            (Some(value), kind) if kind.unwrap_or(I32).contains(value) => {
+                return Some(Value::Int(Integer { value, kind }));
+            }
+            (Some(value), Some(kind)) if value < 0 && !kind.signed => format!(
+                "this is {value}, which overflows `{}`: begin the loop later, write `(i + N - 1) % N` on a ring, or `i as f64 - 1.0` for a number",
+                kind.name
             ),
-            (_, Some(kind)) => self.refuse(
-                at,
-                format!(
-                    "this integer arithmetic overflows `{}` or divides by zero",
-                    kind.name
-                ),
+            (_, Some(kind)) => format!(
+                "this integer arithmetic overflows `{}` or divides by zero",
+                kind.name
             ),
-            (_, None) => self.refuse(
-                at,
-                "this integer arithmetic overflows `i32`, the type of integers that have no other, or divides by zero: write the type, as in `1_u64`",
-            ),
-        }
+            (_, None) => "this integer arithmetic overflows `i32`, the type of integers that have no other, or divides by zero: write the type, as in `1_u64`".to_owned(),
+        };
+        self.refuse(at, message)
     }
 
     /// Computes with two integers.
@@ -183,11 +199,8 @@ impl Lowering<'_> {
         token: &BinOp,
         a: Integer,
         b: Integer,
-    ) -> Value {
-        let kind = match common(a, b) {
-            Ok(kind) => kind,
-            Err(kinds) => return self.two_kinds(kinds, token),
-        };
+    ) -> Option<Value> {
+        let kind = self.common(a, b, token)?;
         let (a, b) = (a.value, b.value);
         let result = match op {
             '+' => a.checked_add(b),
@@ -199,144 +212,108 @@ impl Lowering<'_> {
         self.computed(result, kind, token)
     }
 
-    pub(super) fn two_kinds(&mut self, (a, b): (Kind, Kind), at: &impl Spanned) -> Value {
-        let message = format!(
-            "`{}` and `{}` are two types of integers: convert one with `as`",
-            a.name, b.name
-        );
-        self.refuse(at, message)
-    }
-
     /// Returns the value of a literal, or reports an error if the value does not fit into the type of the suffix.
     pub(super) fn typed_literal(
         &mut self,
         value: i64,
         kind: Option<Kind>,
         at: &impl Spanned,
-    ) -> Value {
+    ) -> Option<Value> {
         match kind {
             // `-128_i8` is the negative of 128, which does not fit into an `i8`
             Some(kind) if !kind.contains(value) && !kind.contains(-value) => self.refuse(
                 at,
                 format!("the integer {value} does not fit into `{}`", kind.name),
             ),
-            _ => Value::Int(Integer { value, kind }),
+            _ => Some(Value::Int(Integer { value, kind })),
         }
     }
 
     /// Computes `-i`.
-    pub(super) fn negated(&mut self, i: Integer, at: &impl Spanned) -> Value {
-        let negative = i.value.checked_neg();
-        match (negative, i.kind) {
+    pub(super) fn negated(&mut self, i: Integer, at: &impl Spanned) -> Option<Value> {
+        match (i.value.checked_neg(), i.kind) {
             // `-2147483648` is a valid `i32`, but 2147483648 is not
-            (Some(value), None) => Value::Int(value.into()),
+            (Some(value), None) => Some(Value::Int(value.into())),
             (value, kind) => self.computed(value, kind, at),
         }
     }
 
     /// Evaluates `as`, for integers only.
-    pub(super) fn cast(&mut self, cast: &syn::ExprCast) -> Value {
-        let value = self.eval(&cast.expr).unconverted();
-        let target = crate::syntax::readable(&cast.ty);
-        match (value, Kind::of(&cast.ty)) {
-            (Value::Poison, _) => Value::Poison,
-            (Value::Int(i), _) if is_f64(&cast.ty) => {
-                Value::Scalar(self.arena.constant(i.value as f64))
-            }
+    pub(super) fn cast(&mut self, cast: &syn::ExprCast) -> Option<Value> {
+        let value = self.eval(&cast.expr)?.unconverted();
+        let target = readable(&cast.ty);
+        let message = match (value, Kind::of(&cast.ty)) {
+            (Value::Poison, _) => return None,
+            (Value::Int(i), _) if is_f64(&cast.ty) => return Some(self.constant(i.value as f64)),
             (Value::Int(i), Some(kind)) => match kind.wrapped(i.value) {
-                Some(value) => Value::Int(Integer {
-                    value,
-                    kind: Some(kind),
-                }),
-                None => {
-                    let message = format!(
-                        "`{}` does not fit into `{target}`: the cast would wrap around to a number beyond 2⁶³",
-                        i.value
-                    );
-                    self.refuse(&cast.as_token, message)
+                Some(value) => {
+                    let kind = Some(kind);
+                    return Some(Value::Int(Integer { value, kind }));
                 }
+                None => format!(
+                    "`{}` does not fit into `{target}`: the cast would wrap around to a number beyond 2⁶³",
+                    i.value
+                ),
             },
-            (Value::Int(_), None) => self.refuse(
-                &cast.ty,
-                format!("an integer becomes an `f64` or another type of integers here, written by name, not `{target}`"),
-            ),
-            (value @ Value::Field(_), _) => {
+            (Value::Int(_), None) => {
                 let message = format!(
-                    "`as` is for integers known at compile time, and this is {}: let its type be `f64`, and leave `as` out",
-                    value.kind()
+                    "an integer becomes an `f64` or another type of integers here, written by name, not `{target}`"
                 );
-                self.refuse(&cast.as_token, message)
+                return self.refuse(&cast.ty, message);
             }
             (value, _) => {
-                let message = format!(
-                    "`as` is for integers known at compile time, and this is {}: leave it out, every number of a formula is an `f64`",
+                let instead = match value {
+                    Value::Field(_) => "let its type be `f64`, and leave `as` out",
+                    _ => "leave it out, every number of a formula is an `f64`",
+                };
+                format!(
+                    "`as` is for integers known at compile time, and this is {}: {instead}",
                     value.kind()
-                );
-                self.refuse(&cast.as_token, message)
+                )
             }
-        }
+        };
+        self.refuse(&cast.as_token, message)
     }
 
     /// Checks an integer against an annotated type: it must not be `f64`, and the integer must fit into it. Returns other values as
     /// they are.
     pub(super) fn number(&mut self, value: Value, ty: &Type, at: &impl Spanned) -> Value {
-        let Value::Int(i) = value else { return value };
-        if is_f64(ty) {
-            return self.refuse(at, super::integer(i.value));
-        }
-        let Some(kind) = Kind::of(ty) else {
+        let (Value::Int(i), kind) = (&value, Kind::of(ty)) else {
             return value;
         };
-        match i.kind {
-            Some(other) if other != kind => self.two_kinds((other, kind), at),
-            None if !kind.contains(i.value) => {
+        let checked = match (i.kind, kind) {
+            _ if is_f64(ty) => self.refuse(at, super::integer(i.value)),
+            (_, None) => return value,
+            (Some(other), Some(kind)) if other != kind => self.two_kinds(other, kind, at),
+            (None, Some(kind)) if !kind.contains(i.value) => {
                 let message = format!("the integer {} does not fit into `{}`", i.value, kind.name);
                 self.refuse(at, message)
             }
-            _ => Value::Int(i.or_of(kind)),
-        }
+            (_, Some(kind)) => Some(Value::Int(i.or_of(kind))),
+        };
+        checked.unwrap_or(Value::Poison)
     }
 
-    /// Calls a method of integers; `None` if there is no such method, or an argument is not an integer.
+    /// Calls a method of integers, with the same integer twice if the method takes no argument.
     pub(super) fn integer_method(
         &mut self,
         name: &str,
+        compute: fn(i64, i64) -> Option<i64>,
+        [i, k]: [Integer; 2],
         at: Span,
-        arguments: &[Argument],
     ) -> Option<Value> {
-        let integer = |argument: &Argument| match argument.value {
-            Value::Int(i) => Some(i),
-            _ => None,
+        let kind = match name {
+            "pow" => i.kind,
+            _ => self.common(i, k, &at)?,
         };
-        let values: Vec<Integer> = arguments.iter().map(integer).collect::<Option<_>>()?;
-        let (i, k, kinds) = match (name, values.as_slice()) {
-            ("abs", &[i]) => (i, i, Ok(i.kind)),
-            ("pow", &[i, k]) => (i, k, Ok(i.kind)),
-            ("abs_diff" | "min" | "max" | "rem_euclid", &[i, k]) => (i, k, common(i, k)),
-            _ => return None,
+        let unsigned = |kind: Kind| {
+            let mut kinds = KINDS.into_iter();
+            kinds.find(|other| other.name.strip_prefix('u') == kind.name.strip_prefix('i'))
         };
-        let kind = match kinds {
-            Ok(kind) => kind,
-            Err(kinds) => return Some(self.two_kinds(kinds, &at)),
+        let kind = match kind {
+            Some(kind) if kind.signed && name == "abs_diff" => unsigned(kind),
+            kind => kind,
         };
-        let (i, k) = (i.value, k.value);
-        let result = match name {
-            "pow" => u32::try_from(k).ok().and_then(|k| i.checked_pow(k)),
-            "abs" => i.checked_abs(),
-            "abs_diff" => i.checked_sub(k).and_then(i64::checked_abs),
-            "min" => Some(i.min(k)),
-            "max" => Some(i.max(k)),
-            _ => i.checked_rem_euclid(k),
-        };
-        // `abs_diff` of signed integers returns the unsigned type
-        let kind = match (name, kind) {
-            ("abs_diff", Some(kind)) => KINDS
-                .into_iter()
-                .find(|other| other.name.strip_prefix('u') == kind.name.strip_prefix('i'))
-                .filter(|_| kind.signed)
-                .or(Some(kind)),
-            (_, kind) => kind,
-        };
-        Some(self.computed(result, kind, &at))
+        self.computed(compute(i.value, k.value), kind, &at)
     }
 }

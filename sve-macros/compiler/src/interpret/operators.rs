@@ -3,21 +3,20 @@
 use syn::{BinOp, Expr as Syntax, UnOp};
 
 use super::Lowering;
+use super::methods::rough_method;
 use super::value::Value;
 use crate::algebra::Expr;
 
 impl Lowering<'_> {
-    pub(super) fn unary(&mut self, unary: &syn::ExprUnary) -> Value {
-        let value = self.eval(&unary.expr);
-        match (&unary.op, value) {
-            (_, Value::Poison) => Value::Poison,
+    pub(super) fn unary(&mut self, unary: &syn::ExprUnary) -> Option<Value> {
+        match (&unary.op, self.eval(&unary.expr)?) {
             (UnOp::Neg(op), Value::Int(i)) => self.negated(i, op),
             (UnOp::Neg(op), Value::Matrix(matrix)) => self.negative(&matrix, op),
-            (UnOp::Neg(_), value) => match self.operand(&value, &unary.expr) {
-                Some(x) => Value::Scalar(self.arena.neg(x)),
-                None => Value::Poison,
-            },
-            (UnOp::Deref(_), value) => value,
+            (UnOp::Neg(_), value) => {
+                let x = self.operand(&value, &unary.expr)?;
+                Some(Value::Scalar(self.arena.neg(x)))
+            }
+            (UnOp::Deref(_), value) => Some(value),
             (op, _) => self.refuse(
                 op,
                 "`!` is for conditions on indices, `if !(i == j)`: it has no derivative",
@@ -25,18 +24,12 @@ impl Lowering<'_> {
         }
     }
 
-    pub(super) fn binary(&mut self, binary: &syn::ExprBinary) -> Value {
+    pub(super) fn binary(&mut self, binary: &syn::ExprBinary) -> Option<Value> {
         if let Some(op) = compound(&binary.op) {
-            let left = self.eval(&binary.left);
-            let right = self.eval(&binary.right);
-            let value = self.arithmetic(
-                op,
-                &binary.op,
-                (&left, &binary.left),
-                (&right, &binary.right),
-            );
+            let left = self.value(&binary.left);
+            let value = self.operated(op, binary, &left);
             self.store(&binary.left, value);
-            return Value::Unit;
+            return Some(Value::Unit);
         }
         // a long sum is a tree that is deep on the left, so this loop replaces the recursion
         let mut spine = Vec::new();
@@ -50,16 +43,23 @@ impl Lowering<'_> {
         }
         if spine.is_empty() {
             // reports the mistakes in the operands
-            self.eval(&binary.left);
-            self.eval(&binary.right);
+            self.value(&binary.left);
+            self.value(&binary.right);
             return self.refuse(&binary.op, no_derivative(&binary.op));
         }
-        let mut value = self.eval(&innermost.left);
+        let mut value = self.value(&innermost.left);
         for (op, outer) in spine.into_iter().rev() {
-            let right = self.eval(&outer.right);
-            value = self.arithmetic(op, &outer.op, (&value, &outer.left), (&right, &outer.right));
+            value = self.operated(op, outer, &value);
         }
-        value
+        Some(value)
+    }
+
+    /// Evaluates the right operand and computes with both.
+    fn operated(&mut self, op: char, binary: &syn::ExprBinary, left: &Value) -> Value {
+        let right = self.value(&binary.right);
+        let (left, right) = ((left, &*binary.left), (&right, &*binary.right));
+        self.arithmetic(op, &binary.op, left, right)
+            .unwrap_or(Value::Poison)
     }
 
     fn arithmetic(
@@ -68,51 +68,40 @@ impl Lowering<'_> {
         token: &BinOp,
         left: (&Value, &Syntax),
         right: (&Value, &Syntax),
-    ) -> Value {
-        if let Some(value) = self.matrix_arithmetic(op, token, left, right) {
-            return value;
-        }
-        if let (Value::Int(a), Value::Int(b)) = (left.0, right.0) {
-            return self.integer_arithmetic(op, token, *a, *b);
-        }
-        if let (Value::Poison, Value::Int(_)) | (Value::Int(_), Value::Poison) = (left.0, right.0) {
+    ) -> Option<Value> {
+        match (left.0, right.0) {
+            (Value::Matrix(matrix), _) | (_, Value::Matrix(matrix)) => {
+                return self.matrix_arithmetic(op, token, matrix.ty, left, right);
+            }
+            (Value::Int(a), Value::Int(b)) => return self.integer_arithmetic(op, token, *a, *b),
             // the poisoned operand may have been an integer, so the other operand is not wrong
-            return Value::Poison;
+            (Value::Poison, Value::Int(_)) | (Value::Int(_), Value::Poison) => return None,
+            _ => {}
         }
         let a = self.operand(left.0, left.1);
-        let b = self.operand(right.0, right.1);
-        let (Some(a), Some(b)) = (a, b) else {
-            return Value::Poison;
-        };
+        let (a, b) = a.zip(self.operand(right.0, right.1))?;
         let value = match op {
             '+' => self.arena.add(a, b),
             '-' => self.arena.sub(a, b),
             '*' => self.arena.mul(a, b),
-            '%' => return self.refuse(token, REMAINDER),
-            _ => {
-                if self.arena.constant_value(b) == Some(0.0) {
-                    return self.refuse(right.1, DIVISION_BY_ZERO);
-                }
-                self.arena.div(a, b)
+            '/' if self.arena.constant_value(b) == Some(0.0) => {
+                return self.refuse(right.1, DIVISION_BY_ZERO);
             }
+            '/' => self.arena.div(a, b),
+            _ => return self.refuse(token, rough_method("%").unwrap_or_default()),
         };
-        if self.arena.is_finite(value) {
-            Value::Scalar(value)
-        } else {
-            self.refuse(token, "the constants here overflow an `f64`")
-        }
+        self.finite(value, token)
     }
 
     /// Returns the number of an operand, or reports an error that says how to write the operand as a number.
     pub(super) fn operand(&mut self, value: &Value, syntax: &Syntax) -> Option<Expr> {
         if let Value::Field(path) = value {
-            self.taken_for_number = Some(path.clone());
+            self.fields.taken_for_number = Some(path.clone());
         }
-        if let (Value::Int(_), Some(message)) = (value, as_number(syntax)) {
-            self.refuse(syntax, message);
-            return None;
+        match (value, as_number(syntax)) {
+            (Value::Int(_), Some(message)) => self.refuse(syntax, message),
+            _ => self.scalar(value, syntax),
         }
-        self.scalar(value, syntax)
     }
 }
 
@@ -142,13 +131,10 @@ fn as_number(syntax: &Syntax) -> Option<String> {
 /// The message for a quotient by the constant 0.
 pub(super) const DIVISION_BY_ZERO: &str = "this divides by zero: the denominator is the constant 0";
 
-/// The message for `%` of numbers.
-pub(super) const REMAINDER: &str = concat!("`%` is not continuous", super::floats::periodic!());
-
 /// Returns the message for an operator that is not arithmetic.
-fn no_derivative(op: &BinOp) -> &'static str {
+fn no_derivative(op: &BinOp) -> String {
     match op {
-        BinOp::RemAssign(_) => REMAINDER,
+        BinOp::RemAssign(_) => return rough_method("%").unwrap_or_default(),
         BinOp::Eq(_) | BinOp::Ne(_) | BinOp::Lt(_) | BinOp::Le(_) | BinOp::Gt(_) | BinOp::Ge(_) => {
             "a comparison has no value in a formula: use a smooth transition such as `tanh` (conditions on indices belong in `if`)"
         }
@@ -157,6 +143,7 @@ fn no_derivative(op: &BinOp) -> &'static str {
         }
         _ => "this operator is none of numbers: a formula has `+`, `-`, `*` and `/`",
     }
+    .to_owned()
 }
 
 fn plain(op: &BinOp) -> Option<char> {

@@ -18,9 +18,7 @@ impl Lowering<'_> {
                 if let Some((_, inner)) = &ident.subpat {
                     self.bind(inner, value.clone());
                 }
-                if let Some(scope) = self.scopes.last_mut() {
-                    scope.insert(ident.ident.to_string(), value);
-                }
+                self.frame.set(&ident.ident, value);
             }
             Pat::Wild(_) | Pat::Rest(_) => {}
             Pat::Paren(inner) => self.bind(&inner.pat, value),
@@ -29,7 +27,7 @@ impl Lowering<'_> {
                 self.bind(&typed.pat, value);
             }
             Pat::Reference(reference) => {
-                let value = self.read_through(value);
+                let value = self.frame.read_through(value);
                 self.bind(&reference.pat, value);
             }
             Pat::Tuple(tuple) => self.bind_list(pattern, &tuple.elems, value, "tuple"),
@@ -49,7 +47,7 @@ impl Lowering<'_> {
             }
             _ => {
                 self.errors.push(pattern.span(), "this pattern is not understood: bind names, tuples `(a, b)` or arrays `[a, b]`");
-                self.poison_names(pattern);
+                self.declare(pattern, &Value::Poison);
             }
         }
     }
@@ -62,67 +60,45 @@ impl Lowering<'_> {
         wanted: &str,
     ) {
         let rest = patterns.iter().position(is_rest);
-        let value = match value {
-            Value::Place(place) => match (self.split_reference(&place), wanted) {
-                (Some(parts), "tuple") => Value::Tuple(parts),
-                (Some(parts), _) => Value::Array(parts),
-                (None, _) => Value::Poison,
-            },
-            value => value.unconverted(),
-        };
-        let values = match value {
-            Value::Tuple(values) if wanted == "tuple" => values,
-            Value::Array(values) if wanted == "array" => values,
+        let values = match (value.unconverted(), wanted) {
+            (Value::Place(place), _) => self.frame.split_reference(&place),
+            (Value::Tuple(values), "tuple") | (Value::Array(values), "array") => Some(values),
             // `v.into()`
-            Value::Matrix(matrix) if wanted == "array" => matrix.entries,
+            (Value::Matrix(matrix), "array") => Some(matrix.entries),
             // the length of a field's array is not known, so its entries can only be counted from the start
-            Value::Field(path)
-                if wanted == "array" && rest.is_none_or(|at| at + 1 == patterns.len()) =>
-            {
-                (0..patterns.len())
-                    .map(|i| Value::Field(path.index(i)))
-                    .collect()
+            (Value::Field(path), "array") if rest.is_none_or(|at| at + 1 == patterns.len()) => {
+                let entries = 0..patterns.len();
+                Some(entries.map(|i| Value::Field(path.index(i))).collect())
             }
-            Value::Poison => {
-                for pattern in patterns {
-                    self.bind(pattern, Value::Poison);
-                }
-                return;
+            (Value::Poison, _) => None,
+            (other, _) => {
+                let kind = other.kind();
+                let message = format!("this pattern takes {kind} apart, which is not a {wanted}");
+                self.refuse(whole, message)
             }
-            other => {
-                self.errors.push(
-                    whole.span(),
-                    format!(
-                        "this pattern takes {} apart, which is not a {wanted}",
-                        other.kind()
-                    ),
-                );
-                for pattern in patterns {
-                    self.bind(pattern, Value::Poison);
-                }
-                return;
+        };
+        let Some(values) = values else {
+            for pattern in patterns {
+                self.bind(pattern, Value::Poison);
             }
+            return;
         };
         let named = patterns.len() - usize::from(rest.is_some());
         if values.len() < named || (rest.is_none() && values.len() > named) {
-            self.errors.push(
-                whole.span(),
-                format!(
-                    "this pattern has {}, and the value has {}: name each, or write `_` or `..`",
-                    entries(named),
-                    values.len()
-                ),
+            let message = format!(
+                "this pattern has {}, and the value has {}: name each, or write `_` or `..`",
+                entries(named),
+                values.len()
             );
+            self.errors.push(whole.span(), message);
         }
         let skipped = values.len().saturating_sub(named);
         let mut values = values.into_iter();
         for (at, pattern) in patterns.iter().enumerate() {
             if rest == Some(at) {
                 let middle: Vec<Value> = values.by_ref().take(skipped).collect();
-                if let Pat::Ident(name) = pattern
-                    && let Some(scope) = self.scopes.last_mut()
-                {
-                    scope.insert(name.ident.to_string(), Value::Array(middle));
+                if let Pat::Ident(name) = pattern {
+                    self.frame.set(&name.ident, Value::Array(middle));
                 }
                 continue;
             }
@@ -130,30 +106,22 @@ impl Lowering<'_> {
         }
     }
 
-    /// Declares the names of `let x;`, which have no values yet.
-    pub(super) fn declare(&mut self, pattern: &Pat) {
+    /// Gives the names of a pattern a value: none yet after `let x;`, a poisoned one if the pattern is not understood, so that their
+    /// uses report no further errors.
+    pub(super) fn declare(&mut self, pattern: &Pat, value: &Value) {
         for name in names(pattern) {
-            if let Some(scope) = self.scopes.last_mut() {
-                scope.insert(name, Value::Unset);
-            }
+            self.frame.set(name, value.clone());
         }
     }
 
     /// Returns a value, or reports an error if it is nested too deeply for a variable.
     pub(super) fn shallow(&mut self, value: Value, at: &impl Spanned) -> Value {
-        if value.is_deeper(NESTING) {
-            return self.refuse(at, format!("arrays nested more than {NESTING} deep"));
+        if !value.is_deeper(NESTING) {
+            return value;
         }
-        value
-    }
-
-    /// Poisons the names of a pattern that is not understood, so that their uses report no further errors.
-    pub(super) fn poison_names(&mut self, pattern: &Pat) {
-        for name in names(pattern) {
-            if let Some(scope) = self.scopes.last_mut() {
-                scope.insert(name, Value::Poison);
-            }
-        }
+        let message = format!("arrays nested more than {NESTING} deep");
+        self.errors.push(at.span(), message);
+        Value::Poison
     }
 }
 

@@ -23,42 +23,40 @@ pub(super) enum Pick<'e> {
 pub(super) type Mistake = (Span, String);
 
 impl Lowering<'_> {
-    /// Evaluates `base[index]` or `base.member`.
-    pub(super) fn entry(&mut self, expr: &Syntax) -> Value {
-        let Some((base, picks)) = self.picks(expr) else {
-            return Value::Poison;
-        };
-        let value = match variable_name(base) {
-            Some(name) if self.variable(&name).is_some() => None,
-            _ => Some(self.eval(base)),
-        };
-        let found = match (&value, variable_name(base)) {
-            (Some(value), _) => self.read(value, &picks),
-            (None, Some(name)) => self
-                .variable(&name)
-                .map_or(Ok(Value::Poison), |variable| self.read(variable, &picks)),
-            (None, None) => Ok(Value::Poison),
-        };
+    /// Returns what was found, or reports why nothing was.
+    pub(super) fn found<T>(&mut self, found: Result<T, Mistake>) -> Option<T> {
         match found {
-            Ok(value) if self.work(value.entries(), expr) => value,
-            Ok(_) => Value::Poison,
-            Err((span, message)) => {
-                self.errors.push(span, message);
-                Value::Poison
-            }
+            Ok(value) => Some(value),
+            Err((span, message)) => self.refuse(&span, message),
         }
+    }
+
+    /// Evaluates `base[index]` or `base.member`.
+    pub(super) fn entry(&mut self, expr: &Syntax) -> Option<Value> {
+        let (base, picks) = self.picks(expr)?;
+        let name = variable_name(base);
+        let variable = name.and_then(|name| self.frame.variable(&name));
+        let found = match variable {
+            Some(variable) => self.read(variable, &picks),
+            None => {
+                let value = self.value(base);
+                self.read(&value, &picks)
+            }
+        };
+        let value = self.found(found)?;
+        self.work(value.entries(), expr)?;
+        Some(value)
     }
 
     /// Assigns to a variable, an entry or a component.
     pub(super) fn store(&mut self, place: &Syntax, value: Value) {
         let value = self.shallow(value, place);
         match place {
-            Syntax::Infer(_) => return,
-            Syntax::Tuple(tuple) => return self.store_list(place, &tuple.elems, value),
-            Syntax::Array(array) => return self.store_list(place, &array.elems, value),
-            _ => {}
+            Syntax::Infer(_) => {}
+            Syntax::Tuple(tuple) => self.store_list(place, &tuple.elems, value),
+            Syntax::Array(array) => self.store_list(place, &array.elems, value),
+            _ => self.store_at(place, value),
         }
-        self.store_at(place, value);
     }
 
     /// Assigns to several places, `(a, b) = …` or `[a, b] = …`.
@@ -76,12 +74,9 @@ impl Lowering<'_> {
             }
             (Value::Poison, _) => vec![Value::Poison; places.len()],
             (other, _) => {
-                let message = format!(
-                    "{} cannot be assigned to these {} places",
-                    other.kind(),
-                    places.len()
-                );
-                self.refuse(whole, message);
+                let (kind, count) = (other.kind(), places.len());
+                let message = format!("{kind} cannot be assigned to these {count} places");
+                self.errors.push(whole.span(), message);
                 return;
             }
         };
@@ -91,27 +86,23 @@ impl Lowering<'_> {
     }
 
     /// Evaluates `x[A..B]`.
-    pub(super) fn slice(&mut self, base: &Syntax, range: &syn::ExprRange) -> Value {
-        match self.eval(base) {
-            Value::Poison => Value::Poison,
-            Value::Array(values) => match self.range_within(range, values.len()) {
-                Some((from, to)) => Value::Array(values[from..to].to_vec()),
-                None => Value::Poison,
-            },
+    pub(super) fn slice(&mut self, base: &Syntax, range: &syn::ExprRange) -> Option<Value> {
+        match self.eval(base)? {
+            Value::Array(values) => {
+                let (from, to) = self.range_within(range, values.len())?;
+                Some(Value::Array(values[from..to].to_vec()))
+            }
             Value::Field(path) => {
-                let Some((from, to)) = self.range_bounds(range) else {
-                    return Value::Poison;
-                };
-                match to {
-                    Some(to) if self.work(to, range) => {
-                        Value::Array((from..to).map(|i| Value::Field(path.index(i))).collect())
-                    }
-                    Some(_) => Value::Poison,
-                    None => self.refuse(
+                let (from, to) = self.range_bounds(range)?;
+                let Some(to) = to else {
+                    return self.refuse(
                         range,
                         "the length of this field is not known to the macro: write both bounds",
-                    ),
-                }
+                    );
+                };
+                self.work(to, range)?;
+                let entries = (from..to).map(|i| Value::Field(path.index(i)));
+                Some(Value::Array(entries.collect()))
             }
             other => self.refuse(base, format!("{} cannot be indexed", other.kind())),
         }
@@ -142,21 +133,8 @@ impl Lowering<'_> {
         if from <= to && to <= n {
             return Some((from, to));
         }
-        self.refuse(
-            range,
-            format!("this range is not within the array, which has {n} entries"),
-        );
-        None
-    }
-
-    /// Returns the value of a variable; if the variable is a reference, the value to which it refers.
-    pub(super) fn variable(&self, name: &str) -> Option<&Value> {
-        self.held(name).map(|value| self.followed(value))
-    }
-
-    /// Returns the value that a variable holds, which may be a reference.
-    pub(super) fn held(&self, name: &str) -> Option<&Value> {
-        self.scopes.iter().rev().find_map(|scope| scope.get(name))
+        let message = format!("this range is not within the array, which has {n} entries");
+        self.refuse(range, message)
     }
 
     /// Splits an expression into its base and the selections from the base, innermost first.
@@ -201,32 +179,25 @@ impl Lowering<'_> {
 
     /// Evaluates an index or a length, or reports an error.
     pub(super) fn index_value(&mut self, expr: &Syntax) -> Option<usize> {
-        let value = self.eval(expr);
+        let value = self.eval(expr)?;
         self.index_of(&value, expr)
     }
 
     /// Converts a value to an index, or reports an error at `expr`.
     pub(super) fn index_of(&mut self, value: &Value, expr: &impl Spanned) -> Option<usize> {
-        match value {
-            Value::Int(i) if i.value >= 0 => usize::try_from(i.value).ok(),
-            Value::Poison => None,
-            Value::Int(i) => {
-                self.refuse(expr, format!("index {} is negative: begin the loop later, or write `(i + N - 1) % N` on a ring", i.value));
-                None
-            }
-            Value::Field(path) if path.unseen().is_some() => {
-                self.refuse(expr, path.unseen().unwrap_or_default());
-                None
-            }
-            other => {
-                let message = format!(
-                    "an index must be known at compile time (a literal, a loop variable, a constant of this block), and this is {}",
-                    other.kind()
-                );
-                self.refuse(expr, message);
-                None
-            }
-        }
+        let message = match value {
+            Value::Int(i) if i.value >= 0 => return usize::try_from(i.value).ok(),
+            Value::Poison => return None,
+            Value::Int(i) => format!(
+                "index {} is negative: begin the loop later, or write `(i + N - 1) % N` on a ring",
+                i.value
+            ),
+            other => other.unseen().unwrap_or_else(|| format!(
+                "an index must be known at compile time (a literal, a loop variable, a constant of this block), and this is {}",
+                other.kind()
+            )),
+        };
+        self.refuse(expr, message)
     }
 }
 
@@ -238,10 +209,11 @@ pub(super) fn variable_name(expr: &Syntax) -> Option<String> {
 }
 
 impl Lowering<'_> {
+    /// Selects an entry of a value.
     fn read(&self, value: &Value, picks: &[Pick<'_>]) -> Result<Value, Mistake> {
         let mut value = value;
         for (at, pick) in picks.iter().enumerate() {
-            value = match (self.followed(value), pick) {
+            value = match (self.frame.followed(value), pick) {
                 (Value::Poison, _) => return Ok(Value::Poison),
                 (Value::Field(path), _) => return Ok(Value::Field(field(path, &picks[at..]))),
                 (Value::Array(values), Pick::Index(i, span)) => values

@@ -1,36 +1,16 @@
-//! Mutable references into local arrays, made by `iter_mut` and `for x in &mut a`.
+//! Assignments, and mutable references into local arrays, made by `iter_mut` and `for x in &mut a`.
 //!
-//! A reference names a place. Reading a reference reads the place, and an assignment through the reference changes the place. A
-//! reference is valid only in the function that made it. Functions and closures that are called get copies, and must not change them.
+//! An assignment through a reference changes the place of the reference. Functions and closures that are called get copies, and must
+//! not change them.
 
 use proc_macro2::Span;
 use syn::spanned::Spanned;
 use syn::{Expr as Syntax, Type, UnOp};
 
 use super::Lowering;
+use super::frames::Place;
 use super::places::{Mistake, Pick, matrix_entry, no_member, out_of_range, variable_name};
 use super::value::Value;
-
-/// Largest number of references to references that are followed.
-const CHAIN: usize = 8;
-
-/// A variable, or an entry of one.
-#[derive(Clone)]
-pub(super) struct Place {
-    /// The frame of the function or closure that has the variable.
-    frame: usize,
-    scope: usize,
-    name: String,
-    path: Vec<usize>,
-}
-
-impl Place {
-    fn then(&self, entry: usize) -> Self {
-        let mut inner = self.clone();
-        inner.path.push(entry);
-        inner
-    }
-}
 
 /// The target of an assignment.
 struct Target {
@@ -40,71 +20,8 @@ struct Target {
 }
 
 impl Lowering<'_> {
-    /// Returns the value at a place; `None` if the place belongs to another frame.
-    pub(super) fn at(&self, place: &Place) -> Option<&Value> {
-        if place.frame != self.frame {
-            return None;
-        }
-        let variable = self.scopes.get(place.scope)?.get(&place.name)?;
-        place
-            .path
-            .iter()
-            .try_fold(variable, |value, &entry| match value {
-                Value::Array(values) | Value::Tuple(values) => values.get(entry),
-                Value::Matrix(matrix) => matrix.entries.get(entry),
-                _ => None,
-            })
-    }
-
-    fn at_mut(&mut self, place: &Place) -> Option<&mut Value> {
-        let variable = self.scopes.get_mut(place.scope)?.get_mut(&place.name)?;
-        place
-            .path
-            .iter()
-            .try_fold(variable, |value, &entry| match value {
-                Value::Array(values) | Value::Tuple(values) => values.get_mut(entry),
-                Value::Matrix(matrix) => matrix.entries.get_mut(entry),
-                _ => None,
-            })
-    }
-
-    /// Returns the value to which a reference refers; a value that is no reference is returned itself.
-    pub(super) fn followed<'v>(&'v self, value: &'v Value) -> &'v Value {
-        let mut value = value;
-        for _ in 0..CHAIN {
-            match value {
-                Value::Place(place) => match self.at(place) {
-                    Some(inner) => value = inner,
-                    None => return &Value::Poison,
-                },
-                _ => break,
-            }
-        }
-        value
-    }
-
-    /// Follows a reference, as [`followed`](Self::followed) does, for an owned value.
-    pub(super) fn read_through(&self, value: Value) -> Value {
-        match &value {
-            Value::Place(_) => self.followed(&value).clone(),
-            _ => value,
-        }
-    }
-
-    /// Splits a reference to an array or tuple into references to its entries.
-    pub(super) fn split_reference(&self, place: &Place) -> Option<Vec<Value>> {
-        match self.followed(&Value::Place(place.clone())) {
-            Value::Array(values) | Value::Tuple(values) => Some(
-                (0..values.len())
-                    .map(|entry| Value::Place(place.then(entry)))
-                    .collect(),
-            ),
-            _ => None,
-        }
-    }
-
     /// Evaluates `array.iter_mut()` and `&mut array`. Returns references to the entries of a local array or slice.
-    pub(super) fn iterate_mutably(&mut self, array: &Syntax, at: Span) -> Value {
+    pub(super) fn iterate_mutably(&mut self, array: &Syntax, at: Span) -> Option<Value> {
         let (array, range) = match array {
             Syntax::Index(index) => match &*index.index {
                 Syntax::Range(range) => (&*index.expr, Some(range)),
@@ -112,13 +29,11 @@ impl Lowering<'_> {
             },
             _ => (array, None),
         };
-        let Some(target) = self.target(array, false) else {
-            return Value::Poison;
-        };
-        let n = match self.followed(&Value::Place(target.place.clone())) {
+        let target = self.target(array, false)?;
+        let n = match self.frame.followed(&Value::Place(target.place.clone())) {
             Value::Array(values) => values.len(),
             Value::Matrix(matrix) => matrix.entries.len(),
-            Value::Poison => return Value::Poison,
+            Value::Poison => return None,
             other => {
                 let message = format!(
                     "only a local array is changed entry by entry, and this is {}",
@@ -127,15 +42,13 @@ impl Lowering<'_> {
                 return self.refuse(&at, message);
             }
         };
-        let Some((from, to)) = range.map_or(Some((0, n)), |range| self.range_within(range, n))
-        else {
-            return Value::Poison;
+        let (from, to) = match range {
+            Some(range) => self.range_within(range, n)?,
+            None => (0, n),
         };
-        if !self.work(n, &at) {
-            return Value::Poison;
-        }
+        self.work(n, &at)?;
         let entries = (from..to).map(|entry| Value::Place(target.place.then(entry)));
-        Value::Sequence(entries.collect())
+        Some(Value::Sequence(entries.collect()))
     }
 
     /// Assigns to a variable, an entry or a component, or to what a reference refers to.
@@ -143,72 +56,51 @@ impl Lowering<'_> {
         let Some(target) = self.target(place, true) else {
             return;
         };
-        if self.is_lazy && target.is_referenced {
-            self.refuse(
-                place,
-                "a closure of `map` that changes entries runs only where its results are taken: write a `for` loop",
-            );
+        let message = if self.frame.is_lazy && target.is_referenced {
+            "a closure of `map` that changes entries runs only where its results are taken: write a `for` loop"
+        } else if let Some(slot) = self.frame.at_mut(&target.place) {
+            *slot = value;
             return;
-        }
-        match self.at_mut(&target.place) {
-            Some(slot) => *slot = value,
-            None => {
-                self.refuse(place, "what this reference refers to has another variable of its name before it: rename one");
-            }
-        }
+        } else {
+            "what this reference refers to has another variable of its name before it: rename one"
+        };
+        self.errors.push(place.span(), message);
     }
 
     /// Returns the place that an expression names; `None` if its variable is poisoned, or after an error.
     fn target(&mut self, expr: &Syntax, is_assigned: bool) -> Option<Target> {
         let (base, picks) = self.picks(expr)?;
         let Some(name) = variable_name(base).filter(|name| name != "self") else {
-            self.refuse(
-                base,
-                "only a local variable, or an entry of one, can be assigned to",
-            );
-            return None;
+            let message = "only a local variable, or an entry of one, can be assigned to";
+            return self.refuse(base, message);
         };
-        let Some(scope) = self.scopes.iter().rposition(|s| s.contains_key(&name)) else {
-            self.refuse(base, "this variable is not known here");
-            return None;
+        let Some(root) = self.frame.place(&name) else {
+            return self.refuse(base, "this variable is not known here");
         };
-        let root = Place {
-            frame: self.frame,
-            scope,
-            name,
-            path: Vec::new(),
-        };
-        if let Some(Value::Poison) = self.at(&root) {
+        if let Some(Value::Poison) = self.frame.at(&root) {
             return None;
         }
+        let is_captured = root.scope < self.frame.floor;
         let is_dereferenced = is_dereferenced(expr);
-        let target = match self.walk(root, &picks, is_dereferenced || !is_assigned) {
-            Ok(target) => target?,
-            Err((span, message)) => {
-                self.errors.push(span, message);
-                return None;
-            }
-        };
-        if is_assigned && matches!(self.at(&target.place), Some(Value::Place(_))) {
-            self.refuse(
+        let target = self.walk(root, &picks, is_dereferenced || !is_assigned);
+        let target = self.found(target)??;
+        if is_assigned && matches!(self.frame.at(&target.place), Some(Value::Place(_))) {
+            return self.refuse(
                 expr,
                 "this would let the reference refer to something else: assign to what it refers to, `*x = …`",
             );
-            return None;
         }
         if is_dereferenced && !target.is_referenced {
-            self.refuse(
+            return self.refuse(
                 expr,
                 "what changes through this reference is not followed: a helper or closure returns what it computes",
             );
-            return None;
         }
-        if scope < self.floor && !target.is_referenced {
-            self.refuse(
+        if is_captured && !target.is_referenced {
+            return self.refuse(
                 base,
                 "a closure that changes a variable around it is not understood: write a `for` loop",
             );
-            return None;
         }
         Some(target)
     }
@@ -217,17 +109,17 @@ impl Lowering<'_> {
     /// if `follows_last`.
     fn walk(
         &self,
-        root: Place,
+        place: Place,
         picks: &[Pick<'_>],
         follows_last: bool,
     ) -> Result<Option<Target>, Mistake> {
         let mut target = Target {
-            place: root,
+            place,
             is_referenced: false,
         };
         for pick in picks {
             self.follow(&mut target);
-            let value = self.at(&target.place).unwrap_or(&Value::Poison);
+            let value = self.frame.at(&target.place).unwrap_or(&Value::Poison);
             let entry = match (value, pick) {
                 (Value::Poison, _) => return Ok(None),
                 (Value::Array(values), Pick::Index(i, _)) if *i < values.len() => *i,
@@ -251,12 +143,9 @@ impl Lowering<'_> {
     }
 
     fn follow(&self, target: &mut Target) {
-        for _ in 0..CHAIN {
-            let Some(Value::Place(inner)) = self.at(&target.place) else {
-                return;
-            };
+        if let Some(place) = self.frame.referenced(&target.place) {
             *target = Target {
-                place: inner.clone(),
+                place,
                 is_referenced: true,
             };
         }

@@ -1,10 +1,9 @@
 //! Functions with roles → the [`Model`]. Each function is executed with symbols for its arguments; its result becomes an expression.
 
-use std::collections::HashMap;
-
 use syn::spanned::Spanned;
 
 use super::Lowering;
+use super::frames::Scope;
 use super::names::names;
 use super::results::{Mismatch, components};
 use super::types::Shape;
@@ -48,35 +47,16 @@ impl Lowering<'_> {
     pub(super) fn model(&mut self) -> Option<Model> {
         let block = self.block;
         let function = &block.lagrangian;
-        let mut shapes = Vec::new();
-        for ty in block.configuration() {
-            shapes.push(self.configuration_shape(ty)?);
-        }
-        let mut factors = Vec::new();
-        for shape in &shapes {
-            shape.factors(&mut factors);
-        }
-        let configuration = Configuration::new(factors);
-        let n = configuration.directions();
-        if n == 0 {
-            self.errors.push(
-                block.coordinates().span(),
-                "a system needs at least one coordinate",
-            );
-            return None;
-        }
+        let space = self.space()?;
+        let n = self.symbols.configuration.directions();
+        let entries = self.symbols.configuration.entries();
         let time = self.symbols.declare(Meaning::Time);
-        let entries = configuration.entries();
         let q = self.symbols.declare_all(entries, Meaning::Position);
         let v = self.symbols.declare_all(n, Meaning::Velocity);
         let p = self.symbols.declare_all(n, Meaning::Momentum);
-
-        let parameters = configuration.parameters();
+        let parameters = self.symbols.configuration.parameters();
         let attitude = self.symbols.declare_all(parameters, Meaning::Attitude);
-        self.symbols.configuration = configuration;
-        let velocities: Vec<Shape> = shapes.iter().map(Shape::velocity).collect();
-        let names = names(function, &shapes, !block.arguments.is_reduced);
-        let space = Space { shapes, velocities };
+        let names = names(function, &space.shapes, !block.arguments.is_reduced);
 
         let result = self.run(function, &space, time, &[&q, &v]);
         let lagrangian = self.scalar_result(function, &result);
@@ -134,6 +114,26 @@ impl Lowering<'_> {
         })
     }
 
+    /// Returns the shapes of the configuration, whose space joins the symbols; or reports an error.
+    fn space(&mut self) -> Option<Space> {
+        let block = self.block;
+        let mut shapes = Vec::new();
+        let mut factors = Vec::new();
+        for ty in block.configuration() {
+            let shape = self.configuration_shape(ty)?;
+            shape.factors(&mut factors);
+            shapes.push(shape);
+        }
+        let configuration = Configuration::new(factors);
+        if configuration.directions() == 0 {
+            let message = "a system needs at least one coordinate";
+            return self.refuse(block.coordinates(), message);
+        }
+        self.symbols.configuration = configuration;
+        let velocities = shapes.iter().map(Shape::velocity).collect();
+        Some(Space { shapes, velocities })
+    }
+
     /// Executes a function with symbols for its arguments.
     fn run(
         &mut self,
@@ -142,9 +142,9 @@ impl Lowering<'_> {
         time: Symbol,
         vectors: &[&[Symbol]],
     ) -> Value {
-        self.scopes = vec![HashMap::new()];
-        self.active = vec![function.name.to_string()];
-        self.taken_for_number = None;
+        self.frame.scopes = vec![Scope::new()];
+        self.calls.active = vec![function.name.to_string()];
+        self.fields.taken_for_number = None;
         let outer = self.errors.enter(&function.name.to_string());
         let mut arguments = function.arguments.iter();
         if function.is_timed
@@ -191,10 +191,11 @@ impl Lowering<'_> {
         }
         let mistakes = self.errors.count();
         let value = self.block_value(&function.item.block);
+        let value = value.unwrap_or(Value::Poison);
         let value = self.awaited(value, &function.output, &function.item.sig.output);
         let value = self.ascribed(value, &function.output);
         if self.errors.count() > mistakes {
-            self.broken.insert(function.name.to_string());
+            self.calls.broken.insert(function.name.to_string());
         }
         self.errors.leave(outer);
         value

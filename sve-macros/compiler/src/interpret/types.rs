@@ -102,29 +102,28 @@ impl Lowering<'_> {
             Type::Array(array) if is_rotation(&array.elem) => {
                 let inner = self.configuration_shape(&array.elem)?;
                 let n = self.length(&array.len)?;
-                if n.saturating_mul(inner.len()) > COORDINATES {
-                    let message = format!(
-                        "{n} rotations have more than {COORDINATES} entries, which are too many to unroll"
-                    );
-                    self.refuse(&array.len, message);
-                    return None;
+                if n.saturating_mul(inner.len()) <= COORDINATES {
+                    return Some(Shape::Array(n, Box::new(inner)));
                 }
-                Some(Shape::Array(n, Box::new(inner)))
+                let message = format!(
+                    "{n} rotations have more than {COORDINATES} entries, which are too many to unroll"
+                );
+                self.refuse(&array.len, message)
             }
             _ if is_rotation(ty) => {
                 let written = Written::of_type(ty)?;
                 let is_spatial = matches!(written.rows, Size::Known(3));
-                if !is_spatial || written.has_floats != Some(true) {
-                    let message = format!(
-                        "`{}` is not a type of configurations: rotations are `Rotation3<f64>`, by value; a rotation in the plane is its angle, `f64`",
-                        readable(ty)
-                    );
-                    self.refuse(ty, message);
-                    return None;
+                if is_spatial && written.has_floats == Some(true) {
+                    return Some(Shape::Vector(MatrixType {
+                        kind: Kind::Rotation,
+                        ..MatrixType::matrix(3, 3)
+                    }));
                 }
-                let mut matrix = MatrixType::matrix(3, 3);
-                matrix.kind = Kind::Rotation;
-                Some(Shape::Vector(matrix))
+                let message = format!(
+                    "`{}` is not a type of configurations: rotations are `Rotation3<f64>`, by value; a rotation in the plane is its angle, `f64`",
+                    readable(ty)
+                );
+                self.refuse(ty, message)
             }
             _ => self.shape(ty),
         }
@@ -132,35 +131,29 @@ impl Lowering<'_> {
 
     /// Returns the shape of a type, or reports an error at the type.
     pub(super) fn shape(&mut self, ty: &Type) -> Option<Shape> {
-        let shape = self.shape_within(ty, COORDINATES)?;
-        if shape.len() > COORDINATES {
-            self.errors.push(
-                ty.span(),
-                format!(
-                    "{} numbers are too many to unroll; the limit is {COORDINATES}",
-                    shape.len()
-                ),
-            );
-            return None;
-        }
+        let shape = self.shape_within(ty)?;
+        self.check_size(shape.len(), ty)?;
         Some(shape)
     }
 
-    fn shape_within(&mut self, ty: &Type, limit: usize) -> Option<Shape> {
+    /// Reports an error at `at` if a system has not so many coordinates.
+    fn check_size(&mut self, size: usize, at: &impl Spanned) -> Option<()> {
+        if size <= COORDINATES {
+            return Some(());
+        }
+        let message = format!("{size} numbers are too many to unroll; the limit is {COORDINATES}");
+        self.refuse(at, message)
+    }
+
+    fn shape_within(&mut self, ty: &Type) -> Option<Shape> {
         match ty {
-            Type::Paren(inner) => self.shape_within(&inner.elem, limit),
-            Type::Group(inner) => self.shape_within(&inner.elem, limit),
+            Type::Paren(inner) => self.shape_within(&inner.elem),
+            Type::Group(inner) => self.shape_within(&inner.elem),
             _ if is_f64(ty) => Some(Shape::Scalar),
             Type::Array(array) => {
-                let inner = self.shape_within(&array.elem, limit)?;
+                let inner = self.shape_within(&array.elem)?;
                 let n = self.length(&array.len)?;
-                if n > limit {
-                    self.errors.push(
-                        array.len.span(),
-                        format!("{n} numbers are too many to unroll; the limit is {COORDINATES}"),
-                    );
-                    return None;
-                }
+                self.check_size(n, &array.len)?;
                 Some(Shape::Array(n, Box::new(inner)))
             }
             _ => {
@@ -168,17 +161,14 @@ impl Lowering<'_> {
                     return self.vector_shape(ty, &written);
                 }
                 let written = readable(ty);
-                let meant_rotation = ["Rotation", "Quaternion"]
-                    .iter()
-                    .any(|word| written.contains(word));
-                let expected = if meant_rotation {
+                let words = ["Rotation", "Quaternion"];
+                let expected = if words.iter().any(|word| written.contains(word)) {
                     "a rotation is written `Rotation3<f64>`, by value, and its velocity and momentum `Vector3<f64>`"
                 } else {
                     "write `f64`, `[f64; N]` or a vector such as `Vector3<f64>`, by value"
                 };
                 let message = format!("`{written}` is not a type of coordinates: {expected}");
-                self.errors.push(ty.span(), message);
-                None
+                self.refuse(ty, message)
             }
         }
     }
@@ -190,23 +180,13 @@ impl Lowering<'_> {
                 "`{}` is not a type of coordinates: of nalgebra's types write `Vector3<f64>` or `SVector<f64, N>`, by value",
                 readable(ty)
             );
-            self.refuse(ty, message);
-            return None;
+            return self.refuse(ty, message);
         }
-        let rows = self.size(&written.rows).ok()?;
-        let Some(rows) = rows else {
-            self.refuse(
-                ty,
-                "the number of entries is not written: write `SVector<f64, N>`",
-            );
-            return None;
+        let Some(rows) = self.size(&written.rows).ok()? else {
+            let message = "the number of entries is not written: write `SVector<f64, N>`";
+            return self.refuse(ty, message);
         };
-        if rows > COORDINATES {
-            let message =
-                format!("{rows} numbers are too many to unroll; the limit is {COORDINATES}");
-            self.refuse(ty, message);
-            return None;
-        }
+        self.check_size(rows, ty)?;
         Some(Shape::Vector(MatrixType::vector(rows)))
     }
 
@@ -226,29 +206,15 @@ impl Lowering<'_> {
             } else {
                 unseen(&name.to_string(), &name.to_string())
             };
-            self.refuse(name, message);
-            return None;
+            return self.refuse(name, message);
         }
-        self.scopes.push(std::collections::HashMap::new());
-        let value = self.eval(expr);
-        self.scopes.pop();
-        match value {
-            Value::Int(n) if n.value >= 0 => usize::try_from(n.value).ok(),
-            Value::Poison => None,
-            other => {
-                if let Value::Field(path) = &other
-                    && let Some(message) = path.unseen()
-                {
-                    self.refuse(expr, message);
-                    return None;
-                }
-                self.errors.push(
-                    expr.span(),
-                    format!("the length must be an integer known here, a literal or a constant of this block; found {}", other.kind()),
-                );
-                None
-            }
-        }
+        let message = match self.scoped(|this| this.eval(expr))? {
+            Value::Int(n) if n.value >= 0 => return usize::try_from(n.value).ok(),
+            other => other.unseen().unwrap_or_else(|| {
+                format!("the length must be an integer known here, a literal or a constant of this block; found {}", other.kind())
+            }),
+        };
+        self.refuse(expr, message)
     }
 }
 
@@ -272,14 +238,17 @@ impl Lowering<'_> {
             (value, Type::Reference(reference)) => self.ascribed(value, &reference.elem),
             (value, Type::Paren(inner)) => self.ascribed(value, &inner.elem),
             (value, Type::Group(inner)) => self.ascribed(value, &inner.elem),
-            (Value::Field(path), Type::Array(array)) => match self.length_of_type(&array.len) {
-                Some(n) => Value::Array(
-                    (0..n)
-                        .map(|i| self.ascribed(Value::Field(path.index(i)), &array.elem))
+            (Value::Field(path), Type::Array(array)) => {
+                let Some(n) = self.length_of_type(&array.len) else {
+                    return Value::Field(path);
+                };
+                let entries = (0..n).map(|i| Value::Field(path.index(i)));
+                Value::Array(
+                    entries
+                        .map(|entry| self.ascribed(entry, &array.elem))
                         .collect(),
-                ),
-                None => Value::Field(path),
-            },
+                )
+            }
             (Value::Field(path), ty) if is_f64(ty) => Value::Field(path.as_number()),
             (Value::Matrix(matrix), Type::Array(array)) => Value::Array(match &*array.elem {
                 Type::Array(_) => matrix
@@ -302,11 +271,10 @@ impl Lowering<'_> {
             (value @ (Value::Field(_) | Value::Array(_)), Type::Path(_)) => {
                 match (value, self.matrix_type(ty)) {
                     (Value::Field(path), Some(ty)) => Value::Matrix(Matrix::of_field(&path, ty)),
-                    (value @ Value::Array(_), Some(matrix)) => {
-                        let converted = self.converted_matrix(&value, Some(matrix), ty);
-                        converted.unwrap_or(Value::Poison)
-                    }
-                    (value, _) => value,
+                    (value, Some(matrix)) => self
+                        .converted_matrix(&value, Some(matrix), ty)
+                        .unwrap_or(Value::Poison),
+                    (value, None) => value,
                 }
             }
             (value, _) => value,
@@ -334,15 +302,13 @@ impl Lowering<'_> {
     /// of Rust checks types.
     fn length_of_type(&mut self, length: &Syntax) -> Option<usize> {
         let errors = std::mem::take(&mut self.errors);
-        let broken = self.broken.clone();
+        let broken = self.calls.broken.clone();
         let value = self.eval(length);
         self.errors = errors;
-        self.broken = broken;
-        match value {
-            Value::Int(n) if self.work(usize::try_from(n.value).ok()?, length) => {
-                usize::try_from(n.value).ok()
-            }
-            _ => None,
-        }
+        self.calls.broken = broken;
+        let Value::Int(n) = value? else { return None };
+        let n = usize::try_from(n.value).ok()?;
+        self.work(n, length)?;
+        Some(n)
     }
 }

@@ -4,9 +4,9 @@ use std::rc::Rc;
 
 use super::closures::Closure;
 use super::fields::FieldPath;
+use super::frames::Place;
 use super::integers::Integer;
 use super::matrices::Matrix;
-use super::references::Place;
 use crate::algebra::Expr;
 
 /// The value of a variable or an expression.
@@ -40,31 +40,56 @@ pub(super) enum Value {
 }
 
 impl Value {
+    /// Returns a length or an index.
+    pub(super) fn count(count: usize) -> Self {
+        Self::Int(Integer::count(count))
+    }
+
+    /// Returns the entries of an array, a tuple or a matrix.
+    pub(super) fn list(&self) -> Option<&Vec<Self>> {
+        match self {
+            Self::Array(values) | Self::Tuple(values) => Some(values),
+            Self::Matrix(matrix) => Some(&matrix.entries),
+            _ => None,
+        }
+    }
+
+    pub(super) fn list_mut(&mut self) -> Option<&mut Vec<Self>> {
+        match self {
+            Self::Array(values) | Self::Tuple(values) => Some(values),
+            Self::Matrix(matrix) => Some(&mut matrix.entries),
+            _ => None,
+        }
+    }
+
+    /// Returns the entries of an array, a tuple or a matrix, and the items of an iterator; nothing of other values.
+    pub(super) fn items(&self) -> &[Self] {
+        match self {
+            Self::Sequence(values) => values,
+            value => value.list().map_or(&[], Vec::as_slice),
+        }
+    }
+
     /// Returns the number of values of which the value consists, itself included.
     pub(super) fn entries(&self) -> usize {
-        match self {
-            Self::Array(values) | Self::Tuple(values) | Self::Sequence(values) => {
-                1 + values.iter().map(Self::entries).sum::<usize>()
-            }
-            Self::Matrix(matrix) => 1 + matrix.entries.iter().map(Self::entries).sum::<usize>(),
-            _ => 1,
-        }
+        1 + self.items().iter().map(Self::entries).sum::<usize>()
     }
 
     /// Returns whether arrays are nested in the value more than `depth` deep.
     pub(super) fn is_deeper(&self, depth: usize) -> bool {
         match self {
-            Self::Array(values) | Self::Tuple(values) | Self::Sequence(values) => {
-                depth == 0 || values.iter().any(|value| value.is_deeper(depth - 1))
-            }
-            Self::Matrix(matrix) => {
-                depth == 0
-                    || matrix
-                        .entries
-                        .iter()
-                        .any(|value| value.is_deeper(depth - 1))
+            Self::Array(_) | Self::Tuple(_) | Self::Sequence(_) | Self::Matrix(_) => {
+                depth == 0 || self.items().iter().any(|value| value.is_deeper(depth - 1))
             }
             _ => false,
+        }
+    }
+
+    /// Returns the message for a constant from outside the block whose value the macro needs; `None` for other values.
+    pub(super) fn unseen(&self) -> Option<String> {
+        match self {
+            Self::Field(path) => path.unseen(),
+            _ => None,
         }
     }
 

@@ -1,26 +1,35 @@
 //! Formulas of vectors and matrices, entry by entry.
 
-use super::{Kind, Matrix, MatrixType, sum};
+use super::{Kind, Matrix, MatrixType};
 use crate::algebra::{Arena, Expr, Function};
 
-pub(super) fn inner(arena: &mut Arena, a: &Matrix<Expr>, b: &Matrix<Expr>) -> Expr {
+/// Adds numbers, from the first to the last.
+pub(in crate::interpret) fn sum(arena: &mut Arena, terms: &[Expr]) -> Expr {
+    let mut terms = terms.iter().copied();
+    match terms.next() {
+        Some(first) => terms.fold(first, |sum, term| arena.add(sum, term)),
+        None => arena.constant(0.0),
+    }
+}
+
+pub(in crate::interpret) fn inner(arena: &mut Arena, a: &Matrix<Expr>, b: &Matrix<Expr>) -> Expr {
     let products = entrywise(arena, a, b, Arena::mul);
     sum(arena, &products.entries)
 }
 
 /// Returns √(Σ x²). Its derivatives do not exist at 0, which the domain of the root excludes.
-pub(super) fn norm(arena: &mut Arena, m: &Matrix<Expr>) -> Expr {
+pub(in crate::interpret) fn norm(arena: &mut Arena, m: &Matrix<Expr>) -> Expr {
     let square = inner(arena, m, m);
     arena.call(Function::Sqrt, square)
 }
 
-pub(super) fn normalized(arena: &mut Arena, m: &Matrix<Expr>) -> Matrix<Expr> {
+pub(in crate::interpret) fn normalized(arena: &mut Arena, m: &Matrix<Expr>) -> Matrix<Expr> {
     let norm = norm(arena, m);
     each(arena, m, norm, Arena::div)
 }
 
 /// Applies an operation to the corresponding entries of two vectors or matrices.
-pub(super) fn entrywise(
+pub(in crate::interpret) fn entrywise(
     arena: &mut Arena,
     a: &Matrix<Expr>,
     b: &Matrix<Expr>,
@@ -35,7 +44,7 @@ pub(super) fn entrywise(
 }
 
 /// Applies an operation to each entry and a number.
-pub(super) fn each(
+pub(in crate::interpret) fn each(
     arena: &mut Arena,
     m: &Matrix<Expr>,
     x: Expr,
@@ -52,7 +61,7 @@ pub(super) fn each(
     }
 }
 
-pub(super) fn transpose(m: &Matrix<Expr>) -> Matrix<Expr> {
+pub(in crate::interpret) fn transpose(m: &Matrix<Expr>) -> Matrix<Expr> {
     let transposed = m.transposed();
     match m.ty.kind {
         Kind::Rotation => transposed,
@@ -60,31 +69,83 @@ pub(super) fn transpose(m: &Matrix<Expr>) -> Matrix<Expr> {
     }
 }
 
+/// Returns the length of a difference.
+pub(in crate::interpret) fn distance(
+    arena: &mut Arena,
+    a: &Matrix<Expr>,
+    b: &Matrix<Expr>,
+) -> Expr {
+    let difference = entrywise(arena, a, b, Arena::sub);
+    norm(arena, &difference)
+}
+
+/// Returns `(1 − share) a + share b`.
+pub(in crate::interpret) fn lerp(
+    arena: &mut Arena,
+    [a, b]: [&Matrix<Expr>; 2],
+    share: Expr,
+) -> Matrix<Expr> {
+    let one = arena.constant(1.0);
+    let rest = arena.sub(one, share);
+    let [a, b] = [(a, rest), (b, share)].map(|(m, x)| each(arena, m, x, Arena::mul));
+    entrywise(arena, &a, &b, Arena::add)
+}
+
+pub(in crate::interpret) fn diagonal(m: &Matrix<Expr>) -> Matrix<Expr> {
+    Matrix::from_fn(MatrixType::vector(m.ty.rows), |i, _| m.at(i, i))
+}
+
 /// Returns `a₀ b₁ − a₁ b₀`.
-pub(super) fn minor(arena: &mut Arena, a: [Expr; 2], b: [Expr; 2]) -> Expr {
+fn minor(arena: &mut Arena, a: [Expr; 2], b: [Expr; 2]) -> Expr {
     let [left, right] = [(a[0], b[1]), (a[1], b[0])].map(|(a, b)| arena.mul(a, b));
     arena.sub(left, right)
 }
 
+pub(in crate::interpret) fn perp(arena: &mut Arena, a: &Matrix<Expr>, b: &Matrix<Expr>) -> Expr {
+    let [a, b] = [a, b].map(|m| [m.entries[0], m.entries[1]]);
+    minor(arena, a, b)
+}
+
+pub(in crate::interpret) fn cross(
+    arena: &mut Arena,
+    a: &Matrix<Expr>,
+    b: &Matrix<Expr>,
+) -> Matrix<Expr> {
+    let ty = a.ty.plain();
+    let [a, b] = [&a.entries, &b.entries];
+    let entry = |i: usize| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        minor(arena, [a[j], a[k]], [b[j], b[k]])
+    };
+    let entries = (0..3).map(entry).collect();
+    Matrix { ty, entries }
+}
+
+/// Returns the matrix whose product with a vector is the cross product with `m`.
+pub(in crate::interpret) fn cross_matrix(arena: &mut Arena, m: &Matrix<Expr>) -> Matrix<Expr> {
+    let zero = arena.constant(0.0);
+    let [x, y, z] = [0, 1, 2].map(|i| m.entries[i]);
+    let [nx, ny, nz] = [x, y, z].map(|entry| arena.neg(entry));
+    let rows = [[zero, nz, y], [z, zero, nx], [ny, x, zero]];
+    Matrix::from_fn(MatrixType::matrix(3, 3), |i, j| rows[i][j])
+}
+
 /// Returns the image of a vector under a rotation.
-pub(super) fn image(arena: &mut Arena, rotation: &Matrix<Expr>, v: &Matrix<Expr>) -> Matrix<Expr> {
-    let entries = (0..rotation.ty.rows).map(|i| {
-        let row = rotation.part((i, 0), MatrixType::matrix(1, rotation.ty.columns));
-        inner(arena, &row, v)
-    });
+pub(in crate::interpret) fn image(
+    arena: &mut Arena,
+    rotation: &Matrix<Expr>,
+    v: &Matrix<Expr>,
+) -> Matrix<Expr> {
+    let entries = (0..rotation.ty.rows).map(|i| inner(arena, &rotation.row(i), v));
     Matrix {
         ty: v.ty.plain(),
         entries: entries.collect(),
     }
 }
 
-/// Expands a determinant along its first column, recursively. Each minor of the last columns is computed once. Returns `None` if the
-/// matrix is too large.
-pub(super) fn determinant(arena: &mut Arena, m: &Matrix<Expr>) -> Option<Expr> {
+/// Expands a determinant along its first column, recursively. Each minor of the last columns is computed once.
+pub(in crate::interpret) fn determinant(arena: &mut Arena, m: &Matrix<Expr>) -> Expr {
     let n = m.ty.rows;
-    if n > MAX_DETERMINANT {
-        return None;
-    }
     // minors of the last columns, by the set of their rows
     let mut minors = vec![arena.constant(1.0); 1 << n];
     for rows in 1_usize..1 << n {
@@ -100,7 +161,7 @@ pub(super) fn determinant(arena: &mut Arena, m: &Matrix<Expr>) -> Option<Expr> {
         }
         minors[rows] = sum(arena, &terms);
     }
-    minors.last().copied()
+    minors[(1 << n) - 1]
 }
 
 /// Largest number of rows of a determinant that is expanded. The number of minors doubles with each row.

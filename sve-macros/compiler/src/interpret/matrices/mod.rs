@@ -3,28 +3,26 @@
 //! Invariant: a [`Matrix`] has rows × columns entries, stored by columns as in nalgebra. The size of a matrix is always known. A
 //! parameter of unknown type gets its size from its use or from a type annotation.
 
-mod closures;
 mod constructors;
-mod formulas;
-mod methods;
+pub(super) mod formulas;
 mod operators;
-mod refused;
 mod rotations;
-mod table;
-mod views;
+pub(super) mod views;
 
 use std::fmt;
 
-use proc_macro2::Span;
 use syn::spanned::Spanned;
 use syn::{ExprMethodCall, GenericArgument, Member};
 
 use super::calls::Argument;
 use super::fields::FieldPath;
+use super::methods::Call;
 use super::value::Value;
-use super::{Lowering, floats, sequences};
+use super::{Lowering, OVERFLOW};
 use crate::algebra::{Arena, Expr};
 pub(super) use crate::syntax::nalgebra::Kind;
+pub(super) use constructors::Constructor;
+use formulas::{MAX_DETERMINANT, determinant};
 
 /// Names of the components of vectors.
 pub(super) const COMPONENTS: [&str; 6] = ["x", "y", "z", "w", "a", "b"];
@@ -73,17 +71,25 @@ impl MatrixType {
         }
     }
 
-    fn is_square(self) -> bool {
+    pub(super) fn is_square(self) -> bool {
         self.rows == self.columns
     }
 
-    fn has_size_of(self, other: Self) -> bool {
+    pub(super) fn has_size_of(self, other: Self) -> bool {
         (self.rows, self.columns) == (other.rows, other.columns)
     }
 
     /// Returns the type of a plain matrix of this size.
-    fn plain(self) -> Self {
+    pub(super) fn plain(self) -> Self {
         Self::matrix(self.rows, self.columns)
+    }
+
+    fn transposed(self) -> Self {
+        Self {
+            kind: self.kind,
+            rows: self.columns,
+            columns: self.rows,
+        }
     }
 
     /// Returns the index of an entry in storage; `None` if there is no such entry.
@@ -162,7 +168,7 @@ pub(super) struct Matrix<T> {
 
 impl<T: Clone> Matrix<T> {
     /// Makes a matrix from a function of row and column.
-    fn from_fn(ty: MatrixType, mut entry: impl FnMut(usize, usize) -> T) -> Self {
+    pub(super) fn from_fn(ty: MatrixType, mut entry: impl FnMut(usize, usize) -> T) -> Self {
         let places = (0..ty.columns).flat_map(|column| (0..ty.rows).map(move |row| (row, column)));
         let entries = places.map(|(row, column)| entry(row, column)).collect();
         Self { ty, entries }
@@ -173,13 +179,8 @@ impl<T: Clone> Matrix<T> {
         self.entries[column * self.ty.rows + row].clone()
     }
 
-    fn transposed(&self) -> Self {
-        let ty = MatrixType {
-            kind: self.ty.kind,
-            rows: self.ty.columns,
-            columns: self.ty.rows,
-        };
-        Self::from_fn(ty, |row, column| self.at(column, row))
+    pub(super) fn transposed(&self) -> Self {
+        Self::from_fn(self.ty.transposed(), |row, column| self.at(column, row))
     }
 
     /// Returns the submatrix of a size that begins at a row and a column.
@@ -187,7 +188,15 @@ impl<T: Clone> Matrix<T> {
         Self::from_fn(size, |i, j| self.at(row + i, column + j))
     }
 
-    fn with_kind(mut self, kind: Kind) -> Self {
+    pub(super) fn row(&self, row: usize) -> Self {
+        self.part((row, 0), MatrixType::matrix(1, self.ty.columns))
+    }
+
+    pub(super) fn column(&self, column: usize) -> Self {
+        self.part((0, column), MatrixType::vector(self.ty.rows))
+    }
+
+    pub(super) fn with_kind(mut self, kind: Kind) -> Self {
         self.ty.kind = kind;
         self
     }
@@ -236,127 +245,98 @@ impl From<Matrix<Expr>> for Value {
 }
 
 impl Lowering<'_> {
-    /// Returns the vector or matrix of a parameter whose type an earlier execution found; other values as they are.
-    pub(super) fn typed(&self, value: Value) -> Value {
-        let Value::Field(path) = &value else {
-            return value;
-        };
-        if self.known_types.is_empty() || path.is_converted() {
-            return value;
-        }
-        match self.known_types.get(&path.access().to_string()) {
-            Some(&ty) => Value::Matrix(Matrix::of_field(path, ty)),
-            None => value,
-        }
+    /// Evaluates `map` and `zip_map` of a vector or matrix.
+    pub(super) fn map_entries(&mut self, call: &Call<'_>) -> Option<Value> {
+        let function = call.given.functions[0];
+        let Matrix { ty, entries } = call.matrix();
+        let mut others = call.given.matrices.iter().flat_map(|other| &other.entries);
+        let lists = entries.into_iter().map(|entry| {
+            let other = others.next().map(|&other| Value::Scalar(other));
+            [entry].into_iter().chain(other).collect()
+        });
+        let entries = self.mapped_lists(lists, function)?;
+        let ty = ty.plain();
+        let numbers = self.numbers(&Matrix { ty, entries }, function)?;
+        Some(numbers.into())
     }
 
-    /// Calls a method of a vector or matrix; `None` if the receiver is neither, or is a parameter and no such method exists.
-    pub(super) fn matrix_method(
-        &mut self,
-        call: &ExprMethodCall,
-        receiver: &Argument,
-    ) -> Option<Value> {
-        let name = call.method.to_string();
-        let at = call.method.span();
-        let matrix = match &receiver.value {
-            Value::Matrix(matrix) => matrix,
-            Value::Field(path) if !path.is_self() && !sequences::is_method(&name) => {
-                return self.method_of_field(call, path, at);
-            }
-            Value::Scalar(_)
-                if methods::is_method(&name) && floats::other_name(&name).is_none() =>
-            {
-                let message = self.no_method_of_number(&name);
-                return Some(self.refuse(&at, message));
-            }
-            _ => return None,
-        };
-        if matches!(name.as_str(), "clone" | "to_owned" | "into") && call.args.is_empty() {
-            return Some(receiver.value.clone());
+    pub(super) fn determinant(&mut self, call: &Call<'_>) -> Option<Value> {
+        let matrix = call.matrix();
+        if matrix.ty.rows > MAX_DETERMINANT {
+            let message = format!(
+                "the determinant of a `{}` is too long a formula: the limit is {MAX_DETERMINANT} rows",
+                matrix.ty
+            );
+            return self.refuse(&call.syntax.method, message);
         }
-        if !self.work(matrix.entries.len(), call) {
-            return Some(Value::Poison);
-        }
-        if let Some(value) = self.view_method(call, matrix) {
-            return Some(value);
-        }
-        if let Some(value) = self.closure_method(call, matrix) {
-            return Some(value);
-        }
-        let arguments: Vec<Argument> = call.args.iter().map(|a| self.argument(a)).collect();
-        if name == "tr_mul" {
-            return Some(self.transposed_product(matrix, &arguments, at));
-        }
-        let value = self.tabled_method(call, matrix, &arguments, receiver.at);
-        Some(
-            value
-                .unwrap_or_else(|| self.refuse(&at, refused::refusal(&name, Some(matrix.ty.kind)))),
-        )
+        let matrix = self.numbers(&matrix, &call.receiver.at)?;
+        let number = determinant(self.arena, &matrix);
+        self.finite(number, &call.syntax.method)
     }
 
     /// Evaluates `a.tr_mul(&b)`, the product of the transpose of `a` and `b`.
-    fn transposed_product(&mut self, a: &Matrix<Value>, arguments: &[Argument], at: Span) -> Value {
-        let [
-            Argument {
-                value: Value::Matrix(b),
-                ..
-            },
-        ] = arguments
-        else {
+    pub(super) fn transposed_product(&mut self, call: &Call<'_>) -> Option<Value> {
+        let at = call.syntax.method.span();
+        let Value::Matrix(b) = &call.given.values[0].value else {
             return self.refuse(&at, "`tr_mul` takes a vector or matrix");
         };
-        let (Some(a), Some(b)) = (self.numbers(a, &at), self.numbers(b, &at)) else {
-            return Value::Poison;
-        };
+        let a = self.numbers(&call.matrix(), &at)?;
+        let b = self.numbers(b, &at)?;
         match self.product(&a.transposed(), &b, &at) {
-            Ok(Some(product)) => self.computed_matrix(product, &at),
-            Ok(None) => Value::Poison,
+            Ok(product) => self.finite_matrix(product?, &at),
             Err(message) => self.refuse(&at, message),
         }
     }
 
-    /// Adds the vectors or matrices among the items of an iterator; `None` if the items are numbers.
+    /// Returns the type of a sum of vectors or matrices; `None` if the items are numbers.
+    pub(super) fn type_of_sum(
+        &mut self,
+        call: &ExprMethodCall,
+        items: &[Value],
+    ) -> Option<MatrixType> {
+        let generics = call.turbofish.as_ref().and_then(|all| all.args.first());
+        let written = match generics {
+            Some(GenericArgument::Type(ty)) => self.matrix_type(ty),
+            _ => None,
+        };
+        let mut types = items.iter().filter_map(|item| match item {
+            Value::Matrix(matrix) => Some(matrix.ty.plain()),
+            _ => None,
+        });
+        written.or_else(|| types.next())
+    }
+
+    /// Adds the vectors or matrices among the items of an iterator.
     pub(super) fn sum_of_matrices(
         &mut self,
         call: &ExprMethodCall,
         items: &[Value],
+        ty: MatrixType,
     ) -> Option<Value> {
-        let written = call
-            .turbofish
-            .as_ref()
-            .and_then(|turbofish| match turbofish.args.first() {
-                Some(GenericArgument::Type(ty)) => self.matrix_type(ty),
-                _ => None,
-            });
-        let found = items.iter().find_map(|item| match item {
-            Value::Matrix(matrix) => Some(matrix.ty.plain()),
-            _ => None,
-        });
-        let ty = written.or(found)?;
-        if !self.work(ty.len().saturating_mul(items.len()), call) {
-            return Some(Value::Poison);
-        }
-        let zero = self.arena.constant(0.0);
+        self.work(ty.len().saturating_mul(items.len()), call)?;
         let mut total: Option<Matrix<Expr>> = None;
         for item in items {
             let argument = Argument {
                 value: item.clone(),
                 at: call.receiver.span(),
             };
-            let Some(term) = self.matrix_argument(&argument, ty, "sum") else {
-                return Some(Value::Poison);
-            };
+            let term = self.matrix_argument(&argument, ty, "sum")?;
             total = Some(match total {
                 Some(total) => formulas::entrywise(self.arena, &total, &term, Arena::add),
                 None => term,
             });
         }
+        let zero = self.arena.constant(0.0);
         let total = total.unwrap_or_else(|| Matrix::from_fn(ty, |_, _| zero));
-        Some(self.computed_matrix(total, &call.method))
+        self.finite_matrix(total, &call.method)
     }
 
     /// Returns the expressions of a matrix, or reports an error at `at`.
-    fn numbers(&mut self, matrix: &Matrix<Value>, at: &impl Spanned) -> Option<Matrix<Expr>> {
+    pub(super) fn numbers(
+        &mut self,
+        matrix: &Matrix<Value>,
+        at: &impl Spanned,
+    ) -> Option<Matrix<Expr>> {
         let mut entries = Vec::with_capacity(matrix.entries.len());
         for entry in &matrix.entries {
             entries.push(self.scalar(entry, at)?);
@@ -367,44 +347,17 @@ impl Lowering<'_> {
         })
     }
 
-    /// Returns the value of a computed matrix, or reports an error if a constant overflows.
-    fn computed_matrix(&mut self, matrix: Matrix<Expr>, at: &impl Spanned) -> Value {
-        if matrix
-            .entries
-            .iter()
-            .all(|&entry| self.arena.is_finite(entry))
-        {
-            matrix.into()
+    /// Returns a computed matrix, or reports an error if a constant overflows.
+    pub(super) fn finite_matrix(
+        &mut self,
+        matrix: Matrix<Expr>,
+        at: &impl Spanned,
+    ) -> Option<Value> {
+        let mut entries = matrix.entries.iter();
+        if entries.all(|&entry| self.arena.is_finite(entry)) {
+            Some(matrix.into())
         } else {
-            self.refuse(at, "the constants here overflow an `f64`")
+            self.refuse(at, OVERFLOW)
         }
     }
-
-    /// Returns the value of a computed number, or reports an error if a constant overflows.
-    fn computed_number(&mut self, number: Expr, at: &impl Spanned) -> Value {
-        if self.arena.is_finite(number) {
-            Value::Scalar(number)
-        } else {
-            self.refuse(at, "the constants here overflow an `f64`")
-        }
-    }
-
-    /// Computes `a₁ b₁ + a₂ b₂ + …`.
-    fn inner_product(&mut self, a: &[Expr], b: &[Expr]) -> Expr {
-        let products: Vec<Expr> = a
-            .iter()
-            .zip(b)
-            .map(|(&a, &b)| self.arena.mul(a, b))
-            .collect();
-        sum(self.arena, &products)
-    }
-}
-
-/// Adds numbers, from the first to the last.
-fn sum(arena: &mut Arena, terms: &[Expr]) -> Expr {
-    let mut terms = terms.iter().copied();
-    let Some(first) = terms.next() else {
-        return arena.constant(0.0);
-    };
-    terms.fold(first, |sum, term| arena.add(sum, term))
 }

@@ -6,11 +6,12 @@
 use syn::spanned::Spanned;
 use syn::{BinOp, Expr as Syntax};
 
-use super::refused::unknown_type;
+use super::formulas::{each, entrywise, inner};
 use super::{Kind, Matrix, MatrixType};
-use crate::algebra::Expr;
+use crate::algebra::{Arena, Expr};
 use crate::interpret::Lowering;
-use crate::interpret::operators::{DIVISION_BY_ZERO, REMAINDER};
+use crate::interpret::methods::{rough_method, unknown_type};
+use crate::interpret::operators::DIVISION_BY_ZERO;
 use crate::interpret::value::Value;
 use crate::syntax::readable;
 
@@ -20,34 +21,34 @@ enum Operand {
     Matrix(Matrix<Expr>),
 }
 
+/// A result: `None` after a reported error, and `Err` with the message if there is no such operation.
+type Computed = Result<Option<Matrix<Expr>>, String>;
+
 impl Lowering<'_> {
-    /// Computes with two operands; `None` if neither is a matrix.
+    /// Computes with two operands, one of which is a matrix of type `ty`.
     pub(in crate::interpret) fn matrix_arithmetic(
         &mut self,
         op: char,
         token: &BinOp,
+        ty: MatrixType,
         left: (&Value, &Syntax),
         right: (&Value, &Syntax),
     ) -> Option<Value> {
-        let ty = match (left.0, right.0) {
-            (Value::Matrix(matrix), _) | (_, Value::Matrix(matrix)) => matrix.ty,
-            _ => return None,
-        };
         let a = self.matrix_operand(op, left, ty);
-        let b = self.matrix_operand(op, right, ty);
-        let (Some(a), Some(b)) = (a, b) else {
-            return Some(Value::Poison);
-        };
+        let operands = a.zip(self.matrix_operand(op, right, ty))?;
         let result = match op {
-            '+' | '-' => self.matrix_sum(op, token, a, b),
-            '*' => self.matrix_product(token, a, b),
-            '/' => self.matrix_quotient(token, a, b, right.1),
-            _ => Err(REMAINDER.to_owned()),
+            '+' | '-' => self.matrix_sum(op, token, operands),
+            '*' => self.matrix_product(token, operands),
+            '/' => self.matrix_quotient(operands, right.1),
+            _ => Err(rough_method("%").unwrap_or_default()),
         };
-        Some(result.unwrap_or_else(|message| {
-            let hint = self.hint(left.1, right.1);
-            self.refuse(token, message + &hint)
-        }))
+        match result {
+            Ok(matrix) => self.finite_matrix(matrix?, token),
+            Err(message) => {
+                let hint = self.hint(left.1, right.1);
+                self.refuse(token, message + &hint)
+            }
+        }
     }
 
     /// Evaluates an operand of an operation with a matrix of type `ty`.
@@ -65,8 +66,7 @@ impl Lowering<'_> {
                     self.numbers(&matrix, syntax).map(Operand::Matrix)
                 }
                 (_, Kind::Rotation) => {
-                    self.refuse(syntax, unknown_type(path, &ty.plain().to_string()));
-                    None
+                    self.refuse(syntax, unknown_type(path, &ty.plain().to_string()))
                 }
                 _ => self.operand(value, syntax).map(Operand::Number),
             },
@@ -79,88 +79,60 @@ impl Lowering<'_> {
         &mut self,
         matrix: &Matrix<Value>,
         op: &impl Spanned,
-    ) -> Value {
+    ) -> Option<Value> {
         if matrix.ty.kind == Kind::Rotation {
             return self.refuse(op, "a rotation has no negative: write `r.inverse()`");
         }
-        let Some(mut matrix) = self.numbers(matrix, op) else {
-            return Value::Poison;
-        };
+        let mut matrix = self.numbers(matrix, op)?;
         for entry in &mut matrix.entries {
             *entry = self.arena.neg(*entry);
         }
-        matrix.into()
+        Some(matrix.into())
     }
 
-    fn matrix_sum(
-        &mut self,
-        op: char,
-        token: &BinOp,
-        a: Operand,
-        b: Operand,
-    ) -> Result<Value, String> {
-        let (a, b) = match (a, b) {
+    fn matrix_sum(&mut self, op: char, token: &BinOp, operands: (Operand, Operand)) -> Computed {
+        let (a, b) = match operands {
             (Operand::Matrix(a), Operand::Matrix(b)) => (a, b),
             (Operand::Matrix(Matrix { ty, .. }), _) | (_, Operand::Matrix(Matrix { ty, .. })) => {
                 return Err(format!(
                     "a number and a `{ty}` have no sum: write `v.add_scalar(x)` to add a number to each entry"
                 ));
             }
-            _ => return Ok(Value::Poison),
+            _ => return Ok(None),
         };
         if a.ty != b.ty || a.ty.kind != Kind::Matrix {
             return Err(format!("a `{}` and a `{}` have no sum", a.ty, b.ty));
         }
-        if !self.work(a.ty.len(), token) {
-            return Ok(Value::Poison);
-        }
-        let pairs = a.entries.into_iter().zip(b.entries);
-        let entries = pairs
-            .map(|(a, b)| match op {
-                '+' => self.arena.add(a, b),
-                _ => self.arena.sub(a, b),
-            })
-            .collect();
-        Ok(self.computed_matrix(Matrix { ty: a.ty, entries }, token))
+        let operation = if op == '+' { Arena::add } else { Arena::sub };
+        let within = self.work(a.ty.len(), token);
+        Ok(within.map(|()| entrywise(self.arena, &a, &b, operation)))
     }
 
-    fn matrix_product(&mut self, token: &BinOp, a: Operand, b: Operand) -> Result<Value, String> {
-        match (a, b) {
+    fn matrix_product(&mut self, token: &BinOp, operands: (Operand, Operand)) -> Computed {
+        match operands {
+            (Operand::Matrix(a), Operand::Matrix(b)) => self.product(&a, &b, token),
             (Operand::Number(x), Operand::Matrix(matrix))
-            | (Operand::Matrix(matrix), Operand::Number(x)) => self.multiple(x, matrix, token),
-            (Operand::Matrix(a), Operand::Matrix(b)) => {
-                let product = self.product(&a, &b, token)?;
-                Ok(product.map_or(Value::Poison, |product| {
-                    self.computed_matrix(product, token)
-                }))
+            | (Operand::Matrix(matrix), Operand::Number(x)) => {
+                if matrix.ty.kind == Kind::Rotation {
+                    return Err(
+                        "a number times a rotation is no rotation: write `x * r.into_inner()`"
+                            .to_owned(),
+                    );
+                }
+                let within = self.work(matrix.ty.len(), token);
+                Ok(within.map(|()| each(self.arena, &matrix, x, Arena::mul)))
             }
-            _ => Ok(Value::Poison),
+            _ => Ok(None),
         }
     }
 
-    /// Computes a number times a matrix.
-    fn multiple(&mut self, x: Expr, matrix: Matrix<Expr>, token: &BinOp) -> Result<Value, String> {
-        if matrix.ty.kind == Kind::Rotation {
-            return Err(
-                "a number times a rotation is no rotation: write `x * r.into_inner()`".to_owned(),
-            );
-        }
-        if !self.work(matrix.ty.len(), token) {
-            return Ok(Value::Poison);
-        }
-        let entries = matrix.entries.into_iter();
-        let entries = entries.map(|entry| self.arena.mul(entry, x)).collect();
-        let ty = matrix.ty.plain();
-        Ok(self.computed_matrix(Matrix { ty, entries }, token))
-    }
-
-    /// Computes the product of two matrices. Returns `None` after a reported error, and `Err` with the message if the sizes differ.
+    /// Computes the product of two matrices.
     pub(super) fn product(
         &mut self,
         a: &Matrix<Expr>,
         b: &Matrix<Expr>,
         at: &impl Spanned,
-    ) -> Result<Option<Matrix<Expr>>, String> {
+    ) -> Computed {
         if a.ty.columns != b.ty.rows {
             if a.ty.is_vector() && a.ty.has_size_of(b.ty) {
                 return Err("two vectors have no product `*`: write `a.dot(&b)`, `a.cross(&b)`, `a.component_mul(&b)`, or `a * b.transpose()` for the outer product".to_owned());
@@ -182,27 +154,20 @@ impl Lowering<'_> {
         if let Some(message) = ty.unusable() {
             return Err(message);
         }
-        if !self.work(ty.len().saturating_mul(a.ty.columns), at) {
+        let amount = ty.len().saturating_mul(a.ty.columns);
+        if self.work(amount, at).is_none() {
             return Ok(None);
         }
-        let rows = a.transposed();
+        let rows: Vec<_> = (0..a.ty.rows).map(|i| a.row(i)).collect();
         let mut entries = Vec::with_capacity(ty.len());
-        for column in b.entries.chunks(b.ty.rows) {
-            for row in rows.entries.chunks(rows.ty.rows) {
-                entries.push(self.inner_product(row, column));
-            }
+        for column in (0..b.ty.columns).map(|j| b.column(j)) {
+            entries.extend(rows.iter().map(|row| inner(self.arena, row, &column)));
         }
         Ok(Some(Matrix { ty, entries }))
     }
 
-    fn matrix_quotient(
-        &mut self,
-        token: &BinOp,
-        a: Operand,
-        b: Operand,
-        at: &Syntax,
-    ) -> Result<Value, String> {
-        let (matrix, x) = match (a, b) {
+    fn matrix_quotient(&mut self, operands: (Operand, Operand), at: &Syntax) -> Computed {
+        let (matrix, x) = match operands {
             (Operand::Matrix(matrix), Operand::Number(x)) => (matrix, x),
             (_, Operand::Matrix(divisor)) => {
                 return Err(match divisor.ty.kind {
@@ -214,7 +179,7 @@ impl Lowering<'_> {
                 }
                 .to_owned());
             }
-            _ => return Ok(Value::Poison),
+            _ => return Ok(None),
         };
         if matrix.ty.kind == Kind::Rotation {
             return Err("a rotation is not divided by a number".to_owned());
@@ -222,23 +187,18 @@ impl Lowering<'_> {
         if self.arena.constant_value(x) == Some(0.0) {
             return Ok(self.refuse(at, DIVISION_BY_ZERO));
         }
-        let entries = matrix.entries.into_iter();
-        let entries = entries.map(|entry| self.arena.div(entry, x)).collect();
-        let ty = matrix.ty.plain();
-        Ok(self.computed_matrix(Matrix { ty, entries }, token))
+        Ok(Some(each(self.arena, &matrix, x, Arena::div)))
     }
 
     /// Returns an addition to a message about sizes if a parameter in an operand was taken for a number.
     fn hint(&mut self, left: &Syntax, right: &Syntax) -> String {
-        let example = self.example_of_type(None);
-        let Some(path) = &self.taken_for_number else {
+        let example = self.example_of_vector();
+        let Some(path) = &self.fields.taken_for_number else {
             return String::new();
         };
         let name = readable(&path.access());
-        if ![left, right]
-            .iter()
-            .any(|syntax| readable(syntax).contains(&name))
-        {
+        let mut operands = [left, right].into_iter();
+        if !operands.any(|syntax| readable(syntax).contains(&name)) {
             return String::new();
         }
         format!(

@@ -2,68 +2,58 @@
 
 use proc_macro2::Span;
 
-use super::constructors::{PartialType, not_understood};
+use super::constructors::PartialType;
 use super::formulas::normalized;
 use super::{Kind, Matrix, MatrixType};
 use crate::algebra::{Expr, Function};
 use crate::interpret::Lowering;
 use crate::interpret::calls::Argument;
+use crate::interpret::methods::unknown_type;
 use crate::interpret::value::Value;
 
 impl Lowering<'_> {
-    /// Makes a rotation. Returns `None` after a reported error, and `Err` with the message if the call itself is wrong.
+    /// Makes a rotation.
     pub(super) fn new_rotation(
         &mut self,
         made: PartialType,
         name: &str,
         at: Span,
         arguments: &[Argument],
-    ) -> Result<Option<Value>, String> {
+    ) -> Option<Value> {
         let size = made.rows.unwrap_or(2);
         let matrix = match (name, size, arguments) {
-            ("identity", _, []) => self.diagonal_matrix(made, 1.0)?,
+            ("identity", _, []) => {
+                let one = self.arena.constant(1.0);
+                self.diagonal_matrix(MatrixType::matrix(size, size), |_| one)
+            }
             ("new", 2, [angle]) => {
-                let Some(angle) = self.scalar(&angle.value, &angle.at) else {
-                    return Ok(None);
-                };
+                let angle = self.scalar(&angle.value, &angle.at)?;
                 let [sin, cos] = self.sin_cos(angle);
                 let minus_sin = self.arena.neg(sin);
                 let rows = [[cos, minus_sin], [sin, cos]];
                 Matrix::from_fn(MatrixType::matrix(2, 2), |i, j| rows[i][j])
             }
-            ("from_euler_angles", 3, [roll, pitch, yaw]) => {
-                let angles = [roll, pitch, yaw].map(|angle| self.scalar(&angle.value, &angle.at));
-                let [Some(roll), Some(pitch), Some(yaw)] = angles else {
-                    return Ok(None);
-                };
-                self.euler_rotation([roll, pitch, yaw])
+            ("from_euler_angles", 3, angles @ [_, _, _]) => {
+                let angles = self.scalars(angles)?;
+                self.euler_rotation([angles[0], angles[1], angles[2]])
             }
             ("from_axis_angle", 3, [axis, angle]) => {
                 let axis = self.matrix_argument(axis, MatrixType::vector(3), name);
-                let angle = self.scalar(&angle.value, &angle.at);
-                let Some((axis, angle)) = axis.zip(angle) else {
-                    return Ok(None);
-                };
+                let (axis, angle) = axis.zip(self.scalar(&angle.value, &angle.at))?;
                 self.axis_rotation(&axis, angle)
             }
             ("from_matrix_unchecked", _, [matrix]) => {
-                let Some(matrix) =
-                    self.matrix_argument(matrix, MatrixType::matrix(size, size), name)
-                else {
-                    return Ok(None);
-                };
-                matrix
+                self.matrix_argument(matrix, MatrixType::matrix(size, size), name)?
             }
             ("new" | "from_scaled_axis", 3, [_]) => {
-                return Err(format!(
+                let message = format!(
                     "`{name}` divides by the angle, which may be 0: write `Rotation3::from_axis_angle(&Vector3::z_axis(), angle)`"
-                ));
+                );
+                return self.refuse(&at, message);
             }
-            _ => return Err(not_understood(name)),
+            _ => return self.no_constructor(name, at),
         };
-        Ok(Some(
-            self.computed_matrix(matrix.with_kind(Kind::Rotation), &at),
-        ))
+        self.finite_matrix(matrix.with_kind(Kind::Rotation), &at)
     }
 
     fn sin_cos(&mut self, angle: Expr) -> [Expr; 2] {
@@ -131,34 +121,22 @@ impl Lowering<'_> {
         name: &str,
         at: Span,
         arguments: &[Argument],
-    ) -> Result<Option<Value>, String> {
+    ) -> Option<Value> {
         let ("new_normalize" | "new_unchecked", [vector]) = (name, arguments) else {
-            return Err(not_understood(name));
+            return self.no_constructor(name, at);
         };
-        let ty = match &vector.value {
-            Value::Matrix(matrix) => matrix.ty,
-            Value::Field(path) => {
-                return Err(super::refused::unknown_type(
-                    path,
-                    &self.example_of_type(None),
-                ));
+        let message = match &vector.value {
+            Value::Matrix(matrix) => {
+                let vector = self.numbers(matrix, &vector.at)?;
+                let vector = match name {
+                    "new_normalize" => normalized(self.arena, &vector),
+                    _ => vector,
+                };
+                return self.finite_matrix(vector.with_kind(Kind::Unit), &at);
             }
-            other => {
-                return Err(format!(
-                    "`{name}` takes a vector, and this is {}",
-                    other.kind()
-                ));
-            }
+            Value::Field(path) => unknown_type(path, &self.example_of_vector()),
+            other => format!("`{name}` takes a vector, and this is {}", other.kind()),
         };
-        let Some(vector) = self.matrix_argument(vector, ty, name) else {
-            return Ok(None);
-        };
-        let vector = match name {
-            "new_normalize" => normalized(self.arena, &vector),
-            _ => vector,
-        };
-        Ok(Some(
-            self.computed_matrix(vector.with_kind(Kind::Unit), &at),
-        ))
+        self.refuse(&at, message)
     }
 }

@@ -1,19 +1,16 @@
 //! Submatrices, and iterators over entries, rows and columns.
 
-use syn::{Expr as Syntax, ExprMethodCall, GenericArgument};
+use syn::{Expr as Syntax, ExprMethodCall};
 
 use super::{Matrix, MatrixType};
 use crate::interpret::Lowering;
-use crate::interpret::integers::Integer;
+use crate::interpret::methods::{Call, refusal};
 use crate::interpret::value::Value;
 use crate::syntax::nalgebra::length;
 
-/// The first row or column of a submatrix, and the number of rows or columns.
-type Range<'e> = (&'e Syntax, &'e Syntax);
-
 /// Whether a method gives a part of a vector or matrix, or runs a closure for each entry, and arrays have no such method. Those whose
 /// size is a generic argument have it written, if `has_generics`.
-pub(super) fn is_method(name: &str, has_generics: bool) -> bool {
+pub(in crate::interpret) fn is_method(name: &str, has_generics: bool) -> bool {
     match name {
         "fixed_rows" | "fixed_columns" | "fixed_view" => has_generics,
         "rows" | "columns" | "nrows" | "ncols" | "column_iter" | "row_iter" | "zip_map" => true,
@@ -22,128 +19,79 @@ pub(super) fn is_method(name: &str, has_generics: bool) -> bool {
 }
 
 /// Whether a method makes sense for matrices more than for vectors.
-pub(super) fn is_of_matrices(name: &str) -> bool {
+pub(in crate::interpret) fn is_of_matrices(name: &str) -> bool {
     matches!(
         name,
         "fixed_columns" | "fixed_view" | "columns" | "ncols" | "column_iter" | "row_iter"
     )
 }
 
-impl Lowering<'_> {
-    /// Calls a method that returns a submatrix, an iterator or a size; `None` for other methods.
-    pub(super) fn view_method(
-        &mut self,
-        call: &ExprMethodCall,
-        receiver: &Matrix<Value>,
-    ) -> Option<Value> {
-        let arguments: Vec<&Syntax> = call.args.iter().collect();
-        let ty = receiver.ty;
-        let size = |n: usize| Some(Value::Int(Integer::count(n)));
-        match (call.method.to_string().as_str(), arguments.as_slice()) {
-            ("len", []) => size(ty.len()),
-            ("nrows", []) => size(ty.rows),
-            ("ncols", []) => size(ty.columns),
-            ("iter" | "into_iter", []) => Some(Value::Sequence(receiver.entries.clone())),
-            ("as_slice", []) => Some(Value::Array(receiver.entries.clone())),
-            ("column_iter", []) => Some(Value::Sequence(parts(
-                receiver,
-                MatrixType::vector(ty.rows),
-            ))),
-            ("row_iter", []) => Some(Value::Sequence(parts(
-                receiver,
-                MatrixType::matrix(1, ty.columns),
-            ))),
-            ("rows", [from, count]) => Some(self.part(call, receiver, (Some((from, count)), None))),
-            ("columns", [from, count]) => {
-                Some(self.part(call, receiver, (None, Some((from, count)))))
-            }
-            ("fixed_rows", [from]) => {
-                let [count] = generic_lengths(call)?;
-                Some(self.part(call, receiver, (Some((from, &count)), None)))
-            }
-            ("fixed_columns", [from]) => {
-                let [count] = generic_lengths(call)?;
-                Some(self.part(call, receiver, (None, Some((from, &count)))))
-            }
-            ("fixed_view", [row, column]) => {
-                let [rows, columns] = generic_lengths(call)?;
-                let within = (Some((*row, &rows)), Some((*column, &columns)));
-                Some(self.part(call, receiver, within))
-            }
-            (name, []) => components(receiver, name),
-            _ => None,
-        }
-    }
+pub(in crate::interpret) fn columns(_: &mut Lowering<'_>, call: &Call<'_>) -> Option<Value> {
+    let matrix = call.matrix();
+    let columns = (0..matrix.ty.columns).map(|i| Value::Matrix(matrix.column(i)));
+    Some(Value::Sequence(columns.collect()))
+}
 
-    /// Returns the submatrix of a range of rows and a range of columns. `None` stands for all rows or columns.
-    fn part(
-        &mut self,
-        call: &ExprMethodCall,
-        receiver: &Matrix<Value>,
-        (rows, columns): (Option<Range<'_>>, Option<Range<'_>>),
-    ) -> Value {
-        let rows = self.rows_within(rows, receiver.ty.rows, "rows");
-        let columns = self.rows_within(columns, receiver.ty.columns, "columns");
-        let Some(((row, height), (column, width))) = rows.zip(columns) else {
-            return Value::Poison;
+pub(in crate::interpret) fn rows(_: &mut Lowering<'_>, call: &Call<'_>) -> Option<Value> {
+    let matrix = call.matrix();
+    let rows = (0..matrix.ty.rows).map(|i| Value::Matrix(matrix.row(i)));
+    Some(Value::Sequence(rows.collect()))
+}
+
+impl Lowering<'_> {
+    /// Evaluates `rows(from, count)`, `fixed_rows::<COUNT>(from)` and the like: the submatrix of a range of rows and columns.
+    pub(in crate::interpret) fn part(&mut self, call: &Call<'_>) -> Option<Value> {
+        let (syntax, matrix) = (call.syntax, call.matrix());
+        let (given, ty) = (&call.given.counts, matrix.ty);
+        let name = syntax.method.to_string();
+        let lengths = match name.as_str() {
+            "rows" | "columns" => vec![given[1]],
+            _ => {
+                let lengths = generic_lengths(syntax).filter(|all| all.len() == given.len());
+                let Some(lengths) = lengths else {
+                    return self.refuse(&syntax.method, refusal(&name, Some(ty.kind)));
+                };
+                let lengths = lengths.iter().map(|length| self.index_value(length));
+                lengths.collect::<Option<_>>()?
+            }
         };
+        let (of_rows, of_columns) = match name.as_str() {
+            "rows" | "fixed_rows" => (Some(0), None),
+            "columns" | "fixed_columns" => (None, Some(0)),
+            _ => (Some(0), Some(1)),
+        };
+        let mut within = |argument: Option<usize>, bound: usize, what: &str| {
+            let Some(at) = argument else {
+                return Some((0, bound));
+            };
+            let (from, count) = (given[at], lengths[at]);
+            if from.saturating_add(count) <= bound {
+                return Some((from, count));
+            }
+            let message =
+                format!("{count} {what} from {from} on are not within the {bound} that there are");
+            self.refuse(&syntax.args[at], message)
+        };
+        let rows = within(of_rows, ty.rows, "rows");
+        let columns = within(of_columns, ty.columns, "columns");
+        let ((row, height), (column, width)) = rows.zip(columns)?;
         let size = MatrixType::matrix(height, width);
         if let Some(message) = size.unusable() {
-            return self.refuse(&call.method, message);
+            return self.refuse(&syntax.method, message);
         }
-        if !self.work(size.len(), call) {
-            return Value::Poison;
-        }
-        Value::Matrix(receiver.part((row, column), size))
-    }
-
-    /// Evaluates a range of rows or columns, or reports an error if the range is not within `bound`.
-    fn rows_within(
-        &mut self,
-        range: Option<Range<'_>>,
-        bound: usize,
-        what: &str,
-    ) -> Option<(usize, usize)> {
-        let Some((first, count)) = range else {
-            return Some((0, bound));
-        };
-        let from = self.index_value(first)?;
-        let length = self.index_value(count)?;
-        if from.saturating_add(length) <= bound {
-            return Some((from, length));
-        }
-        let message =
-            format!("{length} {what} from {from} on are not within the {bound} that there are");
-        self.refuse(first, message);
-        None
+        self.work(size.len(), syntax)?;
+        Some(Value::Matrix(matrix.part((row, column), size)))
     }
 }
 
-/// Returns the generic arguments of a call, if there are `N` of them.
-fn generic_lengths<const N: usize>(call: &ExprMethodCall) -> Option<[Syntax; N]> {
-    let arguments: Vec<&GenericArgument> = call.turbofish.iter().flat_map(|t| &t.args).collect();
-    let lengths: Option<Vec<Syntax>> = arguments.into_iter().map(length).collect();
-    lengths?.try_into().ok()
-}
-
-/// Splits a matrix into submatrices of this size: all rows or all columns.
-fn parts(matrix: &Matrix<Value>, size: MatrixType) -> Vec<Value> {
-    let is_column = size.columns == 1 && size.rows == matrix.ty.rows;
-    let count = if is_column {
-        matrix.ty.columns
-    } else {
-        matrix.ty.rows
-    };
-    (0..count)
-        .map(|i| {
-            let from = if is_column { (0, i) } else { (i, 0) };
-            Value::Matrix(matrix.part(from, size))
-        })
-        .collect()
+/// Returns the lengths that are the generic arguments of a call.
+fn generic_lengths(call: &ExprMethodCall) -> Option<Vec<Syntax>> {
+    let arguments = call.turbofish.iter().flat_map(|generics| &generics.args);
+    arguments.map(length).collect()
 }
 
 /// Returns the vector of the components in a name: `v.xy()`, `v.zx()`, `v.xyz()`.
-fn components(matrix: &Matrix<Value>, name: &str) -> Option<Value> {
+pub(in crate::interpret) fn components(matrix: &Matrix<Value>, name: &str) -> Option<Value> {
     if !(2..=3).contains(&name.len()) || !matrix.ty.is_vector() {
         return None;
     }
