@@ -1,5 +1,7 @@
 //! Methods of `f64` that are smooth, by whichever name they are called.
 
+use std::f64::consts::PI;
+
 use proc_macro2::Span;
 
 use super::Lowering;
@@ -7,11 +9,33 @@ use super::calls::Argument;
 use super::integers::{self, Integer};
 use super::methods::{Run, names_of_numbers, of_numbers, rough_method};
 use super::value::Value;
-use crate::algebra::{Binary, Expr, Function};
+use crate::algebra::{Arena, Binary, Expr, Function};
 use crate::errors::nearest;
 
 /// The largest power that `powi` takes.
 const POWER: u64 = 1024;
+
+/// The methods whose result is no expression of numbers, with the number of their arguments.
+const OWN: [(&str, usize); 2] = [("powi", 1), ("sin_cos", 0)];
+
+pub(super) fn to_radians(arena: &mut Arena, x: &[Expr]) -> Expr {
+    arena.scale(PI / 180.0, x[0])
+}
+
+pub(super) fn to_degrees(arena: &mut Arena, x: &[Expr]) -> Expr {
+    arena.scale(180.0 / PI, x[0])
+}
+
+pub(super) fn mul_add(arena: &mut Arena, x: &[Expr]) -> Expr {
+    let product = arena.mul(x[0], x[1]);
+    arena.add(product, x[2])
+}
+
+/// The logarithm of the first number to the base of the second.
+pub(super) fn log(arena: &mut Arena, x: &[Expr]) -> Expr {
+    let [x, base] = [x[0], x[1]].map(|e| arena.call(Function::Ln, e));
+    arena.div(x, base)
+}
 
 impl Lowering<'_> {
     /// Calls a method of a number; the receiver is the first of the arguments.
@@ -36,22 +60,21 @@ impl Lowering<'_> {
             return self.powi(x, exponent);
         }
         let numbers = self.scalars(&arguments)?;
-        let value = match (unary(name), binary(name), of_numbers(name)) {
-            (Some(function), _, _) => Value::Scalar(self.arena.call(function, numbers[0])),
-            (_, Some(function), _) => {
-                Value::Scalar(self.arena.call2(function, numbers[0], numbers[1]))
-            }
+        if name == "sin_cos" {
+            let pair = [Function::Sin, Function::Cos].map(|f| self.arena.call(f, numbers[0]));
+            return Some(Value::Tuple(pair.map(Value::Scalar).into()));
+        }
+        let function = unary(name);
+        let value = match (function, binary(name), of_numbers(name)) {
+            (Some(function), _, _) => self.arena.call(function, numbers[0]),
+            (_, Some(function), _) => self.arena.call2(function, numbers[0], numbers[1]),
             (_, _, Some((_, Run::Float(compute)))) => compute(self.arena, &numbers),
             _ => return None,
         };
-        let is_outside = |x: f64| unary(name).is_some_and(|f| !f.evaluate(x).is_finite());
+        let is_outside = |x: f64| function.is_some_and(|f| !f.evaluate(x).is_finite());
         let constant = self.arena.constant_value(numbers[0]);
-        let is_defined = match value {
-            Value::Scalar(e) => self.arena.is_finite(e),
-            _ => true,
-        };
-        if is_defined && !constant.is_some_and(is_outside) {
-            return Some(value);
+        if self.arena.is_finite(value) && !constant.is_some_and(is_outside) {
+            return Some(Value::Scalar(value));
         }
         let message =
             format!("`{name}` is not defined at this constant: its value is not a finite number");
@@ -168,7 +191,9 @@ fn binary(name: &str) -> Option<Binary> {
 fn no_method(name: &str) -> String {
     let of_entries = Function::METHODS.iter().map(|f| f.name());
     let of_entries = of_entries.chain(Binary::METHODS.iter().map(|f| f.name()));
-    let known = of_entries.chain(names_of_numbers()).chain(["powi"]);
+    let known = of_entries
+        .chain(names_of_numbers())
+        .chain(OWN.iter().map(|method| method.0));
     match other_name(name).or_else(|| nearest(name, known)) {
         Some(near) => format!("`{name}` is not a function of `f64`; did you mean `{near}`?"),
         None => format!(

@@ -14,14 +14,14 @@ use crate::syntax::readable;
 
 impl Lowering<'_> {
     pub(super) fn scalar_result(&mut self, function: &RoleFunction, value: &Value) -> Option<Expr> {
-        if self.shape(&function.output)? != Shape::Scalar {
-            self.errors.push(
-                function.output.span(),
-                format!("`{}` must return `f64`, one number: the energy of motion less that of position", function.name),
-            );
-            return None;
+        if self.shape(&function.output)? == Shape::Scalar {
+            return self.result(function, value);
         }
-        self.result(function, value)
+        let message = format!(
+            "`{}` must return `f64`, one number: the energy of motion less that of position",
+            function.name
+        );
+        self.refuse(&function.output, message)
     }
 
     /// Returns the expression of the value that a function returns, or reports an error at its last expression.
@@ -57,22 +57,22 @@ impl Lowering<'_> {
         let [shape] = space.velocities.as_slice() else {
             return self.pair_result(function, value, space);
         };
-        if self.symbols.configuration.has_rotations() {
-            if self.configuration_shape(&function.output)? != *shape {
-                self.report_other_result(function);
-                return None;
+        let has_rotations = self.symbols.configuration.has_rotations();
+        let found = if has_rotations {
+            self.configuration_shape(&function.output)?
+        } else {
+            self.shape(&function.output)?
+        };
+        if found != *shape {
+            if has_rotations {
+                return self.other_result(function);
             }
-        } else if self.shape(&function.output)? != *shape {
-            let coordinates = self.block.coordinates();
-            self.errors.push(
-                function.output.span(),
-                format!(
-                    "`{}` must return a vector like the coordinates, `{}`",
-                    function.name,
-                    readable(coordinates)
-                ),
+            let coordinates = readable(self.block.coordinates());
+            let message = format!(
+                "`{}` must return a vector like the coordinates, `{coordinates}`",
+                function.name
             );
-            return None;
+            return self.refuse(&function.output, message);
         }
         let mut entries = Vec::new();
         self.entries(value, shape, &function.name, &mut entries)?;
@@ -80,47 +80,42 @@ impl Lowering<'_> {
     }
 
     /// Returns the components of a tuple of two vectors, those of a vector and those of a rotation, or reports an error.
-    pub(super) fn pair_result(
+    fn pair_result(
         &mut self,
         function: &RoleFunction,
         value: &Value,
         space: &Space,
     ) -> Option<Vec<Expr>> {
-        let Type::Tuple(types) = &function.output else {
-            self.report_other_result(function);
-            return None;
+        let shapes = &space.velocities;
+        let types: Vec<&Type> = match &function.output {
+            Type::Tuple(types) if types.elems.len() == shapes.len() => types.elems.iter().collect(),
+            _ => return self.other_result(function),
         };
-        for (index, shape) in space.velocities.iter().enumerate() {
-            let found = types.elems.get(index).and_then(|ty| self.shape(ty));
-            if found.as_ref() != Some(shape) || types.elems.len() != space.velocities.len() {
-                self.report_other_result(function);
-                return None;
+        for (ty, shape) in types.into_iter().zip(shapes) {
+            if self.shape(ty).as_ref() != Some(shape) {
+                return self.other_result(function);
             }
         }
-        let mut entries = Vec::new();
-        match value {
-            Value::Tuple(values) if values.len() == space.velocities.len() => {
-                for (value, shape) in values.iter().zip(&space.velocities) {
-                    self.entries(value, shape, &function.name, &mut entries)?;
-                }
-            }
+        let values = match value {
+            Value::Tuple(values) if values.len() == shapes.len() => values,
             Value::Poison => return None,
-            _ => {
-                self.report_other_result(function);
-                return None;
-            }
+            _ => return self.other_result(function),
+        };
+        let mut entries = Vec::new();
+        for (value, shape) in values.iter().zip(shapes) {
+            self.entries(value, shape, &function.name, &mut entries)?;
         }
         Some(entries)
     }
 
     /// Reports a result of another type than a field of directions has in a system with rotations.
-    pub(super) fn report_other_result(&mut self, function: &RoleFunction) {
+    fn other_result<T>(&mut self, function: &RoleFunction) -> Option<T> {
         let expected = function.role.signature_with_rotations(function.parts);
         let message = format!(
             "`{}` must return a vector for each part, and that of a rotation is a `Vector3<f64>` in the body frame: expected `{expected}`",
             function.name
         );
-        self.errors.push(function.output.span(), message);
+        self.refuse(&function.output, message)
     }
 
     /// Reports an argument of another type than its place has in a system with rotations.
@@ -145,14 +140,11 @@ impl Lowering<'_> {
         match (shape, value) {
             (Shape::Scalar, value) => out.push(self.scalar(value, at)?),
             (Shape::Vector(ty), Value::Field(path)) => {
-                for entry in &Matrix::of_field(path, *ty).entries {
-                    out.push(self.scalar(entry, at)?);
-                }
+                let matrix = self.numbers(&Matrix::of_field(path, *ty), at)?;
+                out.extend(matrix.entries);
             }
             (Shape::Vector(ty), Value::Matrix(matrix)) if matrix.ty == *ty => {
-                for entry in &matrix.entries {
-                    out.push(self.scalar(entry, at)?);
-                }
+                out.extend(self.numbers(matrix, at)?.entries);
             }
             (Shape::Array(n, inner), Value::Field(path)) => {
                 for i in 0..*n {
@@ -171,41 +163,42 @@ impl Lowering<'_> {
                     shape => format!("an array of {}", shape.outer_length()),
                 };
                 let message = format!("expected {expected}, found {}", other.kind());
-                self.errors.push(at.span(), message);
-                return None;
+                return self.refuse(at, message);
             }
         }
         Some(())
     }
-}
 
-/// Why a value has no components.
-pub(super) enum Mismatch {
-    /// A mistake in it has been reported.
-    Reported,
-    /// It is not a number or a row of numbers.
-    Shape,
-}
-
-/// Returns the numbers that a function returns, each with its name: `f`, or `f[0]`, `f[1]`, ….
-pub(super) fn components(
-    function: &RoleFunction,
-    shape: &Shape,
-    value: Value,
-) -> Result<Vec<(String, Value)>, Mismatch> {
-    let indexed = |values: Vec<Value>| {
-        let named = |(i, value)| (format!("{}[{i}]", function.name), value);
-        values.into_iter().enumerate().map(named).collect()
-    };
-    match (shape, value) {
-        (_, Value::Poison) => Err(Mismatch::Reported),
-        (Shape::Scalar, value) => Ok(vec![(function.name.to_string(), value)]),
-        (Shape::Array(_, inner), Value::Array(values)) if **inner == Shape::Scalar => {
-            Ok(indexed(values))
-        }
-        (Shape::Vector(ty), Value::Matrix(matrix)) if matrix.ty == *ty => {
-            Ok(indexed(matrix.entries))
-        }
-        _ => Err(Mismatch::Shape),
+    /// Returns the numbers that a function returns, each with its name: `f`, or `f[0]`, `f[1]`, …. `wanted` says what they are.
+    pub(super) fn named_results(
+        &mut self,
+        function: &RoleFunction,
+        shape: &Shape,
+        value: Value,
+        wanted: &str,
+    ) -> Vec<(String, Expr)> {
+        let name = &function.name;
+        let is_list = match (shape, &value) {
+            (_, Value::Poison) => return Vec::new(),
+            (Shape::Scalar, _) => false,
+            (Shape::Array(_, inner), Value::Array(_)) if **inner == Shape::Scalar => true,
+            (Shape::Vector(ty), Value::Matrix(matrix)) if matrix.ty == *ty => true,
+            _ => {
+                let message = format!("`{name}` must return `f64` or {wanted}");
+                self.errors.push(function.output.span(), message);
+                return Vec::new();
+            }
+        };
+        let named: Vec<(String, Value)> = if is_list {
+            let values = value.items().iter().cloned().enumerate();
+            values
+                .map(|(i, value)| (format!("{name}[{i}]"), value))
+                .collect()
+        } else {
+            vec![(name.to_string(), value)]
+        };
+        let results = named.into_iter();
+        let results = results.map(|(name, value)| Some((name, self.result(function, &value)?)));
+        results.flatten().collect()
     }
 }

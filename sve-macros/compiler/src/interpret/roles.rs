@@ -5,7 +5,6 @@ use syn::spanned::Spanned;
 use super::Lowering;
 use super::frames::Scope;
 use super::names::names;
-use super::results::{Mismatch, components};
 use super::types::Shape;
 use super::value::Value;
 use crate::algebra::{Expr, Symbol};
@@ -231,42 +230,21 @@ impl Lowering<'_> {
         );
     }
 
+    /// Appends the noises that a function returns.
     fn noise_terms(&mut self, function: &RoleFunction, value: Value, noises: &mut Vec<NoiseTerm>) {
         let Some(shape) = self.shape(&function.output) else {
             return;
         };
-        if matches!(
-            (&shape, &value),
-            (Shape::Array(..) | Shape::Vector(_), Value::Field(_))
-        ) {
-            self.report_constant_noise(function, &function.name.to_string());
-            return;
+        if let (Shape::Array(..) | Shape::Vector(_), Value::Field(_)) = (&shape, &value) {
+            return self.report_constant_noise(function, &function.name.to_string());
         }
-        let components = match components(function, &shape, value) {
-            Ok(components) => components,
-            Err(Mismatch::Reported) => return,
-            Err(Mismatch::Shape) => {
-                self.errors.push(
-                    function.output.span(),
-                    format!(
-                        "`{}` must return `f64` or `[f64; M]`, one entry a Wiener process",
-                        function.name
-                    ),
-                );
-                return;
-            }
-        };
-        for (name, value) in components {
-            let Some(value) = self.result(function, &value) else {
-                continue;
+        let wanted = "`[f64; M]`, one entry a Wiener process";
+        for (name, value) in self.named_results(function, &shape, value, wanted) {
+            let is_moving = |s| {
+                let meaning = self.symbols.meaning(s);
+                matches!(meaning, Meaning::Position(_) | Meaning::Momentum(_))
             };
-            let moves = self.arena.symbols_of(value).any(|s| {
-                matches!(
-                    self.symbols.meaning(s),
-                    Meaning::Position(_) | Meaning::Momentum(_)
-                )
-            });
-            if !moves {
+            if !self.arena.symbols_of(value).any(is_moving) {
                 self.report_constant_noise(function, &name);
             }
             let is_gamma = function.role == Role::Gamma;
@@ -294,22 +272,8 @@ impl Lowering<'_> {
         let Some(shape) = self.shape(&function.output) else {
             return;
         };
-        let components = match components(function, &shape, value) {
-            Ok(components) => components,
-            Err(Mismatch::Reported) => return,
-            Err(Mismatch::Shape) => {
-                let message = format!(
-                    "`{}` must return `f64` or `[f64; K]`, one entry a constraint",
-                    function.name
-                );
-                self.errors.push(function.output.span(), message);
-                return;
-            }
-        };
-        for (name, value) in components {
-            let Some(value) = self.result(function, &value) else {
-                continue;
-            };
+        let wanted = "`[f64; K]`, one entry a constraint";
+        for (name, value) in self.named_results(function, &shape, value, wanted) {
             let is_position = |s| matches!(self.symbols.meaning(s), Meaning::Position(_));
             if !self.arena.symbols_of(value).any(is_position) {
                 let message = format!(

@@ -18,6 +18,14 @@ pub(super) fn length(_: &mut Lowering<'_>, call: &Call<'_>) -> Option<Value> {
     Some(Value::count(call.receiver.value.items().len()))
 }
 
+pub(super) fn iterator(_: &mut Lowering<'_>, call: &Call<'_>) -> Option<Value> {
+    Some(Value::Sequence(call.receiver.value.items().to_vec()))
+}
+
+pub(super) fn array(_: &mut Lowering<'_>, call: &Call<'_>) -> Option<Value> {
+    Some(Value::Array(call.receiver.value.items().to_vec()))
+}
+
 /// `map` of an array.
 pub(super) fn map(x: &mut Lowering<'_>, call: &Call<'_>) -> Option<Value> {
     let items = call.receiver.value.items().to_vec();

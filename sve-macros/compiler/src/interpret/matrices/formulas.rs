@@ -17,6 +17,25 @@ pub(in crate::interpret) fn inner(arena: &mut Arena, a: &Matrix<Expr>, b: &Matri
     sum(arena, &products.entries)
 }
 
+pub(in crate::interpret) fn norm_squared(arena: &mut Arena, m: &Matrix<Expr>) -> Expr {
+    inner(arena, m, m)
+}
+
+pub(in crate::interpret) fn product(arena: &mut Arena, m: &Matrix<Expr>) -> Expr {
+    let factors: Vec<(Expr, i32)> = m.entries.iter().map(|&entry| (entry, 1)).collect();
+    arena.product(&factors)
+}
+
+pub(in crate::interpret) fn mean(arena: &mut Arena, m: &Matrix<Expr>) -> Expr {
+    let total = sum(arena, &m.entries);
+    let count = arena.constant(m.entries.len() as f64);
+    arena.div(total, count)
+}
+
+pub(in crate::interpret) fn trace(arena: &mut Arena, m: &Matrix<Expr>) -> Expr {
+    sum(arena, &diagonal(m).entries)
+}
+
 /// Returns √(Σ x²). Its derivatives do not exist at 0, which the domain of the root excludes.
 pub(in crate::interpret) fn norm(arena: &mut Arena, m: &Matrix<Expr>) -> Expr {
     let square = inner(arena, m, m);
@@ -79,18 +98,6 @@ pub(in crate::interpret) fn distance(
     norm(arena, &difference)
 }
 
-/// Returns `(1 − share) a + share b`.
-pub(in crate::interpret) fn lerp(
-    arena: &mut Arena,
-    [a, b]: [&Matrix<Expr>; 2],
-    share: Expr,
-) -> Matrix<Expr> {
-    let one = arena.constant(1.0);
-    let rest = arena.sub(one, share);
-    let [a, b] = [(a, rest), (b, share)].map(|(m, x)| each(arena, m, x, Arena::mul));
-    entrywise(arena, &a, &b, Arena::add)
-}
-
 pub(in crate::interpret) fn diagonal(m: &Matrix<Expr>) -> Matrix<Expr> {
     Matrix::from_fn(MatrixType::vector(m.ty.rows), |i, _| m.at(i, i))
 }
@@ -141,6 +148,14 @@ pub(in crate::interpret) fn image(
         ty: v.ty.plain(),
         entries: entries.collect(),
     }
+}
+
+pub(in crate::interpret) fn inverse_image(
+    arena: &mut Arena,
+    rotation: &Matrix<Expr>,
+    v: &Matrix<Expr>,
+) -> Matrix<Expr> {
+    image(arena, &rotation.transposed(), v)
 }
 
 /// Expands a determinant along its first column, recursively. Each minor of the last columns is computed once.

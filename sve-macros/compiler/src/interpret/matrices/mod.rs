@@ -22,7 +22,7 @@ use super::{Lowering, OVERFLOW};
 use crate::algebra::{Arena, Expr};
 pub(super) use crate::syntax::nalgebra::Kind;
 pub(super) use constructors::Constructor;
-use formulas::{MAX_DETERMINANT, determinant};
+use formulas::MAX_DETERMINANT;
 
 /// Names of the components of vectors.
 pub(super) const COMPONENTS: [&str; 6] = ["x", "y", "z", "w", "a", "b"];
@@ -196,7 +196,12 @@ impl<T: Clone> Matrix<T> {
         self.part((0, column), MatrixType::vector(self.ty.rows))
     }
 
-    pub(super) fn with_kind(mut self, kind: Kind) -> Self {
+    /// Returns the matrix of a rotation or a unit vector.
+    pub(super) fn unwrapped(&self) -> Self {
+        self.clone().with_kind(Kind::Matrix)
+    }
+
+    fn with_kind(mut self, kind: Kind) -> Self {
         self.ty.kind = kind;
         self
     }
@@ -244,50 +249,62 @@ impl From<Matrix<Expr>> for Value {
     }
 }
 
+/// Evaluates `map` and `zip_map` of a vector or matrix.
+pub(super) fn map(x: &mut Lowering<'_>, call: &Call<'_>) -> Option<Value> {
+    let function = call.given.functions[0];
+    let Matrix { ty, entries } = call.matrix();
+    let mut others = call.given.matrices.iter().flat_map(|other| &other.entries);
+    let lists = entries.into_iter().map(|entry| {
+        let other = others.next().map(|&other| Value::Scalar(other));
+        [entry].into_iter().chain(other).collect()
+    });
+    let entries = x.mapped_lists(lists, function)?;
+    let ty = ty.plain();
+    let numbers = x.numbers(&Matrix { ty, entries }, function)?;
+    Some(numbers.into())
+}
+
+pub(super) fn determinant(x: &mut Lowering<'_>, call: &Call<'_>) -> Option<Value> {
+    let matrix = call.matrix();
+    if matrix.ty.rows > MAX_DETERMINANT {
+        let message = format!(
+            "the determinant of a `{}` is too long a formula: the limit is {MAX_DETERMINANT} rows",
+            matrix.ty
+        );
+        return x.refuse(&call.syntax.method, message);
+    }
+    let matrix = x.numbers(&matrix, &call.receiver.at)?;
+    let number = formulas::determinant(x.arena, &matrix);
+    x.finite(number, &call.syntax.method)
+}
+
+/// Evaluates `a.tr_mul(&b)`, the product of the transpose of `a` and `b`.
+pub(super) fn transposed_product(x: &mut Lowering<'_>, call: &Call<'_>) -> Option<Value> {
+    let at = call.syntax.method.span();
+    let Value::Matrix(b) = &call.given.values[0].value else {
+        return x.refuse(&at, "`tr_mul` takes a vector or matrix");
+    };
+    let a = x.numbers(&call.matrix(), &at)?;
+    let b = x.numbers(b, &at)?;
+    match x.product(&a.transposed(), &b, &at) {
+        Ok(product) => x.finite_matrix(product?, &at),
+        Err(message) => x.refuse(&at, message),
+    }
+}
+
+/// Evaluates `a.lerp(&b, share)`, which is (1 − share) a + share b.
+pub(super) fn lerp(x: &mut Lowering<'_>, call: &Call<'_>) -> Option<Value> {
+    let (other, share) = (&call.given.matrices[0], call.given.numbers[0]);
+    let matrix = x.numbers(&call.matrix(), &call.receiver.at)?;
+    let one = x.arena.constant(1.0);
+    let rest = x.arena.sub(one, share);
+    let [a, b] = [(&matrix, rest), (other, share)]
+        .map(|(m, part)| formulas::each(x.arena, m, part, Arena::mul));
+    let sum = formulas::entrywise(x.arena, &a, &b, Arena::add);
+    x.finite_matrix(sum, &call.syntax.method)
+}
+
 impl Lowering<'_> {
-    /// Evaluates `map` and `zip_map` of a vector or matrix.
-    pub(super) fn map_entries(&mut self, call: &Call<'_>) -> Option<Value> {
-        let function = call.given.functions[0];
-        let Matrix { ty, entries } = call.matrix();
-        let mut others = call.given.matrices.iter().flat_map(|other| &other.entries);
-        let lists = entries.into_iter().map(|entry| {
-            let other = others.next().map(|&other| Value::Scalar(other));
-            [entry].into_iter().chain(other).collect()
-        });
-        let entries = self.mapped_lists(lists, function)?;
-        let ty = ty.plain();
-        let numbers = self.numbers(&Matrix { ty, entries }, function)?;
-        Some(numbers.into())
-    }
-
-    pub(super) fn determinant(&mut self, call: &Call<'_>) -> Option<Value> {
-        let matrix = call.matrix();
-        if matrix.ty.rows > MAX_DETERMINANT {
-            let message = format!(
-                "the determinant of a `{}` is too long a formula: the limit is {MAX_DETERMINANT} rows",
-                matrix.ty
-            );
-            return self.refuse(&call.syntax.method, message);
-        }
-        let matrix = self.numbers(&matrix, &call.receiver.at)?;
-        let number = determinant(self.arena, &matrix);
-        self.finite(number, &call.syntax.method)
-    }
-
-    /// Evaluates `a.tr_mul(&b)`, the product of the transpose of `a` and `b`.
-    pub(super) fn transposed_product(&mut self, call: &Call<'_>) -> Option<Value> {
-        let at = call.syntax.method.span();
-        let Value::Matrix(b) = &call.given.values[0].value else {
-            return self.refuse(&at, "`tr_mul` takes a vector or matrix");
-        };
-        let a = self.numbers(&call.matrix(), &at)?;
-        let b = self.numbers(b, &at)?;
-        match self.product(&a.transposed(), &b, &at) {
-            Ok(product) => self.finite_matrix(product?, &at),
-            Err(message) => self.refuse(&at, message),
-        }
-    }
-
     /// Returns the type of a sum of vectors or matrices; `None` if the items are numbers.
     pub(super) fn type_of_sum(
         &mut self,

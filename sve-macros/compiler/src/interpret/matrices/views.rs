@@ -38,50 +38,48 @@ pub(in crate::interpret) fn rows(_: &mut Lowering<'_>, call: &Call<'_>) -> Optio
     Some(Value::Sequence(rows.collect()))
 }
 
-impl Lowering<'_> {
-    /// Evaluates `rows(from, count)`, `fixed_rows::<COUNT>(from)` and the like: the submatrix of a range of rows and columns.
-    pub(in crate::interpret) fn part(&mut self, call: &Call<'_>) -> Option<Value> {
-        let (syntax, matrix) = (call.syntax, call.matrix());
-        let (given, ty) = (&call.given.counts, matrix.ty);
-        let name = syntax.method.to_string();
-        let lengths = match name.as_str() {
-            "rows" | "columns" => vec![given[1]],
-            _ => {
-                let lengths = generic_lengths(syntax).filter(|all| all.len() == given.len());
-                let Some(lengths) = lengths else {
-                    return self.refuse(&syntax.method, refusal(&name, Some(ty.kind)));
-                };
-                let lengths = lengths.iter().map(|length| self.index_value(length));
-                lengths.collect::<Option<_>>()?
-            }
-        };
-        let (of_rows, of_columns) = match name.as_str() {
-            "rows" | "fixed_rows" => (Some(0), None),
-            "columns" | "fixed_columns" => (None, Some(0)),
-            _ => (Some(0), Some(1)),
-        };
-        let mut within = |argument: Option<usize>, bound: usize, what: &str| {
-            let Some(at) = argument else {
-                return Some((0, bound));
+/// Evaluates `rows(from, count)`, `fixed_rows::<COUNT>(from)` and the like: the submatrix of a range of rows and columns.
+pub(in crate::interpret) fn part(x: &mut Lowering<'_>, call: &Call<'_>) -> Option<Value> {
+    let (syntax, matrix) = (call.syntax, call.matrix());
+    let (given, ty) = (&call.given.counts, matrix.ty);
+    let name = syntax.method.to_string();
+    let lengths = match name.as_str() {
+        "rows" | "columns" => vec![given[1]],
+        _ => {
+            let lengths = generic_lengths(syntax).filter(|all| all.len() == given.len());
+            let Some(lengths) = lengths else {
+                return x.refuse(&syntax.method, refusal(&name, Some(ty.kind)));
             };
-            let (from, count) = (given[at], lengths[at]);
-            if from.saturating_add(count) <= bound {
-                return Some((from, count));
-            }
-            let message =
-                format!("{count} {what} from {from} on are not within the {bound} that there are");
-            self.refuse(&syntax.args[at], message)
-        };
-        let rows = within(of_rows, ty.rows, "rows");
-        let columns = within(of_columns, ty.columns, "columns");
-        let ((row, height), (column, width)) = rows.zip(columns)?;
-        let size = MatrixType::matrix(height, width);
-        if let Some(message) = size.unusable() {
-            return self.refuse(&syntax.method, message);
+            let lengths = lengths.iter().map(|length| x.index_value(length));
+            lengths.collect::<Option<_>>()?
         }
-        self.work(size.len(), syntax)?;
-        Some(Value::Matrix(matrix.part((row, column), size)))
+    };
+    let (of_rows, of_columns) = match name.as_str() {
+        "rows" | "fixed_rows" => (Some(0), None),
+        "columns" | "fixed_columns" => (None, Some(0)),
+        _ => (Some(0), Some(1)),
+    };
+    let mut within = |argument: Option<usize>, bound: usize, what: &str| {
+        let Some(at) = argument else {
+            return Some((0, bound));
+        };
+        let (from, count) = (given[at], lengths[at]);
+        if from.saturating_add(count) <= bound {
+            return Some((from, count));
+        }
+        let message =
+            format!("{count} {what} from {from} on are not within the {bound} that there are");
+        x.refuse(&syntax.args[at], message)
+    };
+    let rows = within(of_rows, ty.rows, "rows");
+    let columns = within(of_columns, ty.columns, "columns");
+    let ((row, height), (column, width)) = rows.zip(columns)?;
+    let size = MatrixType::matrix(height, width);
+    if let Some(message) = size.unusable() {
+        return x.refuse(&syntax.method, message);
     }
+    x.work(size.len(), syntax)?;
+    Some(Value::Matrix(matrix.part((row, column), size)))
 }
 
 /// Returns the lengths that are the generic arguments of a call.

@@ -10,6 +10,7 @@ use crate::interpret::calls::Argument;
 use crate::interpret::conversions::NO_LENGTH;
 use crate::interpret::fields::FieldPath;
 use crate::interpret::floats::{self, wrong_arity};
+use crate::interpret::matrices::formulas::{each, entrywise};
 use crate::interpret::matrices::views::{self, components};
 use crate::interpret::matrices::{Kind, Matrix, MatrixType};
 use crate::interpret::value::Value;
@@ -75,7 +76,9 @@ impl Lowering<'_> {
     /// Calls the method of an array, an iterator, a vector or a matrix.
     fn tabled(&mut self, call: &ExprMethodCall, receiver: Argument) -> Option<Value> {
         let name = call.method.to_string();
-        let method = find(&name, |kind| kind.includes(&receiver.value));
+        let has_lengths = call.turbofish.is_some() || !name.starts_with("fixed_");
+        let is_receiver = |kind: Receiver| has_lengths && kind.includes(&receiver.value);
+        let method = find(&name, is_receiver);
         let message = match (&receiver.value, method) {
             (Value::Matrix(matrix), Some(method)) if !method.receiver.accepts(matrix.ty) => {
                 let described = method.receiver.described();
@@ -127,32 +130,51 @@ impl Lowering<'_> {
                 evaluated.push((take, self.argument(argument)));
             }
         }
+        let mut is_complete = true;
         for (take, argument) in evaluated {
-            self.give(&mut given, take, ty, argument, &name)?;
+            let taken = self.give(&mut given, take, ty, argument, &name);
+            is_complete &= taken.is_some();
+        }
+        if !is_complete {
+            return None;
         }
         let call = Call {
             syntax,
             receiver,
             given,
         };
-        match method.run {
-            Run::Float(_) => None,
-            Run::Own(run) => run(self, &call),
+        let matrix = match method.run {
+            Run::Own(run) => return run(self, &call),
             Run::Adapter(run) => {
                 let items = call.receiver.value.items().to_vec();
-                run(self, items, &call).map(Value::Sequence)
+                return run(self, items, &call).map(Value::Sequence);
             }
+            Run::Size(size) => return Some(Value::count(size(ty))),
+            _ => self.numbers(&call.matrix(), &call.receiver.at)?,
+        };
+        self.computed_by(&method.run, &matrix, &call)
+    }
+
+    /// Computes a formula of a vector or matrix.
+    fn computed_by(&mut self, run: &Run, m: &Matrix<Expr>, call: &Call<'_>) -> Option<Value> {
+        let (given, arena) = (&call.given, &mut *self.arena);
+        let result = match *run {
             Run::Entry(compute) => {
-                let matrix = self.numbers(&call.matrix(), &call.receiver.at)?;
-                let number = compute(self.arena, &matrix, &call.given);
-                self.finite(number, &syntax.method)
+                let number = compute(arena, m);
+                return self.finite(number, &call.syntax.method);
             }
-            Run::Formula(compute) => {
-                let matrix = self.numbers(&call.matrix(), &call.receiver.at)?;
-                let matrix = compute(self.arena, &matrix, &call.given);
-                self.finite_matrix(matrix, &syntax.method)
+            Run::EntryOf(compute) => {
+                let number = compute(arena, m, &given.matrices[0]);
+                return self.finite(number, &call.syntax.method);
             }
-        }
+            Run::Formula(compute) => compute(arena, m),
+            Run::FormulaOf(compute) => compute(arena, m, &given.matrices[0]),
+            Run::Each(operation) => each(arena, m, given.numbers[0], operation),
+            Run::Entrywise(operation) => entrywise(arena, m, &given.matrices[0], operation),
+            Run::Line(line) => line(m, given.counts[0]),
+            Run::Float(_) | Run::Size(_) | Run::Adapter(_) | Run::Own(_) => return None,
+        };
+        self.finite_matrix(result, &call.syntax.method)
     }
 
     /// Adds an argument of a method of a `ty`; `None` after an error.

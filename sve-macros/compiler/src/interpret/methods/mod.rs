@@ -6,23 +6,23 @@
 mod call;
 mod refused;
 
-use std::f64::consts::PI;
-
 use syn::{Expr as Syntax, ExprMethodCall};
 
 use super::Lowering;
 use super::calls::Argument;
 use super::matrices::formulas::{
-    cross, cross_matrix, diagonal, distance, each, entrywise, image, inner, lerp, norm, normalized,
-    perp, sum, transpose,
+    cross, cross_matrix, diagonal, distance, image, inner, inverse_image, mean, norm, norm_squared,
+    normalized, perp, product, sum, trace, transpose,
 };
-use super::matrices::views::{columns, rows};
+use super::matrices::views;
 use super::matrices::{Kind, Matrix, MatrixType};
 use super::value::Value;
-use super::{adapters, sequences};
-use crate::algebra::{Arena, Expr, Function};
-use Receiver::{Any, Array, Iterator, List, Number, OfLength, One, Rotation, Square, Vector};
-use Run::{Adapter, Entry, Float, Formula, Own};
+use super::{adapters, floats, matrices, sequences};
+use crate::algebra::{Arena, Expr};
+use Receiver::{
+    Any, Array, Iterator, List, Number, OfLength, One, Rotation, Square, Vector, Wrapped,
+};
+use Run::{Adapter, Each, Entry, EntryOf, Entrywise, Float, Formula, FormulaOf, Line, Own, Size};
 pub(super) use refused::{refusal, rough_method, unknown_type};
 
 /// What has a method.
@@ -82,12 +82,6 @@ pub(super) struct Call<'c> {
     pub(super) given: Given<'c>,
 }
 
-impl Given<'_> {
-    fn matrix(&self) -> &Matrix<Expr> {
-        &self.matrices[0]
-    }
-}
-
 impl Call<'_> {
     /// Returns the receiver, or the matrix without rows and columns if it is none.
     pub(super) fn matrix(&self) -> Matrix<Value> {
@@ -98,14 +92,22 @@ impl Call<'_> {
     }
 }
 
-/// What computes the result of a method.
+/// What computes the result of a method. The numbers and matrices are those of the receiver and then of the arguments.
 pub(super) enum Run {
-    /// A number or a tuple of the receiver and the arguments, which are numbers.
-    Float(fn(&mut Arena, &[Expr]) -> Value),
-    /// A number of the receiver, a matrix.
-    Entry(fn(&mut Arena, &Matrix<Expr>, &Given<'_>) -> Expr),
-    /// A matrix of the receiver, a matrix.
-    Formula(fn(&mut Arena, &Matrix<Expr>, &Given<'_>) -> Matrix<Expr>),
+    /// A function of numbers.
+    Float(fn(&mut Arena, &[Expr]) -> Expr),
+    /// A number of one matrix or of two.
+    Entry(fn(&mut Arena, &Matrix<Expr>) -> Expr),
+    EntryOf(fn(&mut Arena, &Matrix<Expr>, &Matrix<Expr>) -> Expr),
+    /// A matrix of one matrix or of two.
+    Formula(fn(&mut Arena, &Matrix<Expr>) -> Matrix<Expr>),
+    FormulaOf(fn(&mut Arena, &Matrix<Expr>, &Matrix<Expr>) -> Matrix<Expr>),
+    /// An operation of each entry and a number, or of the entries of two matrices.
+    Each(fn(&mut Arena, Expr, Expr) -> Expr),
+    Entrywise(fn(&mut Arena, Expr, Expr) -> Expr),
+    /// A row or a column.
+    Line(fn(&Matrix<Expr>, usize) -> Matrix<Expr>),
+    Size(fn(MatrixType) -> usize),
     /// The items of another iterator.
     Adapter(fn(&mut Lowering<'_>, Vec<Value>, &Call<'_>) -> Option<Vec<Value>>),
     /// Another value.
@@ -130,82 +132,34 @@ const fn row(receiver: Receiver, names: &'static str, takes: &'static [Take], ru
 }
 
 const SAME: &[Take] = &[Take::Same];
-const ONE_NUMBER: &[Take] = &[Take::Number];
+const NUMBER: &[Take] = &[Take::Number];
 const COUNT: &[Take] = &[Take::Count];
 const COUNTS: &[Take] = &[Take::Count, Take::Count];
 const VALUE: &[Take] = &[Take::Value];
 const FUNCTION: &[Take] = &[Take::Function];
+const FOLD: &[Take] = &[Take::Value, Take::Function];
+const ZIP: &[Take] = &[Take::Same, Take::Function];
+const LERP: &[Take] = &[Take::Same, Take::Number];
+const NUMBERS: &[Take] = &[Take::Number, Take::Number];
+const ROWS: &[Take] = &[Take::Rows];
 
 static METHODS: &[Method] = &[
-    row(
-        Number,
-        "recip",
-        &[],
-        Float(|a, x| Value::Scalar(a.pow(x[0], -1))),
-    ),
-    row(
-        Number,
-        "mul_add",
-        &[Take::Number, Take::Number],
-        Float(|arena, x| {
-            let product = arena.mul(x[0], x[1]);
-            Value::Scalar(arena.add(product, x[2]))
-        }),
-    ),
-    row(
-        Number,
-        "sin_cos",
-        &[],
-        Float(|arena, x| {
-            let pair = [Function::Sin, Function::Cos].map(|f| arena.call(f, x[0]));
-            Value::Tuple(pair.map(Value::Scalar).into())
-        }),
-    ),
-    row(
-        Number,
-        "to_radians",
-        &[],
-        Float(|a, x| Value::Scalar(a.scale(PI / 180.0, x[0]))),
-    ),
-    row(
-        Number,
-        "to_degrees",
-        &[],
-        Float(|a, x| Value::Scalar(a.scale(180.0 / PI, x[0]))),
-    ),
-    row(
-        Number,
-        "log",
-        ONE_NUMBER,
-        Float(|arena, x| {
-            let [x, base] = [x[0], x[1]].map(|e| arena.call(Function::Ln, e));
-            Value::Scalar(arena.div(x, base))
-        }),
-    ),
+    row(Number, "recip", &[], Float(|a, x| a.pow(x[0], -1))),
+    row(Number, "to_radians", &[], Float(floats::to_radians)),
+    row(Number, "to_degrees", &[], Float(floats::to_degrees)),
+    row(Number, "mul_add", NUMBERS, Float(floats::mul_add)),
+    row(Number, "log", NUMBER, Float(floats::log)),
     row(List, "len", &[], Own(sequences::length)),
-    row(
-        List,
-        "iter into_iter copied cloned",
-        &[],
-        Adapter(|_, items, _| Some(items)),
-    ),
+    row(List, "iter into_iter", &[], Own(sequences::iterator)),
+    row(List, "copied cloned", &[], Own(sequences::iterator)),
     row(Array, "map", FUNCTION, Own(sequences::map)),
     row(Iterator, "map", FUNCTION, Adapter(adapters::map)),
     row(Iterator, "for_each", FUNCTION, Own(sequences::for_each)),
-    row(
-        List,
-        "windows chunks chunks_exact",
-        COUNT,
-        Own(sequences::chunks),
-    ),
+    row(List, "windows chunks", COUNT, Own(sequences::chunks)),
+    row(List, "chunks_exact", COUNT, Own(sequences::chunks)),
     row(List, "as_flattened", &[], Own(sequences::as_flattened)),
     row(List, "sum product", &[], Own(sequences::total)),
-    row(
-        List,
-        "fold",
-        &[Take::Value, Take::Function],
-        Own(sequences::fold),
-    ),
+    row(List, "fold", FOLD, Own(sequences::fold)),
     row(List, "rev", &[], Adapter(adapters::rev)),
     row(List, "enumerate", &[], Adapter(adapters::enumerate)),
     row(List, "flatten", &[], Adapter(adapters::flatten)),
@@ -216,222 +170,61 @@ static METHODS: &[Method] = &[
     row(List, "skip", COUNT, Adapter(adapters::skip)),
     row(List, "take", COUNT, Adapter(adapters::take)),
     row(List, "step_by", COUNT, Adapter(adapters::step_by)),
-    row(Any, "dot", SAME, Entry(|a, m, x| inner(a, m, x.matrix()))),
-    row(
-        Any,
-        "norm_squared magnitude_squared",
-        &[],
-        Entry(|a, m, _| inner(a, m, m)),
-    ),
-    row(Any, "norm magnitude", &[], Entry(|a, m, _| norm(a, m))),
-    row(
-        Any,
-        "metric_distance",
-        SAME,
-        Entry(|a, m, x| distance(a, m, x.matrix())),
-    ),
-    row(Any, "sum", &[], Entry(|a, m, _| sum(a, &m.entries))),
-    row(
-        Any,
-        "product",
-        &[],
-        Entry(|a, m, _| {
-            let factors: Vec<(Expr, i32)> = m.entries.iter().map(|&entry| (entry, 1)).collect();
-            a.product(&factors)
-        }),
-    ),
-    row(
-        Any,
-        "mean",
-        &[],
-        Entry(|a, m, _| {
-            let total = sum(a, &m.entries);
-            let count = a.constant(m.entries.len() as f64);
-            a.div(total, count)
-        }),
-    ),
-    row(
-        Square,
-        "trace",
-        &[],
-        Entry(|a, m, _| sum(a, &diagonal(m).entries)),
-    ),
-    row(
-        Square,
-        "determinant",
-        &[],
-        Own(|x, call| x.determinant(call)),
-    ),
-    row(
-        OfLength(2),
-        "perp",
-        SAME,
-        Entry(|a, m, x| perp(a, m, x.matrix())),
-    ),
+    row(Any, "dot", SAME, EntryOf(inner)),
+    row(Any, "norm_squared", &[], Entry(norm_squared)),
+    row(Any, "magnitude_squared", &[], Entry(norm_squared)),
+    row(Any, "norm magnitude", &[], Entry(norm)),
+    row(Any, "metric_distance", SAME, EntryOf(distance)),
+    row(Any, "sum", &[], Entry(|a, m| sum(a, &m.entries))),
+    row(Any, "product", &[], Entry(product)),
+    row(Any, "mean", &[], Entry(mean)),
+    row(Square, "trace", &[], Entry(trace)),
+    row(Square, "determinant", &[], Own(matrices::determinant)),
+    row(OfLength(2), "perp", SAME, EntryOf(perp)),
     row(
         One,
         "to_scalar into_scalar",
         &[],
-        Entry(|_, m, _| m.entries[0]),
+        Entry(|_, m| m.entries[0]),
     ),
-    row(
-        OfLength(3),
-        "cross",
-        SAME,
-        Formula(|a, m, x| cross(a, m, x.matrix())),
-    ),
-    row(
-        OfLength(3),
-        "cross_matrix",
-        &[],
-        Formula(|a, m, _| cross_matrix(a, m)),
-    ),
-    row(
-        Any,
-        "component_mul",
-        SAME,
-        Formula(|a, m, x| entrywise(a, m, x.matrix(), Arena::mul)),
-    ),
-    row(
-        Any,
-        "component_div",
-        SAME,
-        Formula(|a, m, x| entrywise(a, m, x.matrix(), Arena::div)),
-    ),
-    row(
-        Any,
-        "scale",
-        ONE_NUMBER,
-        Formula(|a, m, x| each(a, m, x.numbers[0], Arena::mul)),
-    ),
-    row(
-        Any,
-        "unscale",
-        ONE_NUMBER,
-        Formula(|a, m, x| each(a, m, x.numbers[0], Arena::div)),
-    ),
-    row(
-        Any,
-        "add_scalar",
-        ONE_NUMBER,
-        Formula(|a, m, x| each(a, m, x.numbers[0], Arena::add)),
-    ),
-    row(Any, "normalize", &[], Formula(|a, m, _| normalized(a, m))),
-    row(
-        Vector,
-        "lerp",
-        &[Take::Same, Take::Number],
-        Formula(|a, m, x| lerp(a, [m, x.matrix()], x.numbers[0])),
-    ),
-    row(
-        Any,
-        "transpose adjoint",
-        &[],
-        Formula(|_, m, _| transpose(m)),
-    ),
-    row(Square, "diagonal", &[], Formula(|_, m, _| diagonal(m))),
-    row(
-        Any,
-        "row",
-        &[Take::Row],
-        Formula(|_, m, x| m.row(x.counts[0])),
-    ),
-    row(
-        Any,
-        "column",
-        &[Take::Column],
-        Formula(|_, m, x| m.column(x.counts[0])),
-    ),
-    row(
-        Any,
-        "into_owned clone_owned",
-        &[],
-        Formula(|_, m, _| m.clone()),
-    ),
-    row(Rotation, "inverse", &[], Formula(|_, m, _| m.transposed())),
-    row(
-        Rotation,
-        "transform_vector",
-        &[Take::Rows],
-        Formula(|a, m, x| image(a, m, x.matrix())),
-    ),
+    row(OfLength(3), "cross", SAME, FormulaOf(cross)),
+    row(OfLength(3), "cross_matrix", &[], Formula(cross_matrix)),
+    row(Any, "component_mul", SAME, Entrywise(Arena::mul)),
+    row(Any, "component_div", SAME, Entrywise(Arena::div)),
+    row(Any, "scale", NUMBER, Each(Arena::mul)),
+    row(Any, "unscale", NUMBER, Each(Arena::div)),
+    row(Any, "add_scalar", NUMBER, Each(Arena::add)),
+    row(Any, "normalize", &[], Formula(normalized)),
+    row(Vector, "lerp", LERP, Own(matrices::lerp)),
+    row(Any, "transpose adjoint", &[], Formula(|_, m| transpose(m))),
+    row(Square, "diagonal", &[], Formula(|_, m| diagonal(m))),
+    row(Any, "row", &[Take::Row], Line(Matrix::row)),
+    row(Any, "column", &[Take::Column], Line(Matrix::column)),
+    row(Any, "into_owned", &[], Formula(|_, m| m.clone())),
+    row(Any, "clone_owned", &[], Formula(|_, m| m.clone())),
+    row(Rotation, "inverse", &[], Formula(|_, m| m.transposed())),
+    row(Rotation, "transform_vector", ROWS, FormulaOf(image)),
     row(
         Rotation,
         "inverse_transform_vector",
-        &[Take::Rows],
-        Formula(|a, m, x| image(a, &m.transposed(), x.matrix())),
+        ROWS,
+        FormulaOf(inverse_image),
     ),
-    row(
-        Rotation,
-        "matrix",
-        &[],
-        Formula(|_, m, _| m.clone().with_kind(Kind::Matrix)),
-    ),
-    row(
-        Receiver::Wrapped,
-        "into_inner",
-        &[],
-        Formula(|_, m, _| m.clone().with_kind(Kind::Matrix)),
-    ),
-    row(
-        Any,
-        "len",
-        &[],
-        Own(|_, c| Some(Value::count(c.matrix().ty.len()))),
-    ),
-    row(
-        Any,
-        "nrows",
-        &[],
-        Own(|_, c| Some(Value::count(c.matrix().ty.rows))),
-    ),
-    row(
-        Any,
-        "ncols",
-        &[],
-        Own(|_, c| Some(Value::count(c.matrix().ty.columns))),
-    ),
-    row(
-        Any,
-        "iter into_iter",
-        &[],
-        Own(|_, c| Some(Value::Sequence(c.matrix().entries))),
-    ),
-    row(
-        Any,
-        "as_slice",
-        &[],
-        Own(|_, c| Some(Value::Array(c.matrix().entries))),
-    ),
-    row(Any, "column_iter", &[], Own(columns)),
-    row(Any, "row_iter", &[], Own(rows)),
-    row(Any, "rows columns", COUNTS, Own(|x, call| x.part(call))),
-    row(
-        Any,
-        "fixed_rows fixed_columns",
-        COUNT,
-        Own(|x, call| x.part(call)),
-    ),
-    row(Any, "fixed_view", COUNTS, Own(|x, call| x.part(call))),
-    row(Any, "map", FUNCTION, Own(|x, call| x.map_entries(call))),
-    row(
-        Any,
-        "zip_map",
-        &[Take::Same, Take::Function],
-        Own(|x, call| x.map_entries(call)),
-    ),
-    row(
-        Any,
-        "fold",
-        &[Take::Value, Take::Function],
-        Own(sequences::fold),
-    ),
-    row(
-        Any,
-        "tr_mul",
-        VALUE,
-        Own(|x, call| x.transposed_product(call)),
-    ),
+    row(Rotation, "matrix", &[], Formula(|_, m| m.unwrapped())),
+    row(Wrapped, "into_inner", &[], Formula(|_, m| m.unwrapped())),
+    row(Any, "len", &[], Size(MatrixType::len)),
+    row(Any, "nrows", &[], Size(|ty| ty.rows)),
+    row(Any, "ncols", &[], Size(|ty| ty.columns)),
+    row(Any, "iter into_iter", &[], Own(sequences::iterator)),
+    row(Any, "as_slice", &[], Own(sequences::array)),
+    row(Any, "column_iter", &[], Own(views::columns)),
+    row(Any, "row_iter", &[], Own(views::rows)),
+    row(Any, "rows columns fixed_view", COUNTS, Own(views::part)),
+    row(Any, "fixed_rows fixed_columns", COUNT, Own(views::part)),
+    row(Any, "map", FUNCTION, Own(matrices::map)),
+    row(Any, "zip_map", ZIP, Own(matrices::map)),
+    row(Any, "fold", FOLD, Own(sequences::fold)),
+    row(Any, "tr_mul", VALUE, Own(matrices::transposed_product)),
 ];
 
 impl Receiver {
@@ -458,7 +251,7 @@ impl Receiver {
             Square => ty.is_square(),
             One => ty.len() == 1,
             Rotation => ty.kind == Kind::Rotation,
-            Self::Wrapped => ty.kind != Kind::Matrix,
+            Wrapped => ty.kind != Kind::Matrix,
         }
     }
 
@@ -470,7 +263,7 @@ impl Receiver {
             Square => "square matrices".to_owned(),
             One => "matrices of one entry".to_owned(),
             Rotation => "rotations".to_owned(),
-            Self::Wrapped => "rotations and unit vectors".to_owned(),
+            Wrapped => "rotations and unit vectors".to_owned(),
         }
     }
 }
@@ -482,7 +275,11 @@ impl Method {
 
     /// Returns whether the method is a formula of the entries of its receiver, a vector or matrix.
     fn is_formula(&self) -> bool {
-        matches!(self.run, Entry(_) | Formula(_)) || self.names == "determinant"
+        match self.run {
+            Own(_) => ["determinant", "lerp"].contains(&self.names),
+            Float(_) | Adapter(_) | Size(_) => false,
+            _ => true,
+        }
     }
 }
 
