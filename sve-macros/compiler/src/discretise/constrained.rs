@@ -26,66 +26,50 @@ pub(super) fn extend(
     symbols: &Symbols,
     arena: &mut Arena,
 ) -> Equations {
-    let rows: Vec<(Expr, Symbol)> = {
-        let residuals = equations.residuals.iter().copied();
-        residuals
-            .zip(equations.variations.iter().copied())
-            .collect()
-    };
-    let (mut order, mut beside) = (Vec::new(), vec![None; rows.len()]);
-    let mut means = vec![None; rows.len()];
-    for (residual, variation) in rows {
-        order.push(of_variation(
-            residual, variation, enforced, action, symbols, arena,
-        ));
+    let rows = equations.residuals.iter().zip(&equations.variations);
+    let order = rows.map(|(&residual, &variation)| {
+        of_variation(residual, variation, enforced, action, symbols, arena)
+    });
+    let mut order: Vec<Expr> = order.collect();
+    let mut scales = vec![None; order.len()];
+    let mut mean_values = vec![None; order.len()];
+    scales.extend(enforced.scales.iter().copied().map(Some));
+    mean_values.extend(enforced.mean_values.iter().copied().map(Some));
+    let projected = enforced.end_momentum.iter().zip(ends);
+    let projected = projected.map(|(&momentum, &end)| arena.sub(momentum, end));
+    let projected: Vec<Expr> = projected.collect();
+    order.extend(&enforced.start_rates);
+    for rows in [&projected, &enforced.end_rates] {
+        order.extend(rows);
+    }
+    for rows in [&enforced.end_values, &projected, &enforced.end_rates] {
+        equations.residuals.extend(rows);
     }
     let Enforced {
         start_multipliers,
         end_multipliers,
         end_velocity,
-        end_values,
-        mean_values,
-        end_rates,
-        start_rates,
-        end_momentum,
-        start_impulse: _,
-        scales,
-        has_sign,
-        at_start,
-        guard,
+        ..
     } = enforced;
-    equations.residuals.extend(end_values);
-    equations.variations.extend(end_multipliers);
-    order.extend(start_rates);
-    beside.extend(scales.iter().copied().map(Some));
-    means.extend(mean_values.iter().copied().map(Some));
-    for (i, &momentum) in end_momentum.iter().enumerate() {
-        let row = arena.sub(momentum, ends[i]);
-        equations.residuals.push(row);
-        order.push(row);
+    for family in [end_multipliers, end_velocity, start_multipliers] {
+        equations.variations.extend(family);
     }
-    equations.variations.extend(end_velocity);
-    equations.residuals.extend(end_rates);
-    equations.variations.extend(start_multipliers);
-    order.extend(end_rates);
     for family in [end_velocity, start_multipliers, end_multipliers] {
         equations.unknowns.extend(family);
     }
     equations.torn = [start_multipliers.as_slice(), end_multipliers].concat();
-    equations.reported = {
-        let pairs = start_multipliers.iter().chain(end_multipliers);
-        pairs.map(|&s| arena.symbol(s)).collect()
-    };
-    equations.conditions.clone_from(at_start);
-    equations.guards.extend(guard);
-    beside.resize(order.len(), None);
-    means.resize(order.len(), None);
+    let multipliers = equations.torn.iter();
+    equations.reported = multipliers.map(|&s| arena.symbol(s)).collect();
+    equations.conditions.clone_from(&enforced.at_start);
+    equations.guards.extend(enforced.guard);
+    scales.resize(order.len(), None);
+    mean_values.resize(order.len(), None);
     equations.leading = Some(Leading {
         residuals: order,
-        mean_values: means,
+        mean_values,
         variations: equations.variations.clone(),
-        scales: beside,
-        has_sign: *has_sign,
+        scales,
+        has_sign: enforced.has_sign,
     });
     equations
 }

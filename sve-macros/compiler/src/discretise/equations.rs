@@ -62,83 +62,35 @@ pub(crate) struct Leading {
 
 /// Derives the equations of a step from its action.
 pub(crate) fn equations(action: &Action, symbols: &Symbols, arena: &mut Arena) -> Equations {
-    let mut residuals = Vec::new();
+    let mut rows = Rows::default();
     for &x in &action.internal {
-        let stationary = variation(action, x, arena);
-        let stationary = at_nodes(action, stationary, arena);
-        residuals.push(divide_out(arena, stationary, action.h));
+        let stationary = variation_at_nodes(action, x, arena);
+        rows.add(x, divide_out(arena, stationary, action.h));
+    }
+    for block in action.configuration.blocks() {
+        rows.add_block(&block, action, arena);
     }
     let ends = &action.ends;
-    let mut variations = action.internal.clone();
-    let (mut dp, mut p1) = (Vec::new(), Vec::new());
-    for block in action.configuration.blocks() {
-        let Factor::Vector(_) = block.factor else {
-            let momenta = momenta_of_rotation(action, &block, arena);
-            // the unknowns are in descending order too, so that pivots are on the diagonal
-            residuals.extend(momenta.balance.into_iter().rev());
-            let turned = action.displacement[block.directions].iter();
-            variations.extend(turned.rev());
-            dp.extend(momenta.change.into_iter().map(|change| vec![change]));
-            continue;
-        };
-        for (entry, i) in block.entries.zip(block.directions) {
-            let end = variation(action, action.displacement[i], arena);
-            let end = at_nodes(action, end, arena);
-            p1.push(end);
-            if let Some(&Some(function)) = ends.end.get(i) {
-                let p0 = arena.symbol(action.start_p[i]);
-                dp.push(vec![arena.sub(function, p0)]);
-            }
-            if ends.unbalanced.get(i) == Some(&true) {
-                continue;
-            }
-            variations.push(action.displacement[i]);
-            let kick = variation(action, action.start_q[entry], arena);
-            let kick = at_nodes(action, kick, arena);
-            let p0 = match ends.start.get(i) {
-                Some(&Some(function)) => function,
-                _ => arena.symbol(action.start_p[i]),
-            };
-            let balance = arena.sum(0.0, &[(1.0, end), (-1.0, kick), (-1.0, p0)]);
-            residuals.push(balance);
-            if dp.len() > i {
-                continue;
-            }
-            // ∂S/∂q₀ plus a multiple of a residual. Once the residual gives ∂S/∂d − p₀. Twice the residual eliminates the force from
-            // the midpoint rule, p₁ = 2p − p₀.
-            dp.push(
-                (0..3)
-                    .map(|k| arena.sum(0.0, &[(1.0, kick), (f64::from(k), balance)]))
-                    .collect(),
-            );
-        }
-    }
-    let momenta = ends.momentum.iter().copied().zip(p1.iter().copied());
+    let momenta = ends.momentum.iter().copied().zip(rows.p1.iter().copied());
     let at_end: HashMap<Symbol, Expr> = momenta.collect();
     for closure in &ends.closures {
-        residuals.push(arena.substitute(closure.residual, &at_end));
+        let residual = arena.substitute(closure.residual, &at_end);
+        rows.add(closure.unknown, residual);
     }
-    let closing = ends.closures.iter().map(|closure| closure.unknown);
-    variations.extend(closing.clone());
     // elimination is preferred for displacements, then for multipliers, then for velocities
-    let mut unknowns: Vec<Symbol> = action
-        .displacement
-        .iter()
-        .chain(action.internal.iter().rev())
-        .copied()
-        .collect();
+    let displacement = action.displacement.iter();
+    let unknowns = displacement.chain(action.internal.iter().rev());
+    let mut unknowns: Vec<Symbol> = unknowns.copied().collect();
+    let closing = ends.closures.iter().map(|closure| closure.unknown);
     unknowns.extend(closing.filter(|unknown| !action.displacement.contains(unknown)));
-    let dq = action
-        .displacement
-        .iter()
-        .map(|&d| arena.symbol(d))
-        .collect();
+    let dq = action.displacement.iter();
+    let dq = dq.map(|&d| arena.symbol(d)).collect();
     let equations = Equations {
         unknowns,
-        residuals,
-        variations,
+        residuals: rows.residuals,
+        variations: rows.variations,
         dq,
-        dp,
+        dp: rows.dp,
         leading: None,
         torn: Vec::new(),
         conditions: Vec::new(),
@@ -146,8 +98,73 @@ pub(crate) fn equations(action: &Action, symbols: &Symbols, arena: &mut Arena) -
         guards: Vec::new(),
     };
     match &action.enforced {
-        Some(enforced) => constrained::extend(equations, &p1, enforced, action, symbols, arena),
+        Some(enforced) => {
+            constrained::extend(equations, &rows.p1, enforced, action, symbols, arena)
+        }
         None => equations,
+    }
+}
+
+/// The equations in the making.
+#[derive(Default)]
+struct Rows {
+    residuals: Vec<Expr>,
+    variations: Vec<Symbol>,
+    dp: Vec<Vec<Expr>>,
+    /// ∂S/∂d of the coordinates of vectors, which is p₁.
+    p1: Vec<Expr>,
+}
+
+impl Rows {
+    fn add(&mut self, variation: Symbol, residual: Expr) {
+        self.variations.push(variation);
+        self.residuals.push(residual);
+    }
+
+    /// Adds the momentum balances of a factor of the configuration.
+    fn add_block(&mut self, block: &Block, action: &Action, arena: &mut Arena) {
+        if block.factor == Factor::Rotation {
+            let momenta = momenta_of_rotation(action, block, arena);
+            // the unknowns are in descending order too, so that pivots are on the diagonal
+            let turned = action.displacement[block.directions.clone()].iter();
+            for (&turned, balance) in turned.zip(momenta.balance).rev() {
+                self.add(turned, balance);
+            }
+            let changes = momenta.change.into_iter();
+            self.dp.extend(changes.map(|change| vec![change]));
+            return;
+        }
+        for (entry, i) in block.entries.clone().zip(block.directions.clone()) {
+            self.add_coordinate(entry, i, action, arena);
+        }
+    }
+
+    /// Adds the momentum balance of a coordinate of a vector.
+    fn add_coordinate(&mut self, entry: usize, i: usize, action: &Action, arena: &mut Arena) {
+        let ends = &action.ends;
+        let end = variation_at_nodes(action, action.displacement[i], arena);
+        self.p1.push(end);
+        let function = ends.end.get(i).copied().flatten();
+        if let Some(function) = function {
+            let p0 = arena.symbol(action.start_p[i]);
+            self.dp.push(vec![arena.sub(function, p0)]);
+        }
+        if ends.unbalanced.get(i) == Some(&true) {
+            return;
+        }
+        let kick = variation_at_nodes(action, action.start_q[entry], arena);
+        let p0 = match ends.start.get(i) {
+            Some(&Some(function)) => function,
+            _ => arena.symbol(action.start_p[i]),
+        };
+        let balance = arena.sum(0.0, &[(1.0, end), (-1.0, kick), (-1.0, p0)]);
+        self.add(action.displacement[i], balance);
+        if function.is_none() {
+            // ∂S/∂q₀ plus a multiple of a residual. Once the residual gives ∂S/∂d − p₀. Twice the residual eliminates the force from
+            // the midpoint rule, p₁ = 2p − p₀.
+            let mut form = |k| arena.sum(0.0, &[(1.0, kick), (k, balance)]);
+            self.dp.push([0.0, 1.0, 2.0].map(&mut form).into());
+        }
     }
 }
 
@@ -208,12 +225,13 @@ fn momenta_of_rotation(action: &Action, block: &Block, arena: &mut Arena) -> Mom
     }
 }
 
-/// Puts the values of the rotations at the nodes in the place of their entries.
-fn at_nodes(action: &Action, expr: Expr, arena: &mut Arena) -> Expr {
+/// Returns a variation with the values of the rotations at the nodes in the place of their entries.
+fn variation_at_nodes(action: &Action, x: Symbol, arena: &mut Arena) -> Expr {
+    let variation = variation(action, x, arena);
     if action.rotations.is_empty() {
-        return expr;
+        return variation;
     }
-    arena.substitute(expr, &values_at_nodes(&action.rotations))
+    arena.substitute(variation, &values_at_nodes(&action.rotations))
 }
 
 /// Returns `∂S/∂x` plus the work of the force on the coordinates of the nodes.

@@ -143,37 +143,26 @@ fn form(
         list.iter().map(|&e| arena.substitute(e, &rest)).collect()
     };
     let lagrangian = &mechanics.lagrangian;
-    let mut mass: Vec<Vec<Expr>> = lagrangian
-        .dvv
-        .iter()
-        .map(|row| at_rest(row, arena))
-        .collect();
+    let rows = lagrangian.dvv.iter();
+    let mut mass: Vec<Vec<Expr>> = rows.map(|row| at_rest(row, arena)).collect();
     let mut offset = at_rest(&lagrangian.dv, arena);
     let mut impulse = impulse(model, mechanics, weight, dw, arena);
-    let mut shift: Vec<Expr> = (0..model.dof())
-        .map(|k| {
-            let terms = mechanics.noises.iter().zip(dw).map(|(noise, &dw)| {
-                let dw = arena.symbol(dw);
-                (1.0, arena.mul(noise.dp[k], dw))
-            });
-            let terms: Vec<(f64, Expr)> = terms.collect();
-            arena.sum(0.0, &terms)
-        })
-        .collect();
-    let is_zero = |e: Expr, arena: &Arena| arena.constant_value(e) == Some(0.0);
-    let is_diagonal =
-        (0..model.dof()).all(|i| (0..model.dof()).all(|j| i == j || is_zero(mass[i][j], arena)));
-    let contains_any = |list: &[Expr], of: &[Symbol], arena: &Arena| {
+    let mut shift = shift(model, mechanics, dw, arena);
+    let is_diagonal = mass
+        .iter()
+        .enumerate()
+        .all(|(i, row)| (0..row.len()).all(|j| i == j || is_zero(row[j], arena)));
+    let contains_any = |list: &[Expr], of: &[Symbol]| {
         list.iter()
             .any(|&e| of.iter().any(|&s| arena.contains(e, s)))
     };
     let moving = [&[model.time], model.q.as_slice()].concat();
     let has_constant_mass =
-        !contains_any(&mass.concat(), &moving, arena) && offset.iter().all(|&e| is_zero(e, arena));
+        !contains_any(&mass.concat(), &moving) && offset.iter().all(|&e| is_zero(e, arena));
     let conditions: Vec<Expr> = impulse.domain.iter().map(|c| c.value).collect();
     let depends_on_motion = [&impulse.value[..], &conditions]
         .iter()
-        .any(|list| contains_any(list, &model.v, arena) || contains_any(list, &model.p, arena));
+        .any(|list| contains_any(list, &model.v) || contains_any(list, &model.p));
     let has_shift = shift.iter().any(|&e| !is_zero(e, arena));
     let exprs = impulse.value.iter_mut();
     let exprs = exprs.chain(impulse.domain.iter_mut().map(|c| &mut c.value));
@@ -193,6 +182,23 @@ fn form(
         impulse,
         shift,
     }
+}
+
+fn is_zero(e: Expr, arena: &Arena) -> bool {
+    arena.constant_value(e) == Some(0.0)
+}
+
+/// `Σ ∂G/∂p ω`, what noises add to the displacement.
+fn shift(model: &Model, mechanics: &Mechanics, dw: &[Symbol], arena: &mut Arena) -> Vec<Expr> {
+    let shift = (0..model.dof()).map(|k| {
+        let terms = mechanics.noises.iter().zip(dw).map(|(noise, &dw)| {
+            let dw = arena.symbol(dw);
+            (1.0, arena.mul(noise.dp[k], dw))
+        });
+        let terms: Vec<(f64, Expr)> = terms.collect();
+        arena.sum(0.0, &terms)
+    });
+    shift.collect()
 }
 
 fn impulse(

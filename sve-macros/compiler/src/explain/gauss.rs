@@ -1,13 +1,12 @@
 //! The action of a Gauss rule in its textbook form, and the equations of its stages.
 
-use std::fmt::Write as _;
-
-use super::step::{StepTexts, features, potential};
+use super::step::{StepTexts, features, with_notation};
 use crate::algebra::Arena;
 use crate::catalogue::Rule;
 use crate::discretise::stages::Stages;
+use crate::rules::discretisation;
 use crate::rules::gauss::Quadrature;
-use crate::rules::{Features, Textbook, discretisation};
+use crate::rules::textbook::Features;
 use crate::system::classify::Classified;
 
 /// Writes down a step of so many stages; `half_factor` is ½κ of the option `weak2`, if the action has its term.
@@ -19,23 +18,10 @@ pub(crate) fn gauss(
     system: &Classified,
     arena: &Arena,
 ) -> StepTexts {
-    let model = &system.model;
     let features = features(rule, system, half_factor, arena);
-    let Textbook {
-        action,
-        mut notation,
-        work,
-    } = discretisation(rule).textbook(&features);
-    let mut lines = vec![action];
-    if model.force.is_some() {
-        lines.push(format!("with the virtual work h·{work} beside δS"));
-    }
-    if half_factor.is_some() {
-        notation.push(potential(model).to_owned());
-    }
-    lines.push(notation.join(", "));
+    let textbook = discretisation(rule).textbook(&features);
     StepTexts {
-        action: lines.join("\n"),
+        action: with_notation(textbook, Vec::new(), &features, &system.model),
         step: equations(count, stages, &features).join("\n"),
         domain: Vec::new(),
     }
@@ -43,62 +29,49 @@ pub(crate) fn gauss(
 
 /// The equations of the stages, the results, and the coefficients.
 fn equations(count: usize, stages: &Stages, features: &Features) -> Vec<String> {
-    let t = |name: &str| {
-        if features.is_timed {
-            format!("{name}, ")
-        } else {
-            String::new()
-        }
-    };
-    let point = |i: &str| format!("{}Q{i}, V{i}", t(&format!("t{i}")));
-    let unknowns = if stages.moves_position {
-        "Vᵢ, Yᵢ"
-    } else {
-        "Vᵢ"
-    };
+    let t = features.time("tᵢ");
+    let point = format!("{t}Qᵢ, Vᵢ");
     let solver = if stages.has_fixed_point(count) {
         "fixed-point iteration, Newton's method where it does not contract,"
     } else {
         "Newton's method"
     };
-    let mut lines = vec![format!("{solver} for {unknowns} at {count} stages")];
-    lines.push(format!("  ∂L/∂v({}) = p₀ + Σⱼ (aᵢⱼ/bⱼ)·Fⱼ", point("ᵢ")));
     let (b, dw) = features.increment_at_stage();
-    // writing to a string does not fail
+    let mut unknowns = "Vᵢ";
     let mut displacement = "h·bᵢ·Vᵢ".to_owned();
     if stages.moves_position {
-        let _ = write!(displacement, " + {b}Σ ∂H₁/∂p({}Qᵢ, Pᵢ)·{dw}", t("tᵢ"));
-        let slope = format!("∂K/∂p({}Qᵢ, Pᵢ)", t("tᵢ"));
+        unknowns = "Vᵢ, Yᵢ";
+        let slope = format!("∂K/∂p({t}Qᵢ, Pᵢ)");
         let term = features.potential("h·|h|·bᵢ", &slope, 1);
-        displacement.push_str(&term.replacen('−', "+", 1));
+        displacement += &format!(" + {b}Σ ∂H₁/∂p({t}Qᵢ, Pᵢ)·{dw}");
+        displacement += &term.replacen('−', "+", 1);
     }
-    lines.push(format!("  Yᵢ = {displacement}"));
-    lines.push("then".to_owned());
-    lines.push("  q₁ = q₀ + Σᵢ Yᵢ".to_owned());
-    lines.push("  p₁ = p₀ + Σᵢ Fᵢ".to_owned());
-    lines.push("with".to_owned());
-    lines.push("  Qᵢ = q₀ + Σⱼ (aᵢⱼ/bⱼ)·Yⱼ".to_owned());
-    let mut impulse = if features.force_is_timed.is_some() {
-        format!("h·bᵢ·(∂L/∂q + F)({})", point("ᵢ"))
-    } else {
-        format!("h·bᵢ·∂L/∂q({})", point("ᵢ"))
+    let mut impulse = match features.force_is_timed {
+        Some(_) => format!("h·bᵢ·(∂L/∂q + F)({point})"),
+        None => format!("h·bᵢ·∂L/∂q({point})"),
     };
     if features.gammas > 0 {
-        let _ = write!(impulse, " + {b}Σ ∂γ/∂q({}Qᵢ)·{dw}", t("tᵢ"));
+        impulse += &format!(" + {b}Σ ∂γ/∂q({t}Qᵢ)·{dw}");
     }
+    let mut p = "";
     if features.hamiltonians > 0 {
-        let _ = write!(impulse, " − {b}Σ ∂H₁/∂q({}Qᵢ, Pᵢ)·{dw}", t("tᵢ"));
+        impulse += &format!(" − {b}Σ ∂H₁/∂q({t}Qᵢ, Pᵢ)·{dw}");
+        p = ", Pᵢ";
     }
-    let p = if features.hamiltonians > 0 {
-        ", Pᵢ"
-    } else {
-        ""
-    };
-    let slope = format!("∂K/∂q({}Qᵢ{p})", t("tᵢ"));
-    impulse.push_str(&features.potential("h·|h|·bᵢ", &slope, 1));
-    lines.push(format!("  Fᵢ = {impulse}"));
+    impulse += &features.potential("h·|h|·bᵢ", &format!("∂K/∂q({t}Qᵢ{p})"), 1);
+    let mut lines = vec![
+        format!("{solver} for {unknowns} at {count} stages"),
+        format!("  ∂L/∂v({point}) = p₀ + Σⱼ (aᵢⱼ/bⱼ)·Fⱼ"),
+        format!("  Yᵢ = {displacement}"),
+        "then".to_owned(),
+        "  q₁ = q₀ + Σᵢ Yᵢ".to_owned(),
+        "  p₁ = p₀ + Σᵢ Fᵢ".to_owned(),
+        "with".to_owned(),
+        "  Qᵢ = q₀ + Σⱼ (aᵢⱼ/bⱼ)·Yⱼ".to_owned(),
+        format!("  Fᵢ = {impulse}"),
+    ];
     if features.hamiltonians > 0 {
-        lines.push(format!("  Pᵢ = ∂L/∂v({})", point("ᵢ")));
+        lines.push(format!("  Pᵢ = ∂L/∂v({point})"));
     }
     let Quadrature { c, b, .. } = Quadrature::new(count);
     for (name, list) in [("c", c), ("b", b)] {

@@ -74,7 +74,7 @@ impl<'a> Names<'a> {
         let letter = match quantity {
             NodeQuantity::Time if node == END => "t₁",
             NodeQuantity::Position(_) if node == END => "q₁",
-            _ => rule.notation(node, quantity),
+            _ => rule.point(node).name(quantity),
         };
         let name = match quantity {
             NodeQuantity::Time => letter.to_owned(),

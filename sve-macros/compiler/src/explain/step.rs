@@ -10,7 +10,8 @@ use crate::model::configuration::Factor;
 use crate::model::{AtNode, Constraint, END, Meaning, Model, NodeQuantity, Symbols, unknown};
 use crate::rules::action::Action;
 use crate::rules::degenerate;
-use crate::rules::{Features, Textbook, discretisation};
+use crate::rules::discretisation;
+use crate::rules::textbook::{Features, Textbook};
 use crate::structure::{Block, Kind, Matrix, Scheme, Solution};
 use crate::system::classify::Classified;
 
@@ -35,35 +36,44 @@ pub(crate) fn step(derived: &Derived, system: &Classified) -> StepTexts {
         ..
     } = derived;
     let (rule, model) = (*rule, &system.model);
+    let features = features(rule, system, action.half_factor, arena);
+    let mut textbook = textbook(rule, system, &features);
+    textbook.action += &constraints(model, arena);
+    let written_out = written_out(rule, action, symbols, arena);
+    StepTexts {
+        action: with_notation(textbook, written_out, &features, model),
+        step: equations(rule, action, scheme, symbols, arena).join("\n"),
+        domain: domain(rule, scheme, symbols, arena),
+    }
+}
+
+/// The text of an action: its textbook form, the action written out where it is short, and what stands in them.
+pub(super) fn with_notation(
+    textbook: Textbook,
+    written_out: Vec<String>,
+    features: &Features,
+    model: &Model,
+) -> String {
     let Textbook {
-        action: textbook,
+        action,
         mut notation,
         work,
-    } = textbook(
-        rule,
-        system,
-        &features(rule, system, action.half_factor, arena),
-    );
-    let mut lines = vec![format!("{textbook}{}", constraints(model, arena))];
-    if let Some((text, parts)) = written_out(rule, action, symbols, arena) {
-        lines.push(text);
-        lines.extend(parts);
+    } = textbook;
+    if !written_out.is_empty() {
         notation.push("Δq = q₁ − q₀".to_owned());
     }
-    if action.half_factor.is_some() {
+    if features.potential.is_some() {
         notation.push(potential(model).to_owned());
     }
+    let mut lines = vec![action];
+    lines.extend(written_out);
     if model.force.is_some() {
         lines.push(format!("with the virtual work h·{work} beside δS"));
     }
     if !notation.is_empty() {
         lines.push(notation.join(", "));
     }
-    StepTexts {
-        action: lines.join("\n"),
-        step: equations(rule, action, scheme, symbols, arena).join("\n"),
-        domain: domain(rule, scheme, symbols, arena),
-    }
+    lines.join("\n")
 }
 
 /// The constraints in the textbook form of an action.
@@ -135,7 +145,7 @@ pub(super) fn features(
 }
 
 /// What K of the option `weak2` stands for.
-pub(super) fn potential(model: &Model) -> &'static str {
+fn potential(model: &Model) -> &'static str {
     let is_gamma = model.noises.iter().all(|noise| noise.is_gamma);
     match (is_gamma, model.noises.len(), model.dof()) {
         (true, 1, 1) => "K = (∂γ/∂q)²/(∂²L/∂v²)",
@@ -146,23 +156,21 @@ pub(super) fn potential(model: &Model) -> &'static str {
     }
 }
 
-/// The action as the expression that is differentiated, where it is short.
-fn written_out(
-    rule: Rule,
-    action: &Action,
-    symbols: &Symbols,
-    arena: &Arena,
-) -> Option<(String, Vec<String>)> {
+/// The action as the expression that is differentiated, and its parts; nothing where it is long.
+fn written_out(rule: Rule, action: &Action, symbols: &Symbols, arena: &Arena) -> Vec<String> {
     let mut page = Page::new(arena, Names::new(symbols, Some(rule)));
     page.name_parts(&[action.value]);
     let mut sum = Sum::default();
     sum.add(1.0, action.value, arena);
     sum.terms
         .sort_by_key(|&(term, _)| textbook_place(term, action, symbols, arena));
-    let text = page.whole(&sum)?;
+    let Some(text) = page.whole(&sum) else {
+        return Vec::new();
+    };
+    let mut lines = vec![format!("S = {text}")];
     // the nodes are explained beside the textbook form
-    let parts = page.explanations(|e| AtNode::of(e, arena).is_some());
-    Some((format!("S = {text}"), parts))
+    lines.extend(page.explanations(|e| AtNode::of(e, arena).is_some()));
+    lines
 }
 
 /// First L, then the constraints, then the noise.
@@ -185,23 +193,17 @@ fn equations(
     arena: &Arena,
 ) -> Vec<String> {
     let mut page = Page::new(arena, Names::new(symbols, Some(rule)));
-    let [dq, dp] = &scheme.increments;
-    let n = dq.len();
-    let unknowns: usize = scheme.blocks.iter().map(|b| b.unknowns.len()).sum();
-    let mut room = shown(unknowns);
-    let mut shown_blocks = Vec::new();
     for block in &scheme.blocks {
         if let Solution::Formula(formula) = block.solution {
-            page.names
-                .call(formula, unknown(symbols, block.unknowns[0]));
-        }
-        if room > 0 {
-            let rows = block.unknowns.len().min(room);
-            room -= rows;
-            shown_blocks.push((block, rows));
+            let name = unknown(symbols, block.unknowns[0]);
+            page.names.call(formula, name);
         }
     }
-    let mut roots: Vec<Expr> = [&dq[..shown(n)], &dp[..shown(n)]].concat();
+    let unknowns: usize = scheme.blocks.iter().map(|b| b.unknowns.len()).sum();
+    let shown_blocks = shown_blocks(scheme, shown(unknowns));
+    let [dq, dp] = &scheme.increments;
+    let count = shown(dq.len());
+    let mut roots: Vec<Expr> = [&dq[..count], &dp[..count]].concat();
     for &(block, rows) in &shown_blocks {
         roots.extend(parts(block, rows));
     }
@@ -221,42 +223,22 @@ fn equations(
     if left > 0 {
         lines.push(format!("  … ({left} more unknowns)"));
     }
-    let mut ends = Vec::new();
-    let positions = positions(action);
-    let is_unknown = |e: Expr| matches!(arena.node(e), Node::Symbol(_));
-    let given = (0..shown(n)).filter(|&i| positions[i].is_some() || !is_unknown(dq[i]));
-    let moved = given.map(|i| match positions[i] {
-        Some(start) => end("q", i, start, dq[i], &mut page),
-        // the increment of a rotation
-        None => {
-            let name = page.names.symbols.component("Δq", i);
-            format!("{name} = {}", page.formula(dq[i]))
-        }
-    });
-    ends.extend(Page::list(moved.collect(), n, "of these"));
-    if action.configuration.has_rotations() {
-        ends.push("R₁ = R₀·cay(x)".to_owned());
-    }
-    let pushed = (0..shown(n)).map(|i| end("p", i, action.start_p[i], dp[i], &mut page));
-    ends.extend(Page::list(pushed.collect(), n, "of these"));
-    let indent = if lines.is_empty() { "" } else { "  " };
-    if !lines.is_empty() {
-        lines.push("then".to_owned());
-    }
+    let ends = ends(action, scheme, &mut page);
     let explained = page.explanations(|e| {
         let node = AtNode::of(e, arena);
         let is_end = node.is_some_and(|at| {
             matches!(at.quantity, NodeQuantity::Position(_))
-                && (at.node == END || discretisation(rule).is_end(at.node))
+                && (at.node == END || discretisation(rule).point(at.node).is_end())
         });
         is_end || is_formula(e, scheme)
     });
-    lines.extend(ends.into_iter().map(|line| format!("{indent}{line}")));
-    if !explained.is_empty() {
-        if !indent.is_empty() {
-            lines.push("with".to_owned());
+    let is_explicit = lines.is_empty();
+    let indent = if is_explicit { "" } else { "  " };
+    for (heading, part) in [("then", ends), ("with", explained)] {
+        if !is_explicit && !part.is_empty() {
+            lines.push(heading.to_owned());
         }
-        lines.extend(explained.into_iter().map(|line| format!("{indent}{line}")));
+        lines.extend(part.into_iter().map(|line| format!("{indent}{line}")));
     }
     if scheme.returns.is_matrix() {
         lines.push(
@@ -264,6 +246,42 @@ fn equations(
         );
     }
     lines
+}
+
+/// The first blocks with their first rows, so many rows together.
+fn shown_blocks(scheme: &Scheme<Expr>, mut room: usize) -> Vec<(&Block<Expr>, usize)> {
+    let rows = scheme.blocks.iter().map(|block| {
+        let rows = block.unknowns.len().min(room);
+        room -= rows;
+        (block, rows)
+    });
+    rows.filter(|&(_, rows)| rows > 0).collect()
+}
+
+/// The results of a step.
+fn ends(action: &Action, scheme: &Scheme<Expr>, page: &mut Page<'_>) -> Vec<String> {
+    let [dq, dp] = &scheme.increments;
+    let n = dq.len();
+    let positions = positions(action);
+    let is_unknown = |e: Expr| matches!(page.arena.node(e), Node::Symbol(_));
+    let given: Vec<usize> = (0..shown(n))
+        .filter(|&i| positions[i].is_some() || !is_unknown(dq[i]))
+        .collect();
+    let moved = given.into_iter().map(|i| match positions[i] {
+        Some(start) => end("q", i, start, dq[i], page),
+        // the increment of a rotation
+        None => {
+            let name = page.names.symbols.component("Δq", i);
+            format!("{name} = {}", page.formula(dq[i]))
+        }
+    });
+    let mut ends = Page::list(moved.collect(), n, "of these");
+    if action.configuration.has_rotations() {
+        ends.push("R₁ = R₀·cay(x)".to_owned());
+    }
+    let pushed = (0..shown(n)).map(|i| end("p", i, action.start_p[i], dp[i], page));
+    ends.extend(Page::list(pushed.collect(), n, "of these"));
+    ends
 }
 
 /// Whether an expression is the formula of an unknown, which has its own line.

@@ -1,6 +1,6 @@
 //! The system and its equations of motion, in the first-order Stratonovich form.
 
-use super::degenerate;
+use super::motion::motion;
 use super::names::Names;
 use super::page::Page;
 use super::shown;
@@ -8,7 +8,6 @@ use crate::algebra::{Arena, Expr, Sum, Vanishing};
 use crate::model::{Constraint, Model, NoiseTerm};
 use crate::system::classify::Classified;
 use crate::system::commutation::Commutation;
-use crate::system::mechanics::Mechanics;
 use crate::system::symmetry::MomentumMap;
 
 /// Texts that no rule changes.
@@ -177,138 +176,4 @@ fn conserved(momenta: &[MomentumMap], page: &mut Page<'_>) -> Vec<String> {
         lines.extend(caveat.map(|caveat| format!("the symmetry {} is {caveat}", map.name)));
     }
     lines
-}
-
-/// The equations of motion.
-/// The force of the constraints on a coordinate, `Σ ∂φ/∂q dΛ`.
-fn constraint_force(i: usize, mechanics: &Mechanics, page: &mut Page<'_>, line: &mut Line) {
-    let count = mechanics.constraints.len();
-    for (k, constraint) in mechanics.constraints.iter().enumerate() {
-        let mut slope = Sum::default();
-        slope.add(1.0, constraint.dq[i], page.arena);
-        let name = if count == 1 {
-            "∘ dΛ".to_owned()
-        } else {
-            format!("∘ dΛ[{k}]")
-        };
-        line.add(page, &slope, &name);
-    }
-}
-
-fn motion(system: &Classified, arena: &Arena) -> Vec<String> {
-    let (model, mechanics) = (&system.model, &system.mechanics);
-    if let Some(degeneracy) = &system.degeneracy {
-        return degenerate::motion(degeneracy, model, mechanics, arena);
-    }
-    let n = model.dof();
-    let count = shown(n);
-    let mut page = Page::new(arena, Names::new(&model.symbols, None));
-    let (jet, noises) = (&mechanics.lagrangian, &mechanics.noises);
-    let mut roots: Vec<Expr> = [&jet.dq[..count], &jet.dv[..count]].concat();
-    for noise in noises {
-        roots.extend(noise.dq[..count].iter().chain(&noise.dp[..count]));
-    }
-    if let Some(force) = &mechanics.force {
-        roots.extend(&force.value[..count]);
-    }
-    for constraint in &mechanics.constraints {
-        roots.extend(&constraint.dq[..count]);
-    }
-    page.name_parts(&roots);
-    let mut lines = Vec::new();
-
-    let kicks = |page: &mut Page<'_>, line: &mut Line, entry: &dyn Fn(usize) -> Expr, sign: f64| {
-        for a in 0..noises.len() {
-            let mut kick = Sum::default();
-            kick.add(sign, entry(a), arena);
-            line.add(page, &kick, &increment(a, noises.len()));
-        }
-    };
-    let moved: Vec<String> = (0..count)
-        .map(|i| {
-            let mut line = Line::new(&page.names.symbols.component("dq", i));
-            line.push(
-                false,
-                &format!("{} dt", page.names.symbols.component("v", i)),
-            );
-            kicks(&mut page, &mut line, &|a| noises[a].dp[i], 1.0);
-            line.text
-        })
-        .collect();
-    lines.extend(Page::list(moved, n, "coordinates"));
-    let pushed: Vec<String> = (0..count)
-        .map(|i| {
-            let mut line = Line::new(&page.names.symbols.component("dp", i));
-            // a body momentum turns against the body
-            if let Some(turned) = page.names.symbols.transport(i) {
-                line.push(false, &turned);
-            }
-            let mut force = Sum::default();
-            force.add(1.0, jet.dq[i], arena);
-            if let Some(other) = &mechanics.force {
-                force.add(1.0, other.value[i], arena);
-            }
-            line.add(&mut page, &force, "dt");
-            constraint_force(i, mechanics, &mut page, &mut line);
-            kicks(&mut page, &mut line, &|a| noises[a].dq[i], -1.0);
-            line.text
-        })
-        .collect();
-    lines.extend(Page::list(pushed, n, "momenta"));
-    let momenta: Vec<String> = (0..count)
-        .map(|i| {
-            let name = page.names.symbols.component("p", i);
-            format!("{name} = {}", page.formula(jet.dv[i]))
-        })
-        .collect();
-    lines.extend(Page::list(momenta, n, "momenta"));
-    lines.extend(page.explanations(|_| false));
-    lines
-}
-
-/// The differential of a process.
-pub(super) fn increment(process: usize, of: usize) -> String {
-    if of == 1 {
-        "∘ dW".to_owned()
-    } else {
-        format!("∘ dW[{process}]")
-    }
-}
-
-/// `dx = a dt + b ∘ dW`, in the making.
-pub(super) struct Line {
-    pub(super) text: String,
-    empty: bool,
-}
-
-impl Line {
-    pub(super) fn new(left: &str) -> Self {
-        Self {
-            text: format!("{left} = 0"),
-            empty: true,
-        }
-    }
-
-    /// Adds a coefficient times a differential.
-    pub(super) fn add(&mut self, page: &mut Page<'_>, coefficient: &Sum, differential: &str) {
-        if !coefficient.is_zero() {
-            let (negative, factor) = page.factor(coefficient);
-            self.push(negative, &format!("{factor} {differential}"));
-        }
-    }
-
-    pub(super) fn push(&mut self, negative: bool, term: &str) {
-        let sign = match (self.empty, negative) {
-            (true, true) => "−",
-            (true, false) => "",
-            (false, true) => " − ",
-            (false, false) => " + ",
-        };
-        if self.empty {
-            self.text.truncate(self.text.len() - 1);
-            self.empty = false;
-        }
-        self.text.push_str(sign);
-        self.text.push_str(term);
-    }
 }

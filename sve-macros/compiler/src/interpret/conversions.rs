@@ -12,6 +12,7 @@ use super::calls::Argument;
 use super::closures::Closure;
 use super::integers::Integer;
 use super::value::Value;
+use crate::syntax::bare;
 use crate::syntax::nalgebra::length;
 use crate::syntax::parse::is_f64;
 
@@ -139,9 +140,8 @@ impl Lowering<'_> {
             let values = values.into_iter();
             values.map(|value| this.awaited(value, ty, at)).collect()
         };
+        let ty = bare(ty);
         match (value, ty) {
-            (value, Type::Paren(inner)) => self.awaited(value, &inner.elem, at),
-            (value, Type::Group(inner)) => self.awaited(value, &inner.elem, at),
             (Value::Generated(closure), Type::Array(array)) => {
                 let n = self.index_value(&array.len);
                 n.and_then(|n| self.generated(&closure, n, Some(&array.elem), at))

@@ -10,7 +10,7 @@ use syn::{BinOp, Type};
 use super::Lowering;
 use super::value::Value;
 use crate::syntax::parse::is_f64;
-use crate::syntax::readable;
+use crate::syntax::{bare, readable};
 
 /// A type of integers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,12 +52,10 @@ impl Kind {
 
     /// Returns the type of integers that is written.
     fn of(ty: &Type) -> Option<Self> {
-        match ty {
+        match bare(ty) {
             Type::Path(path) if path.qself.is_none() => {
                 Self::named(&path.path.get_ident()?.to_string())
             }
-            Type::Paren(inner) => Self::of(&inner.elem),
-            Type::Group(inner) => Self::of(&inner.elem),
             _ => None,
         }
     }

@@ -11,6 +11,7 @@ use super::Lowering;
 use super::frames::Place;
 use super::places::{Mistake, Pick, matrix_entry, no_member, out_of_range, variable_name};
 use super::value::Value;
+use crate::syntax::bare;
 
 /// The target of an assignment.
 struct Target {
@@ -166,10 +167,8 @@ fn is_dereferenced(expr: &Syntax) -> bool {
 
 /// Returns where `&mut` is written, if a type begins with it.
 pub(super) fn mutable(ty: &Type) -> Option<Span> {
-    match ty {
+    match bare(ty) {
         Type::Reference(reference) => reference.mutability.map(|word| word.span()),
-        Type::Paren(inner) => mutable(&inner.elem),
-        Type::Group(inner) => mutable(&inner.elem),
         _ => None,
     }
 }

@@ -69,20 +69,7 @@ impl Lowering<'_> {
             let result = self.run(noise, &space, time, arguments);
             self.noise_terms(noise, result, &mut noises);
         }
-        let mut force: Option<Vec<Expr>> = None;
-        for function in &block.forces {
-            let result = self.run(function, &space, time, &[&q, &v]);
-            let Some(more) = self.vector_result(function, &result, &space) else {
-                continue;
-            };
-            force = Some(match force {
-                Some(sum) => {
-                    let pairs = sum.into_iter().zip(more);
-                    pairs.map(|(a, b)| self.arena.add(a, b)).collect()
-                }
-                None => more,
-            });
-        }
+        let force = self.force(&space, time, &[&q, &v]);
         let mut symmetries = Vec::new();
         for function in &block.symmetries {
             let result = self.run(function, &space, time, &[&q]);
@@ -111,6 +98,26 @@ impl Lowering<'_> {
             constraints,
             constants: std::mem::take(&mut self.constants),
         })
+    }
+
+    /// Returns the sum of the forces, if there are some.
+    fn force(&mut self, space: &Space, time: Symbol, arguments: &[&[Symbol]]) -> Option<Vec<Expr>> {
+        let block = self.block;
+        let mut force: Option<Vec<Expr>> = None;
+        for function in &block.forces {
+            let result = self.run(function, space, time, arguments);
+            let Some(more) = self.vector_result(function, &result, space) else {
+                continue;
+            };
+            force = Some(match force {
+                Some(sum) => {
+                    let pairs = sum.into_iter().zip(more);
+                    pairs.map(|(a, b)| self.arena.add(a, b)).collect()
+                }
+                None => more,
+            });
+        }
+        force
     }
 
     /// Returns the shapes of the configuration, whose space joins the symbols; or reports an error.
@@ -145,6 +152,27 @@ impl Lowering<'_> {
         self.calls.active = vec![function.name.to_string()];
         self.fields.taken_for_number = None;
         let outer = self.errors.enter(&function.name.to_string());
+        self.bind_arguments(function, space, time, vectors);
+        let mistakes = self.errors.count();
+        let value = self.block_value(&function.item.block);
+        let value = value.unwrap_or(Value::Poison);
+        let value = self.awaited(value, &function.output, &function.item.sig.output);
+        let value = self.ascribed(value, &function.output);
+        if self.errors.count() > mistakes {
+            self.calls.broken.insert(function.name.to_string());
+        }
+        self.errors.leave(outer);
+        value
+    }
+
+    /// Gives the arguments of a function symbols. Reports arguments of other types than the coordinates have.
+    fn bind_arguments(
+        &mut self,
+        function: &RoleFunction,
+        space: &Space,
+        time: Symbol,
+        vectors: &[&[Symbol]],
+    ) {
         let mut arguments = function.arguments.iter();
         if function.is_timed
             && let Some((pattern, _)) = arguments.next()
@@ -161,23 +189,21 @@ impl Lowering<'_> {
                 self.bind(pattern, Value::Poison);
                 continue;
             };
-            match self.configuration_shape(ty) {
-                Some(found) if found == *shape => {}
-                found => {
-                    if found.is_some() && !is_reported {
-                        self.report_other_type(function, ty, found.as_ref(), shape, there);
-                        is_reported = true;
-                    }
-                    self.bind(pattern, Value::Poison);
-                    continue;
+            let found = self.configuration_shape(ty);
+            if found.as_ref() != Some(shape) {
+                if found.is_some() && !is_reported {
+                    self.report_other_type(function, ty, found.as_ref(), shape, there);
+                    is_reported = true;
                 }
+                self.bind(pattern, Value::Poison);
+                continue;
             }
-            let mut expressions = symbols
-                .iter()
-                .map(|&s| self.arena.symbol(s))
-                .collect::<Vec<_>>()
-                .into_iter();
-            let value = shape.fill(&mut || expressions.next().map_or(Value::Poison, Value::Scalar));
+            let mut symbols = symbols.iter();
+            let mut next = || {
+                let symbol = symbols.next().map(|&symbol| self.arena.symbol(symbol));
+                symbol.map_or(Value::Poison, Value::Scalar)
+            };
+            let value = shape.fill(&mut next);
             self.bind(pattern, value);
         }
         if places.next().is_some() {
@@ -188,16 +214,6 @@ impl Lowering<'_> {
             );
             self.errors.push(function.name.span(), message);
         }
-        let mistakes = self.errors.count();
-        let value = self.block_value(&function.item.block);
-        let value = value.unwrap_or(Value::Poison);
-        let value = self.awaited(value, &function.output, &function.item.sig.output);
-        let value = self.ascribed(value, &function.output);
-        if self.errors.count() > mistakes {
-            self.calls.broken.insert(function.name.to_string());
-        }
-        self.errors.leave(outer);
-        value
     }
 
     /// Reports an argument of another type than the coordinates have.

@@ -10,8 +10,8 @@ use super::value::Value;
 use crate::model::configuration::Factor;
 use crate::syntax::nalgebra::{Size, Written};
 use crate::syntax::parse::is_f64;
-use crate::syntax::readable;
 use crate::syntax::signature::is_rotation;
+use crate::syntax::{bare, readable};
 
 /// The type of an argument or result: `f64`, a vector, or arrays of these.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -96,9 +96,8 @@ const COORDINATES: usize = 512;
 impl Lowering<'_> {
     /// Returns the shape of a type of configurations, which may be rotations, or reports an error at the type.
     pub(super) fn configuration_shape(&mut self, ty: &Type) -> Option<Shape> {
+        let ty = bare(ty);
         match ty {
-            Type::Paren(inner) => self.configuration_shape(&inner.elem),
-            Type::Group(inner) => self.configuration_shape(&inner.elem),
             Type::Array(array) if is_rotation(&array.elem) => {
                 let inner = self.configuration_shape(&array.elem)?;
                 let n = self.length(&array.len)?;
@@ -146,9 +145,8 @@ impl Lowering<'_> {
     }
 
     fn shape_within(&mut self, ty: &Type) -> Option<Shape> {
+        let ty = bare(ty);
         match ty {
-            Type::Paren(inner) => self.shape_within(&inner.elem),
-            Type::Group(inner) => self.shape_within(&inner.elem),
             _ if is_f64(ty) => Some(Shape::Scalar),
             Type::Array(array) => {
                 let inner = self.shape_within(&array.elem)?;
@@ -234,10 +232,9 @@ impl Lowering<'_> {
     /// between arrays and vectors (`into`), the value is converted.
     pub(super) fn ascribed(&mut self, value: Value, ty: &Type) -> Value {
         let value = self.awaited(value, ty, ty);
+        let ty = bare(ty);
         match (value, ty) {
             (value, Type::Reference(reference)) => self.ascribed(value, &reference.elem),
-            (value, Type::Paren(inner)) => self.ascribed(value, &inner.elem),
-            (value, Type::Group(inner)) => self.ascribed(value, &inner.elem),
             (Value::Field(path), Type::Array(array)) => {
                 let Some(n) = self.length_of_type(&array.len) else {
                     return Value::Field(path);

@@ -158,41 +158,7 @@ pub(crate) fn discretise(
         (Some(degeneracy), Some(node)) => degenerate::action(node, degeneracy, &mut variables),
         _ => (discretisation(rule).action(&mut variables), Ends::default()),
     };
-    let Discrete {
-        value,
-        internal,
-        work,
-        rotations,
-    } = discrete;
-    let Variables {
-        start_q,
-        start_p,
-        displacement,
-        potential,
-        arena,
-        symbols,
-        ..
-    } = variables;
-    let at_nodes = if rotations.is_empty() {
-        value
-    } else {
-        arena.substitute(value, &values_at_nodes(&rotations))
-    };
-    let action = Action {
-        value: at_nodes,
-        varied: value,
-        rotations,
-        h,
-        start_q,
-        start_p,
-        displacement,
-        internal,
-        work,
-        configuration: model.configuration().clone(),
-        ends,
-        half_factor: potential.map(|(half_factor, _)| half_factor),
-        enforced: None,
-    };
+    let action = variables.action(discrete, ends);
     constraints::enforce(action, model, symbols, arena)
 }
 
@@ -205,6 +171,32 @@ pub(crate) fn values_at_nodes(rotations: &[RotationAtNode]) -> HashMap<Symbol, E
 }
 
 impl Variables<'_> {
+    /// Returns the action without constraints.
+    fn action(self, discrete: Discrete, ends: Ends) -> Action {
+        let varied = discrete.value;
+        let value = if discrete.rotations.is_empty() {
+            varied
+        } else {
+            let values = values_at_nodes(&discrete.rotations);
+            self.arena.substitute(varied, &values)
+        };
+        Action {
+            value,
+            varied,
+            rotations: discrete.rotations,
+            h: self.h,
+            start_q: self.start_q,
+            start_p: self.start_p,
+            displacement: self.displacement,
+            internal: discrete.internal,
+            work: discrete.work,
+            configuration: self.model.configuration().clone(),
+            ends,
+            half_factor: self.potential.map(|(half_factor, _)| half_factor),
+            enforced: None,
+        }
+    }
+
     /// An intermediate result that stands for a quantity at a node.
     pub(super) fn at_node(&mut self, node: usize, quantity: NodeQuantity, value: Expr) -> Expr {
         let identity = AtNode { node, quantity }.identity();

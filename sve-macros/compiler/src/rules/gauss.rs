@@ -16,8 +16,9 @@
 
 use std::collections::HashMap;
 
+use super::Discretisation;
 use super::action::{Discrete, Variables};
-use super::{Discretisation, Features, Textbook};
+use super::textbook::{self, Features, Point, Textbook, sum};
 use crate::algebra::{Expr, Symbol};
 use crate::model::{Family, NodeQuantity, Unknown};
 
@@ -25,6 +26,14 @@ use crate::model::{Family, NodeQuantity, Unknown};
 pub(super) struct Gauss {
     pub(super) stages: usize,
 }
+
+/// How any stage is written.
+const STAGE: Point = Point {
+    time: "tᵢ",
+    position: "Qᵢ",
+    velocity: "Vᵢ",
+    ..textbook::START
+};
 
 impl Discretisation for Gauss {
     fn action(&self, x: &mut Variables<'_>) -> Discrete {
@@ -81,23 +90,20 @@ impl Discretisation for Gauss {
         }
     }
 
-    fn notation(&self, node: usize, quantity: NodeQuantity) -> &'static str {
+    fn point(&self, node: usize) -> Point {
         const TIMES: [&str; 8] = ["t̄₁", "t̄₂", "t̄₃", "t̄₄", "t̄₅", "t̄₆", "t̄₇", "t̄₈"];
         const POSITIONS: [&str; 8] = ["Q₁", "Q₂", "Q₃", "Q₄", "Q₅", "Q₆", "Q₇", "Q₈"];
         const VELOCITIES: [&str; 8] = ["V₁", "V₂", "V₃", "V₄", "V₅", "V₆", "V₇", "V₈"];
-        match quantity {
-            NodeQuantity::Time => TIMES[node],
-            NodeQuantity::Position(_) => POSITIONS[node],
-            NodeQuantity::Velocity(_) => VELOCITIES[node],
+        Point {
+            time: TIMES[node],
+            position: POSITIONS[node],
+            velocity: VELOCITIES[node],
+            ..STAGE
         }
     }
 
-    fn is_end(&self, _: usize) -> bool {
-        false
-    }
-
     fn textbook(&self, system: &Features) -> Textbook {
-        let t = if system.is_timed { "tᵢ, " } else { "" };
+        let t = system.time(STAGE.time);
         let constraint = system.pairing("Pᵢ", "Uᵢ − Vᵢ");
         let p = if system.hamiltonians > 0 {
             ", Pᵢ"
@@ -108,7 +114,6 @@ impl Discretisation for Gauss {
         let mut terms = vec![format!(
             "S = Σᵢ {{ h·bᵢ·(L({t}Qᵢ, Vᵢ){potential} + {constraint})"
         )];
-        let sum = |count: usize| if count > 1 { "Σ " } else { "" };
         let (b, dw) = system.increment_at_stage();
         if system.gammas > 0 {
             terms.push(format!(" + {b}{}γ({t}Qᵢ)·{dw}", sum(system.gammas)));
@@ -133,7 +138,7 @@ impl Discretisation for Gauss {
         Textbook {
             action: terms.concat(),
             notation,
-            work: format!("Σᵢ bᵢ·{}", system.work("tᵢ", "Qᵢ", "Vᵢ")),
+            work: format!("Σᵢ bᵢ·{}", system.work(&STAGE)),
         }
     }
 }

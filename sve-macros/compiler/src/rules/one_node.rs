@@ -8,9 +8,10 @@
 
 use std::collections::HashMap;
 
+use super::Discretisation;
 use super::action::{Discrete, RotationAtNode, Variables};
 use super::degenerate::{END, INNER, SHIFTED};
-use super::{Discretisation, Features, Textbook};
+use super::textbook::{self, Features, Point, Textbook};
 use crate::algebra::{Expr, Symbol};
 use crate::model::configuration::{Block, Factor, Midpoint, midpoint_of_rotation};
 use crate::model::{Family, Meaning, NodeQuantity, Unknown};
@@ -19,42 +20,6 @@ use crate::model::{Family, Meaning, NodeQuantity, Unknown};
 pub(super) struct OneNode {
     /// c.
     pub(super) place: f64,
-}
-
-/// How the node's time and position are written.
-struct Notation {
-    time: &'static str,
-    position: &'static str,
-    /// What these stand for, where that is not their notation.
-    time_is: Option<&'static str>,
-    position_is: Option<&'static str>,
-}
-
-impl OneNode {
-    fn notation(&self) -> Notation {
-        if self.place == 0.0 {
-            Notation {
-                time: "t₀",
-                position: "q₀",
-                time_is: None,
-                position_is: None,
-            }
-        } else if self.place == 1.0 {
-            Notation {
-                time: "t₁",
-                position: "q₁",
-                time_is: Some("t₁ = t₀ + h"),
-                position_is: None,
-            }
-        } else {
-            Notation {
-                time: "t̄",
-                position: "q̄",
-                time_is: Some("t̄ = t₀ + h/2"),
-                position_is: Some("q̄ = (q₀ + q₁)/2"),
-            }
-        }
-    }
 }
 
 impl Discretisation for OneNode {
@@ -114,59 +79,44 @@ impl Discretisation for OneNode {
         }
     }
 
-    fn notation(&self, node: usize, quantity: NodeQuantity) -> &'static str {
-        match quantity {
-            NodeQuantity::Position(_) if node == END => "q₁",
-            NodeQuantity::Position(_) if node == INNER => "q̄",
-            NodeQuantity::Position(_) if node == SHIFTED => "q*",
-            NodeQuantity::Time => self.notation().time,
-            NodeQuantity::Position(_) => self.notation().position,
-            NodeQuantity::Velocity(_) => "v",
+    fn point(&self, node: usize) -> Point {
+        let position = match node {
+            END => return textbook::END,
+            INNER => "q̄",
+            SHIFTED => "q*",
+            _ => self.written().position,
+        };
+        Point {
+            position,
+            ..self.written()
         }
-    }
-
-    fn is_end(&self, node: usize) -> bool {
-        self.place == 1.0 && node == 0 || node == END
     }
 
     fn textbook(&self, system: &Features) -> Textbook {
-        let Notation {
-            time,
-            position: q,
-            time_is,
-            position_is,
-        } = self.notation();
-        let t = if system.is_timed {
-            format!("{time}, ")
-        } else {
-            String::new()
-        };
-        let mut notation: Vec<&str> = position_is.into_iter().collect();
-        notation.extend(time_is.filter(|_| system.is_timed));
-        let constraint = system.pairing("p", "q₁ − q₀ − h·v");
-        let potential = system.potential("h·|h|", &format!("K({t}{q})"), 1);
-        let mut terms = vec![format!("S = h·L({t}{q}, v){potential} + {constraint}")];
-        let sum = |count: usize| if count > 1 { "Σ " } else { "" };
-        if system.gammas > 0 {
-            terms.push(format!(" + {}γ({t}{q})·ΔW", sum(system.gammas)));
-        }
-        if system.hamiltonians > 0 {
-            terms.push(format!(" − {}H₁({t}{q}, p)·ΔW", sum(system.hamiltonians)));
-        }
+        let displacement = system.pairing("p", "q₁ − q₀ − h·v");
+        let mut textbook = system.textbook(&[self.written()], &displacement);
         // the Stratonovich correction
         if self.place != 0.5 && system.moves_both {
             let sign = if self.place > 0.5 { '+' } else { '−' };
             if system.gammas + system.hamiltonians == 1 {
-                terms.push(format!(" {sign} ½·⟨∂H₁/∂p, ∂H₁/∂q⟩·ΔW²"));
+                textbook.action += &format!(" {sign} ½·⟨∂H₁/∂p, ∂H₁/∂q⟩·ΔW²");
             } else {
-                terms.push(format!(" {sign} ½·Σ ⟨∂G[i]/∂p, ∂G[j]/∂q⟩·ΔW[i]·ΔW[j]"));
-                notation.push("G = −γ or H₁");
+                textbook.action += &format!(" {sign} ½·Σ ⟨∂G[i]/∂p, ∂G[j]/∂q⟩·ΔW[i]·ΔW[j]");
+                textbook.notation.push("G = −γ or H₁".to_owned());
             }
         }
-        Textbook {
-            action: terms.concat(),
-            notation: notation.into_iter().map(ToOwned::to_owned).collect(),
-            work: system.work(time, q, "v"),
+        textbook
+    }
+}
+
+impl OneNode {
+    fn written(&self) -> Point {
+        if self.place == 0.0 {
+            textbook::START
+        } else if self.place == 1.0 {
+            textbook::END
+        } else {
+            textbook::MIDDLE
         }
     }
 }

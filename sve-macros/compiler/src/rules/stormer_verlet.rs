@@ -10,8 +10,9 @@
 
 use std::collections::HashMap;
 
+use super::Discretisation;
 use super::action::{Discrete, Variables};
-use super::{Discretisation, Features, Textbook};
+use super::textbook::{self, Features, Point, Textbook};
 use crate::algebra::{Expr, Symbol};
 use crate::model::{Family, NodeQuantity, Unknown};
 
@@ -52,48 +53,13 @@ impl Discretisation for StormerVerlet {
         }
     }
 
-    fn notation(&self, _: usize, quantity: NodeQuantity) -> &'static str {
-        match quantity {
-            NodeQuantity::Time => "t₁",
-            NodeQuantity::Position(_) => "q₁",
-            NodeQuantity::Velocity(_) => "v",
-        }
-    }
-
-    fn is_end(&self, _: usize) -> bool {
-        true
+    fn point(&self, _: usize) -> Point {
+        textbook::END
     }
 
     fn textbook(&self, system: &Features) -> Textbook {
-        let (t0, t1) = if system.is_timed {
-            ("t₀, ", "t₁, ")
-        } else {
-            ("", "")
-        };
-        let constraint = system.pairing("p", "q₁ − q₀ − h·v");
-        let potential = system.potential("h·|h|", &format!("(K({t0}q₀) + K({t1}q₁))"), 2);
-        let mut terms = vec![format!(
-            "S = h·(L({t0}q₀, v) + L({t1}q₁, v))/2{potential} + {constraint}"
-        )];
-        let sum = |count: usize| if count > 1 { "Σ " } else { "" };
-        if system.gammas > 0 {
-            let sum = sum(system.gammas);
-            terms.push(format!(" + {sum}(γ({t0}q₀) + γ({t1}q₁))·ΔW/2"));
-        }
-        if system.hamiltonians > 0 {
-            let sum = sum(system.hamiltonians);
-            terms.push(format!(" − {sum}(H₁({t0}q₀, p) + H₁({t1}q₁, p))·ΔW/2"));
-        }
-        let mut notation = Vec::new();
-        if system.is_timed {
-            notation.push("t₁ = t₀ + h".to_owned());
-        }
-        let ends = [system.work("t₀", "q₀", "v"), system.work("t₁", "q₁", "v")];
-        Textbook {
-            action: terms.concat(),
-            notation,
-            work: format!("({})/2", ends.join(" + ")),
-        }
+        let displacement = system.pairing("p", "q₁ − q₀ − h·v");
+        system.textbook(&[textbook::START, textbook::END], &displacement)
     }
 }
 

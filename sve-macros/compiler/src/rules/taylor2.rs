@@ -11,8 +11,9 @@
 
 use std::collections::HashMap;
 
+use super::Discretisation;
 use super::action::{Discrete, Variables};
-use super::{Discretisation, Features, Textbook};
+use super::textbook::{self, Features, Point, Textbook};
 use crate::algebra::{Expr, Symbol};
 use crate::model::{Family, NodeQuantity, Unknown};
 
@@ -20,6 +21,14 @@ pub(super) struct Taylor2;
 
 /// The node at the predicted end of the step. The other one is the start, whose quantities are those of the state.
 const END: usize = 0;
+
+/// How the predicted end is written.
+const PREDICTED: Point = Point {
+    position: "q̂",
+    velocity: "v̂",
+    others_are: &["q̂ = q₀ + h·v", "v̂ = v + h·a"],
+    ..textbook::END
+};
 
 impl Discretisation for Taylor2 {
     fn action(&self, x: &mut Variables<'_>) -> Discrete {
@@ -77,16 +86,8 @@ impl Discretisation for Taylor2 {
         }
     }
 
-    fn notation(&self, _: usize, quantity: NodeQuantity) -> &'static str {
-        match quantity {
-            NodeQuantity::Time => "t₁",
-            NodeQuantity::Position(_) => "q̂",
-            NodeQuantity::Velocity(_) => "v̂",
-        }
-    }
-
-    fn is_end(&self, _: usize) -> bool {
-        false
+    fn point(&self, _: usize) -> Point {
+        PREDICTED
     }
 
     fn letters(&self) -> &'static [&'static str] {
@@ -94,28 +95,17 @@ impl Discretisation for Taylor2 {
     }
 
     fn textbook(&self, system: &Features) -> Textbook {
-        let (t0, t1, drift) = if system.is_timed {
-            ("t₀, ", "t₁, ", " + L_vt")
-        } else {
-            ("", "", "")
+        let drift = if system.is_timed { " + L_vt" } else { "" };
+        let force = match system.force_is_timed {
+            Some(_) => " − F",
+            None => "",
         };
-        let constraint = system.pairing("μ", "q₁ − q₀ − h·v − h²·a/2");
-        let force = if system.force_is_timed.is_some() {
-            " − F"
-        } else {
-            ""
-        };
+        let displacement = system.pairing("μ", "q₁ − q₀ − h·v − h²·a/2");
         let flow = system.pairing("ν", &format!("L_vv·a + L_vq·v{drift} − L_q{force}"));
-        let mut notation = vec!["q̂ = q₀ + h·v".to_owned(), "v̂ = v + h·a".to_owned()];
-        if system.is_timed {
-            notation.push("t₁ = t₀ + h".to_owned());
-        }
-        let ends = [system.work("t₀", "q₀", "v"), system.work("t₁", "q̂", "v̂")];
-        Textbook {
-            action: format!("S = h·(L({t0}q₀, v) + L({t1}q̂, v̂))/2 + {constraint} + h²·{flow}/2"),
-            notation,
-            work: format!("({})/2", ends.join(" + ")),
-        }
+        system.textbook(
+            &[textbook::START, PREDICTED],
+            &format!("{displacement} + h²·{flow}/2"),
+        )
     }
 }
 

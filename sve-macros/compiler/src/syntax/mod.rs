@@ -11,6 +11,16 @@ mod rule_arguments;
 pub(crate) mod signature;
 
 use quote::ToTokens;
+use syn::Type;
+
+/// Returns a type without parentheses, and without the invisible ones of a macro.
+pub(crate) fn bare(ty: &Type) -> &Type {
+    match ty {
+        Type::Paren(inner) => bare(&inner.elem),
+        Type::Group(inner) => bare(&inner.elem),
+        other => other,
+    }
+}
 
 /// Returns the source text of a type, for messages.
 pub(crate) fn readable(ty: &impl ToTokens) -> String {

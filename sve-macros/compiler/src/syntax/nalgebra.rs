@@ -5,6 +5,7 @@
 
 use syn::{Expr, GenericArgument, Path, PathArguments, Type};
 
+use crate::syntax::bare;
 use crate::syntax::parse::is_f64;
 
 /// Largest size that the names of nalgebra's types have.
@@ -44,10 +45,8 @@ pub(crate) struct Written {
 impl Written {
     /// Reads a type; nothing if it is none of nalgebra.
     pub(crate) fn of_type(ty: &Type) -> Option<Self> {
-        match ty {
+        match bare(ty) {
             Type::Path(path) if path.qself.is_none() => Self::of_path(&path.path),
-            Type::Paren(inner) => Self::of_type(&inner.elem),
-            Type::Group(inner) => Self::of_type(&inner.elem),
             _ => None,
         }
     }

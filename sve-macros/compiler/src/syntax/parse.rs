@@ -81,10 +81,7 @@ pub(crate) fn annotated(
     };
 
     let mut lagrangians = Vec::new();
-    let mut noises = Vec::new();
-    let mut forces = Vec::new();
-    let mut symmetries = Vec::new();
-    let mut constraints = Vec::new();
+    let mut others = Vec::new();
     let mut functions = Vec::new();
     let mut constants = Vec::new();
     for (member, role) in std::mem::take(&mut item.items).into_iter().zip(roles) {
@@ -95,19 +92,8 @@ pub(crate) fn annotated(
                 match role {
                     Role::Helper => {}
                     // one that cannot be read is there nevertheless
-                    Role::Lagrangian => {
-                        lagrangians.push(errors.keep(read(&function, role)));
-                    }
-                    Role::Gamma | Role::H1 | Role::TangentH1 => {
-                        noises.extend(errors.keep(read(&function, role)));
-                    }
-                    Role::Force => forces.extend(errors.keep(read(&function, role))),
-                    Role::Symmetry => {
-                        symmetries.extend(errors.keep(read(&function, role)));
-                    }
-                    Role::Constraint => {
-                        constraints.extend(errors.keep(read(&function, role)));
-                    }
+                    Role::Lagrangian => lagrangians.push(errors.keep(read(&function, role))),
+                    _ => others.extend(errors.keep(read(&function, role))),
                 }
                 errors.leave(outer);
                 functions.push(function);
@@ -116,8 +102,39 @@ pub(crate) fn annotated(
             _ => {}
         }
     }
+    check_lagrangians(&lagrangians, &functions, &item, errors);
+    let lagrangian = lagrangians.into_iter().next().flatten();
+    let mut of = |roles: &[Role]| {
+        let all = std::mem::take(&mut others).into_iter();
+        let (found, rest) = all.partition(|function| roles.contains(&function.role));
+        others = rest;
+        found
+    };
+    let noises = of(&[Role::Gamma, Role::H1, Role::TangentH1]);
+    let (forces, symmetries) = (of(&[Role::Force]), of(&[Role::Symmetry]));
+    let constraints = of(&[Role::Constraint]);
+    is_plain.then_some(Annotated {
+        arguments,
+        item,
+        lagrangian: lagrangian?,
+        noises,
+        forces,
+        symmetries,
+        constraints,
+        functions,
+        constants,
+    })
+}
+
+/// Reports an error if the block has no Lagrangian or two.
+fn check_lagrangians(
+    lagrangians: &[Option<RoleFunction>],
+    functions: &[Rc<ImplItemFn>],
+    item: &ItemImpl,
+    errors: &mut Errors,
+) {
     if lagrangians.is_empty() {
-        let (at, hint) = match misspelt_lagrangian(&functions) {
+        let (at, hint) = match misspelt_lagrangian(functions) {
             Some(name) => (name.span(), format!("rename `{name}` to `lagrangian`")),
             None => (
                 item.self_ty.span(),
@@ -135,18 +152,6 @@ pub(crate) fn annotated(
             "the block has two functions `lagrangian`: keep one",
         );
     }
-    let lagrangian = lagrangians.into_iter().next().flatten();
-    is_plain.then_some(Annotated {
-        arguments,
-        item,
-        lagrangian: lagrangian?,
-        noises,
-        forces,
-        symmetries,
-        constraints,
-        functions,
-        constants,
-    })
 }
 
 /// Whether this is the attribute of this macro once more.

@@ -174,6 +174,10 @@ fn member(
         written(&name.to_string(), &arguments)
     };
     let numbers: Vec<(usize, &LitInt)> = given.iter().enumerate().filter_map(number).collect();
+    let mut refuse = |place: Span, message: String| {
+        errors.push(place, message);
+        None
+    };
     let (at, number) = match numbers.as_slice() {
         [] => {
             let place = match arguments {
@@ -187,8 +191,7 @@ fn member(
                 write(&stages),
                 example.order
             );
-            errors.push(place, message);
-            return None;
+            return refuse(place, message);
         }
         &[(at, number)] => (at, number),
         [(_, first), (_, second), ..] => {
@@ -196,8 +199,7 @@ fn member(
                 "`{name}` takes one number, that of its stages: write `{}`",
                 write(&first.to_string())
             );
-            errors.push(second.span(), message);
-            return None;
+            return refuse(second.span(), message);
         }
     };
     let stages = number.base10_digits().parse::<usize>().ok();
@@ -211,16 +213,14 @@ fn member(
             ),
             _ => other_stages(name, number, family, &write),
         };
-        errors.push(number.span(), message);
-        return None;
+        return refuse(number.span(), message);
     };
     if at > 0 || !number.suffix().is_empty() {
         let message = format!(
             "the number of stages comes first, without a suffix: write `{}`",
             write(number.base10_digits())
         );
-        errors.push(number.span(), message);
-        return None;
+        return refuse(number.span(), message);
     }
     Some(rule)
 }

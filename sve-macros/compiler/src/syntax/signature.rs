@@ -10,8 +10,8 @@ use syn::{Pat, Type};
 
 use crate::syntax::nalgebra::{Kind, Written};
 use crate::syntax::parse::is_f64;
-use crate::syntax::readable;
 use crate::syntax::roles::Role;
+use crate::syntax::{bare, readable};
 
 /// Quantities of the arguments: the name in signatures, and what it stands for.
 const QUANTITIES: [(&str, &str); 4] = [
@@ -64,9 +64,7 @@ pub(crate) fn is_timed(
 
 /// Returns whether a type is a rotation, or an array of rotations.
 pub(crate) fn is_rotation(ty: &Type) -> bool {
-    match ty {
-        Type::Paren(inner) => is_rotation(&inner.elem),
-        Type::Group(inner) => is_rotation(&inner.elem),
+    match bare(ty) {
         Type::Array(array) => is_rotation(&array.elem),
         other => Written::of_type(other).is_some_and(|written| written.kind == Kind::Rotation),
     }

@@ -1,82 +1,62 @@
 //! The actions of degenerate Lagrangians in their textbook form.
 
-use crate::rules::{Features, Textbook};
+use crate::rules::textbook::{Features, Textbook, sum};
 use crate::system::degeneracy::{Degeneracy, Form, Role};
 
 /// The action with its parts as functions.
 pub(crate) fn textbook(
     degeneracy: &Degeneracy,
     c: f64,
-    plain: Textbook,
+    mut plain: Textbook,
     system: &Features,
 ) -> Textbook {
     let form = degeneracy.form(c == 0.5);
-    let has_mass = !degeneracy.of(Role::Massive).is_empty();
-    let Textbook {
-        action,
-        mut notation,
-        work,
-    } = plain;
-    let t = if system.is_timed { "t̄, " } else { "" };
-    let (place, node) = match form {
-        Form::Projected => ("q*", "q* = (q₀ + q₁)/2 + λ"),
-        Form::Internal => (
-            "x̄, ȳ",
-            "x̄ is the node of the coordinates whose velocities occur, ȳ that of the others, a variable",
-        ),
-        Form::Eliminated => ("q̄", "the nodes of the algebraic coordinates are variables"),
-        Form::Plain => ("q̄", ""),
-    };
+    let notation = &mut plain.notation;
     if form == Form::Eliminated {
-        notation.push(node.to_owned());
-        return Textbook {
-            action,
-            notation,
-            work,
-        };
+        notation.push("the nodes of the algebraic coordinates are variables".to_owned());
+        return plain;
     }
-    let mut terms = vec!["S = ".to_owned()];
-    if has_mass {
-        terms.push(format!(
-            "h·L₀({t}{place}, v) + ⟨p, x₁ − x₀ − h·v⟩ + ⟨α({place}), y₁ − y₀⟩"
-        ));
-        notation.push("L = L₀(q, dx/dt) + ⟨α(q), dy/dt⟩".to_owned());
+    let t = system.time("t̄");
+    let place = match form {
+        Form::Projected => "q*",
+        Form::Internal => "x̄, ȳ",
+        _ => "q̄",
+    };
+    let (mut action, lagrangian) = if !degeneracy.of(Role::Massive).is_empty() {
+        (
+            format!("S = h·L₀({t}{place}, v) + ⟨p, x₁ − x₀ − h·v⟩ + ⟨α({place}), y₁ − y₀⟩"),
+            "L = L₀(q, dx/dt) + ⟨α(q), dy/dt⟩",
+        )
+    } else if form == Form::Internal {
+        (
+            format!("S = ⟨ϑ({place}), x₁ − x₀⟩ − h·H({t}{place})"),
+            "L = ⟨ϑ(x, y), dx/dt⟩ − H up to a total derivative",
+        )
     } else {
-        let (one_form, moved) = match form {
-            Form::Internal => ("ϑ", "x₁ − x₀"),
-            _ => ("α", "q₁ − q₀"),
-        };
-        terms.push(format!("⟨{one_form}({place}), {moved}⟩ − h·H({t}{place})"));
-        notation.push(match form {
-            Form::Internal => "L = ⟨ϑ(x, y), dx/dt⟩ − H up to a total derivative".to_owned(),
-            _ => "L = ⟨α(q), dq/dt⟩ − H".to_owned(),
-        });
-    }
+        (
+            format!("S = ⟨α({place}), q₁ − q₀⟩ − h·H({t}{place})"),
+            "L = ⟨α(q), dq/dt⟩ − H",
+        )
+    };
     if system.gammas > 0 {
-        let sum = if system.gammas > 1 { "Σ " } else { "" };
-        terms.push(format!(" + {sum}γ({t}{place})·ΔW"));
+        action += &format!(" + {}γ({t}{place})·ΔW", sum(system.gammas));
     }
+    notation.push(lagrangian.to_owned());
     match form {
         Form::Projected => {
-            terms.push(" + ⟨λ, α(q₀) − α(q₁)⟩".to_owned());
+            action += " + ⟨λ, α(q₀) − α(q₁)⟩";
             notation.retain(|text| !text.starts_with("q̄ ="));
-            notation.push(format!("{node}, and λ such that p₁ = α(q₁)"));
+            notation.push("q* = (q₀ + q₁)/2 + λ, and λ such that p₁ = α(q₁)".to_owned());
         }
         Form::Internal => {
-            notation.push(format!("{node}, and y₁ such that ∂S/∂x₁ = ϑ(x₁, y₁)"));
+            notation.push("x̄ is the node of the coordinates whose velocities occur, ȳ that of the others, a variable, and y₁ such that ∂S/∂x₁ = ϑ(x₁, y₁)".to_owned());
             if c != 0.5 && system.gammas > 0 {
                 let sign = if c > 0.5 { '+' } else { '−' };
-                terms.push(format!(
-                    " {sign} ½·Σ ⟨w[i], ∂G[j]/∂x − ϑ_xᵀ·w[j]⟩·ΔW[i]·ΔW[j]"
-                ));
+                action += &format!(" {sign} ½·Σ ⟨w[i], ∂G[j]/∂x − ϑ_xᵀ·w[j]⟩·ΔW[i]·ΔW[j]");
                 notation.push("G = −γ, ϑ_yᵀ·w = ∂G/∂y".to_owned());
             }
         }
         _ => notation.push("p₁ = α(q₁)".to_owned()),
     }
-    Textbook {
-        action: terms.concat(),
-        notation,
-        work,
-    }
+    Textbook { action, ..plain }
 }

@@ -16,12 +16,15 @@
 //! Sources: Marsden, West, *Discrete mechanics and variational integrators*, Acta Numerica 10 (2001), section 3; Leimkuhler, Reich, *Simulating Hamiltonian
 //! Dynamics* (2004), chapter 7; Bou-Rabee, Owhadi, *Stochastic variational integrators*, IMA J. Numer. Anal. 29 (2009).
 
+mod scales;
+
 use std::collections::HashMap;
 
 use super::action::Action;
-use crate::algebra::{Arena, Expr, Function, Symbol};
+use crate::algebra::{Arena, Expr, Symbol};
 use crate::model::domain::Condition;
 use crate::model::{AtNode, END, Family, Meaning, Model, NodeQuantity, Symbols, Unknown};
+use scales::{guard, is_curved, velocity_scales};
 
 /// What constraints add to an action.
 pub(crate) struct Enforced {
@@ -40,7 +43,7 @@ pub(crate) struct Enforced {
     pub(crate) start_rates: Vec<Expr>,
     /// ∂L/∂v(t₁,q₁,v₁).
     pub(crate) end_momentum: Vec<Expr>,
-    /// What φ(t₁,q₁)/h is small beside: see [`velocity_scales`].
+    /// What φ(t₁,q₁)/h is small beside: see [`velocity_scales`](scales::velocity_scales).
     pub(crate) scales: Vec<Expr>,
     /// `Dφ(t₀,q₀)ᵀ λ`.
     pub(crate) start_impulse: Vec<Expr>,
@@ -48,7 +51,7 @@ pub(crate) struct Enforced {
     pub(crate) has_sign: bool,
     /// That φ(t₀,q₀) vanishes to rounding.
     pub(crate) at_start: Vec<Condition<Expr>>,
-    /// With noise: what is negative if the noise undoes most of the motion of the step, see [`guard`].
+    /// With noise: what is negative if the noise undoes most of the motion of the step, see [`guard`](scales::guard).
     pub(crate) guard: Option<Expr>,
 }
 
@@ -79,17 +82,15 @@ pub(crate) fn enforce(
     let start_multipliers = family(Family::StartMultiplier, count);
     let end_multipliers = family(Family::EndMultiplier, count);
     let end_velocity = family(Family::EndVelocity, n);
+    let is_velocity = |s: &Symbol| matches!(symbols.meaning(*s), Meaning::Unknown(u) if u.family == Family::Velocity);
     let velocity: Vec<Symbol> = action
         .internal
         .iter()
         .copied()
-        .filter(
-            |&s| matches!(symbols.meaning(s), Meaning::Unknown(u) if u.family == Family::Velocity),
-        )
+        .filter(is_velocity)
         .collect();
     let start = at_start(&action, model, &velocity, arena);
     let end = at_end(&action, model, &end_velocity, arena);
-    let mut terms = vec![(1.0, action.value)];
     let mut enforced = Enforced {
         end_values: Vec::new(),
         mean_values: Vec::new(),
@@ -105,42 +106,9 @@ pub(crate) fn enforce(
         end_multipliers,
         end_velocity,
     };
-    for (k, constraint) in model.constraints.iter().enumerate() {
-        let [lambda, mu] = [enforced.start_multipliers[k], enforced.end_multipliers[k]];
-        let [lambda, mu] = [lambda, mu].map(|s| arena.symbol(s));
-        let [first, last] = [&start, &end].map(|at| arena.substitute(constraint.value, at));
-        terms.push((1.0, arena.mul(lambda, first)));
-        terms.push((1.0, arena.mul(mu, last)));
-        for i in 0..n {
-            let slope = arena.diff(constraint.value, model.q[i]);
-            let slope = arena.substitute(slope, &start);
-            let impulse = arena.mul(slope, lambda);
-            enforced.start_impulse[i] = arena.add(enforced.start_impulse[i], impulse);
-        }
-        let rate = model.rate(constraint.value, arena);
-        let [start_rate, end_rate] = [&start, &end].map(|at| arena.substitute(rate, at));
-        enforced.start_rates.push(start_rate);
-        enforced.end_rates.push(end_rate);
-        let by: HashMap<Symbol, Expr> = {
-            let h = arena.symbol(action.h);
-            let ends = enforced.end_velocity.iter().zip(&action.displacement);
-            ends.map(|(&v, &d)| {
-                let d = arena.symbol(d);
-                (v, arena.product(&[(d, 1), (h, -1)]))
-            })
-            .collect()
-        };
-        let h = arena.symbol(action.h);
-        let value = arena.opaque(first);
-        enforced.mean_values.push(MeanValue {
-            rate: arena.substitute(end_rate, &by),
-            start: arena.product(&[(value, 1), (h, -1)]),
-        });
-        let value = end_value(constraint.value, &start, last, &action, model, arena);
-        enforced.end_values.push(value);
-        let size = model.magnitude(constraint.value, arena);
-        let size = arena.substitute(size, &start);
-        enforced.at_start.push(consistency(first, size, arena));
+    let mut terms = vec![(1.0, action.value)];
+    for k in 0..count {
+        terms.extend(enforced.add(k, [&start, &end], &action, model, arena));
     }
     for &v in &model.v {
         let momentum = arena.diff(model.lagrangian, v);
@@ -150,6 +118,53 @@ pub(crate) fn enforce(
     action.varied = action.value;
     action.enforced = Some(enforced);
     action
+}
+
+impl Enforced {
+    /// Adds what a constraint adds. Returns the terms of the action.
+    fn add(
+        &mut self,
+        k: usize,
+        [start, end]: [&HashMap<Symbol, Expr>; 2],
+        action: &Action,
+        model: &Model,
+        arena: &mut Arena,
+    ) -> [(f64, Expr); 2] {
+        let value = model.constraints[k].value;
+        let [lambda, mu] = [self.start_multipliers[k], self.end_multipliers[k]];
+        let [lambda, mu] = [lambda, mu].map(|s| arena.symbol(s));
+        let [first, last] = [start, end].map(|at| arena.substitute(value, at));
+        let terms = [arena.mul(lambda, first), arena.mul(mu, last)];
+        for (i, impulse) in self.start_impulse.iter_mut().enumerate() {
+            let slope = arena.diff(value, model.q[i]);
+            let slope = arena.substitute(slope, start);
+            let more = arena.mul(slope, lambda);
+            *impulse = arena.add(*impulse, more);
+        }
+        let rate = model.rate(value, arena);
+        let [start_rate, end_rate] = [start, end].map(|at| arena.substitute(rate, at));
+        self.start_rates.push(start_rate);
+        self.end_rates.push(end_rate);
+        let h = arena.symbol(action.h);
+        let ends = self.end_velocity.iter().zip(&action.displacement);
+        let by: HashMap<Symbol, Expr> = ends
+            .map(|(&v, &d)| {
+                let d = arena.symbol(d);
+                (v, arena.product(&[(d, 1), (h, -1)]))
+            })
+            .collect();
+        let at_start = arena.opaque(first);
+        self.mean_values.push(MeanValue {
+            rate: arena.substitute(end_rate, &by),
+            start: arena.product(&[(at_start, 1), (h, -1)]),
+        });
+        let end_value = end_value(value, start, last, action, model, arena);
+        self.end_values.push(end_value);
+        let size = model.magnitude(value, arena);
+        let size = arena.substitute(size, start);
+        self.at_start.push(consistency(first, size, arena));
+        terms.map(|term| (1.0, term))
+    }
 }
 
 /// What the model's variables are at the start, with the velocity of the rule.
@@ -262,116 +277,6 @@ fn consistency(value: Expr, size: Expr, arena: &mut Arena) -> Condition<Expr> {
         is_closed: true,
         text: value,
     }
-}
-
-/// For each constraint the rate of φ at which a velocity of the size of that in the step crosses it, `√E Σ |∂φ/∂q_i| M_ii^(−½)` with
-///
-/// ```text
-/// E = Σ_i [ (|p₀ − a| + |h ∂L/∂q| + Σ |∂G/∂q ΔW|)_i² / M_ii + M_ii (Σ |∂G/∂p_i ΔW|)² / h² ]
-/// ```
-///
-/// at q₀. The residual φ(t₁,q₁)/h has no terms of that size where the motion is along the constraints.
-fn velocity_scales(
-    action: &Action,
-    model: &Model,
-    symbols: &Symbols,
-    start: &HashMap<Symbol, Expr>,
-    arena: &mut Arena,
-) -> Vec<Expr> {
-    let zero = arena.constant(0.0);
-    let mut at = start.clone();
-    at.extend(model.v.iter().map(|&v| (v, zero)));
-    let increments = |m: &Meaning| matches!(m, Meaning::Wiener(_));
-    let dw: Vec<Symbol> = (0..symbols.meanings().len() as u32)
-        .map(Symbol)
-        .filter(|&s| increments(symbols.meaning(s)))
-        .collect();
-    let h = arena.symbol(action.h);
-    let (mut energy, mut inverse_roots) = (Vec::new(), Vec::new());
-    for i in 0..model.dof() {
-        let momentum = arena.diff(model.lagrangian, model.v[i]);
-        let mass = arena.diff(momentum, model.v[i]);
-        let mass = arena.substitute(mass, &at);
-        let mass = arena.abs(mass);
-        let root = arena.call(Function::Sqrt, mass);
-        inverse_roots.push(arena.pow(root, -1));
-        let rest = arena.substitute(momentum, &at);
-        let p = arena.symbol(action.start_p[i]);
-        let relative = arena.sub(p, rest);
-        let force = arena.diff(model.lagrangian, model.q[i]);
-        let force = arena.substitute(force, &at);
-        let kick = arena.mul(h, force);
-        let mut sizes = vec![(1.0, arena.abs(relative)), (1.0, arena.abs(kick))];
-        let mut shifts = Vec::new();
-        for (noise, &dw) in model.noises.iter().zip(&dw) {
-            let dw = arena.symbol(dw);
-            let [dq, dp] = [model.q[i], model.p[i]].map(|s| arena.diff(noise.hamiltonian, s));
-            let [dq, dp] = [dq, dp].map(|e| arena.substitute(e, &at));
-            let [dq, dp] = [dq, dp].map(|e| arena.mul(e, dw));
-            sizes.push((1.0, arena.abs(dq)));
-            shifts.push((1.0, arena.abs(dp)));
-        }
-        let (size, shift) = (arena.sum(0.0, &sizes), arena.sum(0.0, &shifts));
-        energy.push((1.0, arena.product(&[(size, 2), (mass, -1)])));
-        energy.push((1.0, arena.product(&[(shift, 2), (mass, 1), (h, -2)])));
-    }
-    let energy = arena.sum(0.0, &energy);
-    let speed = arena.call(Function::Sqrt, energy);
-    let mut scales = Vec::new();
-    for constraint in &model.constraints {
-        let mut terms = Vec::new();
-        for (i, &inverse_root) in inverse_roots.iter().enumerate() {
-            let slope = arena.diff(constraint.value, model.q[i]);
-            let slope = arena.substitute(slope, &at);
-            let slope = arena.abs(slope);
-            terms.push((1.0, arena.mul(slope, inverse_root)));
-        }
-        let sum = arena.sum(0.0, &terms);
-        scales.push(arena.mul(speed, sum));
-    }
-    scales
-}
-
-/// `Σ M_ii (d_i/h)² − ¼ Σ (p₀ − a)²_i / M_ii` for a system with noise. If this is negative, the noise undoes much of the motion: then the equations of the step say little of
-/// those of the step without noise, from which its solution is followed.
-fn guard(
-    action: &Action,
-    model: &Model,
-    start: &HashMap<Symbol, Expr>,
-    arena: &mut Arena,
-) -> Option<Expr> {
-    if model.noises.is_empty() {
-        return None;
-    }
-    let zero = arena.constant(0.0);
-    let mut at = start.clone();
-    at.extend(model.v.iter().map(|&v| (v, zero)));
-    let h = arena.symbol(action.h);
-    let mut terms = Vec::new();
-    for i in 0..model.dof() {
-        let momentum = arena.diff(model.lagrangian, model.v[i]);
-        let mass = arena.diff(momentum, model.v[i]);
-        let mass = arena.substitute(mass, &at);
-        let rest = arena.substitute(momentum, &at);
-        let [d, p] = [action.displacement[i], action.start_p[i]].map(|s| arena.symbol(s));
-        let relative = arena.sub(p, rest);
-        terms.push((1.0, arena.product(&[(d, 2), (h, -2), (mass, 1)])));
-        terms.push((-0.25, arena.product(&[(relative, 2), (mass, -1)])));
-    }
-    Some(arena.sum(0.0, &terms))
-}
-
-/// Whether some noise has second derivatives by the momentum.
-fn is_curved(model: &Model, arena: &mut Arena) -> bool {
-    model.noises.iter().any(|noise| {
-        model.p.iter().any(|&a| {
-            let slope = arena.diff(noise.hamiltonian, a);
-            model.p.iter().any(|&b| {
-                let curvature = arena.diff(slope, b);
-                !arena.is_zero(curvature)
-            })
-        })
-    })
 }
 
 /// The equation of a variation to leading order in the step size: with no step, displacement and velocity but in its `linear` part, and with p₀ in the

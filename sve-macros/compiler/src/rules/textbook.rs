@@ -1,0 +1,190 @@
+//! Actions in their textbook form, with L, γ, H₁ and F as functions of what is written at the nodes.
+
+use crate::model::NodeQuantity;
+
+/// A node as it is written, without components: `q̄`.
+#[derive(Clone, Copy)]
+pub(crate) struct Point {
+    pub(crate) time: &'static str,
+    pub(crate) position: &'static str,
+    pub(crate) velocity: &'static str,
+    /// What these stand for, if that is not their notation.
+    pub(super) time_is: Option<&'static str>,
+    pub(super) others_are: &'static [&'static str],
+}
+
+/// The start of the step.
+pub(super) const START: Point = Point {
+    time: "t₀",
+    position: "q₀",
+    velocity: "v",
+    time_is: None,
+    others_are: &[],
+};
+
+/// The end of the step.
+pub(super) const END: Point = Point {
+    time: "t₁",
+    position: "q₁",
+    time_is: Some("t₁ = t₀ + h"),
+    ..START
+};
+
+/// The middle of the step.
+pub(super) const MIDDLE: Point = Point {
+    time: "t̄",
+    position: "q̄",
+    velocity: "v",
+    time_is: Some("t̄ = t₀ + h/2"),
+    others_are: &["q̄ = (q₀ + q₁)/2"],
+};
+
+impl Point {
+    /// Whether the position is q₁.
+    pub(crate) fn is_end(&self) -> bool {
+        self.position == END.position
+    }
+
+    pub(crate) fn name(&self, quantity: NodeQuantity) -> &'static str {
+        match quantity {
+            NodeQuantity::Time => self.time,
+            NodeQuantity::Position(_) => self.position,
+            NodeQuantity::Velocity(_) => self.velocity,
+        }
+    }
+}
+
+/// An action in its textbook form.
+pub(crate) struct Textbook {
+    /// `S = …`
+    pub(crate) action: String,
+    /// What the symbols in it stand for.
+    pub(crate) notation: Vec<String>,
+    /// The virtual work of the force for a step of unit length.
+    pub(crate) work: String,
+}
+
+/// What of a system shows in the textbook form of an action.
+pub(crate) struct Features {
+    pub(crate) degrees_of_freedom: usize,
+    /// Whether L or a noise depends on time.
+    pub(crate) is_timed: bool,
+    /// Whether the force depends on time, where there is one.
+    pub(crate) force_is_timed: Option<bool>,
+    /// ½κ of the option `weak2`, if the action has its term.
+    pub(crate) potential: Option<f64>,
+    /// Whether each process has an increment for each stage.
+    pub(crate) has_stage_noise: bool,
+    /// Numbers of γ and of H₁.
+    pub(crate) gammas: usize,
+    pub(crate) hamiltonians: usize,
+    /// Whether some noise moves q and some noise moves p.
+    pub(crate) moves_both: bool,
+}
+
+/// `Σ `, if there are several.
+pub(super) fn sum(count: usize) -> &'static str {
+    if count > 1 { "Σ " } else { "" }
+}
+
+impl Features {
+    /// Returns the action of a rule whose nodes have equal weights. `displacement` is the term that ties the displacement to the velocities.
+    pub(super) fn textbook(&self, points: &[Point], displacement: &str) -> Textbook {
+        let lagrangian = self.at(points, |t, x| {
+            format!("L({t}{}, {})", x.position, x.velocity)
+        });
+        let part = if points.len() > 1 { "/2" } else { "" };
+        let potential = self.at(points, |t, x| format!("K({t}{})", x.position));
+        let potential = self.potential("h·|h|", &potential, points.len());
+        let mut action = format!("S = h·{lagrangian}{part}{potential} + {displacement}");
+        if self.gammas > 0 {
+            let gamma = self.at(points, |t, x| format!("γ({t}{})", x.position));
+            action += &format!(" + {}{gamma}·ΔW{part}", sum(self.gammas));
+        }
+        if self.hamiltonians > 0 {
+            let hamiltonian = self.at(points, |t, x| format!("H₁({t}{}, p)", x.position));
+            action += &format!(" − {}{hamiltonian}·ΔW{part}", sum(self.hamiltonians));
+        }
+        let work = points.iter().map(|x| self.work(x));
+        let work: Vec<String> = work.collect();
+        let mut notation: Vec<&str> = Vec::new();
+        for point in points {
+            notation.extend(point.others_are);
+            notation.extend(point.time_is.filter(|_| self.is_timed));
+        }
+        Textbook {
+            action,
+            notation: notation.into_iter().map(ToOwned::to_owned).collect(),
+            work: format!("{}{part}", joined(&work)),
+        }
+    }
+
+    /// Returns a function at the nodes, `f(q̄)` or `(f(q₀) + f(q₁))`, from the time in front of its other arguments and a node.
+    fn at(&self, points: &[Point], function: impl Fn(&str, &Point) -> String) -> String {
+        let values = points.iter().map(|x| function(&self.time(x.time), x));
+        joined(&values.collect::<Vec<_>>())
+    }
+
+    /// The time as the first argument of L and the noises, `t̄, `, if these depend on time.
+    pub(crate) fn time(&self, t: &str) -> String {
+        if self.is_timed {
+            format!("{t}, ")
+        } else {
+            String::new()
+        }
+    }
+
+    /// `p·(x)`, or `⟨p, x⟩` of vectors.
+    pub(super) fn pairing(&self, p: &str, x: &str) -> String {
+        if self.degrees_of_freedom == 1 {
+            format!("{p}·({x})")
+        } else {
+            format!("⟨{p}, {x}⟩")
+        }
+    }
+
+    /// The term of the option `weak2` in an action, ` − h·|h|·(K(q₀) + K(q₁))/16` for the factor `h·|h|` and the sum `K(q₀) + K(q₁)` over two nodes of equal weight.
+    pub(crate) fn potential(&self, factor: &str, sum: &str, nodes: usize) -> String {
+        match self.potential {
+            // κ is one over an integer
+            Some(half) => format!(" − {factor}·{sum}/{}", (nodes as f64 / half).round()),
+            None => String::new(),
+        }
+    }
+
+    /// The weight of a stage and the increment, whose product is the increment at the stage.
+    pub(crate) fn increment_at_stage(&self) -> (&'static str, &'static str) {
+        if self.has_stage_noise {
+            ("", "ωᵢ")
+        } else {
+            ("bᵢ·", "ΔW")
+        }
+    }
+
+    /// The virtual work of the force at a node.
+    pub(super) fn work(&self, point: &Point) -> String {
+        let Point {
+            time,
+            position: q,
+            velocity: v,
+            ..
+        } = point;
+        let t = match self.force_is_timed {
+            Some(true) => format!("{time}, "),
+            _ => String::new(),
+        };
+        if self.degrees_of_freedom == 1 {
+            format!("F({t}{q}, {v})·δ{q}")
+        } else {
+            format!("⟨F({t}{q}, {v}), δ{q}⟩")
+        }
+    }
+}
+
+/// A sum of terms, in brackets if there are several.
+fn joined(terms: &[String]) -> String {
+    match terms {
+        [term] => term.clone(),
+        terms => format!("({})", terms.join(" + ")),
+    }
+}
