@@ -38,27 +38,29 @@ fn equations(count: usize, stages: &Stages, features: &Features) -> Vec<String> 
     };
     let (b, dw) = features.increment_at_stage();
     let mut unknowns = "Vᵢ";
-    let mut displacement = "h·bᵢ·Vᵢ".to_owned();
+    let mut displacement = vec!["h·bᵢ·Vᵢ".to_owned()];
     if stages.moves_position {
         unknowns = "Vᵢ, Yᵢ";
         let slope = format!("∂K/∂p({t}Qᵢ, Pᵢ)");
         let term = features.potential("h·|h|·bᵢ", &slope, 1);
-        displacement += &format!(" + {b}Σ ∂H₁/∂p({t}Qᵢ, Pᵢ)·{dw}");
-        displacement += &term.replacen('−', "+", 1);
+        displacement.push(format!(" + {b}Σ ∂H₁/∂p({t}Qᵢ, Pᵢ)·{dw}"));
+        displacement.push(term.replacen('−', "+", 1));
     }
-    let mut impulse = match features.force_is_timed {
+    let displacement = displacement.concat();
+    let mut impulse = vec![match features.force_is_timed {
         Some(_) => format!("h·bᵢ·(∂L/∂q + F)({point})"),
         None => format!("h·bᵢ·∂L/∂q({point})"),
-    };
+    }];
     if features.gammas > 0 {
-        impulse += &format!(" + {b}Σ ∂γ/∂q({t}Qᵢ)·{dw}");
+        impulse.push(format!(" + {b}Σ ∂γ/∂q({t}Qᵢ)·{dw}"));
     }
     let mut p = "";
     if features.hamiltonians > 0 {
-        impulse += &format!(" − {b}Σ ∂H₁/∂q({t}Qᵢ, Pᵢ)·{dw}");
+        impulse.push(format!(" − {b}Σ ∂H₁/∂q({t}Qᵢ, Pᵢ)·{dw}"));
         p = ", Pᵢ";
     }
-    impulse += &features.potential("h·|h|·bᵢ", &format!("∂K/∂q({t}Qᵢ{p})"), 1);
+    impulse.push(features.potential("h·|h|·bᵢ", &format!("∂K/∂q({t}Qᵢ{p})"), 1));
+    let impulse = impulse.concat();
     let mut lines = vec![
         format!("{solver} for {unknowns} at {count} stages"),
         format!("  ∂L/∂v({point}) = p₀ + Σⱼ (aᵢⱼ/bⱼ)·Fⱼ"),

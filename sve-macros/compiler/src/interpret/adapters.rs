@@ -29,18 +29,14 @@ pub(super) fn flatten(x: &mut Lowering<'_>, items: Vec<Value>, call: &Call<'_>) 
     Some(flat)
 }
 
-pub(super) fn rev(_: &mut Lowering<'_>, mut items: Vec<Value>, _: &Call<'_>) -> Items {
-    items.reverse();
-    Some(items)
+pub(super) fn rev(call: &Call<'_>) -> Value {
+    let items = call.receiver.value.items().iter().cloned();
+    Value::Sequence(items.rev().collect())
 }
 
-pub(super) fn enumerate(_: &mut Lowering<'_>, items: Vec<Value>, _: &Call<'_>) -> Items {
-    let numbered = items.into_iter().enumerate();
-    Some(
-        numbered
-            .map(|(i, item)| pair(Value::count(i), item))
-            .collect(),
-    )
+pub(super) fn enumerate(call: &Call<'_>) -> Value {
+    let items = call.receiver.value.items().iter().cloned().enumerate();
+    Value::Sequence(items.map(|(i, item)| pair(Value::count(i), item)).collect())
 }
 
 pub(super) fn zip(x: &mut Lowering<'_>, items: Vec<Value>, call: &Call<'_>) -> Items {
@@ -54,13 +50,14 @@ pub(super) fn chain(x: &mut Lowering<'_>, mut items: Vec<Value>, call: &Call<'_>
     Some(items)
 }
 
-pub(super) fn skip(_: &mut Lowering<'_>, items: Vec<Value>, call: &Call<'_>) -> Items {
-    Some(items.into_iter().skip(call.given.counts[0]).collect())
+pub(super) fn skip(call: &Call<'_>) -> Value {
+    let items = call.receiver.value.items().iter().cloned();
+    Value::Sequence(items.skip(call.given.counts[0]).collect())
 }
 
-pub(super) fn take(_: &mut Lowering<'_>, mut items: Vec<Value>, call: &Call<'_>) -> Items {
-    items.truncate(call.given.counts[0]);
-    Some(items)
+pub(super) fn take(call: &Call<'_>) -> Value {
+    let items = call.receiver.value.items().iter().cloned();
+    Value::Sequence(items.take(call.given.counts[0]).collect())
 }
 
 pub(super) fn step_by(x: &mut Lowering<'_>, items: Vec<Value>, call: &Call<'_>) -> Items {

@@ -69,7 +69,7 @@ impl Lowering<'_> {
                     format!("`f64::{name}` needs the number to act on, as in `f64::{name}(x)`");
                 self.refuse(&at, message)
             }
-            (["f64", name], _) => self.number_method(name, at, arguments),
+            (["f64", name], _) => self.number_method(name, at, &arguments),
             ([owner, name], _) if self.is_self(owner) => self.helper(name, at, false, arguments),
             (names, _) => self.path_call(path, names, arguments),
         }

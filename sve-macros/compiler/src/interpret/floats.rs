@@ -6,7 +6,7 @@ use proc_macro2::Span;
 
 use super::Lowering;
 use super::calls::Argument;
-use super::integers::{self, Integer};
+use super::integers::Integer;
 use super::methods::{Run, names_of_numbers, of_numbers, rough_method};
 use super::value::Value;
 use crate::algebra::{Arena, Binary, Expr, Function};
@@ -43,7 +43,7 @@ impl Lowering<'_> {
         &mut self,
         name: &str,
         at: Span,
-        arguments: Vec<Argument>,
+        arguments: &[Argument],
     ) -> Option<Value> {
         if let Some(message) = rough_method(name) {
             return self.refuse(&at, message);
@@ -55,11 +55,11 @@ impl Lowering<'_> {
         if found != expected {
             return self.refuse(&at, wrong_arity(&format!("`{name}`"), expected, found));
         }
-        if let ("powi", [base, exponent]) = (name, arguments.as_slice()) {
+        if let ("powi", [base, exponent]) = (name, arguments) {
             let x = self.scalar(&base.value, &base.at);
             return self.powi(x, exponent);
         }
-        let numbers = self.scalars(&arguments)?;
+        let numbers = self.scalars(arguments)?;
         if name == "sin_cos" {
             let pair = [Function::Sin, Function::Cos].map(|f| self.arena.call(f, numbers[0]));
             return Some(Value::Tuple(pair.map(Value::Scalar).into()));
@@ -79,28 +79,6 @@ impl Lowering<'_> {
         let message =
             format!("`{name}` is not defined at this constant: its value is not a finite number");
         self.refuse(&at, message)
-    }
-
-    /// Calls a method of integers; `None` if there is no such method, or an argument is not an integer.
-    pub(super) fn method_of_integers(
-        &mut self,
-        name: &str,
-        at: Span,
-        arguments: &[Argument],
-    ) -> Option<Option<Value>> {
-        let (_, compute) = integers::METHODS.iter().find(|method| method.0 == name)?;
-        let integer = |argument: &Argument| match argument.value {
-            Value::Int(i) => Some(i),
-            _ => None,
-        };
-        let values: Vec<Integer> = arguments.iter().map(integer).collect::<Option<_>>()?;
-        let operands = match (name, values.as_slice()) {
-            ("abs", &[i]) => [i, i],
-            ("abs", _) => return None,
-            (_, &[i, k]) => [i, k],
-            _ => return None,
-        };
-        Some(self.integer_method(name, *compute, operands, at))
     }
 
     fn powi(&mut self, x: Option<Expr>, exponent: &Argument) -> Option<Value> {

@@ -47,7 +47,7 @@ impl Place {
 
 impl Frame {
     /// Gives a name a value in the innermost scope.
-    pub(super) fn set(&mut self, name: impl ToString, value: Value) {
+    pub(super) fn set(&mut self, name: &(impl ToString + ?Sized), value: Value) {
         if let Some(scope) = self.scopes.last_mut() {
             scope.insert(name.to_string(), value);
         }

@@ -164,7 +164,7 @@ impl Lowering<'_> {
     /// Binds a length that is a single name to a value.
     fn bind_const(&mut self, length: &Syntax, value: usize) {
         if let Some(name) = variable_name(length) {
-            self.frame.set(name, Value::count(value));
+            self.frame.set(&name, Value::count(value));
         }
     }
 

@@ -8,6 +8,7 @@ use syn::spanned::Spanned;
 use syn::{BinOp, Type};
 
 use super::Lowering;
+use super::calls::Argument;
 use super::value::Value;
 use crate::syntax::parse::is_f64;
 use crate::syntax::{bare, readable};
@@ -134,8 +135,11 @@ pub(super) fn integer_constant(ty: &str, name: &str) -> Option<Integer> {
     })
 }
 
+/// A method of one or two integers.
+type Compute = fn(i64, i64) -> Option<i64>;
+
 /// The methods of integers. `abs_diff` of signed integers returns the unsigned type.
-pub(super) const METHODS: &[(&str, fn(i64, i64) -> Option<i64>)] = &[
+const METHODS: [(&str, Compute); 6] = [
     ("abs", |i, _| i.checked_abs()),
     ("pow", |i, k| i.checked_pow(u32::try_from(k).ok()?)),
     ("abs_diff", |i, k| i.checked_sub(k)?.checked_abs()),
@@ -144,6 +148,22 @@ pub(super) const METHODS: &[(&str, fn(i64, i64) -> Option<i64>)] = &[
     ("rem_euclid", i64::checked_rem_euclid),
 ];
 
+/// Returns the method of this name with its operands, the same integer twice if the method takes no argument; `None` if there is no such
+/// method, or an argument is not an integer.
+pub(super) fn method(name: &str, arguments: &[Argument]) -> Option<(Compute, [Integer; 2])> {
+    let &(_, compute) = METHODS.iter().find(|method| method.0 == name)?;
+    let integer = |argument: &Argument| match argument.value {
+        Value::Int(i) => Some(i),
+        _ => None,
+    };
+    let values: Vec<Integer> = arguments.iter().map(integer).collect::<Option<_>>()?;
+    match values.as_slice() {
+        [i] if name == "abs" => Some((compute, [*i, *i])),
+        [i, k] if name != "abs" => Some((compute, [*i, *k])),
+        _ => None,
+    }
+}
+
 impl Lowering<'_> {
     /// Returns the common type of two integers, or reports an error if they have two types.
     pub(super) fn common(
@@ -151,10 +171,10 @@ impl Lowering<'_> {
         a: Integer,
         b: Integer,
         at: &impl Spanned,
-    ) -> Option<Option<Kind>> {
+    ) -> Result<Option<Kind>, ()> {
         match (a.kind, b.kind) {
-            (Some(a), Some(b)) if a != b => self.two_kinds(a, b, at),
-            (a, b) => Some(a.or(b)),
+            (Some(a), Some(b)) if a != b => self.two_kinds(a, b, at).ok_or(()),
+            (a, b) => Ok(a.or(b)),
         }
     }
 
@@ -198,7 +218,7 @@ impl Lowering<'_> {
         a: Integer,
         b: Integer,
     ) -> Option<Value> {
-        let kind = self.common(a, b, token)?;
+        let kind = self.common(a, b, token).ok()?;
         let (a, b) = (a.value, b.value);
         let result = match op {
             '+' => a.checked_add(b),
@@ -292,17 +312,17 @@ impl Lowering<'_> {
         checked.unwrap_or(Value::Poison)
     }
 
-    /// Calls a method of integers, with the same integer twice if the method takes no argument.
+    /// Calls a method of integers.
     pub(super) fn integer_method(
         &mut self,
         name: &str,
-        compute: fn(i64, i64) -> Option<i64>,
+        compute: Compute,
         [i, k]: [Integer; 2],
         at: Span,
     ) -> Option<Value> {
         let kind = match name {
             "pow" => i.kind,
-            _ => self.common(i, k, &at)?,
+            _ => self.common(i, k, &at).ok()?,
         };
         let unsigned = |kind: Kind| {
             let mut kinds = KINDS.into_iter();

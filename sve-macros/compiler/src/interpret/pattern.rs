@@ -110,7 +110,7 @@ impl Lowering<'_> {
     /// uses report no further errors.
     pub(super) fn declare(&mut self, pattern: &Pat, value: &Value) {
         for name in names(pattern) {
-            self.frame.set(name, value.clone());
+            self.frame.set(&name, value.clone());
         }
     }
 

@@ -14,16 +14,16 @@ use super::integers::Integer;
 use super::methods::Call;
 use super::value::Value;
 
-pub(super) fn length(_: &mut Lowering<'_>, call: &Call<'_>) -> Option<Value> {
-    Some(Value::count(call.receiver.value.items().len()))
+pub(super) fn length(call: &Call<'_>) -> Value {
+    Value::count(call.receiver.value.items().len())
 }
 
-pub(super) fn iterator(_: &mut Lowering<'_>, call: &Call<'_>) -> Option<Value> {
-    Some(Value::Sequence(call.receiver.value.items().to_vec()))
+pub(super) fn iterator(call: &Call<'_>) -> Value {
+    Value::Sequence(call.receiver.value.items().to_vec())
 }
 
-pub(super) fn array(_: &mut Lowering<'_>, call: &Call<'_>) -> Option<Value> {
-    Some(Value::Array(call.receiver.value.items().to_vec()))
+pub(super) fn array(call: &Call<'_>) -> Value {
+    Value::Array(call.receiver.value.items().to_vec())
 }
 
 /// `map` of an array.
@@ -138,7 +138,7 @@ impl Lowering<'_> {
             ("map" | "fold", _) => {
                 let vector = self.example_of_vector();
                 let (name, field) = (path.name(), crate::syntax::readable(&path.access()));
-                message += &format!(" of a vector write `let {name}: {vector} = {field};`");
+                message = format!("{message} of a vector write `let {name}: {vector} = {field};`");
             }
             _ => {}
         }

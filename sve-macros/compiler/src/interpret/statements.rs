@@ -121,7 +121,7 @@ impl Lowering<'_> {
             && name.ident == module
         {
             let module = imported_module(module);
-            self.frame.set(module, Value::Tuple(Vec::new()));
+            self.frame.set(&module, Value::Tuple(Vec::new()));
         }
     }
 
@@ -189,7 +189,7 @@ impl Lowering<'_> {
             );
         };
         let (from, to) = self.bound(start).zip(self.bound(end))?;
-        let kind = self.common(from, to, range)?;
+        let kind = self.common(from, to, range).ok()?;
         let (from, to) = (from.value, to.value);
         let to = match range.limits {
             RangeLimits::HalfOpen(_) => to,

@@ -252,6 +252,64 @@ impl Variables<'_> {
         value
     }
 
+    /// The term `p (d − h v)` of a coordinate, which makes its displacement that of the velocity.
+    pub(super) fn displaced(&mut self, i: usize, v: Symbol, p: Symbol) -> (f64, Expr) {
+        let [h, d, v, p] = [self.h, self.displacement[i], v, p].map(|s| self.arena.symbol(s));
+        let hv = self.arena.mul(h, v);
+        let constraint = self.arena.sub(d, hv);
+        (1.0, self.arena.mul(p, constraint))
+    }
+
+    /// The terms `− part G_a ΔW_a` at a node.
+    pub(super) fn noises(&mut self, part: f64, node: &HashMap<Symbol, Expr>) -> Vec<(f64, Expr)> {
+        let mut terms = Vec::new();
+        for (noise, &dw) in self.model.noises.iter().zip(&self.dw) {
+            let g = self.arena.substitute(noise.hamiltonian, node);
+            let dw = self.arena.symbol(dw);
+            terms.push((-part, self.arena.mul(g, dw)));
+        }
+        terms
+    }
+
+    /// The Stratonovich correction `Σ_a Σ_b ⟨shift by G_a, slope of G_b⟩ ΔW_a ΔW_b` at a node. `fields` has for each noise its shift and its slope
+    /// along each coordinate.
+    pub(super) fn stratonovich(
+        &mut self,
+        fields: &[Vec<[Expr; 2]>],
+        node: &HashMap<Symbol, Expr>,
+    ) -> Expr {
+        let mut terms = Vec::new();
+        for (a, &dw_a) in fields.iter().zip(&self.dw) {
+            for (b, &dw_b) in fields.iter().zip(&self.dw) {
+                if self.arena.is_exhausted() {
+                    return self.arena.constant(0.0);
+                }
+                let [dw_a, dw_b] = [dw_a, dw_b].map(|s| self.arena.symbol(s));
+                for ([shift, _], [_, slope]) in a.iter().zip(b) {
+                    let product = self.arena.product(&[(*shift, 1), (*slope, 1)]);
+                    let at_node = self.arena.substitute(product, node);
+                    let factors = [(at_node, 1), (dw_a, 1), (dw_b, 1)];
+                    terms.push((1.0, self.arena.product(&factors)));
+                }
+            }
+        }
+        self.arena.sum(0.0, &terms)
+    }
+
+    /// Shift and slope of a noise along each of the coordinates.
+    pub(super) fn field(
+        &mut self,
+        noise: usize,
+        coordinates: impl IntoIterator<Item = usize>,
+    ) -> Vec<[Expr; 2]> {
+        let g = self.model.noises[noise].hamiltonian;
+        let coordinates = coordinates.into_iter();
+        let pairs = coordinates.map(|i| [self.model.p[i], self.model.q[i]]);
+        pairs
+            .map(|pair| pair.map(|s| self.arena.diff(g, s)))
+            .collect()
+    }
+
     /// The work of the force at a node, for a part of the step.
     pub(super) fn work(&mut self, part: f64, node: &HashMap<Symbol, Expr>) -> Vec<Work> {
         let h = self.arena.symbol(self.h);

@@ -62,11 +62,7 @@ impl Discretisation for Gauss {
             }
             let energy = x.arena.sum(0.0, &energy);
             terms.push((weight, x.arena.mul(h, energy)));
-            for (noise, &dw) in x.model.noises.iter().zip(&x.dw) {
-                let g = x.arena.substitute(noise.hamiltonian, &node);
-                let dw = x.arena.symbol(dw);
-                terms.push((-weight, x.arena.mul(g, dw)));
-            }
+            terms.extend(x.noises(weight, &node));
             if let Some((factor, term)) = x.weak2(&node) {
                 terms.push((weight * factor, term));
             }

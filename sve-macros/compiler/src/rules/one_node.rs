@@ -54,20 +54,13 @@ impl Discretisation for OneNode {
         }
 
         let mut terms = vec![(1.0, x.lagrangian(&node))];
-        for i in 0..n {
-            let [d, v, p] = [x.displacement[i], v[i], p[i]].map(|s| x.arena.symbol(s));
-            let hv = x.arena.mul(h, v);
-            let constraint = x.arena.sub(d, hv);
-            terms.push((1.0, x.arena.mul(p, constraint)));
-        }
-        for (noise, &dw) in x.model.noises.iter().zip(&x.dw) {
-            let g = x.arena.substitute(noise.hamiltonian, &node);
-            let dw = x.arena.symbol(dw);
-            terms.push((-1.0, x.arena.mul(g, dw)));
-        }
+        terms.extend((0..n).map(|i| x.displaced(i, v[i], p[i])));
+        terms.extend(x.noises(1.0, &node));
         // in the middle of the step the factor is zero
         if c != 0.5 {
-            let correction = stratonovich(x, &node);
+            let noises = 0..x.model.noises.len();
+            let fields: Vec<_> = noises.map(|a| x.field(a, 0..n)).collect();
+            let correction = x.stratonovich(&fields, &node);
             terms.push((c - 0.5, correction));
         }
         let value = x.arena.sum(0.0, &terms);
@@ -98,12 +91,13 @@ impl Discretisation for OneNode {
         // the Stratonovich correction
         if self.place != 0.5 && system.moves_both {
             let sign = if self.place > 0.5 { '+' } else { '−' };
-            if system.gammas + system.hamiltonians == 1 {
-                textbook.action += &format!(" {sign} ½·⟨∂H₁/∂p, ∂H₁/∂q⟩·ΔW²");
+            let correction = if system.gammas + system.hamiltonians == 1 {
+                "⟨∂H₁/∂p, ∂H₁/∂q⟩·ΔW²"
             } else {
-                textbook.action += &format!(" {sign} ½·Σ ⟨∂G[i]/∂p, ∂G[j]/∂q⟩·ΔW[i]·ΔW[j]");
                 textbook.notation.push("G = −γ or H₁".to_owned());
-            }
+                "Σ ⟨∂G[i]/∂p, ∂G[j]/∂q⟩·ΔW[i]·ΔW[j]"
+            };
+            textbook.action = format!("{} {sign} ½·{correction}", textbook.action);
         }
         textbook
     }
@@ -151,25 +145,4 @@ fn rotation_at_midpoint(
         rotation.values.push(value);
     }
     rotation
-}
-
-/// `Σ_a Σ_b ⟨∂G_a/∂p, ∂G_b/∂q⟩ ΔW_a ΔW_b` at a node.
-fn stratonovich(x: &mut Variables<'_>, node: &HashMap<Symbol, Expr>) -> Expr {
-    let mut terms = Vec::new();
-    for (a, &dw_a) in x.model.noises.iter().zip(&x.dw) {
-        for (b, &dw_b) in x.model.noises.iter().zip(&x.dw) {
-            if x.arena.is_exhausted() {
-                return x.arena.constant(0.0);
-            }
-            let (dw_a, dw_b) = (x.arena.symbol(dw_a), x.arena.symbol(dw_b));
-            for i in 0..x.model.dof() {
-                let dp = x.arena.diff(a.hamiltonian, x.model.p[i]);
-                let dq = x.arena.diff(b.hamiltonian, x.model.q[i]);
-                let product = x.arena.product(&[(dp, 1), (dq, 1)]);
-                let at_node = x.arena.substitute(product, node);
-                terms.push((1.0, x.arena.product(&[(at_node, 1), (dw_a, 1), (dw_b, 1)])));
-            }
-        }
-    }
-    x.arena.sum(0.0, &terms)
 }

@@ -27,22 +27,12 @@ impl Discretisation for StormerVerlet {
         let v = x.symbols.declare_all(n, Unknown::of(Family::Velocity));
         let p = x.symbols.declare_all(n, Unknown::of(Family::Momentum));
         let nodes = ends(x, &v, &p);
-        let h = x.arena.symbol(x.h);
         let mut terms = Vec::new();
         for node in &nodes {
             terms.push((0.5, x.lagrangian(node)));
-            for (noise, &dw) in x.model.noises.iter().zip(&x.dw) {
-                let g = x.arena.substitute(noise.hamiltonian, node);
-                let dw = x.arena.symbol(dw);
-                terms.push((-0.5, x.arena.mul(g, dw)));
-            }
+            terms.extend(x.noises(0.5, node));
         }
-        for i in 0..n {
-            let [d, v, p] = [x.displacement[i], v[i], p[i]].map(|s| x.arena.symbol(s));
-            let hv = x.arena.mul(h, v);
-            let constraint = x.arena.sub(d, hv);
-            terms.push((1.0, x.arena.mul(p, constraint)));
-        }
+        terms.extend((0..n).map(|i| x.displaced(i, v[i], p[i])));
         let value = x.arena.sum(0.0, &terms);
         let work = nodes.iter().flat_map(|node| x.work(0.5, node)).collect();
         Discrete {

@@ -96,14 +96,17 @@ impl Features {
         let part = if points.len() > 1 { "/2" } else { "" };
         let potential = self.at(points, |t, x| format!("K({t}{})", x.position));
         let potential = self.potential("h·|h|", &potential, points.len());
-        let mut action = format!("S = h·{lagrangian}{part}{potential} + {displacement}");
+        let mut action = vec![format!(
+            "S = h·{lagrangian}{part}{potential} + {displacement}"
+        )];
         if self.gammas > 0 {
             let gamma = self.at(points, |t, x| format!("γ({t}{})", x.position));
-            action += &format!(" + {}{gamma}·ΔW{part}", sum(self.gammas));
+            action.push(format!(" + {}{gamma}·ΔW{part}", sum(self.gammas)));
         }
         if self.hamiltonians > 0 {
             let hamiltonian = self.at(points, |t, x| format!("H₁({t}{}, p)", x.position));
-            action += &format!(" − {}{hamiltonian}·ΔW{part}", sum(self.hamiltonians));
+            let sum = sum(self.hamiltonians);
+            action.push(format!(" − {sum}{hamiltonian}·ΔW{part}"));
         }
         let work = points.iter().map(|x| self.work(x));
         let work: Vec<String> = work.collect();
@@ -113,7 +116,7 @@ impl Features {
             notation.extend(point.time_is.filter(|_| self.is_timed));
         }
         Textbook {
-            action,
+            action: action.concat(),
             notation: notation.into_iter().map(ToOwned::to_owned).collect(),
             work: format!("{}{part}", joined(&work)),
         }

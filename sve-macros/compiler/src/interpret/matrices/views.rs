@@ -26,16 +26,16 @@ pub(in crate::interpret) fn is_of_matrices(name: &str) -> bool {
     )
 }
 
-pub(in crate::interpret) fn columns(_: &mut Lowering<'_>, call: &Call<'_>) -> Option<Value> {
+pub(in crate::interpret) fn columns(call: &Call<'_>) -> Value {
     let matrix = call.matrix();
     let columns = (0..matrix.ty.columns).map(|i| Value::Matrix(matrix.column(i)));
-    Some(Value::Sequence(columns.collect()))
+    Value::Sequence(columns.collect())
 }
 
-pub(in crate::interpret) fn rows(_: &mut Lowering<'_>, call: &Call<'_>) -> Option<Value> {
+pub(in crate::interpret) fn rows(call: &Call<'_>) -> Value {
     let matrix = call.matrix();
     let rows = (0..matrix.ty.rows).map(|i| Value::Matrix(matrix.row(i)));
-    Some(Value::Sequence(rows.collect()))
+    Value::Sequence(rows.collect())
 }
 
 /// Evaluates `rows(from, count)`, `fixed_rows::<COUNT>(from)` and the like: the submatrix of a range of rows and columns.

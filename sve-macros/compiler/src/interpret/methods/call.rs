@@ -10,6 +10,7 @@ use crate::interpret::calls::Argument;
 use crate::interpret::conversions::NO_LENGTH;
 use crate::interpret::fields::FieldPath;
 use crate::interpret::floats::{self, wrong_arity};
+use crate::interpret::integers;
 use crate::interpret::matrices::formulas::{each, entrywise};
 use crate::interpret::matrices::views::{self, components};
 use crate::interpret::matrices::{Kind, Matrix, MatrixType};
@@ -42,7 +43,7 @@ impl Lowering<'_> {
             // a poisoned receiver has no type, by which its method could be checked
             (Value::Poison, name) if !floats::is_method(name) => return None,
             (Value::Field(path), name) if !path.is_self() && !is_of_lists(name) => {
-                if let Some(value) = self.method_of_field(call, path) {
+                if let Ok(value) = self.method_of_field(call, path) {
                     return value;
                 }
             }
@@ -65,10 +66,10 @@ impl Lowering<'_> {
             _ => {
                 let mut arguments = vec![receiver];
                 arguments.extend(self.arguments(&call.args));
-                if let Some(value) = self.method_of_integers(name, at, &arguments) {
-                    return value;
+                match integers::method(name, &arguments) {
+                    Some((compute, operands)) => self.integer_method(name, compute, operands, at),
+                    None => self.number_method(name, at, &arguments),
                 }
-                self.number_method(name, at, arguments)
             }
         }
     }
@@ -144,11 +145,12 @@ impl Lowering<'_> {
             given,
         };
         let matrix = match method.run {
-            Run::Own(run) => return run(self, &call),
+            Run::Own(run) | Run::Computed(run) => return run(self, &call),
             Run::Adapter(run) => {
                 let items = call.receiver.value.items().to_vec();
                 return run(self, items, &call).map(Value::Sequence);
             }
+            Run::Plain(run) => return Some(run(&call)),
             Run::Size(size) => return Some(Value::count(size(ty))),
             _ => self.numbers(&call.matrix(), &call.receiver.at)?,
         };
@@ -172,7 +174,7 @@ impl Lowering<'_> {
             Run::Each(operation) => each(arena, m, given.numbers[0], operation),
             Run::Entrywise(operation) => entrywise(arena, m, &given.matrices[0], operation),
             Run::Line(line) => line(m, given.counts[0]),
-            Run::Float(_) | Run::Size(_) | Run::Adapter(_) | Run::Own(_) => return None,
+            _ => return None,
         };
         self.finite_matrix(result, &call.syntax.method)
     }
@@ -240,37 +242,37 @@ impl Lowering<'_> {
         self.refuse(&argument.at, message)
     }
 
-    /// Calls a method of vectors of a parameter, whose type follows from the arguments; `None` if vectors have no such method.
+    /// Calls a method of vectors of a parameter, whose type follows from the arguments; `Err` if vectors have no such method.
     fn method_of_field(
         &mut self,
         call: &ExprMethodCall,
         path: &FieldPath,
-    ) -> Option<Option<Value>> {
+    ) -> Result<Option<Value>, ()> {
         let (name, at) = (call.method.to_string(), call.method.span());
         if views::is_method(&name, call.turbofish.is_some()) {
             let example = self.example_of_part(&name);
-            return Some(self.refuse(&at, unknown_type(path, &example)));
+            return Ok(self.refuse(&at, unknown_type(path, &example)));
         }
         let is_of_numbers = floats::is_method(&name) || floats::other_name(&name).is_some();
         if is_listed(&name) && !is_of_numbers {
-            return Some(self.refuse(&at, refusal(&name, None)));
+            return Ok(self.refuse(&at, refusal(&name, None)));
         }
-        let method = formula(&name)?;
+        let method = formula(&name).ok_or(())?;
         let arguments = self.arguments(&call.args);
         let mut values = arguments.iter().map(|argument| &argument.value);
         if values.clone().any(|value| matches!(value, Value::Poison)) {
-            return Some(None);
+            return Ok(None);
         }
         let ty = type_of_parameter(method, values.next()).filter(|_| !path.is_number());
         let message = match ty {
             Some(ty) => {
                 let value = Value::Matrix(Matrix::of_field(path, ty));
-                return Some(self.tabled(call, Argument { value, at }));
+                return Ok(self.tabled(call, Argument { value, at }));
             }
             None if path.is_number() => self.no_method_of_number(&name),
             None => unknown_type(path, &self.example_of_type(Some(method))),
         };
-        Some(self.refuse(&at, message))
+        Ok(self.refuse(&at, message))
     }
 
     /// Returns the type of a vector that a parameter may have, for messages.

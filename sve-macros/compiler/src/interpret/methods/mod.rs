@@ -22,7 +22,10 @@ use crate::algebra::{Arena, Expr};
 use Receiver::{
     Any, Array, Iterator, List, Number, OfLength, One, Rotation, Square, Vector, Wrapped,
 };
-use Run::{Adapter, Each, Entry, EntryOf, Entrywise, Float, Formula, FormulaOf, Line, Own, Size};
+use Run::{
+    Adapter, Computed, Each, Entry, EntryOf, Entrywise, Float, Formula, FormulaOf, Line, Own,
+    Plain, Size,
+};
 pub(super) use refused::{refusal, rough_method, unknown_type};
 
 /// What has a method.
@@ -108,8 +111,12 @@ pub(super) enum Run {
     /// A row or a column.
     Line(fn(&Matrix<Expr>, usize) -> Matrix<Expr>),
     Size(fn(MatrixType) -> usize),
+    /// The entries or items of the receiver in another order or form.
+    Plain(fn(&Call<'_>) -> Value),
     /// The items of another iterator.
     Adapter(fn(&mut Lowering<'_>, Vec<Value>, &Call<'_>) -> Option<Vec<Value>>),
+    /// A number or a matrix of a matrix and other arguments.
+    Computed(fn(&mut Lowering<'_>, &Call<'_>) -> Option<Value>),
     /// Another value.
     Own(fn(&mut Lowering<'_>, &Call<'_>) -> Option<Value>),
 }
@@ -149,9 +156,9 @@ static METHODS: &[Method] = &[
     row(Number, "to_degrees", &[], Float(floats::to_degrees)),
     row(Number, "mul_add", NUMBERS, Float(floats::mul_add)),
     row(Number, "log", NUMBER, Float(floats::log)),
-    row(List, "len", &[], Own(sequences::length)),
-    row(List, "iter into_iter", &[], Own(sequences::iterator)),
-    row(List, "copied cloned", &[], Own(sequences::iterator)),
+    row(List, "len", &[], Plain(sequences::length)),
+    row(List, "iter into_iter", &[], Plain(sequences::iterator)),
+    row(List, "copied cloned", &[], Plain(sequences::iterator)),
     row(Array, "map", FUNCTION, Own(sequences::map)),
     row(Iterator, "map", FUNCTION, Adapter(adapters::map)),
     row(Iterator, "for_each", FUNCTION, Own(sequences::for_each)),
@@ -160,15 +167,15 @@ static METHODS: &[Method] = &[
     row(List, "as_flattened", &[], Own(sequences::as_flattened)),
     row(List, "sum product", &[], Own(sequences::total)),
     row(List, "fold", FOLD, Own(sequences::fold)),
-    row(List, "rev", &[], Adapter(adapters::rev)),
-    row(List, "enumerate", &[], Adapter(adapters::enumerate)),
+    row(List, "rev", &[], Plain(adapters::rev)),
+    row(List, "enumerate", &[], Plain(adapters::enumerate)),
     row(List, "flatten", &[], Adapter(adapters::flatten)),
     row(List, "flat_map", FUNCTION, Adapter(adapters::flat_map)),
     row(List, "zip", VALUE, Adapter(adapters::zip)),
     row(List, "chain", VALUE, Adapter(adapters::chain)),
     row(List, "filter", FUNCTION, Adapter(adapters::filter)),
-    row(List, "skip", COUNT, Adapter(adapters::skip)),
-    row(List, "take", COUNT, Adapter(adapters::take)),
+    row(List, "skip", COUNT, Plain(adapters::skip)),
+    row(List, "take", COUNT, Plain(adapters::take)),
     row(List, "step_by", COUNT, Adapter(adapters::step_by)),
     row(Any, "dot", SAME, EntryOf(inner)),
     row(Any, "norm_squared", &[], Entry(norm_squared)),
@@ -179,7 +186,7 @@ static METHODS: &[Method] = &[
     row(Any, "product", &[], Entry(product)),
     row(Any, "mean", &[], Entry(mean)),
     row(Square, "trace", &[], Entry(trace)),
-    row(Square, "determinant", &[], Own(matrices::determinant)),
+    row(Square, "determinant", &[], Computed(matrices::determinant)),
     row(OfLength(2), "perp", SAME, EntryOf(perp)),
     row(
         One,
@@ -195,7 +202,7 @@ static METHODS: &[Method] = &[
     row(Any, "unscale", NUMBER, Each(Arena::div)),
     row(Any, "add_scalar", NUMBER, Each(Arena::add)),
     row(Any, "normalize", &[], Formula(normalized)),
-    row(Vector, "lerp", LERP, Own(matrices::lerp)),
+    row(Vector, "lerp", LERP, Computed(matrices::lerp)),
     row(Any, "transpose adjoint", &[], Formula(|_, m| transpose(m))),
     row(Square, "diagonal", &[], Formula(|_, m| diagonal(m))),
     row(Any, "row", &[Take::Row], Line(Matrix::row)),
@@ -215,10 +222,10 @@ static METHODS: &[Method] = &[
     row(Any, "len", &[], Size(MatrixType::len)),
     row(Any, "nrows", &[], Size(|ty| ty.rows)),
     row(Any, "ncols", &[], Size(|ty| ty.columns)),
-    row(Any, "iter into_iter", &[], Own(sequences::iterator)),
-    row(Any, "as_slice", &[], Own(sequences::array)),
-    row(Any, "column_iter", &[], Own(views::columns)),
-    row(Any, "row_iter", &[], Own(views::rows)),
+    row(Any, "iter into_iter", &[], Plain(sequences::iterator)),
+    row(Any, "as_slice", &[], Plain(sequences::array)),
+    row(Any, "column_iter", &[], Plain(views::columns)),
+    row(Any, "row_iter", &[], Plain(views::rows)),
     row(Any, "rows columns fixed_view", COUNTS, Own(views::part)),
     row(Any, "fixed_rows fixed_columns", COUNT, Own(views::part)),
     row(Any, "map", FUNCTION, Own(matrices::map)),
@@ -275,11 +282,10 @@ impl Method {
 
     /// Returns whether the method is a formula of the entries of its receiver, a vector or matrix.
     fn is_formula(&self) -> bool {
-        match self.run {
-            Own(_) => ["determinant", "lerp"].contains(&self.names),
-            Float(_) | Adapter(_) | Size(_) => false,
-            _ => true,
-        }
+        !matches!(
+            self.run,
+            Float(_) | Plain(_) | Adapter(_) | Size(_) | Own(_)
+        )
     }
 }
 
@@ -310,3 +316,6 @@ pub(super) fn names_of_numbers() -> impl std::iter::Iterator<Item = &'static str
     let methods = METHODS.iter().filter(|method| method.receiver == Number);
     methods.map(|method| method.names)
 }
+
+#[cfg(test)]
+mod tests;

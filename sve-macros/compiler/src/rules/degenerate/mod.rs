@@ -203,13 +203,9 @@ impl Parts<'_> {
         let rest = x.arena.substitute(self.degeneracy.rest, node);
         let mut terms = vec![(1.0, x.arena.mul(h, rest))];
         for i in 0..x.model.dof() {
-            let (Some(v), Some(p)) = (self.v[i], self.p[i]) else {
-                continue;
-            };
-            let [d, v, p] = [x.displacement[i], v, p].map(|s| x.arena.symbol(s));
-            let hv = x.arena.mul(h, v);
-            let constraint = x.arena.sub(d, hv);
-            terms.push((1.0, x.arena.mul(p, constraint)));
+            if let (Some(v), Some(p)) = (self.v[i], self.p[i]) {
+                terms.push(x.displaced(i, v, p));
+            }
         }
         for (i, component) in self.one_form() {
             let at_node = self.one_form_at(component, node, |k, x| self.distance(k, x), x);
@@ -224,36 +220,17 @@ impl Parts<'_> {
                 terms.push((1.0, x.arena.mul(lambda, difference)));
             }
         }
-        for (noise, &dw) in x.model.noises.iter().zip(&x.dw) {
-            let g = x.arena.substitute(noise.hamiltonian, node);
-            let dw = x.arena.symbol(dw);
-            terms.push((-1.0, x.arena.mul(g, dw)));
-        }
+        terms.extend(x.noises(1.0, node));
         if self.c != 0.5 {
-            let correction = self.stratonovich(node, x);
-            terms.push((self.c - 0.5, correction));
-        }
-        x.arena.sum(0.0, &terms)
-    }
-
-    /// `Σ_a Σ_b ⟨shift of q by G_a, slope of G_b at fixed p⟩ ΔW_a ΔW_b` at a node.
-    fn stratonovich(&self, node: &HashMap<Symbol, Expr>, x: &mut Variables<'_>) -> Expr {
-        let fields: Vec<Vec<[Expr; 2]>> = (0..x.model.noises.len())
-            .map(|a| match self.internal {
+            let noises = 0..x.model.noises.len();
+            let fields = noises.map(|a| match self.internal {
                 Some(form) => internal_field(form, a, x),
-                None => massive_field(self.degeneracy, a, x),
-            })
-            .collect();
-        let mut terms = Vec::new();
-        for (a, &dw_a) in fields.iter().zip(&x.dw) {
-            for (b, &dw_b) in fields.iter().zip(&x.dw) {
-                let (dw_a, dw_b) = (x.arena.symbol(dw_a), x.arena.symbol(dw_b));
-                for ([shift, _], [_, slope]) in a.iter().zip(b) {
-                    let product = x.arena.product(&[(*shift, 1), (*slope, 1)]);
-                    let at_node = x.arena.substitute(product, node);
-                    terms.push((1.0, x.arena.product(&[(at_node, 1), (dw_a, 1), (dw_b, 1)])));
-                }
-            }
+                None => x.field(a, self.degeneracy.of(Role::Massive)),
+            });
+            let fields: Vec<_> = fields.collect();
+            // the slope is that at fixed p
+            let correction = x.stratonovich(&fields, node);
+            terms.push((self.c - 0.5, correction));
         }
         x.arena.sum(0.0, &terms)
     }
@@ -341,15 +318,6 @@ fn consistent(
     }
     terms.push((-1.0, difference));
     x.arena.sum(0.0, &terms)
-}
-
-/// By which a noise moves each massive coordinate, and its slope along the coordinate.
-fn massive_field(degeneracy: &Degeneracy, noise: usize, x: &mut Variables<'_>) -> Vec<[Expr; 2]> {
-    let g = x.model.noises[noise].hamiltonian;
-    let massive = degeneracy.of(Role::Massive).into_iter();
-    massive
-        .map(|i| [x.model.p[i], x.model.q[i]].map(|s| x.arena.diff(g, s)))
-        .collect()
 }
 
 /// By which a noise moves each coordinate x, w, and its slope along the coordinate at fixed ϑ, `∂G/∂x − ϑ_xᵀ w`.

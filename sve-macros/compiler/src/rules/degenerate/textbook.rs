@@ -39,7 +39,8 @@ pub(crate) fn textbook(
         )
     };
     if system.gammas > 0 {
-        action += &format!(" + {}γ({t}{place})·ΔW", sum(system.gammas));
+        let sum = sum(system.gammas);
+        action = format!("{action} + {sum}γ({t}{place})·ΔW");
     }
     notation.push(lagrangian.to_owned());
     match form {
@@ -52,7 +53,7 @@ pub(crate) fn textbook(
             notation.push("x̄ is the node of the coordinates whose velocities occur, ȳ that of the others, a variable, and y₁ such that ∂S/∂x₁ = ϑ(x₁, y₁)".to_owned());
             if c != 0.5 && system.gammas > 0 {
                 let sign = if c > 0.5 { '+' } else { '−' };
-                action += &format!(" {sign} ½·Σ ⟨w[i], ∂G[j]/∂x − ϑ_xᵀ·w[j]⟩·ΔW[i]·ΔW[j]");
+                action = format!("{action} {sign} ½·Σ ⟨w[i], ∂G[j]/∂x − ϑ_xᵀ·w[j]⟩·ΔW[i]·ΔW[j]");
                 notation.push("G = −γ, ϑ_yᵀ·w = ∂G/∂y".to_owned());
             }
         }

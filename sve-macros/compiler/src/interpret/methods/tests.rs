@@ -1,0 +1,64 @@
+//! Each row of the table is understood for some receiver and arguments.
+
+use super::METHODS;
+use crate::tests::expand;
+
+const RECEIVERS: [&str; 10] = [
+    "q[0]", "q", "q.iter()", "[q, q]", "d", "one", "w", "m", "r", "u",
+];
+
+const ARGUMENTS: [&str; 14] = [
+    "",
+    "0.5",
+    "1",
+    "0, 1",
+    "0.5, 2.0",
+    "&w",
+    "&d",
+    "&w, 0.5",
+    "q.iter()",
+    "|x| ()",
+    "|x| true",
+    "&w, |a, b| a * b",
+    "|x| [x, x]",
+    "0.0, |a, b| a + b",
+];
+
+/// Returns whether a body has no mistake but its last line.
+fn is_understood(body: &str) -> bool {
+    let item = format!(
+        "impl P {{ fn lagrangian(&self, q: [f64; 3], v: [f64; 3]) -> f64 {{
+            let (d, w) = (Vector2::new(q[0], 1.0), Vector3::new(q[0], q[1], 2.0));
+            let (m, u) = (w * w.transpose(), Vector3::z_axis());
+            let r = Rotation3::from_axis_angle(&u, q[0]);
+            let one = d.transpose() * d;
+            let value = {body};
+            unknown
+        }} }}"
+    );
+    let [attribute, item] = ["midpoint", &item].map(|text| text.parse().expect("tokens"));
+    let expansion = expand(&attribute, &item).to_string();
+    assert!(
+        expansion.contains("`unknown` is not known here"),
+        "{expansion}"
+    );
+    expansion.matches("compile_error").count() == 1
+}
+
+#[test]
+fn each_method_of_the_table_is_understood() {
+    for name in METHODS.iter().flat_map(|method| method.names.split(' ')) {
+        let generics = match name {
+            "fixed_view" => "::<1, 1>",
+            name if name.starts_with("fixed_") => "::<1>",
+            _ => "",
+        };
+        let is_understood = RECEIVERS.iter().any(|receiver| {
+            let of = |arguments: &&str| format!("{receiver}.{name}{generics}({arguments})");
+            ARGUMENTS
+                .iter()
+                .any(|arguments| is_understood(&of(arguments)))
+        });
+        assert!(is_understood, "{name}");
+    }
+}
