@@ -148,10 +148,11 @@ pub(super) fn method_meant(name: &str) -> Option<String> {
 /// Arguments of a method beside the receiver.
 fn operands(name: &str) -> Option<usize> {
     let of_functions = unary(name).map(|_| 0).or(binary(name).map(|_| 1));
-    let other = || of_numbers(name).map(|(count, _)| count);
+    let of_table = || of_numbers(name).map(|(count, _)| count);
+    let own = || OWN.iter().find(|method| method.0 == name);
     of_functions
-        .or_else(other)
-        .or((name == "powi").then_some(1))
+        .or_else(of_table)
+        .or_else(|| own().map(|method| method.1))
 }
 
 /// The function of one argument with this method.
