@@ -355,8 +355,8 @@ pub use system::plan::{
     Block, BlockKind, DegenerateStep, Formulas, Operations, Plan, StrongOrder, Substeps,
 };
 pub use system::{
-    ConfigurationOf, ConstraintJet, Dimensions, Dims, FlatOf, FlatStateOf, ForceJet, Increments,
-    IncrementsOf, LagrangianJet, MomentumOf, NoiseJet, StateOf, System, VectorOf,
+    ConfigurationOf, ConstraintJet, Dimensions, Dims, DualStateOf, FlatOf, FlatStateOf, ForceJet,
+    Increments, IncrementsOf, LagrangianJet, MomentumOf, NoiseJet, StateOf, System, VectorOf,
 };
 #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
 pub use system::{IncrementLanesOf, StateLanesOf};

@@ -11,6 +11,9 @@ use crate::system::{
     IncrementLanesOf, Increments, StateLanesOf, StateOf, System, TangentLanesOf, VectorOf,
 };
 
+/// The sizes and types of the system of a method.
+pub(crate) type DimsOf<I> = <<I as OneStepMethod>::System as System>::Dims;
+
 /// A one-step method for a system, with increments of any kind: an [`Integrator`](crate::Integrator) or a [`baseline`](crate::baseline).
 pub trait OneStepMethod {
     /// The system it integrates.

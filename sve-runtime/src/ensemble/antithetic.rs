@@ -8,16 +8,9 @@ use super::statistic::{AnyRequest, Extent, Recorded, Size, Statistic};
 use super::statistics::{Moments, MomentsRequest, Statistics};
 use super::{Ensemble, Summary};
 use crate::lanes::{LANES, Lane, Mask};
-use crate::phase::configuration::Coordinates;
-use crate::system::{Dims, System};
 use crate::trajectory::Method;
 
-impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<I: Method> Ensemble<'_, I> {
     /// Makes the paths 2k and 2k + 1 a pair: both have the increments of path k of the noise, the second one with the other sign.
     ///
     /// An observable whose values on the two paths of a pair lie on opposite sides of the mean has a mean with a smaller error: where it depends linearly on the noise, none. An observable
@@ -53,7 +46,7 @@ where
     /// ```
     #[must_use]
     pub fn antithetic(mut self, are_paired: bool) -> Self {
-        (self.statistics).retain(|request| !matches!(request, AnyRequest::Pairs(_)));
+        (self.observed.statistics).retain(|request| !matches!(request, AnyRequest::Pairs(_)));
         if are_paired {
             self.take(AnyRequest::Pairs(PairsRequest))
         } else {
@@ -65,7 +58,7 @@ where
 impl<I: Method> Ensemble<'_, I> {
     /// Returns whether the paths are antithetic pairs.
     pub(super) fn is_antithetic(&self) -> bool {
-        are_pairs(&self.statistics)
+        are_pairs(&self.observed.statistics)
     }
 }
 

@@ -4,7 +4,7 @@ use core::fmt;
 use core::ops::Range;
 
 use crate::phase::Field;
-use crate::system::System;
+use crate::system::{Dimensions, System};
 
 /// The parameter that varies along a direction, if one does, and the steps in which it varies.
 #[derive(Clone, Debug)]
@@ -107,11 +107,11 @@ impl By {
     }
 
     /// Returns the tangent vector at the start.
-    pub(super) fn start<const N: usize>(&self) -> Field<[f64; N]> {
-        let mut field = Field::ZERO;
+    pub(super) fn start<D: Dimensions>(&self) -> Field<D::Vector> {
+        let mut field = Field::zero::<D>();
         match self.0 {
-            Quantity::Q(number) => field.q[number] = 1.0,
-            Quantity::P(number) => field.p[number] = 1.0,
+            Quantity::Q(number) => field.q.as_mut()[number] = 1.0,
+            Quantity::P(number) => field.p.as_mut()[number] = 1.0,
             _ => {}
         }
         field

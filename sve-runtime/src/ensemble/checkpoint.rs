@@ -26,8 +26,6 @@ use super::merge_tree::MergeTree;
 use super::settings::Settings;
 use super::stored::{FORMAT, LoadedSummary, StoredSummary};
 use super::{Ensemble, EnsembleError, Warning};
-use crate::phase::configuration::Coordinates;
-use crate::system::{Dims, System};
 use crate::trajectory::Method;
 
 /// The first bytes of a file of any version.
@@ -36,12 +34,7 @@ const MAGIC: &[u8; 8] = b"sve run\0";
 /// Bytes before the content.
 const HEADER_LENGTH: usize = MAGIC.len() + 4 + 8 + 8;
 
-impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<I: Method> Ensemble<'_, I> {
     /// Writes the results of finished blocks to a file, at this interval and at the end, for [`resume`](Self::resume).
     ///
     /// The file is always complete: a new file is written, synchronised with the disk and renamed. A run without `resume`
@@ -63,7 +56,7 @@ where
     #[doc = include_str!("../example_end.md")]
     #[must_use]
     pub fn checkpoint(mut self, path: impl Into<PathBuf>, every: Duration) -> Self {
-        self.checkpoint = Some((path.into(), every));
+        self.execution.checkpoint = Some((path.into(), every));
         self
     }
 
@@ -84,7 +77,7 @@ where
     #[doc = include_str!("../example_end.md")]
     #[must_use]
     pub fn resume(mut self, resume: bool) -> Self {
-        self.resume = resume;
+        self.execution.resume = resume;
         self
     }
 }
@@ -96,10 +89,10 @@ impl<I: Method> Ensemble<'_, I> {
     /// # Errors
     /// [`EnsembleError::Checkpoint`] if the file cannot be read or written, and errors that say what is wrong with its content.
     pub fn try_checkpoint(&self) -> Result<(), EnsembleError> {
-        let Some((path, _)) = &self.checkpoint else {
+        let Some((path, _)) = &self.execution.checkpoint else {
             return Ok(());
         };
-        if self.resume {
+        if self.execution.resume {
             read(path)?;
         }
         crate::file::remove_leftovers(path);
@@ -112,7 +105,7 @@ impl<I: Method> Ensemble<'_, I> {
 impl<I: Method> Settings<'_, I> {
     /// Returns the checkpoint of the run, if there is one.
     pub(super) fn checkpoint(&self, info: &Info) -> Option<CheckpointFile> {
-        let (path, interval) = self.ensemble.checkpoint.clone()?;
+        let (path, interval) = self.ensemble.execution.checkpoint.clone()?;
         Some(CheckpointFile {
             path,
             info: info.clone(),

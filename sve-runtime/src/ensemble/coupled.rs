@@ -11,8 +11,6 @@ use super::path_block::PathBlock;
 use super::settings::Settings;
 use super::statistic::AnyRequest;
 use crate::lanes::Lane;
-use crate::phase::configuration::Coordinates;
-use crate::system::{Dims, System};
 use crate::trajectory::Method;
 
 /// Runs with common noise.
@@ -43,12 +41,7 @@ impl<I: Method> Coupled<'_, I> {
     }
 }
 
-impl<I, S, Q, const N: usize, const M: usize> Coupled<'_, I>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<I: Method> Coupled<'_, I> {
     /// Runs the paths of a block in all runs. Returns the results of the runs, then those of the differences.
     pub(super) fn run_block(&self, block: u64) -> Result<Vec<PartialResult>, EnsembleError> {
         let legs = self.legs.iter();
@@ -87,12 +80,13 @@ where
 }
 
 /// Adds the differences of the observables that two runs have just recorded.
-fn add_difference<I: Method, const N: usize, const M: usize>(
-    from: &PathBlock<'_, I, N, M>,
-    to: &PathBlock<'_, I, N, M>,
+fn add_difference<I: Method>(
+    from: &PathBlock<'_, I>,
+    to: &PathBlock<'_, I>,
     record: usize,
     result: &mut PartialResult,
 ) {
+    let [from, to] = [&from.records, &to.records];
     let counted = from.counted.iter().zip(&to.counted);
     for ((from, to), counted) in from.values.iter().zip(&to.values).zip(counted) {
         let pairs = to.iter().zip(from);

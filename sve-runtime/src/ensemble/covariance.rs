@@ -7,16 +7,9 @@ use super::joint::{JointColumn, JointMoments, ROW_BYTES, rows};
 use super::sizes::AT_ONCE;
 use super::statistic::{AnyRequest, Extent, Recorded, Size, Statistic, check_known};
 use super::{Ensemble, EnsembleError, Summary};
-use crate::phase::configuration::Coordinates;
-use crate::system::{Dims, System};
 use crate::trajectory::Method;
 
-impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<I: Method> Ensemble<'_, I> {
     /// Takes the covariance of two observables over the paths, at each recorded time: [`Summary::covariance`](super::Summary::covariance).
     ///
     /// ```

@@ -18,8 +18,6 @@ use super::settings::Settings;
 use super::stored::checked_tree;
 use super::summary::Summary;
 use super::{BLOCK_PATHS, Ensemble, EnsembleError, Warning};
-use crate::phase::configuration::Coordinates;
-use crate::system::{Dims, System};
 use crate::trajectory::Method;
 
 /// What two processes compare before they run blocks of the same ensemble.
@@ -68,12 +66,7 @@ pub struct Distribution<'a, I: Method> {
     info: Info,
 }
 
-impl<'a, I, S, Q, const N: usize, const M: usize> Ensemble<'a, I>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<'a, I: Method> Ensemble<'a, I> {
     /// Checks the settings for a run whose blocks are distributed by the caller.
     ///
     /// # Errors
@@ -85,12 +78,7 @@ where
     }
 }
 
-impl<I, S, Q, const N: usize, const M: usize> Distribution<'_, I>
-where
-    I: Method<System = S> + Sync,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<I: Method + Sync> Distribution<'_, I> {
     /// The blocks of the run, or of its shard.
     pub fn blocks(&self) -> Range<u64> {
         self.settings.shard[0]..self.settings.shard[1]
@@ -103,12 +91,12 @@ where
 
     /// Returns the number of threads that the ensemble asks for; by default that of the surrounding `rayon` pool.
     pub fn threads(&self) -> usize {
-        (self.settings.ensemble.threads).unwrap_or_else(rayon::current_num_threads)
+        (self.settings.ensemble.execution.threads).unwrap_or_else(rayon::current_num_threads)
     }
 
     /// Asks the function of [`stop_when`](Ensemble::stop_when) whether the run is to end.
     pub fn is_stopped(&self) -> bool {
-        (self.settings.ensemble.stop_when.as_ref()).is_some_and(|stop| stop())
+        self.settings.ensemble.execution.is_stopped()
     }
 
     /// Returns a description of the run, for [`difference`](Self::difference) in another process.
@@ -165,13 +153,13 @@ where
     pub fn checkpoint(&self) -> Option<Checkpoint> {
         Some(Checkpoint {
             file: self.settings.checkpoint(&self.info)?,
-            is_resumed: self.settings.ensemble.resume,
+            is_resumed: self.settings.ensemble.execution.resume,
         })
     }
 
     /// Returns whether [`progress`](Ensemble::progress) is to be shown.
     pub fn shows_progress(&self) -> bool {
-        self.settings.ensemble.progress
+        self.settings.ensemble.execution.progress
     }
 
     /// Returns the summary of results.

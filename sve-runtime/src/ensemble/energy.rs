@@ -4,22 +4,16 @@
 //! finite value.
 
 use super::Ensemble;
-use super::memory::Kind;
-use super::observe::Observable;
+use super::observe::Function;
+use super::observer::Plain;
 use crate::error::StepError;
 use crate::lanes::Lane;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::mechanics::Mechanics;
-use crate::phase::configuration::Coordinates;
-use crate::system::{Dimensions, Dims, StateLanesOf, StateOf, System};
+use crate::system::{Dimensions, StateLanesOf, StateOf, System};
 use crate::trajectory::Method;
 
-impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<I: Method> Ensemble<'_, I> {
     /// Takes statistics of the energy, as `observe(name, |system, state| system.hamiltonian(state))` does, in the lanes of vector registers: many times as fast
     /// where the macro knows H(q, p) as a formula, that is for Lagrangians that are quadratic in the velocities with up to six coordinates that the mass matrix couples. The
     /// energies agree with [`hamiltonian`](crate::Mechanics::hamiltonian) to rounding. Of other systems it is the energy of one state after the other.
@@ -50,19 +44,25 @@ where
     /// # }
     /// ```
     #[must_use]
-    pub fn observe_energy(self, name: impl Into<String>) -> Self {
-        self.add(name.into(), Energy, Kind::Value)
+    pub fn observe_energy(self, name: impl Into<String>) -> Self
+    where
+        I::System: Mechanics,
+    {
+        let (function, is_weighted) = (Energy, false);
+        self.add(
+            name,
+            Plain {
+                function,
+                is_weighted,
+            },
+        )
     }
 }
 
 /// The energy.
 struct Energy;
 
-impl<S, Q, const N: usize, const M: usize> Observable<S> for Energy
-where
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<S: Mechanics> Function<S> for Energy {
     fn tile(&self, system: &S, states: &StateLanesOf<S>, values: &mut Lane) {
         let energies = &mut *values;
         dispatch(EnergyLanes {

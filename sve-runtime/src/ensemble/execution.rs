@@ -17,8 +17,6 @@ use super::progress::Progress;
 use super::settings::Settings;
 use super::summary::Summary;
 use super::{BLOCK_PATHS, EnsembleError, Warning};
-use crate::phase::configuration::Coordinates;
-use crate::system::{Dims, System};
 use crate::trajectory::Method;
 
 /// Largest number of blocks that are run together: with paths that stop at a constant rate, a thousand paths keep nine of ten lanes full.
@@ -27,12 +25,7 @@ const GROUP: u64 = 16;
 /// Least number of times that a thread gets blocks to run together, so that all threads end at about the same time.
 const TURNS: u64 = 4;
 
-impl<I, S, Q, const N: usize, const M: usize> Settings<'_, I>
-where
-    I: Method<System = S> + Sync,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<I: Method + Sync> Settings<'_, I> {
     /// Runs the blocks of the shard.
     pub(super) fn execute(&self) -> Result<Summary, EnsembleError> {
         #[cfg(feature = "checkpoint")]
@@ -74,7 +67,7 @@ where
                 }
             });
         };
-        match self.ensemble.threads {
+        match self.ensemble.execution.threads {
             None => run_blocks(),
             Some(threads) => rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
@@ -102,7 +95,7 @@ where
                 return;
             }
             for blocks in shared.not_loaded(first..end) {
-                if self.ensemble.stop_when.as_ref().is_some_and(|stop| stop()) {
+                if self.ensemble.execution.is_stopped() {
                     return;
                 }
                 match run_some(blocks.clone()) {
@@ -186,7 +179,7 @@ impl Shared {
             trees: trees.collect(),
             loaded: Vec::new(),
             stop: Mutex::new(None),
-            progress: Progress::new(settings.ensemble.progress, paths),
+            progress: Progress::new(settings.ensemble.execution.progress, paths),
             #[cfg(feature = "checkpoint")]
             checkpoint: None,
         }
@@ -272,7 +265,7 @@ impl Shared {
         let Some(checkpoint) = settings.checkpoint(info) else {
             return Ok(self);
         };
-        if settings.ensemble.resume
+        if settings.ensemble.execution.resume
             && let Some(tree) = checkpoint.load()?
         {
             for part in tree.nodes.values() {

@@ -9,15 +9,15 @@
 use std::collections::BTreeSet;
 
 use super::difference::Difference;
-use super::memory::{Kind, LastStep};
-use super::path_noise::PathNoise;
+use super::observer::{LastStep, Seen};
 use super::settings::Settings;
 use crate::fingerprint::{Hash, StepsDifference, StepsFingerprint, hash};
-use crate::noise::lanes::DistributionKind;
-use crate::noise::{self, Noise, ThreePoint, Wiener};
-use crate::phase::configuration::{Configuration, Coordinates, FixedSize};
+use crate::lanes::LANES;
+use crate::method::DimsOf;
+use crate::noise;
+use crate::phase::configuration::Configuration;
 use crate::phase::state::State;
-use crate::system::{Dimensions, Dims, System};
+use crate::system::{Dimensions, Increments, IncrementsOf};
 use crate::trajectory::Method;
 
 /// Smallest number of steps of path 0 that are compared.
@@ -68,25 +68,16 @@ impl Fingerprint {
 }
 
 /// Adds time, configuration and momentum.
-fn add_state<Q: FixedSize>(hash: &mut Hash, state: &State<Q>) {
+fn add_state<Q: Configuration>(hash: &mut Hash, state: &State<Q>) {
     hash.add_number(state.t);
-    let mut values = vec![0.0; Q::STORED_VALUES + Q::DEGREES_OF_FREEDOM];
-    let (q, p) = values.split_at_mut(Q::STORED_VALUES);
-    state.q.store(q);
-    state.p.store(p);
-    for x in values {
+    for x in state.stored().into_iter().flatten() {
         hash.add_number(x);
     }
 }
 
-impl<I, S, Q, const N: usize, const M: usize> Settings<'_, I>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<I: Method> Settings<'_, I> {
     pub(super) fn fingerprint(self) -> Fingerprint {
-        let ensemble = self.ensemble;
+        let (ensemble, observed) = (self.ensemble, &self.ensemble.observed);
         Fingerprint {
             seed: hash(|hash| {
                 hash.add(self.noise.seed);
@@ -98,7 +89,7 @@ where
                 None => hash.add(2),
                 Some(distribution) => {
                     hash.add(noise::VERSION);
-                    hash.add(u64::from(distribution == DistributionKind::ThreePoint));
+                    hash.add(distribution.number());
                     hash.add_number(self.noise.largest);
                     if self.noise.depth != 0 {
                         hash.add(u64::from(self.noise.depth));
@@ -117,23 +108,22 @@ where
                 hash.add(self.steps);
                 hash.add(u64::from(ensemble.keep_final_states));
                 // runs without integrals have the hashes that they always had
-                let are_plain = ensemble.kinds.iter().all(|&kind| kind == Kind::Value);
-                if !are_plain || ensemble.weight.is_some() {
-                    ensemble
-                        .kinds
-                        .iter()
-                        .for_each(|&kind| hash.add(kind.number()));
-                    hash.add(ensemble.settle);
-                    hash.add(u64::from(ensemble.weight.is_some()));
+                let kinds: Vec<u64> = observed.observables.iter().map(|of| of.number()).collect();
+                if kinds.iter().any(|&kind| kind != 0) || observed.weight.is_some() {
+                    for kind in kinds {
+                        hash.add(kind);
+                    }
+                    hash.add(observed.settle);
+                    hash.add(u64::from(observed.weight.is_some()));
                 }
                 if ensemble.refine > 0 {
                     hash.add(u64::from(ensemble.refine));
                 }
-                for passage in &ensemble.passages {
+                for passage in &observed.passages {
                     hash.add(u64::from(passage.stops));
                 }
-                for (name, range) in &ensemble.bounds {
-                    let column = ensemble.names.iter().position(|known| known == name);
+                for (name, range) in &observed.bounds {
+                    let column = observed.column(name);
                     hash.add(column.unwrap_or(usize::MAX) as u64);
                     for &x in range {
                         hash.add_number(x);
@@ -174,13 +164,14 @@ where
             return;
         };
         let mut state = self.start_of(path);
-        let mut increments = self.increments_of(path);
-        let observables = &self.ensemble.observables;
-        let mut memories: Vec<_> = observables.iter().filter_map(|o| o.memory(1)).collect();
+        let mut increments = self.noise.increments_of(path, self.h);
+        let observables = &self.ensemble.observed.observables;
+        let hidden = observables.iter().filter(|of| of.has_hidden_memory());
+        let mut memories: Vec<_> = hidden.map(|of| of.observer(1, 0)).collect();
         for step in 0..=steps.min(self.steps) {
             if step > 0 {
-                let mut dw = [0.0; M];
-                let made = increments(step - 1, &mut dw)
+                let mut dw = <IncrementsOf<I::System>>::NONE;
+                let made = increments(step - 1, dw.as_mut()).is_ok()
                     && method
                         .step_prepared(&prepared, &mut state, self.h, &dw)
                         .is_ok();
@@ -194,10 +185,13 @@ where
                 memories.clear();
             }
             for memory in &mut memories {
-                let last = LastStep::whole(step, self.h);
-                memory.update(0, system, &S::Dims::splat(&state), &last);
+                let (last, states) = (LastStep::whole(step, self.h), DimsOf::<I>::splat(&state));
+                let seen = Seen::new(system, 0, &states, 1, &last);
+                memory.update(&seen);
                 if step.is_power_of_two() {
-                    hash.add_number(memory.values(0, &last)[0]);
+                    let mut values = [0.0; LANES];
+                    memory.values(&seen, &mut values);
+                    hash.add_number(values[0]);
                 }
             }
             let recorded = self.records_after(step);
@@ -206,63 +200,18 @@ where
             }
             if recorded {
                 for observable in observables {
-                    hash.add_number(observable.value(system, &state).unwrap_or(f64::NAN));
+                    let value = observable.function().value(system, &state);
+                    hash.add_number(value.unwrap_or(f64::NAN));
                 }
-                for passage in &self.ensemble.passages {
+                for passage in &self.ensemble.observed.passages {
                     let value = passage.function.value(system, &state);
                     hash.add_number(value.unwrap_or(f64::NAN));
                 }
-                if let Some(weight) = &self.ensemble.weight {
-                    hash.add_number(weight.value(system, &state).unwrap_or(f64::NAN));
+                if let Some(weight) = &self.ensemble.observed.weight {
+                    let value = weight.function().value(system, &state);
+                    hash.add_number(value.unwrap_or(f64::NAN));
                 }
             }
-        }
-    }
-
-    /// Returns the increments of a path, for each step in order; the function returns false if there are none.
-    fn increments_of(self, path: u64) -> impl FnMut(u64, &mut [f64; M]) -> bool {
-        let noise = self.noise;
-        let PathNoise {
-            seed,
-            first_path,
-            distribution,
-            largest,
-            depth,
-            ..
-        } = noise;
-        let h = self.h;
-        let is_mirrored = noise.is_antithetic && path % 2 == 1;
-        let path = first_path.wrapping_add(noise.path_within(path));
-        let mut wiener = Wiener::new(seed).path(path);
-        let mut refined = wiener.refine(depth).ok().filter(|_| depth > 0);
-        let mut three_point = ThreePoint::new(seed).path(path);
-        move |step, dw| {
-            let Some(distribution) = distribution else {
-                return true;
-            };
-            let drawn = match distribution {
-                DistributionKind::Normal if noise.is_coarsened => {
-                    let mut second = [0.0; M];
-                    let drawn = (wiener.increments(2 * step, 0.5 * h, dw))
-                        .and_then(|()| wiener.increments(2 * step + 1, 0.5 * h, &mut second));
-                    for (dw, second) in dw.iter_mut().zip(second) {
-                        *dw += second;
-                    }
-                    drawn
-                }
-                DistributionKind::Normal => match &mut refined {
-                    Some(refined) => refined.increments(step, h, dw),
-                    None => wiener.increments(step, h, dw),
-                },
-                DistributionKind::ThreePoint => three_point.increments(step, h, dw),
-            };
-            for dw in dw {
-                *dw = dw.clamp(-largest, largest);
-                if is_mirrored {
-                    *dw = -*dw;
-                }
-            }
-            drawn.is_ok()
         }
     }
 }

@@ -8,22 +8,24 @@
 use std::sync::Arc;
 
 use super::by::By;
-use super::memory::Kind;
-use super::observe::Observable;
+use super::observe::Function;
+use super::observer::{Observable, Observer, Seen};
 use super::statistics::Statistics;
 use super::summary::Summary;
 use super::tangents::{CarryTiles, carry_tiles};
+use super::tile::lanes;
 use super::{Ensemble, EnsembleError};
 use crate::error::StepError;
 use crate::lanes::Lane;
 use crate::mechanics::with_dual_state;
 use crate::method::{Differentiable, OneStepMethod};
 use crate::phase::Field;
-use crate::phase::configuration::{Coordinates, FixedSize};
-use crate::phase::dual::{Dual, DualState};
-use crate::phase::state::State;
+use crate::phase::configuration::FixedSize;
+use crate::phase::dual::Dual;
 use crate::system::linearisation::Directions;
-use crate::system::{ConfigurationOf, Dimensions, Dims, IncrementsOf, StateOf, System, VectorOf};
+use crate::system::{
+    ConfigurationOf, Dimensions, DualStateOf, IncrementsOf, StateLanesOf, StateOf, System, VectorOf,
+};
 use crate::trajectory::Method;
 
 /// A smooth function of a state, with its derivatives.
@@ -40,48 +42,106 @@ pub(super) trait Smooth<S: System>: Send + Sync {
     fn check(&self, system: &S, state: &StateOf<S>) -> Result<(), StepError>;
 }
 
-/// A closure over dual numbers for a system with `N` coordinates.
-struct SmoothClosure<F, const N: usize>(F);
+/// A closure over dual numbers.
+struct SmoothClosure<F>(F);
 
-impl<S, F, Q, const N: usize, const M: usize> Smooth<S> for SmoothClosure<F, N>
+impl<S, F> Smooth<S> for SmoothClosure<F>
 where
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-    F: Fn(&DualState<'_, N, Q::Dual>) -> Dual + Send + Sync,
+    S: System,
+    F: Fn(&DualStateOf<'_, S>) -> Dual + Send + Sync,
 {
     fn slope(
         &self,
         system: &S,
-        state: &State<Q>,
-        direction: &Field<[f64; N]>,
+        state: &StateOf<S>,
+        direction: &Field<VectorOf<S>>,
         varied: Option<usize>,
     ) -> f64 {
         let dual = with_dual_state(system, state, direction, varied, &|_| {}, &self.0);
         dual.map_or(f64::NAN, Dual::slope)
     }
 
-    fn check(&self, system: &S, state: &State<Q>) -> Result<(), StepError> {
-        let dual = with_dual_state(system, state, &Field::ZERO, None, &|_| {}, &self.0);
+    fn check(&self, system: &S, state: &StateOf<S>) -> Result<(), StepError> {
+        let dual = with_dual_state(
+            system,
+            state,
+            &Field::zero::<S::Dims>(),
+            None,
+            &|_| {},
+            &self.0,
+        );
         dual.map(|_| ())
     }
 }
 
-impl<S, F, Q, const N: usize, const M: usize> Observable<S> for Arc<SmoothClosure<F, N>>
+impl<S, F> Function<S> for SmoothClosure<F>
 where
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-    F: Fn(&DualState<'_, N, Q::Dual>) -> Dual + Send + Sync,
+    S: System,
+    F: Fn(&DualStateOf<'_, S>) -> Dual + Send + Sync,
 {
-    fn tile(&self, system: &S, states: &<S::Dims as Dimensions>::StateLanes, values: &mut Lane) {
+    fn tile(&self, system: &S, states: &StateLanesOf<S>, values: &mut Lane) {
         for (lane, value) in values.iter_mut().enumerate() {
             let state = S::Dims::get(states, lane);
             *value = self.value(system, &state).unwrap_or(f64::NAN);
         }
     }
 
-    fn value(&self, system: &S, state: &State<Q>) -> Result<f64, StepError> {
-        let dual = with_dual_state(system, state, &Field::ZERO, None, &|_| {}, &self.0)?;
+    fn value(&self, system: &S, state: &StateOf<S>) -> Result<f64, StepError> {
+        let dual = with_dual_state(
+            system,
+            state,
+            &Field::zero::<S::Dims>(),
+            None,
+            &|_| {},
+            &self.0,
+        )?;
         Ok(dual.value())
+    }
+}
+
+/// A smooth function, or its derivative in a direction.
+struct Smoothed<F> {
+    function: Arc<SmoothClosure<F>>,
+    direction: Option<usize>,
+}
+
+impl<S, F> Observable<S> for Smoothed<F>
+where
+    S: System,
+    F: Fn(&DualStateOf<'_, S>) -> Dual + Send + Sync,
+{
+    fn number(&self) -> u64 {
+        if self.direction.is_some() { 7 } else { 0 }
+    }
+
+    fn function(&self) -> &dyn Function<S> {
+        &*self.function
+    }
+
+    fn observer(&self, _: usize, _: u64) -> Box<dyn Observer<S> + '_> {
+        Box::new(self)
+    }
+}
+
+impl<S, F> Observer<S> for &Smoothed<F>
+where
+    S: System,
+    F: Fn(&DualStateOf<'_, S>) -> Dual + Send + Sync,
+{
+    fn sees_steps(&self) -> bool {
+        false
+    }
+
+    fn values(&self, seen: &Seen<'_, S>, values: &mut Lane) {
+        let (Some(direction), Some(tangents)) = (self.direction, seen.tangents) else {
+            return self.function.tile(seen.system, seen.states, values);
+        };
+        let varied = tangents.varied_in(direction, seen.step);
+        for lane in lanes(seen.active) {
+            let state = S::Dims::get(seen.states, lane);
+            let along = tangents.of(seen.tile, direction, lane);
+            values[lane] = self.function.slope(seen.system, &state, &along, varied);
+        }
     }
 }
 
@@ -163,12 +223,7 @@ impl<I: Method> Gradients<'_, I> {
     }
 }
 
-impl<'a, I, S, Q, const N: usize, const M: usize> Ensemble<'a, I>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<'a, I: Method> Ensemble<'a, I> {
     /// Takes statistics of a smooth function of a state, and of its derivatives: the derivatives of the mean by parameters, by parameters during some steps and by the start, with
     /// their standard errors.
     ///
@@ -226,29 +281,35 @@ where
         mut self,
         name: impl Into<String>,
         by: impl IntoIterator<Item = B>,
-        function: impl Fn(&DualState<'_, N, Q::Dual>) -> Dual + Send + Sync + 'a,
+        function: impl Fn(&DualStateOf<'_, I::System>) -> Dual + Send + Sync + 'a,
     ) -> Self
     where
         I: Differentiable,
     {
         let name = name.into();
-        let smooth = Arc::new(SmoothClosure(function));
-        let number = self.gradients.functions.len();
-        self = self.add(name.clone(), smooth.clone(), Kind::Value);
+        let function = Arc::new(SmoothClosure(function));
+        let smoothed = |direction| {
+            let function = function.clone();
+            Smoothed {
+                function,
+                direction,
+            }
+        };
+        self = self.add(&name, smoothed(None));
         for by in by {
-            let by = by.into();
-            let known = self.gradients.by.iter().position(|known| *known == by);
-            let direction = known.unwrap_or(self.gradients.by.len());
+            let (by, gradients) = (by.into(), &mut self.observed.gradients);
+            let known = gradients.by.iter().position(|known| *known == by);
+            let direction = known.unwrap_or(gradients.by.len());
             let of = derivative(&name, &by);
             if known.is_none() {
-                self.gradients.by.push(by);
+                gradients.by.push(by);
             }
-            let kind = Kind::Slope(number, direction);
-            self = self.add(of, smooth.clone(), kind);
+            self = self.add(of, smoothed(Some(direction)));
         }
-        self.gradients.names.push(name);
-        self.gradients.functions.push(smooth);
-        self.gradients.steps = Some(TangentSteps {
+        let gradients = &mut self.observed.gradients;
+        gradients.names.push(name);
+        gradients.functions.push(function);
+        gradients.steps = Some(TangentSteps {
             alone: I::push_forward,
             in_lanes: carry_tiles::<I>,
         });

@@ -10,17 +10,10 @@ use super::sizes::{AT_ONCE, NUMBER};
 use super::statistic::{AnyRequest, Extent, Recorded, Size, Statistic, check_known};
 use super::{Ensemble, EnsembleError, Summary, edges};
 use crate::lanes::{LANES, Lane};
-use crate::phase::configuration::Coordinates;
-use crate::system::{Dims, System};
 use crate::table::{Table, Values, table_writers};
 use crate::trajectory::Method;
 
-impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<I: Method> Ensemble<'_, I> {
     /// Takes a histogram of an observable with `bins` equal bins over a range, at each recorded time.
     ///
     #[doc = include_str!("example.md")]

@@ -4,11 +4,15 @@
 //! Invariant: the increments of path `k` are those of the source's path `k`, bit for bit. In antithetic pairs, paths `2k` and `2k + 1` have those of path `k`, the second
 //! one with the other sign. Coarsened increments are sums of the source's increments over the halves of a step.
 
+use core::marker::PhantomData;
+
 use super::BLOCK_TILES;
 use super::path_noise::PathNoise;
 use crate::lanes::{Aligned, LANES, Lane};
-use crate::noise::lanes::{DistributionKind, Draw, fill};
+use crate::noise::AnyDistribution;
+use crate::noise::lanes::Draw;
 use crate::noise::refined_lanes::RefinedLanes;
+use crate::system::{Dimensions, Increments};
 
 /// Number of steps whose increments are drawn at once, so that the overhead of a draw is small.
 pub(super) const BATCH: u64 = 32;
@@ -18,7 +22,7 @@ const QUAD: u64 = 4;
 const QUADS: usize = (BATCH / QUAD) as usize;
 
 /// The increments of a batch of steps for the tiles of a block.
-pub(super) struct IncrementBuffer<const M: usize> {
+pub(super) struct IncrementBuffer<D> {
     noise: PathNoise,
     h: f64,
     /// Number of the batch in the buffer.
@@ -29,9 +33,12 @@ pub(super) struct IncrementBuffer<const M: usize> {
     mirrored: Vec<[bool; LANES]>,
     /// Increments by groups of four steps, tiles and processes.
     values: Vec<Aligned<[Lane; 4]>>,
+    dimensions: PhantomData<D>,
 }
 
-impl<const M: usize> IncrementBuffer<M> {
+impl<D: Dimensions> IncrementBuffer<D> {
+    const PROCESSES: usize = D::Increments::PROCESSES;
+
     /// An empty buffer.
     pub(super) fn new(noise: PathNoise, h: f64) -> Self {
         Self {
@@ -40,7 +47,8 @@ impl<const M: usize> IncrementBuffer<M> {
             batch: None,
             paths: Vec::with_capacity(BLOCK_TILES),
             mirrored: Vec::with_capacity(BLOCK_TILES),
-            values: vec![Aligned([[0.0; LANES]; 4]); QUADS * BLOCK_TILES * M],
+            values: vec![Aligned([[0.0; LANES]; 4]); QUADS * BLOCK_TILES * Self::PROCESSES],
+            dimensions: PhantomData,
         }
     }
 
@@ -49,7 +57,7 @@ impl<const M: usize> IncrementBuffer<M> {
         let Some(distribution) = self.noise.distribution else {
             return;
         };
-        if M == 0 {
+        if Self::PROCESSES == 0 {
             return;
         }
         let first = self.noise.first_path;
@@ -82,9 +90,9 @@ impl<const M: usize> IncrementBuffer<M> {
     /// Changes the signs of the increments in the mirrored lanes.
     fn mirror(&mut self) {
         let tiles = self.mirrored.len();
-        let rows = QUADS * tiles * M;
+        let rows = QUADS * tiles * Self::PROCESSES;
         for (row, values) in self.values[..rows].iter_mut().enumerate() {
-            let mirrored = &self.mirrored[row / M % tiles];
+            let mirrored = &self.mirrored[row / Self::PROCESSES % tiles];
             for dw in &mut values.0 {
                 for (dw, &is_mirrored) in dw.iter_mut().zip(mirrored) {
                     *dw = if is_mirrored { -*dw } else { *dw };
@@ -94,29 +102,28 @@ impl<const M: usize> IncrementBuffer<M> {
     }
 
     /// Draws the increments over whole steps of the source.
-    fn draw(&mut self, distribution: DistributionKind, batch: u64) {
+    fn draw(&mut self, distribution: &dyn AnyDistribution, batch: u64) {
         let PathNoise { seed, largest, .. } = self.noise;
-        let rows = self.paths.len() * M;
+        let rows = self.paths.len() * Self::PROCESSES;
         let values = &mut self.values[..QUADS * rows];
         let mut draw = Draw {
-            distribution,
             seed,
             paths: &self.paths,
             first_block: batch * QUADS as u64,
             scale: self.h.abs().sqrt(),
-            processes: M,
+            processes: Self::PROCESSES,
         };
         if self.noise.is_coarsened {
             draw.first_block *= 2;
             draw.scale = (0.5 * self.h.abs()).sqrt();
             let mut halves = vec![Aligned([[0.0; LANES]; 4]); 2 * QUADS * rows];
-            fill(&draw, &mut halves);
+            distribution.fill(&draw, &mut halves);
             for (row, values) in values.iter_mut().enumerate() {
                 let first = row / rows * 2 * rows + row % rows;
                 *values = sums([&halves[first], &halves[first + rows]]);
             }
         } else {
-            fill(&draw, values);
+            distribution.fill(&draw, values);
         }
         if largest < f64::INFINITY {
             for dw in values.iter_mut().flat_map(|row| row.0.as_flattened_mut()) {
@@ -126,11 +133,11 @@ impl<const M: usize> IncrementBuffer<M> {
     }
 
     /// Draws the increments over parts of steps of the source.
-    fn draw_refined(&mut self, distribution: DistributionKind, batch: u64) {
+    fn draw_refined(&mut self, distribution: &dyn AnyDistribution, batch: u64) {
         let PathNoise { seed, depth, .. } = self.noise;
         let whole_h = self.h * (1_u64 << depth) as f64;
         let parts = BATCH.min(1 << depth);
-        let mut whole = vec![Aligned([[0.0; LANES]; 4]); self.paths.len() * M];
+        let mut whole = vec![Aligned([[0.0; LANES]; 4]); self.paths.len() * Self::PROCESSES];
         let mut drawn = None;
         let mut halves = [[0.0; LANES]; BATCH as usize];
         for first in (batch * BATCH..)
@@ -141,14 +148,13 @@ impl<const M: usize> IncrementBuffer<M> {
             let quad = step / QUAD;
             if drawn.replace(quad) != Some(quad) {
                 let draw = Draw {
-                    distribution,
                     seed,
                     paths: &self.paths,
                     first_block: quad,
                     scale: whole_h.abs().sqrt(),
-                    processes: M,
+                    processes: Self::PROCESSES,
                 };
-                fill(&draw, &mut whole);
+                distribution.fill(&draw, &mut whole);
             }
             for (tile, paths) in self.paths.iter().enumerate() {
                 let lanes = RefinedLanes {
@@ -157,15 +163,16 @@ impl<const M: usize> IncrementBuffer<M> {
                     whole_h,
                     depth,
                 };
-                for process in 0..M {
-                    let of_step = &whole[tile * M + process].0[(step % QUAD) as usize];
+                for process in 0..Self::PROCESSES {
+                    let of_step =
+                        &whole[tile * Self::PROCESSES + process].0[(step % QUAD) as usize];
                     let part = first - (step << depth);
                     let halves = &mut halves[..parts as usize];
                     lanes.fill(step, process, of_step, part, halves);
                     for (fine, dw) in (first..).zip(halves) {
                         let quad = (fine % BATCH / QUAD) as usize;
-                        let row = &mut self.values[(quad * self.paths.len() + tile) * M + process];
-                        row.0[(fine % QUAD) as usize] = *dw;
+                        let row = (quad * self.paths.len() + tile) * Self::PROCESSES + process;
+                        self.values[row].0[(fine % QUAD) as usize] = *dw;
                     }
                 }
             }
@@ -174,28 +181,29 @@ impl<const M: usize> IncrementBuffer<M> {
 
     /// Returns the increments of a tile for a step of the batch in the buffer.
     #[inline(always)]
-    pub(super) fn of(&self, tile: usize, step: u64) -> Aligned<[Lane; M]> {
-        Aligned(core::array::from_fn(|process| {
-            *self.row(tile, step, process)
-        }))
+    pub(super) fn of(&self, tile: usize, step: u64) -> Aligned<D::IncrementLanes> {
+        let mut increments = Aligned(D::NO_INCREMENT_LANES);
+        for (process, lanes) in increments.0.as_mut().iter_mut().enumerate() {
+            *lanes = *self.row(tile, step, process);
+        }
+        increments
     }
 
     /// Returns the increments of a tile for a step of the batch in the buffer where there is a single process: those need not be copied.
     #[inline(always)]
-    pub(super) fn only(&self, tile: usize, step: u64) -> Option<&[Lane; M]> {
-        if M != 1 {
+    pub(super) fn only(&self, tile: usize, step: u64) -> Option<&D::IncrementLanes> {
+        if Self::PROCESSES != 1 {
             return None;
         }
-        core::slice::from_ref(self.row(tile, step, 0))
-            .try_into()
-            .ok()
+        D::of_only_process(self.row(tile, step, 0))
     }
 
     /// Returns the increments of a process of a tile.
     #[inline(always)]
     fn row(&self, tile: usize, step: u64, process: usize) -> &Lane {
         let quad = (step % BATCH / QUAD) as usize;
-        let rows = &self.values[(quad * self.paths.len() + tile) * M..][..M];
+        let rows =
+            &self.values[(quad * self.paths.len() + tile) * Self::PROCESSES..][..Self::PROCESSES];
         &rows[process].0[(step % QUAD) as usize]
     }
 }
@@ -214,6 +222,7 @@ mod tests {
     use super::{BATCH, BLOCK_TILES, IncrementBuffer, LANES};
     use crate::ensemble::path_noise::PathNoise;
     use crate::noise::{ManyPaths as _, Noise as _, Wiener};
+    use crate::system::Dims;
 
     /// Any paths in the lanes: consecutive ones, and others.
     fn tiles() -> [[u64; LANES]; BLOCK_TILES] {
@@ -229,7 +238,7 @@ mod tests {
         let source = Wiener::new(seed).path(first);
         let noise = source.refine(depth).unwrap().many_paths();
         let noise = PathNoise::new(Some(noise), 0, h).unwrap();
-        let mut buffer = IncrementBuffer::<M>::new(noise, h);
+        let mut buffer = IncrementBuffer::<Dims<1, M>>::new(noise, h);
         let tiles = tiles();
         for batch in [0, 1, 2, 77] {
             buffer.load(batch, tiles.iter());

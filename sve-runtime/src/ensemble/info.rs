@@ -9,7 +9,7 @@ use super::settings::Settings;
 use super::statistic::Extent;
 use super::statistic::{self, AnyRequest};
 use crate::description::{RunDescription, SystemDescription};
-use crate::system::{Increments as _, IncrementsOf};
+use crate::system::{Increments, IncrementsOf};
 use crate::trajectory::Method;
 
 /// The data that summaries of the same run have in common.
@@ -69,7 +69,7 @@ impl Info {
 impl<I: Method> Settings<'_, I> {
     /// Returns what pages show of the run.
     pub(super) fn description(&self) -> RunDescription {
-        let has_noise = !<IncrementsOf<I::System>>::NONE.as_ref().is_empty();
+        let has_noise = <IncrementsOf<I::System>>::PROCESSES > 0;
         RunDescription {
             system: SystemDescription::of(self.method.system()),
             method: self.method.describe(),

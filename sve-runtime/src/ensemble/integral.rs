@@ -1,24 +1,55 @@
 //! Integrals over time along each path: averages, and the weight of Feynman and Kac.
 //!
-//! Input: functions of the system and a state. Output: the settings of an ensemble; [`memory`](super::memory) integrates.
+//! Input: functions of the system and a state. Output: observables of their integrals so far, and of other functions times the weight.
 //!
 //! The trapezoidal rule keeps weak order 2 of a rule; a sum over the left ends of steps would make every rule of order 1.
 
 use super::Ensemble;
-use super::memory::Kind;
+use super::memory::{Accumulate, Accumulated};
 use super::observe::Closure;
+use super::observer::{LastStep, Plain};
 use crate::error::Observed;
-use crate::phase::configuration::Coordinates;
-use crate::phase::state::State;
-use crate::system::{Dims, System};
+use crate::system::StateOf;
 use crate::trajectory::Method;
 
-impl<'a, I, S, Q, const N: usize, const M: usize> Ensemble<'a, I>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<'a, I: Method> Ensemble<'a, I> {
+    /// Takes statistics of the integral ∫f dt of a function along each path, from the start to the recorded time, by the trapezoidal rule over all steps.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// struct Oscillator;
+    ///
+    /// #[variational(midpoint)]
+    /// impl Oscillator {
+    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v - 0.5 * q * q }
+    /// }
+    ///
+    /// # fn main() -> Result<(), EnsembleError> {
+    /// let oscillator = Integrator::new(Oscillator, Midpoint);
+    /// let summary = Ensemble::new(&oscillator)
+    ///     .paths(10).steps(0.01, 1000)
+    ///     .start(State::new([1.0], [0.0]))
+    ///     .integral("area", |_, state| state.q[0])
+    ///     .maximum("speed", |_, state| state.p[0].abs())
+    ///     .crossings("turns", |_, state| state.p[0])
+    ///     .run()?;
+    /// // q = cos t, p = −sin t, until t = 10
+    /// assert!((summary["area"].mean()[1] - 10_f64.sin()).abs() < 1e-3);
+    /// assert!((summary["speed"].mean()[1] - 1.0).abs() < 1e-4);
+    /// assert_eq!(summary["turns"].mean()[1], 3.0);
+    /// # Ok(())
+    /// # }
+    /// ```
+    #[must_use]
+    pub fn integral<F, O>(self, name: impl Into<String>, function: F) -> Self
+    where
+        F: Fn(&I::System, &StateOf<I::System>) -> O + Sync + 'a,
+        O: Observed + 'a,
+    {
+        self.add(name, Accumulated::new(function, Integral))
+    }
+
     /// Takes statistics of the average of a function over time, along each path: from the start, or from the step of [`settle`](Self::settle), to the recorded time, by the
     /// trapezoidal rule over all steps.
     ///
@@ -56,10 +87,10 @@ where
     #[must_use]
     pub fn average<F, O>(self, name: impl Into<String>, function: F) -> Self
     where
-        F: Fn(&S, &State<Q>) -> O + Sync + 'a,
+        F: Fn(&I::System, &StateOf<I::System>) -> O + Sync + 'a,
         O: Observed + 'a,
     {
-        self.add(name.into(), Closure::new(function), Kind::Average)
+        self.add(name, Accumulated::new(function, Average { from: 0 }))
     }
 
     /// Begins the [averages](Self::average) after so many steps, when the paths have forgotten their start.
@@ -72,7 +103,7 @@ where
     #[doc = include_str!("../example_end.md")]
     #[must_use]
     pub fn settle(mut self, steps: u64) -> Self {
-        self.settle = steps;
+        self.observed.settle = steps;
         self
     }
 
@@ -91,10 +122,10 @@ where
     #[must_use]
     pub fn weight<F, O>(mut self, potential: F) -> Self
     where
-        F: Fn(&S, &State<Q>) -> O + Sync + 'a,
+        F: Fn(&I::System, &StateOf<I::System>) -> O + Sync + 'a,
         O: Observed + 'a,
     {
-        self.weight = Some(Box::new(Closure::new(potential)));
+        self.observed.weight = Some(Box::new(Accumulated::new(potential, Integral)));
         self
     }
 
@@ -108,9 +139,57 @@ where
     #[must_use]
     pub fn terminal<F, O>(self, name: impl Into<String>, function: F) -> Self
     where
-        F: Fn(&S, &State<Q>) -> O + Sync + 'a,
+        F: Fn(&I::System, &StateOf<I::System>) -> O + Sync + 'a,
         O: Observed + 'a,
     {
-        self.add(name.into(), Closure::new(function), Kind::Weighted)
+        let function = Closure::new(function);
+        self.add(
+            name,
+            Plain {
+                function,
+                is_weighted: true,
+            },
+        )
+    }
+}
+
+/// An integral over time by the trapezoidal rule.
+#[derive(Clone, Copy)]
+struct Integral;
+
+impl Accumulate for Integral {
+    const NUMBER: u64 = 3;
+
+    fn after(self, sum: f64, [last, now]: [f64; 2], step: &LastStep, lane: usize) -> f64 {
+        sum + 0.5 * step.lengths[lane] * (last + now)
+    }
+}
+
+/// An average over time.
+#[derive(Clone, Copy)]
+pub(super) struct Average {
+    /// The step at which it begins.
+    from: u64,
+}
+
+impl Accumulate for Average {
+    const NUMBER: u64 = 2;
+
+    fn settled(self, from: u64) -> Self {
+        Self { from }
+    }
+
+    fn after(self, sum: f64, ends: [f64; 2], step: &LastStep, lane: usize) -> f64 {
+        if step.number <= self.from {
+            return sum;
+        }
+        Integral.after(sum, ends, step, lane)
+    }
+
+    fn read(self, sum: f64, now: f64, step: &LastStep, lane: usize) -> f64 {
+        if step.number <= self.from {
+            return now;
+        }
+        sum / step.time_since(self.from, lane)
     }
 }

@@ -8,7 +8,6 @@
 //! work of a thread; where paths can stop, several blocks are run together, so that their paths keep the lanes full. The results of blocks are merged
 //! pairwise in a fixed tree.
 
-mod along;
 mod antithetic;
 #[cfg(feature = "checkpoint")]
 mod attempts;
@@ -18,6 +17,7 @@ mod checkpoint;
 mod columns;
 mod coupled;
 mod covariance;
+mod crossings;
 mod difference;
 #[cfg(feature = "distributed")]
 mod distribution;
@@ -29,17 +29,20 @@ mod execution;
 mod failure;
 mod final_state;
 mod fingerprint;
+mod fold;
 mod gradient;
 mod histogram;
 mod increment_buffer;
 mod info;
 mod integral;
 mod joint;
+mod maximum;
 mod memory;
 mod merge_tree;
 mod moments;
 mod multilevel;
 mod observe;
+mod observer;
 mod packing;
 mod passage;
 mod path_block;
@@ -92,8 +95,8 @@ pub use warning::Warning;
 use core::fmt;
 
 use self::gradient::Gradients;
-use self::memory::Kind;
-use self::observe::{Closure, Observable};
+use self::observe::Closure;
+use self::observer::{Observable, Plain};
 use self::passage::PassageFunction;
 use self::settings::Settings;
 use self::starts::Starts;
@@ -101,9 +104,7 @@ use self::statistic::AnyRequest;
 use self::statistics::MomentsRequest;
 use crate::lanes::LANES;
 use crate::noise::PathData;
-use crate::phase::configuration::Coordinates;
-use crate::phase::state::State;
-use crate::system::{Dims, StateOf, System};
+use crate::system::StateOf;
 use crate::trajectory::Method;
 
 /// Number of paths of a block. One thread runs a block, and its statistics are merged with those of other blocks in a fixed order.
@@ -153,7 +154,6 @@ const _: () = assert!(BLOCK_TILES * LANES == BLOCK_PATHS as usize);
 /// # Ok(())
 /// # }
 /// ```
-#[allow(clippy::struct_excessive_bools)] // switches, each with a function of its name
 pub struct Ensemble<'a, I: Method> {
     method: &'a I,
     paths: Option<u64>,
@@ -162,15 +162,24 @@ pub struct Ensemble<'a, I: Method> {
     steps: Option<(f64, u64)>,
     every: Option<u64>,
     start: Option<Starts<'a, StateOf<I::System>>>,
+    share_paths: bool,
+    keep_final_states: bool,
+    /// Largest number of halvings of a step that fails.
+    refine: u32,
+    stop_on_failure: bool,
+    observed: Observations<'a, I>,
+    execution: Execution<'a>,
+}
+
+/// What is observed of the paths.
+struct Observations<'a, I: Method> {
+    /// The observables and their names.
     names: Vec<String>,
     observables: Vec<Box<dyn Observable<I::System> + 'a>>,
-    /// What becomes of each observable at a recorded time.
-    kinds: Vec<Kind>,
-    /// The rate at which the logarithm of the weight of a path decreases.
+    /// The integral of the rate at which the logarithm of the weight of a path decreases.
     weight: Option<Box<dyn Observable<I::System> + 'a>>,
     /// The step at which averages begin.
     settle: u64,
-    share_paths: bool,
     gradients: Gradients<'a, I>,
     /// Functions whose first zero is recorded.
     passages: Vec<PassageFunction<'a, I::System>>,
@@ -178,11 +187,12 @@ pub struct Ensemble<'a, I: Method> {
     statistics: Vec<AnyRequest>,
     /// Observables with their least and greatest values.
     bounds: Vec<(String, [f64; 2])>,
-    keep_final_states: bool,
-    /// Largest number of halvings of a step that fails.
-    refine: u32,
-    stop_on_failure: bool,
-    shard: (u64, u64),
+}
+
+/// How the run is executed, which changes no result.
+#[derive(Default)]
+struct Execution<'a> {
+    shard: Option<(u64, u64)>,
     threads: Option<usize>,
     progress: bool,
     stop_when: Option<Box<dyn Fn() -> bool + Sync + 'a>>,
@@ -192,12 +202,21 @@ pub struct Ensemble<'a, I: Method> {
     resume: bool,
 }
 
-impl<'a, I, S, Q, const N: usize, const M: usize> Ensemble<'a, I>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl Execution<'_> {
+    /// Returns whether the function that was given asks to end the run.
+    fn is_stopped(&self) -> bool {
+        self.stop_when.as_ref().is_some_and(|stop| stop())
+    }
+}
+
+impl<I: Method> Observations<'_, I> {
+    /// Returns the number of an observable.
+    fn column(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|known| known == name)
+    }
+}
+
+impl<'a, I: Method> Ensemble<'a, I> {
     /// Paths of a method: an [`Integrator`](crate::Integrator) or a [`baseline`](crate::baseline).
     pub fn new(method: &'a I) -> Self {
         Self {
@@ -208,27 +227,21 @@ where
             steps: None,
             every: None,
             start: None,
-            names: Vec::new(),
-            observables: Vec::new(),
-            kinds: Vec::new(),
-            weight: None,
-            settle: 0,
             share_paths: false,
-            gradients: Gradients::default(),
-            passages: Vec::new(),
-            statistics: vec![AnyRequest::Moments(MomentsRequest)],
-            bounds: Vec::new(),
             keep_final_states: false,
             refine: 0,
             stop_on_failure: false,
-            shard: (0, 1),
-            threads: None,
-            progress: false,
-            stop_when: None,
-            #[cfg(feature = "checkpoint")]
-            checkpoint: None,
-            #[cfg(feature = "checkpoint")]
-            resume: false,
+            observed: Observations {
+                names: Vec::new(),
+                observables: Vec::new(),
+                weight: None,
+                settle: 0,
+                gradients: Gradients::default(),
+                passages: Vec::new(),
+                statistics: vec![AnyRequest::Moments(MomentsRequest)],
+                bounds: Vec::new(),
+            },
+            execution: Execution::default(),
         }
     }
 
@@ -244,16 +257,23 @@ where
     #[must_use]
     pub fn observe<F, O>(self, name: impl Into<String>, observable: F) -> Self
     where
-        F: Fn(&S, &State<Q>) -> O + Sync + 'a,
+        F: Fn(&I::System, &StateOf<I::System>) -> O + Sync + 'a,
         O: Observed + 'a,
     {
-        self.add(name.into(), Closure::new(observable), Kind::Value)
+        let function = Closure::new(observable);
+        let is_weighted = false;
+        self.add(
+            name,
+            Plain {
+                function,
+                is_weighted,
+            },
+        )
     }
 
-    fn add(mut self, name: String, observable: impl Observable<S> + 'a, kind: Kind) -> Self {
-        self.names.push(name);
-        self.observables.push(Box::new(observable));
-        self.kinds.push(kind);
+    fn add(mut self, name: impl Into<String>, observable: impl Observable<I::System> + 'a) -> Self {
+        self.observed.names.push(name.into());
+        self.observed.observables.push(Box::new(observable));
         self
     }
 
@@ -278,8 +298,8 @@ impl<I: Method> fmt::Debug for Ensemble<'_, I> {
             .field("seed", &self.seed)
             .field("steps", &self.steps)
             .field("record_every", &self.every)
-            .field("observables", &self.names)
-            .field("shard", &self.shard)
+            .field("observables", &self.observed.names)
+            .field("shard", &self.execution.shard)
             .finish_non_exhaustive()
     }
 }

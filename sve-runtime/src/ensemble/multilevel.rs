@@ -19,8 +19,6 @@ use self::checks::{check_fall, check_values, least_size};
 use self::runs::{PATHS_OF_LEVEL, Run, largest_range, levels};
 use super::estimate::{Level, MultilevelEstimate, bias, paths_of_levels};
 use super::{BLOCK_PATHS, Ensemble, EnsembleError};
-use crate::phase::configuration::Coordinates;
-use crate::system::{Dims, System};
 use crate::trajectory::Method;
 
 /// Number of levels that are always run: a bias is estimated from two differences at least.
@@ -41,12 +39,7 @@ const GROWTH: f64 = 16.0;
 /// Largest number of times that the paths of a level are doubled in search of more that carry its variance. A rare event that was seen once is seen a thousand times then.
 const DOUBLINGS: u32 = 10;
 
-impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
-where
-    I: Method<System = S> + Sync,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<I: Method + Sync> Ensemble<'_, I> {
     /// Computes the mean of an observable at the end by the multilevel method: the [`steps`](Self::steps) of the ensemble are those of the coarsest level, its [`paths`](Self::paths) the
     /// first ones of each level.
     ///
@@ -111,12 +104,7 @@ pub struct Multilevel<'a, I: Method> {
     deepest: u32,
 }
 
-impl<'a, I, S, Q, const N: usize, const M: usize> Multilevel<'a, I>
-where
-    I: Method<System = S> + Sync,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<'a, I: Method + Sync> Multilevel<'a, I> {
     /// Sets the order of the rule's errors of means, from which the bias is estimated. The default of 1 holds for all rules, and overestimates the bias of rules of higher order.
     ///
     /// ```

@@ -1,43 +1,37 @@
-//! Observables: closures over the system and a state, evaluated for all lanes of a tile.
+//! Functions of a state: closures over the system and a state, evaluated for all lanes of a tile.
 //!
 //! Input: the states of a tile. Output: a number for each lane, and the lanes whose numbers are not finite. The loop over the lanes contains
 //! the closure and is compiled for the vectors of the machine, so a closure without branches is vectorised.
 
 use core::marker::PhantomData;
 
-use super::memory::PathMemory;
 use crate::error::Observed;
 use crate::error::StepError;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::lanes::{LANES, Lane, Mask};
 use crate::system::{Dimensions, StateLanesOf, StateOf, System};
 
-/// An observable of a system with a closure of any type.
-pub(super) trait Observable<S: System>: Sync {
-    /// Evaluates all lanes; NaN where the observable fails.
+/// A function of a system and a state, with a closure of any type.
+pub(super) trait Function<S: System>: Sync {
+    /// Evaluates all lanes; NaN where the function fails.
     fn tile(&self, system: &S, states: &StateLanesOf<S>, values: &mut Lane);
     /// Returns the value at a state.
     ///
     /// # Errors
     /// The error of the closure.
     fn value(&self, system: &S, state: &StateOf<S>) -> Result<f64, StepError>;
-    /// Returns an empty memory of so many tiles, if the observable has one of its own type.
-    fn memory(&self, tiles: usize) -> Option<Box<dyn PathMemory<S> + '_>> {
-        let _ = tiles;
-        None
-    }
 }
 
-/// An observable made of a closure that returns an `O`.
+/// A function made of a closure that returns an `O`.
 pub(super) struct Closure<F, O>(F, PhantomData<fn() -> O>);
 
 impl<F, O> Closure<F, O> {
-    pub(super) fn new(observable: F) -> Self {
-        Self(observable, PhantomData)
+    pub(super) fn new(function: F) -> Self {
+        Self(function, PhantomData)
     }
 }
 
-impl<S, F, O> Observable<S> for Closure<F, O>
+impl<S, F, O> Function<S> for Closure<F, O>
 where
     S: System,
     F: Fn(&S, &StateOf<S>) -> O + Sync,
@@ -45,7 +39,7 @@ where
 {
     fn tile(&self, system: &S, states: &StateLanesOf<S>, values: &mut Lane) {
         dispatch(ObserveTile {
-            observable: self,
+            function: self,
             system,
             states,
             values,
@@ -58,22 +52,22 @@ where
     }
 }
 
-/// The evaluation of an observable in all lanes.
+/// The evaluation of a function in all lanes.
 struct ObserveTile<'a, S: System, T> {
-    observable: &'a T,
+    function: &'a T,
     system: &'a S,
     states: &'a StateLanesOf<S>,
     values: &'a mut Lane,
 }
 
-impl<S: System, T: Observable<S>> Kernel for ObserveTile<'_, S, T> {
+impl<S: System, T: Function<S>> Kernel for ObserveTile<'_, S, T> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
         for lane in 0..LANES {
             let state = <S::Dims as Dimensions>::get(self.states, lane);
-            let value = self.observable.value(self.system, &state);
+            let value = self.function.value(self.system, &state);
             self.values[lane] = value.unwrap_or(f64::NAN);
         }
     }

@@ -5,16 +5,11 @@
 use super::path_block::PathBlock;
 use super::tile::{Place, lanes};
 use crate::lanes::{ALL, LANES};
-use crate::phase::configuration::Coordinates;
-use crate::system::{Dimensions, Dims, System};
+use crate::method::DimsOf;
+use crate::system::Dimensions;
 use crate::trajectory::Method;
 
-impl<I, S, Q, const N: usize, const M: usize> PathBlock<'_, I, N, M>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<I: Method> PathBlock<'_, I> {
     /// Empties tiles whose paths fit into the free lanes of others, the tile with the fewest paths first.
     pub(super) fn pack(&mut self) {
         loop {
@@ -41,16 +36,16 @@ where
 
     /// Moves a path to a free lane.
     fn move_lane(&mut self, from: Place, to: Place) {
-        let state = S::Dims::get(self.tiles[from.tile].states(), from.lane);
+        let state = DimsOf::<I>::get(self.tiles[from.tile].states(), from.lane);
         let path = self.tiles[from.tile].paths[from.lane];
         self.tiles[from.tile].active &= !(1 << from.lane);
         let target = &mut self.tiles[to.tile];
-        S::Dims::set(target.states_mut(), to.lane, &state);
+        DimsOf::<I>::set(target.states_mut(), to.lane, &state);
         target.paths[to.lane] = path;
         target.active |= 1 << to.lane;
         target.is_at_home = false;
-        for remembered in &mut self.memories {
-            remembered.memory.move_lane(from, to);
+        for observer in &mut self.observers {
+            observer.move_lane(from, to);
         }
         self.watch.move_lane(from, to);
     }

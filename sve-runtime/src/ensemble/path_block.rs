@@ -8,7 +8,7 @@ use core::ops::Range;
 
 use super::failure::{Cause, Failure};
 use super::increment_buffer::{BATCH, IncrementBuffer};
-use super::memory::{LastStep, Remembered};
+use super::observer::{LastStep, Observer};
 use super::passage::watch::PassageWatch;
 use super::settings::Settings;
 use super::tangents::Tangents;
@@ -17,32 +17,43 @@ use super::{BLOCK_TILES, EnsembleError, path_at};
 use crate::error::StepError;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::lanes::{ALL, Aligned, LANES, Lane, Mask};
-use crate::phase::configuration::{Configuration, Coordinates};
+use crate::method::DimsOf;
+use crate::phase::configuration::{Configuration as _, FixedSize};
 use crate::phase::state::State;
-use crate::system::{Dimensions, Dims, StateLanesOf, StateOf, System};
+use crate::system::{ConfigurationOf, Dimensions, IncrementLanesOf, StateLanesOf, StateOf};
 use crate::time::time_after;
 use crate::trajectory::Method;
 
 /// Paths of some consecutive blocks. Where no path can stop it is one block.
-pub(super) struct PathBlock<'a, I: Method, const N: usize, const M: usize> {
+pub(super) struct PathBlock<'a, I: Method> {
     pub(super) settings: Settings<'a, I>,
     pub(super) prepared: I::Prepared,
     /// The increments of each [`BLOCK_TILES`] tiles.
-    pub(super) increments: Vec<IncrementBuffer<M>>,
+    pub(super) increments: Vec<IncrementBuffer<DimsOf<I>>>,
     pub(super) first_path: u64,
     /// Steps made.
     pub(super) step: u64,
     pub(super) tiles: Vec<Tile<StateLanesOf<I::System>>>,
-    pub(super) failures: Vec<Failure>,
-    /// What observers remember of the paths.
-    pub(super) memories: Vec<Remembered<'a, I::System>>,
+    /// The observer of the weight if there is one, and those of the observables.
+    pub(super) observers: Vec<Box<dyn Observer<I::System> + 'a>>,
     pub(super) watch: PassageWatch,
     /// The tangent vectors of the paths, if there are gradients.
-    pub(super) tangents: Tangents<N>,
+    pub(super) tangents: Tangents<DimsOf<I>>,
+    pub(super) ends: Ends<StateOf<I::System>>,
+    pub(super) records: Records,
+}
+
+/// What has happened to single paths.
+pub(super) struct Ends<T> {
+    pub(super) failures: Vec<Failure>,
     /// The path of each step that was made in smaller steps.
     pub(super) refined: Vec<u64>,
     /// Paths that have stopped, with their last states.
-    pub(super) stopped: Vec<(u64, StateOf<I::System>)>,
+    pub(super) stopped: Vec<(u64, T)>,
+}
+
+/// The observables of the paths, in the lanes with which they began.
+pub(super) struct Records {
     /// The observables of each [`LANES`] paths, at the last record or where a path stopped.
     pub(super) values: Vec<Vec<Lane>>,
     /// The paths that count, of each [`LANES`]: those that have not failed.
@@ -53,12 +64,7 @@ pub(super) struct PathBlock<'a, I: Method, const N: usize, const M: usize> {
     pub(super) work: Vec<Lane>,
 }
 
-impl<'a, I, S, Q, const N: usize, const M: usize> PathBlock<'a, I, N, M>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<'a, I: Method> PathBlock<'a, I> {
     /// Starts the paths of some blocks, or only one of them.
     pub(super) fn new(
         settings: Settings<'a, I>,
@@ -70,7 +76,7 @@ where
         let first_path = paths.start;
         // The last block may end at the largest number.
         let tiles = (paths.end - first_path).div_ceil(LANES as u64) as usize;
-        let names = ensemble.names.len();
+        let names = ensemble.observed.names.len();
         let mut block = Self {
             settings,
             prepared: (settings.method)
@@ -80,16 +86,20 @@ where
             first_path,
             step: 0,
             tiles: Vec::with_capacity(tiles),
-            failures: Vec::new(),
-            memories: ensemble.memories(settings.settled(), tiles),
+            observers: ensemble.observers(settings.settled(), tiles),
             watch: PassageWatch::new(ensemble, tiles),
-            tangents: Tangents::new(&ensemble.gradients, settings.parts, tiles),
-            refined: Vec::new(),
-            stopped: Vec::new(),
-            values: vec![vec![[0.0; LANES]; names]; tiles],
-            counted: vec![0; tiles],
-            history: Vec::new(),
-            work: vec![[0.0; LANES]; names],
+            tangents: Tangents::new(&ensemble.observed.gradients, settings.parts, tiles),
+            ends: Ends {
+                failures: Vec::new(),
+                refined: Vec::new(),
+                stopped: Vec::new(),
+            },
+            records: Records {
+                values: vec![vec![[0.0; LANES]; names]; tiles],
+                counted: vec![0; tiles],
+                history: Vec::new(),
+                work: vec![[0.0; LANES]; names],
+            },
         };
         for _ in 0..tiles.div_ceil(BLOCK_TILES) {
             block.increments.push(settings.increments());
@@ -106,21 +116,24 @@ where
 
     fn start_tile(&mut self, first: u64, is_wanted: impl Fn(u64) -> bool) {
         let paths: [u64; LANES] = core::array::from_fn(|lane| first.wrapping_add(lane as u64));
-        let starts: [State<Q>; LANES] = paths.map(|path| {
+        let starts: [StateOf<I::System>; LANES] = paths.map(|path| {
             if is_wanted(path) {
                 self.settings.start_of(path)
             } else {
-                State::new(Q::origin(), Q::no_momentum())
+                State::new(
+                    FixedSize::origin(),
+                    ConfigurationOf::<I::System>::no_momentum(),
+                )
             }
         });
-        let mut states = S::Dims::splat(&starts[0]);
+        let mut states = DimsOf::<I>::splat(&starts[0]);
         let mut active = 0;
         for lane in 0..LANES {
-            S::Dims::set(&mut states, lane, &starts[lane]);
+            DimsOf::<I>::set(&mut states, lane, &starts[lane]);
             active |= Mask::from(is_wanted(paths[lane])) << lane;
         }
         let tile = self.tiles.len();
-        self.counted[tile] = active;
+        self.records.counted[tile] = active;
         self.tiles.push(Tile {
             buffers: [states, states],
             current: false,
@@ -140,7 +153,7 @@ where
     }
 
     /// Returns why a path cannot start at a state; `None` if it can.
-    fn start_error(&self, state: &State<Q>) -> Option<Cause> {
+    fn start_error(&self, state: &StateOf<I::System>) -> Option<Cause> {
         // Names are made for errors only: to make one for each number of each path takes as long as some ten steps.
         let not_finite = |of: &str, i: usize, value: f64| {
             let t = state.t;
@@ -156,11 +169,13 @@ where
             let (t, expected) = (state.t, self.settings.start_time);
             return Some(Cause::StartTime { t, expected });
         }
-        let (mut q, mut p) = (vec![0.0; Q::STORED_VALUES], [0.0; N]);
-        state.q.store(&mut q);
-        state.p.store(&mut p);
-        let mut q = q.into_iter().enumerate();
-        let mut p = p.into_iter().enumerate();
+        let mut momenta = DimsOf::<I>::ZERO;
+        state.p.store(momenta.as_mut());
+        let sum = state.q.sum_of_stored_values() + momenta.as_ref().iter().sum::<f64>();
+        if sum.is_finite() {
+            return None;
+        }
+        let [mut q, mut p] = state.stored().map(|values| values.into_iter().enumerate());
         q.find_map(|(i, q)| not_finite("q", i, q))
             .or_else(|| p.find_map(|(i, p)| not_finite("p", i, p)))
     }
@@ -192,7 +207,8 @@ where
         let paths = self.tiles[tiles.clone()].iter().map(|tile| &tile.paths);
         self.increments[buffer].load(self.step / BATCH, paths);
         let carries = !self.tangents.is_empty();
-        let sees_steps = !self.memories.is_empty() || !self.watch.is_empty();
+        let sees_steps =
+            !self.watch.is_empty() || self.observers.iter().any(|observer| observer.sees_steps());
         while self.step < end && self.tiles[tiles.clone()].iter().any(is_active) {
             let until = if sees_steps { self.step + 1 } else { end };
             self.step = if carries {
@@ -222,7 +238,11 @@ where
     }
 
     /// Returns the increments of a tile for a step of the batch that was loaded last.
-    pub(super) fn increments_of(&self, tile: usize, step: u64) -> Aligned<[Lane; M]> {
+    pub(super) fn increments_of(
+        &self,
+        tile: usize,
+        step: u64,
+    ) -> Aligned<IncrementLanesOf<I::System>> {
         self.increments[tile / BLOCK_TILES].of(tile % BLOCK_TILES, step)
     }
 
@@ -233,7 +253,7 @@ where
         }
         let mut last = LastStep::whole(self.step, self.settings.h);
         let stopped = self.find_passages(tile, &mut last);
-        self.remember(tile, &last);
+        self.show(tile, &last);
         if stopped != 0 {
             self.stop(tile, stopped, &last);
         }
@@ -244,9 +264,9 @@ where
     fn stop(&mut self, tile: usize, stopped: Mask, last: &LastStep) {
         self.observe(tile, stopped, last);
         for lane in lanes(stopped & self.tiles[tile].active) {
-            let state = S::Dims::get(self.tiles[tile].states(), lane);
+            let state = DimsOf::<I>::get(self.tiles[tile].states(), lane);
             let path = self.tiles[tile].paths[lane];
-            self.stopped.push((path, state));
+            self.ends.stopped.push((path, state));
             self.tiles[tile].active &= !(1 << lane);
         }
         for lane in lanes(ALL & !self.tiles[tile].active) {
@@ -260,9 +280,9 @@ where
         let step = self.step - 1;
         for lane in lanes(unsolved & self.tiles[tile].active) {
             let increments = self.increments_of(tile, step);
-            let mut state = S::Dims::get(self.tiles[tile].states(), lane);
+            let mut state = DimsOf::<I>::get(self.tiles[tile].states(), lane);
             state.t = self.settings.time(step);
-            let dw = increments.0.map(|process| process[lane]);
+            let dw = DimsOf::<I>::increments_of(&increments.0, lane);
             let method = self.settings.method;
             let h = self.settings.h;
             let made = (method.step_prepared(&self.prepared, &mut state, h, &dw))
@@ -270,7 +290,7 @@ where
             match made {
                 Ok(()) => {
                     state.t = self.settings.time(step + 1);
-                    S::Dims::set(self.tiles[tile].states_mut(), lane, &state);
+                    DimsOf::<I>::set(self.tiles[tile].states_mut(), lane, &state);
                 }
                 Err(error) => self.fail(tile, lane, step, Cause::Step(error)),
             }
@@ -288,8 +308,8 @@ where
         self.tiles[tile].active &= !(1 << lane);
         let path = self.tiles[tile].paths[lane];
         let home = self.home_of(path);
-        self.counted[home.tile] &= !(1 << home.lane);
-        self.failures.push(Failure {
+        self.records.counted[home.tile] &= !(1 << home.lane);
+        self.ends.failures.push(Failure {
             path,
             step,
             t,
@@ -319,8 +339,8 @@ where
     fn fill_unused_lane(&mut self, tile: usize, lane: usize) {
         let tile = &mut self.tiles[tile];
         if tile.active != 0 {
-            let other = S::Dims::get(tile.states(), tile.active.trailing_zeros() as usize);
-            S::Dims::set(tile.states_mut(), lane, &other);
+            let other = DimsOf::<I>::get(tile.states(), tile.active.trailing_zeros() as usize);
+            DimsOf::<I>::set(tile.states_mut(), lane, &other);
         }
     }
 }
@@ -328,23 +348,18 @@ where
 /// Steps all tiles until a step does not solve an active lane. Returns the number of steps then made.
 ///
 /// The tiles alternate: the operations of one step depend on one another, and those of two tiles do not.
-struct AdvanceTiles<'f, I: Method, const N: usize, const M: usize> {
+struct AdvanceTiles<'f, I: Method> {
     method: &'f I,
     prepared: &'f I::Prepared,
     h: f64,
     start_time: f64,
-    increments: &'f IncrementBuffer<M>,
+    increments: &'f IncrementBuffer<DimsOf<I>>,
     tiles: &'f mut [Tile<StateLanesOf<I::System>>],
     step: u64,
     end: u64,
 }
 
-impl<I, S, Q, const N: usize, const M: usize> Kernel for AdvanceTiles<'_, I, N, M>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<I: Method> Kernel for AdvanceTiles<'_, I> {
     type Output = u64;
 
     #[inline(always)]
@@ -370,7 +385,7 @@ where
                 let unsolved_here = self
                     .method
                     .step_lanes(self.prepared, before, next, self.h, dw);
-                *S::Dims::times(next) = [t; LANES];
+                *DimsOf::<I>::times(next) = [t; LANES];
                 tile.unsolved = unsolved_here & tile.active;
                 unsolved |= tile.unsolved;
             }

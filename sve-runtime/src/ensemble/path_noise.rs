@@ -3,8 +3,9 @@
 //! Input: the noise that was set, and the step size. Output: the data from which blocks of paths draw their increments.
 
 use super::EnsembleError;
-use crate::noise::lanes::DistributionKind;
-use crate::noise::{Halves, ManyPaths as _, NoNoise, NoiseError, PathData, Wiener};
+use crate::noise::{
+    AnyDistribution, Halves, ManyPaths as _, NoNoise, NoiseError, PathData, Wiener,
+};
 
 /// The noise of an ensemble, for steps of one length.
 #[derive(Clone, Copy, Debug)]
@@ -13,7 +14,7 @@ pub(super) struct PathNoise {
     /// The path of the source that belongs to path 0 of the ensemble.
     pub(super) first_path: u64,
     /// The distribution of the increments; `None` without noise.
-    pub(super) distribution: Option<DistributionKind>,
+    pub(super) distribution: Option<&'static dyn AnyDistribution>,
     /// Largest |ΔW|; infinite without truncation.
     pub(super) largest: f64,
     /// Whether paths 2k and 2k + 1 have the increments of path k of the source, the second one with the other sign.
@@ -61,11 +62,10 @@ impl PathNoise {
 
     /// Returns the kind of the increments, for people; empty without noise.
     pub(super) fn describe(&self) -> String {
-        let kind = match self.distribution {
-            None => return String::new(),
-            Some(DistributionKind::Normal) => "normal increments",
-            Some(DistributionKind::ThreePoint) => "increments of three values",
+        let Some(distribution) = self.distribution else {
+            return String::new();
         };
+        let kind = distribution.name();
         let is_truncated = self.largest.is_finite();
         let truncated = if is_truncated { ", truncated" } else { "" };
         let pairs = if self.is_antithetic {
@@ -92,19 +92,45 @@ impl PathNoise {
 
     /// Returns the source of a path of the ensemble, if it is known within steps.
     pub(super) fn within_steps(&self, path: u64) -> Option<Box<dyn Halves>> {
-        match self.distribution {
-            None => Some(Box::new(NoNoise)),
-            Some(_) if self.is_antithetic || self.is_coarsened => None,
-            Some(DistributionKind::Normal) if self.largest == f64::INFINITY => {
-                let path = self.first_path.wrapping_add(path);
-                let path = Wiener::new(self.seed).path(path);
-                if self.depth == 0 {
-                    return Some(Box::new(path));
+        let Some(distribution) = self.distribution else {
+            return Some(Box::new(NoNoise));
+        };
+        let are_of_source =
+            !self.is_antithetic && !self.is_coarsened && self.largest == f64::INFINITY;
+        let path = self.first_path.wrapping_add(path);
+        let known = are_of_source.then(|| distribution.within_steps(self.seed, path, self.depth));
+        known.flatten()
+    }
+
+    /// Returns the increments of a path of the ensemble over steps of length `h`, step by step.
+    pub(super) fn increments_of(
+        self,
+        path: u64,
+        h: f64,
+    ) -> impl FnMut(u64, &mut [f64]) -> Result<(), NoiseError> {
+        let number = self.first_path.wrapping_add(self.path_within(path));
+        let mut source = (self.distribution).map(|of| of.path(self.seed, number, self.depth));
+        move |step, dw| {
+            let Some(source) = &mut source else {
+                return Ok(());
+            };
+            if self.is_coarsened {
+                let mut second = vec![0.0; dw.len()];
+                source.increments(2 * step, 0.5 * h, dw)?;
+                source.increments(2 * step + 1, 0.5 * h, &mut second)?;
+                for (dw, second) in dw.iter_mut().zip(second) {
+                    *dw += second;
                 }
-                let refined = path.refine(self.depth).ok()?;
-                Some(Box::new(refined))
+            } else {
+                source.increments(step, h, dw)?;
             }
-            Some(_) => None,
+            for dw in dw {
+                *dw = dw.clamp(-self.largest, self.largest);
+                if self.is_mirrored(path) {
+                    *dw = -*dw;
+                }
+            }
+            Ok(())
         }
     }
 }

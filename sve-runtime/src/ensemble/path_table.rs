@@ -5,17 +5,11 @@
 use super::path_block::PathBlock;
 use super::settings::Settings;
 use super::{BLOCK_PATHS, Ensemble, EnsembleError, Summary};
-use crate::phase::configuration::Coordinates;
-use crate::system::{Dims, System};
+use crate::system::System;
 use crate::table::StateTable;
 use crate::trajectory::Method;
 
-impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<I: Method> Ensemble<'_, I> {
     /// Returns the states of some paths at the recorded times, path by path, with the same bits as in the ensemble: to be written, or drawn.
     ///
     /// A path that [stops](Self::stop_at) has its last row at the stop. A path that fails has rows up to its failure; [`failures`](Summary::failures) and [`replay`](Self::replay) tell why. The work is that of the paths alone.
@@ -50,7 +44,7 @@ where
         &self,
         paths: impl IntoIterator<Item = u64>,
     ) -> Result<StateTable, EnsembleError> {
-        let mut table = StateTable::new::<S>(true);
+        let mut table = StateTable::new::<I::System>(true);
         for path in paths {
             self.record_path(path, &mut table)?;
         }
@@ -71,7 +65,7 @@ where
         for step in steps {
             block.advance(step);
             block.observe_all();
-            let stop = block.stopped.pop().map(|(_, state)| state);
+            let stop = block.ends.stopped.pop().map(|(_, state)| state);
             let Some(state) = block.first_active_state().or(stop) else {
                 break;
             };

@@ -6,17 +6,10 @@
 use super::starts::Starts;
 use super::{Ensemble, EnsembleError, Summary};
 use crate::noise::{ManyPaths as _, Wiener};
-use crate::phase::configuration::Coordinates;
-use crate::phase::state::State;
-use crate::system::{Dims, System};
+use crate::system::StateOf;
 use crate::trajectory::Method;
 
-impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
-where
-    I: Method<System = S> + Sync,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<I: Method + Sync> Ensemble<'_, I> {
     /// Gives all starts of [`run_from`](Self::run_from) the same paths of the noise. Without it each start has paths of its own.
     ///
     /// Means at starts that lie close together then have nearly the same sampling error, so that their differences have a small one: what is needed for a
@@ -72,9 +65,12 @@ where
     ///
     /// # Errors
     /// As [`run`](Self::run); [`EnsembleError::PointsInOneFile`] with a checkpoint, which is a file for one start.
-    pub fn run_from(mut self, starts: &[State<Q>]) -> Result<Vec<Summary>, EnsembleError> {
+    pub fn run_from(
+        mut self,
+        starts: &[StateOf<I::System>],
+    ) -> Result<Vec<Summary>, EnsembleError> {
         #[cfg(feature = "checkpoint")]
-        if self.checkpoint.is_some() {
+        if self.execution.checkpoint.is_some() {
             return Err(EnsembleError::PointsInOneFile);
         }
         let seed = self.seed.unwrap_or(0);

@@ -9,16 +9,9 @@ use super::sketch::Sketch;
 use super::statistic::{AnyRequest, Extent, Recorded, Size, Statistic, check_known};
 use super::{Ensemble, EnsembleError, Summary};
 use crate::lanes::LANES;
-use crate::phase::configuration::Coordinates;
-use crate::system::{Dims, System};
 use crate::trajectory::Method;
 
-impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<I: Method> Ensemble<'_, I> {
     /// Takes quantiles of an observable over the paths, at each recorded time: [`Summary::quantiles`](super::Summary::quantiles).
     ///
     /// Up to `size` paths have exact quantiles; the least and the greatest value are exact for any number of paths. For more paths the memory is about `size` numbers times log₂(paths/`size`) for each

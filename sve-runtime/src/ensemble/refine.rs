@@ -6,18 +6,11 @@ use super::Ensemble;
 use super::path_block::PathBlock;
 use crate::error::StepError;
 use crate::noise::DyadicInterval;
-use crate::phase::configuration::Coordinates;
-use crate::phase::state::State;
-use crate::system::{Dims, System};
+use crate::system::{IncrementsOf, StateOf};
 use crate::trajectory::Halving;
 use crate::trajectory::Method;
 
-impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<I: Method> Ensemble<'_, I> {
     /// Refines steps that fail, as [`Trajectory::refine`](crate::Trajectory::refine) does: divides such a step into two halves on the same path of the noise, and each half that fails
     /// likewise, up to `depth` times. [`Summary::refined_steps`](super::Summary::refined_steps) counts the refined steps. If the smallest parts fail too, the path fails.
     ///
@@ -54,12 +47,7 @@ where
     }
 }
 
-impl<I, S, Q, const N: usize, const M: usize> PathBlock<'_, I, N, M>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<I: Method> PathBlock<'_, I> {
     /// Makes the last step of a path, which failed, in smaller steps, if these were asked for.
     #[cold]
     pub(super) fn step_in_parts(
@@ -67,8 +55,8 @@ where
         error: StepError,
         tile: usize,
         lane: usize,
-        state: &mut State<Q>,
-        dw: &[f64; M],
+        state: &mut StateOf<I::System>,
+        dw: &IncrementsOf<I::System>,
     ) -> Result<(), StepError> {
         let (settings, path) = (&self.settings, self.tiles[tile].paths[lane]);
         let depth = settings.ensemble.refine;
@@ -82,7 +70,7 @@ where
         };
         let whole = DyadicInterval::whole(self.step - 1);
         halving.step(error, whole, settings.h, dw, state)?;
-        self.refined.push(path);
+        self.ends.refined.push(path);
         Ok(())
     }
 }

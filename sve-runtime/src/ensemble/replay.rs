@@ -8,17 +8,11 @@ use super::path_block::PathBlock;
 use super::settings::Settings;
 use super::tile::lanes;
 use super::{BLOCK_PATHS, Ensemble, EnsembleError};
-use crate::phase::configuration::Coordinates;
-use crate::phase::state::State;
-use crate::system::{Dimensions, Dims, System};
+use crate::method::DimsOf;
+use crate::system::{Dimensions, StateOf};
 use crate::trajectory::Method;
 
-impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<I: Method> Ensemble<'_, I> {
     /// Returns the states of a single path after each step, with the same bits as in the ensemble: to see why it failed, or what it did.
     ///
     /// If the path is [stopped](Self::stop_at), the last item is the state where it stopped. If the path fails, in a step or in an observable at a recorded time, the last item is the [`Failure`].
@@ -54,9 +48,9 @@ where
     pub fn replay<'e>(
         &'e self,
         path: u64,
-    ) -> Result<impl Iterator<Item = Result<State<Q>, Failure>>, EnsembleError>
+    ) -> Result<impl Iterator<Item = Result<StateOf<I::System>, Failure>>, EnsembleError>
     where
-        S: 'e,
+        I::System: 'e,
     {
         let settings = Settings::new(self)?;
         if path >= settings.paths {
@@ -73,12 +67,12 @@ where
                     record += 1;
                     block.observe_all();
                 }
-                if let Some(failure) = block.failures.pop() {
+                if let Some(failure) = block.ends.failures.pop() {
                     has_ended = true;
                     return Some(Err(failure));
                 }
                 step += 1;
-                if let Some((_, state)) = block.stopped.pop() {
+                if let Some((_, state)) = block.ends.stopped.pop() {
                     has_ended = true;
                     return Some(Ok(state));
                 }
@@ -92,18 +86,13 @@ where
     }
 }
 
-impl<I, S, Q, const N: usize, const M: usize> PathBlock<'_, I, N, M>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<I: Method> PathBlock<'_, I> {
     /// Returns the state of the first active path.
-    pub(super) fn first_active_state(&self) -> Option<State<Q>> {
+    pub(super) fn first_active_state(&self) -> Option<StateOf<I::System>> {
         let mut tiles = self.tiles.iter();
         tiles.find_map(|tile| {
             let lane = lanes(tile.active).next()?;
-            Some(S::Dims::get(tile.states(), lane))
+            Some(DimsOf::<I>::get(tile.states(), lane))
         })
     }
 }

@@ -7,17 +7,10 @@ use core::ops::{Bound, RangeBounds};
 use super::Ensemble;
 use super::starts::{StartRng, Starts};
 use crate::noise::ManyPaths;
-use crate::phase::configuration::Coordinates;
-use crate::phase::state::State;
-use crate::system::{Dims, System};
+use crate::system::StateOf;
 use crate::trajectory::Method;
 
-impl<'a, I, S, Q, const N: usize, const M: usize> Ensemble<'a, I>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<'a, I: Method> Ensemble<'a, I> {
     /// Sets the number of paths.
     ///
     #[doc = include_str!("example.md")]
@@ -75,7 +68,7 @@ where
     /// assert_eq!(summary["q"].mean()[0], 0.0);
     #[doc = include_str!("../example_end.md")]
     #[must_use]
-    pub fn start(mut self, state: State<Q>) -> Self {
+    pub fn start(mut self, state: StateOf<I::System>) -> Self {
         self.start = Some(Starts::Same(state));
         self
     }
@@ -90,7 +83,10 @@ where
     /// assert!((summary["q"].variance()[0] - 4.0).abs() < 3.0);
     #[doc = include_str!("../example_end.md")]
     #[must_use]
-    pub fn start_with(mut self, draw: impl Fn(u64, &mut StartRng) -> State<Q> + Sync + 'a) -> Self {
+    pub fn start_with(
+        mut self,
+        draw: impl Fn(u64, &mut StartRng) -> StateOf<I::System> + Sync + 'a,
+    ) -> Self {
         self.start = Some(Starts::Drawn(Box::new(draw)));
         self
     }
@@ -146,7 +142,7 @@ where
         };
         let low = number(range.start_bound(), f64::NEG_INFINITY);
         let high = number(range.end_bound(), f64::INFINITY);
-        self.bounds.push((name.into(), [low, high]));
+        self.observed.bounds.push((name.into(), [low, high]));
         self
     }
 
@@ -187,7 +183,7 @@ where
     #[doc = include_str!("../example_end.md")]
     #[must_use]
     pub fn shard(mut self, index: u64, of: u64) -> Self {
-        self.shard = (index, of);
+        self.execution.shard = Some((index, of));
         self
     }
 
@@ -199,7 +195,7 @@ where
     #[doc = include_str!("../example_end.md")]
     #[must_use]
     pub fn threads(mut self, threads: usize) -> Self {
-        self.threads = Some(threads);
+        self.execution.threads = Some(threads);
         self
     }
 
@@ -210,7 +206,7 @@ where
     #[doc = include_str!("../example_end.md")]
     #[must_use]
     pub fn progress(mut self, shown: bool) -> Self {
-        self.progress = shown;
+        self.execution.progress = shown;
         self
     }
 
@@ -225,7 +221,7 @@ where
     #[doc = include_str!("../example_end.md")]
     #[must_use]
     pub fn stop_when(mut self, stop: impl Fn() -> bool + Sync + 'a) -> Self {
-        self.stop_when = Some(Box::new(stop));
+        self.execution.stop_when = Some(Box::new(stop));
         self
     }
 }

@@ -7,14 +7,15 @@ use core::ops::Range;
 use super::fingerprint::Fingerprint;
 use super::increment_buffer::IncrementBuffer;
 use super::info::Info;
-use super::memory::Kind;
+use super::integral::Average;
+use super::memory::Accumulate as _;
 use super::merge_tree::PartialResult;
 use super::passage::counts::Grid;
 use super::path_noise::PathNoise;
 use super::starts::{StartRng, Starts};
 use super::statistic::{AnyRequest, Extent, check_known};
 use super::{BLOCK_PATHS, Ensemble, EnsembleError, path_at, sizes};
-use crate::noise::lanes::DistributionKind;
+use crate::method::DimsOf;
 use crate::phase::configuration::FixedSize;
 use crate::system::{ConfigurationOf, StateOf};
 use crate::time::time_after;
@@ -113,11 +114,11 @@ impl<'a, I: Method> Settings<'a, I> {
         if ensemble.every == Some(0) {
             return zero("record_every", "write 1 to record each step");
         }
-        if ensemble.threads == Some(0) {
+        if ensemble.execution.threads == Some(0) {
             return zero("threads", "leave it out to use every core");
         }
         #[cfg(feature = "checkpoint")]
-        if ensemble.resume && ensemble.checkpoint.is_none() {
+        if ensemble.execution.resume && ensemble.execution.checkpoint.is_none() {
             let write = ".checkpoint(\"run.sve\", Duration::from_secs(60))";
             return Err(missing("file to resume from", write));
         }
@@ -138,7 +139,7 @@ impl<'a, I: Method> Settings<'a, I> {
         noise.first_path = noise.first_path.wrapping_add(leg.first_path);
         noise.is_antithetic = ensemble.is_antithetic();
         noise.is_coarsened = leg.is_coarsened;
-        if leg.is_coarsened && noise.distribution == Some(DistributionKind::ThreePoint) {
+        if leg.is_coarsened && noise.distribution.is_some_and(|of| !of.has_sums()) {
             return Err(EnsembleError::NoSums);
         }
         check_steps(ensemble, leg.of, &noise)?;
@@ -153,19 +154,13 @@ impl<'a, I: Method> Settings<'a, I> {
         };
         let start_time = first.t;
         check_times(start_time, h, steps)?;
-        check_names(ensemble)?;
-        if ensemble.settle >= ensemble_steps && ensemble.kinds.contains(&Kind::Average) {
-            return Err(EnsembleError::Settle {
-                settle: ensemble.settle,
-                steps: ensemble_steps,
-            });
-        }
+        check_observed(ensemble, ensemble_steps)?;
         let system = leg.method.system();
-        (ensemble.gradients).check(system, first, ensemble.has_stops())?;
-        let shard = blocks_of_shard(ensemble.shard, paths)?;
+        (ensemble.observed.gradients).check(system, first, ensemble.has_stops())?;
+        let shard = blocks_of_shard(ensemble.execution.shard.unwrap_or((0, 1)), paths)?;
         let own = path_at(shard[1], paths) - path_at(shard[0], paths);
         let extent = Extent {
-            names: &ensemble.names,
+            names: &ensemble.observed.names,
             // times that differ are fewer than the numbers of 64 bits
             records: steps.div_ceil(every).saturating_add(1),
             paths: own,
@@ -207,7 +202,7 @@ impl<'a, I: Method> Settings<'a, I> {
 
     /// Returns the step at which averages begin.
     pub(super) fn settled(&self) -> u64 {
-        self.ensemble.settle.saturating_mul(self.parts)
+        self.ensemble.observed.settle.saturating_mul(self.parts)
     }
 
     /// Returns the time after so many steps.
@@ -239,16 +234,16 @@ impl<'a, I: Method> Settings<'a, I> {
     /// Returns the empty result of a block.
     pub(super) fn empty(&self, block: u64) -> PartialResult {
         let extent = Extent {
-            names: &self.ensemble.names,
+            names: &self.ensemble.observed.names,
             records: self.records as u64,
             paths: self.paths_of(block..block + 1),
             passage_bins: self.passage_grid().between_records(),
         };
-        PartialResult::new(block, &self.ensemble.statistics, &extent)
+        PartialResult::new(block, &self.ensemble.observed.statistics, &extent)
     }
 
     /// Returns an empty buffer of increments.
-    pub(super) fn increments<const M: usize>(&self) -> IncrementBuffer<M> {
+    pub(super) fn increments(&self) -> IncrementBuffer<DimsOf<I>> {
         IncrementBuffer::new(self.noise, self.h)
     }
 
@@ -261,9 +256,9 @@ impl<'a, I: Method> Settings<'a, I> {
     pub(super) fn info(&self, fingerprint: Fingerprint) -> Info {
         let times = (0..self.records).map(|record| self.time(self.step_of(record)));
         Info {
-            names: self.ensemble.names.clone(),
+            names: self.ensemble.observed.names.clone(),
             passage_bins: self.passage_grid().between_records(),
-            statistics: self.ensemble.statistics.clone(),
+            statistics: self.ensemble.observed.statistics.clone(),
             times: times.collect(),
             paths: self.paths,
             coordinates: ConfigurationOf::<I::System>::STORED_VALUES,
@@ -282,7 +277,7 @@ fn check_steps<I: Method>(
 ) -> Result<(), EnsembleError> {
     let divides = [
         (ensemble.has_stops(), "stop_at"),
-        (!ensemble.passages.is_empty(), "first_passage"),
+        (!ensemble.observed.passages.is_empty(), "first_passage"),
         (ensemble.refine > 0, "refine"),
     ];
     let of = of.or(ensemble.is_antithetic().then_some("antithetic"));
@@ -339,22 +334,24 @@ fn check_times(start: f64, h: f64, steps: u64) -> Result<(), EnsembleError> {
     }
 }
 
-fn check_names<I: Method>(ensemble: &Ensemble<'_, I>) -> Result<(), EnsembleError> {
-    let names = &ensemble.names;
-    let passages = ensemble.passages.iter().map(|passage| &passage.name);
+/// Checks what is observed in so many steps of the ensemble.
+fn check_observed<I: Method>(ensemble: &Ensemble<'_, I>, steps: u64) -> Result<(), EnsembleError> {
+    let observed = &ensemble.observed;
+    let names = &observed.names;
+    let passages = observed.passages.iter().map(|passage| &passage.name);
     let all: Vec<&String> = names.iter().chain(passages).collect();
     if let Some((_, name)) = (all.iter().enumerate()).find(|(i, name)| all[..*i].contains(name)) {
         let name = (*name).clone();
         return Err(EnsembleError::TwiceNamed { name });
     }
-    for request in &ensemble.statistics {
+    for request in &observed.statistics {
         request.check(names)?;
     }
-    let mut requests = ensemble.statistics.iter();
+    let mut requests = observed.statistics.iter();
     if ensemble.is_antithetic() && requests.any(AnyRequest::needs_independent_paths) {
         return Err(EnsembleError::AntitheticPairs);
     }
-    for (name, [low, high]) in &ensemble.bounds {
+    for (name, [low, high]) in &observed.bounds {
         check_known(name, names, "bound")?;
         if low.is_nan() || high.is_nan() || low > high {
             return Err(EnsembleError::Bound {
@@ -363,6 +360,13 @@ fn check_names<I: Method>(ensemble: &Ensemble<'_, I>) -> Result<(), EnsembleErro
                 high: *high,
             });
         }
+    }
+    let mut observables = observed.observables.iter();
+    if observed.settle >= steps && observables.any(|of| of.number() == Average::NUMBER) {
+        return Err(EnsembleError::Settle {
+            settle: observed.settle,
+            steps,
+        });
     }
     Ok(())
 }

@@ -19,7 +19,7 @@ pub(super) fn check_all<I: Method>(
     ensemble: &Ensemble<'_, I>,
     extent: &Extent<'_>,
 ) -> Result<(), EnsembleError> {
-    for request in &ensemble.statistics {
+    for request in &ensemble.observed.statistics {
         check(request.size(extent))?;
     }
     if !ensemble.keep_final_states {
@@ -39,7 +39,7 @@ pub(super) fn differences<I: Method>(
     records: usize,
     differences: usize,
 ) -> Result<(), EnsembleError> {
-    let of_record = NUMBER + u128::from(COLUMN_BYTES) * ensemble.names.len() as u128;
+    let of_record = NUMBER + u128::from(COLUMN_BYTES) * ensemble.observed.names.len() as u128;
     let bytes = AT_ONCE * of_record * records as u128 * differences as u128;
     check(Size {
         bytes,

@@ -234,9 +234,10 @@ impl<I: Method> Ensemble<'_, I> {
     pub(super) fn take(mut self, request: AnyRequest) -> Self {
         let kind = request.kind();
         let place = self
+            .observed
             .statistics
             .partition_point(|other| other.kind() <= kind);
-        self.statistics.insert(place, request);
+        self.observed.statistics.insert(place, request);
         self
     }
 }

@@ -9,17 +9,10 @@ use super::coupled::{Coupled, difference_number};
 use super::settings::{Leg, Settings};
 use super::starts::Starts;
 use super::{Ensemble, EnsembleError, Summary, sizes};
-use crate::phase::configuration::Coordinates;
-use crate::phase::state::State;
-use crate::system::{Dims, System};
+use crate::system::StateOf;
 use crate::trajectory::Method;
 
-impl<I, S, Q, const N: usize, const M: usize> Ensemble<'_, I>
-where
-    I: Method<System = S> + Sync,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<I: Method + Sync> Ensemble<'_, I> {
     /// Runs all paths with each of several methods, in place of the ensemble's own: systems with different parameters. Path k has the same noise in all rows.
     ///
     /// With common noise the difference of two rows has a far smaller statistical error than each of them: the sweep takes the differences path by path, with their standard errors.
@@ -72,7 +65,7 @@ where
     ///
     /// # Errors
     /// As [`sweep`](Self::sweep); [`EnsembleError::SweepTimes`] unless all starts have one time.
-    pub fn sweep_starts(&self, starts: &[State<Q>]) -> Result<Sweep, EnsembleError> {
+    pub fn sweep_starts(&self, starts: &[StateOf<I::System>]) -> Result<Sweep, EnsembleError> {
         let starts: Vec<_> = starts.iter().map(|start| Starts::Same(*start)).collect();
         let legs = starts.iter().map(|start| Leg {
             start: Some(start),
@@ -83,7 +76,7 @@ where
 
     fn run_legs<'b>(&'b self, legs: &[Leg<'b, I>]) -> Result<Sweep, EnsembleError> {
         #[cfg(feature = "checkpoint")]
-        if self.checkpoint.is_some() {
+        if self.execution.checkpoint.is_some() {
             return Err(EnsembleError::SweepInOneFile);
         }
         let legs = legs.iter().map(|leg| Settings::of_leg(self, leg));

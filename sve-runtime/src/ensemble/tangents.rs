@@ -10,28 +10,27 @@ use super::by::{By, Varied};
 use super::failure::Cause;
 use super::gradient::Gradients;
 use super::increment_buffer::IncrementBuffer;
+use super::observer::LastStep;
 use super::path_block::PathBlock;
 use super::tile::{Tile, lanes};
 use crate::lanes::dispatch::{Kernel, dispatch};
-use crate::lanes::{Aligned, LANES, Lane, Mask};
-use crate::method::Differentiable;
+use crate::lanes::{LANES, Mask};
+use crate::method::{Differentiable, DimsOf};
 use crate::phase::Field;
-use crate::phase::configuration::Coordinates;
-use crate::phase::tangents::{LaneDirections, TangentLanes};
+use crate::phase::tangents::{FieldLanes, LaneDirections};
 use crate::system::linearisation::Directions;
-use crate::system::{Dimensions, Dims, IncrementLanesOf, StateLanesOf, System, TangentLanesOf};
+use crate::system::{Dimensions, StateLanesOf, System, TangentLanesOf};
 use crate::time::time_after;
 use crate::trajectory::Method;
 
 /// The tangent vectors of the paths of a block.
-#[derive(Default)]
-pub(super) struct Tangents<const N: usize> {
-    tiles: Vec<TangentTile<TangentLanes<N>>>,
+pub(super) struct Tangents<D: Dimensions> {
+    tiles: Vec<TangentTile<D::TangentLanes>>,
     /// What varies along each direction.
     varied: Vec<Varied>,
     /// Work space: the parameter that varies in a step, and the vectors of a path, by quantity.
     parameters: Vec<Option<usize>>,
-    fields: Vec<Field<[f64; N]>>,
+    fields: Vec<Field<D::Vector>>,
 }
 
 /// The tangent vectors of the paths of a tile, by quantity.
@@ -62,14 +61,11 @@ impl<L> TangentTile<L> {
     }
 }
 
-impl<const N: usize> Tangents<N> {
+impl<D: Dimensions> Tangents<D> {
     /// The tangent vectors at the start, for so many tiles. A step of the ensemble is `parts` steps of the run.
     pub(super) fn new<I: Method>(gradients: &Gradients<'_, I>, parts: u64, tiles: usize) -> Self {
-        if gradients.by.is_empty() {
-            return Self::default();
-        }
-        let fields: Vec<_> = gradients.by.iter().map(By::start).collect();
-        let starts: Vec<_> = fields.iter().map(TangentLanes::splat).collect();
+        let fields: Vec<_> = gradients.by.iter().map(By::start::<D>).collect();
+        let starts: Vec<_> = fields.iter().map(FieldLanes::splat).collect();
         let tile = || TangentTile {
             buffers: [starts.clone(), starts.clone()],
             current: false,
@@ -85,19 +81,17 @@ impl<const N: usize> Tangents<N> {
     }
 
     pub(super) fn is_empty(&self) -> bool {
-        self.tiles.is_empty()
+        self.varied.is_empty()
     }
-}
 
-/// The increments of the tiles of a block, with any number of processes.
-pub(super) trait TileIncrements<L> {
-    /// Returns the increments of a tile for a step of the batch that was loaded last.
-    fn of_tile(&self, tile: usize, step: u64) -> Aligned<L>;
-}
+    /// Returns the vector of a path along a direction.
+    pub(super) fn of(&self, tile: usize, direction: usize, lane: usize) -> Field<D::Vector> {
+        self.tiles[tile].fields()[direction].get(lane)
+    }
 
-impl<const M: usize> TileIncrements<[Lane; M]> for IncrementBuffer<M> {
-    fn of_tile(&self, tile: usize, step: u64) -> Aligned<[Lane; M]> {
-        self.of(tile, step)
+    /// Returns the parameter that varies along a direction in the last step.
+    pub(super) fn varied_in(&self, direction: usize, step: &LastStep) -> Option<usize> {
+        self.varied[direction].in_step(step.number.saturating_sub(1))
     }
 }
 
@@ -107,7 +101,7 @@ pub(super) struct CarryTiles<'f, I: Method> {
     prepared: &'f I::Prepared,
     h: f64,
     start_time: f64,
-    increments: &'f dyn TileIncrements<IncrementLanesOf<I::System>>,
+    increments: &'f IncrementBuffer<DimsOf<I>>,
     tiles: &'f mut [Tile<StateLanesOf<I::System>>],
     tangents: &'f mut [TangentTile<TangentLanesOf<I::System>>],
     varied: &'f [Varied],
@@ -145,7 +139,7 @@ impl<I: Method + Differentiable> Kernel for CarryTiles<'_, I> {
                     next: end,
                     parameters: self.parameters,
                 };
-                let dw = self.increments.of_tile(number, step);
+                let dw = self.increments.of(number, step);
                 let [unsolved, unfinished] = self.method.push_forward_lanes(
                     self.prepared,
                     before,
@@ -165,16 +159,11 @@ impl<I: Method + Differentiable> Kernel for CarryTiles<'_, I> {
     }
 }
 
-impl<I, S, Q, const N: usize, const M: usize> PathBlock<'_, I, N, M>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<I: Method> PathBlock<'_, I> {
     /// Steps some tiles with their tangent vectors, as far as the step in lanes goes. Returns the number of steps then made.
     pub(super) fn carry(&mut self, buffer: usize, tiles: Range<usize>, end: u64) -> u64 {
         let settings = self.settings;
-        let Some(steps) = settings.ensemble.gradients.steps else {
+        let Some(steps) = settings.ensemble.observed.gradients.steps else {
             return self.step;
         };
         (steps.in_lanes)(CarryTiles {
@@ -196,14 +185,15 @@ where
     pub(super) fn carry_unfinished_lanes(&mut self, tile: usize) {
         let unfinished = core::mem::take(&mut self.tangents.tiles[tile].unfinished);
         let settings = self.settings;
-        let (Some(steps), Some(step)) =
-            (settings.ensemble.gradients.steps, self.step.checked_sub(1))
-        else {
+        let (Some(steps), Some(step)) = (
+            settings.ensemble.observed.gradients.steps,
+            self.step.checked_sub(1),
+        ) else {
             return;
         };
         for lane in lanes(unfinished & self.tiles[tile].active) {
             let increments = self.increments_of(tile, step);
-            let mut state = S::Dims::get(self.tiles[tile].states_before(), lane);
+            let mut state = DimsOf::<I>::get(self.tiles[tile].states_before(), lane);
             state.t = settings.time(step);
             let Tangents {
                 tiles,
@@ -219,7 +209,7 @@ where
                 *field = lanes.get(lane);
             }
             let directions = Directions { fields, parameters };
-            let dw = increments.0.map(|process| process[lane]);
+            let dw = DimsOf::<I>::increments_of(&increments.0, lane);
             let (method, h) = (settings.method, settings.h);
             let made = (steps.alone)(method, &self.prepared, &mut state, h, &dw, directions);
             for (field, lanes) in fields.iter().zip(&mut buffers[after]) {
@@ -228,25 +218,6 @@ where
             if let Err(error) = made {
                 self.fail(tile, lane, step, Cause::Step(error));
             }
-        }
-    }
-
-    /// Evaluates a derivative in the active lanes of a tile.
-    pub(super) fn slopes(
-        &self,
-        (function, direction): (usize, usize),
-        tile: usize,
-        values: &mut Lane,
-    ) {
-        let ensemble = self.settings.ensemble;
-        let gradients = &ensemble.gradients;
-        let varied = self.tangents.varied[direction].in_step(self.step.saturating_sub(1));
-        let fields = &self.tangents.tiles[tile].fields()[direction];
-        for lane in lanes(self.tiles[tile].active) {
-            let state = S::Dims::get(self.tiles[tile].states(), lane);
-            let function = &gradients.functions[function];
-            let (system, field) = (self.settings.method.system(), fields.get(lane));
-            values[lane] = function.slope(system, &state, &field, varied);
         }
     }
 }

@@ -235,7 +235,7 @@ where
         entries: all.columns(0, 2 * N).transpose().as_slice().to_vec(),
     };
     let field = |parameter: usize| {
-        Field::of::<Q>(Field {
+        Field::<[f64; N]>::of::<Q>(Field {
             q: core::array::from_fn(|i| all[(i, 2 * N + parameter)]),
             p: core::array::from_fn(|i| all[(N + i, 2 * N + parameter)]),
         })

@@ -4,23 +4,21 @@ use core::cell::OnceCell;
 
 use crate::error::StepError;
 use crate::phase::Field;
-use crate::phase::configuration::{Coordinates, FlatConfiguration};
-use crate::phase::dual::{Dual, DualState};
-use crate::phase::state::State;
-use crate::system::System;
+use crate::phase::dual::Dual;
+use crate::system::{Dimensions, DualStateOf, StateOf, System, VectorOf};
 
 /// Calls a function with a state that varies in a direction of its canonical coordinates, as does the parameter number `varied`. Calls `read` with the number of each
 /// parameter that the function asks for.
 ///
 /// # Errors
 /// [`StepError::UnknownParameter`].
-pub(crate) fn with_dual_state<S: System, Q: Coordinates<N>, T, const N: usize>(
+pub(crate) fn with_dual_state<S: System, T>(
     system: &S,
-    state: &State<Q>,
-    direction: &Field<[f64; N]>,
+    state: &StateOf<S>,
+    direction: &Field<VectorOf<S>>,
     varied: Option<usize>,
     read: &dyn Fn(usize),
-    function: impl FnOnce(&DualState<'_, N, Q::Dual>) -> T,
+    function: impl FnOnce(&DualStateOf<'_, S>) -> T,
 ) -> Result<T, StepError> {
     let unknown = OnceCell::new();
     let parameter = |name: &str| {
@@ -38,15 +36,7 @@ pub(crate) fn with_dual_state<S: System, Q: Coordinates<N>, T, const N: usize>(
         });
         Dual::parameter(value, varied == Some(number))
     };
-    // of a rotation Π = y − ½ ε × Π to first order
-    let (p, mut dp) = (Q::components(&state.p), direction.p);
-    Q::Flat::add_transport(&p.map(|p| 0.5 * p), &direction.q, &mut dp);
-    let result = function(&DualState {
-        t: state.t,
-        q: state.q.dual(&direction.q),
-        p: Dual::row(&p, &dp),
-        parameter: &parameter,
-    });
+    let result = function(&S::Dims::dual_state(state, direction, &parameter));
     match unknown.into_inner() {
         None => Ok(result),
         Some(parameter) => Err(StepError::UnknownParameter {

@@ -9,7 +9,9 @@
 //!
 //! Source: Lévy's construction; Karatzas, Shreve, *Brownian Motion and Stochastic Calculus*, 2nd ed., Springer (1991), section 2.3.
 
-use super::{Halves, Noise, NoiseError, Wiener, box_muller, threefry};
+#[cfg(feature = "ensemble")]
+use super::many_paths::{ManyPaths, PathData};
+use super::{Halves, Noise, NoiseError, Replayable, Wiener, WithinSteps, box_muller, threefry};
 use crate::error::check_step;
 
 /// Separates these draws from the increments of the path itself.
@@ -183,12 +185,6 @@ pub struct Refined {
 }
 
 impl Refined {
-    /// The path in whole steps, and the number of halvings of a step.
-    #[cfg(feature = "ensemble")]
-    pub(super) fn into_parts(self) -> (Wiener, u32) {
-        (self.path, self.depth)
-    }
-
     /// Returns the first level at which two steps are in different intervals; `None` if the steps are the same.
     fn first_difference(&self, a: u64, b: u64) -> Option<u32> {
         let highest = (a ^ b).checked_ilog2()?;
@@ -253,20 +249,25 @@ impl Noise for Refined {
         Ok(())
     }
 
-    fn halves_if_known(
-        &self,
-        interval: DyadicInterval,
-        h: f64,
-        whole: &[f64],
-        left: &mut [f64],
-        right: &mut [f64],
-    ) -> bool {
-        self.halves_of(interval, h, whole, left, right);
-        true
+    fn within_steps(&self) -> Option<WithinSteps<'_>> {
+        Some(WithinSteps::of(self))
     }
 }
 
 /// An interval of a step of `h / 2^depth` is one of the path itself. Below intervals of level 63 the path is linear.
+impl Replayable for Refined {}
+
+/// The steps of the ensemble are parts of those of the path, as in a trajectory: `steps(h / 2^depth, …)`.
+#[cfg(feature = "ensemble")]
+impl ManyPaths for Refined {
+    fn many_paths(self) -> PathData {
+        PathData {
+            depth: self.depth,
+            ..self.path.many_paths()
+        }
+    }
+}
+
 impl Halves for Refined {
     fn halves_of(
         &self,

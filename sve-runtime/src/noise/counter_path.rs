@@ -5,8 +5,8 @@
 
 use core::marker::PhantomData;
 
-use super::NoiseError;
 use super::distribution::{BY_STEPS, Distribution, PathKey, SHARED, Workspace};
+use super::{Noise, NoiseError};
 use crate::error::check_step;
 use crate::lanes::Aligned;
 use crate::lanes::dispatch::{VectorKernel, dispatch_vectors};
@@ -91,40 +91,6 @@ impl<D: Distribution> CounterPath<D> {
         self.key().increment::<D>(step, process, h.abs().sqrt())
     }
 
-    #[inline]
-    pub(super) fn increments(
-        &mut self,
-        step: u64,
-        h: f64,
-        dw: &mut [f64],
-    ) -> Result<(), NoiseError> {
-        let processes = dw.len().min(BY_STEPS);
-        let layout = Layout::of(processes);
-        let (block, at) = (step / SHARED as u64, (step % SHARED as u64) as usize);
-        let lane = (block % layout.blocks()) as usize;
-        let first = block - lane as u64;
-        if self.kept != Some((first, h, layout)) || self.processes < processes {
-            self.fill(first, processes, h)?;
-        }
-        let (by_steps, by_processes) = dw.split_at_mut(processes);
-        match layout {
-            Layout::Steps => {
-                for (dw, rows) in by_steps.iter_mut().zip(&self.increments) {
-                    *dw = rows.0[at][lane];
-                }
-            }
-            Layout::Processes => {
-                for (dw, rows) in by_steps.chunks_mut(LANES).zip(&self.increments) {
-                    dw.copy_from_slice(&rows.0[at][..dw.len()]);
-                }
-            }
-        }
-        if !by_processes.is_empty() {
-            self.draw_by_processes(step, h, by_processes);
-        }
-        Ok(())
-    }
-
     #[inline(never)]
     fn fill(&mut self, first_block: u64, processes: usize, h: f64) -> Result<(), NoiseError> {
         check_step(h)?;
@@ -156,6 +122,37 @@ impl<D: Distribution> CounterPath<D> {
             distribution: self.distribution,
             out,
         });
+    }
+}
+
+impl<D: Distribution> Noise for CounterPath<D> {
+    #[inline]
+    fn increments(&mut self, step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
+        let processes = dw.len().min(BY_STEPS);
+        let layout = Layout::of(processes);
+        let (block, at) = (step / SHARED as u64, (step % SHARED as u64) as usize);
+        let lane = (block % layout.blocks()) as usize;
+        let first = block - lane as u64;
+        if self.kept != Some((first, h, layout)) || self.processes < processes {
+            self.fill(first, processes, h)?;
+        }
+        let (by_steps, by_processes) = dw.split_at_mut(processes);
+        match layout {
+            Layout::Steps => {
+                for (dw, rows) in by_steps.iter_mut().zip(&self.increments) {
+                    *dw = rows.0[at][lane];
+                }
+            }
+            Layout::Processes => {
+                for (dw, rows) in by_steps.chunks_mut(LANES).zip(&self.increments) {
+                    dw.copy_from_slice(&rows.0[at][..dw.len()]);
+                }
+            }
+        }
+        if !by_processes.is_empty() {
+            self.draw_by_processes(step, h, by_processes);
+        }
+        Ok(())
     }
 }
 
@@ -223,8 +220,11 @@ impl<D: Distribution> VectorKernel for ByProcesses<'_, D> {
 #[cfg(test)]
 mod tests {
     use super::{BY_STEPS, CounterPath, Layout};
-    use crate::noise::distribution::{Distribution, Normal, ThreePoints};
+    use crate::noise::Noise as _;
+    use crate::noise::distribution::Distribution;
+    use crate::noise::three_point::ThreePoints;
     use crate::noise::threefry;
+    use crate::noise::wiener::Normal;
 
     fn check_layout<D: Distribution>(domain: [u8; 8]) {
         let path = CounterPath::<D>::new(11).path(22);

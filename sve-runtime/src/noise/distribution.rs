@@ -14,7 +14,7 @@
 use core::marker::PhantomData;
 
 pub(super) use super::box_muller::Workspace;
-use super::{box_muller, threefry};
+use super::threefry;
 use crate::lanes::dispatch::{Kernel, dispatch};
 
 /// Version of the increments: it changes with their bits, so that results of different versions are not merged.
@@ -50,57 +50,6 @@ pub(crate) trait Distribution: Copy {
         }
     }
 }
-
-/// Normal increments.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Normal;
-
-impl Distribution for Normal {
-    const DOMAIN: u64 = u64::from_le_bytes(*b"wiener  ");
-
-    #[inline(always)]
-    fn four(words: [u64; 4], scale: f64) -> [f64; 4] {
-        box_muller::inlined_four(words, scale)
-    }
-
-    #[inline(always)]
-    fn fill_lanes<const L: usize, const AVX512: bool>(
-        words: impl Fn(usize) -> [u64; 4],
-        scale: f64,
-        work: &mut Workspace<L>,
-        out: &mut [[f64; L]; 4],
-    ) {
-        box_muller::fill_lanes::<L, AVX512>(words, scale, work, out);
-    }
-}
-
-/// Increments ±√(3h) with probability 1/6 each, otherwise 0: the first five moments are those of normal increments.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ThreePoints;
-
-impl ThreePoints {
-    /// Smallest positive signed word that gives an increment. These words and their mirror images are a third of all words, to 2⁻⁶⁴.
-    const BOUND: i64 = (2 * (1_u128 << 63) / 3) as i64 + 1;
-}
-
-impl Distribution for ThreePoints {
-    const DOMAIN: u64 = u64::from_le_bytes(*b"3-points");
-
-    #[inline(always)]
-    fn four(words: [u64; 4], scale: f64) -> [f64; 4] {
-        let step = (ROOT_3 * scale).to_bits();
-        words.map(|word| {
-            let signs = word.cast_signed() >> 63;
-            // The magnitude, less 1 for negative words: both signs have as many values. Old vectors have no fast comparisons, hence the bits.
-            let size = word.cast_signed() ^ signs;
-            let small = (size - Self::BOUND) >> 63;
-            f64::from_bits((step | (word & (1 << 63))) & !small.cast_unsigned())
-        })
-    }
-}
-
-/// √3, rounded.
-const ROOT_3: f64 = 1.732_050_807_568_877_2;
 
 /// The random words of a path.
 #[derive(Clone, Copy, Debug)]
@@ -160,28 +109,5 @@ impl<D: Distribution> Kernel for Four<D> {
     #[inline(always)]
     fn run(self) -> [f64; 4] {
         D::four(self.words, self.scale)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{Distribution, ROOT_3, ThreePoints};
-
-    /// Checks that ⌊2⁶⁴/6⌋ words give each sign: those at the ends of the signed range.
-    #[test]
-    fn a_sixth_of_the_words_has_each_sign() {
-        let sixth = ((1_u128 << 64) / 6) as u64;
-        let top = (1_u64 << 63) - 1;
-        let bottom = 1_u64 << 63;
-        let of = |words: [u64; 4]| ThreePoints::four(words, 2.0);
-        let step = 2.0 * ROOT_3;
-        assert_eq!(
-            of([top, top - sixth + 1, top - sixth, 0]),
-            [step, step, 0.0, 0.0]
-        );
-        let low = [bottom, bottom + sixth - 1, bottom + sixth, u64::MAX];
-        assert_eq!(of(low), [-step, -step, 0.0, 0.0]);
-        assert!(of(low)[2..].iter().all(|z| z.is_sign_positive()));
-        assert_eq!(ROOT_3, 3.0_f64.sqrt());
     }
 }

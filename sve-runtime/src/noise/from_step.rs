@@ -2,10 +2,7 @@
 //!
 //! Input: a source and a step. Output: the source's increments from that step on. Invariant: step `k` is step `first + k` of the source, bit for bit.
 
-use super::{
-    DyadicInterval, Halves, NoNoise, Noise, NoiseError, Recorded, Refined, ThreePoint, Truncated,
-    Wiener,
-};
+use super::{DyadicInterval, Halves, Noise, NoiseError, WithinSteps};
 
 /// A source whose increments are a function of the step number, so that its path can be entered anywhere.
 ///
@@ -52,13 +49,6 @@ pub trait Replayable: Noise {
     }
 }
 
-impl Replayable for Wiener {}
-impl Replayable for Refined {}
-impl Replayable for ThreePoint {}
-impl Replayable for NoNoise {}
-impl Replayable for Recorded {}
-impl Replayable for &Recorded {}
-impl<W: Replayable> Replayable for Truncated<W> {}
 impl<W: Replayable> Replayable for FromStep<W> {}
 impl<W: Replayable + ?Sized> Replayable for &mut W {}
 impl<W: Replayable + ?Sized> Replayable for Box<W> {}
@@ -96,16 +86,9 @@ impl<W: Noise> Noise for FromStep<W> {
         }
     }
 
-    fn halves_if_known(
-        &self,
-        interval: DyadicInterval,
-        h: f64,
-        whole: &[f64],
-        left: &mut [f64],
-        right: &mut [f64],
-    ) -> bool {
-        let interval = interval.later(self.first);
-        self.noise.halves_if_known(interval, h, whole, left, right)
+    fn within_steps(&self) -> Option<WithinSteps<'_>> {
+        let path = self.noise.within_steps()?;
+        Some(path.later(self.first))
     }
 }
 

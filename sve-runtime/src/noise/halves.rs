@@ -3,6 +3,8 @@
 //! Input: the increments over a dyadic interval of a step. Output: the increments over its halves. Invariant: they sum to those of the interval up to rounding, and are
 //! a pure function of the source, the interval and its increments.
 
+use core::fmt;
+
 use super::{DyadicInterval, NoNoise, Noise, Wiener};
 use crate::system::Increments;
 
@@ -73,53 +75,38 @@ impl<W: Halves + ?Sized> Halves for &mut W {
     }
 }
 
-/// Returns the increments over the first `fraction` of a step of length `h`; `whole` are those over the step.
+/// A path that is known within steps, from [`Noise::within_steps`].
+#[derive(Clone, Copy)]
+pub struct WithinSteps<'a> {
+    path: &'a dyn Halves,
+    /// The step of the path that is step 0 here.
+    first: u64,
+}
+
+impl<'a> WithinSteps<'a> {
+    /// The path of a source.
+    pub fn of(path: &'a dyn Halves) -> Self {
+        Self { path, first: 0 }
+    }
+
+    /// Returns the same path from a step on; that step becomes step 0.
+    pub(super) fn later(self, steps: u64) -> Self {
+        let first = self.first.wrapping_add(steps);
+        Self { first, ..self }
+    }
+}
+
+impl fmt::Debug for WithinSteps<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("WithinSteps").finish_non_exhaustive()
+    }
+}
+
+/// Returns the increments over the first `fraction` of a step of length `h`; `whole` are those over the step. `None` if the path is needed within the step and not known there.
 ///
 /// The path within a step is a function of seed, path, step and process: its values at the multiples of 2⁻³² of the step are those of the halved intervals.
-pub(crate) fn increments_until<W: Halves, D: Increments>(
-    noise: &W,
-    step: u64,
-    h: f64,
-    fraction: f64,
-    whole: &D,
-) -> D {
-    let halve = |interval, length, part: &D, left: &mut D, right: &mut D| {
-        noise.halves_of(
-            interval,
-            length,
-            part.as_ref(),
-            left.as_mut(),
-            right.as_mut(),
-        );
-        true
-    };
-    // every interval is halved
-    bisected(halve, step, h, fraction, whole).unwrap_or(*whole)
-}
-
-/// Returns the same as [`increments_until`]; `None` if the source does not know its path within steps.
-pub(crate) fn increments_until_if_known<W: Noise, D: Increments>(
-    noise: &W,
-    step: u64,
-    h: f64,
-    fraction: f64,
-    whole: &D,
-) -> Option<D> {
-    let halve = |interval, length, part: &D, left: &mut D, right: &mut D| {
-        noise.halves_if_known(
-            interval,
-            length,
-            part.as_ref(),
-            left.as_mut(),
-            right.as_mut(),
-        )
-    };
-    bisected(halve, step, h, fraction, whole)
-}
-
-/// Adds up the increments of the intervals before a fraction of a step. `halve` computes the increments of the halves of an interval and returns whether it can.
-fn bisected<D: Increments>(
-    halve: impl Fn(DyadicInterval, f64, &D, &mut D, &mut D) -> bool,
+pub(crate) fn increments_until<D: Increments>(
+    path: Option<WithinSteps<'_>>,
     step: u64,
     h: f64,
     fraction: f64,
@@ -129,6 +116,7 @@ fn bisected<D: Increments>(
     if fraction >= 1.0 || part.as_ref().is_empty() {
         return Some(part);
     }
+    let path = path?;
     let (mut interval, mut length) = (DyadicInterval::whole(step), h);
     let scaled = fraction * (1_u64 << LEVELS) as f64;
     #[allow(clippy::cast_sign_loss)] // fractions are not negative
@@ -138,9 +126,9 @@ fn bisected<D: Increments>(
             break;
         };
         let (mut left, mut right) = (D::NONE, D::NONE);
-        if !halve(interval, length, &part, &mut left, &mut right) {
-            return None;
-        }
+        let (to_left, to_right) = (left.as_mut(), right.as_mut());
+        let of_path = interval.later(path.first);
+        (path.path).halves_of(of_path, length, part.as_ref(), to_left, to_right);
         length *= 0.5;
         if cell >> level & 1 == 1 {
             add(&mut sum, 1.0, &left);

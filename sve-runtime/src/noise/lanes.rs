@@ -5,25 +5,16 @@
 
 use core::marker::PhantomData;
 
-use super::distribution::{
-    BY_STEPS, Distribution, Normal, PathKey, SHARED, ThreePoints, Workspace,
-};
+use super::distribution::{BY_STEPS, Distribution, PathKey, SHARED, Workspace};
 use crate::lanes::dispatch::{VectorKernel, dispatch_vectors};
 use crate::lanes::{Aligned, LANES, Lane};
 
-/// The distribution of increments, as a value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum DistributionKind {
-    /// The normal distribution of [`Wiener`](super::Wiener).
-    Normal,
-    /// The distribution of [`ThreePoint`](super::ThreePoint).
-    ThreePoint,
-}
+/// The increments of a tile over the four steps of a block.
+pub(crate) type Rows = Aligned<[Lane; SHARED]>;
 
 /// Which increments are drawn.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Draw<'a> {
-    pub(crate) distribution: DistributionKind,
     pub(crate) seed: u64,
     /// The path in each lane of each tile.
     pub(crate) paths: &'a [[u64; LANES]],
@@ -39,33 +30,21 @@ pub(crate) struct Draw<'a> {
 /// Tile `t` and process `p` (from 0) over step 4 (`first_block` + `b`) + `k` are in `out[(b * tiles + t) * processes + p][k]`; the length of `out`
 /// gives the number of blocks. A call costs as much as some ten increments, so many rows in a call save time; `out` should fit into the first cache.
 #[inline(never)]
-pub(crate) fn fill(draw: &Draw<'_>, out: &mut [Aligned<[Lane; SHARED]>]) {
+pub(super) fn fill<D: Distribution>(draw: &Draw<'_>, out: &mut [Rows]) {
     if draw.processes == 0 || draw.paths.is_empty() {
         return;
     }
-    let draw = *draw;
-    match draw.distribution {
-        DistributionKind::Normal => {
-            dispatch_vectors(Fill::<Normal> {
-                draw,
-                out,
-                distribution: PhantomData,
-            });
-        }
-        DistributionKind::ThreePoint => {
-            dispatch_vectors(Fill::<ThreePoints> {
-                draw,
-                out,
-                distribution: PhantomData,
-            });
-        }
-    }
+    dispatch_vectors(Fill::<D> {
+        draw: *draw,
+        out,
+        distribution: PhantomData,
+    });
 }
 
 /// A fill with increments of a distribution.
 struct Fill<'a, D> {
     draw: Draw<'a>,
-    out: &'a mut [Aligned<[Lane; SHARED]>],
+    out: &'a mut [Rows],
     distribution: PhantomData<D>,
 }
 
@@ -85,7 +64,7 @@ impl Draw<'_> {
         &self,
         [block, tile]: [usize; 2],
         work: &mut Workspace<LANES>,
-        rows: &mut [Aligned<[Lane; SHARED]>],
+        rows: &mut [Rows],
     ) {
         let block = self.first_block + block as u64;
         for (process, row) in (0..).zip(rows) {
@@ -100,7 +79,7 @@ impl Draw<'_> {
         &self,
         [block, tile]: [usize; 2],
         work: &mut Workspace<LANES>,
-        rows: &mut [Aligned<[Lane; SHARED]>],
+        rows: &mut [Rows],
     ) {
         let first_step = SHARED as u64 * (self.first_block + block as u64);
         let mut of_step = Aligned([[0.0; LANES]; SHARED]);
@@ -140,10 +119,12 @@ mod tests {
     use crate::lanes::Aligned;
     use core::marker::PhantomData;
 
-    use super::{DistributionKind, Draw, Fill, LANES, Lane, fill};
+    use super::{Draw, Fill, LANES, Lane, fill};
     use crate::lanes::dispatch::{VectorKernel, vector_versions};
-    use crate::noise::distribution::{Distribution, Normal, ThreePoints};
-    use crate::noise::{ThreePoint, Wiener};
+    use crate::noise::counter_path::CounterPath;
+    use crate::noise::distribution::Distribution;
+    use crate::noise::three_point::ThreePoints;
+    use crate::noise::wiener::Normal;
 
     /// Number of blocks in each case.
     const BLOCKS: usize = 3;
@@ -165,46 +146,46 @@ mod tests {
         (0..tiles).map(tile).collect()
     }
 
-    #[test]
-    fn increments_have_the_bits_of_single_paths() {
+    fn increments_have_the_bits_of_single_paths<D: Distribution>() {
         let (seed, h) = (7, 0.037_f64);
-        for distribution in [DistributionKind::Normal, DistributionKind::ThreePoint] {
-            let single = |path, step, process| match distribution {
-                DistributionKind::Normal => {
-                    Wiener::new(seed).path(path).increment(step, process, h)
-                }
-                DistributionKind::ThreePoint => {
-                    ThreePoint::new(seed).path(path).increment(step, process, h)
-                }
+        for (first, block, processes, tiles) in CASES {
+            let draw = Draw {
+                seed,
+                paths: &consecutive(first, tiles),
+                first_block: block,
+                scale: h.sqrt(),
+                processes,
             };
-            for (first, block, processes, tiles) in CASES {
-                let draw = Draw {
-                    distribution,
-                    seed,
-                    paths: &consecutive(first, tiles),
-                    first_block: block,
-                    scale: h.sqrt(),
-                    processes,
-                };
-                let mut out = vec![Aligned([[f64::NAN; LANES]; 4]); BLOCKS * processes * tiles];
-                fill(&draw, &mut out);
-                for (row, steps) in out.iter().enumerate() {
-                    let (number, tile) = (row / processes / tiles, row / processes % tiles);
-                    for (step, lanes) in steps.0.iter().enumerate() {
-                        for (lane, dw) in lanes.iter().enumerate() {
-                            let path = first.wrapping_add((tile * LANES + lane) as u64);
-                            let step = 4 * (block + number as u64) + step as u64;
-                            let expected = single(path, step, row % processes);
-                            assert_eq!(
-                                dw.to_bits(),
-                                expected.to_bits(),
-                                "{distribution:?} {row} {step} {lane}"
-                            );
-                        }
+            let mut out = vec![Aligned([[f64::NAN; LANES]; 4]); BLOCKS * processes * tiles];
+            fill::<D>(&draw, &mut out);
+            for (row, steps) in out.iter().enumerate() {
+                let (number, tile) = (row / processes / tiles, row / processes % tiles);
+                for (step, lanes) in steps.0.iter().enumerate() {
+                    for (lane, dw) in lanes.iter().enumerate() {
+                        let path = first.wrapping_add((tile * LANES + lane) as u64);
+                        let path = CounterPath::<D>::new(seed).path(path);
+                        let step = 4 * (block + number as u64) + step as u64;
+                        let expected = path.increment(step, row % processes, h);
+                        let domain = D::DOMAIN;
+                        assert_eq!(
+                            dw.to_bits(),
+                            expected.to_bits(),
+                            "{domain} {row} {step} {lane}"
+                        );
                     }
                 }
             }
         }
+    }
+
+    #[test]
+    fn normal_increments_have_the_bits_of_single_paths() {
+        increments_have_the_bits_of_single_paths::<Normal>();
+    }
+
+    #[test]
+    fn increments_of_three_values_have_the_bits_of_single_paths() {
+        increments_have_the_bits_of_single_paths::<ThreePoints>();
     }
 
     /// A fill of its own memory.
@@ -222,7 +203,6 @@ mod tests {
             let (first_path, block, processes, tiles) = self.case;
             let mut out = vec![Aligned([[f64::NAN; LANES]; 4]); BLOCKS * processes * tiles];
             let draw = Draw {
-                distribution: DistributionKind::Normal,
                 seed: 11,
                 paths: &consecutive(first_path, tiles),
                 first_block: block,
@@ -262,17 +242,15 @@ mod tests {
     #[test]
     fn an_empty_fill_does_nothing() {
         for (processes, tiles) in [(0, 1), (3, 1), (3, 0)] {
-            for distribution in [DistributionKind::Normal, DistributionKind::ThreePoint] {
-                let draw = Draw {
-                    distribution,
-                    seed: 1,
-                    paths: &consecutive(0, tiles),
-                    first_block: 0,
-                    scale: 1.0,
-                    processes,
-                };
-                fill(&draw, &mut []);
-            }
+            let draw = Draw {
+                seed: 1,
+                paths: &consecutive(0, tiles),
+                first_block: 0,
+                scale: 1.0,
+                processes,
+            };
+            fill::<Normal>(&draw, &mut []);
+            fill::<ThreePoints>(&draw, &mut []);
         }
     }
 }

@@ -1,9 +1,14 @@
 //! Sources with a path for each number: the noise of an ensemble.
 //!
-//! Input: a source. Output: the plain data from which increments of many paths are drawn in lanes.
+//! Input: a source. Output: the plain data from which increments of many paths are drawn in lanes. Invariant: a source is one file, which implements
+//! [`ManyPaths`] and, if its increments have a distribution of their own, [`PathDistribution`].
 
-use super::lanes::DistributionKind;
-use super::{NoNoise, Refined, ThreePoint, Truncated, Wiener};
+use core::fmt::Debug;
+
+use super::counter_path::CounterPath;
+use super::distribution::Distribution;
+use super::lanes::{Draw, Rows, fill};
+use super::{Halves, Noise, Truncated};
 
 /// A source with a path for each number, for [`Ensemble::noise`](crate::ensemble::Ensemble::noise).
 ///
@@ -21,6 +26,67 @@ pub trait ManyPaths {
     fn many_paths(self) -> PathData;
 }
 
+/// A distribution from which the increments of many paths are drawn.
+pub(crate) trait PathDistribution: Distribution + Debug + Sync + 'static {
+    /// The number by which shards and checkpoints of ensembles know the distribution.
+    const NUMBER: u64;
+    /// What pages call the increments.
+    const NAME: &'static str;
+    /// Whether the sum of the increments over two halves of a step has the distribution of the increment over the step.
+    const HAS_SUMS: bool = false;
+
+    /// Returns a path in steps that are halved `depth` times, if the path is known within steps.
+    fn within_steps(seed: u64, path: u64, depth: u32) -> Option<Box<dyn Halves>> {
+        let _ = (seed, path, depth);
+        None
+    }
+}
+
+/// A [`PathDistribution`] as a value.
+pub(crate) trait AnyDistribution: Debug + Sync {
+    /// See [`PathDistribution::NUMBER`].
+    fn number(&self) -> u64;
+    /// See [`PathDistribution::NAME`].
+    fn name(&self) -> &'static str;
+    /// See [`PathDistribution::HAS_SUMS`].
+    fn has_sums(&self) -> bool;
+    /// See [`PathDistribution::within_steps`].
+    fn within_steps(&self, seed: u64, path: u64, depth: u32) -> Option<Box<dyn Halves>>;
+    /// Returns a path in steps that are halved `depth` times.
+    fn path(&self, seed: u64, path: u64, depth: u32) -> Box<dyn Noise>;
+    /// Fills rows with increments, see [`fill`].
+    fn fill(&self, draw: &Draw<'_>, out: &mut [Rows]);
+}
+
+impl<D: PathDistribution> AnyDistribution for D {
+    fn number(&self) -> u64 {
+        D::NUMBER
+    }
+
+    fn name(&self) -> &'static str {
+        D::NAME
+    }
+
+    fn has_sums(&self) -> bool {
+        D::HAS_SUMS
+    }
+
+    fn within_steps(&self, seed: u64, path: u64, depth: u32) -> Option<Box<dyn Halves>> {
+        D::within_steps(seed, path, depth)
+    }
+
+    fn path(&self, seed: u64, path: u64, depth: u32) -> Box<dyn Noise> {
+        match D::within_steps(seed, path, depth) {
+            Some(path) => path,
+            None => Box::new(CounterPath::<D>::new(seed).path(path)),
+        }
+    }
+
+    fn fill(&self, draw: &Draw<'_>, out: &mut [Rows]) {
+        fill::<D>(draw, out);
+    }
+}
+
 /// The data of a source with many paths.
 #[derive(Clone, Copy, Debug)]
 pub struct PathData {
@@ -28,64 +94,29 @@ pub struct PathData {
     pub(crate) seed: Option<u64>,
     pub(crate) first_path: u64,
     /// The distribution of the increments; `None` without noise.
-    pub(crate) distribution: Option<DistributionKind>,
+    pub(crate) distribution: Option<&'static dyn AnyDistribution>,
     pub(crate) truncation: Option<Truncated<()>>,
     /// Number of halvings of a step of the source: the ensemble makes 2^`depth` steps in each.
     pub(crate) depth: u32,
 }
 
-impl ManyPaths for Wiener {
-    fn many_paths(self) -> PathData {
-        PathData {
-            seed: Some(self.0.seed),
-            first_path: self.0.path,
-            distribution: Some(DistributionKind::Normal),
-            truncation: None,
-            depth: 0,
-        }
-    }
-}
+impl PathData {
+    /// The data of the source without noise.
+    pub(super) const NONE: Self = Self {
+        seed: None,
+        first_path: 0,
+        distribution: None,
+        truncation: None,
+        depth: 0,
+    };
 
-/// The steps of the ensemble are parts of those of the path, as in a trajectory: `steps(h / 2^depth, …)`.
-impl ManyPaths for Refined {
-    fn many_paths(self) -> PathData {
-        let (path, depth) = self.into_parts();
-        PathData {
-            depth,
-            ..path.many_paths()
-        }
-    }
-}
-
-impl ManyPaths for ThreePoint {
-    fn many_paths(self) -> PathData {
-        PathData {
-            seed: Some(self.0.seed),
-            first_path: self.0.path,
-            distribution: Some(DistributionKind::ThreePoint),
-            truncation: None,
-            depth: 0,
-        }
-    }
-}
-
-impl ManyPaths for NoNoise {
-    fn many_paths(self) -> PathData {
-        PathData {
-            seed: None,
-            first_path: 0,
-            distribution: None,
-            truncation: None,
-            depth: 0,
-        }
-    }
-}
-
-impl ManyPaths for Truncated<Wiener> {
-    fn many_paths(self) -> PathData {
-        PathData {
-            truncation: Some(self.bound_alone()),
-            ..self.into_source().many_paths()
+    /// The data of a counter-based source.
+    pub(super) fn of<D: PathDistribution>(path: &CounterPath<D>, distribution: &'static D) -> Self {
+        Self {
+            seed: Some(path.seed),
+            first_path: path.path,
+            distribution: Some(distribution),
+            ..Self::NONE
         }
     }
 }

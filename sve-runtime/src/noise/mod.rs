@@ -57,12 +57,12 @@ pub use bridge::{DyadicInterval, Refined};
 pub(crate) use distribution::VERSION;
 pub use from_rng::FromRng;
 pub use from_step::{FromStep, Replayable};
-pub use halves::Halves;
-pub(crate) use halves::{increments_until, increments_until_if_known};
+pub(crate) use halves::increments_until;
+pub use halves::{Halves, WithinSteps};
 #[cfg(feature = "ensemble")]
 pub use many_paths::ManyPaths;
 #[cfg(feature = "ensemble")]
-pub(crate) use many_paths::PathData;
+pub(crate) use many_paths::{AnyDistribution, PathData};
 pub use none::NoNoise;
 pub use recorded::Recorded;
 pub use three_point::ThreePoint;
@@ -122,18 +122,9 @@ pub trait Noise {
         Err(NoiseError::NoStages { stages })
     }
 
-    /// Computes the increments over the two halves of an interval within a step, as [`Halves::halves_of`] does, if the source knows its path there. Returns whether it
-    /// does. The default does not.
-    fn halves_if_known(
-        &self,
-        interval: DyadicInterval,
-        h: f64,
-        whole: &[f64],
-        left: &mut [f64],
-        right: &mut [f64],
-    ) -> bool {
-        let _ = (interval, h, whole, left, right);
-        false
+    /// Returns the path within steps, if the source knows it: `Some(WithinSteps::of(self))` for a source with [`Halves`]. The default does not.
+    fn within_steps(&self) -> Option<WithinSteps<'_>> {
+        None
     }
 }
 
@@ -157,15 +148,8 @@ macro_rules! forward {
                 (**self).stage_increments(step, h, stages, dw)
             }
 
-            fn halves_if_known(
-                &self,
-                interval: DyadicInterval,
-                h: f64,
-                whole: &[f64],
-                left: &mut [f64],
-                right: &mut [f64],
-            ) -> bool {
-                (**self).halves_if_known(interval, h, whole, left, right)
+            fn within_steps(&self) -> Option<WithinSteps<'_>> {
+                (**self).within_steps()
             }
         }
     };

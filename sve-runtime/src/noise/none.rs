@@ -1,6 +1,8 @@
 //! The source without noise. Input: any step. Output: zeros.
 
-use super::{DyadicInterval, Halves as _, Noise, NoiseError};
+#[cfg(feature = "ensemble")]
+use super::many_paths::{ManyPaths, PathData};
+use super::{Noise, NoiseError, Replayable, WithinSteps};
 
 /// No noise at all, for deterministic systems or the deterministic limit of a noisy one.
 ///
@@ -33,15 +35,16 @@ impl Noise for NoNoise {
         self.increments(step, h, dw)
     }
 
-    fn halves_if_known(
-        &self,
-        interval: DyadicInterval,
-        h: f64,
-        whole: &[f64],
-        left: &mut [f64],
-        right: &mut [f64],
-    ) -> bool {
-        self.halves_of(interval, h, whole, left, right);
-        true
+    fn within_steps(&self) -> Option<WithinSteps<'_>> {
+        Some(WithinSteps::of(self))
+    }
+}
+
+impl Replayable for NoNoise {}
+
+#[cfg(feature = "ensemble")]
+impl ManyPaths for NoNoise {
+    fn many_paths(self) -> PathData {
+        PathData::NONE
     }
 }

@@ -3,7 +3,7 @@
 //! Input: a step size and the increments of every process over every step. Output: these increments, or their sums over larger steps.
 //! Invariant: the step size is finite and not zero, every increment is finite.
 
-use super::{Noise, NoiseError};
+use super::{Noise, NoiseError, Replayable};
 use crate::error::check_step;
 use crate::gauss::stage_noise;
 
@@ -321,6 +321,9 @@ impl Noise for &Recorded {
         Ok(())
     }
 }
+
+impl Replayable for Recorded {}
+impl Replayable for &Recorded {}
 
 impl Noise for Recorded {
     #[inline]

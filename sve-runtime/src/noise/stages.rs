@@ -3,9 +3,10 @@
 //! Input: the increment of each process over a step, and words of a domain of their own for the higher coefficients of the path in Legendre polynomials. Output: the
 //! increments at the stages. Invariant: a pure function of seed, path, step and process; coefficient `k ≥ 1` of process `a` of `M` has number `(k − 1) M + a`, whatever the number of stages.
 
-use super::NoiseError;
 use super::counter_path::CounterPath;
-use super::distribution::{Distribution, Normal};
+use super::distribution::Distribution;
+use super::wiener::Normal;
+use super::{Noise as _, NoiseError};
 use crate::gauss::stage_noise;
 
 /// Normals of the higher coefficients.

@@ -6,8 +6,10 @@
 //! Source: Kloeden, Platen, *Numerical Solution of Stochastic Differential Equations*, Springer (1992), section 14.2.
 
 use super::counter_path::CounterPath;
-use super::distribution::ThreePoints;
-use super::{Noise, NoiseError};
+use super::distribution::Distribution;
+#[cfg(feature = "ensemble")]
+use super::many_paths::{ManyPaths, PathData, PathDistribution};
+use super::{Noise, NoiseError, Replayable};
 
 /// Increments ±√(3h) with probability 1/6 each and 0 with 2/3, counter-based as [`Wiener`](super::Wiener).
 ///
@@ -55,5 +57,71 @@ impl Noise for ThreePoint {
     #[inline]
     fn increments(&mut self, step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
         self.0.increments(step, h, dw)
+    }
+}
+
+impl Replayable for ThreePoint {}
+
+#[cfg(feature = "ensemble")]
+impl ManyPaths for ThreePoint {
+    fn many_paths(self) -> PathData {
+        PathData::of(&self.0, &ThreePoints)
+    }
+}
+
+/// Increments ±√(3h) with probability 1/6 each, otherwise 0: the first five moments are those of normal increments.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ThreePoints;
+
+impl ThreePoints {
+    /// Smallest positive signed word that gives an increment. These words and their mirror images are a third of all words, to 2⁻⁶⁴.
+    const BOUND: i64 = (2 * (1_u128 << 63) / 3) as i64 + 1;
+}
+
+impl Distribution for ThreePoints {
+    const DOMAIN: u64 = u64::from_le_bytes(*b"3-points");
+
+    #[inline(always)]
+    fn four(words: [u64; 4], scale: f64) -> [f64; 4] {
+        let step = (ROOT_3 * scale).to_bits();
+        words.map(|word| {
+            let signs = word.cast_signed() >> 63;
+            // The magnitude, less 1 for negative words: both signs have as many values. Old vectors have no fast comparisons, hence the bits.
+            let size = word.cast_signed() ^ signs;
+            let small = (size - Self::BOUND) >> 63;
+            f64::from_bits((step | (word & (1 << 63))) & !small.cast_unsigned())
+        })
+    }
+}
+
+/// √3, rounded.
+const ROOT_3: f64 = 1.732_050_807_568_877_2;
+
+#[cfg(feature = "ensemble")]
+impl PathDistribution for ThreePoints {
+    const NUMBER: u64 = 1;
+    const NAME: &'static str = "increments of three values";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Distribution, ROOT_3, ThreePoints};
+
+    /// Checks that ⌊2⁶⁴/6⌋ words give each sign: those at the ends of the signed range.
+    #[test]
+    fn a_sixth_of_the_words_has_each_sign() {
+        let sixth = ((1_u128 << 64) / 6) as u64;
+        let top = (1_u64 << 63) - 1;
+        let bottom = 1_u64 << 63;
+        let of = |words: [u64; 4]| ThreePoints::four(words, 2.0);
+        let step = 2.0 * ROOT_3;
+        assert_eq!(
+            of([top, top - sixth + 1, top - sixth, 0]),
+            [step, step, 0.0, 0.0]
+        );
+        let low = [bottom, bottom + sixth - 1, bottom + sixth, u64::MAX];
+        assert_eq!(of(low), [-step, -step, 0.0, 0.0]);
+        assert!(of(low)[2..].iter().all(|z| z.is_sign_positive()));
+        assert_eq!(ROOT_3, 3.0_f64.sqrt());
     }
 }

@@ -5,7 +5,11 @@
 //! Source of the bound that grows like √|ln h|: Milstein, Repin, Tretyakov, *Numerical methods for stochastic systems preserving
 //! symplectic structure*, SIAM J. Numer. Anal. 40 (2002) 1583–1604.
 
-use super::{Noise, NoiseError};
+#[cfg(feature = "ensemble")]
+use super::many_paths::{ManyPaths, PathData};
+#[cfg(feature = "ensemble")]
+use super::wiener::Wiener;
+use super::{Noise, NoiseError, Replayable};
 use crate::error::check_step;
 use crate::gauss::stage_noise;
 
@@ -117,21 +121,6 @@ impl<W> Truncated<W> {
         }
     }
 
-    /// The source whose increments are clipped.
-    #[cfg(feature = "ensemble")]
-    pub(super) fn into_source(self) -> W {
-        self.noise
-    }
-
-    /// The bound without its source.
-    #[cfg(feature = "ensemble")]
-    pub(super) fn bound_alone(&self) -> Truncated<()> {
-        Truncated {
-            noise: (),
-            bound: self.bound,
-        }
-    }
-
     /// Returns the largest |ΔW| over a step of length `h`, A√h.
     ///
     /// # Errors
@@ -176,5 +165,18 @@ impl<W: Noise> Noise for Truncated<W> {
             *dw = dw.clamp(-largest, largest);
         }
         Ok(())
+    }
+}
+
+impl<W: Replayable> Replayable for Truncated<W> {}
+
+#[cfg(feature = "ensemble")]
+impl ManyPaths for Truncated<Wiener> {
+    fn many_paths(self) -> PathData {
+        let Self { noise, bound } = self;
+        PathData {
+            truncation: Some(Truncated { noise: (), bound }),
+            ..noise.many_paths()
+        }
     }
 }

@@ -4,9 +4,11 @@
 //! Invariant: z is a pure function of (seed, path, step, process), the same bits on every machine.
 
 use super::counter_path::CounterPath;
-use super::distribution::Normal;
+use super::distribution::{Distribution, Workspace};
+#[cfg(feature = "ensemble")]
+use super::many_paths::{ManyPaths, PathData, PathDistribution};
 use super::stages::StagePath;
-use super::{DyadicInterval, Halves as _, Noise, NoiseError};
+use super::{Halves, Noise, NoiseError, Replayable, WithinSteps, box_muller};
 
 /// Wiener paths from a seed: any step of any path, in any order, always the same.
 ///
@@ -98,15 +100,55 @@ impl Noise for Wiener {
         higher.increments(whole, step, h, stages, dw)
     }
 
-    fn halves_if_known(
-        &self,
-        interval: DyadicInterval,
-        h: f64,
-        whole: &[f64],
-        left: &mut [f64],
-        right: &mut [f64],
-    ) -> bool {
-        self.halves_of(interval, h, whole, left, right);
-        true
+    fn within_steps(&self) -> Option<WithinSteps<'_>> {
+        Some(WithinSteps::of(self))
+    }
+}
+
+impl Replayable for Wiener {}
+
+#[cfg(feature = "ensemble")]
+impl ManyPaths for Wiener {
+    fn many_paths(self) -> PathData {
+        PathData::of(&self.0, &Normal)
+    }
+}
+
+/// Normal increments.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Normal;
+
+impl Distribution for Normal {
+    const DOMAIN: u64 = u64::from_le_bytes(*b"wiener  ");
+
+    #[inline(always)]
+    fn four(words: [u64; 4], scale: f64) -> [f64; 4] {
+        box_muller::inlined_four(words, scale)
+    }
+
+    #[inline(always)]
+    fn fill_lanes<const L: usize, const AVX512: bool>(
+        words: impl Fn(usize) -> [u64; 4],
+        scale: f64,
+        work: &mut Workspace<L>,
+        out: &mut [[f64; L]; 4],
+    ) {
+        box_muller::fill_lanes::<L, AVX512>(words, scale, work, out);
+    }
+}
+
+#[cfg(feature = "ensemble")]
+impl PathDistribution for Normal {
+    const NUMBER: u64 = 0;
+    const NAME: &'static str = "normal increments";
+    const HAS_SUMS: bool = true;
+
+    fn within_steps(seed: u64, path: u64, depth: u32) -> Option<Box<dyn Halves>> {
+        let path = Wiener::new(seed).path(path);
+        if depth == 0 {
+            return Some(Box::new(path));
+        }
+        let refined = path.refine(depth).ok()?;
+        Some(Box::new(refined))
     }
 }

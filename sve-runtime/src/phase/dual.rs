@@ -6,6 +6,10 @@ use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAss
 
 pub use rotation::DualRotation;
 
+use crate::phase::Field;
+use crate::phase::configuration::{Coordinates, FlatConfiguration};
+use crate::phase::state::State;
+
 /// A number with its derivative (a dual number), from which smooth functions of a state are formed.
 ///
 /// It has the operators and the smooth methods of `f64`, also with plain numbers on either side. There is no comparison, no `abs` and no way to read the number:
@@ -39,10 +43,27 @@ pub struct DualState<'a, const N: usize, Q = [Dual; N]> {
     pub q: Q,
     /// Momenta.
     pub p: [Dual; N],
-    pub(crate) parameter: &'a dyn Fn(&str) -> Dual,
+    parameter: &'a dyn Fn(&str) -> Dual,
 }
 
-impl<const N: usize, Q> DualState<'_, N, Q> {
+impl<'a, const N: usize, Q> DualState<'a, N, Q> {
+    /// A state that varies along a direction of its canonical coordinates, with the function that has the parameters.
+    pub(crate) fn along<C: Coordinates<N, Dual = Q>>(
+        state: &State<C>,
+        direction: &Field<[f64; N]>,
+        parameter: &'a dyn Fn(&str) -> Dual,
+    ) -> Self {
+        // of a rotation Π = y − ½ ε × Π to first order
+        let (p, mut dp) = (C::components(&state.p), direction.p);
+        C::Flat::add_transport(&p.map(|p| 0.5 * p), &direction.q, &mut dp);
+        Self {
+            t: state.t,
+            q: state.q.dual(&direction.q),
+            p: Dual::row(&p, &dp),
+            parameter,
+        }
+    }
+
     /// Returns a parameter of the system by its name in the source without `self`, as `k`, `l[0]`, `body.mass`.
     ///
     /// A function that depends on a parameter has to take it from here. A number from elsewhere counts as a constant.

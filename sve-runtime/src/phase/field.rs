@@ -1,6 +1,6 @@
 //! Tangent vectors of phase space.
 
-use crate::phase::configuration::Coordinates;
+use crate::phase::configuration::{Configuration as _, FixedSize};
 
 /// A tangent vector of phase space: `(q̇, ṗ)`, or the field of a noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,22 +11,25 @@ pub struct Field<V> {
     pub p: V,
 }
 
-impl<const N: usize> Field<[f64; N]> {
+impl<V: AsRef<[f64]> + AsMut<[f64]>> Field<V> {
     /// The field of a configuration with these components.
     #[inline(always)]
-    pub(crate) fn of<Q: Coordinates<N>>(self) -> Field<Q::Momentum> {
-        Field {
-            q: Q::from_components(&self.q),
-            p: Q::from_components(&self.p),
-        }
+    pub(crate) fn of<Q: FixedSize>(self) -> Field<Q::Momentum> {
+        let [mut q, mut p] = [Q::no_momentum(); 2];
+        q.restore(self.q.as_ref());
+        p.restore(self.p.as_ref());
+        Field { q, p }
     }
 
     /// Adds a multiple of another field.
     #[inline]
     pub(crate) fn add_scaled(&mut self, scale: f64, other: &Self) {
-        for i in 0..N {
-            self.q[i] += scale * other.q[i];
-            self.p[i] += scale * other.p[i];
+        let [q, p] = [other.q.as_ref(), other.p.as_ref()];
+        for (to, from) in self.q.as_mut().iter_mut().zip(q) {
+            *to += scale * from;
+        }
+        for (to, from) in self.p.as_mut().iter_mut().zip(p) {
+            *to += scale * from;
         }
     }
 }

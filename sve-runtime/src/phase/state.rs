@@ -117,6 +117,17 @@ impl<Q: Configuration> State<Q> {
         Self { t, q, p }
     }
 
+    /// Returns the stored values of the configuration and of the momentum.
+    pub(crate) fn stored(&self) -> [Vec<f64>; 2] {
+        let (mut q, mut p) = (
+            vec![0.0; self.q.stored_values()],
+            vec![0.0; self.p.stored_values()],
+        );
+        self.q.store(&mut q);
+        self.p.store(&mut p);
+        [q, p]
+    }
+
     /// The same state in coordinates.
     #[allow(clippy::wrong_self_convention)] // a state can be large
     #[inline(always)]

@@ -17,29 +17,34 @@ pub struct TangentLanes<const N: usize> {
     pub p: [Lane; N],
 }
 
-impl<const N: usize> TangentLanes<N> {
+/// Tangent vectors in lanes, with components of type `V`.
+pub trait FieldLanes<V>: Copy + core::fmt::Debug {
     /// The same vector in each lane.
-    #[cfg(feature = "ensemble")]
-    pub(crate) fn splat(field: &Field<[f64; N]>) -> Self {
+    fn splat(field: &Field<V>) -> Self;
+    /// Returns the vector of a lane.
+    fn get(&self, lane: usize) -> Field<V>;
+    /// Replaces the vector of a lane.
+    fn set(&mut self, lane: usize, field: &Field<V>);
+}
+
+impl<const N: usize> FieldLanes<[f64; N]> for TangentLanes<N> {
+    fn splat(field: &Field<[f64; N]>) -> Self {
         Self {
             q: field.q.map(|x| [x; LANES]),
             p: field.p.map(|x| [x; LANES]),
         }
     }
 
-    /// Returns the vector of a lane.
     #[inline(always)]
-    pub(crate) fn get(&self, lane: usize) -> Field<[f64; N]> {
+    fn get(&self, lane: usize) -> Field<[f64; N]> {
         Field {
             q: core::array::from_fn(|i| self.q[i][lane]),
             p: core::array::from_fn(|i| self.p[i][lane]),
         }
     }
 
-    /// Replaces the vector of a lane.
-    #[cfg(feature = "ensemble")]
     #[inline(always)]
-    pub(crate) fn set(&mut self, lane: usize, field: &Field<[f64; N]>) {
+    fn set(&mut self, lane: usize, field: &Field<[f64; N]>) {
         for i in 0..N {
             self.q[i][lane] = field.q[i];
             self.p[i][lane] = field.p[i];

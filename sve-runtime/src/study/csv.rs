@@ -10,22 +10,47 @@ use std::path::Path;
 use super::StudyError;
 
 /// Names of the columns of a file, in the order in which they are written.
-pub const COLUMNS: [&str; 15] = [
-    "problem",
-    "method",
-    "h",
-    "error",
-    "error_se",
-    "weak_error",
-    "weak_error_se",
-    "energy_error",
-    "energy_drift",
-    "ns_per_step",
-    "ns_spread",
-    "time_to_solution_s",
-    "newton_iterations",
-    "failures",
-    "source",
+pub const COLUMNS: [&str; 15] = {
+    let mut names = [""; 15];
+    let mut column = 0;
+    while column < names.len() {
+        names[column] = FIELDS[column].0;
+        column += 1;
+    }
+    names
+};
+
+/// A column, and where a record has its value.
+type Field = (&'static str, fn(&mut Record) -> Value<'_>);
+
+/// The value of a record in a column.
+enum Value<'r> {
+    Text(&'r mut String),
+    Number(&'r mut Option<f64>),
+    Count(&'r mut u64),
+}
+
+/// The columns.
+const FIELDS: [Field; 15] = [
+    ("problem", |of| Value::Text(&mut of.problem)),
+    ("method", |of| Value::Text(&mut of.method)),
+    ("h", |of| Value::Number(&mut of.h)),
+    ("error", |of| Value::Number(&mut of.error)),
+    ("error_se", |of| Value::Number(&mut of.error_se)),
+    ("weak_error", |of| Value::Number(&mut of.weak_error)),
+    ("weak_error_se", |of| Value::Number(&mut of.weak_error_se)),
+    ("energy_error", |of| Value::Number(&mut of.energy_error)),
+    ("energy_drift", |of| Value::Number(&mut of.energy_drift)),
+    ("ns_per_step", |of| Value::Number(&mut of.ns_per_step)),
+    ("ns_spread", |of| Value::Number(&mut of.ns_spread)),
+    ("time_to_solution_s", |of| {
+        Value::Number(&mut of.time_to_solution_s)
+    }),
+    ("newton_iterations", |of| {
+        Value::Number(&mut of.newton_iterations)
+    }),
+    ("failures", |of| Value::Count(&mut of.failures)),
+    ("source", |of| Value::Text(&mut of.source)),
 ];
 
 /// One line of a file of results: one method with one step size (or tolerance) on one problem. Numbers that are not known are `None`.
@@ -80,27 +105,13 @@ pub struct Record {
 pub fn write_csv(mut to: impl Write, records: &[Record]) -> Result<(), StudyError> {
     writeln!(to, "{}", COLUMNS.join(","))?;
     for record in records {
-        let number = |x: Option<f64>| match x {
-            Some(x) if x.is_finite() => format!("{x:e}"),
-            _ => String::new(),
-        };
-        let fields = [
-            quoted(&record.problem),
-            quoted(&record.method),
-            number(record.h),
-            number(record.error),
-            number(record.error_se),
-            number(record.weak_error),
-            number(record.weak_error_se),
-            number(record.energy_error),
-            number(record.energy_drift),
-            number(record.ns_per_step),
-            number(record.ns_spread),
-            number(record.time_to_solution_s),
-            number(record.newton_iterations),
-            record.failures.to_string(),
-            quoted(&record.source),
-        ];
+        let mut record = record.clone();
+        let fields = FIELDS.map(|(_, field)| match field(&mut record) {
+            Value::Text(text) => quoted(text),
+            Value::Number(&mut Some(x)) if x.is_finite() => format!("{x:e}"),
+            Value::Number(_) => String::new(),
+            Value::Count(count) => count.to_string(),
+        });
         writeln!(to, "{}", fields.join(","))?;
     }
     // a buffered writer ignores errors when it is dropped
@@ -160,48 +171,23 @@ pub fn read_csv(from: impl BufRead) -> Result<Vec<Record>, StudyError> {
 impl Record {
     /// Parses the field of a column and stores its value.
     fn set(&mut self, column: &str, field: &str) -> Result<(), String> {
-        let number = match column {
-            "problem" => {
-                field.clone_into(&mut self.problem);
-                return Ok(());
-            }
-            "method" => {
-                field.clone_into(&mut self.method);
-                return Ok(());
-            }
-            "source" => {
-                field.clone_into(&mut self.source);
-                return Ok(());
-            }
-            "failures" => {
-                if !field.trim().is_empty() {
-                    self.failures = parsed(column, field)?;
-                }
-                return Ok(());
-            }
-            "h" => &mut self.h,
-            "error" => &mut self.error,
-            "error_se" => &mut self.error_se,
-            "weak_error" => &mut self.weak_error,
-            "weak_error_se" => &mut self.weak_error_se,
-            "energy_error" => &mut self.energy_error,
-            "energy_drift" => &mut self.energy_drift,
-            "ns_per_step" => &mut self.ns_per_step,
-            "ns_spread" => &mut self.ns_spread,
-            "time_to_solution_s" => &mut self.time_to_solution_s,
-            "newton_iterations" => &mut self.newton_iterations,
-            _ => return Ok(()),
+        let Some((_, value)) = FIELDS.iter().find(|(name, _)| *name == column) else {
+            return Ok(());
         };
-        *number = match field.trim() {
-            "" => None,
-            field => Some(parsed(column, field)?).filter(|x: &f64| x.is_finite()),
-        };
+        match (value(self), field.trim()) {
+            (Value::Text(text), _) => field.clone_into(text),
+            (Value::Number(number), "") => *number = None,
+            (Value::Number(number), field) => {
+                *number = Some(parsed(column, field)?).filter(|x: &f64| x.is_finite());
+            }
+            (Value::Count(_), "") => {}
+            (Value::Count(count), field) => *count = parsed(column, field)?,
+        }
         Ok(())
     }
 }
 
 fn parsed<T: core::str::FromStr>(column: &str, field: &str) -> Result<T, String> {
-    let field = field.trim();
     field
         .parse()
         .map_err(|_| format!("`{field}` is no number for the column `{column}`"))

@@ -32,9 +32,9 @@ use std::borrow::Cow;
 use self::any_method::AnyMethod;
 use self::reference::Reference;
 use crate::error::StepError;
-use crate::phase::configuration::Coordinates;
+use crate::phase::configuration::FixedSize;
 use crate::phase::state::State;
-use crate::system::{Dims, StateOf, System};
+use crate::system::{StateOf, System};
 
 /// Default number of repeats of each timing.
 const REPEATS: u32 = 9;
@@ -124,11 +124,7 @@ pub struct Study<'a, S: System> {
     repeats: u32,
 }
 
-impl<'a, S, Q, const N: usize, const M: usize> Study<'a, S>
-where
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<'a, S: System> Study<'a, S> {
     /// A study of the problem of this name.
     pub fn new(problem: impl Into<Cow<'a, str>>) -> Self {
         Self {
@@ -167,22 +163,25 @@ where
 }
 
 /// Returns the square root of the sum of squared differences of all entries, those of rotation matrices among them, and momenta.
-fn euclidean<Q: Coordinates<N>, const N: usize>(a: &State<Q>, b: &State<Q>) -> f64 {
+fn euclidean<Q: FixedSize>(a: &State<Q>, b: &State<Q>) -> f64 {
     let entries = |state: &State<Q>| {
         let mut entries = vec![0.0; Q::ENTRIES];
         state.q.entries(&mut entries);
         entries
     };
-    let ([a_q, b_q], [a_p, b_p]) = ([a, b].map(entries), [a, b].map(|s| Q::components(&s.p)));
+    let ([a_q, b_q], [a_p, b_p]) = (
+        [a, b].map(entries),
+        [a, b].map(|state| state.stored()[1].clone()),
+    );
     let mut sum = 0.0;
     // each coordinate with its momentum, so that the order of a vector space stays
-    for i in 0..Q::ENTRIES.max(N) {
+    for i in 0..Q::ENTRIES.max(Q::DEGREES_OF_FREEDOM) {
         let q = if i < Q::ENTRIES {
             (a_q[i] - b_q[i]).powi(2)
         } else {
             0.0
         };
-        let p = if i < N {
+        let p = if i < Q::DEGREES_OF_FREEDOM {
             (a_p[i] - b_p[i]).powi(2)
         } else {
             0.0

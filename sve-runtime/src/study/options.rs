@@ -8,23 +8,17 @@ use super::reference::Reference;
 use super::{Candidate, Observable, Study};
 use crate::ensemble::Observed;
 use crate::noise::Recorded;
-use crate::phase::configuration::Coordinates;
-use crate::phase::state::State;
-use crate::system::{Dims, System};
+use crate::system::{StateOf, System};
 use crate::trajectory::Method;
 
-impl<'a, S, Q, const N: usize, const M: usize> Study<'a, S>
-where
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<'a, S: System> Study<'a, S> {
     /// Sets the start of all paths.
     ///
     #[doc = include_str!("example.md")]
     /// let report = study().start(State::new([2.0], [0.0])).run()?;
     #[doc = include_str!("../example_end.md")]
     #[must_use]
-    pub fn start(mut self, state: State<Q>) -> Self {
+    pub fn start(mut self, state: StateOf<S>) -> Self {
         self.start = Some(state);
         self
     }
@@ -159,7 +153,7 @@ where
     /// assert!(report.rows()[0].error.expect("no failure").value < 0.1);
     #[doc = include_str!("../example_end.md")]
     #[must_use]
-    pub fn exact(mut self, solution: impl Fn(&Recorded) -> State<Q> + Sync + 'a) -> Self {
+    pub fn exact(mut self, solution: impl Fn(&Recorded) -> StateOf<S> + Sync + 'a) -> Self {
         self.reference = Some(Reference::Exact(Box::new(solution)));
         self
     }
@@ -196,7 +190,7 @@ where
     #[must_use]
     pub fn exact_paths(
         mut self,
-        draw: impl Fn(u64, usize) -> (Recorded, State<Q>) + Sync + 'a,
+        draw: impl Fn(u64, usize) -> (Recorded, StateOf<S>) + Sync + 'a,
     ) -> Self {
         self.reference = Some(Reference::Drawn(Box::new(draw)));
         self
@@ -226,7 +220,10 @@ where
     /// let report = study().distance(|a, b| (a.q[0] - b.q[0]).abs()).run()?; // positions alone
     #[doc = include_str!("../example_end.md")]
     #[must_use]
-    pub fn distance(mut self, distance: impl Fn(&State<Q>, &State<Q>) -> f64 + Sync + 'a) -> Self {
+    pub fn distance(
+        mut self,
+        distance: impl Fn(&StateOf<S>, &StateOf<S>) -> f64 + Sync + 'a,
+    ) -> Self {
         self.distance = Box::new(distance);
         self
     }
@@ -241,7 +238,7 @@ where
     #[must_use]
     pub fn observe<F, O>(mut self, name: impl Into<Cow<'a, str>>, observable: F) -> Self
     where
-        F: Fn(&S, &State<Q>) -> O + Sync + 'a,
+        F: Fn(&S, &StateOf<S>) -> O + Sync + 'a,
         O: Observed,
     {
         self.observables.push(Observable {
@@ -261,7 +258,7 @@ where
     #[must_use]
     pub fn observe_mean<F, O>(self, name: impl Into<Cow<'a, str>>, observable: F, mean: f64) -> Self
     where
-        F: Fn(&S, &State<Q>) -> O + Sync + 'a,
+        F: Fn(&S, &StateOf<S>) -> O + Sync + 'a,
         O: Observed,
     {
         let mut study = self.observe(name, observable);
@@ -280,7 +277,7 @@ where
     #[must_use]
     pub fn invariant<F, O>(mut self, invariant: F) -> Self
     where
-        F: Fn(&S, &State<Q>) -> O + Sync + 'a,
+        F: Fn(&S, &StateOf<S>) -> O + Sync + 'a,
         O: Observed,
     {
         self.invariant = Some(Box::new(move |system, state| {

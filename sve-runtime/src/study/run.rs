@@ -13,9 +13,9 @@ use super::{Study, StudyError};
 use crate::description::SystemDescription;
 use crate::error::StepError;
 use crate::noise::{NoNoise, Recorded};
-use crate::phase::configuration::Coordinates;
+use crate::phase::configuration::FixedSize;
 use crate::phase::state::State;
-use crate::system::{Dims, System};
+use crate::system::{ConfigurationOf, StateOf, System};
 
 /// The errors of one path, by one method with one step size.
 struct Sample {
@@ -34,14 +34,8 @@ struct Outcome {
     samples: Vec<Option<Sample>>,
 }
 
-pub(super) fn run<S, Q, const N: usize, const M: usize>(
-    study: &Study<'_, S>,
-) -> Result<Report, StudyError>
-where
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
-    let settings = Settings::new::<Q, N, M>(study)?;
+pub(super) fn run<S: System>(study: &Study<'_, S>) -> Result<Report, StudyError> {
+    let settings = Settings::new(study)?;
     let outcomes: Vec<Outcome> = (0..settings.paths)
         .into_par_iter()
         .map(|path| settings.outcome(path))
@@ -73,15 +67,14 @@ where
             .map(|candidate| (candidate.name.to_string(), candidate.method.describe()))
             .collect(),
         reference: settings.reference.describe(),
-        seed: settings.reference.has_seed(M).then_some(study.seed),
+        seed: settings
+            .reference
+            .has_seed(settings.processes)
+            .then_some(study.seed),
     })
 }
 
-impl<'a, S, Q, const N: usize, const M: usize> Settings<'a, S>
-where
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<'a, S: System> Settings<'a, S> {
     /// Returns every method with every number of steps.
     fn cases(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         (0..self.study.methods.len()).flat_map(|method| {
@@ -99,7 +92,7 @@ where
         self.subject(0).system()
     }
 
-    fn reference(&self, path: u64) -> Result<(Recorded, State<Q>), StudyError> {
+    fn reference(&self, path: u64) -> Result<(Recorded, StateOf<S>), StudyError> {
         self.reference.get(&PathRequest {
             path,
             seed: self.study.seed,
@@ -110,7 +103,7 @@ where
         })
     }
 
-    fn observed(&self, state: &State<Q>) -> Result<Vec<f64>, StepError> {
+    fn observed(&self, state: &StateOf<S>) -> Result<Vec<f64>, StepError> {
         let values = self.study.observables.iter();
         values.map(|o| (o.value)(self.system(), state)).collect()
     }
@@ -120,7 +113,11 @@ where
         let observed = self
             .observed(&exact)
             .map_err(|source| StudyError::Reference { path, source })?;
-        let origin = State::at(exact.t, Q::origin(), Q::no_momentum());
+        let origin = State::at(
+            exact.t,
+            FixedSize::origin(),
+            ConfigurationOf::<S>::no_momentum(),
+        );
         let size = (self.study.distance)(&exact, &origin).powi(2);
         if !(size + observed.iter().sum::<f64>()).is_finite() {
             return Err(StudyError::NotFinite { path });
@@ -148,7 +145,7 @@ where
     }
 
     /// Solves a path by a method; `None` if it fails or overflows.
-    fn sample(&self, method: usize, path: &Recorded, exact: &State<Q>) -> Option<Sample> {
+    fn sample(&self, method: usize, path: &Recorded, exact: &StateOf<S>) -> Option<Sample> {
         let n = path.len() as f64;
         let (mut largest, mut moment, mut step) = (0.0_f64, 0.0, 0.0);
         let end = match &self.study.invariant {

@@ -5,8 +5,7 @@
 use super::any_method::AnyMethod;
 use super::reference::Reference;
 use super::{Study, StudyError};
-use crate::phase::configuration::Coordinates;
-use crate::system::{Dims, StateOf, System};
+use crate::system::{Increments as _, IncrementsOf, StateOf, System};
 
 /// The settings of a study, complete and checked.
 pub(super) struct Settings<'a, S: System> {
@@ -21,13 +20,8 @@ pub(super) struct Settings<'a, S: System> {
 
 impl<'a, S: System> Settings<'a, S> {
     /// Checks the settings.
-    pub(super) fn new<Q, const N: usize, const M: usize>(
-        study: &'a Study<'a, S>,
-    ) -> Result<Self, StudyError>
-    where
-        S: System<Dims = Dims<N, M, Q>>,
-        Q: Coordinates<N>,
-    {
+    pub(super) fn new(study: &'a Study<'a, S>) -> Result<Self, StudyError> {
+        let processes = <IncrementsOf<S>>::PROCESSES;
         let missing = |what, write| StudyError::Missing { what, write };
         let names = study.methods.iter().map(|m| m.name.to_string());
         refuse_duplicates("methods", names)?;
@@ -47,7 +41,7 @@ impl<'a, S: System> Settings<'a, S> {
             .max();
         let finest = *finest.ok_or(missing("numbers of steps", ".steps([64, 128, 256])"))?;
         for method in methods {
-            check_steps(study.steps_of(method), finest, M)?;
+            check_steps(study.steps_of(method), finest, processes)?;
         }
         if study.paths == 0 {
             return Err(StudyError::Zero { setting: "paths" });
@@ -68,8 +62,8 @@ impl<'a, S: System> Settings<'a, S> {
             horizon,
             reference,
             finest,
-            paths: if M == 0 { 1 } else { study.paths },
-            processes: M,
+            paths: if processes == 0 { 1 } else { study.paths },
+            processes,
         })
     }
 }

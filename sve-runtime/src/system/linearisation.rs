@@ -10,6 +10,15 @@ use crate::phase::Field;
 use crate::phase::tangents::KeepUnknowns;
 use crate::solve::dense::{Factors, factored};
 use crate::solve::{SolveError, lu};
+use crate::system::Dimensions;
+
+impl<V> Field<V> {
+    /// Returns the vector zero of a system with these sizes.
+    pub(crate) fn zero<D: Dimensions<Vector = V>>() -> Self {
+        let [q, p] = [D::ZERO, D::ZERO];
+        Self { q, p }
+    }
+}
 
 impl<const N: usize> Field<[f64; N]> {
     /// The vector zero.

@@ -15,10 +15,12 @@ use core::marker::PhantomData;
 pub use jets::{ConstraintJet, CoordinateRole, ForceJet, LagrangianJet, NoiseJet};
 
 use crate::lanes::Lane;
+use crate::phase::Field;
 use crate::phase::configuration::{Configuration, Coordinates, FixedSize, FlatConfiguration};
+use crate::phase::dual::{Dual, DualState};
 use crate::phase::lanes::LaneStates;
 use crate::phase::state::State;
-use crate::phase::tangents::TangentLanes;
+use crate::phase::tangents::{FieldLanes, TangentLanes};
 use crate::system::euler::EulerIncrement;
 
 /// The fixed sizes of a system, `N` degrees of freedom and `M` Wiener processes, and its type of configurations.
@@ -29,6 +31,9 @@ pub struct Dims<const N: usize, const M: usize, Q = [f64; N]>(PhantomData<Q>);
 pub trait Increments: Copy + core::fmt::Debug + AsRef<[f64]> + AsMut<[f64]> {
     /// All increments zero.
     const NONE: Self;
+    /// Number of Wiener processes.
+    #[doc(hidden)]
+    const PROCESSES: usize;
     /// Returns these increments times a factor.
     #[must_use]
     fn times(&self, factor: f64) -> Self;
@@ -36,6 +41,7 @@ pub trait Increments: Copy + core::fmt::Debug + AsRef<[f64]> + AsMut<[f64]> {
 
 impl<const M: usize> Increments for [f64; M] {
     const NONE: Self = [0.0; M];
+    const PROCESSES: usize = M;
     #[inline]
     fn times(&self, factor: f64) -> Self {
         self.map(|w| factor * w)
@@ -64,7 +70,7 @@ pub trait Dimensions {
     type IncrementLanes: Copy + core::fmt::Debug + AsRef<[Lane]> + AsMut<[Lane]>;
     #[doc(hidden)]
     /// A tangent vector in each lane.
-    type TangentLanes: Clone + Copy + core::fmt::Debug;
+    type TangentLanes: FieldLanes<Self::Vector>;
     /// [`LagrangianJet<N>`](LagrangianJet).
     type LagrangianJet;
     /// `[NoiseJet<N>; M]`.
@@ -76,6 +82,11 @@ pub trait Dimensions {
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     /// All increments of all lanes zero.
     const NO_INCREMENT_LANES: Self::IncrementLanes;
+    #[doc(hidden)]
+    /// A row of zeros.
+    const ZERO: Self::Vector;
+    /// A state in dual numbers, [`DualState<N>`](crate::DualState) in a vector space.
+    type DualState<'a>;
     /// No force.
     const NO_FORCE: Self::ForceJet;
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
@@ -90,6 +101,19 @@ pub trait Dimensions {
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     /// The times of the lanes.
     fn times(lanes: &mut Self::StateLanes) -> &mut Lane;
+    #[doc(hidden)]
+    /// A state that varies along a direction, with the function that has the parameters.
+    fn dual_state<'a>(
+        state: &State<Self::Configuration>,
+        direction: &Field<Self::Vector>,
+        parameter: &'a dyn Fn(&str) -> Dual,
+    ) -> Self::DualState<'a>;
+    #[doc(hidden)]
+    /// The increments of a lane.
+    fn increments_of(lanes: &Self::IncrementLanes, lane: usize) -> Self::Increments;
+    #[doc(hidden)]
+    /// The increments of all processes where there is a single one.
+    fn of_only_process(increments: &Lane) -> Option<&Self::IncrementLanes>;
 }
 
 impl<const N: usize, const M: usize, Q: Coordinates<N>> Dimensions for Dims<N, M, Q> {
@@ -105,6 +129,8 @@ impl<const N: usize, const M: usize, Q: Coordinates<N>> Dimensions for Dims<N, M
     type NoiseJets = [NoiseJet<N>; M];
     type ForceJet = ForceJet<N>;
     type ConstraintJet = ConstraintJet<N>;
+    const ZERO: [f64; N] = [0.0; N];
+    type DualState<'a> = DualState<'a, N, Q::Dual>;
     const NO_FORCE: ForceJet<N> = ForceJet {
         value: [0.0; N],
         dq: [[0.0; N]; N],
@@ -127,6 +153,21 @@ impl<const N: usize, const M: usize, Q: Coordinates<N>> Dimensions for Dims<N, M
     fn times(lanes: &mut Self::StateLanes) -> &mut Lane {
         lanes.times()
     }
+    fn dual_state<'a>(
+        state: &State<Q>,
+        direction: &Field<[f64; N]>,
+        parameter: &'a dyn Fn(&str) -> Dual,
+    ) -> DualState<'a, N, Q::Dual> {
+        DualState::along(state, direction, parameter)
+    }
+    #[inline(always)]
+    fn increments_of(lanes: &[Lane; M], lane: usize) -> [f64; M] {
+        lanes.map(|process| process[lane])
+    }
+    #[inline(always)]
+    fn of_only_process(increments: &Lane) -> Option<&[Lane; M]> {
+        core::slice::from_ref(increments).try_into().ok()
+    }
 }
 
 /// `[f64; N]` of a system.
@@ -147,6 +188,8 @@ pub type FlatStateOf<S> = <<S as System>::Dims as Dimensions>::FlatState;
 pub type StateLanesOf<S> = <<S as System>::Dims as Dimensions>::StateLanes;
 /// `[Lane; M]` of a system.
 pub type IncrementLanesOf<S> = <<S as System>::Dims as Dimensions>::IncrementLanes;
+/// A state of a system in dual numbers: [`DualState<N>`](crate::DualState) in a vector space.
+pub type DualStateOf<'a, S> = <<S as System>::Dims as Dimensions>::DualState<'a>;
 /// A tangent vector of a system in each lane.
 #[doc(hidden)]
 pub type TangentLanesOf<S> = <<S as System>::Dims as Dimensions>::TangentLanes;

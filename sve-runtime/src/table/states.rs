@@ -111,11 +111,7 @@ impl StateTable {
 
     /// Adds a row.
     pub(crate) fn push<Q: FixedSize>(&mut self, path: Option<u64>, state: &State<Q>) {
-        let mut values = vec![0.0; Q::STORED_VALUES + Q::DEGREES_OF_FREEDOM];
-        let (q, p) = values.split_at_mut(Q::STORED_VALUES);
-        state.q.store(q);
-        state.p.store(p);
-        self.push_values(path, state.t, &values);
+        self.push_values(path, state.t, &state.stored().concat());
     }
 
     /// Adds a row of the time, the stored values and the momenta.

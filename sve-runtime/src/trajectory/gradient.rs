@@ -11,12 +11,11 @@ use super::Trajectory;
 use super::checkpoints::enough;
 use super::sweep::Sweep;
 use crate::error::StepError;
-use crate::method::{Differentiable, OneStepMethod};
+use crate::method::{Differentiable, DimsOf, OneStepMethod};
 use crate::noise::{Noise, Replayable};
 use crate::phase::Field;
-use crate::phase::configuration::Coordinates;
-use crate::phase::dual::{Dual, DualState};
-use crate::system::{Dims, System};
+use crate::phase::dual::Dual;
+use crate::system::{ConfigurationOf, DualStateOf, MomentumOf, System};
 
 /// Steps of a trajectory along which a loss is differentiated, with the options of [`Trajectory::adjoint`].
 pub struct Adjoint<'a, I: OneStepMethod, W> {
@@ -87,13 +86,7 @@ impl<V> Gradient<V> {
     }
 }
 
-impl<'a, I, W, S, Q, const N: usize, const M: usize> Trajectory<'a, I, W>
-where
-    I: OneStepMethod<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-    W: Noise,
-{
+impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     /// Returns a loss with its derivatives by the present state and by all parameters, along the next `steps` steps.
     ///
     /// The loss is the sum of the numbers that a function returns for the number of a state, from 0 for the present one, and the state, written with [dual numbers](Dual);
@@ -137,8 +130,8 @@ where
     pub fn gradient(
         self,
         steps: u64,
-        loss: impl Fn(u64, &DualState<'_, N, Q::Dual>) -> Option<Dual>,
-    ) -> Result<Gradient<Q::Momentum>, StepError>
+        loss: impl Fn(u64, &DualStateOf<'_, I::System>) -> Option<Dual>,
+    ) -> Result<Gradient<MomentumOf<I::System>>, StepError>
     where
         I: Differentiable,
         W: Replayable,
@@ -184,13 +177,7 @@ where
     }
 }
 
-impl<I, W, S, Q, const N: usize, const M: usize> Adjoint<'_, I, W>
-where
-    I: Differentiable<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-    W: Replayable,
-{
+impl<I: Differentiable, W: Replayable> Adjoint<'_, I, W> {
     /// Sets the number of states that are kept at the same time, besides the first one. By default it is √(2 steps), with which each step is made three times at most.
     /// With fewer states the steps are made more often: `c` states are enough for (c + r)!/(c! r!) steps that are made `r` + 1 times. [`Trajectory::adjoint`] has an example.
     #[must_use]
@@ -213,15 +200,18 @@ where
     /// As that function.
     pub fn gradient(
         self,
-        loss: impl Fn(u64, &DualState<'_, N, Q::Dual>) -> Option<Dual>,
-    ) -> Result<Gradient<Q::Momentum>, StepError> {
+        loss: impl Fn(u64, &DualStateOf<'_, I::System>) -> Option<Dual>,
+    ) -> Result<Gradient<MomentumOf<I::System>>, StepError> {
         let Self {
             trajectory,
             steps,
             checkpoints,
             piece,
         } = self;
-        let (parameters, pieces) = (S::PARAMETERS.len(), steps.div_ceil(piece).max(1) as usize);
+        let (parameters, pieces) = (
+            I::System::PARAMETERS.len(),
+            steps.div_ceil(piece).max(1) as usize,
+        );
         let checkpoints = checkpoints.unwrap_or_else(|| enough(steps));
         let mut sweep = Sweep {
             prepared: trajectory.method.prepare(trajectory.h)?,
@@ -233,14 +223,14 @@ where
             piece,
             loss,
             value: 0.0,
-            by_state: Field::ZERO,
+            by_state: Field::zero::<DimsOf<I>>(),
             by_parameters: vec![0.0; parameters * pieces],
         };
         sweep.back(trajectory.state, steps, checkpoints)?;
         Ok(Gradient {
             loss: sweep.value,
-            start: sweep.by_state.of::<Q>(),
-            names: S::PARAMETERS,
+            start: sweep.by_state.of::<ConfigurationOf<I::System>>(),
+            names: I::System::PARAMETERS,
             parameters: sweep.by_parameters,
         })
     }

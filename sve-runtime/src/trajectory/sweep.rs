@@ -8,18 +8,17 @@ use core::cell::RefCell;
 use super::checkpoints::distance;
 use crate::error::StepError;
 use crate::mechanics::with_dual_state;
-use crate::method::Differentiable;
+use crate::method::{Differentiable, DimsOf};
 use crate::noise::Replayable;
 use crate::phase::Field;
-use crate::phase::configuration::Coordinates;
-use crate::phase::dual::{Dual, DualState};
-use crate::phase::state::State;
+use crate::phase::configuration::FixedSize;
+use crate::phase::dual::Dual;
 use crate::system::linearisation::Covector;
-use crate::system::{Dims, Increments, System};
+use crate::system::{ConfigurationOf, DualStateOf, Increments, StateOf, System as _, VectorOf};
 use crate::time::{is_next_time, time_after};
 
 /// The walk backwards.
-pub(super) struct Sweep<'a, I: Differentiable, W, F, const N: usize> {
+pub(super) struct Sweep<'a, I: Differentiable, W, F> {
     pub(super) method: &'a I,
     pub(super) prepared: I::Prepared,
     pub(super) noise: W,
@@ -34,22 +33,20 @@ pub(super) struct Sweep<'a, I: Differentiable, W, F, const N: usize> {
     /// The loss of the states that have been passed.
     pub(super) value: f64,
     /// Its derivative by the state that has been reached.
-    pub(super) by_state: Field<[f64; N]>,
+    pub(super) by_state: Field<VectorOf<I::System>>,
     pub(super) by_parameters: Vec<f64>,
 }
 
-impl<I, W, F, S, Q, const N: usize, const M: usize> Sweep<'_, I, W, F, N>
+impl<I, W, F> Sweep<'_, I, W, F>
 where
-    I: Differentiable<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
+    I: Differentiable,
     W: Replayable,
-    F: Fn(u64, &DualState<'_, N, Q::Dual>) -> Option<Dual>,
+    F: Fn(u64, &DualStateOf<'_, I::System>) -> Option<Dual>,
 {
     /// Walks from the end to the first state.
     pub(super) fn back(
         &mut self,
-        first: State<Q>,
+        first: StateOf<I::System>,
         steps: u64,
         checkpoints: usize,
     ) -> Result<(), StepError> {
@@ -87,8 +84,8 @@ where
         &mut self,
         number: u64,
         from: u64,
-        mut state: State<Q>,
-    ) -> Result<State<Q>, StepError> {
+        mut state: StateOf<I::System>,
+    ) -> Result<StateOf<I::System>, StepError> {
         for step in from..number {
             let dw = self.increments(step, state.t)?;
             let end = time_after(self.start, self.first + step + 1, self.h);
@@ -116,7 +113,7 @@ where
     }
 
     /// Carries the derivatives over a step back to its start.
-    fn pull_back(&mut self, step: u64, state: &State<Q>) -> Result<(), StepError> {
+    fn pull_back(&mut self, step: u64, state: &StateOf<I::System>) -> Result<(), StepError> {
         let dw = self.increments(step, state.t)?;
         let piece = self.range_of(step);
         let covector = Covector {
@@ -127,7 +124,7 @@ where
     }
 
     /// Adds the loss of a state and its derivatives.
-    fn add_loss(&mut self, number: u64, state: &State<Q>) -> Result<(), StepError> {
+    fn add_loss(&mut self, number: u64, state: &StateOf<I::System>) -> Result<(), StepError> {
         let reads = RefCell::new(Vec::new());
         let read = |parameter| {
             let mut reads = reads.borrow_mut();
@@ -136,23 +133,25 @@ where
             }
         };
         let system = self.method.system();
-        let along = |direction: &Field<[f64; N]>, varied| {
+        let zero = Field::zero::<DimsOf<I>>;
+        let along = |direction: &Field<VectorOf<I::System>>, varied| {
             with_dual_state(system, state, direction, varied, &read, |state| {
                 (self.loss)(number, state)
             })
         };
-        let Some(loss) = along(&Field::ZERO, None)? else {
+        let Some(loss) = along(&zero(), None)? else {
             return Ok(());
         };
-        let (mut by_state, mut by_parameters) = (Field::ZERO, Vec::new());
+        let (mut by_state, mut by_parameters) = (zero(), Vec::new());
         let slope = |dual: Option<Dual>| dual.map_or(f64::NAN, Dual::slope);
-        for i in 0..N {
-            let [mut q, mut p] = [Field::ZERO; 2];
-            (q.q[i], p.p[i]) = (1.0, 1.0);
-            (by_state.q[i], by_state.p[i]) = (slope(along(&q, None)?), slope(along(&p, None)?));
+        for i in 0..ConfigurationOf::<I::System>::DEGREES_OF_FREEDOM {
+            let [mut q, mut p] = [zero(), zero()];
+            (q.q.as_mut()[i], p.p.as_mut()[i]) = (1.0, 1.0);
+            by_state.q.as_mut()[i] = slope(along(&q, None)?);
+            by_state.p.as_mut()[i] = slope(along(&p, None)?);
         }
         for &parameter in &*{ reads.borrow().clone() } {
-            let slope = slope(along(&Field::ZERO, Some(parameter))?);
+            let slope = slope(along(&zero(), Some(parameter))?);
             by_parameters.push((parameter, slope));
         }
         let mut sum = loss.value() + self.value;
@@ -163,7 +162,8 @@ where
             self.by_parameters[piece.start + parameter] += slope;
             sum += slope;
         }
-        sum += by_state.q.iter().chain(&by_state.p).sum::<f64>();
+        let [q, p] = [by_state.q.as_ref(), by_state.p.as_ref()];
+        sum += q.iter().chain(p).sum::<f64>();
         if sum.is_finite() {
             Ok(())
         } else {
@@ -174,7 +174,7 @@ where
 
     /// Returns the places of the derivatives by the parameters in the piece of a step.
     fn range_of(&self, step: u64) -> core::ops::Range<usize> {
-        let (parameters, piece) = (S::PARAMETERS.len(), (step / self.piece) as usize);
+        let (parameters, piece) = (I::System::PARAMETERS.len(), (step / self.piece) as usize);
         piece * parameters..(piece + 1) * parameters
     }
 }

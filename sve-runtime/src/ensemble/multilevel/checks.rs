@@ -8,16 +8,10 @@ use crate::ensemble::estimate::Level;
 use crate::ensemble::settings::{Leg, Settings};
 use crate::ensemble::starts::Starts;
 use crate::ensemble::{BLOCK_PATHS, EnsembleError};
-use crate::phase::configuration::Coordinates;
-use crate::system::{Dims, Increments, IncrementsOf, System};
+use crate::system::{Increments, IncrementsOf};
 use crate::trajectory::Method;
 
-impl<I, S, Q, const N: usize, const M: usize> Multilevel<'_, I>
-where
-    I: Method<System = S> + Sync,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<I: Method + Sync> Multilevel<'_, I> {
     /// Checks the settings. Returns the first number of blocks of each level.
     pub(super) fn checked(&self, error: f64) -> Result<u64, EnsembleError> {
         let ensemble = self.ensemble;
@@ -29,10 +23,14 @@ where
             },
         )?;
         #[cfg(feature = "checkpoint")]
-        let has_file = ensemble.checkpoint.is_some();
+        let has_file = ensemble.execution.checkpoint.is_some();
         #[cfg(not(feature = "checkpoint"))]
         let has_file = false;
-        if ensemble.shard != (0, 1) || ensemble.stop_when.is_some() || has_file {
+        let is_part = ensemble
+            .execution
+            .shard
+            .is_some_and(|shard| shard != (0, 1));
+        if is_part || ensemble.execution.stop_when.is_some() || has_file {
             return Err(EnsembleError::MultilevelInParts);
         }
         if self.deepest < FIRST_LEVELS - 1 {
@@ -55,11 +53,11 @@ where
                 return Err(EnsembleError::MultilevelTarget { what, value });
             }
         }
-        if !ensemble.names.contains(&self.name) {
+        if !ensemble.observed.names.contains(&self.name) {
             return Err(EnsembleError::UnknownObservable {
                 name: self.name.clone(),
                 purpose: "take the mean of",
-                known: ensemble.names.clone(),
+                known: ensemble.observed.names.clone(),
             });
         }
         Ok(settings.paths.div_ceil(BLOCK_PATHS))
@@ -75,8 +73,7 @@ pub(super) fn check_values<I: Method>(
         return Ok(());
     };
     let noise = &first.legs.legs[0].noise;
-    let has_noise =
-        noise.distribution.is_some() && !IncrementsOf::<I::System>::NONE.as_ref().is_empty();
+    let has_noise = noise.distribution.is_some() && <IncrementsOf<I::System>>::PROCESSES > 0;
     let has_starts = matches!(multilevel.ensemble.start, Some(Starts::Drawn(_)));
     let may_differ = has_noise || has_starts;
     let have_changes = finer.iter().any(|run| run.level.mean != 0.0);

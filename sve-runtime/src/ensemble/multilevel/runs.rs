@@ -11,8 +11,6 @@ use crate::ensemble::merge_tree::{MergeTree, PartialResult};
 use crate::ensemble::settings::{Leg, Settings};
 use crate::ensemble::spread::Spread;
 use crate::ensemble::{BLOCK_PATHS, EnsembleError, Summary};
-use crate::phase::configuration::Coordinates;
-use crate::system::{Dims, System};
 use crate::trajectory::Method;
 
 /// Number of paths of the noise that are reserved for a level.
@@ -32,12 +30,7 @@ pub(super) struct Run<'a, I: Method> {
     pub(super) doublings: u32,
 }
 
-impl<'a, I, S, Q, const N: usize, const M: usize> Multilevel<'a, I>
-where
-    I: Method<System = S> + Sync,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<'a, I: Method + Sync> Multilevel<'a, I> {
     /// Runs the first blocks of a level.
     pub(super) fn begin(&self, number: u32, blocks: u64) -> Result<Run<'a, I>, EnsembleError> {
         let leg = |halvings, is_coarsened| {

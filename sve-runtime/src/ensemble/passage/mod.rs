@@ -15,28 +15,21 @@ pub use survival::{Passages, Rate};
 
 use self::counts::PassageRequest;
 use super::Ensemble;
-use super::observe::{Closure, Observable};
+use super::observe::{Closure, Function};
 use super::statistic::AnyRequest;
 use crate::error::Observed;
-use crate::phase::configuration::Coordinates;
-use crate::phase::state::State;
-use crate::system::{Dims, System};
+use crate::system::{StateOf, System};
 use crate::trajectory::Method;
 
 /// A function whose first zero on each path is recorded.
 pub(super) struct PassageFunction<'a, S: System> {
     pub(super) name: String,
-    pub(super) function: Box<dyn Observable<S> + 'a>,
+    pub(super) function: Box<dyn Function<S> + 'a>,
     /// Whether a path ends at the zero.
     pub(super) stops: bool,
 }
 
-impl<'a, I, S, Q, const N: usize, const M: usize> Ensemble<'a, I>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<'a, I: Method> Ensemble<'a, I> {
     /// Stops each path at the first zero of a function, as [`Trajectory::stop_at`](crate::Trajectory::stop_at) does, and records the time:
     /// [`Summary::passage`](super::Summary::passage) has the distribution of the times.
     ///
@@ -94,7 +87,7 @@ where
     #[must_use]
     pub fn stop_at<F, O>(self, name: impl Into<String>, function: F) -> Self
     where
-        F: Fn(&S, &State<Q>) -> O + Sync + 'a,
+        F: Fn(&I::System, &StateOf<I::System>) -> O + Sync + 'a,
         O: Observed + 'a,
     {
         self.add_passage(name.into(), Closure::new(function), true)
@@ -112,18 +105,23 @@ where
     #[must_use]
     pub fn first_passage<F, O>(self, name: impl Into<String>, function: F) -> Self
     where
-        F: Fn(&S, &State<Q>) -> O + Sync + 'a,
+        F: Fn(&I::System, &StateOf<I::System>) -> O + Sync + 'a,
         O: Observed + 'a,
     {
         self.add_passage(name.into(), Closure::new(function), false)
     }
 
-    fn add_passage(mut self, name: String, function: impl Observable<S> + 'a, stops: bool) -> Self {
+    fn add_passage(
+        mut self,
+        name: String,
+        function: impl Function<I::System> + 'a,
+        stops: bool,
+    ) -> Self {
         let request = PassageRequest {
             name: name.clone(),
-            function: self.passages.len(),
+            function: self.observed.passages.len(),
         };
-        self.passages.push(PassageFunction {
+        self.observed.passages.push(PassageFunction {
             name,
             function: Box::new(function),
             stops,
@@ -135,6 +133,6 @@ where
 impl<I: Method> Ensemble<'_, I> {
     /// Returns whether paths may stop before the end of the run.
     pub(super) fn has_stops(&self) -> bool {
-        self.passages.iter().any(|passage| passage.stops)
+        self.observed.passages.iter().any(|passage| passage.stops)
     }
 }

@@ -14,8 +14,8 @@ use crate::time::is_next_time;
 use crate::trajectory::Halving;
 use crate::trajectory::Method;
 
-use super::super::memory::crosses;
-use super::super::observe::Observable;
+use super::super::crossings::crosses;
+use super::super::observe::Function;
 
 /// Number of halvings of a step. Each costs a scalar step and four random words a process.
 const HALVINGS: u32 = 12;
@@ -73,7 +73,7 @@ impl<I: Method> Crossing<'_, I> {
     pub(super) fn first_zero(
         &self,
         number: usize,
-        function: &dyn Observable<I::System>,
+        function: &dyn Function<I::System>,
         values: [f64; 2],
     ) -> Result<Zero<StateOf<I::System>>, StepError> {
         let mut bracket = Bracket {
@@ -103,7 +103,7 @@ impl<I: Method> Crossing<'_, I> {
         &self,
         bracket: &mut Bracket<IncrementsOf<I::System>>,
         number: usize,
-        function: &dyn Observable<I::System>,
+        function: &dyn Function<I::System>,
     ) -> Result<bool, StepError> {
         let (interval, whole) = bracket.part;
         let Some([first, second]) = interval.halves() else {
@@ -137,7 +137,7 @@ impl<I: Method> Crossing<'_, I> {
         &self,
         mut bracket: Bracket<IncrementsOf<I::System>>,
         number: usize,
-        function: &dyn Observable<I::System>,
+        function: &dyn Function<I::System>,
         size: f64,
     ) -> Result<(), StepError> {
         while bracket.part.0.level() < DEEPEST && self.halve(&mut bracket, number, function)? {}

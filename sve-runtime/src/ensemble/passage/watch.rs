@@ -6,15 +6,15 @@ use super::counts::{End, Passage};
 use super::search::{Crossing, Zero};
 use crate::error::StepError;
 use crate::lanes::{LANES, Lane, Mask};
-use crate::phase::configuration::Coordinates;
-use crate::phase::state::State;
-use crate::system::{Dimensions, Dims, System};
+use crate::method::DimsOf;
+use crate::system::{Dimensions, StateOf};
 use crate::trajectory::Method;
 
 use super::super::Ensemble;
+use super::super::crossings::crosses;
 use super::super::failure::Cause;
-use super::super::memory::{LastStep, crosses, not_finite_cause};
 use super::super::observe::not_finite;
+use super::super::observer::LastStep;
 use super::super::path_block::PathBlock;
 use super::super::tile::{Place, lanes};
 
@@ -35,12 +35,12 @@ struct Watched {
 }
 
 /// A zero of a function, with its number.
-type Found<Q> = (usize, Zero<State<Q>>);
+type Found<S> = (usize, Zero<StateOf<S>>);
 
 impl PassageWatch {
     /// The watch over so many tiles before their start.
     pub(in super::super) fn new<I: Method>(ensemble: &Ensemble<'_, I>, tiles: usize) -> Self {
-        let functions = ensemble.passages.iter().map(|_| Watched {
+        let functions = ensemble.observed.passages.iter().map(|_| Watched {
             before: vec![[0.0; LANES]; tiles],
             now: vec![[0.0; LANES]; tiles],
             passed: vec![0; tiles],
@@ -71,17 +71,12 @@ impl PassageWatch {
     }
 }
 
-impl<I, S, Q, const N: usize, const M: usize> PathBlock<'_, I, N, M>
-where
-    I: Method<System = S>,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<I: Method> PathBlock<'_, I> {
     /// Records the passages of the paths of a tile within their last step. Returns the lanes that stop; their states are those at the zeros, and `last` has the lengths of their last steps.
     pub(in super::super) fn find_passages(&mut self, tile: usize, last: &mut LastStep) -> Mask {
         let ensemble = self.settings.ensemble;
         let mut crossed = 0;
-        for (number, passage) in ensemble.passages.iter().enumerate() {
+        for (number, passage) in ensemble.observed.passages.iter().enumerate() {
             let system = self.settings.method.system();
             let watched = &mut self.watch.functions[number];
             watched.before[tile] = watched.now[tile];
@@ -92,11 +87,8 @@ where
             if last.number > 0 {
                 crossed |= crossings(&watched.before[tile], now) & !watched.passed[tile];
             }
-            for lane in lanes(failed) {
-                let state = S::Dims::get(self.tiles[tile].states(), lane);
-                let value = passage.function.value(system, &state);
-                let cause = not_finite_cause(&passage.name, value);
-                self.fail(tile, lane, last.number, cause);
+            if failed != 0 {
+                self.fail_not_finite(tile, failed, last, &passage.name, &*passage.function);
             }
         }
         let mut stopped = 0;
@@ -116,7 +108,7 @@ where
 
     /// Returns the first zeros of the functions that change their sign in the last step of a path and have not done so before, with the numbers of the functions, in the order of time.
     #[cold]
-    fn zeros(&self, tile: usize, lane: usize) -> Result<Vec<Found<Q>>, StepError> {
+    fn zeros(&self, tile: usize, lane: usize) -> Result<Vec<Found<I::System>>, StepError> {
         let settings = &self.settings;
         let path = self.tiles[tile].paths[lane];
         let Some(noise) = settings.noise.within_steps(path) else {
@@ -128,18 +120,15 @@ where
             noise: &*noise,
             step,
             h: settings.h,
-            before: S::Dims::get(self.tiles[tile].states_before(), lane),
-            whole: self
-                .increments_of(tile, step)
-                .0
-                .map(|process| process[lane]),
+            before: DimsOf::<I>::get(self.tiles[tile].states_before(), lane),
+            whole: DimsOf::<I>::increments_of(&self.increments_of(tile, step).0, lane),
             depth: settings.ensemble.refine,
         };
         let mut zeros = Vec::new();
         for (number, watched) in self.watch.functions.iter().enumerate() {
             let values = [watched.before[tile][lane], watched.now[tile][lane]];
             if watched.passed[tile] >> lane & 1 == 0 && crosses(values[0], values[1]) {
-                let function = &settings.ensemble.passages[number].function;
+                let function = &settings.ensemble.observed.passages[number].function;
                 zeros.push((number, crossing.first_zero(number, &**function, values)?));
             }
         }
@@ -151,12 +140,12 @@ where
     fn pass(
         &mut self,
         Place { tile, lane }: Place,
-        zeros: Vec<Found<Q>>,
+        zeros: Vec<Found<I::System>>,
         step: u64,
     ) -> Option<f64> {
         let path = self.tiles[tile].paths[lane];
         for (function, Zero { fraction, state }) in zeros {
-            let stops = self.settings.ensemble.passages[function].stops;
+            let stops = self.settings.ensemble.observed.passages[function].stops;
             let t = state.t;
             self.watch.passages.push(Passage {
                 end: End { path, step, t },
@@ -165,7 +154,7 @@ where
             });
             self.watch.functions[function].passed[tile] |= 1 << lane;
             if stops {
-                S::Dims::set(self.tiles[tile].states_mut(), lane, &state);
+                DimsOf::<I>::set(self.tiles[tile].states_mut(), lane, &state);
                 return Some(fraction);
             }
         }

@@ -4,7 +4,7 @@
 //! the state at the beginning, the fraction and the path, so the same fraction gives the same bits.
 
 use crate::error::StepError;
-use crate::noise::{Halves, increments_until};
+use crate::noise::{Halves, WithinSteps, increments_until};
 use crate::system::{IncrementsOf, StateOf, System};
 use crate::time::is_next_time;
 use crate::trajectory::Method;
@@ -36,9 +36,15 @@ impl<S: System> Rest<S> {
         Self {
             from,
             state,
-            before: increments_until(noise, self.step, self.h, from, &self.whole),
+            before: self.until(from, noise),
             ..*self
         }
+    }
+
+    /// Returns the increments from the beginning of the whole step to a fraction of it.
+    fn until<W: Halves>(&self, fraction: f64, noise: &W) -> IncrementsOf<S> {
+        let path = Some(WithinSteps::of(noise));
+        increments_until(path, self.step, self.h, fraction, &self.whole).unwrap_or(self.whole)
     }
 
     /// Returns whether the part ends before a function can say on which side the motion goes on.
@@ -70,7 +76,7 @@ impl<S: System> Rest<S> {
         let h = (fraction - self.from) * self.h;
         // A part that is too short to change the time changes nothing else.
         if h != 0.0 && is_next_time(state.t, state.t + h) {
-            let mut dw = increments_until(noise, self.step, self.h, fraction, &self.whole);
+            let mut dw = self.until(fraction, noise);
             for (dw, before) in dw.as_mut().iter_mut().zip(self.before.as_ref()) {
                 *dw -= before;
             }

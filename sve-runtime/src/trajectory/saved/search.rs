@@ -6,7 +6,7 @@
 use super::{Saved, Wanted};
 use crate::error::StepError;
 use crate::method::OneStepMethod;
-use crate::noise::{Halves, Noise, increments_until_if_known};
+use crate::noise::{Halves, Noise, increments_until};
 use crate::system::{StateOf, System};
 use crate::time::{WrittenTimes, is_next_time};
 use crate::trajectory::Method;
@@ -66,7 +66,7 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
             return Ok(whole);
         }
         let fraction = (t - self.state.t) / h;
-        increments_until_if_known(&self.noise, self.step, h, fraction, &whole)
+        increments_until(self.noise.within_steps(), self.step, h, fraction, &whole)
             .filter(|_| stages == 1)
             .ok_or(StepError::WithinStep { t, from, h, stages })
     }
