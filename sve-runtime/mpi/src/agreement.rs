@@ -5,8 +5,8 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use mpi::Threading;
+use sve_runtime::Method;
 use sve_runtime::ensemble::{Checkpoint, Distribution, Ensemble, EnsembleError, PartialResults};
-use sve_runtime::{Coordinates, Dims, Method, System};
 
 use super::error::{Error, SentError};
 use super::link::Link;
@@ -23,15 +23,10 @@ pub(crate) struct Beginning<'a, I: Method> {
 }
 
 /// Checks the settings on all ranks.
-pub(crate) fn agree<'a, I, S, Q, const N: usize, const M: usize>(
+pub(crate) fn agree<'a, I: Method + Sync>(
     ensemble: &'a Ensemble<'a, I>,
     link: &Link,
-) -> Result<Beginning<'a, I>, Error>
-where
-    I: Method<System = S> + Sync,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+) -> Result<Beginning<'a, I>, Error> {
     let rank = link.rank();
     let mut known = None;
     let mut here = match catch_unwind(AssertUnwindSafe(|| begin(ensemble, rank))) {
@@ -70,15 +65,10 @@ where
     }
 }
 
-fn begin<'a, I, S, Q, const N: usize, const M: usize>(
+fn begin<'a, I: Method + Sync>(
     ensemble: &'a Ensemble<'a, I>,
     rank: i32,
-) -> Result<Beginning<'a, I>, EnsembleError>
-where
-    I: Method<System = S> + Sync,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+) -> Result<Beginning<'a, I>, EnsembleError> {
     if rank == 0 {
         ensemble.try_checkpoint()?;
     }

@@ -4,8 +4,8 @@ use std::sync::{Mutex, PoisonError};
 use std::thread::{Scope, ScopedJoinHandle};
 use std::time::Duration;
 
+use sve_runtime::Method;
 use sve_runtime::ensemble::{Checkpoint, Distribution, PartialResults};
-use sve_runtime::{Coordinates, Dims, Method, System};
 
 use super::coordinator::Coordinator;
 use super::link::Link;
@@ -36,12 +36,7 @@ pub(crate) struct Leader<'r, I: Method> {
 /// A checkpoint that is being written.
 type Writing<'s> = ScopedJoinHandle<'s, ()>;
 
-impl<'r, I, S, Q, const N: usize, const M: usize> Leader<'r, I>
-where
-    I: Method<System = S> + Sync,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+impl<'r, I: Method + Sync> Leader<'r, I> {
     /// Leads the run until all blocks have ended. Returns why it ended early.
     pub(crate) fn lead<'s>(
         &self,
@@ -116,15 +111,10 @@ where
 }
 
 /// Reads the results that a rank has sent.
-pub(crate) fn received_results<I, S, Q, const N: usize, const M: usize>(
+pub(crate) fn received_results<I: Method + Sync>(
     distribution: &Distribution<'_, I>,
     bytes: &[u8],
-) -> PartialResults
-where
-    I: Method<System = S> + Sync,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+) -> PartialResults {
     match distribution.results_from(bytes) {
         Some(results) => results,
         None => panic!("a rank sent results that are not of this run"),

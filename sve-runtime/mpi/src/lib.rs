@@ -71,8 +71,8 @@ use std::thread;
 use std::time::Duration;
 
 use mpi::traits::Communicator;
+use sve_runtime::Method;
 use sve_runtime::ensemble::{Distribution, Ensemble, PartialResults, Summary};
-use sve_runtime::{Coordinates, Dims, Method, System};
 
 pub use self::error::Error;
 
@@ -100,15 +100,10 @@ const QUIET_INTERVALS: u32 = 5;
 ///
 /// # Errors
 /// An [`Error`], the same on all ranks. A path that fails is not an error of the run, see [`Summary::failures`].
-pub fn run<'a, I, S, Q, const N: usize, const M: usize>(
+pub fn run<'a, I: Method + Sync>(
     ensemble: &'a Ensemble<'a, I>,
     world: &impl Communicator,
-) -> Result<Summary, Error>
-where
-    I: Method<System = S> + Sync,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+) -> Result<Summary, Error> {
     run_in_pieces(ensemble, world, link::PIECE)
 }
 
@@ -117,16 +112,11 @@ where
 /// # Errors
 /// As [`run`].
 #[doc(hidden)]
-pub fn run_in_pieces<'a, I, S, Q, const N: usize, const M: usize>(
+pub fn run_in_pieces<'a, I: Method + Sync>(
     ensemble: &'a Ensemble<'a, I>,
     world: &impl Communicator,
     piece: usize,
-) -> Result<Summary, Error>
-where
-    I: Method<System = S> + Sync,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+) -> Result<Summary, Error> {
     let link = Link::new(world, piece);
     let _guard = AbortOnPanic(&link);
     let beginning = agree(ensemble, &link)?;
@@ -167,17 +157,12 @@ struct Ended {
 }
 
 /// Runs blocks until none is left on any rank.
-fn run_blocks<I, S, Q, const N: usize, const M: usize>(
+fn run_blocks<I: Method + Sync>(
     link: &Link,
     pool: &Pool,
     beginning: &Beginning<'_, I>,
     interval: Duration,
-) -> Ended
-where
-    I: Method<System = S> + Sync,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+) -> Ended {
     let distribution = &beginning.distribution;
     let threads = distribution.threads();
     let gathered = match &beginning.loaded {
@@ -254,16 +239,11 @@ fn follow(link: &Link, pool: &Pool, quiet: Duration) {
 /// Merges the results of all ranks along a binomial tree: rank `r` receives from `r + 1`, `r + 2`, `r + 4`, …, and sends to `r` less its
 /// lowest bit. The ranks below one another have neighbouring regions, so what is sent are few nodes of the tree of blocks. Returns all
 /// results on rank 0.
-fn gather<I, S, Q, const N: usize, const M: usize>(
+fn gather<I: Method + Sync>(
     link: &Link,
     distribution: &Distribution<'_, I>,
     mut results: PartialResults,
-) -> PartialResults
-where
-    I: Method<System = S> + Sync,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+) -> PartialResults {
     let (rank, size) = (link.rank(), link.size());
     let mut bit = 1;
     while bit < size {
@@ -281,16 +261,11 @@ where
 }
 
 /// Returns the results as they are sent to all ranks, or why there are none.
-fn outcome<I, S, Q, const N: usize, const M: usize>(
+fn outcome<I: Method + Sync>(
     distribution: &Distribution<'_, I>,
     results: &PartialResults,
     stop: Option<Stop>,
-) -> Result<Vec<u8>, SentError>
-where
-    I: Method<System = S> + Sync,
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
+) -> Result<Vec<u8>, SentError> {
     let is_stopped = stop.is_some();
     if let Some(cause) = stop.and_then(|stop| stop.cause) {
         return Err(SentError::Cause(cause));

@@ -10,9 +10,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use sve_runtime::Method;
 use sve_runtime::ensemble::SharedResults;
 use sve_runtime::ensemble::{BLOCK_PATHS, Distribution, EnsembleError, PartialResults};
-use sve_runtime::{Coordinates, Dims, Method, System};
 
 use super::message::{Answer, Cause, Report, Stop, add_stop};
 
@@ -165,14 +165,7 @@ impl Pool {
     }
 
     /// Runs blocks until the run has ended. This is what each thread does.
-    pub(crate) fn run<I, S, Q, const N: usize, const M: usize>(
-        &self,
-        distribution: &Distribution<'_, I>,
-    ) where
-        I: Method<System = S> + Sync,
-        S: System<Dims = Dims<N, M, Q>>,
-        Q: Coordinates<N>,
-    {
+    pub(crate) fn run<I: Method + Sync>(&self, distribution: &Distribution<'_, I>) {
         while let Some(block) = self.begin() {
             let start = Instant::now();
             let ran = catch_unwind(AssertUnwindSafe(|| {

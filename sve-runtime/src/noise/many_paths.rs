@@ -12,8 +12,9 @@ use super::{Halves, Noise, Truncated};
 
 /// A source with a path for each number, for [`Ensemble::noise`](crate::ensemble::Ensemble::noise).
 ///
-/// [`Wiener`], also [refined](Wiener::refine), [`ThreePoint`], [`NoNoise`] and `Truncated<Wiener>` are such sources. Path `k` of the ensemble has the increments of path `first + k`
-/// of the source, where `first` is the path of the given source, 0 unless [`path`](Wiener::path) sets it.
+/// [`Wiener`](super::Wiener), also [refined](super::Wiener::refine), [`ThreePoint`](super::ThreePoint), [`NoNoise`](super::NoNoise)
+/// and `Truncated<Wiener>` are such sources. Path `k` of the ensemble has the increments of path `first + k`
+/// of the source, where `first` is the path of the given source, 0 unless [`path`](super::Wiener::path) sets it.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` cannot be the noise of an ensemble",
     label = "this source does not have a path for each number",
